@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the commands take from the command line: the options, their help, and nothing of what they do.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <optional>
+#include <string_view>
+
+#include "isoatlas/extract.h"
+#include "isoatlas/io.h"
+
+namespace isoatlas::tool {
+
+/// A length as typed: "2.5" or "2.5mm" in world units, "3vx" in voxels.
+struct Length {
+  double value = 0;
+  bool in_voxels = false;
+
+  double in_world(const Grid& grid) const { return in_voxels ? value * grid.smallest_spacing() : value; }
+};
+
+/// Throws Error(bad_argument) unless `text` is a positive length.
+Length parse_length(std::string_view text);
+
+struct VolumeArguments {
+  std::filesystem::path path;
+  std::optional<RawLayout> raw;
+};
+
+struct ExtractArguments {
+  VolumeArguments volume;
+  std::filesystem::path mesh;
+  std::optional<std::filesystem::path> report;
+  ExtractOptions options;  ///< all but the lengths, which need the volume's voxel size
+  std::optional<Length> max_radius, event_persistence;
+  bool coarse = false;  ///< accepted; without refinement there is nothing else to make
+  int threads = 0;
+  bool quiet = false, verbose = false;
+};
+
+struct InfoArguments {
+  VolumeArguments volume;
+};
+
+struct CheckArguments {
+  std::filesystem::path mesh;
+  bool json = false;
+};
+
+/// Each adds one command to `app` that fills `arguments` when it is parsed.
+CLI::App* add_extract_command(CLI::App& app, ExtractArguments& arguments);
+CLI::App* add_info_command(CLI::App& app, InfoArguments& arguments);
+CLI::App* add_check_command(CLI::App& app, CheckArguments& arguments);
+
+/// Name, version and help page of the tool itself.
+void describe_tool(CLI::App& app);
+
+}  // namespace isoatlas::tool

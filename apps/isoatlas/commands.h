@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// The commands of the tool. Each returns an exit status; what goes wrong is thrown and becomes one line in main().
+#pragma once
+
+#include "arguments.h"
+#include "interruption.h"
+
+namespace isoatlas::tool {
+
+int run_extract(const ExtractArguments& arguments, Interruption& interruption);
+int run_info(const InfoArguments& arguments);
+int run_check(const CheckArguments& arguments);
+
+}  // namespace isoatlas::tool

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+// isoatlas info: what is in a volume, and where its surfaces may be.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iostream>
+#include <numbers>
+#include <string>
+
+#include "commands.h"
+#include "exit_status.h"
+#include "isoatlas/io.h"
+#include "sample_histogram.h"
+#include "text.h"
+
+namespace isoatlas::tool {
+namespace {
+
+std::string vector_text(Vec3 v) { return number_text(v.x) + " " + number_text(v.y) + " " + number_text(v.z); }
+
+double component(Vec3 v, std::size_t i) { return i == 0 ? v.x : i == 1 ? v.y : v.z; }
+
+/// Which way each axis points, most of all, in a world whose x, y and z grow towards left, posterior and superior.
+struct Orientation {
+  std::array<const char*, 3> towards{};
+  double tilt_degrees = 0;  ///< largest angle between an axis and the world axis it is named after
+};
+
+Orientation orientation(const Grid& grid) {
+  static constexpr const char* kPositive[] = {"Left", "Posterior", "Superior"};
+  static constexpr const char* kNegative[] = {"Right", "Anterior", "Inferior"};
+  // Each axis gets its own world axis, so that no letter comes twice however oblique the grid: the best of six ways.
+  std::array<std::size_t, 3> order{0, 1, 2}, best_order = order;
+  double best = -1;
+  do {
+    double sum = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) sum += std::abs(component(grid.direction[axis], order[axis]));
+    if (sum > best) best = sum, best_order = order;
+  } while (std::next_permutation(order.begin(), order.end()));
+
+  Orientation result;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double along = component(grid.direction[axis], best_order[axis]);
+    result.towards[axis] = (along >= 0 ? kPositive : kNegative)[best_order[axis]];
+    const double angle = std::acos(std::min(1.0, std::abs(along))) * 180 / std::numbers::pi;
+    result.tilt_degrees = std::max(result.tilt_degrees, angle);
+  }
+  return result;
+}
+
+std::string orientation_text(const Grid& grid) {
+  const Orientation found = orientation(grid);
+  std::string code, words;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    code += found.towards[axis][0];
+    words += std::string(axis == 0 ? "" : ", ") + "xyz"[axis] + " towards " + found.towards[axis];
+  }
+  const bool oblique = found.tilt_degrees > 0.05;
+  return code + " (" + words + ")" + (oblique ? ", oblique by " + number_text(std::round(found.tilt_degrees * 10) / 10) + " degrees" : "");
+}
+
+void print_geometry(const VolumeView& volume) {
+  const Grid& grid = volume.grid;
+  const auto extent = [&](std::size_t axis) { return number_text(static_cast<double>(grid.size[axis] - 1) * component(grid.spacing, axis)); };
+  const std::size_t bytes = grid.sample_count() * bytes_per_sample(volume.type);
+  std::cout << row("size", size_text(grid.size) + ", " + counted(grid.sample_count(), "sample"))
+            << row("type", std::string(name(volume.type)) + ", " + bytes_text(static_cast<double>(bytes)) + " in memory")
+            << row("spacing", vector_text(grid.spacing))
+            << row("extent", extent(0) + " x " + extent(1) + " x " + extent(2) + ", first to last sample")
+            << row("origin", vector_text(grid.origin))
+            << row("orientation", orientation_text(grid));
+  for (std::size_t r = 0; r < 3; ++r)
+    std::cout << row(r == 0 ? "direction" : "", vector_text({component(grid.direction[0], r), component(grid.direction[1], r),
+                                                             component(grid.direction[2], r)}));
+}
+
+void print_histogram(const SampleHistogram& histogram, const SampleSummary& summary, bool utf8) {
+  constexpr std::size_t kColumns = 64;
+  constexpr int kRows = 6, kWidestColumn = 8;
+  const SampleHistogram drawn = coarsened(histogram, kColumns);
+  const int column_width = std::clamp(static_cast<int>(kColumns / drawn.counts.size()), 1, kWidestColumn);
+  std::string label = "histogram";
+  for (const std::string& line : draw_histogram(drawn.counts, kRows, column_width, Scale::logarithmic, utf8)) {
+    std::cout << row(label, line);
+    label.clear();
+  }
+  const std::size_t width = drawn.counts.size() * static_cast<std::size_t>(column_width);
+  const std::string low = number_text(summary.minimum), high = number_text(summary.maximum);
+  const std::size_t gap = low.size() + high.size() < width ? width - low.size() - high.size() : 2;
+  std::cout << row("", low + std::string(gap, ' ') + high);
+}
+
+void print_suggestions(const std::vector<SuggestedIsovalue>& suggestions, const SampleHistogram& histogram) {
+  if (suggestions.empty()) {
+    std::cout << row("isovalues", "none: all samples are equal");
+    return;
+  }
+  std::string label = "isovalues";
+  for (const SuggestedIsovalue& suggestion : suggestions) {
+    std::string value = number_text(suggestion.value);
+    value.resize(std::max<std::size_t>(value.size(), 8), ' ');
+    std::cout << row(label, value + "  " + suggestion.reason);
+    label.clear();
+  }
+  if (histogram.of_integers)
+    std::cout << row("", "half-way between integers, so that no sample equals the isovalue");
+}
+
+}  // namespace
+
+int run_info(const InfoArguments& arguments) {
+  const Volume volume = read_volume(arguments.volume.path, arguments.volume.raw);
+  const SampleSummary summary = summarize(volume);
+  std::cout << one_line(arguments.volume.path.string()) << "\n";
+  print_geometry(volume);
+
+  const auto& first = summary.first_non_finite;
+  std::string not_finite = count_text(summary.nan_count) + " NaN, " + count_text(summary.infinity_count) + " infinite";
+  if (summary.nan_count + summary.infinity_count > 0)
+    not_finite += ", first at (" + std::to_string(first[0]) + ", " + std::to_string(first[1]) + ", " + std::to_string(first[2]) +
+                  "); isoatlas extract needs --nan";
+  if (summary.finite_count > 0) std::cout << row("range", number_text(summary.minimum) + " to " + number_text(summary.maximum));
+  std::cout << row("not finite", not_finite);
+  if (summary.finite_count > 0) {
+    const SampleHistogram histogram = sample_histogram(volume, summary);
+    print_histogram(histogram, summary, terminal_is_utf8());
+    print_suggestions(suggest_isovalues(histogram, summary), histogram);
+  }
+  return kSuccess;
+}
+
+}  // namespace isoatlas::tool

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace isoatlas::tool {
+
+/// Makes --help of a command read like a manual page: what CLI11 knows of the options, between prose.
+/// The command's description is the NAME line.
+class ManPage : public CLI::FormatterBase {
+ public:
+  struct Text {
+    std::string synopsis;     ///< as it stands
+    std::string description;  ///< paragraphs, one per line; wrapped
+    std::vector<std::string> groups;                             ///< option groups in the order of the page
+    std::vector<std::pair<std::string, std::string>> sections;  ///< after the options: title, lines as they stand
+  };
+
+  explicit ManPage(Text text) : text_(std::move(text)) {}
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override;
+
+ private:
+  Text text_;
+};
+
+}  // namespace isoatlas::tool

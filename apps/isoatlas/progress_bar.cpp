@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "progress_bar.h"
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+
+#include "text.h"
+
+namespace isoatlas::tool {
+namespace {
+
+constexpr std::chrono::milliseconds kRedrawInterval{67};  // 15 times a second
+
+bool can_redraw_stderr() {
+  const char* terminal = std::getenv("TERM");
+  return isatty(STDERR_FILENO) != 0 && terminal != nullptr && std::string_view(terminal) != "dumb";
+}
+
+int terminal_columns() {
+  winsize size{};
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+}
+
+std::string bar(double fraction, int width, bool utf8) {
+  static constexpr std::array<const char*, 8> kEighths{" ", "▏", "▎", "▍", "▌", "▋", "▊", "▉"};
+  const int eighths = static_cast<int>(fraction * width * 8);
+  std::string result;
+  for (int i = 0; i < width; ++i) {
+    const int filled = std::clamp(eighths - 8 * i, 0, 8);
+    if (utf8)
+      result += filled == 8 ? "█" : kEighths[static_cast<std::size_t>(filled)];
+    else
+      result += filled >= 4 ? '#' : '.';
+  }
+  return result;
+}
+
+}  // namespace
+
+ProgressBar::ProgressBar(bool wanted) : active_(wanted && can_redraw_stderr()), utf8_(terminal_is_utf8()) {}
+
+void ProgressBar::show(std::string_view stage, std::optional<double> fraction) {
+  const std::lock_guard lock(mutex_);
+  if (!active_) return;
+  const auto now = Clock::now();
+  if (stage == stage_ && now - drawn_ < kRedrawInterval) return;
+  stage_ = stage;
+  drawn_ = now;
+  std::fprintf(stderr, "\r%s\x1b[K", line(stage, fraction, now).c_str());
+  std::fflush(stderr);
+}
+
+void ProgressBar::erase() {
+  const std::lock_guard lock(mutex_);
+  if (!active_) return;
+  active_ = false;
+  std::fputs("\r\x1b[K", stderr);
+  std::fflush(stderr);
+}
+
+std::string ProgressBar::line(std::string_view stage, std::optional<double> fraction, Clock::time_point now) const {
+  constexpr int kStageWidth = 10, kNumbersWidth = 18, kWidestBar = 40;
+  std::string result(stage.substr(0, kStageWidth));
+  result.resize(kStageWidth + 1, ' ');
+  if (fraction) {
+    const double share = std::clamp(*fraction, 0.0, 1.0);
+    const int width = std::min(terminal_columns() - kStageWidth - kNumbersWidth, kWidestBar);
+    if (width > 4) result += bar(share, width, utf8_) + " ";
+    std::array<char, 8> percent{};
+    std::snprintf(percent.data(), percent.size(), "%3d %%  ", static_cast<int>(share * 100));
+    result += percent.data();
+  }
+  return result + seconds_text(std::chrono::duration<double>(now - started_).count());
+}
+
+}  // namespace isoatlas::tool

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// How the samples of a volume are distributed, and which isovalues that suggests.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "isoatlas/volume.h"
+
+namespace isoatlas::tool {
+
+/// Bin i counts the finite samples in [lowest + i * width, lowest + (i + 1) * width); the last bin takes its upper end too.
+/// For integer types `width` is a whole number, so every bin holds as many different values as any other.
+struct SampleHistogram {
+  double lowest = 0, width = 1;
+  bool of_integers = false;
+  std::vector<std::size_t> counts;
+};
+
+/// One pass over the samples. Empty if no sample is finite.
+SampleHistogram sample_histogram(const VolumeView& volume, const SampleSummary& summary, std::size_t most_bins = 4096);
+
+/// The same with neighbouring bins merged, for drawing.
+SampleHistogram coarsened(const SampleHistogram& histogram, std::size_t most_bins);
+
+struct SuggestedIsovalue {
+  double value = 0;
+  std::string reason;
+};
+
+/// Isovalues worth a try, increasing: thresholds that split the samples into two and into three classes (Otsu), and zero
+/// where the samples look like a signed distance field. For integer types all of them lie half-way between two integers:
+/// no sample equals them, so the surface passes through no sample.
+std::vector<SuggestedIsovalue> suggest_isovalues(const SampleHistogram& histogram, const SampleSummary& summary);
+
+}  // namespace isoatlas::tool

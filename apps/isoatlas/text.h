@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Numbers and little drawings for people.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "isoatlas/extract.h"
+
+namespace isoatlas::tool {
+
+/// Does the environment (LC_ALL, LC_CTYPE, LANG) ask for UTF-8?
+bool terminal_is_utf8();
+
+/// `text` as one line: line breaks and other control characters become spaces.
+std::string one_line(std::string_view text);
+
+std::string number_text(double value);             ///< at most six significant digits
+std::string count_text(std::uint64_t count);       ///< 12,345
+std::string counted(std::uint64_t count, const std::string& noun);  ///< "1 component", "12 components"
+std::string percent_text(double share);            ///< 0.0123 -> "1.23 %"
+std::string bytes_text(double bytes);              ///< 5.9 MiB
+std::string seconds_text(double seconds);          ///< 83 ms, 2.41 s, 3 min 05 s
+std::string size_text(const std::array<std::size_t, 3>& size);  ///< 256 x 256 x 94
+
+/// "2 components, genus 3, 1 boundary loop, Euler characteristic -3"
+std::string topology_text(const TopologySummary& topology);
+/// "3 x (genus 0, closed), 1 x (genus 2, 1 boundary loop)", at most `most` kinds
+std::string kinds_text(const TopologySummary& topology, std::size_t most);
+
+/// A label, padded, and what belongs to it: the lines of all reports on the terminal.
+std::string row(const std::string& label, const std::string& value);
+
+enum class Scale { linear, logarithmic };
+
+/// Columns of block characters (of '#' if not utf8), highest count at full height, top line first.
+std::vector<std::string> draw_histogram(std::span<const std::size_t> counts, int rows, int column_width, Scale scale,
+                                        bool utf8);
+
+}  // namespace isoatlas::tool

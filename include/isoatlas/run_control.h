@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string_view>
+
+namespace isoatlas {
+
+/// How a long computation may be watched and stopped. All members are optional.
+struct RunControl {
+  /// Called from the computing thread now and then: the stage's name and the fraction of that stage done, in [0, 1].
+  std::function<void(std::string_view stage, double fraction)> progress;
+  /// Set it (from any thread, or from a signal handler) to stop: the computation throws Error(cancelled) within a second.
+  const std::atomic<bool>* cancel = nullptr;
+  /// Number of threads, 0 = as many as the machine has. Results do not depend on it.
+  int threads = 0;
+
+  /// Throws Error(cancelled) if the caller asked to stop.
+  void check_cancelled() const;
+  /// check_cancelled(), then tells `progress`.
+  void report(std::string_view stage, double fraction) const;
+};
+
+}  // namespace isoatlas

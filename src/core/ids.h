@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string>
+
+#include "isoatlas/error.h"
+
+namespace isoatlas {
+
+// 32-bit ids everywhere after parsing; the names say which array an id addresses.
+using CVertexId = std::uint32_t;     ///< c-vertex of a surface complex
+using FaceId = std::uint32_t;        ///< face of a surface complex
+using CellId = std::uint32_t;        ///< cell of a partition of a surface complex's c-vertices
+using ComponentId = std::uint32_t;   ///< connected component
+
+inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+/// A count that must fit a 32-bit id.
+inline std::uint32_t checked_id(std::size_t n, const char* what) {
+  if (n >= kNone) {
+    throw Error(ErrorCode::unsupported, std::string(what) + ": " + std::to_string(n) + " do not fit 32-bit ids");
+  }
+  return static_cast<std::uint32_t>(n);
+}
+
+}  // namespace isoatlas

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stage one: a covering by disks, farthest first.
+//
+// Based on:
+//   [gavriliu2001]  section 3.3, figures 3 to 7.
+//   [dijkstra1959]  A note on two problems in connexion with graphs.
+//   [peyre2006]     Geodesic remeshing using front propagation (farthest-first insertion).
+#include "cover/covering.h"
+
+#include <limits>
+
+namespace isoatlas {
+
+Covering::Covering(const CVertexGraph& graph, const CoveringOptions& options)
+    : graph_(graph), options_(options), events_(graph, options.event_persistence, options.first_stage),
+      distance_(graph.c_vertex_count(), std::numeric_limits<float>::infinity()), radius_(graph.c_vertex_count(), options.max_radius),
+      queued_(graph.c_vertex_count(), 0) {
+  partition_.cell_of.assign(graph.c_vertex_count(), kNone);
+}
+
+void Covering::enqueue(CVertexId v) {
+  if (queued_[v]) return;
+  queued_[v] = 1;
+  (graph_.on_boundary[v] ? uncovered_boundary_ : uncovered_interior_).push(length_key(distance_[v], ~v));
+}
+
+void Covering::insert(CVertexId v) {
+  const CellId cell = site_count();
+  partition_.site.push_back(v);
+  front_.clear();
+  distance_[v] = 0;
+  partition_.cell_of[v] = cell;
+  front_.push(length_key(0, v));
+  while (!front_.empty()) {
+    const std::uint64_t key = front_.pop();
+    const CVertexId w = key_id(key);
+    if (key_length(key) > distance_[w]) continue;
+    if (!is_covered(w)) enqueue(w);  // only a c-vertex of a new component, or one whose radius was lowered just now
+    for (const CVertexGraph::Neighbour& n : graph_.row(w)) {
+      const float d = distance_[w] + n.weight;
+      if (d >= distance_[n.id]) continue;  // equal distances stay with the earlier site
+      distance_[n.id] = d;
+      partition_.cell_of[n.id] = cell;
+      front_.push(length_key(d, n.id));
+    }
+  }
+}
+
+void Covering::lower_radius(CVertexId v, float radius) {
+  if (radius >= radius_[v]) return;
+  front_.clear();
+  radius_[v] = radius;
+  front_.push(length_key(radius, v));
+  while (!front_.empty()) {
+    const std::uint64_t key = front_.pop();
+    const CVertexId w = key_id(key);
+    if (key_length(key) > radius_[w]) continue;
+    if (partition_.cell_of[w] != kNone && !is_covered(w)) enqueue(w);
+    for (const CVertexGraph::Neighbour& n : graph_.row(w)) {
+      const float r = radius_[w] + n.weight * (1.0f / 3.0f);
+      if (r >= radius_[n.id]) continue;
+      radius_[n.id] = r;
+      front_.push(length_key(r, n.id));
+    }
+  }
+}
+
+CVertexId Covering::farthest_uncovered() {
+  for (FarthestFirst* queue : {&uncovered_boundary_, &uncovered_interior_}) {
+    while (!queue->empty()) {
+      const std::uint64_t key = queue->pop();
+      const CVertexId v = ~key_id(key);
+      queued_[v] = 0;
+      if (is_covered(v)) continue;
+      if (distance_[v] < key_length(key)) {  // nearer now than when it was filed
+        enqueue(v);
+        continue;
+      }
+      return v;
+    }
+  }
+  return kNone;
+}
+
+void Covering::cover_reached(const RunControl& control) {
+  for (std::size_t inserted = 0;; ++inserted) {
+    if (inserted % 64 == 0) control.check_cancelled();
+    const CVertexId v = farthest_uncovered();
+    if (v == kNone) return;
+    lower_radius(v, events_.event_radius(v, radius_[v]));
+    insert(v);
+  }
+}
+
+void Covering::cover(const RunControl& control) {
+  cover_reached(control);
+  const CVertexId n = graph_.c_vertex_count();
+  const auto start = [&](CVertexId v) {
+    lower_radius(v, events_.event_radius(v, radius_[v]));
+    insert(v);
+    cover_reached(control);
+  };
+  for (; next_boundary_ < n; ++next_boundary_) {
+    if (graph_.on_boundary[next_boundary_] && partition_.cell_of[next_boundary_] == kNone) start(next_boundary_);
+  }
+  for (; next_interior_ < n; ++next_interior_) {
+    if (next_interior_ % 4096 == 0) control.report("cover", static_cast<double>(next_interior_) / n);
+    if (partition_.cell_of[next_interior_] == kNone) start(next_interior_);
+  }
+}
+
+}  // namespace isoatlas

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "core/distance_queue.h"
+#include "cover/topological_event.h"
+#include "isoatlas/run_control.h"
+#include "partition/partition.h"
+#include "surface/c_vertex_graph.h"
+
+namespace isoatlas {
+
+struct CoveringOptions {
+  float max_radius = 0;         ///< R_g, world length, > 0
+  float event_persistence = 0;  ///< world length, >= 0
+  float first_stage = 0;        ///< world length > 0; see EventFinder
+};
+
+/// A disk covering of a c-vertex graph and its geodesic Voronoi partition, grown site by site.
+///
+/// Every c-vertex x holds a radius h(x), 1/3-Lipschitz in geodesic distance, and (distance, cell) of its nearest site, ties to
+/// the earlier site. A site v has the disk of radius h(v). x is covered iff its nearest site is closer than h(x), boundary
+/// c-vertices iff closer than 0.55 h(x). Distances and radii only ever decrease, sites are never removed: levels nest.
+///
+/// @source paper, sections 3.2 and 3.3, figures 3 to 7; the radius field replaces bins and cascades (docs/theory/04-covering.md)
+class Covering {
+ public:
+  Covering(const CVertexGraph& graph, const CoveringOptions& options);
+
+  /// Stage one: adds the c-vertex farthest from all sites, its disk limited by topological events, until all are covered.
+  /// Components without a site get one first, on their boundary if they have one.
+  void cover(const RunControl& control);
+
+  /// Makes v a site and gives it every c-vertex that is nearer to it than to any other.
+  void insert(CVertexId v);
+  /// h(x) <= radius + d(v, x) / 3 from now on.
+  void lower_radius(CVertexId v, float radius);
+
+  std::uint32_t site_count() const { return static_cast<std::uint32_t>(partition_.site.size()); }
+  const Partition& partition() const { return partition_; }
+  const std::vector<float>& distance() const { return distance_; }
+  const std::vector<float>& radius() const { return radius_; }
+  bool is_covered(CVertexId v) const { return distance_[v] < (graph_.on_boundary[v] ? kBoundaryShare : 1.0f) * radius_[v]; }
+
+ private:
+  // An interior site is at least h away from every boundary site, so with this share it cannot own a boundary c-vertex.
+  static constexpr float kBoundaryShare = 0.55f;
+
+  void enqueue(CVertexId v);
+  void cover_reached(const RunControl& control);
+  CVertexId farthest_uncovered();
+
+  const CVertexGraph& graph_;
+  CoveringOptions options_;
+  EventFinder events_;
+  Partition partition_;
+  std::vector<float> distance_;
+  std::vector<float> radius_;
+  std::vector<std::uint8_t> queued_;
+  NearestFirst front_;
+  FarthestFirst uncovered_boundary_, uncovered_interior_;
+  CVertexId next_boundary_ = 0, next_interior_ = 0;  // where to look for components without a site
+};
+
+}  // namespace isoatlas

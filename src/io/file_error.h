@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// One way to say what is wrong with a file: "<path>: <what>", on one line.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "isoatlas/error.h"
+
+namespace isoatlas::io {
+
+/// Text from a file or from another library, made fit for a message: control characters and runs of blanks become one
+/// blank, the end is cut at `limit` bytes.
+std::string one_line(std::string_view text, std::size_t limit = 240);
+
+Error bad_file(const std::filesystem::path& path, std::string_view what);
+Error unsupported(const std::filesystem::path& path, std::string_view what);
+Error out_of_memory(const std::filesystem::path& path, std::uint64_t bytes);
+
+/// What the operating system says about `error` (an errno value), e.g. "No space left on device".
+std::string system_text(int error);
+
+/// Size of an existing, readable, non-empty regular file. Throws Error(bad_file) for anything else.
+std::uint64_t readable_file_size(const std::filesystem::path& path);
+
+/// The whole file. Throws Error(bad_file), Error(out_of_memory).
+std::string file_contents(const std::filesystem::path& path);
+
+}  // namespace isoatlas::io

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/formats.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "io/file_error.h"
+
+namespace isoatlas {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct VolumeFormat {
+  std::string_view extension;
+  Volume (*read)(const fs::path&);
+};
+
+constexpr std::array kVolumeFormats{
+    VolumeFormat{".nrrd", io::read_nrrd},      VolumeFormat{".nhdr", io::read_nrrd},
+    VolumeFormat{".nii", io::read_nifti},      VolumeFormat{".nii.gz", io::read_nifti},
+    VolumeFormat{".hdr", io::read_nifti},      VolumeFormat{".img", io::read_nifti},
+    VolumeFormat{".mha", io::read_meta_image}, VolumeFormat{".mhd", io::read_meta_image},
+    VolumeFormat{".tif", io::read_tiff},       VolumeFormat{".tiff", io::read_tiff},
+    VolumeFormat{".vtk", io::read_legacy_vtk}, VolumeFormat{".vti", io::read_vti},
+};
+
+struct MeshFormat {
+  std::string_view extension;
+  TriangleMesh (*read)(const fs::path&);
+  void (*write)(const TriangleMesh&, const MeshFileInfo&, io::AtomicFile&);
+};
+
+constexpr std::array kMeshFormats{
+    MeshFormat{".ply", io::read_ply, io::write_ply}, MeshFormat{".stl", io::read_stl, io::write_stl},
+    MeshFormat{".obj", io::read_obj, io::write_obj}, MeshFormat{".off", io::read_off, io::write_off},
+    MeshFormat{".vtp", io::read_vtp, io::write_vtp},
+};
+
+// The format whose extension ends the file's name in any case, or null.
+template <class Formats>
+auto find_format(const Formats& formats, const fs::path& path) -> decltype(formats.data()) {
+  std::string file_name = path.filename().string();
+  std::ranges::transform(file_name, file_name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const auto found = std::ranges::find_if(formats, [&](const auto& format) { return file_name.ends_with(format.extension); });
+  return found == formats.end() ? nullptr : &*found;
+}
+
+template <class Formats>
+std::string extension_list(const Formats& formats) {
+  std::string list;
+  for (const auto& format : formats) {
+    list += (list.empty() ? "" : " ") + std::string(format.extension);
+  }
+  return list;
+}
+
+const MeshFormat& mesh_format(const fs::path& path) {
+  const MeshFormat* format = find_format(kMeshFormats, path);
+  if (format == nullptr) {
+    throw io::unsupported(path, "unknown mesh format, expected one of " + extension_list(kMeshFormats));
+  }
+  return *format;
+}
+
+enum class MeshFault { none, position_not_finite, corner_out_of_range };
+
+struct MeshCheck {
+  MeshFault fault = MeshFault::none;
+  std::string text;
+};
+
+MeshCheck check_mesh(const TriangleMesh& mesh) {
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const Vec3& p = mesh.positions[v];
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
+      return {MeshFault::position_not_finite, "the position of vertex " + std::to_string(v) + " is not finite"};
+    }
+  }
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (const std::uint32_t corner : mesh.triangles[t]) {
+      if (corner >= mesh.positions.size()) {
+        return {MeshFault::corner_out_of_range, "triangle " + std::to_string(t) + " uses vertex " +
+                                                    std::to_string(corner) + ", but there are only " +
+                                                    std::to_string(mesh.positions.size())};
+      }
+    }
+  }
+  return {};
+}
+
+// Whatever a reader lets out, the caller gets an Error that names the file.
+template <class Read>
+auto translate_exceptions(const fs::path& path, Read read) {
+  try {
+    return read();
+  } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::out_of_memory, io::one_line(path.string() + ": not enough memory"));
+  } catch (const std::exception& error) {
+    throw io::bad_file(path, io::one_line(error.what()));
+  }
+}
+
+}  // namespace
+
+Volume read_volume(const fs::path& path, const std::optional<RawLayout>& raw) {
+  return translate_exceptions(path, [&]() -> Volume {
+    if (raw) {
+      return io::read_raw(path, *raw);
+    }
+    std::error_code ignored;
+    if (fs::is_directory(path, ignored)) {
+      return io::read_dicom(path);
+    }
+    io::readable_file_size(path);  // missing, empty, not readable: said before anything about the format
+    const VolumeFormat* format = find_format(kVolumeFormats, path);
+    if (format == nullptr) {
+      throw io::unsupported(path, "unknown volume format, expected one of " + extension_list(kVolumeFormats) +
+                                      ", a folder with a DICOM series, or a raw layout (size and sample type)");
+    }
+    return format->read(path);
+  });
+}
+
+void check_mesh_path(const fs::path& path) {
+  mesh_format(path);
+  const io::AtomicFile probe(path);  // creates its temporary file and removes it
+}
+
+void write_mesh(const TriangleMesh& mesh, const fs::path& path, const MeshFileInfo& info) {
+  const MeshFormat& format = mesh_format(path);
+  if (const MeshCheck check = check_mesh(mesh); check.fault != MeshFault::none) {
+    throw Error(ErrorCode::bad_argument, io::one_line(path.string() + ": not written: " + check.text));
+  }
+  // One line each: a newline would end the comment and start a line of the file's own grammar.
+  const MeshFileInfo clean_info{io::one_line(info.space), io::one_line(info.comment)};
+  translate_exceptions(path, [&] {
+    io::AtomicFile file(path);
+    format.write(mesh, clean_info, file);
+    file.commit();
+  });
+}
+
+TriangleMesh read_mesh(const fs::path& path) {
+  return translate_exceptions(path, [&] {
+    io::readable_file_size(path);
+    TriangleMesh mesh = mesh_format(path).read(path);
+    if (mesh.triangles.empty()) {
+      throw io::bad_file(path, "has no triangles");
+    }
+    if (const MeshCheck check = check_mesh(mesh); check.fault != MeshFault::none) {
+      throw io::bad_file(path, check.text);
+    }
+    return mesh;
+  });
+}
+
+void write_text_file(const std::string& text, const fs::path& path) {
+  io::AtomicFile file(path);
+  file.stream() << text;
+  file.commit();
+}
+
+}  // namespace isoatlas

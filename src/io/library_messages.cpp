@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/library_messages.h"
+
+#include <itkObject.h>
+#include <vtkObjectFactory.h>
+#include <vtkOutputWindow.h>
+#include <vtkSmartPointer.h>
+
+#include <iostream>
+#include <regex>
+
+#include "io/file_error.h"
+
+namespace isoatlas::io {
+
+namespace {
+
+std::mutex& library_mutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+class CollectingWindow : public vtkOutputWindow {
+ public:
+  static CollectingWindow* New() { VTK_STANDARD_NEW_BODY(CollectingWindow); }
+  vtkTypeMacro(CollectingWindow, vtkOutputWindow)
+
+  void DisplayErrorText(const char* text) override {
+    if (first_error.empty()) {
+      first_error = text;
+    }
+  }
+  void DisplayText(const char*) override {}
+  void DisplayWarningText(const char*) override {}
+  void DisplayGenericWarningText(const char*) override {}
+  void DisplayDebugText(const char*) override {}
+
+  std::string first_error;
+};
+
+}  // namespace
+
+struct LibraryMessages::Windows {
+  vtkSmartPointer<CollectingWindow> collecting = vtkSmartPointer<CollectingWindow>::New();
+  vtkSmartPointer<vtkOutputWindow> vtk_window = vtkOutputWindow::GetInstance();
+  bool itk_warnings = itk::Object::GetGlobalWarningDisplay();
+  std::ostringstream sink;  // MetaIO and GDCM write to std::cerr and std::cout
+  std::streambuf* cerr_buffer = std::cerr.rdbuf();
+  std::streambuf* cout_buffer = std::cout.rdbuf();
+};
+
+LibraryMessages::LibraryMessages() : lock_(library_mutex()), windows_(std::make_unique<Windows>()) {
+  vtkOutputWindow::SetInstance(windows_->collecting);
+  itk::Object::SetGlobalWarningDisplay(false);
+  std::cerr.rdbuf(windows_->sink.rdbuf());
+  std::cout.rdbuf(windows_->sink.rdbuf());
+}
+
+LibraryMessages::~LibraryMessages() {
+  std::cout.rdbuf(windows_->cout_buffer);
+  std::cerr.rdbuf(windows_->cerr_buffer);
+  itk::Object::SetGlobalWarningDisplay(windows_->itk_warnings);
+  vtkOutputWindow::SetInstance(windows_->vtk_window);
+}
+
+std::string LibraryMessages::first_vtk_error() const { return short_message(windows_->collecting->first_error); }
+
+std::string short_message(const std::string& text) {
+  // "itk::ERROR: NrrdImageIO(0x55d0): Read: ..." and "ERROR: In file.cxx, line 12\nvtkXMLDataParser (0x55d0): ..."
+  static const std::regex noise(R"(itk::ERROR:|ERROR: In \S+ line \d+|[A-Za-z:]+ ?\(0x[0-9a-f]+\):)");
+  return one_line(std::regex_replace(text, noise, " "));
+}
+
+}  // namespace isoatlas::io

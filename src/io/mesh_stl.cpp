@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+// STL: triangles as three float positions, no indices. Whoever reads one finds the shared vertices by equal positions,
+// so a mesh whose vertices differ by less than float can tell must not be written: its topology would change.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <string>
+
+#include "io/file_error.h"
+#include "io/formats.h"
+#include "io/output_buffer.h"
+#include "io/text_scanner.h"
+
+namespace isoatlas::io {
+
+namespace {
+
+constexpr std::size_t kHeaderBytes = 80;
+constexpr std::size_t kTriangleBytes = 50;  // normal, three corners, 2 unused bytes
+
+using Float3 = std::array<float, 3>;
+
+Float3 to_float(const Vec3& p) { return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}; }
+
+// Numbers positions in the order of their first appearance; equal positions get one number. 0 and -0 are equal.
+class PositionTable {
+ public:
+  explicit PositionTable(std::size_t most_positions)
+      : slots_(std::bit_ceil(std::max<std::size_t>(16, 2 * most_positions)), kEmpty) {}
+
+  std::uint32_t number_of(const Vec3& position) {
+    const std::size_t mask = slots_.size() - 1;
+    for (std::size_t slot = hash(position) & mask;; slot = (slot + 1) & mask) {
+      if (slots_[slot] == kEmpty) {
+        slots_[slot] = static_cast<std::uint32_t>(positions_.size());
+        positions_.push_back(position);
+        return slots_[slot];
+      }
+      if (positions_[slots_[slot]] == position) {
+        return slots_[slot];
+      }
+    }
+  }
+
+  const std::vector<Vec3>& positions() const { return positions_; }
+  std::vector<Vec3> take_positions() { return std::move(positions_); }
+
+ private:
+  static constexpr std::uint32_t kEmpty = 0xFFFF'FFFFU;
+
+  static std::uint64_t hash(const Vec3& p) {
+    std::uint64_t h = 0;
+    for (const double coordinate : {p.x, p.y, p.z}) {
+      h ^= std::bit_cast<std::uint64_t>(coordinate + 0.0);  // -0 + 0 is 0
+      h *= 0x9E37'79B9'7F4A'7C15ULL;
+      h ^= h >> 32;
+    }
+    return h;
+  }
+
+  std::vector<std::uint32_t> slots_;
+  std::vector<Vec3> positions_;
+};
+
+Float3 normal_of(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 u{b.x - a.x, b.y - a.y, b.z - a.z};
+  const Vec3 v{c.x - a.x, c.y - a.y, c.z - a.z};
+  const Vec3 n{u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
+  const double length = std::hypot(n.x, n.y, n.z);
+  if (!std::isfinite(length) || length == 0) {
+    return {0, 0, 0};  // readers then take the normal from the corners
+  }
+  return to_float({n.x / length, n.y / length, n.z / length});
+}
+
+void require_float_keeps_vertices_apart(const TriangleMesh& mesh, const std::filesystem::path& path) {
+  constexpr const char* kAdvice = "; write .ply, .obj, .off or .vtp instead, which keep double precision and indices";
+  PositionTable table(mesh.positions.size());
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const Float3 p = to_float(mesh.positions[v]);
+    if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) {
+      throw bad_file(path, "not written: vertex " + std::to_string(v) + " is out of the range of STL's float coordinates" +
+                               kAdvice);
+    }
+    const std::uint32_t first = table.number_of({p[0], p[1], p[2]});
+    if (first != v) {
+      throw bad_file(path, "not written: vertices " + std::to_string(first) + " and " + std::to_string(v) +
+                               " would become one in STL's float coordinates" + kAdvice);
+    }
+  }
+}
+
+TriangleMesh read_binary(const std::string& contents, std::uint32_t triangle_count) {
+  TriangleMesh mesh;
+  mesh.triangles.reserve(triangle_count);
+  PositionTable table(std::size_t{3} * triangle_count);
+  for (std::size_t t = 0; t < triangle_count; ++t) {
+    std::array<Float3, 3> corners;
+    std::memcpy(corners.data(), contents.data() + kHeaderBytes + 4 + t * kTriangleBytes + sizeof(Float3), sizeof corners);
+    Triangle triangle{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      triangle[k] = table.number_of({corners[k][0], corners[k][1], corners[k][2]});
+    }
+    mesh.triangles.push_back(triangle);
+  }
+  mesh.positions = table.take_positions();
+  return mesh;
+}
+
+TriangleMesh read_ascii(const std::string& contents, const std::filesystem::path& path) {
+  TextScanner scanner(contents, path);
+  TriangleMesh mesh;
+  PositionTable table(contents.size() / 12);  // "vertex 0 0 0" is the shortest line of a corner
+  std::vector<std::uint32_t> corners;
+  bool is_inside_solid = false;
+  bool is_inside_loop = false;
+  while (scanner.next_line()) {
+    const std::string_view keyword = scanner.word();
+    if (keyword == "solid") {
+      is_inside_solid = true;
+    } else if (keyword == "endsolid") {
+      is_inside_solid = false;
+    } else if (keyword == "outer") {
+      corners.clear();
+      is_inside_loop = true;
+    } else if (keyword == "vertex") {
+      if (!is_inside_loop) {
+        throw scanner.error("a vertex outside of a loop");
+      }
+      const double x = scanner.number("the x coordinate of a vertex");
+      const double y = scanner.number("the y coordinate of a vertex");
+      const double z = scanner.number("the z coordinate of a vertex");
+      if (std::isnan(x) || std::isnan(y) || std::isnan(z)) {
+        throw scanner.error("the position of a vertex is not finite");
+      }
+      corners.push_back(table.number_of({x, y, z}));
+    } else if (keyword == "endloop") {
+      if (corners.size() != 3) {
+        throw scanner.error("a facet with " + std::to_string(corners.size()) + " corners, expected 3");
+      }
+      mesh.triangles.push_back({corners[0], corners[1], corners[2]});
+      is_inside_loop = false;
+    } else if (!keyword.empty() && keyword != "facet" && keyword != "endfacet") {
+      throw scanner.error("found '" + one_line(keyword, 40) + "', expected a line of an ascii STL file");
+    }
+  }
+  if (is_inside_solid || is_inside_loop) {
+    throw scanner.error("the file ends here, expected endsolid");
+  }
+  mesh.positions = table.take_positions();
+  return mesh;
+}
+
+}  // namespace
+
+TriangleMesh read_stl(const std::filesystem::path& path) {
+  static_assert(std::endian::native == std::endian::little, "binary STL is little endian");
+  const std::string contents = file_contents(path);
+  // Some binary files start with "solid" too: the size tells them apart.
+  std::uint32_t triangle_count = 0;
+  if (contents.size() >= kHeaderBytes + sizeof triangle_count) {
+    std::memcpy(&triangle_count, contents.data() + kHeaderBytes, sizeof triangle_count);
+  }
+  const std::uint64_t binary_bytes = kHeaderBytes + sizeof triangle_count + std::uint64_t{triangle_count} * kTriangleBytes;
+  if (contents.size() == binary_bytes) {
+    return read_binary(contents, triangle_count);
+  }
+  const std::size_t first = contents.find_first_not_of(" \t\r\n");
+  if (first != std::string::npos && contents.compare(first, 5, "solid") == 0) {
+    return read_ascii(contents, path);
+  }
+  if (contents.size() < kHeaderBytes + sizeof triangle_count) {
+    throw bad_file(path, "is too short for an STL file");
+  }
+  throw bad_file(path, "promises " + std::to_string(triangle_count) + " triangles, which are " +
+                           std::to_string(binary_bytes) + " bytes, but has " + std::to_string(contents.size()));
+}
+
+void write_stl(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file) {
+  if (mesh.triangles.size() > 0xFFFF'FFFFU) {
+    throw bad_file(file.destination(), "not written: more triangles than an STL file can count");
+  }
+  require_float_keeps_vertices_apart(mesh, file.destination());
+  OutputBuffer out(file.stream());
+  // Never "solid" at the start: that marks an ascii file. The space comes first, the comment may be cut.
+  std::string header = info.space.empty() ? "STL" : "SPACE=" + info.space;
+  header += info.comment.empty() ? "" : " " + info.comment;
+  header.resize(kHeaderBytes, '\0');
+  out.text(header);
+  out.bytes(static_cast<std::uint32_t>(mesh.triangles.size()));
+  for (const Triangle& t : mesh.triangles) {
+    const std::array<Vec3, 3> corners{mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]};
+    out.bytes(normal_of(corners[0], corners[1], corners[2]));
+    for (const Vec3& corner : corners) {
+      out.bytes(to_float(corner));
+    }
+    out.bytes(std::uint16_t{0});
+  }
+  out.flush();
+}
+
+}  // namespace isoatlas::io

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "isoatlas/extract.h"
+#include "partition/partition.h"
+
+namespace isoatlas {
+
+/// What is wrong with one cell, as bits.
+enum CellFault : std::uint8_t {
+  kNotConnected = 1,   ///< several pieces, joined by neither sides nor chosen diagonals
+  kNotADisk = 2,       ///< V - E + F of the cell is not 1
+  kNoTriangle = 4,     ///< no dual triangle has the cell as a corner
+  kBadBoundary = 8,    ///< meets the boundary, but not in one arc, or its site is not on it
+};
+
+/// Two cells that do not meet in one arc with a dual triangle at an end, or whose arc has the same third cell at both ends.
+struct PairFault {
+  CellId a, b;  ///< a < b
+};
+
+struct PartitionCheck {
+  std::vector<DualTriangle> triangles;      ///< of the dual, in the order of the faces
+  std::vector<std::uint8_t> cell_fault;     ///< per cell, bits of CellFault
+  std::vector<PairFault> pair_faults;       ///< sorted
+  std::size_t faulty_cells = 0;
+  std::size_t cells = 0, pairs = 0;         ///< how much was checked
+  bool passed() const { return faulty_cells == 0 && pair_faults.empty(); }
+};
+
+/// The closed ball property of a partition, checked cell by cell, pair by pair and triple by triple. If it passes, the dual
+/// is a simplicial 2-manifold with boundary, homeomorphic to the complex; docs/theory/06-certificate.md has the proof.
+///
+/// @param cell_of per c-vertex, < cells; cells without c-vertices are skipped
+/// @param site    per cell, its site; empty: sites are not looked at, and ABCD is split at the face's own shorter diagonal
+/// @cost  O(C α(C)); no floating point but for the diagonals of quads with four cells, which are free to choose
+/// @source Edelsbrunner and Shah 1997; paper, section 3.6
+PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const CellId> cell_of, std::uint32_t cells,
+                               std::span<const CVertexId> site);
+
+/// Adds the figures of a check to a report.
+void add_to(CertificateReport& report, const PartitionCheck& check);
+
+}  // namespace isoatlas

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+// Certified coarser complexes by blocks.
+//
+// Ours: space is cut into blocks; a region is a connected piece of the surface within one block (union-find over sides, no
+// distances). Regions that fail the certificate are cut by blocks of half the size, down to single c-vertices, until all
+// pass. With every c-vertex its own region the dual is the complex itself, which is simplicial, so this ends.
+#include "partition/coarsen.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/disjoint_sets.h"
+#include "core/vector_math.h"
+#include "partition/certificate.h"
+
+namespace isoatlas {
+namespace {
+
+// Regions are named by their smallest c-vertex while they are being cut.
+class BlockRegions {
+ public:
+  BlockRegions(const SurfaceComplex& complex, double block_length)
+      : complex_(complex), sets_(complex.c_vertex_count()), region_(complex.c_vertex_count()), block_(complex.c_vertex_count()),
+        level_(complex.c_vertex_count(), 0), members_(complex.c_vertex_count()), failed_(complex.c_vertex_count(), 0) {
+    const Vec3 s = complex.spacing;
+    scale_ = {s.x / block_length, s.y / block_length, s.z / block_length};
+    const double smallest = std::min({s.x, s.y, s.z});
+    levels_ = 1 + std::max(0, static_cast<int>(std::ceil(std::log2(block_length / smallest))));
+    for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) block_[v] = block_at(v, 0);
+    for (const Face& face : complex.faces) {
+      for_each_side(face, [&](CVertexId a, CVertexId b) {
+        if (block_[a] == block_[b]) sets_.unite(a, b);
+      });
+    }
+    name_regions();
+  }
+
+  std::span<const CellId> region_of() const { return region_; }
+
+  // Cuts what the check found wrong. Of two regions that meet badly, the one with more c-vertices.
+  // @return false if there was nothing left to cut
+  bool cut(const PartitionCheck& check) {
+    const std::uint32_t n = complex_.c_vertex_count();
+    std::fill(failed_.begin(), failed_.end(), std::uint8_t{0});
+    for (CellId r = 0; r < n; ++r) failed_[r] = check.cell_fault[r] != 0 && members_[r] > 1;
+    for (const PairFault& p : check.pair_faults) {
+      if (failed_[p.a] || failed_[p.b]) continue;
+      const CellId larger = members_[p.b] > members_[p.a] ? p.b : p.a;
+      if (members_[larger] > 1) {
+        failed_[larger] = 1;
+      } else {
+        cut_around_.push_back(p);
+      }
+    }
+    if (!cut_around_.empty()) cut_around_pairs();
+    if (std::find(failed_.begin(), failed_.end(), std::uint8_t{1}) == failed_.end()) return false;
+    for (CVertexId v = 0; v < n; ++v) {
+      if (!failed_[region_[v]]) continue;
+      sets_.reset(v);
+      block_[v] = block_at(v, level_[region_[v]] + 1);
+    }
+    for (const Face& face : complex_.faces) {
+      if (!failed_[region_[face.corner[0]]] && !failed_[region_[face.corner[1]]] && !failed_[region_[face.corner[2]]]) continue;
+      for_each_side(face, [&](CVertexId a, CVertexId b) {
+        if (region_[a] == region_[b] && failed_[region_[a]] && level_[region_[a]] + 1 < levels_ && block_[a] == block_[b]) {
+          sets_.unite(a, b);
+        }
+      });
+    }
+    std::vector<std::uint8_t> level(level_);
+    for (CVertexId v = 0; v < n; ++v) {
+      if (failed_[region_[v]]) level[v] = static_cast<std::uint8_t>(level_[region_[v]] + 1);
+    }
+    level_.swap(level);
+    name_regions();
+    return true;
+  }
+
+ private:
+  template <class F>
+  static void for_each_side(const Face& face, F f) {
+    f(face.corner[0], face.corner[1]);
+    f(face.corner[1], face.corner[2]);
+    if (face.is_triangle()) {
+      f(face.corner[2], face.corner[0]);
+    } else {
+      f(face.corner[2], face.corner[3]);
+      f(face.corner[3], face.corner[0]);
+    }
+  }
+
+  std::uint64_t block_at(CVertexId v, int level) const {
+    const Vec3 p = scaled(complex_.positions[v], scale_);
+    const double halvings = std::ldexp(1.0, level);
+    const auto index = [&](double x) { return static_cast<std::uint64_t>(x * halvings) & 0x1FFFFFu; };
+    return index(p.x) | index(p.y) << 21 | index(p.z) << 42;
+  }
+
+  void name_regions() {
+    std::fill(members_.begin(), members_.end(), 0u);
+    for (CVertexId v = 0; v < complex_.c_vertex_count(); ++v) {
+      region_[v] = sets_.find(v);
+      ++members_[region_[v]];
+    }
+  }
+
+  // Two single c-vertices that meet badly do so because of the regions around them: cut every region they share a face with.
+  void cut_around_pairs() {
+    std::vector<std::uint8_t> involved(complex_.c_vertex_count(), 0);
+    for (const PairFault& p : cut_around_) involved[p.a] = involved[p.b] = 1;
+    for (const Face& face : complex_.faces) {
+      const int size = face.size();
+      const bool touched = std::any_of(face.corner.begin(), face.corner.begin() + size, [&](CVertexId v) { return involved[region_[v]]; });
+      if (!touched) continue;
+      for (int k = 0; k < size; ++k) {
+        const CellId r = region_[face.corner[k]];
+        if (members_[r] > 1) failed_[r] = 1;
+      }
+    }
+    cut_around_.clear();
+  }
+
+  const SurfaceComplex& complex_;
+  DisjointSets sets_;
+  std::vector<CellId> region_;         // per c-vertex
+  std::vector<std::uint64_t> block_;   // per c-vertex, its block at its region's level
+  std::vector<std::uint8_t> level_;    // per c-vertex, how often its region was halved
+  std::vector<std::uint32_t> members_; // per region
+  std::vector<std::uint8_t> failed_;   // per region
+  std::vector<PairFault> cut_around_;
+  Vec3 scale_;                         // blocks per index step
+  int levels_ = 1;                     // from this level on, regions are single c-vertices
+};
+
+// Region ids 0, 1, ... in order of smallest c-vertex, and for each the c-vertex nearest its centroid, on the boundary if the
+// region touches it.
+Partition with_representatives(const SurfaceComplex& complex, std::span<const CellId> region_of) {
+  const std::uint32_t n = complex.c_vertex_count();
+  Partition out;
+  out.cell_of.resize(n);
+  std::vector<Vec3> centroid;
+  std::vector<std::uint32_t> members;
+  std::vector<std::uint8_t> on_boundary;
+  for (CVertexId v = 0; v < n; ++v) {
+    if (region_of[v] == v) {
+      out.cell_of[v] = static_cast<CellId>(centroid.size());
+      centroid.emplace_back();
+      members.push_back(0);
+      on_boundary.push_back(0);
+    } else {
+      out.cell_of[v] = out.cell_of[region_of[v]];
+    }
+    const CellId c = out.cell_of[v];
+    centroid[c] = centroid[c] + complex.positions[v];
+    ++members[c];
+    on_boundary[c] |= complex.on_boundary[v];
+  }
+  for (std::size_t c = 0; c < centroid.size(); ++c) centroid[c] = (1.0 / members[c]) * centroid[c];
+  out.site.assign(centroid.size(), kNone);
+  std::vector<double> best(centroid.size(), std::numeric_limits<double>::infinity());
+  for (CVertexId v = 0; v < n; ++v) {
+    const CellId c = out.cell_of[v];
+    if (on_boundary[c] && !complex.on_boundary[v]) continue;
+    const double d = squared_distance(complex.positions[v], centroid[c], complex.spacing);
+    if (d < best[c]) {
+      best[c] = d;
+      out.site[c] = v;
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+Coarsened coarsen(const SurfaceComplex& complex, double block_length, const RunControl& control) {
+  const std::uint32_t n = complex.c_vertex_count();
+  BlockRegions regions(complex, block_length);
+  Coarsened out;
+  for (;;) {
+    control.check_cancelled();
+    PartitionCheck check = check_partition(complex, regions.region_of(), n, {});
+    ++out.certificate.repair_rounds;
+    if (!check.passed()) {
+      if (!regions.cut(check)) throw Error(ErrorCode::internal, "the certificate fails with every c-vertex its own region");
+      continue;
+    }
+    add_to(out.certificate, check);
+    Partition partition = with_representatives(complex, regions.region_of());
+    for (DualTriangle& t : check.triangles) {
+      for (CellId& c : t.cell) c = partition.cell_of[c];  // a region was named by one of its c-vertices
+    }
+    out.complex = dual_complex(complex, partition, check.triangles);
+    out.representative = std::move(partition.site);
+    return out;
+  }
+}
+
+}  // namespace isoatlas

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "isoatlas/extract.h"
+#include "isoatlas/run_control.h"
+#include "surface/surface_complex.h"
+
+namespace isoatlas {
+
+struct Coarsened {
+  SurfaceComplex complex;                  ///< all triangles; homeomorphic to the input
+  std::vector<CVertexId> representative;   ///< per c-vertex of `complex`, the c-vertex of the input it stands on
+  CertificateReport certificate;
+};
+
+/// A certified coarser complex: c-vertices joined within blocks of space as long as the partition they make is certified.
+/// About (block / voxel)^2 times smaller where the surface is tame, as fine as the input where it is not.
+///
+/// @param block_length  edge of the largest blocks, world units
+/// @post  homeomorphic to the input, component by component; same bytes always
+/// @cost  O(C) a round, 3 to 6 rounds
+Coarsened coarsen(const SurfaceComplex& complex, double block_length, const RunControl& control = {});
+
+}  // namespace isoatlas

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "surface/c_vertex_graph.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/vector_math.h"
+
+namespace isoatlas {
+namespace {
+
+struct Wedge {  // one face at a c-vertex: the neighbours before and after it, and the diagonal between
+  CVertexId next, diagonal, previous;
+};
+
+}  // namespace
+
+CVertexGraph make_graph(const SurfaceComplex& complex) {
+  const std::uint32_t n = complex.c_vertex_count();
+  CVertexGraph graph;
+  graph.on_boundary = complex.on_boundary;
+
+  std::vector<std::uint32_t> first_wedge(n + 1, 0);
+  std::vector<std::uint32_t> diagonals(n, 0);
+  for (const Face& face : complex.faces) {
+    for (int k = 0; k < face.size(); ++k) {
+      ++first_wedge[face.corner[k] + 1];
+      diagonals[face.corner[k]] += face.is_triangle() ? 0 : 1;
+    }
+  }
+  for (CVertexId v = 0; v < n; ++v) first_wedge[v + 1] += first_wedge[v];
+  std::vector<Wedge> wedges(first_wedge[n]);
+  {
+    std::vector<std::uint32_t> fill(first_wedge.begin(), first_wedge.end() - 1);
+    for (const Face& face : complex.faces) {
+      const int size = face.size();
+      for (int k = 0; k < size; ++k) {
+        wedges[fill[face.corner[k]]++] = {face.corner[(k + 1) % size], size == 4 ? face.corner[(k + 2) % 4] : kNone,
+                                          face.corner[(k + size - 1) % size]};
+      }
+    }
+  }
+
+  graph.first.resize(n + 1);
+  graph.first[0] = 0;
+  for (CVertexId v = 0; v < n; ++v) {
+    const std::uint32_t faces = first_wedge[v + 1] - first_wedge[v];
+    graph.first[v + 1] = graph.first[v] + faces + diagonals[v] + (complex.on_boundary[v] ? 1 : 0);
+  }
+  graph.neighbours.resize(graph.first[n]);
+  graph.is_diagonal.assign(graph.first[n], 0);
+
+  // Chain the wedges of each c-vertex: counter-clockwise, the wedge that starts where the last one ended.
+  constexpr std::uint32_t kFew = 24;
+  for (CVertexId v = 0; v < n; ++v) {
+    Wedge* const begin = wedges.data() + first_wedge[v];
+    const std::uint32_t count = first_wedge[v + 1] - first_wedge[v];
+    Wedge* const end = begin + count;
+    const auto by_next = [](const Wedge& w, CVertexId id) { return w.next < id; };
+    const bool sorted = count > kFew;
+    if (sorted) std::sort(begin, end, [](const Wedge& a, const Wedge& b) { return a.next < b.next; });
+    const auto starting_at = [&](CVertexId id) -> Wedge* {
+      if (sorted) {
+        Wedge* w = std::lower_bound(begin, end, id, by_next);
+        return w != end && w->next == id ? w : nullptr;
+      }
+      for (Wedge* w = begin; w != end; ++w) {
+        if (w->next == id) return w;
+      }
+      return nullptr;
+    };
+    const Wedge* at = begin;
+    if (complex.on_boundary[v]) {  // start with the wedge that no other wedge leads to
+      std::vector<CVertexId> ends;
+      for (const Wedge* w = begin; w != end; ++w) ends.push_back(w->previous);
+      std::sort(ends.begin(), ends.end());
+      while (std::binary_search(ends.begin(), ends.end(), at->next)) ++at;
+    }
+    std::uint32_t out = graph.first[v];
+    const auto push = [&](CVertexId id, bool diagonal) {
+      const double d = std::sqrt(squared_distance(complex.positions[v], complex.positions[id], complex.spacing));
+      graph.neighbours[out] = {id, static_cast<float>(d)};
+      graph.is_diagonal[out++] = diagonal;
+    };
+    for (std::uint32_t k = 0; k < count; ++k) {
+      push(at->next, false);
+      if (at->diagonal != kNone) push(at->diagonal, true);
+      if (k + 1 == count) {
+        if (complex.on_boundary[v]) push(at->previous, false);
+      } else {
+        at = starting_at(at->previous);
+      }
+    }
+  }
+  return graph;
+}
+
+}  // namespace isoatlas

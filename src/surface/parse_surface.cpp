@@ -1,0 +1,478 @@
+// SPDX-License-Identifier: Apache-2.0
+// Volume to surface complex.
+//
+// Based on:
+//   [gavriliu2001]   section 3.2: surfels, nodes, c-vertices and their neighbourhood.
+//   [nielson1991]    The asymptotic decider: resolving the ambiguity in marching cubes.
+// Ours: everything is decided on sign bits, 64 samples at a time, so that the volume is read once and the rest of the cost is
+// that of the surface; the zero-thickness layer; the splitting of double segments.
+//
+// Cells are those of the volume extended by one clamped sample on every side: cell (cx, cy, cz), 0 <= cx <= nx, lies between
+// extended samples cx and cx + 1, and extended sample s is sample clamp(s - 1). A cell of the outer layer has no thickness.
+#include "surface/parse_surface.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <tuple>
+#include <utility>
+
+#include "core/parallel.h"
+#include "core/saddle_sign.h"
+#include "core/vector_math.h"
+#include "surface/cell_loops.h"
+#include "volume/field.h"
+
+namespace isoatlas {
+namespace {
+
+// Nodes are kept this far from the ends of their grid edge and c-vertices this far from the walls of their cell, so that no
+// two c-vertices coincide where samples equal the isovalue. Moves points, never topology.
+constexpr double kMargin = 1e-3;
+
+struct Cell {                // a cell crossed by the surface
+  std::uint32_t x;           // position in its row
+  CVertexId first_c_vertex;  // relative to its slice
+  FaceId first_face;         // relative to its slice; faces of the nodes on the three edges at its lowest corner
+  std::uint16_t loops;       // index into CellLoopTable
+};
+
+struct DoubleFace {  // an ambiguous grid face whose two segments both join the same two surfels
+  std::uint32_t cell;
+  std::uint32_t neighbour;
+  int axis;
+  std::size_t cy, cz;
+};
+
+struct Slice {  // all cells with one cz
+  CVertexId first_c_vertex = 0, c_vertices = 0;
+  FaceId first_face = 0, faces = 0;
+  std::vector<BoundarySide> boundary;
+  std::vector<DoubleFace> double_faces;
+};
+
+template <class T>
+class Parser {
+ public:
+  Parser(const VolumeView& volume, const ParseOptions& options, const RunControl& control, const SignBits& signs)
+      : size_(volume.grid.size), spacing_(volume.grid.spacing), options_(options), control_(control), signs_(signs),
+        field_(volume, options.rule), table_(CellLoopTable::get()) {}
+
+  SurfaceComplex run() {
+    find_cells();
+    classify_cells();
+    complex_.spacing = spacing_;
+    complex_.positions.resize(c_vertices_);
+    complex_.on_boundary.assign(c_vertices_, 0);
+    complex_.faces.resize(faces_);
+    for_each_piece(slices_.size(), 1, [&](std::size_t z0, std::size_t z1) {
+      for (std::size_t cz = z0; cz < z1; ++cz) {
+        if (cancelled()) return;
+        place_c_vertices(cz);
+        make_faces(cz);
+      }
+    });
+    control_.check_cancelled();
+    for (const Slice& s : slices_) complex_.boundary.insert(complex_.boundary.end(), s.boundary.begin(), s.boundary.end());
+    split_double_segments();
+    return std::move(complex_);
+  }
+
+ private:
+  bool cancelled() const { return control_.cancel && control_.cancel->load(std::memory_order_relaxed); }
+
+  std::size_t sample_of(std::size_t extended, int axis) const {
+    return extended == 0 ? 0 : std::min(extended - 1, size_[static_cast<std::size_t>(axis)] - 1);
+  }
+  std::size_t row_of(std::size_t cy, std::size_t cz) const { return cy + (size_[1] + 1) * cz; }
+
+  // Calls f(cx) for every crossed cell of a row, in order.
+  template <class F>
+  void for_each_crossed_cell(std::size_t cy, std::size_t cz, F f) const {
+    const auto rows = sign_rows(cy, cz);
+    const std::size_t cells = size_[0] + 1;
+    std::uint64_t any = 0, all = 0;
+    const auto load = [&](std::size_t w) {
+      any = rows[0][w] | rows[1][w] | rows[2][w] | rows[3][w];
+      all = rows[0][w] & rows[1][w] & rows[2][w] & rows[3][w];
+    };
+    load(0);
+    for (std::size_t w = 0; 64 * w < cells; ++w) {
+      const std::uint64_t any_here = any, all_here = all;
+      any = all = 0;
+      if (w + 1 < signs_.words) load(w + 1);
+      std::uint64_t crossed = (any_here | any_here >> 1 | any << 63) & ~(all_here & (all_here >> 1 | all << 63));
+      if (64 * (w + 1) > cells) crossed &= (std::uint64_t{1} << (cells - 64 * w)) - 1;
+      for (; crossed != 0; crossed &= crossed - 1) f(64 * w + static_cast<std::size_t>(std::countr_zero(crossed)));
+    }
+  }
+
+  std::array<const std::uint64_t*, 4> sign_rows(std::size_t cy, std::size_t cz) const {
+    const std::size_t y0 = sample_of(cy, 1), y1 = sample_of(cy + 1, 1), z0 = sample_of(cz, 2), z1 = sample_of(cz + 1, 2);
+    return {signs_.row(y0, z0), signs_.row(y1, z0), signs_.row(y0, z1), signs_.row(y1, z1)};
+  }
+
+  void find_cells() {
+    const std::size_t rows_y = size_[1] + 1, slices = size_[2] + 1;
+    row_first_.assign(rows_y * slices + 1, 0);
+    for_each_piece(slices, 1, [&](std::size_t z0, std::size_t z1) {
+      for (std::size_t cz = z0; cz < z1; ++cz) {
+        for (std::size_t cy = 0; cy < rows_y; ++cy) {
+          std::uint32_t n = 0;
+          for_each_crossed_cell(cy, cz, [&](std::size_t) { ++n; });
+          row_first_[row_of(cy, cz) + 1] = n;
+        }
+      }
+    });
+    std::size_t total = 0;
+    for (std::uint32_t& n : row_first_) {
+      total += n;
+      n = checked_id(total, "cells crossed by the surface");
+    }
+    cells_.resize(total);
+    slices_.resize(slices);
+  }
+
+  std::array<std::size_t, 8> sample_indices(std::size_t cx, std::size_t cy, std::size_t cz) const {
+    const std::array<std::size_t, 2> x{sample_of(cx, 0), sample_of(cx + 1, 0)};
+    const std::array<std::size_t, 2> y{sample_of(cy, 1), sample_of(cy + 1, 1)};
+    const std::array<std::size_t, 2> z{sample_of(cz, 2), sample_of(cz + 1, 2)};
+    std::array<std::size_t, 8> out;
+    for (std::size_t c = 0; c < 8; ++c) out[c] = x[c & 1] + size_[0] * (y[c >> 1 & 1] + size_[1] * z[c >> 2]);
+    return out;
+  }
+
+  // Which of the ambiguous faces of a cell join their inside corners: the saddle of the bilinear interpolant is inside.
+  std::uint8_t decide_faces(std::uint8_t corners, const std::array<std::size_t, 8>& sample) const {
+    unsigned joined = 0;
+    for (unsigned rest = table_.ambiguous_faces(corners); rest != 0; rest &= rest - 1) {
+      const int face = std::countr_zero(rest), axis = face / 2, side = face % 2;
+      const auto exact = [&](int bu, int bv) { return field_.exact(sample[face_corner(axis, side, bu, bv)]); };
+      const int sign = saddle_sign(exact(0, 0), exact(1, 1), exact(1, 0), exact(0, 1), field_.isovalue());
+      const bool first_diagonal_inside = (corners >> face_corner(axis, side, 0, 0)) & 1;
+      if (first_diagonal_inside ? sign >= 0 : sign <= 0) joined |= 1u << face;
+    }
+    return static_cast<std::uint8_t>(joined);
+  }
+
+  // Which nodes on the three edges at a cell's lowest corner have a face: those on edges of the unextended grid.
+  static unsigned owned_nodes(const CellLoops& loops, std::size_t cx, std::size_t cy, std::size_t cz) {
+    const unsigned crossed = (loops.crossed & 1u) | (loops.crossed >> 4 & 1u) << 1 | (loops.crossed >> 8 & 1u) << 2;
+    const unsigned possible = (cy >= 1 && cz >= 1 ? 1u : 0) | (cz >= 1 && cx >= 1 ? 2u : 0) | (cx >= 1 && cy >= 1 ? 4u : 0);
+    return crossed & possible;
+  }
+
+  void classify_cells() {
+    for_each_piece(slices_.size(), 1, [&](std::size_t z0, std::size_t z1) {
+      for (std::size_t cz = z0; cz < z1; ++cz) {
+        if (cancelled()) return;
+        Slice& slice = slices_[cz];
+        for (std::size_t cy = 0; cy <= size_[1]; ++cy) {
+          std::uint32_t i = row_first_[row_of(cy, cz)];
+          const auto rows = sign_rows(cy, cz);
+          for_each_crossed_cell(cy, cz, [&](std::size_t cx) {
+            unsigned corners = 0;
+            for (unsigned r = 0; r < 4; ++r) {
+              const std::size_t w = cx >> 6, b = cx & 63;
+              std::uint64_t two = rows[r][w] >> b;
+              if (b == 63) two |= rows[r][w + 1] << 1;
+              corners |= static_cast<unsigned>(two & 3) << (2 * r);
+            }
+            const auto signs = static_cast<std::uint8_t>(corners);
+            std::uint16_t loops = table_.first_index(signs);
+            if (table_.ambiguous_faces(signs) != 0) {
+              loops = table_.index(signs, decide_faces(signs, sample_indices(cx, cy, cz)));
+            }
+            cells_[i++] = {static_cast<std::uint32_t>(cx), slice.c_vertices, slice.faces, loops};
+            slice.c_vertices += table_[loops].loops;
+            slice.faces += static_cast<FaceId>(std::popcount(owned_nodes(table_[loops], cx, cy, cz)));
+          });
+        }
+      }
+    });
+    control_.check_cancelled();
+    std::size_t c_vertices = 0, faces = 0;
+    for (Slice& s : slices_) {
+      s.first_c_vertex = checked_id(c_vertices, "c-vertices");
+      s.first_face = checked_id(faces, "faces");
+      c_vertices += s.c_vertices;
+      faces += s.faces;
+    }
+    c_vertices_ = checked_id(c_vertices, "c-vertices");
+    faces_ = checked_id(faces, "faces");
+  }
+
+  // Where the surface crosses a grid edge, as a fraction of it.
+  static double node_parameter(double low, double high) {
+    const double t = low / (low - high);
+    return t > kMargin ? std::min(t, 1 - kMargin) : kMargin;  // also for a NaN of 0/0
+  }
+
+  void place_c_vertices(std::size_t cz) {
+    const CVertexId first = slices_[cz].first_c_vertex;
+    for (std::size_t cy = 0; cy <= size_[1]; ++cy) {
+      for (std::uint32_t i = row_first_[row_of(cy, cz)]; i < row_first_[row_of(cy, cz) + 1]; ++i) {
+        const Cell& cell = cells_[i];
+        const CellLoops& loops = table_[cell.loops];
+        const std::array<std::size_t, 3> c{cell.x, cy, cz};
+        const std::array<std::size_t, 8> sample = sample_indices(cell.x, cy, cz);
+        std::array<double, 8> f;
+        for (std::size_t k = 0; k < 8; ++k) f[k] = field_[sample[k]];
+
+        std::array<Vec3, 4> sum{};
+        std::array<int, 4> nodes{};
+        for (unsigned rest = loops.crossed; rest != 0; rest &= rest - 1) {
+          const int e = std::countr_zero(rest);
+          const std::size_t loop = loops.loop_of_edge[e];
+          sum[loop] = sum[loop] + node_in_cell(f, e);
+          ++nodes[loop];
+        }
+        std::array<double, 3> low, width;
+        bool layer = false;
+        for (int a = 0; a < 3; ++a) {
+          low[a] = static_cast<double>(sample_of(c[a], a));
+          width[a] = c[a] == 0 || c[a] == size_[a] ? 0 : 1;
+          layer |= width[a] == 0;
+        }
+        for (std::size_t loop = 0; loop < loops.loops; ++loop) {
+          Vec3 p = (1.0 / nodes[loop]) * sum[loop];
+          if (options_.vertices_on_surface) p = onto_surface(f, p);
+          const CVertexId id = first + cell.first_c_vertex + static_cast<CVertexId>(loop);
+          complex_.positions[id] = {low[0] + width[0] * p.x, low[1] + width[1] * p.y, low[2] + width[2] * p.z};
+          complex_.on_boundary[id] = layer;
+        }
+      }
+    }
+  }
+
+  static Vec3 node_in_cell(const std::array<double, 8>& f, int edge) {
+    const auto [low, high] = edge_corners(edge);
+    const double t = node_parameter(f[low], f[high]);
+    const int axis = edge / 4;
+    Vec3 p{static_cast<double>(low & 1), static_cast<double>(low >> 1 & 1), static_cast<double>(low >> 2 & 1)};
+    (axis == 0 ? p.x : axis == 1 ? p.y : p.z) = t;
+    return p;
+  }
+
+  // Two Newton steps along the gradient onto the trilinear isosurface, never out of the cell, never farther from it.
+  Vec3 onto_surface(const std::array<double, 8>& f, const Vec3 start) const {
+    const TrilinearCell cell(f);
+    Vec3 best = start, p = start;
+    double best_value = std::abs(cell.value(start));
+    double value = cell.value(start);
+    for (int step = 0; step < 2 && best_value > 0; ++step) {
+      const Vec3 g = cell.gradient(p);
+      const Vec3 direction{g.x / (spacing_.x * spacing_.x), g.y / (spacing_.y * spacing_.y), g.z / (spacing_.z * spacing_.z)};
+      const double slope = dot(g, direction);
+      if (!(slope > 0)) break;
+      const double s = value / slope;
+      const auto clamp = [](double x) { return std::clamp(x, kMargin, 1 - kMargin); };
+      p = {clamp(p.x - s * direction.x), clamp(p.y - s * direction.y), clamp(p.z - s * direction.z)};
+      value = cell.value(p);
+      if (!(std::abs(value) < best_value)) break;
+      best_value = std::abs(value);
+      best = p;
+    }
+    return best;
+  }
+
+  CVertexId c_vertex(const Cell& cell, std::size_t cz, int edge) const {
+    return slices_[cz].first_c_vertex + cell.first_c_vertex + table_[cell.loops].loop_of_edge[edge];
+  }
+
+  // One face per node. A node is handled by the cell at whose lowest corner its grid edge starts; the three other cells around
+  // it are earlier in scan order, found by cursors that run along with this row.
+  void make_faces(std::size_t cz) {
+    Slice& slice = slices_[cz];
+    FaceId next = slice.first_face;
+    for (std::size_t cy = 0; cy <= size_[1]; ++cy) {
+      // Cursors: first cell at or after cx in the rows (cy-1, cz), (cy, cz-1), (cy-1, cz-1).
+      std::array<const Cell*, 3> cursor{}, end{};
+      const auto open = [&](int k, bool exists, std::size_t y, std::size_t z) {
+        if (!exists) return;
+        cursor[k] = cells_.data() + row_first_[row_of(y, z)];
+        end[k] = cells_.data() + row_first_[row_of(y, z) + 1];
+      };
+      open(0, cy > 0, cy - 1, cz);
+      open(1, cz > 0, cy, cz - 1);
+      open(2, cy > 0 && cz > 0, cy - 1, cz - 1);
+
+      for (std::uint32_t i = row_first_[row_of(cy, cz)]; i < row_first_[row_of(cy, cz) + 1]; ++i) {
+        const Cell& cell = cells_[i];
+        for (int k = 0; k < 3; ++k) {
+          while (cursor[k] != end[k] && cursor[k]->x < cell.x) ++cursor[k];
+        }
+        const CellLoops& loops = table_[cell.loops];
+        const std::array<std::size_t, 3> c{cell.x, cy, cz};
+        const unsigned owned = owned_nodes(loops, cell.x, cy, cz);
+        const Cell* const west = &cell - 1;  // the neighbour in -x; only looked at where a shared node says it is there
+        if (owned & 1) {  // x-edge: u = y, v = z
+          make_face(next++, 0, c, loops,
+                    {c_vertex(*cursor[2], cz - 1, 3), c_vertex(*cursor[1], cz - 1, 2), c_vertex(cell, cz, 0), c_vertex(*cursor[0], cz, 1)}, slice);
+        }
+        if (owned & 2) {  // y-edge: u = z, v = x
+          make_face(next++, 1, c, loops,
+                    {c_vertex(*(cursor[1] - 1), cz - 1, 7), c_vertex(*west, cz, 6), c_vertex(cell, cz, 4), c_vertex(*cursor[1], cz - 1, 5)}, slice);
+        }
+        if (owned & 4) {  // z-edge: u = x, v = y
+          make_face(next++, 2, c, loops,
+                    {c_vertex(*(cursor[0] - 1), cz, 11), c_vertex(*cursor[0], cz, 10), c_vertex(cell, cz, 8), c_vertex(*west, cz, 9)}, slice);
+        }
+        if (loops.ambiguous_faces & 0b010101) {
+          const std::array<const Cell*, 3> lower{west, cursor[0], cursor[1]};
+          for (int axis = 0; axis < 3; ++axis) {
+            if (!((loops.ambiguous_faces >> (2 * axis)) & 1)) continue;
+            if (one_loop(loops, axis, 0) && one_loop(table_[lower[axis]->loops], axis, 1)) {
+              slice.double_faces.push_back({i, static_cast<std::uint32_t>(lower[axis] - cells_.data()), axis, cy, cz});
+            }
+          }
+        }
+      }
+    }
+  }
+
+  // All four nodes of an ambiguous face are on one loop.
+  static bool one_loop(const CellLoops& loops, int axis, int side) {
+    const auto loop = [&](int e) { return loops.loop_of_edge[e]; };
+    const auto first = loop(face_edge_along_u(axis, side, 0));
+    return first == loop(face_edge_along_u(axis, side, 1)) && first == loop(face_edge_along_v(axis, side, 0)) &&
+           first == loop(face_edge_along_v(axis, side, 1));
+  }
+
+  // corners: the c-vertices around the node in the cells (u-,v-), (u+,v-), (u+,v+), (u-,v+).
+  void make_face(FaceId id, int axis, const std::array<std::size_t, 3>& c, const CellLoops& loops, std::array<CVertexId, 4> corner,
+                 Slice& slice) {
+    const bool outside_is_up = loops.corners & 1;  // the edge starts inside, so the surface faces its upper end
+    const std::size_t u = static_cast<std::size_t>((axis + 1) % 3), v = static_cast<std::size_t>((axis + 2) % 3);
+    const auto side = [&](int from, int to) {
+      slice.boundary.push_back(outside_is_up ? BoundarySide{corner[from], corner[to]} : BoundarySide{corner[to], corner[from]});
+    };
+    if (c[v] == 1) side(0, 1);
+    if (c[u] == size_[u]) side(1, 2);
+    if (c[v] == size_[v]) side(2, 3);
+    if (c[u] == 1) side(3, 0);
+    if (!outside_is_up) std::swap(corner[1], corner[3]);
+    complex_.faces[id].corner = corner;
+  }
+
+  const Cell& find_cell(std::size_t cx, std::size_t cy, std::size_t cz) const {
+    const auto first = cells_.begin() + row_first_[row_of(cy, cz)], last = cells_.begin() + row_first_[row_of(cy, cz) + 1];
+    return *std::lower_bound(first, last, cx, [](const Cell& cell, std::size_t x) { return cell.x < x; });
+  }
+
+  // Two surfels in neighbouring cells can share both segments of an ambiguous face. Their dual edge would be there twice; so
+  // a c-vertex goes on the middle of each such segment, one on each node at its ends, and the faces of those nodes become
+  // fans about the node.
+  void split_double_segments() {
+    struct Insertion {
+      FaceId face;
+      CVertexId a, b;    // the doubled side
+      CVertexId middle;  // the c-vertex that goes between
+      Vec3 node;         // the face's node
+      bool operator<(const Insertion& o) const { return std::tie(face, middle) < std::tie(o.face, o.middle); }
+    };
+    std::vector<Insertion> insertions;
+    for (std::size_t cz = 0; cz < slices_.size(); ++cz) {
+      for (const DoubleFace& d : slices_[cz].double_faces) {
+        const Cell& cell = cells_[d.cell];
+        const CellLoops& loops = table_[cell.loops];
+        const int axis = d.axis, u = (axis + 1) % 3, v = (axis + 2) % 3;
+        const std::array<std::size_t, 3> c{cell.x, d.cy, d.cz};
+        const std::array<std::size_t, 8> sample = sample_indices(c[0], c[1], c[2]);
+        std::array<double, 8> f;
+        for (std::size_t k = 0; k < 8; ++k) f[k] = field_[sample[k]];
+        const Vec3 low{static_cast<double>(sample_of(c[0], 0)), static_cast<double>(sample_of(c[1], 1)), static_cast<double>(sample_of(c[2], 2))};
+        std::array<double, 3> width;
+        for (int a = 0; a < 3; ++a) width[a] = c[a] == 0 || c[a] == size_[a] ? 0 : 1;
+        const auto node = [&](int e) {
+          const Vec3 p = node_in_cell(f, e);
+          return low + Vec3{width[0] * p.x, width[1] * p.y, width[2] * p.z};
+        };
+        const CVertexId a = c_vertex(cell, d.cz, face_edge_along_u(axis, 0, 0));
+        const CVertexId b = c_vertex(cells_[d.neighbour], axis == 2 ? d.cz - 1 : d.cz, face_edge_along_u(axis, 1, 0));
+        const bool around_inside = !((loops.joined_faces >> (2 * axis)) & 1);
+        for (int bu = 0; bu < 2; ++bu) {
+          for (int bv = 0; bv < 2; ++bv) {
+            if (((loops.corners >> face_corner(axis, 0, bu, bv)) & 1) != (around_inside ? 1 : 0)) continue;
+            const Vec3 on_u = node(face_edge_along_u(axis, 0, bv)), on_v = node(face_edge_along_v(axis, 0, bu));
+            const CVertexId middle = add_c_vertex(0.5 * (on_u + on_v));
+            insertions.push_back({face_of_node(c, u, v, bv), a, b, middle, on_u});
+            insertions.push_back({face_of_node(c, v, u, bu), a, b, middle, on_v});
+          }
+        }
+        ++complex_.double_segments;
+      }
+    }
+    std::sort(insertions.begin(), insertions.end());
+    for (std::size_t i = 0; i < insertions.size();) {
+      const FaceId id = insertions[i].face;
+      const Face face = complex_.faces[id];
+      const std::size_t group = i;
+      while (i < insertions.size() && insertions[i].face == id) ++i;
+      std::vector<CVertexId> polygon;
+      for (int k = 0; k < 4; ++k) {
+        const CVertexId from = face.corner[k], to = face.corner[(k + 1) % 4];
+        polygon.push_back(from);
+        for (std::size_t j = group; j < i; ++j) {
+          if ((insertions[j].a == from && insertions[j].b == to) || (insertions[j].b == from && insertions[j].a == to)) {
+            polygon.push_back(insertions[j].middle);
+          }
+        }
+      }
+      const CVertexId centre = add_c_vertex(insertions[group].node);
+      for (std::size_t k = 0; k < polygon.size(); ++k) {
+        const Face triangle{{centre, polygon[k], polygon[(k + 1) % polygon.size()], kNone}};
+        if (k == 0) {
+          complex_.faces[id] = triangle;
+        } else {
+          complex_.faces.push_back(triangle);
+        }
+      }
+    }
+    checked_id(complex_.faces.size(), "faces");
+  }
+
+  CVertexId add_c_vertex(Vec3 position) {
+    const CVertexId id = checked_id(complex_.positions.size(), "c-vertices");
+    complex_.positions.push_back(position);
+    complex_.on_boundary.push_back(0);
+    return id;
+  }
+
+  // The face of the node on the grid edge along `axis` at the lower corner of cell c moved by `bit` along `other`.
+  FaceId face_of_node(std::array<std::size_t, 3> c, int axis, int other, int bit) const {
+    c[static_cast<std::size_t>(other)] += static_cast<std::size_t>(bit);
+    const Cell& cell = find_cell(c[0], c[1], c[2]);
+    const unsigned owned = owned_nodes(table_[cell.loops], c[0], c[1], c[2]);
+    return slices_[c[2]].first_face + cell.first_face + static_cast<FaceId>(std::popcount(owned & ((1u << axis) - 1)));
+  }
+
+  std::array<std::size_t, 3> size_;
+  Vec3 spacing_;
+  const ParseOptions& options_;
+  const RunControl& control_;
+  const SignBits& signs_;
+  Field<T> field_;
+  const CellLoopTable& table_;
+
+  std::vector<std::uint32_t> row_first_;  // per row (cy, cz), its first cell; one more at the end
+  std::vector<Cell> cells_;               // crossed cells in scan order
+  std::vector<Slice> slices_;
+  CVertexId c_vertices_ = 0;
+  FaceId faces_ = 0;
+  SurfaceComplex complex_;
+};
+
+}  // namespace
+
+SurfaceComplex parse_surface(const VolumeView& volume, const ParseOptions& options, const RunControl& control) {
+  const SignBits signs = classify(volume, options.rule, control);
+  if (!signs.any_inside || !signs.any_outside) {
+    SurfaceComplex empty;
+    empty.spacing = volume.grid.spacing;
+    return empty;
+  }
+  return visit_sample_type(volume.type, [&]<class T>(const T*) { return Parser<T>(volume, options, control, signs).run(); });
+}
+
+}  // namespace isoatlas

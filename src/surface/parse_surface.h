@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "isoatlas/run_control.h"
+#include "isoatlas/volume.h"
+#include "surface/surface_complex.h"
+#include "volume/classify.h"
+
+namespace isoatlas {
+
+struct ParseOptions {
+  InsideRule rule;
+  bool vertices_on_surface = true;  ///< Newton steps onto the trilinear isosurface; false: plain average of the nodes
+};
+
+/// The reference surface of a volume at an isovalue, as a surface complex: one c-vertex per surfel, one face per node.
+///
+/// Inside is decided by the samples alone; ambiguous faces by the asymptotic decider, exactly, ties joined inside; one disk
+/// per loop (docs/theory/01-surface.md). The volume is extended by one layer of zero thickness, so that a surface cut by the
+/// volume's border ends in boundary c-vertices that lie exactly on it.
+///
+/// @pre    every size >= 2, spacing > 0, isovalue finite
+/// @throws Error(unsupported) non-finite samples that the rule refuses
+/// @return an empty complex if all samples are on one side
+/// @post   same bytes for any number of threads
+/// @cost   O(N) for N samples, one pass over them; then O(C) for C c-vertices
+/// @source paper section 3.2; departures: docs/theory/01-surface.md
+SurfaceComplex parse_surface(const VolumeView& volume, const ParseOptions& options, const RunControl& control = {});
+
+}  // namespace isoatlas
