@@ -25,15 +25,16 @@ constexpr const char* kRunning = "Running";
 
 constexpr const char* kExitStatus =
     "0    done\n"
-    "2    an argument or a file is not as it should be; nothing was written\n"
+    "2    an argument or a file is not as it should be, or there is no surface;\n"
+    "     nothing was written\n"
     "3    isoatlas' own check failed, a bug; nothing was written\n"
     "4    out of memory; nothing was written\n"
     "130  interrupted (Ctrl-C); nothing was written. 143: the same by SIGTERM";
 
 constexpr const char* kVolumeFiles =
-    "Volumes: NRRD (.nrrd, .nhdr), NIfTI (.nii, .nii.gz), MetaImage (.mha, .mhd),\n"
-    "TIFF stacks (.tif, .tiff), VTK (.vtk, .vti), a folder with one DICOM series,\n"
-    "and headerless samples (--raw-size, --raw-type).";
+    "Volumes: NRRD (.nrrd, .nhdr), NIfTI (.nii, .nii.gz, .hdr, .img), MetaImage\n"
+    "(.mha, .mhd), TIFF stacks (.tif, .tiff), VTK (.vtk, .vti), a folder with one\n"
+    "DICOM series, and headerless samples (--raw-size, --raw-type).";
 
 [[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::bad_argument, message); }
 
@@ -160,8 +161,8 @@ Length parse_length(std::string_view text) {
   length.in_voxels = strip("vx");
   if (!length.in_voxels) strip("mm");
   const auto value = parse_whole<double>(number);
-  if (!value || !std::isfinite(*value) || *value <= 0)
-    refuse("expected a positive length like 2.5, 2.5mm or 3vx, got " + in_quotes(text));
+  if (!value || !std::isfinite(*value) || *value < 0)
+    refuse("expected a length like 2.5, 2.5mm or 3vx, got " + in_quotes(text));
   length.value = *value;
   return length;
 }
@@ -184,9 +185,10 @@ CLI::App* add_extract_command(CLI::App& app, ExtractArguments& arguments) {
            "    The surface at 80.5, in the world coordinates of the file.\n\n"
            "isoatlas extract dragon_sdf.nii.gz --iso 0 --inside below -o dragon.stl\n"
            "    A signed distance field, negative inside.\n\n"
-           "isoatlas extract ct.mha --iso 300.5 --max-radius 20mm -o bone.vtp --report bone.json\n"
-           "    No disk larger than 20 mm; all numbers in bone.json.\n\n"
-           "isoatlas extract fuel.raw --raw-size 64,64,64 --raw-type uint8 --iso 70.5 -o fuel.off\n"
+           "isoatlas extract ct.mha --iso 300.5 --max-radius 20mm -o a.vtp --report a.json\n"
+           "    No disk larger than 20 mm; all numbers in a.json.\n\n"
+           "isoatlas extract fuel.raw --raw-size 64,64,64 --raw-type uint8 --iso 70.5 \\\n"
+           "    -o fuel.off\n"
            "    Headerless samples."},
           {"Exit status", kExitStatus},
           {"Files", std::string(kVolumeFiles) +
@@ -217,8 +219,10 @@ CLI::App* add_extract_command(CLI::App& app, ExtractArguments& arguments) {
                     "The coarsest mesh that keeps the topology and the shape of the triangles. This version has no refinement "
                     "yet: it makes this mesh with or without the flag.")
       ->group(kMesh);
-  add_parsed(*command, "--max-radius", [&](const std::string& text) { arguments.max_radius = parse_length(text); },
-             "Largest radius of the disks that cover the surface; smaller means more triangles. Default: half the longest side of "
+  add_parsed(*command, "--max-radius", [&](const std::string& text) {
+    arguments.max_radius = parse_length(text);
+    if (arguments.max_radius->value == 0) refuse("expected a length above 0, got " + in_quotes(text));
+  }, "Largest radius of the disks that cover the surface; smaller means more triangles. Default: half the longest side of "
              "the volume.")
       ->type_name("LENGTH")->group(kMesh);
   add_parsed(*command, "--event-persistence", [&](const std::string& text) { arguments.event_persistence = parse_length(text); },
@@ -285,8 +289,8 @@ CLI::App* add_check_command(CLI::App& app, CheckArguments& arguments) {
                     "3    a bug of isoatlas\n"
                     "4    out of memory\n"
                     "130  interrupted (Ctrl-C). 143: the same by SIGTERM"},
-                   {"Files", "Meshes: .ply, .stl, .obj, .off, .vtp. Polygons are cut into triangles; corners of an\n"
-                             "STL file at equal positions are one vertex."}}});
+                   {"Files", "Meshes: .ply, .stl, .obj, .off, .vtp. Polygons are cut into triangles; corners\n"
+                             "of an STL file at equal positions are one vertex."}}});
   command->add_option("MESH", arguments.mesh, "The mesh to look at. See FILES.")->required()->group(kInput);
   command->add_flag("--json", arguments.json, "Print JSON (docs/reference/report.md).")->group(kOutput);
   return command;

@@ -20,7 +20,7 @@ struct Length {
   double in_world(const Grid& grid) const { return in_voxels ? value * grid.smallest_spacing() : value; }
 };
 
-/// Throws Error(bad_argument) unless `text` is a positive length.
+/// Throws Error(bad_argument) unless `text` is a length, 0 or more.
 Length parse_length(std::string_view text);
 
 struct VolumeArguments {

@@ -47,9 +47,8 @@ std::string option_entry(const CLI::Option& option) {
   std::string names = option.get_positional() ? option.get_name(true) : option.get_name(false, true);
   for (std::size_t comma = names.find(','); comma != std::string::npos; comma = names.find(',', comma + 2))
     names.replace(comma, 1, ", ");
-  const bool takes_value = !option.get_positional() && option.get_type_size() != 0;
-  return std::string(kIndent, ' ') + names + (takes_value ? " " + option.get_type_name() : "") + "\n" +
-         wrapped(option.get_description(), kDeepIndent, "");
+  if (!option.get_positional() && option.get_expected_max() > 0) names += " " + option.get_type_name();
+  return std::string(kIndent, ' ') + names + "\n" + wrapped(option.get_description(), kDeepIndent, "");
 }
 
 }  // namespace

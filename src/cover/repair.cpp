@@ -15,9 +15,16 @@ struct Candidate {
   }
 };
 
-// Farthest c-vertex of every faulty cell, on the boundary if that is what is wrong; for two cells that meet badly the farthest
-// c-vertex on their common border. One pass over c-vertices and one over faces.
-std::vector<CVertexId> choose_candidates(const SurfaceComplex& complex, const Covering& covering, const PartitionCheck& check) {
+// A new site that can mend one fault, and the cells the fault is about.
+struct Fix {
+  float distance;
+  CVertexId c_vertex;
+  CellId a, b;
+};
+
+// For every faulty cell its farthest c-vertex, on the boundary if that is what is wrong; for two cells that meet badly the
+// farthest c-vertex on their common border. One pass over c-vertices and one over faces.
+std::vector<Fix> find_fixes(const SurfaceComplex& complex, const Covering& covering, const PartitionCheck& check) {
   const Partition& partition = covering.partition();
   const std::vector<float>& distance = covering.distance();
   const std::uint32_t cells = partition.cell_count();
@@ -54,25 +61,39 @@ std::vector<CVertexId> choose_candidates(const SurfaceComplex& complex, const Co
     }
   }
 
-  std::vector<CVertexId> out;
+  std::vector<Fix> fixes;
+  const auto add = [&](const Candidate& candidate, CellId a, CellId b) {
+    if (candidate.c_vertex != kNone) fixes.push_back({candidate.distance, candidate.c_vertex, a, b});
+  };
   for (CellId c = 0; c < cells; ++c) {
     if (check.cell_fault[c] == 0) continue;
     const bool boundary = (check.cell_fault[c] & kBadBoundary) && of_boundary[c].c_vertex != kNone;
-    const CVertexId v = (boundary ? of_boundary : of_cell)[c].c_vertex;
-    if (v != kNone) out.push_back(v);
+    add(boundary ? of_boundary[c] : of_cell[c], c, c);
   }
   for (std::size_t i = 0; i < of_pair.size(); ++i) {
-    CVertexId v = of_pair[i].c_vertex;
-    if (v == kNone) {  // the whole border is sites already
-      Candidate either = of_cell[check.pair_faults[i].a];
-      const Candidate& other = of_cell[check.pair_faults[i].b];
-      if (other.c_vertex != kNone) either.offer(other.distance, other.c_vertex);
-      v = either.c_vertex;
+    const auto [a, b] = check.pair_faults[i];
+    Candidate best = of_pair[i];
+    if (best.c_vertex == kNone) {  // the whole border is sites already
+      best = of_cell[a];
+      best.offer(of_cell[b].distance, of_cell[b].c_vertex);
     }
-    if (v != kNone) out.push_back(v);
+    add(best, a, b);
   }
-  std::sort(out.begin(), out.end());
-  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return fixes;
+}
+
+// One new site often mends several faults near by, so a round only makes fixes that share no cell, those farthest from all
+// sites first. (All at once: dragon 434 coarse triangles instead of 294, white matter 7,138 instead of 6,752.)
+std::vector<CVertexId> independent(std::vector<Fix> fixes, std::uint32_t cells) {
+  std::sort(fixes.begin(), fixes.end(),
+            [](const Fix& x, const Fix& y) { return x.distance != y.distance ? x.distance > y.distance : x.c_vertex < y.c_vertex; });
+  std::vector<std::uint8_t> taken(cells, 0);
+  std::vector<CVertexId> out;
+  for (const Fix& fix : fixes) {
+    if (taken[fix.a] || taken[fix.b]) continue;
+    taken[fix.a] = taken[fix.b] = 1;
+    out.push_back(fix.c_vertex);
+  }
   return out;
 }
 
@@ -88,15 +109,10 @@ PartitionCheck certify_and_repair(const SurfaceComplex& complex, Covering& cover
       add_to(report, check);
       return check;
     }
-    std::vector<CVertexId> candidates = choose_candidates(complex, covering, check);
-    std::vector<float> seen;
-    for (const CVertexId v : candidates) seen.push_back(covering.distance()[v]);
     const std::uint32_t before = covering.site_count();
-    for (std::size_t i = 0; i < candidates.size(); ++i) {
-      const CVertexId v = candidates[i];
-      const float d = covering.distance()[v];
-      if (d < seen[i]) continue;  // an earlier repair of this round came near: look again first
-      covering.lower_radius(v, d);
+    for (const CVertexId v : independent(find_fixes(complex, covering, check), partition.cell_count())) {
+      if (covering.distance()[v] == 0) continue;  // two fixes may agree on the same c-vertex
+      covering.lower_radius(v, covering.distance()[v]);
       covering.insert(v);
     }
     covering.cover(control);

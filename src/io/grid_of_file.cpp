@@ -54,7 +54,7 @@ Grid grid_of_file(const std::filesystem::path& path, const std::array<std::size_
     }
     if (step < 0) {
       step = -step;
-      direction = {0 - direction.x, 0 - direction.y, 0 - direction.z};
+      direction = scaled(direction, -1);
     }
     if (std::abs(length - 1) > kUnitTolerance) {
       step *= length;
@@ -63,6 +63,9 @@ Grid grid_of_file(const std::filesystem::path& path, const std::array<std::size_
         throw bad_file(path, "the direction of the " + axis_name + " axis is out of range");
       }
     }
+  }
+  for (Vec3* v : {&grid.origin, &grid.direction[0], &grid.direction[1], &grid.direction[2]}) {
+    *v = {v->x + 0.0, v->y + 0.0, v->z + 0.0};  // no "-0" in reports
   }
   if (std::abs(determinant(grid.direction)) < kSmallestDeterminant) {
     throw bad_file(path, "the direction matrix is singular: the three axes lie in a plane");

@@ -2,6 +2,7 @@
 #include "io/library_messages.h"
 
 #include <itkObject.h>
+#include <vtkLogger.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
 #include <vtkSmartPointer.h>
@@ -44,6 +45,7 @@ struct LibraryMessages::Windows {
   vtkSmartPointer<CollectingWindow> collecting = vtkSmartPointer<CollectingWindow>::New();
   vtkSmartPointer<vtkOutputWindow> vtk_window = vtkOutputWindow::GetInstance();
   bool itk_warnings = itk::Object::GetGlobalWarningDisplay();
+  vtkLogger::Verbosity vtk_verbosity = vtkLogger::GetCurrentVerbosityCutoff();
   std::ostringstream sink;  // MetaIO and GDCM write to std::cerr and std::cout
   std::streambuf* cerr_buffer = std::cerr.rdbuf();
   std::streambuf* cout_buffer = std::cout.rdbuf();
@@ -51,6 +53,7 @@ struct LibraryMessages::Windows {
 
 LibraryMessages::LibraryMessages() : lock_(library_mutex()), windows_(std::make_unique<Windows>()) {
   vtkOutputWindow::SetInstance(windows_->collecting);
+  vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);  // VTK reports twice: to the window and to its log
   itk::Object::SetGlobalWarningDisplay(false);
   std::cerr.rdbuf(windows_->sink.rdbuf());
   std::cout.rdbuf(windows_->sink.rdbuf());
@@ -60,15 +63,20 @@ LibraryMessages::~LibraryMessages() {
   std::cout.rdbuf(windows_->cout_buffer);
   std::cerr.rdbuf(windows_->cerr_buffer);
   itk::Object::SetGlobalWarningDisplay(windows_->itk_warnings);
+  vtkLogger::SetStderrVerbosity(windows_->vtk_verbosity);
   vtkOutputWindow::SetInstance(windows_->vtk_window);
 }
 
 std::string LibraryMessages::first_vtk_error() const { return short_message(windows_->collecting->first_error); }
 
 std::string short_message(const std::string& text) {
+  // Teem (NRRD) tells a story, one line for each function on the way; the last line is the cause.
+  const std::size_t last_teem_line = text.rfind("[nrrd] ");
+  const std::string cause = last_teem_line == std::string::npos ? text : text.substr(last_teem_line);
   // "itk::ERROR: NrrdImageIO(0x55d0): Read: ..." and "ERROR: In file.cxx, line 12\nvtkXMLDataParser (0x55d0): ..."
-  static const std::regex noise(R"(itk::ERROR:|ERROR: In \S+ line \d+|[A-Za-z:]+ ?\(0x[0-9a-f]+\):)");
-  return one_line(std::regex_replace(text, noise, " "));
+  static const std::regex noise(
+      R"(itk::ERROR:|ITK ERROR:|ERROR: In \S+ line \d+|[A-Za-z:]+ ?\(0x[0-9a-f]+\):|\[nrrd\]|_?(nrrd|airh?)\w+:)");
+  return one_line(std::regex_replace(cause, noise, " "));
 }
 
 }  // namespace isoatlas::io

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // VTK's XML poly data, by VTK.
 #include <vtkCellArray.h>
+#include <vtkDataArraySelection.h>
 #include <vtkDoubleArray.h>
 #include <vtkErrorCode.h>
 #include <vtkFieldData.h>
@@ -18,6 +19,7 @@
 #include "io/formats.h"
 #include "io/library_messages.h"
 #include "io/polygon_fan.h"
+#include "io/stored_data.h"
 
 namespace isoatlas::io {
 
@@ -67,7 +69,10 @@ TriangleMesh read_vtp(const std::filesystem::path& path) {
   if (reader->CanReadFile(path.c_str()) == 0) {
     throw bad_file(path, "is not a VTK XML poly data file");
   }
+  require_ending(path, "</VTKFile>");  // VTK does not notice data that is missing at the end
   reader->SetFileName(path.c_str());
+  reader->GetPointDataArraySelection()->DisableAllArrays();
+  reader->GetCellDataArraySelection()->DisableAllArrays();
   reader->Update();
   if (const std::string error = messages.first_vtk_error(); !error.empty() || reader->GetErrorCode() != 0) {
     throw bad_file(path, "cannot be read: " + (error.empty() ? "VTK reports a damaged file" : error));

@@ -106,7 +106,7 @@ Volume read_dicom(const fs::path& folder) {
   std::vector<Vec3> positions;
   for (const std::string& file : files) {
     const auto image_io = itk::GDCMImageIO::New();
-    const ImageHeader slice = read_image_header(*image_io, file, "DICOM image");
+    const ImageHeader slice = read_itk_header(*image_io, file, "DICOM image");
     if (positions.empty()) {
       header = slice;
     }
@@ -133,8 +133,8 @@ Volume read_dicom(const fs::path& folder) {
   const std::uint64_t bytes_per_file = bytes / files.size();
   for (std::size_t i = 0; i < files.size(); ++i) {
     const auto image_io = itk::GDCMImageIO::New();
-    read_image_header(*image_io, files[i], "DICOM image");
-    read_image_samples(*image_io, files[i], samples.get() + i * bytes_per_file);
+    read_itk_header(*image_io, files[i], "DICOM image");
+    read_itk_samples(*image_io, files[i], samples.get() + i * bytes_per_file);
   }
   volume.samples = samples.get();
   volume.owner = samples;

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // VTK's XML image data. The samples stay in VTK's array, which the volume's owner keeps alive.
 #include <vtkDataArray.h>
+#include <vtkDataArraySelection.h>
+#include <vtkDataObject.h>
+#include <vtkDataSetAttributes.h>
 #include <vtkImageData.h>
 #include <vtkInformation.h>
+#include <vtkInformationVector.h>
 #include <vtkMatrix3x3.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
@@ -16,6 +20,7 @@
 #include "io/formats.h"
 #include "io/grid_of_file.h"
 #include "io/library_messages.h"
+#include "io/stored_data.h"
 
 namespace isoatlas::io {
 
@@ -23,8 +28,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-SampleType sample_type_of(const vtkDataArray& samples, const fs::path& path) {
-  switch (const_cast<vtkDataArray&>(samples).GetDataType()) {
+SampleType sample_type_of(int vtk_type, const fs::path& path) {
+  switch (vtk_type) {
     case VTK_CHAR:
     case VTK_SIGNED_CHAR: return SampleType::int8;
     case VTK_UNSIGNED_CHAR: return SampleType::uint8;
@@ -39,32 +44,29 @@ SampleType sample_type_of(const vtkDataArray& samples, const fs::path& path) {
     case VTK_UNSIGNED_LONG_LONG: return SampleType::uint64;
     case VTK_FLOAT: return SampleType::float32;
     case VTK_DOUBLE: return SampleType::float64;
-    default:
-      throw unsupported(path, "has samples of a type that is not an integer of 8 to 64 bits, float or double");
+    default: throw unsupported(path, "has samples that are not integers of 8 to 64 bits, float or double");
   }
 }
 
-// The array marked as the scalars, else the only array there is.
-vtkDataArray* choose_samples(vtkPointData& arrays, const fs::path& path) {
-  if (vtkDataArray* scalars = arrays.GetScalars()) {
-    return scalars;
+// What the header says about the array to read: the one marked as the scalars, else the only one there is.
+vtkInformation& choose_array(vtkInformation& header, const fs::path& path) {
+  vtkInformationVector* arrays = header.Get(vtkDataObject::POINT_DATA_VECTOR());
+  const int count = arrays == nullptr ? 0 : arrays->GetNumberOfInformationObjects();
+  std::string names;
+  for (int i = 0; i < count; ++i) {
+    vtkInformation& array = *arrays->GetInformationObject(i);
+    const int active = array.Get(vtkDataObject::FIELD_ACTIVE_ATTRIBUTE());
+    if (count == 1 || (active & (1 << vtkDataSetAttributes::SCALARS)) != 0) {
+      return array;
+    }
+    const char* array_name = array.Get(vtkDataObject::FIELD_NAME());
+    names += std::string(i > 0 ? ", " : "") + (array_name != nullptr ? array_name : "(unnamed)");
   }
-  if (arrays.GetNumberOfArrays() == 1 && arrays.GetArray(0) != nullptr) {
-    return arrays.GetArray(0);
-  }
-  if (arrays.GetNumberOfArrays() == 0) {
+  if (count == 0) {
     throw unsupported(path, "has no point data, expected one scalar per point (cell data is not read)");
   }
-  std::string names;
-  for (int i = 0; i < arrays.GetNumberOfArrays(); ++i) {
-    names += std::string(i > 0 ? ", " : "") + (arrays.GetArrayName(i) != nullptr ? arrays.GetArrayName(i) : "(unnamed)");
-  }
-  throw unsupported(path, "has several point arrays (" + names + ") and none is marked as the scalars");
+  throw unsupported(path, "has several point arrays (" + one_line(names) + ") and none is marked as the scalars");
 }
-
-// The smallest file that could hold `samples`: compressors VTK knows shrink constant data no further than this.
-// Keeps an absurd extent from being allocated before anything is read.
-constexpr std::uint64_t kMostSamplesPerByte = 10'000;
 
 }  // namespace
 
@@ -80,42 +82,52 @@ Volume read_vti(const fs::path& path) {
   if (reader->CanReadFile(path.c_str()) == 0) {
     throw bad_file(path, "is not a VTK XML image data file");
   }
+  require_ending(path, "</VTKFile>");  // VTK does not notice samples that are missing at the end
   reader->SetFileName(path.c_str());
   reader->UpdateInformation();
   require_no_error();
+
+  vtkInformation& header = *reader->GetOutputInformation(0);
   std::array<int, 6> extent{0, -1, 0, -1, 0, -1};
-  reader->GetOutputInformation(0)->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), extent.data());
+  header.Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), extent.data());
   std::array<std::size_t, 3> size{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::int64_t samples = std::int64_t{extent[2 * axis + 1]} - extent[2 * axis] + 1;
     size[axis] = samples > 0 ? static_cast<std::size_t>(samples) : 0;
   }
-  const std::uint64_t least_bytes = checked_sample_bytes(path, size, 1);
-  if (least_bytes / kMostSamplesPerByte > readable_file_size(path)) {
-    throw bad_file(path, "the header promises " + std::to_string(least_bytes) + " samples, the file is too short for them");
+  vtkInformation& array = choose_array(header, path);
+  Volume volume;
+  volume.type = sample_type_of(array.Get(vtkDataObject::FIELD_ARRAY_TYPE()), path);
+  if (const int values = array.Get(vtkDataObject::FIELD_NUMBER_OF_COMPONENTS()); values != 1) {
+    throw unsupported(path, "has " + std::to_string(values) + " values per sample (colour or vector), expected one");
   }
+  const std::uint64_t bytes = checked_sample_bytes(path, size, bytes_per_sample(volume.type));
+  constexpr std::uint64_t kMostBytesPerByte = 10'000;  // LZMA, the strongest of VTK's compressors, on constant data
+  require_possible_bytes(path, bytes, readable_file_size(path), kMostBytesPerByte);
+
+  // Only that array: others may be large, and arrays of strings make VTK 9.1 crash.
+  const char* array_name = array.Get(vtkDataObject::FIELD_NAME());
+  if (array_name == nullptr) {
+    throw unsupported(path, "its point array has no name");
+  }
+  reader->GetCellDataArraySelection()->DisableAllArrays();
+  reader->GetPointDataArraySelection()->DisableAllArrays();
+  reader->GetPointDataArraySelection()->EnableArray(array_name);
   reader->Update();
   require_no_error();
 
   vtkImageData* image = reader->GetOutput();
-  const vtkSmartPointer<vtkDataArray> samples = choose_samples(*image->GetPointData(), path);
-  if (samples->GetNumberOfComponents() != 1) {
-    throw unsupported(path, "has " + std::to_string(samples->GetNumberOfComponents()) +
-                                " values per sample (colour or vector), expected one");
-  }
-  Volume volume;
-  volume.type = sample_type_of(*samples, path);
-  checked_sample_bytes(path, size, bytes_per_sample(volume.type));
-  if (static_cast<std::uint64_t>(samples->GetNumberOfTuples()) != least_bytes) {
-    throw bad_file(path, "has " + std::to_string(samples->GetNumberOfTuples()) + " samples, the header promises " +
-                             std::to_string(least_bytes));
+  const vtkSmartPointer<vtkDataArray> samples = image->GetPointData()->GetArray(array_name);
+  if (samples == nullptr || static_cast<std::uint64_t>(samples->GetNumberOfValues()) != bytes / bytes_per_sample(volume.type) ||
+      sample_type_of(samples->GetDataType(), path) != volume.type) {
+    throw bad_file(path, "does not hold the samples its header promises");
   }
 
   const std::array<double, 3> spacing{image->GetSpacing()[0], image->GetSpacing()[1], image->GetSpacing()[2]};
-  std::array<Vec3, 3> axes;
   std::array<double, 3> origin{image->GetOrigin()[0], image->GetOrigin()[1], image->GetOrigin()[2]};
+  std::array<Vec3, 3> axes;
+  const vtkMatrix3x3& matrix = *image->GetDirectionMatrix();
   for (int axis = 0; axis < 3; ++axis) {
-    const vtkMatrix3x3& matrix = *image->GetDirectionMatrix();
     const auto column = static_cast<std::size_t>(axis);
     axes[column] = {matrix.GetElement(0, axis), matrix.GetElement(1, axis), matrix.GetElement(2, axis)};
     // VTK's origin belongs to index 0; our first sample is the first of the extent.

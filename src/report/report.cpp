@@ -68,9 +68,35 @@ Json to_value(const MeshQuality& quality) {
           {"zero_area_triangles", quality.zero_area_triangles}};
 }
 
+/// For people too: one line per key, lists of numbers on that line, lists of objects with one object per line.
+void print(const Json& value, std::string& text, const std::string& indent = "\n") {
+  const bool is_list = value.is_array() && !value.empty() && value[0].is_object();
+  if (!is_list && !value.is_object()) {
+    // A path may hold bytes that are not UTF-8; a report with a replacement character beats no report.
+    text += value.dump(-1, ' ', false, Json::error_handler_t::replace);
+    return;
+  }
+  text += is_list ? '[' : '{';
+  bool first = true;
+  for (const auto& [key, item] : value.items()) {
+    if (!first) text += ',';
+    first = false;
+    text += indent + "  ";
+    if (is_list) {
+      text += item.dump();
+    } else {
+      text += Json(key).dump() + ": ";
+      print(item, text, indent + "  ");
+    }
+  }
+  text += indent;
+  text += is_list ? ']' : '}';
+}
+
 std::string to_text(const Json& json) {
-  // A path may hold bytes that are not UTF-8; a report with a replacement character beats no report.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  std::string text;
+  print(json, text);
+  return text + "\n";
 }
 
 }  // namespace

@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Volumes through ITK's ImageIO classes, used directly: an itk::Image would fix the sample type at compile time and
-// an ImageFileReader would ask every registered format. The samples go straight from the file to our memory.
-#include <itkImageIOBase.h>
-#include <itkMetaImageIO.h>
-#include <itkNiftiImageIO.h>
-#include <itkNrrdImageIO.h>
-#include <itkTIFFImageIO.h>
-#include <itkVTKImageIO.h>
+#include "io/itk_image.h"
 
+#include <itkImageIOBase.h>
+
+#include <algorithm>
 #include <string>
+#include <vector>
 
 #include "io/file_error.h"
-#include "io/formats.h"
 #include "io/grid_of_file.h"
-#include "io/itk_image.h"
 #include "io/library_messages.h"
 
 namespace isoatlas::io {
@@ -57,11 +52,14 @@ void translate_itk_errors(const fs::path& path, const std::function<void()>& rea
   } catch (const itk::MemoryAllocationError&) {
     throw Error(ErrorCode::out_of_memory, one_line(path.string() + ": not enough memory"));
   } catch (const itk::ExceptionObject& error) {
+    if (std::string_view(error.GetDescription()).find("orthonormal") != std::string_view::npos) {
+      throw unsupported(path, "its axes are not perpendicular to each other (a sheared affine), expected a box-shaped grid");
+    }
     throw bad_file(path, "cannot be read: " + short_message(error.GetDescription()));
   }
 }
 
-ImageHeader read_image_header(itk::ImageIOBase& image_io, const fs::path& path, std::string_view format_name) {
+ImageHeader read_itk_header(itk::ImageIOBase& image_io, const fs::path& path, std::string_view format_name) {
   ImageHeader header;
   translate_itk_errors(path, [&] {
     if (!image_io.CanReadFile(path.c_str())) {
@@ -103,7 +101,7 @@ ImageHeader read_image_header(itk::ImageIOBase& image_io, const fs::path& path, 
   return header;
 }
 
-void read_image_samples(itk::ImageIOBase& image_io, const fs::path& path, void* samples) {
+void read_itk_samples(itk::ImageIOBase& image_io, const fs::path& path, void* samples) {
   translate_itk_errors(path, [&] {
     itk::ImageIORegion region(image_io.GetNumberOfDimensions());
     for (unsigned axis = 0; axis < image_io.GetNumberOfDimensions(); ++axis) {
@@ -114,36 +112,19 @@ void read_image_samples(itk::ImageIOBase& image_io, const fs::path& path, void* 
   });
 }
 
-namespace {
-
-template <class ImageIo>
-Volume read_with(const fs::path& path, std::string_view format_name) {
-  const LibraryMessages messages;
-  const auto image_io = ImageIo::New();
-  const ImageHeader header = read_image_header(*image_io, path, format_name);
+Volume read_itk_volume(itk::ImageIOBase& image_io, const fs::path& path, std::string_view format_name,
+                       const std::function<void(const ImageHeader&)>& check_stored_data) {
+  const ImageHeader header = read_itk_header(image_io, path, format_name);
   const std::uint64_t bytes = checked_sample_bytes(path, header.size, bytes_per_sample(header.type));
   Volume volume;
   volume.grid = grid_of_file(path, header.size, header.spacing, header.origin, header.axes);
   volume.type = header.type;
+  check_stored_data(header);
   const std::shared_ptr<std::byte[]> samples = allocate_samples(path, bytes);
-  read_image_samples(*image_io, path, samples.get());
+  read_itk_samples(image_io, path, samples.get());
   volume.samples = samples.get();
   volume.owner = samples;
   return volume;
-}
-
-}  // namespace
-
-Volume read_nrrd(const fs::path& path) { return read_with<itk::NrrdImageIO>(path, "NRRD file"); }
-
-Volume read_nifti(const fs::path& path) { return read_with<itk::NiftiImageIO>(path, "NIfTI file"); }
-
-Volume read_meta_image(const fs::path& path) { return read_with<itk::MetaImageIO>(path, "MetaImage file"); }
-
-Volume read_tiff(const fs::path& path) { return read_with<itk::TIFFImageIO>(path, "TIFF file"); }
-
-Volume read_legacy_vtk(const fs::path& path) {
-  return read_with<itk::VTKImageIO>(path, "legacy VTK file with structured points");
 }
 
 }  // namespace isoatlas::io

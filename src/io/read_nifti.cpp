@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+// NIfTI-1 and Analyze 7.5 by ITK. Its NIfTI library writes to stderr what it does not like in a header and fills
+// samples that are missing with zeros without a word: both are checked here first.
+#include <itkNiftiImageIO.h>
+#include <nifti1_io.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <string>
+
+#include "io/file_error.h"
+#include "io/formats.h"
+#include "io/itk_image.h"
+#include "io/library_messages.h"
+#include "io/stored_data.h"
+
+namespace isoatlas::io {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t kHeaderBytes = 348;
+
+template <class Value>
+Value field(const std::string& header, std::size_t offset, bool swap) {
+  std::array<char, sizeof(Value)> bytes;
+  std::copy_n(header.begin() + static_cast<std::ptrdiff_t>(offset), bytes.size(), bytes.begin());
+  if (swap) {
+    std::reverse(bytes.begin(), bytes.end());
+  }
+  return std::bit_cast<Value>(bytes);
+}
+
+struct StoredSamples {
+  fs::path file;
+  std::uint64_t offset = 0;
+  std::uint64_t bits_per_sample = 0;
+};
+
+bool has_extension(const fs::path& path, std::string_view extension) {
+  std::string found = path.extension().string();
+  std::ranges::transform(found, found.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return found == extension;
+}
+
+// The other half of a .hdr/.img pair, as it is there: plain or gzipped, in the case of the given half.
+fs::path sibling(const fs::path& path, std::string_view lower, std::string_view upper) {
+  for (const std::string_view extension : {lower, upper}) {
+    for (const std::string_view packing : {"", ".gz"}) {
+      fs::path candidate = path;
+      candidate.replace_extension(std::string(extension) + std::string(packing));
+      std::error_code ignored;
+      if (fs::is_regular_file(candidate, ignored)) {
+        return candidate;
+      }
+    }
+  }
+  throw bad_file(path, "there is no " + std::string(lower) + " file beside it");
+}
+
+// Checks what the NIfTI library would complain about on stderr, and finds the samples.
+StoredSamples read_stored_samples(const fs::path& path) {
+  const bool is_image_half = has_extension(path, ".img");
+  const bool is_header_half = has_extension(path, ".hdr");
+  const fs::path header_file = is_image_half ? sibling(path, ".hdr", ".HDR") : path;
+  const std::string header = first_bytes(header_file, kHeaderBytes);
+  if (header.size() < kHeaderBytes) {
+    throw bad_file(header_file, "is not a NIfTI file, or its header is cut off or damaged");
+  }
+  constexpr std::int32_t kSwappedHeaderBytes = 0x5C010000;
+  const auto stated_bytes = field<std::int32_t>(header, 0, false);
+  const bool swap = stated_bytes == kSwappedHeaderBytes;
+  if (stated_bytes == 540 || stated_bytes == 0x1C020000) {
+    throw unsupported(header_file, "is a NIfTI-2 file, expected NIfTI-1");
+  }
+  if (!swap && stated_bytes != static_cast<std::int32_t>(kHeaderBytes)) {
+    throw bad_file(header_file, "is not a NIfTI file");
+  }
+  const auto dimensions = field<std::int16_t>(header, 40, swap);
+  if (dimensions < 1 || dimensions > 7) {
+    throw bad_file(header_file, "has " + std::to_string(dimensions) + " dimensions, expected 3");
+  }
+  for (int axis = 1; axis <= dimensions; ++axis) {
+    const auto samples = field<std::int16_t>(header, 40 + 2 * static_cast<std::size_t>(axis), swap);
+    if (samples < 1) {
+      throw bad_file(header_file, "has " + std::to_string(samples) + " samples along axis " + std::to_string(axis));
+    }
+  }
+  for (int axis = 1; axis <= std::min<int>(dimensions, 3); ++axis) {
+    // The library takes 1 for 0 and goes on.
+    const auto spacing = field<float>(header, 76 + 4 * static_cast<std::size_t>(axis), swap);
+    if (!std::isfinite(spacing) || spacing == 0) {
+      throw bad_file(header_file, "the spacing along axis " + std::to_string(axis) + " is " + std::to_string(spacing) +
+                                      ", expected a positive length");
+    }
+  }
+  const auto type = field<std::int16_t>(header, 70, swap);
+  if (nifti_is_valid_datatype(type) == 0) {
+    throw unsupported(header_file, "has samples of type " + std::to_string(type) + " (" + nifti_datatype_string(type) +
+                                       "), expected integers of 8 to 64 bits, float or double");
+  }
+  int bytes_per_sample = 0;
+  int swap_size = 0;
+  nifti_datatype_sizes(type, &bytes_per_sample, &swap_size);
+
+  StoredSamples stored;
+  stored.bits_per_sample = 8 * static_cast<std::uint64_t>(bytes_per_sample);
+  stored.file = is_header_half ? sibling(path, ".img", ".IMG") : path;
+  const auto offset = field<float>(header, 108, swap);
+  const double least_offset = is_image_half || is_header_half ? 0 : 352;
+  stored.offset = static_cast<std::uint64_t>(std::clamp<double>(std::isfinite(offset) ? offset : 0, least_offset, 1e15));
+  return stored;
+}
+
+bool is_gzipped(const fs::path& path) { return has_extension(path, ".gz"); }
+
+}  // namespace
+
+Volume read_nifti(const fs::path& path) {
+  const LibraryMessages messages;
+  nifti_set_debug_level(0);  // it writes to stderr
+  const StoredSamples stored = read_stored_samples(path);
+  return read_itk_volume(*itk::NiftiImageIO::New(), path, "NIfTI file", [&](const ImageHeader& header) {
+    // What is on disk: a scale in the header makes floats of it later.
+    const std::uint64_t promised = header.sample_count() * stored.bits_per_sample / 8;
+    const std::uint64_t file_bytes = readable_file_size(stored.file);
+    if (is_gzipped(stored.file)) {
+      require_possible_bytes(stored.file, promised, file_bytes);
+      require_inflated_bytes(stored.file, 0, stored.offset + promised);
+    } else {
+      require_stored_bytes(stored.file, promised, file_bytes - std::min(stored.offset, file_bytes));
+    }
+  });
+}
+
+}  // namespace isoatlas::io

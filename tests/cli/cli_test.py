@@ -1,0 +1,724 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Runs the isoatlas tool: cli_test.py PATH_OF_TOOL [TestClass ...]. Needs nothing but the standard library."""
+
+import array
+import json
+import math
+import os
+import pathlib
+import pty
+import random
+import re
+import resource
+import select
+import signal
+import stat
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+import zlib
+
+TOOL = pathlib.Path(sys.argv[1]).resolve()
+DOCS = pathlib.Path(__file__).resolve().parents[2] / "docs" / "reference"
+MESH_EXTENSIONS = ["ply", "stl", "obj", "off", "vtp"]
+
+
+# ---------------------------------------------------------------------------------------------------------- volumes
+
+
+def sphere(size, radius=0.35, inside=1.0):
+    """Distance-like samples, x fastest: positive inside a sphere around the middle, radius relative to the x size."""
+    nx, ny, nz = size
+    cx, cy, cz = ((n - 1) / 2 for n in size)
+    return array.array("f", (
+        inside * (radius * nx - math.sqrt((x - cx) ** 2 + (y - cy) ** 2 + (z - cz) ** 2))
+        for z in range(nz) for y in range(ny) for x in range(nx)))
+
+
+def torus(n):
+    """Positive inside a torus about the z axis: genus 1."""
+    c = (n - 1) / 2
+    return array.array("f", (
+        0.12 * n - math.hypot(math.hypot(x - c, y - c) - 0.3 * n, z - c)
+        for z in range(n) for y in range(n) for x in range(n)))
+
+
+def little(samples):
+    if sys.byteorder == "big":
+        samples = array.array(samples.typecode, samples)
+        samples.byteswap()
+    return samples.tobytes()
+
+
+def nrrd(samples, size, kind="float", *extra):
+    header = ["NRRD0004", f"type: {kind}", f"dimension: {len(size)}", "sizes: " + " ".join(map(str, size)),
+              "encoding: raw", "endian: little", *extra]
+    return "\n".join(header).encode() + b"\n\n" + (samples if isinstance(samples, bytes) else little(samples))
+
+
+def off(positions, triangles):
+    lines = ["OFF", f"{len(positions)} {len(triangles)} 0"]
+    lines += ["%g %g %g" % p for p in positions] + ["3 %d %d %d" % t for t in triangles]
+    return ("\n".join(lines) + "\n").encode()
+
+
+TETRAHEDRON = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]
+
+
+# ------------------------------------------------------------------------------------------------------------- base
+
+
+def restore_signals():
+    # A shell's background job ignores Ctrl-C, and so would the tool; here it is what we test.
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
+
+
+class ToolTest(unittest.TestCase):
+    maxDiff = None
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="isoatlas-cli-")
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def put(self, name, content):
+        path = self.folder / name
+        path.write_bytes(content)
+        return path
+
+    def put_sphere(self, name="sphere.nrrd", n=20, **options):
+        return self.put(name, nrrd(sphere((n, n, n), **options), (n, n, n)))
+
+    def files(self):
+        return sorted(str(p.relative_to(self.folder)) for p in self.folder.rglob("*"))
+
+    def run_tool(self, *arguments, locale="C.UTF-8", limit=None, **options):
+        def prepare():
+            restore_signals()
+            if limit:
+                resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+
+        environment = {**os.environ, "LC_ALL": locale}
+        options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **options}
+        return subprocess.run([str(TOOL), *map(str, arguments)], env=environment, cwd=self.folder, preexec_fn=prepare,
+                              timeout=50, encoding="utf-8", **options)
+
+    def succeed(self, *arguments, **options):
+        result = self.run_tool(*arguments, **options)
+        self.assertEqual((result.returncode, result.stderr), (0, ""), arguments)
+        return result.stdout
+
+    def fail_with(self, status, pattern, *arguments, **options):
+        """The tool exits with `status`, says one line that matches on stderr, nothing on stdout, and leaves no new file."""
+        before = self.files()
+        result = self.run_tool(*arguments, **options)
+        self.assertEqual(result.returncode, status, result.stderr)
+        self.assertRegex(result.stderr, r"\Aisoatlas: error: [^\n]+\n\Z")
+        self.assertRegex(result.stderr, pattern)
+        self.assertFalse(result.stdout)
+        self.assertEqual(self.files(), before)
+        return result.stderr
+
+    def refuse(self, pattern, *arguments, **options):
+        return self.fail_with(2, pattern, *arguments, **options)
+
+    def refuse_volume(self, pattern, volume, *options, iso="0.5"):
+        self.refuse(pattern, "extract", volume, "--iso", iso, "-o", "out.ply", "--report", "out.json", *options)
+
+
+# ------------------------------------------------------------------------------------------------------------ tests
+
+
+def options_in(text):
+    return set(re.findall(r"(?<![\w-])(--?[a-z][a-z-]*)\b", text))
+
+
+class Help(ToolTest):
+    OPTIONS = {
+        "extract": "--iso -o --output --report --inside --coarse --max-radius --event-persistence --threads --nan --space "
+                   "--raw-size --raw-type --raw-spacing --raw-endian -q --quiet -v --verbose -h --help",
+        "info": "--raw-size --raw-type --raw-spacing --raw-endian -h --help",
+        "check": "--json -h --help",
+    }
+
+    def test_pages_have_every_section_and_option(self):
+        for command, options in self.OPTIONS.items():
+            page = self.succeed(command, "--help")
+            for title in ["NAME", "SYNOPSIS", "DESCRIPTION", "INPUT", "RUNNING", "EXAMPLES", "EXIT STATUS", "FILES"]:
+                self.assertRegex(page, rf"(?m)^{title}$", command)
+            listed = options_in("\n".join(re.findall(r"(?m)^    (-.*)$", page)))
+            self.assertEqual(listed, set(options.split()), command)
+            self.assertLessEqual(max(map(len, page.splitlines())), 80, command)
+            self.assertFalse(re.search(r"(?m)[ \t]$", page), "trailing blanks")
+        for title in ["INPUT", "SURFACE", "MESH", "OUTPUT", "RUNNING"]:
+            self.assertIn(f"\n{title}\n", self.succeed("extract", "-h"))
+
+    def test_main_page_names_the_commands(self):
+        page = self.succeed("--help")
+        for command in self.OPTIONS:
+            self.assertRegex(page, rf"(?m)^    {command} ")
+
+    def test_version(self):
+        self.assertRegex(self.succeed("--version"), r"\Aisoatlas \d+\.\d+\.\d+\n\Z")
+
+    def test_command_line_page_documents_every_option(self):
+        text = (DOCS / "command-line.md").read_text(encoding="utf-8")
+        for command, options in self.OPTIONS.items():
+            section = re.search(rf"(?ms)^## isoatlas {command}$(.*?)(?=^## |\Z)", text)
+            self.assertIsNotNone(section, command)
+            in_tables = "\n".join(re.findall(r"(?m)^\| (.*?) \|", section.group(1)))
+            self.assertEqual(options_in(in_tables), set(options.split()), command)
+
+    def test_errors_page_documents_every_status(self):
+        text = (DOCS / "errors.md").read_text(encoding="utf-8")
+        statuses = set(map(int, re.findall(r"(?m)^\| (\d+) \|", text)))
+        self.assertEqual(statuses, {0, 1, 2, 3, 4, 129, 130, 143})
+
+
+class Extract(ToolTest):
+    def test_sphere_from_nrrd(self):
+        self.put_sphere()
+        said = self.succeed("extract", "sphere.nrrd", "--iso", "0", "-o", "s.ply")
+        self.assertIn("1 component, genus 0, 0 boundary loops, Euler characteristic 2", said)
+        self.assertRegex(said, r"certificate +passed")
+        self.assertIn("s.ply", said)
+        self.assertLessEqual(len(said.splitlines()), 8)
+        self.assertEqual(self.files(), ["s.ply", "sphere.nrrd"])
+
+    def test_raw_samples_of_every_type_and_byte_order_give_the_same_topology(self):
+        n = 16
+        codes = {"int8": "b", "uint8": "B", "int16": "h", "uint16": "H", "int32": "i", "uint32": "I", "int64": "q",
+                 "uint64": "Q", "float32": "f", "float64": "d"}
+        values = [int(min(max(60 + 8 * s, 0), 120)) for s in torus(n)]
+        for order, mark in (("little", "<"), ("big", ">")):
+            for kind, code in codes.items():
+                self.put("t.raw", struct.pack(f"{mark}{n ** 3}{code}", *values))
+                said = self.succeed("extract", "t.raw", "--raw-size", f"{n},{n},{n}", "--raw-type", kind, "--raw-endian", order,
+                                    "--raw-spacing", "1,1,1", "--iso", "60.5", "-o", "t.off")
+                self.assertIn("1 component, genus 1, 0 boundary loops", said, (kind, order))
+
+    def test_surface_that_leaves_the_volume_has_a_boundary_loop(self):
+        n = 16
+        self.put("half.nrrd", nrrd(array.array("f", (x + 0.1 * y for z in range(n) for y in range(n) for x in range(n))), (n, n, n)))
+        self.assertIn("1 component, genus 0, 1 boundary loop, Euler characteristic 1",
+                      self.succeed("extract", "half.nrrd", "--iso", "7.3", "-o", "h.ply"))
+
+    def test_same_bytes_again_and_with_any_number_of_threads(self):
+        self.put("noise.raw", random.Random(7).randbytes(20 ** 3))
+        arguments = ["extract", "noise.raw", "--raw-size", "20,20,20", "--raw-type", "uint8", "--iso", "140.5", "-q"]
+        meshes = []
+        for i, threads in enumerate(("1", "1", "2", "0")):
+            self.assertEqual(self.succeed(*arguments, "--threads", threads, "-o", f"{i}.ply"), "")
+            meshes.append((self.folder / f"{i}.ply").read_bytes())
+        for mesh in meshes[1:]:
+            self.assertEqual(mesh, meshes[0])
+
+    def test_lengths_in_world_units_and_voxels(self):
+        self.put("s.nrrd", nrrd(sphere((20, 20, 20)), (20, 20, 20), "float", "spacings: 2 2 2"))
+        meshes = []
+        for length in ("6", "6mm", "3vx", "+6", "6e0mm"):
+            self.succeed("extract", "s.nrrd", "--iso", "0", "--max-radius", length, "--event-persistence", length, "-o", "s.off", "-q")
+            meshes.append((self.folder / "s.off").read_bytes())
+        self.assertEqual(len(set(meshes)), 1)
+        self.succeed("extract", "s.nrrd", "--iso", "0", "--event-persistence", "0", "-o", "s.off", "-q")
+
+    def test_inside_below_is_the_negated_volume(self):
+        self.put_sphere("a.nrrd")
+        self.put_sphere("b.nrrd", inside=-1.0)
+        self.succeed("extract", "a.nrrd", "--iso", "0.25", "-o", "a.off", "-q")
+        self.succeed("extract", "b.nrrd", "--iso", "-0.25", "--inside", "below", "-o", "b.off", "-q")
+        self.assertEqual((self.folder / "a.off").read_bytes(), (self.folder / "b.off").read_bytes())
+
+    def test_spaces(self):
+        self.put("s.nrrd", nrrd(sphere((20, 20, 20)), (20, 20, 20), "float", "space: left-posterior-superior",
+                                "space directions: (2,0,0) (0,2,0) (0,0,2)", "space origin: (100,200,300)"))
+        centres = {}
+        for space in ("lps", "ras", "voxel"):
+            self.succeed("extract", "s.nrrd", "--iso", "0", "--space", space, "-o", "s.off", "-q")
+            positions = off_positions((self.folder / "s.off").read_text())
+            centres[space] = [(min(axis) + max(axis)) / 2 for axis in zip(*positions)]
+        for space, expected in {"lps": (119, 219, 319), "ras": (-119, -219, 319), "voxel": (9.5, 9.5, 9.5)}.items():
+            for found, wanted in zip(centres[space], expected):
+                self.assertAlmostEqual(found, wanted, delta=2.5)
+
+    def test_nan_on_one_side(self):
+        samples = sphere((12, 12, 12))
+        samples[5] = math.nan
+        samples[7] = -math.inf
+        self.put("n.nrrd", nrrd(samples, (12, 12, 12)))
+        self.succeed("extract", "n.nrrd", "--iso", "0", "-o", "a.ply", "--nan", "below")
+        self.assertIn("2 components", self.succeed("extract", "n.nrrd", "--iso", "0", "-o", "b.ply", "--nan", "above"))
+
+    def test_quiet_and_verbose(self):
+        self.put_sphere()
+        arguments = ["extract", "sphere.nrrd", "--iso", "0", "-o", "s.ply", "--coarse"]
+        self.assertEqual(self.succeed(*arguments, "-q"), "")
+        verbose = self.succeed(*arguments, "-v")
+        for word in ("surface", "coarsen", "cover", "certify", "repair", "memory"):
+            self.assertIn(word, verbose)
+        self.assertGreater(len(verbose.splitlines()), len(self.succeed(*arguments).splitlines()))
+
+
+def off_positions(text):
+    words = " ".join(line.split("#")[0] for line in text.splitlines()).split()
+    count = int(words[1])
+    numbers = list(map(float, words[4:4 + 3 * count]))
+    return list(zip(numbers[0::3], numbers[1::3], numbers[2::3]))
+
+
+class Outputs(ToolTest):
+    def test_every_format_passes_check(self):
+        self.put_sphere()
+        for extension in MESH_EXTENSIONS:
+            self.succeed("extract", "sphere.nrrd", "--iso", "0", "-o", f"s.{extension}", "-q")
+            checked = json.loads(self.succeed("check", f"s.{extension}", "--json"))
+            self.assertEqual((checked["euler_characteristic"], checked["boundary_edges"]), (2, 0), extension)
+        self.assertEqual(len(self.files()), 1 + len(MESH_EXTENSIONS))
+
+    def test_existing_files_are_replaced_and_links_followed(self):
+        self.put_sphere()
+        self.put("old.ply", b"old")
+        (self.folder / "link.ply").symlink_to("old.ply")
+        self.succeed("extract", "sphere.nrrd", "--iso", "0", "-o", "link.ply", "-q")
+        self.assertTrue((self.folder / "link.ply").is_symlink())
+        self.succeed("check", "old.ply")
+
+    def test_mesh_has_usual_permissions(self):
+        self.put_sphere()
+        self.succeed("extract", "sphere.nrrd", "--iso", "0", "-o", "s.ply", "--report", "s.json", "-q")
+        plain = stat.S_IMODE(self.put("plain", b"").stat().st_mode)
+        for name in ("s.ply", "s.json"):
+            self.assertEqual(stat.S_IMODE((self.folder / name).stat().st_mode), plain)
+
+    def test_a_failed_run_leaves_the_old_files(self):
+        self.put_sphere()
+        old = self.put("s.ply", b"old")
+        self.refuse("range", "extract", "sphere.nrrd", "--iso", "1000", "-o", "s.ply")
+        self.assertEqual(old.read_bytes(), b"old")
+
+    def test_places_that_cannot_be_written(self):
+        self.put_sphere()
+        self.put("file", b"")
+        (self.folder / "folder.ply").mkdir()
+        os.mkfifo(self.folder / "pipe.ply")
+        for place in ("file/s", "missing/s", "/proc/s", "/proc/self/s", "folder", "pipe"):
+            self.refuse(re.escape(place), "extract", "sphere.nrrd", "--iso", "0", "-o", place + ".ply")
+            report = place + (".ply" if place in ("folder", "pipe") else ".json")
+            self.refuse(re.escape(place), "extract", "sphere.nrrd", "--iso", "0", "-o", "ok.ply", "--report", report)
+        self.refuse("s.xyz", "extract", "sphere.nrrd", "--iso", "0", "-o", "s.xyz")
+        self.refuse("ply", "extract", "sphere.nrrd", "--iso", "0", "-o", "noextension")
+
+    def test_outputs_are_checked_before_the_volume_is_read(self):
+        self.refuse("xyz", "extract", "missing.nrrd", "--iso", "0", "-o", "s.xyz")
+        self.refuse("folder missing|missing/s.json", "extract", "missing.nrrd", "--iso", "0", "-o", "s.ply", "--report", "missing/s.json")
+
+    def test_outputs_do_not_replace_each_other_or_the_volume(self):
+        self.put_sphere()
+        mesh_like = self.put_sphere("volume.ply")
+        size = mesh_like.stat().st_size
+        (self.folder / "sub").mkdir()
+        extract = ["extract", "sphere.nrrd", "--iso", "0"]
+        self.refuse("replace", *extract, "-o", "s.ply", "--report", "sub/../s.ply")
+        self.refuse("replace", *extract, "-o", "s.ply", "--report", "sphere.nrrd")
+        raw = ["--raw-size", "20,20,20", "--raw-type", "float32"]
+        self.refuse("replace", "extract", "volume.ply", *raw, "--iso", "0", "-o", "./volume.ply")
+        os.link(mesh_like, self.folder / "hard.ply")
+        self.refuse("replace", "extract", "volume.ply", *raw, "--iso", "0", "-o", "hard.ply")
+        self.assertEqual(mesh_like.stat().st_size, size)
+
+    def test_full_standard_output_is_an_error(self):
+        self.put("t.off", off(*TETRAHEDRON))
+        with open("/dev/full", "w") as full:
+            self.refuse("standard output", "check", "t.off", "--json", stdout=full)
+
+
+class BadArguments(ToolTest):
+    def setUp(self):
+        super().setUp()
+        self.put_sphere(n=8)
+        self.good = ["extract", "sphere.nrrd", "--iso", "0", "-o", "out.ply"]
+
+    def test_usage(self):
+        self.refuse(r"see isoatlas --help", "no-such-command")
+        self.refuse(r"see isoatlas --help")
+        self.refuse(r"see isoatlas extract --help", "extract")
+        self.refuse(r"--iso.*see isoatlas extract --help", "extract", "sphere.nrrd", "-o", "out.ply")
+        self.refuse(r"--output.*see isoatlas extract --help", "extract", "sphere.nrrd", "--iso", "0")
+        self.refuse(r"--frobnicate.*see isoatlas extract --help", *self.good, "--frobnicate")
+        self.refuse(r"see isoatlas info --help", "info")
+        self.refuse(r"see isoatlas check --help", "check", "a.ply", "b.ply")
+
+    def test_values(self):
+        for option, values in {
+            "--iso": ["nan", "inf", "-inf", "", "1,5", "0x", "ten", "1e999"],
+            "--max-radius": ["0", "-1", "3 furlongs", "vx", "mm", "1vxmm", "inf", "nanmm", "", "2.5 mm", "1e999"],
+            "--event-persistence": ["-1", "abc", "3px", "infvx"],
+            "--threads": ["-1", "1.5", "many", "", "99999999999"],
+            "--inside": ["outside", "", "0"],
+            "--nan": ["refuse", ""],
+            "--space": ["lpi", "LPS"],
+        }.items():
+            base = self.good if option != "--iso" else ["extract", "sphere.nrrd", "-o", "out.ply"]
+            for value in values:
+                self.refuse(rf"{option}.*see isoatlas extract --help", *base, f"{option}={value}")
+        self.refuse("--iso", *self.good, "--iso", "1")
+        self.refuse("--quiet", *self.good, "-q", "-v")
+
+    def test_raw_layout(self):
+        raw = ["info", "sphere.nrrd"]
+        self.refuse("--raw-type", *raw, "--raw-size", "8,8,8")
+        self.refuse("--raw-size", *raw, "--raw-type", "uint8")
+        self.refuse("--raw-size", *raw, "--raw-spacing", "1,1,1")
+        for size in ("8,8", "8,8,8,8", "8x8x8", "8,8,0", "8,8,-8", "8,8,", "8,8,8.0", "99999999999999999999,8,8"):
+            self.refuse("--raw-size", *raw, f"--raw-size={size}", "--raw-type", "uint8")
+        self.refuse("--raw-type.*float32", *raw, "--raw-size", "8,8,8", "--raw-type", "float")
+        for spacing in ("0,1,1", "1,1", "-1,1,1", "nan,1,1"):
+            self.refuse("--raw-spacing", *raw, "--raw-size", "8,8,8", "--raw-type", "uint8", f"--raw-spacing={spacing}")
+        self.refuse("--raw-endian", *raw, "--raw-size", "8,8,8", "--raw-type", "uint8", "--raw-endian", "middle")
+
+
+class BadFiles(ToolTest):
+    def test_missing_truncated_and_unknown(self):
+        self.refuse_volume("nowhere.nrrd", "nowhere.nrrd")
+        whole = nrrd(sphere((8, 8, 8)), (8, 8, 8))
+        self.put("short.nrrd", whole[:-100])
+        self.refuse_volume("short.nrrd", "short.nrrd")
+        self.put("header.nrrd", whole[:40])
+        self.refuse_volume("header.nrrd", "header.nrrd")
+        self.put("empty.nrrd", b"")
+        self.refuse_volume("empty.nrrd", "empty.nrrd")
+        self.put("text.nrrd", b"this is no volume\n" * 10)
+        self.refuse_volume("text.nrrd", "text.nrrd")
+        self.put("v.jpeg2000", whole)
+        self.refuse_volume("v.jpeg2000", "v.jpeg2000")
+        self.put("bad\nname.nrrd", b"")
+        self.refuse_volume("bad name.nrrd", "bad\nname.nrrd")
+
+    def test_header_that_promises_more(self):
+        self.put("more.nrrd", nrrd(sphere((8, 8, 8)), (8, 8, 9)))
+        self.refuse_volume("more.nrrd", "more.nrrd")
+        self.put("raw.raw", bytes(8 * 8 * 8))
+        self.refuse_volume("raw.raw.*512 bytes.*576 bytes", "raw.raw", "--raw-size", "8,8,9", "--raw-type", "uint8")
+
+    def test_sizes_that_overflow(self):
+        huge = str(2 ** 32)
+        self.put("huge.nrrd", nrrd(b"\0" * 64, (huge, huge, huge), "uchar"))
+        self.refuse_volume("huge.nrrd", "huge.nrrd")
+        self.put("huge.raw", b"\0" * 64)
+        self.refuse_volume("huge.raw", "huge.raw", "--raw-size", f"{huge},{huge},{huge}", "--raw-type", "float64")
+
+    def test_images_that_are_no_scalar_volumes(self):
+        self.put("vector.nrrd", nrrd(bytes(3 * 512), (3, 8, 8, 8), "uchar", "kinds: vector domain domain domain"))
+        self.refuse_volume("vector.nrrd", "vector.nrrd")
+        self.put("flat.nrrd", nrrd(bytes(64), (8, 8), "uchar"))
+        self.refuse_volume("flat.nrrd", "flat.nrrd")
+        self.put("thin.nrrd", nrrd(bytes(64), (8, 8, 1), "uchar"))
+        self.refuse_volume("", "thin.nrrd")
+        self.put("thin.raw", bytes(64))
+        self.refuse_volume("", "thin.raw", "--raw-size", "1,8,8", "--raw-type", "uint8")
+
+    def test_nan_and_infinity_are_counted(self):
+        samples = sphere((8, 8, 8))
+        samples[3 + 8 * (2 + 8 * 1)] = math.nan
+        samples[400] = math.inf
+        self.put("n.nrrd", nrrd(samples, (8, 8, 8)))
+        message = self.refuse(r"\(3, ?2, ?1\)", "extract", "n.nrrd", "--iso", "0", "-o", "out.ply")
+        self.assertRegex(message, r"(?i)nan")
+        self.assertRegex(message, r"\b[12]\b")
+
+    def test_empty_surface_names_the_range(self):
+        self.put("c.nrrd", nrrd(bytes([7] * 511 + [40]), (8, 8, 8), "uchar"))
+        self.refuse_volume(r"\b7\b.*\b40\b", "c.nrrd", iso="100")
+        self.refuse_volume(r"\b7\b.*\b40\b", "c.nrrd", iso="3")
+        self.put("same.nrrd", nrrd(bytes([7] * 512), (8, 8, 8), "uchar"))
+        self.refuse_volume(r"\b7\b", "same.nrrd", iso="7")
+
+    def test_out_of_memory_is_status_4(self):
+        limit = 1 << 30
+        if self.run_tool("--version", limit=limit).returncode != 0:
+            self.skipTest("the tool does not start with 1 GiB of address space (sanitizers)")
+        with open(self.folder / "big.raw", "wb") as big:
+            big.truncate(2 << 30)  # a hole: takes no disk
+        self.fail_with(4, "memory", "extract", "big.raw", "--raw-size", "2048,1024,1024", "--raw-type", "uint8", "--iso", "0.5",
+                       "-o", "out.ply", limit=limit)
+
+
+class Interruption(ToolTest):
+    def interrupt(self, number, *arguments, after=0.4):
+        before = self.files()
+        process = subprocess.Popen([str(TOOL), *map(str, arguments)], cwd=self.folder, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, encoding="utf-8", preexec_fn=restore_signals)
+        time.sleep(after)
+        self.assertIsNone(process.poll(), "the job was too short to be interrupted")
+        process.send_signal(number)
+        sent = time.monotonic()
+        said, complained = process.communicate(timeout=20)
+        self.assertLess(time.monotonic() - sent, 1.0)
+        self.assertEqual(process.returncode, 128 + number)
+        self.assertEqual((said, complained), ("", "isoatlas: interrupted; nothing was written\n"))
+        self.assertEqual(self.files(), before)
+
+    def test_while_computing(self):
+        n = 160
+        self.put("noise.raw", random.Random(1).randbytes(n ** 3))
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            self.interrupt(number, "extract", "noise.raw", "--raw-size", f"{n},{n},{n}", "--raw-type", "uint8", "--iso", "127.5",
+                           "-o", "out.ply", "--report", "out.json")
+
+    def test_while_reading(self):
+        # Gigabytes of zeros in a small file: blocks between full flushes may be repeated.
+        deflate = zlib.compressobj(1, zlib.DEFLATED, -15)
+        block_bytes, blocks = 1 << 24, 256
+        block = deflate.compress(bytes(block_bytes)) + deflate.flush(zlib.Z_FULL_FLUSH)
+        end = b"\x03\x00" + struct.pack("<II", 0, block_bytes * blocks & 0xFFFFFFFF)
+        gzip = b"\x1f\x8b\x08\0\0\0\0\0\0\xff" + block * blocks + end
+        self.put("zeros.nrrd", nrrd(gzip, (2048, 2048, 1024), "uchar").replace(b"encoding: raw", b"encoding: gzip"))
+        self.interrupt(signal.SIGINT, "info", "zeros.nrrd")
+        self.interrupt(signal.SIGINT, "extract", "zeros.nrrd", "--iso", "0.5", "-o", "out.ply")
+
+    def test_ignored_signals_stay_ignored(self):
+        self.put_sphere()
+        n = 160
+        self.put("noise.raw", random.Random(1).randbytes(n ** 3))
+        process = subprocess.Popen(
+            [str(TOOL), "extract", "noise.raw", "--raw-size", f"{n},{n},{n}", "--raw-type", "uint8", "--iso", "127.5", "-o", "out.ply"],
+            cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8",
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN))
+        time.sleep(0.3)
+        process.send_signal(signal.SIGINT)
+        time.sleep(0.3)
+        self.assertIsNone(process.poll())
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=20)
+        self.assertEqual(process.returncode, 128 + signal.SIGTERM)
+
+
+def leaves(value, path=""):
+    """Paths of all leaf keys: kinds[].genus for objects in arrays, name[] never for plain numbers."""
+    if isinstance(value, dict):
+        return set().union(*(leaves(v, f"{path}.{k}" if path else k) for k, v in value.items()))
+    if isinstance(value, list) and value and isinstance(value[0], dict):
+        return set().union(*(leaves(v, path + "[]") for v in value))
+    return {path}
+
+
+def documented(schema):
+    text = (DOCS / "report.md").read_text(encoding="utf-8")
+    section = re.search(rf"(?ms)^## {schema}$(.*?)(?=^## |\Z)", text)
+    return set(re.findall(r"(?m)^\| `([^`]+)` \|", section.group(1)))
+
+
+class Report(ToolTest):
+    def make(self, *options):
+        self.put_sphere()
+        self.succeed("extract", "sphere.nrrd", "--iso", "0", "-o", "s.ply", "--report", "s.json", "-q", *options)
+        return json.loads((self.folder / "s.json").read_text(encoding="utf-8"))
+
+    def test_every_key_is_documented_and_every_documented_key_is_there(self):
+        self.assertEqual(leaves(self.make()), documented("isoatlas-report-1"))
+        self.assertEqual(leaves(json.loads(self.succeed("check", "s.ply", "--json"))), documented("isoatlas-check-1"))
+
+    def test_says_what_happened(self):
+        report = self.make("--max-radius", "3vx", "--space", "voxel", "--threads", "2")
+        self.assertEqual(report["schema"], "isoatlas-report-1")
+        self.assertEqual(report["input"]["path"], "sphere.nrrd")
+        self.assertEqual(report["input"]["size"], [20, 20, 20])
+        self.assertEqual(report["input"]["sample_type"], "float32")
+        self.assertEqual(report["parameters"]["max_radius"], 3)
+        self.assertEqual(report["parameters"]["threads"], 2)
+        self.assertEqual(report["parameters"]["space"], "voxel")
+        self.assertIsNone(report["parameters"]["event_persistence"])
+        self.assertIs(report["certificate"]["passed"], True)
+        for key in ("components", "euler_characteristic", "genus", "boundary_loops", "kinds"):
+            self.assertEqual(report["mesh"][key], report["reference"][key])
+        self.assertEqual(report["mesh"]["kinds"], [{"genus": 0, "boundary_loops": 0, "count": 1}])
+        self.assertEqual(sum(report["quality"]["aspect_ratio"]["histogram"]), report["mesh"]["triangles"])
+        self.assertEqual(len(report["quality"]["aspect_ratio"]["histogram"]), 20)
+        stages = {k: v for k, v in report["seconds"].items() if k not in ("read", "write", "total")}
+        self.assertAlmostEqual(sum(stages.values()), report["seconds"]["total"], delta=0.05)
+        self.assertGreater(report["peak_memory_bytes"], 1 << 20)
+
+    def test_agrees_with_an_independent_check(self):
+        report = self.make()
+        checked = json.loads(self.succeed("check", "s.ply", "--json"))
+        for key in ("vertices", "triangles", "components", "euler_characteristic", "genus", "boundary_loops", "kinds"):
+            self.assertEqual(checked[key], report["mesh"][key])
+
+    def test_keys_come_in_the_same_order_each_time(self):
+        self.make()
+        first = re.findall(r'"(\w+)":', (self.folder / "s.json").read_text())
+        self.make()
+        self.assertEqual(first, re.findall(r'"(\w+)":', (self.folder / "s.json").read_text()))
+
+
+class Info(ToolTest):
+    def suggested(self, text):
+        """The isovalues `info` suggests: a number and its reason on each line."""
+        lines = text[text.index("isovalues"):].replace("isovalues", "").splitlines()
+        return [float(line.split()[0]) for line in lines if re.match(r"\s*[-+.\d]+(e[-+]?\d+)?  ", line)]
+
+    def test_geometry(self):
+        self.put("v.nrrd", nrrd(sphere((10, 12, 14)), (10, 12, 14), "float", "space: left-posterior-superior",
+                                "space directions: (0,0.5,0) (-2,0,0) (0,0,3)", "space origin: (1,-2,3.5)"))
+        text = self.succeed("info", "v.nrrd")
+        for pattern in (r"size +10 x 12 x 14, 1,680 samples", r"type +float32, 6\.6 KiB", r"spacing +0\.5 2 3", r"extent +4\.5 x 22 x 39",
+                        r"origin +1 -2 3\.5", r"orientation +PRS \(x towards Posterior, y towards Right, z towards Superior\)$",
+                        r"direction +0 -1 0\n +1 0 0\n +0 0 1$", r"not finite +0 NaN, 0 infinite$"):
+            self.assertRegex(text, "(?m)" + pattern)
+
+    def test_oblique(self):
+        self.put("v.nrrd", nrrd(bytes(512), (8, 8, 8), "uchar", "space: left-posterior-superior",
+                                "space directions: (0.8,0.6,0) (-0.6,0.8,0) (0,0,1)", "space origin: (0,0,0)"))
+        self.assertRegex(self.succeed("info", "v.nrrd"), r"orientation +LPS .*oblique by 36\.9 degrees")
+
+    def test_integers_get_half_integers(self):
+        values = [10] * 300 + [100] * 150 + [200] * 62
+        self.put("v.nrrd", nrrd(bytes(values), (8, 8, 8), "uchar"))
+        text = self.succeed("info", "v.nrrd")
+        self.assertIn("range         10 to 200", text)
+        self.assertIn("no sample equals", text)
+        found = self.suggested(text)
+        self.assertTrue(found and all(value % 1 == 0.5 for value in found), found)
+        self.assertTrue(any(10 < v < 100 for v in found) and any(100 < v < 200 for v in found), found)
+
+    def test_suggestions_give_surfaces(self):
+        self.put_sphere()
+        for iso in self.suggested(self.succeed("info", "sphere.nrrd")):
+            self.succeed("extract", "sphere.nrrd", "--iso", iso, "-o", "s.ply", "-q")
+
+    def test_signed_distances_get_zero(self):
+        samples = array.array("f", (max(-2, min(2, s)) for s in sphere((16, 16, 16))))
+        self.put("d.nrrd", nrrd(samples, (16, 16, 16)))
+        self.assertRegex(self.succeed("info", "d.nrrd"), r"(?m)^(  isovalues)? +0 +the range is symmetric about 0")
+        whole = array.array("h", (round(100 * s) for s in samples))
+        self.put("i.nrrd", nrrd(whole, (16, 16, 16), "short"))
+        self.assertIn(-0.5, self.suggested(self.succeed("info", "i.nrrd")))
+
+    def test_binary_and_constant(self):
+        self.put("b.nrrd", nrrd(bytes([0] * 500 + [1] * 12), (8, 8, 8), "uchar"))
+        self.assertEqual(self.suggested(self.succeed("info", "b.nrrd")), [0.5])
+        self.put("c.nrrd", nrrd(bytes([3] * 512), (8, 8, 8), "uchar"))
+        self.assertRegex(self.succeed("info", "c.nrrd"), r"isovalues +none: all samples are equal")
+
+    def test_not_finite_samples_are_counted_not_drawn(self):
+        samples = sphere((8, 8, 8))
+        samples[9], samples[10], samples[11] = math.inf, math.nan, -math.inf
+        self.put("n.nrrd", nrrd(samples, (8, 8, 8)))
+        self.assertRegex(self.succeed("info", "n.nrrd"), r"not finite +1 NaN, 2 infinite, first at \(1, 1, 0\)")
+        self.put("all.nrrd", nrrd(array.array("f", [math.nan] * 512), (8, 8, 8)))
+        self.assertRegex(self.succeed("info", "all.nrrd"), r"not finite +512 NaN")
+
+    def test_extreme_values(self):
+        self.put("d.nrrd", nrrd(array.array("d", [-1.7e308, 1.7e308] * 256), (8, 8, 8), "double"))
+        self.succeed("info", "d.nrrd")
+        self.put("q.raw", struct.pack("<512q", *([-2 ** 63, 2 ** 63 - 1] * 256)))
+        self.succeed("info", "q.raw", "--raw-size", "8,8,8", "--raw-type", "int64")
+        self.put("f.nrrd", nrrd(array.array("f", [1e-42, 3e-42] * 256), (8, 8, 8)))
+        self.succeed("info", "f.nrrd")
+
+    def test_histogram_suits_the_locale(self):
+        self.put_sphere()
+        self.assertRegex(self.succeed("info", "sphere.nrrd", locale="en_US.UTF-8"), "[▁▂▃▄▅▆▇█]")
+        plain = self.succeed("info", "sphere.nrrd", locale="C")
+        self.assertTrue(plain.isascii())
+        self.assertIn("#", plain)
+
+    def test_bad_files(self):
+        self.refuse("nowhere", "info", "nowhere.nrrd")
+
+
+class Check(ToolTest):
+    def check(self, status, positions, triangles):
+        self.put("m.off", off(positions, triangles))
+        result = self.run_tool("check", "m.off")
+        as_json = self.run_tool("check", "m.off", "--json")
+        self.assertEqual((result.returncode, as_json.returncode), (status, status), result.stdout + result.stderr)
+        return result.stdout, json.loads(as_json.stdout)
+
+    def test_closed(self):
+        text, numbers = self.check(0, *TETRAHEDRON)
+        self.assertRegex(text, r"manifold +yes\n +oriented +yes\n +closed +yes\n +topology +1 component, genus 0, 0 boundary loops")
+        self.assertRegex(text, r"kinds +1 x \(genus 0, closed\)")
+        self.assertEqual((numbers["schema"], numbers["edges"], numbers["closed"]), ("isoatlas-check-1", 6, True))
+        self.assertAlmostEqual(numbers["quality"]["aspect_ratio"]["minimum"], 1 / math.sqrt(2), places=6)
+
+    def test_open(self):
+        text, numbers = self.check(0, TETRAHEDRON[0], TETRAHEDRON[1][:3])
+        self.assertRegex(text, r"closed +no: 3 boundary edges")
+        self.assertEqual((numbers["boundary_loops"], numbers["closed"], numbers["genus"]), (1, False, 0))
+
+    def test_flipped_triangle(self):
+        triangles = [(0, 1, 2)] + TETRAHEDRON[1][1:]
+        text, numbers = self.check(1, TETRAHEDRON[0], triangles)
+        self.assertRegex(text, r"oriented +no: 3 edges")
+        self.assertEqual((numbers["oriented"], numbers["genus"], numbers["inconsistent_edges"]), (False, None, 3))
+
+    def test_edge_of_three_triangles(self):
+        text, numbers = self.check(1, [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, -1, 0)], [(0, 1, 2), (1, 0, 3), (0, 1, 4)])
+        self.assertRegex(text, r"manifold +no: 1 edges in three or more triangles")
+        self.assertFalse(numbers["manifold"])
+
+    def test_two_fans_at_a_vertex(self):
+        positions = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (-1, 0, 0), (-1, -1, 0)]
+        text, _ = self.check(1, positions, [(0, 1, 2), (0, 3, 4)])
+        self.assertRegex(text, r"manifold +no: 1 vertices with more than one fan")
+
+    def test_repeated_corner(self):
+        text, numbers = self.check(1, TETRAHEDRON[0], TETRAHEDRON[1] + [(0, 1, 1)])
+        self.assertEqual(numbers["degenerate_triangles"], 1)
+        self.assertIn("use a vertex twice", text)
+
+    def test_bad_files(self):
+        self.refuse("nowhere.ply", "check", "nowhere.ply")
+        self.put("bad.off", b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 9\n")
+        self.refuse("bad.off", "check", "bad.off")
+        self.put("cut.off", off(*TETRAHEDRON)[:-20])
+        self.refuse("cut.off", "check", "cut.off")
+        self.put("m.xyz", b"0 0 0\n")
+        self.refuse("m.xyz", "check", "m.xyz")
+
+    def test_histogram_suits_the_locale(self):
+        self.put("m.off", off(*TETRAHEDRON))
+        self.assertRegex(self.succeed("check", "m.off", locale="C.UTF-8"), "█")
+        self.assertTrue(self.succeed("check", "m.off", locale="POSIX").isascii())
+
+
+class Terminal(ToolTest):
+    def on_terminal(self, *arguments, term="xterm"):
+        """What the tool writes to a stderr that is a terminal."""
+        ours, theirs = pty.openpty()
+        process = subprocess.Popen([str(TOOL), *arguments], cwd=self.folder, stdout=subprocess.DEVNULL, stderr=theirs,
+                                   env={**os.environ, "TERM": term, "LC_ALL": "C.UTF-8"})
+        os.close(theirs)
+        written = b""
+        while select.select([ours], [], [], 20)[0]:
+            try:
+                chunk = os.read(ours, 4096)
+            except OSError:  # Linux: the other end is closed
+                break
+            if not chunk:
+                break
+            written += chunk
+        os.close(ours)
+        self.assertEqual(process.wait(timeout=20), 0)
+        return written.decode()
+
+    def test_progress_is_drawn_and_erased(self):
+        self.put_sphere()
+        arguments = ["extract", "sphere.nrrd", "--iso", "0", "-o", "s.ply"]
+        drawn = self.on_terminal(*arguments)
+        self.assertIn("\rread", drawn)
+        self.assertRegex(drawn, r"\rsurface +[ ▏▎▍▌▋▊▉█]+ +\d+ %")
+        self.assertTrue(drawn.endswith("\r\x1b[K"))
+        self.assertNotIn("\n", drawn)
+        self.assertEqual(self.on_terminal(*arguments, "-q"), "")
+        self.assertEqual(self.on_terminal(*arguments, term="dumb"), "")
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[2:]])
