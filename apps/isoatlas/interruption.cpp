@@ -41,7 +41,9 @@ Interruption::~Interruption() {
   watcher_.join();
 }
 
-int Interruption::exit_status() const { return kSignalBase + signal_; }
+int Interruption::exit_status() const {
+  return kSignalBase + signal_;
+}
 
 void Interruption::commit(const std::function<void()>& last_step) {
   const std::lock_guard lock(mutex_);

@@ -15,12 +15,13 @@ namespace isoatlas::tool {
 /// Waits for SIGINT, SIGTERM and SIGHUP on a thread of its own.
 ///
 /// The signals are blocked everywhere else, so no code runs inside a signal handler and every line here may lock and
-/// allocate. When one arrives, requested() becomes true and the computation has kGrace to come back by itself. What does
-/// not look at the flag (a file being read by ITK, a mesh being written) is cut short after that: the cleanups run, then
-/// the process exits. Between commit() and that end there is a lock, so outputs appear as a whole or not at all.
+/// allocate. When one arrives, requested() becomes true and the computation has kGrace to come back by itself. What
+/// does not look at the flag (a file being read by ITK, a mesh being written) is cut short after that: the cleanups
+/// run, then the process exits. Between commit() and that end there is a lock, so outputs appear as a whole or not at
+/// all.
 ///
-/// Make one, first thing in main(): threads made earlier would not have the signals blocked. Signals that the caller of the
-/// tool ignores (nohup, shells' background jobs) stay ignored.
+/// Make one, first thing in main(): threads made earlier would not have the signals blocked. Signals that the caller of
+/// the tool ignores (nohup, shells' background jobs) stay ignored.
 class Interruption {
  public:
   Interruption();

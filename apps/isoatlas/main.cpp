@@ -79,8 +79,8 @@ int main(int argc, char** argv) {
     return app.exit(wish);
   } catch (const CLI::ParseError& error) {
     const auto chosen = app.get_subcommands();
-    return fail(kBadInput, std::string(error.what()) + " (see isoatlas " + (chosen.empty() ? "" : chosen.front()->get_name() + " ") +
-                               "--help)");
+    return fail(kBadInput, std::string(error.what()) + " (see isoatlas " +
+                               (chosen.empty() ? "" : chosen.front()->get_name() + " ") + "--help)");
   }
   if (extract_command->parsed()) return run([&] { return run_extract(extract_arguments, interruption); }, interruption);
   if (info_command->parsed()) return run([&] { return run_info(info_arguments); }, interruption);

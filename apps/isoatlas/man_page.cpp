@@ -10,23 +10,25 @@ namespace {
 
 constexpr std::size_t kColumns = 80, kIndent = 4, kDeepIndent = 10;
 
-/// Fills lines with the words of `text`; a line break in it starts a new paragraph.
-std::string wrapped(const std::string& text, std::size_t indent, const std::string& between_paragraphs = "\n") {
-  std::istringstream paragraphs(text);
-  std::string paragraph, result;
-  while (std::getline(paragraphs, paragraph)) {
-    if (!result.empty()) result += between_paragraphs;
-    std::istringstream words(paragraph);
-    std::string word, line;
-    while (words >> word) {
-      if (!line.empty() && indent + line.size() + 1 + word.size() > kColumns) {
-        result += std::string(indent, ' ') + line + "\n";
-        line.clear();
-      }
-      line += (line.empty() ? "" : " ") + word;
+/// Fills lines with the words of `text`; an empty line in it separates paragraphs.
+std::string filled(const std::string& text, std::size_t indent) {
+  std::istringstream lines(text);
+  std::string result, filling;
+  const auto end_line = [&] {
+    if (!filling.empty()) result += std::string(indent, ' ') + filling + "\n";
+    filling.clear();
+  };
+  for (std::string line, word; std::getline(lines, line);) {
+    if (line.empty()) {
+      end_line();
+      if (!result.empty()) result += "\n";
     }
-    result += std::string(indent, ' ') + line + "\n";
+    for (std::istringstream words(line); words >> word;) {
+      if (!filling.empty() && indent + filling.size() + 1 + word.size() > kColumns) end_line();
+      filling += (filling.empty() ? "" : " ") + word;
+    }
   }
+  end_line();
   return result;
 }
 
@@ -48,7 +50,7 @@ std::string option_entry(const CLI::Option& option) {
   for (std::size_t comma = names.find(','); comma != std::string::npos; comma = names.find(',', comma + 2))
     names.replace(comma, 1, ", ");
   if (!option.get_positional() && option.get_expected_max() > 0) names += " " + option.get_type_name();
-  return std::string(kIndent, ' ') + names + "\n" + wrapped(option.get_description(), kDeepIndent, "");
+  return std::string(kIndent, ' ') + names + "\n" + filled(option.get_description(), kDeepIndent);
 }
 
 }  // namespace
@@ -58,7 +60,7 @@ std::string ManPage::make_help(const CLI::App* app, std::string name, CLI::AppFo
   const std::string indent(kIndent, ' ');
   std::string page = section("Name", indent + name + " - " + app->get_description() + "\n");
   page += section("Synopsis", indented(text_.synopsis));
-  page += section("Description", wrapped(text_.description, kIndent));
+  page += section("Description", filled(text_.description, kIndent));
 
   std::string commands;
   for (const CLI::App* command : app->get_subcommands([](const CLI::App*) { return true; }))

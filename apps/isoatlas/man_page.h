@@ -13,9 +13,9 @@ namespace isoatlas::tool {
 class ManPage : public CLI::FormatterBase {
  public:
   struct Text {
-    std::string synopsis;     ///< as it stands
-    std::string description;  ///< paragraphs, one per line; wrapped
-    std::vector<std::string> groups;                             ///< option groups in the order of the page
+    std::string synopsis;                                       ///< as it stands
+    std::string description;                                    ///< paragraphs with empty lines between them; filled
+    std::vector<std::string> groups;                            ///< of options, in the order of the page
     std::vector<std::pair<std::string, std::string>> sections;  ///< after the options: title, lines as they stand
   };
 

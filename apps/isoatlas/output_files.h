@@ -17,8 +17,8 @@ bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
 /// Collects outputs in hidden folders beside their destinations and moves them there in one go.
 ///
-/// Everything unfinished, temporary files of the writers included, lies in those folders, so removing them removes every
-/// trace. discard() may be called from another thread while files are being written.
+/// Everything unfinished, temporary files of the writers included, lies in those folders, so removing them removes
+/// every trace. discard() may be called from another thread while files are being written.
 class OutputFiles {
  public:
   OutputFiles() = default;

@@ -30,7 +30,9 @@ void visit_samples(const VolumeView& volume, Visitor visit) {
   }
 }
 
-bool is_integer(SampleType type) { return type != SampleType::float32 && type != SampleType::float64; }
+bool is_integer(SampleType type) {
+  return type != SampleType::float32 && type != SampleType::float64;
+}
 
 /// Sums over the bins before a given one, so that any class's weight and mean come from two look-ups.
 struct Moments {
@@ -153,7 +155,8 @@ std::vector<SuggestedIsovalue> suggest_isovalues(const SampleHistogram& histogra
     else
       suggest(0, reason);
   }
-  const auto occupied = std::count_if(histogram.counts.begin(), histogram.counts.end(), [](std::size_t n) { return n > 0; });
+  const auto occupied =
+      std::count_if(histogram.counts.begin(), histogram.counts.end(), [](std::size_t n) { return n > 0; });
   const Moments moments(histogram.counts);
   if (occupied >= 2)
     for (const double split : two_classes(histogram.counts, moments))

@@ -34,8 +34,10 @@ std::string one_line(std::string_view text) {
   std::string result;
   for (const char c : text) {
     const bool blank = c == ' ' || std::iscntrl(static_cast<unsigned char>(c)) != 0;
-    if (!blank) result += c;
-    else if (!result.empty() && result.back() != ' ') result += ' ';
+    if (!blank)
+      result += c;
+    else if (!result.empty() && result.back() != ' ')
+      result += ' ';
   }
   while (!result.empty() && result.back() == ' ') result.pop_back();
   return result;
@@ -43,8 +45,13 @@ std::string one_line(std::string_view text) {
 
 std::string number_text(double value) {
   std::array<char, 64> buffer{};
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::general, 6).ptr;
+  const auto end =
+      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::general, 6).ptr;
   return {buffer.data(), end};
+}
+
+std::string ratio_text(double ratio) {
+  return number_text(std::round(ratio * 1e3) / 1e3);
 }
 
 std::string count_text(std::uint64_t count) {
@@ -61,7 +68,9 @@ std::string counted(std::uint64_t count, const std::string& noun) {
   return text;
 }
 
-std::string percent_text(double share) { return number_text(std::round(share * 1e4) / 1e2) + " %"; }
+std::string percent_text(double share) {
+  return number_text(std::round(share * 1e4) / 1e2) + " %";
+}
 
 std::string bytes_text(double bytes) {
   constexpr std::array<const char*, 5> kUnits{"bytes", "KiB", "MiB", "GiB", "TiB"};
@@ -94,7 +103,8 @@ std::string kinds_text(const TopologySummary& topology, std::size_t most) {
     const auto& kind = topology.kinds[i];
     if (i > 0) text += ", ";
     text += count_text(kind.count) + " x (genus " + std::to_string(kind.genus) + ", ";
-    text += kind.boundary_loops == 0 ? "closed" : counted(static_cast<std::uint64_t>(kind.boundary_loops), "boundary loop");
+    text +=
+        kind.boundary_loops == 0 ? "closed" : counted(static_cast<std::uint64_t>(kind.boundary_loops), "boundary loop");
     text += ")";
   }
   if (listed < topology.kinds.size()) text += " and " + counted(topology.kinds.size() - listed, "other kind");
@@ -111,16 +121,16 @@ std::string row(const std::string& label, const std::string& value) {
 std::vector<std::string> draw_histogram(std::span<const std::size_t> counts, int rows, int column_width, Scale scale,
                                         bool utf8) {
   static constexpr std::array<const char*, 9> kBlocks{" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
-  const auto height = [scale](std::size_t count) {
-    const auto value = static_cast<double>(count);
-    return scale == Scale::linear ? value : std::log1p(value);
+  const std::size_t highest = counts.empty() ? 0 : *std::max_element(counts.begin(), counts.end());
+  const auto height = [&](std::size_t count) {  // in [0, 1]
+    if (count == 0) return 0.0;
+    const double share = static_cast<double>(count) / static_cast<double>(highest);
+    return scale == Scale::linear ? share : std::max(0.0, 1 + std::log10(share) / 4);
   };
-  double highest = 0;
-  for (const std::size_t count : counts) highest = std::max(highest, height(count));
 
   std::vector<std::string> lines(static_cast<std::size_t>(rows));
   for (const std::size_t count : counts) {
-    int eighths = highest > 0 ? static_cast<int>(std::lround(height(count) / highest * 8 * rows)) : 0;
+    int eighths = static_cast<int>(std::lround(height(count) * 8 * rows));
     if (count > 0) eighths = std::max(eighths, 1);  // what is there shows, however little
     for (int r = 0; r < rows; ++r) {
       const int filled = std::clamp(eighths - 8 * (rows - 1 - r), 0, 8);

@@ -20,13 +20,14 @@ bool terminal_is_utf8();
 /// `text` as one line: line breaks and other control characters become spaces.
 std::string one_line(std::string_view text);
 
-std::string number_text(double value);             ///< at most six significant digits
-std::string count_text(std::uint64_t count);       ///< 12,345
+std::string number_text(double value);                              ///< at most six significant digits
+std::string ratio_text(double ratio);                               ///< to a thousandth
+std::string count_text(std::uint64_t count);                        ///< 12,345
 std::string counted(std::uint64_t count, const std::string& noun);  ///< "1 component", "12 components"
-std::string percent_text(double share);            ///< 0.0123 -> "1.23 %"
-std::string bytes_text(double bytes);              ///< 5.9 MiB
-std::string seconds_text(double seconds);          ///< 83 ms, 2.41 s, 3 min 05 s
-std::string size_text(const std::array<std::size_t, 3>& size);  ///< 256 x 256 x 94
+std::string percent_text(double share);                             ///< 0.0123 -> "1.23 %"
+std::string bytes_text(double bytes);                               ///< 5.9 MiB
+std::string seconds_text(double seconds);                           ///< 83 ms, 2.41 s, 3 min 05 s
+std::string size_text(const std::array<std::size_t, 3>& size);      ///< 256 x 256 x 94
 
 /// "2 components, genus 3, 1 boundary loop, Euler characteristic -3"
 std::string topology_text(const TopologySummary& topology);
@@ -36,6 +37,7 @@ std::string kinds_text(const TopologySummary& topology, std::size_t most);
 /// A label, padded, and what belongs to it: the lines of all reports on the terminal.
 std::string row(const std::string& label, const std::string& value);
 
+/// How counts become heights. logarithmic: from a ten-thousandth of the highest count upwards.
 enum class Scale { linear, logarithmic };
 
 /// Columns of block characters (of '#' if not utf8), highest count at full height, top line first.

@@ -77,6 +77,7 @@ struct ExtractReport {
   TopologySummary mesh;                          ///< counted on the finished triangles, independently
   CertificateReport coarsening;                  ///< certificate of the partition into blocks
   CertificateReport certificate;                 ///< certificate of the final partition
+  std::size_t turned_components = 0;             ///< tiny components left geometrically inside out: no c-vertex left to add
   MeshQuality quality;                           ///< measured in world units, whatever the mesh's space
   std::vector<StageTime> seconds;                ///< in order: surface, coarsen, cover, certify, mesh, check
   double total_seconds = 0;                      ///< volume in memory to checked mesh

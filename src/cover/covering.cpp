@@ -14,7 +14,7 @@ namespace isoatlas {
 Covering::Covering(const CVertexGraph& graph, const CoveringOptions& options)
     : graph_(graph), options_(options), events_(graph, options.event_persistence, options.first_stage),
       distance_(graph.c_vertex_count(), std::numeric_limits<float>::infinity()), radius_(graph.c_vertex_count(), options.max_radius),
-      queued_(graph.c_vertex_count(), 0) {
+      queued_(graph.c_vertex_count(), 0), changed_(graph.c_vertex_count(), 1) {
   partition_.cell_of.assign(graph.c_vertex_count(), kNone);
 }
 
@@ -30,6 +30,7 @@ void Covering::insert(CVertexId v) {
   front_.clear();
   distance_[v] = 0;
   partition_.cell_of[v] = cell;
+  changed_[v] = 1;
   front_.push(length_key(0, v));
   while (!front_.empty()) {
     const std::uint64_t key = front_.pop();
@@ -41,6 +42,7 @@ void Covering::insert(CVertexId v) {
       if (d >= distance_[n.id]) continue;  // equal distances stay with the earlier site
       distance_[n.id] = d;
       partition_.cell_of[n.id] = cell;
+      changed_[n.id] = 1;
       front_.push(length_key(d, n.id));
     }
   }

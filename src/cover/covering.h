@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <span>
 #include <vector>
 
 #include "core/distance_queue.h"
@@ -37,6 +39,10 @@ class Covering {
   /// h(x) <= radius + d(v, x) / 3 from now on.
   void lower_radius(CVertexId v, float radius);
 
+  /// Per c-vertex, 1 if it came into another cell since the last call of forget_changes().
+  std::span<const std::uint8_t> changed() const { return changed_; }
+  void forget_changes() { std::fill(changed_.begin(), changed_.end(), std::uint8_t{0}); }
+
   std::uint32_t site_count() const { return static_cast<std::uint32_t>(partition_.site.size()); }
   const Partition& partition() const { return partition_; }
   const std::vector<float>& distance() const { return distance_; }
@@ -58,6 +64,7 @@ class Covering {
   std::vector<float> distance_;
   std::vector<float> radius_;
   std::vector<std::uint8_t> queued_;
+  std::vector<std::uint8_t> changed_;
   NearestFirst front_;
   FarthestFirst uncovered_boundary_, uncovered_interior_;
   CVertexId next_boundary_ = 0, next_interior_ = 0;  // where to look for components without a site

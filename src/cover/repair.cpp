@@ -100,16 +100,22 @@ std::vector<CVertexId> independent(std::vector<Fix> fixes, std::uint32_t cells) 
 }  // namespace
 
 PartitionCheck certify_and_repair(const SurfaceComplex& complex, Covering& covering, CertificateReport& report, const RunControl& control) {
+  const Partition& partition = covering.partition();
+  std::vector<std::uint8_t> scope;  // after a repair, look again only around it; the last check is of everything
   for (;;) {
     control.check_cancelled();
-    const Partition& partition = covering.partition();
-    PartitionCheck check = check_partition(complex, partition.cell_of, partition.cell_count(), partition.site);
+    PartitionCheck check = check_partition(complex, partition.cell_of, partition.cell_count(), partition.site, scope);
     ++report.repair_rounds;
-    if (check.passed()) {
+    if (check.passed() && scope.empty()) {
       add_to(report, check);
       return check;
     }
+    if (check.passed()) {
+      scope.clear();
+      continue;
+    }
     const std::uint32_t before = covering.site_count();
+    covering.forget_changes();
     for (const CVertexId v : independent(find_fixes(complex, covering, check), partition.cell_count())) {
       if (covering.distance()[v] == 0) continue;  // two fixes may agree on the same c-vertex
       covering.lower_radius(v, covering.distance()[v]);
@@ -120,6 +126,12 @@ PartitionCheck certify_and_repair(const SurfaceComplex& complex, Covering& cover
       throw Error(ErrorCode::internal, "the certificate fails and no site is left to add; please report the volume and the options");
     }
     report.repair_sites += covering.site_count() - before;
+
+    scope = cells_near_changes(complex, partition.cell_of, partition.cell_count(), covering.changed());
+    for (CellId c = 0; c < before; ++c) {  // faults left for the next round
+      if (check.cell_fault[c] != 0) scope[c] = 1;
+    }
+    for (const PairFault& p : check.pair_faults) scope[p.a] = scope[p.b] = 1;
   }
 }
 

@@ -9,6 +9,7 @@
 
 #include <iostream>
 #include <regex>
+#include <string_view>
 
 #include "io/file_error.h"
 
@@ -27,7 +28,8 @@ class CollectingWindow : public vtkOutputWindow {
   vtkTypeMacro(CollectingWindow, vtkOutputWindow)
 
   void DisplayErrorText(const char* text) override {
-    if (first_error.empty()) {
+    // The pipeline repeats every failure with a dump of its request, which tells nobody anything.
+    if (first_error.empty() && std::string_view(text).find("returned failure for request") == std::string_view::npos) {
       first_error = text;
     }
   }
@@ -75,7 +77,7 @@ std::string short_message(const std::string& text) {
   const std::string cause = last_teem_line == std::string::npos ? text : text.substr(last_teem_line);
   // "itk::ERROR: NrrdImageIO(0x55d0): Read: ..." and "ERROR: In file.cxx, line 12\nvtkXMLDataParser (0x55d0): ..."
   static const std::regex noise(
-      R"(itk::ERROR:|ITK ERROR:|ERROR: In \S+ line \d+|[A-Za-z:]+ ?\(0x[0-9a-f]+\):|\[nrrd\]|_?(nrrd|airh?)\w+:)");
+      R"(itk::ERROR:|ITK ERROR:|ERROR: In \S+ line \d+|Reason: Success|[A-Za-z:]+ ?\(0x[0-9a-f]+\):|\[nrrd\]|_?(nrrd|airh?)\w+:)");
   return one_line(std::regex_replace(cause, noise, " "));
 }
 

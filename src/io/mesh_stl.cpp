@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <type_traits>
+#include <vector>
 
 #include "io/file_error.h"
 #include "io/formats.h"
@@ -25,12 +27,18 @@ using Float3 = std::array<float, 3>;
 Float3 to_float(const Vec3& p) { return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}; }
 
 // Numbers positions in the order of their first appearance; equal positions get one number. 0 and -0 are equal.
+//
+// Floats are compared as floats, not widened to double: g++ 12 with -O2 drops both conversions of a double that is
+// narrowed and widened again, and would tell apart what a float cannot.
+template <class Coordinate>
 class PositionTable {
  public:
+  using Position = std::array<Coordinate, 3>;
+
   explicit PositionTable(std::size_t most_positions)
       : slots_(std::bit_ceil(std::max<std::size_t>(16, 2 * most_positions)), kEmpty) {}
 
-  std::uint32_t number_of(const Vec3& position) {
+  std::uint32_t number_of(const Position& position) {
     const std::size_t mask = slots_.size() - 1;
     for (std::size_t slot = hash(position) & mask;; slot = (slot + 1) & mask) {
       if (slots_[slot] == kEmpty) {
@@ -44,16 +52,23 @@ class PositionTable {
     }
   }
 
-  const std::vector<Vec3>& positions() const { return positions_; }
-  std::vector<Vec3> take_positions() { return std::move(positions_); }
+  std::vector<Vec3> positions() const {
+    std::vector<Vec3> result;
+    result.reserve(positions_.size());
+    for (const Position& p : positions_) {
+      result.push_back({p[0], p[1], p[2]});
+    }
+    return result;
+  }
 
  private:
   static constexpr std::uint32_t kEmpty = 0xFFFF'FFFFU;
+  using Bits = std::conditional_t<sizeof(Coordinate) == 4, std::uint32_t, std::uint64_t>;
 
-  static std::uint64_t hash(const Vec3& p) {
+  static std::uint64_t hash(const Position& position) {
     std::uint64_t h = 0;
-    for (const double coordinate : {p.x, p.y, p.z}) {
-      h ^= std::bit_cast<std::uint64_t>(coordinate + 0.0);  // -0 + 0 is 0
+    for (const Coordinate coordinate : position) {
+      h ^= std::bit_cast<Bits>(coordinate + Coordinate{0});  // -0 + 0 is 0
       h *= 0x9E37'79B9'7F4A'7C15ULL;
       h ^= h >> 32;
     }
@@ -61,7 +76,7 @@ class PositionTable {
   }
 
   std::vector<std::uint32_t> slots_;
-  std::vector<Vec3> positions_;
+  std::vector<Position> positions_;
 };
 
 Float3 normal_of(const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -77,14 +92,14 @@ Float3 normal_of(const Vec3& a, const Vec3& b, const Vec3& c) {
 
 void require_float_keeps_vertices_apart(const TriangleMesh& mesh, const std::filesystem::path& path) {
   constexpr const char* kAdvice = "; write .ply, .obj, .off or .vtp instead, which keep double precision and indices";
-  PositionTable table(mesh.positions.size());
+  PositionTable<float> table(mesh.positions.size());
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
     const Float3 p = to_float(mesh.positions[v]);
     if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) {
       throw bad_file(path, "not written: vertex " + std::to_string(v) + " is out of the range of STL's float coordinates" +
                                kAdvice);
     }
-    const std::uint32_t first = table.number_of({p[0], p[1], p[2]});
+    const std::uint32_t first = table.number_of(p);
     if (first != v) {
       throw bad_file(path, "not written: vertices " + std::to_string(first) + " and " + std::to_string(v) +
                                " would become one in STL's float coordinates" + kAdvice);
@@ -95,24 +110,24 @@ void require_float_keeps_vertices_apart(const TriangleMesh& mesh, const std::fil
 TriangleMesh read_binary(const std::string& contents, std::uint32_t triangle_count) {
   TriangleMesh mesh;
   mesh.triangles.reserve(triangle_count);
-  PositionTable table(std::size_t{3} * triangle_count);
+  PositionTable<float> table(std::size_t{3} * triangle_count);
   for (std::size_t t = 0; t < triangle_count; ++t) {
     std::array<Float3, 3> corners;
     std::memcpy(corners.data(), contents.data() + kHeaderBytes + 4 + t * kTriangleBytes + sizeof(Float3), sizeof corners);
     Triangle triangle{};
     for (std::size_t k = 0; k < 3; ++k) {
-      triangle[k] = table.number_of({corners[k][0], corners[k][1], corners[k][2]});
+      triangle[k] = table.number_of(corners[k]);
     }
     mesh.triangles.push_back(triangle);
   }
-  mesh.positions = table.take_positions();
+  mesh.positions = table.positions();
   return mesh;
 }
 
 TriangleMesh read_ascii(const std::string& contents, const std::filesystem::path& path) {
   TextScanner scanner(contents, path);
   TriangleMesh mesh;
-  PositionTable table(contents.size() / 12);  // "vertex 0 0 0" is the shortest line of a corner
+  PositionTable<double> table(contents.size() / 12);  // "vertex 0 0 0" is the shortest line of a corner
   std::vector<std::uint32_t> corners;
   bool is_inside_solid = false;
   bool is_inside_loop = false;
@@ -149,7 +164,7 @@ TriangleMesh read_ascii(const std::string& contents, const std::filesystem::path
   if (is_inside_solid || is_inside_loop) {
     throw scanner.error("the file ends here, expected endsolid");
   }
-  mesh.positions = table.take_positions();
+  mesh.positions = table.positions();
   return mesh;
 }
 

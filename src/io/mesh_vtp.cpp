@@ -19,7 +19,7 @@
 #include "io/formats.h"
 #include "io/library_messages.h"
 #include "io/polygon_fan.h"
-#include "io/stored_data.h"
+#include "io/vtk_xml_file.h"
 
 namespace isoatlas::io {
 
@@ -69,7 +69,7 @@ TriangleMesh read_vtp(const std::filesystem::path& path) {
   if (reader->CanReadFile(path.c_str()) == 0) {
     throw bad_file(path, "is not a VTK XML poly data file");
   }
-  require_ending(path, "</VTKFile>");  // VTK does not notice data that is missing at the end
+  require_readable_vtk_xml(path);
   reader->SetFileName(path.c_str());
   reader->GetPointDataArraySelection()->DisableAllArrays();
   reader->GetCellDataArraySelection()->DisableAllArrays();
@@ -133,8 +133,8 @@ void write_vtp(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& f
   writer->SetHeaderTypeToUInt64();
   const bool written = writer->Write() != 0;
   if (!written || writer->GetErrorCode() != vtkErrorCode::NoError) {
-    const std::string error = messages.first_vtk_error();
-    throw bad_file(file.destination(), "cannot be written: " + (error.empty() ? "VTK failed to write it" : error));
+    throw bad_file(file.destination(), "cannot be written: VTK reports " +
+                                           one_line(vtkErrorCode::GetStringFromErrorCode(writer->GetErrorCode())));
   }
 }
 

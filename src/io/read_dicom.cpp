@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "io/dicom_file_end.h"
 #include "io/file_error.h"
 #include "io/formats.h"
 #include "io/grid_of_file.h"
@@ -75,29 +76,40 @@ void require_same_layout(const ImageHeader& first, const fs::path& first_path, c
 // The vector from slice to slice, after a check that it is the same everywhere. It need not be perpendicular to the
 // slices: a CT with a tilted gantry is a sheared grid, and is kept as one.
 Vec3 slice_step(const fs::path& folder, const std::vector<std::string>& files, const std::vector<Vec3>& positions) {
-  const auto last = static_cast<double>(positions.size() - 1);
-  const Vec3 whole = difference(positions.back(), positions.front());
-  const Vec3 step{whole.x / last, whole.y / last, whole.z / last};
-  const double distance = length(step);
+  const auto file_name = [&](std::size_t i) { return fs::path(files[i]).filename().string(); };
+  std::vector<Vec3> steps;
   for (std::size_t i = 1; i < positions.size(); ++i) {
-    const Vec3 moved = difference(positions[i], positions[i - 1]);
-    if (length(moved) == 0) {
-      throw unsupported(folder, "has several slices at one place (" + fs::path(files[i - 1]).filename().string() + " and " +
-                                    fs::path(files[i]).filename().string() + "): more than one volume?");
-    }
-    if (length(difference(moved, step)) > kPlaceTolerance * distance) {
-      throw bad_file(folder, "slices are not evenly spaced: " + std::to_string(length(moved)) + " from " +
-                                 fs::path(files[i - 1]).filename().string() + " to " +
-                                 fs::path(files[i]).filename().string() + ", " + std::to_string(distance) +
-                                 " on average; is a slice missing?");
+    steps.push_back(difference(positions[i], positions[i - 1]));
+    if (length(steps.back()) == 0) {
+      throw unsupported(folder, "has several slices at one place (" + file_name(i - 1) + " and " + file_name(i) +
+                                    "): more than one volume?");
     }
   }
-  return step;
+  std::vector<Vec3> by_length = steps;
+  const auto middle = by_length.begin() + static_cast<std::ptrdiff_t>(by_length.size() / 2);
+  std::nth_element(by_length.begin(), middle, by_length.end(),
+                   [](const Vec3& a, const Vec3& b) { return length(a) < length(b); });
+  const Vec3 usual = *middle;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (length(difference(steps[i], usual)) > kPlaceTolerance * length(usual)) {
+      throw bad_file(folder, "slices are not evenly spaced: " + std::to_string(length(steps[i])) + " from " + file_name(i) +
+                                 " to " + file_name(i + 1) + ", usually " + std::to_string(length(usual)) +
+                                 "; is a slice missing?");
+    }
+  }
+  const auto count = static_cast<double>(steps.size());
+  const Vec3 whole = difference(positions.back(), positions.front());
+  return {whole.x / count, whole.y / count, whole.z / count};
 }
 
 }  // namespace
 
 Volume read_dicom(const fs::path& folder) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (entry.is_regular_file()) {
+      require_whole_dicom_file(entry.path());
+    }
+  }
   const LibraryMessages messages;
   std::vector<std::string> files;
   translate_itk_errors(folder, [&] { files = files_of_only_series(folder); });

@@ -4,9 +4,9 @@
 #include <itkMetaImageIO.h>
 
 #include <algorithm>
-#include <cctype>
 #include <map>
 #include <string>
+#include <string_view>
 
 #include "io/file_error.h"
 #include "io/formats.h"
@@ -58,6 +58,14 @@ MetaFields read_fields(const fs::path& path) {
   throw bad_file(path, "has no ElementDataFile in its header");
 }
 
+// HeaderSize: what MetaIO skips of a data file of its own. -1 says that the samples are the last bytes, whatever is
+// before them.
+std::uint64_t skipped_bytes(const MetaFields& fields, const fs::path& path) {
+  const std::string value = fields.value_of("HeaderSize");
+  const std::int64_t bytes = value.empty() ? 0 : TextScanner({}, path).to_integer(value, "a number of bytes in HeaderSize");
+  return static_cast<std::uint64_t>(std::max<std::int64_t>(bytes, 0));
+}
+
 void check_stored_data(const fs::path& path, const ImageHeader& header) {
   const std::uint64_t promised = header.sample_count() * bytes_per_sample(header.type);
   const MetaFields fields = read_fields(path);
@@ -67,24 +75,19 @@ void check_stored_data(const fs::path& path, const ImageHeader& header) {
   }
   const bool is_local = file_name == "LOCAL" || file_name == "Local" || file_name == "local";
   const fs::path data_file = is_local ? path : path.parent_path() / file_name;
-  const std::uint64_t file_bytes = readable_file_size(data_file);
-  std::uint64_t offset = is_local ? fields.header_bytes : 0;
-  if (const std::string skipped = fields.value_of("HeaderSize"); !skipped.empty() && skipped != "0" && skipped != "-1") {
-    // MetaIO skips from the start of the data file; -1 means that the samples are its last bytes
-    offset = std::max<std::uint64_t>(offset, static_cast<std::uint64_t>(TextScanner(skipped, path).to_integer(
-                                                  skipped, "the number of bytes before the samples in HeaderSize")));
-  }
-  offset = std::min(offset, file_bytes);
-
-  if (fields.is_true("CompressedData")) {
-    require_possible_bytes(data_file, promised, file_bytes - offset);
-    require_inflated_bytes(data_file, offset, promised);
-  } else if (!fields.value_of("BinaryData").empty() && !fields.is_true("BinaryData")) {
-    require_possible_bytes(data_file, header.sample_count(), file_bytes - offset, 1);
-    require_stored_numbers(data_file, std::string_view(file_contents(data_file)).substr(offset), header.sample_count());
-  } else {
-    require_stored_bytes(data_file, promised, file_bytes - offset);
-  }
+  check_data_file(path, data_file, [&] {
+    const std::uint64_t file_bytes = readable_file_size(data_file);
+    const std::uint64_t offset = std::min(is_local ? fields.header_bytes : skipped_bytes(fields, path), file_bytes);
+    if (fields.is_true("CompressedData")) {
+      require_possible_bytes(data_file, promised, file_bytes - offset);
+      require_inflated_bytes(data_file, offset, promised);
+    } else if (!fields.value_of("BinaryData").empty() && !fields.is_true("BinaryData")) {
+      require_possible_bytes(data_file, header.sample_count(), file_bytes - offset, 1);
+      require_stored_numbers(data_file, std::string_view(file_contents(data_file)).substr(offset), header.sample_count());
+    } else {
+      require_stored_bytes(data_file, promised, file_bytes - offset);
+    }
+  });
 }
 
 }  // namespace

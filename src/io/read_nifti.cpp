@@ -7,8 +7,9 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cctype>
 #include <cmath>
-#include <cstring>
+#include <fstream>
 #include <string>
 
 #include "io/file_error.h"
@@ -38,7 +39,7 @@ Value field(const std::string& header, std::size_t offset, bool swap) {
 struct StoredSamples {
   fs::path file;
   std::uint64_t offset = 0;
-  std::uint64_t bits_per_sample = 0;
+  std::uint64_t bytes_per_sample = 0;
 };
 
 bool has_extension(const fs::path& path, std::string_view extension) {
@@ -60,6 +61,24 @@ fs::path sibling(const fs::path& path, std::string_view lower, std::string_view 
     }
   }
   throw bad_file(path, "there is no " + std::string(lower) + " file beside it");
+}
+
+std::uint64_t bytes_of_type(int nifti_type, const fs::path& path) {
+  switch (nifti_type) {
+    case NIFTI_TYPE_INT8:
+    case NIFTI_TYPE_UINT8: return 1;
+    case NIFTI_TYPE_INT16:
+    case NIFTI_TYPE_UINT16: return 2;
+    case NIFTI_TYPE_INT32:
+    case NIFTI_TYPE_UINT32:
+    case NIFTI_TYPE_FLOAT32: return 4;
+    case NIFTI_TYPE_INT64:
+    case NIFTI_TYPE_UINT64:
+    case NIFTI_TYPE_FLOAT64: return 8;
+    default:
+      throw unsupported(path, "has samples of type " + std::to_string(nifti_type) + " (" +
+                                  nifti_datatype_string(nifti_type) + "), expected integers of 8 to 64 bits, float or double");
+  }
 }
 
 // Checks what the NIfTI library would complain about on stderr, and finds the samples.
@@ -98,17 +117,8 @@ StoredSamples read_stored_samples(const fs::path& path) {
                                       ", expected a positive length");
     }
   }
-  const auto type = field<std::int16_t>(header, 70, swap);
-  if (nifti_is_valid_datatype(type) == 0) {
-    throw unsupported(header_file, "has samples of type " + std::to_string(type) + " (" + nifti_datatype_string(type) +
-                                       "), expected integers of 8 to 64 bits, float or double");
-  }
-  int bytes_per_sample = 0;
-  int swap_size = 0;
-  nifti_datatype_sizes(type, &bytes_per_sample, &swap_size);
-
   StoredSamples stored;
-  stored.bits_per_sample = 8 * static_cast<std::uint64_t>(bytes_per_sample);
+  stored.bytes_per_sample = bytes_of_type(field<std::int16_t>(header, 70, swap), header_file);
   stored.file = is_header_half ? sibling(path, ".img", ".IMG") : path;
   const auto offset = field<float>(header, 108, swap);
   const double least_offset = is_image_half || is_header_half ? 0 : 352;
@@ -116,7 +126,11 @@ StoredSamples read_stored_samples(const fs::path& path) {
   return stored;
 }
 
-bool is_gzipped(const fs::path& path) { return has_extension(path, ".gz"); }
+// By its content: the NIfTI library reads a plain file under the name .nii.gz as what it is.
+bool is_gzipped(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return file.get() == 0x1F && file.get() == 0x8B;
+}
 
 }  // namespace
 
@@ -126,14 +140,16 @@ Volume read_nifti(const fs::path& path) {
   const StoredSamples stored = read_stored_samples(path);
   return read_itk_volume(*itk::NiftiImageIO::New(), path, "NIfTI file", [&](const ImageHeader& header) {
     // What is on disk: a scale in the header makes floats of it later.
-    const std::uint64_t promised = header.sample_count() * stored.bits_per_sample / 8;
-    const std::uint64_t file_bytes = readable_file_size(stored.file);
-    if (is_gzipped(stored.file)) {
-      require_possible_bytes(stored.file, promised, file_bytes);
-      require_inflated_bytes(stored.file, 0, stored.offset + promised);
-    } else {
-      require_stored_bytes(stored.file, promised, file_bytes - std::min(stored.offset, file_bytes));
-    }
+    const std::uint64_t promised = header.sample_count() * stored.bytes_per_sample;
+    check_data_file(path, stored.file, [&] {
+      const std::uint64_t file_bytes = readable_file_size(stored.file);
+      if (is_gzipped(stored.file)) {
+        require_possible_bytes(stored.file, promised, file_bytes);
+        require_inflated_bytes(stored.file, 0, stored.offset + promised);
+      } else {
+        require_stored_bytes(stored.file, promised, file_bytes - std::min(stored.offset, file_bytes));
+      }
+    });
   });
 }
 

@@ -2,14 +2,15 @@
 // NRRD by ITK (Teem), which notices samples that are missing or damaged, but allocates for any size it is told first.
 #include <itkNrrdImageIO.h>
 
+#include <algorithm>
 #include <string>
+#include <string_view>
 
 #include "io/file_error.h"
 #include "io/formats.h"
 #include "io/itk_image.h"
 #include "io/library_messages.h"
 #include "io/stored_data.h"
-#include "io/text_scanner.h"
 
 namespace isoatlas::io {
 
@@ -17,11 +18,19 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// The file that holds the samples: named by the header's "data file" field, else the file itself. Empty if the samples
-// are spread over several files.
-fs::path data_file_of(const fs::path& path) {
+struct NrrdHeader {
+  fs::path data_file;  // the file itself unless its "data file" field names another; empty if there are several
+};
+
+NrrdHeader scan_header(const fs::path& path) {
   constexpr std::size_t kHeaderLimit = std::size_t{1} << 20;
+  // Teem quotes a field it does not understand in a message of 512 bytes at most, and aborts if that is too small.
+  constexpr std::size_t kFieldLimit = 400;
   const std::string text = first_bytes(path, kHeaderLimit);
+  if (!text.starts_with("NRRD")) {
+    throw bad_file(path, "is not a NRRD file");
+  }
+  NrrdHeader header{path};
   std::string_view rest = text;
   while (!rest.empty()) {
     const std::string_view line = rest.substr(0, rest.find('\n'));
@@ -29,26 +38,36 @@ fs::path data_file_of(const fs::path& path) {
     if (line.empty() || line == "\r") {
       break;  // the samples follow
     }
+    const bool is_free_text = line.starts_with('#') || line.starts_with("content:") || line.find(":=") != std::string_view::npos;
+    if (!is_free_text && line.size() > kFieldLimit) {
+      throw bad_file(path, "has a header line of " + std::to_string(line.size()) + " characters: " + one_line(line, 40));
+    }
     for (const std::string_view field : {"data file:", "datafile:"}) {
       if (line.starts_with(field)) {
-        const std::string value = one_line(line.substr(field.size()), 4096);
+        const std::string value = one_line(line.substr(field.size()), kFieldLimit);
         const bool is_list = value.starts_with("LIST") || value.find('%') != std::string::npos;
-        return is_list ? fs::path{} : path.parent_path() / value;
+        header.data_file = is_list ? fs::path{} : path.parent_path() / value;
+        if (is_list) {
+          return header;
+        }
       }
     }
   }
-  return path;
+  return header;
 }
 
 }  // namespace
 
 Volume read_nrrd(const fs::path& path) {
   const LibraryMessages messages;
+  const fs::path data_file = scan_header(path).data_file;
   return read_itk_volume(*itk::NrrdImageIO::New(), path, "NRRD file", [&](const ImageHeader& header) {
-    const fs::path data_file = data_file_of(path);
-    if (!data_file.empty()) {
-      require_possible_bytes(path, header.sample_count() * bytes_per_sample(header.type), readable_file_size(data_file));
+    if (data_file.empty()) {
+      return;
     }
+    check_data_file(path, data_file, [&] {
+      require_possible_bytes(data_file, header.sample_count() * bytes_per_sample(header.type), readable_file_size(data_file));
+    });
   });
 }
 

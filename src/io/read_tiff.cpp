@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -60,9 +61,15 @@ struct Page {
   friend bool operator==(const Page&, const Page&) = default;
 };
 
+// libtiff's first error, without the path that most of them start with.
+std::string tiff_error(const fs::path& path) {
+  const std::string prefix = path.string() + ": ";
+  return one_line(first_tiff_error.starts_with(prefix) ? first_tiff_error.substr(prefix.size()) : first_tiff_error);
+}
+
 Error damaged(const fs::path& path, std::size_t page) {
   return bad_file(path, "is cut off or damaged in page " + std::to_string(page + 1) +
-                            (first_tiff_error.empty() ? "" : ": " + one_line(first_tiff_error)));
+                            (first_tiff_error.empty() ? "" : ": " + tiff_error(path)));
 }
 
 SampleType sample_type_of(std::uint16_t format, std::uint16_t bits, const fs::path& path) {
@@ -152,6 +159,25 @@ void read_page_samples(TIFF* tiff, const fs::path& path, const Page& page, std::
   }
 }
 
+// Directories are a linked list, and libtiff takes a link that is cut off with the file for the end of the list.
+bool is_whole_directory(TIFF* tiff, const fs::path& path, std::uint64_t offset) {
+  const bool is_big = TIFFIsBigTIFF(tiff) != 0;
+  std::array<unsigned char, 8> count{};
+  const std::size_t count_bytes = is_big ? 8 : 2;
+  std::ifstream file(path, std::ios::binary);
+  file.seekg(static_cast<std::streamoff>(offset));
+  file.read(reinterpret_cast<char*>(count.data()), static_cast<std::streamsize>(count_bytes));
+  if (TIFFIsBigEndian(tiff) == 0) {
+    std::reverse(count.begin(), count.begin() + static_cast<std::ptrdiff_t>(count_bytes));
+  }
+  std::uint64_t entries = 0;
+  for (std::size_t i = 0; i < count_bytes; ++i) {
+    entries = entries << 8 | count[i];
+  }
+  const std::uint64_t directory_bytes = count_bytes + entries * (is_big ? 20 : 12) + (is_big ? 8 : 4);
+  return file.good() && offset + directory_bytes <= readable_file_size(path);
+}
+
 // The resolution tags of TIFF are about print and say nothing of the distance of slices, so alone they would stretch
 // the volume: spacing is 1, except that ImageJ writes the slice distance ("spacing=...") beside a resolution in its
 // own unit.
@@ -183,13 +209,15 @@ Volume read_tiff(const fs::path& path) {
   const TiffMessages tiff_messages;
   const std::unique_ptr<TIFF, void (*)(TIFF*)> tiff(TIFFOpen(path.c_str(), "rm"), TIFFClose);  // m: no memory mapping
   if (!tiff) {
-    throw bad_file(path, "is not a readable TIFF file: " + one_line(first_tiff_error));
+    throw bad_file(path, "is not a readable TIFF file: " + tiff_error(path));
   }
   const Vec3 spacing = spacing_of(tiff.get(), path);
   Page first_page;
   std::size_t slices = 0;
   std::size_t page_number = 0;
+  std::uint64_t directory_offset = 0;
   do {
+    directory_offset = TIFFCurrentDirOffset(tiff.get());
     if (is_slice(tiff.get())) {
       const Page page = read_page_header(tiff.get(), path, page_number);
       if (slices == 0) {
@@ -204,7 +232,7 @@ Volume read_tiff(const fs::path& path) {
     }
     ++page_number;
   } while (TIFFReadDirectory(tiff.get()) != 0);
-  if (!first_tiff_error.empty()) {
+  if (!first_tiff_error.empty() || !is_whole_directory(tiff.get(), path, directory_offset)) {
     throw damaged(path, page_number);
   }
 

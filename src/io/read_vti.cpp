@@ -21,6 +21,7 @@
 #include "io/grid_of_file.h"
 #include "io/library_messages.h"
 #include "io/stored_data.h"
+#include "io/vtk_xml_file.h"
 
 namespace isoatlas::io {
 
@@ -82,7 +83,7 @@ Volume read_vti(const fs::path& path) {
   if (reader->CanReadFile(path.c_str()) == 0) {
     throw bad_file(path, "is not a VTK XML image data file");
   }
-  require_ending(path, "</VTKFile>");  // VTK does not notice samples that are missing at the end
+  require_readable_vtk_xml(path);
   reader->SetFileName(path.c_str());
   reader->UpdateInformation();
   require_no_error();
@@ -106,18 +107,18 @@ Volume read_vti(const fs::path& path) {
   require_possible_bytes(path, bytes, readable_file_size(path), kMostBytesPerByte);
 
   // Only that array: others may be large, and arrays of strings make VTK 9.1 crash.
-  const char* array_name = array.Get(vtkDataObject::FIELD_NAME());
-  if (array_name == nullptr) {
+  if (array.Get(vtkDataObject::FIELD_NAME()) == nullptr) {
     throw unsupported(path, "its point array has no name");
   }
+  const std::string array_name = array.Get(vtkDataObject::FIELD_NAME());  // Update() replaces `array`
   reader->GetCellDataArraySelection()->DisableAllArrays();
   reader->GetPointDataArraySelection()->DisableAllArrays();
-  reader->GetPointDataArraySelection()->EnableArray(array_name);
+  reader->GetPointDataArraySelection()->EnableArray(array_name.c_str());
   reader->Update();
   require_no_error();
 
   vtkImageData* image = reader->GetOutput();
-  const vtkSmartPointer<vtkDataArray> samples = image->GetPointData()->GetArray(array_name);
+  const vtkSmartPointer<vtkDataArray> samples = image->GetPointData()->GetArray(array_name.c_str());
   if (samples == nullptr || static_cast<std::uint64_t>(samples->GetNumberOfValues()) != bytes / bytes_per_sample(volume.type) ||
       sample_type_of(samples->GetDataType(), path) != volume.type) {
     throw bad_file(path, "does not hold the samples its header promises");

@@ -110,6 +110,17 @@ void require_ending(const fs::path& path, std::string_view ending) {
   }
 }
 
+void check_data_file(const fs::path& header_file, const fs::path& data_file, const std::function<void()>& check) {
+  try {
+    check();
+  } catch (const Error& error) {
+    if (data_file == header_file) {
+      throw;
+    }
+    throw Error(error.code(), one_line(header_file.string() + ": its data file " + error.what(), 4096));
+  }
+}
+
 std::string first_bytes(const fs::path& path, std::size_t limit) {
   const std::unique_ptr<gzFile_s, int (*)(gzFile_s*)> file(gzopen(path.c_str(), "rb"), gzclose);  // plain files too
   if (!file) {

@@ -23,10 +23,15 @@ struct ArcEnd {
 };
 
 // Every arc must have two ends, at least one of them a triangle, and not the same third cell at both.
-void check_arcs(const std::vector<ArcEnd>& ends, std::size_t from, std::size_t to, CellId low, PartitionCheck& check) {
+template <class InScope>
+void check_arcs(const std::vector<ArcEnd>& ends, std::size_t from, std::size_t to, CellId low, InScope in_scope, PartitionCheck& check) {
   for (std::size_t i = from; i < to;) {
     std::size_t j = i;
     while (j < to && ends[j].high == ends[i].high) ++j;
+    if (!in_scope(low) && !in_scope(ends[i].high)) {
+      i = j;
+      continue;
+    }
     ++check.pairs;
     const bool good = j - i == 2 && ends[i].third != ends[i + 1].third;  // two boundary ends have equal thirds, kNone
     if (!good) check.pair_faults.push_back({low, ends[i].high});
@@ -37,8 +42,10 @@ void check_arcs(const std::vector<ArcEnd>& ends, std::size_t from, std::size_t t
 }  // namespace
 
 PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const CellId> cell_of, std::uint32_t cells,
-                               std::span<const CVertexId> site) {
+                               std::span<const CVertexId> site, std::span<const std::uint8_t> scope) {
   const std::uint32_t n = complex.c_vertex_count();
+  const bool all = scope.empty();
+  const auto in_scope = [&](CellId c) { return all || scope[c]; };
   PartitionCheck check;
 
   // Cells: connected through sides and chosen diagonals, and V - E + F = 1. Every side is counted half from each of its
@@ -49,7 +56,12 @@ PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const Ce
   for (const Face& face : complex.faces) {
     const int size = face.size();
     std::array<CellId, 4> c;
-    for (int k = 0; k < size; ++k) c[k] = cell_of[face.corner[k]];
+    bool wanted = all;
+    for (int k = 0; k < size; ++k) {
+      c[k] = cell_of[face.corner[k]];
+      wanted = wanted || scope[c[k]];
+    }
+    if (!wanted) continue;
     bool whole = true;
     for (int k = 0; k < size; ++k) {
       const int next = k + 1 == size ? 0 : k + 1;
@@ -99,10 +111,10 @@ PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const Ce
     const CellId c = cell_of[v];
     const CVertexId r = pieces.find(v);
     if (root[c] == kNone) root[c] = r;
-    if (root[c] != r) check.cell_fault[c] |= kNotConnected;
+    if (root[c] != r && in_scope(c)) check.cell_fault[c] |= kNotConnected;
   }
   for (CellId c = 0; c < cells; ++c) {
-    if (root[c] == kNone) continue;
+    if (root[c] == kNone || !in_scope(c)) continue;
     ++check.cells;
     std::uint8_t& fault = check.cell_fault[c];
     if (twice_euler[c] != 2) fault |= kNotADisk;
@@ -129,9 +141,22 @@ PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const Ce
     const std::uint32_t from = c == 0 ? 0 : first[c - 1], to = first[c];
     if (from == to) continue;
     std::sort(ends.begin() + from, ends.begin() + to, [](const ArcEnd& a, const ArcEnd& b) { return a.high < b.high; });
-    check_arcs(ends, from, to, c, check);
+    check_arcs(ends, from, to, c, in_scope, check);
   }
   return check;
+}
+
+std::vector<std::uint8_t> cells_near_changes(const SurfaceComplex& complex, std::span<const CellId> cell_of, std::uint32_t cells,
+                                             std::span<const std::uint8_t> changed) {
+  std::vector<std::uint8_t> near(cells, 0);
+  for (const Face& face : complex.faces) {
+    const int size = face.size();
+    bool touched = false;
+    for (int k = 0; k < size; ++k) touched = touched || changed[face.corner[k]];
+    if (!touched) continue;
+    for (int k = 0; k < size; ++k) near[cell_of[face.corner[k]]] = 1;
+  }
+  return near;
 }
 
 void add_to(CertificateReport& report, const PartitionCheck& check) {

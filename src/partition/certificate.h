@@ -36,10 +36,17 @@ struct PartitionCheck {
 ///
 /// @param cell_of per c-vertex, < cells; cells without c-vertices are skipped
 /// @param site    per cell, its site; empty: sites are not looked at, and ABCD is split at the face's own shorter diagonal
+/// @param scope   per cell, 1 if it is to be checked; empty: all, and only that is a certificate. Pairs and triples are checked
+///                where at least one of their cells is, and `triangles` has those with such a corner.
 /// @cost  O(C α(C)); no floating point but for the diagonals of quads with four cells, which are free to choose
 /// @source Edelsbrunner and Shah 1997; paper, section 3.6
 PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const CellId> cell_of, std::uint32_t cells,
-                               std::span<const CVertexId> site);
+                               std::span<const CVertexId> site, std::span<const std::uint8_t> scope = {});
+
+/// The cells a change of the partition can have made faulty or whole: all that share a face with a changed c-vertex.
+/// @param changed per c-vertex, 1 if it is in another cell than before
+std::vector<std::uint8_t> cells_near_changes(const SurfaceComplex& complex, std::span<const CellId> cell_of, std::uint32_t cells,
+                                             std::span<const std::uint8_t> changed);
 
 /// Adds the figures of a check to a report.
 void add_to(CertificateReport& report, const PartitionCheck& check);

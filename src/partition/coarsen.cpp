@@ -12,6 +12,7 @@
 
 #include "core/disjoint_sets.h"
 #include "core/vector_math.h"
+#include "mesh/outward.h"
 #include "partition/certificate.h"
 
 namespace isoatlas {
@@ -22,7 +23,8 @@ class BlockRegions {
  public:
   BlockRegions(const SurfaceComplex& complex, double block_length)
       : complex_(complex), sets_(complex.c_vertex_count()), region_(complex.c_vertex_count()), block_(complex.c_vertex_count()),
-        level_(complex.c_vertex_count(), 0), members_(complex.c_vertex_count()), failed_(complex.c_vertex_count(), 0) {
+        level_(complex.c_vertex_count(), 0), members_(complex.c_vertex_count()), failed_(complex.c_vertex_count(), 0),
+        cut_(complex.c_vertex_count(), 0) {
     const Vec3 s = complex.spacing;
     scale_ = {s.x / block_length, s.y / block_length, s.z / block_length};
     const double smallest = std::min({s.x, s.y, s.z});
@@ -55,29 +57,40 @@ class BlockRegions {
     }
     if (!cut_around_.empty()) cut_around_pairs();
     if (std::find(failed_.begin(), failed_.end(), std::uint8_t{1}) == failed_.end()) return false;
-    for (CVertexId v = 0; v < n; ++v) {
-      if (!failed_[region_[v]]) continue;
-      sets_.reset(v);
-      block_[v] = block_at(v, level_[region_[v]] + 1);
-    }
-    for (const Face& face : complex_.faces) {
-      if (!failed_[region_[face.corner[0]]] && !failed_[region_[face.corner[1]]] && !failed_[region_[face.corner[2]]]) continue;
-      for_each_side(face, [&](CVertexId a, CVertexId b) {
-        if (region_[a] == region_[b] && failed_[region_[a]] && level_[region_[a]] + 1 < levels_ && block_[a] == block_[b]) {
-          sets_.unite(a, b);
-        }
-      });
-    }
-    std::vector<std::uint8_t> level(level_);
-    for (CVertexId v = 0; v < n; ++v) {
-      if (failed_[region_[v]]) level[v] = static_cast<std::uint8_t>(level_[region_[v]] + 1);
-    }
-    level_.swap(level);
-    name_regions();
+    cut_failed(1);
     return true;
   }
 
+  // Cuts regions into single c-vertices. @return false if they all are already
+  bool cut_completely(std::span<const std::uint8_t> regions) {
+    for (CellId r = 0; r < regions.size(); ++r) failed_[r] = regions[r] && members_[r] > 1;
+    if (std::find(failed_.begin(), failed_.end(), std::uint8_t{1}) == failed_.end()) return false;
+    cut_failed(levels_);
+    return true;
+  }
+
+  // Per c-vertex, 1 if the last cut cut its region.
+  std::span<const std::uint8_t> cut_c_vertices() const { return cut_; }
+
  private:
+  // Cuts every failed region by blocks `halvings` times half the size.
+  void cut_failed(int halvings) {
+    for (CVertexId v = 0; v < complex_.c_vertex_count(); ++v) {
+      cut_[v] = failed_[region_[v]];
+      if (!cut_[v]) continue;
+      sets_.reset(v);
+      level_[v] = static_cast<std::uint8_t>(std::min(level_[v] + halvings, levels_));
+      block_[v] = block_at(v, level_[v]);
+    }
+    for (const Face& face : complex_.faces) {
+      if (!cut_[face.corner[0]] && !cut_[face.corner[1]] && !cut_[face.corner[2]]) continue;
+      for_each_side(face, [&](CVertexId a, CVertexId b) {
+        if (region_[a] == region_[b] && cut_[a] && level_[a] < levels_ && block_[a] == block_[b]) sets_.unite(a, b);
+      });
+    }
+    name_regions();
+  }
+
   template <class F>
   static void for_each_side(const Face& face, F f) {
     f(face.corner[0], face.corner[1]);
@@ -128,6 +141,7 @@ class BlockRegions {
   std::vector<std::uint8_t> level_;    // per c-vertex, how often its region was halved
   std::vector<std::uint32_t> members_; // per region
   std::vector<std::uint8_t> failed_;   // per region
+  std::vector<std::uint8_t> cut_;      // per c-vertex, its region was cut last time
   std::vector<PairFault> cut_around_;
   Vec3 scale_;                         // blocks per index step
   int levels_ = 1;                     // from this level on, regions are single c-vertices
@@ -171,19 +185,84 @@ Partition with_representatives(const SurfaceComplex& complex, std::span<const Ce
   return out;
 }
 
+// A component of a few regions may come out inside out, since nothing but its topology has been looked at. Finds those; the
+// components of more regions are left alone.
+// @return per region (named by c-vertex), 1 if it belongs to one
+std::vector<std::uint8_t> turned_small_components(const SurfaceComplex& complex, std::span<const CellId> region_of,
+                                                  std::span<const DualTriangle> triangles) {
+  constexpr std::uint32_t kSmall = 32;
+  constexpr double kLeastCosine = 0.5;  // well above 0, so that later stages have some room
+  const std::uint32_t n = complex.c_vertex_count();
+  DisjointSets sets(n);
+  for (const DualTriangle& t : triangles) {
+    sets.unite(t.cell[0], t.cell[1]);
+    sets.unite(t.cell[1], t.cell[2]);
+  }
+  std::vector<std::uint32_t> regions(n, 0);  // per component, named by region
+  for (CVertexId v = 0; v < n; ++v) {
+    if (region_of[v] == v) ++regions[sets.find(v)];
+  }
+  const auto is_small = [&](CVertexId v) { return regions[sets.find(region_of[v])] <= kSmall; };
+
+  // Outward direction of a region: the sum of the area vectors of the faces at its c-vertices.
+  std::vector<Vec3> outward(n), position(n);
+  bool any = false;
+  for (const Face& face : complex.faces) {
+    if (!is_small(face.corner[0])) continue;
+    any = true;
+    const int size = face.size();
+    const Vec3 a = complex.positions[face.corner[0]], b = complex.positions[face.corner[1]], c = complex.positions[face.corner[2]];
+    const Vec3 d = complex.positions[face.corner[size - 1]];
+    const Vec3 s = complex.spacing;
+    const Vec3 area = size == 4 ? cross(scaled(c - a, s), scaled(d - b, s)) : cross(scaled(b - a, s), scaled(c - a, s));
+    for (int k = 0; k < size; ++k) outward[region_of[face.corner[k]]] = outward[region_of[face.corner[k]]] + area;
+  }
+  std::vector<std::uint8_t> out(n, 0);
+  if (!any) return out;
+  const Partition partition = with_representatives(complex, region_of);
+  for (const CVertexId site : partition.site) position[region_of[site]] = complex.positions[site];
+  std::vector<Triangle> small_triangles;
+  std::vector<std::uint32_t> component_of(n, 0);
+  for (const DualTriangle& t : triangles) {
+    if (regions[sets.find(t.cell[0])] > kSmall) continue;
+    small_triangles.push_back({t.cell[0], t.cell[1], t.cell[2]});
+    for (const CellId c : t.cell) component_of[c] = sets.find(c);
+  }
+  const std::vector<std::uint8_t> turned = turned_components(position, small_triangles, complex.spacing, component_of, n, outward, kLeastCosine);
+  for (const Triangle& t : small_triangles) {
+    if (!turned[component_of[t[0]]]) continue;
+    for (const CellId c : t) out[c] = 1;
+  }
+  return out;
+}
+
 }  // namespace
 
 Coarsened coarsen(const SurfaceComplex& complex, double block_length, const RunControl& control) {
   const std::uint32_t n = complex.c_vertex_count();
   BlockRegions regions(complex, block_length);
   Coarsened out;
+  bool faced = false;
+  std::vector<std::uint8_t> scope;  // after a cut, look again only around it; the last check is of everything
   for (;;) {
     control.check_cancelled();
-    PartitionCheck check = check_partition(complex, regions.region_of(), n, {});
+    PartitionCheck check = check_partition(complex, regions.region_of(), n, {}, scope);
     ++out.certificate.repair_rounds;
     if (!check.passed()) {
       if (!regions.cut(check)) throw Error(ErrorCode::internal, "the certificate fails with every c-vertex its own region");
+      scope = cells_near_changes(complex, regions.region_of(), n, regions.cut_c_vertices());
       continue;
+    }
+    if (!scope.empty()) {
+      scope.clear();
+      continue;
+    }
+    if (!faced) {  // once: what is inside out afterwards is so in the input
+      faced = true;
+      if (regions.cut_completely(turned_small_components(complex, regions.region_of(), check.triangles))) {
+        scope = cells_near_changes(complex, regions.region_of(), n, regions.cut_c_vertices());
+        continue;
+      }
     }
     add_to(out.certificate, check);
     Partition partition = with_representatives(complex, regions.region_of());

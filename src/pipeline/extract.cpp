@@ -7,13 +7,16 @@
 #include <cmath>
 #include <map>
 #include <new>
+#include <cstdio>
 
 #include "core/parallel.h"
 #include "core/vector_math.h"
 #include "cover/repair.h"
+#include "mesh/outward.h"
 #include "partition/coarsen.h"
 #include "surface/components.h"
 #include "surface/parse_surface.h"
+#include "volume/gradient.h"
 
 namespace isoatlas {
 namespace {
@@ -97,6 +100,27 @@ void check_mesh(const MeshTopology& mesh, const Components& reference, const std
   }
 }
 
+// Gives every marked component one more site, where it is farthest from the others. @return false if none had room for one
+bool refine_components(const SurfaceComplex& complex, Covering& covering, const MeshTopology& topology, const std::vector<std::uint8_t>& marked,
+                       ExtractReport& report) {
+  const Partition& partition = covering.partition();
+  const std::uint32_t before = covering.site_count();
+  std::vector<CVertexId> farthest(topology.components.size(), kNone);
+  for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
+    const std::uint32_t component = topology.component_of_vertex[partition.cell_of[v]];
+    if (!marked[component] || covering.distance()[v] == 0) continue;
+    CVertexId& best = farthest[component];
+    if (best == kNone || covering.distance()[v] > covering.distance()[best]) best = v;
+  }
+  for (const CVertexId v : farthest) {
+    if (v == kNone) continue;
+    covering.lower_radius(v, covering.distance()[v]);
+    covering.insert(v);
+  }
+  report.certificate.repair_sites += covering.site_count() - before;
+  return covering.site_count() > before;
+}
+
 TriangleMesh to_mesh(const SurfaceComplex& complex) {
   TriangleMesh mesh;
   mesh.positions = complex.positions;
@@ -178,27 +202,36 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   clock.finished("cover");
 
   control.report("certify", 0);
-  const PartitionCheck check = certify_and_repair(coarser.complex, covering, report.certificate, control);
+  PartitionCheck check = certify_and_repair(coarser.complex, covering, report.certificate, control);
   clock.finished("certify");
 
   control.report("mesh", 0);
-  const SurfaceComplex dual = dual_complex(coarser.complex, covering.partition(), check.triangles);
-  out.mesh = to_mesh(dual);
+  MeshTopology topology;
+  for (;;) {
+    out.mesh = to_mesh(dual_complex(coarser.complex, covering.partition(), check.triangles));
+    topology = mesh_topology(out.mesh);
+    const std::vector<std::uint8_t> turned =
+        turned_components(out.mesh.positions, out.mesh.triangles, grid.spacing, topology.component_of_vertex, topology.components.size(),
+                          outward_directions(volume, parse.rule, out.mesh.positions), 0);
+    report.turned_components = static_cast<std::size_t>(std::count(turned.begin(), turned.end(), 1));
+    if (report.turned_components == 0 || !refine_components(coarser.complex, covering, topology, turned, report)) break;
+    check = certify_and_repair(coarser.complex, covering, report.certificate, control);
+  }
   clock.finished("mesh");
 
   control.report("check", 0);
   std::vector<ComponentId> component_of;
-  component_of.reserve(dual.positions.size());
+  component_of.reserve(out.mesh.positions.size());
   for (const CVertexId v : covering.partition().site) component_of.push_back(reference.of_c_vertex[coarser.representative[v]]);
-  const MeshTopology topology = mesh_topology(out.mesh);
   check_mesh(topology, reference, component_of);
   report.mesh = summarize(topology.components);
   clock.finished("check");
 
   // Shape is a matter of world lengths, whatever the space of the output.
-  transform_to(out.mesh, volume.grid, options.space == Space::voxel ? Space::lps : options.space);
-  report.quality = mesh_quality(out.mesh);
-  if (options.space == Space::voxel) out.mesh = to_mesh(dual);
+  TriangleMesh world = options.space == Space::voxel ? out.mesh : TriangleMesh{};
+  TriangleMesh& measured = options.space == Space::voxel ? world : out.mesh;
+  transform_to(measured, grid, options.space == Space::voxel ? Space::lps : options.space);
+  report.quality = mesh_quality(measured);
   return out;
 } catch (const std::bad_alloc&) {
   throw Error(ErrorCode::out_of_memory, "not enough memory for this surface");

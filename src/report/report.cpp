@@ -12,7 +12,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;  // keys stay in the order in which they are written here
 
-std::string_view text(Inside inside) { return inside == Inside::above ? "above" : "below"; }
+std::string_view text(Inside inside) {
+  return inside == Inside::above ? "above" : "below";
+}
 
 std::string_view text(NonFinite rule) {
   switch (rule) {
@@ -32,9 +34,13 @@ std::string_view text(Space space) {
   return "";
 }
 
-Json to_value(Vec3 v) { return Json::array({v.x, v.y, v.z}); }
+Json to_value(Vec3 v) {
+  return Json::array({v.x, v.y, v.z});
+}
 
-Json to_value(const std::optional<double>& length) { return length ? Json(*length) : Json(); }
+Json to_value(const std::optional<double>& length) {
+  return length ? Json(*length) : Json();
+}
 
 void add_topology(Json& object, const TopologySummary& topology) {
   object["components"] = topology.components;
@@ -125,13 +131,11 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
                         {"vertices_on_surface", options.vertices_on_surface},
                         {"threads", context.threads}};
 
-  Json& reference = json["reference"] = {{"c_vertices", report.c_vertices},
-                                         {"faces", report.faces},
-                                         {"double_segments", report.double_segments}};
+  Json& reference = json["reference"] = {
+      {"c_vertices", report.c_vertices}, {"faces", report.faces}, {"double_segments", report.double_segments}};
   add_topology(reference, report.reference);
-  Json& mesh = json["mesh"] = {{"path", context.mesh_path},
-                               {"vertices", context.mesh_vertices},
-                               {"triangles", report.quality.triangles}};
+  Json& mesh = json["mesh"] = {
+      {"path", context.mesh_path}, {"vertices", context.mesh_vertices}, {"triangles", report.quality.triangles}};
   add_topology(mesh, report.mesh);
   json["certificate"] = to_value(report.certificate);
   json["coarsening"] = {{"rounds", report.coarsening_rounds},

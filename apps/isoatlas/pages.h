@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// The prose of the help pages; what they say of the options stands with the options, in arguments.cpp.
+#pragma once
+
+#include "man_page.h"
+
+namespace isoatlas::tool {
+
+// Groups of options: titles on the pages.
+inline constexpr const char* kInput = "Input";
+inline constexpr const char* kSurface = "Surface";
+inline constexpr const char* kMesh = "Mesh";
+inline constexpr const char* kOutput = "Output";
+inline constexpr const char* kRunning = "Running";
+
+ManPage::Text tool_page();
+ManPage::Text extract_page();
+ManPage::Text info_page();
+ManPage::Text check_page();
+
+}  // namespace isoatlas::tool

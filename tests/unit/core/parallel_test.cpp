@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/parallel.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <mutex>
+#include <set>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+#include "isoatlas/error.h"
+#include "isoatlas/run_control.h"
+
+namespace isoatlas {
+namespace {
+
+TEST(ForEachPiece, VisitsEveryItemOnce) {
+  for (const int threads : {1, 2, 3, 0}) {
+    const ThreadLimit limit(threads);
+    for (const std::size_t n : {0u, 1u, 2u, 63u, 64u, 1000u, 12345u}) {
+      for (const std::size_t grain : {1u, 7u, 64u, 100000u}) {
+        std::vector<std::atomic<int>> visits(n);
+        for_each_piece(n, grain, [&](std::size_t begin, std::size_t end) {
+          EXPECT_LT(begin, end);
+          EXPECT_LE(end, n);
+          for (std::size_t i = begin; i < end; ++i) ++visits[i];
+        });
+        for (std::size_t i = 0; i < n; ++i) ASSERT_EQ(visits[i], 1) << i << " of " << n;
+      }
+    }
+  }
+}
+
+TEST(ForEachPiece, PiecesAreNotLargerThanTheGrain) {
+  for (const int threads : {1, 2}) {
+    const ThreadLimit limit(threads);
+    std::atomic<std::size_t> largest{0};
+    for_each_piece(100000, 7, [&](std::size_t begin, std::size_t end) {
+      std::size_t seen = largest;
+      while (end - begin > seen && !largest.compare_exchange_weak(seen, end - begin)) {
+      }
+    });
+    EXPECT_LE(largest, 7u) << threads << " threads";
+  }
+}
+
+TEST(ForEachPiece, ExceptionsReachTheCaller) {
+  for (const int threads : {1, 2}) {
+    const ThreadLimit limit(threads);
+    EXPECT_THROW(for_each_piece(100, 1,
+                                [](std::size_t begin, std::size_t) {
+                                  if (begin == 41) throw Error(ErrorCode::bad_file, "piece 41");
+                                }),
+                 Error);
+  }
+}
+
+TEST(ThreadLimit, OneThreadMeansTheCallers) {
+  const ThreadLimit limit(1);
+  std::mutex mutex;
+  std::set<std::thread::id> seen;
+  for_each_piece(1000, 1, [&](std::size_t, std::size_t) {
+    const std::lock_guard lock(mutex);
+    seen.insert(std::this_thread::get_id());
+  });
+  EXPECT_EQ(seen, std::set{std::this_thread::get_id()});
+}
+
+TEST(RunControl, CancelAndProgress) {
+  RunControl control;
+  EXPECT_NO_THROW(control.check_cancelled());
+  EXPECT_NO_THROW(control.report("stage", 0.5));
+  std::vector<std::string> told;
+  control.progress = [&](std::string_view stage, double) { told.emplace_back(stage); };
+  std::atomic<bool> cancel{false};
+  control.cancel = &cancel;
+  control.report("first", 0);
+  cancel = true;
+  try {
+    control.report("second", 1);
+    FAIL() << "report() did not notice the flag";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::cancelled);
+  }
+  EXPECT_EQ(told, std::vector<std::string>{"first"});
+}
+
+}  // namespace
+}  // namespace isoatlas

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+// saddle_sign against exact integers: every double is a whole multiple of 2^-1140.
+#include "core/saddle_sign.h"
+
+#include <gtest/gtest.h>
+
+#include <boost/multiprecision/cpp_int.hpp>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "support/volumes.h"
+
+namespace isoatlas {
+namespace {
+
+using boost::multiprecision::cpp_int;
+using test::Random;
+
+cpp_int exact(long double v) {
+  int exponent = 0;
+  const long double m = std::frexp(std::fabs(v), &exponent);
+  cpp_int out = static_cast<std::uint64_t>(std::ldexp(m, 64));
+  const int shift = exponent - 64 + 1140;
+  if (shift >= 0) {
+    out <<= shift;
+  } else {
+    EXPECT_EQ((out >> -shift) << -shift, out) << "the test's own scale is too coarse";
+    out >>= -shift;
+  }
+  return v < 0 ? -out : out;
+}
+
+int exact_sign(long double a, long double b, long double c, long double d, long double q) {
+  const cpp_int e = exact(q);
+  const cpp_int det = (exact(a) - e) * (exact(b) - e) - (exact(c) - e) * (exact(d) - e);
+  return det.sign();
+}
+
+void expect_exact(long double a, long double b, long double c, long double d, long double q) {
+  ASSERT_EQ(saddle_sign(a, b, c, d, q), exact_sign(a, b, c, d, q))
+      << std::hexfloat << a << ", " << b << ", " << c << ", " << d << ", " << q;
+}
+
+double any_finite_double(Random& random) {
+  for (;;) {
+    const double v = std::bit_cast<double>(random.bits());
+    if (std::isfinite(v)) return v;
+  }
+}
+
+TEST(SaddleSign, AnyDoubles) {
+  Random random(1);
+  for (int i = 0; i < 5000; ++i) {
+    expect_exact(any_finite_double(random), any_finite_double(random), any_finite_double(random), any_finite_double(random),
+                 any_finite_double(random));
+  }
+}
+
+TEST(SaddleSign, DoublesOfOneMagnitude) {
+  Random random(2);
+  for (const double scale : {1.0, 1e-300, 0x1p-1074, 1e300, 1e-20}) {
+    for (int i = 0; i < 3000; ++i) {
+      const auto v = [&] { return scale * (scale == 0x1p-1074 ? static_cast<double>(random.between(-50, 50)) : random.unit() - 0.5); };
+      expect_exact(v(), v(), v(), v(), v());
+    }
+  }
+}
+
+// (a - q)(b - q) and (c - q)(d - q) are the same product grouped in two ways, then one sample moves by one unit in the last
+// place: only exact arithmetic can tell.
+TEST(SaddleSign, ExactTiesAndTheirNeighbours) {
+  Random random(3);
+  int ties = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const auto factor = [&] { return static_cast<double>(random.between(1, 40000)) * (random.bits() & 1 ? 1 : -1); };
+    const double p = factor(), r = factor(), s = factor(), t = factor();
+    const double q = static_cast<double>(random.between(-1000000, 1000000));
+    const double scale = std::ldexp(1.0, static_cast<int>(random.between(-1000, 900)));
+    double v[4] = {(q + p * r) * scale, (q + s * t) * scale, (q + p * s) * scale, (q + r * t) * scale};
+    const double level = q * scale;
+    expect_exact(v[0], v[1], v[2], v[3], level);
+    ASSERT_EQ(saddle_sign(v[0], v[1], v[2], v[3], level), 0);
+    ++ties;
+    double& moved = v[random.bits() % 4];
+    moved = std::nextafter(moved, random.bits() & 1 ? INFINITY : -INFINITY);
+    expect_exact(v[0], v[1], v[2], v[3], level);
+  }
+  EXPECT_EQ(ties, 20000);
+}
+
+TEST(SaddleSign, IsovalueMovedByOneUnitInTheLastPlace) {
+  Random random(4);
+  for (int i = 0; i < 5000; ++i) {
+    const double q = random.unit();
+    const double up = std::nextafter(q, 2.0), down = std::nextafter(q, -2.0);
+    const double values[] = {q, up, down, std::nextafter(up, 2.0), std::nextafter(down, -2.0)};
+    const auto v = [&] { return values[random.bits() % 5]; };
+    expect_exact(v(), v(), v(), v(), q);
+  }
+}
+
+TEST(SaddleSign, Integers64) {
+  Random random(5);
+  for (int i = 0; i < 20000; ++i) {
+    const auto any = [&]() -> long double {
+      return random.bits() & 1 ? static_cast<long double>(random.bits()) : static_cast<long double>(static_cast<std::int64_t>(random.bits()));
+    };
+    expect_exact(any(), any(), any(), any(), static_cast<double>(any()));
+  }
+  // Neighbours at the far ends of the ranges, where a double would see one value.
+  for (const long double base : {18446744073709551600.0L, 9223372036854775790.0L, -9223372036854775808.0L}) {
+    const double q = static_cast<double>(base);
+    for (int i = 0; i < 5000; ++i) {
+      const auto near = [&] { return base + static_cast<long double>(random.between(0, 15)); };
+      expect_exact(near(), near(), near(), near(), q);
+    }
+  }
+}
+
+TEST(SaddleSign, HugeBesideTiny) {
+  const double huge = std::numeric_limits<double>::max(), tiny = std::numeric_limits<double>::denorm_min();
+  const double values[] = {huge, -huge, tiny, -tiny, 0.0, 1.0, -1.0, std::nextafter(huge, 0.0)};
+  for (const double a : values) {
+    for (const double b : values) {
+      for (const double c : values) {
+        for (const double d : values) {
+          for (const double q : values) expect_exact(a, b, c, d, q);
+        }
+      }
+    }
+  }
+}
+
+TEST(SaddleSign, SwappingTheDiagonalsFlipsTheSign) {
+  Random random(6);
+  for (int i = 0; i < 2000; ++i) {
+    const auto v = [&] { return static_cast<double>(random.between(-3, 3)); };
+    const double a = v(), b = v(), c = v(), d = v(), q = v();
+    ASSERT_EQ(saddle_sign(a, b, c, d, q), -saddle_sign(c, d, a, b, q));
+    ASSERT_EQ(saddle_sign(a, b, c, d, q), saddle_sign(b, a, d, c, q));
+    ASSERT_EQ(saddle_sign(a, b, c, d, q), saddle_sign(-a, -b, -c, -d, -q));
+  }
+}
+
+}  // namespace
+}  // namespace isoatlas

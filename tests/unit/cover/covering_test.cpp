@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+// The promises of the covering, each checked from outside: distances, radii, who is covered, and what follows from it.
+#include "cover/covering.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "support/reference_topology.h"
+#include "support/surfaces.h"
+
+namespace isoatlas {
+namespace {
+
+using namespace test;
+
+CoveringOptions options(float max_radius) {
+  CoveringOptions out;
+  out.max_radius = max_radius;
+  out.event_persistence = 1.5f;
+  out.first_stage = 4;
+  return out;
+}
+
+std::vector<std::pair<std::string, SurfaceComplex>> surfaces() {
+  std::vector<std::pair<std::string, SurfaceComplex>> out{{"grid", flat_grid(17, 13)}, {"tube", tube(11, 20)}};
+  for (const KnownVolume& known : known_volumes()) {
+    if (known.samples.values.size() < 16000) out.emplace_back(known.name, surface_of(known.samples, known.isovalue));
+  }
+  for (std::uint64_t seed = 0; seed < 16; ++seed) {
+    const auto family = static_cast<Family>(seed % kFamilies);
+    const Samples s = random_samples(family, {8, 7, 9}, seed);
+    if (has_surface(s, 0)) out.emplace_back(name(family), surface_of(s, 0, Inside::above, seed % 2 ? Vec3{1, 1, 1} : Vec3{1, 2, 0.5}));
+  }
+  return out;
+}
+
+void expect_promises(const CVertexGraph& graph, const Covering& covering, const std::string& what) {
+  const Partition& p = covering.partition();
+  const std::vector<double> distance = slow_distances(graph, p.site);
+  std::set<CVertexId> sites(p.site.begin(), p.site.end());
+  ASSERT_EQ(sites.size(), p.site.size()) << what << ": a site twice";
+  ASSERT_EQ(covering.site_count(), p.site.size());
+  for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
+    ASSERT_NEAR(covering.distance()[v], distance[v], 1e-4 * (1 + distance[v])) << what << ": distance of " << v;
+    ASSERT_TRUE(covering.is_covered(v)) << what << ": " << v;
+    ASSERT_GT(covering.radius()[v], 0) << what;
+    ASSERT_LT(p.cell_of[v], p.cell_count()) << what;
+    for (const auto& n : graph.row(v)) {  // 1/3-Lipschitz along every edge
+      ASSERT_LE(covering.radius()[v], covering.radius()[n.id] + n.weight / 3 * 1.0001f) << what;
+    }
+  }
+  for (CellId c = 0; c < p.cell_count(); ++c) {
+    ASSERT_EQ(p.cell_of[p.site[c]], c) << what << ": a site owns itself";
+    ASSERT_EQ(covering.distance()[p.site[c]], 0) << what;
+  }
+  // Cells are connected in the graph, and every c-vertex is as far from its own site as from the nearest one.
+  for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
+    if (covering.distance()[v] == 0) continue;
+    bool has_parent = false;
+    for (const auto& n : graph.row(v)) {
+      has_parent |= p.cell_of[n.id] == p.cell_of[v] && covering.distance()[n.id] + n.weight == covering.distance()[v];
+    }
+    ASSERT_TRUE(has_parent) << what << ": a c-vertex whose way to its site leaves the cell";
+  }
+  // Sites on the boundary own the boundary.
+  for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
+    ASSERT_TRUE(!graph.on_boundary[v] || graph.on_boundary[p.site[p.cell_of[v]]]) << what << ": boundary owned from inside";
+  }
+}
+
+TEST(Covering, KeepsItsPromises) {
+  for (const auto& [what, surface] : surfaces()) {
+    const CVertexGraph graph = make_graph(surface);
+    for (const float radius : {2.5f, 6.0f, 30.0f}) {
+      Covering covering(graph, options(radius));
+      covering.cover({});
+      expect_promises(graph, covering, what + ", radius " + std::to_string(radius));
+      if (HasFatalFailure()) return;
+      for (const float r : covering.radius()) ASSERT_LE(r, radius);
+    }
+  }
+}
+
+// Factor two and spacing: if two disks meet, their radii differ by less than a factor of two; a later site stands at least its
+// own radius away from every earlier one (0.55 of it on the boundary).
+TEST(Covering, NeighbouringDisksAndSpacing) {
+  for (const auto& [what, surface] : surfaces()) {
+    const CVertexGraph graph = make_graph(surface);
+    Covering covering(graph, options(8));
+    covering.cover({});
+    const Partition& p = covering.partition();
+    if (p.cell_count() > 150) continue;
+    for (CellId a = 0; a < p.cell_count(); ++a) {
+      const std::vector<double> d = slow_distances(graph, {p.site[a]});
+      const double ha = covering.radius()[p.site[a]];
+      for (CellId b = a + 1; b < p.cell_count(); ++b) {
+        const double apart = d[p.site[b]], hb = covering.radius()[p.site[b]];
+        ASSERT_GE(apart, (graph.on_boundary[p.site[b]] ? 0.55 : 1) * hb * 0.9999) << what;
+        if (apart < ha + hb) {
+          ASSERT_LT(ha, 2 * hb * 1.0001) << what;
+          ASSERT_LT(hb, 2 * ha * 1.0001) << what;
+        }
+      }
+    }
+  }
+}
+
+// On a grid of whole numbers distances along rows are exact, so ties are ties.
+TEST(Covering, TiesGoToTheEarlierSite) {
+  const SurfaceComplex grid = flat_grid(9, 3);
+  const CVertexGraph graph = make_graph(grid);
+  for (const bool swapped : {false, true}) {
+    Covering covering(graph, options(100));
+    covering.insert(swapped ? 8 + 9 : 0 + 9);
+    covering.insert(swapped ? 0 + 9 : 8 + 9);
+    EXPECT_EQ(covering.partition().cell_of[4 + 9], 0u) << "half way";
+    EXPECT_EQ(covering.partition().cell_of[swapped ? 5 + 9 : 3 + 9], 0u);
+    EXPECT_EQ(covering.partition().cell_of[swapped ? 3 + 9 : 5 + 9], 1u);
+    EXPECT_EQ(covering.distance()[4 + 9], 4);
+  }
+}
+
+TEST(Covering, InsertOnlyEverLowersDistances) {
+  const SurfaceComplex surface = surface_of(random_samples(Family::gyroid_cut, {10, 10, 10}, 3));
+  const CVertexGraph graph = make_graph(surface);
+  Covering covering(graph, options(100));
+  Random random(4);
+  std::vector<CVertexId> sites;
+  std::vector<float> before(graph.c_vertex_count(), std::numeric_limits<float>::infinity());
+  for (int k = 0; k < 30; ++k) {
+    const auto v = static_cast<CVertexId>(random.bits() % graph.c_vertex_count());
+    if (covering.distance()[v] == 0) continue;
+    covering.insert(v);
+    sites.push_back(v);
+    const std::vector<double> want = slow_distances(graph, sites);
+    for (CVertexId w = 0; w < graph.c_vertex_count(); ++w) {
+      ASSERT_LE(covering.distance()[w], before[w]);
+      if (std::isinf(want[w])) {
+        ASSERT_TRUE(std::isinf(covering.distance()[w]));
+      } else {
+        ASSERT_NEAR(covering.distance()[w], want[w], 1e-4 * (1 + want[w]));
+      }
+    }
+    before = covering.distance();
+    ASSERT_EQ(covering.partition().site, sites);
+  }
+}
+
+TEST(Covering, LoweringARadiusReachesAsFarAsItMust) {
+  const SurfaceComplex surface = surface_of(sampled({20, 20, 20}, sphere({9.4, 9.6, 9.55}, 7)));
+  const CVertexGraph graph = make_graph(surface);
+  Covering covering(graph, options(6));
+  const CVertexId centre = 100;
+  covering.lower_radius(centre, 1.5f);
+  covering.lower_radius(centre, 3.0f);  // not lower: no effect
+  const std::vector<double> d = slow_distances(graph, {centre});
+  for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) ASSERT_NEAR(covering.radius()[v], std::min(6.0, 1.5 + d[v] / 3), 1e-4);
+}
+
+TEST(Covering, OneSiteForATinyClosedComponent) {
+  const SurfaceComplex t = tetrahedron();
+  const CVertexGraph graph = make_graph(t);
+  Covering covering(graph, options(100));
+  covering.cover({});
+  EXPECT_GE(covering.site_count(), 1u);
+  expect_promises(graph, covering, "tetrahedron");
+}
+
+TEST(Covering, SmallerRadiusMeansMoreSites) {
+  const SurfaceComplex surface = surface_of(sampled({40, 40, 40}, sphere({19.4, 19.6, 19.55}, 16)));
+  const CVertexGraph graph = make_graph(surface);
+  std::uint32_t before = 0;
+  for (const float radius : {40.0f, 12.0f, 6.0f, 3.0f}) {
+    Covering covering(graph, options(radius));
+    covering.cover({});
+    EXPECT_GT(covering.site_count(), before);
+    before = covering.site_count();
+  }
+}
+
+TEST(Covering, Cancelled) {
+  const SurfaceComplex grid = flat_grid(30, 30);
+  const CVertexGraph graph = make_graph(grid);
+  Covering covering(graph, options(2));
+  const std::atomic<bool> cancel{true};
+  RunControl control;
+  control.cancel = &cancel;
+  EXPECT_THROW(covering.cover(control), Error);
+}
+
+}  // namespace
+}  // namespace isoatlas
