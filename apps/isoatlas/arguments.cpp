@@ -4,7 +4,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <initializer_list>
 #include <memory>
 #include <string>
 #include <utility>
@@ -104,6 +103,8 @@ RawLayout& layout(VolumeArguments& volume) {
   return volume.raw ? *volume.raw : volume.raw.emplace();
 }
 
+// Options read as a page: prose at the margin, then what it does.
+// clang-format off
 void add_volume(CLI::App& app, VolumeArguments& volume) {
   app.add_option("VOLUME", volume.path, "File or, for a DICOM series, folder with one 3-D scalar image. See FILES.")
       ->required()
@@ -138,6 +139,7 @@ Byte order of headerless samples: little or big. Default: little.
   spacing->needs(size);
   endian->needs(size);
 }
+// clang-format on
 
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description, ManPage::Text page) {
   CLI::App* command = app.add_subcommand(name, description);
@@ -165,6 +167,7 @@ Length parse_length(std::string_view text) {
   return length;
 }
 
+// clang-format off
 CLI::App* add_extract_command(CLI::App& app, ExtractArguments& arguments) {
   CLI::App* command = add_command(app, "extract", "mesh an isosurface, with certified topology", extract_page());
   ExtractOptions& options = arguments.options;
@@ -231,6 +234,7 @@ Also print timings, coarser complexes, repairs and memory.
   verbose->group(kRunning);
   return command;
 }
+// clang-format on
 
 CLI::App* add_info_command(CLI::App& app, InfoArguments& arguments) {
   CLI::App* command = add_command(app, "info", "describe a volume and suggest isovalues", info_page());

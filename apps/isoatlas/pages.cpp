@@ -40,8 +40,9 @@ DICOM series, and headerless samples (--raw-size, --raw-type).
 
 ManPage::Text tool_page() {
   return {
-      .synopsis = "isoatlas COMMAND [options]\n"
-                  "isoatlas COMMAND --help",
+      .synopsis =
+          "isoatlas COMMAND [options]\n"
+          "isoatlas COMMAND --help",
       .description = R"(
 Turns scalar volumes (CT, MRI, microscopy, distance fields, simulations) into triangle meshes. Every mesh that is
 written is a manifold with the topology of the full-resolution surface, component by component; that is checked, not
@@ -124,11 +125,11 @@ then the shape of its triangles. The aspect ratio of a triangle is its shortest 
 )",
       .groups = {kInput, kOutput, kRunning},
       .sections = {{"Examples", R"(isoatlas check head.ply
-isoatlas check head.ply --json | jq .quality.aspect_ratio.minimum
+isoatlas check head.ply --json | jq .genus
 )"},
                    {"Exit status", kCheckExitStatus},
-                   {"Files", R"(Meshes: .ply, .stl, .obj, .off, .vtp. Polygons are cut into triangles; corners
-of an STL file at equal positions are one vertex.
+                   {"Files", R"(Meshes: .ply, .stl, .obj, .off, .vtp. Polygons are cut into triangles;
+corners of an STL file at equal positions are one vertex.
 )"}},
   };
 }

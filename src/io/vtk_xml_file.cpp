@@ -7,8 +7,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <fstream>
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -53,13 +53,15 @@ std::string decode_base64(std::string_view text, std::size_t bytes) {
   return decoded;
 }
 
-// Knows where the data of an array begins: in its element, or in the section after all elements.
-class BlockHeaders {
+// Goes over all arrays. Their data begins in their element, or in a section after all elements.
+class ArrayCheck {
  public:
-  BlockHeaders(const fs::path& path, vtkXMLDataElement& root, vtkXMLDataParser& parser)
+  ArrayCheck(const fs::path& path, vtkXMLDataElement& root, vtkXMLDataParser& parser)
       : path_(path),
         file_(path, std::ios::binary),
+        file_bytes_(readable_file_size(path)),
         number_bytes_(attribute(root, "header_type") == "UInt64" ? 8 : 4),
+        is_compressed_(!attribute(root, "compressor").empty()),
         is_big_endian_(attribute(root, "byte_order") == "BigEndian"),
         appended_position_(parser.GetAppendedDataPosition()) {
     for (int i = 0; i < root.GetNumberOfNestedElements(); ++i) {
@@ -74,15 +76,27 @@ class BlockHeaders {
     for (int i = 0; i < element.GetNumberOfNestedElements(); ++i) {
       vtkXMLDataElement& inner = *element.GetNestedElement(i);
       if (std::string_view(inner.GetName()).ends_with("Array")) {
-        check_array(inner);
+        check_type(inner);
+        if (is_compressed_) {
+          check_blocks(inner);
+        }
       }
       check_below(inner);
     }
   }
 
  private:
+  void check_type(vtkXMLDataElement& array) {
+    constexpr std::array<std::string_view, 12> kTypes{"Int8",  "Int16",  "Int32",  "Int64",   "UInt8",   "UInt16",
+                                                      "UInt32", "UInt64", "Float32", "Float64", "String", "Bit"};
+    const std::string type = attribute(array, "type");
+    if (std::ranges::find(kTypes, type) == kTypes.end()) {
+      throw bad_file(path_, "has an array of unknown data type '" + one_line(type, 40) + "'");
+    }
+  }
+
   // Compressed data starts with the number of blocks, the size of a block and the size of the last one.
-  void check_array(vtkXMLDataElement& array) {
+  void check_blocks(vtkXMLDataElement& array) {
     const std::string format = attribute(array, "format");
     std::string start;
     if (format == "appended") {
@@ -98,8 +112,18 @@ class BlockHeaders {
     } else {
       return;
     }
-    if (start.size() < 2 * number_bytes_ || (number_at(start, 0) > 0 && number_at(start, number_bytes_) == 0)) {
-      throw bad_file(path_, "its compressed data is damaged: a block of size zero");
+    if (start.size() < 2 * number_bytes_) {
+      throw bad_file(path_, "is cut off: an array has no data");
+    }
+    const std::uint64_t blocks = number_at(start, 0);
+    const std::uint64_t block_bytes = number_at(start, number_bytes_);
+    if (blocks == 0) {
+      return;  // an empty array
+    }
+    // Each block has an entry in a table of sizes, and VTK allocates a block and the table before it reads on.
+    if (block_bytes == 0 || blocks > file_bytes_ / number_bytes_ || block_bytes / kMostBytesPerByte > file_bytes_) {
+      throw bad_file(path_, "its compressed data is damaged: " + std::to_string(blocks) + " blocks of " +
+                                std::to_string(block_bytes) + " bytes");
     }
   }
 
@@ -122,9 +146,13 @@ class BlockHeaders {
     return number;
   }
 
+  static constexpr std::uint64_t kMostBytesPerByte = 10'000;  // LZMA, the strongest of VTK's compressors
+
   const fs::path& path_;
   std::ifstream file_;
+  std::uint64_t file_bytes_;
   std::size_t number_bytes_;
+  bool is_compressed_;
   bool is_big_endian_;
   std::int64_t appended_position_;
   bool is_appended_base64_ = true;
@@ -141,9 +169,7 @@ void require_readable_vtk_xml(const fs::path& path) {
   if (root == nullptr) {
     throw bad_file(path, "is not well-formed XML");
   }
-  if (!attribute(*root, "compressor").empty()) {
-    BlockHeaders(path, *root, *parser).check_below(*root);
-  }
+  ArrayCheck(path, *root, *parser).check_below(*root);
 }
 
 }  // namespace isoatlas::io

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <new>
-#include <cstdio>
 
 #include "core/parallel.h"
 #include "core/vector_math.h"

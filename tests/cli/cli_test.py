@@ -198,13 +198,14 @@ class Extract(ToolTest):
         for order, mark in (("little", "<"), ("big", ">")):
             for kind, code in codes.items():
                 self.put("t.raw", struct.pack(f"{mark}{n ** 3}{code}", *values))
-                said = self.succeed("extract", "t.raw", "--raw-size", f"{n},{n},{n}", "--raw-type", kind, "--raw-endian", order,
-                                    "--raw-spacing", "1,1,1", "--iso", "60.5", "-o", "t.off")
+                said = self.succeed("extract", "t.raw", "--raw-size", f"{n},{n},{n}", "--raw-type", kind,
+                                    "--raw-endian", order, "--raw-spacing", "1,1,1", "--iso", "60.5", "-o", "t.off")
                 self.assertIn("1 component, genus 1, 0 boundary loops", said, (kind, order))
 
     def test_surface_that_leaves_the_volume_has_a_boundary_loop(self):
         n = 16
-        self.put("half.nrrd", nrrd(array.array("f", (x + 0.1 * y for z in range(n) for y in range(n) for x in range(n))), (n, n, n)))
+        ramp = array.array("f", (x + 0.1 * y for z in range(n) for y in range(n) for x in range(n)))
+        self.put("half.nrrd", nrrd(ramp, (n, n, n)))
         self.assertIn("1 component, genus 0, 1 boundary loop, Euler characteristic 1",
                       self.succeed("extract", "half.nrrd", "--iso", "7.3", "-o", "h.ply"))
 
@@ -222,7 +223,8 @@ class Extract(ToolTest):
         self.put("s.nrrd", nrrd(sphere((20, 20, 20)), (20, 20, 20), "float", "spacings: 2 2 2"))
         meshes = []
         for length in ("6", "6mm", "3vx", "+6", "6e0mm"):
-            self.succeed("extract", "s.nrrd", "--iso", "0", "--max-radius", length, "--event-persistence", length, "-o", "s.off", "-q")
+            self.succeed("extract", "s.nrrd", "--iso", "0", "--max-radius", length, "--event-persistence", length,
+                         "-o", "s.off", "-q")
             meshes.append((self.folder / "s.off").read_bytes())
         self.assertEqual(len(set(meshes)), 1)
         self.succeed("extract", "s.nrrd", "--iso", "0", "--event-persistence", "0", "-o", "s.off", "-q")
@@ -316,7 +318,8 @@ class Outputs(ToolTest):
 
     def test_outputs_are_checked_before_the_volume_is_read(self):
         self.refuse("xyz", "extract", "missing.nrrd", "--iso", "0", "-o", "s.xyz")
-        self.refuse("folder missing|missing/s.json", "extract", "missing.nrrd", "--iso", "0", "-o", "s.ply", "--report", "missing/s.json")
+        self.refuse("missing/s.json", "extract", "missing.nrrd", "--iso", "0", "-o", "s.ply",
+                    "--report", "missing/s.json")
 
     def test_outputs_do_not_replace_each_other_or_the_volume(self):
         self.put_sphere()
@@ -470,8 +473,8 @@ class Interruption(ToolTest):
         n = 160
         self.put("noise.raw", random.Random(1).randbytes(n ** 3))
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-            self.interrupt(number, "extract", "noise.raw", "--raw-size", f"{n},{n},{n}", "--raw-type", "uint8", "--iso", "127.5",
-                           "-o", "out.ply", "--report", "out.json")
+            self.interrupt(number, "extract", "noise.raw", "--raw-size", f"{n},{n},{n}", "--raw-type", "uint8",
+                           "--iso", "127.5", "-o", "out.ply", "--report", "out.json")
 
     def test_while_reading(self):
         # Gigabytes of zeros in a small file: blocks between full flushes may be repeated.
@@ -489,7 +492,8 @@ class Interruption(ToolTest):
         n = 160
         self.put("noise.raw", random.Random(1).randbytes(n ** 3))
         process = subprocess.Popen(
-            [str(TOOL), "extract", "noise.raw", "--raw-size", f"{n},{n},{n}", "--raw-type", "uint8", "--iso", "127.5", "-o", "out.ply"],
+            [str(TOOL), "extract", "noise.raw", "--raw-size", f"{n},{n},{n}", "--raw-type", "uint8", "--iso", "127.5",
+             "-o", "out.ply"],
             cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8",
             preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN))
         time.sleep(0.3)
@@ -569,7 +573,8 @@ class Info(ToolTest):
         self.put("v.nrrd", nrrd(sphere((10, 12, 14)), (10, 12, 14), "float", "space: left-posterior-superior",
                                 "space directions: (0,0.5,0) (-2,0,0) (0,0,3)", "space origin: (1,-2,3.5)"))
         text = self.succeed("info", "v.nrrd")
-        for pattern in (r"size +10 x 12 x 14, 1,680 samples", r"type +float32, 6\.6 KiB", r"spacing +0\.5 2 3", r"extent +4\.5 x 22 x 39",
+        for pattern in (r"size +10 x 12 x 14, 1,680 samples", r"type +float32, 6\.6 KiB",
+                        r"spacing +0\.5 2 3", r"extent +4\.5 x 22 x 39",
                         r"origin +1 -2 3\.5", r"orientation +PRS \(x towards Posterior, y towards Right, z towards Superior\)$",
                         r"direction +0 -1 0\n +1 0 0\n +0 0 1$", r"not finite +0 NaN, 0 infinite$"):
             self.assertRegex(text, "(?m)" + pattern)

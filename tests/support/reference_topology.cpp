@@ -10,7 +10,7 @@
 namespace isoatlas::test {
 namespace {
 
-using Exact = __extension__ __int128;
+__extension__ using Exact = __int128;  // GCC and clang have it, ISO C++ does not
 using Place = std::array<int, 3>;  // twice the index: odd along one axis for grid edges, two for faces, three for cells
 
 struct Counter {

@@ -111,16 +111,17 @@ TEST(TopologicalEvent, DoesNotDependOnTheFirstStageOrOnEarlierCalls) {
 // A plane with a chimney: the front closes behind it and leaves the chimney's top as an island that closes at its tip.
 TEST(TopologicalEvent, ChimneyCountsOnlyBelowItsPersistence) {
   constexpr double height = 14;
-  const SurfaceComplex surface = surface_of(sampled({64, 64, 26}, [](double x, double y, double z) {
-    const double plane = 5.4 - z, chimney = std::min(3.2 - std::hypot(x - 31.4, y - 31.6), 5.4 + height - z);
+  const SurfaceComplex surface = surface_of(sampled({90, 80, 26}, [](double x, double y, double z) {
+    const double plane = 5.4 - z, chimney = std::min(3.2 - std::hypot(x - 44.4, y - 39.6), 5.4 + height - z);
     return std::max(plane, chimney);
   }));
   const CVertexGraph graph = make_graph(surface);
-  const CVertexId v = nearest_to(surface, {31.4 - 12, 31.6, 5.4});
+  const CVertexId v = nearest_to(surface, {44.4 - 12, 39.6, 5.4});
   const std::vector<double> d = slow_distances(graph, {v});
-  const double behind = d[nearest_to(surface, {31.4 + 5, 31.6, 5.4})], tip = d[nearest_to(surface, {31.4, 31.6, 5.4 + height})];
-  constexpr float limit = 19;  // less than the distance to the volume's faces
-  ASSERT_LT(behind, limit - 1);
+  const double behind = d[nearest_to(surface, {44.4 + 5, 39.6, 5.4})], tip = d[nearest_to(surface, {44.4, 39.6, 5.4 + height})];
+  constexpr float limit = 30;  // less than the distance to the volume's faces
+  ASSERT_LT(behind, limit - 4);
+  ASSERT_GT(tip, behind + 4);
   for (const float persistence : {0.0f, 1.5f, 4.0f}) {
     EventFinder finder(graph, persistence, 4);
     const float radius = finder.event_radius(v, limit);

@@ -240,6 +240,7 @@ TEST(BadVolumes, Nrrd) {
                      {"overflow.nrrd", nrrd(noise(), "raw", "4294967296 4294967296 4294967296"), kBad, ""},
                      {"negative.nrrd", nrrd(noise(), "raw", "-16 12 10"), kBad, ""},
                      {"zero.nrrd", nrrd(noise(), "raw", "16 0 10"), kBad, "size is zero"},
+                     {"line.nrrd", nrrd(noise(), std::string(900, 'x')), kBad, "header line of 910 characters"},  // Teem aborts
                      {"header.nrrd", "NRRD0004\ntype: uint8\n", kBad, "hit end of header"},
                      {"spacing.nrrd", nrrd(noise(), "raw", "16 12 10", "spacings: 1 0 1\n"), kBad, "spacing"},
                      {"vector.nrrd", nrrd(noise() + noise() + noise(), "raw", "3 16 12 10",
@@ -369,7 +370,13 @@ TEST(BadVolumes, Vti) {
                       "2 values per sample"},
                      {"bit.vti", vti(noise(), "0 15 0 11 0 9", "Bit"), kUnsupported, "not integers"},
                      {"string.vti", vti(noise(), "0 15 0 11 0 9", "String"), kUnsupported, "not integers"},
-                     {"unknown.vti", vti(noise(), "0 15 0 11 0 9", "Foo"), kBad, "Unknown data type"}});
+                     {"unknown.vti", vti(noise(), "0 15 0 11 0 9", "Foo"), kBad, "unknown data type 'Foo'"}});
+  std::string no_blocks = whole;  // VTK 9.1 divides by the block size
+  no_blocks.insert(no_blocks.find(" header_type"), " compressor=\"vtkZLibDataCompressor\"");
+  no_blocks.replace(no_blocks.find("\n_") + 2, 16, std::string("\1\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0", 16));
+  std::string many_blocks = no_blocks;
+  many_blocks.replace(many_blocks.find("\n_") + 2, 16, std::string(16, '\x7f'));
+  expect_all_errors({{"zero.vti", no_blocks, kBad, "1 blocks of 0 bytes"}, {"many.vti", many_blocks, kBad, "is damaged"}});
   std::string two = whole;
   const std::string array = "<DataArray type=\"UInt8\" Name=\"t\" format=\"appended\" offset=\"0\"/>\n";
   two.insert(two.find("</PointData>"), array);

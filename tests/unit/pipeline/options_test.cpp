@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: Apache-2.0
+// What extract() refuses and how it says so; progress and cancellation; samples that are not finite.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <thread>
+
+#include "isoatlas/error.h"
+#include "isoatlas/extract.h"
+#include "support/reference_topology.h"
+#include "support/surfaces.h"
+
+namespace isoatlas {
+namespace {
+
+using namespace test;
+
+void expect_error(ErrorCode code, const std::vector<std::string>& words, const VolumeView& volume, const ExtractOptions& options,
+                  const RunControl& control = {}) {
+  try {
+    extract(volume, options, control);
+    FAIL() << "no error; expected one that says " << (words.empty() ? "" : words[0]);
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), code) << e.what();
+    for (const std::string& word : words) EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what();
+    EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << "messages are one line";
+  }
+}
+
+Volume ball() { return to_volume(sampled({12, 12, 12}, sphere({5.4, 5.6, 5.55}, 4))); }
+
+TEST(Refuses, OneSampleAlongAnAxis) {
+  for (int axis = 0; axis < 3; ++axis) {
+    Size size{4, 4, 4};
+    size[axis] = 1;
+    expect_error(ErrorCode::bad_argument, {"1 sample", std::string(1, "xyz"[axis])}, to_volume(constant(size, 0)), {});
+  }
+}
+
+TEST(Refuses, BadSpacing) {
+  for (const double bad : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      Volume volume = ball();
+      (axis == 0 ? volume.grid.spacing.x : axis == 1 ? volume.grid.spacing.y : volume.grid.spacing.z) = bad;
+      expect_error(ErrorCode::bad_argument, {"spacing"}, volume, {});
+    }
+  }
+}
+
+TEST(Refuses, NonFiniteIsovalueAndBadLengths) {
+  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()}) {
+    ExtractOptions o;
+    o.isovalue = bad;
+    expect_error(ErrorCode::bad_argument, {"isovalue"}, ball(), o);
+    o = {};
+    o.max_radius = bad;
+    expect_error(ErrorCode::bad_argument, {"radius"}, ball(), o);
+    o = {};
+    o.event_persistence = bad;
+    expect_error(ErrorCode::bad_argument, {"persistence"}, ball(), o);
+  }
+  ExtractOptions o;
+  o.max_radius = 0;
+  expect_error(ErrorCode::bad_argument, {"radius"}, ball(), o);
+  o = {};
+  o.event_persistence = -0.1;
+  expect_error(ErrorCode::bad_argument, {"persistence"}, ball(), o);
+}
+
+TEST(Refuses, NoSurfaceAndSaysTheRange) {
+  Samples s = constant({4, 4, 4}, 17);
+  s.at(1, 1, 1) = -40;
+  s.at(2, 1, 1) = 1234;
+  for (const double isovalue : {1234.5, -41.0, 1e300, -1e300}) {
+    ExtractOptions o;
+    o.isovalue = isovalue;
+    expect_error(ErrorCode::empty_surface, {"-40", "1234"}, to_volume(s), o);
+  }
+  ExtractOptions below;
+  below.inside = Inside::below;
+  below.isovalue = 1234;  // a sample equal to the isovalue is inside either way, so all are
+  expect_error(ErrorCode::empty_surface, {"1234"}, to_volume(s), below);
+  below.isovalue = -40;
+  EXPECT_NO_THROW(extract(to_volume(s), below));
+  ExtractOptions above;
+  above.isovalue = -40;
+  expect_error(ErrorCode::empty_surface, {"-40"}, to_volume(s), above);
+  above.isovalue = 1234;
+  EXPECT_NO_THROW(extract(to_volume(s), above));
+}
+
+Volume with_nan() {
+  Grid grid;
+  grid.size = {8, 8, 8};
+  std::vector<float> values;
+  const Samples s = sampled({8, 8, 8}, sphere({3.4, 3.6, 3.55}, 2.5));
+  for (const std::int64_t v : s.values) values.push_back(static_cast<float>(v));
+  values[3 + 8 * (4 + 8 * 3)] = std::nanf("");
+  return own(grid, SampleType::float32, std::move(values));
+}
+
+TEST(NonFinite, RefusedWithCountAndPlace) {
+  expect_error(ErrorCode::unsupported, {"1 NaN", "(3, 4, 3)", "--nan"}, with_nan(), {});
+}
+
+TEST(NonFinite, OnTheSideItIsPut) {
+  ExtractOptions o;
+  o.non_finite = NonFinite::above;
+  EXPECT_EQ(extract(with_nan(), o).report.mesh.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 1}}));
+  o.non_finite = NonFinite::below;  // now a cavity in the ball
+  EXPECT_EQ(extract(with_nan(), o).report.mesh.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 2}}));
+  o.inside = Inside::below;
+  EXPECT_EQ(extract(with_nan(), o).report.mesh.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 2}}));
+}
+
+TEST(NonFinite, InfinitiesKeepTheirSide) {
+  Grid grid;
+  grid.size = {5, 5, 5};
+  for (const double sign : {1.0, -1.0}) {
+    std::vector<double> values(125, -sign);
+    values[62] = sign * std::numeric_limits<double>::infinity();
+    for (const NonFinite policy : {NonFinite::above, NonFinite::below}) {
+      ExtractOptions o;
+      o.non_finite = policy;
+      const Extraction e = extract(own(grid, SampleType::float64, values), o);
+      EXPECT_EQ(e.report.mesh.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 1}}));
+      EXPECT_EQ(signed_volume(e.mesh) > 0, sign > 0);
+    }
+  }
+}
+
+TEST(NonFinite, NothingFinite) {
+  Grid grid;
+  grid.size = {3, 3, 3};
+  ExtractOptions o;
+  o.non_finite = NonFinite::above;
+  expect_error(ErrorCode::empty_surface, {"finite"}, own(grid, SampleType::float32, std::vector<float>(27, std::nanf(""))), o);
+}
+
+// Noise of NaN, infinities and numbers: whatever it is, the mesh is what a volume of plain signs would give where no face is
+// ambiguous, and a certified manifold always.
+TEST(NonFinite, NoiseOfEverything) {
+  Random random(5);
+  const double inf = std::numeric_limits<double>::infinity();
+  for (int round = 0; round < 20; ++round) {
+    Grid grid;
+    grid.size = {7, 6, 5};
+    std::vector<double> values(210);
+    for (double& v : values) {
+      const auto kind = random.bits() % 6;
+      v = kind == 0 ? std::nan("") : kind == 1 ? inf : kind == 2 ? -inf : random.unit() - 0.5;
+    }
+    for (const NonFinite policy : {NonFinite::above, NonFinite::below}) {
+      for (const Inside inside : {Inside::above, Inside::below}) {
+        ExtractOptions o;
+        o.non_finite = policy;
+        o.inside = inside;
+        const Extraction e = extract(own(grid, SampleType::float64, values), o);
+        EXPECT_EQ(kinds_of(e.mesh), e.report.reference.kinds);
+        for (const Vec3& p : e.mesh.positions) ASSERT_TRUE(std::isfinite(p.x + p.y + p.z));
+      }
+    }
+  }
+}
+
+// ------------------------------------------------------------------------------------------ extreme magnitudes and spacing
+
+TEST(Extremes, HugeAndTinySamplesAndSpacings) {
+  const Samples s = sampled({12, 12, 12}, torus({5.4, 5.6, 5.55}, 3.2, 1.6));
+  const auto kinds = reference_topology(s, 0).kinds;
+  for (const double scale : {1e300, 1e-300, 1e-320, 1.0}) {
+    for (const double spacing : {1e-6, 1.0, 1e6}) {
+      Grid grid;
+      grid.size = s.size;
+      grid.spacing = {spacing, spacing, spacing};
+      std::vector<double> values;
+      for (const std::int64_t v : s.values) values.push_back(static_cast<double>(v) * scale);
+      const Extraction e = extract(own(grid, SampleType::float64, values), {});
+      EXPECT_EQ(e.report.mesh.kinds, kinds) << scale << " " << spacing;
+      for (const Vec3& p : e.mesh.positions) ASSERT_TRUE(std::isfinite(p.x + p.y + p.z));
+      const auto [low, high] = bounding_box(e.mesh);
+      EXPECT_GT(high.x - low.x, 5 * spacing);
+    }
+  }
+}
+
+TEST(Extremes, VeryDifferentSpacingsAlongTheAxes) {
+  const Samples s = sampled({14, 14, 14}, gyroid(7.7, 0.1));
+  const auto kinds = reference_topology(s, 0).kinds;
+  for (const Vec3 spacing : {Vec3{1, 1, 100}, Vec3{0.01, 1, 1}, Vec3{1, 30, 0.5}}) {
+    EXPECT_EQ(extract(to_volume(s, SampleType::int32, spacing), {}).report.mesh.kinds, kinds);
+  }
+}
+
+TEST(Extremes, EveryRadiusAndPersistenceIsCertified) {
+  const Samples s = random_samples(Family::gyroid_cut, {12, 13, 11}, 4);
+  const auto kinds = reference_topology(s, 0).kinds;
+  for (const double radius : {1e-3, 1.0, 5.0, 1e6}) {
+    for (const double persistence : {0.0, 1.5, 1e6}) {
+      ExtractOptions o;
+      o.max_radius = radius;
+      o.event_persistence = persistence;
+      EXPECT_EQ(extract(to_volume(s), o).report.mesh.kinds, kinds) << radius << " " << persistence;
+    }
+  }
+  ExtractOptions plain;
+  plain.vertices_on_surface = false;
+  EXPECT_EQ(extract(to_volume(s), plain).report.mesh.kinds, kinds);
+}
+
+// ------------------------------------------------------------------------------------------------ progress, cancellation
+
+TEST(Control, ProgressIsToldStageByStageWithFractions) {
+  RunControl control;
+  std::vector<std::string> stages;
+  std::map<std::string, double> last;
+  control.progress = [&](std::string_view stage, double fraction) {
+    EXPECT_GE(fraction, 0);
+    EXPECT_LE(fraction, 1);
+    const std::string title(stage);
+    EXPECT_FALSE(title.empty());
+    if (stages.empty() || stages.back() != title) stages.push_back(title);
+    EXPECT_GE(fraction, last[title]) << title << " goes backwards";
+    last[title] = fraction;
+  };
+  extract(to_volume(random_samples(Family::white_noise, {16, 16, 16}, 2)), {}, control);
+  EXPECT_GE(stages.size(), 3u);
+  EXPECT_EQ(last.size(), stages.size()) << "a stage is not left and entered again";
+}
+
+TEST(Control, CancelledBeforehand) {
+  const std::atomic<bool> cancel{true};
+  RunControl control;
+  control.cancel = &cancel;
+  expect_error(ErrorCode::cancelled, {}, ball(), {}, control);
+}
+
+TEST(Control, CancelledInEveryStage) {
+  const Volume volume = to_volume(random_samples(Family::white_noise, {14, 14, 14}, 2));
+  std::vector<std::string> stages;
+  RunControl watch;
+  watch.progress = [&](std::string_view stage, double) {
+    if (stages.empty() || stages.back() != stage) stages.emplace_back(stage);
+  };
+  extract(volume, {}, watch);
+  for (const std::string& stop : stages) {
+    if (stop == stages.back()) continue;  // the last stage may end before it looks
+    std::atomic<bool> cancel{false};
+    RunControl control;
+    control.cancel = &cancel;
+    control.progress = [&](std::string_view stage, double) {
+      if (stage == stop) cancel = true;
+    };
+    expect_error(ErrorCode::cancelled, {}, volume, {}, control);
+  }
+}
+
+TEST(Control, TimesAddUp) {
+  const Extraction e = extract(ball(), {});
+  double sum = 0;
+  for (const StageTime& t : e.report.seconds) {
+    EXPECT_GE(t.seconds, 0) << t.stage;
+    sum += t.seconds;
+  }
+  EXPECT_LE(sum, e.report.total_seconds * 1.01 + 1e-6);
+  EXPECT_GE(e.report.seconds.size(), 3u);
+}
+
+}  // namespace
+}  // namespace isoatlas

@@ -1,0 +1,84 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Checks that every #include between modules is allowed by the module's DEPENDS line, and that the drawing has no cycle.
+
+Modules are the folders of src/. Public headers (isoatlas/...) belong to the module named below and may be included by that
+module, by modules above it, and by applications, tests and benchmarks.
+"""
+import pathlib
+import re
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+SRC = ROOT / "src"
+
+# Which module each public header speaks for.
+PUBLIC = {"error.h": "core", "run_control.h": "core", "version.h": "core", "volume.h": "core", "mesh.h": "core",
+          "extract.h": "core", "io.h": "io", "isoatlas.h": "pipeline"}
+# Libraries that only one module may see.
+PRIVATE_LIBRARIES = {r"tbb/": {"core"}, r"(itk|vtk|gdcm|tiff)": {"io"}, r"nlohmann/": {"report"}, r"CLI/": set()}
+
+
+def depends():
+    out = {}
+    for path in sorted(SRC.glob("*/CMakeLists.txt")):
+        text = path.read_text()
+        match = re.search(r"isoatlas_module\((\w+)(.*?)^?\)", text, re.S)
+        if not match:
+            continue
+        listed = re.search(r"DEPENDS([\w\s]*?)(LINK|\)|$)", match.group(2) + ")", re.S)
+        out[match.group(1)] = set(listed.group(1).split()) if listed else set()
+    return out
+
+
+def closure(module, graph, seen=()):
+    if module in seen:
+        raise SystemExit(f"cycle between modules: {' -> '.join([*seen, module])}")
+    out = {module}
+    for other in graph.get(module, ()):
+        out |= closure(other, graph, (*seen, module))
+    return out
+
+
+def main():
+    graph = depends()
+    problems = []
+    for module, others in graph.items():
+        for other in sorted(others - graph.keys()):
+            problems.append(f"src/{module}/CMakeLists.txt: DEPENDS names {other}, which is no module")
+    reach = {module: closure(module, graph) for module in graph}
+    checked = 0
+    for module in graph:
+        for path in sorted((SRC / module).iterdir()):
+            if path.suffix not in (".h", ".cpp", ".inl"):
+                continue
+            for number, line in enumerate(path.read_text().splitlines(), 1):
+                match = re.match(r'\s*#\s*include\s*["<]([^">]+)[">]', line)
+                if not match:
+                    continue
+                checked += 1
+                include = match.group(1)
+                where = f"{path.relative_to(ROOT)}:{number}"
+                top, _, rest = include.partition("/")
+                if top == "isoatlas":
+                    owner = PUBLIC.get(rest)
+                    if owner is None:
+                        owner = "report" if rest == "report.h" else None
+                    if owner is None:
+                        problems.append(f"{where}: public header {include} belongs to no module (see PUBLIC)")
+                    elif owner not in reach[module]:
+                        problems.append(f"{where}: {module} may not include {include} of module {owner}")
+                elif rest and (SRC / top).is_dir():
+                    if top not in reach[module]:
+                        problems.append(f"{where}: {module} may not include {include}; DEPENDS of {module}: {' '.join(sorted(graph[module])) or 'nothing'}")
+                for pattern, allowed in PRIVATE_LIBRARIES.items():
+                    if re.match(pattern, include) and module not in allowed:
+                        problems.append(f"{where}: {include} may only be seen by {', '.join(sorted(allowed)) or 'apps'}")
+    for problem in problems:
+        print(problem)
+    print(f"{checked} includes in {len(graph)} modules, {len(problems)} problems")
+    return 1 if problems or checked == 0 else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,27 @@
+#!/usr/bin/env bash
+# Installs what the build, the tests and the benchmarks need on Debian 12, and nothing where it is all there already.
+#   scripts/install_dependencies.sh [build|test|bench]     (default: build; test includes build, bench includes both)
+set -euo pipefail
+
+build=(g++ cmake ninja-build libtbb-dev libinsighttoolkit5-dev libvtk9-dev libtiff-dev zlib1g-dev libcli11-dev nlohmann-json3-dev)
+test=("${build[@]}" libgtest-dev librapidcheck-dev libboost-dev python3 libcgal-dev libgmp-dev)
+bench=("${test[@]}" libbenchmark-dev python3-numpy python3-vtk9)
+
+case "${1:-build}" in
+  build) wanted=("${build[@]}") ;;
+  test) wanted=("${test[@]}") ;;
+  bench) wanted=("${bench[@]}") ;;
+  *) echo "usage: $0 [build|test|bench]" >&2; exit 2 ;;
+esac
+
+missing=()
+for package in "${wanted[@]}"; do
+  [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")
+done
+[ ${#missing[@]} -eq 0 ] && exit 0
+
+as_root=()
+if [ "$(id -u)" -ne 0 ]; then as_root=(sudo); fi
+echo "installing: ${missing[*]}"
+"${as_root[@]}" apt-get update -qq
+DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" > /dev/null
