@@ -8,7 +8,6 @@
 #include <vtkSmartPointer.h>
 
 #include <iostream>
-#include <regex>
 #include <string_view>
 
 #include "io/file_error.h"
@@ -72,13 +71,23 @@ LibraryMessages::~LibraryMessages() {
 std::string LibraryMessages::first_vtk_error() const { return short_message(windows_->collecting->first_error); }
 
 std::string short_message(const std::string& text) {
-  // Teem (NRRD) tells a story, one line for each function on the way; the last line is the cause.
-  const std::size_t last_teem_line = text.rfind("[nrrd] ");
-  const std::string cause = last_teem_line == std::string::npos ? text : text.substr(last_teem_line);
-  // "itk::ERROR: NrrdImageIO(0x55d0): Read: ..." and "ERROR: In file.cxx, line 12\nvtkXMLDataParser (0x55d0): ..."
-  static const std::regex noise(
-      R"(itk::ERROR:|ITK ERROR:|ERROR: In \S+ line \d+|Reason: Success|[A-Za-z:]+ ?\(0x[0-9a-f]+\):|\[nrrd\]|_?(nrrd|airh?)\w+:)");
-  return one_line(std::regex_replace(cause, noise, " "));
+  std::string_view cause = text;
+  // "ITK ERROR: NrrdImageIO(0x55d0): ..." and "ERROR: In file.cxx, line 12\nvtkXMLDataParser (0x55d0): ..."
+  if (const std::size_t address = cause.find("(0x"); address != std::string_view::npos) {
+    const std::size_t end = cause.find("): ", address);
+    cause.remove_prefix(end == std::string_view::npos ? 0 : end + 3);
+  }
+  // Teem (NRRD) tells a story, one line "[nrrd] function: ..." for each function on the way; the last is the cause.
+  constexpr std::string_view kTeem = "[nrrd] ";
+  if (const std::size_t line = cause.rfind(kTeem); line != std::string_view::npos) {
+    cause.remove_prefix(line + kTeem.size());
+    const std::size_t function_end = cause.find(": ");
+    cause.remove_prefix(function_end == std::string_view::npos ? 0 : function_end + 2);
+  }
+  for (const std::string_view prefix : {"itk::ERROR: ", "ITK ERROR: "}) {
+    cause.remove_prefix(cause.starts_with(prefix) ? prefix.size() : 0);
+  }
+  return one_line(cause.substr(0, cause.find(" Reason: Success")));
 }
 
 }  // namespace isoatlas::io

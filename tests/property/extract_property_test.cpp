@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// What must hold for every volume, on 250 random ones a run. The seed changes from run to run and is printed on failure.
+#include <rapidcheck/gtest.h>
+
+#include <cstring>
+
+#include "partition/coarsen.h"
+#include "property/random_case.h"
+#include "support/surfaces.h"
+#include "surface/components.h"
+#include "surface/parse_surface.h"
+
+namespace isoatlas {
+namespace {
+
+using namespace test;
+
+SurfaceComplex parsed(const RandomCase& c, const Volume& volume) {
+  ParseOptions options;
+  options.rule = {c.isovalue(), c.inside(), NonFinite::refuse};
+  return parse_surface(volume, options);
+}
+
+RC_GTEST_PROP(AnyVolume, SurfaceIsValidAndHasTheReferenceTopology, (const RandomCase& c)) {
+  const Samples samples = c.samples();
+  RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
+  RC_TAG(name(static_cast<Family>(c.family)));
+  const SurfaceComplex surface = parsed(c, to_volume(samples, SampleType::int32, c.spacing));
+  RC_ASSERT(validate(surface) == "");
+  const TopologySummary want = reference_topology(samples, c.isovalue(), c.inside());
+  RC_ASSERT(summarize(find_components(surface).topology) == want);
+  RC_ASSERT(kinds_of(triangles_of(surface)) == want.kinds);
+}
+
+RC_GTEST_PROP(AnyVolume, CoarserComplexesKeepTheTopology, (const RandomCase& c)) {
+  const Samples samples = c.samples();
+  RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
+  const SurfaceComplex surface = parsed(c, to_volume(samples, SampleType::int32, c.spacing));
+  const auto want = kinds_of(triangles_of(surface));
+  for (const double block : {2.0, 4.0, 8.0}) {
+    const Coarsened coarser = coarsen(surface, block);
+    RC_ASSERT(coarser.certificate.passed);
+    RC_ASSERT(validate(coarser.complex) == "");
+    RC_ASSERT(kinds_of(triangles_of(coarser.complex)) == want);
+  }
+}
+
+RC_GTEST_PROP(AnyVolume, MeshIsAManifoldWithTheReferenceTopology, (const RandomCase& c)) {
+  const Samples samples = c.samples();
+  RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
+  RC_TAG(name(static_cast<Family>(c.family)));
+  const Volume volume = to_volume(samples, SampleType::int16, c.spacing);
+  ExtractOptions options;
+  options.isovalue = c.isovalue();
+  options.inside = c.inside();
+  if (c.seed % 3 == 1) options.max_radius = 0.5 + static_cast<double>(c.seed % 7);
+  if (c.seed % 3 == 2) options.event_persistence = static_cast<double>(c.seed % 5);
+  const Extraction first = extract(volume, options);
+  const TopologySummary want = reference_topology(samples, c.isovalue(), c.inside());
+  const MeshTopology topology = mesh_topology(first.mesh);
+  RC_ASSERT(topology.is_manifold());
+  RC_ASSERT(topology.is_oriented());
+  RC_ASSERT(topology.unused_vertices == 0u);
+  RC_ASSERT(kinds_of(first.mesh) == want.kinds);
+  RC_ASSERT(first.report.mesh == want);
+  RC_ASSERT(first.report.reference == want);
+  RC_ASSERT(first.report.certificate.passed);
+
+  // In the volume, vertices all apart.
+  std::vector<std::array<double, 3>> places;
+  for (const Vec3& p : first.mesh.positions) {
+    RC_ASSERT(p.x >= 0 && p.y >= 0 && p.z >= 0);
+    RC_ASSERT(p.x <= (c.nx - 1) * c.spacing.x && p.y <= (c.ny - 1) * c.spacing.y && p.z <= (c.nz - 1) * c.spacing.z);
+    places.push_back({p.x, p.y, p.z});
+  }
+  std::sort(places.begin(), places.end());
+  RC_ASSERT(std::adjacent_find(places.begin(), places.end()) == places.end());
+
+  // The same bytes on a second run, with another number of threads.
+  RunControl control;
+  control.threads = 1 + static_cast<int>(c.seed % 4);
+  const Extraction second = extract(volume, options, control);
+  RC_ASSERT(first.mesh.triangles == second.mesh.triangles);
+  RC_ASSERT(first.mesh.positions.size() == second.mesh.positions.size());
+  RC_ASSERT(std::memcmp(first.mesh.positions.data(), second.mesh.positions.data(), sizeof(Vec3) * first.mesh.positions.size()) == 0);
+}
+
+RC_GTEST_PROP(AnyVolume, AxesMayBeSwappedAndMirrored, (const RandomCase& c)) {
+  const Samples samples = c.samples();
+  RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
+  ExtractOptions options;
+  options.isovalue = c.isovalue();
+  options.inside = c.inside();
+  const auto kinds = [&](const Samples& s) { return extract(to_volume(s), options).report.mesh.kinds; };
+  const auto want = kinds(samples);
+  RC_ASSERT(kinds(mirrored(samples, static_cast<int>(c.seed % 3))) == want);
+  RC_ASSERT(kinds(permuted(samples, c.seed % 2 ? std::array{1, 2, 0} : std::array{1, 0, 2})) == want);
+  options.isovalue = -options.isovalue;
+  options.inside = c.below ? Inside::above : Inside::below;
+  RC_ASSERT(kinds(negated(samples)) == want);
+}
+
+}  // namespace
+}  // namespace isoatlas

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// A random small volume and what to do with it, so that RapidCheck can shrink it and a person can make it again:
+// random_samples(family, size, seed).
+#pragma once
+
+#include <rapidcheck.h>
+
+#include <cstdlib>
+#include <ostream>
+
+#include "support/reference_topology.h"
+#include "support/volumes.h"
+
+namespace isoatlas::test {
+
+struct RandomCase {
+  int family = 0;
+  std::size_t nx = 2, ny = 2, nz = 2;
+  std::uint64_t seed = 0;
+  int twice_isovalue = 0;
+  bool below = false;
+  Vec3 spacing{1, 1, 1};
+
+  Samples samples() const { return random_samples(static_cast<Family>(family), {nx, ny, nz}, seed); }
+  double isovalue() const { return 0.5 * twice_isovalue; }
+  Inside inside() const { return below ? Inside::below : Inside::above; }
+
+  friend std::ostream& operator<<(std::ostream& out, const RandomCase& c) {
+    return out << name(static_cast<Family>(c.family)) << " (family " << c.family << ", size " << c.nx << " x " << c.ny << " x " << c.nz << ", seed "
+               << c.seed << "), isovalue " << c.isovalue() << (c.below ? ", below" : ", above") << ", spacing " << c.spacing.x << " "
+               << c.spacing.y << " " << c.spacing.z;
+  }
+};
+
+inline void showValue(const RandomCase& c, std::ostream& out) { out << c; }
+
+// RapidCheck's default is 100 cases; RC_PARAMS in the environment overrides this.
+inline const bool kEnoughCases = [] {
+  setenv("RC_PARAMS", "max_success=250 max_size=100", 0);
+  return true;
+}();
+
+}  // namespace isoatlas::test
+
+namespace rc {
+
+template <>
+struct Arbitrary<isoatlas::test::RandomCase> {
+  static Gen<isoatlas::test::RandomCase> arbitrary() {
+    using isoatlas::test::RandomCase;
+    // Sizes lean on no "size" parameter of RapidCheck: small and large volumes at any time.
+    const auto length = gen::resize(100, gen::inRange<std::size_t>(2, 15));
+    const auto whole = [](int low, int high) { return gen::resize(100, gen::inRange(low, high)); };
+    return gen::build<RandomCase>(
+        gen::set(&RandomCase::family, whole(0, isoatlas::test::kFamilies)), gen::set(&RandomCase::nx, length), gen::set(&RandomCase::ny, length),
+        gen::set(&RandomCase::nz, length), gen::set(&RandomCase::seed, gen::resize(100, gen::inRange<std::uint64_t>(0, 1000000))),
+        gen::set(&RandomCase::twice_isovalue, gen::weightedOneOf<int>({{3, gen::just(0)}, {1, whole(-3, 4)}})),
+        gen::set(&RandomCase::below, gen::arbitrary<bool>()),
+        gen::set(&RandomCase::spacing, gen::element(isoatlas::Vec3{1, 1, 1}, isoatlas::Vec3{1, 1, 1}, isoatlas::Vec3{1, 2, 0.5},
+                                                    isoatlas::Vec3{0.3, 0.3, 3}, isoatlas::Vec3{5, 1, 1})));
+  }
+};
+
+}  // namespace rc
