@@ -118,7 +118,7 @@ def main():
         bound = f"{study[0]:,} | {study[1] * study[0]:,.0f} | {m['triangles'] / study[0]:.2f} | {yes(m['triangles'] <= study[1] * study[0])}" if study else "| | |"
         triangles.append(f"| {label} | {b['mc_triangles']:,} | {r['reference']['c_vertices']:,} | {m['triangles']:,} | {bound} |")
         q = r["quality"]["aspect_ratio"]
-        shape.append(f"| {label} | {c['repair_sites']:,} in {c['repair_rounds']} rounds | {q['min']:.3g} | {q['p01']:.3f} | {q['median']:.3f} | "
+        shape.append(f"| {label} | {c['repair_sites']:,} in {c['repair_rounds']} rounds | {q['minimum']:.3g} | {q['p01']:.3f} | {q['median']:.3f} | "
                      f"{100 * q['share_below_third']:.2f} % |")
         ratio = b["isoatlas_ms"] / b["mc_ms"]
         limit = 2 if (name, iso) in SMOOTH else 8

@@ -52,7 +52,7 @@ struct TopologySummary {
 
 TopologySummary summarize(const std::vector<ComponentTopology>& components);
 
-/// What the certificate looked at, and what it took to pass (docs/theory/06-certificate.md).
+/// What the certificate looked at, and what it took to pass (docs/theory/02-certificate.md).
 struct CertificateReport {
   bool passed = false;
   std::size_t cells_checked = 0;      ///< every one a disk, with a triangle, meeting the boundary in at most one arc

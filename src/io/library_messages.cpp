@@ -87,7 +87,8 @@ std::string short_message(const std::string& text) {
   for (const std::string_view prefix : {"itk::ERROR: ", "ITK ERROR: "}) {
     cause.remove_prefix(cause.starts_with(prefix) ? prefix.size() : 0);
   }
-  return one_line(cause.substr(0, cause.find(" Reason: Success")));
+  const std::string line = one_line(cause);
+  return line.substr(0, line.find(" Reason: Success"));
 }
 
 }  // namespace isoatlas::io

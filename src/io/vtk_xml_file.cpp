@@ -95,46 +95,59 @@ class ArrayCheck {
     }
   }
 
-  // Compressed data starts with the number of blocks, the size of a block and the size of the last one.
+  // Compressed data starts with the number of blocks, the size of a block, the size of the last one if it is smaller,
+  // and a table of the compressed sizes.
   void check_blocks(vtkXMLDataElement& array) {
-    const std::string format = attribute(array, "format");
-    std::string start;
-    if (format == "appended") {
-      unsigned long long offset = 0;
-      if (array.GetScalarAttribute("offset", offset) == 0) {
-        return;
-      }
-      const std::string text = bytes_at(appended_position_ + static_cast<std::int64_t>(offset));
-      start = is_appended_base64_ ? decode_base64(text, 2 * number_bytes_) : text;
-    } else if (format == "binary") {
-      const std::string text = bytes_at(array.GetXMLByteIndex());
-      start = decode_base64(std::string_view(text).substr(std::min(text.find('>'), text.size() - 1) + 1), 2 * number_bytes_);
-    } else {
-      return;
+    const std::string start = data_of(array, 3 * number_bytes_);
+    if (start.empty()) {
+      return;  // an array as text
     }
-    if (start.size() < 2 * number_bytes_) {
-      throw bad_file(path_, "is cut off: an array has no data");
-    }
-    const std::uint64_t blocks = number_at(start, 0);
-    const std::uint64_t block_bytes = number_at(start, number_bytes_);
+    const std::uint64_t blocks = start.size() < 3 * number_bytes_ ? 0 : number_at(start, 0);
     if (blocks == 0) {
-      return;  // an empty array
+      return;  // no data: VTK notices where there should be some
     }
-    // Each block has an entry in a table of sizes, and VTK allocates a block and the table before it reads on.
-    if (block_bytes == 0 || blocks > file_bytes_ / number_bytes_ || block_bytes / kMostBytesPerByte > file_bytes_) {
+    const std::uint64_t block_bytes = number_at(start, number_bytes_);
+    bool is_possible =
+        block_bytes > 0 && block_bytes / kMostBytesPerByte <= file_bytes_ && blocks <= file_bytes_ / number_bytes_;
+    if (is_possible) {
+      const std::size_t table_bytes = static_cast<std::size_t>(3 + blocks) * number_bytes_;
+      const std::string table = data_of(array, table_bytes);
+      is_possible = table.size() == table_bytes;
+      for (std::size_t entry = 3 * number_bytes_; is_possible && entry < table_bytes; entry += number_bytes_) {
+        is_possible = number_at(table, entry) <= file_bytes_;
+      }
+    }
+    if (!is_possible) {
       throw bad_file(path_, "its compressed data is damaged: " + std::to_string(blocks) + " blocks of " +
                                 std::to_string(block_bytes) + " bytes");
     }
   }
 
-  std::string bytes_at(std::int64_t position) {
-    constexpr std::size_t kMost = 4096;  // an element's attributes and the start of its data
-    std::string bytes(kMost, '\0');
+  // The first bytes of an array's data; fewer where the file ends, none if the array is text.
+  std::string data_of(vtkXMLDataElement& array, std::size_t bytes) {
+    const std::string format = attribute(array, "format");
+    const std::size_t base64_bytes = bytes * 4 / 3 + 4 + kMostBlanks;
+    if (format == "appended") {
+      unsigned long long offset = 0;
+      array.GetScalarAttribute("offset", offset);
+      const std::int64_t position = appended_position_ + static_cast<std::int64_t>(std::min<std::uint64_t>(offset, file_bytes_));
+      return is_appended_base64_ ? decode_base64(bytes_at(position, base64_bytes), bytes) : bytes_at(position, bytes);
+    }
+    if (format == "binary") {
+      const std::string element = bytes_at(array.GetXMLByteIndex(), kMostAttributeBytes + base64_bytes);
+      const std::size_t tag_end = element.find('>');
+      return tag_end == std::string::npos ? "" : decode_base64(std::string_view(element).substr(tag_end + 1), bytes);
+    }
+    return "";
+  }
+
+  std::string bytes_at(std::int64_t position, std::size_t count) {
+    std::string bytes(count, '\0');
     file_.clear();
     file_.seekg(position);
-    file_.read(bytes.data(), kMost);
+    file_.read(bytes.data(), static_cast<std::streamsize>(count));
     bytes.resize(static_cast<std::size_t>(std::max<std::streamsize>(file_.gcount(), 0)));
-    return bytes.empty() ? std::string(1, ' ') : bytes;
+    return bytes;
   }
 
   std::uint64_t number_at(const std::string& bytes, std::size_t position) const {
@@ -146,6 +159,8 @@ class ArrayCheck {
     return number;
   }
 
+  static constexpr std::size_t kMostBlanks = 512;           // before base64 data
+  static constexpr std::size_t kMostAttributeBytes = 4096;  // of an element
   static constexpr std::uint64_t kMostBytesPerByte = 10'000;  // LZMA, the strongest of VTK's compressors
 
   const fs::path& path_;

@@ -32,7 +32,7 @@ struct PartitionCheck {
 };
 
 /// The closed ball property of a partition, checked cell by cell, pair by pair and triple by triple. If it passes, the dual
-/// is a simplicial 2-manifold with boundary, homeomorphic to the complex; docs/theory/06-certificate.md has the proof.
+/// is a simplicial 2-manifold with boundary, homeomorphic to the complex; docs/theory/02-certificate.md has the proof.
 ///
 /// @param cell_of per c-vertex, < cells; cells without c-vertices are skipped
 /// @param site    per cell, its site; empty: sites are not looked at, and ABCD is split at the face's own shorter diagonal

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What must hold for every volume, on 250 random ones a run. The seed changes from run to run and is printed on failure.
+#include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
 #include <cstring>

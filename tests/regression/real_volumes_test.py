@@ -1,0 +1,203 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Meshes the real volumes of ../shared/data and compares their topology with what is known.
+
+real_volumes_test.py topology TOOL FOLDER       every row of TOPOLOGY.tsv; leaves the meshes in FOLDER
+real_volumes_test.py nan TOOL FOLDER            the volume with NaN voxels
+real_volumes_test.py bytes TOOL FOLDER          the same bytes for any number of threads
+real_volumes_test.py build-oracle BUILD         builds the independent judge
+real_volumes_test.py oracle ORACLE FOLDER       the judge looks at the meshes in FOLDER
+
+Exit status 77 means skipped: no data, no judge. ISOATLAS_TEST_DATA and ISOATLAS_TEST_ORACLE say where they are otherwise than
+in ../shared beside the repository. Needs nothing but the standard library.
+"""
+
+import csv
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import time
+
+SHARED = pathlib.Path(__file__).resolve().parents[3] / "shared"
+DATA = pathlib.Path(os.environ.get("ISOATLAS_TEST_DATA") or SHARED / "data")
+ORACLE_SOURCE = pathlib.Path(os.environ.get("ISOATLAS_TEST_ORACLE") or SHARED / "oracle")
+SKIPPED = 77
+
+
+def skip(why):
+    print(f"SKIPPED: {why}")
+    sys.exit(SKIPPED)
+
+
+def table():
+    path = DATA / "TOPOLOGY.tsv"
+    if not path.is_file():
+        skip(f"no {path}; set ISOATLAS_TEST_DATA to the folder of volumes that has it")
+    with open(path, newline="") as file:
+        rows = list(csv.DictReader(file, delimiter="\t"))
+    if not rows:
+        raise AssertionError(f"{path} has no rows")
+    return rows
+
+
+def mesh_of(folder, row):
+    return folder / f"{row['file']}@{row['isovalue']}.ply"
+
+
+def extract(tool, row, mesh, report, *options):
+    return subprocess.run(
+        [tool, "extract", DATA / row["file"], "--iso", row["isovalue"], "--space", "voxel", "-o", mesh, "--report", report, "-q", *options],
+        capture_output=True, text=True)
+
+
+def check_row(tool, folder, row):
+    """Yields what is wrong."""
+    mesh = mesh_of(folder, row)
+    report_path = mesh.with_suffix(".json")
+    for path in (mesh, report_path):
+        path.unlink(missing_ok=True)
+    run = extract(tool, row, mesh, report_path)
+    if run.returncode != 0:
+        yield f"exit status {run.returncode}: {run.stderr.strip()}"
+        return
+    report = json.loads(report_path.read_text())
+    for part in ("mesh", "reference"):
+        for key, column in (("components", "faces_components"), ("euler_characteristic", "faces_euler"), ("genus", "faces_genus"),
+                            ("boundary_loops", "faces_boundary_loops")):
+            if report[part][key] != int(row[column]):
+                yield f"{part} {key} is {report[part][key]} instead of {row[column]}"
+    if report["certificate"]["passed"] is not True:
+        yield "the certificate did not pass"
+    # Counted once more by the tool from the file alone.
+    check = subprocess.run([tool, "check", mesh, "--json"], capture_output=True, text=True)
+    if check.returncode != 0:
+        yield f"`isoatlas check` exits with {check.returncode}: {check.stderr.strip()}"
+        return
+    counted = json.loads(check.stdout)
+    for key in ("components", "euler_characteristic", "genus", "boundary_loops", "kinds"):
+        if counted[key] != report["mesh"][key]:
+            yield f"the file's {key} is {counted[key]}, the report says {report['mesh'][key]}"
+    if sum(kind["count"] for kind in counted["kinds"]) != int(row["faces_components"]):
+        yield "the kinds of components do not add up"
+
+
+def report_all(rows, check):
+    failures = 0
+    for row in rows:
+        start = time.monotonic()
+        wrong = list(check(row))
+        failures += bool(wrong)
+        print(f"{'FAILED' if wrong else 'ok    '} {row['file']} at {row['isovalue']} ({time.monotonic() - start:.1f} s)"
+              + "".join(f"\n       {line}" for line in wrong), flush=True)
+    print(f"{len(rows) - failures} of {len(rows)} passed")
+    return 1 if failures else 0
+
+
+def topology(tool, folder):
+    rows = table()
+    folder.mkdir(parents=True, exist_ok=True)
+    return report_all(rows, lambda row: check_row(tool, folder, row))
+
+
+def nan(tool, folder):
+    table()
+    row = {"file": "tmap_nan.nii.gz", "isovalue": "1.5"}
+    folder.mkdir(parents=True, exist_ok=True)
+    mesh, report = folder / "tmap.ply", folder / "tmap.json"
+    wrong = []
+    for path in (mesh, report):
+        path.unlink(missing_ok=True)
+    refused = extract(tool, row, mesh, report)
+    if refused.returncode != 2:
+        wrong.append(f"without --nan: exit status {refused.returncode} instead of 2: {refused.stderr.strip()}")
+    for word in ("NaN", "--nan"):
+        if word not in refused.stderr:
+            wrong.append(f"without --nan: the message does not say {word!r}: {refused.stderr.strip()}")
+    if mesh.exists() or report.exists():
+        wrong.append("without --nan: something was written")
+    seen = []
+    for isovalue in ("1.5", "-1"):
+        for side in ("below", "above"):
+            row["isovalue"] = isovalue
+            run = extract(tool, row, mesh, report, "--nan", side)
+            if run.returncode != 0:
+                wrong.append(f"--nan {side} at {isovalue}: exit status {run.returncode}: {run.stderr.strip()}")
+                continue
+            found = json.loads(report.read_text())
+            if found["mesh"]["kinds"] != found["reference"]["kinds"] or found["certificate"]["passed"] is not True:
+                wrong.append(f"--nan {side} at {isovalue}: the mesh is not certified")
+            check = subprocess.run([tool, "check", mesh], capture_output=True, text=True)
+            if check.returncode != 0:
+                wrong.append(f"--nan {side} at {isovalue}: `isoatlas check` exits with {check.returncode}")
+            seen.append(json.dumps(found["mesh"]["kinds"]))
+        if len(seen) >= 2 and seen[-1] == seen[-2]:
+            wrong.append(f"at {isovalue} the side of NaN makes no difference, though NaN lies beside the data")
+    print("\n".join(wrong) or "ok")
+    return 1 if wrong else 0
+
+
+def same_bytes(tool, folder):
+    rows = [row for row in table() if (row["file"], row["isovalue"]) in
+            {("vessels_aneurism.nrrd", "100"), ("brain_fa.nii.gz", "0.3"), ("ct_engine.nrrd", "128"), ("protein_iron.nhdr", "100")}]
+    folder.mkdir(parents=True, exist_ok=True)
+
+    def check(row):
+        bytes_of = {}
+        for threads in ("1", "2", "3", "1"):
+            mesh, report = folder / "bytes.ply", folder / "bytes.json"
+            mesh.unlink(missing_ok=True)
+            run = extract(tool, row, mesh, report, "--threads", threads)
+            if run.returncode != 0:
+                yield f"exit status {run.returncode}: {run.stderr.strip()}"
+                return
+            bytes_of.setdefault(mesh.read_bytes(), []).append(threads)
+        if len(bytes_of) != 1:
+            yield f"the bytes depend on the run: threads {list(bytes_of.values())}"
+
+    return report_all(rows, check)
+
+
+def build_oracle(build):
+    if not (ORACLE_SOURCE / "CMakeLists.txt").is_file():
+        skip(f"no {ORACLE_SOURCE}; set ISOATLAS_TEST_ORACLE to the judge's sources")
+    configure = subprocess.run(["cmake", "-S", ORACLE_SOURCE, "-B", build, "-DCMAKE_BUILD_TYPE=Release"], capture_output=True, text=True)
+    if configure.returncode != 0:
+        # Its libraries are no dependency of isoatlas, so without them there is no judge rather than a failure.
+        skip(f"the judge cannot be configured here (it needs libcgal-dev, libgmp-dev, zlib1g-dev):\n{configure.stdout}{configure.stderr}")
+    made = subprocess.run(["cmake", "--build", build, "--target", "oracle", "--parallel", "2"], capture_output=True, text=True)
+    print(made.stdout[-4000:], made.stderr[-4000:])
+    return 0 if made.returncode == 0 else 1
+
+
+def judge(oracle, folder):
+    rows = table()
+    if not oracle.is_file():
+        skip(f"no {oracle}: the judge was not built")
+
+    def check(row):
+        mesh = mesh_of(folder, row)
+        if not mesh.is_file():
+            yield "no mesh: regression.topology_table makes it"
+            return
+        run = subprocess.run(
+            [oracle, "volume", DATA / row["file"], "--iso", row["isovalue"], "--mesh", mesh, "--mesh-space", "index", "--rules", "c",
+             "--no-distance", "--require", "c", "--json"], capture_output=True, text=True)
+        if run.returncode != 0:
+            yield f"the judge's exit status is {run.returncode}: {run.stderr.strip()} {run.stdout[-2000:] if run.returncode == 1 else ''}"
+            return
+        verdict = json.loads(run.stdout)["mesh"]["report"]
+        for key in ("edge_manifold", "vertex_manifold", "consistently_oriented"):
+            if verdict[key] is not True:
+                yield f"{key} is {verdict[key]}"
+        for key in ("faces_with_repeated_vertices", "duplicate_faces"):
+            if verdict[key] != 0:
+                yield f"{verdict[key]} {key}"
+
+    return report_all(rows, check)
+
+
+if __name__ == "__main__":
+    mode, arguments = sys.argv[1], [pathlib.Path(a).resolve() for a in sys.argv[2:]]
+    sys.exit({"topology": topology, "nan": nan, "bytes": same_bytes, "build-oracle": build_oracle, "oracle": judge}[mode](*arguments))
