@@ -102,13 +102,14 @@ class ArrayCheck {
     if (start.empty()) {
       return;  // an array as text
     }
-    const std::uint64_t blocks = start.size() < 3 * number_bytes_ ? 0 : number_at(start, 0);
-    if (blocks == 0) {
-      return;  // no data: VTK notices where there should be some
+    if (start.size() < 3 * number_bytes_) {
+      throw bad_file(path_, "is cut off: an array has no data");
     }
+    const std::uint64_t blocks = number_at(start, 0);
     const std::uint64_t block_bytes = number_at(start, number_bytes_);
-    bool is_possible =
-        block_bytes > 0 && block_bytes / kMostBytesPerByte <= file_bytes_ && blocks <= file_bytes_ / number_bytes_;
+    const std::uint64_t last_block_bytes = number_at(start, 2 * number_bytes_);
+    bool is_possible = block_bytes / kMostBytesPerByte <= file_bytes_ && last_block_bytes <= block_bytes &&
+                       blocks <= file_bytes_ / number_bytes_ && (blocks > 0 ? block_bytes > 0 : last_block_bytes == 0);
     if (is_possible) {
       const std::size_t table_bytes = static_cast<std::size_t>(3 + blocks) * number_bytes_;
       const std::string table = data_of(array, table_bytes);

@@ -9,7 +9,9 @@
 #include <limits>
 
 #include "core/vector_math.h"
+#include "support/reference_topology.h"
 #include "support/surfaces.h"
+#include "surface/components.h"
 
 namespace isoatlas {
 namespace {
@@ -150,6 +152,41 @@ TEST(TopologicalEvent, HandleHasInfinitePersistence) {
   const float radius = finder.event_radius(12 * 60, kFar);
   EXPECT_GT(radius, 5);
   EXPECT_LT(radius, 8);
+}
+
+// Whatever the shape: on a sphere or a disk every island closes again, so with an unlimited persistence only the end of the
+// component stops the disk; anywhere else a loop that never closes must stop it earlier.
+TEST(TopologicalEvent, OnlyHandlesAndHolesNeverClose) {
+  std::vector<std::pair<std::string, SurfaceComplex>> surfaces;
+  for (const KnownVolume& known : known_volumes()) surfaces.emplace_back(known.name, surface_of(known.samples, known.isovalue));
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    const auto family = static_cast<Family>(seed % kFamilies);
+    const Samples s = random_samples(family, {11, 12, 13}, seed);
+    if (has_surface(s, 0)) surfaces.emplace_back(std::string(name(family)) + " seed " + std::to_string(seed), surface_of(s));
+  }
+  Random random(1);
+  int closing = 0, never = 0;
+  for (const auto& [what, surface] : surfaces) {
+    const CVertexGraph graph = make_graph(surface);
+    const Components components = find_components(surface);
+    EventFinder finder(graph, 1e6f, 4);
+    for (int k = 0; k < 12; ++k) {
+      const auto v = static_cast<CVertexId>(random.bits() % graph.c_vertex_count());
+      double end = 0;
+      for (const double d : slow_distances(graph, {v})) end = std::isinf(d) ? end : std::max(end, d);
+      const ComponentTopology& kind = components.topology[components.of_c_vertex[v]];
+      const float radius = finder.event_radius(v, kFar);
+      if (kind.genus() == 0 && kind.boundary_loops <= 1) {
+        ++closing;
+        EXPECT_NEAR(radius, end, 1e-3 * end) << what << ", from c-vertex " << v;
+      } else {
+        ++never;
+        EXPECT_LT(radius, end * 0.9999) << what << ", from c-vertex " << v << ", genus " << kind.genus() << ", " << kind.boundary_loops << " loops";
+      }
+    }
+  }
+  EXPECT_GT(closing, 200);
+  EXPECT_GT(never, 100);
 }
 
 // Scaling all lengths scales the radius.
