@@ -104,7 +104,8 @@ void print_details(const ExtractReport& report, const ReportContext& context) {
   std::cout << row("complex", counted(report.c_vertices, "c-vertex") + ", " + counted(report.faces, "face") + ", " +
                                   counted(report.double_segments, "double segment") + " split")
             << row("coarser",
-                   (coarser.empty() ? "none" : coarser + " c-vertices") + "; " + repair_text(report.coarsening))
+                   coarser.empty() ? "none: disks are too small for blocks"
+                                   : coarser + " c-vertices, certified in " + std::to_string(report.coarsening_rounds) + " rounds")
             << row("repair", repair_text(report.certificate)) << row("kinds", kinds_text(report.mesh, 6))
             << row("shape", percent_text(report.quality.aspect_share_below_third) +
                                 " of the triangles below 1/3, 1st percentile " + ratio_text(report.quality.aspect_p01) +

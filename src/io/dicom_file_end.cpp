@@ -105,8 +105,7 @@ class Walker {
     }
     number<std::uint16_t>(position_ + 4);
     const std::string_view type = bytes_.substr(position_ + 4, 2);
-    constexpr std::array<std::string_view, 13> kLongTypes{"OB", "OD", "OF", "OL", "OV", "OW", "SQ",
-                                                          "SV", "UC", "UN", "UR", "UT", "UV"};
+    constexpr std::array<std::string_view, 13> kLongTypes{"OB", "OD", "OF", "OL", "OV", "OW", "SQ", "SV", "UC", "UN", "UR", "UT", "UV"};
     bool is_long = false;
     for (const std::string_view long_type : kLongTypes) {
       is_long = is_long || type == long_type;

@@ -43,13 +43,9 @@ Error file_error(ErrorCode code, const std::filesystem::path& path, std::string_
 
 }  // namespace
 
-Error bad_file(const std::filesystem::path& path, std::string_view what) {
-  return file_error(ErrorCode::bad_file, path, what);
-}
+Error bad_file(const std::filesystem::path& path, std::string_view what) { return file_error(ErrorCode::bad_file, path, what); }
 
-Error unsupported(const std::filesystem::path& path, std::string_view what) {
-  return file_error(ErrorCode::unsupported, path, what);
-}
+Error unsupported(const std::filesystem::path& path, std::string_view what) { return file_error(ErrorCode::unsupported, path, what); }
 
 Error out_of_memory(const std::filesystem::path& path, std::uint64_t bytes) {
   return file_error(ErrorCode::out_of_memory, path, "no memory for its " + std::to_string(bytes) + " bytes");

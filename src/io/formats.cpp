@@ -24,12 +24,10 @@ struct VolumeFormat {
 };
 
 constexpr std::array kVolumeFormats{
-    VolumeFormat{".nrrd", io::read_nrrd},      VolumeFormat{".nhdr", io::read_nrrd},
-    VolumeFormat{".nii", io::read_nifti},      VolumeFormat{".nii.gz", io::read_nifti},
-    VolumeFormat{".hdr", io::read_nifti},      VolumeFormat{".img", io::read_nifti},
-    VolumeFormat{".mha", io::read_meta_image}, VolumeFormat{".mhd", io::read_meta_image},
-    VolumeFormat{".tif", io::read_tiff},       VolumeFormat{".tiff", io::read_tiff},
-    VolumeFormat{".vtk", io::read_legacy_vtk}, VolumeFormat{".vti", io::read_vti},
+    VolumeFormat{".nrrd", io::read_nrrd},      VolumeFormat{".nhdr", io::read_nrrd},      VolumeFormat{".nii", io::read_nifti},
+    VolumeFormat{".nii.gz", io::read_nifti},   VolumeFormat{".hdr", io::read_nifti},      VolumeFormat{".img", io::read_nifti},
+    VolumeFormat{".mha", io::read_meta_image}, VolumeFormat{".mhd", io::read_meta_image}, VolumeFormat{".tif", io::read_tiff},
+    VolumeFormat{".tiff", io::read_tiff},      VolumeFormat{".vtk", io::read_legacy_vtk}, VolumeFormat{".vti", io::read_vti},
 };
 
 struct MeshFormat {
@@ -87,9 +85,8 @@ MeshCheck check_mesh(const TriangleMesh& mesh) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (const std::uint32_t corner : mesh.triangles[t]) {
       if (corner >= mesh.positions.size()) {
-        return {MeshFault::corner_out_of_range, "triangle " + std::to_string(t) + " uses vertex " +
-                                                    std::to_string(corner) + ", but there are only " +
-                                                    std::to_string(mesh.positions.size())};
+        return {MeshFault::corner_out_of_range, "triangle " + std::to_string(t) + " uses vertex " + std::to_string(corner) +
+                                                    ", but there are only " + std::to_string(mesh.positions.size())};
       }
     }
   }

@@ -30,8 +30,8 @@ double determinant(const std::array<Vec3, 3>& a) {
 
 }  // namespace
 
-Grid grid_of_file(const std::filesystem::path& path, const std::array<std::size_t, 3>& size, const Vec3& spacing,
-                  const Vec3& origin, const std::array<Vec3, 3>& axes) {
+Grid grid_of_file(const std::filesystem::path& path, const std::array<std::size_t, 3>& size, const Vec3& spacing, const Vec3& origin,
+                  const std::array<Vec3, 3>& axes) {
   Grid grid;
   grid.size = size;
   grid.origin = origin;
@@ -75,8 +75,7 @@ Grid grid_of_file(const std::filesystem::path& path, const std::array<std::size_
 
 std::uint64_t checked_sample_bytes(const std::filesystem::path& path, const std::array<std::size_t, 3>& size,
                                    std::size_t bytes_per_sample) {
-  const std::string shape =
-      std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " + std::to_string(size[2]) + " samples";
+  const std::string shape = std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " + std::to_string(size[2]) + " samples";
   std::uint64_t bytes = bytes_per_sample;
   for (const std::size_t samples : size) {
     if (samples < 2) {

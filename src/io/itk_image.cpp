@@ -21,28 +21,37 @@ SampleType sample_type_of(const itk::ImageIOBase& image_io, const fs::path& path
   using Component = itk::IOComponentEnum;
   const bool is_long_8_bytes = sizeof(long) == 8;
   switch (image_io.GetComponentType()) {
-    case Component::CHAR: return SampleType::int8;
-    case Component::UCHAR: return SampleType::uint8;
-    case Component::SHORT: return SampleType::int16;
-    case Component::USHORT: return SampleType::uint16;
-    case Component::INT: return SampleType::int32;
-    case Component::UINT: return SampleType::uint32;
-    case Component::LONG: return is_long_8_bytes ? SampleType::int64 : SampleType::int32;
-    case Component::ULONG: return is_long_8_bytes ? SampleType::uint64 : SampleType::uint32;
-    case Component::LONGLONG: return SampleType::int64;
-    case Component::ULONGLONG: return SampleType::uint64;
-    case Component::FLOAT: return SampleType::float32;
-    case Component::DOUBLE: return SampleType::float64;
+    case Component::CHAR:
+      return SampleType::int8;
+    case Component::UCHAR:
+      return SampleType::uint8;
+    case Component::SHORT:
+      return SampleType::int16;
+    case Component::USHORT:
+      return SampleType::uint16;
+    case Component::INT:
+      return SampleType::int32;
+    case Component::UINT:
+      return SampleType::uint32;
+    case Component::LONG:
+      return is_long_8_bytes ? SampleType::int64 : SampleType::int32;
+    case Component::ULONG:
+      return is_long_8_bytes ? SampleType::uint64 : SampleType::uint32;
+    case Component::LONGLONG:
+      return SampleType::int64;
+    case Component::ULONGLONG:
+      return SampleType::uint64;
+    case Component::FLOAT:
+      return SampleType::float32;
+    case Component::DOUBLE:
+      return SampleType::float64;
     default:
-      throw unsupported(path, "has samples of type " +
-                                  itk::ImageIOBase::GetComponentTypeAsString(image_io.GetComponentType()) +
+      throw unsupported(path, "has samples of type " + itk::ImageIOBase::GetComponentTypeAsString(image_io.GetComponentType()) +
                                   ", expected integers of 8 to 64 bits, float or double");
   }
 }
 
-Vec3 cross(const Vec3& a, const Vec3& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
+Vec3 cross(const Vec3& a, const Vec3& b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 
 }  // namespace
 
@@ -80,8 +89,8 @@ ImageHeader read_itk_header(itk::ImageIOBase& image_io, const fs::path& path, st
     throw unsupported(path, "has " + std::to_string(dimensions) + " dimensions (" + shape + "), expected 3");
   }
   if (image_io.GetNumberOfComponents() != 1) {
-    throw unsupported(path, "has " + std::to_string(image_io.GetNumberOfComponents()) +
-                                " values per sample (colour, vector or complex), expected one");
+    throw unsupported(
+        path, "has " + std::to_string(image_io.GetNumberOfComponents()) + " values per sample (colour, vector or complex), expected one");
   }
   header.type = sample_type_of(image_io, path);
 

@@ -26,7 +26,7 @@ class CollectingWindow : public vtkOutputWindow {
   static CollectingWindow* New() { VTK_STANDARD_NEW_BODY(CollectingWindow); }
   vtkTypeMacro(CollectingWindow, vtkOutputWindow)
 
-  void DisplayErrorText(const char* text) override {
+      void DisplayErrorText(const char* text) override {
     // The pipeline repeats every failure with a dump of its request, which tells nobody anything.
     if (first_error.empty() && std::string_view(text).find("returned failure for request") == std::string_view::npos) {
       first_error = text;

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstring>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -47,9 +47,8 @@ PlyType ply_type(const TextScanner& scanner, std::string_view word) {
     PlyType type;
   };
   static constexpr std::array kNames{
-      Name{"char", "int8", PlyType::int8},      Name{"uchar", "uint8", PlyType::uint8},
-      Name{"short", "int16", PlyType::int16},   Name{"ushort", "uint16", PlyType::uint16},
-      Name{"int", "int32", PlyType::int32},     Name{"uint", "uint32", PlyType::uint32},
+      Name{"char", "int8", PlyType::int8},        Name{"uchar", "uint8", PlyType::uint8},      Name{"short", "int16", PlyType::int16},
+      Name{"ushort", "uint16", PlyType::uint16},  Name{"int", "int32", PlyType::int32},        Name{"uint", "uint32", PlyType::uint32},
       Name{"float", "float32", PlyType::float32}, Name{"double", "float64", PlyType::float64},
   };
   for (const Name& name : kNames) {
@@ -129,10 +128,10 @@ class AsciiValues {
  public:
   AsciiValues(std::string_view body, const std::filesystem::path& path) : scanner_(body, path) {}
   double next(PlyType) { return scanner_.to_number(scanner_.next_word(), "a number"); }
-  std::uint64_t most_values(PlyType) const { return scanner_.remaining() / 2 + 1 + kLineAhead; }
+  // The end of the text will say it: nothing is allocated ahead.
+  std::uint64_t most_values(PlyType) const { return std::numeric_limits<std::uint64_t>::max(); }
 
  private:
-  static constexpr std::uint64_t kLineAhead = 1 << 20;  // remaining() does not count the current line
   TextScanner scanner_;
 };
 
@@ -143,14 +142,22 @@ class BinaryValues {
 
   double next(PlyType type) {
     switch (type) {
-      case PlyType::int8: return take<std::int8_t>();
-      case PlyType::uint8: return take<std::uint8_t>();
-      case PlyType::int16: return take<std::int16_t>();
-      case PlyType::uint16: return take<std::uint16_t>();
-      case PlyType::int32: return take<std::int32_t>();
-      case PlyType::uint32: return take<std::uint32_t>();
-      case PlyType::float32: return take<float>();
-      case PlyType::float64: break;
+      case PlyType::int8:
+        return take<std::int8_t>();
+      case PlyType::uint8:
+        return take<std::uint8_t>();
+      case PlyType::int16:
+        return take<std::int16_t>();
+      case PlyType::uint16:
+        return take<std::uint16_t>();
+      case PlyType::int32:
+        return take<std::int32_t>();
+      case PlyType::uint32:
+        return take<std::uint32_t>();
+      case PlyType::float32:
+        return take<float>();
+      case PlyType::float64:
+        break;
     }
     return take<double>();
   }

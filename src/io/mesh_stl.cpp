@@ -35,8 +35,7 @@ class PositionTable {
  public:
   using Position = std::array<Coordinate, 3>;
 
-  explicit PositionTable(std::size_t most_positions)
-      : slots_(std::bit_ceil(std::max<std::size_t>(16, 2 * most_positions)), kEmpty) {}
+  explicit PositionTable(std::size_t most_positions) : slots_(std::bit_ceil(std::max<std::size_t>(16, 2 * most_positions)), kEmpty) {}
 
   std::uint32_t number_of(const Position& position) {
     const std::size_t mask = slots_.size() - 1;
@@ -96,8 +95,7 @@ void require_float_keeps_vertices_apart(const TriangleMesh& mesh, const std::fil
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
     const Float3 p = to_float(mesh.positions[v]);
     if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) {
-      throw bad_file(path, "not written: vertex " + std::to_string(v) + " is out of the range of STL's float coordinates" +
-                               kAdvice);
+      throw bad_file(path, "not written: vertex " + std::to_string(v) + " is out of the range of STL's float coordinates" + kAdvice);
     }
     const std::uint32_t first = table.number_of(p);
     if (first != v) {
@@ -189,8 +187,8 @@ TriangleMesh read_stl(const std::filesystem::path& path) {
   if (contents.size() < kHeaderBytes + sizeof triangle_count) {
     throw bad_file(path, "is too short for an STL file");
   }
-  throw bad_file(path, "promises " + std::to_string(triangle_count) + " triangles, which are " +
-                           std::to_string(binary_bytes) + " bytes, but has " + std::to_string(contents.size()));
+  throw bad_file(path, "promises " + std::to_string(triangle_count) + " triangles, which are " + std::to_string(binary_bytes) +
+                           " bytes, but has " + std::to_string(contents.size()));
 }
 
 void write_stl(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file) {

@@ -133,8 +133,8 @@ void write_vtp(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& f
   writer->SetHeaderTypeToUInt64();
   const bool written = writer->Write() != 0;
   if (!written || writer->GetErrorCode() != vtkErrorCode::NoError) {
-    throw bad_file(file.destination(), "cannot be written: VTK reports " +
-                                           one_line(vtkErrorCode::GetStringFromErrorCode(writer->GetErrorCode())));
+    throw bad_file(file.destination(),
+                   "cannot be written: VTK reports " + one_line(vtkErrorCode::GetStringFromErrorCode(writer->GetErrorCode())));
   }
 }
 

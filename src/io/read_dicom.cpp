@@ -52,8 +52,7 @@ std::vector<std::string> files_of_only_series(const fs::path& folder) {
   return names->GetFileNames(series.front());
 }
 
-void require_same_layout(const ImageHeader& first, const fs::path& first_path, const ImageHeader& slice,
-                         const fs::path& slice_path) {
+void require_same_layout(const ImageHeader& first, const fs::path& first_path, const ImageHeader& slice, const fs::path& slice_path) {
   const auto differ = [&](const std::string& what) {
     throw bad_file(slice_path, "differs in " + what + " from " + first_path.filename().string() + " of the same series");
   };
@@ -81,20 +80,18 @@ Vec3 slice_step(const fs::path& folder, const std::vector<std::string>& files, c
   for (std::size_t i = 1; i < positions.size(); ++i) {
     steps.push_back(difference(positions[i], positions[i - 1]));
     if (length(steps.back()) == 0) {
-      throw unsupported(folder, "has several slices at one place (" + file_name(i - 1) + " and " + file_name(i) +
-                                    "): more than one volume?");
+      throw unsupported(folder,
+                        "has several slices at one place (" + file_name(i - 1) + " and " + file_name(i) + "): more than one volume?");
     }
   }
   std::vector<Vec3> by_length = steps;
   const auto middle = by_length.begin() + static_cast<std::ptrdiff_t>(by_length.size() / 2);
-  std::nth_element(by_length.begin(), middle, by_length.end(),
-                   [](const Vec3& a, const Vec3& b) { return length(a) < length(b); });
+  std::nth_element(by_length.begin(), middle, by_length.end(), [](const Vec3& a, const Vec3& b) { return length(a) < length(b); });
   const Vec3 usual = *middle;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     if (length(difference(steps[i], usual)) > kPlaceTolerance * length(usual)) {
-      throw bad_file(folder, "slices are not evenly spaced: " + std::to_string(length(steps[i])) + " from " + file_name(i) +
-                                 " to " + file_name(i + 1) + ", usually " + std::to_string(length(usual)) +
-                                 "; is a slice missing?");
+      throw bad_file(folder, "slices are not evenly spaced: " + std::to_string(length(steps[i])) + " from " + file_name(i) + " to " +
+                                 file_name(i + 1) + ", usually " + std::to_string(length(usual)) + "; is a slice missing?");
     }
   }
   const auto count = static_cast<double>(steps.size());

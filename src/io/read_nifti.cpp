@@ -66,18 +66,22 @@ fs::path sibling(const fs::path& path, std::string_view lower, std::string_view 
 std::uint64_t bytes_of_type(int nifti_type, const fs::path& path) {
   switch (nifti_type) {
     case NIFTI_TYPE_INT8:
-    case NIFTI_TYPE_UINT8: return 1;
+    case NIFTI_TYPE_UINT8:
+      return 1;
     case NIFTI_TYPE_INT16:
-    case NIFTI_TYPE_UINT16: return 2;
+    case NIFTI_TYPE_UINT16:
+      return 2;
     case NIFTI_TYPE_INT32:
     case NIFTI_TYPE_UINT32:
-    case NIFTI_TYPE_FLOAT32: return 4;
+    case NIFTI_TYPE_FLOAT32:
+      return 4;
     case NIFTI_TYPE_INT64:
     case NIFTI_TYPE_UINT64:
-    case NIFTI_TYPE_FLOAT64: return 8;
+    case NIFTI_TYPE_FLOAT64:
+      return 8;
     default:
-      throw unsupported(path, "has samples of type " + std::to_string(nifti_type) + " (" +
-                                  nifti_datatype_string(nifti_type) + "), expected integers of 8 to 64 bits, float or double");
+      throw unsupported(path, "has samples of type " + std::to_string(nifti_type) + " (" + nifti_datatype_string(nifti_type) +
+                                  "), expected integers of 8 to 64 bits, float or double");
   }
 }
 
@@ -113,8 +117,8 @@ StoredSamples read_stored_samples(const fs::path& path) {
     // The library takes 1 for 0 and goes on.
     const auto spacing = field<float>(header, 76 + 4 * static_cast<std::size_t>(axis), swap);
     if (!std::isfinite(spacing) || spacing == 0) {
-      throw bad_file(header_file, "the spacing along axis " + std::to_string(axis) + " is " + std::to_string(spacing) +
-                                      ", expected a positive length");
+      throw bad_file(header_file,
+                     "the spacing along axis " + std::to_string(axis) + " is " + std::to_string(spacing) + ", expected a positive length");
     }
   }
   StoredSamples stored;

@@ -28,8 +28,8 @@ void reverse_bytes_of_each(std::byte* samples, std::uint64_t bytes, std::size_t 
 Volume read_raw(const fs::path& path, const RawLayout& layout) {
   for (const double spacing : layout.spacing) {
     if (!std::isfinite(spacing) || spacing <= 0) {
-      throw Error(ErrorCode::bad_argument, one_line(path.string() + ": raw layout with spacing " + std::to_string(spacing) +
-                                                    ", expected positive lengths"));
+      throw Error(ErrorCode::bad_argument,
+                  one_line(path.string() + ": raw layout with spacing " + std::to_string(spacing) + ", expected positive lengths"));
     }
   }
   const std::size_t sample_bytes = bytes_per_sample(layout.type);

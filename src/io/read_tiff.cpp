@@ -68,8 +68,8 @@ std::string tiff_error(const fs::path& path) {
 }
 
 Error damaged(const fs::path& path, std::size_t page) {
-  return bad_file(path, "is cut off or damaged in page " + std::to_string(page + 1) +
-                            (first_tiff_error.empty() ? "" : ": " + tiff_error(path)));
+  return bad_file(path,
+                  "is cut off or damaged in page " + std::to_string(page + 1) + (first_tiff_error.empty() ? "" : ": " + tiff_error(path)));
 }
 
 SampleType sample_type_of(std::uint16_t format, std::uint16_t bits, const fs::path& path) {
@@ -81,11 +81,16 @@ SampleType sample_type_of(std::uint16_t format, std::uint16_t bits, const fs::pa
   }
   if (format == SAMPLEFORMAT_UINT || format == SAMPLEFORMAT_INT || format == SAMPLEFORMAT_VOID) {
     switch (bits) {
-      case 8: return pick(SampleType::uint8, SampleType::int8);
-      case 16: return pick(SampleType::uint16, SampleType::int16);
-      case 32: return pick(SampleType::uint32, SampleType::int32);
-      case 64: return pick(SampleType::uint64, SampleType::int64);
-      default: break;
+      case 8:
+        return pick(SampleType::uint8, SampleType::int8);
+      case 16:
+        return pick(SampleType::uint16, SampleType::int16);
+      case 32:
+        return pick(SampleType::uint32, SampleType::int32);
+      case 64:
+        return pick(SampleType::uint64, SampleType::int64);
+      default:
+        break;
     }
   }
   throw unsupported(path, "has samples of " + std::to_string(bits) + " bits (sample format " + std::to_string(format) +
@@ -128,8 +133,7 @@ void read_page_samples(TIFF* tiff, const fs::path& path, const Page& page, std::
     std::uint32_t strip = 0;
     for (std::uint32_t row = 0; row < page.height; row += rows_per_strip, ++strip) {
       const std::size_t bytes = std::min(rows_per_strip, page.height - row) * row_bytes;
-      if (TIFFReadEncodedStrip(tiff, strip, samples + row * row_bytes, static_cast<tmsize_t>(bytes)) !=
-          static_cast<tmsize_t>(bytes)) {
+      if (TIFFReadEncodedStrip(tiff, strip, samples + row * row_bytes, static_cast<tmsize_t>(bytes)) != static_cast<tmsize_t>(bytes)) {
         throw damaged(path, page_number);
       }
     }
@@ -152,8 +156,7 @@ void read_page_samples(TIFF* tiff, const fs::path& path, const Page& page, std::
       }
       const std::size_t bytes = std::min(tile_width, page.width - column) * bytes_per_sample(page.type);
       for (std::uint32_t r = 0; r < std::min(tile_height, page.height - row); ++r) {
-        std::memcpy(samples + (row + r) * row_bytes + column * bytes_per_sample(page.type), tile.data() + r * tile_row_bytes,
-                    bytes);
+        std::memcpy(samples + (row + r) * row_bytes + column * bytes_per_sample(page.type), tile.data() + r * tile_row_bytes, bytes);
       }
     }
   }
@@ -185,8 +188,7 @@ Vec3 spacing_of(TIFF* tiff, const fs::path& path) {
   const char* description = nullptr;
   float x_resolution = 0, y_resolution = 0;
   if (TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &description) == 0 || description == nullptr ||
-      !std::string_view(description).starts_with("ImageJ=") ||
-      TIFFGetField(tiff, TIFFTAG_XRESOLUTION, &x_resolution) == 0 ||
+      !std::string_view(description).starts_with("ImageJ=") || TIFFGetField(tiff, TIFFTAG_XRESOLUTION, &x_resolution) == 0 ||
       TIFFGetField(tiff, TIFFTAG_YRESOLUTION, &y_resolution) == 0 || !(x_resolution > 0) || !(y_resolution > 0)) {
     return {1, 1, 1};
   }
@@ -224,9 +226,9 @@ Volume read_tiff(const fs::path& path) {
         first_page = page;
       } else if (page != first_page) {
         throw unsupported(path, "page " + std::to_string(page_number + 1) + " has " + std::to_string(page.width) + " x " +
-                                    std::to_string(page.height) + " samples of " + std::string(name(page.type)) +
-                                    ", the first has " + std::to_string(first_page.width) + " x " +
-                                    std::to_string(first_page.height) + " of " + std::string(name(first_page.type)));
+                                    std::to_string(page.height) + " samples of " + std::string(name(page.type)) + ", the first has " +
+                                    std::to_string(first_page.width) + " x " + std::to_string(first_page.height) + " of " +
+                                    std::string(name(first_page.type)));
       }
       ++slices;
     }

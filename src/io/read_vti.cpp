@@ -32,20 +32,34 @@ namespace {
 SampleType sample_type_of(int vtk_type, const fs::path& path) {
   switch (vtk_type) {
     case VTK_CHAR:
-    case VTK_SIGNED_CHAR: return SampleType::int8;
-    case VTK_UNSIGNED_CHAR: return SampleType::uint8;
-    case VTK_SHORT: return SampleType::int16;
-    case VTK_UNSIGNED_SHORT: return SampleType::uint16;
-    case VTK_INT: return SampleType::int32;
-    case VTK_UNSIGNED_INT: return SampleType::uint32;
-    case VTK_LONG: return sizeof(long) == 8 ? SampleType::int64 : SampleType::int32;
-    case VTK_UNSIGNED_LONG: return sizeof(long) == 8 ? SampleType::uint64 : SampleType::uint32;
-    case VTK_ID_TYPE: return sizeof(vtkIdType) == 8 ? SampleType::int64 : SampleType::int32;
-    case VTK_LONG_LONG: return SampleType::int64;
-    case VTK_UNSIGNED_LONG_LONG: return SampleType::uint64;
-    case VTK_FLOAT: return SampleType::float32;
-    case VTK_DOUBLE: return SampleType::float64;
-    default: throw unsupported(path, "has samples that are not integers of 8 to 64 bits, float or double");
+    case VTK_SIGNED_CHAR:
+      return SampleType::int8;
+    case VTK_UNSIGNED_CHAR:
+      return SampleType::uint8;
+    case VTK_SHORT:
+      return SampleType::int16;
+    case VTK_UNSIGNED_SHORT:
+      return SampleType::uint16;
+    case VTK_INT:
+      return SampleType::int32;
+    case VTK_UNSIGNED_INT:
+      return SampleType::uint32;
+    case VTK_LONG:
+      return sizeof(long) == 8 ? SampleType::int64 : SampleType::int32;
+    case VTK_UNSIGNED_LONG:
+      return sizeof(long) == 8 ? SampleType::uint64 : SampleType::uint32;
+    case VTK_ID_TYPE:
+      return sizeof(vtkIdType) == 8 ? SampleType::int64 : SampleType::int32;
+    case VTK_LONG_LONG:
+      return SampleType::int64;
+    case VTK_UNSIGNED_LONG_LONG:
+      return SampleType::uint64;
+    case VTK_FLOAT:
+      return SampleType::float32;
+    case VTK_DOUBLE:
+      return SampleType::float64;
+    default:
+      throw unsupported(path, "has samples that are not integers of 8 to 64 bits, float or double");
   }
 }
 

@@ -17,8 +17,8 @@ namespace fs = std::filesystem;
 namespace {
 
 Error too_short(const fs::path& path, std::uint64_t promised, std::uint64_t stored) {
-  return bad_file(path, "is cut off or damaged: the header promises " + std::to_string(promised) +
-                            " bytes of samples, the file has " + std::to_string(stored));
+  return bad_file(path, "is cut off or damaged: the header promises " + std::to_string(promised) + " bytes of samples, the file has " +
+                            std::to_string(stored));
 }
 
 }  // namespace
@@ -29,8 +29,7 @@ void require_stored_bytes(const fs::path& path, std::uint64_t promised, std::uin
   }
 }
 
-void require_possible_bytes(const fs::path& path, std::uint64_t promised, std::uint64_t stored,
-                            std::uint64_t most_per_stored_byte) {
+void require_possible_bytes(const fs::path& path, std::uint64_t promised, std::uint64_t stored, std::uint64_t most_per_stored_byte) {
   if (promised / most_per_stored_byte > stored) {
     throw bad_file(path, "the header promises " + std::to_string(promised) + " bytes of samples, far more than a file of " +
                              std::to_string(stored) + " bytes can hold");
@@ -71,13 +70,13 @@ void require_inflated_bytes(const fs::path& path, std::uint64_t offset, std::uin
       is_between_members = true;
       inflateReset(&stream);
     } else if (result != Z_OK) {
-      throw bad_file(path, "its compressed samples are damaged after " + std::to_string(total) + " of " +
-                               std::to_string(promised) + " bytes");
+      throw bad_file(path,
+                     "its compressed samples are damaged after " + std::to_string(total) + " of " + std::to_string(promised) + " bytes");
     }
   }
   if (!is_between_members || total < promised) {
-    throw bad_file(path, "is cut off: its compressed samples end after " + std::to_string(total) + " of " +
-                             std::to_string(promised) + " bytes");
+    throw bad_file(path,
+                   "is cut off: its compressed samples end after " + std::to_string(total) + " of " + std::to_string(promised) + " bytes");
   }
 }
 
@@ -88,8 +87,8 @@ void require_stored_numbers(const fs::path& path, std::string_view text, std::ui
   while (found < promised) {
     position = text.find_first_not_of(kBlanks, position);
     if (position == std::string_view::npos || std::string_view("+-.0123456789nNiI").find(text[position]) == std::string_view::npos) {
-      throw bad_file(path, "is cut off or damaged: the header promises " + std::to_string(promised) +
-                               " numbers, the file has " + std::to_string(found));
+      throw bad_file(path, "is cut off or damaged: the header promises " + std::to_string(promised) + " numbers, the file has " +
+                               std::to_string(found));
     }
     ++found;
     position = std::min(text.find_first_of(kBlanks, position), text.size());

@@ -34,8 +34,7 @@ void require_stored_numbers(const std::filesystem::path& path, std::string_view 
 void require_ending(const std::filesystem::path& path, std::string_view ending);
 
 /// Checks a data file that a header names: an Error about it also names the header, which is what the user gave.
-void check_data_file(const std::filesystem::path& header_file, const std::filesystem::path& data_file,
-                     const std::function<void()>& check);
+void check_data_file(const std::filesystem::path& header_file, const std::filesystem::path& data_file, const std::function<void()>& check);
 
 /// The first bytes of a file, at most `limit`; decompressed if the file is gzipped.
 std::string first_bytes(const std::filesystem::path& path, std::size_t limit);

@@ -87,7 +87,7 @@ class ArrayCheck {
 
  private:
   void check_type(vtkXMLDataElement& array) {
-    constexpr std::array<std::string_view, 12> kTypes{"Int8",  "Int16",  "Int32",  "Int64",   "UInt8",   "UInt16",
+    constexpr std::array<std::string_view, 12> kTypes{"Int8",   "Int16",  "Int32",   "Int64",   "UInt8",  "UInt16",
                                                       "UInt32", "UInt64", "Float32", "Float64", "String", "Bit"};
     const std::string type = attribute(array, "type");
     if (std::ranges::find(kTypes, type) == kTypes.end()) {
@@ -119,8 +119,8 @@ class ArrayCheck {
       }
     }
     if (!is_possible) {
-      throw bad_file(path_, "its compressed data is damaged: " + std::to_string(blocks) + " blocks of " +
-                                std::to_string(block_bytes) + " bytes");
+      throw bad_file(path_,
+                     "its compressed data is damaged: " + std::to_string(blocks) + " blocks of " + std::to_string(block_bytes) + " bytes");
     }
   }
 
@@ -160,8 +160,8 @@ class ArrayCheck {
     return number;
   }
 
-  static constexpr std::size_t kMostBlanks = 512;           // before base64 data
-  static constexpr std::size_t kMostAttributeBytes = 4096;  // of an element
+  static constexpr std::size_t kMostBlanks = 512;             // before base64 data
+  static constexpr std::size_t kMostAttributeBytes = 4096;    // of an element
   static constexpr std::uint64_t kMostBytesPerByte = 10'000;  // LZMA, the strongest of VTK's compressors
 
   const fs::path& path_;

@@ -21,8 +21,11 @@
 namespace isoatlas {
 namespace {
 
-// Blocks of this many voxels for the first coarser complex.
+// The coarser complex: blocks of four voxels, but well below the largest radius, so that its c-vertices leave the covering a
+// choice; below one and a half voxels blocks gain nothing and the covering works on the full complex.
 constexpr double kBlockVoxels = 4;
+constexpr double kBlocksPerRadius = 4;
+constexpr double kLeastBlockVoxels = 1.5;
 
 class StageClock {
  public:
@@ -181,20 +184,28 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   report.reference = summarize(reference.topology);
   clock.finished("components");
 
-  control.report("coarsen", 0);
-  const Coarsened coarser = coarsen(surface, kBlockVoxels * voxel, control);
-  report.coarsening = coarser.certificate;
-  report.coarsening_rounds = coarser.certificate.repair_rounds;
-  report.coarser_c_vertices.push_back(coarser.complex.positions.size());
-  clock.finished("coarsen");
-
-  control.report("cover", 0);
-  const CVertexGraph graph = make_graph(coarser.complex);
-  CoveringOptions cover;
   const Grid& grid = volume.grid;
   const double longest = std::max({static_cast<double>(grid.size[0] - 1) * grid.spacing.x, static_cast<double>(grid.size[1] - 1) * grid.spacing.y,
                                    static_cast<double>(grid.size[2] - 1) * grid.spacing.z});
-  cover.max_radius = static_cast<float>(options.max_radius.value_or(longest / 2));
+  const double max_radius = options.max_radius.value_or(longest / 2);
+
+  control.report("coarsen", 0);
+  const double block = std::min(kBlockVoxels * voxel, max_radius / kBlocksPerRadius);
+  Coarsened coarser;
+  if (block >= kLeastBlockVoxels * voxel) {
+    coarser = coarsen(surface, block, control);
+    report.coarsening = coarser.certificate;
+    report.coarsening_rounds = coarser.certificate.repair_rounds;
+    report.coarser_c_vertices.push_back(coarser.complex.positions.size());
+  }
+  const bool coarsened = !coarser.representative.empty();
+  const SurfaceComplex& complex = coarsened ? coarser.complex : surface;
+  clock.finished("coarsen");
+
+  control.report("cover", 0);
+  const CVertexGraph graph = make_graph(complex);
+  CoveringOptions cover;
+  cover.max_radius = static_cast<float>(max_radius);
   cover.event_persistence = static_cast<float>(options.event_persistence.value_or(1.5 * voxel));
   cover.first_stage = static_cast<float>(4 * voxel);
   Covering covering(graph, cover);
@@ -202,27 +213,27 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   clock.finished("cover");
 
   control.report("certify", 0);
-  PartitionCheck check = certify_and_repair(coarser.complex, covering, report.certificate, control);
+  PartitionCheck check = certify_and_repair(complex, covering, report.certificate, control);
   clock.finished("certify");
 
   control.report("mesh", 0);
   MeshTopology topology;
   for (;;) {
-    out.mesh = to_mesh(dual_complex(coarser.complex, covering.partition(), check.triangles));
+    out.mesh = to_mesh(dual_complex(complex, covering.partition(), check.triangles));
     topology = mesh_topology(out.mesh);
     const std::vector<std::uint8_t> turned =
         turned_components(out.mesh.positions, out.mesh.triangles, grid.spacing, topology.component_of_vertex, topology.components.size(),
                           outward_directions(volume, parse.rule, out.mesh.positions), 0);
     report.turned_components = static_cast<std::size_t>(std::count(turned.begin(), turned.end(), 1));
-    if (report.turned_components == 0 || !refine_components(coarser.complex, covering, topology, turned, report)) break;
-    check = certify_and_repair(coarser.complex, covering, report.certificate, control);
+    if (report.turned_components == 0 || !refine_components(complex, covering, topology, turned, report)) break;
+    check = certify_and_repair(complex, covering, report.certificate, control);
   }
   clock.finished("mesh");
 
   control.report("check", 0);
   std::vector<ComponentId> component_of;
   component_of.reserve(out.mesh.positions.size());
-  for (const CVertexId v : covering.partition().site) component_of.push_back(reference.of_c_vertex[coarser.representative[v]]);
+  for (const CVertexId v : covering.partition().site) component_of.push_back(reference.of_c_vertex[coarsened ? coarser.representative[v] : v]);
   check_mesh(topology, reference, component_of);
   report.mesh = summarize(topology.components);
   clock.finished("check");

@@ -137,10 +137,11 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
   Json& mesh = json["mesh"] = {
       {"path", context.mesh_path}, {"vertices", context.mesh_vertices}, {"triangles", report.quality.triangles}};
   add_topology(mesh, report.mesh);
+  mesh["turned_components"] = report.turned_components;
   json["certificate"] = to_value(report.certificate);
   json["coarsening"] = {{"rounds", report.coarsening_rounds},
                         {"c_vertices", report.coarser_c_vertices},
-                        {"certificate", to_value(report.coarsening)}};
+                        {"certificate", report.coarser_c_vertices.empty() ? Json() : to_value(report.coarsening)}};
   json["quality"] = to_value(report.quality);
 
   Json& seconds = json["seconds"] = {{"read", context.read_seconds}};

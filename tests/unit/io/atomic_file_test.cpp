@@ -58,11 +58,9 @@ TEST(AtomicFile, SaysWhyItCannotBeWritten) {
   const TempFolder folder;
   fs::create_directory(folder / "sub");
   expect_error(ErrorCode::bad_file, "it is a folder", folder / "sub", [&] { write_text_file("x", folder / "sub"); });
-  expect_error(ErrorCode::bad_file, "there is no folder", folder / "none/a.txt",
-               [&] { write_text_file("x", folder / "none/a.txt"); });
+  expect_error(ErrorCode::bad_file, "there is no folder", folder / "none/a.txt", [&] { write_text_file("x", folder / "none/a.txt"); });
   write_bytes(folder / "file", "x");
-  expect_error(ErrorCode::bad_file, "there is no folder", folder / "file/a.txt",
-               [&] { write_text_file("x", folder / "file/a.txt"); });
+  expect_error(ErrorCode::bad_file, "there is no folder", folder / "file/a.txt", [&] { write_text_file("x", folder / "file/a.txt"); });
   EXPECT_EQ(folder.file_count(), 2U);
 }
 

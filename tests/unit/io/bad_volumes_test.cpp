@@ -59,15 +59,14 @@ std::string cut(const std::string& bytes, std::size_t missing) { return bytes.su
 std::string nrrd(const std::string& body, const std::string& encoding = "raw", const std::string& sizes = "16 12 10",
                  const std::string& more = "") {
   const auto dimensions = std::to_string(1 + std::count(sizes.begin(), sizes.end(), ' '));
-  return "NRRD0004\ntype: uint8\ndimension: " + dimensions + "\nsizes: " + sizes + "\nencoding: " + encoding + "\n" + more +
-         "\n" + body;
+  return "NRRD0004\ntype: uint8\ndimension: " + dimensions + "\nsizes: " + sizes + "\nencoding: " + encoding + "\n" + more + "\n" + body;
 }
 
 std::string meta(const std::string& body, const std::string& more = "", const std::string& size = "16 12 10",
                  const std::string& data_file = "LOCAL") {
   const auto dimensions = std::to_string(1 + std::count(size.begin(), size.end(), ' '));
-  return "ObjectType = Image\nNDims = " + dimensions + "\n" + (more.empty() ? "BinaryData = True\n" : more) +
-         "DimSize = " + size + "\nElementType = MET_UCHAR\nElementDataFile = " + data_file + "\n" + body;
+  return "ObjectType = Image\nNDims = " + dimensions + "\n" + (more.empty() ? "BinaryData = True\n" : more) + "DimSize = " + size +
+         "\nElementType = MET_UCHAR\nElementDataFile = " + data_file + "\n" + body;
 }
 
 std::string packed_meta(const std::string& body, std::size_t stated_bytes, const std::string& size = "16 12 10") {
@@ -118,10 +117,15 @@ std::string tiff(const std::vector<TiffPage>& pages, std::uint32_t bits = 8, std
     file += page.samples;
     const auto directory = static_cast<std::uint32_t>(file.size());
     std::memcpy(file.data() + link, &directory, 4);
-    const std::vector<std::array<std::uint32_t, 2>> entries{
-        {256, page.width}, {257, page.height}, {258, bits}, {259, 1}, {262, values_per_sample == 3 ? 2U : 1U},
-        {273, samples_offset}, {277, values_per_sample}, {278, page.height},
-        {279, static_cast<std::uint32_t>(page.samples.size())}};
+    const std::vector<std::array<std::uint32_t, 2>> entries{{256, page.width},
+                                                            {257, page.height},
+                                                            {258, bits},
+                                                            {259, 1},
+                                                            {262, values_per_sample == 3 ? 2U : 1U},
+                                                            {273, samples_offset},
+                                                            {277, values_per_sample},
+                                                            {278, page.height},
+                                                            {279, static_cast<std::uint32_t>(page.samples.size())}};
     append(static_cast<std::uint16_t>(entries.size()));
     for (const auto& [tag, value] : entries) {
       append(static_cast<std::uint16_t>(tag));
@@ -149,8 +153,8 @@ std::string vti(const std::string& appended, const std::string& extent = "0 15 0
   const std::uint64_t bytes = appended.size();
   std::memcpy(block.data(), &bytes, 8);
   return "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<ImageData WholeExtent=\"" +
-         extent + "\" Origin=\"0 0 0\" Spacing=\"1 1 1\">\n<Piece Extent=\"" + extent + "\">\n<PointData>\n<DataArray type=\"" +
-         array + "\" Name=\"s\" " + attributes + " format=\"appended\" offset=\"0\"/>\n</PointData>\n</Piece>\n</ImageData>\n" +
+         extent + "\" Origin=\"0 0 0\" Spacing=\"1 1 1\">\n<Piece Extent=\"" + extent + "\">\n<PointData>\n<DataArray type=\"" + array +
+         "\" Name=\"s\" " + attributes + " format=\"appended\" offset=\"0\"/>\n</PointData>\n</Piece>\n</ImageData>\n" +
          "<AppendedData encoding=\"raw\">\n_" + block + appended + "\n</AppendedData>\n</VTKFile>\n";
 }
 
@@ -227,29 +231,30 @@ TEST(BadVolumes, WithoutPermission) {
 TEST(BadVolumes, Nrrd) {
   const std::string gz = deflated(noise(), true);
   const std::string vector_axis = "spacings: nan 1 1 1\n";
-  expect_all_errors({{"raw.nrrd", nrrd(cut(noise(), 1)), kBad, "1919"},
-                     {"none.nrrd", nrrd(""), kBad, "cannot be read"},
-                     {"gzip.nrrd", nrrd(cut(gz, 100), "gzip"), kBad, "cannot be read"},
-                     {"trailer.nrrd", nrrd(cut(gz, 8), "gzip"), kBad, "cannot be read"},
-                     {"flip.nrrd", nrrd(flipped(gz, 900), "gzip"), kBad, "cannot be read"},
-                     {"crc.nrrd", nrrd(flipped(gz, gz.size() - 6), "gzip"), kBad, "cannot be read"},
-                     {"short.nrrd", nrrd(deflated(cut(noise(), 9), true), "gzip"), kBad, "1911"},
-                     {"text.nrrd", nrrd(cut(as_text(noise()), 200), "ascii"), kBad, "of 1920"},
-                     {"huge.nrrd", nrrd("0123456789", "raw", "100000 100000 100000"), kBad, "far more than a file of"},
-                     {"hugegz.nrrd", nrrd(gz, "gzip", "10000 10000 10000"), kBad, "far more than a file of"},
-                     {"overflow.nrrd", nrrd(noise(), "raw", "4294967296 4294967296 4294967296"), kBad, ""},
-                     {"negative.nrrd", nrrd(noise(), "raw", "-16 12 10"), kBad, ""},
-                     {"zero.nrrd", nrrd(noise(), "raw", "16 0 10"), kBad, "size is zero"},
-                     {"line.nrrd", nrrd(noise(), std::string(900, 'x')), kBad, "header line of 910 characters"},  // Teem aborts
-                     {"header.nrrd", "NRRD0004\ntype: uint8\n", kBad, "hit end of header"},
-                     {"spacing.nrrd", nrrd(noise(), "raw", "16 12 10", "spacings: 1 0 1\n"), kBad, "spacing"},
-                     {"vector.nrrd", nrrd(noise() + noise() + noise(), "raw", "3 16 12 10",
-                                          vector_axis + "kinds: vector domain domain domain\n"), kUnsupported, "3 values per sample"},
-                     {"complex.nrrd", nrrd(noise() + noise(), "raw", "2 16 12 10",
-                                           vector_axis + "kinds: complex domain domain domain\n"), kUnsupported, "2 values per sample"},
-                     {"2d.nrrd", nrrd(noise(), "raw", "16 120"), kUnsupported, "16 x 120 x 1 samples"},
-                     {"flat.nrrd", nrrd(noise(), "raw", "16 120 1"), kUnsupported, "at least 2 along each axis"},
-                     {"4d.nrrd", nrrd(noise() + noise(), "raw", "16 12 10 2"), kUnsupported, "4 dimensions (16 x 12 x 10 x 2)"}});
+  expect_all_errors(
+      {{"raw.nrrd", nrrd(cut(noise(), 1)), kBad, "1919"},
+       {"none.nrrd", nrrd(""), kBad, "cannot be read"},
+       {"gzip.nrrd", nrrd(cut(gz, 100), "gzip"), kBad, "cannot be read"},
+       {"trailer.nrrd", nrrd(cut(gz, 8), "gzip"), kBad, "cannot be read"},
+       {"flip.nrrd", nrrd(flipped(gz, 900), "gzip"), kBad, "cannot be read"},
+       {"crc.nrrd", nrrd(flipped(gz, gz.size() - 6), "gzip"), kBad, "cannot be read"},
+       {"short.nrrd", nrrd(deflated(cut(noise(), 9), true), "gzip"), kBad, "1911"},
+       {"text.nrrd", nrrd(cut(as_text(noise()), 200), "ascii"), kBad, "of 1920"},
+       {"huge.nrrd", nrrd("0123456789", "raw", "100000 100000 100000"), kBad, "far more than a file of"},
+       {"hugegz.nrrd", nrrd(gz, "gzip", "10000 10000 10000"), kBad, "far more than a file of"},
+       {"overflow.nrrd", nrrd(noise(), "raw", "4294967296 4294967296 4294967296"), kBad, ""},
+       {"negative.nrrd", nrrd(noise(), "raw", "-16 12 10"), kBad, ""},
+       {"zero.nrrd", nrrd(noise(), "raw", "16 0 10"), kBad, "size is zero"},
+       {"line.nrrd", nrrd(noise(), std::string(900, 'x')), kBad, "header line of 910 characters"},  // Teem aborts
+       {"header.nrrd", "NRRD0004\ntype: uint8\n", kBad, "hit end of header"},
+       {"spacing.nrrd", nrrd(noise(), "raw", "16 12 10", "spacings: 1 0 1\n"), kBad, "spacing"},
+       {"vector.nrrd", nrrd(noise() + noise() + noise(), "raw", "3 16 12 10", vector_axis + "kinds: vector domain domain domain\n"),
+        kUnsupported, "3 values per sample"},
+       {"complex.nrrd", nrrd(noise() + noise(), "raw", "2 16 12 10", vector_axis + "kinds: complex domain domain domain\n"), kUnsupported,
+        "2 values per sample"},
+       {"2d.nrrd", nrrd(noise(), "raw", "16 120"), kUnsupported, "16 x 120 x 1 samples"},
+       {"flat.nrrd", nrrd(noise(), "raw", "16 120 1"), kUnsupported, "at least 2 along each axis"},
+       {"4d.nrrd", nrrd(noise() + noise(), "raw", "16 12 10 2"), kUnsupported, "4 dimensions (16 x 12 x 10 x 2)"}});
 }
 
 TEST(BadVolumes, MetaImage) {
@@ -330,8 +335,8 @@ TEST(BadVolumes, LegacyVtk) {
        {"negative.vtk", vtk(noise(), "BINARY", "-16 12 10"), kBad, ""},
        {"zero.vtk", vtk(noise(), "BINARY", "16 0 10"), kUnsupported, "16 x 0 x 10"},
        {"flat.vtk", vtk(noise(), "BINARY", "16 120 1"), kUnsupported, "16 x 120 x 1"},
-       {"cells.vtk", vtk(noise(), "BINARY", "16 12 10", "CELL_DATA 1920\nSCALARS s unsigned_char 1\nLOOKUP_TABLE default\n"),
-        kUnsupported, "CELL_DATA"},
+       {"cells.vtk", vtk(noise(), "BINARY", "16 12 10", "CELL_DATA 1920\nSCALARS s unsigned_char 1\nLOOKUP_TABLE default\n"), kUnsupported,
+        "CELL_DATA"},
        {"colour.vtk", vtk(noise() + noise() + noise(), "BINARY", "16 12 10", "POINT_DATA 1920\nCOLOR_SCALARS s 3\n"), kUnsupported, ""},
        {"two.vtk", vtk(noise() + noise(), "BINARY", "16 12 10", "POINT_DATA 1920\nSCALARS s unsigned_char 2\nLOOKUP_TABLE default\n"),
         kUnsupported, "2 values per sample"},
@@ -349,28 +354,29 @@ TEST(BadVolumes, Tiff) {
   }
   std::vector<TiffPage> mixed = tiff_pages();
   mixed[5].width = 8;
-  expect_all_errors({{"mixed.tif", tiff(mixed), kUnsupported, "page 6 has 8 x 12 samples"},
-                     {"single.tif", tiff({tiff_pages()[0]}), kUnsupported, "16 x 12 x 1"},
-                     {"colour.tif", tiff(tiff_pages(3 * 192), 8, 3), kUnsupported, "3 values per sample"},
-                     {"bits.tif", tiff(tiff_pages(24), 1), kUnsupported, "samples of 1 bits"},
-                     {"huge.tif", tiff({{.width = 100000, .height = 100000, .samples = "x"},
-                                        {.width = 100000, .height = 100000, .samples = "x"}}), kBad, "far more than a file of"}});
+  expect_all_errors(
+      {{"mixed.tif", tiff(mixed), kUnsupported, "page 6 has 8 x 12 samples"},
+       {"single.tif", tiff({tiff_pages()[0]}), kUnsupported, "16 x 12 x 1"},
+       {"colour.tif", tiff(tiff_pages(3 * 192), 8, 3), kUnsupported, "3 values per sample"},
+       {"bits.tif", tiff(tiff_pages(24), 1), kUnsupported, "samples of 1 bits"},
+       {"huge.tif", tiff({{.width = 100000, .height = 100000, .samples = "x"}, {.width = 100000, .height = 100000, .samples = "x"}}), kBad,
+        "far more than a file of"}});
 }
 
 TEST(BadVolumes, Vti) {
   const std::string whole = vti(noise());
-  expect_all_errors({{"cut.vti", cut(whole, 500), kBad, "does not end with </VTKFile>"},
-                     {"cut2.vti", cut(whole, 10), kBad, "does not end with </VTKFile>"},
-                     {"header.vti", whole.substr(0, 150), kBad, ""},
-                     {"huge.vti", vti(noise(), "0 99999 0 99999 0 99999"), kBad, "far more than a file of"},
-                     {"more.vti", vti(noise(), "0 999 0 99 0 9"), kBad, ""},
-                     {"inverse.vti", vti(noise(), "15 0 0 11 0 9"), kUnsupported, "0 x 12 x 10"},
-                     {"flat.vti", vti(noise(), "0 15 0 119 0 0"), kUnsupported, "16 x 120 x 1"},
-                     {"vector.vti", vti(noise() + noise(), "0 15 0 11 0 9", "UInt8", "NumberOfComponents=\"2\""), kUnsupported,
-                      "2 values per sample"},
-                     {"bit.vti", vti(noise(), "0 15 0 11 0 9", "Bit"), kUnsupported, "not integers"},
-                     {"string.vti", vti(noise(), "0 15 0 11 0 9", "String"), kUnsupported, "not integers"},
-                     {"unknown.vti", vti(noise(), "0 15 0 11 0 9", "Foo"), kBad, "unknown data type 'Foo'"}});
+  expect_all_errors(
+      {{"cut.vti", cut(whole, 500), kBad, "does not end with </VTKFile>"},
+       {"cut2.vti", cut(whole, 10), kBad, "does not end with </VTKFile>"},
+       {"header.vti", whole.substr(0, 150), kBad, ""},
+       {"huge.vti", vti(noise(), "0 99999 0 99999 0 99999"), kBad, "far more than a file of"},
+       {"more.vti", vti(noise(), "0 999 0 99 0 9"), kBad, ""},
+       {"inverse.vti", vti(noise(), "15 0 0 11 0 9"), kUnsupported, "0 x 12 x 10"},
+       {"flat.vti", vti(noise(), "0 15 0 119 0 0"), kUnsupported, "16 x 120 x 1"},
+       {"vector.vti", vti(noise() + noise(), "0 15 0 11 0 9", "UInt8", "NumberOfComponents=\"2\""), kUnsupported, "2 values per sample"},
+       {"bit.vti", vti(noise(), "0 15 0 11 0 9", "Bit"), kUnsupported, "not integers"},
+       {"string.vti", vti(noise(), "0 15 0 11 0 9", "String"), kUnsupported, "not integers"},
+       {"unknown.vti", vti(noise(), "0 15 0 11 0 9", "Foo"), kBad, "unknown data type 'Foo'"}});
   std::string no_blocks = whole;  // VTK 9.1 divides by the block size
   no_blocks.insert(no_blocks.find(" header_type"), " compressor=\"vtkZLibDataCompressor\"");
   no_blocks.replace(no_blocks.find("\n_") + 2, 16, std::string("\1\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0", 16));

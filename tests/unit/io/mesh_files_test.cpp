@@ -152,8 +152,9 @@ TEST(MeshFiles, PlyAscii) {
 }
 
 TEST(MeshFiles, PlyBigEndian) {
-  std::string text = "ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty float x\nproperty double y\nproperty short z\n"
-                     "element face 1\nproperty list uint8 uint16 vertex_index\nend_header\n";
+  std::string text =
+      "ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty float x\nproperty double y\nproperty short z\n"
+      "element face 1\nproperty list uint8 uint16 vertex_index\nend_header\n";
   const auto big = [&](auto value) {
     std::array<char, sizeof value> bytes;
     std::memcpy(bytes.data(), &value, sizeof value);
@@ -175,9 +176,10 @@ TEST(MeshFiles, PlyBigEndian) {
 }
 
 TEST(MeshFiles, ObjKeepsSharedVerticesWithNormalsAndTexture) {
-  const TriangleMesh mesh = read_text("a.obj",
-                                      "# x\nmtllib a.mtl\no thing\nv 0 0 0\nv 1 0 0 1.0\nv 1 1 0\nv 0 +1 0\nvt 0 0\nvt 1 0\nvn 0 0 1\nvn 0 1 0\n"
-                                      "usemtl m\ns off\nl 1 2\nf 1/1/1 2/2/2 3//1 4\n\nf -4/1/2 -2 -1 \\\n  -3\n");
+  const TriangleMesh mesh =
+      read_text("a.obj",
+                "# x\nmtllib a.mtl\no thing\nv 0 0 0\nv 1 0 0 1.0\nv 1 1 0\nv 0 +1 0\nvt 0 0\nvt 1 0\nvn 0 0 1\nvn 0 1 0\n"
+                "usemtl m\ns off\nl 1 2\nf 1/1/1 2/2/2 3//1 4\n\nf -4/1/2 -2 -1 \\\n  -3\n");
   ASSERT_EQ(mesh.positions.size(), 4U);
   EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}, {0, 2, 3}, {0, 3, 1}}));
 }
@@ -210,23 +212,26 @@ TEST(MeshFiles, BinaryStlThatStartsWithSolid) {
 }
 
 TEST(MeshFiles, VtpStripsAndPolygonsBecomeTriangles) {
-  const std::string head = "<VTKFile type=\"PolyData\" version=\"0.1\" byte_order=\"LittleEndian\">\n<PolyData>\n<Piece NumberOfPoints=\"4\" "
-                           "NumberOfVerts=\"1\" NumberOfLines=\"0\" NumberOfStrips=\"1\" NumberOfPolys=\"1\">\n<Points><DataArray type=\"Float32\" "
-                           "NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0 1 1 0 0 1 0</DataArray></Points>\n";
+  const std::string head =
+      "<VTKFile type=\"PolyData\" version=\"0.1\" byte_order=\"LittleEndian\">\n<PolyData>\n<Piece NumberOfPoints=\"4\" "
+      "NumberOfVerts=\"1\" NumberOfLines=\"0\" NumberOfStrips=\"1\" NumberOfPolys=\"1\">\n<Points><DataArray type=\"Float32\" "
+      "NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0 1 1 0 0 1 0</DataArray></Points>\n";
   const auto cells = [](const std::string& kind, const std::string& ids, const std::string& end) {
     return "<" + kind + "><DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">" + ids +
            "</DataArray><DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">" + end + "</DataArray></" + kind + ">\n";
   };
   const std::string tail = "</Piece>\n</PolyData>\n</VTKFile>\n";
-  const TriangleMesh mesh = read_text("a.vtp", head + cells("Verts", "2", "1") + cells("Strips", "0 1 3 2", "4") +
-                                                   cells("Polys", "0 1 2 3", "4") + tail);
+  const TriangleMesh mesh =
+      read_text("a.vtp", head + cells("Verts", "2", "1") + cells("Strips", "0 1 3 2", "4") + cells("Polys", "0 1 2 3", "4") + tail);
   EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}, {0, 1, 3}, {1, 2, 3}}));
-  EXPECT_THROW(read_text("b.vtp", head + cells("Verts", "2", "1") + cells("Strips", "0 1 3 2", "4") +
-                                      cells("Polys", "0 1 2 9", "4") + tail), Error);
-  EXPECT_THROW(read_text("c.vtp", head + cells("Verts", "2", "1") + cells("Strips", "0 1 3 2", "4") +
-                                      cells("Polys", "0 1 2 3", "400") + tail), Error);
-  EXPECT_THROW(read_text("d.vtp", head + cells("Verts", "2", "1") + cells("Strips", "0 1 3 2", "4") +
-                                      cells("Polys", "0 1 -2 3", "-4") + tail), Error);
+  EXPECT_THROW(
+      read_text("b.vtp", head + cells("Verts", "2", "1") + cells("Strips", "0 1 3 2", "4") + cells("Polys", "0 1 2 9", "4") + tail), Error);
+  EXPECT_THROW(
+      read_text("c.vtp", head + cells("Verts", "2", "1") + cells("Strips", "0 1 3 2", "4") + cells("Polys", "0 1 2 3", "400") + tail),
+      Error);
+  EXPECT_THROW(
+      read_text("d.vtp", head + cells("Verts", "2", "1") + cells("Strips", "0 1 3 2", "4") + cells("Polys", "0 1 -2 3", "-4") + tail),
+      Error);
 }
 
 struct BadMesh {
@@ -241,7 +246,8 @@ TEST(MeshFiles, BadFilesGiveOneLine) {
       {"garbage.ply", "hello", "not a PLY file"},
       {"header.ply", ply, "ends in its header"},
       {"word.ply", ply + "nonsense\n", "line 7: found 'nonsense'"},
-      {"promise.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000000\nproperty float x\nend_header\n1234", "too short"},
+      {"promise.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000000\nproperty float x\nend_header\n1234",
+       "too short"},
       {"text.ply", ply + ply_faces + "0 0 0\n0 1 x\n", "found 'x', expected a number"},
       {"short.ply", ply + ply_faces + "0 0 0\n0 1 0\n1 0 0\n3 0 1\n", "more data was promised"},
       {"range.ply", ply + ply_faces + "0 0 0\n0 1 0\n1 0 0\n3 0 1 3\n", "triangle 0 uses vertex 3"},

@@ -19,22 +19,32 @@
 namespace isoatlas::test {
 
 inline constexpr std::array kAllTypes{SampleType::int8,   SampleType::uint8, SampleType::int16,  SampleType::uint16,  SampleType::int32,
-                               SampleType::uint32, SampleType::int64, SampleType::uint64, SampleType::float32, SampleType::float64};
+                                      SampleType::uint32, SampleType::int64, SampleType::uint64, SampleType::float32, SampleType::float64};
 
 /// Calls `use` with a value of the C++ type.
 template <class Use>
 void with_type(SampleType type, Use use) {
   switch (type) {
-    case SampleType::int8: return use(std::int8_t{});
-    case SampleType::uint8: return use(std::uint8_t{});
-    case SampleType::int16: return use(std::int16_t{});
-    case SampleType::uint16: return use(std::uint16_t{});
-    case SampleType::int32: return use(std::int32_t{});
-    case SampleType::uint32: return use(std::uint32_t{});
-    case SampleType::int64: return use(std::int64_t{});
-    case SampleType::uint64: return use(std::uint64_t{});
-    case SampleType::float32: return use(float{});
-    case SampleType::float64: return use(double{});
+    case SampleType::int8:
+      return use(std::int8_t{});
+    case SampleType::uint8:
+      return use(std::uint8_t{});
+    case SampleType::int16:
+      return use(std::int16_t{});
+    case SampleType::uint16:
+      return use(std::uint16_t{});
+    case SampleType::int32:
+      return use(std::int32_t{});
+    case SampleType::uint32:
+      return use(std::uint32_t{});
+    case SampleType::int64:
+      return use(std::int64_t{});
+    case SampleType::uint64:
+      return use(std::uint64_t{});
+    case SampleType::float32:
+      return use(float{});
+    case SampleType::float64:
+      return use(double{});
   }
 }
 

@@ -37,8 +37,7 @@ void expect_same(const Volume& read, const TestVolume& written, Geometry geometr
   expect_near(read.grid.spacing, geometry >= Geometry::spacing_only ? written.grid.spacing : unit.spacing, tolerance);
   expect_near(read.grid.origin, geometry >= Geometry::no_direction ? written.grid.origin : unit.origin, 100 * tolerance);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    expect_near(read.grid.direction[axis], geometry == Geometry::full ? written.grid.direction[axis] : unit.direction[axis],
-                tolerance);
+    expect_near(read.grid.direction[axis], geometry == Geometry::full ? written.grid.direction[axis] : unit.direction[axis], tolerance);
   }
 }
 
@@ -47,8 +46,7 @@ class EveryType : public testing::TestWithParam<SampleType> {
   TempFolder folder_;
   TestVolume written_{GetParam()};
 
-  void check(itk::ImageIOBase& image_io, const std::string& file_name, Geometry geometry, double tolerance,
-             bool compress = false) {
+  void check(itk::ImageIOBase& image_io, const std::string& file_name, Geometry geometry, double tolerance, bool compress = false) {
     const auto path = folder_ / file_name;
     write_with(image_io, path, written_.grid, written_.type, written_.bytes, compress);
     SCOPED_TRACE(file_name);
@@ -56,8 +54,7 @@ class EveryType : public testing::TestWithParam<SampleType> {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Types, EveryType, testing::ValuesIn(kAllTypes),
-                         [](const auto& test) { return std::string(name(test.param)); });
+INSTANTIATE_TEST_SUITE_P(Types, EveryType, testing::ValuesIn(kAllTypes), [](const auto& test) { return std::string(name(test.param)); });
 
 TEST_P(EveryType, Nrrd) {
   check(*itk::NrrdImageIO::New(), "plain.nrrd", Geometry::full, 1e-12);
@@ -107,10 +104,7 @@ TEST_P(EveryType, Tiff) {
         TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_LZW);
         const bool is_float = written_.type == SampleType::float32 || written_.type == SampleType::float64;
         const bool is_signed = name(written_.type).starts_with("int");
-        TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT,
-                     is_float    ? SAMPLEFORMAT_IEEEFP
-                     : is_signed ? SAMPLEFORMAT_INT
-                                 : SAMPLEFORMAT_UINT);
+        TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT, is_float ? SAMPLEFORMAT_IEEEFP : is_signed ? SAMPLEFORMAT_INT : SAMPLEFORMAT_UINT);
         std::string rows = written_.bytes.substr(z * 4 * row_bytes, 4 * row_bytes);
         if (tiled) {
           TIFFSetField(tiff, TIFFTAG_TILEWIDTH, 16);
@@ -135,10 +129,10 @@ TEST_P(EveryType, Tiff) {
 }
 
 TEST_P(EveryType, Vti) {
-  constexpr std::array kVtkTypes{VTK_SIGNED_CHAR,  VTK_UNSIGNED_CHAR, VTK_SHORT,          VTK_UNSIGNED_SHORT, VTK_INT,
-                                 VTK_UNSIGNED_INT, VTK_LONG_LONG,     VTK_UNSIGNED_LONG_LONG, VTK_FLOAT,      VTK_DOUBLE};
-  const auto samples = vtkSmartPointer<vtkDataArray>::Take(
-      vtkDataArray::CreateDataArray(kVtkTypes[static_cast<std::size_t>(written_.type)]));
+  constexpr std::array kVtkTypes{VTK_SIGNED_CHAR, VTK_UNSIGNED_CHAR,      VTK_SHORT, VTK_UNSIGNED_SHORT, VTK_INT, VTK_UNSIGNED_INT,
+                                 VTK_LONG_LONG,   VTK_UNSIGNED_LONG_LONG, VTK_FLOAT, VTK_DOUBLE};
+  const auto samples =
+      vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(kVtkTypes[static_cast<std::size_t>(written_.type)]));
   samples->SetNumberOfTuples(static_cast<vtkIdType>(written_.grid.sample_count()));
   std::memcpy(samples->GetVoidPointer(0), written_.bytes.data(), written_.bytes.size());
   samples->SetName("density");
@@ -151,8 +145,7 @@ TEST_P(EveryType, Vti) {
   const auto& d = grid.direction;
   image->SetDirectionMatrix(d[0].x, d[1].x, d[2].x, d[0].y, d[1].y, d[2].y, d[0].z, d[1].z, d[2].z);
   const double x = begin[0] * grid.spacing.x, y = begin[1] * grid.spacing.y, z = begin[2] * grid.spacing.z;
-  image->SetOrigin(grid.origin.x - (d[0].x * x + d[1].x * y + d[2].x * z),
-                   grid.origin.y - (d[0].y * x + d[1].y * y + d[2].y * z),
+  image->SetOrigin(grid.origin.x - (d[0].x * x + d[1].x * y + d[2].x * z), grid.origin.y - (d[0].y * x + d[1].y * y + d[2].y * z),
                    grid.origin.z - (d[0].z * x + d[1].z * y + d[2].z * z));
   image->GetPointData()->SetScalars(samples);
   for (const int mode : {vtkXMLWriter::Ascii, vtkXMLWriter::Binary, vtkXMLWriter::Appended}) {

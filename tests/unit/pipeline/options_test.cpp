@@ -168,21 +168,51 @@ TEST(NonFinite, NoiseOfEverything) {
 
 // ------------------------------------------------------------------------------------------ extreme magnitudes and spacing
 
-TEST(Extremes, HugeAndTinySamplesAndSpacings) {
+Extraction scaled_torus(double scale, double spacing) {
   const Samples s = sampled({12, 12, 12}, torus({5.4, 5.6, 5.55}, 3.2, 1.6));
-  const auto kinds = reference_topology(s, 0).kinds;
-  for (const double scale : {1e300, 1e-300, 1e-320, 1.0}) {
+  Grid grid;
+  grid.size = s.size;
+  grid.spacing = {spacing, spacing, spacing};
+  std::vector<double> values;
+  for (const std::int64_t v : s.values) values.push_back(static_cast<double>(v) * scale);
+  return extract(own(grid, SampleType::float64, values), {});
+}
+
+TEST(Extremes, HugeAndTinySamplesAndSpacings) {
+  const std::size_t triangles = scaled_torus(1, 1).mesh.triangles.size();
+  for (const double scale : {1e300, 1e200, 1e-200, 1e-300, 1e-320}) {
     for (const double spacing : {1e-6, 1.0, 1e6}) {
-      Grid grid;
-      grid.size = s.size;
-      grid.spacing = {spacing, spacing, spacing};
-      std::vector<double> values;
-      for (const std::int64_t v : s.values) values.push_back(static_cast<double>(v) * scale);
-      const Extraction e = extract(own(grid, SampleType::float64, values), {});
-      EXPECT_EQ(e.report.mesh.kinds, kinds) << scale << " " << spacing;
+      const Extraction e = scaled_torus(scale, spacing);
+      EXPECT_EQ(e.report.mesh.kinds, (std::vector<TopologySummary::Kind>{{1, 0, 1}})) << scale << " " << spacing;
+      EXPECT_EQ(e.report.turned_components, 0u) << scale << " " << spacing;
+      EXPECT_LE(e.mesh.triangles.size(), 2 * triangles) << "as coarse as ever, " << scale << " " << spacing;
       for (const Vec3& p : e.mesh.positions) ASSERT_TRUE(std::isfinite(p.x + p.y + p.z));
       const auto [low, high] = bounding_box(e.mesh);
       EXPECT_GT(high.x - low.x, 5 * spacing);
+      EXPECT_GT(signed_volume(e.mesh), 0);
+    }
+  }
+}
+
+// A power of two changes no digit of any sample, so it changes nothing at all.
+TEST(Extremes, UnitsOfTheSamplesDoNotMatter) {
+  const Extraction one = scaled_torus(1, 1);
+  for (const double scale : {0x1p-400, 0x1p-60, 0x1p60, 0x1p400}) {
+    const Extraction e = scaled_torus(scale, 1);
+    EXPECT_EQ(e.mesh.triangles, one.mesh.triangles) << scale;
+    EXPECT_EQ(e.mesh.positions, one.mesh.positions) << scale;
+  }
+}
+
+// Nor does a power of two in the spacing: all lengths scale.
+TEST(Extremes, UnitsOfTheWorldDoNotMatter) {
+  const Extraction one = scaled_torus(1, 1);
+  for (const double spacing : {0x1p-20, 0x1p-3, 4.0, 0x1p20}) {
+    const Extraction e = scaled_torus(1, spacing);
+    ASSERT_EQ(e.mesh.triangles, one.mesh.triangles) << spacing;
+    for (std::size_t i = 0; i < one.mesh.positions.size(); ++i) {
+      const Vec3 p = one.mesh.positions[i];
+      ASSERT_EQ(e.mesh.positions[i], (Vec3{p.x * spacing, p.y * spacing, p.z * spacing})) << spacing;
     }
   }
 }
