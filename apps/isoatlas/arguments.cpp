@@ -192,7 +192,7 @@ isovalue is inside either way. Default: above.
   });
 
   command->add_flag("--coarse", arguments.coarse, R"(
-The coarsest mesh that keeps the topology and the shape of the triangles. This version has no refinement yet: it makes
+The coarsest mesh that keeps the topology. This version has no refinement yet: it makes
 this mesh with or without the flag.
 )")->group(kMesh);
   add_value(*command, kMesh, "--max-radius", "LENGTH", R"(

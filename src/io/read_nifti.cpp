@@ -3,6 +3,7 @@
 // samples that are missing with zeros without a word: both are checked here first.
 #include <itkNiftiImageIO.h>
 #include <nifti1_io.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <array>
@@ -10,7 +11,9 @@
 #include <cctype>
 #include <cmath>
 #include <fstream>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "io/file_error.h"
 #include "io/formats.h"
@@ -40,6 +43,8 @@ struct StoredSamples {
   fs::path file;
   std::uint64_t offset = 0;
   std::uint64_t bytes_per_sample = 0;
+  int type = 0;
+  bool swap = false;
 };
 
 bool has_extension(const fs::path& path, std::string_view extension) {
@@ -122,7 +127,9 @@ StoredSamples read_stored_samples(const fs::path& path) {
     }
   }
   StoredSamples stored;
-  stored.bytes_per_sample = bytes_of_type(field<std::int16_t>(header, 70, swap), header_file);
+  stored.type = field<std::int16_t>(header, 70, swap);
+  stored.bytes_per_sample = bytes_of_type(stored.type, header_file);
+  stored.swap = swap;
   stored.file = is_header_half ? sibling(path, ".img", ".IMG") : path;
   const auto offset = field<float>(header, 108, swap);
   const double least_offset = is_image_half || is_header_half ? 0 : 352;
@@ -136,13 +143,49 @@ bool is_gzipped(const fs::path& path) {
   return file.get() == 0x1F && file.get() == 0x8B;
 }
 
+// The NIfTI library reads NaN and infinity as 0. Looks at the stored floats once more and puts them back; a header's scale leaves
+// NaN what it is and infinity infinite.
+template <class Stored, class Sample>
+void restore_non_finite(const StoredSamples& stored, std::uint64_t count, Sample* samples) {
+  const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzopen(stored.file.c_str(), "rb"), gzclose);  // plain files as well
+  std::vector<Stored> buffer(1 << 16);
+  if (!file || gzseek(file.get(), static_cast<z_off_t>(stored.offset), SEEK_SET) < 0) throw bad_file(stored.file, "cannot be read again");
+  for (std::uint64_t done = 0; done < count;) {
+    const std::uint64_t n = std::min<std::uint64_t>(buffer.size(), count - done);
+    const auto bytes = static_cast<unsigned>(n * sizeof(Stored));
+    if (gzread(file.get(), buffer.data(), bytes) != static_cast<int>(bytes)) throw bad_file(stored.file, "is cut off");
+    for (std::uint64_t i = 0; i < n; ++i) {
+      Stored value = buffer[i];
+      if (stored.swap) {
+        auto bits = std::bit_cast<std::array<char, sizeof(Stored)>>(value);
+        std::reverse(bits.begin(), bits.end());
+        value = std::bit_cast<Stored>(bits);
+      }
+      if (!std::isfinite(value)) samples[done + i] = static_cast<Sample>(value);
+    }
+    done += n;
+  }
+}
+
+void restore_non_finite(const StoredSamples& stored, Volume& volume) {
+  // The samples are ours until the volume is handed out.
+  void* const samples = const_cast<void*>(volume.samples);
+  const std::uint64_t count = volume.grid.sample_count();
+  const auto into = [&](auto* typed) {
+    if (stored.type == NIFTI_TYPE_FLOAT32) restore_non_finite<float>(stored, count, typed);
+    if (stored.type == NIFTI_TYPE_FLOAT64) restore_non_finite<double>(stored, count, typed);
+  };
+  if (volume.type == SampleType::float32) into(static_cast<float*>(samples));
+  if (volume.type == SampleType::float64) into(static_cast<double*>(samples));
+}
+
 }  // namespace
 
 Volume read_nifti(const fs::path& path) {
   const LibraryMessages messages;
   nifti_set_debug_level(0);  // it writes to stderr
   const StoredSamples stored = read_stored_samples(path);
-  return read_itk_volume(*itk::NiftiImageIO::New(), path, "NIfTI file", [&](const ImageHeader& header) {
+  Volume volume = read_itk_volume(*itk::NiftiImageIO::New(), path, "NIfTI file", [&](const ImageHeader& header) {
     // What is on disk: a scale in the header makes floats of it later.
     const std::uint64_t promised = header.sample_count() * stored.bytes_per_sample;
     check_data_file(path, stored.file, [&] {
@@ -155,6 +198,8 @@ Volume read_nifti(const fs::path& path) {
       }
     });
   });
+  restore_non_finite(stored, volume);
+  return volume;
 }
 
 }  // namespace isoatlas::io

@@ -247,6 +247,24 @@ TEST(VolumeSamples, NiftiScaleIsApplied) {
   }
 }
 
+TEST(VolumeSamples, NiftiKeepsNaNAndInfinity) {  // the library behind ITK reads them as 0
+  const TempFolder folder;
+  const TestVolume written(SampleType::float32);
+  write_with(*itk::NiftiImageIO::New(), folder / "holes.nii", written.grid, written.type, written.bytes);
+  std::string bytes = read_bytes(folder / "holes.nii");
+  const std::array<float, 3> holes{std::numeric_limits<float>::quiet_NaN(), -std::numeric_limits<float>::infinity(),
+                                   std::numeric_limits<float>::infinity()};
+  std::memcpy(bytes.data() + 352 + 4 * 5, holes.data(), sizeof holes);
+  write_bytes(folder / "holes.nii", bytes);
+  const Volume volume = read_volume(folder / "holes.nii");
+  const SampleSummary summary = summarize(volume);
+  EXPECT_EQ(summary.nan_count, 1u);
+  EXPECT_EQ(summary.infinity_count, 2u);
+  EXPECT_EQ(summary.first_non_finite, (std::array<std::size_t, 3>{5, 0, 0}));
+  EXPECT_EQ(static_cast<const float*>(volume.samples)[6], holes[1]);
+  EXPECT_EQ(static_cast<const float*>(volume.samples)[7], holes[2]);
+}
+
 TEST(VolumeSamples, FourDimensionsWithOneVolumeAreAVolume) {
   const TempFolder folder;
   write_bytes(folder / "one.nrrd", "NRRD0004\ntype: uint8\ndimension: 4\nsizes: 2 2 2 1\nencoding: raw\n\n12345678");
