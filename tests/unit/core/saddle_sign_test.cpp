@@ -89,6 +89,25 @@ TEST(SaddleSign, ExactTiesAndTheirNeighbours) {
   EXPECT_EQ(ties, 20000);
 }
 
+// x y against (x + 1)(y - 1), which is y - x - 1 less: products of 100 bits that differ in the last one or two.
+TEST(SaddleSign, ProductsThatDifferInTheirLastBits) {
+  Random random(7);
+  int signs[3]{};
+  for (int i = 0; i < 20000; ++i) {
+    const double x = static_cast<double>(random.between(std::int64_t{1} << 50, std::int64_t{1} << 51));
+    const double y = x + 1 + static_cast<double>(random.between(-2, 2));
+    const double q = static_cast<double>(random.between(-(std::int64_t{1} << 50), std::int64_t{1} << 50));
+    const double scale = std::ldexp(1.0, static_cast<int>(random.between(-1000, 900)));
+    const double v[5] = {(q + x) * scale, (q + y) * scale, (q + x + 1) * scale, (q + y - 1) * scale, q * scale};
+    expect_exact(v[0], v[1], v[2], v[3], v[4]);
+    expect_exact(v[2], v[3], v[1], v[0], v[4]);
+    ++signs[1 + saddle_sign(v[0], v[1], v[2], v[3], v[4])];
+  }
+  EXPECT_GT(signs[0], 1000);
+  EXPECT_GT(signs[1], 1000);
+  EXPECT_GT(signs[2], 1000);
+}
+
 TEST(SaddleSign, IsovalueMovedByOneUnitInTheLastPlace) {
   Random random(4);
   for (int i = 0; i < 5000; ++i) {
