@@ -29,16 +29,26 @@ double cpu_seconds() {
 int vtk_type(isoatlas::SampleType type) {
   using enum isoatlas::SampleType;
   switch (type) {
-    case int8: return VTK_SIGNED_CHAR;
-    case uint8: return VTK_UNSIGNED_CHAR;
-    case int16: return VTK_SHORT;
-    case uint16: return VTK_UNSIGNED_SHORT;
-    case int32: return VTK_INT;
-    case uint32: return VTK_UNSIGNED_INT;
-    case int64: return VTK_LONG_LONG;
-    case uint64: return VTK_UNSIGNED_LONG_LONG;
-    case float32: return VTK_FLOAT;
-    case float64: return VTK_DOUBLE;
+    case int8:
+      return VTK_SIGNED_CHAR;
+    case uint8:
+      return VTK_UNSIGNED_CHAR;
+    case int16:
+      return VTK_SHORT;
+    case uint16:
+      return VTK_UNSIGNED_SHORT;
+    case int32:
+      return VTK_INT;
+    case uint32:
+      return VTK_UNSIGNED_INT;
+    case int64:
+      return VTK_LONG_LONG;
+    case uint64:
+      return VTK_UNSIGNED_LONG_LONG;
+    case float32:
+      return VTK_FLOAT;
+    case float64:
+      return VTK_DOUBLE;
   }
   return VTK_VOID;
 }
@@ -98,8 +108,10 @@ int main(int argc, char** argv) try {
       report = result.report;
     }
   }
-  std::printf("{\"mc_triangles\": %lld, \"fe_triangles\": %lld, \"mc_ms\": %.3f, \"fe_ms\": %.3f, \"isoatlas_ms\": %.3f, \"triangles\": %zu, \"stages_ms\": {",
-              mc_triangles, fe_triangles, 1e3 * mc, 1e3 * fe, 1e3 * ours, report.quality.triangles);
+  std::printf(
+      "{\"mc_triangles\": %lld, \"fe_triangles\": %lld, \"mc_ms\": %.3f, \"fe_ms\": %.3f, \"isoatlas_ms\": %.3f, \"triangles\": %zu, "
+      "\"stages_ms\": {",
+      mc_triangles, fe_triangles, 1e3 * mc, 1e3 * fe, 1e3 * ours, report.quality.triangles);
   for (std::size_t i = 0; i < report.seconds.size(); ++i) {
     std::printf("%s\"%s\": %.3f", i == 0 ? "" : ", ", report.seconds[i].stage.c_str(), 1e3 * report.seconds[i].seconds);
   }

@@ -17,13 +17,9 @@
 namespace isoatlas::tool {
 namespace {
 
-[[noreturn]] void refuse(const std::string& message) {
-  throw Error(ErrorCode::bad_argument, message);
-}
+[[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::bad_argument, message); }
 
-std::string in_quotes(std::string_view text) {
-  return "'" + std::string(text) + "'";
-}
+std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
 
 // Numbers are read with from_chars: whole text, no locale.
 template <class Number>
@@ -55,8 +51,7 @@ std::array<Number, 3> parse_triple(std::string_view text, const char* expected, 
     const std::size_t comma = rest.find(',');
     const auto number = parse_whole<Number>(rest.substr(0, comma));
     const bool is_last = comma == std::string_view::npos;
-    if (!number || !accept(*number) || is_last != (i == 2))
-      refuse(std::string("expected ") + expected + ", got " + in_quotes(text));
+    if (!number || !accept(*number) || is_last != (i == 2)) refuse(std::string("expected ") + expected + ", got " + in_quotes(text));
     triple[i] = *number;
     if (!is_last) rest.remove_prefix(comma + 1);
   }
@@ -65,8 +60,8 @@ std::array<Number, 3> parse_triple(std::string_view text, const char* expected, 
 
 /// An option with a value that `read` makes something of; what that throws names the option.
 template <class Read>
-CLI::Option* add_value(CLI::App& app, const char* group, const std::string& name, const char* placeholder,
-                       const std::string& description, Read read) {
+CLI::Option* add_value(CLI::App& app, const char* group, const std::string& name, const char* placeholder, const std::string& description,
+                       Read read) {
   const auto callback = [read, name](const std::string& text) {
     try {
       read(text);
@@ -92,16 +87,13 @@ Value choose(const Choices<Value>& choices, const std::string& text) {
 
 Choices<SampleType> sample_types() {
   Choices<SampleType> choices;
-  for (const SampleType type :
-       {SampleType::int8, SampleType::uint8, SampleType::int16, SampleType::uint16, SampleType::int32,
-        SampleType::uint32, SampleType::int64, SampleType::uint64, SampleType::float32, SampleType::float64})
+  for (const SampleType type : {SampleType::int8, SampleType::uint8, SampleType::int16, SampleType::uint16, SampleType::int32,
+                                SampleType::uint32, SampleType::int64, SampleType::uint64, SampleType::float32, SampleType::float64})
     choices.emplace_back(name(type), type);
   return choices;
 }
 
-RawLayout& layout(VolumeArguments& volume) {
-  return volume.raw ? *volume.raw : volume.raw.emplace();
-}
+RawLayout& layout(VolumeArguments& volume) { return volume.raw ? *volume.raw : volume.raw.emplace(); }
 
 // Options read as a page: prose at the margin, then what it does.
 // clang-format off
@@ -161,8 +153,7 @@ Length parse_length(std::string_view text) {
   length.in_voxels = strip("vx");
   if (!length.in_voxels) strip("mm");
   const auto value = parse_whole<double>(number);
-  if (!value || !std::isfinite(*value) || *value < 0)
-    refuse("expected a length like 2.5, 2.5mm or 3vx, got " + in_quotes(text));
+  if (!value || !std::isfinite(*value) || *value < 0) refuse("expected a length like 2.5, 2.5mm or 3vx, got " + in_quotes(text));
   length.value = *value;
   return length;
 }

@@ -24,16 +24,14 @@ std::string verdict(std::initializer_list<std::pair<std::size_t, const char*>> f
 }
 
 void print_topology(const MeshTopology& topology) {
-  std::cout
-      << row("vertices",
-             count_text(topology.vertices) +
-                 (topology.unused_vertices > 0 ? " (" + count_text(topology.unused_vertices) + " in no triangle)" : ""))
-      << row("edges", count_text(topology.edges)) << row("triangles", count_text(topology.triangles))
-      << row("manifold", verdict({{topology.non_manifold_edges, "edges in three or more triangles"},
-                                  {topology.non_manifold_vertices, "vertices with more than one fan of triangles"},
-                                  {topology.degenerate_triangles, "triangles that use a vertex twice"}}))
-      << row("oriented", verdict({{topology.inconsistent_edges, "edges whose two triangles face opposite sides"}}))
-      << row("closed", verdict({{topology.boundary_edges, "boundary edges"}}));
+  std::cout << row("vertices", count_text(topology.vertices) +
+                                   (topology.unused_vertices > 0 ? " (" + count_text(topology.unused_vertices) + " in no triangle)" : ""))
+            << row("edges", count_text(topology.edges)) << row("triangles", count_text(topology.triangles))
+            << row("manifold", verdict({{topology.non_manifold_edges, "edges in three or more triangles"},
+                                        {topology.non_manifold_vertices, "vertices with more than one fan of triangles"},
+                                        {topology.degenerate_triangles, "triangles that use a vertex twice"}}))
+            << row("oriented", verdict({{topology.inconsistent_edges, "edges whose two triangles face opposite sides"}}))
+            << row("closed", verdict({{topology.boundary_edges, "boundary edges"}}));
   if (topology.is_manifold() && topology.is_oriented()) {
     const TopologySummary summary = summarize(topology.components);
     std::cout << row("topology", topology_text(summary)) << row("kinds", kinds_text(summary, 6));
@@ -43,12 +41,10 @@ void print_topology(const MeshTopology& topology) {
 }
 
 void print_quality(const MeshQuality& quality, bool utf8) {
-  std::cout << row("aspect ratio", "minimum " + ratio_text(quality.aspect_min) + ", 1st percentile " +
-                                       ratio_text(quality.aspect_p01) + ", median " +
-                                       ratio_text(quality.aspect_median) +
+  std::cout << row("aspect ratio", "minimum " + ratio_text(quality.aspect_min) + ", 1st percentile " + ratio_text(quality.aspect_p01) +
+                                       ", median " + ratio_text(quality.aspect_median) +
                                        "; below 1/3: " + percent_text(quality.aspect_share_below_third));
-  for (const std::string& line : draw_histogram(quality.aspect_histogram, 5, 2, Scale::linear, utf8))
-    std::cout << row("", line);
+  for (const std::string& line : draw_histogram(quality.aspect_histogram, 5, 2, Scale::linear, utf8)) std::cout << row("", line);
   std::cout << row("", "0                 0.5                  1")
             << row("angles", number_text(quality.angle_min) + " to " + number_text(quality.angle_max) + " degrees")
             << row("edge lengths", number_text(quality.edge_min) + " to " + number_text(quality.edge_max))

@@ -18,10 +18,14 @@ inline int exit_status(ErrorCode code) {
     case ErrorCode::bad_argument:
     case ErrorCode::bad_file:
     case ErrorCode::unsupported:
-    case ErrorCode::empty_surface: return kBadInput;
-    case ErrorCode::internal: return kInternal;
-    case ErrorCode::out_of_memory: return kOutOfMemory;
-    case ErrorCode::cancelled: return kSignalBase + 2;  // SIGINT, unless the caller knows better
+    case ErrorCode::empty_surface:
+      return kBadInput;
+    case ErrorCode::internal:
+      return kInternal;
+    case ErrorCode::out_of_memory:
+      return kOutOfMemory;
+    case ErrorCode::cancelled:
+      return kSignalBase + 2;  // SIGINT, unless the caller knows better
   }
   return kInternal;
 }

@@ -42,21 +42,17 @@ std::size_t peak_memory_bytes() {
 /// Everything that can be wrong with the names is found here, before anybody waits.
 void check_paths(const ExtractArguments& arguments) {
   const auto refuse = [](const std::string& message) { throw Error(ErrorCode::bad_argument, message); };
-  if (same_file(arguments.mesh, arguments.volume.path))
-    refuse(arguments.mesh.string() + ": the mesh would replace the volume");
+  if (same_file(arguments.mesh, arguments.volume.path)) refuse(arguments.mesh.string() + ": the mesh would replace the volume");
   check_output_path(arguments.mesh);
   check_mesh_path(arguments.mesh);
   if (!arguments.report) return;
-  if (same_file(*arguments.report, arguments.mesh))
-    refuse(arguments.report->string() + ": the report would replace the mesh");
-  if (same_file(*arguments.report, arguments.volume.path))
-    refuse(arguments.report->string() + ": the report would replace the volume");
+  if (same_file(*arguments.report, arguments.mesh)) refuse(arguments.report->string() + ": the report would replace the mesh");
+  if (same_file(*arguments.report, arguments.volume.path)) refuse(arguments.report->string() + ": the report would replace the volume");
   check_output_path(*arguments.report);
 }
 
 /// The library does not know what the volume is called; its messages should.
-Extraction extract_from(const fs::path& path, const VolumeView& volume, const ExtractOptions& options,
-                        const RunControl& control) {
+Extraction extract_from(const fs::path& path, const VolumeView& volume, const ExtractOptions& options, const RunControl& control) {
   try {
     return extract(volume, options, control);
   } catch (const Error& error) {
@@ -66,9 +62,12 @@ Extraction extract_from(const fs::path& path, const VolumeView& volume, const Ex
 
 const char* space_name(Space space) {
   switch (space) {
-    case Space::lps: return "LPS";
-    case Space::ras: return "RAS";
-    case Space::voxel: return "voxel";
+    case Space::lps:
+      return "LPS";
+    case Space::ras:
+      return "RAS";
+    case Space::voxel:
+      return "voxel";
   }
   return "";
 }
@@ -84,17 +83,17 @@ std::string repair_text(const CertificateReport& certificate) {
 
 void print_summary(const ExtractArguments& arguments, const ExtractReport& report, const ReportContext& context) {
   const auto& quality = report.quality;
-  std::cout << row("read", context.volume_path + ": " + size_text(context.grid.size) + " " +
-                               std::string(name(context.sample_type)) + ", " + seconds_text(context.read_seconds))
+  std::cout << row("read", context.volume_path + ": " + size_text(context.grid.size) + " " + std::string(name(context.sample_type)) + ", " +
+                               seconds_text(context.read_seconds))
             << row("surface", "isovalue " + number_text(context.options.isovalue) + ": " + topology_text(report.mesh))
             << row("mesh", counted(context.mesh_vertices, "vertex") + ", " + counted(quality.triangles, "triangle") +
                                ", aspect ratio at least " + ratio_text(quality.aspect_min) + ", median " +
                                ratio_text(quality.aspect_median))
             << row("certificate", std::string(report.certificate.passed ? "passed" : "FAILED") + ": " +
-                                      certificate_text(report.certificate) + "; mesh counted again: " +
-                                      (report.mesh == report.reference ? "same topology" : "OTHER TOPOLOGY"))
-            << row("wrote", context.mesh_path + " (" + bytes_text(static_cast<double>(fs::file_size(arguments.mesh))) +
-                                ")" + (arguments.report ? " and " + arguments.report->string() : "") + ", meshed in " +
+                                      certificate_text(report.certificate) +
+                                      "; mesh counted again: " + (report.mesh == report.reference ? "same topology" : "OTHER TOPOLOGY"))
+            << row("wrote", context.mesh_path + " (" + bytes_text(static_cast<double>(fs::file_size(arguments.mesh))) + ")" +
+                                (arguments.report ? " and " + arguments.report->string() : "") + ", meshed in " +
                                 seconds_text(report.total_seconds));
 }
 
@@ -103,13 +102,12 @@ void print_details(const ExtractReport& report, const ReportContext& context) {
   for (const std::size_t size : report.coarser_c_vertices) coarser += (coarser.empty() ? "" : ", ") + count_text(size);
   std::cout << row("complex", counted(report.c_vertices, "c-vertex") + ", " + counted(report.faces, "face") + ", " +
                                   counted(report.double_segments, "double segment") + " split")
-            << row("coarser",
-                   coarser.empty() ? "none: disks are too small for blocks"
-                                   : coarser + " c-vertices, certified in " + std::to_string(report.coarsening_rounds) + " rounds")
+            << row("coarser", coarser.empty()
+                                  ? "none: disks are too small for blocks"
+                                  : coarser + " c-vertices, certified in " + std::to_string(report.coarsening_rounds) + " rounds")
             << row("repair", repair_text(report.certificate)) << row("kinds", kinds_text(report.mesh, 6))
-            << row("shape", percent_text(report.quality.aspect_share_below_third) +
-                                " of the triangles below 1/3, 1st percentile " + ratio_text(report.quality.aspect_p01) +
-                                ", angles " + number_text(report.quality.angle_min) + " to " +
+            << row("shape", percent_text(report.quality.aspect_share_below_third) + " of the triangles below 1/3, 1st percentile " +
+                                ratio_text(report.quality.aspect_p01) + ", angles " + number_text(report.quality.angle_min) + " to " +
                                 number_text(report.quality.angle_max) + " degrees");
   for (const StageTime& stage : report.seconds) std::cout << row("  " + stage.stage, seconds_text(stage.seconds));
   std::cout << row("  write", seconds_text(context.write_seconds))
@@ -143,8 +141,7 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   context.grid = volume.grid;
   context.sample_type = volume.type;
   if (arguments.max_radius) context.options.max_radius = arguments.max_radius->in_world(volume.grid);
-  if (arguments.event_persistence)
-    context.options.event_persistence = arguments.event_persistence->in_world(volume.grid);
+  if (arguments.event_persistence) context.options.event_persistence = arguments.event_persistence->in_world(volume.grid);
 
   const Extraction extraction = extract_from(arguments.volume.path, volume, context.options, control);
   volume = {};  // writing needs memory too

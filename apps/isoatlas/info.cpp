@@ -22,9 +22,7 @@ std::string vector_text(Vec3 v, double scale) {
   return number_text(tidy(v.x)) + " " + number_text(tidy(v.y)) + " " + number_text(tidy(v.z));
 }
 
-double component(Vec3 v, std::size_t i) {
-  return i == 0 ? v.x : i == 1 ? v.y : v.z;
-}
+double component(Vec3 v, std::size_t i) { return i == 0 ? v.x : i == 1 ? v.y : v.z; }
 
 /// Which way each axis points, most of all, in a world whose x, y and z grow towards left, posterior and superior.
 struct Orientation {
@@ -62,8 +60,7 @@ std::string orientation_text(const Grid& grid) {
     words += std::string(axis == 0 ? "" : ", ") + "xyz"[axis] + " towards " + found.towards[axis];
   }
   const bool oblique = found.tilt_degrees > 0.05;
-  return code + " (" + words + ")" +
-         (oblique ? ", oblique by " + number_text(std::round(found.tilt_degrees * 10) / 10) + " degrees" : "");
+  return code + " (" + words + ")" + (oblique ? ", oblique by " + number_text(std::round(found.tilt_degrees * 10) / 10) + " degrees" : "");
 }
 
 void print_geometry(const VolumeView& volume) {
@@ -73,17 +70,13 @@ void print_geometry(const VolumeView& volume) {
   };
   const std::size_t bytes = grid.sample_count() * bytes_per_sample(volume.type);
   std::cout << row("size", size_text(grid.size) + ", " + counted(grid.sample_count(), "sample"))
-            << row("type",
-                   std::string(name(volume.type)) + ", " + bytes_text(static_cast<double>(bytes)) + " in memory")
+            << row("type", std::string(name(volume.type)) + ", " + bytes_text(static_cast<double>(bytes)) + " in memory")
             << row("spacing", vector_text(grid.spacing, 0))
             << row("extent", extent(0) + " x " + extent(1) + " x " + extent(2) + ", first to last sample")
-            << row("origin", vector_text(grid.origin, grid.smallest_spacing()))
-            << row("orientation", orientation_text(grid));
+            << row("origin", vector_text(grid.origin, grid.smallest_spacing())) << row("orientation", orientation_text(grid));
   for (std::size_t r = 0; r < 3; ++r)
-    std::cout << row(
-        r == 0 ? "direction" : "",
-        vector_text({component(grid.direction[0], r), component(grid.direction[1], r), component(grid.direction[2], r)},
-                    1));
+    std::cout << row(r == 0 ? "direction" : "",
+                     vector_text({component(grid.direction[0], r), component(grid.direction[1], r), component(grid.direction[2], r)}, 1));
 }
 
 void print_histogram(const SampleHistogram& histogram, const SampleSummary& summary, bool utf8) {
@@ -128,10 +121,9 @@ int run_info(const InfoArguments& arguments) {
   const auto& first = summary.first_non_finite;
   std::string not_finite = count_text(summary.nan_count) + " NaN, " + count_text(summary.infinity_count) + " infinite";
   if (summary.nan_count + summary.infinity_count > 0)
-    not_finite += ", first at (" + std::to_string(first[0]) + ", " + std::to_string(first[1]) + ", " +
-                  std::to_string(first[2]) + "); isoatlas extract needs --nan";
-  if (summary.finite_count > 0)
-    std::cout << row("range", number_text(summary.minimum) + " to " + number_text(summary.maximum));
+    not_finite += ", first at (" + std::to_string(first[0]) + ", " + std::to_string(first[1]) + ", " + std::to_string(first[2]) +
+                  "); isoatlas extract needs --nan";
+  if (summary.finite_count > 0) std::cout << row("range", number_text(summary.minimum) + " to " + number_text(summary.maximum));
   std::cout << row("not finite", not_finite);
   if (summary.finite_count > 0) {
     const SampleHistogram histogram = sample_histogram(volume, summary);

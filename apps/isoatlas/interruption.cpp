@@ -41,9 +41,7 @@ Interruption::~Interruption() {
   watcher_.join();
 }
 
-int Interruption::exit_status() const {
-  return kSignalBase + signal_;
-}
+int Interruption::exit_status() const { return kSignalBase + signal_; }
 
 void Interruption::commit(const std::function<void()>& last_step) {
   const std::lock_guard lock(mutex_);
@@ -75,8 +73,7 @@ void Interruption::watch() {
   _exit(exit_status());
 }
 
-Interruption::Cleanup::Cleanup(Interruption& interruption, std::function<void()> run)
-    : interruption_(interruption), run_(std::move(run)) {
+Interruption::Cleanup::Cleanup(Interruption& interruption, std::function<void()> run) : interruption_(interruption), run_(std::move(run)) {
   const std::lock_guard lock(interruption_.mutex_);
   interruption_.cleanups_.push_back(&run_);
 }

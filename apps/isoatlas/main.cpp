@@ -43,10 +43,14 @@ int run(const std::function<int()>& command, Interruption& interruption) {
   } catch (const Error& error) {
     interruption.settle();
     switch (error.code()) {
-      case ErrorCode::cancelled: return interrupted(interruption);
-      case ErrorCode::internal: return fail_internal(error.what());
-      case ErrorCode::out_of_memory: return fail(kOutOfMemory, std::string(error.what()) + "; nothing was written");
-      default: return fail(exit_status(error.code()), error.what());
+      case ErrorCode::cancelled:
+        return interrupted(interruption);
+      case ErrorCode::internal:
+        return fail_internal(error.what());
+      case ErrorCode::out_of_memory:
+        return fail(kOutOfMemory, std::string(error.what()) + "; nothing was written");
+      default:
+        return fail(exit_status(error.code()), error.what());
     }
   } catch (const std::bad_alloc&) {
     interruption.settle();
@@ -79,8 +83,8 @@ int main(int argc, char** argv) {
     return app.exit(wish);
   } catch (const CLI::ParseError& error) {
     const auto chosen = app.get_subcommands();
-    return fail(kBadInput, std::string(error.what()) + " (see isoatlas " +
-                               (chosen.empty() ? "" : chosen.front()->get_name() + " ") + "--help)");
+    return fail(kBadInput,
+                std::string(error.what()) + " (see isoatlas " + (chosen.empty() ? "" : chosen.front()->get_name() + " ") + "--help)");
   }
   if (extract_command->parsed()) return run([&] { return run_extract(extract_arguments, interruption); }, interruption);
   if (info_command->parsed()) return run([&] { return run_info(info_arguments); }, interruption);

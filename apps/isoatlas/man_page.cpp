@@ -47,8 +47,7 @@ std::string section(std::string title, const std::string& body) {
 
 std::string option_entry(const CLI::Option& option) {
   std::string names = option.get_positional() ? option.get_name(true) : option.get_name(false, true);
-  for (std::size_t comma = names.find(','); comma != std::string::npos; comma = names.find(',', comma + 2))
-    names.replace(comma, 1, ", ");
+  for (std::size_t comma = names.find(','); comma != std::string::npos; comma = names.find(',', comma + 2)) names.replace(comma, 1, ", ");
   if (!option.get_positional() && option.get_expected_max() > 0) names += " " + option.get_type_name();
   return std::string(kIndent, ' ') + names + "\n" + filled(option.get_description(), kDeepIndent);
 }
@@ -64,8 +63,8 @@ std::string ManPage::make_help(const CLI::App* app, std::string name, CLI::AppFo
 
   std::string commands;
   for (const CLI::App* command : app->get_subcommands([](const CLI::App*) { return true; }))
-    commands += indent + command->get_name() + std::string(kDeepIndent - command->get_name().size(), ' ') +
-                command->get_description() + "\n";
+    commands +=
+        indent + command->get_name() + std::string(kDeepIndent - command->get_name().size(), ' ') + command->get_description() + "\n";
   if (!commands.empty()) page += section("Commands", commands);
 
   for (const std::string& group : text_.groups) {

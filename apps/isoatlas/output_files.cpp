@@ -23,8 +23,7 @@ fs::path make_hidden_folder(const fs::path& parent, const fs::path& wanted_for) 
   std::string pattern = (parent / ".isoatlas-XXXXXX").string();
   if (mkdtemp(pattern.data()) == nullptr) {
     const std::error_code error(errno, std::generic_category());
-    throw Error(ErrorCode::bad_file,
-                wanted_for.string() + ": cannot be written: " + error.message() + " (folder " + parent.string() + ")");
+    throw Error(ErrorCode::bad_file, wanted_for.string() + ": cannot be written: " + error.message() + " (folder " + parent.string() + ")");
   }
   return pattern;
 }
@@ -47,8 +46,7 @@ void check_output_path(const fs::path& path) {
   if (fs::is_directory(status)) throw Error(ErrorCode::bad_file, path.string() + ": cannot be written: it is a folder");
   if (fs::exists(status) && !fs::is_regular_file(status))
     throw Error(ErrorCode::bad_file, path.string() + ": cannot be written: it is not a regular file");
-  if (!path.has_filename())
-    throw Error(ErrorCode::bad_file, path.string() + ": cannot be written: the file name is missing");
+  if (!path.has_filename()) throw Error(ErrorCode::bad_file, path.string() + ": cannot be written: the file name is missing");
   const fs::path parent = resolved(path).parent_path();
   if (!fs::is_directory(parent, error))
     throw Error(ErrorCode::bad_file, path.string() + ": cannot be written: there is no folder " + parent.string());

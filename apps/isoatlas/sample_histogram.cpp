@@ -13,26 +13,32 @@ namespace {
 
 template <class Visitor>
 void visit_samples(const VolumeView& volume, Visitor visit) {
-  const auto as = [&]<class Sample>(Sample) {
-    visit(std::span(static_cast<const Sample*>(volume.samples), volume.grid.sample_count()));
-  };
+  const auto as = [&]<class Sample>(Sample) { visit(std::span(static_cast<const Sample*>(volume.samples), volume.grid.sample_count())); };
   switch (volume.type) {
-    case SampleType::int8: return as(std::int8_t{});
-    case SampleType::uint8: return as(std::uint8_t{});
-    case SampleType::int16: return as(std::int16_t{});
-    case SampleType::uint16: return as(std::uint16_t{});
-    case SampleType::int32: return as(std::int32_t{});
-    case SampleType::uint32: return as(std::uint32_t{});
-    case SampleType::int64: return as(std::int64_t{});
-    case SampleType::uint64: return as(std::uint64_t{});
-    case SampleType::float32: return as(float{});
-    case SampleType::float64: return as(double{});
+    case SampleType::int8:
+      return as(std::int8_t{});
+    case SampleType::uint8:
+      return as(std::uint8_t{});
+    case SampleType::int16:
+      return as(std::int16_t{});
+    case SampleType::uint16:
+      return as(std::uint16_t{});
+    case SampleType::int32:
+      return as(std::int32_t{});
+    case SampleType::uint32:
+      return as(std::uint32_t{});
+    case SampleType::int64:
+      return as(std::int64_t{});
+    case SampleType::uint64:
+      return as(std::uint64_t{});
+    case SampleType::float32:
+      return as(float{});
+    case SampleType::float64:
+      return as(double{});
   }
 }
 
-bool is_integer(SampleType type) {
-  return type != SampleType::float32 && type != SampleType::float64;
-}
+bool is_integer(SampleType type) { return type != SampleType::float32 && type != SampleType::float64; }
 
 /// Sums over the bins before a given one, so that any class's weight and mean come from two look-ups.
 struct Moments {
@@ -155,8 +161,7 @@ std::vector<SuggestedIsovalue> suggest_isovalues(const SampleHistogram& histogra
     else
       suggest(0, reason);
   }
-  const auto occupied =
-      std::count_if(histogram.counts.begin(), histogram.counts.end(), [](std::size_t n) { return n > 0; });
+  const auto occupied = std::count_if(histogram.counts.begin(), histogram.counts.end(), [](std::size_t n) { return n > 0; });
   const Moments moments(histogram.counts);
   if (occupied >= 2)
     for (const double split : two_classes(histogram.counts, moments))

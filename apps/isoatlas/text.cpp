@@ -45,14 +45,11 @@ std::string one_line(std::string_view text) {
 
 std::string number_text(double value) {
   std::array<char, 64> buffer{};
-  const auto end =
-      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::general, 6).ptr;
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::general, 6).ptr;
   return {buffer.data(), end};
 }
 
-std::string ratio_text(double ratio) {
-  return number_text(std::round(ratio * 1e3) / 1e3);
-}
+std::string ratio_text(double ratio) { return number_text(std::round(ratio * 1e3) / 1e3); }
 
 std::string count_text(std::uint64_t count) {
   std::string text = std::to_string(count);
@@ -68,9 +65,7 @@ std::string counted(std::uint64_t count, const std::string& noun) {
   return text;
 }
 
-std::string percent_text(double share) {
-  return number_text(std::round(share * 1e4) / 1e2) + " %";
-}
+std::string percent_text(double share) { return number_text(std::round(share * 1e4) / 1e2) + " %"; }
 
 std::string bytes_text(double bytes) {
   constexpr std::array<const char*, 5> kUnits{"bytes", "KiB", "MiB", "GiB", "TiB"};
@@ -103,8 +98,7 @@ std::string kinds_text(const TopologySummary& topology, std::size_t most) {
     const auto& kind = topology.kinds[i];
     if (i > 0) text += ", ";
     text += count_text(kind.count) + " x (genus " + std::to_string(kind.genus) + ", ";
-    text +=
-        kind.boundary_loops == 0 ? "closed" : counted(static_cast<std::uint64_t>(kind.boundary_loops), "boundary loop");
+    text += kind.boundary_loops == 0 ? "closed" : counted(static_cast<std::uint64_t>(kind.boundary_loops), "boundary loop");
     text += ")";
   }
   if (listed < topology.kinds.size()) text += " and " + counted(topology.kinds.size() - listed, "other kind");
@@ -118,8 +112,7 @@ std::string row(const std::string& label, const std::string& value) {
   return std::string(2, ' ') + padded + value + "\n";
 }
 
-std::vector<std::string> draw_histogram(std::span<const std::size_t> counts, int rows, int column_width, Scale scale,
-                                        bool utf8) {
+std::vector<std::string> draw_histogram(std::span<const std::size_t> counts, int rows, int column_width, Scale scale, bool utf8) {
   static constexpr std::array<const char*, 9> kBlocks{" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
   const std::size_t highest = counts.empty() ? 0 : *std::max_element(counts.begin(), counts.end());
   const auto height = [&](std::size_t count) {  // in [0, 1]
@@ -135,8 +128,7 @@ std::vector<std::string> draw_histogram(std::span<const std::size_t> counts, int
     for (int r = 0; r < rows; ++r) {
       const int filled = std::clamp(eighths - 8 * (rows - 1 - r), 0, 8);
       const char* ascii = filled >= 4 ? "#" : filled > 0 ? "." : " ";
-      for (int c = 0; c < column_width; ++c)
-        lines[static_cast<std::size_t>(r)] += utf8 ? kBlocks[static_cast<std::size_t>(filled)] : ascii;
+      for (int c = 0; c < column_width; ++c) lines[static_cast<std::size_t>(r)] += utf8 ? kBlocks[static_cast<std::size_t>(filled)] : ascii;
     }
   }
   return lines;

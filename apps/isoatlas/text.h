@@ -41,7 +41,6 @@ std::string row(const std::string& label, const std::string& value);
 enum class Scale { linear, logarithmic };
 
 /// Columns of block characters (of '#' if not utf8), highest count at full height, top line first.
-std::vector<std::string> draw_histogram(std::span<const std::size_t> counts, int rows, int column_width, Scale scale,
-                                        bool utf8);
+std::vector<std::string> draw_histogram(std::span<const std::size_t> counts, int rows, int column_width, Scale scale, bool utf8);
 
 }  // namespace isoatlas::tool

@@ -55,11 +55,11 @@ TopologySummary summarize(const std::vector<ComponentTopology>& components);
 /// What the certificate looked at, and what it took to pass (docs/theory/02-certificate.md).
 struct CertificateReport {
   bool passed = false;
-  std::size_t cells_checked = 0;      ///< every one a disk, with a triangle, meeting the boundary in at most one arc
-  std::size_t arcs_checked = 0;       ///< pairs of adjacent cells, every pair meeting in exactly one arc
-  std::size_t triples_checked = 0;    ///< triples of cells, every triple meeting in exactly one point
-  std::size_t repair_rounds = 0;      ///< rounds of check-and-repair until it passed
-  std::size_t repair_sites = 0;       ///< sites added by repair
+  std::size_t cells_checked = 0;    ///< every one a disk, with a triangle, meeting the boundary in at most one arc
+  std::size_t arcs_checked = 0;     ///< pairs of adjacent cells, every pair meeting in exactly one arc
+  std::size_t triples_checked = 0;  ///< triples of cells, every triple meeting in exactly one point
+  std::size_t repair_rounds = 0;    ///< rounds of check-and-repair until it passed
+  std::size_t repair_sites = 0;     ///< sites added by repair
 };
 
 struct StageTime {
@@ -68,19 +68,19 @@ struct StageTime {
 };
 
 struct ExtractReport {
-  std::size_t c_vertices = 0;                    ///< of the reference surface complex
+  std::size_t c_vertices = 0;  ///< of the reference surface complex
   std::size_t faces = 0;
-  std::size_t double_segments = 0;               ///< places split so that the dual of G is simplicial
-  std::vector<std::size_t> coarser_c_vertices;   ///< sizes of the certified coarser complexes
+  std::size_t double_segments = 0;              ///< places split so that the dual of G is simplicial
+  std::vector<std::size_t> coarser_c_vertices;  ///< sizes of the certified coarser complexes
   std::size_t coarsening_rounds = 0;
-  TopologySummary reference;                     ///< counted on the reference surface complex
-  TopologySummary mesh;                          ///< counted on the finished triangles, independently
-  CertificateReport coarsening;                  ///< certificate of the partition into blocks
-  CertificateReport certificate;                 ///< certificate of the final partition
-  std::size_t turned_components = 0;             ///< tiny components left geometrically inside out: no c-vertex left to add
-  MeshQuality quality;                           ///< measured in world units, whatever the mesh's space
-  std::vector<StageTime> seconds;                ///< in order: surface, coarsen, cover, certify, mesh, check
-  double total_seconds = 0;                      ///< volume in memory to checked mesh
+  TopologySummary reference;          ///< counted on the reference surface complex
+  TopologySummary mesh;               ///< counted on the finished triangles, independently
+  CertificateReport coarsening;       ///< certificate of the partition into blocks
+  CertificateReport certificate;      ///< certificate of the final partition
+  std::size_t turned_components = 0;  ///< tiny components left geometrically inside out: no c-vertex left to add
+  MeshQuality quality;                ///< measured in world units, whatever the mesh's space
+  std::vector<StageTime> seconds;     ///< in order: surface, coarsen, cover, certify, mesh, check
+  double total_seconds = 0;           ///< volume in memory to checked mesh
 };
 
 struct Extraction {

@@ -30,11 +30,11 @@ struct ComponentTopology {
 struct MeshTopology {
   std::size_t vertices = 0, edges = 0, triangles = 0;
   std::size_t unused_vertices = 0;
-  std::size_t degenerate_triangles = 0;      ///< two corners are the same vertex
-  std::size_t non_manifold_edges = 0;        ///< edges with three or more triangles
-  std::size_t non_manifold_vertices = 0;     ///< vertices whose triangles are not one fan
-  std::size_t inconsistent_edges = 0;        ///< edges whose two triangles run along them in the same sense
-  std::size_t boundary_edges = 0;            ///< edges with one triangle
+  std::size_t degenerate_triangles = 0;            ///< two corners are the same vertex
+  std::size_t non_manifold_edges = 0;              ///< edges with three or more triangles
+  std::size_t non_manifold_vertices = 0;           ///< vertices whose triangles are not one fan
+  std::size_t inconsistent_edges = 0;              ///< edges whose two triangles run along them in the same sense
+  std::size_t boundary_edges = 0;                  ///< edges with one triangle
   std::vector<std::uint32_t> component_of_vertex;  ///< component index, numbered by smallest vertex; unused vertices: 0xFFFFFFFF
   std::vector<ComponentTopology> components;       ///< only meaningful where is_manifold() and is_oriented()
 
@@ -53,10 +53,10 @@ MeshTopology mesh_topology(const TriangleMesh& mesh);
 struct MeshQuality {
   std::size_t triangles = 0;
   double aspect_min = 0, aspect_p01 = 0, aspect_median = 0;
-  double aspect_share_below_third = 0;               ///< fraction of triangles with aspect ratio < 1/3
-  std::array<std::size_t, 20> aspect_histogram{};    ///< bins of width 0.05 over [0, 1]
+  double aspect_share_below_third = 0;             ///< fraction of triangles with aspect ratio < 1/3
+  std::array<std::size_t, 20> aspect_histogram{};  ///< bins of width 0.05 over [0, 1]
   double angle_min = 0, angle_max = 0;
-  double edge_min = 0, edge_max = 0;                 ///< edge lengths, in the mesh's own units
+  double edge_min = 0, edge_max = 0;  ///< edge lengths, in the mesh's own units
   std::size_t zero_area_triangles = 0;
 };
 

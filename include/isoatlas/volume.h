@@ -17,21 +17,21 @@ struct Vec3 {
 /// Native sample types; volumes are never converted whole.
 enum class SampleType { int8, uint8, int16, uint16, int32, uint32, int64, uint64, float32, float64 };
 
-std::string_view name(SampleType type);      ///< "int8" ... "float64"
+std::string_view name(SampleType type);  ///< "int8" ... "float64"
 std::size_t bytes_per_sample(SampleType type);
 
 /// Where the samples of a volume sit in the world: world = origin + direction * (spacing * index).
 /// The world is LPS in millimetres for medical formats (as ITK gives it), else whatever the file says.
 struct Grid {
-  std::array<std::size_t, 3> size{};  ///< samples along x, y, z; x runs fastest in memory
-  Vec3 spacing{1, 1, 1};              ///< world length of one step along each axis, > 0
-  Vec3 origin{};                      ///< world position of sample (0, 0, 0)
+  std::array<std::size_t, 3> size{};                                           ///< samples along x, y, z; x runs fastest in memory
+  Vec3 spacing{1, 1, 1};                                                       ///< world length of one step along each axis, > 0
+  Vec3 origin{};                                                               ///< world position of sample (0, 0, 0)
   std::array<Vec3, 3> direction{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};  ///< unit vector of the x, y and z axis (columns)
 
   std::size_t sample_count() const { return size[0] * size[1] * size[2]; }
-  double smallest_spacing() const;    ///< what "one voxel" (vx) means as a length
-  bool mirrored() const;              ///< the direction's determinant is negative
-  Vec3 to_world(Vec3 index) const;    ///< from sample-index coordinates to world coordinates
+  double smallest_spacing() const;  ///< what "one voxel" (vx) means as a length
+  bool mirrored() const;            ///< the direction's determinant is negative
+  Vec3 to_world(Vec3 index) const;  ///< from sample-index coordinates to world coordinates
 };
 
 /// Somebody's samples, not owned. `samples` points at grid.sample_count() values of `type`, x fastest, native byte order.
@@ -47,7 +47,7 @@ struct Volume : VolumeView {
 };
 
 struct SampleSummary {
-  double minimum = 0, maximum = 0;      ///< over finite samples
+  double minimum = 0, maximum = 0;  ///< over finite samples
   std::size_t nan_count = 0, infinity_count = 0;
   std::array<std::size_t, 3> first_non_finite{};  ///< index (x, y, z) of the first one in memory order
   std::size_t finite_count = 0;

@@ -11,10 +11,10 @@
 namespace isoatlas {
 
 // 32-bit ids everywhere after parsing; the names say which array an id addresses.
-using CVertexId = std::uint32_t;     ///< c-vertex of a surface complex
-using FaceId = std::uint32_t;        ///< face of a surface complex
-using CellId = std::uint32_t;        ///< cell of a partition of a surface complex's c-vertices
-using ComponentId = std::uint32_t;   ///< connected component
+using CVertexId = std::uint32_t;    ///< c-vertex of a surface complex
+using FaceId = std::uint32_t;       ///< face of a surface complex
+using CellId = std::uint32_t;       ///< cell of a partition of a surface complex's c-vertices
+using ComponentId = std::uint32_t;  ///< connected component
 
 inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 

@@ -14,9 +14,9 @@ struct ThreadLimit::State {
 };
 
 ThreadLimit::ThreadLimit(int threads)
-    : state_(new State{tbb::global_control(tbb::global_control::max_allowed_parallelism,
-                                           threads > 0 ? static_cast<std::size_t>(threads)
-                                                       : std::max(1u, std::thread::hardware_concurrency()))}) {}
+    : state_(new State{
+          tbb::global_control(tbb::global_control::max_allowed_parallelism,
+                              threads > 0 ? static_cast<std::size_t>(threads) : std::max(1u, std::thread::hardware_concurrency()))}) {}
 
 ThreadLimit::~ThreadLimit() { delete state_; }
 

@@ -12,8 +12,7 @@
 #include <cmath>
 #include <cstddef>
 
-static_assert(LDBL_MANT_DIG >= 64 && LDBL_MAX_EXP >= 16384,
-              "saddle_sign needs a long double wider than double (x87 or IEEE quadruple)");
+static_assert(LDBL_MANT_DIG >= 64 && LDBL_MAX_EXP >= 16384, "saddle_sign needs a long double wider than double (x87 or IEEE quadruple)");
 
 namespace isoatlas {
 namespace {

@@ -12,9 +12,13 @@
 namespace isoatlas {
 
 Covering::Covering(const CVertexGraph& graph, const CoveringOptions& options)
-    : graph_(graph), options_(options), events_(graph, options.event_persistence, options.first_stage),
-      distance_(graph.c_vertex_count(), std::numeric_limits<float>::infinity()), radius_(graph.c_vertex_count(), options.max_radius),
-      queued_(graph.c_vertex_count(), 0), changed_(graph.c_vertex_count(), 1) {
+    : graph_(graph),
+      options_(options),
+      events_(graph, options.event_persistence, options.first_stage),
+      distance_(graph.c_vertex_count(), std::numeric_limits<float>::infinity()),
+      radius_(graph.c_vertex_count(), options.max_radius),
+      queued_(graph.c_vertex_count(), 0),
+      changed_(graph.c_vertex_count(), 1) {
   partition_.cell_of.assign(graph.c_vertex_count(), kNone);
 }
 

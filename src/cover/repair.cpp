@@ -8,7 +8,7 @@ namespace isoatlas {
 namespace {
 
 struct Candidate {
-  float distance = 0;      // from its site; larger is better
+  float distance = 0;  // from its site; larger is better
   CVertexId c_vertex = kNone;
   void offer(float d, CVertexId v) {
     if (d > distance || (d == distance && d > 0 && v < c_vertex)) *this = {d, v};

@@ -8,8 +8,12 @@
 namespace isoatlas {
 
 EventFinder::EventFinder(const CVertexGraph& graph, float persistence, float first_stage)
-    : graph_(graph), persistence_(persistence), first_stage_(first_stage), stamp_(graph.c_vertex_count(), 0),
-      distance_(graph.c_vertex_count()), step_(graph.c_vertex_count()) {}
+    : graph_(graph),
+      persistence_(persistence),
+      first_stage_(first_stage),
+      stamp_(graph.c_vertex_count(), 0),
+      distance_(graph.c_vertex_count()),
+      step_(graph.c_vertex_count()) {}
 
 float EventFinder::event_radius(CVertexId v, float limit) {
   if (++round_ > (std::numeric_limits<std::uint32_t>::max() - 1) / 2) {
@@ -144,7 +148,7 @@ float EventFinder::first_event(float reliable) {
       }
       bool in_gap = graph_.on_boundary[w];  // the leading run belongs to the boundary's gap
       bool leading = in_gap;
-      std::uint32_t trailing = size;        // first entry of the trailing run, part of the boundary's gap as well
+      std::uint32_t trailing = size;  // first entry of the trailing run, part of the boundary's gap as well
       if (graph_.on_boundary[w]) {
         while (trailing > 0 && !is_settled(begin + trailing - 1)) --trailing;
       }

@@ -38,7 +38,7 @@ class EventFinder {
   std::uint32_t round_ = 0;
   std::vector<std::uint32_t> stamp_;
   std::vector<float> distance_;
-  std::vector<std::uint32_t> step_;    // when settled
+  std::vector<std::uint32_t> step_;  // when settled
   NearestFirst front_;
   std::vector<CVertexId> settled_;     // in order
   std::vector<std::uint8_t> arcs_;     // per settled c-vertex, arcs of settled neighbours at the time

@@ -6,7 +6,8 @@
 namespace isoatlas {
 
 std::vector<std::uint8_t> turned_components(std::span<const Vec3> positions, std::span<const Triangle> triangles, Vec3 spacing,
-                                            std::span<const std::uint32_t> component_of, std::size_t components, std::span<const Vec3> outward, double least) {
+                                            std::span<const std::uint32_t> component_of, std::size_t components,
+                                            std::span<const Vec3> outward, double least) {
   std::vector<double> facing(components, 0);
   for (const Triangle& t : triangles) {
     const Vec3 a = positions[t[0]];

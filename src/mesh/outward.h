@@ -18,6 +18,7 @@ namespace isoatlas {
 /// @param least         smallest mean cosine between triangles and outward directions that counts as facing outward, e.g. 0
 /// @return per component, 1 if it does not face outward
 std::vector<std::uint8_t> turned_components(std::span<const Vec3> positions, std::span<const Triangle> triangles, Vec3 spacing,
-                                            std::span<const std::uint32_t> component_of, std::size_t components, std::span<const Vec3> outward, double least);
+                                            std::span<const std::uint32_t> component_of, std::size_t components,
+                                            std::span<const Vec3> outward, double least);
 
 }  // namespace isoatlas

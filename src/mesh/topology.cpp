@@ -99,7 +99,7 @@ MeshTopology mesh_topology(const TriangleMesh& mesh) {
   // Edges, sorted by (low, high).
   half_edges = sorted_by(half_edges, n, [](const HalfEdge& h) { return h.high; });
   half_edges = sorted_by(half_edges, n, [](const HalfEdge& h) { return h.low; });
-  DisjointSets loops(n);                       // boundary vertices joined along boundary edges
+  DisjointSets loops(n);  // boundary vertices joined along boundary edges
   std::vector<std::uint32_t> degree(n, 0), boundary_degree(n, 0);
   for (std::size_t i = 0; i < half_edges.size();) {
     std::size_t j = i;

@@ -86,7 +86,7 @@ PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const Ce
 
   std::vector<std::uint8_t> boundary_ends(cells, 0);  // boundary sides that leave the cell, up to 3 (= too many)
   std::vector<std::uint8_t> touches_boundary(cells, 0);
-  std::vector<std::uint32_t> first(cells + 1, 0);     // buckets of arc ends by the smaller cell
+  std::vector<std::uint32_t> first(cells + 1, 0);  // buckets of arc ends by the smaller cell
   for (const DualTriangle& t : check.triangles) {
     for (int k = 0; k < 3; ++k) ++first[std::min(t.cell[k], t.cell[(k + 1) % 3])];
   }

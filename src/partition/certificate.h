@@ -11,10 +11,10 @@ namespace isoatlas {
 
 /// What is wrong with one cell, as bits.
 enum CellFault : std::uint8_t {
-  kNotConnected = 1,   ///< several pieces, joined by neither sides nor chosen diagonals
-  kNotADisk = 2,       ///< V - E + F of the cell is not 1
-  kNoTriangle = 4,     ///< no dual triangle has the cell as a corner
-  kBadBoundary = 8,    ///< meets the boundary, but not in one arc, or its site is not on it
+  kNotConnected = 1,  ///< several pieces, joined by neither sides nor chosen diagonals
+  kNotADisk = 2,      ///< V - E + F of the cell is not 1
+  kNoTriangle = 4,    ///< no dual triangle has the cell as a corner
+  kBadBoundary = 8,   ///< meets the boundary, but not in one arc, or its site is not on it
 };
 
 /// Two cells that do not meet in one arc with a dual triangle at an end, or whose arc has the same third cell at both ends.
@@ -23,11 +23,11 @@ struct PairFault {
 };
 
 struct PartitionCheck {
-  std::vector<DualTriangle> triangles;      ///< of the dual, in the order of the faces
-  std::vector<std::uint8_t> cell_fault;     ///< per cell, bits of CellFault
-  std::vector<PairFault> pair_faults;       ///< sorted
+  std::vector<DualTriangle> triangles;   ///< of the dual, in the order of the faces
+  std::vector<std::uint8_t> cell_fault;  ///< per cell, bits of CellFault
+  std::vector<PairFault> pair_faults;    ///< sorted
   std::size_t faulty_cells = 0;
-  std::size_t cells = 0, pairs = 0;         ///< how much was checked
+  std::size_t cells = 0, pairs = 0;  ///< how much was checked
   bool passed() const { return faulty_cells == 0 && pair_faults.empty(); }
 };
 

@@ -22,8 +22,13 @@ namespace {
 class BlockRegions {
  public:
   BlockRegions(const SurfaceComplex& complex, double block_length)
-      : complex_(complex), sets_(complex.c_vertex_count()), region_(complex.c_vertex_count()), block_(complex.c_vertex_count()),
-        level_(complex.c_vertex_count(), 0), members_(complex.c_vertex_count()), failed_(complex.c_vertex_count(), 0),
+      : complex_(complex),
+        sets_(complex.c_vertex_count()),
+        region_(complex.c_vertex_count()),
+        block_(complex.c_vertex_count()),
+        level_(complex.c_vertex_count(), 0),
+        members_(complex.c_vertex_count()),
+        failed_(complex.c_vertex_count(), 0),
         cut_(complex.c_vertex_count(), 0) {
     const Vec3 s = complex.spacing;
     scale_ = {s.x / block_length, s.y / block_length, s.z / block_length};
@@ -136,15 +141,15 @@ class BlockRegions {
 
   const SurfaceComplex& complex_;
   DisjointSets sets_;
-  std::vector<CellId> region_;         // per c-vertex
-  std::vector<std::uint64_t> block_;   // per c-vertex, its block at its region's level
-  std::vector<std::uint8_t> level_;    // per c-vertex, how often its region was halved
-  std::vector<std::uint32_t> members_; // per region
-  std::vector<std::uint8_t> failed_;   // per region
-  std::vector<std::uint8_t> cut_;      // per c-vertex, its region was cut last time
+  std::vector<CellId> region_;          // per c-vertex
+  std::vector<std::uint64_t> block_;    // per c-vertex, its block at its region's level
+  std::vector<std::uint8_t> level_;     // per c-vertex, how often its region was halved
+  std::vector<std::uint32_t> members_;  // per region
+  std::vector<std::uint8_t> failed_;    // per region
+  std::vector<std::uint8_t> cut_;       // per c-vertex, its region was cut last time
   std::vector<PairFault> cut_around_;
-  Vec3 scale_;                         // blocks per index step
-  int levels_ = 1;                     // from this level on, regions are single c-vertices
+  Vec3 scale_;      // blocks per index step
+  int levels_ = 1;  // from this level on, regions are single c-vertices
 };
 
 // Region ids 0, 1, ... in order of smallest c-vertex, and for each the c-vertex nearest its centroid, on the boundary if the
@@ -228,7 +233,8 @@ std::vector<std::uint8_t> turned_small_components(const SurfaceComplex& complex,
     small_triangles.push_back({t.cell[0], t.cell[1], t.cell[2]});
     for (const CellId c : t.cell) component_of[c] = sets.find(c);
   }
-  const std::vector<std::uint8_t> turned = turned_components(position, small_triangles, complex.spacing, component_of, n, outward, kLeastCosine);
+  const std::vector<std::uint8_t> turned =
+      turned_components(position, small_triangles, complex.spacing, component_of, n, outward, kLeastCosine);
   for (const Triangle& t : small_triangles) {
     if (!turned[component_of[t[0]]]) continue;
     for (const CellId c : t) out[c] = 1;

@@ -10,8 +10,8 @@
 namespace isoatlas {
 
 struct Coarsened {
-  SurfaceComplex complex;                  ///< all triangles; homeomorphic to the input
-  std::vector<CVertexId> representative;   ///< per c-vertex of `complex`, the c-vertex of the input it stands on
+  SurfaceComplex complex;                 ///< all triangles; homeomorphic to the input
+  std::vector<CVertexId> representative;  ///< per c-vertex of `complex`, the c-vertex of the input it stands on
   CertificateReport certificate;
 };
 

@@ -10,8 +10,8 @@ namespace isoatlas {
 
 /// The c-vertices of a complex in cells, each with one c-vertex that stands for it.
 struct Partition {
-  std::vector<CellId> cell_of;    ///< per c-vertex, < site.size()
-  std::vector<CVertexId> site;    ///< per cell, a c-vertex of the cell; on the boundary if the cell touches it
+  std::vector<CellId> cell_of;  ///< per c-vertex, < site.size()
+  std::vector<CVertexId> site;  ///< per cell, a c-vertex of the cell; on the boundary if the cell touches it
   std::uint32_t cell_count() const { return static_cast<std::uint32_t>(site.size()); }
 };
 

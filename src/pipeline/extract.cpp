@@ -50,14 +50,15 @@ void require(bool good, const std::string& message) {
 void check_arguments(const VolumeView& volume, const ExtractOptions& options) {
   const Grid& grid = volume.grid;
   for (int a = 0; a < 3; ++a) {
-    require(grid.size[a] >= 2, std::string("the volume has ") + std::to_string(grid.size[a]) + " samples along " + "xyz"[a] +
-                                   "; at least 2 are needed");
+    require(grid.size[a] >= 2,
+            std::string("the volume has ") + std::to_string(grid.size[a]) + " samples along " + "xyz"[a] + "; at least 2 are needed");
   }
   for (const double s : {grid.spacing.x, grid.spacing.y, grid.spacing.z}) {
     require(std::isfinite(s) && s > 0, "spacing " + std::to_string(s) + " is not a positive length");
   }
   require(std::isfinite(options.isovalue), "the isovalue is not a finite number");
-  require(!options.max_radius || (std::isfinite(*options.max_radius) && *options.max_radius > 0), "the largest radius must be a positive length");
+  require(!options.max_radius || (std::isfinite(*options.max_radius) && *options.max_radius > 0),
+          "the largest radius must be a positive length");
   require(!options.event_persistence || (std::isfinite(*options.event_persistence) && *options.event_persistence >= 0),
           "the event persistence must be a length >= 0");
 }
@@ -82,8 +83,9 @@ void check_mesh(const MeshTopology& mesh, const Components& reference, const std
     if (!good) throw Error(ErrorCode::internal, "the finished mesh failed its check: " + what);
   };
   require_internal(mesh.unused_vertices == 0, std::to_string(mesh.unused_vertices) + " vertices without a triangle");
-  require_internal(mesh.is_manifold(), std::to_string(mesh.non_manifold_edges) + " edges and " + std::to_string(mesh.non_manifold_vertices) +
-                                           " vertices are not manifold, " + std::to_string(mesh.degenerate_triangles) + " triangles repeat a vertex");
+  require_internal(mesh.is_manifold(), std::to_string(mesh.non_manifold_edges) + " edges and " +
+                                           std::to_string(mesh.non_manifold_vertices) + " vertices are not manifold, " +
+                                           std::to_string(mesh.degenerate_triangles) + " triangles repeat a vertex");
   require_internal(mesh.is_oriented(), std::to_string(mesh.inconsistent_edges) + " edges between triangles of opposite orientation");
   require_internal(mesh.components.size() == reference.topology.size(),
                    std::to_string(mesh.components.size()) + " components instead of " + std::to_string(reference.topology.size()));
@@ -97,15 +99,16 @@ void check_mesh(const MeshTopology& mesh, const Components& reference, const std
     require_internal(counterpart[c] != kNone, "component " + std::to_string(c) + " is missing");
     const ComponentTopology& want = reference.topology[c];
     const ComponentTopology& got = mesh.components[counterpart[c]];
-    require_internal(want == got, "component " + std::to_string(c) + " has Euler characteristic " + std::to_string(got.euler_characteristic) +
-                                      " and " + std::to_string(got.boundary_loops) + " boundary loops instead of " +
-                                      std::to_string(want.euler_characteristic) + " and " + std::to_string(want.boundary_loops));
+    require_internal(want == got, "component " + std::to_string(c) + " has Euler characteristic " +
+                                      std::to_string(got.euler_characteristic) + " and " + std::to_string(got.boundary_loops) +
+                                      " boundary loops instead of " + std::to_string(want.euler_characteristic) + " and " +
+                                      std::to_string(want.boundary_loops));
   }
 }
 
 // Gives every marked component one more site, where it is farthest from the others. @return false if none had room for one
-bool refine_components(const SurfaceComplex& complex, Covering& covering, const MeshTopology& topology, const std::vector<std::uint8_t>& marked,
-                       ExtractReport& report) {
+bool refine_components(const SurfaceComplex& complex, Covering& covering, const MeshTopology& topology,
+                       const std::vector<std::uint8_t>& marked, ExtractReport& report) {
   const Partition& partition = covering.partition();
   const std::uint32_t before = covering.site_count();
   std::vector<CVertexId> farthest(topology.components.size(), kNone);
@@ -185,8 +188,9 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   clock.finished("components");
 
   const Grid& grid = volume.grid;
-  const double longest = std::max({static_cast<double>(grid.size[0] - 1) * grid.spacing.x, static_cast<double>(grid.size[1] - 1) * grid.spacing.y,
-                                   static_cast<double>(grid.size[2] - 1) * grid.spacing.z});
+  const double longest =
+      std::max({static_cast<double>(grid.size[0] - 1) * grid.spacing.x, static_cast<double>(grid.size[1] - 1) * grid.spacing.y,
+                static_cast<double>(grid.size[2] - 1) * grid.spacing.z});
   const double max_radius = options.max_radius.value_or(longest / 2);
 
   control.report("coarsen", 0);
@@ -233,7 +237,8 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   control.report("check", 0);
   std::vector<ComponentId> component_of;
   component_of.reserve(out.mesh.positions.size());
-  for (const CVertexId v : covering.partition().site) component_of.push_back(reference.of_c_vertex[coarsened ? coarser.representative[v] : v]);
+  for (const CVertexId v : covering.partition().site)
+    component_of.push_back(reference.of_c_vertex[coarsened ? coarser.representative[v] : v]);
   check_mesh(topology, reference, component_of);
   report.mesh = summarize(topology.components);
   clock.finished("check");

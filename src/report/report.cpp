@@ -12,35 +12,35 @@ namespace {
 
 using Json = nlohmann::ordered_json;  // keys stay in the order in which they are written here
 
-std::string_view text(Inside inside) {
-  return inside == Inside::above ? "above" : "below";
-}
+std::string_view text(Inside inside) { return inside == Inside::above ? "above" : "below"; }
 
 std::string_view text(NonFinite rule) {
   switch (rule) {
-    case NonFinite::refuse: return "refuse";
-    case NonFinite::below: return "below";
-    case NonFinite::above: return "above";
+    case NonFinite::refuse:
+      return "refuse";
+    case NonFinite::below:
+      return "below";
+    case NonFinite::above:
+      return "above";
   }
   return "";
 }
 
 std::string_view text(Space space) {
   switch (space) {
-    case Space::lps: return "lps";
-    case Space::ras: return "ras";
-    case Space::voxel: return "voxel";
+    case Space::lps:
+      return "lps";
+    case Space::ras:
+      return "ras";
+    case Space::voxel:
+      return "voxel";
   }
   return "";
 }
 
-Json to_value(Vec3 v) {
-  return Json::array({v.x, v.y, v.z});
-}
+Json to_value(Vec3 v) { return Json::array({v.x, v.y, v.z}); }
 
-Json to_value(const std::optional<double>& length) {
-  return length ? Json(*length) : Json();
-}
+Json to_value(const std::optional<double>& length) { return length ? Json(*length) : Json(); }
 
 void add_topology(Json& object, const TopologySummary& topology) {
   object["components"] = topology.components;
@@ -131,11 +131,10 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
                         {"vertices_on_surface", options.vertices_on_surface},
                         {"threads", context.threads}};
 
-  Json& reference = json["reference"] = {
-      {"c_vertices", report.c_vertices}, {"faces", report.faces}, {"double_segments", report.double_segments}};
+  Json& reference =
+      json["reference"] = {{"c_vertices", report.c_vertices}, {"faces", report.faces}, {"double_segments", report.double_segments}};
   add_topology(reference, report.reference);
-  Json& mesh = json["mesh"] = {
-      {"path", context.mesh_path}, {"vertices", context.mesh_vertices}, {"triangles", report.quality.triangles}};
+  Json& mesh = json["mesh"] = {{"path", context.mesh_path}, {"vertices", context.mesh_vertices}, {"triangles", report.quality.triangles}};
   add_topology(mesh, report.mesh);
   mesh["turned_components"] = report.turned_components;
   json["certificate"] = to_value(report.certificate);

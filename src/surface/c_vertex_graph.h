@@ -18,7 +18,7 @@ struct CVertexGraph {
     CVertexId id;
     float weight;  ///< world length
   };
-  std::vector<std::uint32_t> first;       ///< row v is [first[v], first[v + 1])
+  std::vector<std::uint32_t> first;  ///< row v is [first[v], first[v + 1])
   std::vector<Neighbour> neighbours;
   std::vector<std::uint8_t> is_diagonal;  ///< parallel to neighbours: across a quad rather than along a side
   std::vector<std::uint8_t> on_boundary;  ///< per c-vertex

@@ -14,12 +14,12 @@ namespace isoatlas {
 //   face    2 a + side: the two faces normal to axis a
 
 struct CellLoops {
-  std::uint8_t corners = 0;                    ///< bit per corner, 1 = inside
-  std::uint8_t loops = 0;                      ///< number of surfels, 0 to 4
-  std::uint8_t ambiguous_faces = 0;            ///< bit per face with diagonal signs
-  std::uint8_t joined_faces = 0;               ///< of those, the ones whose inside corners are joined
-  std::uint16_t crossed = 0;                   ///< bit per edge that carries a node
-  std::array<std::uint8_t, 12> loop_of_edge{}; ///< for crossed edges
+  std::uint8_t corners = 0;                     ///< bit per corner, 1 = inside
+  std::uint8_t loops = 0;                       ///< number of surfels, 0 to 4
+  std::uint8_t ambiguous_faces = 0;             ///< bit per face with diagonal signs
+  std::uint8_t joined_faces = 0;                ///< of those, the ones whose inside corners are joined
+  std::uint16_t crossed = 0;                    ///< bit per edge that carries a node
+  std::array<std::uint8_t, 12> loop_of_edge{};  ///< for crossed edges
 };
 
 /// All ways to cross a cell: 256 sign patterns times the decisions on their ambiguous faces, made by walking from node to

@@ -55,8 +55,13 @@ template <class T>
 class Parser {
  public:
   Parser(const VolumeView& volume, const ParseOptions& options, const RunControl& control, const SignBits& signs)
-      : size_(volume.grid.size), spacing_(volume.grid.spacing), options_(options), control_(control), signs_(signs),
-        field_(volume, options.rule), table_(CellLoopTable::get()) {}
+      : size_(volume.grid.size),
+        spacing_(volume.grid.spacing),
+        options_(options),
+        control_(control),
+        signs_(signs),
+        field_(volume, options.rule),
+        table_(CellLoopTable::get()) {}
 
   SurfaceComplex run() {
     find_cells();
@@ -306,17 +311,20 @@ class Parser {
         const std::array<std::size_t, 3> c{cell.x, cy, cz};
         const unsigned owned = owned_nodes(loops, cell.x, cy, cz);
         const Cell* const west = &cell - 1;  // the neighbour in -x; only looked at where a shared node says it is there
-        if (owned & 1) {  // x-edge: u = y, v = z
+        if (owned & 1) {                     // x-edge: u = y, v = z
           make_face(next++, 0, c, loops,
-                    {c_vertex(*cursor[2], cz - 1, 3), c_vertex(*cursor[1], cz - 1, 2), c_vertex(cell, cz, 0), c_vertex(*cursor[0], cz, 1)}, slice);
+                    {c_vertex(*cursor[2], cz - 1, 3), c_vertex(*cursor[1], cz - 1, 2), c_vertex(cell, cz, 0), c_vertex(*cursor[0], cz, 1)},
+                    slice);
         }
         if (owned & 2) {  // y-edge: u = z, v = x
           make_face(next++, 1, c, loops,
-                    {c_vertex(*(cursor[1] - 1), cz - 1, 7), c_vertex(*west, cz, 6), c_vertex(cell, cz, 4), c_vertex(*cursor[1], cz - 1, 5)}, slice);
+                    {c_vertex(*(cursor[1] - 1), cz - 1, 7), c_vertex(*west, cz, 6), c_vertex(cell, cz, 4), c_vertex(*cursor[1], cz - 1, 5)},
+                    slice);
         }
         if (owned & 4) {  // z-edge: u = x, v = y
           make_face(next++, 2, c, loops,
-                    {c_vertex(*(cursor[0] - 1), cz, 11), c_vertex(*cursor[0], cz, 10), c_vertex(cell, cz, 8), c_vertex(*west, cz, 9)}, slice);
+                    {c_vertex(*(cursor[0] - 1), cz, 11), c_vertex(*cursor[0], cz, 10), c_vertex(cell, cz, 8), c_vertex(*west, cz, 9)},
+                    slice);
         }
         if (loops.ambiguous_faces & 0b010101) {
           const std::array<const Cell*, 3> lower{west, cursor[0], cursor[1]};
@@ -381,7 +389,8 @@ class Parser {
         const std::array<std::size_t, 8> sample = sample_indices(c[0], c[1], c[2]);
         std::array<double, 8> f;
         for (std::size_t k = 0; k < 8; ++k) f[k] = field_[sample[k]];
-        const Vec3 low{static_cast<double>(sample_of(c[0], 0)), static_cast<double>(sample_of(c[1], 1)), static_cast<double>(sample_of(c[2], 2))};
+        const Vec3 low{static_cast<double>(sample_of(c[0], 0)), static_cast<double>(sample_of(c[1], 1)),
+                       static_cast<double>(sample_of(c[2], 2))};
         std::array<double, 3> width;
         for (int a = 0; a < 3; ++a) width[a] = c[a] == 0 || c[a] == size_[a] ? 0 : 1;
         const auto node = [&](int e) {

@@ -15,7 +15,7 @@ std::string validate(const SurfaceComplex& complex) {
   std::ostringstream out;
   if (complex.on_boundary.size() != n) return "on_boundary has a wrong size";
 
-  std::map<std::pair<CVertexId, CVertexId>, int> directed;          // directed side -> faces that run along it
+  std::map<std::pair<CVertexId, CVertexId>, int> directed;                // directed side -> faces that run along it
   std::map<std::pair<CVertexId, CVertexId>, std::set<FaceId>> diagonals;  // undirected diagonal -> quads
   std::vector<std::vector<std::pair<CVertexId, CVertexId>>> links(n);     // per c-vertex (next, previous) in each face
   for (FaceId f = 0; f < complex.face_count(); ++f) {
@@ -56,7 +56,8 @@ std::string validate(const SurfaceComplex& complex) {
   for (const auto& [side, count] : directed) {
     const bool twin = directed.count({side.second, side.first}) > 0;
     if (twin == (boundary.count(side) > 0)) {
-      out << "side " << side.first << "->" << side.second << (twin ? " is listed as boundary but has a twin" : " has no twin and is not listed as boundary");
+      out << "side " << side.first << "->" << side.second
+          << (twin ? " is listed as boundary but has a twin" : " has no twin and is not listed as boundary");
       return out.str();
     }
     if (diagonals.count(std::minmax(side.first, side.second))) {

@@ -35,12 +35,12 @@ struct BoundarySide {
 ///
 /// Bytes per c-vertex, with about one quad per c-vertex: 24 + 16 + 1.
 struct SurfaceComplex {
-  Vec3 spacing{1, 1, 1};                 ///< world length = length of (spacing * difference of positions)
-  std::vector<Vec3> positions;           ///< per c-vertex, sample-index coordinates
-  std::vector<std::uint8_t> on_boundary; ///< per c-vertex, 1 if it is on a boundary loop
+  Vec3 spacing{1, 1, 1};                  ///< world length = length of (spacing * difference of positions)
+  std::vector<Vec3> positions;            ///< per c-vertex, sample-index coordinates
+  std::vector<std::uint8_t> on_boundary;  ///< per c-vertex, 1 if it is on a boundary loop
   std::vector<Face> faces;
   std::vector<BoundarySide> boundary;
-  std::size_t double_segments = 0;       ///< places where parsing had to split faces to keep the complex simplicial
+  std::size_t double_segments = 0;  ///< places where parsing had to split faces to keep the complex simplicial
 
   std::uint32_t c_vertex_count() const { return static_cast<std::uint32_t>(positions.size()); }
   std::uint32_t face_count() const { return static_cast<std::uint32_t>(faces.size()); }

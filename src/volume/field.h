@@ -59,13 +59,16 @@ class Field {
 class TrilinearCell {
  public:
   explicit TrilinearCell(const std::array<double, 8>& f)
-      : c0_(f[0]), cx_(f[1] - f[0]), cy_(f[2] - f[0]), cz_(f[4] - f[0]), cxy_(f[3] - f[1] - f[2] + f[0]),
-        cxz_(f[5] - f[1] - f[4] + f[0]), cyz_(f[6] - f[2] - f[4] + f[0]),
+      : c0_(f[0]),
+        cx_(f[1] - f[0]),
+        cy_(f[2] - f[0]),
+        cz_(f[4] - f[0]),
+        cxy_(f[3] - f[1] - f[2] + f[0]),
+        cxz_(f[5] - f[1] - f[4] + f[0]),
+        cyz_(f[6] - f[2] - f[4] + f[0]),
         cxyz_(f[7] - f[3] - f[5] - f[6] + f[1] + f[2] + f[4] - f[0]) {}
 
-  double value(Vec3 p) const {
-    return c0_ + p.x * (cx_ + p.y * (cxy_ + p.z * cxyz_) + p.z * cxz_) + p.y * (cy_ + p.z * cyz_) + p.z * cz_;
-  }
+  double value(Vec3 p) const { return c0_ + p.x * (cx_ + p.y * (cxy_ + p.z * cxyz_) + p.z * cxz_) + p.y * (cy_ + p.z * cyz_) + p.z * cz_; }
   Vec3 gradient(Vec3 p) const {
     return {cx_ + p.y * (cxy_ + p.z * cxyz_) + p.z * cxz_, cy_ + p.x * (cxy_ + p.z * cxyz_) + p.z * cyz_,
             cz_ + p.x * (cxz_ + p.y * cxyz_) + p.y * cyz_};

@@ -12,16 +12,26 @@ namespace isoatlas {
 template <class F>
 decltype(auto) visit_sample_type(SampleType type, F&& f) {
   switch (type) {
-    case SampleType::int8: return f(static_cast<const std::int8_t*>(nullptr));
-    case SampleType::uint8: return f(static_cast<const std::uint8_t*>(nullptr));
-    case SampleType::int16: return f(static_cast<const std::int16_t*>(nullptr));
-    case SampleType::uint16: return f(static_cast<const std::uint16_t*>(nullptr));
-    case SampleType::int32: return f(static_cast<const std::int32_t*>(nullptr));
-    case SampleType::uint32: return f(static_cast<const std::uint32_t*>(nullptr));
-    case SampleType::int64: return f(static_cast<const std::int64_t*>(nullptr));
-    case SampleType::uint64: return f(static_cast<const std::uint64_t*>(nullptr));
-    case SampleType::float32: return f(static_cast<const float*>(nullptr));
-    case SampleType::float64: return f(static_cast<const double*>(nullptr));
+    case SampleType::int8:
+      return f(static_cast<const std::int8_t*>(nullptr));
+    case SampleType::uint8:
+      return f(static_cast<const std::uint8_t*>(nullptr));
+    case SampleType::int16:
+      return f(static_cast<const std::int16_t*>(nullptr));
+    case SampleType::uint16:
+      return f(static_cast<const std::uint16_t*>(nullptr));
+    case SampleType::int32:
+      return f(static_cast<const std::int32_t*>(nullptr));
+    case SampleType::uint32:
+      return f(static_cast<const std::uint32_t*>(nullptr));
+    case SampleType::int64:
+      return f(static_cast<const std::int64_t*>(nullptr));
+    case SampleType::uint64:
+      return f(static_cast<const std::uint64_t*>(nullptr));
+    case SampleType::float32:
+      return f(static_cast<const float*>(nullptr));
+    case SampleType::float64:
+      return f(static_cast<const double*>(nullptr));
   }
   throw Error(ErrorCode::bad_argument, "unknown sample type");
 }

@@ -39,9 +39,8 @@ SampleSummary summarize_samples(const Grid& grid, const T* samples) {
 }  // namespace
 
 SampleSummary summarize(const VolumeView& volume) {
-  return visit_sample_type(volume.type, [&]<class T>(const T*) {
-    return summarize_samples(volume.grid, static_cast<const T*>(volume.samples));
-  });
+  return visit_sample_type(volume.type,
+                           [&]<class T>(const T*) { return summarize_samples(volume.grid, static_cast<const T*>(volume.samples)); });
 }
 
 }  // namespace isoatlas
