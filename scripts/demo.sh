@@ -2,12 +2,14 @@
 # From a fresh Debian 12 machine to a certified mesh: installs what is missing, builds Release, meshes the sample volume.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+mkdir -p build/demo
 
 scripts/install_dependencies.sh build
-cmake --preset release -DISOATLAS_BUILD_TESTS=OFF > build-demo.log 2>&1 || { cat build-demo.log; exit 1; }
-cmake --build --preset release >> build-demo.log 2>&1 || { cat build-demo.log; exit 1; }
-mkdir -p build/demo
-mv build-demo.log build/demo/build.log
+echo "building (some minutes the first time; log: build/demo/build.log)"
+if ! { cmake --preset release -DISOATLAS_BUILD_TESTS=OFF && cmake --build --preset release; } > build/demo/build.log 2>&1; then
+  tail -n 40 build/demo/build.log >&2
+  exit 1
+fi
 
 build/release/bin/isoatlas extract samples/protein_iron.nhdr --iso 100 -o build/demo/protein_iron.ply --report build/demo/protein_iron.json
 
