@@ -16,6 +16,14 @@ inline Vec3 cross(Vec3 a, Vec3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a
 inline double squared_length(Vec3 a) { return dot(a, a); }
 inline double length(Vec3 a) { return std::sqrt(dot(a, a)); }
 
+/// The vector divided by its length, also where squares would over- or underflow; zero stays zero.
+inline Vec3 normalized(Vec3 a) {
+  const double largest = std::fmax(std::fabs(a.x), std::fmax(std::fabs(a.y), std::fabs(a.z)));
+  if (!(largest > 0) || !std::isfinite(largest)) return {};
+  const Vec3 b{a.x / largest, a.y / largest, a.z / largest};
+  return (1 / length(b)) * b;
+}
+
 /// Squared world distance of two points given in index space.
 inline double squared_distance(Vec3 a, Vec3 b, Vec3 spacing) { return squared_length(scaled(a - b, spacing)); }
 

@@ -7,6 +7,7 @@
 //   [peyre2006]     Geodesic remeshing using front propagation (farthest-first insertion).
 #include "cover/covering.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace isoatlas {
@@ -33,6 +34,7 @@ void Covering::insert(CVertexId v) {
   partition_.site.push_back(v);
   front_.clear();
   distance_[v] = 0;
+  reached_ += partition_.cell_of[v] == kNone;
   partition_.cell_of[v] = cell;
   changed_[v] = 1;
   front_.push(length_key(0, v));
@@ -45,6 +47,7 @@ void Covering::insert(CVertexId v) {
       const float d = distance_[w] + n.weight;
       if (d >= distance_[n.id]) continue;  // equal distances stay with the earlier site
       distance_[n.id] = d;
+      reached_ += partition_.cell_of[n.id] == kNone;
       partition_.cell_of[n.id] = cell;
       changed_[n.id] = 1;
       front_.push(length_key(d, n.id));
@@ -90,7 +93,11 @@ CVertexId Covering::farthest_uncovered() {
 
 void Covering::cover_reached(const RunControl& control) {
   for (std::size_t inserted = 0;; ++inserted) {
-    if (inserted % 64 == 0) control.check_cancelled();
+    if (inserted % 64 == 0) {
+      const std::size_t uncovered = uncovered_boundary_.size() + uncovered_interior_.size();  // some are covered by now
+      progress_ = std::max(progress_, static_cast<double>(reached_ - std::min(reached_, uncovered)) / graph_.c_vertex_count());
+      control.report("cover", progress_);
+    }
     const CVertexId v = farthest_uncovered();
     if (v == kNone) return;
     lower_radius(v, events_.event_radius(v, radius_[v]));
@@ -110,7 +117,6 @@ void Covering::cover(const RunControl& control) {
     if (graph_.on_boundary[next_boundary_] && partition_.cell_of[next_boundary_] == kNone) start(next_boundary_);
   }
   for (; next_interior_ < n; ++next_interior_) {
-    if (next_interior_ % 4096 == 0) control.report("cover", static_cast<double>(next_interior_) / n);
     if (partition_.cell_of[next_interior_] == kNone) start(next_interior_);
   }
 }

@@ -67,6 +67,8 @@ class Covering {
   std::vector<std::uint8_t> changed_;
   NearestFirst front_;
   FarthestFirst uncovered_boundary_, uncovered_interior_;
+  std::size_t reached_ = 0;  // c-vertices in some cell
+  double progress_ = 0;
   CVertexId next_boundary_ = 0, next_interior_ = 0;  // where to look for components without a site
 };
 

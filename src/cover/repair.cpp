@@ -101,6 +101,8 @@ std::vector<CVertexId> independent(std::vector<Fix> fixes, std::uint32_t cells) 
 
 PartitionCheck certify_and_repair(const SurfaceComplex& complex, Covering& covering, CertificateReport& report, const RunControl& control) {
   const Partition& partition = covering.partition();
+  RunControl quiet = control;  // what is covered on the way is not the stage that tells its progress
+  quiet.progress = nullptr;
   std::vector<std::uint8_t> scope;  // after a repair, look again only around it; the last check is of everything
   for (;;) {
     control.check_cancelled();
@@ -121,7 +123,7 @@ PartitionCheck certify_and_repair(const SurfaceComplex& complex, Covering& cover
       covering.lower_radius(v, covering.distance()[v]);
       covering.insert(v);
     }
-    covering.cover(control);
+    covering.cover(quiet);
     if (covering.site_count() == before) {
       throw Error(ErrorCode::internal, "the certificate fails and no site is left to add; please report the volume and the options");
     }

@@ -122,6 +122,10 @@ float EventFinder::first_event(float reliable) {
       const CVertexId u = graph_.neighbours[i].id;
       return find(stamp_[u] == 2 * round_ + 1 ? step_[u] : outside);
     };
+    // A diagonal between two settled sides: those are joined through the quad, so it is neither a gap nor connected to w.
+    const auto is_cut_off = [&](std::uint32_t i) {
+      return graph_.is_diagonal[i] && is_settled(i - 1) && is_settled(i + 1 == end ? begin : i + 1);
+    };
     std::uint32_t mine = step;
     if (graph_.on_boundary[w]) mine = unite(mine, find(outside));
 
@@ -158,10 +162,7 @@ float EventFinder::first_event(float reliable) {
           in_gap = leading = false;
           continue;
         }
-        if (graph_.is_diagonal[i]) {  // cut off between two settled sides: not a gap of its own
-          const std::uint32_t next = i + 1 == end ? begin : i + 1;
-          if (is_settled(i - 1) && is_settled(next)) continue;
-        }
+        if (is_cut_off(i)) continue;
         if (!in_gap && !leading && (!graph_.on_boundary[w] || k < trailing)) gap(i);
         in_gap = true;
       }
@@ -170,7 +171,7 @@ float EventFinder::first_event(float reliable) {
       if (merged != kNone && find(merged) != mine) mine = unite(mine, find(merged));
     }
     for (std::uint32_t i = begin; i < end; ++i) {
-      if (is_settled(i)) continue;
+      if (is_settled(i) || is_cut_off(i)) continue;
       const std::uint32_t p = piece(i);
       mine = find(mine);
       if (p != mine) mine = unite(mine, p);

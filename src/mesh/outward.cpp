@@ -14,10 +14,7 @@ std::vector<std::uint8_t> turned_components(std::span<const Vec3> positions, std
     const Vec3 area = cross(scaled(positions[t[1]] - a, spacing), scaled(positions[t[2]] - a, spacing));
     double& total = facing[component_of[t[0]]];
     total -= 3 * least * length(area);
-    for (const std::uint32_t v : t) {
-      const double norm = length(outward[v]);
-      if (norm > 0) total += dot(area, outward[v]) / norm;
-    }
+    for (const std::uint32_t v : t) total += dot(area, normalized(outward[v]));
   }
   std::vector<std::uint8_t> turned(components);
   for (std::size_t c = 0; c < components; ++c) turned[c] = !(facing[c] > 0);

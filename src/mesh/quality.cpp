@@ -26,7 +26,7 @@ MeshQuality mesh_quality(const TriangleMesh& mesh) {
     const double ratio = longest > 0 ? shortest / longest : 0;
     aspect.push_back(ratio);
     // Compared in the same arithmetic as the ratio itself, so that an exact 1/3 is not below.
-    if (3 * shortest < longest) ++below;
+    if (3 * shortest < longest || longest == 0) ++below;
     ++q.aspect_histogram[std::min<std::size_t>(19, static_cast<std::size_t>(ratio * 20))];
     for (int k = 0; k < 3; ++k) {
       const Vec3 u = p[(k + 1) % 3] - p[k], v = p[(k + 2) % 3] - p[k];

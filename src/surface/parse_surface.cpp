@@ -15,6 +15,7 @@
 #include <array>
 #include <bit>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "core/parallel.h"
@@ -147,6 +148,12 @@ class Parser {
     return out;
   }
 
+  std::array<double, 8> values(const std::array<std::size_t, 8>& sample) const {
+    std::array<double, 8> f;
+    for (std::size_t k = 0; k < 8; ++k) f[k] = field_[sample[k]];
+    return std::is_same_v<T, double> ? tamed(f) : f;
+  }
+
   // Which of the ambiguous faces of a cell join their inside corners: the saddle of the bilinear interpolant is inside.
   std::uint8_t decide_faces(std::uint8_t corners, const std::array<std::size_t, 8>& sample) const {
     unsigned joined = 0;
@@ -221,8 +228,7 @@ class Parser {
         const CellLoops& loops = table_[cell.loops];
         const std::array<std::size_t, 3> c{cell.x, cy, cz};
         const std::array<std::size_t, 8> sample = sample_indices(cell.x, cy, cz);
-        std::array<double, 8> f;
-        for (std::size_t k = 0; k < 8; ++k) f[k] = field_[sample[k]];
+        const std::array<double, 8> f = values(sample);
 
         std::array<Vec3, 4> sum{};
         std::array<int, 4> nodes{};
@@ -387,8 +393,7 @@ class Parser {
         const int axis = d.axis, u = (axis + 1) % 3, v = (axis + 2) % 3;
         const std::array<std::size_t, 3> c{cell.x, d.cy, d.cz};
         const std::array<std::size_t, 8> sample = sample_indices(c[0], c[1], c[2]);
-        std::array<double, 8> f;
-        for (std::size_t k = 0; k < 8; ++k) f[k] = field_[sample[k]];
+        const std::array<double, 8> f = values(sample);
         const Vec3 low{static_cast<double>(sample_of(c[0], 0)), static_cast<double>(sample_of(c[1], 1)),
                        static_cast<double>(sample_of(c[2], 2))};
         std::array<double, 3> width;

@@ -27,9 +27,9 @@ template <class T>
 Threshold<T> threshold_for(double isovalue, bool upwards) {
   using Limits = std::numeric_limits<T>;
   if constexpr (std::is_floating_point_v<T>) {
-    if (std::abs(isovalue) > static_cast<double>(Limits::max())) {
-      const bool none = (isovalue > 0) == upwards;
-      return {upwards ? Limits::lowest() : Limits::max(), none};
+    if (std::abs(isovalue) > static_cast<double>(Limits::max())) {  // between the largest finite value and infinity
+      if (upwards) return {isovalue > 0 ? Limits::infinity() : Limits::lowest(), false};
+      return {isovalue > 0 ? Limits::max() : -Limits::infinity(), false};
     }
     T v = static_cast<T>(isovalue);
     if (upwards && static_cast<double>(v) < isovalue) v = std::nextafter(v, Limits::infinity());

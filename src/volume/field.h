@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <type_traits>
 
 #include "volume/classify.h"
@@ -54,6 +55,21 @@ class Field {
   double far_ = 0;
   double nan_side_ = 0;
 };
+
+/// Corner values brought into a range where products of them neither over- nor underflow. Only the sign and the ratios matter.
+inline std::array<double, 8> tamed(std::array<double, 8> f) {
+  constexpr double kHuge = 1e60, kTiny = 1e-60;
+  double largest = 0;
+  for (double& x : f) {
+    x = std::clamp(x, -std::numeric_limits<double>::max(), std::numeric_limits<double>::max());
+    largest = std::max(largest, std::abs(x));
+  }
+  if (largest > kHuge || (largest < kTiny && largest > 0)) {
+    const int shift = -std::ilogb(largest);
+    for (double& x : f) x = std::ldexp(x, shift);
+  }
+  return f;
+}
 
 /// The trilinear interpolant of one cell in local coordinates [0,1]^3, from its 8 corner values (corner = x + 2y + 4z).
 class TrilinearCell {

@@ -20,7 +20,7 @@ std::vector<Vec3> outward_directions(const VolumeView& volume, const InsideRule&
       std::array<double, 8> f;
       for (std::size_t k = 0; k < 8; ++k) f[k] = field[cx + (k & 1) + nx * (cy + (k >> 1 & 1) + ny * (cz + (k >> 2)))];
       const Vec3 g =
-          TrilinearCell(f).gradient({p.x - static_cast<double>(cx), p.y - static_cast<double>(cy), p.z - static_cast<double>(cz)});
+          TrilinearCell(tamed(f)).gradient({p.x - static_cast<double>(cx), p.y - static_cast<double>(cy), p.z - static_cast<double>(cz)});
       out[i] = {-g.x / spacing.x, -g.y / spacing.y, -g.z / spacing.z};
     }
   });

@@ -26,9 +26,9 @@ struct RandomCase {
   Inside inside() const { return below ? Inside::below : Inside::above; }
 
   friend std::ostream& operator<<(std::ostream& out, const RandomCase& c) {
-    return out << name(static_cast<Family>(c.family)) << " (family " << c.family << ", size " << c.nx << " x " << c.ny << " x " << c.nz << ", seed "
-               << c.seed << "), isovalue " << c.isovalue() << (c.below ? ", below" : ", above") << ", spacing " << c.spacing.x << " "
-               << c.spacing.y << " " << c.spacing.z;
+    return out << name(static_cast<Family>(c.family)) << " (family " << c.family << ", size " << c.nx << " x " << c.ny << " x " << c.nz
+               << ", seed " << c.seed << "), isovalue " << c.isovalue() << (c.below ? ", below" : ", above") << ", spacing " << c.spacing.x
+               << " " << c.spacing.y << " " << c.spacing.z;
   }
 };
 
@@ -52,8 +52,9 @@ struct Arbitrary<isoatlas::test::RandomCase> {
     const auto length = gen::resize(100, gen::inRange<std::size_t>(2, 15));
     const auto whole = [](int low, int high) { return gen::resize(100, gen::inRange(low, high)); };
     return gen::build<RandomCase>(
-        gen::set(&RandomCase::family, whole(0, isoatlas::test::kFamilies)), gen::set(&RandomCase::nx, length), gen::set(&RandomCase::ny, length),
-        gen::set(&RandomCase::nz, length), gen::set(&RandomCase::seed, gen::resize(100, gen::inRange<std::uint64_t>(0, 1000000))),
+        gen::set(&RandomCase::family, whole(0, isoatlas::test::kFamilies)), gen::set(&RandomCase::nx, length),
+        gen::set(&RandomCase::ny, length), gen::set(&RandomCase::nz, length),
+        gen::set(&RandomCase::seed, gen::resize(100, gen::inRange<std::uint64_t>(0, 1000000))),
         gen::set(&RandomCase::twice_isovalue, gen::weightedOneOf<int>({{3, gen::just(0)}, {1, whole(-3, 4)}})),
         gen::set(&RandomCase::below, gen::arbitrary<bool>()),
         gen::set(&RandomCase::spacing, gen::element(isoatlas::Vec3{1, 1, 1}, isoatlas::Vec3{1, 1, 1}, isoatlas::Vec3{1, 2, 0.5},

@@ -11,7 +11,7 @@ namespace isoatlas::test {
 namespace {
 
 __extension__ using Exact = __int128;  // GCC and clang have it, ISO C++ does not
-using Place = std::array<int, 3>;  // twice the index: odd along one axis for grid edges, two for faces, three for cells
+using Place = std::array<int, 3>;      // twice the index: odd along one axis for grid edges, two for faces, three for cells
 
 struct Counter {
   const Samples& samples;
@@ -19,7 +19,8 @@ struct Counter {
   std::int64_t sign;  // -1 for Inside::below: the same as negating samples and isovalue
 
   Exact above(Place p) const {  // twice (value - isovalue), positive or zero inside
-    const std::int64_t v = samples.at(static_cast<std::size_t>(p[0] / 2), static_cast<std::size_t>(p[1] / 2), static_cast<std::size_t>(p[2] / 2));
+    const std::int64_t v =
+        samples.at(static_cast<std::size_t>(p[0] / 2), static_cast<std::size_t>(p[1] / 2), static_cast<std::size_t>(p[2] / 2));
     return static_cast<Exact>(sign) * (2 * static_cast<Exact>(v) - twice_isovalue);
   }
   bool inside(Place p) const { return above(p) >= 0; }

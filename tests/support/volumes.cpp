@@ -143,18 +143,21 @@ std::vector<KnownVolume> known_volumes() {
   add("oblique half-space", sampled({12, 13, 14}, half_space({0.51, 0.62, 0.597}, 10.1)), {{0, 1, 1}});
   add("slab", sampled({9, 9, 12}, [](double, double, double z) { return 2.2 - std::abs(z - 5.4); }), {{0, 1, 2}});
   add("cylinder", sampled({16, 16, 20}, [](double x, double y, double) { return 5.3 - std::hypot(x - 7.4, y - 7.6); }), {{0, 2, 1}});
-  add("capped cylinder", sampled({16, 16, 20}, [](double x, double y, double z) {
-        return std::min(5.3 - std::hypot(x - 7.4, y - 7.6), z - 4.4);
-      }), {{0, 1, 1}});
+  add("capped cylinder",
+      sampled({16, 16, 20}, [](double x, double y, double z) { return std::min(5.3 - std::hypot(x - 7.4, y - 7.6), z - 4.4); }),
+      {{0, 1, 1}});
   add("octant of a sphere", sampled({14, 14, 14}, sphere({0, 0, 0}, 9.4)), {{0, 1, 1}});
   // A torus cut lengthwise by the volume's face: a tube bent to a ring and slit open, an annulus of two loops.
   add("torus cut by a face", sampled({28, 28, 8}, torus({13.4, 13.6, 0}, 8, 3.2)), {{0, 2, 1}});
   add("torus cut across", sampled({14, 28, 14}, torus({-0.2, 13.6, 6.55}, 8, 3.2)), {{0, 2, 1}});
   // Radial hole along each axis through a ball: the boundary of a ball with a three-way crossing of tunnels has genus 5.
-  add("ball with three tunnels", sampled({30, 30, 30}, [](double x, double y, double z) {
-        const double u = x - 14.4, v = y - 14.6, w = z - 14.55;
-        return std::min({12.2 - std::hypot(u, v, w), std::hypot(u, v) - 4.2, std::hypot(v, w) - 4.2, std::hypot(w, u) - 4.2});
-      }), {{5, 0, 1}});
+  add("ball with three tunnels",
+      sampled({30, 30, 30},
+              [](double x, double y, double z) {
+                const double u = x - 14.4, v = y - 14.6, w = z - 14.55;
+                return std::min({12.2 - std::hypot(u, v, w), std::hypot(u, v) - 4.2, std::hypot(v, w) - 4.2, std::hypot(w, u) - 4.2});
+              }),
+      {{5, 0, 1}});
 
   {
     Samples s = constant({5, 5, 5}, -10);
@@ -239,14 +242,22 @@ std::vector<KnownVolume> known_volumes() {
 
 const char* name(Family family) {
   switch (family) {
-    case Family::white_noise: return "white noise";
-    case Family::few_values: return "few values";
-    case Family::signs_only: return "signs only";
-    case Family::smooth_blobs: return "smooth blobs";
-    case Family::sparse_specks: return "sparse specks";
-    case Family::gyroid_cut: return "gyroid";
-    case Family::plateaus: return "plateaus";
-    case Family::checkerboard: return "checkerboard";
+    case Family::white_noise:
+      return "white noise";
+    case Family::few_values:
+      return "few values";
+    case Family::signs_only:
+      return "signs only";
+    case Family::smooth_blobs:
+      return "smooth blobs";
+    case Family::sparse_specks:
+      return "sparse specks";
+    case Family::gyroid_cut:
+      return "gyroid";
+    case Family::plateaus:
+      return "plateaus";
+    case Family::checkerboard:
+      return "checkerboard";
   }
   return "?";
 }
@@ -274,20 +285,31 @@ Samples random_samples(Family family, Size size, std::uint64_t seed) {
       b.height = random.unit() * 2 - 0.6;
     }
     const double level = 0.1 + 0.3 * random.unit();
-    out = sampled(size, [&](double x, double y, double z) {
-      double sum = -level;
-      for (const Bump& b : bumps) {
-        const double d = distance(x, y, z, b.c) / b.width;
-        sum += b.height * std::exp(-d * d);
-      }
-      return sum;
-    }, scale);
+    out = sampled(
+        size,
+        [&](double x, double y, double z) {
+          double sum = -level;
+          for (const Bump& b : bumps) {
+            const double d = distance(x, y, z, b.c) / b.width;
+            sum += b.height * std::exp(-d * d);
+          }
+          return sum;
+        },
+        scale);
   };
   switch (family) {
-    case Family::white_noise: each([&](auto...) { return random.between(-1000, 1000); }); break;
-    case Family::few_values: each([&](auto...) { return random.between(-2, 2); }); break;
-    case Family::signs_only: each([&](auto...) { return random.bits() & 1 ? 1 : -1; }); break;
-    case Family::smooth_blobs: blobs(1000); break;
+    case Family::white_noise:
+      each([&](auto...) { return random.between(-1000, 1000); });
+      break;
+    case Family::few_values:
+      each([&](auto...) { return random.between(-2, 2); });
+      break;
+    case Family::signs_only:
+      each([&](auto...) { return random.bits() & 1 ? 1 : -1; });
+      break;
+    case Family::smooth_blobs:
+      blobs(1000);
+      break;
     case Family::sparse_specks: {
       each([&](auto...) { return random.between(-20, -1); });
       const std::size_t specks = 1 + random.bits() % 12;

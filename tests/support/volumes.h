@@ -45,7 +45,7 @@ struct Samples {
 };
 
 inline constexpr std::array kAllTypes{SampleType::int8,   SampleType::uint8, SampleType::int16,  SampleType::uint16,  SampleType::int32,
-                               SampleType::uint32, SampleType::int64, SampleType::uint64, SampleType::float32, SampleType::float64};
+                                      SampleType::uint32, SampleType::int64, SampleType::uint64, SampleType::float32, SampleType::float64};
 
 Samples constant(Size size, std::int64_t value);
 /// The function at the sample positions, times `scale`, rounded.
@@ -92,14 +92,14 @@ std::vector<KnownVolume> known_volumes();
 
 // Random volumes, each hard in its own way. All of them cross isovalue 0 unless they are too small to.
 enum class Family {
-  white_noise,     ///< every sample its own
-  few_values,      ///< samples in -2..2: most ambiguous faces tie, many samples equal the isovalue
-  signs_only,      ///< -1 or 1: every ambiguous face ties
-  smooth_blobs,    ///< sums of bumps
-  sparse_specks,   ///< single samples and short strips
-  gyroid_cut,      ///< gyroid cut by the boundary, plus noise
-  plateaus,        ///< smooth, clamped so that whole regions equal the isovalue
-  checkerboard,    ///< as many ambiguous faces as there can be, random magnitudes
+  white_noise,    ///< every sample its own
+  few_values,     ///< samples in -2..2: most ambiguous faces tie, many samples equal the isovalue
+  signs_only,     ///< -1 or 1: every ambiguous face ties
+  smooth_blobs,   ///< sums of bumps
+  sparse_specks,  ///< single samples and short strips
+  gyroid_cut,     ///< gyroid cut by the boundary, plus noise
+  plateaus,       ///< smooth, clamped so that whole regions equal the isovalue
+  checkerboard,   ///< as many ambiguous faces as there can be, random magnitudes
 };
 inline constexpr int kFamilies = 8;
 const char* name(Family family);

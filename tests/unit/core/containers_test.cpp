@@ -46,8 +46,8 @@ TEST(DisjointSets, ResetTakesAWholeSetApart) {
 }
 
 TEST(LengthKey, OrdersByLengthThenId) {
-  const float lengths[] = {0.0f, std::numeric_limits<float>::denorm_min(), 1e-30f, 1.0f, std::nextafter(1.0f, 2.0f), 3e38f,
-                           std::numeric_limits<float>::infinity()};
+  const float lengths[] = {0.0f,  std::numeric_limits<float>::denorm_min(), 1e-30f, 1.0f, std::nextafter(1.0f, 2.0f),
+                           3e38f, std::numeric_limits<float>::infinity()};
   for (const float a : lengths) {
     for (const float b : lengths) {
       for (const std::uint32_t i : {0u, 7u, kNone}) {

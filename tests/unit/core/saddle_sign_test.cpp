@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include <boost/multiprecision/cpp_int.hpp>
 #include <bit>
+#include <boost/multiprecision/cpp_int.hpp>
 #include <cmath>
 #include <limits>
 
@@ -123,7 +123,8 @@ TEST(SaddleSign, Integers64) {
   Random random(5);
   for (int i = 0; i < 20000; ++i) {
     const auto any = [&]() -> long double {
-      return random.bits() & 1 ? static_cast<long double>(random.bits()) : static_cast<long double>(static_cast<std::int64_t>(random.bits()));
+      return random.bits() & 1 ? static_cast<long double>(random.bits())
+                               : static_cast<long double>(static_cast<std::int64_t>(random.bits()));
     };
     expect_exact(any(), any(), any(), any(), static_cast<double>(any()));
   }

@@ -181,7 +181,8 @@ TEST(TopologicalEvent, OnlyHandlesAndHolesNeverClose) {
         EXPECT_NEAR(radius, end, 1e-3 * end) << what << ", from c-vertex " << v;
       } else {
         ++never;
-        EXPECT_LT(radius, end * 0.9999) << what << ", from c-vertex " << v << ", genus " << kind.genus() << ", " << kind.boundary_loops << " loops";
+        EXPECT_LT(radius, end * 0.9999) << what << ", from c-vertex " << v << ", genus " << kind.genus() << ", " << kind.boundary_loops
+                                        << " loops";
       }
     }
   }

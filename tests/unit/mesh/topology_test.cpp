@@ -195,7 +195,7 @@ TEST(MeshTopology, ComponentsAreNumberedBySmallestVertex) {
 }
 
 TEST(MeshTopology, SumsOverComponents) {
-  auto triangles = torus(4, 3);                                     // 0..11
+  auto triangles = torus(4, 3);                                                                     // 0..11
   for (const Triangle& t : band(4, false)) triangles.push_back({t[0] + 12, t[1] + 12, t[2] + 12});  // 12..19
   for (const Triangle& t : tetrahedron(20, 21, 22, 23)) triangles.push_back(t);
   const MeshTopology t = mesh_topology(mesh_of(24, triangles));

@@ -50,7 +50,8 @@ bool has_pair(const PartitionCheck& c, CellId a, CellId b) {
 SurfaceComplex ball() { return surface_of(sampled({16, 16, 16}, sphere({7.4, 7.6, 7.55}, 5.8))); }
 
 TEST(Certificate, SinglesPassOnEverySurface) {
-  std::vector<std::pair<std::string, SurfaceComplex>> surfaces{{"tetrahedron", tetrahedron()}, {"grid", flat_grid(5, 6)}, {"tube", tube(5, 4)}};
+  std::vector<std::pair<std::string, SurfaceComplex>> surfaces{
+      {"tetrahedron", tetrahedron()}, {"grid", flat_grid(5, 6)}, {"tube", tube(5, 4)}};
   for (const KnownVolume& known : known_volumes()) surfaces.emplace_back(known.name, surface_of(known.samples, known.isovalue));
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     const auto family = static_cast<Family>(seed % kFamilies);

@@ -301,7 +301,8 @@ TEST(Determinism, NegativeZeroIsZero) {
   std::vector<float> plus_zero(64, -1.0f), minus_zero;
   plus_zero[1 + 4 * (1 + 4)] = plus_zero[2 + 4 * (1 + 4)] = 0.0f;
   for (const float v : plus_zero) minus_zero.push_back(v == 0 ? -0.0f : v);
-  const Extraction a = extract(own(grid, SampleType::float32, plus_zero), at(0)), b = extract(own(grid, SampleType::float32, minus_zero), at(-0.0));
+  const Extraction a = extract(own(grid, SampleType::float32, plus_zero), at(0)),
+                   b = extract(own(grid, SampleType::float32, minus_zero), at(-0.0));
   EXPECT_TRUE(same_bytes(a.mesh, b.mesh));
   EXPECT_EQ(a.report.mesh.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 1}}));
 }

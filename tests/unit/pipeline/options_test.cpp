@@ -102,9 +102,7 @@ Volume with_nan() {
   return own(grid, SampleType::float32, std::move(values));
 }
 
-TEST(NonFinite, RefusedWithCountAndPlace) {
-  expect_error(ErrorCode::unsupported, {"1 NaN", "(3, 4, 3)", "--nan"}, with_nan(), {});
-}
+TEST(NonFinite, RefusedWithCountAndPlace) { expect_error(ErrorCode::unsupported, {"1 NaN", "(3, 4, 3)", "--nan"}, with_nan(), {}); }
 
 TEST(NonFinite, OnTheSideItIsPut) {
   ExtractOptions o;

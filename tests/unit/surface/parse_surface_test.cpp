@@ -15,7 +15,9 @@ namespace {
 
 using namespace test;
 
-std::vector<TopologySummary::Kind> parsed_kinds(const SurfaceComplex& surface) { return summarize(find_components(surface).topology).kinds; }
+std::vector<TopologySummary::Kind> parsed_kinds(const SurfaceComplex& surface) {
+  return summarize(find_components(surface).topology).kinds;
+}
 
 void expect_like_reference(const Samples& samples, double isovalue, Inside inside, const std::string& what) {
   const SurfaceComplex surface = surface_of(samples, isovalue, inside);

@@ -39,7 +39,8 @@ ValueAndSlope interpolated(const Samples& s, Vec3 p) {
     return sum;
   };
   constexpr double h = 1e-5;
-  const Vec3 g{(value(p.x + h, p.y, p.z) - value(p.x - h, p.y, p.z)) / (2 * h), (value(p.x, p.y + h, p.z) - value(p.x, p.y - h, p.z)) / (2 * h),
+  const Vec3 g{(value(p.x + h, p.y, p.z) - value(p.x - h, p.y, p.z)) / (2 * h),
+               (value(p.x, p.y + h, p.z) - value(p.x, p.y - h, p.z)) / (2 * h),
                (value(p.x, p.y, p.z + h) - value(p.x, p.y, p.z - h)) / (2 * h)};
   return {value(p.x, p.y, p.z), length(g)};
 }
@@ -111,7 +112,8 @@ TEST(Positions, PlainAverageByHand) {
 
 TEST(Positions, InsideTheVolumeAndBoundaryExactlyOnItsFaces) {
   std::vector<std::pair<std::string, Samples>> volumes = smooth_volumes();
-  for (const KnownVolume& known : known_volumes()) volumes.push_back({known.name, plus(known.samples, -static_cast<std::int64_t>(known.isovalue))});
+  for (const KnownVolume& known : known_volumes())
+    volumes.push_back({known.name, plus(known.samples, -static_cast<std::int64_t>(known.isovalue))});
   for (std::uint64_t seed = 0; seed < 64; ++seed) {
     const auto family = static_cast<Family>(seed % kFamilies);
     volumes.push_back({name(family), random_samples(family, {6, 5, 7}, seed)});
@@ -125,7 +127,8 @@ TEST(Positions, InsideTheVolumeAndBoundaryExactlyOnItsFaces) {
       ASSERT_TRUE(inside_volume(p, samples.size)) << what << ": " << p.x << ", " << p.y << ", " << p.z;
       // C-vertices that double segments add at nodes may lie on a face of the volume without being on the boundary.
       const bool on_face = on_volume_face(p, samples.size);
-      ASSERT_TRUE(surface.on_boundary[v] ? on_face : !on_face || surface.double_segments > 0) << what << ": " << p.x << ", " << p.y << ", " << p.z;
+      ASSERT_TRUE(surface.on_boundary[v] ? on_face : !on_face || surface.double_segments > 0)
+          << what << ": " << p.x << ", " << p.y << ", " << p.z;
     }
   }
 }
@@ -137,7 +140,8 @@ TEST(Positions, BoundarySidesRunWithinOneFaceOfTheVolume) {
   ASSERT_FALSE(surface.boundary.empty());
   for (const BoundarySide& s : surface.boundary) {
     const Vec3 a = surface.positions[s.from], b = surface.positions[s.to];
-    const bool shared = (a.x == b.x && (a.x == 0 || a.x == 19)) || (a.y == b.y && (a.y == 0 || a.y == 17)) || (a.z == b.z && (a.z == 0 || a.z == 21));
+    const bool shared =
+        (a.x == b.x && (a.x == 0 || a.x == 19)) || (a.y == b.y && (a.y == 0 || a.y == 17)) || (a.z == b.z && (a.z == 0 || a.z == 21));
     EXPECT_TRUE(shared);
   }
 }

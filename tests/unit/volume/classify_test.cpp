@@ -51,10 +51,26 @@ void expect_classified(SampleType type, const std::vector<T>& values, const Insi
 }
 
 std::vector<double> hard_isovalues() {
-  std::vector<double> out{0.0, -0.0, 0.5, -0.5, 0.1, -0.1, 1.0, -1.0, 1e300, -1e300, 5e-324, -5e-324,
-                          std::numeric_limits<double>::max(), std::numeric_limits<double>::lowest(),
-                          std::numeric_limits<float>::max(), -std::numeric_limits<float>::max(),
-                          std::numeric_limits<float>::min(), std::numeric_limits<float>::denorm_min(), 1e39, -1e39};
+  std::vector<double> out{0.0,
+                          -0.0,
+                          0.5,
+                          -0.5,
+                          0.1,
+                          -0.1,
+                          1.0,
+                          -1.0,
+                          1e300,
+                          -1e300,
+                          5e-324,
+                          -5e-324,
+                          std::numeric_limits<double>::max(),
+                          std::numeric_limits<double>::lowest(),
+                          std::numeric_limits<float>::max(),
+                          -std::numeric_limits<float>::max(),
+                          std::numeric_limits<float>::min(),
+                          std::numeric_limits<float>::denorm_min(),
+                          1e39,
+                          -1e39};
   for (const double edge : {0x1p7, 0x1p8, 0x1p15, 0x1p16, 0x1p31, 0x1p32, 0x1p63, 0x1p64}) {
     for (const double v : {edge, -edge, edge - 1, -edge - 1, edge - 0.5, -edge - 0.5, edge - 1.5, -edge + 0.5}) out.push_back(v);
   }
@@ -90,7 +106,8 @@ std::vector<T> hard_values(const std::vector<double>& isovalues) {
     } else {
       for (int d = -2; d <= 2; ++d) {
         const long double near = std::floor(static_cast<long double>(v)) + d;
-        if (near >= static_cast<long double>(Limits::min()) && near <= static_cast<long double>(Limits::max())) out.push_back(static_cast<T>(near));
+        if (near >= static_cast<long double>(Limits::min()) && near <= static_cast<long double>(Limits::max()))
+          out.push_back(static_cast<T>(near));
       }
     }
   }

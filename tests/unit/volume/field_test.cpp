@@ -34,7 +34,8 @@ TEST(Field, ExactKeepsEvery64BitInteger) {
   const Volume big = own<std::uint64_t>(grid, SampleType::uint64, {~std::uint64_t{0}, ~std::uint64_t{0} - 1});
   const Field<std::uint64_t> field(big, {0, Inside::above, NonFinite::refuse});
   EXPECT_EQ(field.exact(0) - field.exact(1), 1.0L);
-  const Volume low = own<std::int64_t>(grid, SampleType::int64, {std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::min() + 1});
+  const Volume low =
+      own<std::int64_t>(grid, SampleType::int64, {std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::min() + 1});
   const Field<std::int64_t> signed_field(low, {0, Inside::above, NonFinite::refuse});
   EXPECT_EQ(signed_field.exact(1) - signed_field.exact(0), 1.0L);
 }

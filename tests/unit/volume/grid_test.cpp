@@ -28,7 +28,7 @@ TEST(Grid, WorldIsOriginPlusDirectionTimesSpacingTimesIndex) {
 }
 
 TEST(SampleType, NamesAndSizes) {
-  const std::pair<const char*, std::size_t> expected[] = {{"int8", 1},  {"uint8", 1}, {"int16", 2},  {"uint16", 2},  {"int32", 4},
+  const std::pair<const char*, std::size_t> expected[] = {{"int8", 1},   {"uint8", 1}, {"int16", 2},  {"uint16", 2},  {"int32", 4},
                                                           {"uint32", 4}, {"int64", 8}, {"uint64", 8}, {"float32", 4}, {"float64", 8}};
   for (std::size_t i = 0; i < test::kAllTypes.size(); ++i) {
     EXPECT_EQ(name(test::kAllTypes[i]), expected[i].first);
