@@ -104,7 +104,7 @@ void print_details(const ExtractReport& report, const ReportContext& context) {
                                   counted(report.double_segments, "double segment") + " split")
             << row("coarser", coarser.empty()
                                   ? "none: disks are too small for blocks"
-                                  : coarser + " c-vertices, certified in " + std::to_string(report.coarsening_rounds) + " rounds")
+                                  : coarser + " c-vertices, certified in " + std::to_string(report.coarsening.repair_rounds) + " rounds")
             << row("repair", repair_text(report.certificate)) << row("kinds", kinds_text(report.mesh, 6))
             << row("shape", percent_text(report.quality.aspect_share_below_third) + " of the triangles below 1/3, 1st percentile " +
                                 ratio_text(report.quality.aspect_p01) + ", angles " + number_text(report.quality.angle_min) + " to " +

@@ -72,14 +72,13 @@ struct ExtractReport {
   std::size_t faces = 0;
   std::size_t double_segments = 0;              ///< places split so that the dual of G is simplicial
   std::vector<std::size_t> coarser_c_vertices;  ///< sizes of the certified coarser complexes
-  std::size_t coarsening_rounds = 0;
-  TopologySummary reference;          ///< counted on the reference surface complex
-  TopologySummary mesh;               ///< counted on the finished triangles, independently
-  CertificateReport coarsening;       ///< certificate of the partition into blocks
-  CertificateReport certificate;      ///< certificate of the final partition
-  std::size_t turned_components = 0;  ///< tiny components left geometrically inside out: no c-vertex left to add
+  TopologySummary reference;                    ///< counted on the reference surface complex
+  TopologySummary mesh;                         ///< counted on the finished triangles, independently
+  CertificateReport coarsening;                 ///< certificate of the partition into blocks; repair_rounds are the rounds of check and cut
+  CertificateReport certificate;                ///< certificate of the final partition
+  std::size_t turned_components = 0;  ///< components that still do not face outward on the whole, see docs/theory/02-certificate.md
   MeshQuality quality;                ///< measured in world units, whatever the mesh's space
-  std::vector<StageTime> seconds;     ///< in order: surface, coarsen, cover, certify, mesh, check
+  std::vector<StageTime> seconds;     ///< in order: surface, components, coarsen, cover, certify, mesh, check
   double total_seconds = 0;           ///< volume in memory to checked mesh
 };
 
@@ -90,7 +89,8 @@ struct Extraction {
 
 /// Meshes the isosurface of a volume: coarse, adaptive, with the topology of the reference surface, checked.
 ///
-/// @throws Error(bad_argument)  size < 2 along an axis, spacing not positive, isovalue not finite, lengths not positive
+/// @throws Error(bad_argument)  size < 2 along an axis, spacing not positive or different by more than 1e6 between axes, origin or
+///                              direction not finite, direction singular, isovalue not finite, max_radius <= 0, event_persistence < 0
 /// @throws Error(unsupported)   NaN or infinity while non_finite is `refuse` (message: count and first index)
 /// @throws Error(empty_surface) no sample, or every sample, is inside (message: the range)
 /// @throws Error(internal)      the finished mesh failed its own check: a bug; no mesh is returned

@@ -93,6 +93,7 @@ CVertexId Covering::farthest_uncovered() {
 
 void Covering::cover_reached(const RunControl& control) {
   for (std::size_t inserted = 0;; ++inserted) {
+    control.check_cancelled();
     if (inserted % 64 == 0) {
       const std::size_t uncovered = uncovered_boundary_.size() + uncovered_interior_.size();  // some are covered by now
       progress_ = std::max(progress_, static_cast<double>(reached_ - std::min(reached_, uncovered)) / graph_.c_vertex_count());

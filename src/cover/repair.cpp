@@ -73,7 +73,9 @@ std::vector<Fix> find_fixes(const SurfaceComplex& complex, const Covering& cover
   for (std::size_t i = 0; i < of_pair.size(); ++i) {
     const auto [a, b] = check.pair_faults[i];
     Candidate best = of_pair[i];
-    if (best.c_vertex == kNone) {  // the whole border is sites already
+    // The whole border may be sites already. If both cells are single c-vertices, the third cell at their two arc ends is the same;
+    // then it also meets one of them badly, and has room for a site.
+    if (best.c_vertex == kNone) {
       best = of_cell[a];
       best.offer(of_cell[b].distance, of_cell[b].c_vertex);
     }
@@ -109,7 +111,7 @@ PartitionCheck certify_and_repair(const SurfaceComplex& complex, Covering& cover
     PartitionCheck check = check_partition(complex, partition.cell_of, partition.cell_count(), partition.site, scope);
     ++report.repair_rounds;
     if (check.passed() && scope.empty()) {
-      add_to(report, check);
+      record(check, report);
       return check;
     }
     if (check.passed()) {

@@ -6,6 +6,11 @@
 #include <numeric>
 
 namespace isoatlas {
+namespace {
+
+constexpr float kNever = std::numeric_limits<float>::infinity();
+
+}  // namespace
 
 EventFinder::EventFinder(const CVertexGraph& graph, float persistence, float first_stage)
     : graph_(graph),
@@ -22,24 +27,25 @@ float EventFinder::event_radius(CVertexId v, float limit) {
   }
   front_.clear();
   settled_.clear();
-  arcs_.clear();
+  split_.clear();
   splits_ = 0;
   stamp_[v] = 2 * round_;
   distance_[v] = 0;
   front_.push(length_key(0, v));
 
-  // An event at distance d is known once everything up to d + persistence is settled.
-  const float last = limit + persistence_;
+  // Grow in stages, and beyond the limit only while a split below it may still close within the persistence.
+  bool pending = false;
   for (float radius = first_stage_;; radius *= 2) {
-    const bool final = radius >= last;
-    if (final) radius = last;
-    settle_up_to(radius);
+    const float last = pending ? limit + persistence_ : limit;
+    const float reach = std::min(radius, last);
+    settle_up_to(reach);
     const bool swallowed = front_.empty();
-    const float reliable = swallowed ? std::numeric_limits<float>::infinity() : radius - persistence_;
-    float event = splits_ == 0 ? std::numeric_limits<float>::infinity() : first_event(reliable);
-    if (swallowed) event = std::min(event, distance_[settled_.back()]);
-    if (event < limit) return event;
-    if (final || swallowed) return limit;
+    Finding found{kNever, kNever};
+    if (splits_ > 0) found = judge_splits(reach, swallowed);
+    if (swallowed) found.event = std::min(found.event, distance_[settled_.back()]);
+    if (found.event < limit && found.event <= found.pending) return found.event;
+    pending = found.pending < limit;
+    if (swallowed || (reach >= limit && !pending) || (pending && reach >= limit + persistence_)) return std::min(limit, found.event);
   }
 }
 
@@ -53,7 +59,7 @@ void EventFinder::settle_up_to(float radius) {
     stamp_[w] = 2 * round_ + 1;
     step_[w] = static_cast<std::uint32_t>(settled_.size());
     settled_.push_back(w);
-    arcs_.push_back(static_cast<std::uint8_t>(std::min(arcs, 255)));
+    split_.push_back(arcs > 1);
     for (const CVertexGraph::Neighbour& n : graph_.row(w)) {
       const float d = distance_[w] + n.weight;
       if (stamp_[n.id] == 2 * round_ + 1) continue;
@@ -96,16 +102,17 @@ std::uint32_t EventFinder::find(std::uint32_t i) {
   return i;
 }
 
-// The smallest distance, up to `reliable`, of an event with enough persistence: undoes the growth from the far end, joining
-// the pieces of what is not settled, and sees which of them meet at a split.
-float EventFinder::first_event(float reliable) {
+// Which splits are events: undoes the growth from the far end, joining the pieces of what is not settled, and sees which of
+// them meet at a split and how high the lower one is. What is beyond reach hangs together with the outside for now, so an
+// infinite persistence is only believed from splits that lie deeper than the persistence asked for.
+EventFinder::Finding EventFinder::judge_splits(float reach, bool swallowed) {
   const auto steps = static_cast<std::uint32_t>(settled_.size());
   const std::uint32_t outside = steps;
   parent_.resize(steps + 1);
   std::iota(parent_.begin(), parent_.end(), 0u);
   peak_.resize(steps + 1);
-  peak_[outside] = std::numeric_limits<float>::infinity();
-  float event = std::numeric_limits<float>::infinity();
+  peak_[outside] = kNever;
+  Finding found{kNever, kNever};  // steps go down, so the last ones found have the smallest distances
 
   const auto unite = [&](std::uint32_t a, std::uint32_t b) {  // roots; the higher peak survives
     if (peak_[a] < peak_[b]) std::swap(a, b);
@@ -129,7 +136,7 @@ float EventFinder::first_event(float reliable) {
     std::uint32_t mine = step;
     if (graph_.on_boundary[w]) mine = unite(mine, find(outside));
 
-    if (arcs_[step] > 1) {
+    if (split_[step]) {
       // One unsettled neighbour for each gap between arcs. The gap that the boundary closes is the outside, joined above.
       std::uint32_t merged = graph_.on_boundary[w] ? mine : kNone;
       float died = -1;  // highest peak of a piece that ends here; infinite for a handle
@@ -138,7 +145,7 @@ float EventFinder::first_event(float reliable) {
         if (merged == kNone) {
           merged = p;
         } else if (merged == p) {
-          died = std::numeric_limits<float>::infinity();
+          died = kNever;
         } else {
           died = std::max(died, std::min(peak_[merged], peak_[p]));
           merged = unite(merged, p);
@@ -166,7 +173,10 @@ float EventFinder::first_event(float reliable) {
         if (!in_gap && !leading && (!graph_.on_boundary[w] || k < trailing)) gap(i);
         in_gap = true;
       }
-      if (died - d >= persistence_ && d <= reliable) event = d;  // steps go down, so the last one found is the first event
+      if (died - d >= persistence_) {
+        const bool known = died < kNever || swallowed || d + persistence_ <= reach;
+        (known ? found.event : found.pending) = d;
+      }
       mine = find(mine);
       if (merged != kNone && find(merged) != mine) mine = unite(mine, find(merged));
     }
@@ -177,7 +187,7 @@ float EventFinder::first_event(float reliable) {
       if (p != mine) mine = unite(mine, p);
     }
   }
-  return event;
+  return found;
 }
 
 }  // namespace isoatlas

@@ -25,9 +25,13 @@ class EventFinder {
   float event_radius(CVertexId v, float limit);
 
  private:
+  struct Finding {
+    float event;    // smallest distance of an event
+    float pending;  // smallest distance of a split that may be one, or may close yet
+  };
   void settle_up_to(float radius);
   int settled_arcs(CVertexId v) const;
-  float first_event(float reliable);
+  Finding judge_splits(float reach, bool swallowed);
   bool settled_before(CVertexId v, std::uint32_t step) const { return stamp_[v] == 2 * round_ + 1 && step_[v] < step; }
   std::uint32_t find(std::uint32_t i);
 
@@ -41,8 +45,8 @@ class EventFinder {
   std::vector<std::uint32_t> step_;  // when settled
   NearestFirst front_;
   std::vector<CVertexId> settled_;     // in order
-  std::vector<std::uint8_t> arcs_;     // per settled c-vertex, arcs of settled neighbours at the time
-  std::size_t splits_ = 0;             // how many of those are more than one
+  std::vector<std::uint8_t> split_;    // per settled c-vertex, 1 if its settled neighbours were several arcs at the time
+  std::size_t splits_ = 0;             // how many are
   std::vector<std::uint32_t> parent_;  // union-find over steps; the last one is the outside
   std::vector<float> peak_;            // per root, the largest distance in its component
 };

@@ -17,7 +17,7 @@ std::vector<std::uint8_t> turned_components(std::span<const Vec3> positions, std
     for (const std::uint32_t v : t) total += dot(area, normalized(outward[v]));
   }
   std::vector<std::uint8_t> turned(components);
-  for (std::size_t c = 0; c < components; ++c) turned[c] = !(facing[c] > 0);
+  for (std::size_t c = 0; c < components; ++c) turned[c] = facing[c] < 0;
   return turned;
 }
 

@@ -15,8 +15,8 @@ namespace isoatlas {
 /// @param positions     per vertex, sample-index coordinates
 /// @param component_of  per vertex, < components
 /// @param outward       per vertex, with the spacing applied, of any length
-/// @param least         smallest mean cosine between triangles and outward directions that counts as facing outward, e.g. 0
-/// @return per component, 1 if it does not face outward
+/// @param least         a mean cosine between triangles and outward directions below this counts as turned, e.g. 0
+/// @return per component, 1 if it does not face outward; a component without area does
 std::vector<std::uint8_t> turned_components(std::span<const Vec3> positions, std::span<const Triangle> triangles, Vec3 spacing,
                                             std::span<const std::uint32_t> component_of, std::size_t components,
                                             std::span<const Vec3> outward, double least);

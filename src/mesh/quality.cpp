@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "core/vector_math.h"
@@ -23,7 +24,7 @@ MeshQuality mesh_quality(const TriangleMesh& mesh) {
     const auto [shortest, longest] = std::minmax({edge[0], edge[1], edge[2]});
     q.edge_min = std::min(q.edge_min, shortest);
     q.edge_max = std::max(q.edge_max, longest);
-    const double ratio = longest > 0 ? shortest / longest : 0;
+    const double ratio = longest > 0 && std::isfinite(longest) ? shortest / longest : 0;
     aspect.push_back(ratio);
     // Compared in the same arithmetic as the ratio itself, so that an exact 1/3 is not below.
     if (3 * shortest < longest || longest == 0) ++below;

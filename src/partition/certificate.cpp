@@ -11,6 +11,8 @@
 #include "partition/certificate.h"
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include "core/disjoint_sets.h"
 
@@ -50,7 +52,7 @@ PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const Ce
 
   // Cells: connected through sides and chosen diagonals, and V - E + F = 1. Every side is counted half from each of its
   // faces, boundary sides get their other half below; so all counts are doubled.
-  std::vector<std::int32_t> twice_euler(cells, 0);
+  std::vector<std::int64_t> twice_euler(cells, 0);
   DisjointSets pieces(n);
   for (CVertexId v = 0; v < n; ++v) twice_euler[cell_of[v]] += 2;
   for (const Face& face : complex.faces) {
@@ -84,6 +86,7 @@ PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const Ce
     for (int k = 0; k < cut.triangles; ++k) check.triangles.push_back(cut.triangle[k]);
   }
 
+  checked_id(3 * check.triangles.size() + complex.boundary.size(), "ends of arcs");
   std::vector<std::uint8_t> boundary_ends(cells, 0);  // boundary sides that leave the cell, up to 3 (= too many)
   std::vector<std::uint8_t> touches_boundary(cells, 0);
   std::vector<std::uint32_t> first(cells + 1, 0);  // buckets of arc ends by the smaller cell
@@ -159,7 +162,7 @@ std::vector<std::uint8_t> cells_near_changes(const SurfaceComplex& complex, std:
   return near;
 }
 
-void add_to(CertificateReport& report, const PartitionCheck& check) {
+void record(const PartitionCheck& check, CertificateReport& report) {
   report.passed = check.passed();
   report.cells_checked = check.cells;
   report.arcs_checked = check.pairs;

@@ -48,7 +48,7 @@ PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const Ce
 std::vector<std::uint8_t> cells_near_changes(const SurfaceComplex& complex, std::span<const CellId> cell_of, std::uint32_t cells,
                                              std::span<const std::uint8_t> changed);
 
-/// Adds the figures of a check to a report.
-void add_to(CertificateReport& report, const PartitionCheck& check);
+/// Writes down what a check looked at and whether it passed.
+void record(const PartitionCheck& check, CertificateReport& report);
 
 }  // namespace isoatlas

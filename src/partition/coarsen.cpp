@@ -8,12 +8,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/disjoint_sets.h"
 #include "core/vector_math.h"
 #include "mesh/outward.h"
 #include "partition/certificate.h"
+#include "surface/area_vectors.h"
 
 namespace isoatlas {
 namespace {
@@ -177,12 +177,12 @@ Partition with_representatives(const SurfaceComplex& complex, std::span<const Ce
   }
   for (std::size_t c = 0; c < centroid.size(); ++c) centroid[c] = (1.0 / members[c]) * centroid[c];
   out.site.assign(centroid.size(), kNone);
-  std::vector<double> best(centroid.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> best(centroid.size());
   for (CVertexId v = 0; v < n; ++v) {
     const CellId c = out.cell_of[v];
     if (on_boundary[c] && !complex.on_boundary[v]) continue;
     const double d = squared_distance(complex.positions[v], centroid[c], complex.spacing);
-    if (d < best[c]) {
+    if (out.site[c] == kNone || d < best[c]) {
       best[c] = d;
       out.site[c] = v;
     }
@@ -207,29 +207,18 @@ std::vector<std::uint8_t> turned_small_components(const SurfaceComplex& complex,
   for (CVertexId v = 0; v < n; ++v) {
     if (region_of[v] == v) ++regions[sets.find(v)];
   }
-  const auto is_small = [&](CVertexId v) { return regions[sets.find(region_of[v])] <= kSmall; };
-
-  // Outward direction of a region: the sum of the area vectors of the faces at its c-vertices.
-  std::vector<Vec3> outward(n), position(n);
-  bool any = false;
-  for (const Face& face : complex.faces) {
-    if (!is_small(face.corner[0])) continue;
-    any = true;
-    const int size = face.size();
-    const Vec3 a = complex.positions[face.corner[0]], b = complex.positions[face.corner[1]], c = complex.positions[face.corner[2]];
-    const Vec3 d = complex.positions[face.corner[size - 1]];
-    const Vec3 s = complex.spacing;
-    const Vec3 area = size == 4 ? cross(scaled(c - a, s), scaled(d - b, s)) : cross(scaled(b - a, s), scaled(c - a, s));
-    for (int k = 0; k < size; ++k) outward[region_of[face.corner[k]]] = outward[region_of[face.corner[k]]] + area;
-  }
   std::vector<std::uint8_t> out(n, 0);
-  if (!any) return out;
+  const auto is_small = [&](CellId region) { return regions[sets.find(region)] <= kSmall; };
+  if (std::none_of(region_of.begin(), region_of.end(), is_small)) return out;
+
+  const std::vector<Vec3> outward = area_vectors(complex, region_of, n);
   const Partition partition = with_representatives(complex, region_of);
+  std::vector<Vec3> position(n);
   for (const CVertexId site : partition.site) position[region_of[site]] = complex.positions[site];
   std::vector<Triangle> small_triangles;
   std::vector<std::uint32_t> component_of(n, 0);
   for (const DualTriangle& t : triangles) {
-    if (regions[sets.find(t.cell[0])] > kSmall) continue;
+    if (!is_small(t.cell[0])) continue;
     small_triangles.push_back({t.cell[0], t.cell[1], t.cell[2]});
     for (const CellId c : t.cell) component_of[c] = sets.find(c);
   }
@@ -270,12 +259,13 @@ Coarsened coarsen(const SurfaceComplex& complex, double block_length, const RunC
         continue;
       }
     }
-    add_to(out.certificate, check);
+    record(check, out.certificate);
     Partition partition = with_representatives(complex, regions.region_of());
     for (DualTriangle& t : check.triangles) {
       for (CellId& c : t.cell) c = partition.cell_of[c];  // a region was named by one of its c-vertices
     }
     out.complex = dual_complex(complex, partition, check.triangles);
+    out.outward = area_vectors(complex, partition.cell_of, partition.cell_count());
     out.representative = std::move(partition.site);
     return out;
   }

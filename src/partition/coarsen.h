@@ -12,7 +12,8 @@ namespace isoatlas {
 struct Coarsened {
   SurfaceComplex complex;                 ///< all triangles; homeomorphic to the input
   std::vector<CVertexId> representative;  ///< per c-vertex of `complex`, the c-vertex of the input it stands on
-  CertificateReport certificate;
+  std::vector<Vec3> outward;              ///< per c-vertex of `complex`, area_vectors() of the piece of the input it stands for
+  CertificateReport certificate;          ///< of the partition; `repair_rounds` are the rounds of check and cut
 };
 
 /// A certified coarser complex: c-vertices joined within blocks of space as long as the partition they make is certified.
@@ -20,7 +21,7 @@ struct Coarsened {
 ///
 /// @param block_length  edge of the largest blocks, world units
 /// @post  homeomorphic to the input, component by component; same bytes always
-/// @cost  O(C) a round, 3 to 6 rounds
+/// @cost  O(C) a round, 3 to 10 rounds
 Coarsened coarsen(const SurfaceComplex& complex, double block_length, const RunControl& control = {});
 
 }  // namespace isoatlas

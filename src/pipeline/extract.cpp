@@ -8,15 +8,17 @@
 #include <cstdio>
 #include <map>
 #include <new>
+#include <stdexcept>
 
 #include "core/parallel.h"
 #include "core/vector_math.h"
 #include "cover/repair.h"
 #include "mesh/outward.h"
 #include "partition/coarsen.h"
+#include "surface/area_vectors.h"
 #include "surface/components.h"
 #include "surface/parse_surface.h"
-#include "volume/gradient.h"
+#include "volume/sample_type.h"
 
 namespace isoatlas {
 namespace {
@@ -26,6 +28,8 @@ namespace {
 constexpr double kBlockVoxels = 4;
 constexpr double kBlocksPerRadius = 4;
 constexpr double kLeastBlockVoxels = 1.5;
+
+constexpr double kLargestAnisotropy = 1e6;
 
 class StageClock {
  public:
@@ -47,26 +51,37 @@ void require(bool good, const std::string& message) {
   if (!good) throw Error(ErrorCode::bad_argument, message);
 }
 
+std::string number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.10g", x);
+  return text;
+}
+
 void check_arguments(const VolumeView& volume, const ExtractOptions& options) {
   const Grid& grid = volume.grid;
   for (int a = 0; a < 3; ++a) {
-    require(grid.size[a] >= 2,
-            std::string("the volume has ") + std::to_string(grid.size[a]) + " samples along " + "xyz"[a] + "; at least 2 are needed");
+    require(grid.size[a] >= 2 && grid.size[a] < kNone - 1,
+            std::string("the volume has ") + std::to_string(grid.size[a]) + " samples along " + "xyz"[a] + ", expected 2 to 2^32 - 3");
   }
   for (const double s : {grid.spacing.x, grid.spacing.y, grid.spacing.z}) {
-    require(std::isfinite(s) && s > 0, "spacing " + std::to_string(s) + " is not a positive length");
+    require(std::isfinite(s) && s > 0, "spacing " + number(s) + " is not a positive length");
   }
+  const double largest = std::max({grid.spacing.x, grid.spacing.y, grid.spacing.z});
+  require(largest <= kLargestAnisotropy * grid.smallest_spacing(), "spacings " + number(grid.smallest_spacing()) + " and " +
+                                                                       number(largest) + " differ by more than a factor of " +
+                                                                       number(kLargestAnisotropy));
+  const auto is_finite = [](Vec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); };
+  const auto& axes = grid.direction;
+  require(is_finite(grid.origin) && is_finite(axes[0]) && is_finite(axes[1]) && is_finite(axes[2]),
+          "origin and direction must be finite numbers");
+  require(std::fabs(dot(axes[0], cross(axes[1], axes[2]))) > 1e-6, "the direction's axes lie in a plane");
+  require(volume.samples != nullptr, "the volume has no samples");
+  visit_sample_type(volume.type, [](auto*) {});  // throws if it is none
   require(std::isfinite(options.isovalue), "the isovalue is not a finite number");
   require(!options.max_radius || (std::isfinite(*options.max_radius) && *options.max_radius > 0),
           "the largest radius must be a positive length");
   require(!options.event_persistence || (std::isfinite(*options.event_persistence) && *options.event_persistence >= 0),
           "the event persistence must be a length >= 0");
-}
-
-std::string number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.10g", x);
-  return text;
 }
 
 [[noreturn]] void throw_empty(const VolumeView& volume, const ExtractOptions& options) {
@@ -106,25 +121,42 @@ void check_mesh(const MeshTopology& mesh, const Components& reference, const std
   }
 }
 
-// Gives every marked component one more site, where it is farthest from the others. @return false if none had room for one
+// Gives every marked component more sites, where it is farthest from the others: one, or from round 3 on all that are at least
+// half as far as the farthest, so that few rounds suffice. @return false if there was no room for any
 bool refine_components(const SurfaceComplex& complex, Covering& covering, const MeshTopology& topology,
-                       const std::vector<std::uint8_t>& marked, ExtractReport& report) {
+                       const std::vector<std::uint8_t>& marked, int round, ExtractReport& report) {
   const Partition& partition = covering.partition();
+  const std::vector<float>& distance = covering.distance();
   const std::uint32_t before = covering.site_count();
+  const auto component_of = [&](CVertexId v) { return topology.component_of_vertex[partition.cell_of[v]]; };
   std::vector<CVertexId> farthest(topology.components.size(), kNone);
   for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
-    const std::uint32_t component = topology.component_of_vertex[partition.cell_of[v]];
-    if (!marked[component] || covering.distance()[v] == 0) continue;
-    CVertexId& best = farthest[component];
-    if (best == kNone || covering.distance()[v] > covering.distance()[best]) best = v;
+    if (!marked[component_of(v)] || distance[v] == 0) continue;
+    CVertexId& best = farthest[component_of(v)];
+    if (best == kNone || distance[v] > distance[best]) best = v;
   }
-  for (const CVertexId v : farthest) {
-    if (v == kNone) continue;
-    covering.lower_radius(v, covering.distance()[v]);
+  std::vector<CVertexId> chosen;
+  for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
+    const CVertexId best = farthest[component_of(v)];
+    if (v == best || (round >= 3 && best != kNone && distance[v] > 0 && distance[v] >= distance[best] / 2)) chosen.push_back(v);
+  }
+  for (const CVertexId v : chosen) {
+    covering.lower_radius(v, distance[v]);
     covering.insert(v);
   }
   report.certificate.repair_sites += covering.site_count() - before;
   return covering.site_count() > before;
+}
+
+// Which way the piece of surface of each cell faces.
+std::vector<Vec3> outward_of_cells(const SurfaceComplex& complex, const Coarsened& coarser, const Partition& partition) {
+  if (coarser.representative.empty()) return area_vectors(complex, partition.cell_of, partition.cell_count());
+  std::vector<Vec3> out(partition.cell_count());
+  for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
+    Vec3& sum = out[partition.cell_of[v]];
+    sum = sum + coarser.outward[v];
+  }
+  return out;
 }
 
 TriangleMesh to_mesh(const SurfaceComplex& complex) {
@@ -169,13 +201,18 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   Extraction out;
   ExtractReport& report = out.report;
   StageClock clock(report);
-  const double voxel = volume.grid.smallest_spacing();
+  // All work is done with the smallest spacing as unit of length, so that no length leaves the range of float.
+  const Grid& grid = volume.grid;
+  const double voxel = grid.smallest_spacing();
+  VolumeView in_voxels = volume;
+  in_voxels.grid.spacing = {grid.spacing.x / voxel, grid.spacing.y / voxel, grid.spacing.z / voxel};
+  const auto voxels = [&](double world) { return std::clamp(world / voxel, 1e-4, 1e30); };
 
   control.report("surface", 0);
   ParseOptions parse;
   parse.rule = {options.isovalue, options.inside, options.non_finite};
   parse.vertices_on_surface = options.vertices_on_surface;
-  const SurfaceComplex surface = parse_surface(volume, parse, control);
+  const SurfaceComplex surface = parse_surface(in_voxels, parse, control);
   if (surface.faces.empty()) throw_empty(volume, options);
   report.c_vertices = surface.positions.size();
   report.faces = surface.faces.size();
@@ -187,19 +224,19 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   report.reference = summarize(reference.topology);
   clock.finished("components");
 
-  const Grid& grid = volume.grid;
-  const double longest =
-      std::max({static_cast<double>(grid.size[0] - 1) * grid.spacing.x, static_cast<double>(grid.size[1] - 1) * grid.spacing.y,
-                static_cast<double>(grid.size[2] - 1) * grid.spacing.z});
-  const double max_radius = options.max_radius.value_or(longest / 2);
+  double longest = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const Vec3 s = in_voxels.grid.spacing;
+    longest = std::max(longest, static_cast<double>(grid.size[a] - 1) * (a == 0 ? s.x : a == 1 ? s.y : s.z));
+  }
+  const double max_radius = options.max_radius ? voxels(*options.max_radius) : longest / 2;
 
   control.report("coarsen", 0);
-  const double block = std::min(kBlockVoxels * voxel, max_radius / kBlocksPerRadius);
+  const double block = std::min(kBlockVoxels, max_radius / kBlocksPerRadius);
   Coarsened coarser;
-  if (block >= kLeastBlockVoxels * voxel) {
+  if (block >= kLeastBlockVoxels) {
     coarser = coarsen(surface, block, control);
     report.coarsening = coarser.certificate;
-    report.coarsening_rounds = coarser.certificate.repair_rounds;
     report.coarser_c_vertices.push_back(coarser.complex.positions.size());
   }
   const bool coarsened = !coarser.representative.empty();
@@ -210,8 +247,10 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   const CVertexGraph graph = make_graph(complex);
   CoveringOptions cover;
   cover.max_radius = static_cast<float>(max_radius);
-  cover.event_persistence = static_cast<float>(options.event_persistence.value_or(1.5 * voxel));
-  cover.first_stage = static_cast<float>(4 * voxel);
+  cover.event_persistence = options.event_persistence.value_or(1) == 0
+                                ? 0
+                                : static_cast<float>(options.event_persistence ? voxels(*options.event_persistence) : 1.5);
+  cover.first_stage = 4;
   Covering covering(graph, cover);
   covering.cover(control);
   clock.finished("cover");
@@ -222,14 +261,15 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
 
   control.report("mesh", 0);
   MeshTopology topology;
-  for (;;) {
-    out.mesh = to_mesh(dual_complex(complex, covering.partition(), check.triangles));
+  for (int round = 0;; ++round) {
+    const Partition& partition = covering.partition();
+    out.mesh = to_mesh(dual_complex(complex, partition, check.triangles));
     topology = mesh_topology(out.mesh);
     const std::vector<std::uint8_t> turned =
-        turned_components(out.mesh.positions, out.mesh.triangles, grid.spacing, topology.component_of_vertex, topology.components.size(),
-                          outward_directions(volume, parse.rule, out.mesh.positions), 0);
+        turned_components(out.mesh.positions, out.mesh.triangles, complex.spacing, topology.component_of_vertex, topology.components.size(),
+                          outward_of_cells(complex, coarser, partition), 0);
     report.turned_components = static_cast<std::size_t>(std::count(turned.begin(), turned.end(), 1));
-    if (report.turned_components == 0 || !refine_components(complex, covering, topology, turned, report)) break;
+    if (report.turned_components == 0 || !refine_components(complex, covering, topology, turned, round, report)) break;
     check = certify_and_repair(complex, covering, report.certificate, control);
   }
   clock.finished("mesh");
@@ -241,16 +281,18 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
     component_of.push_back(reference.of_c_vertex[coarsened ? coarser.representative[v] : v]);
   check_mesh(topology, reference, component_of);
   report.mesh = summarize(topology.components);
-  clock.finished("check");
 
   // Shape is a matter of world lengths, whatever the space of the output.
   TriangleMesh world = options.space == Space::voxel ? out.mesh : TriangleMesh{};
   TriangleMesh& measured = options.space == Space::voxel ? world : out.mesh;
   transform_to(measured, grid, options.space == Space::voxel ? Space::lps : options.space);
   report.quality = mesh_quality(measured);
+  clock.finished("check");
   return out;
 } catch (const std::bad_alloc&) {
   throw Error(ErrorCode::out_of_memory, "not enough memory for this surface");
+} catch (const std::length_error&) {
+  throw Error(ErrorCode::out_of_memory, "this surface is too large for memory");
 }
 
 }  // namespace isoatlas

@@ -138,7 +138,7 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
   add_topology(mesh, report.mesh);
   mesh["turned_components"] = report.turned_components;
   json["certificate"] = to_value(report.certificate);
-  json["coarsening"] = {{"rounds", report.coarsening_rounds},
+  json["coarsening"] = {{"rounds", report.coarsening.repair_rounds},
                         {"c_vertices", report.coarser_c_vertices},
                         {"certificate", report.coarser_c_vertices.empty() ? Json() : to_value(report.coarsening)}};
   json["quality"] = to_value(report.quality);

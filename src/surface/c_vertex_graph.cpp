@@ -17,6 +17,7 @@ struct Wedge {  // one face at a c-vertex: the neighbours before and after it, a
 
 CVertexGraph make_graph(const SurfaceComplex& complex) {
   const std::uint32_t n = complex.c_vertex_count();
+  checked_id(8 * complex.faces.size() + complex.boundary.size(), "edges of the graph");
   CVertexGraph graph;
   graph.on_boundary = complex.on_boundary;
 

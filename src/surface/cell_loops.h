@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <vector>
 
@@ -33,7 +34,7 @@ class CellLoopTable {
     std::uint16_t decisions = 0;
     int bit = 0;
     for (unsigned rest = ambiguous_[corners]; rest != 0; rest &= rest - 1) {
-      const unsigned face = static_cast<unsigned>(__builtin_ctz(rest));
+      const unsigned face = static_cast<unsigned>(std::countr_zero(rest));
       decisions = static_cast<std::uint16_t>(decisions | (((joined_faces >> face) & 1u) << bit++));
     }
     return static_cast<std::uint16_t>(first_[corners] + decisions);

@@ -46,8 +46,9 @@ struct DoubleFace {  // an ambiguous grid face whose two segments both join the 
 };
 
 struct Slice {  // all cells with one cz
-  CVertexId first_c_vertex = 0, c_vertices = 0;
-  FaceId first_face = 0, faces = 0;
+  CVertexId first_c_vertex = 0;
+  FaceId first_face = 0;
+  std::size_t c_vertices = 0, faces = 0;
   std::vector<BoundarySide> boundary;
   std::vector<DoubleFace> double_faces;
 };
@@ -195,9 +196,10 @@ class Parser {
             if (table_.ambiguous_faces(signs) != 0) {
               loops = table_.index(signs, decide_faces(signs, sample_indices(cx, cy, cz)));
             }
-            cells_[i++] = {static_cast<std::uint32_t>(cx), slice.c_vertices, slice.faces, loops};
+            cells_[i++] = {static_cast<std::uint32_t>(cx), static_cast<CVertexId>(slice.c_vertices), static_cast<FaceId>(slice.faces),
+                           loops};
             slice.c_vertices += table_[loops].loops;
-            slice.faces += static_cast<FaceId>(std::popcount(owned_nodes(table_[loops], cx, cy, cz)));
+            slice.faces += static_cast<std::size_t>(std::popcount(owned_nodes(table_[loops], cx, cy, cz)));
           });
         }
       }
@@ -316,28 +318,31 @@ class Parser {
         const CellLoops& loops = table_[cell.loops];
         const std::array<std::size_t, 3> c{cell.x, cy, cz};
         const unsigned owned = owned_nodes(loops, cell.x, cy, cz);
-        const Cell* const west = &cell - 1;  // the neighbour in -x; only looked at where a shared node says it is there
-        if (owned & 1) {                     // x-edge: u = y, v = z
+        // The neighbour in -x, which is there wherever a shared node makes us look at it.
+        const auto west = [&] { return cells_.data() + (i - 1); };
+        if (owned & 1) {  // x-edge: u = y, v = z
           make_face(next++, 0, c, loops,
                     {c_vertex(*cursor[2], cz - 1, 3), c_vertex(*cursor[1], cz - 1, 2), c_vertex(cell, cz, 0), c_vertex(*cursor[0], cz, 1)},
                     slice);
         }
         if (owned & 2) {  // y-edge: u = z, v = x
-          make_face(next++, 1, c, loops,
-                    {c_vertex(*(cursor[1] - 1), cz - 1, 7), c_vertex(*west, cz, 6), c_vertex(cell, cz, 4), c_vertex(*cursor[1], cz - 1, 5)},
-                    slice);
+          make_face(
+              next++, 1, c, loops,
+              {c_vertex(*(cursor[1] - 1), cz - 1, 7), c_vertex(*west(), cz, 6), c_vertex(cell, cz, 4), c_vertex(*cursor[1], cz - 1, 5)},
+              slice);
         }
         if (owned & 4) {  // z-edge: u = x, v = y
           make_face(next++, 2, c, loops,
-                    {c_vertex(*(cursor[0] - 1), cz, 11), c_vertex(*cursor[0], cz, 10), c_vertex(cell, cz, 8), c_vertex(*west, cz, 9)},
+                    {c_vertex(*(cursor[0] - 1), cz, 11), c_vertex(*cursor[0], cz, 10), c_vertex(cell, cz, 8), c_vertex(*west(), cz, 9)},
                     slice);
         }
         if (loops.ambiguous_faces & 0b010101) {
-          const std::array<const Cell*, 3> lower{west, cursor[0], cursor[1]};
           for (int axis = 0; axis < 3; ++axis) {
-            if (!((loops.ambiguous_faces >> (2 * axis)) & 1)) continue;
-            if (one_loop(loops, axis, 0) && one_loop(table_[lower[axis]->loops], axis, 1)) {
-              slice.double_faces.push_back({i, static_cast<std::uint32_t>(lower[axis] - cells_.data()), axis, cy, cz});
+            // In a cell of the outer layer the two segments of a face are on two loops; so the neighbour below is there.
+            if (!((loops.ambiguous_faces >> (2 * axis)) & 1) || !one_loop(loops, axis, 0)) continue;
+            const Cell* const lower = axis == 0 ? west() : cursor[static_cast<std::size_t>(axis - 1)];
+            if (one_loop(table_[lower->loops], axis, 1)) {
+              slice.double_faces.push_back({i, static_cast<std::uint32_t>(lower - cells_.data()), axis, cy, cz});
             }
           }
         }

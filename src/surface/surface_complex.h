@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "core/ids.h"
@@ -46,7 +47,7 @@ struct SurfaceComplex {
   std::uint32_t face_count() const { return static_cast<std::uint32_t>(faces.size()); }
 };
 
-/// Checks every invariant. O(F log F). For tests and for `isoatlas` built with assertions.
+/// Checks every invariant. O(F log F). For tests.
 /// @return an empty string, or what is wrong and where
 std::string validate(const SurfaceComplex& complex);
 
