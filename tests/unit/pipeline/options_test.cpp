@@ -102,6 +102,26 @@ Volume with_nan() {
   return own(grid, SampleType::float32, std::move(values));
 }
 
+TEST(Refuses, GridsThatAreNone) {
+  Volume volume = ball();
+  const VolumeView good = volume;
+  VolumeView bad = good;
+  bad.grid.spacing.z = 1e7;
+  expect_error(ErrorCode::bad_argument, {"factor"}, bad, {});
+  bad = good;
+  bad.grid.origin.y = std::nan("");
+  expect_error(ErrorCode::bad_argument, {"origin"}, bad, {});
+  bad = good;
+  bad.grid.direction[1] = bad.grid.direction[0];
+  expect_error(ErrorCode::bad_argument, {"direction"}, bad, {});
+  bad = good;
+  bad.samples = nullptr;
+  expect_error(ErrorCode::bad_argument, {"no samples"}, bad, {});
+  bad = good;
+  bad.type = static_cast<SampleType>(99);
+  expect_error(ErrorCode::bad_argument, {"type"}, bad, {});
+}
+
 TEST(NonFinite, RefusedWithCountAndPlace) { expect_error(ErrorCode::unsupported, {"1 NaN", "(3, 4, 3)", "--nan"}, with_nan(), {}); }
 
 TEST(NonFinite, OnTheSideItIsPut) {
@@ -190,6 +210,37 @@ TEST(Extremes, HugeAndTinySamplesAndSpacings) {
       EXPECT_GT(signed_volume(e.mesh), 0);
     }
   }
+}
+
+// The unit of length is the smallest spacing: no length may leave the range of float, or the covering never ends.
+TEST(Extremes, UnitsOfLengthDoNotMatter) {
+  const Extraction one = scaled_torus(1, 1);
+  for (const double spacing : {0x1p-600, 0x1p-160, 0x1p-40, 0x1p40, 0x1p160, 0x1p600}) {
+    EXPECT_EQ(scaled_torus(1, spacing).mesh.triangles, one.mesh.triangles) << spacing;
+  }
+}
+
+TEST(Extremes, RadiusAndPersistenceOfAnyLength) {
+  const Volume volume = ball();
+  for (const double length : {1e-300, 1e-60, 1e-9, 1e9, 1e60, 1e300}) {
+    ExtractOptions radius, persistence;
+    radius.max_radius = length;
+    persistence.event_persistence = length;
+    for (const ExtractOptions& options : {radius, persistence}) {
+      const Extraction e = extract(volume, options);
+      EXPECT_EQ(e.report.mesh.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 1}})) << length;
+    }
+  }
+}
+
+// A large persistence must not make every disk swallow the surface: this took minutes when it did.
+TEST(Extremes, LargePersistenceCostsNoMore) {
+  const Volume volume = to_volume(sampled({64, 64, 64}, sphere({31.4, 31.6, 31.55}, 28)));
+  ExtractOptions options;
+  options.max_radius = 1;
+  options.event_persistence = 1000;
+  const Extraction e = extract(volume, options);
+  EXPECT_GT(e.mesh.triangles.size(), 4000u);
 }
 
 // A power of two changes no digit of any sample, so it changes nothing at all.
