@@ -182,6 +182,10 @@ CPU milliseconds from the volume in memory to the checked mesh, best of {options
 smooth volumes, 8 times on the noisy ones. Stages: milliseconds of the best run by the wall clock. Memory: peak of the tool in MiB, volume and
 libraries included.
 
+Where it goes: on smooth volumes a third each into reading the samples and placing c-vertices (`surface`), into making the coarser complex certified
+(`coarsen`) and into disks (`cover`, `certify`); on noisy ones, whose complexes shrink little, into disks and repair. `certify` includes repair; `mesh` turning
+components outward; `check` counting the finished triangles and measuring their shape.
+
 | volume @ isovalue | MC | FE | isoatlas | / MC | / FE | met | surface | components | coarsen | cover | certify | mesh | check | MiB |
 |---|---:|---:|---:|---:|---:|---|---:|---:|---:|---:|---:|---:|---:|---:|
 {chr(10).join(time)}
