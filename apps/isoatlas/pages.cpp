@@ -63,7 +63,7 @@ ManPage::Text extract_page() {
       .synopsis = "isoatlas extract VOLUME --iso X -o MESH [options]",
       .description = R"(
 Reads a volume, meshes the surface on which it has the value X, checks the mesh and writes it. The mesh is coarse and
-adaptive: few triangles of good shape where the surface is tame, more where its topology asks for them. It is a manifold
+adaptive: few triangles where the surface is tame, more where its topology asks for them. It is a manifold
 (with boundary where the surface leaves the volume), consistently oriented, and has component by component the topology
 of the full-resolution surface; that is checked before anything is written.
 

@@ -101,17 +101,20 @@ void Covering::cover_reached(const RunControl& control) {
     }
     const CVertexId v = farthest_uncovered();
     if (v == kNone) return;
-    lower_radius(v, events_.event_radius(v, radius_[v]));
-    insert(v);
+    add_disk(v);
   }
+}
+
+void Covering::add_disk(CVertexId v) {
+  lower_radius(v, events_.event_radius(v, radius_[v]));
+  insert(v);
 }
 
 void Covering::cover(const RunControl& control) {
   cover_reached(control);
   const CVertexId n = graph_.c_vertex_count();
   const auto start = [&](CVertexId v) {
-    lower_radius(v, events_.event_radius(v, radius_[v]));
-    insert(v);
+    add_disk(v);
     cover_reached(control);
   };
   for (; next_boundary_ < n; ++next_boundary_) {

@@ -55,6 +55,7 @@ class Covering {
   static constexpr float kBoundaryShare = 0.55f;
 
   void enqueue(CVertexId v);
+  void add_disk(CVertexId v);  ///< a site whose disk is limited by its first topological event
   void cover_reached(const RunControl& control);
   CVertexId farthest_uncovered();
 

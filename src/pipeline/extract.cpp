@@ -206,7 +206,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   const double voxel = grid.smallest_spacing();
   VolumeView in_voxels = volume;
   in_voxels.grid.spacing = {grid.spacing.x / voxel, grid.spacing.y / voxel, grid.spacing.z / voxel};
-  const auto voxels = [&](double world) { return std::clamp(world / voxel, 1e-4, 1e30); };
+  const auto voxels = [&](double world) { return static_cast<float>(std::min(world / voxel, 1e30)); };
 
   control.report("surface", 0);
   ParseOptions parse;
@@ -229,7 +229,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
     const Vec3 s = in_voxels.grid.spacing;
     longest = std::max(longest, static_cast<double>(grid.size[a] - 1) * (a == 0 ? s.x : a == 1 ? s.y : s.z));
   }
-  const double max_radius = options.max_radius ? voxels(*options.max_radius) : longest / 2;
+  const double max_radius = options.max_radius ? std::max(1e-4f, voxels(*options.max_radius)) : longest / 2;
 
   control.report("coarsen", 0);
   const double block = std::min(kBlockVoxels, max_radius / kBlocksPerRadius);
@@ -247,9 +247,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   const CVertexGraph graph = make_graph(complex);
   CoveringOptions cover;
   cover.max_radius = static_cast<float>(max_radius);
-  cover.event_persistence = options.event_persistence.value_or(1) == 0
-                                ? 0
-                                : static_cast<float>(options.event_persistence ? voxels(*options.event_persistence) : 1.5);
+  cover.event_persistence = options.event_persistence ? voxels(*options.event_persistence) : 1.5f;
   cover.first_stage = 4;
   Covering covering(graph, cover);
   covering.cover(control);
