@@ -111,7 +111,7 @@ int main(int argc, char** argv) try {
   std::printf(
       "{\"mc_triangles\": %lld, \"fe_triangles\": %lld, \"mc_ms\": %.3f, \"fe_ms\": %.3f, \"isoatlas_ms\": %.3f, \"triangles\": %zu, "
       "\"stages_ms\": {",
-      mc_triangles, fe_triangles, 1e3 * mc, 1e3 * fe, 1e3 * ours, report.quality.triangles);
+      mc_triangles, fe_triangles, 1e3 * mc, 1e3 * fe, 1e3 * ours, report.levels.back().triangles);
   for (std::size_t i = 0; i < report.seconds.size(); ++i) {
     std::printf("%s\"%s\": %.3f", i == 0 ? "" : ", ", report.seconds[i].stage.c_str(), 1e3 * report.seconds[i].seconds);
   }

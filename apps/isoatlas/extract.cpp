@@ -82,16 +82,16 @@ std::string repair_text(const CertificateReport& certificate) {
 }
 
 void print_summary(const ExtractArguments& arguments, const ExtractReport& report, const ReportContext& context) {
-  const auto& quality = report.quality;
+  const auto& quality = report.levels.back().quality;
   std::cout << row("read", context.volume_path + ": " + size_text(context.grid.size) + " " + std::string(name(context.sample_type)) + ", " +
                                seconds_text(context.read_seconds))
-            << row("surface", "isovalue " + number_text(context.options.isovalue) + ": " + topology_text(report.mesh))
+            << row("surface", "isovalue " + number_text(context.options.isovalue) + ": " + topology_text(report.levels.back().topology))
             << row("mesh", counted(context.mesh_vertices, "vertex") + ", " + counted(quality.triangles, "triangle") +
                                ", aspect ratio at least " + ratio_text(quality.aspect_min) + ", median " +
                                ratio_text(quality.aspect_median))
-            << row("certificate", std::string(report.certificate.passed ? "passed" : "FAILED") + ": " +
-                                      certificate_text(report.certificate) +
-                                      "; mesh counted again: " + (report.mesh == report.reference ? "same topology" : "OTHER TOPOLOGY"))
+            << row("certificate", std::string(report.levels.back().certificate.passed ? "passed" : "FAILED") + ": " +
+                                      certificate_text(report.levels.back().certificate) + "; mesh counted again: " +
+                                      (report.levels.back().topology == report.reference ? "same topology" : "OTHER TOPOLOGY"))
             << row("wrote", context.mesh_path + " (" + bytes_text(static_cast<double>(fs::file_size(arguments.mesh))) + ")" +
                                 (arguments.report ? " and " + arguments.report->string() : "") + ", meshed in " +
                                 seconds_text(report.total_seconds));
@@ -105,10 +105,11 @@ void print_details(const ExtractReport& report, const ReportContext& context) {
             << row("coarser", coarser.empty()
                                   ? "none: disks are too small for blocks"
                                   : coarser + " c-vertices, certified in " + std::to_string(report.coarsening.repair_rounds) + " rounds")
-            << row("repair", repair_text(report.certificate)) << row("kinds", kinds_text(report.mesh, 6))
-            << row("shape", percent_text(report.quality.aspect_share_below_third) + " of the triangles below 1/3, 1st percentile " +
-                                ratio_text(report.quality.aspect_p01) + ", angles " + number_text(report.quality.angle_min) + " to " +
-                                number_text(report.quality.angle_max) + " degrees");
+            << row("repair", repair_text(report.levels.back().certificate)) << row("kinds", kinds_text(report.levels.back().topology, 6))
+            << row("shape", percent_text(report.levels.back().quality.aspect_share_below_third) +
+                                " of the triangles below 1/3, 1st percentile " + ratio_text(report.levels.back().quality.aspect_p01) +
+                                ", angles " + number_text(report.levels.back().quality.angle_min) + " to " +
+                                number_text(report.levels.back().quality.angle_max) + " degrees");
   for (const StageTime& stage : report.seconds) std::cout << row("  " + stage.stage, seconds_text(stage.seconds));
   std::cout << row("  write", seconds_text(context.write_seconds))
             << row("memory", bytes_text(static_cast<double>(context.peak_memory_bytes)) + " at most");
@@ -145,12 +146,12 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
 
   const Extraction extraction = extract_from(arguments.volume.path, volume, context.options, control);
   volume = {};  // writing needs memory too
-  context.mesh_vertices = extraction.mesh.positions.size();
+  context.mesh_vertices = extraction.finest().vertices;
 
   progress.show("write", std::nullopt);
   control.check_cancelled();
   const Stopwatch writing;
-  write_mesh(extraction.mesh, outputs.stage(arguments.mesh),
+  write_mesh(extraction.mesh(), outputs.stage(arguments.mesh),
              {.space = space_name(arguments.options.space), .comment = "isoatlas " ISOATLAS_VERSION});
   context.write_seconds = writing.seconds();
   context.peak_memory_bytes = peak_memory_bytes();

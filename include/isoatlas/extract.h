@@ -6,23 +6,14 @@
 #include <string>
 #include <vector>
 
+#include "isoatlas/hierarchy.h"
+#include "isoatlas/measure.h"
 #include "isoatlas/mesh.h"
+#include "isoatlas/refine.h"
 #include "isoatlas/run_control.h"
 #include "isoatlas/volume.h"
 
 namespace isoatlas {
-
-/// Which samples are inside. A sample equal to the isovalue is inside either way:
-/// above: value >= isovalue; below: value <= isovalue (the same as negating volume and isovalue).
-enum class Inside { above, below };
-
-/// What to do with NaN and infinite samples. `below` and `above` put NaN on that side of the isovalue; infinities then
-/// keep the side their sign says.
-enum class NonFinite { refuse, below, above };
-
-/// Coordinates of the mesh. lps: the volume's world as ITK gives it; ras: the same with x and y negated;
-/// voxel: sample-index coordinates, sample (0,0,0) at the origin.
-enum class Space { lps, ras, voxel };
 
 struct ExtractOptions {
   double isovalue = 0;
@@ -35,6 +26,13 @@ struct ExtractOptions {
   std::optional<double> event_persistence;
   /// false puts c-vertices at the plain average of their nodes, as the paper has it (up to 0.2 voxel off the surface).
   bool vertices_on_surface = true;
+  /// Level 0 is the coarse mesh of the paper's stage one; its constraints are only looked at, not worked for.
+  LevelGoal coarse;
+  /// One more level, refined from the one before, per entry.
+  std::vector<LevelGoal> refine;
+  Placement placement = Placement::surface;
+  /// Measure every level against the trilinear isosurface with that many samples in each direction; 0: do not.
+  std::size_t measure_samples = 0;
 };
 
 /// Topology of one whole surface.
@@ -67,37 +65,73 @@ struct StageTime {
   double seconds = 0;
 };
 
+/// One metric over the cells of a level.
+struct MetricSummary {
+  double maximum = 0, mean = 0;  ///< unit as the quantity says
+};
+
+/// A constraint, and what became of it.
+struct ConstraintResult {
+  Constraint wanted;
+  double reached = 0;
+  bool met = false;
+  std::string reason;  ///< if not met: what stood in its way, with figures
+};
+
+/// A cell that is over its bound and cannot be made smaller: it would no longer contain all neighbours of its site (paper, 3.4).
+struct CellAtLimit {
+  Vec3 position;      ///< of its site, in the mesh's space
+  double excess = 0;  ///< worst of metric / bound
+};
+
+struct LevelReport {
+  std::size_t vertices = 0, triangles = 0;
+  TopologySummary topology;           ///< counted on the finished triangles, independently
+  CertificateReport certificate;      ///< of the level's partition
+  std::size_t turned_components = 0;  ///< components that still do not face outward on the whole, see docs/theory/02-certificate.md
+  MeshQuality quality;                ///< measured in world units, whatever the mesh's space
+  std::array<MetricSummary, kMetricCount> metrics{};
+  std::vector<ConstraintResult> constraints;  ///< in the order given
+  std::vector<CellAtLimit> at_limit;          ///< worst first; supersampling would help there
+  std::size_t refine_rounds = 0;
+  std::optional<Measurement> measured;  ///< if asked for
+  double seconds = 0;
+
+  bool all_met() const;
+};
+
 struct ExtractReport {
   std::size_t c_vertices = 0;  ///< of the reference surface complex
   std::size_t faces = 0;
   std::size_t double_segments = 0;              ///< places split so that the dual of G is simplicial
   std::vector<std::size_t> coarser_c_vertices;  ///< sizes of the certified coarser complexes
   TopologySummary reference;                    ///< counted on the reference surface complex
-  TopologySummary mesh;                         ///< counted on the finished triangles, independently
   CertificateReport coarsening;                 ///< certificate of the partition into blocks; repair_rounds are the rounds of check and cut
-  CertificateReport certificate;                ///< certificate of the final partition
-  std::size_t turned_components = 0;  ///< components that still do not face outward on the whole, see docs/theory/02-certificate.md
-  MeshQuality quality;                ///< measured in world units, whatever the mesh's space
-  std::vector<StageTime> seconds;     ///< in order: surface, components, coarsen, cover, certify, mesh, check
-  double total_seconds = 0;           ///< volume in memory to checked mesh
+  std::vector<LevelReport> levels;
+  std::vector<StageTime> seconds;  ///< in order: surface, components, coarsen, cover, certify, mesh, check, refine
+  double total_seconds = 0;        ///< volume in memory to checked levels
 };
 
 struct Extraction {
-  TriangleMesh mesh;
+  Hierarchy hierarchy;
   ExtractReport report;
+  TriangleMesh mesh() const { return hierarchy.mesh(hierarchy.levels.size() - 1); }  ///< the finest level
+  const LevelReport& finest() const { return report.levels.back(); }
 };
 
-/// Meshes the isosurface of a volume: coarse, adaptive, with the topology of the reference surface, checked.
+/// Meshes the isosurface of a volume in nested levels: coarse, then refined; each with the topology of the reference surface, checked.
+/// Constraints that cannot be met together are no error: see LevelReport::constraints.
 ///
 /// @throws Error(bad_argument)  size < 2 along an axis, spacing not positive or different by more than 1e6 between axes, origin or
-///                              direction not finite, direction singular, isovalue not finite, max_radius <= 0, event_persistence < 0
+///                              direction not finite, direction singular, isovalue not finite, max_radius <= 0, event_persistence < 0,
+///                              a bound that its quantity cannot have
 /// @throws Error(unsupported)   NaN or infinity while non_finite is `refuse` (message: count and first index)
 /// @throws Error(empty_surface) no sample, or every sample, is inside (message: the range)
 /// @throws Error(internal)      the finished mesh failed its own check: a bug; no mesh is returned
 /// @throws Error(cancelled)     control.cancel was set
 /// @post   same input, same bytes, for any number of threads
 /// @cost   one pass over the volume, then O(C log C) for C c-vertices
-/// @source Gavriliu, Carranza, Breen, Barr, IEEE Visualization 2001, sections 3.2, 3.3 and 3.6, with the departures in docs/theory/
+/// @source Gavriliu, Carranza, Breen, Barr, IEEE Visualization 2001, sections 3.2 to 3.6, with the departures in docs/theory/
 Extraction extract(const VolumeView& volume, const ExtractOptions& options, const RunControl& control = {});
 
 /// Moves a mesh from sample-index coordinates into another space, turning triangles over where the map mirrors.

@@ -56,4 +56,16 @@ struct SampleSummary {
 /// One pass over all samples, O(N).
 SampleSummary summarize(const VolumeView& volume);
 
+/// Which samples are inside. A sample equal to the isovalue is inside either way:
+/// above: value >= isovalue; below: value <= isovalue (the same as negating volume and isovalue).
+enum class Inside { above, below };
+
+/// What to do with NaN and infinite samples. `below` and `above` put NaN on that side of the isovalue; infinities then
+/// keep the side their sign says.
+enum class NonFinite { refuse, below, above };
+
+/// Coordinates of the mesh. lps: the volume's world as ITK gives it; ras: the same with x and y negated;
+/// voxel: sample-index coordinates, sample (0,0,0) at the origin.
+enum class Space { lps, ras, voxel };
+
 }  // namespace isoatlas

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The place to start reading: volume -> surface complex -> coarser complex -> covering -> certified dual -> checked mesh.
+// The place to start reading: volume -> surface complex -> coarser complex -> covering -> certified dual -> checked mesh -> finer levels.
 #include "isoatlas/extract.h"
 
 #include <algorithm>
@@ -8,6 +8,8 @@
 #include <cstdio>
 #include <map>
 #include <new>
+#include <numeric>
+#include <span>
 #include <stdexcept>
 
 #include "core/parallel.h"
@@ -124,7 +126,7 @@ void check_mesh(const MeshTopology& mesh, const Components& reference, const std
 // Gives every marked component more sites, where it is farthest from the others: one, or from round 3 on all that are at least
 // half as far as the farthest, so that few rounds suffice. @return false if there was no room for any
 bool refine_components(const SurfaceComplex& complex, Covering& covering, const MeshTopology& topology,
-                       const std::vector<std::uint8_t>& marked, int round, ExtractReport& report) {
+                       const std::vector<std::uint8_t>& marked, int round, CertificateReport& certificate) {
   const Partition& partition = covering.partition();
   const std::vector<float>& distance = covering.distance();
   const std::uint32_t before = covering.site_count();
@@ -144,7 +146,7 @@ bool refine_components(const SurfaceComplex& complex, Covering& covering, const 
     covering.lower_radius(v, distance[v]);
     covering.insert(v);
   }
-  report.certificate.repair_sites += covering.site_count() - before;
+  certificate.repair_sites += covering.site_count() - before;
   return covering.site_count() > before;
 }
 
@@ -159,15 +161,36 @@ std::vector<Vec3> outward_of_cells(const SurfaceComplex& complex, const Coarsene
   return out;
 }
 
-TriangleMesh to_mesh(const SurfaceComplex& complex) {
-  TriangleMesh mesh;
-  mesh.positions = complex.positions;
-  mesh.triangles.reserve(complex.faces.size());
-  for (const Face& f : complex.faces) mesh.triangles.push_back({f.corner[0], f.corner[1], f.corner[2]});
-  return mesh;
+std::vector<Triangle> to_triangles(std::span<const DualTriangle> dual) {
+  std::vector<Triangle> triangles;
+  triangles.reserve(dual.size());
+  for (const DualTriangle& t : dual) triangles.push_back(t.cell);
+  return triangles;
+}
+
+// The end of every level: the topology check, then into the output's space, where shape is measured.
+void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<const CVertexId> sites, const Components& reference,
+                  const Grid& grid, Space space, LevelReport& report) {
+  std::vector<ComponentId> component_of;
+  component_of.reserve(sites.size());
+  for (const CVertexId v : sites) component_of.push_back(reference.of_c_vertex[v]);
+  check_mesh(topology, reference, component_of);
+  report.topology = summarize(topology.components);
+  report.vertices = mesh.positions.size();
+  report.triangles = mesh.triangles.size();
+
+  // Shape is a matter of world lengths, whatever the space of the output.
+  TriangleMesh world = space == Space::voxel ? mesh : TriangleMesh{};
+  TriangleMesh& measured = space == Space::voxel ? world : mesh;
+  transform_to(measured, grid, space == Space::voxel ? Space::lps : space);
+  report.quality = mesh_quality(measured);
 }
 
 }  // namespace
+
+bool LevelReport::all_met() const {
+  return std::all_of(constraints.begin(), constraints.end(), [](const ConstraintResult& c) { return c.met; });
+}
 
 TopologySummary summarize(const std::vector<ComponentTopology>& components) {
   TopologySummary out;
@@ -254,38 +277,40 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   clock.finished("cover");
 
   control.report("certify", 0);
-  PartitionCheck check = certify_and_repair(complex, covering, report.certificate, control);
+  LevelReport& coarse = report.levels.emplace_back();
+  PartitionCheck check = certify_and_repair(complex, covering, coarse.certificate, control);
   clock.finished("certify");
 
   control.report("mesh", 0);
+  const Partition& partition = covering.partition();
+  TriangleMesh mesh;
   MeshTopology topology;
   for (int round = 0;; ++round) {
-    const Partition& partition = covering.partition();
-    out.mesh = to_mesh(dual_complex(complex, partition, check.triangles));
-    topology = mesh_topology(out.mesh);
+    mesh.triangles = to_triangles(check.triangles);
+    mesh.positions.clear();
+    for (const CVertexId v : partition.site) mesh.positions.push_back(complex.positions[v]);
+    topology = mesh_topology(mesh);
     const std::vector<std::uint8_t> turned =
-        turned_components(out.mesh.positions, out.mesh.triangles, complex.spacing, topology.component_of_vertex, topology.components.size(),
+        turned_components(mesh.positions, mesh.triangles, complex.spacing, topology.component_of_vertex, topology.components.size(),
                           outward_of_cells(complex, coarser, partition), 0);
-    report.turned_components = static_cast<std::size_t>(std::count(turned.begin(), turned.end(), 1));
-    if (report.turned_components == 0 || !refine_components(complex, covering, topology, turned, round, report)) break;
-    check = certify_and_repair(complex, covering, report.certificate, control);
+    coarse.turned_components = static_cast<std::size_t>(std::count(turned.begin(), turned.end(), 1));
+    if (coarse.turned_components == 0 || !refine_components(complex, covering, topology, turned, round, coarse.certificate)) break;
+    check = certify_and_repair(complex, covering, coarse.certificate, control);
   }
   clock.finished("mesh");
 
   control.report("check", 0);
-  std::vector<ComponentId> component_of;
-  component_of.reserve(out.mesh.positions.size());
-  for (const CVertexId v : covering.partition().site)
-    component_of.push_back(reference.of_c_vertex[coarsened ? coarser.representative[v] : v]);
-  check_mesh(topology, reference, component_of);
-  report.mesh = summarize(topology.components);
-
-  // Shape is a matter of world lengths, whatever the space of the output.
-  TriangleMesh world = options.space == Space::voxel ? out.mesh : TriangleMesh{};
-  TriangleMesh& measured = options.space == Space::voxel ? world : out.mesh;
-  transform_to(measured, grid, options.space == Space::voxel ? Space::lps : options.space);
-  report.quality = mesh_quality(measured);
+  std::vector<CVertexId> sites;  // on the surface itself
+  sites.reserve(partition.site.size());
+  for (const CVertexId v : partition.site) sites.push_back(coarsened ? coarser.representative[v] : v);
+  finish_level(mesh, topology, sites, reference, grid, options.space, coarse);
   clock.finished("check");
+
+  Hierarchy& hierarchy = out.hierarchy;
+  hierarchy.positions = std::move(mesh.positions);
+  hierarchy.levels.push_back({checked_id(hierarchy.positions.size(), "vertices"), std::move(mesh.triangles), {}});
+  hierarchy.parent.resize(hierarchy.positions.size());
+  std::iota(hierarchy.parent.begin(), hierarchy.parent.end(), 0u);
   return out;
 } catch (const std::bad_alloc&) {
   throw Error(ErrorCode::out_of_memory, "not enough memory for this surface");

@@ -134,14 +134,15 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
   Json& reference =
       json["reference"] = {{"c_vertices", report.c_vertices}, {"faces", report.faces}, {"double_segments", report.double_segments}};
   add_topology(reference, report.reference);
-  Json& mesh = json["mesh"] = {{"path", context.mesh_path}, {"vertices", context.mesh_vertices}, {"triangles", report.quality.triangles}};
-  add_topology(mesh, report.mesh);
-  mesh["turned_components"] = report.turned_components;
-  json["certificate"] = to_value(report.certificate);
+  const LevelReport& finest = report.levels.back();
+  Json& mesh = json["mesh"] = {{"path", context.mesh_path}, {"vertices", finest.vertices}, {"triangles", finest.triangles}};
+  add_topology(mesh, finest.topology);
+  mesh["turned_components"] = finest.turned_components;
+  json["certificate"] = to_value(finest.certificate);
   json["coarsening"] = {{"rounds", report.coarsening.repair_rounds},
                         {"c_vertices", report.coarser_c_vertices},
                         {"certificate", report.coarser_c_vertices.empty() ? Json() : to_value(report.coarsening)}};
-  json["quality"] = to_value(report.quality);
+  json["quality"] = to_value(finest.quality);
 
   Json& seconds = json["seconds"] = {{"read", context.read_seconds}};
   for (const StageTime& stage : report.seconds) seconds[stage.stage] = stage.seconds;

@@ -62,18 +62,18 @@ RC_GTEST_PROP(AnyVolume, MeshIsAManifoldWithTheReferenceTopology, (const RandomC
   }
   const Extraction first = extract(volume, options);
   const TopologySummary want = reference_topology(samples, c.isovalue(), c.inside());
-  const MeshTopology topology = mesh_topology(first.mesh);
+  const MeshTopology topology = mesh_topology(first.mesh());
   RC_ASSERT(topology.is_manifold());
   RC_ASSERT(topology.is_oriented());
   RC_ASSERT(topology.unused_vertices == 0u);
-  RC_ASSERT(kinds_of(first.mesh) == want.kinds);
-  RC_ASSERT(first.report.mesh == want);
+  RC_ASSERT(kinds_of(first.mesh()) == want.kinds);
+  RC_ASSERT(first.finest().topology == want);
   RC_ASSERT(first.report.reference == want);
-  RC_ASSERT(first.report.certificate.passed);
+  RC_ASSERT(first.finest().certificate.passed);
 
   // In the volume, vertices all apart.
   std::vector<std::array<double, 3>> places;
-  for (const Vec3& p : first.mesh.positions) {
+  for (const Vec3& p : first.mesh().positions) {
     RC_ASSERT(p.x >= 0 && p.y >= 0 && p.z >= 0);
     RC_ASSERT(p.x <= (c.nx - 1) * c.spacing.x && p.y <= (c.ny - 1) * c.spacing.y && p.z <= (c.nz - 1) * c.spacing.z);
     places.push_back({p.x, p.y, p.z});
@@ -85,9 +85,9 @@ RC_GTEST_PROP(AnyVolume, MeshIsAManifoldWithTheReferenceTopology, (const RandomC
   RunControl control;
   control.threads = 1 + static_cast<int>(c.seed % 4);
   const Extraction second = extract(volume, options, control);
-  RC_ASSERT(first.mesh.triangles == second.mesh.triangles);
-  RC_ASSERT(first.mesh.positions.size() == second.mesh.positions.size());
-  RC_ASSERT(std::memcmp(first.mesh.positions.data(), second.mesh.positions.data(), sizeof(Vec3) * first.mesh.positions.size()) == 0);
+  RC_ASSERT(first.mesh().triangles == second.mesh().triangles);
+  RC_ASSERT(first.mesh().positions.size() == second.mesh().positions.size());
+  RC_ASSERT(std::memcmp(first.mesh().positions.data(), second.mesh().positions.data(), sizeof(Vec3) * first.mesh().positions.size()) == 0);
 }
 
 RC_GTEST_PROP(AnyVolume, AxesMayBeSwappedAndMirrored, (const RandomCase& c)) {
@@ -96,7 +96,7 @@ RC_GTEST_PROP(AnyVolume, AxesMayBeSwappedAndMirrored, (const RandomCase& c)) {
   ExtractOptions options;
   options.isovalue = c.isovalue();
   options.inside = c.inside();
-  const auto kinds = [&](const Samples& s) { return extract(to_volume(s), options).report.mesh.kinds; };
+  const auto kinds = [&](const Samples& s) { return extract(to_volume(s), options).finest().topology.kinds; };
   const auto want = kinds(samples);
   RC_ASSERT(kinds(mirrored(samples, static_cast<int>(c.seed % 3))) == want);
   RC_ASSERT(kinds(permuted(samples, c.seed % 2 ? std::array{1, 2, 0} : std::array{1, 0, 2})) == want);

@@ -26,20 +26,20 @@ ExtractOptions at(double isovalue, Inside inside = Inside::above) {
 
 // Everything the report says about the mesh, counted again.
 void expect_honest(const Extraction& e, const std::string& what) {
-  const MeshTopology topology = mesh_topology(e.mesh);
+  const MeshTopology topology = mesh_topology(e.mesh());
   ASSERT_TRUE(topology.is_manifold()) << what;
   ASSERT_TRUE(topology.is_oriented()) << what;
   ASSERT_EQ(topology.unused_vertices, 0u) << what;
-  ASSERT_EQ(e.report.mesh, summarize(topology.components)) << what;
-  ASSERT_EQ(e.report.reference, e.report.mesh) << what;
-  ASSERT_TRUE(e.report.certificate.passed) << what;
+  ASSERT_EQ(e.finest().topology, summarize(topology.components)) << what;
+  ASSERT_EQ(e.report.reference, e.finest().topology) << what;
+  ASSERT_TRUE(e.finest().certificate.passed) << what;
   ASSERT_EQ(e.report.coarsening.passed, !e.report.coarser_c_vertices.empty()) << what << ": small surfaces are not coarsened";
-  ASSERT_EQ(e.report.certificate.cells_checked, e.mesh.positions.size()) << what;
-  ASSERT_EQ(e.report.certificate.triples_checked, e.mesh.triangles.size()) << what;
-  ASSERT_EQ(e.report.certificate.arcs_checked, topology.edges) << what;
-  ASSERT_EQ(e.report.quality.triangles, e.mesh.triangles.size()) << what;
+  ASSERT_EQ(e.finest().certificate.cells_checked, e.mesh().positions.size()) << what;
+  ASSERT_EQ(e.finest().certificate.triples_checked, e.mesh().triangles.size()) << what;
+  ASSERT_EQ(e.finest().certificate.arcs_checked, topology.edges) << what;
+  ASSERT_EQ(e.finest().quality.triangles, e.mesh().triangles.size()) << what;
   ASSERT_GT(e.report.total_seconds, 0) << what;
-  for (const Vec3& p : e.mesh.positions) ASSERT_TRUE(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) << what;
+  for (const Vec3& p : e.mesh().positions) ASSERT_TRUE(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) << what;
 }
 
 bool same_bytes(const TriangleMesh& a, const TriangleMesh& b) {
@@ -53,9 +53,9 @@ TEST(Extract, KnownShapes) {
     const Volume volume = to_volume(known.samples);
     const Extraction e = extract(volume, at(known.isovalue));
     expect_honest(e, known.name);
-    EXPECT_EQ(e.report.mesh.kinds, known.kinds) << known.name << ": " << text(e.report.mesh.kinds);
+    EXPECT_EQ(e.finest().topology.kinds, known.kinds) << known.name << ": " << text(e.finest().topology.kinds);
     const Extraction below = extract(to_volume(negated(known.samples)), at(-known.isovalue, Inside::below));
-    EXPECT_TRUE(same_bytes(e.mesh, below.mesh)) << known.name << ": below is the negated volume";
+    EXPECT_TRUE(same_bytes(e.mesh(), below.mesh())) << known.name << ": below is the negated volume";
     if (HasFatalFailure()) return;
   }
 }
@@ -69,7 +69,7 @@ TEST(Extract, KnownShapesWithAndWithoutCoarserComplexes) {
       o.max_radius = radius;
       const Extraction e = extract(to_volume(known.samples), o);
       expect_honest(e, known.name);
-      EXPECT_EQ(e.report.mesh.kinds, known.kinds) << known.name << ": " << text(e.report.mesh.kinds);
+      EXPECT_EQ(e.finest().topology.kinds, known.kinds) << known.name << ": " << text(e.finest().topology.kinds);
       (e.report.coarser_c_vertices.empty() ? direct : coarsened) = true;
       if (HasFatalFailure()) return;
     }
@@ -84,7 +84,7 @@ TEST(Extract, GyroidCutByTheBoundary) {
     EXPECT_GT(want.boundary_loops, 1);
     const Extraction e = extract(to_volume(s), at(0));
     expect_honest(e, "gyroid");
-    EXPECT_EQ(e.report.mesh, want) << text(e.report.mesh.kinds) << " instead of " << text(want.kinds);
+    EXPECT_EQ(e.finest().topology, want) << text(e.finest().topology.kinds) << " instead of " << text(want.kinds);
   }
 }
 
@@ -94,7 +94,7 @@ TEST(Extract, WhiteNoise32) {
   EXPECT_GT(want.genus, 1000);
   const Extraction e = extract(to_volume(s), at(0));
   expect_honest(e, "white noise");
-  EXPECT_EQ(e.report.mesh, want);
+  EXPECT_EQ(e.finest().topology, want);
   EXPECT_GT(e.report.double_segments, 0u);
 }
 
@@ -102,22 +102,22 @@ TEST(Extract, OneVoxelBlobIsATetrahedronAtLeast) {
   Samples s = constant({5, 5, 5}, -10);
   s.at(2, 2, 2) = 7;
   const Extraction e = extract(to_volume(s), at(0));
-  EXPECT_GE(e.mesh.triangles.size(), 4u);
-  EXPECT_GT(signed_volume(e.mesh), 0);
+  EXPECT_GE(e.mesh().triangles.size(), 4u);
+  EXPECT_GT(signed_volume(e.mesh()), 0);
   EXPECT_EQ(e.report.c_vertices, 8u);
   EXPECT_EQ(e.report.faces, 6u);
 }
 
 TEST(Extract, CoarseMeansCoarse) {
   const Extraction ball = extract(to_volume(sampled({64, 64, 64}, sphere({31.4, 31.6, 31.55}, 26))), at(0));
-  EXPECT_LE(ball.mesh.triangles.size(), 60u) << "a smooth ball needs few triangles";
+  EXPECT_LE(ball.mesh().triangles.size(), 60u) << "a smooth ball needs few triangles";
   const Extraction ring = extract(to_volume(sampled({64, 64, 24}, torus({31.4, 31.6, 11.55}, 20, 8))), at(0));
-  EXPECT_LE(ring.mesh.triangles.size(), 250u);
+  EXPECT_LE(ring.mesh().triangles.size(), 250u);
   ExtractOptions finer = at(0);
   finer.max_radius = 4;
   const Extraction fine = extract(to_volume(sampled({64, 64, 64}, sphere({31.4, 31.6, 31.55}, 26))), finer);
-  EXPECT_GT(fine.mesh.triangles.size(), 4 * ball.mesh.triangles.size());
-  EXPECT_NEAR(signed_volume(fine.mesh), 4 * M_PI / 3 * 26 * 26 * 26, 0.03 * 4 * M_PI / 3 * 26 * 26 * 26);
+  EXPECT_GT(fine.mesh().triangles.size(), 4 * ball.mesh().triangles.size());
+  EXPECT_NEAR(signed_volume(fine.mesh()), 4 * M_PI / 3 * 26 * 26 * 26, 0.03 * 4 * M_PI / 3 * 26 * 26 * 26);
 }
 
 // -------------------------------------------------------------------------------------------------------- orientation
@@ -128,7 +128,7 @@ TEST(Orientation, BallCavityAndBelow) {
   const auto share_of_ball = [&](const Samples& s, Inside inside) {
     ExtractOptions o = at(0, inside);
     o.max_radius = 2;
-    return signed_volume(extract(to_volume(s), o).mesh) / volume;  // the mesh is inscribed, so a little less than 1
+    return signed_volume(extract(to_volume(s), o).mesh()) / volume;  // the mesh is inscribed, so a little less than 1
   };
   for (const double share : {share_of_ball(solid, Inside::above), share_of_ball(negated(solid), Inside::below),
                              -share_of_ball(solid, Inside::below), -share_of_ball(negated(solid), Inside::above)}) {
@@ -147,12 +147,12 @@ TEST(Orientation, EveryComponentOfKnownShapesFacesOutwards) {
     const bool hollows = known.name == "cavity" || known.name == "one-voxel hole" || known.name.starts_with("two holes across");
     if (!solids && !hollows) continue;
     const Extraction e = extract(to_volume(known.samples), at(known.isovalue));
-    EXPECT_EQ(e.report.turned_components, 0u) << known.name;
-    const MeshTopology topology = mesh_topology(e.mesh);
+    EXPECT_EQ(e.finest().turned_components, 0u) << known.name;
+    const MeshTopology topology = mesh_topology(e.mesh());
     for (std::size_t c = 0; c < topology.components.size(); ++c) {
       TriangleMesh part;
-      part.positions = e.mesh.positions;
-      for (const Triangle& t : e.mesh.triangles) {
+      part.positions = e.mesh().positions;
+      for (const Triangle& t : e.mesh().triangles) {
         if (topology.component_of_vertex[t[0]] == c) part.triangles.push_back(t);
       }
       EXPECT_GT((solids ? 1 : -1) * signed_volume(part), 0) << known.name << ", component " << c;
@@ -162,13 +162,13 @@ TEST(Orientation, EveryComponentOfKnownShapesFacesOutwards) {
 
 TEST(Orientation, NestedShellsAlternate) {
   const Extraction e = extract(to_volume(sampled({32, 32, 32}, nested_shells({15.4, 15.6, 15.55}, {3.1, 5.4, 8.2, 10.1, 13.7}))), at(0));
-  const MeshTopology topology = mesh_topology(e.mesh);
+  const MeshTopology topology = mesh_topology(e.mesh());
   ASSERT_EQ(topology.components.size(), 5u);
   std::vector<std::pair<double, double>> size_and_sign;
   for (std::size_t c = 0; c < 5; ++c) {
     TriangleMesh part;
-    part.positions = e.mesh.positions;
-    for (const Triangle& t : e.mesh.triangles) {
+    part.positions = e.mesh().positions;
+    for (const Triangle& t : e.mesh().triangles) {
       if (topology.component_of_vertex[t[0]] == c) part.triangles.push_back(t);
     }
     const double v = signed_volume(part);
@@ -182,8 +182,8 @@ TEST(Orientation, NestedShellsAlternate) {
 TEST(Orientation, HalfSpaceLooksAwayFromTheInside) {
   const Extraction e = extract(to_volume(sampled({9, 10, 11}, half_space({0, 0, 1}, 4.3))), at(0));
   double up = 0;
-  for (const Triangle& t : e.mesh.triangles) {
-    const Vec3 a = e.mesh.positions[t[0]], b = e.mesh.positions[t[1]], c = e.mesh.positions[t[2]];
+  for (const Triangle& t : e.mesh().triangles) {
+    const Vec3 a = e.mesh().positions[t[0]], b = e.mesh().positions[t[1]], c = e.mesh().positions[t[2]];
     EXPECT_NEAR(a.z, 4.3, 1e-3);
     up += 0.5 * ((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));
   }
@@ -198,7 +198,7 @@ TEST(Orientation, MirroredDirectionKeepsItOutwards) {
       if (mirrored) volume.grid.direction[1] = {0, -1, 0};
       ExtractOptions o = at(0);
       o.space = space;
-      EXPECT_GT(signed_volume(extract(volume, o).mesh), 0) << mirrored << " " << static_cast<int>(space);
+      EXPECT_GT(signed_volume(extract(volume, o).mesh()), 0) << mirrored << " " << static_cast<int>(space);
     }
   }
 }
@@ -217,37 +217,37 @@ TEST(Space, WorldOfAnAnisotropicTurnedGrid) {
   const Extraction lps = extract(volume, o);
   // Index (11.4, 9.6, 10.55) is the point origin + (-9.6 * 0.8, 11.4 * 0.5, 10.55 * 0.6).
   const Vec3 centre{100 - 7.68, -50 + 5.7, 7 + 6.33};
-  for (const Vec3& p : lps.mesh.positions) {
+  for (const Vec3& p : lps.mesh().positions) {
     EXPECT_NEAR(std::hypot(p.x - centre.x, p.y - centre.y, p.z - centre.z), 6, 0.1);
   }
-  const auto [low, high] = bounding_box(lps.mesh);
+  const auto [low, high] = bounding_box(lps.mesh());
   EXPECT_NEAR(low.x, centre.x - 6, 0.4);
   EXPECT_NEAR(high.y, centre.y + 6, 0.4);
   EXPECT_NEAR(high.z - low.z, 12, 0.8);
-  EXPECT_GT(signed_volume(lps.mesh), 0.7 * 4 * M_PI / 3 * 216);  // coarse and inscribed
-  EXPECT_LT(signed_volume(lps.mesh), 4 * M_PI / 3 * 216);
+  EXPECT_GT(signed_volume(lps.mesh()), 0.7 * 4 * M_PI / 3 * 216);  // coarse and inscribed
+  EXPECT_LT(signed_volume(lps.mesh()), 4 * M_PI / 3 * 216);
 
   o.space = Space::ras;
   const Extraction ras = extract(volume, o);
-  ASSERT_EQ(ras.mesh.positions.size(), lps.mesh.positions.size());
-  for (std::size_t i = 0; i < lps.mesh.positions.size(); ++i) {
-    const Vec3 p = lps.mesh.positions[i];
-    EXPECT_EQ(ras.mesh.positions[i], (Vec3{-p.x, -p.y, p.z}));
+  ASSERT_EQ(ras.mesh().positions.size(), lps.mesh().positions.size());
+  for (std::size_t i = 0; i < lps.mesh().positions.size(); ++i) {
+    const Vec3 p = lps.mesh().positions[i];
+    EXPECT_EQ(ras.mesh().positions[i], (Vec3{-p.x, -p.y, p.z}));
   }
-  EXPECT_EQ(ras.mesh.triangles, lps.mesh.triangles) << "two mirrorings are a rotation";
+  EXPECT_EQ(ras.mesh().triangles, lps.mesh().triangles) << "two mirrorings are a rotation";
 
   o.space = Space::voxel;
   const Extraction voxel = extract(volume, o);
-  ASSERT_EQ(voxel.mesh.positions.size(), lps.mesh.positions.size());
-  for (std::size_t i = 0; i < lps.mesh.positions.size(); ++i) {
-    const Vec3 w = volume.grid.to_world(voxel.mesh.positions[i]), p = lps.mesh.positions[i];
+  ASSERT_EQ(voxel.mesh().positions.size(), lps.mesh().positions.size());
+  for (std::size_t i = 0; i < lps.mesh().positions.size(); ++i) {
+    const Vec3 w = volume.grid.to_world(voxel.mesh().positions[i]), p = lps.mesh().positions[i];
     EXPECT_NEAR(std::hypot(w.x - p.x, w.y - p.y, w.z - p.z), 0, 1e-12);
   }
-  EXPECT_EQ(voxel.mesh.triangles, lps.mesh.triangles);
+  EXPECT_EQ(voxel.mesh().triangles, lps.mesh().triangles);
   // Shape is measured in the world, whatever the space.
-  EXPECT_DOUBLE_EQ(voxel.report.quality.edge_max, lps.report.quality.edge_max);
-  EXPECT_NEAR(ras.report.quality.aspect_min, lps.report.quality.aspect_min, 1e-12);
-  EXPECT_NEAR(mesh_quality(lps.mesh).edge_min, lps.report.quality.edge_min, 1e-12);
+  EXPECT_DOUBLE_EQ(voxel.finest().quality.edge_max, lps.finest().quality.edge_max);
+  EXPECT_NEAR(ras.finest().quality.aspect_min, lps.finest().quality.aspect_min, 1e-12);
+  EXPECT_NEAR(mesh_quality(lps.mesh()).edge_min, lps.finest().quality.edge_min, 1e-12);
 }
 
 TEST(Space, TransformTurnsTrianglesOverWhereTheMapMirrors) {
@@ -277,8 +277,8 @@ TEST(Determinism, SameBytesTwiceAndForAnyNumberOfThreads) {
       RunControl control;
       control.threads = threads;
       const Extraction again = extract(volume, at(0), control);
-      EXPECT_TRUE(same_bytes(first.mesh, again.mesh)) << name(family) << " " << threads;
-      EXPECT_EQ(first.report.certificate.repair_rounds, again.report.certificate.repair_rounds);
+      EXPECT_TRUE(same_bytes(first.mesh(), again.mesh())) << name(family) << " " << threads;
+      EXPECT_EQ(first.finest().certificate.repair_rounds, again.finest().certificate.repair_rounds);
       EXPECT_EQ(first.report.coarser_c_vertices, again.report.coarser_c_vertices);
     }
   }
@@ -290,7 +290,7 @@ TEST(Determinism, EverySampleTypeGivesTheSameMesh) {
   for (const SampleType type : kAllTypes) {
     const bool is_unsigned = name(type).starts_with("u");
     const Extraction got = extract(to_volume(is_unsigned ? plus(s, 120) : s, type), at(is_unsigned ? 123 : 3));
-    EXPECT_TRUE(same_bytes(want.mesh, got.mesh)) << name(type);
+    EXPECT_TRUE(same_bytes(want.mesh(), got.mesh())) << name(type);
   }
 }
 
@@ -303,8 +303,8 @@ TEST(Determinism, NegativeZeroIsZero) {
   for (const float v : plus_zero) minus_zero.push_back(v == 0 ? -0.0f : v);
   const Extraction a = extract(own(grid, SampleType::float32, plus_zero), at(0)),
                    b = extract(own(grid, SampleType::float32, minus_zero), at(-0.0));
-  EXPECT_TRUE(same_bytes(a.mesh, b.mesh));
-  EXPECT_EQ(a.report.mesh.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 1}}));
+  EXPECT_TRUE(same_bytes(a.mesh(), b.mesh()));
+  EXPECT_EQ(a.finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 1}}));
 }
 
 }  // namespace

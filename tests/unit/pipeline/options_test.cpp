@@ -127,11 +127,11 @@ TEST(NonFinite, RefusedWithCountAndPlace) { expect_error(ErrorCode::unsupported,
 TEST(NonFinite, OnTheSideItIsPut) {
   ExtractOptions o;
   o.non_finite = NonFinite::above;
-  EXPECT_EQ(extract(with_nan(), o).report.mesh.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 1}}));
+  EXPECT_EQ(extract(with_nan(), o).finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 1}}));
   o.non_finite = NonFinite::below;  // now a cavity in the ball
-  EXPECT_EQ(extract(with_nan(), o).report.mesh.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 2}}));
+  EXPECT_EQ(extract(with_nan(), o).finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 2}}));
   o.inside = Inside::below;
-  EXPECT_EQ(extract(with_nan(), o).report.mesh.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 2}}));
+  EXPECT_EQ(extract(with_nan(), o).finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 2}}));
 }
 
 TEST(NonFinite, InfinitiesKeepTheirSide) {
@@ -144,8 +144,8 @@ TEST(NonFinite, InfinitiesKeepTheirSide) {
       ExtractOptions o;
       o.non_finite = policy;
       const Extraction e = extract(own(grid, SampleType::float64, values), o);
-      EXPECT_EQ(e.report.mesh.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 1}}));
-      EXPECT_EQ(signed_volume(e.mesh) > 0, sign > 0);
+      EXPECT_EQ(e.finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 1}}));
+      EXPECT_EQ(signed_volume(e.mesh()) > 0, sign > 0);
     }
   }
 }
@@ -177,8 +177,8 @@ TEST(NonFinite, NoiseOfEverything) {
         o.non_finite = policy;
         o.inside = inside;
         const Extraction e = extract(own(grid, SampleType::float64, values), o);
-        EXPECT_EQ(kinds_of(e.mesh), e.report.reference.kinds);
-        for (const Vec3& p : e.mesh.positions) ASSERT_TRUE(std::isfinite(p.x + p.y + p.z));
+        EXPECT_EQ(kinds_of(e.mesh()), e.report.reference.kinds);
+        for (const Vec3& p : e.mesh().positions) ASSERT_TRUE(std::isfinite(p.x + p.y + p.z));
       }
     }
   }
@@ -197,17 +197,17 @@ Extraction scaled_torus(double scale, double spacing) {
 }
 
 TEST(Extremes, HugeAndTinySamplesAndSpacings) {
-  const std::size_t triangles = scaled_torus(1, 1).mesh.triangles.size();
+  const std::size_t triangles = scaled_torus(1, 1).mesh().triangles.size();
   for (const double scale : {1e300, 1e200, 1e-200, 1e-300, 1e-320}) {
     for (const double spacing : {1e-6, 1.0, 1e6}) {
       const Extraction e = scaled_torus(scale, spacing);
-      EXPECT_EQ(e.report.mesh.kinds, (std::vector<TopologySummary::Kind>{{1, 0, 1}})) << scale << " " << spacing;
-      EXPECT_EQ(e.report.turned_components, 0u) << scale << " " << spacing;
-      EXPECT_LE(e.mesh.triangles.size(), 2 * triangles) << "as coarse as ever, " << scale << " " << spacing;
-      for (const Vec3& p : e.mesh.positions) ASSERT_TRUE(std::isfinite(p.x + p.y + p.z));
-      const auto [low, high] = bounding_box(e.mesh);
+      EXPECT_EQ(e.finest().topology.kinds, (std::vector<TopologySummary::Kind>{{1, 0, 1}})) << scale << " " << spacing;
+      EXPECT_EQ(e.finest().turned_components, 0u) << scale << " " << spacing;
+      EXPECT_LE(e.mesh().triangles.size(), 2 * triangles) << "as coarse as ever, " << scale << " " << spacing;
+      for (const Vec3& p : e.mesh().positions) ASSERT_TRUE(std::isfinite(p.x + p.y + p.z));
+      const auto [low, high] = bounding_box(e.mesh());
       EXPECT_GT(high.x - low.x, 5 * spacing);
-      EXPECT_GT(signed_volume(e.mesh), 0);
+      EXPECT_GT(signed_volume(e.mesh()), 0);
     }
   }
 }
@@ -216,7 +216,7 @@ TEST(Extremes, HugeAndTinySamplesAndSpacings) {
 TEST(Extremes, UnitsOfLengthDoNotMatter) {
   const Extraction one = scaled_torus(1, 1);
   for (const double spacing : {0x1p-600, 0x1p-160, 0x1p-40, 0x1p40, 0x1p160, 0x1p600}) {
-    EXPECT_EQ(scaled_torus(1, spacing).mesh.triangles, one.mesh.triangles) << spacing;
+    EXPECT_EQ(scaled_torus(1, spacing).mesh().triangles, one.mesh().triangles) << spacing;
   }
 }
 
@@ -228,7 +228,7 @@ TEST(Extremes, RadiusAndPersistenceOfAnyLength) {
     persistence.event_persistence = length;
     for (const ExtractOptions& options : {radius, persistence}) {
       const Extraction e = extract(volume, options);
-      EXPECT_EQ(e.report.mesh.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 1}})) << length;
+      EXPECT_EQ(e.finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 1}})) << length;
     }
   }
 }
@@ -240,7 +240,7 @@ TEST(Extremes, LargePersistenceCostsNoMore) {
   options.max_radius = 1;
   options.event_persistence = 1000;
   const Extraction e = extract(volume, options);
-  EXPECT_GT(e.mesh.triangles.size(), 4000u);
+  EXPECT_GT(e.mesh().triangles.size(), 4000u);
 }
 
 // A power of two changes no digit of any sample, so it changes nothing at all.
@@ -248,8 +248,8 @@ TEST(Extremes, UnitsOfTheSamplesDoNotMatter) {
   const Extraction one = scaled_torus(1, 1);
   for (const double scale : {0x1p-400, 0x1p-60, 0x1p60, 0x1p400}) {
     const Extraction e = scaled_torus(scale, 1);
-    EXPECT_EQ(e.mesh.triangles, one.mesh.triangles) << scale;
-    EXPECT_EQ(e.mesh.positions, one.mesh.positions) << scale;
+    EXPECT_EQ(e.mesh().triangles, one.mesh().triangles) << scale;
+    EXPECT_EQ(e.mesh().positions, one.mesh().positions) << scale;
   }
 }
 
@@ -258,10 +258,10 @@ TEST(Extremes, UnitsOfTheWorldDoNotMatter) {
   const Extraction one = scaled_torus(1, 1);
   for (const double spacing : {0x1p-20, 0x1p-3, 4.0, 0x1p20}) {
     const Extraction e = scaled_torus(1, spacing);
-    ASSERT_EQ(e.mesh.triangles, one.mesh.triangles) << spacing;
-    for (std::size_t i = 0; i < one.mesh.positions.size(); ++i) {
-      const Vec3 p = one.mesh.positions[i];
-      ASSERT_EQ(e.mesh.positions[i], (Vec3{p.x * spacing, p.y * spacing, p.z * spacing})) << spacing;
+    ASSERT_EQ(e.mesh().triangles, one.mesh().triangles) << spacing;
+    for (std::size_t i = 0; i < one.mesh().positions.size(); ++i) {
+      const Vec3 p = one.mesh().positions[i];
+      ASSERT_EQ(e.mesh().positions[i], (Vec3{p.x * spacing, p.y * spacing, p.z * spacing})) << spacing;
     }
   }
 }
@@ -270,7 +270,7 @@ TEST(Extremes, VeryDifferentSpacingsAlongTheAxes) {
   const Samples s = sampled({14, 14, 14}, gyroid(7.7, 0.1));
   const auto kinds = reference_topology(s, 0).kinds;
   for (const Vec3 spacing : {Vec3{1, 1, 100}, Vec3{0.01, 1, 1}, Vec3{1, 30, 0.5}}) {
-    EXPECT_EQ(extract(to_volume(s, SampleType::int32, spacing), {}).report.mesh.kinds, kinds);
+    EXPECT_EQ(extract(to_volume(s, SampleType::int32, spacing), {}).finest().topology.kinds, kinds);
   }
 }
 
@@ -282,12 +282,12 @@ TEST(Extremes, EveryRadiusAndPersistenceIsCertified) {
       ExtractOptions o;
       o.max_radius = radius;
       o.event_persistence = persistence;
-      EXPECT_EQ(extract(to_volume(s), o).report.mesh.kinds, kinds) << radius << " " << persistence;
+      EXPECT_EQ(extract(to_volume(s), o).finest().topology.kinds, kinds) << radius << " " << persistence;
     }
   }
   ExtractOptions plain;
   plain.vertices_on_surface = false;
-  EXPECT_EQ(extract(to_volume(s), plain).report.mesh.kinds, kinds);
+  EXPECT_EQ(extract(to_volume(s), plain).finest().topology.kinds, kinds);
 }
 
 // ------------------------------------------------------------------------------------------------ progress, cancellation

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "isoatlas/mesh.h"
+
+namespace isoatlas {
+
+/// Nested levels of detail. Every vertex is stored once, ordered by the level that brought it; a level uses a prefix of the
+/// vertices and has triangles of its own. So a vertex of a coarse level is in every finer level, at the same index.
+struct Hierarchy {
+  struct Level {
+    std::uint32_t vertex_count = 0;   ///< the level's vertices are [0, vertex_count); never less than in the level before
+    std::vector<Triangle> triangles;  ///< T x 3, corners < vertex_count
+    std::vector<Vec3> placed;         ///< with Placement::balanced, vertex_count positions for this level; else empty
+  };
+
+  std::vector<Vec3> positions;        ///< V x 3, on the isosurface, the same in all levels
+  std::vector<std::uint32_t> parent;  ///< per vertex, the vertex of the level before in whose cell it was placed; in level 0 itself
+  std::vector<Level> levels;          ///< coarse to fine, at least one after extract()
+
+  std::uint32_t level_of(std::uint32_t vertex) const;  ///< the first level that has the vertex
+  /// The triangles of a level with its vertices: `placed` if it has them, else its prefix of `positions`.
+  TriangleMesh mesh(std::size_t level) const;
+};
+
+}  // namespace isoatlas

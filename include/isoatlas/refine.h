@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// What can be asked of a level.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace isoatlas {
+
+/// What can be bounded. The first six are the paper's error metrics (section 3.5), measured per cell and bounded from above.
+enum class Quantity {
+  max_distance,           ///< largest distance between the cell's surface and the mesh, both ways; world length
+  mean_distance,          ///< mean distance of the cell's c-vertices from the mesh; world length
+  area_curvature,         ///< surface area / area seen along the triangles' normals; ratio >= 1
+  area_curvature_smooth,  ///< the same with normals interpolated between the vertices; ratio >= 1
+  geodesic_ratio,         ///< geodesic / straight distance from the site to the cell's border, at most; ratio >= 1
+  normal_angle,           ///< angles between normals summed along a geodesic from the site, at most; degrees
+  max_vertices,           ///< no more vertices than this
+  min_vertices,           ///< no fewer
+  min_edge,               ///< no shorter edge; world length
+  max_edge,               ///< no longer edge; world length
+  min_aspect,             ///< no triangle with a smaller ratio of shortest to longest edge; (0, 1)
+};
+inline constexpr std::size_t kMetricCount = 6;
+inline constexpr std::size_t kQuantityCount = 11;
+
+enum class Unit { length, ratio, degrees, count };
+
+std::string_view name(Quantity quantity);                       ///< as on the command line: "max-distance" ... "min-aspect"
+std::optional<Quantity> quantity_named(std::string_view name);  ///< none if there is no such quantity
+Unit unit(Quantity quantity);
+constexpr bool is_metric(Quantity quantity) { return static_cast<std::size_t>(quantity) < kMetricCount; }
+/// min_vertices, min_edge and min_aspect are bounded from below, all others from above.
+constexpr bool is_lower_bound(Quantity quantity) {
+  return quantity == Quantity::min_vertices || quantity == Quantity::min_edge || quantity == Quantity::min_aspect;
+}
+
+/// A soft constraint: one quantity and its bound.
+struct Constraint {
+  Quantity quantity;
+  double bound = 0;
+  friend bool operator==(const Constraint&, const Constraint&) = default;
+};
+
+/// What one level has to be, the more important constraints first: where they pull apart, an earlier one wins.
+/// Topology always comes before all of them.
+using LevelGoal = std::vector<Constraint>;
+
+/// Where a level's vertices sit. surface: on the isosurface, the same in all levels. balanced: per level, moved along the
+/// surface's normal so that the mesh lies evenly on both sides of the surface; boundary vertices stay.
+enum class Placement { surface, balanced };
+
+}  // namespace isoatlas
