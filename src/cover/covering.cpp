@@ -23,6 +23,22 @@ Covering::Covering(const CVertexGraph& graph, const CoveringOptions& options)
   partition_.cell_of.assign(graph.c_vertex_count(), kNone);
 }
 
+void Covering::assign(const Covering& other) {
+  partition_ = other.partition_;
+  placed_in_ = other.placed_in_;
+  distance_ = other.distance_;
+  radius_ = other.radius_;
+  queued_ = other.queued_;
+  changed_ = other.changed_;
+  uncovered_boundary_ = other.uncovered_boundary_;
+  uncovered_interior_ = other.uncovered_interior_;
+  reached_ = other.reached_;
+  progress_ = other.progress_;
+  watch_events_ = other.watch_events_;
+  next_boundary_ = other.next_boundary_;
+  next_interior_ = other.next_interior_;
+}
+
 void Covering::enqueue(CVertexId v) {
   if (queued_[v]) return;
   queued_[v] = 1;
@@ -32,6 +48,7 @@ void Covering::enqueue(CVertexId v) {
 void Covering::insert(CVertexId v) {
   const CellId cell = site_count();
   partition_.site.push_back(v);
+  placed_in_.push_back(partition_.cell_of[v]);
   front_.clear();
   distance_[v] = 0;
   reached_ += partition_.cell_of[v] == kNone;
@@ -60,6 +77,10 @@ void Covering::lower_radius(CVertexId v, float radius) {
   front_.clear();
   radius_[v] = radius;
   front_.push(length_key(radius, v));
+  spread_radii();
+}
+
+void Covering::spread_radii() {
   while (!front_.empty()) {
     const std::uint64_t key = front_.pop();
     const CVertexId w = key_id(key);
@@ -71,6 +92,44 @@ void Covering::lower_radius(CVertexId v, float radius) {
       radius_[n.id] = r;
       front_.push(length_key(r, n.id));
     }
+  }
+}
+
+void Covering::seed(std::span<const CVertexId> sites, std::span<const Radius> radii) {
+  front_.clear();
+  for (const Radius& r : radii) {
+    if (r.radius >= radius_[r.at]) continue;
+    radius_[r.at] = r.radius;
+    front_.push(length_key(r.radius, r.at));
+  }
+  spread_radii();
+
+  front_.clear();
+  for (const CVertexId v : sites) {
+    distance_[v] = 0;
+    partition_.cell_of[v] = site_count();
+    partition_.site.push_back(v);
+    placed_in_.push_back(kNone);
+    front_.push(length_key(0, v));
+  }
+  while (!front_.empty()) {
+    const std::uint64_t key = front_.pop();
+    const CVertexId w = key_id(key);
+    if (key_length(key) > distance_[w]) continue;
+    for (const CVertexGraph::Neighbour& n : graph_.row(w)) {
+      const float d = distance_[w] + n.weight;
+      CellId& cell = partition_.cell_of[n.id];
+      // Equal distances go to the earlier site.
+      if (d > distance_[n.id] || (d == distance_[n.id] && partition_.cell_of[w] >= cell)) continue;
+      distance_[n.id] = d;
+      cell = partition_.cell_of[w];
+      front_.push(length_key(d, n.id));
+    }
+  }
+  for (CVertexId v = 0; v < graph_.c_vertex_count(); ++v) {
+    if (partition_.cell_of[v] == kNone) continue;
+    ++reached_;
+    if (!is_covered(v)) enqueue(v);
   }
 }
 
@@ -106,7 +165,7 @@ void Covering::cover_reached(const RunControl& control) {
 }
 
 void Covering::add_disk(CVertexId v) {
-  lower_radius(v, events_.event_radius(v, radius_[v]));
+  if (watch_events_) lower_radius(v, events_.event_radius(v, radius_[v]));
   insert(v);
 }
 

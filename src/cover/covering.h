@@ -31,9 +31,25 @@ class Covering {
  public:
   Covering(const CVertexGraph& graph, const CoveringOptions& options);
 
+  /// Takes over the other's state. @pre both are of the same graph, with the same options
+  void assign(const Covering& other);
+
   /// Stage one: adds the c-vertex farthest from all sites, its disk limited by topological events, until all are covered.
   /// Components without a site get one first, on their boundary if they have one.
   void cover(const RunControl& control);
+
+  /// Starts from sites and radii found on a coarser complex. @pre nothing was inserted yet
+  /// @param sites   become the first sites, in this order
+  /// @param radii   h(radii.at) <= radii.radius + d / 3 from now on
+  struct Radius {
+    CVertexId at;
+    float radius;
+  };
+  void seed(std::span<const CVertexId> sites, std::span<const Radius> radii);
+
+  /// From now on new disks are not limited by topological events: once the certificate has passed there is no need to look
+  /// for them, smaller disks inside certified cells have none that matter (paper, figure 8), and repair has the last word.
+  void ignore_events() { watch_events_ = false; }
 
   /// Makes v a site and gives it every c-vertex that is nearer to it than to any other.
   void insert(CVertexId v);
@@ -43,6 +59,9 @@ class Covering {
   /// Per c-vertex, 1 if it came into another cell since the last call of forget_changes().
   std::span<const std::uint8_t> changed() const { return changed_; }
   void forget_changes() { std::fill(changed_.begin(), changed_.end(), std::uint8_t{0}); }
+
+  /// Per site, the cell its c-vertex was in when it was inserted; kNone for the first of a component and for seeds.
+  const std::vector<CellId>& placed_in() const { return placed_in_; }
 
   std::uint32_t site_count() const { return static_cast<std::uint32_t>(partition_.site.size()); }
   const Partition& partition() const { return partition_; }
@@ -57,12 +76,14 @@ class Covering {
   void enqueue(CVertexId v);
   void add_disk(CVertexId v);  ///< a site whose disk is limited by its first topological event
   void cover_reached(const RunControl& control);
+  void spread_radii();
   CVertexId farthest_uncovered();
 
   const CVertexGraph& graph_;
   CoveringOptions options_;
   EventFinder events_;
   Partition partition_;
+  std::vector<CellId> placed_in_;
   std::vector<float> distance_;
   std::vector<float> radius_;
   std::vector<std::uint8_t> queued_;
@@ -71,6 +92,7 @@ class Covering {
   FarthestFirst uncovered_boundary_, uncovered_interior_;
   std::size_t reached_ = 0;  // c-vertices in some cell
   double progress_ = 0;
+  bool watch_events_ = true;
   CVertexId next_boundary_ = 0, next_interior_ = 0;  // where to look for components without a site
 };
 

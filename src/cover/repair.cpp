@@ -3,6 +3,7 @@
 #include "cover/repair.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace isoatlas {
 namespace {
@@ -99,44 +100,77 @@ std::vector<CVertexId> independent(std::vector<Fix> fixes, std::uint32_t cells) 
   return out;
 }
 
+// Triangles with a corner in scope are replaced by those the check found there.
+void replace_triangles(std::vector<DualTriangle>& triangles, const std::vector<std::uint8_t>& scope, std::vector<DualTriangle>& found) {
+  const auto in_scope = [&](const DualTriangle& t) { return scope[t.cell[0]] || scope[t.cell[1]] || scope[t.cell[2]]; };
+  if (scope.empty()) {
+    triangles = std::move(found);
+    return;
+  }
+  std::erase_if(triangles, in_scope);
+  std::copy_if(found.begin(), found.end(), std::back_inserter(triangles), in_scope);  // a quad's other half may lie outside
+}
+
 }  // namespace
 
-PartitionCheck certify_and_repair(const SurfaceComplex& complex, Covering& covering, CertificateReport& report, const RunControl& control) {
-  const Partition& partition = covering.partition();
+// `scope` empty: everything.
+void CertifiedDual::check_and_repair(std::vector<std::uint8_t> scope, CertificateReport& report, const RunControl& control) {
+  const Partition& partition = covering_.partition();
   RunControl quiet = control;  // what is covered on the way is not the stage that tells its progress
   quiet.progress = nullptr;
-  std::vector<std::uint8_t> scope;  // after a repair, look again only around it; the last check is of everything
   for (;;) {
     control.check_cancelled();
-    PartitionCheck check = check_partition(complex, partition.cell_of, partition.cell_count(), partition.site, scope);
+    PartitionCheck check = check_partition(complex_, partition.cell_of, partition.cell_count(), partition.site, scope);
     ++report.repair_rounds;
-    if (check.passed() && scope.empty()) {
-      record(check, report);
-      return check;
-    }
+    touched_.resize(partition.cell_count(), 1);
+    for (CellId c = 0; c < partition.cell_count(); ++c) touched_[c] |= scope.empty() || scope[c];
+    if (check.passed() && scope.empty()) record(check, report);
+    replace_triangles(triangles_, scope, check.triangles);
     if (check.passed()) {
-      scope.clear();
-      continue;
+      complete_ = scope.empty();
+      report.passed = true;
+      return;
     }
-    const std::uint32_t before = covering.site_count();
-    covering.forget_changes();
-    for (const CVertexId v : independent(find_fixes(complex, covering, check), partition.cell_count())) {
-      if (covering.distance()[v] == 0) continue;  // two fixes may agree on the same c-vertex
-      covering.lower_radius(v, covering.distance()[v]);
-      covering.insert(v);
+    report.passed = false;
+
+    const std::uint32_t before = covering_.site_count();
+    covering_.forget_changes();
+    for (const CVertexId v : independent(find_fixes(complex_, covering_, check), partition.cell_count())) {
+      if (covering_.distance()[v] == 0) continue;  // two fixes may agree on the same c-vertex
+      covering_.lower_radius(v, covering_.distance()[v]);
+      covering_.insert(v);
     }
-    covering.cover(quiet);
-    if (covering.site_count() == before) {
+    covering_.cover(quiet);
+    if (covering_.site_count() == before) {
       throw Error(ErrorCode::internal, "the certificate fails and no site is left to add; please report the volume and the options");
     }
-    report.repair_sites += covering.site_count() - before;
+    report.repair_sites += covering_.site_count() - before;
 
-    scope = cells_near_changes(complex, partition.cell_of, partition.cell_count(), covering.changed());
+    scope = cells_near_changes(complex_, partition.cell_of, partition.cell_count(), covering_.changed());
     for (CellId c = 0; c < before; ++c) {  // faults left for the next round
       if (check.cell_fault[c] != 0) scope[c] = 1;
     }
     for (const PairFault& p : check.pair_faults) scope[p.a] = scope[p.b] = 1;
   }
+}
+
+void CertifiedDual::update(CertificateReport& report, const RunControl& control) {
+  const Partition& partition = covering_.partition();
+  std::vector<std::uint8_t> scope;
+  if (!fresh_) scope = cells_near_changes(complex_, partition.cell_of, partition.cell_count(), covering_.changed());
+  fresh_ = false;
+  check_and_repair(std::move(scope), report, control);
+  covering_.forget_changes();
+}
+
+void CertifiedDual::certify(CertificateReport& report, const RunControl& control) {
+  update(report, control);
+  while (!complete_) {  // once: the look at everything finds nothing that the looks at what changed have missed
+    const std::vector<std::uint8_t> touched = touched_;
+    check_and_repair({}, report, control);
+    if (touched.size() == covering_.site_count()) touched_ = touched;  // looking touches nothing
+  }
+  covering_.forget_changes();
 }
 
 }  // namespace isoatlas

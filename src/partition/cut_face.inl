@@ -7,7 +7,7 @@ namespace isoatlas {
 inline FaceCut cut_face(const SurfaceComplex& complex, const Face& face, const std::array<CellId, 4>& c, std::span<const CVertexId> site) {
   FaceCut out;
   if (face.is_triangle()) {
-    if (c[0] != c[1] && c[1] != c[2] && c[2] != c[0]) out.triangle[out.triangles++] = {{c[0], c[1], c[2]}};
+    if (c[0] != c[1] && c[1] != c[2] && c[2] != c[0]) out.triangle[out.triangles++] = {{c[0], c[1], c[2]}, face.corner[0]};
     return out;
   }
   const auto corner_distance = [&](int i, int j) {
@@ -25,7 +25,7 @@ inline FaceCut cut_face(const SurfaceComplex& complex, const Face& face, const s
   for (int k = 0; k < 4; ++k) {
     if (c[k] != c[(k + 1) % 4]) continue;
     const CellId a = c[k], b = c[(k + 2) % 4], d = c[(k + 3) % 4];
-    if (b != d) out.triangle[out.triangles++] = {{a, b, d}};
+    if (b != d) out.triangle[out.triangles++] = {{a, b, d}, face.corner[(k + 2) % 4]};
     return out;
   }
   double d02, d13;
@@ -40,9 +40,9 @@ inline FaceCut cut_face(const SurfaceComplex& complex, const Face& face, const s
     d13 = site_distance(1, 3);
   }
   if (d02 <= d13) {
-    out.triangle = {DualTriangle{{c[0], c[1], c[2]}}, DualTriangle{{c[0], c[2], c[3]}}};
+    out.triangle = {DualTriangle{{c[0], c[1], c[2]}, face.corner[1]}, DualTriangle{{c[0], c[2], c[3]}, face.corner[3]}};
   } else {
-    out.triangle = {DualTriangle{{c[1], c[2], c[3]}}, DualTriangle{{c[1], c[3], c[0]}}};
+    out.triangle = {DualTriangle{{c[1], c[2], c[3]}, face.corner[2]}, DualTriangle{{c[1], c[3], c[0]}, face.corner[0]}};
   }
   out.triangles = 2;
   return out;

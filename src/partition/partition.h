@@ -18,6 +18,7 @@ struct Partition {
 /// The dual of a partition has one triangle for every face, or half of a quad, with three different cells at its corners.
 struct DualTriangle {
   std::array<CellId, 3> cell;  ///< in the order of the face's corners, so oriented as the face
+  CVertexId at = kNone;        ///< a corner of the face: where on the surface the three cells meet
 };
 
 /// How the cells of its corners cut one face: which of its sides and diagonals lie inside a cell, and which dual triangles it

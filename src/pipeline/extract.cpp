@@ -17,6 +17,7 @@
 #include "cover/repair.h"
 #include "mesh/outward.h"
 #include "partition/coarsen.h"
+#include "refine/refiner.h"
 #include "surface/area_vectors.h"
 #include "surface/components.h"
 #include "surface/parse_surface.h"
@@ -168,6 +169,38 @@ std::vector<Triangle> to_triangles(std::span<const DualTriangle> dual) {
   return triangles;
 }
 
+// A goal with its lengths as multiples of `length`.
+LevelGoal in_units_of(LevelGoal goal, double length) {
+  for (Constraint& c : goal) {
+    if (unit(c.quantity) == Unit::length) c.bound /= length;
+  }
+  return goal;
+}
+
+Vec3 to_space(Vec3 p, const Grid& grid, Space space) {
+  TriangleMesh one;
+  one.positions.push_back(p);
+  transform_to(one, grid, space);
+  return one.positions[0];
+}
+
+// Where a level's vertices sit, in sample-index coordinates. `at`: per vertex, the c-vertex it is on or over.
+std::vector<Vec3> positions_of(const SurfaceComplex& surface, const std::vector<CVertexId>& at, const Refiner& refiner) {
+  std::vector<Vec3> out;
+  out.reserve(at.size());
+  const std::vector<float>& offset = refiner.places().offset;
+  for (CellId c = 0; c < at.size(); ++c) {
+    Vec3 p = surface.positions[at[c]];
+    if (!offset.empty()) {
+      const Vec3 n = refiner.surfels().normal[at[c]], s = surface.spacing;
+      const auto d = static_cast<double>(offset[c]);
+      p = p + Vec3{d * n.x / s.x, d * n.y / s.y, d * n.z / s.z};
+    }
+    out.push_back(p);
+  }
+  return out;
+}
+
 // The end of every level: the topology check, then into the output's space, where shape is measured.
 void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<const CVertexId> sites, const Components& reference,
                   const Grid& grid, Space space, LevelReport& report) {
@@ -278,7 +311,8 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
 
   control.report("certify", 0);
   LevelReport& coarse = report.levels.emplace_back();
-  PartitionCheck check = certify_and_repair(complex, covering, coarse.certificate, control);
+  CertifiedDual dual(complex, covering);
+  dual.certify(coarse.certificate, control);
   clock.finished("certify");
 
   control.report("mesh", 0);
@@ -286,7 +320,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   TriangleMesh mesh;
   MeshTopology topology;
   for (int round = 0;; ++round) {
-    mesh.triangles = to_triangles(check.triangles);
+    mesh.triangles = to_triangles(dual.triangles());
     mesh.positions.clear();
     for (const CVertexId v : partition.site) mesh.positions.push_back(complex.positions[v]);
     topology = mesh_topology(mesh);
@@ -295,7 +329,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
                           outward_of_cells(complex, coarser, partition), 0);
     coarse.turned_components = static_cast<std::size_t>(std::count(turned.begin(), turned.end(), 1));
     if (coarse.turned_components == 0 || !refine_components(complex, covering, topology, turned, round, coarse.certificate)) break;
-    check = certify_and_repair(complex, covering, coarse.certificate, control);
+    dual.certify(coarse.certificate, control);
   }
   clock.finished("mesh");
 
@@ -311,6 +345,52 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   hierarchy.levels.push_back({checked_id(hierarchy.positions.size(), "vertices"), std::move(mesh.triangles), {}});
   hierarchy.parent.resize(hierarchy.positions.size());
   std::iota(hierarchy.parent.begin(), hierarchy.parent.end(), 0u);
+  if (options.refine.empty()) return out;
+
+  control.report("refine", 0);
+  Refiner refiner(surface, coarser, cover, covering);
+  for (const LevelGoal& goal : options.refine) {
+    const auto start = std::chrono::steady_clock::now();
+    const RefinedLevel refined = refiner.refine(in_units_of(goal, voxel), options.placement, control);
+    LevelReport& level = report.levels.emplace_back();
+    level.certificate = refined.certificate;
+    level.metrics = refined.metrics;
+    level.constraints = refined.constraints;
+    level.refine_rounds = refined.rounds;
+    for (std::size_t m = 0; m < kMetricCount; ++m) {
+      if (unit(static_cast<Quantity>(m)) != Unit::length) continue;
+      level.metrics[m].maximum *= voxel;
+      level.metrics[m].mean *= voxel;
+    }
+    for (std::size_t i = 0; i < goal.size(); ++i) {
+      level.constraints[i].wanted = goal[i];
+      if (unit(goal[i].quantity) == Unit::length) level.constraints[i].reached *= voxel;
+    }
+
+    const std::vector<CVertexId>& at = refiner.places().anchor;
+    mesh.positions = positions_of(surface, at, refiner);
+    mesh.triangles = refined.triangles;
+    for (const auto& [cell, excess] : refined.at_limit)
+      level.at_limit.push_back({to_space(mesh.positions[cell], grid, options.space), excess});
+    topology = mesh_topology(mesh);
+    const std::vector<Vec3> outward = area_vectors(surface, refiner.partition().cell_of, refiner.partition().cell_count());
+    const std::vector<std::uint8_t> turned = turned_components(mesh.positions, mesh.triangles, surface.spacing,
+                                                               topology.component_of_vertex, topology.components.size(), outward, 0);
+    level.turned_components = static_cast<std::size_t>(std::count(turned.begin(), turned.end(), 1));
+    finish_level(mesh, topology, refiner.partition().site, reference, grid, options.space, level);
+
+    TriangleMesh on_surface;  // vertices that are new in this level; the others are there already
+    for (std::size_t v = hierarchy.positions.size(); v < at.size(); ++v) on_surface.positions.push_back(surface.positions[at[v]]);
+    transform_to(on_surface, grid, options.space);
+    hierarchy.positions.insert(hierarchy.positions.end(), on_surface.positions.begin(), on_surface.positions.end());
+    const std::vector<std::uint32_t> parents = refiner.parents();
+    hierarchy.parent.insert(hierarchy.parent.end(), parents.begin() + static_cast<std::ptrdiff_t>(hierarchy.parent.size()), parents.end());
+    const bool balanced = options.placement == Placement::balanced;
+    hierarchy.levels.push_back(
+        {checked_id(at.size(), "vertices"), std::move(mesh.triangles), balanced ? std::move(mesh.positions) : std::vector<Vec3>{}});
+    level.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  }
+  clock.finished("refine");
   return out;
 } catch (const std::bad_alloc&) {
   throw Error(ErrorCode::out_of_memory, "not enough memory for this surface");

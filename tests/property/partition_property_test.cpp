@@ -26,8 +26,9 @@ RC_GTEST_PROP(AnyCovering, CoversAndCertifies, (const RandomCase& c)) {
   Covering covering(graph, options);
   covering.cover({});
   CertificateReport report;
-  const PartitionCheck check = certify_and_repair(surface, covering, report, {});
-  RC_ASSERT(check.passed() && report.passed);
+  CertifiedDual dual_of(surface, covering);
+  dual_of.certify(report, {});
+  RC_ASSERT(report.passed);
   const Partition& p = covering.partition();
   const std::vector<double> distance = slow_distances(graph, p.site);
   for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
@@ -35,7 +36,7 @@ RC_GTEST_PROP(AnyCovering, CoversAndCertifies, (const RandomCase& c)) {
     RC_ASSERT(std::abs(covering.distance()[v] - distance[v]) <= 1e-4 * (1 + distance[v]));
     for (const auto& n : graph.row(v)) RC_ASSERT(covering.radius()[v] <= covering.radius()[n.id] + n.weight / 3 * 1.0001f);
   }
-  const SurfaceComplex dual = dual_complex(surface, p, check.triangles);
+  const SurfaceComplex dual = dual_complex(surface, p, dual_of.triangles());
   RC_ASSERT(validate(dual) == "");
   RC_ASSERT(kinds_of(triangles_of(dual)) == kinds_of(triangles_of(surface)));
 }

@@ -22,19 +22,20 @@ void expect_certified(const SurfaceComplex& surface, float radius, float persist
   covering.cover({});
   const std::uint32_t covered = covering.site_count();
   CertificateReport report;
-  const PartitionCheck check = certify_and_repair(surface, covering, report, {});
-  ASSERT_TRUE(check.passed() && report.passed) << what;
+  CertifiedDual dual_of(surface, covering);
+  dual_of.certify(report, {});
+  ASSERT_TRUE(report.passed) << what;
   ASSERT_EQ(report.repair_sites, covering.site_count() - covered) << what;
   ASSERT_EQ(report.cells_checked, covering.site_count()) << what;
-  ASSERT_EQ(report.triples_checked, check.triangles.size()) << what;
+  ASSERT_EQ(report.triples_checked, dual_of.triangles().size()) << what;
   const Partition& p = covering.partition();
   // Looked at once more, from scratch and all of it.
   const PartitionCheck again = check_partition(surface, p.cell_of, p.cell_count(), p.site);
   ASSERT_TRUE(again.passed()) << what;
-  ASSERT_EQ(again.triangles.size(), check.triangles.size()) << what;
+  ASSERT_EQ(again.triangles.size(), dual_of.triangles().size()) << what;
   ASSERT_EQ(again.cells, p.cell_count());
   for (CVertexId v = 0; v < surface.c_vertex_count(); ++v) ASSERT_TRUE(covering.is_covered(v)) << what;
-  const SurfaceComplex dual = dual_complex(surface, p, check.triangles);
+  const SurfaceComplex dual = dual_complex(surface, p, dual_of.triangles());
   ASSERT_EQ(validate(dual), "") << what;
   ASSERT_EQ(kinds_of(triangles_of(dual)), kinds_of(triangles_of(surface))) << what;
   const Components before = find_components(surface), after = find_components(dual);
@@ -88,7 +89,8 @@ TEST(Repair, NothingToRepair) {
   covering.cover({});
   EXPECT_EQ(covering.site_count(), 64u);
   CertificateReport report;
-  EXPECT_TRUE(certify_and_repair(grid, covering, report, {}).passed());
+  CertifiedDual(grid, covering).certify(report, {});
+  EXPECT_TRUE(report.passed);
   EXPECT_EQ(report.repair_sites, 0u);
 }
 

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "metrics/surfels.h"
+
+#include "core/vector_math.h"
+
+namespace isoatlas {
+
+Surfels make_surfels(const SurfaceComplex& complex) {
+  const std::uint32_t n = complex.c_vertex_count();
+  Surfels out;
+  out.point.resize(n);
+  out.normal.resize(n);
+  out.area.assign(n, 0);
+  for (CVertexId v = 0; v < n; ++v) out.point[v] = scaled(complex.positions[v], complex.spacing);
+  for (const Face& face : complex.faces) {
+    const int size = face.size();
+    const auto at = [&](int k) { return out.point[face.corner[k]]; };
+    // Twice the area vector: of a quad the cross product of its diagonals, of a triangle that of two sides.
+    const Vec3 twice = cross(at(2) - at(0), at(size - 1) - at(1));
+    const auto share = static_cast<float>(0.5 * length(twice) / size);
+    for (int k = 0; k < size; ++k) {
+      Vec3& sum = out.normal[face.corner[k]];
+      sum = sum + twice;
+      out.area[face.corner[k]] += share;
+    }
+  }
+  for (Vec3& normal : out.normal) normal = normalized(normal);
+  return out;
+}
+
+}  // namespace isoatlas

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "refine/error_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/parallel.h"
+#include "core/vector_math.h"
+#include "mesh/closest_point.h"
+
+namespace isoatlas {
+namespace {
+
+constexpr std::size_t kCellsPerPiece = 64;
+
+// A ball around a triangle: lets most triangles be passed over with one distance.
+struct Ball {
+  Vec3 centre;
+  double radius;
+  std::uint32_t triangle;
+};
+
+Ball ball_around(const MeshTriangle& t, std::uint32_t id) {
+  const Vec3 centre = (1.0 / 3.0) * (t.corner[0] + t.corner[1] + t.corner[2]);
+  double squared = 0;
+  for (const Vec3& p : t.corner) squared = std::max(squared, squared_length(p - centre));
+  return {centre, std::sqrt(squared), id};
+}
+
+// The triangles with a corner at a cell or at a neighbour of it, those of the cell itself first.
+void gather_ring(const LevelMesh& mesh, CellId cell, std::vector<std::uint32_t>& ids, std::vector<Ball>& ring) {
+  ids.clear();
+  const auto own = mesh.triangles_of.of(cell);
+  ids.assign(own.begin(), own.end());
+  for (const std::uint32_t t : own) {
+    for (const CellId neighbour : mesh.triangles[t].cell) {
+      if (neighbour == cell) continue;
+      const auto theirs = mesh.triangles_of.of(neighbour);
+      ids.insert(ids.end(), theirs.begin(), theirs.end());
+    }
+  }
+  std::sort(ids.begin() + static_cast<std::ptrdiff_t>(own.size()), ids.end());
+  ring.clear();
+  const auto is_own = [&](std::uint32_t t) { return std::find(own.begin(), own.end(), t) != own.end(); };
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (i >= own.size() && ((i > own.size() && ids[i] == ids[i - 1]) || is_own(ids[i]))) continue;
+    ring.push_back(ball_around(mesh.triangles[ids[i]], ids[i]));
+  }
+}
+
+}  // namespace
+
+void find_closest(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cells, std::vector<ClosestPoint>& out) {
+  std::vector<std::size_t> first(cells.size() + 1, 0);
+  for (std::size_t i = 0; i < cells.size(); ++i) first[i + 1] = first[i] + mesh.c_vertices_of.of(cells[i]).size();
+  out.resize(first.back());
+  for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
+    std::vector<std::uint32_t> ids;
+    std::vector<Ball> ring;
+    for (std::size_t i = begin; i < end; ++i) {
+      gather_ring(mesh, cells[i], ids, ring);
+      std::size_t guess = 0;  // c-vertices come in scan order: the last one's triangle is often right again
+      std::size_t at = first[i];
+      for (const CVertexId v : mesh.c_vertices_of.of(cells[i])) {
+        const Vec3 p = surface.surfels.point[v];
+        TrianglePoint best;
+        double within = std::numeric_limits<double>::infinity();
+        std::size_t best_index = guess;
+        const auto look_at = [&](std::size_t k) {
+          const MeshTriangle& t = mesh.triangles[ring[k].triangle];
+          const TrianglePoint found = closest_on_triangle(p, t.corner[0], t.corner[1], t.corner[2]);
+          if (found.squared_distance < best.squared_distance || within == std::numeric_limits<double>::infinity()) {
+            best = found;
+            best_index = k;
+            within = std::sqrt(found.squared_distance);
+          }
+        };
+        look_at(guess);
+        for (std::size_t k = 0; k < ring.size(); ++k) {
+          const double far = within + ring[k].radius;
+          if (k == guess || squared_length(p - ring[k].centre) >= far * far) continue;
+          look_at(k);
+        }
+        guess = best_index;
+        out[at++] = {ring[best_index].triangle,
+                     {static_cast<float>(best.weight[0]), static_cast<float>(best.weight[1]), static_cast<float>(best.weight[2])},
+                     static_cast<float>(within)};
+      }
+    }
+  });
+}
+
+namespace {
+
+// How far p is from the surface near the c-vertices of some cells: from the tangent plane of the nearest one, as far as its
+// surfel goes.
+struct NearestSurfel {
+  CVertexId at = kNone;
+  double squared = std::numeric_limits<double>::infinity();
+  void offer(const Surfels& surfels, std::span<const CVertexId> c_vertices, Vec3 p) {
+    for (const CVertexId v : c_vertices) {
+      const double d = squared_length(surfels.point[v] - p);
+      if (d < squared) {
+        squared = d;
+        at = v;
+      }
+    }
+  }
+  double distance(const MeasuredSurface& surface, Vec3 p) const {
+    const double height = dot(p - surface.surfels.point[at], surface.surfels.normal[at]);
+    const double aside = std::sqrt(std::max(0.0, squared - height * height));
+    return std::hypot(height, std::max(0.0, aside - 0.6 * static_cast<double>(surface.reach[at])));
+  }
+};
+
+constexpr int kMostPieces = 8;
+
+}  // namespace
+
+void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cell_of,
+                       std::span<const CellId> cells, std::vector<float>& from_mesh) {
+  std::vector<std::uint8_t> wanted(mesh.cell_count(), 0);
+  for (const CellId c : cells) wanted[c] = 1;
+  from_mesh.resize(mesh.cell_count(), 0);
+  std::vector<std::uint32_t> triangles;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& c = mesh.triangles[t].cell;
+    if (wanted[c[0]] || wanted[c[1]] || wanted[c[2]]) triangles.push_back(t);
+  }
+  struct Worst {
+    float distance;
+    CellId cell;
+  };
+  std::vector<Worst> worst(triangles.size());
+  for_each_piece(triangles.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const MeshTriangle& t = mesh.triangles[triangles[i]];
+      worst[i] = {0, t.cell[0]};
+      double longest = 0, reach = 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        longest = std::max(longest, length(t.corner[k] - t.corner[(k + 1) % 3]));
+        reach = std::max(reach, static_cast<double>(surface.reach[mesh.c_vertices_of.of(t.cell[k])[0]]));
+      }
+      const int pieces = std::clamp(static_cast<int>(longest / (1.5 * reach) + 1), 2, kMostPieces);
+      for (int a = 0; a <= pieces; ++a) {
+        for (int b = 0; a + b <= pieces; ++b) {
+          const int c = pieces - a - b;
+          const Vec3 p = (1.0 / pieces) * (static_cast<double>(a) * t.corner[0] + static_cast<double>(b) * t.corner[1] +
+                                           static_cast<double>(c) * t.corner[2]);
+          NearestSurfel nearest;
+          for (const CellId cell : t.cell) nearest.offer(surface.surfels, mesh.c_vertices_of.of(cell), p);
+          const auto d = static_cast<float>(nearest.distance(surface, p));
+          if (d > worst[i].distance) worst[i] = {d, cell_of[nearest.at]};
+        }
+      }
+    }
+  });
+  for (const CellId c : cells) from_mesh[c] = 0;
+  for (const Worst& w : worst) {
+    if (wanted[w.cell]) from_mesh[w.cell] = std::max(from_mesh[w.cell], w.distance);
+  }
+}
+
+}  // namespace isoatlas

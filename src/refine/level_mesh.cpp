@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "refine/level_mesh.h"
+
+#include <utility>
+
+#include "core/vector_math.h"
+
+namespace isoatlas {
+namespace {
+
+void set_corners(MeshTriangle& t, const std::vector<Vec3>& point) {
+  for (std::size_t k = 0; k < 3; ++k) t.corner[k] = point[t.cell[k]];
+  t.normal = normalized(cross(t.corner[1] - t.corner[0], t.corner[2] - t.corner[0]));
+}
+
+template <class ForEach>
+Buckets make_buckets(std::uint32_t groups, ForEach for_each) {
+  Buckets out;
+  out.first.assign(groups + 1, 0);
+  for_each([&](std::uint32_t group, std::uint32_t) { ++out.first[group]; });
+  std::uint32_t total = 0;
+  for (std::uint32_t& f : out.first) total += std::exchange(f, total);
+  out.items.resize(total);
+  for_each([&](std::uint32_t group, std::uint32_t item) { out.items[out.first[group]++] = item; });
+  for (std::uint32_t g = groups; g > 0; --g) out.first[g] = out.first[g - 1];  // filling moved each to its end
+  out.first[0] = 0;
+  return out;
+}
+
+}  // namespace
+
+LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, std::span<const DualTriangle> dual, const Places& places) {
+  LevelMesh mesh;
+  const std::uint32_t cells = partition.cell_count();
+  mesh.point.resize(cells);
+  mesh.normal.resize(cells);
+  for (CellId c = 0; c < cells; ++c) {
+    mesh.normal[c] = surfels.normal[places.anchor[c]];
+    mesh.point[c] = places.point(surfels, c);
+  }
+  mesh.triangles.resize(dual.size());
+  for (std::size_t i = 0; i < dual.size(); ++i) {
+    mesh.triangles[i].cell = dual[i].cell;
+    set_corners(mesh.triangles[i], mesh.point);
+  }
+  mesh.triangles_of = make_buckets(cells, [&](auto add) {
+    for (std::uint32_t i = 0; i < dual.size(); ++i) {
+      for (const CellId c : dual[i].cell) add(c, i);
+    }
+  });
+  mesh.c_vertices_of = make_buckets(cells, [&](auto add) {
+    for (CVertexId v = 0; v < partition.cell_of.size(); ++v) add(partition.cell_of[v], v);
+  });
+  return mesh;
+}
+
+void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const Places& places) {
+  for (const CellId c : cells) {
+    mesh.normal[c] = surfels.normal[places.anchor[c]];
+    mesh.point[c] = places.point(surfels, c);
+  }
+  for (const CellId c : cells) {
+    for (const std::uint32_t t : mesh.triangles_of.of(c)) set_corners(mesh.triangles[t], mesh.point);
+  }
+}
+
+}  // namespace isoatlas

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "metrics/cell_view.h"
+#include "partition/partition.h"
+
+namespace isoatlas {
+
+/// Lists of items per group, one after the other: those of group g are [first[g], first[g + 1]).
+struct Buckets {
+  std::vector<std::uint32_t> first;
+  std::vector<std::uint32_t> items;
+  std::span<const std::uint32_t> of(std::uint32_t group) const { return {items.data() + first[group], items.data() + first[group + 1]}; }
+};
+
+/// The mesh of a certified partition, with what refinement asks of it. Lengths have the spacing applied.
+struct LevelMesh {
+  std::vector<MeshTriangle> triangles;
+  Buckets triangles_of;      ///< per cell, the triangles with a corner there
+  Buckets c_vertices_of;     ///< per cell, its c-vertices, increasing
+  std::vector<Vec3> point;   ///< per cell, where its vertex sits
+  std::vector<Vec3> normal;  ///< per cell, the surface's normal there
+
+  std::uint32_t cell_count() const { return static_cast<std::uint32_t>(point.size()); }
+};
+
+/// Where the vertices of a level sit.
+struct Places {
+  std::vector<CVertexId> anchor;  ///< per cell, the c-vertex at whose point it sits: its site, or a better one near by
+  std::vector<float> offset;      ///< per cell, how far from there along the surface's normal; empty: not at all
+
+  Vec3 point(const Surfels& surfels, CellId c) const {
+    const Vec3 p = surfels.point[anchor[c]];
+    if (offset.empty()) return p;
+    const auto d = static_cast<double>(offset[c]);
+    const Vec3 n = surfels.normal[anchor[c]];
+    return {p.x + d * n.x, p.y + d * n.y, p.z + d * n.z};
+  }
+};
+
+/// O(C)
+LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, std::span<const DualTriangle> dual, const Places& places);
+
+/// Moves the vertices of `cells` and the corners of their triangles to their places.
+void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const Places& places);
+
+}  // namespace isoatlas

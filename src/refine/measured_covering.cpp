@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "refine/measured_covering.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/parallel.h"
+#include "core/vector_math.h"
+#include "refine/placement.h"
+
+namespace isoatlas {
+namespace {
+
+constexpr std::size_t kCellsPerPiece = 64;
+
+// How far over its bound a quantity is, so that different quantities can be compared: of a ratio what counts is its distance
+// from 1, which like distances goes with the square of the cell's size.
+double excess_of(Quantity quantity, double value, double bound) {
+  return unit(quantity) == Unit::ratio ? (value - 1) / (bound - 1) : value / bound;
+}
+
+double longest_edge(const LevelMesh& mesh, CellId cell) {
+  double squared = 0;
+  for (const std::uint32_t t : mesh.triangles_of.of(cell)) {
+    for (const CellId other : mesh.triangles[t].cell) squared = std::max(squared, squared_length(mesh.point[cell] - mesh.point[other]));
+  }
+  return std::sqrt(squared);
+}
+
+}  // namespace
+
+Ground::Ground(const SurfaceComplex& surface)
+    : complex(surface), surfels(make_surfels(surface)), graph(make_graph(surface)), reach(surface.c_vertex_count(), 0) {
+  for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
+    for (const CVertexGraph::Neighbour& n : graph.row(v)) reach[v] = std::max(reach[v], n.weight);
+  }
+}
+
+MeasuredCovering::MeasuredCovering(const Ground& ground, const CoveringOptions& options, std::span<const CVertexId> sites,
+                                   std::span<const Covering::Radius> radii, const RunControl& control)
+    : ground_(ground), covering_(ground.graph, options), dual_(ground.complex, covering_) {
+  covering_.seed(sites, radii);
+  covering_.ignore_events();
+  covering_.cover(control);
+}
+
+MeasuredCovering::MeasuredCovering(const MeasuredCovering& other)
+    : ground_(other.ground_),
+      covering_(other.covering_),
+      dual_(other.dual_, covering_),
+      demands_(other.demands_),
+      placement_(other.placement_),
+      mesh_(other.mesh_),
+      places_(other.places_),
+      frozen_(other.frozen_),
+      from_mesh_(other.from_mesh_),
+      errors_(other.errors_),
+      all_stale_(other.all_stale_) {}
+
+MeasuredCovering& MeasuredCovering::operator=(const MeasuredCovering& other) {
+  covering_.assign(other.covering_);
+  dual_.assign(other.dual_);
+  demands_ = other.demands_;
+  placement_ = other.placement_;
+  mesh_ = other.mesh_;
+  places_ = other.places_;
+  frozen_ = other.frozen_;
+  from_mesh_ = other.from_mesh_;
+  errors_ = other.errors_;
+  all_stale_ = other.all_stale_;
+  return *this;
+}
+
+void MeasuredCovering::demand(std::span<const Constraint> metrics, Placement placement) {
+  demands_.assign(metrics.begin(), metrics.end());
+  if (placement == Placement::surface) places_.offset.clear();
+  placement_ = placement;
+  all_stale_ = true;
+}
+
+CellView MeasuredCovering::view(CellId cell, std::span<const ClosestPoint> closest) const {
+  return {ground_.surfels,
+          ground_.graph,
+          covering_.distance(),
+          partition().cell_of,
+          mesh_.normal,
+          mesh_.triangles,
+          partition().site[cell],
+          mesh_.c_vertices_of.of(cell),
+          closest,
+          0};
+}
+
+void MeasuredCovering::update(CertificateReport& report, const RunControl& control) {
+  covering_.cover(control);
+  dual_.update(report, control);
+  for (CellId c = static_cast<CellId>(places_.anchor.size()); c < partition().cell_count(); ++c)
+    places_.anchor.push_back(partition().site[c]);
+  if (!places_.offset.empty()) places_.offset.resize(partition().cell_count(), 0);
+  mesh_ = make_level_mesh(ground_.surfels, partition(), dual_.triangles(), places_);
+  std::vector<CellId> cells;
+  if (all_stale_) {
+    cells.resize(partition().cell_count());
+    std::iota(cells.begin(), cells.end(), 0u);
+  } else {
+    // A cell's metrics look at the triangles around it and around its neighbours.
+    std::vector<std::uint8_t> stale = dual_.touched();
+    for (const MeshTriangle& t : mesh_.triangles) {
+      if (dual_.touched()[t.cell[0]] || dual_.touched()[t.cell[1]] || dual_.touched()[t.cell[2]]) {
+        for (const CellId c : t.cell) stale[c] = 1;
+      }
+    }
+    for (CellId c = 0; c < stale.size(); ++c) {
+      if (stale[c]) cells.push_back(c);
+    }
+  }
+  dual_.forget_touched();
+  all_stale_ = false;
+  measure(std::move(cells));
+}
+
+void MeasuredCovering::update_all(CertificateReport& report, const RunControl& control) {
+  all_stale_ = true;
+  update(report, control);
+}
+
+void MeasuredCovering::remesh(std::span<const DualTriangle> triangles, std::vector<CVertexId> anchors, std::span<const CellId> concerned) {
+  places_.anchor = std::move(anchors);
+  mesh_ = make_level_mesh(ground_.surfels, partition(), triangles, places_);
+  measure({concerned.begin(), concerned.end()});
+}
+
+void MeasuredCovering::measure(std::vector<CellId> cells) {
+  const MeasuredSurface surface = ground_.measured();
+  errors_.resize(partition().cell_count());
+  if (placement_ == Placement::balanced) balance(surface, cells, mesh_, places_);
+  const auto demanded = [&](auto predicate) { return std::any_of(demands_.begin(), demands_.end(), predicate); };
+  const bool need_closest = demanded([](const Constraint& c) { return needs_closest(c.quantity); });
+  closest_.clear();
+  if (need_closest) find_closest(surface, mesh_, cells, closest_);
+
+  std::vector<std::size_t> first(cells.size() + 1, 0);
+  for (std::size_t i = 0; i < cells.size(); ++i) first[i + 1] = first[i] + mesh_.c_vertices_of.of(cells[i]).size();
+  for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const CellId c = cells[i];
+      const std::span<const ClosestPoint> closest = need_closest
+                                                        ? std::span<const ClosestPoint>(closest_).subspan(first[i], first[i + 1] - first[i])
+                                                        : std::span<const ClosestPoint>();
+      const CellView cell = view(c, closest);
+      CellError& error = errors_[c] = {};
+      for (const Constraint& d : demands_) {
+        const double value = d.quantity == Quantity::max_edge ? longest_edge(mesh_, c) : evaluate(d.quantity, cell);
+        error.excess = std::max(error.excess, excess_of(d.quantity, value, d.bound));
+      }
+      float most = 0;
+      for (std::size_t k = 0; k < closest.size(); ++k) {
+        if (closest[k].distance <= most) continue;
+        most = closest[k].distance;
+        error.worst = cell.c_vertices[k];
+      }
+    }
+  });
+
+  // The way from the mesh to the surface costs more, so it is only looked at where all else is within its bounds.
+  const auto distance =
+      std::find_if(demands_.begin(), demands_.end(), [](const Constraint& c) { return c.quantity == Quantity::max_distance; });
+  if (distance == demands_.end()) return;
+  std::erase_if(cells, [&](CellId c) { return errors_[c].excess > 1; });
+  measure_from_mesh(surface, mesh_, partition().cell_of, cells, from_mesh_);
+  for (const CellId c : cells) {
+    const double excess = from_mesh_[c] / distance->bound;
+    if (excess <= errors_[c].excess) continue;
+    errors_[c] = {excess, kNone};
+  }
+}
+
+std::array<MetricSummary, kMetricCount> MeasuredCovering::summarize_metrics() const {
+  const std::uint32_t n = partition().cell_count();
+  std::vector<CellId> cells(n);
+  std::iota(cells.begin(), cells.end(), 0u);
+  std::vector<ClosestPoint> closest;
+  std::vector<float> from_mesh;
+  find_closest(ground_.measured(), mesh_, cells, closest);
+  measure_from_mesh(ground_.measured(), mesh_, partition().cell_of, cells, from_mesh);
+  std::vector<std::array<double, kMetricCount>> values(n);
+  for_each_piece(n, kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c) {
+      CellView cell =
+          view(static_cast<CellId>(c), std::span<const ClosestPoint>(closest).subspan(
+                                           mesh_.c_vertices_of.first[c], mesh_.c_vertices_of.of(static_cast<CellId>(c)).size()));
+      cell.from_mesh = from_mesh[c];
+      for (std::size_t m = 0; m < kMetricCount; ++m) values[c][m] = evaluate(static_cast<Quantity>(m), cell);
+    }
+  });
+  std::array<MetricSummary, kMetricCount> out{};
+  for (const auto& value : values) {
+    for (std::size_t m = 0; m < kMetricCount; ++m) {
+      out[m].maximum = std::max(out[m].maximum, value[m]);
+      out[m].mean += value[m] / n;
+    }
+  }
+  return out;
+}
+
+}  // namespace isoatlas

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "cover/repair.h"
+#include "isoatlas/refine.h"
+#include "refine/error_field.h"
+
+namespace isoatlas {
+
+/// A surface complex with all that refinement derives from it once.
+struct Ground {
+  explicit Ground(const SurfaceComplex& surface);
+
+  const SurfaceComplex& complex;
+  Surfels surfels;
+  CVertexGraph graph;
+  std::vector<float> reach;  ///< per c-vertex, distance to its farthest neighbour in G
+
+  MeasuredSurface measured() const { return {surfels, graph, reach}; }
+};
+
+/// What one cell's metrics say.
+struct CellError {
+  double excess = 0;        ///< worst of metric / bound; more than 1 is too much
+  CVertexId worst = kNone;  ///< the c-vertex of the cell that is farthest from the mesh, if distance is what is wrong
+};
+
+/// A covering with its certified dual and its errors, all kept up to date while sites are added: only what changed is looked at
+/// again. Copies are independent, so that a step can be tried.
+class MeasuredCovering {
+ public:
+  MeasuredCovering(const Ground& ground, const CoveringOptions& options, std::span<const CVertexId> sites,
+                   std::span<const Covering::Radius> radii, const RunControl& control);
+  MeasuredCovering(const MeasuredCovering& other);
+  /// @pre both stand on the same ground
+  MeasuredCovering& operator=(const MeasuredCovering& other);
+
+  /// Which metrics count from now on, with their bounds; everything will be measured anew.
+  void demand(std::span<const Constraint> metrics, Placement placement);
+
+  /// Covers, certifies and repairs, places and measures what has changed.
+  void update(CertificateReport& report, const RunControl& control);
+
+  /// update() of everything, whatever has changed.
+  void update_all(CertificateReport& report, const RunControl& control);
+
+  /// A complete certificate. @pre update() has nothing to do
+  void certify(CertificateReport& report, const RunControl& control) { dual_.certify(report, control); }
+
+  const Ground& ground() const { return ground_; }
+  Covering& covering() { return covering_; }
+  const Partition& partition() const { return covering_.partition(); }
+  const LevelMesh& mesh() const { return mesh_; }
+  const std::vector<DualTriangle>& triangles() const { return dual_.triangles(); }
+  const std::vector<CellError>& errors() const { return errors_; }
+  const Places& places() const { return places_; }
+
+  /// Vertices of cells before this one keep their anchors from now on.
+  void freeze_anchors() { frozen_ = partition().cell_count(); }
+  bool is_frozen(CellId c) const { return c < frozen_; }
+
+  /// Replaces the mesh's triangles and anchors, until the next update(), and measures the cells again that this may concern.
+  void remesh(std::span<const DualTriangle> triangles, std::vector<CVertexId> anchors, std::span<const CellId> concerned);
+
+  /// All six metrics over all cells.
+  std::array<MetricSummary, kMetricCount> summarize_metrics() const;
+
+ private:
+  void measure(std::vector<CellId> cells);
+  CellView view(CellId cell, std::span<const ClosestPoint> closest) const;
+
+  const Ground& ground_;
+  Covering covering_;
+  CertifiedDual dual_;
+  std::vector<Constraint> demands_;
+  Placement placement_ = Placement::surface;
+  LevelMesh mesh_;
+  Places places_;
+  CellId frozen_ = 0;
+  std::vector<float> from_mesh_;
+  std::vector<CellError> errors_;
+  std::vector<ClosestPoint> closest_;  // of the cells measured last
+  bool all_stale_ = true;
+};
+
+}  // namespace isoatlas

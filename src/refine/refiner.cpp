@@ -1,0 +1,349 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stage two: adaptive refinement.
+//
+// Based on:
+//   [gavriliu2001]  sections 3.4 and 3.5, figure 8.
+//   [boissonnat2005]  Provably good sampling and meshing of surfaces (a new vertex where the mesh is farthest from the surface).
+// Ours: steps finer than halving, priorities between soft constraints, shape as a reason to refine (docs/theory/05-refinement.md).
+#include "refine/refiner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/vector_math.h"
+
+namespace isoatlas {
+namespace {
+
+// A cell is at the resolution limit when its radius is this share of the distance to its site's farthest neighbour: then its disk
+// holds hardly more than its site. (The paper stops at 1, where it can promise the aspect ratio; here every triangle is looked at.)
+constexpr float kLimitShare = 0.35f;
+// On the coarser complex, whose c-vertices are few, stop well above its own limit: the surface itself places sites better.
+constexpr float kCoarserLimitShare = 2;
+// Distances along the surface are a little longer than along the coarser complex, which is no reason for new sites.
+constexpr float kStepDownSlack = 1.15f;
+
+// In one round: the cells with more than this share of the worst excess.
+constexpr double kBand = 0.5;
+// A cell's radius becomes smaller by the square root of its excess, but in steps between these.
+constexpr double kLeastStep = 0.5, kLargestStep = 0.8;
+// The c-vertex farthest from the mesh becomes a site if it is at least this share of its radius away from all sites: nearer ones
+// would ask for smaller disks than the error does.
+constexpr float kFarEnough = 0.6f;
+
+// min-edge is asked of chords, radii are geodesic.
+constexpr float kChordSlack = 1.1f;
+// Under a limit on vertices: how often in a row a step may fail before it is over.
+constexpr int kMostFailures = 24;
+
+std::vector<CVertexId> mapped(const std::vector<CVertexId>& ids, const std::vector<CVertexId>& to) {
+  std::vector<CVertexId> out;
+  out.reserve(ids.size());
+  for (const CVertexId v : ids) out.push_back(to.empty() ? v : to[v]);
+  return out;
+}
+
+std::vector<Covering::Radius> radii_of(const Covering& covering, const std::vector<CVertexId>& to, float factor) {
+  std::vector<Covering::Radius> out;
+  out.reserve(covering.radius().size());
+  for (CVertexId v = 0; v < covering.radius().size(); ++v) out.push_back({to.empty() ? v : to[v], factor * covering.radius()[v]});
+  return out;
+}
+
+std::string count_text(std::size_t n) {
+  const std::string digits = std::to_string(n);
+  std::string text;
+  for (std::size_t i = 0; i < digits.size(); ++i) {
+    if (i > 0 && (digits.size() - i) % 3 == 0) text += ',';
+    text += digits[i];
+  }
+  return text;
+}
+
+bool drives(Quantity q) { return is_metric(q) || q == Quantity::max_edge; }
+
+}  // namespace
+
+// What one stretch of work is about: the metrics to meet, within limits that come before them.
+struct Refiner::Task {
+  std::vector<Constraint> metrics;
+  Placement placement = Placement::surface;
+  std::uint32_t most_sites = kNone;
+  std::uint32_t least_sites = 0;
+  float shortest_edge = 0;
+  std::optional<ShapeGoal> shape;
+  float limit_share = kLimitShare;
+};
+
+Refiner::Refiner(const SurfaceComplex& surface, const Coarsened& coarser, const CoveringOptions& options, const Covering& coarse)
+    : options_(options), coarser_(coarser), coarse_(coarse), ground_(surface), sites_before_(coarse.site_count()) {}
+
+// @return whether everything was done that could be
+bool Refiner::work(MeasuredCovering& first, const Task& task, RefinedLevel& out, const RunControl& control) {
+  MeasuredCovering* work = &first;
+  std::unique_ptr<MeasuredCovering> before;  // the last step, while steps may have to be taken back
+  const auto least_radius = [&](CVertexId v) {
+    return std::max(task.limit_share * work->ground().reach[v], kChordSlack * task.shortest_edge);
+  };
+  std::vector<std::uint8_t> given_up;  // per cell, 1 if a step there led over the limit on vertices
+  std::size_t batch = kNone;
+  int failures = 0;
+  for (;; ++out.rounds) {
+    control.check_cancelled();
+    work->update(out.certificate, control);
+    Covering& covering = work->covering();
+    if (before && covering.site_count() > task.most_sites) {
+      // Too many: back, and try less at once. A single cell that needs too much is left as it is.
+      if (batch == 1) {
+        ++failures;
+      }
+      batch = std::max<std::size_t>(1, batch / 2);
+      *work = *before;
+      work->update(out.certificate, control);
+    } else {
+      failures = 0;
+    }
+    const std::uint32_t sites = covering.site_count();
+    if (sites >= task.most_sites || failures > kMostFailures) return false;
+
+    const std::vector<CellError>& errors = work->errors();
+    const Partition& partition = work->partition();
+    given_up.resize(sites, 0);
+
+    // The worst first.
+    double worst = 0;
+    std::size_t over = 0;
+    const bool too_few = sites < task.least_sites;
+    const auto is_open = [&](CellId c) { return !given_up[c] && covering.radius()[partition.site[c]] > least_radius(partition.site[c]); };
+    for (CellId c = 0; c < sites; ++c) {
+      over += errors[c].excess > 1;
+      if ((errors[c].excess > 1 || too_few) && is_open(c)) worst = std::max(worst, errors[c].excess);
+    }
+    control.report("refine", 1 - static_cast<double>(over) / sites);
+    std::vector<std::pair<double, CellId>> chosen;
+    const double from = worst > 1 ? std::max(1.0, kBand * worst) : too_few ? 0.8 * worst : 2.0;
+    for (CellId c = 0; c < sites; ++c) {
+      if (errors[c].excess >= from && (errors[c].excess > 1 || (too_few && worst <= 1)) && is_open(c))
+        chosen.emplace_back(-errors[c].excess, c);
+    }
+    std::sort(chosen.begin(), chosen.end());
+
+    if (chosen.empty()) {
+      if (!task.shape) return true;
+      if (task.most_sites != kNone) before = std::make_unique<MeasuredCovering>(*work);
+      batch = 1;
+      if (!work_on_shape(*work, task)) return true;
+      continue;
+    }
+    if (task.most_sites != kNone || too_few) {
+      // A new site brings a few more with it.
+      const std::size_t room = (too_few && worst <= 1 ? std::min(task.least_sites, task.most_sites) : task.most_sites) - sites;
+      batch = std::min({batch == kNone ? room : 2 * batch, std::max<std::size_t>(1, room / 3), chosen.size()});
+      if (failures > 0) {
+        given_up[chosen.front().second] = 1;
+        chosen.erase(chosen.begin());
+        batch = 1;
+        if (chosen.empty()) continue;
+      }
+      chosen.resize(std::min(chosen.size(), batch));
+      if (task.most_sites != kNone) before = std::make_unique<MeasuredCovering>(*work);
+    }
+    for (const auto& [excess, c] : chosen) {
+      const CVertexId v = partition.site[c], x = errors[c].worst;
+      const float radius = covering.radius()[v];
+      if (x != kNone && covering.distance()[x] >= std::max(kFarEnough * covering.radius()[x], least_radius(x))) {
+        covering.lower_radius(x, covering.distance()[x]);
+        covering.insert(x);
+      } else {
+        const double step = std::clamp(1 / std::sqrt(-excess), kLeastStep, kLargestStep);
+        covering.lower_radius(v, std::max(least_radius(v), static_cast<float>(step) * radius));
+      }
+    }
+  }
+}
+
+// Puts a site where the corners of badly shaped triangles meet. @return whether there was any to put
+bool Refiner::work_on_shape(MeasuredCovering& work, const Task& task) {
+  Covering& covering = work.covering();
+  bool any = false;
+  std::size_t room = task.most_sites == kNone ? kNone : 1;
+  for (std::size_t i = 0; i < work.mesh().triangles.size() && room > 0; ++i) {
+    const MeshTriangle& t = work.mesh().triangles[i];
+    if (task.shape->score(t.corner[0], t.corner[1], t.corner[2]) >= 1) continue;
+    const CVertexId v = work.triangles()[i].at;
+    const float d = covering.distance()[v];
+    if (!covering.is_covered(v) || d < kLimitShare * work.ground().reach[v] || d < kChordSlack * task.shortest_edge) continue;
+    covering.lower_radius(v, d);
+    any = true;
+    room -= room != kNone;
+  }
+  return any;
+}
+
+void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control) {
+  const std::vector<CVertexId>& on = coarser_.representative;
+  if (on.empty()) {
+    placed_in_ = coarse_.placed_in();
+    work_ = std::make_unique<MeasuredCovering>(ground_, options_, coarse_.partition().site, radii_of(coarse_, on, 1), control);
+    return;
+  }
+  const Ground ground(coarser_.complex);
+  MeasuredCovering rough(ground, options_, coarse_.partition().site, radii_of(coarse_, {}, 1), control);
+  Task task;
+  task.placement = placement;
+  task.limit_share = kCoarserLimitShare;
+  for (const Constraint& c : goal) {
+    if (drives(c.quantity)) task.metrics.push_back(c);
+    // Leave room for what the surface itself will ask for.
+    if (c.quantity == Quantity::max_vertices) task.most_sites = static_cast<std::uint32_t>(0.6 * c.bound);
+    if (c.quantity == Quantity::min_edge) task.shortest_edge = static_cast<float>(c.bound);
+  }
+  if (!task.metrics.empty() && rough.covering().site_count() < task.most_sites) {
+    rough.demand(task.metrics, placement);
+    work(rough, task, out, control);
+  }
+  placed_in_ = rough.covering().placed_in();
+  work_ = std::make_unique<MeasuredCovering>(ground_, options_, mapped(rough.partition().site, on),
+                                             radii_of(rough.covering(), on, kStepDownSlack), control);
+}
+
+RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const RunControl& control) {
+  RefinedLevel out;
+  if (work_) {
+    sites_before_ = partition().cell_count();
+  } else {
+    step_down(goal, placement, out, control);
+  }
+
+  // The constraints in their order: work on what there is so far before a limit comes into force.
+  Task task;
+  task.placement = placement;
+  ShapeGoal shape;
+  bool new_metrics = false;
+  for (const Constraint& c : goal) {
+    const bool limit = c.quantity == Quantity::max_vertices || c.quantity == Quantity::min_edge;
+    if (limit && new_metrics) {
+      work_->demand(task.metrics, task.placement);
+      work(*work_, task, out, control);
+      new_metrics = false;
+    }
+    switch (c.quantity) {
+      case Quantity::max_vertices:
+        task.most_sites = static_cast<std::uint32_t>(std::min(c.bound, 4e9));
+        break;
+      case Quantity::min_vertices:
+        task.least_sites = static_cast<std::uint32_t>(std::min(c.bound, 4e9));
+        new_metrics = true;
+        break;
+      case Quantity::min_edge:
+        task.shortest_edge = static_cast<float>(c.bound);
+        break;
+      case Quantity::min_aspect:
+        shape.aspect = std::max(shape.aspect, c.bound);
+        task.shape = shape;
+        new_metrics = true;
+        break;
+      default:
+        task.metrics.push_back(c);
+        new_metrics = true;
+    }
+  }
+  task.shape = shape;
+  if (task.metrics.empty()) task.metrics.push_back({Quantity::max_distance, std::numeric_limits<double>::max()});
+  work_->demand(task.metrics, task.placement);
+  work(*work_, task, out, control);
+  if (placement == Placement::balanced) {  // in one go over the whole mesh, instead of piece by piece; then what got worse by that
+    work_->update_all(out.certificate, control);
+    work(*work_, task, out, control);
+  }
+  work_->certify(out.certificate, control);
+
+  std::vector<DualTriangle> triangles;
+  out.shape = improve_shape(*work_, shape, triangles, control);
+  work_->freeze_anchors();
+  out.triangles.reserve(triangles.size());
+  for (const DualTriangle& t : triangles) out.triangles.push_back(t.cell);
+  out.metrics = work_->summarize_metrics();
+
+  for (CellId c = 0; c < partition().cell_count(); ++c) {
+    const CVertexId v = partition().site[c];
+    if (work_->errors()[c].excess > 1 && work_->covering().radius()[v] <= kLimitShare * ground_.reach[v] * 1.0001f) {
+      out.at_limit.emplace_back(c, work_->errors()[c].excess);
+    }
+  }
+  std::stable_sort(out.at_limit.begin(), out.at_limit.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  judge(goal, out);
+  return out;
+}
+
+void Refiner::judge(const LevelGoal& goal, RefinedLevel& out) const {
+  double shortest = std::numeric_limits<double>::infinity(), longest = 0, least_aspect = 1;
+  for (const MeshTriangle& t : work_->mesh().triangles) {
+    std::array<double, 3> edge;
+    for (std::size_t k = 0; k < 3; ++k) edge[k] = length(t.corner[k] - t.corner[(k + 1) % 3]);
+    const auto [low, high] = std::minmax_element(edge.begin(), edge.end());
+    shortest = std::min(shortest, *low);
+    longest = std::max(longest, *high);
+    least_aspect = std::min(least_aspect, *high > 0 ? *low / *high : 0);
+  }
+  const std::size_t sites = partition().cell_count();
+  std::string before;  // the limits that came before this constraint
+  std::string drivers;
+  for (const Constraint& c : goal) {
+    ConstraintResult& result = out.constraints.emplace_back();
+    result.wanted = c;
+    switch (c.quantity) {
+      case Quantity::max_vertices:
+      case Quantity::min_vertices:
+        result.reached = static_cast<double>(sites);
+        break;
+      case Quantity::min_edge:
+        result.reached = shortest;
+        break;
+      case Quantity::max_edge:
+        result.reached = longest;
+        break;
+      case Quantity::min_aspect:
+        result.reached = least_aspect;
+        break;
+      default:
+        result.reached = out.metrics[static_cast<std::size_t>(c.quantity)].maximum;
+    }
+    result.met = is_lower_bound(c.quantity) ? result.reached >= c.bound : result.reached <= c.bound;
+    if (!result.met) {
+      if (c.quantity == Quantity::max_vertices && static_cast<double>(sites_before_) > c.bound) {
+        result.reason = "topology alone needs " + count_text(sites_before_);
+      } else if (c.quantity == Quantity::min_aspect) {
+        result.reason = count_text(out.shape.bad) + " triangles cannot be made better where c-vertices are this sparse";
+      } else if (is_lower_bound(c.quantity) && c.quantity == Quantity::min_edge) {
+        result.reason =
+            drivers.empty() ? "topology alone needs shorter edges" : "topology or what comes first (" + drivers + ") needs shorter edges";
+      } else if (c.quantity == Quantity::max_vertices) {
+        result.reason = drivers.empty() ? "the surface needs " + count_text(sites) : drivers + " comes first";
+      } else if (!before.empty()) {
+        result.reason = before + " comes first";
+      } else {
+        result.reason = count_text(out.at_limit.size()) + " cells are at the resolution limit; supersampling would help there";
+      }
+    }
+    std::string& list = c.quantity == Quantity::max_vertices || c.quantity == Quantity::min_edge ? before : drivers;
+    if (!list.empty()) list += ", ";
+    list += name(c.quantity);
+  }
+}
+
+std::vector<std::uint32_t> Refiner::parents() const {
+  std::vector<std::uint32_t> out(work_->covering().placed_in());
+  for (std::uint32_t c = 0; c < out.size(); ++c) {
+    if (c < placed_in_.size() && placed_in_[c] != kNone) out[c] = placed_in_[c];
+    if (c < sites_before_ || out[c] == kNone) {
+      out[c] = c;
+    } else {
+      while (out[c] >= sites_before_) out[c] = out[out[c]];  // placed in the cell of a vertex that is new as well
+    }
+  }
+  return out;
+}
+
+}  // namespace isoatlas

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "isoatlas/extract.h"
+#include "partition/coarsen.h"
+#include "refine/measured_covering.h"
+#include "refine/shape.h"
+
+namespace isoatlas {
+
+struct RefinedLevel {
+  std::vector<Triangle> triangles;
+  CertificateReport certificate;
+  std::array<MetricSummary, kMetricCount> metrics{};
+  std::vector<ConstraintResult> constraints;        ///< in the order given
+  std::vector<std::pair<CellId, double>> at_limit;  ///< cells over a bound that cannot be made smaller, and by how much; worst first
+  ShapeReport shape;
+  std::size_t rounds = 0;
+};
+
+/// Stage two: makes a covering finer where metrics ask for it, level by level (paper, 3.4 and figure 8). Lengths are in voxels.
+///
+/// While cells are large it works on the coarser complex, then steps down to the surface itself; sites keep their vertices. In
+/// every round the worst cells get a new site where they are farthest from the mesh, or a smaller radius; what changed is covered,
+/// certified and measured again.
+class Refiner {
+ public:
+  /// @param coarse  the covering of level 0, of `coarser.complex`, or of the surface if there is no coarser complex
+  Refiner(const SurfaceComplex& surface, const Coarsened& coarser, const CoveringOptions& options, const Covering& coarse);
+
+  /// Makes the next level. Topology first, then the constraints in their order.
+  RefinedLevel refine(const LevelGoal& goal, Placement placement, const RunControl& control);
+
+  const Partition& partition() const { return work_->partition(); }
+  const Surfels& surfels() const { return ground_.surfels; }
+  const Places& places() const { return work_->places(); }
+  /// Per vertex, the vertex of the level before in whose cell it was placed. @pre refine() was called
+  std::vector<std::uint32_t> parents() const;
+
+ private:
+  struct Task;
+  bool work(MeasuredCovering& work, const Task& task, RefinedLevel& out, const RunControl& control);
+  bool work_on_shape(MeasuredCovering& work, const Task& task);
+  void step_down(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control);
+  void judge(const LevelGoal& goal, RefinedLevel& out) const;
+
+  CoveringOptions options_;
+  const Coarsened& coarser_;
+  const Covering& coarse_;
+  Ground ground_;
+  std::unique_ptr<MeasuredCovering> work_;
+  std::vector<CellId> placed_in_;  // per site of the first part of refinement, on the coarser complex
+  std::uint32_t sites_before_;     // of the level before
+};
+
+}  // namespace isoatlas

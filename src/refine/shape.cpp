@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "refine/shape.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+
+#include "core/vector_math.h"
+
+namespace isoatlas {
+namespace {
+
+constexpr int kPasses = 12;
+constexpr double kWorthIt = 1e-3;
+constexpr double kLeastAgreement = 0.3;  // cosine between normals before and after a flip
+
+// A change of one place of the mesh.
+struct Change {
+  double score = 0;  // worst of the triangles concerned, afterwards
+  // A flip: triangles i and j become these.
+  std::uint32_t i = kNone, j = kNone;
+  DualTriangle first, second;
+  // A move: cell's vertex goes to this c-vertex.
+  CellId cell = kNone;
+  CVertexId to = kNone;
+  bool is_flip() const { return i != kNone; }
+};
+
+class Workshop {
+ public:
+  Workshop(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles)
+      : work_(work), goal_(goal), triangles_(triangles), anchors_(work.places().anchor) {}
+
+  double score(const MeshTriangle& t) const { return goal_.score(t.corner[0], t.corner[1], t.corner[2]); }
+
+  std::vector<std::uint32_t> bad_triangles() const {
+    std::vector<std::pair<double, std::uint32_t>> found;
+    for (std::uint32_t i = 0; i < triangles_.size(); ++i) {
+      const double s = score(work_.mesh().triangles[i]);
+      if (s < 1) found.emplace_back(s, i);
+    }
+    std::sort(found.begin(), found.end());
+    std::vector<std::uint32_t> out;
+    for (const auto& [s, i] : found) out.push_back(i);
+    return out;
+  }
+
+  // One change for every bad triangle that has one and is far from the others'. @return how many were kept
+  std::size_t pass(ShapeReport& report) {
+    const LevelMesh& mesh = work_.mesh();
+    std::vector<std::uint8_t> taken(mesh.cell_count(), 0);
+    std::vector<Change> changes;
+    std::vector<std::vector<CellId>> concerned;
+    for (const std::uint32_t i : bad_triangles()) {
+      const std::vector<CellId> near = surroundings(mesh.triangles[i].cell);
+      if (std::any_of(near.begin(), near.end(), [&](CellId c) { return taken[c]; })) continue;
+      Change best;
+      best.score = 0;
+      consider_flips(i, best);
+      consider_moves(i, best);
+      if (best.score == 0) continue;
+      for (const CellId c : near) taken[c] = 1;
+      changes.push_back(best);
+      concerned.push_back(near);
+    }
+    if (changes.empty()) return 0;
+
+    const std::vector<CellError> before = work_.errors();
+    const std::vector<DualTriangle> old_triangles = triangles_;
+    const std::vector<CVertexId> old_anchors = anchors_;
+    std::vector<CellId> cells;
+    for (const auto& near : concerned) cells.insert(cells.end(), near.begin(), near.end());
+    std::sort(cells.begin(), cells.end());
+    for (const Change& c : changes) apply(c);
+    work_.remesh(triangles_, anchors_, cells);
+
+    std::size_t kept = 0;
+    bool any_back = false;
+    for (std::size_t k = 0; k < changes.size(); ++k) {
+      const bool worse = std::any_of(concerned[k].begin(), concerned[k].end(),
+                                     [&](CellId c) { return work_.errors()[c].excess > std::max(1.0, before[c].excess * (1 + kWorthIt)); });
+      const Change& c = changes[k];
+      if (worse) {
+        any_back = true;
+        if (c.is_flip()) {
+          triangles_[c.i] = old_triangles[c.i];
+          triangles_[c.j] = old_triangles[c.j];
+          refused_.push_back(key(c));
+        } else {
+          anchors_[c.cell] = old_anchors[c.cell];
+          refused_.push_back(key(c));
+        }
+        continue;
+      }
+      ++kept;
+      ++(c.is_flip() ? report.flips : report.moves);
+    }
+    if (any_back) work_.remesh(triangles_, anchors_, cells);
+    std::sort(refused_.begin(), refused_.end());
+    return changes.size();
+  }
+
+ private:
+  using Key = std::pair<std::uint64_t, std::uint64_t>;
+  Key key(const Change& c) const {
+    if (!c.is_flip()) return {static_cast<std::uint64_t>(c.cell) << 32 | kNone, c.to};
+    return {static_cast<std::uint64_t>(std::min(c.first.cell[0], c.first.cell[1])) << 32 | std::max(c.first.cell[0], c.first.cell[1]),
+            1ull << 40};
+  }
+  bool is_refused(const Change& c) const { return std::binary_search(refused_.begin(), refused_.end(), key(c)); }
+
+  // The cells around these and around their neighbours, sorted.
+  std::vector<CellId> surroundings(const std::array<CellId, 3>& of) const {
+    const LevelMesh& mesh = work_.mesh();
+    std::vector<CellId> out(of.begin(), of.end());
+    for (int ring = 0; ring < 3; ++ring) {
+      std::vector<CellId> more;
+      for (const CellId c : out) {
+        for (const std::uint32_t t : mesh.triangles_of.of(c))
+          more.insert(more.end(), mesh.triangles[t].cell.begin(), mesh.triangles[t].cell.end());
+      }
+      std::sort(more.begin(), more.end());
+      more.erase(std::unique(more.begin(), more.end()), more.end());
+      out = std::move(more);
+    }
+    return out;
+  }
+
+  void consider_flips(std::uint32_t i, Change& best) const {
+    const LevelMesh& mesh = work_.mesh();
+    const MeshTriangle& t = mesh.triangles[i];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const CellId a = t.cell[k], b = t.cell[(k + 1) % 3], c = t.cell[(k + 2) % 3];
+      std::uint32_t j = kNone;
+      CellId d = kNone;
+      for (const std::uint32_t other : mesh.triangles_of.of(a)) {
+        const auto& o = mesh.triangles[other].cell;
+        for (std::size_t m = 0; m < 3; ++m) {
+          if (o[m] == b && o[(m + 1) % 3] == a) {
+            j = other;
+            d = o[(m + 2) % 3];
+          }
+        }
+      }
+      if (j == kNone || mesh.triangles_of.of(a).size() <= 3 || mesh.triangles_of.of(b).size() <= 3) continue;
+      bool exists = false;
+      for (const std::uint32_t other : mesh.triangles_of.of(c)) {
+        for (const CellId e : mesh.triangles[other].cell) exists = exists || e == d;
+      }
+      if (exists) continue;
+      const Vec3 pa = mesh.point[a], pb = mesh.point[b], pc = mesh.point[c], pd = mesh.point[d];
+      const double was = std::min(score(t), score(mesh.triangles[j]));
+      const double now = std::min(goal_.score(pa, pd, pc), goal_.score(pd, pb, pc));
+      if (now < was + kWorthIt || now <= best.score) continue;
+      const Vec3 n = normalized(t.normal + mesh.triangles[j].normal);
+      if (dot(n, normalized(cross(pd - pa, pc - pa))) < kLeastAgreement || dot(n, normalized(cross(pb - pd, pc - pd))) < kLeastAgreement)
+        continue;
+      Change change;
+      change.score = now;
+      change.i = i;
+      change.j = j;
+      change.first = {{d, c, a}, triangles_[i].at};
+      change.second = {{c, d, b}, triangles_[j].at};
+      if (!is_refused(change)) best = change;
+    }
+  }
+
+  // To c-vertices of its cell, and to neighbours of where it is.
+  void consider_moves(std::uint32_t i, Change& best) const {
+    const LevelMesh& mesh = work_.mesh();
+    const Ground& ground = work_.ground();
+    for (const CellId cell : mesh.triangles[i].cell) {
+      const CVertexId from = anchors_[cell];
+      if (work_.is_frozen(cell) || ground.graph.on_boundary[from]) continue;
+      double was = std::numeric_limits<double>::infinity();
+      for (const std::uint32_t t : mesh.triangles_of.of(cell)) was = std::min(was, score(mesh.triangles[t]));
+      const auto consider = [&](CVertexId to) {
+        if (to == from || ground.graph.on_boundary[to] || work_.partition().cell_of[to] != cell) return;
+        Places trial;
+        const Vec3 p = mesh.point[cell] + (ground.surfels.point[to] - ground.surfels.point[from]);
+        double now = std::numeric_limits<double>::infinity();
+        for (const std::uint32_t t : mesh.triangles_of.of(cell)) {
+          std::array<Vec3, 3> q = mesh.triangles[t].corner;
+          for (std::size_t k = 0; k < 3; ++k) {
+            if (mesh.triangles[t].cell[k] == cell) q[k] = p;
+          }
+          if (dot(normalized(cross(q[1] - q[0], q[2] - q[0])), mesh.triangles[t].normal) < kLeastAgreement) return;
+          now = std::min(now, goal_.score(q[0], q[1], q[2]));
+        }
+        if (now < was + kWorthIt || now <= best.score) return;
+        Change change;
+        change.score = now;
+        change.cell = cell;
+        change.to = to;
+        if (!is_refused(change)) best = change;
+      };
+      for (const CVertexId v : mesh.c_vertices_of.of(cell)) consider(v);
+    }
+  }
+
+  void apply(const Change& c) {
+    if (c.is_flip()) {
+      triangles_[c.i] = c.first;
+      triangles_[c.j] = c.second;
+    } else {
+      anchors_[c.cell] = c.to;
+    }
+  }
+
+  MeasuredCovering& work_;
+  const ShapeGoal& goal_;
+  std::vector<DualTriangle>& triangles_;
+  std::vector<CVertexId> anchors_;
+  std::vector<Key> refused_;
+};
+
+}  // namespace
+
+double ShapeGoal::score(Vec3 a, Vec3 b, Vec3 c) const {
+  std::array<double, 3> squared{squared_length(b - a), squared_length(c - b), squared_length(a - c)};
+  std::sort(squared.begin(), squared.end());
+  if (!(squared[0] > 0)) return 0;
+  const double ratio = std::sqrt(squared[0] / squared[2]);
+  const double sine = length(cross(b - a, c - a)) / std::sqrt(squared[1] * squared[2]);
+  return std::min(ratio / aspect, std::asin(std::min(1.0, sine)) * 180 / std::numbers::pi / angle);
+}
+
+ShapeReport improve_shape(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles, const RunControl& control) {
+  ShapeReport report;
+  triangles.assign(work.triangles().begin(), work.triangles().end());
+  work.remesh(triangles, work.places().anchor, {});  // in the triangles' present order
+  Workshop workshop(work, goal, triangles);
+  for (int k = 0; k < kPasses; ++k) {
+    control.check_cancelled();
+    if (workshop.pass(report) == 0) break;
+  }
+  report.bad = workshop.bad_triangles().size();
+  return report;
+}
+
+}  // namespace isoatlas

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "refine/measured_covering.h"
+
+namespace isoatlas {
+
+/// What counts as a badly shaped triangle.
+struct ShapeGoal {
+  double aspect = 1.0 / 3;  ///< shortest over longest edge, at least
+  double angle = 18;        ///< smallest angle, at least, degrees
+
+  /// 1 where both are just met, less where one is not.
+  double score(Vec3 a, Vec3 b, Vec3 c) const;
+};
+
+struct ShapeReport {
+  std::size_t bad = 0;    ///< triangles below the goal at the end
+  std::size_t flips = 0;  ///< edges flipped
+  std::size_t moves = 0;  ///< vertices moved to another c-vertex
+};
+
+/// Works on badly shaped triangles one by one: flips one of their edges, or moves a vertex that is not frozen to another c-vertex
+/// near by. A change is kept if the worst of the triangles it touches becomes better and no cell's metrics get over their bounds.
+/// An edge is flipped only if the new one does not exist yet, so every flip leaves a simplicial manifold of the same topology.
+///
+/// @param triangles  the mesh's, changed by flips
+ShapeReport improve_shape(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles, const RunControl& control);
+
+}  // namespace isoatlas
