@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "measure/isosurface.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/vector_math.h"
+
+namespace isoatlas {
+namespace {
+
+// Lengths in voxels (smallest spacings).
+constexpr double kOnSurface = 1e-7;    // a point this close to the surface is on it
+constexpr double kLastStep = 1e-5;     // a Newton step this short needs no further look
+constexpr double kReach = 1;           // how far a start may be from the surface it is moved onto
+constexpr double kDirectReach = 2;     // the same for the point that is asked for
+constexpr double kFaceError = 0.5;     // faces farther than this beyond `at_most` are of no use as a start
+constexpr double kCloseEnough = 1e-4;  // nearer than this, nobody looks for something nearer still
+constexpr int kNewtonSteps = 8;
+constexpr int kBisections = 30;
+constexpr int kSlides = 12;
+constexpr double kSlideDone = 1e-3;  // sine of the angle between the surface's normal and the way to p
+
+TriangleTree tree_of(const SurfaceComplex& complex) {
+  std::vector<Vec3> positions;
+  positions.reserve(complex.positions.size());
+  for (const Vec3& p : complex.positions) positions.push_back(scaled(p, complex.spacing));
+  std::vector<Triangle> triangles;
+  triangles.reserve(2 * complex.faces.size());
+  for (const Face& f : complex.faces) {
+    const auto& c = f.corner;
+    if (f.is_triangle()) {
+      triangles.push_back({c[0], c[1], c[2]});
+      continue;
+    }
+    const bool first = squared_length(positions[c[0]] - positions[c[2]]) <= squared_length(positions[c[1]] - positions[c[3]]);
+    triangles.push_back(first ? Triangle{c[0], c[1], c[2]} : Triangle{c[0], c[1], c[3]});
+    triangles.push_back(first ? Triangle{c[0], c[2], c[3]} : Triangle{c[1], c[2], c[3]});
+  }
+  return {std::move(positions), triangles};
+}
+
+}  // namespace
+
+Isosurface::Isosurface(const VolumeView& volume, const InsideRule& rule, const SurfaceComplex& complex)
+    : spacing_(complex.spacing), voxel_(std::min({spacing_.x, spacing_.y, spacing_.z})), field_(volume, rule), faces_(tree_of(complex)) {}
+
+Vec3 Isosurface::clamped(Vec3 p) const {
+  const Vec3 last = to_metric(field_.last());
+  return {std::clamp(p.x, 0.0, last.x), std::clamp(p.y, 0.0, last.y), std::clamp(p.z, 0.0, last.z)};
+}
+
+Isosurface::Look Isosurface::look(Vec3 p) const {
+  const TrilinearField::Value f = field_.at(to_index(p));
+  const Vec3 g = to_index(f.gradient);
+  const double slope = length(g);
+  if (!(slope > 0)) return {f.value == 0 ? 0 : std::copysign(INFINITY, f.value), {}};
+  return {f.value / slope, (1 / slope) * g};
+}
+
+// The part of a move that does not lead out of the volume from a point on its border.
+Vec3 Isosurface::without_leaving(Vec3 p, Vec3 move) const {
+  const Vec3 last = to_metric(field_.last());
+  const auto stays = [](double x, double end, double dx) { return (x <= 0 && dx < 0) || (x >= end && dx > 0) ? 0 : dx; };
+  return {stays(p.x, last.x, move.x), stays(p.y, last.y, move.y), stays(p.z, last.z, move.z)};
+}
+
+std::optional<Isosurface::Foot> Isosurface::project(const Vec3 start, double reach) const {
+  Vec3 p = clamped(start);
+  std::optional<Vec3> inside, outside;
+  for (int step = 0; step < kNewtonSteps; ++step) {
+    const Look at = look(p);
+    if (std::abs(at.offset) <= kOnSurface * voxel_) return Foot{p, at.steepest};
+    (at.offset > 0 ? inside : outside) = p;
+    if (!std::isfinite(at.offset)) break;
+    // On the border the surface is a curve, met along the border.
+    const Vec3 direction = without_leaving(p, -std::copysign(1.0, at.offset) * at.steepest);
+    const double slope = squared_length(direction);
+    if (!(slope > 1e-6)) break;
+    const double way = std::abs(at.offset) / slope;  // times `direction`, of length sqrt(slope)
+    p = clamped(p + std::min(way, voxel_ / std::sqrt(slope)) * direction);
+    if (way <= kLastStep * voxel_) return Foot{p, at.steepest};
+    if (!(squared_length(p - start) <= reach * reach)) break;
+  }
+  if (inside && outside) return between(*inside, *outside);
+  return std::nullopt;
+}
+
+// A kink of the field can make Newton's method go to and fro. Halving the way between the two sides always ends.
+std::optional<Isosurface::Foot> Isosurface::between(Vec3 inside, Vec3 outside) const {
+  for (int k = 0; k < kBisections; ++k) {
+    const Vec3 middle = 0.5 * (inside + outside);
+    const Look at = look(middle);
+    if (std::abs(at.offset) <= kOnSurface * voxel_ || k + 1 == kBisections) return Foot{middle, at.steepest};
+    (at.offset > 0 ? inside : outside) = middle;
+  }
+  return std::nullopt;
+}
+
+// On the surface, the closest point to p is where the way to p is the normal. Steps go along the tangent plane and back onto the
+// surface, and are kept if they lead nearer.
+Isosurface::Foot Isosurface::slide_towards(Vec3 p, Foot foot) const {
+  double squared = squared_length(p - foot.point), share = 1;
+  for (int k = 0; k < kSlides && share >= 1.0 / 64; ++k) {
+    const Vec3 way = p - foot.point;
+    Vec3 along = way - dot(way, foot.steepest) * foot.steepest;
+    const Vec3 staying = without_leaving(foot.point, along);
+    if (!(staying == along)) {  // on the border: along the curve in which the surface ends
+      const Vec3 wall = along - staying, curve = normalized(cross(foot.steepest, wall));
+      along = dot(way, curve) * curve;
+    }
+    const double step = length(along);
+    if (step <= std::max(kSlideDone * std::sqrt(squared), kOnSurface * voxel_)) break;
+    const auto next = project(foot.point + (share * std::min(1.0, voxel_ / step)) * along, kReach * voxel_);
+    const double nearer = next ? squared_length(p - next->point) : INFINITY;
+    if (!(nearer < squared)) {
+      share /= 4;
+      continue;
+    }
+    const bool little = nearer > (1 - 1e-6) * squared;
+    foot = *next;
+    squared = nearer;
+    if (little) break;
+  }
+  return foot;
+}
+
+Isosurface::Hit Isosurface::closest_on_faces(Vec3 p, double at_most) const {
+  const TriangleTree::Hit hit = faces_.closest(to_metric(p), at_most);
+  if (!hit.found()) return {};
+  return {to_index(hit.point), std::sqrt(hit.squared_distance)};
+}
+
+Isosurface::Hit Isosurface::closest(const Vec3 index, double at_most) const {
+  const Vec3 p = to_metric(index);
+  std::optional<Foot> best = project(p, std::min(kDirectReach * voxel_, at_most));
+  double distance = best ? length(p - best->point) : INFINITY;
+  if (distance > kCloseEnough * voxel_) {
+    const TriangleTree::Hit face = faces_.closest(p, std::min(distance, at_most + kFaceError * voxel_));
+    if (face.found()) {
+      const std::optional<Foot> foot = project(face.point, kReach * voxel_);
+      if (foot && (!best || length(p - foot->point) < distance)) {
+        best = foot;
+      } else if (!best) {
+        const double d = std::sqrt(face.squared_distance);
+        return d <= at_most ? Hit{to_index(face.point), d} : Hit{};
+      }
+    }
+    if (!best) return {};
+    best = slide_towards(p, *best);
+    distance = length(p - best->point);
+  }
+  return distance <= at_most ? Hit{to_index(best->point), distance} : Hit{};
+}
+
+std::optional<Vec3> Isosurface::onto_surface(Vec3 p) const {
+  const std::optional<Foot> foot = project(to_metric(p), kReach * voxel_);
+  if (!foot) return std::nullopt;
+  return to_index(foot->point);
+}
+
+Vec3 Isosurface::normal(Vec3 p) const {
+  const Vec3 here = to_metric(p);
+  Vec3 steepest = look(here).steepest;
+  if (steepest == Vec3{}) {  // flat here: as in the cells around
+    for (const double x : {-0.5, 0.5}) {
+      for (const double y : {-0.5, 0.5}) {
+        for (const double z : {-0.5, 0.5}) steepest = steepest + to_index(field_.at(p + Vec3{x, y, z}).gradient);
+      }
+    }
+  }
+  return -1 * normalized(steepest);
+}
+
+}  // namespace isoatlas

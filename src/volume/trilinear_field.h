@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+
+#include "isoatlas/volume.h"
+#include "volume/classify.h"
+
+namespace isoatlas {
+
+/// The trilinear field of a volume of any sample type, >= 0 inside and < 0 outside, at any point.
+/// Immutable; any number of threads may ask at once. The volume's samples must outlive it.
+class TrilinearField {
+ public:
+  /// @pre  every size >= 2
+  /// @cost one pass over the samples if they are floating-point numbers and the rule admits NaN, else O(1)
+  TrilinearField(const VolumeView& volume, const InsideRule& rule);
+
+  struct Value {
+    double value;
+    Vec3 gradient;  ///< per step of the sample index
+  };
+  /// In sample-index coordinates; a point outside the volume counts as the nearest one on its border. Between cells it is the
+  /// upper cell's gradient. Where samples of float64 are so large or small that products of them leave the range of double,
+  /// value and gradient are scaled, both alike.
+  Value at(Vec3 p) const;
+
+  /// The nearest point of the volume.
+  Vec3 clamped(Vec3 p) const;
+  Vec3 last() const { return last_; }  ///< the index of the last sample
+
+ private:
+  struct Samples {
+    virtual ~Samples() = default;
+    virtual std::array<double, 8> corners(const std::array<std::size_t, 8>& sample) const = 0;
+  };
+  template <class T>
+  struct SamplesOf;
+
+  std::array<std::size_t, 3> size_;
+  Vec3 last_;
+  std::shared_ptr<const Samples> samples_;
+};
+
+}  // namespace isoatlas
