@@ -32,6 +32,7 @@ struct Grid {
   double smallest_spacing() const;  ///< what "one voxel" (vx) means as a length
   bool mirrored() const;            ///< the direction's determinant is negative
   Vec3 to_world(Vec3 index) const;  ///< from sample-index coordinates to world coordinates
+  Vec3 to_index(Vec3 world) const;  ///< back, for any direction that is not singular
 };
 
 /// Somebody's samples, not owned. `samples` points at grid.sample_count() values of `type`, x fastest, native byte order.

@@ -15,4 +15,13 @@ Vec3 Grid::to_world(Vec3 index) const {
   return origin + (s.x * direction[0] + s.y * direction[1] + s.z * direction[2]);
 }
 
+Vec3 Grid::to_index(Vec3 world) const {
+  // Cramer's rule.
+  const Vec3 w = world - origin;
+  const auto& [x, y, z] = direction;
+  const double determinant = dot(x, cross(y, z));
+  return {dot(w, cross(y, z)) / (determinant * spacing.x), dot(w, cross(z, x)) / (determinant * spacing.y),
+          dot(w, cross(x, y)) / (determinant * spacing.z)};
+}
+
 }  // namespace isoatlas

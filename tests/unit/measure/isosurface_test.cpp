@@ -6,27 +6,15 @@
 #include <cmath>
 
 #include "core/vector_math.h"
+#include "support/exact_volume.h"
 #include "support/volumes.h"
 #include "surface/parse_surface.h"
 
 namespace isoatlas {
 namespace {
 
-using test::Function;
+using test::exact_volume;
 using test::Random;
-
-Volume exact_volume(test::Size size, const Function& f, Vec3 spacing = {1, 1, 1}) {
-  Grid grid;
-  grid.size = size;
-  grid.spacing = spacing;
-  std::vector<double> values;
-  for (std::size_t z = 0; z < size[2]; ++z) {
-    for (std::size_t y = 0; y < size[1]; ++y) {
-      for (std::size_t x = 0; x < size[0]; ++x) values.push_back(f(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)));
-    }
-  }
-  return test::own<double>(grid, SampleType::float64, std::move(values));
-}
 
 Isosurface isosurface_of(const VolumeView& volume, double isovalue = 0) {
   const InsideRule rule{isovalue, Inside::above, NonFinite::refuse};

@@ -27,6 +27,26 @@ TEST(Grid, WorldIsOriginPlusDirectionTimesSpacingTimesIndex) {
   EXPECT_TRUE(grid.mirrored());
 }
 
+TEST(Grid, IndexOfWorldIsTheInverse) {
+  test::Random random(8);
+  const auto vector = [&](double s) { return Vec3{s * (random.unit() - 0.5), s * (random.unit() - 0.5), s * (random.unit() - 0.5)}; };
+  for (int k = 0; k < 100; ++k) {
+    Grid grid;
+    grid.size = {40, 50, 60};
+    grid.spacing = {0.5 + random.unit(), 1 + random.unit(), 3 * random.unit() + 0.1};
+    grid.origin = vector(1000);
+    grid.direction = {vector(2), vector(2), vector(2)};  // sheared and mirrored ones too
+    const Vec3 i{40 * random.unit(), 50 * random.unit(), 60 * random.unit()}, back = grid.to_index(grid.to_world(i));
+    const auto& d = grid.direction;
+    const double determinant = d[0].x * (d[1].y * d[2].z - d[1].z * d[2].y) - d[0].y * (d[1].x * d[2].z - d[1].z * d[2].x) +
+                               d[0].z * (d[1].x * d[2].y - d[1].y * d[2].x);
+    const double tolerance = 1e-9 / std::abs(determinant);
+    EXPECT_NEAR(back.x, i.x, tolerance);
+    EXPECT_NEAR(back.y, i.y, tolerance);
+    EXPECT_NEAR(back.z, i.z, tolerance);
+  }
+}
+
 TEST(SampleType, NamesAndSizes) {
   const std::pair<const char*, std::size_t> expected[] = {{"int8", 1},   {"uint8", 1}, {"int16", 2},  {"uint16", 2},  {"int32", 4},
                                                           {"uint32", 4}, {"int64", 8}, {"uint64", 8}, {"float32", 4}, {"float64", 8}};

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+
+#include "isoatlas/measure.h"
+#include "measure/isosurface.h"
+
+namespace isoatlas {
+
+/// measure() for who has the isosurface already, with the mesh in sample-index coordinates: its triangles face as the surface does
+/// there, `farthest` is there too, and lengths are in the isosurface's metric.
+/// @param samples  >= 1
+/// @throws Error(bad_argument) as measure() does for meshes, Error(cancelled)
+Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::size_t samples, const RunControl& control = {});
+
+}  // namespace isoatlas

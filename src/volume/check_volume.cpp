@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "volume/check_volume.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "core/ids.h"
+#include "core/vector_math.h"
+#include "volume/sample_type.h"
+
+namespace isoatlas {
+namespace {
+
+constexpr double kLargestAnisotropy = 1e6;
+
+void require(bool good, const std::string& message) {
+  if (!good) throw Error(ErrorCode::bad_argument, message);
+}
+
+std::string number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.10g", x);
+  return text;
+}
+
+bool is_finite(Vec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
+
+}  // namespace
+
+void check_volume(const VolumeView& volume, double isovalue) {
+  const Grid& grid = volume.grid;
+  for (std::size_t a = 0; a < 3; ++a) {
+    require(grid.size[a] >= 2 && grid.size[a] < kNone - 1,
+            std::string("the volume has ") + std::to_string(grid.size[a]) + " samples along " + "xyz"[a] + ", expected 2 to 2^32 - 3");
+  }
+  for (const double s : {grid.spacing.x, grid.spacing.y, grid.spacing.z}) {
+    require(std::isfinite(s) && s > 0, "spacing " + number(s) + " is not a positive length");
+  }
+  const double largest = std::max({grid.spacing.x, grid.spacing.y, grid.spacing.z});
+  require(largest <= kLargestAnisotropy * grid.smallest_spacing(), "spacings " + number(grid.smallest_spacing()) + " and " +
+                                                                       number(largest) + " differ by more than a factor of " +
+                                                                       number(kLargestAnisotropy));
+  const auto& axes = grid.direction;
+  require(is_finite(grid.origin) && is_finite(axes[0]) && is_finite(axes[1]) && is_finite(axes[2]),
+          "origin and direction must be finite numbers");
+  require(std::fabs(dot(axes[0], cross(axes[1], axes[2]))) > 1e-6, "the direction's axes lie in a plane");
+  require(volume.samples != nullptr, "the volume has no samples");
+  visit_sample_type(volume.type, [](auto*) {});  // throws if it is none
+  require(std::isfinite(isovalue), "the isovalue is not a finite number");
+}
+
+void throw_empty_surface(const VolumeView& volume, double isovalue) {
+  const SampleSummary s = summarize(volume);
+  if (s.finite_count == 0) throw Error(ErrorCode::empty_surface, "no sample of the volume is finite");
+  throw Error(ErrorCode::empty_surface, "no surface at isovalue " + number(isovalue) + ": samples range from " + number(s.minimum) +
+                                            " to " + number(s.maximum) + ", so all of them are on one side");
+}
+
+}  // namespace isoatlas

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "isoatlas/volume.h"
+
+namespace isoatlas {
+
+/// What every computation on a volume asks of it.
+/// @throws Error(bad_argument) size < 2 along an axis, spacing not positive or different by more than 1e6 between axes, origin or
+///         direction not finite, direction singular, no samples, unknown sample type; isovalue not finite
+void check_volume(const VolumeView& volume, double isovalue);
+
+/// For an isovalue that no surface belongs to; one pass over the samples.
+/// @throws Error(empty_surface) saying the samples' range
+[[noreturn]] void throw_empty_surface(const VolumeView& volume, double isovalue);
+
+}  // namespace isoatlas
