@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
@@ -34,6 +35,12 @@ std::optional<Number> parse_whole(std::string_view text) {
 double parse_finite(std::string_view text) {
   const auto number = parse_whole<double>(text);
   if (!number || !std::isfinite(*number)) refuse("expected a finite number, got " + in_quotes(text));
+  return *number;
+}
+
+std::size_t parse_samples(std::string_view text) {
+  const auto number = parse_whole<std::uint32_t>(text);
+  if (!number || *number == 0) refuse("expected a whole number, 1 or more, got " + in_quotes(text));
   return *number;
 }
 
@@ -93,43 +100,58 @@ Choices<SampleType> sample_types() {
   return choices;
 }
 
-RawLayout& layout(VolumeArguments& volume) { return volume.raw ? *volume.raw : volume.raw.emplace(); }
+RawLayout& layout(std::optional<RawLayout>& raw) { return raw ? *raw : raw.emplace(); }
+
+Inside parse_inside(const std::string& text) { return choose<Inside>({{"above", Inside::above}, {"below", Inside::below}}, text); }
+
+NonFinite parse_non_finite(const std::string& text) {
+  return choose<NonFinite>({{"below", NonFinite::below}, {"above", NonFinite::above}}, text);
+}
+
+Space parse_space(const std::string& text) {
+  return choose<Space>({{"lps", Space::lps}, {"ras", Space::ras}, {"voxel", Space::voxel}}, text);
+}
 
 // Options read as a page: prose at the margin, then what it does.
 // clang-format off
-void add_volume(CLI::App& app, VolumeArguments& volume) {
-  app.add_option("VOLUME", volume.path, "File or, for a DICOM series, folder with one 3-D scalar image. See FILES.")
-      ->required()
-      ->group(kInput);
-
+/// `volume`: the option that all of these need, if there is one.
+void add_raw_layout(CLI::App& app, std::optional<RawLayout>& raw, CLI::Option* volume = nullptr) {
   CLI::Option* size = add_value(app, kInput, "--raw-size", "NX,NY,NZ", R"(
 The file has no header: samples along x, y and z, x running fastest.
 )", [&](const std::string& text) {
-    layout(volume).size =
+    layout(raw).size =
         parse_triple<std::size_t>(text, "three whole numbers like 256,256,94", [](std::size_t n) { return n > 0; });
   });
 
   CLI::Option* type = add_value(app, kInput, "--raw-type", "TYPE", R"(
 Type of headerless samples: int8, uint8, int16, uint16, int32, uint32, int64, uint64, float32 or float64.
-)", [&](const std::string& text) { layout(volume).type = choose(sample_types(), text); });
+)", [&](const std::string& text) { layout(raw).type = choose(sample_types(), text); });
 
   CLI::Option* spacing = add_value(app, kInput, "--raw-spacing", "SX,SY,SZ", R"(
 Distance between headerless samples along x, y and z. Default: 1,1,1.
 )", [&](const std::string& text) {
     const auto accept = [](double s) { return std::isfinite(s) && s > 0; };
-    layout(volume).spacing = parse_triple<double>(text, "three positive numbers like 1,1,2.5", accept);
+    layout(raw).spacing = parse_triple<double>(text, "three positive numbers like 1,1,2.5", accept);
   });
 
   CLI::Option* endian = add_value(app, kInput, "--raw-endian", "ORDER", R"(
 Byte order of headerless samples: little or big. Default: little.
 )", [&](const std::string& text) {
-    layout(volume).big_endian = choose<bool>({{"little", false}, {"big", true}}, text);
+    layout(raw).big_endian = choose<bool>({{"little", false}, {"big", true}}, text);
   });
 
   size->needs(type);
   type->needs(size);
   spacing->needs(size);
   endian->needs(size);
+  if (volume != nullptr) size->needs(volume);
+}
+
+void add_volume(CLI::App& app, VolumeArguments& volume) {
+  app.add_option("VOLUME", volume.path, "File or, for a DICOM series, folder with one 3-D scalar image. See FILES.")
+      ->required()
+      ->group(kInput);
+  add_raw_layout(app, volume.raw);
 }
 // clang-format on
 
@@ -168,7 +190,7 @@ CLI::App* add_extract_command(CLI::App& app, ExtractArguments& arguments) {
 NaN and infinite samples are refused unless this says where NaN is: below or above the isovalue. Infinities are then on
 the side of their sign.
 )", [&](const std::string& text) {
-    options.non_finite = choose<NonFinite>({{"below", NonFinite::below}, {"above", NonFinite::above}}, text);
+    options.non_finite = parse_non_finite(text);
   });
 
   add_value(*command, kSurface, "--iso", "X", R"(
@@ -179,7 +201,7 @@ sample equals it.
 Which samples are inside: those above or those below the isovalue. Triangles face outwards. A sample equal to the
 isovalue is inside either way. Default: above.
 )", [&](const std::string& text) {
-    options.inside = choose<Inside>({{"above", Inside::above}, {"below", Inside::below}}, text);
+    options.inside = parse_inside(text);
   });
 
   command->add_flag("--coarse", arguments.coarse, R"(
@@ -209,7 +231,7 @@ Write topology, certificate, triangle shapes, timings and memory as JSON (docs/r
 Coordinates of the mesh: lps, the world as ITK has it; ras, the same with x and y negated; voxel, sample indices.
 Default: lps.
 )", [&](const std::string& text) {
-    options.space = choose<Space>({{"lps", Space::lps}, {"ras", Space::ras}, {"voxel", Space::voxel}}, text);
+    options.space = parse_space(text);
   });
 
   add_value(*command, kRunning, "--threads", "N", R"(
@@ -233,12 +255,41 @@ CLI::App* add_info_command(CLI::App& app, InfoArguments& arguments) {
   return command;
 }
 
+// clang-format off
 CLI::App* add_check_command(CLI::App& app, CheckArguments& arguments) {
-  CLI::App* command = add_command(app, "check", "count a mesh's topology and measure its triangles", check_page());
+  CLI::App* command = add_command(app, "check", "count a mesh's topology, measure its triangles and its distance", check_page());
+  MeasureOptions& options = arguments.measure;
+
   command->add_option("MESH", arguments.mesh, "The mesh to look at. See FILES.")->required()->group(kInput);
   command->add_flag("--json", arguments.json, "Print JSON (docs/reference/report.md).")->group(kOutput);
+
+  CLI::Option* volume = command->add_option("--volume", arguments.volume, R"(
+Measure how far the mesh is from the isosurface of this volume: a file or, for a DICOM series, a folder. See FILES.
+)")->type_name("VOLUME")->group(kDistance);
+  CLI::Option* iso = add_value(*command, kDistance, "--iso", "X", R"(
+The isovalue.
+)", [&](const std::string& text) { options.isovalue = parse_finite(text); });
+  CLI::Option* inside = add_value(*command, kDistance, "--inside", "SIDE", R"(
+Which samples are inside, above or below the isovalue; says which way triangles should face. Default: above.
+)", [&](const std::string& text) { options.inside = parse_inside(text); });
+  CLI::Option* nan = add_value(*command, kDistance, "--nan", "SIDE", R"(
+Where NaN is, below or above the isovalue; NaN and infinite samples are refused without it.
+)", [&](const std::string& text) { options.non_finite = parse_non_finite(text); });
+  CLI::Option* space = add_value(*command, kDistance, "--space", "SPACE", R"(
+Coordinates of the mesh: lps, ras or voxel, as for `isoatlas extract`. Default: what the file says (SPACE=... in its
+header or comments), else lps.
+)", [&](const std::string& text) { arguments.space = parse_space(text); });
+  CLI::Option* samples = add_value(*command, kDistance, "--samples", "N", R"(
+Samples spread over the area of each of the two surfaces; vertices, edge midpoints, centroids and c-vertices come on top.
+Default: 200000.
+)", [&](const std::string& text) { options.samples = parse_samples(text); });
+  add_raw_layout(*command, arguments.raw, volume);
+
+  volume->needs(iso);
+  for (CLI::Option* option : {iso, inside, nan, space, samples}) option->needs(volume);
   return command;
 }
+// clang-format on
 
 void describe_tool(CLI::App& app) {
   app.name("isoatlas");

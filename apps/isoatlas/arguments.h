@@ -9,6 +9,7 @@
 
 #include "isoatlas/extract.h"
 #include "isoatlas/io.h"
+#include "isoatlas/measure.h"
 
 namespace isoatlas::tool {
 
@@ -45,6 +46,10 @@ struct InfoArguments {
 
 struct CheckArguments {
   std::filesystem::path mesh;
+  std::optional<std::filesystem::path> volume;  ///< whose isosurface the mesh is measured against
+  std::optional<RawLayout> raw;                 ///< of the volume
+  MeasureOptions measure;                       ///< all but the space
+  std::optional<Space> space;                   ///< none: as the mesh file says
   bool json = false;
 };
 

@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // isoatlas check: is this mesh what a mesh should be?
+#include <algorithm>
+#include <cctype>
 #include <iostream>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "commands.h"
 #include "exit_status.h"
+#include "isoatlas/error.h"
 #include "isoatlas/extract.h"
 #include "isoatlas/io.h"
+#include "isoatlas/measure.h"
 #include "isoatlas/mesh.h"
+#include "progress_bar.h"
 #include "report/report.h"
 #include "text.h"
 
@@ -51,18 +57,82 @@ void print_quality(const MeshQuality& quality, bool utf8) {
             << row("zero area", counted(quality.zero_area_triangles, "triangle"));
 }
 
+/// What the user says, else what the file says, else lps.
+Space space_of(const CheckArguments& arguments) {
+  if (arguments.space) return *arguments.space;
+  std::string said = mesh_space(arguments.mesh);
+  std::ranges::transform(said, said.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return said == "ras" ? Space::ras : said == "voxel" ? Space::voxel : Space::lps;
+}
+
+DistanceReport measure_distance(const CheckArguments& arguments, const TriangleMesh& mesh, const RunControl& control) {
+  DistanceReport report;
+  report.volume_path = arguments.volume->string();
+  report.options = arguments.measure;
+  report.options.space = space_of(arguments);
+  const Volume volume = read_volume(*arguments.volume, arguments.raw);
+  try {
+    report.measured = measure(mesh, volume, report.options, control);
+  } catch (const Error& error) {
+    // The library does not know what the volume is called; its messages should.
+    throw Error(error.code(), report.volume_path + ": " + error.what());
+  }
+  return report;
+}
+
+std::string length_text(double length, double voxel) { return number_text(length) + " (" + ratio_text(length / voxel) + " vx)"; }
+
+std::string one_side_text(const OneSidedDistance& d, double voxel) {
+  const Vec3 at = d.farthest;
+  return "mean " + length_text(d.mean, voxel) + ", 99 % within " + length_text(d.p99, voxel) + ", maximum " +
+         length_text(d.maximum, voxel) + " at (" + number_text(at.x) + ", " + number_text(at.y) + ", " + number_text(at.z) + ")";
+}
+
+std::string samples_text(const OneSidedDistance& d, std::size_t spread, const char* where) {
+  return counted(d.samples, "sample") + ": " + count_text(spread) + " spread evenly, " + ratio_text(d.samples_per_voxel_face) +
+         " to a square voxel, and at " + where;
+}
+
+void print_distance(const DistanceReport& report) {
+  const Measurement& m = report.measured;
+  const Space space = report.options.space;
+  const std::size_t spread = report.options.samples;
+  std::cout << row("distance", "to the isosurface at " + number_text(report.options.isovalue) + " of " + report.volume_path + ", mesh in " +
+                                   (space == Space::lps   ? "LPS"
+                                    : space == Space::ras ? "RAS"
+                                                          : "voxels") +
+                                   ", 1 vx = " + number_text(m.voxel))
+            << row("  to surface", one_side_text(m.mesh_to_surface, m.voxel))
+            << row("", samples_text(m.mesh_to_surface, spread, "vertices, edge midpoints and centroids of the mesh"))
+            << row("  to mesh", one_side_text(m.surface_to_mesh, m.voxel))
+            << row("", samples_text(m.surface_to_mesh, spread, "c-vertices of the surface"))
+            << row("  normals", "off by " + number_text(m.normal_mean) + " degrees on average, 99 % within " + number_text(m.normal_p99) +
+                                    ", maximum " + number_text(m.normal_maximum))
+            << row("  area", "mesh " + number_text(m.mesh_area) + ", surface " + number_text(m.surface_area));
+}
+
 }  // namespace
 
-int run_check(const CheckArguments& arguments) {
+int run_check(const CheckArguments& arguments, Interruption& interruption) {
+  ProgressBar progress(arguments.volume.has_value());
+  const Interruption::Cleanup clean_up(interruption, [&] { progress.erase(); });
+  RunControl control;
+  control.progress = [&](std::string_view stage, double fraction) { progress.show(stage, fraction); };
+  control.cancel = &interruption.requested();
+
   const TriangleMesh mesh = read_mesh(arguments.mesh);
   const MeshTopology topology = mesh_topology(mesh);
   const MeshQuality quality = mesh_quality(mesh);
+  std::optional<DistanceReport> distance;
+  if (arguments.volume) distance = measure_distance(arguments, mesh, control);
+  progress.erase();
   if (arguments.json) {
-    std::cout << to_json(arguments.mesh.string(), topology, quality);
+    std::cout << to_json(arguments.mesh.string(), topology, quality, distance ? &*distance : nullptr);
   } else {
     std::cout << one_line(arguments.mesh.string()) << "\n";
     print_topology(topology);
     if (topology.triangles > 0) print_quality(quality, terminal_is_utf8());
+    if (distance) print_distance(*distance);
   }
   // No triangles break no rule, but nobody who asks for a check means that by a good mesh.
   return topology.is_manifold() && topology.is_oriented() && topology.triangles > 0 ? kSuccess : kCheckFailed;

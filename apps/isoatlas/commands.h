@@ -9,6 +9,6 @@ namespace isoatlas::tool {
 
 int run_extract(const ExtractArguments& arguments, Interruption& interruption);
 int run_info(const InfoArguments& arguments);
-int run_check(const CheckArguments& arguments);
+int run_check(const CheckArguments& arguments, Interruption& interruption);
 
 }  // namespace isoatlas::tool

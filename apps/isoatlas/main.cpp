@@ -88,5 +88,5 @@ int main(int argc, char** argv) {
   }
   if (extract_command->parsed()) return run([&] { return run_extract(extract_arguments, interruption); }, interruption);
   if (info_command->parsed()) return run([&] { return run_info(info_arguments); }, interruption);
-  return run([&] { return run_check(check_arguments); }, interruption);
+  return run([&] { return run_check(check_arguments, interruption); }, interruption);
 }

@@ -117,20 +117,27 @@ isoatlas info fuel.raw --raw-size 64,64,64 --raw-type uint8
 
 ManPage::Text check_page() {
   return {
-      .synopsis = "isoatlas check MESH [--json]",
+      .synopsis =
+          "isoatlas check MESH [--json]\n"
+          "isoatlas check MESH --volume VOLUME --iso X [options]",
       .description = R"(
 Reads any triangle mesh and says whether it is a manifold (every edge in one or two triangles, the triangles of every
 vertex one fan) and consistently oriented, and if so its components, Euler characteristic, genus and boundary loops;
 then the shape of its triangles. The aspect ratio of a triangle is its shortest edge over its longest.
+
+With a volume it also measures, both ways, how far the mesh is from the trilinear isosurface: distances from samples of
+the mesh to the surface and from samples of the surface to the mesh, and the angles between triangles and surface.
+Distances do not change the exit status.
 )",
-      .groups = {kInput, kOutput, kRunning},
+      .groups = {kInput, kDistance, kOutput, kRunning},
       .sections = {{"Examples", R"(isoatlas check head.ply
 isoatlas check head.ply --json | jq .genus
+isoatlas check head.ply --volume head.nrrd --iso 80.5
 )"},
                    {"Exit status", kCheckExitStatus},
                    {"Files", R"(Meshes: .ply, .stl, .obj, .off, .vtp. Polygons are cut into triangles;
 corners of an STL file at equal positions are one vertex.
-)"}},
+)" + kVolumeFiles}},
   };
 }
 

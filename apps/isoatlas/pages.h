@@ -11,6 +11,7 @@ inline constexpr const char* kInput = "Input";
 inline constexpr const char* kSurface = "Surface";
 inline constexpr const char* kMesh = "Mesh";
 inline constexpr const char* kOutput = "Output";
+inline constexpr const char* kDistance = "Distance";
 inline constexpr const char* kRunning = "Running";
 
 ManPage::Text tool_page();

@@ -45,6 +45,9 @@ void write_mesh(const TriangleMesh& mesh, const std::filesystem::path& path, con
 /// Reads what write_mesh writes (and ascii variants); polygons are split into triangle fans, STL corners at equal positions merged.
 TriangleMesh read_mesh(const std::filesystem::path& path);
 
+/// The space that a mesh file says its coordinates are in, as MeshFileInfo has it; empty if it says nothing. Throws Error(bad_file).
+std::string mesh_space(const std::filesystem::path& path);
+
 /// Writes text whole or not at all (beside, then rename). Throws Error(bad_file).
 void write_text_file(const std::string& text, const std::filesystem::path& path);
 

@@ -34,8 +34,8 @@ TriangleTree tree_of(const SurfaceComplex& complex) {
       continue;
     }
     const bool first = squared_length(positions[c[0]] - positions[c[2]]) <= squared_length(positions[c[1]] - positions[c[3]]);
-    triangles.push_back(first ? Triangle{c[0], c[1], c[2]} : Triangle{c[0], c[1], c[3]});
-    triangles.push_back(first ? Triangle{c[0], c[2], c[3]} : Triangle{c[1], c[2], c[3]});
+    triangles.push_back(first ? Triangle{c[2], c[0], c[1]} : Triangle{c[1], c[3], c[0]});
+    triangles.push_back(first ? Triangle{c[0], c[2], c[3]} : Triangle{c[3], c[1], c[2]});
   }
   return {std::move(positions), triangles};
 }

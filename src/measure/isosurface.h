@@ -44,7 +44,7 @@ class Isosurface {
   /// The field's direction of steepest descent, from inside to outside: of unit length in the metric; zero where there is none.
   Vec3 normal(Vec3 p) const;
 
-  /// Faces as triangles, positions in the metric.
+  /// Faces as triangles, positions in the metric. The first side of each half of a quad is the quad's diagonal.
   const TriangleTree& faces() const { return faces_; }
   Vec3 spacing() const { return spacing_; }
 

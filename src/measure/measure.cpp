@@ -7,6 +7,7 @@
 #include <functional>
 #include <new>
 #include <numbers>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -83,6 +84,42 @@ class SpecialPoints {
   std::vector<std::uint32_t> vertices_;
 };
 
+Vec3 divided(Vec3 a, Vec3 b) { return {a.x / b.x, a.y / b.y, a.z / b.z}; }
+
+std::vector<Triangle> in_order(const TriangleTree& tree) {
+  std::vector<Triangle> out(tree.triangle_count());
+  for (std::uint32_t s = 0; s < out.size(); ++s) out[s] = tree.corners_in(s);
+  return out;
+}
+
+// The faces of the isosurface with the middles of the quads' diagonals moved onto it, for samples by area: quads cut corners, and
+// where the surface bends most they would have the fewest samples.
+struct FineFaces {
+  explicit FineFaces(const Isosurface& surface) {
+    const TriangleTree& faces = surface.faces();
+    const std::size_t c_vertices = faces.positions().size();
+    positions.assign(faces.positions().begin(), faces.positions().end());
+    positions.resize(c_vertices + faces.triangle_count());
+    triangles.resize(2 * faces.triangle_count());
+    checked_id(positions.size(), "samples' triangles");
+    for_each_piece(faces.triangle_count(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t s = begin; s < end; ++s) {
+        const auto [a, b, c] = faces.corners_in(static_cast<std::uint32_t>(s));
+        const Vec3 middle = 0.5 * (positions[a] + positions[b]);
+        const auto moved = surface.onto_surface(divided(middle, surface.spacing()));
+        const auto m = static_cast<std::uint32_t>(c_vertices + s);
+        positions[m] = moved ? scaled(*moved, surface.spacing()) : middle;
+        // A field that vanishes nearby can send it anywhere.
+        if (squared_length(positions[m] - middle) > 0.25 * squared_length(positions[b] - positions[a])) positions[m] = middle;
+        triangles[2 * s] = {a, m, c};
+        triangles[2 * s + 1] = {m, b, c};
+      }
+    });
+  }
+  std::vector<Vec3> positions;  // in the metric
+  std::vector<Triangle> triangles;
+};
+
 // Calls body(begin, end) on pieces of [0, n), with looks at `control` in between; `stage` names what is done.
 void for_each_sample(std::size_t n, const char* stage, const RunControl& control,
                      const std::function<void(std::size_t, std::size_t)>& body) {
@@ -127,13 +164,10 @@ double angle_between(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), do
 void measure_mesh_to_surface(const TriangleMesh& mesh, const TriangleTree& tree, const Isosurface& surface, std::size_t samples,
                              Measurement& out, const RunControl& control) {
   const Vec3 spacing = surface.spacing();
-  const AreaSamples spread(tree, samples);
+  const std::vector<Triangle> triangles = in_order(tree);
+  const AreaSamples spread(tree.positions(), triangles, samples);
   const SpecialPoints special(mesh);
-  const auto point = [&](std::size_t i) {
-    if (i >= samples) return special.point(i - samples);
-    const Vec3 p = spread.point(i);
-    return Vec3{p.x / spacing.x, p.y / spacing.y, p.z / spacing.z};
-  };
+  const auto point = [&](std::size_t i) { return i < samples ? divided(spread.point(i), spacing) : special.point(i - samples); };
   const std::size_t inside_triangles = samples + mesh.triangles.size();
   std::vector<double> distance(samples + special.size());
   std::vector<double> angle(inside_triangles, -1);  // -1: there is no normal
@@ -142,7 +176,7 @@ void measure_mesh_to_surface(const TriangleMesh& mesh, const TriangleTree& tree,
       const Isosurface::Hit hit = surface.closest(point(i));
       distance[i] = hit.distance;
       if (i >= inside_triangles) continue;
-      const auto [a, b, c] = mesh.triangles[i < samples ? tree.triangle_in(spread.slot(i)) : i - samples];
+      const auto [a, b, c] = mesh.triangles[i < samples ? tree.triangle_in(spread.triangle(i)) : i - samples];
       const Vec3 p = tree.positions()[a], across = normalized(cross(tree.positions()[b] - p, tree.positions()[c] - p));
       const Vec3 normal = surface.normal(hit.point);
       if (!(across == Vec3{}) && !(normal == Vec3{})) angle[i] = angle_between(across, normal);
@@ -163,14 +197,14 @@ void measure_mesh_to_surface(const TriangleMesh& mesh, const TriangleTree& tree,
 void measure_surface_to_mesh(const TriangleTree& tree, const Isosurface& surface, std::size_t samples, Measurement& out,
                              const RunControl& control) {
   const Vec3 spacing = surface.spacing();
-  const TriangleTree& faces = surface.faces();
-  const AreaSamples spread(faces, samples);
+  const std::span<const Vec3> c_vertices = surface.faces().positions();
+  const FineFaces fine(surface);
+  const AreaSamples spread(fine.positions, fine.triangles, samples);
   const auto point = [&](std::size_t i) {
-    const Vec3 p = i < samples ? spread.point(i) : faces.positions()[i - samples];
-    const Vec3 index{p.x / spacing.x, p.y / spacing.y, p.z / spacing.z};
+    const Vec3 index = divided(i < samples ? spread.point(i) : c_vertices[i - samples], spacing);
     return surface.onto_surface(index).value_or(index);
   };
-  std::vector<double> distance(samples + faces.positions().size());
+  std::vector<double> distance(samples + c_vertices.size());
   for_each_sample(distance.size(), "surface to mesh", control, [&](std::size_t begin, std::size_t end) {
     double reach = INFINITY;  // what is closest to one sample is a bound for the next, with some slack for rounding
     Vec3 last;

@@ -74,6 +74,42 @@ Json to_value(const MeshQuality& quality) {
           {"zero_area_triangles", quality.zero_area_triangles}};
 }
 
+Json lengths(const OneSidedDistance& distance, double unit) {
+  return {{"maximum", distance.maximum / unit},
+          {"mean", distance.mean / unit},
+          {"root_mean_square", distance.root_mean_square / unit},
+          {"p50", distance.p50 / unit},
+          {"p99", distance.p99 / unit}};
+}
+
+Json one_side(const OneSidedDistance& distance, double voxel) {
+  return {{"samples", distance.samples},
+          {"samples_per_voxel_face", distance.samples_per_voxel_face},
+          {"world", lengths(distance, 1)},
+          {"voxels", lengths(distance, voxel)},
+          {"farthest", to_value(distance.farthest)}};
+}
+
+Json to_value(const Measurement& measurement) {
+  return {{"voxel", measurement.voxel},
+          {"maximum", measurement.maximum()},
+          {"p99", measurement.p99()},
+          {"mean", measurement.mean()},
+          {"mesh_to_surface", one_side(measurement.mesh_to_surface, measurement.voxel)},
+          {"surface_to_mesh", one_side(measurement.surface_to_mesh, measurement.voxel)},
+          {"normal_degrees", {{"mean", measurement.normal_mean}, {"p99", measurement.normal_p99}, {"maximum", measurement.normal_maximum}}},
+          {"surface_area", measurement.surface_area},
+          {"mesh_area", measurement.mesh_area}};
+}
+
+Json to_value(const DistanceReport& distance) {
+  const MeasureOptions& options = distance.options;
+  Json json = {{"volume", distance.volume_path},         {"isovalue", options.isovalue}, {"inside", text(options.inside)},
+               {"non_finite", text(options.non_finite)}, {"space", text(options.space)}, {"samples_wanted", options.samples}};
+  json.update(to_value(distance.measured));
+  return json;
+}
+
 /// For people too: one line per key, lists of numbers on that line, lists of objects with one object per line.
 void print(const Json& value, std::string& text, const std::string& indent = "\n") {
   const bool is_list = value.is_array() && !value.empty() && value[0].is_object();
@@ -152,7 +188,8 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
   return to_text(json);
 }
 
-std::string to_json(const std::string& mesh_path, const MeshTopology& topology, const MeshQuality& quality) {
+std::string to_json(const std::string& mesh_path, const MeshTopology& topology, const MeshQuality& quality,
+                    const DistanceReport* distance) {
   Json json;
   json["schema"] = "isoatlas-check-1";
   json["version"] = ISOATLAS_VERSION;
@@ -176,6 +213,7 @@ std::string to_json(const std::string& mesh_path, const MeshTopology& topology, 
     for (const char* key : {"euler_characteristic", "genus", "boundary_loops", "kinds"}) json[key] = nullptr;
   }
   json["quality"] = to_value(quality);
+  json["distance"] = distance ? to_value(*distance) : Json();
   return to_text(json);
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "isoatlas/extract.h"
+#include "isoatlas/measure.h"
 #include "isoatlas/mesh.h"
 #include "isoatlas/volume.h"
 
@@ -23,11 +24,20 @@ struct ReportContext {
   std::size_t peak_memory_bytes = 0;
 };
 
+/// How far a mesh is from an isosurface, and from which.
+struct DistanceReport {
+  std::string volume_path;
+  MeasureOptions options;
+  Measurement measured;
+};
+
 /// One JSON object, schema "isoatlas-report-1", keys in a fixed order, a newline at the end.
 std::string to_json(const ExtractReport& report, const ReportContext& context);
 
 /// The same for a mesh that was only looked at, schema "isoatlas-check-1". What only a consistently oriented manifold
 /// has (Euler characteristic, genus, loops) is null for anything else.
-std::string to_json(const std::string& mesh_path, const MeshTopology& topology, const MeshQuality& quality);
+/// @param distance  null if there was no volume to measure against
+std::string to_json(const std::string& mesh_path, const MeshTopology& topology, const MeshQuality& quality,
+                    const DistanceReport* distance = nullptr);
 
 }  // namespace isoatlas

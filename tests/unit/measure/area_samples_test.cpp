@@ -13,15 +13,15 @@ namespace {
 
 TEST(AreaSamples, EachStandsForTheSameArea) {
   // Two triangles, one nine times as large as the other.
-  const TriangleTree tree({{0, 0, 0}, {3, 0, 0}, {0, 3, 0}, {5, 5, 5}, {6, 5, 5}, {5, 6, 5}}, std::vector<Triangle>{{0, 1, 2}, {3, 4, 5}});
-  const AreaSamples samples(tree, 10000);
+  const TriangleMesh mesh{{{0, 0, 0}, {3, 0, 0}, {0, 3, 0}, {5, 5, 5}, {6, 5, 5}, {5, 6, 5}}, {{0, 1, 2}, {3, 4, 5}}};
+  const AreaSamples samples(mesh.positions, mesh.triangles, 10000);
   EXPECT_DOUBLE_EQ(samples.area(), 5);
   int small = 0, near_corner = 0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const Vec3 p = samples.point(i);
     small += p.z > 4;
     near_corner += p.z < 1 && p.x + p.y < 1;  // a ninth of the large one
-    EXPECT_EQ(tree.triangle_in(samples.slot(i)), p.z > 4 ? 1u : 0u);
+    EXPECT_EQ(samples.triangle(i), p.z > 4 ? 1u : 0u);
     EXPECT_GE(std::min(p.x, p.y), 0);
   }
   EXPECT_EQ(small, 1000);
@@ -30,9 +30,9 @@ TEST(AreaSamples, EachStandsForTheSameArea) {
 
 // Integrals over a triangle: the error falls nearly as 1 / samples, as it does for nothing random.
 TEST(AreaSamples, SpreadWellInOneTriangle) {
-  const TriangleTree tree({{0, 0, 0}, {4, 0, 0}, {1, 2, 0}}, std::vector<Triangle>{{0, 1, 2}});
+  const TriangleMesh mesh{{{0, 0, 0}, {4, 0, 0}, {1, 2, 0}}, {{0, 1, 2}}};
   for (const std::size_t n : {10, 100, 1000, 10000, 65536}) {
-    const AreaSamples samples(tree, n);
+    const AreaSamples samples(mesh.positions, mesh.triangles, n);
     double x = 0, xx = 0, step = 0;
     for (std::size_t i = 0; i < n; ++i) {
       const Vec3 p = samples.point(i);
@@ -47,11 +47,11 @@ TEST(AreaSamples, SpreadWellInOneTriangle) {
 }
 
 TEST(AreaSamples, TrianglesWithoutArea) {
-  const TriangleTree tree({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, std::vector<Triangle>{{0, 0, 0}, {0, 1, 2}, {1, 1, 1}});
-  const AreaSamples samples(tree, 30);
+  const TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 0, 0}, {0, 1, 2}, {1, 1, 1}}};
+  const AreaSamples samples(mesh.positions, mesh.triangles, 30);
   EXPECT_EQ(samples.area(), 0);
   std::vector<int> count(3);
-  for (std::size_t i = 0; i < 30; ++i) ++count[tree.triangle_in(samples.slot(i))];
+  for (std::size_t i = 0; i < 30; ++i) ++count[samples.triangle(i)];
   EXPECT_EQ(count, (std::vector<int>{10, 10, 10}));
 }
 
