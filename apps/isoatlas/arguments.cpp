@@ -257,7 +257,7 @@ CLI::App* add_info_command(CLI::App& app, InfoArguments& arguments) {
 
 // clang-format off
 CLI::App* add_check_command(CLI::App& app, CheckArguments& arguments) {
-  CLI::App* command = add_command(app, "check", "count a mesh's topology, measure its triangles and its distance", check_page());
+  CLI::App* command = add_command(app, "check", "count a mesh's topology, measure its shape and distance", check_page());
   MeasureOptions& options = arguments.measure;
 
   command->add_option("MESH", arguments.mesh, "The mesh to look at. See FILES.")->required()->group(kInput);

@@ -143,7 +143,7 @@ class Help(ToolTest):
         "extract": "--iso -o --output --report --inside --coarse --max-radius --event-persistence --threads --nan --space "
                    "--raw-size --raw-type --raw-spacing --raw-endian -q --quiet -v --verbose -h --help",
         "info": "--raw-size --raw-type --raw-spacing --raw-endian -h --help",
-        "check": "--json -h --help",
+        "check": "--json --volume --iso --inside --nan --space --samples --raw-size --raw-type --raw-spacing --raw-endian -h --help",
     }
 
     def test_pages_have_every_section_and_option(self):
@@ -528,7 +528,8 @@ class Report(ToolTest):
 
     def test_every_key_is_documented_and_every_documented_key_is_there(self):
         self.assertEqual(leaves(self.make()), documented("isoatlas-report-1"))
-        self.assertEqual(leaves(json.loads(self.succeed("check", "s.ply", "--json"))), documented("isoatlas-check-1"))
+        checked = self.succeed("check", "s.ply", "--json", "--volume", "sphere.nrrd", "--iso", "0", "--samples", "100")
+        self.assertEqual(leaves(json.loads(checked)), documented("isoatlas-check-1"))
 
     def test_says_what_happened(self):
         report = self.make("--max-radius", "3vx", "--space", "voxel", "--threads", "2")
@@ -694,6 +695,134 @@ class Check(ToolTest):
         self.put("m.off", off(*TETRAHEDRON))
         self.assertRegex(self.succeed("check", "m.off", locale="C.UTF-8"), "█")
         self.assertTrue(self.succeed("check", "m.off", locale="POSIX").isascii())
+
+
+class CheckDistance(ToolTest):
+    """isoatlas check MESH --volume V --iso X."""
+
+    def plane(self, name, height, size=(16, 16, 16), *header):
+        """Samples that fall linearly upwards: inside is below `height`."""
+        nx, ny, nz = size
+        samples = array.array("f", (height - z for z in range(nz) for _ in range(nx * ny)))
+        return self.put(name, nrrd(samples, size, "float", *header))
+
+    def distance(self, *arguments):
+        result = json.loads(self.succeed("check", *arguments, "--json"))
+        self.assertEqual(result["schema"], "isoatlas-check-1")
+        return result["distance"]
+
+    def square(self, height, low=4.0, high=10.0):
+        return [(low, low, height), (high, low, height), (high, high, height), (low, high, height)], [(0, 1, 2), (0, 2, 3)]
+
+    def test_null_without_a_volume(self):
+        self.put("m.off", off(*TETRAHEDRON))
+        self.assertIsNone(json.loads(self.succeed("check", "m.off", "--json"))["distance"])
+
+    def test_offset_plane(self):
+        self.plane("p.nrrd", 7.25)
+        self.put("m.off", off(*self.square(8.75)))
+        found = self.distance("m.off", "--volume", "p.nrrd", "--iso", "0", "--samples", "500")
+        self.assertEqual((found["volume"], found["isovalue"], found["inside"], found["non_finite"], found["space"]),
+                         ("p.nrrd", 0, "above", "refuse", "lps"))
+        self.assertEqual((found["samples_wanted"], found["voxel"]), (500, 1))
+        one = found["mesh_to_surface"]
+        for number in ("maximum", "mean", "root_mean_square", "p50", "p99"):
+            self.assertAlmostEqual(one["world"][number], 1.5, places=5)
+            self.assertAlmostEqual(one["voxels"][number], 1.5, places=5)
+        self.assertEqual(one["samples"], 500 + 2 + 5 + 4)
+        self.assertAlmostEqual(one["samples_per_voxel_face"], 500 / 36)
+        self.assertAlmostEqual(one["farthest"][2], 8.75, places=5)
+        # The surface spans the volume, the mesh only a part of it.
+        other = found["surface_to_mesh"]
+        self.assertAlmostEqual(other["world"]["maximum"], math.sqrt(5 ** 2 + 5 ** 2 + 1.5 ** 2), places=4)
+        self.assertEqual(found["maximum"], other["world"]["maximum"])
+        self.assertGreater(other["samples"], 500)
+        self.assertLess(found["normal_degrees"]["maximum"], 0.001)
+        self.assertAlmostEqual(found["surface_area"], 225, places=3)
+        self.assertAlmostEqual(found["mesh_area"], 36, places=5)
+
+    def test_text(self):
+        self.plane("p.nrrd", 7.25, (16, 16, 16), "spacings: 2 2 2")
+        self.put("m.off", off(*self.square(16.5, 8, 20)))
+        text = self.succeed("check", "m.off", "--volume", "p.nrrd", "--iso", "0", "--samples", "2000")
+        self.assertRegex(text, r"distance +to the isosurface at 0 of p\.nrrd, mesh in LPS, 1 vx = 2\n")
+        self.assertRegex(text, r"to surface +mean 2 \(1 vx\), 99 % within 2 \(1 vx\), maximum 2 \(1 vx\) at \(")
+        self.assertRegex(text, r"2,011 samples: 2,000 spread evenly, 55\.556 to a square voxel")
+        self.assertRegex(text, r"to mesh +mean ")
+        self.assertRegex(text, r"normals +off by ")
+        self.assertNotIn("distance", self.succeed("check", "m.off"))
+
+    def test_inside_says_where_triangles_should_face(self):
+        self.plane("p.nrrd", 7.25)
+        self.put("m.off", off(*self.square(7.25)))
+        for side, degrees in (("above", 0), ("below", 180)):
+            found = self.distance("m.off", "--volume", "p.nrrd", "--iso", "0", "--inside", side, "--samples", "10")
+            self.assertAlmostEqual(found["normal_degrees"]["mean"], degrees, places=3)
+
+    def test_every_format_says_its_space(self):
+        self.put("s.nrrd", nrrd(sphere((20, 20, 20)), (20, 20, 20), "float", "space: left-posterior-superior",
+                                "space directions: (2,0,0) (0,2,0) (0,0,2)", "space origin: (100,200,300)"))
+        seen = set()
+        for space in ("lps", "ras", "voxel"):
+            for extension in MESH_EXTENSIONS:
+                self.succeed("extract", "s.nrrd", "--iso", "0", "--max-radius", "2vx", "--space", space, "-o", f"s.{extension}", "-q")
+                found = self.distance(f"s.{extension}", "--volume", "s.nrrd", "--iso", "0", "--samples", "1000")
+                self.assertEqual(found["space"], space, extension)
+                self.assertEqual(found["voxel"], 2)
+                self.assertLess(found["maximum"], 2)
+                seen.add(round(found["maximum"], 3))
+        self.assertEqual(len(seen), 1)
+        # What the user says counts: taken for LPS, an index is far from the world.
+        self.assertGreater(self.distance("s.off", "--volume", "s.nrrd", "--iso", "0", "--space", "lps", "--samples", "10")["mean"], 100)
+
+    def test_nothing_said_is_lps(self):
+        self.put_sphere()
+        self.put("m.off", off(*TETRAHEDRON))
+        self.assertEqual(self.distance("m.off", "--volume", "sphere.nrrd", "--iso", "0", "--samples", "10")["space"], "lps")
+
+    def test_raw_samples_and_nan(self):
+        n = 12
+        samples = sphere((n, n, n))
+        samples[0] = math.nan
+        self.put("s.raw", little(samples))
+        raw = ["--raw-size", f"{n},{n},{n}", "--raw-type", "float32", "--raw-spacing", "3,3,3"]
+        self.succeed("extract", "s.raw", *raw, "--iso", "0.01", "--nan", "below", "--max-radius", "1vx", "-o", "s.ply", "-q")
+        self.refuse("s.raw: .*NaN", "check", "s.ply", "--volume", "s.raw", *raw, "--iso", "0.01")
+        found = self.distance("s.ply", "--volume", "s.raw", *raw, "--iso", "0.01", "--nan", "below", "--samples", "100")
+        self.assertEqual((found["voxel"], found["non_finite"]), (3, "below"))
+        self.assertLess(found["maximum"], 3)
+
+    def test_same_numbers_each_time(self):
+        self.put_sphere()
+        self.succeed("extract", "sphere.nrrd", "--iso", "0", "-o", "s.ply", "-q")
+        arguments = ["check", "s.ply", "--volume", "sphere.nrrd", "--iso", "0", "--json"]
+        self.assertEqual(self.succeed(*arguments), self.succeed(*arguments))
+
+    def test_distances_do_not_change_the_exit_status(self):
+        self.put_sphere()
+        self.put("m.off", off(TETRAHEDRON[0], [(0, 1, 2)] + TETRAHEDRON[1][1:]))
+        result = self.run_tool("check", "m.off", "--volume", "sphere.nrrd", "--iso", "0", "--samples", "10")
+        self.assertEqual((result.returncode, result.stderr), (1, ""))
+        self.assertIn("distance", result.stdout)
+
+    def test_arguments(self):
+        self.put_sphere()
+        self.put("m.off", off(*TETRAHEDRON))
+        self.refuse(r"--iso requires --volume.*see isoatlas check --help", "check", "m.off", "--iso", "0")
+        self.refuse(r"--volume requires --iso", "check", "m.off", "--volume", "sphere.nrrd")
+        for option, value in (("--inside", "above"), ("--nan", "below"), ("--space", "ras"), ("--samples", "5")):
+            self.refuse(f"{option} requires --volume", "check", "m.off", option, value)
+        self.refuse("--raw-size requires --volume", "check", "m.off", "--raw-size", "8,8,8", "--raw-type", "uint8")
+        good = ["check", "m.off", "--volume", "sphere.nrrd"]
+        for option, values in {"--samples": ["0", "-1", "1.5", "many", "", "99999999999"], "--iso": ["nan", "", "x"],
+                               "--space": ["LPS", "world"], "--inside": ["out"], "--nan": ["refuse"]}.items():
+            for value in values:
+                rest = [] if option == "--iso" else ["--iso", "0"]
+                self.refuse(option, *good, *rest, f"{option}={value}")
+        self.refuse("nowhere.nrrd", "check", "m.off", "--volume", "nowhere.nrrd", "--iso", "0")
+        self.refuse("sphere.nrrd: no surface at isovalue 1000: samples range", *good, "--iso", "1000")
+        self.put("far.off", off([(0, 0, 0), (1e30, 0, 0), (0, 1, 0)], [(0, 1, 2)]))
+        self.refuse("vertex 1 .*voxels away", "check", "far.off", "--volume", "sphere.nrrd", "--iso", "0")
 
 
 class Terminal(ToolTest):

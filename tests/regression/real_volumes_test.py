@@ -7,6 +7,7 @@ real_volumes_test.py nan TOOL FOLDER            the volume with NaN voxels
 real_volumes_test.py bytes TOOL FOLDER          the same bytes for any number of threads
 real_volumes_test.py build-oracle BUILD         builds the independent judge
 real_volumes_test.py oracle ORACLE FOLDER       the judge looks at the meshes in FOLDER
+real_volumes_test.py distance TOOL ORACLE FOLDER    `isoatlas check --volume` and the judge measure the same meshes
 
 Exit status 77 means skipped: no data, no judge. ISOATLAS_TEST_DATA and ISOATLAS_TEST_ORACLE say where they are otherwise than
 in ../shared beside the repository. Needs nothing but the standard library.
@@ -198,6 +199,36 @@ def judge(oracle, folder):
     return report_all(rows, check)
 
 
+def distance(tool, oracle, folder):
+    chosen = {("head_igea_sdf.nrrd", "0"), ("neuron_dendrite.nrrd", "127.5"), ("ct_head_rotated.nrrd", "500.5"), ("protein_iron.nhdr", "128")}
+    rows = [row for row in table() if (row["file"], row["isovalue"]) in chosen]
+    if not oracle.is_file():
+        skip(f"no {oracle}: the judge was not built")
+    folder.mkdir(parents=True, exist_ok=True)
+
+    def check(row):
+        mesh, volume = folder / "distance.ply", DATA / row["file"]
+        run = extract(tool, row, mesh, folder / "distance.json", "--coarse", "--max-radius", "3vx")
+        ours = subprocess.run([tool, "check", mesh, "--volume", volume, "--iso", row["isovalue"], "--json"], capture_output=True, text=True)
+        theirs = subprocess.run([oracle, "volume", volume, "--iso", row["isovalue"], "--mesh", mesh, "--mesh-space", "index", "--rules", "c",
+                                 "--json"], capture_output=True, text=True)
+        if run.returncode or ours.returncode or theirs.returncode:
+            yield f"exit statuses {run.returncode}, {ours.returncode}, {theirs.returncode}: {run.stderr}{ours.stderr}{theirs.stderr}"
+            return
+        ours, theirs = json.loads(ours.stdout)["distance"], json.loads(theirs.stdout)["mesh"]["distance"]["physical"]
+        for side, judged in (("mesh_to_surface", "mesh_to_isosurface_newton"), ("surface_to_mesh", "isosurface_to_mesh")):
+            # Maxima are over samples that differ; the others may differ by how densely bends of the surface are sampled.
+            for key, name, tolerance in (("mean", "mean", 0.04), ("root_mean_square", "rms", 0.04), ("p99", "p99", 0.05), ("maximum", "max", 0.15)):
+                a, b = ours[side]["world"][key], theirs[judged][name]
+                if abs(a - b) > tolerance * b:
+                    yield f"{side} {key} is {a}, the judge says {b}"
+        a, b = ours["normal_degrees"]["mean"], theirs["normal_deviation_deg"]["mean"]
+        if abs(a - b) > 0.03 * b:
+            yield f"the normals' mean deviation is {a} degrees, the judge says {b}"
+
+    return report_all(rows, check)
+
+
 if __name__ == "__main__":
     mode, arguments = sys.argv[1], [pathlib.Path(a).resolve() for a in sys.argv[2:]]
-    sys.exit({"topology": topology, "nan": nan, "bytes": same_bytes, "build-oracle": build_oracle, "oracle": judge}[mode](*arguments))
+    sys.exit({"topology": topology, "nan": nan, "bytes": same_bytes, "build-oracle": build_oracle, "oracle": judge, "distance": distance}[mode](*arguments))
