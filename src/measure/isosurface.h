@@ -15,7 +15,7 @@ namespace isoatlas {
 /// field where exactly. It ends at the volume's border.
 ///
 /// Points are in sample-index coordinates, lengths in the complex's metric (spacing applied). Immutable; any number of threads
-/// may ask at once. The volume's samples must outlive it, the complex need not. About 40 bytes per face, beside 24 per c-vertex.
+/// may ask at once. The volume's samples must outlive it, the complex need not. 46 bytes per quad beside 24 per c-vertex.
 class Isosurface {
  public:
   /// @param complex  the volume's surface, as parse_surface() makes it with the same rule
