@@ -90,10 +90,11 @@ struct LevelReport {
   CertificateReport certificate;      ///< of the level's partition
   std::size_t turned_components = 0;  ///< components that still do not face outward on the whole, see docs/theory/02-certificate.md
   MeshQuality quality;                ///< measured in world units, whatever the mesh's space
-  std::array<MetricSummary, kMetricCount> metrics{};
-  std::vector<ConstraintResult> constraints;  ///< in the order given
-  std::vector<CellAtLimit> at_limit;          ///< worst first; supersampling would help there
+  std::optional<std::array<MetricSummary, kMetricCount>> metrics;  ///< none for a coarse mesh that is all that was asked for
+  std::vector<ConstraintResult> constraints;                       ///< in the order given
+  std::vector<CellAtLimit> at_limit;                               ///< worst first; supersampling would help there
   std::size_t refine_rounds = 0;
+  std::size_t flips = 0, moves = 0;     ///< edges flipped and vertices moved to a better c-vertex, for the triangles' shape
   std::optional<Measurement> measured;  ///< if asked for
   double seconds = 0;
 

@@ -247,6 +247,19 @@ Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::si
   return out;
 }
 
+void transform_to(Measurement& measurement, const Grid& grid, Space space) {
+  const double voxel = grid.smallest_spacing(), flip = space == Space::ras ? -1 : 1;
+  measurement.voxel = voxel;
+  measurement.surface_area *= voxel * voxel;
+  measurement.mesh_area *= voxel * voxel;
+  for (OneSidedDistance* d : {&measurement.mesh_to_surface, &measurement.surface_to_mesh}) {
+    scale(*d, voxel);
+    if (space == Space::voxel) continue;
+    const Vec3 w = grid.to_world(d->farthest);
+    d->farthest = {flip * w.x, flip * w.y, w.z};
+  }
+}
+
 Measurement measure(const TriangleMesh& mesh, const VolumeView& volume, const MeasureOptions& options, const RunControl& control) try {
   check_volume(volume, options.isovalue);
   require(options.samples > 0, "no samples are wanted");
@@ -275,15 +288,7 @@ Measurement measure(const TriangleMesh& mesh, const VolumeView& volume, const Me
   complex = {};
 
   Measurement out = measure(index, surface, options.samples, control);
-  out.voxel = voxel;
-  out.surface_area *= voxel * voxel;
-  out.mesh_area *= voxel * voxel;
-  for (OneSidedDistance* d : {&out.mesh_to_surface, &out.surface_to_mesh}) {
-    scale(*d, voxel);
-    if (options.space == Space::voxel) continue;
-    const Vec3 w = grid.to_world(d->farthest);
-    d->farthest = {flip * w.x, flip * w.y, w.z};
-  }
+  transform_to(out, grid, options.space);
   return out;
 } catch (const std::bad_alloc&) {
   throw Error(ErrorCode::out_of_memory, "not enough memory to measure this mesh");

@@ -14,4 +14,7 @@ namespace isoatlas {
 /// @throws Error(bad_argument) as measure() does for meshes, Error(cancelled)
 Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::size_t samples, const RunControl& control = {});
 
+/// From voxels (smallest spacings) and sample-index coordinates to world lengths and the mesh's space.
+void transform_to(Measurement& measurement, const Grid& grid, Space space);
+
 }  // namespace isoatlas

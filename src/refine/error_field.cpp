@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/parallel.h"
 #include "core/vector_math.h"
@@ -49,6 +50,43 @@ void gather_ring(const LevelMesh& mesh, CellId cell, std::vector<std::uint32_t>&
   }
 }
 
+// The triangles around a cell, to be asked for closest points.
+class Ring {
+ public:
+  Ring(const LevelMesh& mesh) : mesh_(mesh) {}
+  void move_to(CellId cell) {
+    gather_ring(mesh_, cell, ids_, balls_);
+    guess_ = 0;
+  }
+  // Points that follow each other are near each other: the last one's triangle is often right again.
+  std::pair<std::uint32_t, TrianglePoint> closest(Vec3 p) {
+    std::size_t best = guess_;
+    TrianglePoint found = look_at(guess_, p);
+    double within = std::sqrt(found.squared_distance);
+    for (std::size_t k = 0; k < balls_.size(); ++k) {
+      const double far = within + balls_[k].radius;
+      if (k == guess_ || squared_length(p - balls_[k].centre) >= far * far) continue;
+      const TrianglePoint other = look_at(k, p);
+      if (other.squared_distance >= found.squared_distance) continue;
+      found = other;
+      best = k;
+      within = std::sqrt(found.squared_distance);
+    }
+    guess_ = best;
+    return {balls_[best].triangle, found};
+  }
+
+ private:
+  TrianglePoint look_at(std::size_t k, Vec3 p) const {
+    const MeshTriangle& t = mesh_.triangles[balls_[k].triangle];
+    return closest_on_triangle(p, t.corner[0], t.corner[1], t.corner[2]);
+  }
+  const LevelMesh& mesh_;
+  std::vector<std::uint32_t> ids_;
+  std::vector<Ball> balls_;
+  std::size_t guess_ = 0;
+};
+
 }  // namespace
 
 void find_closest(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cells, std::vector<ClosestPoint>& out) {
@@ -56,39 +94,55 @@ void find_closest(const MeasuredSurface& surface, const LevelMesh& mesh, std::sp
   for (std::size_t i = 0; i < cells.size(); ++i) first[i + 1] = first[i] + mesh.c_vertices_of.of(cells[i]).size();
   out.resize(first.back());
   for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
-    std::vector<std::uint32_t> ids;
-    std::vector<Ball> ring;
+    Ring ring(mesh);
     for (std::size_t i = begin; i < end; ++i) {
-      gather_ring(mesh, cells[i], ids, ring);
-      std::size_t guess = 0;  // c-vertices come in scan order: the last one's triangle is often right again
+      ring.move_to(cells[i]);
       std::size_t at = first[i];
       for (const CVertexId v : mesh.c_vertices_of.of(cells[i])) {
-        const Vec3 p = surface.surfels.point[v];
-        TrianglePoint best;
-        double within = std::numeric_limits<double>::infinity();
-        std::size_t best_index = guess;
-        const auto look_at = [&](std::size_t k) {
-          const MeshTriangle& t = mesh.triangles[ring[k].triangle];
-          const TrianglePoint found = closest_on_triangle(p, t.corner[0], t.corner[1], t.corner[2]);
-          if (found.squared_distance < best.squared_distance || within == std::numeric_limits<double>::infinity()) {
-            best = found;
-            best_index = k;
-            within = std::sqrt(found.squared_distance);
-          }
-        };
-        look_at(guess);
-        for (std::size_t k = 0; k < ring.size(); ++k) {
-          const double far = within + ring[k].radius;
-          if (k == guess || squared_length(p - ring[k].centre) >= far * far) continue;
-          look_at(k);
-        }
-        guess = best_index;
-        out[at++] = {ring[best_index].triangle,
-                     {static_cast<float>(best.weight[0]), static_cast<float>(best.weight[1]), static_cast<float>(best.weight[2])},
-                     static_cast<float>(within)};
+        const auto [triangle, p] = ring.closest(surface.surfels.point[v]);
+        out[at++] = {triangle,
+                     {static_cast<float>(p.weight[0]), static_cast<float>(p.weight[1]), static_cast<float>(p.weight[2])},
+                     static_cast<float>(std::sqrt(p.squared_distance))};
       }
     }
   });
+}
+
+BetweenPoints::BetweenPoints(const SurfaceComplex& complex, const Isosurface& isosurface)
+    : complex_(complex),
+      isosurface_(isosurface),
+      faces_of_(make_buckets(complex.c_vertex_count(),
+                             [&](auto add) {
+                               for (FaceId f = 0; f < complex.face_count(); ++f) add(complex.faces[f].corner[0], f);
+                             })),
+      points_(complex.face_count()),
+      known_(complex.face_count(), 0) {}
+
+Vec3 BetweenPoints::point(std::uint32_t f) const {
+  if (!known_[f]) {
+    const Face& face = complex_.faces[f];
+    Vec3 sum;
+    for (int k = 0; k < face.size(); ++k) sum = sum + complex_.positions[face.corner[k]];
+    const Vec3 middle = (1.0 / face.size()) * sum;
+    points_[f] = scaled(isosurface_.onto_surface(middle).value_or(complex_.positions[face.corner[0]]), complex_.spacing);
+    known_[f] = 1;
+  }
+  return points_[f];
+}
+
+std::vector<float> measure_between(const BetweenPoints& between, const LevelMesh& mesh, std::span<const CellId> cells) {
+  std::vector<float> out(cells.size(), 0);
+  for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
+    Ring ring(mesh);
+    for (std::size_t i = begin; i < end; ++i) {
+      ring.move_to(cells[i]);
+      for (const CVertexId v : mesh.c_vertices_of.of(cells[i])) {
+        between.for_each_at(
+            v, [&](Vec3 p) { out[i] = std::max(out[i], static_cast<float>(std::sqrt(ring.closest(p).second.squared_distance))); });
+      }
+    }
+  });
+  return out;
 }
 
 namespace {

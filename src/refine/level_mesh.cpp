@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "refine/level_mesh.h"
 
-#include <utility>
-
 #include "core/vector_math.h"
 
 namespace isoatlas {
@@ -11,20 +9,6 @@ namespace {
 void set_corners(MeshTriangle& t, const std::vector<Vec3>& point) {
   for (std::size_t k = 0; k < 3; ++k) t.corner[k] = point[t.cell[k]];
   t.normal = normalized(cross(t.corner[1] - t.corner[0], t.corner[2] - t.corner[0]));
-}
-
-template <class ForEach>
-Buckets make_buckets(std::uint32_t groups, ForEach for_each) {
-  Buckets out;
-  out.first.assign(groups + 1, 0);
-  for_each([&](std::uint32_t group, std::uint32_t) { ++out.first[group]; });
-  std::uint32_t total = 0;
-  for (std::uint32_t& f : out.first) total += std::exchange(f, total);
-  out.items.resize(total);
-  for_each([&](std::uint32_t group, std::uint32_t item) { out.items[out.first[group]++] = item; });
-  for (std::uint32_t g = groups; g > 0; --g) out.first[g] = out.first[g - 1];  // filling moved each to its end
-  out.first[0] = 0;
-  return out;
 }
 
 }  // namespace

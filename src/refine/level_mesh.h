@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "metrics/cell_view.h"
@@ -15,6 +16,21 @@ struct Buckets {
   std::vector<std::uint32_t> items;
   std::span<const std::uint32_t> of(std::uint32_t group) const { return {items.data() + first[group], items.data() + first[group + 1]}; }
 };
+
+/// @param for_each  called twice with a callable add(group, item); each group's items stay in the order in which they are added
+template <class ForEach>
+Buckets make_buckets(std::uint32_t groups, ForEach for_each) {
+  Buckets out;
+  out.first.assign(groups + 1, 0);
+  for_each([&](std::uint32_t group, std::uint32_t) { ++out.first[group]; });
+  std::uint32_t total = 0;
+  for (std::uint32_t& f : out.first) total += std::exchange(f, total);
+  out.items.resize(total);
+  for_each([&](std::uint32_t group, std::uint32_t item) { out.items[out.first[group]++] = item; });
+  for (std::uint32_t g = groups; g > 0; --g) out.first[g] = out.first[g - 1];  // filling moved each to its end
+  out.first[0] = 0;
+  return out;
+}
 
 /// The mesh of a certified partition, with what refinement asks of it. Lengths have the spacing applied.
 struct LevelMesh {

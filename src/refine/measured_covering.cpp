@@ -13,6 +13,7 @@ namespace isoatlas {
 namespace {
 
 constexpr std::size_t kCellsPerPiece = 64;
+constexpr double kNearBound = 0.6;  // share of a bound on the distance from which on points between c-vertices are looked at
 
 // How far over its bound a quantity is, so that different quantities can be compared: of a ratio what counts is its distance
 // from 1, which like distances goes with the square of the cell's size.
@@ -28,13 +29,44 @@ double longest_edge(const LevelMesh& mesh, CellId cell) {
   return std::sqrt(squared);
 }
 
+CellView view_of(const Ground& ground, const Covering& covering, const LevelMesh& mesh, CellId cell, std::span<const ClosestPoint> closest,
+                 float from_mesh) {
+  return {ground.surfels,
+          ground.graph,
+          covering.distance(),
+          covering.partition().cell_of,
+          mesh.normal,
+          mesh.triangles,
+          covering.partition().site[cell],
+          mesh.c_vertices_of.of(cell),
+          closest,
+          from_mesh};
+}
+
+// Where a cell is among the farthest from the surface, points between its c-vertices may be farther still.
+void add_between(const BetweenPoints& between, const LevelMesh& mesh, std::span<const ClosestPoint> closest, std::vector<float>& farthest) {
+  std::vector<float> most = farthest;
+  for (CellId c = 0; c < mesh.cell_count(); ++c) {
+    for (std::uint32_t i = mesh.c_vertices_of.first[c]; i < mesh.c_vertices_of.first[c + 1]; ++i)
+      most[c] = std::max(most[c], closest[i].distance);
+  }
+  const float from = static_cast<float>(kNearBound) * *std::max_element(most.begin(), most.end());
+  std::vector<CellId> cells;
+  for (CellId c = 0; c < mesh.cell_count(); ++c) {
+    if (most[c] >= from) cells.push_back(c);
+  }
+  const std::vector<float> found = measure_between(between, mesh, cells);
+  for (std::size_t i = 0; i < cells.size(); ++i) farthest[cells[i]] = std::max(farthest[cells[i]], found[i]);
+}
+
 }  // namespace
 
-Ground::Ground(const SurfaceComplex& surface)
+Ground::Ground(const SurfaceComplex& surface, const Isosurface* isosurface)
     : complex(surface), surfels(make_surfels(surface)), graph(make_graph(surface)), reach(surface.c_vertex_count(), 0) {
   for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
     for (const CVertexGraph::Neighbour& n : graph.row(v)) reach[v] = std::max(reach[v], n.weight);
   }
+  if (isosurface != nullptr) between.emplace(surface, *isosurface);
 }
 
 MeasuredCovering::MeasuredCovering(const Ground& ground, const CoveringOptions& options, std::span<const CVertexId> sites,
@@ -77,19 +109,6 @@ void MeasuredCovering::demand(std::span<const Constraint> metrics, Placement pla
   if (placement == Placement::surface) places_.offset.clear();
   placement_ = placement;
   all_stale_ = true;
-}
-
-CellView MeasuredCovering::view(CellId cell, std::span<const ClosestPoint> closest) const {
-  return {ground_.surfels,
-          ground_.graph,
-          covering_.distance(),
-          partition().cell_of,
-          mesh_.normal,
-          mesh_.triangles,
-          partition().site[cell],
-          mesh_.c_vertices_of.of(cell),
-          closest,
-          0};
 }
 
 void MeasuredCovering::update(CertificateReport& report, const RunControl& control) {
@@ -148,7 +167,7 @@ void MeasuredCovering::measure(std::vector<CellId> cells) {
       const std::span<const ClosestPoint> closest = need_closest
                                                         ? std::span<const ClosestPoint>(closest_).subspan(first[i], first[i + 1] - first[i])
                                                         : std::span<const ClosestPoint>();
-      const CellView cell = view(c, closest);
+      const CellView cell = view_of(ground_, covering_, mesh_, c, closest, 0);
       CellError& error = errors_[c] = {};
       for (const Constraint& d : demands_) {
         const double value = d.quantity == Quantity::max_edge ? longest_edge(mesh_, c) : evaluate(d.quantity, cell);
@@ -174,23 +193,33 @@ void MeasuredCovering::measure(std::vector<CellId> cells) {
     if (excess <= errors_[c].excess) continue;
     errors_[c] = {excess, kNone};
   }
+
+  // Nor is what lies between c-vertices, where they are well within the bound.
+  if (!ground_.between) return;
+  std::erase_if(cells, [&](CellId c) { return errors_[c].excess > 1 || errors_[c].excess < kNearBound; });
+  const std::vector<float> between = measure_between(*ground_.between, mesh_, cells);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    CellError& error = errors_[cells[i]];
+    error.excess = std::max(error.excess, between[i] / distance->bound);
+  }
 }
 
-std::array<MetricSummary, kMetricCount> MeasuredCovering::summarize_metrics() const {
-  const std::uint32_t n = partition().cell_count();
+std::array<MetricSummary, kMetricCount> summarize_metrics(const Ground& ground, const Covering& covering, const LevelMesh& mesh) {
+  const std::uint32_t n = mesh.cell_count();
   std::vector<CellId> cells(n);
   std::iota(cells.begin(), cells.end(), 0u);
   std::vector<ClosestPoint> closest;
-  std::vector<float> from_mesh;
-  find_closest(ground_.measured(), mesh_, cells, closest);
-  measure_from_mesh(ground_.measured(), mesh_, partition().cell_of, cells, from_mesh);
+  std::vector<float> farthest;
+  find_closest(ground.measured(), mesh, cells, closest);
+  measure_from_mesh(ground.measured(), mesh, covering.partition().cell_of, cells, farthest);
+  if (ground.between) add_between(*ground.between, mesh, closest, farthest);
   std::vector<std::array<double, kMetricCount>> values(n);
   for_each_piece(n, kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t c = begin; c < end; ++c) {
-      CellView cell =
-          view(static_cast<CellId>(c), std::span<const ClosestPoint>(closest).subspan(
-                                           mesh_.c_vertices_of.first[c], mesh_.c_vertices_of.of(static_cast<CellId>(c)).size()));
-      cell.from_mesh = from_mesh[c];
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto c = static_cast<CellId>(i);
+      const std::span<const ClosestPoint> own =
+          std::span<const ClosestPoint>(closest).subspan(mesh.c_vertices_of.first[c], mesh.c_vertices_of.of(c).size());
+      const CellView cell = view_of(ground, covering, mesh, c, own, farthest[c]);
       for (std::size_t m = 0; m < kMetricCount; ++m) values[c][m] = evaluate(static_cast<Quantity>(m), cell);
     }
   });

@@ -1,23 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "cover/repair.h"
-#include "isoatlas/refine.h"
+#include "isoatlas/extract.h"
 #include "refine/error_field.h"
 
 namespace isoatlas {
 
 /// A surface complex with all that refinement derives from it once.
 struct Ground {
-  explicit Ground(const SurfaceComplex& surface);
+  /// @param isosurface  what the complex stands for, to look between its c-vertices; none: only they count
+  explicit Ground(const SurfaceComplex& surface, const Isosurface* isosurface = nullptr);
 
   const SurfaceComplex& complex;
   Surfels surfels;
   CVertexGraph graph;
   std::vector<float> reach;  ///< per c-vertex, distance to its farthest neighbour in G
+  std::optional<BetweenPoints> between;
 
   MeasuredSurface measured() const { return {surfels, graph, reach}; }
 };
@@ -52,6 +55,7 @@ class MeasuredCovering {
 
   const Ground& ground() const { return ground_; }
   Covering& covering() { return covering_; }
+  const Covering& covering() const { return covering_; }
   const Partition& partition() const { return covering_.partition(); }
   const LevelMesh& mesh() const { return mesh_; }
   const std::vector<DualTriangle>& triangles() const { return dual_.triangles(); }
@@ -65,12 +69,8 @@ class MeasuredCovering {
   /// Replaces the mesh's triangles and anchors, until the next update(), and measures the cells again that this may concern.
   void remesh(std::span<const DualTriangle> triangles, std::vector<CVertexId> anchors, std::span<const CellId> concerned);
 
-  /// All six metrics over all cells.
-  std::array<MetricSummary, kMetricCount> summarize_metrics() const;
-
  private:
   void measure(std::vector<CellId> cells);
-  CellView view(CellId cell, std::span<const ClosestPoint> closest) const;
 
   const Ground& ground_;
   Covering covering_;
@@ -85,5 +85,8 @@ class MeasuredCovering {
   std::vector<ClosestPoint> closest_;  // of the cells measured last
   bool all_stale_ = true;
 };
+
+/// All six metrics over all cells of a mesh.
+std::array<MetricSummary, kMetricCount> summarize_metrics(const Ground& ground, const Covering& covering, const LevelMesh& mesh);
 
 }  // namespace isoatlas

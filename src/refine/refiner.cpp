@@ -36,6 +36,9 @@ constexpr float kFarEnough = 0.6f;
 constexpr float kChordSlack = 1.1f;
 // Under a limit on vertices: how often in a row a step may fail before it is over.
 constexpr int kMostFailures = 24;
+// A few bad triangles that are left get so many more chances.
+constexpr int kMostChances = 6;
+constexpr std::size_t kFewTriangles = 100;
 
 std::vector<CVertexId> mapped(const std::vector<CVertexId>& ids, const std::vector<CVertexId>& to) {
   std::vector<CVertexId> out;
@@ -61,6 +64,65 @@ std::string count_text(std::size_t n) {
   return text;
 }
 
+// What became of the constraints, and what stood in the way of those that are not met.
+std::vector<ConstraintResult> judge(const LevelGoal& goal, const LevelMesh& mesh, const RefinedLevel& level, std::size_t sites_before) {
+  std::vector<ConstraintResult> out;
+  double shortest = std::numeric_limits<double>::infinity(), longest = 0, least_aspect = 1;
+  for (const MeshTriangle& t : mesh.triangles) {
+    std::array<double, 3> edge;
+    for (std::size_t k = 0; k < 3; ++k) edge[k] = length(t.corner[k] - t.corner[(k + 1) % 3]);
+    const auto [low, high] = std::minmax_element(edge.begin(), edge.end());
+    shortest = std::min(shortest, *low);
+    longest = std::max(longest, *high);
+    least_aspect = std::min(least_aspect, *high > 0 ? *low / *high : 0);
+  }
+  const std::size_t sites = mesh.cell_count();
+  std::string before;  // the limits that came before this constraint
+  std::string drivers;
+  for (const Constraint& c : goal) {
+    ConstraintResult& result = out.emplace_back();
+    result.wanted = c;
+    switch (c.quantity) {
+      case Quantity::max_vertices:
+      case Quantity::min_vertices:
+        result.reached = static_cast<double>(sites);
+        break;
+      case Quantity::min_edge:
+        result.reached = shortest;
+        break;
+      case Quantity::max_edge:
+        result.reached = longest;
+        break;
+      case Quantity::min_aspect:
+        result.reached = least_aspect;
+        break;
+      default:
+        result.reached = level.figures.metrics[static_cast<std::size_t>(c.quantity)].maximum;
+    }
+    result.met = is_lower_bound(c.quantity) ? result.reached >= c.bound : result.reached <= c.bound;
+    if (!result.met) {
+      if (c.quantity == Quantity::max_vertices && static_cast<double>(sites_before) > c.bound) {
+        result.reason = "topology alone needs " + count_text(sites_before);
+      } else if (c.quantity == Quantity::min_aspect) {
+        result.reason = count_text(level.shape.bad) + " triangles cannot be made better where c-vertices are this sparse";
+      } else if (is_lower_bound(c.quantity) && c.quantity == Quantity::min_edge) {
+        result.reason =
+            drivers.empty() ? "topology alone needs shorter edges" : "topology or what comes first (" + drivers + ") needs shorter edges";
+      } else if (c.quantity == Quantity::max_vertices) {
+        result.reason = drivers.empty() ? "the surface needs " + count_text(sites) : drivers + " comes first";
+      } else if (!before.empty()) {
+        result.reason = before + " comes first";
+      } else {
+        result.reason = count_text(level.at_limit.size()) + " cells are at the resolution limit; supersampling would help there";
+      }
+    }
+    std::string& list = c.quantity == Quantity::max_vertices || c.quantity == Quantity::min_edge ? before : drivers;
+    if (!list.empty()) list += ", ";
+    list += name(c.quantity);
+  }
+  return out;
+}
+
 bool drives(Quantity q) { return is_metric(q) || q == Quantity::max_edge; }
 
 }  // namespace
@@ -76,8 +138,9 @@ struct Refiner::Task {
   float limit_share = kLimitShare;
 };
 
-Refiner::Refiner(const SurfaceComplex& surface, const Coarsened& coarser, const CoveringOptions& options, const Covering& coarse)
-    : options_(options), coarser_(coarser), coarse_(coarse), ground_(surface), sites_before_(coarse.site_count()) {}
+Refiner::Refiner(const SurfaceComplex& surface, const Isosurface& isosurface, const Coarsened& coarser, const CoveringOptions& options,
+                 const Covering& coarse)
+    : options_(options), coarser_(coarser), coarse_(coarse), ground_(surface, &isosurface), sites_before_(coarse.site_count()) {}
 
 // @return whether everything was done that could be
 bool Refiner::work(MeasuredCovering& first, const Task& task, RefinedLevel& out, const RunControl& control) {
@@ -181,6 +244,24 @@ bool Refiner::work_on_shape(MeasuredCovering& work, const Task& task) {
   return any;
 }
 
+// Makes the cells at badly shaped triangles smaller. @return whether any could be
+bool Refiner::work_around(MeasuredCovering& work, const Task& task, const std::vector<DualTriangle>& triangles) {
+  Covering& covering = work.covering();
+  bool any = false;
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const MeshTriangle& t = work.mesh().triangles[i];
+    if (task.shape->score(t.corner[0], t.corner[1], t.corner[2]) >= 1) continue;
+    for (const CellId c : t.cell) {
+      const CVertexId v = work.partition().site[c];
+      const float radius = covering.radius()[v], least = std::max(kLimitShare * ground_.reach[v], kChordSlack * task.shortest_edge);
+      if (radius <= least) continue;
+      covering.lower_radius(v, std::max(least, 0.8f * radius));
+      any = true;
+    }
+  }
+  return any;
+}
+
 void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control) {
   const std::vector<CVertexId>& on = coarser_.representative;
   if (on.empty()) {
@@ -259,12 +340,20 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
   }
   work_->certify(out.certificate, control);
 
+  // Where neither a flip nor a move mends a triangle, smaller cells around it give another mesh, and another chance.
   std::vector<DualTriangle> triangles;
   out.shape = improve_shape(*work_, shape, triangles, control);
+  for (int chance = 0; chance < kMostChances && out.shape.bad > 0 && out.shape.bad < kFewTriangles; ++chance) {
+    if (task.most_sites != kNone || !work_around(*work_, task, triangles)) break;
+    work_->update(out.certificate, control);
+    work(*work_, task, out, control);
+    work_->certify(out.certificate, control);
+    out.shape = improve_shape(*work_, shape, triangles, control);
+  }
   work_->freeze_anchors();
   out.triangles.reserve(triangles.size());
   for (const DualTriangle& t : triangles) out.triangles.push_back(t.cell);
-  out.metrics = work_->summarize_metrics();
+  out.figures.metrics = summarize_metrics(ground_, work_->covering(), work_->mesh());
 
   for (CellId c = 0; c < partition().cell_count(); ++c) {
     const CVertexId v = partition().site[c];
@@ -273,64 +362,27 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
     }
   }
   std::stable_sort(out.at_limit.begin(), out.at_limit.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
-  judge(goal, out);
+  out.figures.constraints = judge(goal, work_->mesh(), out, sites_before_);
   return out;
 }
 
-void Refiner::judge(const LevelGoal& goal, RefinedLevel& out) const {
-  double shortest = std::numeric_limits<double>::infinity(), longest = 0, least_aspect = 1;
-  for (const MeshTriangle& t : work_->mesh().triangles) {
-    std::array<double, 3> edge;
-    for (std::size_t k = 0; k < 3; ++k) edge[k] = length(t.corner[k] - t.corner[(k + 1) % 3]);
-    const auto [low, high] = std::minmax_element(edge.begin(), edge.end());
-    shortest = std::min(shortest, *low);
-    longest = std::max(longest, *high);
-    least_aspect = std::min(least_aspect, *high > 0 ? *low / *high : 0);
+LevelFigures Refiner::describe_coarse(std::span<const Triangle> triangles, std::span<const CVertexId> sites, const LevelGoal& goal,
+                                      const RunControl& control) const {
+  control.check_cancelled();
+  Covering covering(ground_.graph, options_);
+  covering.seed(sites, {});
+  std::vector<DualTriangle> dual;
+  dual.reserve(triangles.size());
+  for (const Triangle& t : triangles) dual.push_back({t, kNone});
+  const LevelMesh mesh = make_level_mesh(ground_.surfels, covering.partition(), dual, {{sites.begin(), sites.end()}, {}});
+  RefinedLevel level;
+  level.figures.metrics = summarize_metrics(ground_, covering, mesh);
+  level.shape.bad = 0;
+  level.figures.constraints = judge(goal, mesh, level, covering.site_count());
+  for (ConstraintResult& c : level.figures.constraints) {
+    if (!c.met && c.wanted.quantity != Quantity::max_vertices) c.reason = "the coarse mesh is not refined";
   }
-  const std::size_t sites = partition().cell_count();
-  std::string before;  // the limits that came before this constraint
-  std::string drivers;
-  for (const Constraint& c : goal) {
-    ConstraintResult& result = out.constraints.emplace_back();
-    result.wanted = c;
-    switch (c.quantity) {
-      case Quantity::max_vertices:
-      case Quantity::min_vertices:
-        result.reached = static_cast<double>(sites);
-        break;
-      case Quantity::min_edge:
-        result.reached = shortest;
-        break;
-      case Quantity::max_edge:
-        result.reached = longest;
-        break;
-      case Quantity::min_aspect:
-        result.reached = least_aspect;
-        break;
-      default:
-        result.reached = out.metrics[static_cast<std::size_t>(c.quantity)].maximum;
-    }
-    result.met = is_lower_bound(c.quantity) ? result.reached >= c.bound : result.reached <= c.bound;
-    if (!result.met) {
-      if (c.quantity == Quantity::max_vertices && static_cast<double>(sites_before_) > c.bound) {
-        result.reason = "topology alone needs " + count_text(sites_before_);
-      } else if (c.quantity == Quantity::min_aspect) {
-        result.reason = count_text(out.shape.bad) + " triangles cannot be made better where c-vertices are this sparse";
-      } else if (is_lower_bound(c.quantity) && c.quantity == Quantity::min_edge) {
-        result.reason =
-            drivers.empty() ? "topology alone needs shorter edges" : "topology or what comes first (" + drivers + ") needs shorter edges";
-      } else if (c.quantity == Quantity::max_vertices) {
-        result.reason = drivers.empty() ? "the surface needs " + count_text(sites) : drivers + " comes first";
-      } else if (!before.empty()) {
-        result.reason = before + " comes first";
-      } else {
-        result.reason = count_text(out.at_limit.size()) + " cells are at the resolution limit; supersampling would help there";
-      }
-    }
-    std::string& list = c.quantity == Quantity::max_vertices || c.quantity == Quantity::min_edge ? before : drivers;
-    if (!list.empty()) list += ", ";
-    list += name(c.quantity);
-  }
+  return level.figures;
 }
 
 std::vector<std::uint32_t> Refiner::parents() const {

@@ -12,11 +12,15 @@
 
 namespace isoatlas {
 
+struct LevelFigures {
+  std::array<MetricSummary, kMetricCount> metrics{};
+  std::vector<ConstraintResult> constraints;  ///< in the order given
+};
+
 struct RefinedLevel {
   std::vector<Triangle> triangles;
   CertificateReport certificate;
-  std::array<MetricSummary, kMetricCount> metrics{};
-  std::vector<ConstraintResult> constraints;        ///< in the order given
+  LevelFigures figures;
   std::vector<std::pair<CellId, double>> at_limit;  ///< cells over a bound that cannot be made smaller, and by how much; worst first
   ShapeReport shape;
   std::size_t rounds = 0;
@@ -30,7 +34,13 @@ struct RefinedLevel {
 class Refiner {
  public:
   /// @param coarse  the covering of level 0, of `coarser.complex`, or of the surface if there is no coarser complex
-  Refiner(const SurfaceComplex& surface, const Coarsened& coarser, const CoveringOptions& options, const Covering& coarse);
+  Refiner(const SurfaceComplex& surface, const Isosurface& isosurface, const Coarsened& coarser, const CoveringOptions& options,
+          const Covering& coarse);
+
+  /// What can be said of level 0. @pre refine() was not called yet
+  /// @param sites  per vertex of the level, its c-vertex on the surface
+  LevelFigures describe_coarse(std::span<const Triangle> triangles, std::span<const CVertexId> sites, const LevelGoal& goal,
+                               const RunControl& control) const;
 
   /// Makes the next level. Topology first, then the constraints in their order.
   RefinedLevel refine(const LevelGoal& goal, Placement placement, const RunControl& control);
@@ -45,8 +55,8 @@ class Refiner {
   struct Task;
   bool work(MeasuredCovering& work, const Task& task, RefinedLevel& out, const RunControl& control);
   bool work_on_shape(MeasuredCovering& work, const Task& task);
+  bool work_around(MeasuredCovering& work, const Task& task, const std::vector<DualTriangle>& triangles);
   void step_down(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control);
-  void judge(const LevelGoal& goal, RefinedLevel& out) const;
 
   CoveringOptions options_;
   const Coarsened& coarser_;

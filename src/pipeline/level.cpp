@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/level.h"
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace isoatlas {
+namespace {
+
+// Per component, the topology counted on the finished triangles must be that of the reference. `component_of` says which
+// reference component each mesh vertex stands on.
+void check_mesh(const MeshTopology& mesh, const Components& reference, const std::vector<ComponentId>& component_of) {
+  const auto require_internal = [](bool good, const std::string& what) {
+    if (!good) throw Error(ErrorCode::internal, "the finished mesh failed its check: " + what);
+  };
+  require_internal(mesh.unused_vertices == 0, std::to_string(mesh.unused_vertices) + " vertices without a triangle");
+  require_internal(mesh.is_manifold(), std::to_string(mesh.non_manifold_edges) + " edges and " +
+                                           std::to_string(mesh.non_manifold_vertices) + " vertices are not manifold, " +
+                                           std::to_string(mesh.degenerate_triangles) + " triangles repeat a vertex");
+  require_internal(mesh.is_oriented(), std::to_string(mesh.inconsistent_edges) + " edges between triangles of opposite orientation");
+  require_internal(mesh.components.size() == reference.topology.size(),
+                   std::to_string(mesh.components.size()) + " components instead of " + std::to_string(reference.topology.size()));
+  std::vector<std::uint32_t> counterpart(reference.topology.size(), kNone);
+  for (std::size_t v = 0; v < component_of.size(); ++v) {
+    std::uint32_t& c = counterpart[component_of[v]];
+    if (c == kNone) c = mesh.component_of_vertex[v];
+    require_internal(c == mesh.component_of_vertex[v], "vertex " + std::to_string(v) + " hangs together with the wrong component");
+  }
+  for (std::size_t c = 0; c < counterpart.size(); ++c) {
+    require_internal(counterpart[c] != kNone, "component " + std::to_string(c) + " is missing");
+    const ComponentTopology& want = reference.topology[c];
+    const ComponentTopology& got = mesh.components[counterpart[c]];
+    require_internal(want == got, "component " + std::to_string(c) + " has Euler characteristic " +
+                                      std::to_string(got.euler_characteristic) + " and " + std::to_string(got.boundary_loops) +
+                                      " boundary loops instead of " + std::to_string(want.euler_characteristic) + " and " +
+                                      std::to_string(want.boundary_loops));
+  }
+}
+
+}  // namespace
+
+void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<const CVertexId> sites, const Components& reference,
+                  const Grid& grid, Space space, LevelReport& report) {
+  std::vector<ComponentId> component_of;
+  component_of.reserve(sites.size());
+  for (const CVertexId v : sites) component_of.push_back(reference.of_c_vertex[v]);
+  check_mesh(topology, reference, component_of);
+  report.topology = summarize(topology.components);
+  report.vertices = mesh.positions.size();
+  report.triangles = mesh.triangles.size();
+
+  // Shape is a matter of world lengths, whatever the space of the output.
+  TriangleMesh world = space == Space::voxel ? mesh : TriangleMesh{};
+  TriangleMesh& measured = space == Space::voxel ? world : mesh;
+  transform_to(measured, grid, space == Space::voxel ? Space::lps : space);
+  report.quality = mesh_quality(measured);
+}
+
+bool LevelReport::all_met() const {
+  return std::all_of(constraints.begin(), constraints.end(), [](const ConstraintResult& c) { return c.met; });
+}
+
+TopologySummary summarize(const std::vector<ComponentTopology>& components) {
+  TopologySummary out;
+  out.components = components.size();
+  std::map<std::pair<std::int64_t, std::int64_t>, std::size_t> kinds;
+  for (const ComponentTopology& c : components) {
+    out.euler_characteristic += c.euler_characteristic;
+    out.genus += c.genus();
+    out.boundary_loops += c.boundary_loops;
+    ++kinds[{c.genus(), c.boundary_loops}];
+  }
+  for (const auto& [kind, count] : kinds) out.kinds.push_back({kind.first, kind.second, count});
+  return out;
+}
+
+void transform_to(TriangleMesh& mesh, const Grid& grid, Space space) {
+  if (space == Space::voxel) return;
+  const double flip = space == Space::ras ? -1 : 1;
+  for (Vec3& p : mesh.positions) {
+    const Vec3 w = grid.to_world(p);
+    p = {flip * w.x, flip * w.y, w.z};
+  }
+  if (grid.mirrored()) {
+    for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+  }
+}
+
+}  // namespace isoatlas

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// What every level goes through on its way out.
+#pragma once
+
+#include <span>
+
+#include "isoatlas/extract.h"
+#include "surface/components.h"
+
+namespace isoatlas {
+
+/// The end of every level: the topology check, then into the output's space, where shape is measured.
+/// @param mesh     in sample-index coordinates; in `space` afterwards
+/// @param sites    per vertex, a c-vertex of the surface in its cell: says which component it belongs to
+/// @throws Error(internal) if the finished triangles have not, component by component, the topology of the reference
+void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<const CVertexId> sites, const Components& reference,
+                  const Grid& grid, Space space, LevelReport& report);
+
+}  // namespace isoatlas

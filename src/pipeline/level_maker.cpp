@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/level_maker.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "core/vector_math.h"
+#include "measure/measure_mesh.h"
+#include "mesh/outward.h"
+#include "pipeline/level.h"
+#include "surface/area_vectors.h"
+
+namespace isoatlas {
+namespace {
+
+// A goal with its lengths as multiples of `length`.
+LevelGoal in_units_of(LevelGoal goal, double length) {
+  for (Constraint& c : goal) {
+    if (unit(c.quantity) == Unit::length) c.bound /= length;
+  }
+  return goal;
+}
+
+}  // namespace
+
+LevelMaker::LevelMaker(const LevelSource& source, const ExtractOptions& options, const RunControl& control)
+    : source_(source),
+      options_(options),
+      control_(control),
+      isosurface_(source.volume, source.rule, source.surface),
+      refiner_(source.surface, isosurface_, source.coarser, source.options, source.covering) {}
+
+Vec3 LevelMaker::to_space(Vec3 index) const {
+  TriangleMesh one;
+  one.positions.push_back(index);
+  transform_to(one, source_.grid, options_.space);
+  return one.positions[0];
+}
+
+// Of the present level, in sample-index coordinates.
+std::vector<Vec3> LevelMaker::vertex_positions() const {
+  const Places& places = refiner_.places();
+  const Vec3 spacing = source_.surface.spacing;
+  std::vector<Vec3> out;
+  out.reserve(places.anchor.size());
+  for (CellId c = 0; c < places.anchor.size(); ++c) {
+    Vec3 p = source_.surface.positions[places.anchor[c]];
+    if (!places.offset.empty()) {
+      const Vec3 n = refiner_.surfels().normal[places.anchor[c]];
+      const auto d = static_cast<double>(places.offset[c]);
+      p = p + Vec3{d * n.x / spacing.x, d * n.y / spacing.y, d * n.z / spacing.z};
+    }
+    out.push_back(p);
+  }
+  return out;
+}
+
+// From voxels to world lengths.
+void LevelMaker::tell(const LevelGoal& goal, const LevelFigures& figures, LevelReport& report) const {
+  const double voxel = source_.grid.smallest_spacing();
+  report.metrics = figures.metrics;
+  for (std::size_t m = 0; m < kMetricCount; ++m) {
+    if (unit(static_cast<Quantity>(m)) != Unit::length) continue;
+    (*report.metrics)[m].maximum *= voxel;
+    (*report.metrics)[m].mean *= voxel;
+  }
+  report.constraints = figures.constraints;
+  for (std::size_t i = 0; i < goal.size(); ++i) {
+    report.constraints[i].wanted = goal[i];
+    if (unit(goal[i].quantity) == Unit::length) report.constraints[i].reached *= voxel;
+  }
+}
+
+void LevelMaker::measure_distance(const TriangleMesh& mesh, LevelReport& report) const {
+  if (options_.measure_samples == 0) return;
+  report.measured = measure(mesh, isosurface_, options_.measure_samples, control_);
+  transform_to(*report.measured, source_.grid, options_.space);
+}
+
+void LevelMaker::describe_coarse(const Hierarchy& hierarchy, std::span<const CVertexId> sites, LevelReport& report) {
+  TriangleMesh mesh;  // in index coordinates again
+  mesh.triangles = hierarchy.levels.front().triangles;
+  if (options_.space != Space::voxel && source_.grid.mirrored()) {
+    for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+  }
+  for (const CVertexId v : sites) mesh.positions.push_back(source_.surface.positions[v]);
+  const double voxel = source_.grid.smallest_spacing();
+  tell(options_.coarse, refiner_.describe_coarse(mesh.triangles, sites, in_units_of(options_.coarse, voxel), control_), report);
+  measure_distance(mesh, report);
+}
+
+void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, LevelReport& report) {
+  const auto start = std::chrono::steady_clock::now();
+  const RefinedLevel refined = refiner_.refine(in_units_of(goal, source_.grid.smallest_spacing()), options_.placement, control_);
+  tell(goal, refined.figures, report);
+  report.certificate = refined.certificate;
+  report.refine_rounds = refined.rounds;
+  report.flips = refined.shape.flips;
+  report.moves = refined.shape.moves;
+
+  const SurfaceComplex& surface = source_.surface;
+  const Partition& partition = refiner_.partition();
+  TriangleMesh mesh;
+  mesh.positions = vertex_positions();
+  mesh.triangles = refined.triangles;
+  for (const auto& [cell, excess] : refined.at_limit) report.at_limit.push_back({to_space(mesh.positions[cell]), excess});
+  const MeshTopology topology = mesh_topology(mesh);
+  const std::vector<Vec3> outward = area_vectors(surface, partition.cell_of, partition.cell_count());
+  const std::vector<std::uint8_t> turned = turned_components(mesh.positions, mesh.triangles, surface.spacing, topology.component_of_vertex,
+                                                             topology.components.size(), outward, 0);
+  report.turned_components = static_cast<std::size_t>(std::count(turned.begin(), turned.end(), 1));
+  measure_distance(mesh, report);
+  finish_level(mesh, topology, partition.site, source_.reference, source_.grid, options_.space, report);
+
+  // Vertices that are new; the others are there already.
+  const std::vector<CVertexId>& at = refiner_.places().anchor;
+  TriangleMesh on_surface;
+  for (std::size_t v = hierarchy.positions.size(); v < at.size(); ++v) on_surface.positions.push_back(surface.positions[at[v]]);
+  transform_to(on_surface, source_.grid, options_.space);
+  hierarchy.positions.insert(hierarchy.positions.end(), on_surface.positions.begin(), on_surface.positions.end());
+  const std::vector<std::uint32_t> parents = refiner_.parents();
+  hierarchy.parent.insert(hierarchy.parent.end(), parents.begin() + static_cast<std::ptrdiff_t>(hierarchy.parent.size()), parents.end());
+  Hierarchy::Level level{checked_id(at.size(), "vertices"), std::move(mesh.triangles), {}};
+  if (options_.placement == Placement::balanced) level.placed = std::move(mesh.positions);
+  hierarchy.levels.push_back(std::move(level));
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace isoatlas

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "measure/isosurface.h"
+#include "refine/refiner.h"
+#include "surface/components.h"
+
+namespace isoatlas {
+
+/// What the coarse level leaves to the finer ones. Lengths are in voxels (smallest spacings).
+struct LevelSource {
+  VolumeView volume;  ///< with its spacing in voxels
+  const Grid& grid;   ///< the volume's own
+  InsideRule rule;
+  const SurfaceComplex& surface;
+  const Components& reference;
+  const Coarsened& coarser;
+  const CoveringOptions& options;
+  const Covering& covering;  ///< of level 0
+};
+
+/// Describes the coarse level and adds the refined ones, each checked, measured where asked for, and in the output's space.
+class LevelMaker {
+ public:
+  LevelMaker(const LevelSource& source, const ExtractOptions& options, const RunControl& control);
+
+  /// Metrics, constraints and distances of level 0.
+  /// @param sites  per vertex of level 0, its c-vertex on the surface
+  void describe_coarse(const Hierarchy& hierarchy, std::span<const CVertexId> sites, LevelReport& report);
+
+  void add_level(const LevelGoal& goal, Hierarchy& hierarchy, LevelReport& report);
+
+ private:
+  Vec3 to_space(Vec3 index) const;
+  std::vector<Vec3> vertex_positions() const;
+  void tell(const LevelGoal& goal, const LevelFigures& figures, LevelReport& report) const;
+  void measure_distance(const TriangleMesh& mesh, LevelReport& report) const;
+
+  LevelSource source_;
+  const ExtractOptions& options_;
+  const RunControl& control_;
+  Isosurface isosurface_;
+  Refiner refiner_;
+};
+
+}  // namespace isoatlas
