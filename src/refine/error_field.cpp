@@ -173,7 +173,7 @@ constexpr int kMostPieces = 8;
 }  // namespace
 
 void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cell_of,
-                       std::span<const CellId> cells, std::vector<float>& from_mesh) {
+                       std::span<const CellId> cells, double look_closer, std::vector<float>& from_mesh) {
   std::vector<std::uint8_t> wanted(mesh.cell_count(), 0);
   for (const CellId c : cells) wanted[c] = 1;
   from_mesh.resize(mesh.cell_count(), 0);
@@ -204,8 +204,13 @@ void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, st
                                            static_cast<double>(c) * t.corner[2]);
           NearestSurfel nearest;
           for (const CellId cell : t.cell) nearest.offer(surface.surfels, mesh.c_vertices_of.of(cell), p);
-          const auto d = static_cast<float>(nearest.distance(surface, p));
-          if (d > worst[i].distance) worst[i] = {d, cell_of[nearest.at]};
+          double d = nearest.distance(surface, p);
+          if (d <= static_cast<double>(worst[i].distance)) continue;
+          if (d > look_closer && surface.isosurface != nullptr) {
+            const Vec3 s = surface.spacing;
+            d = std::min(d, surface.isosurface->closest({p.x / s.x, p.y / s.y, p.z / s.z}, d).distance);
+          }
+          if (d > static_cast<double>(worst[i].distance)) worst[i] = {static_cast<float>(d), cell_of[nearest.at]};
         }
       }
     }

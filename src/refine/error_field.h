@@ -15,6 +15,8 @@ struct MeasuredSurface {
   const Surfels& surfels;
   const CVertexGraph& graph;
   std::span<const float> reach;  ///< per c-vertex, distance to its farthest neighbour in G
+  Vec3 spacing;
+  const Isosurface* isosurface;  ///< none: the c-vertices are all that is known
 };
 
 /// Finds, for the c-vertices of some cells, the closest points of the mesh: out[i] belongs to the i-th c-vertex of the cells
@@ -47,8 +49,11 @@ class BetweenPoints {
 std::vector<float> measure_between(const BetweenPoints& between, const LevelMesh& mesh, std::span<const CellId> cells);
 
 /// Distances from samples of the triangles of some cells to the surface: for each of these cells the largest, at samples that
-/// are nearest to a c-vertex of the cell. The surface is taken as the surfels' tangent planes. Other cells' entries stay.
+/// are nearest to a c-vertex of the cell. Other cells' entries stay. Parallel over triangles.
+///
+/// @param look_closer  up to this distance the tangent planes of the surfels are good enough, beyond it the closest point of the
+///                     isosurface decides
 void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cell_of,
-                       std::span<const CellId> cells, std::vector<float>& from_mesh);
+                       std::span<const CellId> cells, double look_closer, std::vector<float>& from_mesh);
 
 }  // namespace isoatlas

@@ -61,8 +61,12 @@ void add_between(const BetweenPoints& between, const LevelMesh& mesh, std::span<
 
 }  // namespace
 
-Ground::Ground(const SurfaceComplex& surface, const Isosurface* isosurface)
-    : complex(surface), surfels(make_surfels(surface)), graph(make_graph(surface)), reach(surface.c_vertex_count(), 0) {
+Ground::Ground(const SurfaceComplex& surface, const Isosurface* trilinear)
+    : complex(surface),
+      isosurface(trilinear),
+      surfels(make_surfels(surface)),
+      graph(make_graph(surface)),
+      reach(surface.c_vertex_count(), 0) {
   for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
     for (const CVertexGraph::Neighbour& n : graph.row(v)) reach[v] = std::max(reach[v], n.weight);
   }
@@ -187,7 +191,7 @@ void MeasuredCovering::measure(std::vector<CellId> cells) {
       std::find_if(demands_.begin(), demands_.end(), [](const Constraint& c) { return c.quantity == Quantity::max_distance; });
   if (distance == demands_.end()) return;
   std::erase_if(cells, [&](CellId c) { return errors_[c].excess > 1; });
-  measure_from_mesh(surface, mesh_, partition().cell_of, cells, from_mesh_);
+  measure_from_mesh(surface, mesh_, partition().cell_of, cells, kNearBound * distance->bound, from_mesh_);
   for (const CellId c : cells) {
     const double excess = from_mesh_[c] / distance->bound;
     if (excess <= errors_[c].excess) continue;
@@ -211,7 +215,9 @@ std::array<MetricSummary, kMetricCount> summarize_metrics(const Ground& ground, 
   std::vector<ClosestPoint> closest;
   std::vector<float> farthest;
   find_closest(ground.measured(), mesh, cells, closest);
-  measure_from_mesh(ground.measured(), mesh, covering.partition().cell_of, cells, farthest);
+  float most = 0;
+  for (const ClosestPoint& p : closest) most = std::max(most, p.distance);
+  measure_from_mesh(ground.measured(), mesh, covering.partition().cell_of, cells, kNearBound * static_cast<double>(most), farthest);
   if (ground.between) add_between(*ground.between, mesh, closest, farthest);
   std::vector<std::array<double, kMetricCount>> values(n);
   for_each_piece(n, kCellsPerPiece, [&](std::size_t begin, std::size_t end) {

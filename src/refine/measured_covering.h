@@ -17,12 +17,13 @@ struct Ground {
   explicit Ground(const SurfaceComplex& surface, const Isosurface* isosurface = nullptr);
 
   const SurfaceComplex& complex;
+  const Isosurface* isosurface;
   Surfels surfels;
   CVertexGraph graph;
   std::vector<float> reach;  ///< per c-vertex, distance to its farthest neighbour in G
   std::optional<BetweenPoints> between;
 
-  MeasuredSurface measured() const { return {surfels, graph, reach}; }
+  MeasuredSurface measured() const { return {surfels, graph, reach, complex.spacing, isosurface}; }
 };
 
 /// What one cell's metrics say.
