@@ -15,8 +15,8 @@ const std::string kExitStatus = R"(0    done
 )";
 
 const std::string kExtractExitStatus = R"(0    done
-1    done, but a constraint of a level is not met; stderr says which and why,
-     everything was written
+1    done, but a constraint of a level is not met; stderr says which and
+     why, everything was written
 2    an argument or a file is not as it should be, or there is no surface;
      nothing was written
 3    isoatlas' own check failed, a bug; nothing was written
@@ -125,7 +125,7 @@ isoatlas extract fuel.raw --raw-size 64,64,64 --raw-type uint8 --iso 70.5 \
                    {"Files", kVolumeFiles + R"(Meshes: .ply and .stl (binary), .obj, .off, .vtp: the finest level, or with
 {level} in the name each level in a file of its own; .glb: all levels, the
 extension MSFT_lod; .vtm: all levels, with a folder beside it. The extension
-decides. What is rounded to float (.stl, .glb) is read back and checked again.
+decides. What is rounded to float (.stl, .glb) is read back and checked.
 Outputs appear whole, all together, or not at all. They are prepared in a
 hidden folder .isoatlas-* beside the destination; one that a killed process
 left behind can be deleted.

@@ -49,7 +49,8 @@ struct StoredPositions {
 
 /// Writes .ply (binary little endian), .stl (binary), .obj, .off or .vtp by extension. The file appears whole or not at all:
 /// it is written beside its destination and renamed. What is rounded (.stl) is read back before that and must be the same mesh:
-/// the same triangles, no two vertices at one position, the same topology. Throws Error(bad_file).
+/// the same triangles, no two vertices at one position, the same topology, no vertex moved by more than a tenth of the mean edge.
+/// Throws Error(bad_file).
 StoredPositions write_mesh(const TriangleMesh& mesh, const std::filesystem::path& path, const MeshFileInfo& info = {});
 
 /// Reads what write_mesh writes (and ascii variants); polygons are split into triangle fans, STL corners at equal positions merged.
@@ -76,8 +77,8 @@ void check_hierarchy_path(const std::filesystem::path& path, std::size_t level_c
 ///
 /// A .glb keeps positions as float32, relative to a translation where coordinates are large. Before it appears it is read back by
 /// another reader, and each level must be the same mesh: the same triangles, no two vertices that had different positions at one
-/// position, the same topology.
-/// @throws Error(bad_file)      cannot be written, or float32 would merge vertices (nothing is written then)
+/// position, the same topology, no vertex moved by more than a tenth of the mean edge.
+/// @throws Error(bad_file)      cannot be written, or float32 would merge or move vertices (nothing is written then)
 /// @throws Error(bad_argument)  positions not finite, corners out of range, no levels, a text in info.levels that is no JSON object
 /// @throws Error(unsupported)   unknown extension; more than 4 GiB in a .glb
 /// @cost   O(vertices + triangles) for each level, some three times the size of the file in memory for a .glb

@@ -2,10 +2,13 @@
 #include "io/same_mesh.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <string>
 #include <vector>
 
+#include "core/vector_math.h"
 #include "io/file_error.h"
 #include "io/position_table.h"
 
@@ -14,6 +17,26 @@ namespace isoatlas::io {
 namespace {
 
 constexpr std::uint32_t kUnknown = 0xFFFF'FFFFU;
+constexpr const char* kAdvice = "; write .ply, .obj, .off, .vtp or .vtm instead, which keep double precision";
+
+// Vertices that stay apart can still end up on a line: rounding has to be small beside what the mesh is made of.
+constexpr double kMostRoundingPerEdge = 0.1;
+
+std::string number(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g", value);
+  return text.data();
+}
+
+double mean_edge(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (const Triangle& t : mesh.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      sum += length(mesh.positions[t[(k + 1) % 3]] - mesh.positions[t[k]]);
+    }
+  }
+  return sum / static_cast<double>(3 * mesh.triangles.size());
+}
 
 class Comparison {
  public:
@@ -78,8 +101,7 @@ class Comparison {
  private:
   Error merged(std::uint32_t a, std::uint32_t b) const {
     return bad_file(path_, "not written: vertices " + std::to_string(a) + " and " + std::to_string(b) + where_ +
-                               " would become one in its float coordinates; write .ply, .obj, .off, .vtp or .vtm instead, which "
-                               "keep double precision");
+                               " would become one in its float coordinates" + kAdvice);
   }
 
   const std::filesystem::path& path_;
@@ -110,6 +132,10 @@ double require_same_mesh(const TriangleMesh& written, const TriangleMesh& read, 
     const Vec3& a = written.positions[v];
     const Vec3& b = read.positions[r];
     largest = std::max(largest, std::hypot(a.x - b.x, a.y - b.y, a.z - b.z));
+  }
+  if (const double edge = mean_edge(written); largest > kMostRoundingPerEdge * edge) {
+    throw bad_file(path, "not written: its float coordinates would move vertices by up to " + number(largest) + ", but edges" +
+                             comparison.where() + " are " + number(edge) + " long on average" + kAdvice);
   }
   return largest;
 }

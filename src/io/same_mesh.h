@@ -17,7 +17,8 @@ namespace isoatlas::io {
 /// to a one-to-one renumbering of the vertices in use.
 /// @param what  "" or which part of the file this is, for messages: "level 2"
 /// @return the largest distance of a vertex from where it was
-/// @throws Error(bad_file) if rounding merged vertices, Error(internal) if anything else differs
+/// @throws Error(bad_file) if rounding merged vertices or moved some by more than a tenth of the mean edge, Error(internal) if anything
+/// else differs
 double require_same_mesh(const TriangleMesh& written, const TriangleMesh& read, bool renumbered, const std::filesystem::path& path,
                          std::string_view what = {});
 
