@@ -93,9 +93,10 @@ void MeshOutputs::check(std::size_t level_count, const fs::path& volume, const s
     if (is_hierarchy_path(item.path)) {
       check_pieces(item.path, level_count, volume);
       check_hierarchy_path(item.path, level_count);
-      for (const fs::path& file : files_of_hierarchy(target_of(item.path), level_count)) {
-        if (same_file(file, volume)) refuse(item.path, "a level of it would replace the volume");
-        if (file != item.path) meshes.push_back(file);
+      const std::vector<fs::path> files = files_of_hierarchy(target_of(item.path), level_count);
+      for (std::size_t i = 1; i < files.size(); ++i) {
+        if (same_file(files[i], volume)) refuse(item.path, "a level of it would replace the volume");
+        meshes.push_back(files[i]);
       }
     } else {
       check_mesh_path(item.path);

@@ -57,7 +57,9 @@ class Transaction {
   /// `backup` is a free name on the same file system.
   void move(const fs::path& from, const fs::path& to, const fs::path& backup) {
     std::error_code error;
-    const bool replaces = fs::exists(fs::symlink_status(to, error));
+    const fs::file_status status = fs::symlink_status(to, error);
+    const bool replaces = fs::exists(status);
+    if (fs::is_directory(status)) require(false, to, std::make_error_code(std::errc::is_a_directory));
     if (replaces) {
       // A second name, so that there is a file at `to` at any time; not every file system has them.
       fs::create_hard_link(to, backup, error);

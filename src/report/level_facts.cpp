@@ -65,7 +65,8 @@ std::vector<LevelFacts> facts_of_levels(const std::string& text, const std::stri
       throw Error(ErrorCode::unsupported,
                   path + ": is no report of isoatlas extract, expected the schema isoatlas-report-2 or isoatlas-manifest-1");
     std::vector<LevelFacts> levels;
-    for (const Json& level : member(json, "levels")) levels.push_back(facts_of(level));
+    for (const Json& level : member(json, "levels"))
+      if (level.is_object()) levels.push_back(facts_of(level));
     if (levels.empty()) throw Error(ErrorCode::bad_file, path + ": has no levels");
     return levels;
   });
