@@ -95,12 +95,13 @@ def main():
         label = f"{name.split('.')[0]} @ {iso}"
         print(label, flush=True)
         volume, mesh, report_file = options.data / name, work / "mesh.ply", work / "report.json"
-        done = run([tool, "extract", volume, "--iso", iso, "-o", mesh, "--report", report_file, "--space", "voxel", "-q"])
+        done = run([tool, "extract", volume, "--iso", iso, "--coarse", "-o", mesh, "--report", report_file, "--space", "voxel", "-q"])
         if done.returncode != 0:
             topology.append(f"| {label} | failed: {done.stderr.strip()} | | | | | | |")
             continue
         r = json.load(open(report_file))
-        m, c = r["mesh"], r["certificate"]
+        m = r["levels"][-1]
+        c = m["certificate"]
         want = [int(row["faces_" + k]) for k in ("components", "euler", "genus", "boundary_loops")]
         got = [m[k] for k in ("components", "euler_characteristic", "genus", "boundary_loops")]
         judged = None
@@ -117,7 +118,7 @@ def main():
         study = STUDY.get((name, iso))
         bound = f"{study[0]:,} | {study[1] * study[0]:,.0f} | {m['triangles'] / study[0]:.2f} | {yes(m['triangles'] <= study[1] * study[0])}" if study else "| | |"
         triangles.append(f"| {label} | {b['mc_triangles']:,} | {r['reference']['c_vertices']:,} | {m['triangles']:,} | {bound} |")
-        q = r["quality"]["aspect_ratio"]
+        q = m["quality"]["aspect_ratio"]
         shape.append(f"| {label} | {c['repair_sites']:,} in {c['repair_rounds']} rounds | {q['minimum']:.3g} | {q['p01']:.3f} | {q['median']:.3f} | "
                      f"{100 * q['share_below_third']:.2f} % |")
         ratio = b["isoatlas_ms"] / b["mc_ms"]
@@ -129,12 +130,12 @@ def main():
 
     nan = options.data / "tmap_nan.nii.gz"
     mesh = work / "tmap.ply"
-    refused = run([tool, "extract", nan, "--iso", "2", "-o", mesh, "-q"])
+    refused = run([tool, "extract", nan, "--iso", "2", "--coarse", "-o", mesh, "-q"])
     tmap = [f"* without `--nan`: exit status {refused.returncode}, file written: {'yes' if mesh.exists() else 'no'}, "
             f"message: `{refused.stderr.strip().replace(str(nan), nan.name)}`"]
     for side in ("below", "above"):
-        done = run([tool, "extract", nan, "--iso", "2", "-o", mesh, "--report", work / "tmap.json", "--nan", side, "-q"])
-        m = json.load(open(work / "tmap.json"))["mesh"]
+        done = run([tool, "extract", nan, "--iso", "2", "--coarse", "-o", mesh, "--report", work / "tmap.json", "--nan", side, "-q"])
+        m = json.load(open(work / "tmap.json"))["levels"][-1]
         tmap.append(f"* `--nan {side}`: exit status {done.returncode}, {m['triangles']:,} triangles, {m['components']:,} components, "
                     f"genus {m['genus']:,}, {m['boundary_loops']:,} boundary loops")
 

@@ -2,9 +2,9 @@
 #include "arguments.h"
 
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -18,19 +18,11 @@
 namespace isoatlas::tool {
 namespace {
 
+constexpr std::size_t kMeasureSamples = 200'000;
+
 [[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::bad_argument, message); }
 
 std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
-
-// Numbers are read with from_chars: whole text, no locale.
-template <class Number>
-std::optional<Number> parse_whole(std::string_view text) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  Number number{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return number;
-}
 
 double parse_finite(std::string_view text) {
   const auto number = parse_whole<double>(text);
@@ -155,6 +147,66 @@ void add_volume(CLI::App& app, VolumeArguments& volume) {
 }
 // clang-format on
 
+struct GoalOption {
+  Quantity quantity;
+  const char* placeholder;
+  const char* description;
+};
+
+// clang-format off
+constexpr std::array<GoalOption, kQuantityCount> kGoalOptions{{
+    {Quantity::max_distance, "LENGTH", "Largest distance between surface and mesh, both ways."},
+    {Quantity::mean_distance, "LENGTH", "Mean distance of a cell's part of the surface from the mesh."},
+    {Quantity::area_curvature, "RATIO", "Area of a cell's part of the surface over its area as seen along the triangles' normals; above 1."},
+    {Quantity::area_curvature_smooth, "RATIO", "The same with normals interpolated between the vertices; above 1."},
+    {Quantity::geodesic_ratio, "RATIO", "Distance along the surface over straight distance, from a cell's site to its border; above 1."},
+    {Quantity::normal_angle, "DEGREES", "Turn of the surface's normal, summed along the way from a cell's site to its border."},
+    {Quantity::max_vertices, "N", "No more vertices than N."},
+    {Quantity::min_vertices, "N", "No fewer vertices than N."},
+    {Quantity::min_edge, "LENGTH", "No shorter edge."},
+    {Quantity::max_edge, "LENGTH", "No longer edge."},
+    {Quantity::min_aspect, "RATIO", "No triangle whose shortest edge is a smaller part of its longest; between 0 and 1."},
+}};
+
+/// --refine and the options that hold for all levels. They are read when all are there: their order on the command
+/// line, which CLI11 keeps apart from the values, is their priority.
+void add_goals(CLI::App& command, ExtractArguments& arguments) {
+  const auto ignore = [](const auto&) {};
+  CLI::Option* refine = command.add_option_function<std::vector<std::string>>("--refine", ignore, R"(
+One more level, refined from the last one until it meets SPEC, METRIC:BOUND[,METRIC:BOUND...]; METRIC is one of the
+options below without the dashes. May be given again and again. Without it there is one such level, at max-distance:0.5vx.
+)");
+  refine->type_name("SPEC")->expected(1)->allow_extra_args(false)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)->group(kLevels);
+  std::map<const CLI::Option*, Quantity> quantity_of;
+  for (const GoalOption& option : kGoalOptions)
+    quantity_of[command.add_option_function<std::string>("--" + std::string(name(option.quantity)), ignore, option.description)
+                    ->type_name(option.placeholder)
+                    ->group(kLevels)] = option.quantity;
+
+  command.parse_complete_callback([&command, &arguments, refine, quantity_of] {
+    std::vector<GoalArgument> found;
+    std::size_t refined = 0;
+    for (const CLI::Option* option : command.parse_order()) {
+      const auto quantity = quantity_of.find(option);
+      if (option != refine && quantity == quantity_of.end()) continue;
+      try {
+        if (option == refine)
+          found.push_back({true, parse_level(refine->results().at(refined++))});
+        else
+          found.push_back({false, {parse_bound(quantity->second, option->results().at(0))}});
+      } catch (const Error& error) {
+        throw CLI::ValidationError((option == refine ? "--refine: " : "--") + std::string(error.what()));
+      }
+    }
+    try {
+      arguments.goals = plan_levels(found, arguments.coarse);
+    } catch (const Error& error) {
+      throw CLI::ValidationError(error.what());
+    }
+  });
+}
+// clang-format on
+
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description, ManPage::Text page) {
   CLI::App* command = app.add_subcommand(name, description);
   command->formatter(std::make_shared<ManPage>(std::move(page)));
@@ -165,19 +217,9 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
 }  // namespace
 
 Length parse_length(std::string_view text) {
-  std::string_view number = text;
-  const auto strip = [&number](std::string_view unit) {
-    if (!number.ends_with(unit)) return false;
-    number.remove_suffix(unit.size());
-    return true;
-  };
-  Length length;
-  length.in_voxels = strip("vx");
-  if (!length.in_voxels) strip("mm");
-  const auto value = parse_whole<double>(number);
-  if (!value || !std::isfinite(*value) || *value < 0) refuse("expected a length like 2.5, 2.5mm or 3vx, got " + in_quotes(text));
-  length.value = *value;
-  return length;
+  const auto length = length_of(text);
+  if (!length) refuse("expected a length like 2.5, 2.5mm or 3vx, got " + in_quotes(text));
+  return *length;
 }
 
 // clang-format off
@@ -205,8 +247,7 @@ isovalue is inside either way. Default: above.
   });
 
   command->add_flag("--coarse", arguments.coarse, R"(
-The coarsest mesh that keeps the topology. This version has no refinement yet: it makes
-this mesh with or without the flag.
+Only the coarsest mesh that keeps the topology: level 0. Constraints for all levels are then looked at there.
 )")->group(kMesh);
   add_value(*command, kMesh, "--max-radius", "LENGTH", R"(
 Largest radius of the disks that cover the surface; smaller means more triangles. Default: half the longest side of the
@@ -219,13 +260,24 @@ volume.
 Holes in a growing disk that close again within this length do not limit it. Larger ignores more noise in the choice of
 triangle sizes; topology is kept whatever the value. Default: 1.5vx.
 )", [&](const std::string& text) { arguments.event_persistence = parse_length(text); });
+  add_value(*command, kMesh, "--placement", "WHERE", R"(
+Where vertices sit: on the surface, the same in all levels; or balanced, in each level moved so that the mesh lies evenly
+on both sides of the surface. Default: surface.
+)", [&](const std::string& text) {
+    options.placement = choose<Placement>({{"surface", Placement::surface}, {"balanced", Placement::balanced}}, text);
+  });
+  add_goals(*command, arguments);
 
-  command->add_option("-o,--output", arguments.mesh, "The mesh to write; its extension is the format. See FILES.")
-      ->type_name("MESH")
-      ->required()
-      ->group(kOutput);
+  command->add_option("-o,--output", arguments.mesh, R"(
+The mesh to write; its extension is the format. A name with {level} in it is one file per level; .glb and .vtm hold all
+levels, other formats the finest. See FILES.
+)")->type_name("MESH")->required()->group(kOutput);
+  command->add_flag("--glb-per-level", arguments.glb_per_level, R"(
+With -o NAME.glb: also NAME-0.glb, NAME-1.glb, ... with one level each, and NAME.json, which lists them.
+)")->group(kOutput);
   command->add_option("--report", arguments.report, R"(
-Write topology, certificate, triangle shapes, timings and memory as JSON (docs/reference/report.md).
+Write topology, certificates, metrics, constraints, triangle shapes, timings and memory as JSON
+(docs/reference/report.md).
 )")->type_name("FILE")->group(kOutput);
   add_value(*command, kOutput, "--space", "SPACE", R"(
 Coordinates of the mesh: lps, the world as ITK has it; ras, the same with x and y negated; voxel, sample indices.
@@ -234,6 +286,14 @@ Default: lps.
     options.space = parse_space(text);
   });
 
+  CLI::Option* measure = command->add_flag_callback("--measure", [&] { options.measure_samples = kMeasureSamples; }, R"(
+Measure each level against the isosurface, both ways, with 200,000 samples each.
+)")->group(kOutput);
+  CLI::Option* samples = add_value(*command, kOutput, "--measure-samples", "N", R"(
+The same with N samples.
+)", [&](const std::string& text) { options.measure_samples = parse_samples(text); });
+  measure->excludes(samples);
+
   add_value(*command, kRunning, "--threads", "N", R"(
 Number of threads; 0: as many as the machine has. Default: 0.
 )", [&](const std::string& text) { arguments.threads = parse_threads(text); });
@@ -241,7 +301,7 @@ Number of threads; 0: as many as the machine has. Default: 0.
 Print nothing unless something is wrong; no progress bar.
 )");
   CLI::Option* verbose = command->add_flag("-v,--verbose", arguments.verbose, R"(
-Also print timings, coarser complexes, repairs and memory.
+Also print all levels' metrics, timings, coarser complexes, repairs and memory.
 )");
   quiet->excludes(verbose)->group(kRunning);
   verbose->group(kRunning);
@@ -290,6 +350,13 @@ Default: 200000.
   return command;
 }
 // clang-format on
+
+CLI::App* add_levels_command(CLI::App& app, LevelsArguments& arguments) {
+  CLI::App* command = add_command(app, "levels", "compare the levels of detail in a file", levels_page());
+  command->add_option("FILE", arguments.file, "A .glb or .vtm that `extract` wrote, or its report. See FILES.")->required()->group(kInput);
+  command->add_flag("--json", arguments.json, "Print JSON (docs/reference/report.md).")->group(kOutput);
+  return command;
+}
 
 void describe_tool(CLI::App& app) {
   app.name("isoatlas");

@@ -10,16 +10,10 @@
 #include "isoatlas/extract.h"
 #include "isoatlas/io.h"
 #include "isoatlas/measure.h"
+#include "level_goals.h"
+#include "values.h"
 
 namespace isoatlas::tool {
-
-/// A length as typed: "2.5" or "2.5mm" in world units, "3vx" in voxels.
-struct Length {
-  double value = 0;
-  bool in_voxels = false;
-
-  double in_world(const Grid& grid) const { return in_voxels ? value * grid.smallest_spacing() : value; }
-};
 
 /// Throws Error(bad_argument) unless `text` is a length, 0 or more.
 Length parse_length(std::string_view text);
@@ -33,9 +27,11 @@ struct ExtractArguments {
   VolumeArguments volume;
   std::filesystem::path mesh;
   std::optional<std::filesystem::path> report;
-  ExtractOptions options;  ///< all but the lengths, which need the volume's voxel size
+  bool glb_per_level = false;  ///< besides `mesh`, which is a .glb, one for each level, and a manifest
+  ExtractOptions options;      ///< all but the lengths, which need the volume's voxel size
   std::optional<Length> max_radius, event_persistence;
-  bool coarse = false;  ///< accepted; without refinement there is nothing else to make
+  TypedGoals goals;     ///< the constraints of all levels
+  bool coarse = false;  ///< nothing but level 0
   int threads = 0;
   bool quiet = false, verbose = false;
 };
@@ -53,10 +49,16 @@ struct CheckArguments {
   bool json = false;
 };
 
+struct LevelsArguments {
+  std::filesystem::path file;
+  bool json = false;
+};
+
 /// Each adds one command to `app` that fills `arguments` when it is parsed.
 CLI::App* add_extract_command(CLI::App& app, ExtractArguments& arguments);
 CLI::App* add_info_command(CLI::App& app, InfoArguments& arguments);
 CLI::App* add_check_command(CLI::App& app, CheckArguments& arguments);
+CLI::App* add_levels_command(CLI::App& app, LevelsArguments& arguments);
 
 /// Name, version and help page of the tool itself.
 void describe_tool(CLI::App& app);

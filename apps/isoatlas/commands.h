@@ -10,5 +10,6 @@ namespace isoatlas::tool {
 int run_extract(const ExtractArguments& arguments, Interruption& interruption);
 int run_info(const InfoArguments& arguments);
 int run_check(const CheckArguments& arguments, Interruption& interruption);
+int run_levels(const LevelsArguments& arguments);
 
 }  // namespace isoatlas::tool

@@ -5,19 +5,19 @@
 #include <sys/resource.h>
 
 #include <chrono>
-#include <iostream>
 #include <string>
 #include <utility>
 
 #include "commands.h"
 #include "exit_status.h"
+#include "extract_summary.h"
 #include "isoatlas/error.h"
 #include "isoatlas/io.h"
 #include "isoatlas/version.h"
+#include "mesh_outputs.h"
 #include "output_files.h"
 #include "progress_bar.h"
 #include "report/report.h"
-#include "text.h"
 
 namespace isoatlas::tool {
 namespace {
@@ -37,18 +37,6 @@ std::size_t peak_memory_bytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<std::size_t>(usage.ru_maxrss) * 1024;  // Linux counts KiB
-}
-
-/// Everything that can be wrong with the names is found here, before anybody waits.
-void check_paths(const ExtractArguments& arguments) {
-  const auto refuse = [](const std::string& message) { throw Error(ErrorCode::bad_argument, message); };
-  if (same_file(arguments.mesh, arguments.volume.path)) refuse(arguments.mesh.string() + ": the mesh would replace the volume");
-  check_output_path(arguments.mesh);
-  check_mesh_path(arguments.mesh);
-  if (!arguments.report) return;
-  if (same_file(*arguments.report, arguments.mesh)) refuse(arguments.report->string() + ": the report would replace the mesh");
-  if (same_file(*arguments.report, arguments.volume.path)) refuse(arguments.report->string() + ": the report would replace the volume");
-  check_output_path(*arguments.report);
 }
 
 /// The library does not know what the volume is called; its messages should.
@@ -72,53 +60,11 @@ const char* space_name(Space space) {
   return "";
 }
 
-std::string certificate_text(const CertificateReport& certificate) {
-  return counted(certificate.cells_checked, "cell") + ", " + counted(certificate.arcs_checked, "arc") + ", " +
-         counted(certificate.triples_checked, "triple");
-}
-
-std::string repair_text(const CertificateReport& certificate) {
-  return counted(certificate.repair_sites, "site") + " added in " + counted(certificate.repair_rounds, "round");
-}
-
-void print_summary(const ExtractArguments& arguments, const ExtractReport& report, const ReportContext& context) {
-  const auto& quality = report.levels.back().quality;
-  std::cout << row("read", context.volume_path + ": " + size_text(context.grid.size) + " " + std::string(name(context.sample_type)) + ", " +
-                               seconds_text(context.read_seconds))
-            << row("surface", "isovalue " + number_text(context.options.isovalue) + ": " + topology_text(report.levels.back().topology))
-            << row("mesh", counted(context.mesh_vertices, "vertex") + ", " + counted(quality.triangles, "triangle") +
-                               ", aspect ratio at least " + ratio_text(quality.aspect_min) + ", median " +
-                               ratio_text(quality.aspect_median))
-            << row("certificate", std::string(report.levels.back().certificate.passed ? "passed" : "FAILED") + ": " +
-                                      certificate_text(report.levels.back().certificate) + "; mesh counted again: " +
-                                      (report.levels.back().topology == report.reference ? "same topology" : "OTHER TOPOLOGY"))
-            << row("wrote", context.mesh_path + " (" + bytes_text(static_cast<double>(fs::file_size(arguments.mesh))) + ")" +
-                                (arguments.report ? " and " + arguments.report->string() : "") + ", meshed in " +
-                                seconds_text(report.total_seconds));
-}
-
-void print_details(const ExtractReport& report, const ReportContext& context) {
-  std::string coarser;
-  for (const std::size_t size : report.coarser_c_vertices) coarser += (coarser.empty() ? "" : ", ") + count_text(size);
-  std::cout << row("complex", counted(report.c_vertices, "c-vertex") + ", " + counted(report.faces, "face") + ", " +
-                                  counted(report.double_segments, "double segment") + " split")
-            << row("coarser", coarser.empty()
-                                  ? "none: disks are too small for blocks"
-                                  : coarser + " c-vertices, certified in " + std::to_string(report.coarsening.repair_rounds) + " rounds")
-            << row("repair", repair_text(report.levels.back().certificate)) << row("kinds", kinds_text(report.levels.back().topology, 6))
-            << row("shape", percent_text(report.levels.back().quality.aspect_share_below_third) +
-                                " of the triangles below 1/3, 1st percentile " + ratio_text(report.levels.back().quality.aspect_p01) +
-                                ", angles " + number_text(report.levels.back().quality.angle_min) + " to " +
-                                number_text(report.levels.back().quality.angle_max) + " degrees");
-  for (const StageTime& stage : report.seconds) std::cout << row("  " + stage.stage, seconds_text(stage.seconds));
-  std::cout << row("  write", seconds_text(context.write_seconds))
-            << row("memory", bytes_text(static_cast<double>(context.peak_memory_bytes)) + " at most");
-}
-
 }  // namespace
 
 int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
-  check_paths(arguments);
+  const MeshOutputs meshes(arguments.mesh, arguments.glb_per_level);
+  meshes.check(1 + arguments.goals.refine.size(), arguments.volume.path, arguments.report);
 
   ProgressBar progress(!arguments.quiet);
   OutputFiles outputs;
@@ -131,7 +77,6 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
                            .threads = arguments.threads};
   ReportContext context;
   context.volume_path = arguments.volume.path.string();
-  context.mesh_path = arguments.mesh.string();
   context.options = arguments.options;
   context.threads = arguments.threads;
 
@@ -141,27 +86,34 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   context.read_seconds = reading.seconds();
   context.grid = volume.grid;
   context.sample_type = volume.type;
-  if (arguments.max_radius) context.options.max_radius = arguments.max_radius->in_world(volume.grid);
-  if (arguments.event_persistence) context.options.event_persistence = arguments.event_persistence->in_world(volume.grid);
+  ExtractOptions& options = context.options;
+  if (arguments.max_radius) options.max_radius = arguments.max_radius->in_world(volume.grid);
+  if (arguments.event_persistence) options.event_persistence = arguments.event_persistence->in_world(volume.grid);
+  options.coarse = in_world(arguments.goals.coarse, volume.grid);
+  for (const auto& goal : arguments.goals.refine) options.refine.push_back(in_world(goal, volume.grid));
 
-  const Extraction extraction = extract_from(arguments.volume.path, volume, context.options, control);
+  const Extraction extraction = extract_from(arguments.volume.path, volume, options, control);
+  const ExtractReport& report = extraction.report;
   volume = {};  // writing needs memory too
-  context.mesh_vertices = extraction.finest().vertices;
 
   progress.show("write", std::nullopt);
   control.check_cancelled();
   const Stopwatch writing;
-  write_mesh(extraction.mesh(), outputs.stage(arguments.mesh),
-             {.space = space_name(arguments.options.space), .comment = "isoatlas " ISOATLAS_VERSION});
+  HierarchyFileInfo info{
+      .mesh = {.space = space_name(options.space), .comment = "isoatlas " ISOATLAS_VERSION}, .placement = options.placement, .levels = {}};
+  for (std::size_t k = 0; k < report.levels.size(); ++k) info.levels.push_back(level_json(report.levels[k], k));
+  context.files = meshes.write(extraction.hierarchy, info, outputs);
   context.write_seconds = writing.seconds();
   context.peak_memory_bytes = peak_memory_bytes();
-  if (arguments.report) write_text_file(to_json(extraction.report, context), outputs.stage(*arguments.report));
+  if (arguments.report) write_text_file(to_json(report, context), outputs.stage(*arguments.report));
   interruption.commit([&] { outputs.commit(); });
   progress.erase();
 
-  if (!arguments.quiet) print_summary(arguments, extraction.report, context);
-  if (arguments.verbose) print_details(extraction.report, context);
-  return kSuccess;
+  const std::string written =
+      meshes.text(report.levels.size()) + (arguments.report ? ", report " + arguments.report->string() : std::string());
+  if (!arguments.quiet) print_summary(report, context, written);
+  if (arguments.verbose) print_details(report, context);
+  return print_unmet(report) ? kSuccess : kUnmet;
 }
 
 }  // namespace isoatlas::tool

@@ -73,8 +73,10 @@ int main(int argc, char** argv) {
   ExtractArguments extract_arguments;
   InfoArguments info_arguments;
   CheckArguments check_arguments;
+  LevelsArguments levels_arguments;
   const CLI::App* extract_command = add_extract_command(app, extract_arguments);
   const CLI::App* info_command = add_info_command(app, info_arguments);
+  const CLI::App* levels_command = add_levels_command(app, levels_arguments);
   add_check_command(app, check_arguments);
 
   try {
@@ -88,5 +90,6 @@ int main(int argc, char** argv) {
   }
   if (extract_command->parsed()) return run([&] { return run_extract(extract_arguments, interruption); }, interruption);
   if (info_command->parsed()) return run([&] { return run_info(info_arguments); }, interruption);
+  if (levels_command->parsed()) return run([&] { return run_levels(levels_arguments); }, interruption);
   return run([&] { return run_check(check_arguments, interruption); }, interruption);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "output_files.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <string>
@@ -11,13 +12,6 @@
 namespace isoatlas::tool {
 namespace fs = std::filesystem;
 namespace {
-
-/// The place itself when `path` is a link to it: renaming onto a link would replace the link.
-fs::path resolved(const fs::path& path) {
-  std::error_code error;
-  fs::path result = fs::weakly_canonical(fs::absolute(path, error), error);
-  return error || result.empty() ? path : result;
-}
 
 fs::path make_hidden_folder(const fs::path& parent, const fs::path& wanted_for) {
   std::string pattern = (parent / ".isoatlas-XXXXXX").string();
@@ -38,7 +32,64 @@ void remove_folder(const fs::path& folder) {
   }
 }
 
+/// Carries out moves one by one; what was done is undone unless done() is reached.
+class Transaction {
+ public:
+  ~Transaction() {
+    std::error_code ignored;
+    for (auto step = steps_.rbegin(); step != steps_.rend(); ++step) {
+      if (!step->backup.empty())
+        fs::rename(step->backup, step->target, ignored);
+      else
+        fs::remove(step->target, ignored);  // a file, or a folder that is empty again
+    }
+  }
+  Transaction() = default;
+  Transaction(const Transaction&) = delete;
+  Transaction& operator=(const Transaction&) = delete;
+
+  void make_folder(const fs::path& folder) {
+    std::error_code error;
+    if (fs::create_directory(folder, error)) steps_.push_back({folder, {}});
+    require(!error, folder, error);
+  }
+
+  /// `backup` is a free name on the same file system.
+  void move(const fs::path& from, const fs::path& to, const fs::path& backup) {
+    std::error_code error;
+    const fs::file_status status = fs::symlink_status(to, error);
+    const bool replaces = fs::exists(status);
+    if (fs::is_directory(status)) require(false, to, std::make_error_code(std::errc::is_a_directory));
+    if (replaces) {
+      // A second name, so that there is a file at `to` at any time; not every file system has them.
+      fs::create_hard_link(to, backup, error);
+      if (error) fs::rename(to, backup, error);
+      require(!error, to, error);
+    }
+    fs::rename(from, to, error);
+    if (!error || replaces) steps_.push_back({to, replaces ? backup : fs::path()});
+    require(!error, to, error);
+  }
+
+  void done() { steps_.clear(); }
+
+ private:
+  struct Step {
+    fs::path target, backup;
+  };
+  static void require(bool good, const fs::path& path, const std::error_code& error) {
+    if (!good) throw Error(ErrorCode::bad_file, path.string() + ": cannot be written: " + error.message());
+  }
+  std::vector<Step> steps_;
+};
+
 }  // namespace
+
+fs::path resolved(const fs::path& path) {
+  std::error_code error;
+  fs::path result = fs::weakly_canonical(fs::absolute(path, error), error);
+  return error || result.empty() ? path : result;
+}
 
 void check_output_path(const fs::path& path) {
   std::error_code error;
@@ -67,15 +118,31 @@ fs::path OutputFiles::stage(const fs::path& destination) {
   return staged_.back().file();
 }
 
+std::vector<OutputFiles::Move> OutputFiles::moves_of(const Staged& staged) {
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(staged.folder))
+    if (!entry.is_directory() && entry.path() != staged.file()) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  files.push_back(staged.file());  // last: it may refer to the others
+  std::vector<Move> moves;
+  for (const fs::path& file : files) {
+    const fs::path destination =
+        file == staged.file() ? staged.destination : resolved(staged.destination.parent_path() / file.lexically_relative(staged.folder));
+    moves.push_back({file, destination, staged.folder / (".old-" + std::to_string(moves.size()))});
+  }
+  return moves;
+}
+
 void OutputFiles::commit() {
   const std::lock_guard lock(mutex_);
-  for (std::size_t i = 0; i < staged_.size(); ++i) {
-    std::error_code error, ignored;
-    fs::rename(staged_[i].file(), staged_[i].destination, error);
-    if (!error) continue;
-    for (std::size_t done = 0; done < i; ++done) fs::remove(staged_[done].destination, ignored);
-    throw Error(ErrorCode::bad_file, staged_[i].destination.string() + ": cannot be written: " + error.message());
+  Transaction transaction;
+  for (const Staged& staged : staged_) {
+    for (const Move& move : moves_of(staged)) {
+      if (move.to.parent_path() != staged.destination.parent_path()) transaction.make_folder(move.to.parent_path());
+      transaction.move(move.from, move.to, move.backup);
+    }
   }
+  transaction.done();
 }
 
 void OutputFiles::discard() noexcept {

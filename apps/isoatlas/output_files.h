@@ -12,6 +12,9 @@ namespace isoatlas::tool {
 /// a regular file is there. Tried by doing, because permission bits say little about root or read-only mounts.
 void check_output_path(const std::filesystem::path& path);
 
+/// The place itself when `path` is a link to it, absolute: renaming onto a link would replace the link.
+std::filesystem::path resolved(const std::filesystem::path& path);
+
 /// Are these one file? Links are followed; neither needs to exist.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
@@ -26,10 +29,11 @@ class OutputFiles {
   OutputFiles(const OutputFiles&) = delete;
   OutputFiles& operator=(const OutputFiles&) = delete;
 
-  /// Where to write what is to end up at `destination`: same file name, in a new folder beside it.
+  /// Where to write what is to end up at `destination`: same file name, in a new folder beside it. Folders that are made
+  /// beside the staged file end up beside the destination; of one that is already there only files of the same name are replaced.
   std::filesystem::path stage(const std::filesystem::path& destination);
 
-  /// Moves all staged files to their destinations. Throws Error(bad_file), and then none of them is there.
+  /// Moves all staged files to their destinations. Throws Error(bad_file), and then everything is as it was before.
   void commit();
 
   void discard() noexcept;
@@ -39,6 +43,10 @@ class OutputFiles {
     std::filesystem::path folder, destination;
     std::filesystem::path file() const { return folder / destination.filename(); }
   };
+  struct Move {
+    std::filesystem::path from, to, backup;
+  };
+  static std::vector<Move> moves_of(const Staged& staged);
   std::mutex mutex_;
   std::vector<Staged> staged_;
   bool discarded_ = false;

@@ -14,8 +14,19 @@ const std::string kExitStatus = R"(0    done
 130  interrupted (Ctrl-C); nothing was written. 143: the same by SIGTERM
 )";
 
+const std::string kExtractExitStatus = R"(0    done
+1    done, but a constraint of a level is not met; stderr says which and
+     why, everything was written
+2    an argument or a file is not as it should be, or there is no surface;
+     nothing was written
+3    isoatlas' own check failed, a bug; nothing was written
+4    out of memory; nothing was written
+130  interrupted (Ctrl-C); nothing was written. 143: the same by SIGTERM
+)";
+
 const std::string kToolExitStatus = R"(0    done
-1    isoatlas check: not a consistently oriented manifold
+1    isoatlas check, levels: not a consistently oriented manifold;
+     isoatlas extract: a constraint is not met, everything was written
 2    an argument or a file is not as it should be, or there is no surface;
      nothing was written
 3    isoatlas' own check failed, a bug; nothing was written
@@ -24,6 +35,14 @@ const std::string kToolExitStatus = R"(0    done
 )";
 
 const std::string kCheckExitStatus = R"(0    a manifold, consistently oriented, with at least one triangle
+1    not so
+2    an argument or the file is not as it should be
+3    a bug of isoatlas
+4    out of memory
+130  interrupted (Ctrl-C). 143: the same by SIGTERM
+)";
+
+const std::string kLevelsExitStatus = R"(0    every level is a manifold, consistently oriented, with triangles
 1    not so
 2    an argument or the file is not as it should be
 3    a bug of isoatlas
@@ -62,19 +81,35 @@ ManPage::Text extract_page() {
   return {
       .synopsis = "isoatlas extract VOLUME --iso X -o MESH [options]",
       .description = R"(
-Reads a volume, meshes the surface on which it has the value X, checks the mesh and writes it. The mesh is coarse and
-adaptive: few triangles where the surface is tame, more where its topology asks for them. It is a manifold
+Reads a volume, meshes the surface on which it has the value X in nested levels of detail, checks the meshes and writes
+them. Level 0 is the coarsest mesh: few triangles where the surface is tame, more where its topology asks for them. Each
+further level keeps the vertices of the one before and adds some until it meets its constraints. Every level is a manifold
 (with boundary where the surface leaves the volume), consistently oriented, and has component by component the topology
 of the full-resolution surface; that is checked before anything is written.
+
+What a level has to be is said with --refine for that level, or with options for all levels but level 0 (with --coarse:
+for level 0). Where constraints pull apart, the one that stands first on the command line wins; topology always wins.
 
 Lengths are world units, as the volume's spacing: 2.5 or 2.5mm; or voxels: 3vx is three times the volume's smallest
 spacing.
 
 The same input gives the same bytes, whatever the number of threads.
 )",
-      .groups = {kInput, kSurface, kMesh, kOutput, kRunning},
+      .groups = {kInput, kSurface, kMesh, kLevels, kOutput, kRunning},
       .sections = {{"Examples", R"(isoatlas extract head.nrrd --iso 80.5 -o head.ply
-    The surface at 80.5, in the world coordinates of the file.
+    The surface at 80.5 within half a voxel, in the world coordinates of the
+    file.
+
+isoatlas extract head.nrrd --iso 80.5 --coarse -o head.ply
+    As few triangles as its topology allows.
+
+isoatlas extract head.nrrd --iso 80.5 -o head.glb \
+    --refine max-distance:2vx --refine max-distance:0.5vx,normal-angle:20deg
+    Three levels of detail in one file.
+
+isoatlas extract head.nrrd --iso 80.5 -o head-{level}.stl \
+    --max-vertices 5000 --refine max-distance:1mm
+    head-0.stl and head-1.stl; at most 5000 vertices matter more than 1 mm.
 
 isoatlas extract dragon_sdf.nii.gz --iso 0 --inside below -o dragon.stl
     A signed distance field, negative inside.
@@ -86,11 +121,14 @@ isoatlas extract fuel.raw --raw-size 64,64,64 --raw-type uint8 --iso 70.5 \
     -o fuel.off
     Headerless samples.
 )"},
-                   {"Exit status", kExitStatus},
-                   {"Files", kVolumeFiles + R"(Meshes: .ply and .stl (binary), .obj, .off, .vtp; the extension decides.
-Outputs appear whole, mesh and report together, or not at all. They are
-prepared in a hidden folder .isoatlas-* beside the destination; one that a
-killed process left behind can be deleted.
+                   {"Exit status", kExtractExitStatus},
+                   {"Files", kVolumeFiles + R"(Meshes: .ply and .stl (binary), .obj, .off, .vtp: the finest level, or with
+{level} in the name each level in a file of its own; .glb: all levels, the
+extension MSFT_lod; .vtm: all levels, with a folder beside it. The extension
+decides. What is rounded to float (.stl, .glb) is read back and checked.
+Outputs appear whole, all together, or not at all. They are prepared in a
+hidden folder .isoatlas-* beside the destination; one that a killed process
+left behind can be deleted.
 )"}},
   };
 }
@@ -138,6 +176,28 @@ isoatlas check head.ply --volume head.nrrd --iso 80.5
                    {"Files", R"(Meshes: .ply, .stl, .obj, .off, .vtp. Polygons are cut into triangles;
 corners of an STL file at equal positions are one vertex.
 )" + kVolumeFiles}},
+  };
+}
+
+ManPage::Text levels_page() {
+  return {
+      .synopsis = "isoatlas levels FILE [--json]",
+      .description = R"(
+Prints a column for each level of detail in a file: vertices, triangles, largest and mean value of each metric, shape of the
+triangles, topology; and whether the levels are nested, that is, whether the vertices of each are the first ones of the
+next, bit by bit.
+
+Topology and shape are counted again from the triangles, where the file has triangles. Metrics are what `extract` wrote
+into the file; "-" where it has none.
+)",
+      .groups = {kInput, kOutput, kRunning},
+      .sections = {{"Examples", R"(isoatlas levels head.glb
+isoatlas levels report.json
+)"},
+                   {"Exit status", kLevelsExitStatus},
+                   {"Files", R"(.glb and .vtm of isoatlas extract; .json: its report (then nothing can be
+counted again) or the list of levels that --glb-per-level wrote.
+)"}},
   };
 }
 

@@ -10,6 +10,7 @@ namespace isoatlas::tool {
 inline constexpr const char* kInput = "Input";
 inline constexpr const char* kSurface = "Surface";
 inline constexpr const char* kMesh = "Mesh";
+inline constexpr const char* kLevels = "Levels";
 inline constexpr const char* kOutput = "Output";
 inline constexpr const char* kDistance = "Distance";
 inline constexpr const char* kRunning = "Running";
@@ -18,5 +19,6 @@ ManPage::Text tool_page();
 ManPage::Text extract_page();
 ManPage::Text info_page();
 ManPage::Text check_page();
+ManPage::Text levels_page();
 
 }  // namespace isoatlas::tool

@@ -81,6 +81,19 @@ std::string seconds_text(double seconds) {
   return formatted("%.0f min ", minutes) + formatted("%02.0f s", std::floor(seconds - 60 * minutes));
 }
 
+std::string bound_text(Quantity quantity, double bound) {
+  switch (unit(quantity)) {
+    case Unit::count:
+      return count_text(static_cast<std::uint64_t>(std::max(bound, 0.0)));
+    case Unit::degrees:
+      return number_text(bound) + " degrees";
+    case Unit::length:
+    case Unit::ratio:
+      break;
+  }
+  return number_text(bound);
+}
+
 std::string size_text(const std::array<std::size_t, 3>& size) {
   return std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " + std::to_string(size[2]);
 }

@@ -94,6 +94,14 @@ AtomicFile::~AtomicFile() {
   }
 }
 
+void AtomicFile::flush() {
+  errno = 0;
+  stream_.flush();
+  if (!stream_.good()) {
+    throw bad_file(destination_, "cannot be written: " + (errno != 0 ? system_text(errno) : "a write failed"));
+  }
+}
+
 void AtomicFile::commit() {
   errno = 0;
   stream_.close();  // flushes; sets failbit if that or any write before it failed

@@ -27,6 +27,12 @@ class AtomicFile {
   /// The name to write to, for a library that opens its files itself. Use this or stream(), not both.
   const std::filesystem::path& written_path() const { return written_path_; }
 
+  /// Everything put into stream() so far can be read at written_path(). Throws Error(bad_file).
+  void flush();
+
+  /// Will the bytes be renamed into place? Not those that go to a device or a pipe, which cannot be read back.
+  bool is_temporary() const { return written_path_ != target_; }
+
   /// What the user called the file: for messages.
   const std::filesystem::path& destination() const { return destination_; }
 
@@ -34,8 +40,6 @@ class AtomicFile {
   void commit();
 
  private:
-  bool is_temporary() const { return written_path_ != target_; }
-
   std::filesystem::path destination_;
   std::filesystem::path target_;  // destination with links followed: a link stays a link
   std::filesystem::path written_path_;

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "io/file_error.h"
+#include "io/same_mesh.h"
 
 namespace isoatlas {
 
@@ -34,10 +35,11 @@ struct MeshFormat {
   std::string_view extension;
   TriangleMesh (*read)(const fs::path&);
   void (*write)(const TriangleMesh&, const MeshFileInfo&, io::AtomicFile&);
+  bool is_single_precision = false;
 };
 
 constexpr std::array kMeshFormats{
-    MeshFormat{".ply", io::read_ply, io::write_ply}, MeshFormat{".stl", io::read_stl, io::write_stl},
+    MeshFormat{".ply", io::read_ply, io::write_ply}, MeshFormat{".stl", io::read_stl, io::write_stl, true},
     MeshFormat{".obj", io::read_obj, io::write_obj}, MeshFormat{".off", io::read_off, io::write_off},
     MeshFormat{".vtp", io::read_vtp, io::write_vtp},
 };
@@ -63,7 +65,8 @@ std::string extension_list(const Formats& formats) {
 const MeshFormat& mesh_format(const fs::path& path) {
   const MeshFormat* format = find_format(kMeshFormats, path);
   if (format == nullptr) {
-    throw io::unsupported(path, "unknown mesh format, expected one of " + extension_list(kMeshFormats));
+    throw io::unsupported(
+        path, "unknown mesh format, expected one of " + extension_list(kMeshFormats) + ", or .glb or .vtm for levels of detail");
   }
   return *format;
 }
@@ -133,17 +136,23 @@ void check_mesh_path(const fs::path& path) {
   const io::AtomicFile probe(path);  // creates its temporary file and removes it
 }
 
-void write_mesh(const TriangleMesh& mesh, const fs::path& path, const MeshFileInfo& info) {
+StoredPositions write_mesh(const TriangleMesh& mesh, const fs::path& path, const MeshFileInfo& info) {
   const MeshFormat& format = mesh_format(path);
   if (const MeshCheck check = check_mesh(mesh); check.fault != MeshFault::none) {
     throw Error(ErrorCode::bad_argument, io::one_line(path.string() + ": not written: " + check.text));
   }
   // One line each: a newline would end the comment and start a line of the file's own grammar.
   const MeshFileInfo clean_info{io::one_line(info.space), io::one_line(info.comment)};
-  translate_exceptions(path, [&] {
+  return translate_exceptions(path, [&] {
     io::AtomicFile file(path);
     format.write(mesh, clean_info, file);
+    StoredPositions stored{.single_precision = format.is_single_precision};
+    if (format.is_single_precision && file.is_temporary()) {
+      file.flush();
+      stored.largest_rounding = io::require_same_mesh(mesh, format.read(file.written_path()), true, path);
+    }
     file.commit();
+    return stored;
   });
 }
 

@@ -25,13 +25,25 @@ namespace isoatlas::io {
 
 namespace {
 
-void add_field(vtkPolyData& data, const char* name, const std::string& value) {
+void add_field(vtkPolyData& data, const std::string& name, const std::string& value) {
   if (!value.empty()) {
     vtkNew<vtkStringArray> field;
-    field->SetName(name);
+    field->SetName(name.c_str());
     field->InsertNextValue(value);
     data.GetFieldData()->AddArray(field);
   }
+}
+
+std::map<std::string, std::string> text_fields(vtkPolyData& data) {
+  std::map<std::string, std::string> fields;
+  vtkFieldData& all = *data.GetFieldData();
+  for (int i = 0; i < all.GetNumberOfArrays(); ++i) {
+    auto* field = vtkStringArray::SafeDownCast(all.GetAbstractArray(i));
+    if (field != nullptr && field->GetName() != nullptr && field->GetNumberOfValues() > 0) {
+      fields[field->GetName()] = field->GetValue(0);
+    }
+  }
+  return fields;
 }
 
 void append_cells(TriangleMesh& mesh, vtkCellArray& cells, bool are_strips, const std::filesystem::path& path) {
@@ -64,6 +76,11 @@ void append_cells(TriangleMesh& mesh, vtkCellArray& cells, bool are_strips, cons
 }  // namespace
 
 TriangleMesh read_vtp(const std::filesystem::path& path) {
+  std::map<std::string, std::string> ignored;
+  return read_vtp(path, ignored);
+}
+
+TriangleMesh read_vtp(const std::filesystem::path& path, std::map<std::string, std::string>& fields) {
   const LibraryMessages messages;
   vtkNew<vtkXMLPolyDataReader> reader;
   if (reader->CanReadFile(path.c_str()) == 0) {
@@ -88,10 +105,15 @@ TriangleMesh read_vtp(const std::filesystem::path& path) {
   }
   append_cells(mesh, *data->GetPolys(), false, path);
   append_cells(mesh, *data->GetStrips(), true, path);
+  fields = text_fields(*data);
   return mesh;
 }
 
 void write_vtp(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file) {
+  write_vtp(mesh, {{"SPACE", info.space}, {"COMMENT", info.comment}}, file);  // SPACE is 3D Slicer's name for it
+}
+
+void write_vtp(const TriangleMesh& mesh, const std::map<std::string, std::string>& fields, AtomicFile& file) {
   const LibraryMessages messages;
   const auto vertex_count = static_cast<vtkIdType>(mesh.positions.size());
   const auto triangle_count = static_cast<vtkIdType>(mesh.triangles.size());
@@ -122,8 +144,9 @@ void write_vtp(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& f
   vtkNew<vtkPolyData> data;
   data->SetPoints(points);
   data->SetPolys(polygons);
-  add_field(*data, "SPACE", info.space);  // 3D Slicer's name for it
-  add_field(*data, "COMMENT", info.comment);
+  for (const auto& [name, value] : fields) {
+    add_field(*data, name, value);
+  }
 
   vtkNew<vtkXMLPolyDataWriter> writer;
   writer->SetFileName(file.written_path().c_str());

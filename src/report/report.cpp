@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report/report.h"
 
-#include <nlohmann/json.hpp>
+#include <algorithm>
+#include <filesystem>
 #include <optional>
 #include <string_view>
 
 #include "isoatlas/version.h"
+#include "report/json_values.h"
 
 namespace isoatlas {
-namespace {
 
-using Json = nlohmann::ordered_json;  // keys stay in the order in which they are written here
+using report::add_topology;
+using report::Json;
+using report::to_text;
+using report::to_value;
+
+namespace {
 
 std::string_view text(Inside inside) { return inside == Inside::above ? "above" : "below"; }
 
@@ -38,68 +44,23 @@ std::string_view text(Space space) {
   return "";
 }
 
-Json to_value(Vec3 v) { return Json::array({v.x, v.y, v.z}); }
+std::string_view text(Placement placement) { return placement == Placement::surface ? "surface" : "balanced"; }
 
-Json to_value(const std::optional<double>& length) { return length ? Json(*length) : Json(); }
-
-void add_topology(Json& object, const TopologySummary& topology) {
-  object["components"] = topology.components;
-  object["euler_characteristic"] = topology.euler_characteristic;
-  object["genus"] = topology.genus;
-  object["boundary_loops"] = topology.boundary_loops;
-  Json kinds = Json::array();
-  for (const TopologySummary::Kind& kind : topology.kinds)
-    kinds.push_back({{"genus", kind.genus}, {"boundary_loops", kind.boundary_loops}, {"count", kind.count}});
-  object["kinds"] = std::move(kinds);
+Json goals_value(const std::vector<LevelGoal>& goals) {
+  Json list = Json::array();
+  for (const LevelGoal& goal : goals) list.push_back(to_value(goal));
+  return list;
 }
 
-Json to_value(const CertificateReport& certificate) {
-  return {{"passed", certificate.passed},
-          {"cells_checked", certificate.cells_checked},
-          {"arcs_checked", certificate.arcs_checked},
-          {"triples_checked", certificate.triples_checked},
-          {"repair_rounds", certificate.repair_rounds},
-          {"repair_sites", certificate.repair_sites}};
-}
-
-Json to_value(const MeshQuality& quality) {
-  return {{"aspect_ratio",
-           {{"minimum", quality.aspect_min},
-            {"p01", quality.aspect_p01},
-            {"median", quality.aspect_median},
-            {"share_below_third", quality.aspect_share_below_third},
-            {"histogram", quality.aspect_histogram}}},
-          {"angle_degrees", {{"minimum", quality.angle_min}, {"maximum", quality.angle_max}}},
-          {"edge_length", {{"minimum", quality.edge_min}, {"maximum", quality.edge_max}}},
-          {"zero_area_triangles", quality.zero_area_triangles}};
-}
-
-Json lengths(const OneSidedDistance& distance, double unit) {
-  return {{"maximum", distance.maximum / unit},
-          {"mean", distance.mean / unit},
-          {"root_mean_square", distance.root_mean_square / unit},
-          {"p50", distance.p50 / unit},
-          {"p99", distance.p99 / unit}};
-}
-
-Json one_side(const OneSidedDistance& distance, double voxel) {
-  return {{"samples", distance.samples},
-          {"samples_per_voxel_face", distance.samples_per_voxel_face},
-          {"world", lengths(distance, 1)},
-          {"voxels", lengths(distance, voxel)},
-          {"farthest", to_value(distance.farthest)}};
-}
-
-Json to_value(const Measurement& measurement) {
-  return {{"voxel", measurement.voxel},
-          {"maximum", measurement.maximum()},
-          {"p99", measurement.p99()},
-          {"mean", measurement.mean()},
-          {"mesh_to_surface", one_side(measurement.mesh_to_surface, measurement.voxel)},
-          {"surface_to_mesh", one_side(measurement.surface_to_mesh, measurement.voxel)},
-          {"normal_degrees", {{"mean", measurement.normal_mean}, {"p99", measurement.normal_p99}, {"maximum", measurement.normal_maximum}}},
-          {"surface_area", measurement.surface_area},
-          {"mesh_area", measurement.mesh_area}};
+Json to_value(const ReportFile& file, const ReportContext& context) {
+  // Rounding is counted in the mesh's units; samples are at most the largest spacing apart.
+  const Vec3 s = context.grid.spacing;
+  const double unit = context.options.space == Space::voxel ? std::max({s.x, s.y, s.z}) : 1;
+  return {{"path", file.path},
+          {"levels", file.levels},
+          {"bytes", file.bytes},
+          {"positions", file.single_precision ? "float32" : "float64"},
+          {"largest_rounding", unit * file.largest_rounding}};
 }
 
 Json to_value(const DistanceReport& distance) {
@@ -110,35 +71,11 @@ Json to_value(const DistanceReport& distance) {
   return json;
 }
 
-/// For people too: one line per key, lists of numbers on that line, lists of objects with one object per line.
-void print(const Json& value, std::string& text, const std::string& indent = "\n") {
-  const bool is_list = value.is_array() && !value.empty() && value[0].is_object();
-  if (!is_list && !value.is_object()) {
-    // A path may hold bytes that are not UTF-8; a report with a replacement character beats no report.
-    text += value.dump(-1, ' ', false, Json::error_handler_t::replace);
-    return;
-  }
-  text += is_list ? '[' : '{';
-  bool first = true;
-  for (const auto& [key, item] : value.items()) {
-    if (!first) text += ',';
-    first = false;
-    text += indent + "  ";
-    if (is_list) {
-      text += item.dump();
-    } else {
-      text += Json(key).dump() + ": ";
-      print(item, text, indent + "  ");
-    }
-  }
-  text += indent;
-  text += is_list ? ']' : '}';
-}
-
-std::string to_text(const Json& json) {
-  std::string text;
-  print(json, text);
-  return text + "\n";
+/// The file that holds that level and no other, if there is one.
+Json path_of_level(const std::vector<ReportFile>& files, std::size_t level) {
+  for (const ReportFile& file : files)
+    if (file.levels.size() == 1 && file.levels[0] == level) return file.path;
+  return nullptr;
 }
 
 }  // namespace
@@ -146,7 +83,7 @@ std::string to_text(const Json& json) {
 std::string to_json(const ExtractReport& report, const ReportContext& context) {
   const ExtractOptions& options = context.options;
   Json json;
-  json["schema"] = "isoatlas-report-1";
+  json["schema"] = "isoatlas-report-2";
   json["version"] = ISOATLAS_VERSION;
   json["input"] = {{"path", context.volume_path},
                    {"sample_type", name(context.sample_type)},
@@ -165,26 +102,50 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
                         {"max_radius", to_value(options.max_radius)},
                         {"event_persistence", to_value(options.event_persistence)},
                         {"vertices_on_surface", options.vertices_on_surface},
+                        {"coarse", to_value(options.coarse)},
+                        {"refine", goals_value(options.refine)},
+                        {"placement", text(options.placement)},
+                        {"measure_samples", options.measure_samples},
                         {"threads", context.threads}};
 
   Json& reference =
       json["reference"] = {{"c_vertices", report.c_vertices}, {"faces", report.faces}, {"double_segments", report.double_segments}};
   add_topology(reference, report.reference);
-  const LevelReport& finest = report.levels.back();
-  Json& mesh = json["mesh"] = {{"path", context.mesh_path}, {"vertices", finest.vertices}, {"triangles", finest.triangles}};
-  add_topology(mesh, finest.topology);
-  mesh["turned_components"] = finest.turned_components;
-  json["certificate"] = to_value(finest.certificate);
   json["coarsening"] = {{"rounds", report.coarsening.repair_rounds},
                         {"c_vertices", report.coarser_c_vertices},
                         {"certificate", report.coarser_c_vertices.empty() ? Json() : to_value(report.coarsening)}};
-  json["quality"] = to_value(finest.quality);
+  Json& levels = json["levels"] = Json::array();
+  for (std::size_t k = 0; k < report.levels.size(); ++k) {
+    Json level = {{"path", path_of_level(context.files, k)}};
+    level.update(to_value(report.levels[k], k));
+    level["seconds"] = report.levels[k].seconds;
+    levels.push_back(std::move(level));
+  }
+  Json& files = json["files"] = Json::array();
+  for (const ReportFile& file : context.files) files.push_back(to_value(file, context));
 
   Json& seconds = json["seconds"] = {{"read", context.read_seconds}};
   for (const StageTime& stage : report.seconds) seconds[stage.stage] = stage.seconds;
   seconds["write"] = context.write_seconds;
   seconds["total"] = report.total_seconds;
   json["peak_memory_bytes"] = context.peak_memory_bytes;
+  return to_text(json);
+}
+
+std::string level_json(const LevelReport& level, std::size_t number) { return to_value(level, number).dump(); }
+
+std::string levels_manifest(const std::vector<ReportFile>& files, const std::vector<std::string>& levels) {
+  Json json;
+  json["schema"] = "isoatlas-manifest-1";
+  json["version"] = ISOATLAS_VERSION;
+  Json& list = json["levels"] = Json::array();
+  for (std::size_t k = 0; k < files.size(); ++k) {
+    Json level = {{"file", std::filesystem::path(files[k].path).filename().string()},
+                  {"bytes", files[k].bytes},
+                  {"largest_rounding", files[k].largest_rounding}};
+    level.update(Json::parse(levels[k]));
+    list.push_back(std::move(level));
+  }
   return to_text(json);
 }
 

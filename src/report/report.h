@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "isoatlas/extract.h"
 #include "isoatlas/measure.h"
@@ -12,14 +13,23 @@
 
 namespace isoatlas {
 
+/// A file of meshes that was written.
+struct ReportFile {
+  std::string path;
+  std::vector<std::size_t> levels;  ///< that it holds
+  std::size_t bytes = 0;
+  bool single_precision = false;  ///< it has positions in float32
+  double largest_rounding = 0;    ///< of a position, in the mesh's units
+};
+
 /// What a report says besides what extract() found out: where things came from and went to, and what that took.
 struct ReportContext {
-  std::string volume_path, mesh_path;
+  std::string volume_path;
+  std::vector<ReportFile> files;
   Grid grid;
   SampleType sample_type = SampleType::float32;
   ExtractOptions options;
   int threads = 0;  ///< as asked for; 0: as many as the machine has
-  std::size_t mesh_vertices = 0;
   double read_seconds = 0, write_seconds = 0;
   std::size_t peak_memory_bytes = 0;
 };
@@ -31,10 +41,18 @@ struct DistanceReport {
   Measurement measured;
 };
 
-/// One JSON object, schema "isoatlas-report-1", keys in a fixed order, a newline at the end.
+/// One JSON object, schema "isoatlas-report-2", keys in a fixed order, a newline at the end.
 std::string to_json(const ExtractReport& report, const ReportContext& context);
 
-/// The same for a mesh that was only looked at, schema "isoatlas-check-1". What only a consistently oriented manifold
+/// What the report says of one level, on one line, without the time it took and the file it went to: for files that carry it with
+/// the level. The same input gives the same text.
+std::string level_json(const LevelReport& level, std::size_t number);
+
+/// A list of files with one level each, schema "isoatlas-manifest-1": `files` have one level each, in their order; `levels` has
+/// the level_json() of each. Names are relative to the list, which is beside them.
+std::string levels_manifest(const std::vector<ReportFile>& files, const std::vector<std::string>& levels);
+
+/// One JSON object for a mesh that was only looked at, schema "isoatlas-check-1". What only a consistently oriented manifold
 /// has (Euler characteristic, genus, loops) is null for anything else.
 /// @param distance  null if there was no volume to measure against
 std::string to_json(const std::string& mesh_path, const MeshTopology& topology, const MeshQuality& quality,

@@ -25,6 +25,8 @@ import zlib
 TOOL = pathlib.Path(sys.argv[1]).resolve()
 DOCS = pathlib.Path(__file__).resolve().parents[2] / "docs" / "reference"
 MESH_EXTENSIONS = ["ply", "stl", "obj", "off", "vtp"]
+METRICS = ["max-distance", "mean-distance", "area-curvature", "area-curvature-smooth", "geodesic-ratio", "normal-angle"]
+SOFT = ["max-vertices", "min-vertices", "min-edge", "max-edge", "min-aspect"]
 
 
 # ---------------------------------------------------------------------------------------------------------- volumes
@@ -141,9 +143,13 @@ def options_in(text):
 class Help(ToolTest):
     OPTIONS = {
         "extract": "--iso -o --output --report --inside --coarse --max-radius --event-persistence --threads --nan --space "
-                   "--raw-size --raw-type --raw-spacing --raw-endian -q --quiet -v --verbose -h --help",
+                   "--raw-size --raw-type --raw-spacing --raw-endian -q --quiet -v --verbose -h --help "
+                   "--refine --max-distance --mean-distance --area-curvature --area-curvature-smooth --geodesic-ratio "
+                   "--normal-angle --max-vertices --min-vertices --min-edge --max-edge --min-aspect --placement "
+                   "--glb-per-level --measure --measure-samples",
         "info": "--raw-size --raw-type --raw-spacing --raw-endian -h --help",
         "check": "--json --volume --iso --inside --nan --space --samples --raw-size --raw-type --raw-spacing --raw-endian -h --help",
+        "levels": "--json -h --help",
     }
 
     def test_pages_have_every_section_and_option(self):
@@ -155,7 +161,7 @@ class Help(ToolTest):
             self.assertEqual(listed, set(options.split()), command)
             self.assertLessEqual(max(map(len, page.splitlines())), 80, command)
             self.assertFalse(re.search(r"(?m)[ \t]$", page), "trailing blanks")
-        for title in ["INPUT", "SURFACE", "MESH", "OUTPUT", "RUNNING"]:
+        for title in ["INPUT", "SURFACE", "MESH", "LEVELS", "OUTPUT", "RUNNING"]:
             self.assertIn(f"\n{title}\n", self.succeed("extract", "-h"))
 
     def test_main_page_names_the_commands(self):
@@ -183,7 +189,7 @@ class Help(ToolTest):
 class Extract(ToolTest):
     def test_sphere_from_nrrd(self):
         self.put_sphere()
-        said = self.succeed("extract", "sphere.nrrd", "--iso", "0", "-o", "s.ply")
+        said = self.succeed("extract", "sphere.nrrd", "--iso", "0", "-o", "s.ply", "--coarse")
         self.assertIn("1 component, genus 0, 0 boundary loops, Euler characteristic 2", said)
         self.assertRegex(said, r"certificate +passed")
         self.assertIn("s.ply", said)
@@ -199,7 +205,7 @@ class Extract(ToolTest):
             for kind, code in codes.items():
                 self.put("t.raw", struct.pack(f"{mark}{n ** 3}{code}", *values))
                 said = self.succeed("extract", "t.raw", "--raw-size", f"{n},{n},{n}", "--raw-type", kind,
-                                    "--raw-endian", order, "--raw-spacing", "1,1,1", "--iso", "60.5", "-o", "t.off")
+                                    "--raw-endian", order, "--raw-spacing", "1,1,1", "--iso", "60.5", "-o", "t.off", "--coarse")
                 self.assertIn("1 component, genus 1, 0 boundary loops", said, (kind, order))
 
     def test_surface_that_leaves_the_volume_has_a_boundary_loop(self):
@@ -207,11 +213,11 @@ class Extract(ToolTest):
         ramp = array.array("f", (x + 0.1 * y for z in range(n) for y in range(n) for x in range(n)))
         self.put("half.nrrd", nrrd(ramp, (n, n, n)))
         self.assertIn("1 component, genus 0, 1 boundary loop, Euler characteristic 1",
-                      self.succeed("extract", "half.nrrd", "--iso", "7.3", "-o", "h.ply"))
+                      self.succeed("extract", "half.nrrd", "--iso", "7.3", "-o", "h.ply", "--coarse"))
 
     def test_same_bytes_again_and_with_any_number_of_threads(self):
         self.put("noise.raw", random.Random(7).randbytes(20 ** 3))
-        arguments = ["extract", "noise.raw", "--raw-size", "20,20,20", "--raw-type", "uint8", "--iso", "140.5", "-q"]
+        arguments = ["extract", "noise.raw", "--raw-size", "20,20,20", "--raw-type", "uint8", "--iso", "140.5", "-q", "--coarse"]
         meshes = []
         for i, threads in enumerate(("1", "1", "2", "0")):
             self.assertEqual(self.succeed(*arguments, "--threads", threads, "-o", f"{i}.ply"), "")
@@ -224,16 +230,16 @@ class Extract(ToolTest):
         meshes = []
         for length in ("6", "6mm", "3vx", "+6", "6e0mm"):
             self.succeed("extract", "s.nrrd", "--iso", "0", "--max-radius", length, "--event-persistence", length,
-                         "-o", "s.off", "-q")
+                         "-o", "s.off", "-q", "--coarse")
             meshes.append((self.folder / "s.off").read_bytes())
         self.assertEqual(len(set(meshes)), 1)
-        self.succeed("extract", "s.nrrd", "--iso", "0", "--event-persistence", "0", "-o", "s.off", "-q")
+        self.succeed("extract", "s.nrrd", "--iso", "0", "--event-persistence", "0", "-o", "s.off", "-q", "--coarse")
 
     def test_inside_below_is_the_negated_volume(self):
         self.put_sphere("a.nrrd")
         self.put_sphere("b.nrrd", inside=-1.0)
-        self.succeed("extract", "a.nrrd", "--iso", "0.25", "-o", "a.off", "-q")
-        self.succeed("extract", "b.nrrd", "--iso", "-0.25", "--inside", "below", "-o", "b.off", "-q")
+        self.succeed("extract", "a.nrrd", "--iso", "0.25", "-o", "a.off", "-q", "--coarse")
+        self.succeed("extract", "b.nrrd", "--iso", "-0.25", "--inside", "below", "-o", "b.off", "-q", "--coarse")
         self.assertEqual((self.folder / "a.off").read_bytes(), (self.folder / "b.off").read_bytes())
 
     def test_spaces(self):
@@ -241,7 +247,7 @@ class Extract(ToolTest):
                                 "space directions: (2,0,0) (0,2,0) (0,0,2)", "space origin: (100,200,300)"))
         positions = {}
         for space in ("lps", "ras", "voxel"):
-            self.succeed("extract", "s.nrrd", "--iso", "0", "--space", space, "-o", "s.off", "-q")
+            self.succeed("extract", "s.nrrd", "--iso", "0", "--space", space, "-o", "s.off", "-q", "--coarse")
             positions[space] = off_positions((self.folder / "s.off").read_text())
         self.assertGreater(len(positions["voxel"]), 3)
         for (x, y, z), lps, ras in zip(positions["voxel"], positions["lps"], positions["ras"], strict=True):
@@ -254,8 +260,8 @@ class Extract(ToolTest):
         samples[5] = math.nan
         samples[7] = -math.inf
         self.put("n.nrrd", nrrd(samples, (12, 12, 12)))
-        self.succeed("extract", "n.nrrd", "--iso", "0", "-o", "a.ply", "--nan", "below")
-        self.assertIn("2 components", self.succeed("extract", "n.nrrd", "--iso", "0", "-o", "b.ply", "--nan", "above"))
+        self.succeed("extract", "n.nrrd", "--iso", "0", "-o", "a.ply", "--nan", "below", "--coarse")
+        self.assertIn("2 components", self.succeed("extract", "n.nrrd", "--iso", "0", "-o", "b.ply", "--nan", "above", "--coarse"))
 
     def test_quiet_and_verbose(self):
         self.put_sphere()
@@ -278,7 +284,7 @@ class Outputs(ToolTest):
     def test_every_format_passes_check(self):
         self.put_sphere()
         for extension in MESH_EXTENSIONS:
-            self.succeed("extract", "sphere.nrrd", "--iso", "0", "-o", f"s.{extension}", "-q")
+            self.succeed("extract", "sphere.nrrd", "--iso", "0", "-o", f"s.{extension}", "-q", "--coarse")
             checked = json.loads(self.succeed("check", f"s.{extension}", "--json"))
             self.assertEqual((checked["euler_characteristic"], checked["boundary_edges"]), (2, 0), extension)
         self.assertEqual(len(self.files()), 1 + len(MESH_EXTENSIONS))
@@ -287,13 +293,13 @@ class Outputs(ToolTest):
         self.put_sphere()
         self.put("old.ply", b"old")
         (self.folder / "link.ply").symlink_to("old.ply")
-        self.succeed("extract", "sphere.nrrd", "--iso", "0", "-o", "link.ply", "-q")
+        self.succeed("extract", "sphere.nrrd", "--iso", "0", "-o", "link.ply", "-q", "--coarse")
         self.assertTrue((self.folder / "link.ply").is_symlink())
         self.succeed("check", "old.ply")
 
     def test_mesh_has_usual_permissions(self):
         self.put_sphere()
-        self.succeed("extract", "sphere.nrrd", "--iso", "0", "-o", "s.ply", "--report", "s.json", "-q")
+        self.succeed("extract", "sphere.nrrd", "--iso", "0", "-o", "s.ply", "--report", "s.json", "-q", "--coarse")
         plain = stat.S_IMODE(self.put("plain", b"").stat().st_mode)
         for name in ("s.ply", "s.json"):
             self.assertEqual(stat.S_IMODE((self.folder / name).stat().st_mode), plain)
@@ -333,6 +339,16 @@ class Outputs(ToolTest):
         self.refuse("replace", "extract", "volume.ply", *raw, "--iso", "0", "-o", "./volume.ply")
         os.link(mesh_like, self.folder / "hard.ply")
         self.refuse("replace", "extract", "volume.ply", *raw, "--iso", "0", "-o", "hard.ply")
+        (self.folder / "v").mkdir()
+        piece = self.put_sphere("v/v_0.vtp")
+        self.refuse("replace", "extract", piece, *raw, "--iso", "0", "-o", "v.vtm")
+        self.refuse("volume's folder", "extract", "v", "--iso", "0", "-o", "v.vtm")
+        self.refuse("replace", *extract, "-o", "s.glb", "--glb-per-level", "--report", "s.json")
+        self.refuse("replace", *extract, "-o", "v.vtm", "--report", "v/v_0.vtp")
+        self.refuse("replace", *extract, "-o", "s-{level}.ply", "--report", "s-1.ply")
+        self.put("l-1.ply", b"old")
+        (self.folder / "l-0.ply").symlink_to("l-1.ply")
+        self.refuse("replace", *extract, "-o", "l-{level}.ply")
         self.assertEqual(mesh_like.stat().st_size, size)
 
     def test_full_standard_output_is_an_error(self):
@@ -366,12 +382,52 @@ class BadArguments(ToolTest):
             "--inside": ["outside", "", "0"],
             "--nan": ["refuse", ""],
             "--space": ["lpi", "LPS"],
+            "--placement": ["here", ""],
+            "--measure-samples": ["0", "-1", "many"],
+            "--max-distance": ["0", "-1", "0vx", "half", "1px", "inf"],
+            "--min-edge": ["0", "x"],
+            "--area-curvature": ["1", "0.5", "nan", "2vx"],
+            "--geodesic-ratio": ["1", "inf"],
+            "--normal-angle": ["0", "-5", "5rad", "deg"],
+            "--max-vertices": ["3", "-7", "1e3", "5.5", "99999999999"],
+            "--min-aspect": ["0", "1", "-0.1", "nan"],
+            "--refine": ["foo", "max-distance", "max-distance:", "max-distance:0", "max-distance:1vx,", ":1", "max_distance:1",
+                         "max-distance=1", "max-vertices:3", "normal-angle:15rad"],
         }.items():
             base = self.good if option != "--iso" else ["extract", "sphere.nrrd", "-o", "out.ply"]
             for value in values:
                 self.refuse(rf"{option}.*see isoatlas extract --help", *base, f"{option}={value}")
         self.refuse("--iso", *self.good, "--iso", "1")
         self.refuse("--quiet", *self.good, "-q", "-v")
+
+    def test_levels(self):
+        message = self.refuse("--refine.*'max-dist'", *self.good, "--refine", "max-dist:2")
+        for known in METRICS + SOFT:
+            self.assertIn(known, message)
+        self.refuse("max-distance is given twice for level 2", *self.good, "--refine", "max-distance:2",
+                    "--refine", "max-distance:1,max-distance:0.5")
+        self.refuse("max-vertices is given twice for level 1", *self.good, "--refine", "max-vertices:20", "--max-vertices", "30")
+        self.refuse("--max-vertices", *self.good, "--max-vertices", "30", "--max-vertices", "40")
+        self.refuse("--coarse.*--refine", *self.good, "--coarse", "--refine", "max-distance:1")
+        self.refuse("--measure", *self.good, "--measure", "--measure-samples", "7")
+        self.refuse("max-edge:1", *self.good, "--refine", "max-distance:1", "max-edge:1")
+
+    def test_names_of_outputs(self):
+        def refuse(pattern, name, *options):
+            self.refuse(pattern, "extract", "missing.nrrd", "--iso", "0", "-o", name, *options)
+
+        for name in ("s-{}.ply", "s-{lvl}.ply", "s-{level.ply", "{level"):
+            refuse(r"only \{level\}", name)
+        refuse("twice", "{level}-{level}.ply")
+        refuse("folder", "{level}/s.ply")
+        refuse("all levels", "s-{level}.vtm")
+        refuse("there is no folder", "missing/s.glb")
+        for name in ("s.ply", "s.vtm", "s-{level}.glb"):
+            refuse(r"-o NAME\.glb", name, "--glb-per-level")
+        self.put("s", b"no folder")
+        refuse("no folder", "s.vtm")
+        (self.folder / "s-1.ply").mkdir()
+        refuse("s-1.ply", "s-{level}.ply")
 
     def test_raw_layout(self):
         raw = ["info", "sphere.nrrd"]
@@ -472,9 +528,9 @@ class Interruption(ToolTest):
     def test_while_computing(self):
         n = 160
         self.put("noise.raw", random.Random(1).randbytes(n ** 3))
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        for number, output in ((signal.SIGINT, "out.ply"), (signal.SIGTERM, "out.vtm"), (signal.SIGHUP, "out.glb")):
             self.interrupt(number, "extract", "noise.raw", "--raw-size", f"{n},{n},{n}", "--raw-type", "uint8",
-                           "--iso", "127.5", "-o", "out.ply", "--report", "out.json")
+                           "--iso", "127.5", "-o", output, "--report", "out.json")
 
     def test_while_reading(self):
         # Gigabytes of zeros in a small file: blocks between full flushes may be repeated.
@@ -514,6 +570,15 @@ def leaves(value, path=""):
     return {path}
 
 
+def empty_leaves(value, path=""):
+    """Those of them that are null or an empty list: what is below them does not apply."""
+    if isinstance(value, dict):
+        return set().union(*(empty_leaves(v, f"{path}.{k}" if path else k) for k, v in value.items()))
+    if isinstance(value, list) and value and isinstance(value[0], dict):
+        return set().union(*(empty_leaves(v, path + "[]") for v in value))
+    return {path} if value is None or value == [] else set()
+
+
 def documented(schema):
     text = (DOCS / "report.md").read_text(encoding="utf-8")
     section = re.search(rf"(?ms)^## {schema}$(.*?)(?=^## |\Z)", text)
@@ -522,18 +587,37 @@ def documented(schema):
 
 class Report(ToolTest):
     def make(self, *options):
+        """The report of a run that may leave constraints unmet: status 0 or 1."""
         self.put_sphere()
-        self.succeed("extract", "sphere.nrrd", "--iso", "0", "-o", "s.ply", "--report", "s.json", "-q", *options)
+        result = self.run_tool("extract", "sphere.nrrd", "--iso", "0", "-o", "s.ply", "--report", "s.json", "-q", *options)
+        self.assertIn(result.returncode, (0, 1), result.stderr)
         return json.loads((self.folder / "s.json").read_text(encoding="utf-8"))
 
+    def compare(self, value, wanted):
+        found, empty = leaves(value), empty_leaves(value)
+        below = lambda key, parent: key.startswith((parent + ".", parent + "[]"))
+        for key in found - wanted:
+            self.assertTrue(key in empty and any(below(other, key) for other in wanted), f"{key} is not documented")
+        for key in wanted - found:
+            self.assertTrue(any(below(key, parent) for parent in empty), f"{key} is documented and not there")
+
     def test_every_key_is_documented_and_every_documented_key_is_there(self):
-        self.assertEqual(leaves(self.make()), documented("isoatlas-report-1"))
+        coarse = documented("isoatlas-report-2") - {"seconds.refine"}
+        self.compare(self.make("--coarse"), coarse)
+        self.compare(self.make("--coarse", "--max-vertices", "1000", "--max-distance", "1vx", "--placement", "balanced"), documented("isoatlas-report-2"))
         checked = self.succeed("check", "s.ply", "--json", "--volume", "sphere.nrrd", "--iso", "0", "--samples", "100")
-        self.assertEqual(leaves(json.loads(checked)), documented("isoatlas-check-1"))
+        self.compare(json.loads(checked), documented("isoatlas-check-1"))
+        refined = self.make("--refine", "max-distance:1vx", "--measure-samples", "1000")
+        self.compare(refined, documented("isoatlas-report-2") - ({"seconds.refine"} - leaves(refined)))
+        self.succeed("extract", "sphere.nrrd", "--iso", "0", "--coarse", "-o", "s.glb", "-q", "--glb-per-level")
+        self.compare(json.loads(self.succeed("levels", "s.glb", "--json")), documented("isoatlas-levels-1"))
+        of_report = {key for key in documented("isoatlas-report-2") if key.startswith("levels[].")}
+        self.compare(json.loads((self.folder / "s.json").read_text()),
+                     documented("isoatlas-manifest-1") | of_report - {"levels[].path", "levels[].seconds"})
 
     def test_says_what_happened(self):
-        report = self.make("--max-radius", "3vx", "--space", "voxel", "--threads", "2")
-        self.assertEqual(report["schema"], "isoatlas-report-1")
+        report = self.make("--max-radius", "3vx", "--space", "voxel", "--threads", "2", "--coarse")
+        self.assertEqual(report["schema"], "isoatlas-report-2")
         self.assertEqual(report["input"]["path"], "sphere.nrrd")
         self.assertEqual(report["input"]["size"], [20, 20, 20])
         self.assertEqual(report["input"]["sample_type"], "float32")
@@ -541,21 +625,45 @@ class Report(ToolTest):
         self.assertEqual(report["parameters"]["threads"], 2)
         self.assertEqual(report["parameters"]["space"], "voxel")
         self.assertIsNone(report["parameters"]["event_persistence"])
-        self.assertIs(report["certificate"]["passed"], True)
+        self.assertEqual(len(report["levels"]), 1)
+        level = report["levels"][0]
+        self.assertIs(level["certificate"]["passed"], True)
         for key in ("components", "euler_characteristic", "genus", "boundary_loops", "kinds"):
-            self.assertEqual(report["mesh"][key], report["reference"][key])
-        self.assertEqual(report["mesh"]["kinds"], [{"genus": 0, "boundary_loops": 0, "count": 1}])
-        self.assertEqual(sum(report["quality"]["aspect_ratio"]["histogram"]), report["mesh"]["triangles"])
-        self.assertEqual(len(report["quality"]["aspect_ratio"]["histogram"]), 20)
+            self.assertEqual(level[key], report["reference"][key])
+        self.assertEqual(level["kinds"], [{"genus": 0, "boundary_loops": 0, "count": 1}])
+        self.assertEqual(sum(level["quality"]["aspect_ratio"]["histogram"]), level["triangles"])
+        self.assertEqual(len(level["quality"]["aspect_ratio"]["histogram"]), 20)
+        self.assertEqual((level["path"], level["level"]), ("s.ply", 0))
+        size = (self.folder / "s.ply").stat().st_size
+        self.assertEqual(report["files"], [{"path": "s.ply", "levels": [0], "bytes": size, "positions": "float64", "largest_rounding": 0}])
         stages = {k: v for k, v in report["seconds"].items() if k not in ("read", "write", "total")}
         self.assertAlmostEqual(sum(stages.values()), report["seconds"]["total"], delta=0.05)
         self.assertGreater(report["peak_memory_bytes"], 1 << 20)
 
+    def test_constraints_in_the_order_of_the_command_line(self):
+        def names(goal):
+            return [constraint["quantity"] for constraint in goal]
+
+        parameters = self.make()["parameters"]
+        self.assertEqual((parameters["coarse"], parameters["refine"]), ([], [[{"quantity": "max-distance", "bound": 0.5}]]))
+        parameters = self.make("--max-vertices", "500", "--refine", "max-distance:2vx,normal-angle:40deg", "--min-aspect", "0.1",
+                               "--refine", "max-distance:1.5mm", "--max-edge", "9")["parameters"]
+        self.assertEqual([names(goal) for goal in parameters["refine"]],
+                         [["max-vertices", "max-distance", "normal-angle", "min-aspect", "max-edge"],
+                          ["max-vertices", "min-aspect", "max-distance", "max-edge"]])
+        self.assertEqual(parameters["refine"][1][2]["bound"], 1.5)
+        parameters = self.make("--min-edge", "0.1", "--max-vertices", "100")["parameters"]
+        self.assertEqual(names(parameters["refine"][0]), ["min-edge", "max-vertices", "max-distance"])
+        self.assertEqual(names(self.make("--normal-angle", "60", "--max-vertices", "100")["parameters"]["refine"][0]),
+                         ["normal-angle", "max-vertices"])
+        parameters = self.make("--coarse", "--normal-angle", "10", "--max-vertices=100")["parameters"]
+        self.assertEqual((names(parameters["coarse"]), parameters["refine"]), (["normal-angle", "max-vertices"], []))
+
     def test_agrees_with_an_independent_check(self):
-        report = self.make()
+        finest = self.make()["levels"][-1]
         checked = json.loads(self.succeed("check", "s.ply", "--json"))
         for key in ("vertices", "triangles", "components", "euler_characteristic", "genus", "boundary_loops", "kinds"):
-            self.assertEqual(checked[key], report["mesh"][key])
+            self.assertEqual(checked[key], finest[key])
 
     def test_keys_come_in_the_same_order_each_time(self):
         self.make()
@@ -598,7 +706,7 @@ class Info(ToolTest):
     def test_suggestions_give_surfaces(self):
         self.put_sphere()
         for iso in self.suggested(self.succeed("info", "sphere.nrrd")):
-            self.succeed("extract", "sphere.nrrd", "--iso", iso, "-o", "s.ply", "-q")
+            self.succeed("extract", "sphere.nrrd", "--iso", iso, "-o", "s.ply", "-q", "--coarse")
 
     def test_signed_distances_get_zero(self):
         samples = array.array("f", (max(-2, min(2, s)) for s in sphere((16, 16, 16))))
@@ -823,6 +931,341 @@ class CheckDistance(ToolTest):
         self.refuse("sphere.nrrd: no surface at isovalue 1000: samples range", *good, "--iso", "1000")
         self.put("far.off", off([(0, 0, 0), (1e30, 0, 0), (0, 1, 0)], [(0, 1, 2)]))
         self.refuse("vertex 1 .*voxels away", "check", "far.off", "--volume", "sphere.nrrd", "--iso", "0")
+def read_glb(path):
+    """The JSON and the binary chunk of a .glb, after checking its container."""
+    data = path.read_bytes()
+    magic, version, length = struct.unpack_from("<4sII", data)
+    assert (magic, version, length) == (b"glTF", 2, len(data))
+    chunks, offset = [], 12
+    while offset < length:
+        size, kind = struct.unpack_from("<I4s", data, offset)
+        assert size % 4 == 0 and offset + 8 + size <= length
+        chunks.append((kind, data[offset + 8:offset + 8 + size]))
+        offset += 8 + size
+    assert [kind for kind, _ in chunks] == [b"JSON", b"BIN\0"]
+    return json.loads(chunks[0][1]), chunks[1][1]
+
+
+class Glb:
+    """An independent reader of what isoatlas writes: struct and json."""
+
+    COMPONENTS = {"SCALAR": 1, "VEC3": 3}
+    TYPES = {5125: "I", 5126: "f"}
+
+    def __init__(self, path):
+        self.json, self.binary = read_glb(path)
+        assert self.json["buffers"] == [{"byteLength": len(self.binary)}]
+        nodes = self.json["nodes"]
+        first = nodes[self.json["scenes"][self.json["scene"]]["nodes"][0]]
+        ids = first.get("extensions", {}).get("MSFT_lod", {}).get("ids", [])
+        assert bool(ids) == ("MSFT_lod" in self.json.get("extensionsUsed", []))
+        assert len(set(ids)) == len(ids) and all(0 < i < len(nodes) for i in ids)
+        if ids:
+            coverage = first["extras"]["MSFT_screencoverage"]
+            assert len(coverage) == 1 + len(ids) and coverage == sorted(coverage, reverse=True)
+        self.nodes = [first] + [nodes[i] for i in ids]  # finest first
+        self.meshes = [self.json["meshes"][node["mesh"]] for node in self.nodes]
+
+    def accessor(self, index):
+        a = self.json["accessors"][index]
+        view = self.json["bufferViews"][a["bufferView"]]
+        count, code = self.COMPONENTS[a["type"]], self.TYPES[a["componentType"]]
+        stride = view.get("byteStride", 4 * count)
+        assert view["byteOffset"] % 4 == 0 and view["byteOffset"] + view["byteLength"] <= len(self.binary)
+        assert a.get("byteOffset", 0) + stride * (a["count"] - 1) + 4 * count <= view["byteLength"]
+        start = view["byteOffset"] + a.get("byteOffset", 0)
+        rows = [struct.unpack_from(f"<{count}{code}", self.binary, start + stride * i) for i in range(a["count"])]
+        if "min" in a:
+            assert a["min"] == [min(c) for c in zip(*rows)] and a["max"] == [max(c) for c in zip(*rows)]
+        return rows
+
+    def level(self, mesh):
+        (primitive,) = mesh["primitives"]
+        assert primitive["mode"] == 4
+        assert "min" in self.json["accessors"][primitive["attributes"]["POSITION"]]
+        positions = self.accessor(primitive["attributes"]["POSITION"])
+        normals = self.accessor(primitive["attributes"]["NORMAL"])
+        indices = [i for i, in self.accessor(primitive["indices"])]
+        assert len(normals) == len(positions) and len(indices) % 3 == 0 and max(indices) < len(positions)
+        assert all(abs(math.hypot(*n) - 1) < 1e-5 for n in normals)
+        return positions, normals, [tuple(indices[i:i + 3]) for i in range(0, len(indices), 3)]
+
+
+class Levels(ToolTest):
+    def extract(self, output, *options):
+        """A run that may leave constraints unmet; what it says about those is one line each."""
+        if not (self.folder / "torus.nrrd").exists():
+            self.put("torus.nrrd", nrrd(torus(24), (24, 24, 24)))
+        result = self.run_tool("extract", "torus.nrrd", "--iso", "0", "-o", output, *options)
+        self.assertIn(result.returncode, (0, 1), result.stderr)
+        lines = result.stderr.splitlines()
+        self.assertEqual(result.returncode, 1 if lines else 0)
+        for line in lines:
+            self.assertRegex(line, r"\Aisoatlas: level \d+: [a-z-]+ [\d.,e+-]+( degrees)?: reached [\d.,e+-]+( degrees)?(: .+)?\Z")
+        return result.stdout
+
+    def report(self):
+        return json.loads((self.folder / "r.json").read_text(encoding="utf-8"))
+
+    TWO = ["--refine", "max-distance:2vx", "--refine", "max-distance:0.5vx"]
+
+    def test_summary_has_a_line_for_each_level(self):
+        said = self.extract("t.ply", *self.TWO, "--report", "r.json")
+        for k, level in enumerate(self.report()["levels"]):
+            self.assertRegex(said, rf"(?m)^  level {k} +{level['vertices']:,} vertices, {level['triangles']:,} triangles")
+
+    def test_one_file_per_level(self):
+        self.extract("t-{level}.off", *self.TWO, "--report", "r.json", "-q")
+        report = self.report()
+        self.assertEqual([f["path"] for f in report["files"]], [f"t-{k}.off" for k in range(len(report["levels"]))])
+        coarser = []
+        for k, level in enumerate(report["levels"]):
+            self.assertEqual(level["path"], f"t-{k}.off")
+            checked = json.loads(self.succeed("check", f"t-{k}.off", "--json"))
+            for key in ("vertices", "triangles", "genus", "boundary_loops", "components"):
+                self.assertEqual(checked[key], level[key])
+            positions = off_positions((self.folder / f"t-{k}.off").read_text())
+            self.assertEqual(positions[:len(coarser)], coarser)
+            coarser = positions
+        self.extract("f.off", *self.TWO, "-q")
+        self.assertEqual((self.folder / "f.off").read_bytes(), (self.folder / f"t-{k}.off").read_bytes())
+
+    def test_glb_is_what_gltf_asks_for(self):
+        for options in ([], ["--placement", "balanced"]):
+            self.extract("t.glb", *self.TWO, "--report", "r.json", "-q", *options)
+            report = self.report()
+            glb = Glb(self.folder / "t.glb")
+            self.assertEqual(glb.json["asset"]["version"], "2.0")
+            self.assertRegex(glb.json["asset"]["generator"], r"isoatlas \d")
+            self.assertEqual(len(glb.meshes), len(report["levels"]))
+            finest = None
+            for mesh, level in zip(glb.meshes, reversed(report["levels"]), strict=True):
+                positions, normals, triangles = glb.level(mesh)
+                self.assertEqual((len(positions), len(triangles)), (level["vertices"], level["triangles"]))
+                self.assertEqual(mesh["name"], f"level {level['level']}")
+                said = mesh["extras"]["isoatlas"]
+                self.assertEqual(said, {k: v for k, v in level.items() if k not in ("path", "seconds")})
+                if not options:
+                    finest = finest or positions
+                    self.assertEqual(positions, finest[:len(positions)])
+                    views = {glb.json["accessors"][m["primitives"][0]["attributes"]["POSITION"]]["bufferView"] for m in glb.meshes}
+                    self.assertEqual(len(views), 1)
+                # A torus about the z axis: normals point away from its middle circle.
+                outward = 0
+                for p, n in zip(positions, normals):
+                    x, y, z = (c - 11.5 for c in p)
+                    r = math.hypot(x, y) or 1
+                    away = (x - 7.2 * x / r, y - 7.2 * y / r, z)
+                    outward += sum(a * b for a, b in zip(away, n)) > 0
+                self.assertGreater(outward, 0.7 * len(positions))
+            (written,) = report["files"]
+            self.assertEqual((written["positions"], written["levels"]), ("float32", list(range(len(report["levels"])))))
+            self.assertTrue(0 < written["largest_rounding"] < 1e-5)
+
+    def test_glb_far_from_the_origin_has_a_translation(self):
+        self.put("far.nrrd", nrrd(sphere((20, 20, 20)), (20, 20, 20), "float", "space: left-posterior-superior",
+                                  "space directions: (0.001,0,0) (0,0.001,0) (0,0,0.001)", "space origin: (1000000,-2000000,3)"))
+        arguments = ["extract", "far.nrrd", "--iso", "0", "--coarse", "-q", "--report", "r.json"]
+        self.succeed(*arguments, "-o", "far.glb")
+        glb = Glb(self.folder / "far.glb")
+        translation = glb.nodes[0]["translation"]
+        for found, wanted in zip(translation, (1e6, -2e6, 3), strict=True):
+            self.assertAlmostEqual(found, wanted, delta=0.2)
+        self.assertLess(self.report()["files"][0]["largest_rounding"], 2e-8)
+        self.succeed("levels", "far.glb")
+        # STL has no translation: floats there are 1/16 or 1/8 apart, and the sphere would be a line.
+        self.refuse("far.stl.*float coordinates", *arguments, "-o", "far.stl")
+        self.refuse("far-0.stl.*float coordinates", *arguments, "-o", "far-{level}.stl")
+
+    def test_one_glb_per_level(self):
+        self.extract("t.glb", *self.TWO, "--glb-per-level", "--report", "r.json", "-q")
+        report, listed = self.report(), json.loads((self.folder / "t.json").read_text())
+        self.assertEqual(len(listed["levels"]), len(report["levels"]))
+        for k, (entry, level) in enumerate(zip(listed["levels"], report["levels"], strict=True)):
+            self.assertEqual((entry["file"], level["path"] if len(report["levels"]) > 1 else f"t-{k}.glb"), (f"t-{k}.glb",) * 2)
+            for key in ("vertices", "triangles", "genus", "metrics", "constraints"):
+                self.assertEqual(entry[key], level[key])
+            glb = Glb(self.folder / entry["file"])
+            self.assertEqual(len(glb.level(glb.meshes[0])[2]), level["triangles"])
+            self.assertEqual((self.folder / entry["file"]).stat().st_size, entry["bytes"])
+            self.assertEqual(len(glb.json["nodes"]), 1)
+
+    def test_same_bytes_with_any_number_of_threads(self):
+        for name in ("t.glb", "t.vtm"):
+            seen = set()
+            for threads in ("1", "2", "0"):
+                self.extract(name, *self.TWO, "-q", "--threads", threads)
+                files = [self.folder / name] + sorted(self.folder.glob("t/*"))
+                seen.add(b"".join(f.read_bytes() for f in files))
+            self.assertEqual(len(seen), 1)
+
+    def test_vtm_and_its_folder(self):
+        self.extract("t.vtm", *self.TWO, "--report", "r.json", "-q")
+        count = len(self.report()["levels"])
+        wanted = ["r.json", "t", "t.vtm", "torus.nrrd"] + [f"t/t_{k}.vtp" for k in range(count)]
+        self.assertEqual(self.files(), sorted(wanted))
+        self.assertEqual([f["path"] for f in self.report()["files"]], ["t.vtm"] + [f"t/t_{k}.vtp" for k in range(count)])
+        for k in range(count):
+            checked = json.loads(self.succeed("check", f"t/t_{k}.vtp", "--json"))
+            self.assertEqual(checked["triangles"], self.report()["levels"][k]["triangles"])
+        # Again, over the same folder: ours are replaced, nothing else is touched.
+        first = (self.folder / "t" / "t_0.vtp").read_bytes()
+        self.put("t/t_0.vtp", b"old")
+        self.put("t/t_99.vtp", b"older")
+        self.put("t/notes.txt", b"keep me")
+        self.extract("t.vtm", *self.TWO, "-q")
+        self.assertEqual((self.folder / "t" / "t_0.vtp").read_bytes(), first)
+        self.assertEqual((self.folder / "t" / "t_99.vtp").read_bytes(), b"older")
+        self.assertEqual((self.folder / "t" / "notes.txt").read_bytes(), b"keep me")
+        self.assertEqual(self.files(), sorted(wanted + ["t/t_99.vtp", "t/notes.txt"]))
+
+    def test_vtk_reads_the_vtm(self):
+        self.extract("t.vtm", *self.TWO, "--report", "r.json", "-q")
+        script = """
+import json, sys
+try:
+    from vtkmodules.vtkIOXML import vtkXMLMultiBlockDataReader
+    from vtkmodules.vtkCommonDataModel import vtkCompositeDataSet
+except ImportError:
+    sys.exit(77)
+reader = vtkXMLMultiBlockDataReader()
+reader.SetFileName("t.vtm")
+reader.Update()
+blocks = reader.GetOutput()
+for k in range(blocks.GetNumberOfBlocks()):
+    data = blocks.GetBlock(k)
+    name = blocks.GetMetaData(k).Get(vtkCompositeDataSet.NAME())
+    level = json.loads(data.GetFieldData().GetAbstractArray("LEVEL").GetValue(0))
+    print(json.dumps([name, data.GetNumberOfPoints(), data.GetNumberOfPolys(), level]))
+"""
+        python = "/usr/bin/python3" if os.path.exists("/usr/bin/python3") else sys.executable
+        result = subprocess.run([python, "-c", script], cwd=self.folder, capture_output=True, encoding="utf-8", timeout=50)
+        if result.returncode == 77:
+            self.skipTest("no VTK for Python")
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        blocks = [json.loads(line) for line in result.stdout.splitlines()]
+        self.assertEqual(len(blocks), len(self.report()["levels"]))
+        for (name, points, polygons, said), level in zip(blocks, self.report()["levels"], strict=True):
+            self.assertEqual((name, points, polygons), (f"level {level['level']}", level["vertices"], level["triangles"]))
+            self.assertEqual(said, {k: v for k, v in level.items() if k not in ("path", "seconds")})
+
+    def test_failed_writes_leave_nothing_and_lose_nothing(self):
+        self.put("noise.raw", random.Random(3).randbytes(32 ** 3))
+        arguments = ["extract", "noise.raw", "--raw-size", "32,32,32", "--raw-type", "uint8", "--iso", "127.5", "--coarse"]
+        (self.folder / "o").mkdir()
+        for name in ("o.glb", "o.vtm", "o/o_0.vtp", "o-0.ply", "o.json", "r.json"):
+            self.put(name, b"old " + name.encode())
+        before = {name: (self.folder / name).read_bytes() for name in self.files() if (self.folder / name).is_file()}
+
+        def small_disk():
+            restore_signals()
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
+
+        for output in (["o.glb"], ["o.vtm"], ["o-{level}.ply"], ["o.glb", "--glb-per-level"]):
+            result = subprocess.run([str(TOOL), *arguments, "-o", *output, "--report", "r.json"], cwd=self.folder, preexec_fn=small_disk,
+                                    capture_output=True, encoding="utf-8", timeout=50)
+            self.assertEqual(result.returncode, 2, result.stderr)
+            self.assertRegex(result.stderr, r"\Aisoatlas: error: [^\n]*cannot be written[^\n]*\n\Z")
+            self.assertEqual({n: (self.folder / n).read_bytes() for n in self.files() if (self.folder / n).is_file()}, before)
+
+    def levels(self, status, *arguments):
+        result = self.run_tool("levels", *arguments)
+        self.assertEqual((result.returncode, result.stderr), (status, ""))
+        return result.stdout
+
+    def test_table(self):
+        for output in ("t.glb", "t.vtm"):
+            self.extract(output, *self.TWO, "--report", "r.json", "-q")
+            report = self.report()
+            as_json = json.loads(self.levels(0, output, "--json"))
+            self.assertEqual(as_json["nested"], True)
+            of_report = json.loads(self.levels(0, "r.json", "--json"))
+            self.assertIsNone(of_report["nested"])
+            for found, said, level in zip(as_json["levels"], of_report["levels"], report["levels"], strict=True):
+                for key in ("level", "vertices", "triangles", "components", "genus", "boundary_loops", "euler_characteristic"):
+                    self.assertEqual((found[key], said[key]), (level[key], level[key]))
+                for metric in METRICS:
+                    wanted = level["metrics"] and {k: level["metrics"][metric][k] for k in ("maximum", "mean")}
+                    self.assertEqual((found["metrics"][metric], said["metrics"][metric]), (wanted, wanted))
+                self.assertAlmostEqual(found["aspect_ratio"]["median"], level["quality"]["aspect_ratio"]["median"], places=4)
+            text = self.levels(0, output)
+            for row in ("level", "vertices", "triangles", "max-distance, maximum", "aspect ratio, minimum", "angle, minimum", "genus",
+                        "boundary loops", "components"):
+                self.assertRegex(text, rf"(?m)^  {row} ")
+            self.assertRegex(text.splitlines()[-1], r"^  nested +yes")
+            self.assertRegex(self.levels(0, "r.json").splitlines()[-1], r"^  nested +not known")
+        self.extract("b.glb", "--glb-per-level", "--placement", "balanced", "-q")
+        self.levels(0, "b.json")
+        self.assertRegex(self.levels(0, "b.glb").splitlines()[-1], r"^  nested +by index only")
+
+    def test_a_level_that_is_no_manifold(self):
+        self.extract("t.glb", "--coarse", "-q")
+        gltf, binary = read_glb(self.folder / "t.glb")
+        indices = gltf["accessors"][gltf["meshes"][0]["primitives"][0]["indices"]]
+        start = gltf["bufferViews"][indices["bufferView"]]["byteOffset"]
+        binary = bytearray(binary)
+        binary[start:start + 8] = binary[start + 4:start + 8] + binary[start:start + 4]  # the first triangle turned over
+        self.put_glb("turned.glb", gltf, bytes(binary))
+        text = self.levels(1, "turned.glb")
+        self.assertRegex(text, r"(?m)^  manifold +NO$")
+
+    def put_glb(self, name, gltf, binary):
+        text = json.dumps(gltf).encode()
+        text += b" " * (-len(text) % 4)
+        size = 28 + len(text) + len(binary)
+        self.put(name, struct.pack("<4sIII4s", b"glTF", 2, size, len(text), b"JSON") + text + struct.pack("<I4s", len(binary), b"BIN\0") + binary)
+
+    def test_levels_that_are_not_nested(self):
+        positions, triangles = TETRAHEDRON
+        moved = [(0.5, 0, 0), *positions[1:]]
+        floats = [struct.pack("<12f", *(c for p in ps for c in p)) for ps in (positions, moved)]
+        indices = struct.pack("<12I", *(i for t in triangles for i in t))
+        views = [{"buffer": 0, "byteOffset": 48 * i, "byteLength": 48} for i in range(3)]
+        accessors = [{"bufferView": i, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1]} for i in (0, 1)]
+        accessors.append({"bufferView": 2, "componentType": 5125, "count": 12, "type": "SCALAR"})
+        gltf = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "buffers": [{"byteLength": 144}],
+                "nodes": [{"mesh": 0, "extensions": {"MSFT_lod": {"ids": [1]}}}, {"mesh": 1}], "extensionsUsed": ["MSFT_lod"],
+                "meshes": [{"primitives": [{"attributes": {"POSITION": i}, "indices": 2}]} for i in (0, 1)],
+                "accessors": accessors, "bufferViews": views}
+        self.put_glb("m.glb", gltf, floats[0] + floats[1] + indices)
+        text = self.levels(0, "m.glb")
+        self.assertRegex(text.splitlines()[-1], r"^  nested +NO: vertex 0 of level 0")
+        self.assertRegex(text, r"(?m)^  max-distance, maximum +- +-$")
+
+    def test_bad_files(self):
+        self.refuse("nowhere.glb", "levels", "nowhere.glb")
+        self.put("t.ply", b"ply\n")
+        self.refuse(r"t\.ply.*\.glb or \.vtm", "levels", "t.ply")
+        self.put("text.glb", b"this is no glTF file")
+        self.refuse("text.glb", "levels", "text.glb")
+        self.put("text.vtm", b"this is no VTK file")
+        self.refuse("text.vtm", "levels", "text.vtm")
+        self.put("text.json", b"{")
+        self.refuse("text.json", "levels", "text.json")
+        self.put("other.json", b'{"schema": "isoatlas-check-1"}')
+        self.refuse("other.json.*isoatlas-report-2", "levels", "other.json")
+        self.put("wrong.json", b'{"schema": "isoatlas-report-2", "levels": [{"vertices": "many"}]}')
+        self.refuse("wrong.json", "levels", "wrong.json")
+        self.extract("t.glb", "--coarse", "-q")
+        self.extract("t.vtm", "--coarse", "-q")
+        self.put("cut.glb", (self.folder / "t.glb").read_bytes()[:-100])
+        self.refuse("cut.glb", "levels", "cut.glb")
+        (self.folder / "t" / "t_0.vtp").unlink()
+        self.refuse("t_0.vtp", "levels", "t.vtm")
+        gltf, binary = read_glb(self.folder / "t.glb")
+        for where, key, value in (("accessors", "count", 10 ** 9), ("accessors", "byteOffset", 10 ** 9), ("bufferViews", "byteOffset", 10 ** 9),
+                                  ("accessors", "bufferView", 99), ("bufferViews", "byteLength", 10 ** 9), ("nodes", "mesh", 7)):
+            changed = json.loads(json.dumps(gltf))
+            changed[where][0][key] = value
+            self.put_glb("bad.glb", changed, binary)
+            self.refuse("bad.glb", "levels", "bad.glb")
+        deep = dict(gltf, extras=None)
+        self.put_glb("deep.glb", deep, binary)
+        text = b'{"asset":{"version":"2.0"},"extras":' + b"[" * 10 ** 6 + b"]" * 10 ** 6 + b"}"
+        text += b" " * (-len(text) % 4)
+        self.put("deep.glb", struct.pack("<4sIII4s", b"glTF", 2, 20 + len(text), len(text), b"JSON") + text)
+        self.refuse("nested too deeply", "levels", "deep.glb")
 
 
 class Terminal(ToolTest):

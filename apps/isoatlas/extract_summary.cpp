@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "extract_summary.h"
+
+#include <algorithm>
+#include <iostream>
+
+#include "text.h"
+
+namespace isoatlas::tool {
+namespace {
+
+std::string level_name(std::size_t level) { return "level " + std::to_string(level); }
+
+std::string certificate_text(const CertificateReport& certificate) {
+  return counted(certificate.cells_checked, "cell") + ", " + counted(certificate.arcs_checked, "arc") + ", " +
+         counted(certificate.triples_checked, "triple");
+}
+
+std::string repair_text(const CertificateReport& certificate) {
+  return counted(certificate.repair_sites, "site") + " added in " + counted(certificate.repair_rounds, "round");
+}
+
+/// What a level has of everything, on one line.
+std::string level_text(const LevelReport& level) {
+  std::string text = counted(level.vertices, "vertex") + ", " + counted(level.triangles, "triangle");
+  std::string unmet;
+  for (const ConstraintResult& result : level.constraints) {
+    const std::string quantity(name(result.wanted.quantity));
+    if (is_metric(result.wanted.quantity)) text += ", " + quantity + " " + bound_text(result.wanted.quantity, result.reached);
+    if (!result.met) unmet += (unmet.empty() ? "" : ", ") + quantity;
+  }
+  text += ", aspect ratio at least " + ratio_text(level.quality.aspect_min) + ", " + percent_text(level.quality.aspect_share_below_third) +
+          " below 1/3";
+  if (!unmet.empty()) text += "; not met: " + unmet;
+  if (!level.at_limit.empty()) text += "; supersampling would help at " + counted(level.at_limit.size(), "place");
+  return text;
+}
+
+/// The finest level's certificate stands for all; a level that failed would not be here.
+std::string certificate_of_all(const ExtractReport& report) {
+  const auto passed = [](const LevelReport& level) { return level.certificate.passed; };
+  const auto same = [&](const LevelReport& level) { return level.topology == report.reference; };
+  const std::size_t count = report.levels.size();
+  const std::string where = count == 1 ? "" : " on all " + std::to_string(count) + " levels";
+  return (std::all_of(report.levels.begin(), report.levels.end(), passed) ? "passed" : "FAILED") + where + ": " +
+         certificate_text(report.levels.back().certificate) + (count == 1 ? "" : " on the finest") +
+         "; counted again: " + (std::all_of(report.levels.begin(), report.levels.end(), same) ? "same topology" : "OTHER TOPOLOGY");
+}
+
+void print_level_details(const LevelReport& level, std::size_t number) {
+  const auto say = [&](const std::string& label, const std::string& value) { std::cout << row("  " + label, value); };
+  std::cout << row(level_name(number), repair_text(level.certificate) + " by repair, " + counted(level.refine_rounds, "round") +
+                                           " of refinement, " + seconds_text(level.seconds));
+  say("shape", "aspect ratio 1st percentile " + ratio_text(level.quality.aspect_p01) + ", median " +
+                   ratio_text(level.quality.aspect_median) + ", angles " + number_text(level.quality.angle_min) + " to " +
+                   number_text(level.quality.angle_max) + " degrees");
+  for (std::size_t i = 0; level.metrics && i < kMetricCount; ++i) {
+    const auto metric = static_cast<Quantity>(i);
+    say(std::string(name(metric)),
+        "at most " + bound_text(metric, (*level.metrics)[i].maximum) + ", on average " + bound_text(metric, (*level.metrics)[i].mean));
+  }
+  for (const ConstraintResult& result : level.constraints)
+    say(result.met ? "met" : "NOT MET", std::string(name(result.wanted.quantity)) + " " +
+                                            bound_text(result.wanted.quantity, result.wanted.bound) + ": reached " +
+                                            bound_text(result.wanted.quantity, result.reached));
+  if (!level.measured) return;
+  const auto distances = [](const OneSidedDistance& d) {
+    return "at most " + number_text(d.maximum) + ", 99 % within " + number_text(d.p99) + ", on average " + number_text(d.mean);
+  };
+  say("to surface", distances(level.measured->mesh_to_surface));
+  say("from surface", distances(level.measured->surface_to_mesh));
+  say("normals", "differ by " + number_text(level.measured->normal_mean) + " degrees on average, at most " +
+                     number_text(level.measured->normal_maximum));
+}
+
+}  // namespace
+
+void print_summary(const ExtractReport& report, const ReportContext& context, const std::string& outputs) {
+  std::cout << row("read", context.volume_path + ": " + size_text(context.grid.size) + " " + std::string(name(context.sample_type)) + ", " +
+                               seconds_text(context.read_seconds))
+            << row("surface", "isovalue " + number_text(context.options.isovalue) + ": " + topology_text(report.levels.back().topology));
+  for (std::size_t k = 0; k < report.levels.size(); ++k) std::cout << row(level_name(k), level_text(report.levels[k]));
+  std::size_t bytes = 0;
+  double rounding = 0;
+  for (const ReportFile& file : context.files) {
+    bytes += file.bytes;
+    rounding = std::max(rounding, file.largest_rounding);
+  }
+  std::cout << row("certificate", certificate_of_all(report))
+            << row("wrote", outputs + " (" + bytes_text(static_cast<double>(bytes)) + "), meshed in " + seconds_text(report.total_seconds) +
+                                (rounding > 0 ? "; rounded by at most " + number_text(rounding) + ", read back and checked" : ""));
+}
+
+void print_details(const ExtractReport& report, const ReportContext& context) {
+  std::string coarser;
+  for (const std::size_t size : report.coarser_c_vertices) coarser += (coarser.empty() ? "" : ", ") + count_text(size);
+  std::cout << row("complex", counted(report.c_vertices, "c-vertex") + ", " + counted(report.faces, "face") + ", " +
+                                  counted(report.double_segments, "double segment") + " split")
+            << row("coarser", coarser.empty()
+                                  ? "none: disks are too small for blocks"
+                                  : coarser + " c-vertices, certified in " + std::to_string(report.coarsening.repair_rounds) + " rounds")
+            << row("kinds", kinds_text(report.levels.back().topology, 6));
+  for (std::size_t k = 0; k < report.levels.size(); ++k) print_level_details(report.levels[k], k);
+  for (const StageTime& stage : report.seconds) std::cout << row("  " + stage.stage, seconds_text(stage.seconds));
+  std::cout << row("  write", seconds_text(context.write_seconds))
+            << row("memory", bytes_text(static_cast<double>(context.peak_memory_bytes)) + " at most");
+}
+
+bool print_unmet(const ExtractReport& report) {
+  bool all_met = true;
+  for (std::size_t k = 0; k < report.levels.size(); ++k) {
+    for (const ConstraintResult& result : report.levels[k].constraints) {
+      if (result.met) continue;
+      all_met = false;
+      const Quantity quantity = result.wanted.quantity;
+      std::cerr << one_line("isoatlas: " + level_name(k) + ": " + std::string(name(quantity)) + " " +
+                            bound_text(quantity, result.wanted.bound) + ": reached " + bound_text(quantity, result.reached) +
+                            (result.reason.empty() ? "" : ": " + result.reason))
+                << "\n";
+    }
+  }
+  return all_met;
+}
+
+}  // namespace isoatlas::tool

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// What `isoatlas extract` says of its work.
+#pragma once
+
+#include <string>
+
+#include "isoatlas/extract.h"
+#include "report/report.h"
+
+namespace isoatlas::tool {
+
+/// A few lines on standard output. `outputs` names what was written.
+void print_summary(const ExtractReport& report, const ReportContext& context, const std::string& outputs);
+
+/// The rest of it: all metrics, complexes, repairs, timings, memory.
+void print_details(const ExtractReport& report, const ReportContext& context);
+
+/// One line on standard error for each constraint of each level that is not met; true if there was none.
+bool print_unmet(const ExtractReport& report);
+
+}  // namespace isoatlas::tool

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// isoatlas levels: how do the levels of detail in a file compare?
+#include <algorithm>
+#include <cctype>
+#include <cstring>
+#include <functional>
+#include <iostream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "commands.h"
+#include "exit_status.h"
+#include "isoatlas/io.h"
+#include "report/level_facts.h"
+#include "text.h"
+
+namespace isoatlas::tool {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// All that is known of a file of levels.
+struct Levels {
+  std::vector<LevelFacts> facts;
+  std::optional<bool> nested;
+  std::string about_nesting;
+};
+
+/// Counted from the triangles; of what the file says of itself only the metrics remain.
+LevelFacts count_again(const TriangleMesh& mesh, const std::optional<LevelFacts>& said) {
+  LevelFacts facts;
+  if (said) facts.metrics = said->metrics;
+  const MeshTopology topology = mesh_topology(mesh);
+  facts.vertices = topology.vertices;
+  facts.triangles = topology.triangles;
+  facts.is_manifold = topology.is_manifold() && topology.is_oriented() && topology.triangles > 0;
+  if (facts.is_manifold) facts.topology = summarize(topology.components);
+  facts.topology.components = topology.components.size();
+  facts.quality = mesh_quality(mesh);
+  return facts;
+}
+
+/// The first vertex of the coarser level that the finer one has elsewhere, or not at all; none if its vertices are the finer one's
+/// first, bit by bit.
+std::optional<std::size_t> first_difference(const std::vector<Vec3>& coarse, const std::vector<Vec3>& fine) {
+  for (std::size_t v = 0; v < coarse.size(); ++v)
+    if (v >= fine.size() || std::memcmp(&coarse[v], &fine[v], sizeof(Vec3)) != 0) return v;
+  return std::nullopt;
+}
+
+Levels levels_of_meshes(const fs::path& path) {
+  const HierarchyFile file = read_hierarchy(path);
+  Levels levels;
+  levels.nested = true;
+  levels.about_nesting = "yes: every vertex of a level is in the next one, at the same index, bit by bit";
+  TriangleMesh coarser;
+  for (std::size_t k = 0; k < file.hierarchy.levels.size(); ++k) {
+    TriangleMesh mesh = file.hierarchy.mesh(k);
+    levels.facts.push_back(count_again(mesh, file.info.levels.empty() ? std::nullopt : facts_of_level(file.info.levels[k], path.string())));
+    const auto difference = first_difference(coarser.positions, mesh.positions);
+    if (difference && *levels.nested) {
+      levels.nested = false;
+      levels.about_nesting = "NO: vertex " + count_text(*difference) + " of level " + std::to_string(k - 1) +
+                             " is not at its place in level " + std::to_string(k);
+    }
+    coarser = std::move(mesh);
+  }
+  if (file.info.placement == Placement::balanced) {
+    levels.nested = std::nullopt;
+    levels.about_nesting = "by index only: with balanced placement each level has its vertices at places of its own";
+  } else if (levels.facts.size() == 1) {
+    levels.about_nesting = "yes: there is one level";
+  }
+  return levels;
+}
+
+Levels read_levels(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (extension != ".json") return levels_of_meshes(path);
+  return {facts_of_levels(read_text_file(path), path.string()), std::nullopt, "not known: the file has no vertices"};
+}
+
+/// A label, then a column for each level.
+class Table {
+ public:
+  explicit Table(const std::vector<LevelFacts>& levels) : levels_(levels) {}
+
+  void line(const std::string& label, const std::function<std::string(const LevelFacts&)>& cell) const {
+    std::cout << "  " << label << std::string(kLabelWidth - std::min(kLabelWidth, label.size()), ' ');
+    for (const LevelFacts& level : levels_) {
+      const std::string text = cell(level);
+      std::cout << std::string(kColumnWidth - std::min(kColumnWidth - 1, text.size()), ' ') << text;
+    }
+    std::cout << "\n";
+  }
+
+ private:
+  static constexpr std::size_t kLabelWidth = 30, kColumnWidth = 14;
+  const std::vector<LevelFacts>& levels_;
+};
+
+void print_table(const std::string& path, const Levels& levels) {
+  std::cout << one_line(path) << "\n";
+  const Table table(levels.facts);
+  std::size_t number = 0;
+  table.line("level", [&](const LevelFacts&) { return std::to_string(number++); });
+  table.line("vertices", [](const LevelFacts& l) { return count_text(l.vertices); });
+  table.line("triangles", [](const LevelFacts& l) { return count_text(l.triangles); });
+  for (std::size_t i = 0; i < kMetricCount; ++i) {
+    const std::string metric(name(static_cast<Quantity>(i)));
+    const auto known = [i](double MetricSummary::*part) {
+      return [i, part](const LevelFacts& l) { return l.metrics[i] ? number_text(*l.metrics[i].*part) : "-"; };
+    };
+    table.line(metric + ", maximum", known(&MetricSummary::maximum));
+    table.line(std::string(metric.size(), ' ') + "  mean", known(&MetricSummary::mean));
+  }
+  table.line("aspect ratio, minimum", [](const LevelFacts& l) { return ratio_text(l.quality.aspect_min); });
+  table.line("              1st percentile", [](const LevelFacts& l) { return ratio_text(l.quality.aspect_p01); });
+  table.line("              median", [](const LevelFacts& l) { return ratio_text(l.quality.aspect_median); });
+  table.line("              below 1/3", [](const LevelFacts& l) { return percent_text(l.quality.aspect_share_below_third); });
+  table.line("angle, minimum", [](const LevelFacts& l) { return number_text(l.quality.angle_min); });
+  table.line("manifold", [](const LevelFacts& l) { return l.is_manifold ? "yes" : "NO"; });
+  table.line("components", [](const LevelFacts& l) { return count_text(l.topology.components); });
+  table.line("genus", [](const LevelFacts& l) { return l.is_manifold ? std::to_string(l.topology.genus) : "-"; });
+  table.line("boundary loops", [](const LevelFacts& l) { return l.is_manifold ? std::to_string(l.topology.boundary_loops) : "-"; });
+  std::cout << row("nested", levels.about_nesting);
+}
+
+}  // namespace
+
+int run_levels(const LevelsArguments& arguments) {
+  const Levels levels = read_levels(arguments.file);
+  if (arguments.json)
+    std::cout << to_json(arguments.file.string(), levels.facts, levels.nested);
+  else
+    print_table(arguments.file.string(), levels);
+  const bool good = std::all_of(levels.facts.begin(), levels.facts.end(), [](const LevelFacts& level) { return level.is_manifold; });
+  return good ? kSuccess : kCheckFailed;
+}
+
+}  // namespace isoatlas::tool

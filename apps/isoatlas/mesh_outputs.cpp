@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mesh_outputs.h"
+
+#include <sys/stat.h>
+
+#include <numeric>
+#include <system_error>
+#include <utility>
+
+#include "isoatlas/error.h"
+#include "text.h"
+
+namespace isoatlas::tool {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::string_view kPlaceholder = "{level}";
+
+[[noreturn]] void refuse(const fs::path& path, const std::string& message) {
+  throw Error(ErrorCode::bad_argument, path.string() + ": " + message);
+}
+
+/// `path` where it will really be: files that belong to it go beside that place.
+fs::path target_of(const fs::path& path) {
+  std::error_code error;
+  return fs::is_symlink(fs::symlink_status(path, error)) ? resolved(path) : path;
+}
+
+/// The pieces of a .vtm are prepared beside it and renamed into their folder, which must be there or on the same file system.
+void check_pieces(const fs::path& path, std::size_t level_count, const fs::path& volume) {
+  const std::vector<fs::path> files = files_of_hierarchy(target_of(path), level_count);
+  if (files.size() == 1) return;
+  const fs::path folder = files[1].parent_path();
+  std::error_code error;
+  if (same_file(folder, volume)) refuse(path, "its levels would be written into the volume's folder " + folder.string());
+  if (!fs::is_directory(folder, error)) return;
+  struct stat beside {
+  }, inside{};
+  if (stat(resolved(path).parent_path().c_str(), &beside) == 0 && stat(folder.c_str(), &inside) == 0 && beside.st_dev != inside.st_dev)
+    refuse(path, "the folder " + folder.string() + " for its levels is on another file system, expected the same one");
+  for (std::size_t i = 1; i < files.size(); ++i) check_output_path(files[i]);
+}
+
+/// One level of a hierarchy, as if it were the only one.
+Hierarchy only_level(const Hierarchy& hierarchy, std::size_t level) {
+  Hierarchy result;
+  result.levels.push_back(hierarchy.levels[level]);
+  const auto count = static_cast<std::ptrdiff_t>(hierarchy.levels[level].vertex_count);
+  result.positions.assign(hierarchy.positions.begin(), hierarchy.positions.begin() + count);
+  return result;
+}
+
+}  // namespace
+
+MeshOutputs::MeshOutputs(fs::path path, bool glb_per_level) : path_(std::move(path)), glb_per_level_(glb_per_level) {
+  const std::string name = path_.filename().string();
+  for (std::size_t open = name.find('{'); open != std::string::npos; open = name.find('{', open + 1)) {
+    if (name.compare(open, kPlaceholder.size(), kPlaceholder) != 0)
+      refuse(path_, "only {level} can stand in braces, for the level's number; found " + name.substr(open));
+    if (is_pattern_) refuse(path_, "{level} stands in it twice, expected once");
+    is_pattern_ = true;
+  }
+  if (path_.parent_path().string().find(kPlaceholder) != std::string::npos)
+    refuse(path_, "{level} stands in the name of a folder, expected it in the file's own name");
+  const bool is_glb = is_hierarchy_path(path_) && files_of_hierarchy(path_, 1).size() == 1;
+  if (is_pattern_ && is_hierarchy_path(path_) && !is_glb) refuse(path_, "a .vtm holds all levels, expected a name without {level}");
+  if (glb_per_level_ && (!is_glb || is_pattern_)) refuse(path_, "--glb-per-level goes with a .glb of all levels, expected -o NAME.glb");
+}
+
+fs::path MeshOutputs::level_path(std::size_t level) const {
+  if (!is_pattern_) return path_.parent_path() / (path_.stem().string() + "-" + std::to_string(level) + path_.extension().string());
+  std::string name = path_.filename().string();
+  name.replace(name.find(kPlaceholder), kPlaceholder.size(), std::to_string(level));
+  return path_.parent_path() / name;
+}
+
+std::vector<MeshOutputs::Item> MeshOutputs::items(std::size_t level_count) const {
+  std::vector<std::size_t> all(level_count);
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  std::vector<Item> result;
+  if (!is_pattern_) result.push_back({path_, is_hierarchy_path(path_) ? all : std::vector<std::size_t>{level_count - 1}});
+  if (is_pattern_ || glb_per_level_)
+    for (const std::size_t level : all) result.push_back({level_path(level), {level}});
+  return result;
+}
+
+void MeshOutputs::check(std::size_t level_count, const fs::path& volume, const std::optional<fs::path>& report) const {
+  std::vector<fs::path> meshes;
+  for (const Item& item : items(level_count)) {
+    meshes.push_back(item.path);
+    if (same_file(item.path, volume)) refuse(item.path, "the mesh would replace the volume");
+    check_output_path(item.path);
+    if (is_hierarchy_path(item.path)) {
+      check_pieces(item.path, level_count, volume);
+      check_hierarchy_path(item.path, level_count);
+      const std::vector<fs::path> files = files_of_hierarchy(target_of(item.path), level_count);
+      for (std::size_t i = 1; i < files.size(); ++i) {
+        if (same_file(files[i], volume)) refuse(item.path, "a level of it would replace the volume");
+        meshes.push_back(files[i]);
+      }
+    } else {
+      check_mesh_path(item.path);
+    }
+  }
+  if (glb_per_level_) {
+    if (same_file(manifest(), volume)) refuse(manifest(), "the list of levels would replace the volume");
+    if (report && same_file(manifest(), *report)) refuse(*report, "the report would replace the list of levels, expected another name");
+    check_output_path(manifest());
+  }
+  for (std::size_t i = 0; i < meshes.size(); ++i)  // links can make one file of two names
+    for (std::size_t j = 0; j < i; ++j)
+      if (same_file(meshes[i], meshes[j])) refuse(meshes[i], "a level would replace another, in " + meshes[j].string());
+  if (!report) return;
+  for (const fs::path& mesh : meshes)
+    if (same_file(*report, mesh)) refuse(*report, "the report would replace the mesh");
+  if (same_file(*report, volume)) refuse(*report, "the report would replace the volume");
+  check_output_path(*report);
+}
+
+std::vector<ReportFile> MeshOutputs::write(const Hierarchy& hierarchy, const HierarchyFileInfo& info, OutputFiles& outputs) const {
+  const std::size_t level_count = hierarchy.levels.size();
+  std::vector<ReportFile> written, one_level;
+  const auto add = [&](const fs::path& path, const fs::path& staged, std::vector<std::size_t> levels, const StoredPositions& stored) {
+    written.push_back({path.string(), std::move(levels), static_cast<std::size_t>(fs::file_size(staged)), stored.single_precision,
+                       stored.largest_rounding});
+  };
+  for (const Item& item : items(level_count)) {
+    const fs::path staged = outputs.stage(item.path);
+    if (!is_hierarchy_path(item.path)) {
+      const std::size_t level = item.levels.front();
+      add(item.path, staged, item.levels, write_mesh(hierarchy.mesh(level), staged, info.mesh));
+      continue;
+    }
+    const bool is_part = item.levels.size() < level_count;
+    HierarchyFileInfo part = info;
+    if (is_part) part.levels = {info.levels[item.levels.front()]};
+    const StoredPositions stored =
+        is_part ? write_hierarchy(only_level(hierarchy, item.levels.front()), staged, part) : write_hierarchy(hierarchy, staged, part);
+    add(item.path, staged, item.levels, stored);
+    if (glb_per_level_ && item.path != path_) one_level.push_back(written.back());
+    const std::vector<fs::path> names = files_of_hierarchy(target_of(item.path), level_count);
+    const std::vector<fs::path> files = files_of_hierarchy(staged, level_count);
+    for (std::size_t i = 1; i < files.size(); ++i) add(names[i], files[i], {i - 1}, stored);
+  }
+  if (glb_per_level_) write_text_file(levels_manifest(one_level, info.levels), outputs.stage(manifest()));
+  return written;
+}
+
+std::string MeshOutputs::text(std::size_t level_count) const {
+  const std::vector<Item> all = items(level_count);
+  std::size_t more = all.size() - 1 + (glb_per_level_ ? 1 : 0);
+  if (is_hierarchy_path(path_) && !is_pattern_) more += files_of_hierarchy(path_, level_count).size() - 1;
+  return all.front().path.string() + (more > 0 ? " and " + counted(more, "more file") : "");
+}
+
+}  // namespace isoatlas::tool

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which files of meshes a run writes, and which levels go into each.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "isoatlas/io.h"
+#include "output_files.h"
+#include "report/report.h"
+
+namespace isoatlas::tool {
+
+/// What -o and --glb-per-level ask for: NAME.ply is the finest level, NAME-{level}.ply each level, NAME.vtm and NAME.glb all of
+/// them; with glb_per_level also NAME-0.glb, NAME-1.glb, ... and their list NAME.json.
+class MeshOutputs {
+ public:
+  /// @throws Error(bad_argument) if the name and glb_per_level do not make sense
+  MeshOutputs(std::filesystem::path path, bool glb_per_level);
+
+  /// Everything that can be wrong with the names is found here, before anybody waits.
+  /// @throws Error(bad_argument) if an output would replace the volume, the report or another output
+  /// @throws Error(bad_file), Error(unsupported) if one of them cannot be written
+  void check(std::size_t level_count, const std::filesystem::path& volume, const std::optional<std::filesystem::path>& report) const;
+
+  /// Writes all files to where `outputs` stages them.
+  /// @return what was written, under the names it will have
+  std::vector<ReportFile> write(const Hierarchy& hierarchy, const HierarchyFileInfo& info, OutputFiles& outputs) const;
+
+  /// "NAME.ply", or "NAME-0.ply and 2 more files": for people.
+  std::string text(std::size_t level_count) const;
+
+ private:
+  struct Item {
+    std::filesystem::path path;
+    std::vector<std::size_t> levels;
+  };
+  std::vector<Item> items(std::size_t level_count) const;
+  std::filesystem::path level_path(std::size_t level) const;
+  std::filesystem::path manifest() const { return std::filesystem::path(path_).replace_extension(".json"); }
+
+  std::filesystem::path path_;
+  bool glb_per_level_;
+  bool is_pattern_ = false;
+};
+
+}  // namespace isoatlas::tool

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Numbers and lengths as people type them.
+#pragma once
+
+#include <charconv>
+#include <optional>
+#include <string_view>
+#include <system_error>
+
+#include "isoatlas/volume.h"
+
+namespace isoatlas::tool {
+
+/// A number that is the whole text, whatever the locale; none if it is not.
+template <class Number>
+std::optional<Number> parse_whole(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  Number number{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+/// A length as typed: "2.5" or "2.5mm" in world units, "3vx" in voxels.
+struct Length {
+  double value = 0;
+  bool in_voxels = false;
+
+  double in_world(const Grid& grid) const { return in_voxels ? value * grid.smallest_spacing() : value; }
+};
+
+/// None unless `text` is a finite length, 0 or more.
+std::optional<Length> length_of(std::string_view text);
+
+}  // namespace isoatlas::tool

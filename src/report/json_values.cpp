@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report/json_values.h"
+
+#include <algorithm>
+#include <string_view>
+
+namespace isoatlas::report {
+namespace {
+
+// A noisy volume can have more cells at the limit than anybody looks at.
+constexpr std::size_t kMostCellsAtLimit = 1000;
+
+std::string_view text(Unit unit) {
+  switch (unit) {
+    case Unit::length:
+      return "world";
+    case Unit::ratio:
+      return "ratio";
+    case Unit::degrees:
+      return "degrees";
+    case Unit::count:
+      return "count";
+  }
+  return "";
+}
+
+Json lengths(const OneSidedDistance& distance, double unit) {
+  return {{"maximum", distance.maximum / unit},
+          {"mean", distance.mean / unit},
+          {"root_mean_square", distance.root_mean_square / unit},
+          {"p50", distance.p50 / unit},
+          {"p99", distance.p99 / unit}};
+}
+
+Json one_side(const OneSidedDistance& distance, double voxel) {
+  return {{"samples", distance.samples},
+          {"samples_per_voxel_face", distance.samples_per_voxel_face},
+          {"world", lengths(distance, 1)},
+          {"voxels", lengths(distance, voxel)},
+          {"farthest", to_value(distance.farthest)}};
+}
+
+// A path may hold bytes that are not UTF-8; a report with a replacement character beats no report.
+std::string on_one_line(const Json& value) { return value.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+bool is_flat(const Json& value) {
+  return std::none_of(value.begin(), value.end(),
+                      [](const Json& item) { return item.is_object() || (item.is_array() && !item.empty() && item[0].is_structured()); });
+}
+
+/// Is it one line's worth: a number, a text, a list of such, a small object; or an object in a list, if nothing is nested in it.
+bool fits_on_a_line(const Json& value, bool in_list) {
+  constexpr std::size_t kMostKeys = 3;
+  if (value.is_object()) return is_flat(value) && (in_list || value.size() <= kMostKeys);
+  return !value.is_array() || value.empty() || !value[0].is_object();
+}
+
+void print(const Json& value, std::string& text, const std::string& indent, bool in_list) {
+  if (fits_on_a_line(value, in_list)) {
+    text += on_one_line(value);
+    return;
+  }
+  text += value.is_array() ? '[' : '{';
+  bool first = true;
+  for (const auto& [key, item] : value.items()) {
+    if (!first) text += ',';
+    first = false;
+    text += indent + "  ";
+    if (value.is_object()) text += on_one_line(Json(key)) + ": ";
+    print(item, text, indent + "  ", value.is_array());
+  }
+  text += indent;
+  text += value.is_array() ? ']' : '}';
+}
+
+Json constraint_value(const ConstraintResult& result) {
+  return {{"quantity", name(result.wanted.quantity)},
+          {"wanted", result.wanted.bound},
+          {"reached", result.reached},
+          {"unit", text(unit(result.wanted.quantity))},
+          {"met", result.met},
+          {"reason", result.met ? Json() : Json(result.reason)}};
+}
+
+Json metrics_value(const LevelReport& level) {
+  Json metrics;
+  if (!level.metrics) return metrics;
+  for (std::size_t i = 0; i < kMetricCount; ++i) {
+    const auto metric = static_cast<Quantity>(i);
+    metrics[std::string(name(metric))] = {
+        {"maximum", (*level.metrics)[i].maximum}, {"mean", (*level.metrics)[i].mean}, {"unit", text(unit(metric))}};
+  }
+  return metrics;
+}
+
+}  // namespace
+
+Json to_value(Vec3 v) { return Json::array({v.x, v.y, v.z}); }
+
+Json to_value(const std::optional<double>& length) { return length ? Json(*length) : Json(); }
+
+void add_topology(Json& object, const TopologySummary& topology) {
+  object["components"] = topology.components;
+  object["euler_characteristic"] = topology.euler_characteristic;
+  object["genus"] = topology.genus;
+  object["boundary_loops"] = topology.boundary_loops;
+  Json kinds = Json::array();
+  for (const TopologySummary::Kind& kind : topology.kinds)
+    kinds.push_back({{"genus", kind.genus}, {"boundary_loops", kind.boundary_loops}, {"count", kind.count}});
+  object["kinds"] = std::move(kinds);
+}
+
+Json to_value(const CertificateReport& certificate) {
+  return {{"passed", certificate.passed},
+          {"cells_checked", certificate.cells_checked},
+          {"arcs_checked", certificate.arcs_checked},
+          {"triples_checked", certificate.triples_checked},
+          {"repair_rounds", certificate.repair_rounds},
+          {"repair_sites", certificate.repair_sites}};
+}
+
+Json to_value(const MeshQuality& quality) {
+  return {{"aspect_ratio",
+           {{"minimum", quality.aspect_min},
+            {"p01", quality.aspect_p01},
+            {"median", quality.aspect_median},
+            {"share_below_third", quality.aspect_share_below_third},
+            {"histogram", quality.aspect_histogram}}},
+          {"angle_degrees", {{"minimum", quality.angle_min}, {"maximum", quality.angle_max}}},
+          {"edge_length", {{"minimum", quality.edge_min}, {"maximum", quality.edge_max}}},
+          {"zero_area_triangles", quality.zero_area_triangles}};
+}
+
+Json to_value(const Measurement& measurement) {
+  const OneSidedDistance &there = measurement.mesh_to_surface, &back = measurement.surface_to_mesh;
+  return {{"voxel", measurement.voxel},
+          {"maximum", std::max(there.maximum, back.maximum)},
+          {"p99", std::max(there.p99, back.p99)},
+          {"mean", std::max(there.mean, back.mean)},
+          {"mesh_to_surface", one_side(there, measurement.voxel)},
+          {"surface_to_mesh", one_side(back, measurement.voxel)},
+          {"normal_degrees", {{"mean", measurement.normal_mean}, {"p99", measurement.normal_p99}, {"maximum", measurement.normal_maximum}}},
+          {"surface_area", measurement.surface_area},
+          {"mesh_area", measurement.mesh_area}};
+}
+
+Json to_value(const LevelGoal& goal) {
+  Json list = Json::array();
+  for (const Constraint& constraint : goal) list.push_back({{"quantity", name(constraint.quantity)}, {"bound", constraint.bound}});
+  return list;
+}
+
+Json to_value(const LevelReport& level, std::size_t number) {
+  Json json = {{"level", number}, {"vertices", level.vertices}, {"triangles", level.triangles}};
+  add_topology(json, level.topology);
+  json["turned_components"] = level.turned_components;
+  json["certificate"] = to_value(level.certificate);
+  json["quality"] = to_value(level.quality);
+  json["metrics"] = metrics_value(level);
+  Json& constraints = json["constraints"] = Json::array();
+  for (const ConstraintResult& result : level.constraints) constraints.push_back(constraint_value(result));
+  Json worst = Json::array();
+  for (std::size_t i = 0; i < std::min(level.at_limit.size(), kMostCellsAtLimit); ++i)
+    worst.push_back({{"position", to_value(level.at_limit[i].position)}, {"excess", level.at_limit[i].excess}});
+  json["at_limit"] = {{"count", level.at_limit.size()}, {"worst", std::move(worst)}};
+  json["refine_rounds"] = level.refine_rounds;
+  json["flips"] = level.flips;
+  json["moves"] = level.moves;
+  json["measured"] = level.measured ? to_value(*level.measured) : Json();
+  return json;
+}
+
+std::string to_text(const Json& json) {
+  std::string text;
+  print(json, text, "\n", false);
+  return text + "\n";
+}
+
+}  // namespace isoatlas::report

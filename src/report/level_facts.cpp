@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report/level_facts.h"
+
+#include "isoatlas/error.h"
+#include "isoatlas/version.h"
+#include "report/json_values.h"
+
+namespace isoatlas {
+
+using report::Json;
+
+namespace {
+
+template <class Value>
+void read(const Json& object, const char* key, Value& value) {
+  if (const auto found = object.find(key); found != object.end() && !found->is_null()) found->get_to(value);
+}
+
+Json member(const Json& object, const char* key) { return object.is_object() && object.contains(key) ? object[key] : Json(); }
+
+LevelFacts facts_of(const Json& json) {
+  LevelFacts facts;
+  read(json, "vertices", facts.vertices);
+  read(json, "triangles", facts.triangles);
+  read(json, "components", facts.topology.components);
+  read(json, "euler_characteristic", facts.topology.euler_characteristic);
+  read(json, "genus", facts.topology.genus);
+  read(json, "boundary_loops", facts.topology.boundary_loops);
+  const Json aspect = member(member(json, "quality"), "aspect_ratio");
+  read(aspect, "minimum", facts.quality.aspect_min);
+  read(aspect, "p01", facts.quality.aspect_p01);
+  read(aspect, "median", facts.quality.aspect_median);
+  read(aspect, "share_below_third", facts.quality.aspect_share_below_third);
+  read(member(member(json, "quality"), "angle_degrees"), "minimum", facts.quality.angle_min);
+  const Json metrics = member(json, "metrics");
+  for (std::size_t i = 0; i < kMetricCount; ++i) {
+    const Json metric = member(metrics, std::string(name(static_cast<Quantity>(i))).c_str());
+    if (!metric.is_object()) continue;
+    read(metric, "maximum", facts.metrics[i].emplace().maximum);
+    read(metric, "mean", facts.metrics[i]->mean);
+  }
+  return facts;
+}
+
+/// Parses, and makes an Error of what nlohmann throws.
+template <class Work>
+auto with(const std::string& text, const std::string& path, Work work) {
+  try {
+    return work(Json::parse(text));
+  } catch (const Json::exception& error) {
+    throw Error(ErrorCode::bad_file, path + ": is not JSON as isoatlas writes it: " + error.what());
+  }
+}
+
+}  // namespace
+
+std::optional<LevelFacts> facts_of_level(const std::string& text, const std::string& path) {
+  return with(text, path, [](const Json& json) { return json.is_object() ? std::optional(facts_of(json)) : std::nullopt; });
+}
+
+std::vector<LevelFacts> facts_of_levels(const std::string& text, const std::string& path) {
+  return with(text, path, [&](const Json& json) {
+    const Json schema = member(json, "schema");
+    if (schema != "isoatlas-report-2" && schema != "isoatlas-manifest-1")
+      throw Error(ErrorCode::unsupported,
+                  path + ": is no report of isoatlas extract, expected the schema isoatlas-report-2 or isoatlas-manifest-1");
+    std::vector<LevelFacts> levels;
+    for (const Json& level : member(json, "levels"))
+      if (level.is_object()) levels.push_back(facts_of(level));
+    if (levels.empty()) throw Error(ErrorCode::bad_file, path + ": has no levels");
+    return levels;
+  });
+}
+
+std::string to_json(const std::string& path, const std::vector<LevelFacts>& levels, std::optional<bool> nested) {
+  Json json;
+  json["schema"] = "isoatlas-levels-1";
+  json["version"] = ISOATLAS_VERSION;
+  json["path"] = path;
+  json["nested"] = nested ? Json(*nested) : Json();
+  Json& list = json["levels"] = Json::array();
+  for (std::size_t k = 0; k < levels.size(); ++k) {
+    const LevelFacts& level = levels[k];
+    Json one = {{"level", k}, {"vertices", level.vertices}, {"triangles", level.triangles}, {"manifold", level.is_manifold}};
+    const auto add = [&](const char* key, auto value) { one[key] = level.is_manifold ? Json(value) : Json(); };
+    one["components"] = level.topology.components;
+    add("euler_characteristic", level.topology.euler_characteristic);
+    add("genus", level.topology.genus);
+    add("boundary_loops", level.topology.boundary_loops);
+    one["aspect_ratio"] = {{"minimum", level.quality.aspect_min},
+                           {"p01", level.quality.aspect_p01},
+                           {"median", level.quality.aspect_median},
+                           {"share_below_third", level.quality.aspect_share_below_third}};
+    one["angle_degrees"] = {{"minimum", level.quality.angle_min}};
+    for (std::size_t i = 0; i < kMetricCount; ++i)
+      one["metrics"][std::string(name(static_cast<Quantity>(i)))] =
+          level.metrics[i] ? Json({{"maximum", level.metrics[i]->maximum}, {"mean", level.metrics[i]->mean}}) : Json();
+    list.push_back(std::move(one));
+  }
+  return report::to_text(json);
+}
+
+}  // namespace isoatlas

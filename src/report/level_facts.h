@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a level says of itself in a file, read back.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "isoatlas/extract.h"
+#include "isoatlas/mesh.h"
+
+namespace isoatlas {
+
+struct LevelFacts {
+  std::size_t vertices = 0, triangles = 0;
+  std::array<std::optional<MetricSummary>, kMetricCount> metrics;
+  TopologySummary topology;  ///< without kinds
+  MeshQuality quality;       ///< aspect ratio but for its histogram, least angle
+  bool is_manifold = true;   ///< and oriented: else `topology` means nothing
+};
+
+/// From level_json(). None if `json` is "null"; keys that are not there leave zeros, metrics none.
+/// @throws Error(bad_file) if it is no JSON object, or a key is of the wrong type; `path` is for messages
+std::optional<LevelFacts> facts_of_level(const std::string& json, const std::string& path);
+
+/// The levels of a report or of a manifest. Throws Error(bad_file), Error(unsupported) if it is JSON of another kind.
+std::vector<LevelFacts> facts_of_levels(const std::string& json, const std::string& path);
+
+/// What `isoatlas levels` found, schema "isoatlas-levels-1". `nested` none: it cannot be known.
+std::string to_json(const std::string& path, const std::vector<LevelFacts>& levels, std::optional<bool> nested);
+
+}  // namespace isoatlas

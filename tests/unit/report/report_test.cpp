@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report/report.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+
+#include "isoatlas/error.h"
+#include "report/level_facts.h"
+
+namespace isoatlas {
+namespace {
+
+using Json = nlohmann::json;
+
+// A report in which everything is there.
+struct Full {
+  ExtractReport report;
+  ReportContext context;
+
+  Full() {
+    report.coarser_c_vertices = {100};
+    report.reference.kinds = {{0, 0, 1}};
+    report.levels.resize(2);
+    for (std::size_t k = 0; k < 2; ++k) {
+      LevelReport& level = report.levels[k];
+      level.vertices = 10 + k;
+      level.triangles = 20 + k;
+      level.topology = {.components = 1, .euler_characteristic = 2, .genus = 0, .boundary_loops = 0, .kinds = {{0, 0, 1}}};
+      level.quality.aspect_median = 0.5;
+      level.metrics.emplace()[0] = {2.5, 0.5};
+      level.constraints = {{{Quantity::max_vertices, 5}, 10, false, "topology needs 10"},
+                           {{Quantity::max_distance, 3}, 2.5, true, "unused"}};
+      level.at_limit.assign(1200, {{1, 2, 3}, 1.5});
+      level.measured.emplace();
+      level.measured->voxel = 2;
+      level.measured->mesh_to_surface.maximum = 3;
+      level.measured->surface_to_mesh.maximum = 4;
+    }
+    report.seconds = {{"surface", 1}, {"components", 1}, {"coarsen", 1}, {"cover", 1},
+                      {"certify", 1}, {"mesh", 1},       {"check", 1},   {"refine", 1}};
+    context.volume_path = "v.nrrd";
+    context.files = {{"a.glb", {0, 1}, 99, true, 0.25}, {"a-1.glb", {1}, 9, true, 0.5}};
+    context.options.coarse = {{Quantity::max_vertices, 5}};
+    context.options.refine = {{{Quantity::max_distance, 3}}};
+  }
+  Json json() const { return Json::parse(to_json(report, context)); }
+};
+
+void add_leaves(const Json& value, const std::string& path, std::set<std::string>& leaves) {
+  if (value.is_object()) {
+    for (const auto& [key, item] : value.items()) add_leaves(item, path.empty() ? key : path + "." + key, leaves);
+  } else if (value.is_array() && !value.empty() && value[0].is_object()) {
+    for (const Json& item : value) add_leaves(item, path + "[]", leaves);
+  } else {
+    leaves.insert(path);
+  }
+}
+
+std::set<std::string> documented(const std::string& schema) {
+  std::ifstream page(ISOATLAS_REPORT_PAGE);
+  std::set<std::string> keys;
+  bool is_inside = false;
+  for (std::string line; std::getline(page, line);) {
+    if (line.starts_with("## ")) is_inside = line == "## " + schema;
+    if (is_inside && line.starts_with("| `")) keys.insert(line.substr(3, line.find('`', 3) - 3));
+  }
+  return keys;
+}
+
+// With everything there, which no single run of the tool has (tests/cli compares what it does have).
+TEST(Report, HasTheDocumentedKeysAndNoOthers) {
+  std::set<std::string> leaves;
+  add_leaves(Full().json(), "", leaves);
+  EXPECT_EQ(leaves, documented("isoatlas-report-2"));
+}
+
+TEST(Report, Levels) {
+  const Json json = Full().json();
+  EXPECT_EQ(json["schema"], "isoatlas-report-2");
+  ASSERT_EQ(json["levels"].size(), 2U);
+  const Json& level = json["levels"][1];
+  EXPECT_TRUE(json["levels"][0]["path"].is_null());
+  EXPECT_EQ(level["path"], "a-1.glb");
+  EXPECT_EQ(level["constraints"][0]["quantity"], "max-vertices");
+  EXPECT_EQ(level["constraints"][0]["reason"], "topology needs 10");
+  EXPECT_TRUE(level["constraints"][1]["reason"].is_null());
+  EXPECT_EQ(level["constraints"][1]["unit"], "world");
+  EXPECT_EQ(level["at_limit"]["count"], 1200);
+  EXPECT_EQ(level["at_limit"]["worst"].size(), 1000U);
+  EXPECT_EQ(level["metrics"]["max-distance"]["maximum"], 2.5);
+  EXPECT_EQ(level["measured"]["maximum"], 4);
+  EXPECT_EQ(level["measured"]["mesh_to_surface"]["voxels"]["maximum"], 1.5);
+  EXPECT_EQ(json["files"][1]["largest_rounding"], 0.5);
+  EXPECT_EQ(json["parameters"]["refine"][0][0]["quantity"], "max-distance");
+}
+
+TEST(Report, WhatDoesNotApplyIsNull) {
+  Full full;
+  full.report.levels[0].metrics.reset();
+  full.report.levels[0].measured.reset();
+  const Json level = full.json()["levels"][0];
+  EXPECT_TRUE(level["metrics"].is_null());
+  EXPECT_TRUE(level["measured"].is_null());
+}
+
+TEST(Report, RoundingIsInWorldUnits) {
+  Full full;
+  full.context.options.space = Space::voxel;
+  full.context.grid.spacing = {1, 4, 2};
+  EXPECT_EQ(full.json()["files"][0]["largest_rounding"], 1.0);
+}
+
+TEST(Report, PathsNeedNotBeUtf8) {
+  Full full;
+  full.context.files[0].path = "a\xff.glb";
+  EXPECT_NE(to_json(full.report, full.context).find("a\uFFFD.glb"), std::string::npos);
+}
+
+TEST(LevelFacts, ComeBackFromTheReportAndFromEachLevel) {
+  const Full full;
+  const std::vector<LevelFacts> of_report = facts_of_levels(to_json(full.report, full.context), "r.json");
+  ASSERT_EQ(of_report.size(), 2U);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const std::string text = level_json(full.report.levels[k], k);
+    EXPECT_EQ(text.find("seconds"), std::string::npos);  // the same input gives the same text
+    EXPECT_EQ(text.find('\n'), std::string::npos);
+    const auto of_level = facts_of_level(text, "a.glb");
+    ASSERT_TRUE(of_level);
+    for (const LevelFacts& facts : {*of_level, of_report[k]}) {
+      EXPECT_EQ(facts.vertices, 10 + k);
+      EXPECT_EQ(facts.topology.euler_characteristic, 2);
+      EXPECT_EQ(facts.quality.aspect_median, 0.5);
+      EXPECT_EQ(facts.metrics[0]->maximum, 2.5);
+    }
+  }
+  EXPECT_FALSE(facts_of_level("null", "a.glb"));
+  EXPECT_FALSE(facts_of_level("{\"metrics\":null}", "a.glb")->metrics[0]);
+}
+
+TEST(LevelFacts, OfAManifest) {
+  const Full full;
+  const std::string text = levels_manifest({{"x/a-0.glb", {0}, 5, true, 0}, {"x/a-1.glb", {1}, 6, true, 0}},
+                                           {level_json(full.report.levels[0], 0), level_json(full.report.levels[1], 1)});
+  EXPECT_EQ(Json::parse(text)["levels"][1]["file"], "a-1.glb");
+  EXPECT_EQ(facts_of_levels(text, "a.json")[1].triangles, 21U);
+}
+
+TEST(LevelFacts, BadJsonIsAnError) {
+  for (const char* text : {"", "{", "[]", "{}", R"({"schema":"isoatlas-report-1"})", R"({"schema":"isoatlas-report-2"})",
+                           R"({"schema":"isoatlas-report-2","levels":[]})", R"({"schema":"isoatlas-report-2","levels":[{"vertices":"x"}]})",
+                           R"({"schema":"isoatlas-report-2","levels":[7]})"})
+    EXPECT_THROW(facts_of_levels(text, "r.json"), Error) << text;
+  EXPECT_THROW(facts_of_level("{", "r.json"), Error);
+}
+
+}  // namespace
+}  // namespace isoatlas

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mesh_outputs.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "isoatlas/error.h"
+#include "unit/io/io_test_support.h"
+
+namespace isoatlas::tool {
+namespace {
+
+namespace fs = std::filesystem;
+using test::TempFolder;
+
+// A tetrahedron, and the same with a corner cut into three triangles.
+Hierarchy two_levels() {
+  Hierarchy hierarchy;
+  hierarchy.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.5, 0.5, 0.5}};
+  hierarchy.levels.push_back({4, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}, {}});
+  hierarchy.levels.push_back({5, {{0, 2, 1}, {0, 1, 3}, {2, 0, 3}, {1, 2, 4}, {2, 3, 4}, {3, 1, 4}}, {}});
+  return hierarchy;
+}
+
+const HierarchyFileInfo kInfo{.mesh = {}, .placement = {}, .levels = {R"({"level":0})", R"({"level":1})"}};
+
+// Writes to a folder; the files by name with the levels they hold.
+std::map<std::string, std::vector<std::size_t>> written(const TempFolder& folder, const std::string& name, bool glb_per_level = false) {
+  const MeshOutputs meshes(folder / name, glb_per_level);
+  meshes.check(2, folder / "volume", std::nullopt);
+  OutputFiles outputs;
+  std::map<std::string, std::vector<std::size_t>> files;
+  for (const ReportFile& file : meshes.write(two_levels(), kInfo, outputs))
+    files[fs::path(file.path).lexically_relative(folder.path()).string()] = file.levels;
+  outputs.commit();
+  for (const auto& [file, levels] : files) EXPECT_TRUE(fs::is_regular_file(folder / file)) << file;
+  return files;
+}
+
+using Files = std::map<std::string, std::vector<std::size_t>>;
+
+TEST(MeshOutputs, WhichLevelsGoWhere) {
+  const TempFolder folder;
+  EXPECT_EQ(written(folder, "a.ply"), (Files{{"a.ply", {1}}}));
+  EXPECT_EQ(read_mesh(folder / "a.ply").triangles.size(), 6U);
+  EXPECT_EQ(written(folder, "b{level}.stl"), (Files{{"b0.stl", {0}}, {"b1.stl", {1}}}));
+  EXPECT_EQ(read_mesh(folder / "b0.stl").triangles.size(), 4U);
+  EXPECT_EQ(written(folder, "c.glb"), (Files{{"c.glb", {0, 1}}}));
+  EXPECT_EQ(written(folder, "d.vtm"), (Files{{"d.vtm", {0, 1}}, {"d/d_0.vtp", {0}}, {"d/d_1.vtp", {1}}}));
+  EXPECT_EQ(written(folder, "e-{level}.glb"), (Files{{"e-0.glb", {0}}, {"e-1.glb", {1}}}));
+  EXPECT_EQ(written(folder, "f.glb", true), (Files{{"f.glb", {0, 1}}, {"f-0.glb", {0}}, {"f-1.glb", {1}}}));
+  EXPECT_TRUE(fs::is_regular_file(folder / "f.json"));
+  EXPECT_EQ(read_hierarchy(folder / "f-0.glb").hierarchy.positions.size(), 4U);
+  EXPECT_EQ(read_hierarchy(folder / "f-1.glb").info.levels, std::vector<std::string>{R"({"level":1})"});
+  EXPECT_EQ(folder.file_count(), 12U);
+}
+
+TEST(MeshOutputs, LinksAreFollowed) {
+  const TempFolder folder;
+  fs::create_directory(folder / "elsewhere");
+  test::write_bytes(folder / "elsewhere/b.vtm", "old");
+  fs::create_symlink("elsewhere/b.vtm", folder / "a.vtm");
+  const MeshOutputs meshes(folder / "a.vtm", false);
+  meshes.check(2, folder / "volume", std::nullopt);
+  {
+    OutputFiles outputs;
+    meshes.write(two_levels(), kInfo, outputs);
+    outputs.commit();
+  }
+  EXPECT_TRUE(fs::is_symlink(folder / "a.vtm"));
+  EXPECT_EQ(read_hierarchy(folder / "elsewhere/b.vtm").hierarchy.levels.size(), 2U);
+  EXPECT_TRUE(fs::exists(folder / "elsewhere/b/b_1.vtp"));
+  EXPECT_EQ(folder.file_count(), 2U);
+}
+
+TEST(MeshOutputs, NamesForPeople) {
+  EXPECT_EQ(MeshOutputs("a.ply", false).text(3), "a.ply");
+  EXPECT_EQ(MeshOutputs("a-{level}.ply", false).text(3), "a-0.ply and 2 more files");
+  EXPECT_EQ(MeshOutputs("a.vtm", false).text(3), "a.vtm and 3 more files");
+  EXPECT_EQ(MeshOutputs("a.glb", true).text(3), "a.glb and 4 more files");
+}
+
+}  // namespace
+}  // namespace isoatlas::tool

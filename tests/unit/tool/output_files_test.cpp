@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "output_files.h"
+
+#include <gtest/gtest.h>
+
+#include "isoatlas/error.h"
+#include "unit/io/io_test_support.h"
+
+namespace isoatlas::tool {
+namespace {
+
+namespace fs = std::filesystem;
+using test::read_bytes;
+using test::TempFolder;
+using test::write_bytes;
+
+// A file with a folder of pieces beside it, as a .vtm has.
+void write_staged(const fs::path& staged) {
+  write_bytes(staged, "new");
+  fs::create_directory(staged.parent_path() / "a");
+  write_bytes(staged.parent_path() / "a/0", "new 0");
+  write_bytes(staged.parent_path() / "a/1", "new 1");
+}
+
+TEST(OutputFiles, FoldersBesideAFileGoWithIt) {
+  const TempFolder folder;
+  {
+    OutputFiles outputs;
+    write_staged(outputs.stage(folder / "a.vtm"));
+    EXPECT_FALSE(fs::exists(folder / "a"));
+    outputs.commit();
+  }
+  EXPECT_EQ(read_bytes(folder / "a.vtm"), "new");
+  EXPECT_EQ(read_bytes(folder / "a/0"), "new 0");
+  EXPECT_EQ(folder.file_count(), 2U);
+}
+
+TEST(OutputFiles, OfAFolderThatIsThereOnlyFilesOfThatNameAreReplaced) {
+  const TempFolder folder;
+  fs::create_directory(folder / "a");
+  write_bytes(folder / "a/0", "old 0");
+  write_bytes(folder / "a/7", "old 7");
+  {
+    OutputFiles outputs;
+    write_staged(outputs.stage(folder / "a.vtm"));
+    outputs.commit();
+  }
+  EXPECT_EQ(read_bytes(folder / "a/0"), "new 0");
+  EXPECT_EQ(read_bytes(folder / "a/1"), "new 1");
+  EXPECT_EQ(read_bytes(folder / "a/7"), "old 7");
+  EXPECT_EQ(folder.file_count(), 2U);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder / "a"), {}), 3);
+}
+
+TEST(OutputFiles, WhatWasThereIsPutBackWhenTheEndFails) {
+  for (const bool has_old : {false, true}) {
+    const TempFolder folder;
+    if (has_old) {
+      fs::create_directory(folder / "a");
+      write_bytes(folder / "a/0", "old 0");
+      write_bytes(folder / "a.vtm", "old");
+    }
+    {
+      OutputFiles outputs;
+      write_staged(outputs.stage(folder / "a.vtm"));
+      write_bytes(outputs.stage(folder / "report"), "new");
+      fs::create_directories(folder / "report/in the way");  // after all checks: the last rename fails
+      EXPECT_THROW(outputs.commit(), Error);
+    }
+    EXPECT_EQ(fs::exists(folder / "a.vtm"), has_old);
+    EXPECT_EQ(fs::exists(folder / "a"), has_old);
+    EXPECT_FALSE(fs::exists(folder / "a/1"));
+    EXPECT_TRUE(fs::is_directory(folder / "report/in the way"));
+    if (has_old) {
+      EXPECT_EQ(read_bytes(folder / "a.vtm"), "old");
+      EXPECT_EQ(read_bytes(folder / "a/0"), "old 0");
+    }
+    EXPECT_EQ(folder.file_count(), has_old ? 3U : 1U);
+  }
+}
+
+TEST(OutputFiles, DiscardLeavesNothing) {
+  const TempFolder folder;
+  write_bytes(folder / "a.vtm", "old");
+  OutputFiles outputs;
+  write_staged(outputs.stage(folder / "a.vtm"));
+  outputs.discard();
+  EXPECT_EQ(read_bytes(folder / "a.vtm"), "old");
+  EXPECT_EQ(folder.file_count(), 1U);
+  EXPECT_THROW(outputs.stage(folder / "b"), Error);
+}
+
+}  // namespace
+}  // namespace isoatlas::tool
