@@ -129,7 +129,7 @@ void Covering::seed(std::span<const CVertexId> sites, std::span<const Radius> ra
   for (CVertexId v = 0; v < graph_.c_vertex_count(); ++v) {
     if (partition_.cell_of[v] == kNone) continue;
     ++reached_;
-    if (!is_covered(v)) enqueue(v);
+    if (!is_covered(v)) radius_[v] = distance_[v] * (1.001f / (graph_.on_boundary[v] ? kBoundaryShare : 1.0f));
   }
 }
 

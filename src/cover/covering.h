@@ -40,7 +40,8 @@ class Covering {
 
   /// Starts from sites and radii found on a coarser complex. @pre nothing was inserted yet
   /// @param sites   become the first sites, in this order
-  /// @param radii   h(radii.at) <= radii.radius + d / 3 from now on
+  /// @param radii   h(radii.at) <= radii.radius + d / 3, but for c-vertices that this would leave uncovered, since distances are
+  ///                a little longer here: their radius is what covers them
   struct Radius {
     CVertexId at;
     float radius;

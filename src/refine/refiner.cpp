@@ -21,8 +21,6 @@ namespace {
 constexpr float kLimitShare = 0.35f;
 // On the coarser complex, whose c-vertices are few, stop well above its own limit: the surface itself places sites better.
 constexpr float kCoarserLimitShare = 2;
-// Distances along the surface are a little longer than along the coarser complex, which is no reason for new sites.
-constexpr float kStepDownSlack = 1.15f;
 
 // In one round: the cells with more than this share of the worst excess.
 constexpr double kBand = 0.5;
@@ -47,10 +45,10 @@ std::vector<CVertexId> mapped(const std::vector<CVertexId>& ids, const std::vect
   return out;
 }
 
-std::vector<Covering::Radius> radii_of(const Covering& covering, const std::vector<CVertexId>& to, float factor) {
+std::vector<Covering::Radius> radii_of(const Covering& covering, const std::vector<CVertexId>& to) {
   std::vector<Covering::Radius> out;
   out.reserve(covering.radius().size());
-  for (CVertexId v = 0; v < covering.radius().size(); ++v) out.push_back({to.empty() ? v : to[v], factor * covering.radius()[v]});
+  for (CVertexId v = 0; v < covering.radius().size(); ++v) out.push_back({to.empty() ? v : to[v], covering.radius()[v]});
   return out;
 }
 
@@ -266,11 +264,11 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
   const std::vector<CVertexId>& on = coarser_.representative;
   if (on.empty()) {
     placed_in_ = coarse_.placed_in();
-    work_ = std::make_unique<MeasuredCovering>(ground_, options_, coarse_.partition().site, radii_of(coarse_, on, 1), control);
+    work_ = std::make_unique<MeasuredCovering>(ground_, options_, coarse_.partition().site, radii_of(coarse_, on), control);
     return;
   }
   const Ground ground(coarser_.complex);
-  MeasuredCovering rough(ground, options_, coarse_.partition().site, radii_of(coarse_, {}, 1), control);
+  MeasuredCovering rough(ground, options_, coarse_.partition().site, radii_of(coarse_, {}), control);
   Task task;
   task.placement = placement;
   task.limit_share = kCoarserLimitShare;
@@ -285,8 +283,8 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
     work(rough, task, out, control);
   }
   placed_in_ = rough.covering().placed_in();
-  work_ = std::make_unique<MeasuredCovering>(ground_, options_, mapped(rough.partition().site, on),
-                                             radii_of(rough.covering(), on, kStepDownSlack), control);
+  work_ =
+      std::make_unique<MeasuredCovering>(ground_, options_, mapped(rough.partition().site, on), radii_of(rough.covering(), on), control);
 }
 
 RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const RunControl& control) {
