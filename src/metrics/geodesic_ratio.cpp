@@ -7,6 +7,7 @@
 // both are at least as long as the geodesic, up to the polygon's error.
 #include <algorithm>
 #include <limits>
+#include <vector>
 
 #include "core/vector_math.h"
 #include "metrics/border.h"
@@ -46,13 +47,22 @@ double section_length(const CellView& cell, Vec3 from, Vec3 to) {
 }  // namespace
 
 double geodesic_ratio(const CellView& cell) {
-  double largest = 1;
+  struct Candidate {
+    double bound;  // no ratio of this c-vertex is larger
+    CVertexId c_vertex;
+  };
   const Vec3 site = cell.surfels.point[cell.site];
+  const auto straight_to = [&](CVertexId v) { return length(cell.surfels.point[v] - site); };
+  std::vector<Candidate> candidates;
   for (const CVertexId v : cell.c_vertices) {
-    const double straight = length(cell.surfels.point[v] - site);
-    if (!(straight > 0) || cell.geodesic[v] <= largest * straight || !is_on_border(cell, v)) continue;
-    const double geodesic = std::min<double>(cell.geodesic[v], section_length(cell, site, cell.surfels.point[v]));
-    largest = std::max(largest, geodesic / straight);
+    const double straight = straight_to(v);
+    if (straight > 0 && is_on_border(cell, v)) candidates.push_back({cell.geodesic[v] / straight, v});
+  }
+  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) { return a.bound > b.bound; });
+  double largest = 1;
+  for (const Candidate& c : candidates) {
+    if (c.bound <= largest) break;
+    largest = std::max(largest, std::min(c.bound, section_length(cell, site, cell.surfels.point[c.c_vertex]) / straight_to(c.c_vertex)));
   }
   return largest;
 }

@@ -169,6 +169,7 @@ struct NearestSurfel {
 };
 
 constexpr int kMostPieces = 8;
+constexpr std::size_t kManyCVertices = 400;  // more than these are slower to look through than the isosurface's tree
 
 }  // namespace
 
@@ -192,8 +193,10 @@ void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, st
       const MeshTriangle& t = mesh.triangles[triangles[i]];
       worst[i] = {0, t.cell[0]};
       double longest = 0, reach = 0;
+      std::size_t c_vertices = 0;
       for (std::size_t k = 0; k < 3; ++k) {
         longest = std::max(longest, length(t.corner[k] - t.corner[(k + 1) % 3]));
+        c_vertices += mesh.c_vertices_of.of(t.cell[k]).size();
         reach = std::max(reach, static_cast<double>(surface.reach[mesh.c_vertices_of.of(t.cell[k])[0]]));
       }
       const int pieces = std::clamp(static_cast<int>(longest / (1.5 * reach) + 1), 2, kMostPieces);
@@ -202,15 +205,22 @@ void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, st
           const int c = pieces - a - b;
           const Vec3 p = (1.0 / pieces) * (static_cast<double>(a) * t.corner[0] + static_cast<double>(b) * t.corner[1] +
                                            static_cast<double>(c) * t.corner[2]);
-          NearestSurfel nearest;
-          for (const CellId cell : t.cell) nearest.offer(surface.surfels, mesh.c_vertices_of.of(cell), p);
-          double d = nearest.distance(surface, p);
-          if (d <= static_cast<double>(worst[i].distance)) continue;
-          if (d > look_closer && surface.isosurface != nullptr) {
-            const Vec3 s = surface.spacing;
-            d = std::min(d, surface.isosurface->closest({p.x / s.x, p.y / s.y, p.z / s.z}, d).distance);
+          const double known = static_cast<double>(worst[i].distance);
+          const Vec3 index{p.x / surface.spacing.x, p.y / surface.spacing.y, p.z / surface.spacing.z};
+          double d;
+          CellId cell;
+          if (surface.isosurface != nullptr && c_vertices > kManyCVertices) {
+            d = surface.isosurface->closest(index).distance;
+            cell = t.cell[a >= b && a >= c ? 0 : b >= c ? 1 : 2];
+          } else {
+            NearestSurfel nearest;
+            for (const CellId corner : t.cell) nearest.offer(surface.surfels, mesh.c_vertices_of.of(corner), p);
+            d = nearest.distance(surface, p);
+            cell = cell_of[nearest.at];
+            if (d > known && d > look_closer && surface.isosurface != nullptr)
+              d = std::min(d, surface.isosurface->closest(index, d).distance);
           }
-          if (d > static_cast<double>(worst[i].distance)) worst[i] = {static_cast<float>(d), cell_of[nearest.at]};
+          if (d > known) worst[i] = {static_cast<float>(d), cell};
         }
       }
     }

@@ -89,6 +89,7 @@ MeasuredCovering::MeasuredCovering(const MeasuredCovering& other)
       placement_(other.placement_),
       mesh_(other.mesh_),
       places_(other.places_),
+      moved_(other.moved_),
       frozen_(other.frozen_),
       from_mesh_(other.from_mesh_),
       errors_(other.errors_),
@@ -101,6 +102,7 @@ MeasuredCovering& MeasuredCovering::operator=(const MeasuredCovering& other) {
   placement_ = other.placement_;
   mesh_ = other.mesh_;
   places_ = other.places_;
+  moved_ = other.moved_;
   frozen_ = other.frozen_;
   from_mesh_ = other.from_mesh_;
   errors_ = other.errors_;
@@ -127,12 +129,13 @@ void MeasuredCovering::update(CertificateReport& report, const RunControl& contr
     cells.resize(partition().cell_count());
     std::iota(cells.begin(), cells.end(), 0u);
   } else {
-    // A cell's metrics look at the triangles around it and around its neighbours.
+    // Cells whose own triangles are the same are not looked at again, though triangles around their neighbours may be others,
+    // which rarely are the closest; update_all() has the last word. Balancing needs the neighbours, too.
     std::vector<std::uint8_t> stale = dual_.touched();
     for (const MeshTriangle& t : mesh_.triangles) {
-      if (dual_.touched()[t.cell[0]] || dual_.touched()[t.cell[1]] || dual_.touched()[t.cell[2]]) {
-        for (const CellId c : t.cell) stale[c] = 1;
-      }
+      if (placement_ == Placement::surface) break;
+      if (!dual_.touched()[t.cell[0]] && !dual_.touched()[t.cell[1]] && !dual_.touched()[t.cell[2]]) continue;
+      for (const CellId c : t.cell) stale[c] = 1;
     }
     for (CellId c = 0; c < stale.size(); ++c) {
       if (stale[c]) cells.push_back(c);
@@ -148,8 +151,22 @@ void MeasuredCovering::update_all(CertificateReport& report, const RunControl& c
   update(report, control);
 }
 
+CellId MeasuredCovering::moved_to(CVertexId v) const {
+  const auto it = std::lower_bound(moved_.begin(), moved_.end(), std::pair<CVertexId, CellId>(v, 0));
+  return it != moved_.end() && it->first == v ? it->second : kNone;
+}
+
+void MeasuredCovering::note_moves() {
+  moved_.clear();
+  for (CellId c = 0; c < places_.anchor.size(); ++c) {
+    if (places_.anchor[c] != partition().site[c]) moved_.emplace_back(places_.anchor[c], c);
+  }
+  std::sort(moved_.begin(), moved_.end());
+}
+
 void MeasuredCovering::remesh(std::span<const DualTriangle> triangles, std::vector<CVertexId> anchors, std::span<const CellId> concerned) {
   places_.anchor = std::move(anchors);
+  note_moves();
   mesh_ = make_level_mesh(ground_.surfels, partition(), triangles, places_);
   measure({concerned.begin(), concerned.end()});
 }

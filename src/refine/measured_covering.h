@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "cover/repair.h"
@@ -63,6 +64,9 @@ class MeasuredCovering {
   const std::vector<CellError>& errors() const { return errors_; }
   const Places& places() const { return places_; }
 
+  /// The cell, not that of the c-vertex as a site, whose vertex has moved there; kNone if there is none.
+  CellId moved_to(CVertexId v) const;
+
   /// Vertices of cells before this one keep their anchors from now on.
   void freeze_anchors() { frozen_ = partition().cell_count(); }
   bool is_frozen(CellId c) const { return c < frozen_; }
@@ -72,6 +76,7 @@ class MeasuredCovering {
 
  private:
   void measure(std::vector<CellId> cells);
+  void note_moves();
 
   const Ground& ground_;
   Covering covering_;
@@ -80,6 +85,7 @@ class MeasuredCovering {
   Placement placement_ = Placement::surface;
   LevelMesh mesh_;
   Places places_;
+  std::vector<std::pair<CVertexId, CellId>> moved_;  // cells whose anchor is not their site, by anchor
   CellId frozen_ = 0;
   std::vector<float> from_mesh_;
   std::vector<CellError> errors_;

@@ -34,6 +34,7 @@ constexpr float kFarEnough = 0.6f;
 constexpr float kChordSlack = 1.1f;
 // Under a limit on vertices: how often in a row a step may fail before it is over.
 constexpr int kMostFailures = 24;
+constexpr int kMostLastLooks = 3;
 // A few bad triangles that are left get so many more chances.
 constexpr int kMostChances = 6;
 constexpr std::size_t kFewTriangles = 100;
@@ -332,9 +333,12 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
   if (task.metrics.empty()) task.metrics.push_back({Quantity::max_distance, std::numeric_limits<double>::max()});
   work_->demand(task.metrics, task.placement);
   work(*work_, task, out, control);
-  if (placement == Placement::balanced) {  // in one go over the whole mesh, instead of piece by piece; then what got worse by that
+  // Everything once more in one go, instead of piece by piece, and then what that has brought up.
+  for (int again = 0; again < kMostLastLooks; ++again) {
+    const std::uint32_t sites = partition().cell_count();
     work_->update_all(out.certificate, control);
     work(*work_, task, out, control);
+    if (partition().cell_count() == sites) break;
   }
   work_->certify(out.certificate, control);
 

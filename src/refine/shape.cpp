@@ -178,7 +178,7 @@ class Workshop {
       for (const std::uint32_t t : mesh.triangles_of.of(cell)) was = std::min(was, score(mesh.triangles[t]));
       const auto consider = [&](CVertexId to) {
         if (to == from || ground.graph.on_boundary[to] || work_.partition().cell_of[to] != cell) return;
-        Places trial;
+        if (work_.moved_to(to) != kNone) return;
         const Vec3 p = mesh.point[cell] + (ground.surfels.point[to] - ground.surfels.point[from]);
         double now = std::numeric_limits<double>::infinity();
         for (const std::uint32_t t : mesh.triangles_of.of(cell)) {
