@@ -120,8 +120,13 @@ void MeasuredCovering::demand(std::span<const Constraint> metrics, Placement pla
 void MeasuredCovering::update(CertificateReport& report, const RunControl& control) {
   covering_.cover(control);
   dual_.update(report, control);
-  for (CellId c = static_cast<CellId>(places_.anchor.size()); c < partition().cell_count(); ++c)
-    places_.anchor.push_back(partition().site[c]);
+  for (CellId c = static_cast<CellId>(places_.anchor.size()); c < partition().cell_count(); ++c) {
+    // If another cell's vertex has moved to this very c-vertex, that cell's own site is free, or who moved there has left his.
+    CVertexId at = partition().site[c];
+    for (CellId there = moved_to(at); there != kNone; there = moved_to(at)) at = partition().site[there];
+    places_.anchor.push_back(at);
+    if (at != partition().site[c]) note_moves();
+  }
   if (!places_.offset.empty()) places_.offset.resize(partition().cell_count(), 0);
   mesh_ = make_level_mesh(ground_.surfels, partition(), dual_.triangles(), places_);
   std::vector<CellId> cells;
