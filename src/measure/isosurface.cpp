@@ -14,6 +14,7 @@ constexpr double kOnSurface = 1e-7;    // a point this close to the surface is o
 constexpr double kLastStep = 1e-5;     // a Newton step this short needs no further look
 constexpr double kReach = 1;           // how far a start may be from the surface it is moved onto
 constexpr double kDirectReach = 2;     // the same for the point that is asked for
+constexpr double kStuck = 0.1;         // voxels farther than the faces: there may be something nearer
 constexpr double kFaceError = 0.5;     // faces farther than this beyond `at_most` are of no use as a start
 constexpr double kCloseEnough = 1e-4;  // nearer than this, nobody looks for something nearer still
 constexpr int kNewtonSteps = 8;
@@ -137,18 +138,22 @@ Isosurface::Hit Isosurface::closest(const Vec3 index, double at_most) const {
   double distance = best ? length(p - best->point) : INFINITY;
   if (distance > kCloseEnough * voxel_) {
     const TriangleTree::Hit face = faces_.closest(p, std::min(distance, at_most + kFaceError * voxel_));
-    if (face.found()) {
-      const std::optional<Foot> foot = project(face.point, kReach * voxel_);
-      if (foot && (!best || length(p - foot->point) < distance)) {
-        best = foot;
-      } else if (!best) {
-        const double d = std::sqrt(face.squared_distance);
-        return d <= at_most ? Hit{to_index(face.point), d} : Hit{};
-      }
-    }
-    if (!best) return {};
+    const double to_face = face.found() ? std::sqrt(face.squared_distance) : INFINITY;
+    const auto offer = [&](Vec3 start) {
+      const std::optional<Foot> foot = project(start, kReach * voxel_);
+      if (foot && (!best || length(p - foot->point) < length(p - best->point))) best = foot;
+    };
+    if (face.found()) offer(face.point);
+    if (!best) return to_face <= at_most ? Hit{to_index(face.point), to_face} : Hit{};
     best = slide_towards(p, *best);
     distance = length(p - best->point);
+    if (distance > to_face + kStuck * voxel_) {  // beside a crease sliding can end in a hollow: look around
+      for (const double step : {-0.5, 0.5}) {
+        for (const Vec3 aside : {Vec3{step, 0, 0}, Vec3{0, step, 0}, Vec3{0, 0, step}}) offer(face.point + voxel_ * aside);
+      }
+      best = slide_towards(p, *best);
+      distance = length(p - best->point);
+    }
   }
   return distance <= at_most ? Hit{to_index(best->point), distance} : Hit{};
 }

@@ -169,6 +169,7 @@ struct NearestSurfel {
 };
 
 constexpr int kMostPieces = 8;
+constexpr double kSampleStep = 0.8;          // between samples of a triangle, in distances to farthest neighbours
 constexpr std::size_t kManyCVertices = 400;  // more than these are slower to look through than the isosurface's tree
 
 }  // namespace
@@ -199,7 +200,8 @@ void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, st
         c_vertices += mesh.c_vertices_of.of(t.cell[k]).size();
         reach = std::max(reach, static_cast<double>(surface.reach[mesh.c_vertices_of.of(t.cell[k])[0]]));
       }
-      const int pieces = std::clamp(static_cast<int>(longest / (1.5 * reach) + 1), 2, kMostPieces);
+      const int pieces = std::clamp(2 * static_cast<int>(std::ceil(longest / (2 * kSampleStep * reach))), 2,
+                                    kMostPieces);  // even: error peaks at edge midpoints
       for (int a = 0; a <= pieces; ++a) {
         for (int b = 0; a + b <= pieces; ++b) {
           const int c = pieces - a - b;
@@ -217,8 +219,9 @@ void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, st
             for (const CellId corner : t.cell) nearest.offer(surface.surfels, mesh.c_vertices_of.of(corner), p);
             d = nearest.distance(surface, p);
             cell = cell_of[nearest.at];
-            if (d > known && d > look_closer && surface.isosurface != nullptr)
-              d = std::min(d, surface.isosurface->closest(index, d).distance);
+            // No farther than that c-vertex; where this says too little, the tangent plane may say too little as well.
+            if (surface.isosurface != nullptr && nearest.squared > look_closer * look_closer)
+              d = surface.isosurface->closest(index).distance;
           }
           if (d > known) worst[i] = {static_cast<float>(d), cell};
         }

@@ -51,8 +51,8 @@ std::vector<float> measure_between(const BetweenPoints& between, const LevelMesh
 /// Distances from samples of the triangles of some cells to the surface: for each of these cells the largest, at samples that
 /// are nearest to a c-vertex of the cell. Other cells' entries stay. Parallel over triangles.
 ///
-/// @param look_closer  up to this distance the tangent planes of the surfels are good enough, beyond it the closest point of the
-///                     isosurface decides
+/// @param look_closer  samples with a c-vertex within this distance are judged by its tangent plane, for others the closest point
+///                     of the isosurface is looked for
 void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cell_of,
                        std::span<const CellId> cells, double look_closer, std::vector<float>& from_mesh);
 

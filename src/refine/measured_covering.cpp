@@ -213,7 +213,7 @@ void MeasuredCovering::measure(std::vector<CellId> cells) {
       std::find_if(demands_.begin(), demands_.end(), [](const Constraint& c) { return c.quantity == Quantity::max_distance; });
   if (distance == demands_.end()) return;
   std::erase_if(cells, [&](CellId c) { return errors_[c].excess > 1; });
-  measure_from_mesh(surface, mesh_, partition().cell_of, cells, kNearBound * distance->bound, from_mesh_);
+  measure_from_mesh(surface, mesh_, partition().cell_of, cells, distance->bound, from_mesh_);
   for (const CellId c : cells) {
     const double excess = from_mesh_[c] / distance->bound;
     if (excess <= errors_[c].excess) continue;
