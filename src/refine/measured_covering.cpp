@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "core/parallel.h"
@@ -116,6 +117,7 @@ void MeasuredCovering::update(CertificateReport& report, const RunControl& contr
   dual_.update(report, control);
   for (CellId c = static_cast<CellId>(places_.anchor.size()); c < partition().cell_count(); ++c)
     places_.anchor.push_back(partition().site[c]);
+  keep_apart();
   if (!places_.offset.empty()) places_.offset.resize(partition().cell_count(), 0);
   mesh_ = make_level_mesh(ground_.surfels, partition(), dual_.triangles(), places_);
   std::vector<CellId> cells;
@@ -139,6 +141,34 @@ void MeasuredCovering::update(CertificateReport& report, const RunControl& contr
   measure(std::move(cells));
 }
 
+// Where a vertex was moved to may be in another cell by now, or a site itself: no two vertices may be at one c-vertex.
+void MeasuredCovering::keep_apart() {
+  std::vector<CVertexId>& anchor = places_.anchor;
+  const std::vector<CellId>& cell_of = partition().cell_of;
+  std::vector<CellId> strays;  // frozen, so it is the other one that gives way
+  for (CellId c = 0; c < anchor.size(); ++c) {
+    if (cell_of[anchor[c]] == c) continue;
+    if (is_frozen(c)) {
+      strays.push_back(c);
+    } else {
+      anchor[c] = partition().site[c];
+    }
+  }
+  for (const CellId c : strays) {
+    const CVertexId at = anchor[c];
+    const CellId owner = cell_of[at];
+    if (anchor[owner] != at) continue;
+    anchor[owner] = partition().site[c];  // always free: it is in a cell whose own vertex is elsewhere
+    float nearest = std::numeric_limits<float>::infinity();
+    for (const CVertexGraph::Neighbour& n : ground_.graph.row(at)) {
+      if (cell_of[n.id] != owner || n.weight >= nearest) continue;
+      if (std::any_of(strays.begin(), strays.end(), [&](CellId s) { return anchor[s] == n.id; })) continue;
+      nearest = n.weight;
+      anchor[owner] = n.id;
+    }
+  }
+}
+
 void MeasuredCovering::update_all(CertificateReport& report, const RunControl& control) {
   all_stale_ = true;
   update(report, control);
@@ -146,6 +176,7 @@ void MeasuredCovering::update_all(CertificateReport& report, const RunControl& c
 
 void MeasuredCovering::remesh(std::span<const DualTriangle> triangles, std::vector<CVertexId> anchors, std::span<const CellId> concerned) {
   places_.anchor = std::move(anchors);
+  all_stale_ = true;  // the next update() takes the dual's triangles again
   mesh_ = make_level_mesh(ground_.surfels, partition(), triangles, places_);
   measure({concerned.begin(), concerned.end()});
 }

@@ -62,14 +62,15 @@ class MeasuredCovering {
   const std::vector<CellError>& errors() const { return errors_; }
   const Places& places() const { return places_; }
 
-  /// Vertices of cells before this one keep their anchors from now on.
-  void freeze_anchors() { frozen_ = partition().cell_count(); }
+  /// Vertices of the cells before this one keep their anchors from now on.
+  void freeze_anchors(CellId before) { frozen_ = before; }
   bool is_frozen(CellId c) const { return c < frozen_; }
 
   /// Replaces the mesh's triangles and anchors, until the next update(), and measures the cells again that this may concern.
   void remesh(std::span<const DualTriangle> triangles, std::vector<CVertexId> anchors, std::span<const CellId> concerned);
 
  private:
+  void keep_apart();
   void measure(std::vector<CellId> cells);
 
   const Ground& ground_;

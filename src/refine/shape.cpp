@@ -31,7 +31,10 @@ struct Change {
 class Workshop {
  public:
   Workshop(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles)
-      : work_(work), goal_(goal), triangles_(triangles), anchors_(work.places().anchor) {}
+      : work_(work), goal_(goal), triangles_(triangles), anchors_(work.places().anchor) {
+    occupied_.assign(work.ground().graph.c_vertex_count(), 0);
+    for (const CVertexId v : anchors_) occupied_[v] = 1;
+  }
 
   double score(const MeshTriangle& t) const { return goal_.score(t.corner[0], t.corner[1], t.corner[2]); }
 
@@ -89,7 +92,9 @@ class Workshop {
           triangles_[c.j] = old_triangles[c.j];
           refused_.push_back(key(c));
         } else {
+          occupied_[anchors_[c.cell]] = 0;
           anchors_[c.cell] = old_anchors[c.cell];
+          occupied_[anchors_[c.cell]] = 1;
           refused_.push_back(key(c));
         }
         continue;
@@ -177,7 +182,7 @@ class Workshop {
       double was = std::numeric_limits<double>::infinity();
       for (const std::uint32_t t : mesh.triangles_of.of(cell)) was = std::min(was, score(mesh.triangles[t]));
       const auto consider = [&](CVertexId to) {
-        if (to == from || ground.graph.on_boundary[to] || work_.partition().cell_of[to] != cell) return;
+        if (occupied_[to] || ground.graph.on_boundary[to] || work_.partition().cell_of[to] != cell) return;
         Places trial;
         const Vec3 p = mesh.point[cell] + (ground.surfels.point[to] - ground.surfels.point[from]);
         double now = std::numeric_limits<double>::infinity();
@@ -205,7 +210,9 @@ class Workshop {
       triangles_[c.i] = c.first;
       triangles_[c.j] = c.second;
     } else {
+      occupied_[anchors_[c.cell]] = 0;
       anchors_[c.cell] = c.to;
+      occupied_[c.to] = 1;
     }
   }
 
@@ -213,6 +220,7 @@ class Workshop {
   const ShapeGoal& goal_;
   std::vector<DualTriangle>& triangles_;
   std::vector<CVertexId> anchors_;
+  std::vector<std::uint8_t> occupied_;  // per c-vertex, 1 if a vertex sits there
   std::vector<Key> refused_;
 };
 
