@@ -57,13 +57,15 @@ class Workshop {
     std::vector<Change> changes;
     std::vector<std::vector<CellId>> concerned;
     for (const std::uint32_t i : bad_triangles()) {
-      const std::vector<CellId> near = surroundings(mesh.triangles[i].cell);
-      if (std::any_of(near.begin(), near.end(), [&](CellId c) { return taken[c]; })) continue;
+      const auto is_taken = [&](CellId c) { return taken[c] != 0; };
+      if (std::any_of(mesh.triangles[i].cell.begin(), mesh.triangles[i].cell.end(), is_taken)) continue;  // most end here
       Change best;
       best.score = 0;
       consider_flips(i, best);
       consider_moves(i, best);
       if (best.score == 0) continue;
+      const std::vector<CellId> near = surroundings(mesh.triangles[i].cell);
+      if (std::any_of(near.begin(), near.end(), is_taken)) continue;
       for (const CellId c : near) taken[c] = 1;
       changes.push_back(best);
       concerned.push_back(near);

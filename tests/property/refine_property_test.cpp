@@ -25,7 +25,8 @@ void log_goals(const ExtractOptions& o) {
   for (const LevelGoal& goal : o.refine) RC_LOG() << "; " << text(goal);
 }
 
-RC_GTEST_PROP(AnyLevels, AreNestedManifoldsWithTheReferenceTopology, (const RandomCase& c)) {
+RC_GTEST_PROP(AnyLevels, AreNestedManifoldsWithTheReferenceTopology, (const RandomCase& any)) {
+  const RandomCase c = smaller(any);
   const Samples samples = c.samples();
   RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
   const Volume volume = to_volume(samples, SampleType::int16, c.spacing);
@@ -91,7 +92,8 @@ double reached(Quantity quantity, const LevelReport& report, const MeshQuality& 
   }
 }
 
-RC_GTEST_PROP(AnyLevels, ConstraintsAreHonouredOrTheirFailureIsNamed, (const RandomCase& c)) {
+RC_GTEST_PROP(AnyLevels, ConstraintsAreHonouredOrTheirFailureIsNamed, (const RandomCase& any)) {
+  const RandomCase c = smaller(any);
   const Samples samples = c.samples();
   RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
   const ExtractOptions options = with_random_goals(c);
@@ -135,7 +137,8 @@ RC_GTEST_PROP(AnyLevels, ConstraintsAreHonouredOrTheirFailureIsNamed, (const Ran
   }
 }
 
-RC_GTEST_PROP(AnyLevels, AreTheSameBytesForAnyNumberOfThreads, (const RandomCase& c)) {
+RC_GTEST_PROP(AnyLevels, AreTheSameBytesForAnyNumberOfThreads, (const RandomCase& any)) {
+  const RandomCase c = smaller(any);
   const Samples samples = c.samples();
   RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
   const Volume volume = to_volume(samples, SampleType::int16, c.spacing);
@@ -159,7 +162,8 @@ RC_GTEST_PROP(AnyLevels, AreTheSameBytesForAnyNumberOfThreads, (const RandomCase
 }
 
 // A later level moves nothing of an earlier one.
-RC_GTEST_PROP(AnyLevels, StayTheSameWhenMoreFollow, (const RandomCase& c)) {
+RC_GTEST_PROP(AnyLevels, StayTheSameWhenMoreFollow, (const RandomCase& any)) {
+  const RandomCase c = smaller(any);
   const Samples samples = c.samples();
   RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
   const Volume volume = to_volume(samples, SampleType::int16, c.spacing);
