@@ -161,6 +161,13 @@ struct NearestSurfel {
       }
     }
   }
+  // The nearest one may be of another cell than those asked: where cells are of few c-vertices, triangles reach beyond them.
+  void walk(const MeasuredSurface& surface, Vec3 p) {
+    for (CVertexId from = kNone; from != at;) {
+      from = at;
+      for (const CVertexGraph::Neighbour& n : surface.graph.row(from)) offer(surface.surfels, {&n.id, 1}, p);
+    }
+  }
   double distance(const MeasuredSurface& surface, Vec3 p) const {
     const double height = dot(p - surface.surfels.point[at], surface.surfels.normal[at]);
     const double aside = std::sqrt(std::max(0.0, squared - height * height));
@@ -204,8 +211,10 @@ void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, st
                                            static_cast<double>(c) * t.corner[2]);
           NearestSurfel nearest;
           for (const CellId cell : t.cell) nearest.offer(surface.surfels, mesh.c_vertices_of.of(cell), p);
+          const CellId cell = cell_of[nearest.at];
+          nearest.walk(surface, p);
           const auto d = static_cast<float>(nearest.distance(surface, p));
-          if (d > worst[i].distance) worst[i] = {d, cell_of[nearest.at]};
+          if (d > worst[i].distance) worst[i] = {d, cell};
         }
       }
     }

@@ -215,7 +215,7 @@ TEST(Edges, AbsurdBoundsOfEveryQuantity) {
       const double wanted = ratio && is_metric(quantity) ? (bound < 1 ? std::nextafter(1.0, 2.0) : bound) : bound;
       for (const Placement placement : {Placement::surface, Placement::balanced}) {
         const Extraction e =
-            extract(volume, asking({{{quantity, wanted}}, {{quantity, wanted}, {Quantity::max_distance, 0.5}}}, placement));
+            extract(volume, asking({{{quantity, wanted}}, {{Quantity::normal_angle, 40}}, {{quantity, wanted}}}, placement));
         expect_sound(e, std::string(name(quantity)) + " " + std::to_string(wanted));
         if (HasFatalFailure()) return;
         const bool generous = is_lower_bound(quantity) ? bound < 1 : bound > 1;
