@@ -161,6 +161,13 @@ struct NearestSurfel {
       }
     }
   }
+  // The nearest one may be of another cell than those asked: where cells are of few c-vertices, triangles reach beyond them.
+  void walk(const MeasuredSurface& surface, Vec3 p) {
+    for (CVertexId from = kNone; from != at;) {
+      from = at;
+      for (const CVertexGraph::Neighbour& n : surface.graph.row(from)) offer(surface.surfels, {&n.id, 1}, p);
+    }
+  }
   double distance(const MeasuredSurface& surface, Vec3 p) const {
     const double height = dot(p - surface.surfels.point[at], surface.surfels.normal[at]);
     const double aside = std::sqrt(std::max(0.0, squared - height * height));
@@ -217,8 +224,9 @@ void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, st
           } else {
             NearestSurfel nearest;
             for (const CellId corner : t.cell) nearest.offer(surface.surfels, mesh.c_vertices_of.of(corner), p);
-            d = nearest.distance(surface, p);
             cell = cell_of[nearest.at];
+            nearest.walk(surface, p);
+            d = nearest.distance(surface, p);
             // No farther than that c-vertex; where this says too little, the tangent plane may say too little as well.
             if (surface.isosurface != nullptr && nearest.squared > look_closer * look_closer)
               d = surface.isosurface->closest(index).distance;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "core/parallel.h"
@@ -89,7 +90,6 @@ MeasuredCovering::MeasuredCovering(const MeasuredCovering& other)
       placement_(other.placement_),
       mesh_(other.mesh_),
       places_(other.places_),
-      moved_(other.moved_),
       frozen_(other.frozen_),
       from_mesh_(other.from_mesh_),
       errors_(other.errors_),
@@ -102,7 +102,6 @@ MeasuredCovering& MeasuredCovering::operator=(const MeasuredCovering& other) {
   placement_ = other.placement_;
   mesh_ = other.mesh_;
   places_ = other.places_;
-  moved_ = other.moved_;
   frozen_ = other.frozen_;
   from_mesh_ = other.from_mesh_;
   errors_ = other.errors_;
@@ -120,13 +119,9 @@ void MeasuredCovering::demand(std::span<const Constraint> metrics, Placement pla
 void MeasuredCovering::update(CertificateReport& report, const RunControl& control) {
   covering_.cover(control);
   dual_.update(report, control);
-  for (CellId c = static_cast<CellId>(places_.anchor.size()); c < partition().cell_count(); ++c) {
-    // If another cell's vertex has moved to this very c-vertex, that cell's own site is free, or who moved there has left his.
-    CVertexId at = partition().site[c];
-    for (CellId there = moved_to(at); there != kNone; there = moved_to(at)) at = partition().site[there];
-    places_.anchor.push_back(at);
-    if (at != partition().site[c]) note_moves();
-  }
+  for (CellId c = static_cast<CellId>(places_.anchor.size()); c < partition().cell_count(); ++c)
+    places_.anchor.push_back(partition().site[c]);
+  keep_apart();
   if (!places_.offset.empty()) places_.offset.resize(partition().cell_count(), 0);
   mesh_ = make_level_mesh(ground_.surfels, partition(), dual_.triangles(), places_);
   std::vector<CellId> cells;
@@ -134,11 +129,9 @@ void MeasuredCovering::update(CertificateReport& report, const RunControl& contr
     cells.resize(partition().cell_count());
     std::iota(cells.begin(), cells.end(), 0u);
   } else {
-    // Cells whose own triangles are the same are not looked at again, though triangles around their neighbours may be others,
-    // which rarely are the closest; update_all() has the last word. Balancing needs the neighbours, too.
+    // A cell's metrics look at the triangles around it and around its neighbours.
     std::vector<std::uint8_t> stale = dual_.touched();
     for (const MeshTriangle& t : mesh_.triangles) {
-      if (placement_ == Placement::surface) break;
       if (!dual_.touched()[t.cell[0]] && !dual_.touched()[t.cell[1]] && !dual_.touched()[t.cell[2]]) continue;
       for (const CellId c : t.cell) stale[c] = 1;
     }
@@ -151,27 +144,42 @@ void MeasuredCovering::update(CertificateReport& report, const RunControl& contr
   measure(std::move(cells));
 }
 
+// Where a vertex was moved to may be in another cell by now, or a site itself: no two vertices may be at one c-vertex.
+void MeasuredCovering::keep_apart() {
+  std::vector<CVertexId>& anchor = places_.anchor;
+  const std::vector<CellId>& cell_of = partition().cell_of;
+  std::vector<CellId> strays;  // frozen, so it is the other one that gives way
+  for (CellId c = 0; c < anchor.size(); ++c) {
+    if (cell_of[anchor[c]] == c) continue;
+    if (is_frozen(c)) {
+      strays.push_back(c);
+    } else {
+      anchor[c] = partition().site[c];
+    }
+  }
+  for (const CellId c : strays) {
+    const CVertexId at = anchor[c];
+    const CellId owner = cell_of[at];
+    if (anchor[owner] != at) continue;
+    anchor[owner] = partition().site[c];  // always free: it is in a cell whose own vertex is elsewhere
+    float nearest = std::numeric_limits<float>::infinity();
+    for (const CVertexGraph::Neighbour& n : ground_.graph.row(at)) {
+      if (cell_of[n.id] != owner || n.weight >= nearest) continue;
+      if (std::any_of(strays.begin(), strays.end(), [&](CellId s) { return anchor[s] == n.id; })) continue;
+      nearest = n.weight;
+      anchor[owner] = n.id;
+    }
+  }
+}
+
 void MeasuredCovering::update_all(CertificateReport& report, const RunControl& control) {
   all_stale_ = true;
   update(report, control);
 }
 
-CellId MeasuredCovering::moved_to(CVertexId v) const {
-  const auto it = std::lower_bound(moved_.begin(), moved_.end(), std::pair<CVertexId, CellId>(v, 0));
-  return it != moved_.end() && it->first == v ? it->second : kNone;
-}
-
-void MeasuredCovering::note_moves() {
-  moved_.clear();
-  for (CellId c = 0; c < places_.anchor.size(); ++c) {
-    if (places_.anchor[c] != partition().site[c]) moved_.emplace_back(places_.anchor[c], c);
-  }
-  std::sort(moved_.begin(), moved_.end());
-}
-
 void MeasuredCovering::remesh(std::span<const DualTriangle> triangles, std::vector<CVertexId> anchors, std::span<const CellId> concerned) {
   places_.anchor = std::move(anchors);
-  note_moves();
+  all_stale_ = true;  // the next update() takes the dual's triangles again
   mesh_ = make_level_mesh(ground_.surfels, partition(), triangles, places_);
   measure({concerned.begin(), concerned.end()});
 }

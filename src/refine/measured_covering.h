@@ -64,19 +64,16 @@ class MeasuredCovering {
   const std::vector<CellError>& errors() const { return errors_; }
   const Places& places() const { return places_; }
 
-  /// The cell, not that of the c-vertex as a site, whose vertex has moved there; kNone if there is none.
-  CellId moved_to(CVertexId v) const;
-
-  /// Vertices of cells before this one keep their anchors from now on.
-  void freeze_anchors() { frozen_ = partition().cell_count(); }
+  /// Vertices of the cells before this one keep their anchors from now on.
+  void freeze_anchors(CellId before) { frozen_ = before; }
   bool is_frozen(CellId c) const { return c < frozen_; }
 
   /// Replaces the mesh's triangles and anchors, until the next update(), and measures the cells again that this may concern.
   void remesh(std::span<const DualTriangle> triangles, std::vector<CVertexId> anchors, std::span<const CellId> concerned);
 
  private:
+  void keep_apart();
   void measure(std::vector<CellId> cells);
-  void note_moves();
 
   const Ground& ground_;
   Covering covering_;
@@ -85,7 +82,6 @@ class MeasuredCovering {
   Placement placement_ = Placement::surface;
   LevelMesh mesh_;
   Places places_;
-  std::vector<std::pair<CVertexId, CellId>> moved_;  // cells whose anchor is not their site, by anchor
   CellId frozen_ = 0;
   std::vector<float> from_mesh_;
   std::vector<CellError> errors_;

@@ -52,12 +52,11 @@ void balance(const MeasuredSurface& surface, std::span<const CellId> cells, Leve
         for (const CVertexId v : mesh.c_vertices_of.of(cell)) {
           const ClosestPoint& p = closest[i++];
           const MeshTriangle& t = mesh.triangles[p.triangle];
-          Vec3 at;
+          double residual = 0;  // corner by corner, so that the weights' rounding does not count
           for (std::size_t k = 0; k < 3; ++k) {
-            const CellId c = t.cell[k];
-            at = at + static_cast<double>(p.weight[k]) * places.point(surface.surfels, c);
+            const Vec3 from = places.point(surface.surfels, t.cell[k]);
+            residual += static_cast<double>(p.weight[k]) * dot(t.normal, surface.surfels.point[v] - from);
           }
-          const double residual = dot(t.normal, surface.surfels.point[v] - at);
           for (std::size_t k = 0; k < 3; ++k) {
             const CellId c = t.cell[k];
             if (!listed[c]) continue;

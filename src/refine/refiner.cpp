@@ -64,7 +64,9 @@ std::string count_text(std::size_t n) {
 }
 
 // What became of the constraints, and what stood in the way of those that are not met.
-std::vector<ConstraintResult> judge(const LevelGoal& goal, const LevelMesh& mesh, const RefinedLevel& level, std::size_t sites_before) {
+// @param first  the level before, if any, is the coarse mesh
+std::vector<ConstraintResult> judge(const LevelGoal& goal, const LevelMesh& mesh, const RefinedLevel& level, std::size_t sites_before,
+                                    bool first) {
   std::vector<ConstraintResult> out;
   double shortest = std::numeric_limits<double>::infinity(), longest = 0, least_aspect = 1;
   for (const MeshTriangle& t : mesh.triangles) {
@@ -101,7 +103,7 @@ std::vector<ConstraintResult> judge(const LevelGoal& goal, const LevelMesh& mesh
     result.met = is_lower_bound(c.quantity) ? result.reached >= c.bound : result.reached <= c.bound;
     if (!result.met) {
       if (c.quantity == Quantity::max_vertices && static_cast<double>(sites_before) > c.bound) {
-        result.reason = "topology alone needs " + count_text(sites_before);
+        result.reason = (first ? "topology alone needs " : "the level before has ") + count_text(sites_before);
       } else if (c.quantity == Quantity::min_aspect) {
         result.reason = count_text(level.shape.bad) + " triangles cannot be made better where c-vertices are this sparse";
       } else if (is_lower_bound(c.quantity) && c.quantity == Quantity::min_edge) {
@@ -111,6 +113,9 @@ std::vector<ConstraintResult> judge(const LevelGoal& goal, const LevelMesh& mesh
         result.reason = drivers.empty() ? "the surface needs " + count_text(sites) : drivers + " comes first";
       } else if (!before.empty()) {
         result.reason = before + " comes first";
+      } else if (c.quantity == Quantity::min_vertices) {
+        result.reason = "cells cannot be smaller: the surface has " + count_text(mesh.c_vertices_of.items.size()) +
+                        " c-vertices; supersampling would give more";
       } else {
         result.reason = count_text(level.at_limit.size()) + " cells are at the resolution limit; supersampling would help there";
       }
@@ -155,7 +160,8 @@ bool Refiner::work(MeasuredCovering& first, const Task& task, RefinedLevel& out,
     control.check_cancelled();
     work->update(out.certificate, control);
     Covering& covering = work->covering();
-    if (before && covering.site_count() > task.most_sites) {
+    const bool too_many = before && covering.site_count() > task.most_sites;
+    if (too_many) {
       // Too many: back, and try less at once. A single cell that needs too much is left as it is.
       if (batch == 1) {
         ++failures;
@@ -201,7 +207,8 @@ bool Refiner::work(MeasuredCovering& first, const Task& task, RefinedLevel& out,
     if (task.most_sites != kNone || too_few) {
       // A new site brings a few more with it.
       const std::size_t room = (too_few && worst <= 1 ? std::min(task.least_sites, task.most_sites) : task.most_sites) - sites;
-      batch = std::min({batch == kNone ? room : 2 * batch, std::max<std::size_t>(1, room / 3), chosen.size()});
+      const std::size_t wanted = batch == kNone ? room : too_many ? batch : 2 * batch;
+      batch = std::min({wanted, std::max<std::size_t>(1, room / 3), chosen.size()});
       if (failures > 0) {
         given_up[chosen.front().second] = 1;
         chosen.erase(chosen.begin());
@@ -266,6 +273,7 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
   if (on.empty()) {
     placed_in_ = coarse_.placed_in();
     work_ = std::make_unique<MeasuredCovering>(ground_, options_, coarse_.partition().site, radii_of(coarse_, on), control);
+    work_->freeze_anchors(sites_before_);
     return;
   }
   const Ground ground(coarser_.complex);
@@ -276,7 +284,7 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
   for (const Constraint& c : goal) {
     if (drives(c.quantity)) task.metrics.push_back(c);
     // Leave room for what the surface itself will ask for.
-    if (c.quantity == Quantity::max_vertices) task.most_sites = static_cast<std::uint32_t>(0.6 * c.bound);
+    if (c.quantity == Quantity::max_vertices) task.most_sites = static_cast<std::uint32_t>(0.6 * std::min(c.bound, 4e9));
     if (c.quantity == Quantity::min_edge) task.shortest_edge = static_cast<float>(c.bound);
   }
   if (!task.metrics.empty() && rough.covering().site_count() < task.most_sites) {
@@ -286,11 +294,13 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
   placed_in_ = rough.covering().placed_in();
   work_ =
       std::make_unique<MeasuredCovering>(ground_, options_, mapped(rough.partition().site, on), radii_of(rough.covering(), on), control);
+  work_->freeze_anchors(sites_before_);
 }
 
 RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const RunControl& control) {
   RefinedLevel out;
-  if (work_) {
+  const bool first = work_ == nullptr;
+  if (!first) {
     sites_before_ = partition().cell_count();
   } else {
     step_down(goal, placement, out, control);
@@ -301,10 +311,14 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
   task.placement = placement;
   ShapeGoal shape;
   bool new_metrics = false;
+  const auto demand = [&] {
+    const std::array none{Constraint{Quantity::max_distance, std::numeric_limits<double>::max()}};  // only says which cells are worst
+    work_->demand(task.metrics.empty() ? std::span<const Constraint>(none) : task.metrics, task.placement);
+  };
   for (const Constraint& c : goal) {
     const bool limit = c.quantity == Quantity::max_vertices || c.quantity == Quantity::min_edge;
     if (limit && new_metrics) {
-      work_->demand(task.metrics, task.placement);
+      demand();
       work(*work_, task, out, control);
       new_metrics = false;
     }
@@ -313,7 +327,7 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
         task.most_sites = static_cast<std::uint32_t>(std::min(c.bound, 4e9));
         break;
       case Quantity::min_vertices:
-        task.least_sites = static_cast<std::uint32_t>(std::min(c.bound, 4e9));
+        task.least_sites = static_cast<std::uint32_t>(std::min(std::ceil(c.bound), 4e9));
         new_metrics = true;
         break;
       case Quantity::min_edge:
@@ -330,11 +344,10 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
     }
   }
   task.shape = shape;
-  if (task.metrics.empty()) task.metrics.push_back({Quantity::max_distance, std::numeric_limits<double>::max()});
-  work_->demand(task.metrics, task.placement);
+  demand();
   work(*work_, task, out, control);
-  // Everything once more in one go, instead of piece by piece, and then what that has brought up.
-  for (int again = 0; again < kMostLastLooks; ++again) {
+  // Balanced once more in one go, instead of piece by piece, and then what got worse by that.
+  for (int again = 0; placement == Placement::balanced && again < kMostLastLooks; ++again) {
     const std::uint32_t sites = partition().cell_count();
     work_->update_all(out.certificate, control);
     work(*work_, task, out, control);
@@ -352,7 +365,7 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
     work_->certify(out.certificate, control);
     out.shape = improve_shape(*work_, shape, triangles, control);
   }
-  work_->freeze_anchors();
+  work_->freeze_anchors(partition().cell_count());
   out.triangles.reserve(triangles.size());
   for (const DualTriangle& t : triangles) out.triangles.push_back(t.cell);
   out.figures.metrics = summarize_metrics(ground_, work_->covering(), work_->mesh());
@@ -364,7 +377,7 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
     }
   }
   std::stable_sort(out.at_limit.begin(), out.at_limit.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
-  out.figures.constraints = judge(goal, work_->mesh(), out, sites_before_);
+  out.figures.constraints = judge(goal, work_->mesh(), out, sites_before_, first);
   return out;
 }
 
@@ -380,7 +393,7 @@ LevelFigures Refiner::describe_coarse(std::span<const Triangle> triangles, std::
   RefinedLevel level;
   level.figures.metrics = summarize_metrics(ground_, covering, mesh);
   level.shape.bad = 0;
-  level.figures.constraints = judge(goal, mesh, level, covering.site_count());
+  level.figures.constraints = judge(goal, mesh, level, covering.site_count(), true);
   for (ConstraintResult& c : level.figures.constraints) {
     if (!c.met && c.wanted.quantity != Quantity::max_vertices) c.reason = "the coarse mesh is not refined";
   }

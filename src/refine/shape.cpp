@@ -31,7 +31,10 @@ struct Change {
 class Workshop {
  public:
   Workshop(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles)
-      : work_(work), goal_(goal), triangles_(triangles), anchors_(work.places().anchor) {}
+      : work_(work), goal_(goal), triangles_(triangles), anchors_(work.places().anchor) {
+    occupied_.assign(work.ground().graph.c_vertex_count(), 0);
+    for (const CVertexId v : anchors_) occupied_[v] = 1;
+  }
 
   double score(const MeshTriangle& t) const { return goal_.score(t.corner[0], t.corner[1], t.corner[2]); }
 
@@ -54,13 +57,15 @@ class Workshop {
     std::vector<Change> changes;
     std::vector<std::vector<CellId>> concerned;
     for (const std::uint32_t i : bad_triangles()) {
-      const std::vector<CellId> near = surroundings(mesh.triangles[i].cell);
-      if (std::any_of(near.begin(), near.end(), [&](CellId c) { return taken[c]; })) continue;
+      const auto is_taken = [&](CellId c) { return taken[c] != 0; };
+      if (std::any_of(mesh.triangles[i].cell.begin(), mesh.triangles[i].cell.end(), is_taken)) continue;  // most end here
       Change best;
       best.score = 0;
       consider_flips(i, best);
       consider_moves(i, best);
       if (best.score == 0) continue;
+      const std::vector<CellId> near = surroundings(mesh.triangles[i].cell);
+      if (std::any_of(near.begin(), near.end(), is_taken)) continue;
       for (const CellId c : near) taken[c] = 1;
       changes.push_back(best);
       concerned.push_back(near);
@@ -89,7 +94,9 @@ class Workshop {
           triangles_[c.j] = old_triangles[c.j];
           refused_.push_back(key(c));
         } else {
+          occupied_[anchors_[c.cell]] = 0;
           anchors_[c.cell] = old_anchors[c.cell];
+          occupied_[anchors_[c.cell]] = 1;
           refused_.push_back(key(c));
         }
         continue;
@@ -177,8 +184,7 @@ class Workshop {
       double was = std::numeric_limits<double>::infinity();
       for (const std::uint32_t t : mesh.triangles_of.of(cell)) was = std::min(was, score(mesh.triangles[t]));
       const auto consider = [&](CVertexId to) {
-        if (to == from || ground.graph.on_boundary[to] || work_.partition().cell_of[to] != cell) return;
-        if (work_.moved_to(to) != kNone) return;
+        if (occupied_[to] || ground.graph.on_boundary[to] || work_.partition().cell_of[to] != cell) return;
         const Vec3 p = mesh.point[cell] + (ground.surfels.point[to] - ground.surfels.point[from]);
         double now = std::numeric_limits<double>::infinity();
         for (const std::uint32_t t : mesh.triangles_of.of(cell)) {
@@ -205,7 +211,9 @@ class Workshop {
       triangles_[c.i] = c.first;
       triangles_[c.j] = c.second;
     } else {
+      occupied_[anchors_[c.cell]] = 0;
       anchors_[c.cell] = c.to;
+      occupied_[c.to] = 1;
     }
   }
 
@@ -213,6 +221,7 @@ class Workshop {
   const ShapeGoal& goal_;
   std::vector<DualTriangle>& triangles_;
   std::vector<CVertexId> anchors_;
+  std::vector<std::uint8_t> occupied_;  // per c-vertex, 1 if a vertex sits there
   std::vector<Key> refused_;
 };
 

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+// What must hold of the levels of any volume, whatever is asked of them.
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <set>
+
+#include "property/random_goals.h"
+#include "support/surfaces.h"
+
+namespace isoatlas {
+namespace {
+
+using namespace test;
+
+bool same_bytes(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(Vec3)) == 0);
+}
+
+void log_goals(const ExtractOptions& o) {
+  RC_LOG() << (o.placement == Placement::surface ? "surface" : "balanced") << (o.max_radius ? ", large disks" : "") << "; coarse "
+           << text(o.coarse);
+  for (const LevelGoal& goal : o.refine) RC_LOG() << "; " << text(goal);
+}
+
+RC_GTEST_PROP(AnyLevels, AreNestedManifoldsWithTheReferenceTopology, (const RandomCase& any)) {
+  if (!is_looked_at(any)) return;
+  const RandomCase c = smaller(any);
+  const Samples samples = c.samples();
+  RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
+  const Volume volume = to_volume(samples, SampleType::int16, c.spacing);
+  const ExtractOptions options = with_random_goals(c);
+  log_goals(options);
+  const Extraction e = extract(volume, options);
+  const Hierarchy& h = e.hierarchy;
+  const TopologySummary want = reference_topology(samples, c.isovalue(), c.inside());
+
+  RC_ASSERT(h.levels.size() == options.refine.size() + 1);
+  RC_ASSERT(e.report.levels.size() == h.levels.size());
+  RC_ASSERT(h.levels.back().vertex_count == h.positions.size());
+  RC_ASSERT(h.parent.size() == h.positions.size());
+  std::uint32_t before = 0;
+  for (std::size_t l = 0; l < h.levels.size(); ++l) {
+    const Hierarchy::Level& level = h.levels[l];
+    const LevelReport& report = e.report.levels[l];
+    RC_ASSERT(level.vertex_count >= before);
+    for (std::uint32_t v = before; v < level.vertex_count; ++v) {
+      RC_ASSERT(h.level_of(v) == l);
+      RC_ASSERT((l == 0 ? h.parent[v] == v : h.parent[v] < before));
+    }
+    before = level.vertex_count;
+    for (const Triangle& t : level.triangles) RC_ASSERT(std::max({t[0], t[1], t[2]}) < level.vertex_count);
+    RC_ASSERT(level.placed.size() == (options.placement == Placement::balanced && l > 0 ? level.vertex_count : 0u));
+
+    const TriangleMesh mesh = h.mesh(l);
+    const MeshTopology topology = mesh_topology(mesh);
+    RC_ASSERT(topology.is_manifold());
+    RC_ASSERT(topology.is_oriented());
+    RC_ASSERT(topology.unused_vertices == 0u);
+    RC_ASSERT(kinds_of(mesh) == want.kinds);
+    RC_ASSERT(report.topology == want);
+    RC_ASSERT(report.vertices == level.vertex_count);
+    RC_ASSERT(report.triangles == level.triangles.size());
+    RC_ASSERT(report.certificate.passed);
+    RC_ASSERT(report.certificate.cells_checked == level.vertex_count);
+
+    // What the report says of the shape is said of the mesh that is handed out.
+    const MeshQuality quality = mesh_quality(mesh);
+    RC_ASSERT(quality.edge_min == report.quality.edge_min);
+    RC_ASSERT(quality.edge_max == report.quality.edge_max);
+    RC_ASSERT(quality.aspect_min == report.quality.aspect_min);
+    for (const Vec3& p : mesh.positions) RC_ASSERT(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
+  }
+  std::set<std::array<double, 3>> places;
+  for (const Vec3& p : h.positions) RC_ASSERT(places.insert({p.x, p.y, p.z}).second);
+}
+
+double reached(Quantity quantity, const LevelReport& report, const MeshQuality& quality) {
+  switch (quantity) {
+    case Quantity::max_vertices:
+    case Quantity::min_vertices:
+      return static_cast<double>(report.vertices);
+    case Quantity::min_edge:
+      return quality.edge_min;
+    case Quantity::max_edge:
+      return quality.edge_max;
+    case Quantity::min_aspect:
+      return quality.aspect_min;
+    default:
+      return (*report.metrics)[static_cast<std::size_t>(quantity)].maximum;
+  }
+}
+
+RC_GTEST_PROP(AnyLevels, ConstraintsAreHonouredOrTheirFailureIsNamed, (const RandomCase& any)) {
+  if (!is_looked_at(any)) return;
+  const RandomCase c = smaller(any);
+  const Samples samples = c.samples();
+  RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
+  const ExtractOptions options = with_random_goals(c);
+  log_goals(options);
+  const Extraction e = extract(to_volume(samples, SampleType::int16, c.spacing), options);
+  for (std::size_t l = 0; l < e.report.levels.size(); ++l) {
+    const LevelReport& report = e.report.levels[l];
+    const LevelGoal& goal = l == 0 ? options.coarse : options.refine[l - 1];
+    RC_ASSERT(report.metrics.has_value());
+    for (std::size_t m = 0; m < kMetricCount; ++m) {
+      const MetricSummary& metric = (*report.metrics)[m];
+      RC_ASSERT(!std::isnan(metric.mean) && metric.mean >= (unit(static_cast<Quantity>(m)) == Unit::ratio ? 1 - 1e-9 : 0));
+      RC_ASSERT(metric.mean <= metric.maximum * (1 + 1e-9));
+    }
+    RC_ASSERT(report.constraints.size() == goal.size());
+    RC_ASSERT(report.all_met() == std::all_of(report.constraints.begin(), report.constraints.end(), [](const auto& r) { return r.met; }));
+    const MeshQuality quality = mesh_quality(e.hierarchy.mesh(l));
+    for (std::size_t i = 0; i < goal.size(); ++i) {
+      const ConstraintResult& result = report.constraints[i];
+      RC_LOG() << " level " << l << ": " << name(goal[i].quantity) << " " << result.reached << " " << result.reason << ";";
+      RC_ASSERT(result.wanted == goal[i]);
+      const double have = reached(goal[i].quantity, report, quality);
+      RC_ASSERT(have == result.reached || std::abs(have - result.reached) <= 1e-9 * have);
+      // The comparison is made in voxels, so to rounding only.
+      const double slack = 1e-12 * goal[i].bound;
+      const bool above = result.reached >= goal[i].bound - (result.met ? slack : -slack);
+      const bool below = result.reached <= goal[i].bound + (result.met ? slack : -slack);
+      RC_ASSERT(result.met == (is_lower_bound(goal[i].quantity) ? above : below));
+      RC_ASSERT(result.reason.empty() == result.met);
+      RC_ASSERT(result.reason.find('\n') == std::string::npos);
+      RC_ASSERT(!result.reason.starts_with("0 "));
+    }
+    for (std::size_t i = 1; i < report.at_limit.size(); ++i) RC_ASSERT(report.at_limit[i - 1].excess >= report.at_limit[i].excess);
+    for (const CellAtLimit& cell : report.at_limit) RC_ASSERT(cell.excess > 1);
+    if (l == 0 || goal.empty()) continue;
+
+    // The first constraint is held by whatever else is asked.
+    const ConstraintResult& first = report.constraints.front();
+    if (first.wanted.quantity == Quantity::max_vertices && e.report.levels[l - 1].vertices <= first.wanted.bound) RC_ASSERT(first.met);
+    if (is_metric(first.wanted.quantity) && !first.met) RC_ASSERT(!report.at_limit.empty());
+  }
+}
+
+RC_GTEST_PROP(AnyLevels, AreTheSameBytesForAnyNumberOfThreads, (const RandomCase& any)) {
+  if (!is_looked_at(any)) return;
+  const RandomCase c = smaller(any);
+  const Samples samples = c.samples();
+  RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
+  const Volume volume = to_volume(samples, SampleType::int16, c.spacing);
+  const ExtractOptions options = with_random_goals(c);
+  log_goals(options);
+  RunControl one, two;
+  one.threads = 1;
+  two.threads = 2;
+  const Extraction a = extract(volume, options, one), b = extract(volume, options, two);
+  RC_ASSERT(same_bytes(a.hierarchy.positions, b.hierarchy.positions));
+  RC_ASSERT(a.hierarchy.parent == b.hierarchy.parent);
+  for (std::size_t l = 0; l < a.hierarchy.levels.size(); ++l) {
+    RC_ASSERT(a.hierarchy.levels[l].vertex_count == b.hierarchy.levels[l].vertex_count);
+    RC_ASSERT(a.hierarchy.levels[l].triangles == b.hierarchy.levels[l].triangles);
+    RC_ASSERT(same_bytes(a.hierarchy.levels[l].placed, b.hierarchy.levels[l].placed));
+    for (std::size_t m = 0; m < kMetricCount; ++m) {
+      RC_ASSERT((*a.report.levels[l].metrics)[m].maximum == (*b.report.levels[l].metrics)[m].maximum);
+      RC_ASSERT((*a.report.levels[l].metrics)[m].mean == (*b.report.levels[l].metrics)[m].mean);
+    }
+  }
+}
+
+// A later level moves nothing of an earlier one.
+RC_GTEST_PROP(AnyLevels, StayTheSameWhenMoreFollow, (const RandomCase& any)) {
+  if (!is_looked_at(any)) return;
+  const RandomCase c = smaller(any);
+  const Samples samples = c.samples();
+  RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
+  const Volume volume = to_volume(samples, SampleType::int16, c.spacing);
+  ExtractOptions options = with_random_goals(c);
+  log_goals(options);
+  const Extraction all = extract(volume, options);
+  options.refine.resize(1);
+  const Extraction first = extract(volume, options);
+  for (std::size_t l = 0; l < 2; ++l) {
+    RC_ASSERT(all.hierarchy.levels[l].triangles == first.hierarchy.levels[l].triangles);
+    RC_ASSERT(same_bytes(all.hierarchy.mesh(l).positions, first.hierarchy.mesh(l).positions));
+  }
+}
+
+}  // namespace
+}  // namespace isoatlas

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// A surface with a certified covering and its mesh, to test metrics and refinement with.
+#pragma once
+
+#include <memory>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "cover/repair.h"
+#include "refine/measured_covering.h"
+#include "support/exact_volume.h"
+#include "support/surfaces.h"
+#include "surface/parse_surface.h"
+
+namespace isoatlas::test {
+
+inline CoveringOptions disks(float max_radius) {
+  CoveringOptions out;
+  out.max_radius = max_radius;
+  out.event_persistence = 1.5f;
+  out.first_stage = 4;
+  return out;
+}
+
+/// Of unrounded samples, so that c-vertices are as near the true surface as the trilinear field is.
+inline SurfaceComplex exact_surface(Size size, const Function& f, Vec3 spacing = {1, 1, 1}) {
+  ParseOptions options;
+  options.rule = {0, Inside::above, NonFinite::refuse};
+  return parse_surface(exact_volume(size, f, spacing), options);
+}
+
+/// A level as stage one makes it, with all cells measured by closest points.
+class TestLevel {
+ public:
+  TestLevel(SurfaceComplex complex, float max_radius)
+      : complex_(std::move(complex)), ground_(complex_), covering_(ground_.graph, disks(max_radius)) {
+    covering_.cover({});
+    CertifiedDual dual(complex_, covering_);
+    dual.certify(certificate_, {});
+    triangles_ = dual.triangles();
+    mesh_ = make_level_mesh(ground_.surfels, partition(), triangles_, {partition().site, {}});
+    std::vector<CellId> all(mesh_.cell_count());
+    std::iota(all.begin(), all.end(), 0u);
+    find_closest(ground_.measured(), mesh_, all, closest_);
+    measure_from_mesh(ground_.measured(), mesh_, partition().cell_of, all, 0, from_mesh_);
+  }
+  TestLevel(const TestLevel&) = delete;
+
+  const Ground& ground() const { return ground_; }
+  const Covering& covering() const { return covering_; }
+  const Partition& partition() const { return covering_.partition(); }
+  const LevelMesh& mesh() const { return mesh_; }
+  const std::vector<DualTriangle>& triangles() const { return triangles_; }
+  std::span<const ClosestPoint> closest(CellId c) const {
+    return std::span<const ClosestPoint>(closest_).subspan(mesh_.c_vertices_of.first[c], mesh_.c_vertices_of.of(c).size());
+  }
+  CellView cell(CellId c) const {
+    return {ground_.surfels, ground_.graph,       covering_.distance(),      partition().cell_of, mesh_.normal,
+            mesh_.triangles, partition().site[c], mesh_.c_vertices_of.of(c), closest(c),          from_mesh_[c]};
+  }
+
+ private:
+  SurfaceComplex complex_;
+  Ground ground_;
+  Covering covering_;
+  CertificateReport certificate_;
+  std::vector<DualTriangle> triangles_;
+  LevelMesh mesh_;
+  std::vector<ClosestPoint> closest_;
+  std::vector<float> from_mesh_;
+};
+
+}  // namespace isoatlas::test

@@ -1,0 +1,348 @@
+// SPDX-License-Identifier: Apache-2.0
+// Levels through extract(): are bounds really met, and what becomes of goals at the edge of sense.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "isoatlas/error.h"
+#include "isoatlas/extract.h"
+#include "support/exact_volume.h"
+#include "support/reference_topology.h"
+#include "support/surfaces.h"
+
+namespace isoatlas {
+namespace {
+
+using namespace test;
+
+ExtractOptions asking(std::vector<LevelGoal> levels, Placement placement = Placement::surface) {
+  ExtractOptions out;
+  out.refine = std::move(levels);
+  out.placement = placement;
+  return out;
+}
+
+Volume ball(double radius = 9) {
+  const double c = radius + 2.45;
+  const auto n = static_cast<std::size_t>(2 * radius + 6);
+  return exact_volume({n, n, n}, sphere({c, c + 0.1, c + 0.05}, radius));
+}
+
+const ConstraintResult& result_of(const LevelReport& level, Quantity quantity) {
+  const auto it =
+      std::find_if(level.constraints.begin(), level.constraints.end(), [&](const auto& r) { return r.wanted.quantity == quantity; });
+  if (it == level.constraints.end()) throw std::runtime_error("not asked for");
+  return *it;
+}
+
+// Every level a manifold with the reference's topology, figures finite.
+void expect_sound(const Extraction& e, const std::string& what) {
+  for (std::size_t l = 0; l < e.hierarchy.levels.size(); ++l) {
+    const TriangleMesh mesh = e.hierarchy.mesh(l);
+    const MeshTopology topology = mesh_topology(mesh);
+    ASSERT_TRUE(topology.is_manifold() && topology.is_oriented() && topology.unused_vertices == 0) << what << ", level " << l;
+    ASSERT_EQ(summarize(topology.components), e.report.reference) << what << ", level " << l;
+    ASSERT_TRUE(e.report.levels[l].certificate.passed);
+    for (const ConstraintResult& r : e.report.levels[l].constraints) ASSERT_EQ(r.met, r.reason.empty()) << what << ": " << r.reason;
+  }
+}
+
+// --------------------------------------------------------------------------------------------------------------- bounds
+
+struct Shape {
+  std::string name;
+  Volume volume;
+};
+
+std::vector<Shape> shapes() {
+  std::vector<Shape> out;
+  out.push_back({"ball", ball(14)});
+  out.push_back({"torus", exact_volume({44, 44, 22}, torus({21.4, 21.6, 10.55}, 14, 5.5))});
+  const Function cells = gyroid(16, 0.1);
+  out.push_back({"gyroid", exact_volume({28, 26, 27}, [=](double x, double y, double z) { return 1000 * cells(x, y, z); })});
+  out.push_back(
+      {"ellipsoid in an anisotropic grid",
+       exact_volume({40, 24, 30},
+                    [](double x, double y, double z) { return 8 - std::hypot((x - 19.4) * 0.5, (y - 11.6) * 1.0, (z - 14.55) * 0.7); },
+                    {0.5, 1, 0.7})});
+  return out;
+}
+
+// The bound is kept at samples the mesher chose; a quarter more is what may lie between them.
+TEST(Bounds, OnTheDistanceAreKeptBothWaysInNestedLevels) {
+  for (const Shape& shape : shapes()) {
+    const double voxel = shape.volume.grid.smallest_spacing();
+    std::vector<LevelGoal> levels;
+    for (const double bound : {2.0, 1.0, 0.5, 0.25}) levels.push_back({{Quantity::max_distance, bound * voxel}});
+    for (const Placement placement : {Placement::surface, Placement::balanced}) {
+      const std::string what = shape.name + (placement == Placement::surface ? ", surface" : ", balanced");
+      const Extraction e = extract(shape.volume, asking(levels, placement));
+      expect_sound(e, what);
+      if (HasFatalFailure()) return;
+      MeasureOptions options;
+      options.samples = 40'000;
+      for (std::size_t l = 0; l < levels.size(); ++l) {
+        const LevelReport& report = e.report.levels[l + 1];
+        const double bound = levels[l].front().bound;
+        EXPECT_TRUE(report.all_met()) << what << ": " << report.constraints.front().reason;
+        EXPECT_LE((*report.metrics)[0].maximum, bound);
+        EXPECT_LE(measure(e.hierarchy.mesh(l + 1), shape.volume, options).maximum(), 1.25 * bound) << what << ", bound " << bound;
+        EXPECT_GE(report.vertices, e.report.levels[l].vertices);
+      }
+    }
+  }
+}
+
+TEST(Bounds, OnEveryMetricAreReached) {
+  const Volume volume = ball();
+  for (const Constraint& c :
+       {Constraint{Quantity::max_distance, 0.3}, Constraint{Quantity::mean_distance, 0.1}, Constraint{Quantity::area_curvature, 1.02},
+        Constraint{Quantity::area_curvature_smooth, 1.01}, Constraint{Quantity::geodesic_ratio, 1.02},
+        Constraint{Quantity::normal_angle, 30}, Constraint{Quantity::max_edge, 4}, Constraint{Quantity::min_vertices, 150}}) {
+    for (const Placement placement : {Placement::surface, Placement::balanced}) {
+      const Extraction e = extract(volume, asking({{c}}, placement));
+      expect_sound(e, std::string(name(c.quantity)));
+      if (HasFatalFailure()) return;
+      EXPECT_TRUE(e.finest().all_met()) << name(c.quantity) << " " << e.finest().constraints[0].reached << ": "
+                                        << e.finest().constraints[0].reason;
+      EXPECT_LT(e.finest().vertices, e.report.c_vertices / 2) << name(c.quantity) << ": no more than that";
+    }
+  }
+}
+
+// Lengths are the world's, whatever the spacing.
+TEST(Bounds, ScaleWithTheVolume) {
+  const Extraction one = extract(ball(), asking({{{Quantity::max_distance, 0.3}, {Quantity::max_edge, 6}}}));
+  for (const double scale : {0.25, 1024.0}) {  // powers of two, so that nothing is rounded
+    Volume volume = ball();
+    volume.grid.spacing = {scale, scale, scale};
+    const Extraction e = extract(volume, asking({{{Quantity::max_distance, 0.3 * scale}, {Quantity::max_edge, 6 * scale}}}));
+    EXPECT_EQ(e.mesh().triangles, one.mesh().triangles);
+    for (std::size_t i = 0; i < 2; ++i) {
+      EXPECT_EQ(e.finest().constraints[i].reached, scale * one.finest().constraints[i].reached);
+      EXPECT_EQ(e.finest().constraints[i].met, one.finest().constraints[i].met);
+    }
+    EXPECT_EQ((*e.finest().metrics)[0].mean, scale * (*one.finest().metrics)[0].mean);
+    EXPECT_EQ((*e.finest().metrics)[4].mean, (*one.finest().metrics)[4].mean) << "ratios do not";
+  }
+}
+
+// ----------------------------------------------------------------------------------------------------------- priorities
+
+TEST(Priorities, TheEarlierConstraintWins) {
+  const Volume volume = ball();
+  const Constraint few{Quantity::max_vertices, 80}, near{Quantity::max_distance, 0.1};
+  const Extraction count_first = extract(volume, asking({{few, near}})), distance_first = extract(volume, asking({{near, few}}));
+  EXPECT_TRUE(result_of(count_first.finest(), Quantity::max_vertices).met);
+  EXPECT_GT(count_first.finest().vertices, 40u) << "the room is used";
+  EXPECT_FALSE(result_of(count_first.finest(), Quantity::max_distance).met);
+  EXPECT_NE(result_of(count_first.finest(), Quantity::max_distance).reason.find("max-vertices comes first"), std::string::npos);
+  EXPECT_TRUE(result_of(distance_first.finest(), Quantity::max_distance).met);
+  EXPECT_FALSE(result_of(distance_first.finest(), Quantity::max_vertices).met);
+  EXPECT_NE(result_of(distance_first.finest(), Quantity::max_vertices).reason.find("max-distance comes first"), std::string::npos);
+}
+
+// Every step back has to lead to a smaller one.
+TEST(Priorities, ALimitOnVerticesEndsTheWorkInNoise) {
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    const Volume volume = to_volume(random_samples(Family::gyroid_cut, {12, 12, 12}, seed));
+    const Extraction coarse = extract(volume, asking({}));
+    const double room = static_cast<double>(coarse.finest().vertices) + 30;
+    const Extraction e = extract(volume, asking({{{Quantity::max_vertices, room}, {Quantity::max_distance, 0.01}}}));
+    expect_sound(e, "gyroid with noise");
+    EXPECT_LE(static_cast<double>(e.finest().vertices), room);
+  }
+}
+
+// ---------------------------------------------------------------------------------------------------------------- edges
+
+TEST(Edges, FourVerticesAreEnoughForASphereIfTopologySaysSo) {
+  const Extraction e = extract(ball(), asking({{{Quantity::max_vertices, 4}}}));
+  expect_sound(e, "ball");
+  const ConstraintResult& r = result_of(e.finest(), Quantity::max_vertices);
+  EXPECT_EQ(r.reached, static_cast<double>(e.finest().vertices));
+  EXPECT_EQ(r.met, e.finest().vertices <= 4);
+}
+
+TEST(Edges, OneVertexIsTooFewAndTheReasonSaysHowManyItTakes) {
+  const Extraction e =
+      extract(ball(), asking({{{Quantity::max_vertices, 1}}, {{Quantity::max_distance, 0.5}}, {{Quantity::max_vertices, 1}}}));
+  expect_sound(e, "ball");
+  const ConstraintResult& first = e.report.levels[1].constraints[0];
+  EXPECT_FALSE(first.met);
+  EXPECT_EQ(first.reason, "topology alone needs " + std::to_string(e.report.levels[0].vertices));
+  EXPECT_EQ(e.report.levels[3].constraints[0].reason, "the level before has " + std::to_string(e.report.levels[2].vertices))
+      << "topology would do with less";
+}
+
+TEST(Edges, MoreVerticesThanCVertices) {
+  const Volume volume = to_volume(sampled({9, 9, 9}, sphere({4.4, 4.6, 4.55}, 3)));
+  const Extraction e = extract(volume, asking({{{Quantity::min_vertices, 1e9}}}));
+  expect_sound(e, "ball");
+  const ConstraintResult& r = e.finest().constraints[0];
+  EXPECT_FALSE(r.met);
+  EXPECT_NE(r.reason.find(std::to_string(e.report.c_vertices) + " c-vertices"), std::string::npos) << r.reason;
+  EXPECT_GT(e.finest().vertices, e.report.c_vertices / 2);
+}
+
+TEST(Edges, MinimumBeforeALimitIsFilledEvenly) {
+  const Extraction e = extract(ball(14), asking({{{Quantity::min_vertices, 300}, {Quantity::max_vertices, 400}}}));
+  EXPECT_TRUE(e.finest().all_met());
+  EXPECT_LT(e.finest().quality.edge_max, 5 * e.finest().quality.edge_min) << "not all in one place";
+}
+
+TEST(Edges, LongestShortEdgeIsLongerThanTheObject) {
+  const Extraction e = extract(ball(), asking({{{Quantity::min_edge, 1000}, {Quantity::max_distance, 0.1}}}));
+  expect_sound(e, "ball");
+  EXPECT_EQ(e.finest().vertices, e.report.levels[0].vertices) << "nothing may be added";
+  EXPECT_FALSE(e.finest().constraints[0].met);
+  EXPECT_NE(e.finest().constraints[0].reason.find("topology alone needs shorter edges"), std::string::npos);
+  EXPECT_NE(e.finest().constraints[1].reason.find("min-edge comes first"), std::string::npos);
+}
+
+TEST(Edges, AbsurdBoundsOfEveryQuantity) {
+  const Volume volume = to_volume(sampled({8, 8, 8}, sphere({3.4, 3.6, 3.55}, 2.6)));
+  for (std::size_t q = 0; q < kQuantityCount; ++q) {
+    const auto quantity = static_cast<Quantity>(q);
+    for (const double bound : {1e-300, 1e-30, 1e30, 1e300}) {
+      const bool ratio = unit(quantity) == Unit::ratio;
+      if (quantity == Quantity::min_aspect && bound > 1) continue;
+      const double wanted = ratio && is_metric(quantity) ? (bound < 1 ? std::nextafter(1.0, 2.0) : bound) : bound;
+      for (const Placement placement : {Placement::surface, Placement::balanced}) {
+        const Extraction e =
+            extract(volume, asking({{{quantity, wanted}}, {{Quantity::normal_angle, 40}}, {{quantity, wanted}}}, placement));
+        expect_sound(e, std::string(name(quantity)) + " " + std::to_string(wanted));
+        if (HasFatalFailure()) return;
+        const bool generous = is_lower_bound(quantity) ? bound < 1 : bound > 1;
+        EXPECT_EQ(e.report.levels[1].constraints[0].met, generous) << name(quantity) << " " << wanted;
+      }
+    }
+  }
+}
+
+TEST(Edges, TheSmallestVolumes) {
+  for (int signs = 1; signs < 255; ++signs) {
+    Samples s = constant({2, 2, 2}, -3);
+    for (std::size_t i = 0; i < 8; ++i) {
+      if (signs >> i & 1) s.values[i] = 2;
+    }
+    const Placement placement = signs % 2 ? Placement::surface : Placement::balanced;
+    const Extraction e = extract(
+        to_volume(s), asking({{{Quantity::max_distance, 0.25}}, {{Quantity::max_distance, 0.01}, {Quantity::min_aspect, 0.5}}}, placement));
+    expect_sound(e, "signs " + std::to_string(signs));
+    if (HasFatalFailure()) return;
+  }
+}
+
+TEST(Edges, SurfacesThatAreAllBoundary) {
+  Samples strip = constant({2, 2, 9}, -3);
+  for (std::size_t z = 0; z < 9; ++z) strip.at(0, 0, z) = 4;
+  Samples wall = constant({2, 9, 9}, -3);
+  for (std::size_t z = 0; z < 9; ++z) wall.at(0, 4, z) = wall.at(1, 4, z) = 4;
+  for (const Samples& s : {strip, wall}) {
+    for (const Placement placement : {Placement::surface, Placement::balanced}) {
+      const Extraction e = extract(to_volume(s), asking({{{Quantity::max_distance, 0.05}}, {{Quantity::max_edge, 1}}}, placement));
+      expect_sound(e, "strip");
+      if (placement == Placement::surface) continue;
+      for (std::size_t v = 0; v < e.hierarchy.levels[1].placed.size(); ++v) {
+        EXPECT_EQ(e.hierarchy.levels[1].placed[v], e.hierarchy.positions[v]) << "boundary vertices stay";
+      }
+    }
+  }
+}
+
+TEST(Edges, WhiteNoise) {
+  const Volume volume = to_volume(random_samples(Family::white_noise, {16, 16, 16}, 4));
+  const Extraction e = extract(volume, asking({{{Quantity::max_distance, 0.25}}}));
+  expect_sound(e, "white noise");
+  EXPECT_GT(e.finest().vertices, e.report.levels[0].vertices);
+}
+
+TEST(Edges, TheSameGoalTwiceAddsNothingTheSecondTime) {
+  const LevelGoal goal{{Quantity::max_distance, 0.2}};
+  const Extraction e = extract(ball(), asking({goal, goal}));
+  EXPECT_EQ(e.report.levels[2].vertices, e.report.levels[1].vertices);
+  EXPECT_TRUE(e.finest().all_met());
+}
+
+TEST(Edges, OnlyShape) {
+  const Extraction e = extract(ball(), asking({{{Quantity::min_aspect, 0.4}}}));
+  expect_sound(e, "ball");
+  EXPECT_TRUE(e.finest().all_met()) << e.finest().constraints[0].reason;
+  EXPECT_GE(e.finest().quality.aspect_min, 0.4);
+}
+
+TEST(Edges, NoWishesForALevelKeepTheLevelBefore) {
+  const Extraction e = extract(ball(), asking({{{Quantity::max_distance, 0.2}}, {}}));
+  expect_sound(e, "ball");
+  EXPECT_EQ(e.report.levels[2].vertices, e.report.levels[1].vertices);
+}
+
+TEST(Edges, TheCoarseLevelIsOnlyLookedAt) {
+  ExtractOptions options = asking({});
+  const Extraction plain = extract(ball(), options);
+  EXPECT_FALSE(plain.finest().metrics.has_value());
+  options.coarse = {{Quantity::max_distance, 1e-3}, {Quantity::min_vertices, 1}, {Quantity::max_vertices, 1}};
+  const Extraction e = extract(ball(), options);
+  EXPECT_EQ(e.mesh().triangles, plain.mesh().triangles);
+  EXPECT_EQ(e.finest().constraints[0].reason, "the coarse mesh is not refined");
+  EXPECT_TRUE(e.finest().constraints[1].met);
+  EXPECT_EQ(e.finest().constraints[2].reason, "topology alone needs " + std::to_string(e.finest().vertices));
+}
+
+// ---------------------------------------------------------------------------------------------- refusals and cancelling
+
+TEST(Refuses, BoundsThatAQuantityCannotHave) {
+  const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
+  const auto refused = [](const LevelGoal& goal, const std::string& word) {
+    for (const bool coarse : {false, true}) {
+      ExtractOptions options;
+      (coarse ? options.coarse : options.refine.emplace_back()) = goal;
+      try {
+        extract(ball(), options);
+        ADD_FAILURE() << "no error about " << word;
+      } catch (const Error& e) {
+        EXPECT_EQ(e.code(), ErrorCode::bad_argument);
+        EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what();
+      }
+    }
+  };
+  for (std::size_t q = 0; q < kQuantityCount; ++q) {
+    const auto quantity = static_cast<Quantity>(q);
+    const std::string what(name(quantity));
+    for (const double bad : {0.0, -0.0, -1.0, nan, infinity, -infinity}) refused({{quantity, bad}}, what);
+    if (is_metric(quantity) && unit(quantity) == Unit::ratio) refused({{quantity, 1}}, what);
+    refused({{quantity, quantity == Quantity::min_aspect ? 0.5 : 2}, {quantity, quantity == Quantity::min_aspect ? 0.4 : 3}}, "twice");
+  }
+  refused({{Quantity::min_aspect, 1}}, "min-aspect");
+}
+
+TEST(Cancelling, WorksDuringRefinement) {
+  const Volume volume = ball(14);
+  for (const int after : {0, 1, 4}) {
+    std::atomic<bool> cancel{false};
+    int seen = 0;
+    RunControl control;
+    control.cancel = &cancel;
+    control.progress = [&](std::string_view stage, double fraction) {
+      EXPECT_GE(fraction, 0);
+      EXPECT_LE(fraction, 1);
+      if (cancel) ADD_FAILURE() << "told of " << stage << " after it was cancelled";
+      if (stage == "refine" && seen++ == after) cancel = true;
+    };
+    try {
+      extract(volume, asking({{{Quantity::max_distance, 0.02}}}), control);
+      ADD_FAILURE() << "not cancelled";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::cancelled);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace isoatlas

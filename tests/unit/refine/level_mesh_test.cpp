@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the mesh of a level says of itself, and distances between it and the surface, against brute force.
+#include "refine/level_mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "core/vector_math.h"
+#include "mesh/closest_point.h"
+#include "refine/error_field.h"
+#include "support/levels.h"
+
+namespace isoatlas {
+namespace {
+
+using namespace test;
+
+Function bumpy() {
+  return [](double x, double y, double z) {
+    return 9 + 1.5 * std::sin(0.7 * x) * std::cos(0.6 * y) - std::hypot(x - 13.4, y - 13.6, z - 13.55);
+  };
+}
+
+TEST(LevelMesh, BucketsHoldEveryTriangleAndCVertexWhereItBelongs) {
+  const TestLevel level(exact_surface({28, 28, 28}, bumpy()), 5);
+  const LevelMesh& mesh = level.mesh();
+  std::size_t corners = 0, c_vertices = 0;
+  for (CellId c = 0; c < mesh.cell_count(); ++c) {
+    for (const std::uint32_t t : mesh.triangles_of.of(c)) {
+      const auto& cell = mesh.triangles[t].cell;
+      EXPECT_NE(std::find(cell.begin(), cell.end(), c), cell.end());
+      ++corners;
+    }
+    const auto own = mesh.c_vertices_of.of(c);
+    EXPECT_TRUE(std::is_sorted(own.begin(), own.end()));
+    for (const CVertexId v : own) EXPECT_EQ(level.partition().cell_of[v], c);
+    c_vertices += own.size();
+    EXPECT_EQ(mesh.point[c], level.ground().surfels.point[level.partition().site[c]]);
+  }
+  EXPECT_EQ(corners, 3 * mesh.triangles.size());
+  EXPECT_EQ(c_vertices, level.ground().complex.c_vertex_count());
+  for (const MeshTriangle& t : mesh.triangles) EXPECT_NEAR(length(t.normal), 1, 1e-12);
+}
+
+TEST(LevelMesh, BucketsOfNothingAndOfEmptyGroups) {
+  const Buckets none = make_buckets(0, [](auto) {});
+  EXPECT_EQ(none.first.size(), 1u);
+  const Buckets some = make_buckets(4, [](auto add) {
+    add(2, 7);
+    add(0, 5);
+    add(2, 6);
+  });
+  EXPECT_EQ(some.of(0).size(), 1u);
+  EXPECT_TRUE(some.of(1).empty());
+  EXPECT_EQ(some.of(2)[0], 7u) << "in the order in which they come";
+  EXPECT_EQ(some.of(2)[1], 6u);
+  EXPECT_TRUE(some.of(3).empty());
+}
+
+TEST(LevelMesh, PlacingMovesCornersAndNormals) {
+  const TestLevel level(exact_surface({28, 28, 28}, bumpy()), 6);
+  LevelMesh mesh = level.mesh();
+  Places places{level.partition().site, std::vector<float>(mesh.cell_count(), 0)};
+  places.offset[3] = 0.5f;
+  const std::vector<CellId> moved{3};
+  place(mesh, level.ground().surfels, moved, places);
+  EXPECT_NEAR(length(mesh.point[3] - level.mesh().point[3]), 0.5, 1e-6);
+  const LevelMesh again = make_level_mesh(level.ground().surfels, level.partition(), level.triangles(), places);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    EXPECT_EQ(mesh.triangles[t].corner, again.triangles[t].corner);
+    EXPECT_EQ(mesh.triangles[t].normal, again.triangles[t].normal);
+  }
+}
+
+// The triangles around a cell and around its neighbours, one by one.
+TEST(FindClosest, IsTheClosestOfTheRing) {
+  for (const float disk : {3.0f, 7.0f}) {
+    const TestLevel level(exact_surface({28, 28, 28}, bumpy()), disk);
+    const LevelMesh& mesh = level.mesh();
+    for (CellId c = 0; c < mesh.cell_count(); ++c) {
+      std::set<std::uint32_t> ring;
+      for (const std::uint32_t t : mesh.triangles_of.of(c)) {
+        for (const CellId n : mesh.triangles[t].cell) ring.insert(mesh.triangles_of.of(n).begin(), mesh.triangles_of.of(n).end());
+      }
+      const auto own = mesh.c_vertices_of.of(c);
+      for (std::size_t i = 0; i < own.size(); ++i) {
+        const Vec3 p = level.ground().surfels.point[own[i]];
+        double want = 1e30;
+        for (const std::uint32_t t : ring) {
+          const auto& q = mesh.triangles[t].corner;
+          want = std::min(want, closest_on_triangle(p, q[0], q[1], q[2]).squared_distance);
+        }
+        const ClosestPoint& got = level.closest(c)[i];
+        ASSERT_NEAR(got.distance, std::sqrt(want), 1e-6);
+        ASSERT_TRUE(ring.contains(got.triangle));
+        Vec3 at;
+        for (std::size_t k = 0; k < 3; ++k) at = at + static_cast<double>(got.weight[k]) * mesh.triangles[got.triangle].corner[k];
+        ASSERT_NEAR(length(p - at), got.distance, 1e-5) << "weights and distance are of one point";
+      }
+    }
+  }
+}
+
+// A flat square of which the middle strip is folded up into a narrow ridge: to a mesh whose triangles bridge the ridge's foot the
+// ridge is far, and a mesh with a triangle spanning between two ridges is far from the surface, though c-vertices are near it.
+TEST(MeasureFromMesh, SeesATriangleThatBridgesAFold) {
+  // A deep, narrow valley: the mesh's vertices are on its two brims and the bottom is another cell's.
+  SurfaceComplex sheet = flat_grid(21, 9);
+  for (Vec3& p : sheet.positions) {
+    const double away = std::abs(p.x - 10);
+    p.z = away < 4 ? -2 * (4 - away) : 0;
+  }
+  const Ground ground(sheet);
+  Partition partition;
+  partition.site = {4 + 21 * 2, 16 + 21 * 2, 10 + 21 * 6};
+  partition.cell_of.resize(sheet.c_vertex_count());
+  for (CVertexId v = 0; v < sheet.c_vertex_count(); ++v) partition.cell_of[v] = v / 21 > 4 ? 2 : v % 21 < 10 ? 0 : 1;
+  // The third vertex is lifted onto the brims' level, so that the triangle lies flat over the valley, 8 above its bottom.
+  Places places{partition.site, {0, 0, 0}};
+  places.anchor[2] = 4 + 21 * 6;
+  const std::vector<DualTriangle> dual{{{0, 1, 2}, 0}};
+  const LevelMesh mesh = make_level_mesh(ground.surfels, partition, dual, places);
+  std::vector<float> from_mesh;
+  const std::vector<CellId> all{0, 1, 2};
+  measure_from_mesh(ground.measured(), mesh, partition.cell_of, all, 0, from_mesh);
+  ASSERT_EQ(from_mesh.size(), 3u);
+  // Points half way over the valley are 4 / sqrt(5) * ... from its walls: the walls' slope is 2, so height 8 is at most 8 / sqrt(5).
+  const float most = *std::max_element(from_mesh.begin(), from_mesh.end());
+  EXPECT_GT(most, 2.0f);
+  EXPECT_LT(most, 8 / std::sqrt(5.0f) + 0.3f);
+}
+
+TEST(MeasureFromMesh, LeavesOtherCellsAlone) {
+  const TestLevel level(exact_surface({28, 28, 28}, bumpy()), 6);
+  const LevelMesh& mesh = level.mesh();
+  std::vector<CellId> all(mesh.cell_count());
+  std::iota(all.begin(), all.end(), 0u);
+  std::vector<float> whole, part(mesh.cell_count(), 77);
+  measure_from_mesh(level.ground().measured(), mesh, level.partition().cell_of, all, 0, whole);
+  const std::vector<CellId> some{1, 4, 9};
+  measure_from_mesh(level.ground().measured(), mesh, level.partition().cell_of, some, 0, part);
+  for (CellId c = 0; c < mesh.cell_count(); ++c) {
+    const bool asked = std::find(some.begin(), some.end(), c) != some.end();
+    EXPECT_EQ(part[c], asked ? whole[c] : 77) << c;
+  }
+}
+
+}  // namespace
+}  // namespace isoatlas

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is kept up to date piece by piece is what a look at everything finds.
+#include "refine/measured_covering.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "support/levels.h"
+#include "support/reference_topology.h"
+
+namespace isoatlas {
+namespace {
+
+using namespace test;
+
+std::vector<SurfaceComplex> surfaces() {
+  std::vector<SurfaceComplex> out;
+  out.push_back(surface_of(sampled({24, 24, 24}, sphere({11.4, 11.6, 11.55}, 9))));
+  out.push_back(surface_of(sampled({20, 18, 19}, gyroid(11.3, 0.1))));
+  out.push_back(surface_of(random_samples(Family::white_noise, {7, 8, 6}, 3)));
+  out.push_back(surface_of(random_samples(Family::gyroid_cut, {11, 9, 10}, 5), 0, Inside::above, {1, 2, 0.5}));
+  out.push_back(surface_of(random_samples(Family::checkerboard, {6, 5, 6}, 2)));
+  return out;
+}
+
+std::vector<std::array<CellId, 3>> set_of(const std::vector<DualTriangle>& triangles) {
+  std::vector<std::array<CellId, 3>> out;
+  for (DualTriangle t : triangles) {
+    std::rotate(t.cell.begin(), std::min_element(t.cell.begin(), t.cell.end()), t.cell.end());
+    out.push_back(t.cell);
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+void expect_same(const MeasuredCovering& a, const MeasuredCovering& b) {
+  ASSERT_EQ(a.partition().site, b.partition().site);
+  ASSERT_EQ(a.partition().cell_of, b.partition().cell_of);
+  ASSERT_EQ(a.places().anchor, b.places().anchor);
+  ASSERT_EQ(set_of(a.triangles()), set_of(b.triangles()));
+  for (CellId c = 0; c < a.partition().cell_count(); ++c) {
+    const double x = a.errors()[c].excess, y = b.errors()[c].excess;
+    ASSERT_TRUE(x == y || std::abs(x - y) <= 1e-5 * (1 + y)) << x << " and " << y << " in cell " << c;
+  }
+}
+
+void insert_some(MeasuredCovering& work, Random& random, int count) {
+  Covering& covering = work.covering();
+  for (int k = 0; k < count; ++k) {
+    const auto v = static_cast<CVertexId>(random.bits() % covering.distance().size());
+    if (covering.distance()[v] == 0) continue;
+    covering.lower_radius(v, covering.distance()[v]);
+    if (random.bits() % 2) covering.insert(v);
+  }
+}
+
+std::vector<std::vector<Constraint>> demands() {
+  return {{{Quantity::max_distance, 0.2}},
+          {{Quantity::mean_distance, 0.1}, {Quantity::normal_angle, 30}},
+          {{Quantity::area_curvature, 1.05}, {Quantity::area_curvature_smooth, 1.01}},
+          {{Quantity::geodesic_ratio, 1.05}, {Quantity::max_edge, 2}},
+          {{Quantity::max_edge, 2}, {Quantity::max_distance, 0.5}}};
+}
+
+TEST(MeasuredCovering, PieceByPieceIsWhatAFreshLookFinds) {
+  Random random(7);
+  for (const SurfaceComplex& surface : surfaces()) {
+    const Ground ground(surface);
+    for (const auto& demand : demands()) {
+      MeasuredCovering work(ground, disks(8), {}, {}, {});
+      CertificateReport report;
+      work.demand(demand, Placement::surface);
+      work.update(report, {});
+      for (int round = 0; round < 6; ++round) {
+        insert_some(work, random, 4);
+        work.update(report, {});
+        ASSERT_TRUE(report.passed);
+        MeasuredCovering fresh(work);
+        fresh.update_all(report, {});
+        expect_same(work, fresh);
+        if (HasFatalFailure()) return;
+      }
+    }
+  }
+}
+
+TEST(MeasuredCovering, CopiesAreIndependent) {
+  Random random(8);
+  for (const SurfaceComplex& surface : surfaces()) {
+    const Ground ground(surface);
+    MeasuredCovering work(ground, disks(6), {}, {}, {});
+    CertificateReport report;
+    const auto demand = demands()[0];
+    work.demand(demand, Placement::surface);
+    work.update(report, {});
+    const MeasuredCovering kept(work), twin(work);
+    insert_some(work, random, 10);
+    work.update(report, {});
+    ASSERT_GT(work.partition().cell_count(), kept.partition().cell_count());
+    expect_same(kept, twin);
+    const MeasuredCovering later(work);
+    work = kept;  // and back: the same steps again lead to the same place
+    work.update(report, {});
+    expect_same(work, kept);
+    if (HasFatalFailure()) return;
+    Random again(8);
+    MeasuredCovering other(kept);
+    Random first(81), second(81);
+    insert_some(work, first, 10);
+    insert_some(other, second, 10);
+    work.update(report, {});
+    other.update(report, {});
+    expect_same(work, other);
+    if (HasFatalFailure()) return;
+    ASSERT_GE(later.partition().cell_count(), kept.partition().cell_count());
+  }
+}
+
+TEST(CertifiedDual, UpdatesFindWhatAFullCheckFinds) {
+  Random random(9);
+  for (const SurfaceComplex& surface : surfaces()) {
+    const CVertexGraph graph = make_graph(surface);
+    Covering covering(graph, disks(6));
+    covering.cover({});
+    covering.ignore_events();
+    CertifiedDual dual(surface, covering);
+    CertificateReport report;
+    dual.update(report, {});
+    for (int round = 0; round < 12; ++round) {
+      for (int k = 0; k < 5; ++k) {
+        const auto v = static_cast<CVertexId>(random.bits() % graph.c_vertex_count());
+        if (covering.distance()[v] == 0) continue;
+        covering.lower_radius(v, covering.distance()[v]);
+        covering.insert(v);
+      }
+      covering.cover({});
+      dual.update(report, {});
+      ASSERT_TRUE(report.passed);
+      const Partition& p = covering.partition();
+      const PartitionCheck full = check_partition(surface, p.cell_of, p.cell_count(), p.site);
+      ASSERT_TRUE(full.passed());
+      ASSERT_EQ(set_of(dual.triangles()), set_of(full.triangles));
+    }
+    const std::uint32_t before = covering.site_count();
+    dual.certify(report, {});
+    EXPECT_EQ(covering.site_count(), before) << "the full check has nothing to repair";
+    EXPECT_EQ(report.cells_checked, before);
+  }
+}
+
+TEST(Covering, SeedsAreAsInsertedOneByOne) {
+  Random random(10);
+  for (const SurfaceComplex& surface : surfaces()) {
+    const CVertexGraph graph = make_graph(surface);
+    std::vector<CVertexId> sites;
+    Covering one_by_one(graph, disks(100)), seeded(graph, disks(100));
+    while (sites.size() < 20) {
+      const auto v = static_cast<CVertexId>(random.bits() % graph.c_vertex_count());
+      if (std::find(sites.begin(), sites.end(), v) != sites.end()) continue;
+      sites.push_back(v);
+      one_by_one.insert(v);
+    }
+    std::vector<Covering::Radius> radii;
+    for (int k = 0; k < 30; ++k) {
+      radii.push_back({static_cast<CVertexId>(random.bits() % graph.c_vertex_count()), static_cast<float>(1 + 9 * random.unit())});
+      one_by_one.lower_radius(radii.back().at, radii.back().radius);
+    }
+    seeded.seed(sites, radii);
+    EXPECT_EQ(seeded.partition().site, one_by_one.partition().site);
+    EXPECT_EQ(seeded.partition().cell_of, one_by_one.partition().cell_of);
+    EXPECT_EQ(seeded.distance(), one_by_one.distance());
+    for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {  // what would be left uncovered is covered by a larger radius
+      if (seeded.partition().cell_of[v] == kNone) continue;   // a component without a site
+      ASSERT_TRUE(seeded.is_covered(v));
+      if (one_by_one.is_covered(v)) {
+        ASSERT_EQ(seeded.radius()[v], one_by_one.radius()[v]);
+      } else {
+        ASSERT_GT(seeded.radius()[v], one_by_one.radius()[v]);
+      }
+    }
+    EXPECT_EQ(seeded.placed_in(), std::vector<CellId>(20, kNone));
+  }
+}
+
+TEST(Covering, RemembersInWhoseCellASiteWasPlaced) {
+  const SurfaceComplex grid = flat_grid(9, 3);
+  const CVertexGraph graph = make_graph(grid);
+  Covering covering(graph, disks(100));
+  covering.insert(0 + 9);
+  covering.insert(8 + 9);
+  covering.insert(6 + 9);  // nearer to the second
+  covering.insert(1 + 9);
+  covering.insert(7 + 9);  // half way between the second and the third: the earlier one's
+  EXPECT_EQ(covering.placed_in(), (std::vector<CellId>{kNone, 0, 1, 0, 1}));
+}
+
+}  // namespace
+}  // namespace isoatlas
