@@ -77,7 +77,7 @@ void LevelMaker::measure_distance(const TriangleMesh& mesh, LevelReport& report)
   transform_to(*report.measured, source_.grid, options_.space);
 }
 
-void LevelMaker::describe_coarse(const Hierarchy& hierarchy, std::span<const CVertexId> sites, LevelReport& report) {
+void LevelMaker::describe_coarse(const LevelGoal& goal, const Hierarchy& hierarchy, std::span<const CVertexId> sites, LevelReport& report) {
   TriangleMesh mesh;  // in index coordinates again
   mesh.triangles = hierarchy.levels.front().triangles;
   if (options_.space != Space::voxel && source_.grid.mirrored()) {
@@ -85,8 +85,8 @@ void LevelMaker::describe_coarse(const Hierarchy& hierarchy, std::span<const CVe
   }
   for (const CVertexId v : sites) mesh.positions.push_back(source_.surface.positions[v]);
   const double voxel = source_.grid.smallest_spacing();
-  tell(options_.coarse, refiner_.describe_coarse(mesh.triangles, sites, in_units_of(options_.coarse, voxel), control_), report);
-  measure_distance(mesh, report);
+  tell(goal, refiner_.describe_coarse(mesh.triangles, sites, in_units_of(goal, voxel), control_), report);
+  if (!report.measured) measure_distance(mesh, report);
 }
 
 void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, LevelReport& report) {

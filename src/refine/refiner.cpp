@@ -395,7 +395,8 @@ LevelFigures Refiner::describe_coarse(std::span<const Triangle> triangles, std::
   level.shape.bad = 0;
   level.figures.constraints = judge(goal, mesh, level, covering.site_count(), true);
   for (ConstraintResult& c : level.figures.constraints) {
-    if (!c.met && c.wanted.quantity != Quantity::max_vertices) c.reason = "the coarse mesh is not refined";
+    const bool limited = c.reason.starts_with(name(Quantity::max_vertices));
+    if (!c.met && c.wanted.quantity != Quantity::max_vertices && !limited) c.reason = "the coarse mesh is not refined";
   }
   return level.figures;
 }
