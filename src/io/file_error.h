@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
 #include <filesystem>
+#include <new>
 #include <string>
 #include <string_view>
 
@@ -27,5 +29,19 @@ std::uint64_t readable_file_size(const std::filesystem::path& path);
 
 /// The whole file. Throws Error(bad_file), Error(out_of_memory).
 std::string file_contents(const std::filesystem::path& path);
+
+/// Runs `work`; whatever a reader or a writer lets out, the caller gets an Error that names the file.
+template <class Work>
+auto translate_exceptions(const std::filesystem::path& path, Work work) {
+  try {
+    return work();
+  } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::out_of_memory, one_line(path.string() + ": not enough memory"));
+  } catch (const std::exception& error) {
+    throw bad_file(path, one_line(error.what()));
+  }
+}
 
 }  // namespace isoatlas::io

@@ -96,24 +96,10 @@ MeshCheck check_mesh(const TriangleMesh& mesh) {
   return {};
 }
 
-// Whatever a reader lets out, the caller gets an Error that names the file.
-template <class Read>
-auto translate_exceptions(const fs::path& path, Read read) {
-  try {
-    return read();
-  } catch (const Error&) {
-    throw;
-  } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::out_of_memory, io::one_line(path.string() + ": not enough memory"));
-  } catch (const std::exception& error) {
-    throw io::bad_file(path, io::one_line(error.what()));
-  }
-}
-
 }  // namespace
 
 Volume read_volume(const fs::path& path, const std::optional<RawLayout>& raw) {
-  return translate_exceptions(path, [&]() -> Volume {
+  return io::translate_exceptions(path, [&]() -> Volume {
     if (raw) {
       return io::read_raw(path, *raw);
     }
@@ -143,7 +129,7 @@ StoredPositions write_mesh(const TriangleMesh& mesh, const fs::path& path, const
   }
   // One line each: a newline would end the comment and start a line of the file's own grammar.
   const MeshFileInfo clean_info{io::one_line(info.space), io::one_line(info.comment)};
-  return translate_exceptions(path, [&] {
+  return io::translate_exceptions(path, [&] {
     io::AtomicFile file(path);
     format.write(mesh, clean_info, file);
     StoredPositions stored{.single_precision = format.is_single_precision};
@@ -157,7 +143,7 @@ StoredPositions write_mesh(const TriangleMesh& mesh, const fs::path& path, const
 }
 
 TriangleMesh read_mesh(const fs::path& path) {
-  return translate_exceptions(path, [&] {
+  return io::translate_exceptions(path, [&] {
     io::readable_file_size(path);
     TriangleMesh mesh = mesh_format(path).read(path);
     if (mesh.triangles.empty()) {

@@ -87,19 +87,6 @@ std::string fault_of(const Hierarchy& hierarchy, const HierarchyFileInfo& info) 
   return "";
 }
 
-template <class Work>
-auto translate_exceptions(const fs::path& path, Work work) {
-  try {
-    return work();
-  } catch (const Error&) {
-    throw;
-  } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::out_of_memory, io::one_line(path.string() + ": not enough memory"));
-  } catch (const std::exception& error) {
-    throw io::bad_file(path, io::one_line(error.what()));
-  }
-}
-
 bool is_prefix(const std::vector<Vec3>& coarse, const std::vector<Vec3>& fine) {
   return coarse.size() <= fine.size() && std::memcmp(coarse.data(), fine.data(), coarse.size() * sizeof(Vec3)) == 0;
 }
@@ -143,11 +130,11 @@ StoredPositions write_hierarchy(const Hierarchy& hierarchy, const fs::path& path
   }
   HierarchyFileInfo clean_info = info;
   clean_info.mesh = {io::one_line(info.mesh.space), io::one_line(info.mesh.comment)};
-  return translate_exceptions(path, [&] { return format.write(hierarchy, clean_info, path); });
+  return io::translate_exceptions(path, [&] { return format.write(hierarchy, clean_info, path); });
 }
 
 HierarchyFile read_hierarchy(const fs::path& path) {
-  return translate_exceptions(path, [&] {
+  return io::translate_exceptions(path, [&] {
     io::readable_file_size(path);
     io::StoredLevels stored = format_of(path).read(path);
     HierarchyFile file;

@@ -190,17 +190,16 @@ void MeasuredCovering::measure(std::vector<CellId> cells) {
   if (placement_ == Placement::balanced) balance(surface, cells, mesh_, places_);
   const auto demanded = [&](auto predicate) { return std::any_of(demands_.begin(), demands_.end(), predicate); };
   const bool need_closest = demanded([](const Constraint& c) { return needs_closest(c.quantity); });
-  closest_.clear();
-  if (need_closest) find_closest(surface, mesh_, cells, closest_);
+  std::vector<ClosestPoint> found;
+  if (need_closest) find_closest(surface, mesh_, cells, found);
 
   std::vector<std::size_t> first(cells.size() + 1, 0);
   for (std::size_t i = 0; i < cells.size(); ++i) first[i + 1] = first[i] + mesh_.c_vertices_of.of(cells[i]).size();
   for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const CellId c = cells[i];
-      const std::span<const ClosestPoint> closest = need_closest
-                                                        ? std::span<const ClosestPoint>(closest_).subspan(first[i], first[i + 1] - first[i])
-                                                        : std::span<const ClosestPoint>();
+      const std::span<const ClosestPoint> closest =
+          need_closest ? std::span<const ClosestPoint>(found).subspan(first[i], first[i + 1] - first[i]) : std::span<const ClosestPoint>();
       const CellView cell = view_of(ground_, covering_, mesh_, c, closest, 0);
       CellError& error = errors_[c] = {};
       for (const Constraint& d : demands_) {

@@ -85,7 +85,6 @@ class MeasuredCovering {
   CellId frozen_ = 0;
   std::vector<float> from_mesh_;
   std::vector<CellError> errors_;
-  std::vector<ClosestPoint> closest_;  // of the cells measured last
   bool all_stale_ = true;
 };
 

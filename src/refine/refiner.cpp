@@ -147,19 +147,18 @@ Refiner::Refiner(const SurfaceComplex& surface, const Isosurface& isosurface, co
     : options_(options), coarser_(coarser), coarse_(coarse), ground_(surface, &isosurface), sites_before_(coarse.site_count()) {}
 
 // @return whether everything was done that could be
-bool Refiner::work(MeasuredCovering& first, const Task& task, RefinedLevel& out, const RunControl& control) {
-  MeasuredCovering* work = &first;
+bool Refiner::work(MeasuredCovering& work, const Task& task, RefinedLevel& out, const RunControl& control) {
   std::unique_ptr<MeasuredCovering> before;  // the last step, while steps may have to be taken back
   const auto least_radius = [&](CVertexId v) {
-    return std::max(task.limit_share * work->ground().reach[v], kChordSlack * task.shortest_edge);
+    return std::max(task.limit_share * work.ground().reach[v], kChordSlack * task.shortest_edge);
   };
   std::vector<std::uint8_t> given_up;  // per cell, 1 if a step there led over the limit on vertices
   std::size_t batch = kNone;
   int failures = 0;
   for (;; ++out.rounds) {
     control.check_cancelled();
-    work->update(out.certificate, control);
-    Covering& covering = work->covering();
+    work.update(out.certificate, control);
+    Covering& covering = work.covering();
     const bool too_many = before && covering.site_count() > task.most_sites;
     if (too_many) {
       // Too many: back, and try less at once. A single cell that needs too much is left as it is.
@@ -167,16 +166,16 @@ bool Refiner::work(MeasuredCovering& first, const Task& task, RefinedLevel& out,
         ++failures;
       }
       batch = std::max<std::size_t>(1, batch / 2);
-      *work = *before;
-      work->update(out.certificate, control);
+      work = *before;
+      work.update(out.certificate, control);
     } else {
       failures = 0;
     }
     const std::uint32_t sites = covering.site_count();
     if (sites >= task.most_sites || failures > kMostFailures) return false;
 
-    const std::vector<CellError>& errors = work->errors();
-    const Partition& partition = work->partition();
+    const std::vector<CellError>& errors = work.errors();
+    const Partition& partition = work.partition();
     given_up.resize(sites, 0);
 
     // The worst first.
@@ -199,9 +198,9 @@ bool Refiner::work(MeasuredCovering& first, const Task& task, RefinedLevel& out,
 
     if (chosen.empty()) {
       if (!task.shape) return true;
-      if (task.most_sites != kNone) before = std::make_unique<MeasuredCovering>(*work);
+      if (task.most_sites != kNone) before = std::make_unique<MeasuredCovering>(work);
       batch = 1;
-      if (!work_on_shape(*work, task)) return true;
+      if (!work_on_shape(work, task)) return true;
       continue;
     }
     if (task.most_sites != kNone || too_few) {
@@ -216,7 +215,7 @@ bool Refiner::work(MeasuredCovering& first, const Task& task, RefinedLevel& out,
         if (chosen.empty()) continue;
       }
       chosen.resize(std::min(chosen.size(), batch));
-      if (task.most_sites != kNone) before = std::make_unique<MeasuredCovering>(*work);
+      if (task.most_sites != kNone) before = std::make_unique<MeasuredCovering>(work);
     }
     for (const auto& [excess, c] : chosen) {
       const CVertexId v = partition.site[c], x = errors[c].worst;

@@ -50,7 +50,7 @@ class Workshop {
     return out;
   }
 
-  // One change for every bad triangle that has one and is far from the others'. @return how many were kept
+  // One change for every bad triangle that has one and is far from the others'. @return how many were tried
   std::size_t pass(ShapeReport& report) {
     const LevelMesh& mesh = work_.mesh();
     std::vector<std::uint8_t> taken(mesh.cell_count(), 0);
@@ -81,7 +81,6 @@ class Workshop {
     for (const Change& c : changes) apply(c);
     work_.remesh(triangles_, anchors_, cells);
 
-    std::size_t kept = 0;
     bool any_back = false;
     for (std::size_t k = 0; k < changes.size(); ++k) {
       const bool worse = std::any_of(concerned[k].begin(), concerned[k].end(),
@@ -101,7 +100,6 @@ class Workshop {
         }
         continue;
       }
-      ++kept;
       ++(c.is_flip() ? report.flips : report.moves);
     }
     if (any_back) work_.remesh(triangles_, anchors_, cells);
@@ -174,7 +172,7 @@ class Workshop {
     }
   }
 
-  // To c-vertices of its cell, and to neighbours of where it is.
+  // To other c-vertices of its cell.
   void consider_moves(std::uint32_t i, Change& best) const {
     const LevelMesh& mesh = work_.mesh();
     const Ground& ground = work_.ground();
