@@ -228,7 +228,9 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
     if (full) {
       report.levels.back() = report.levels.front();
       maker.describe_coarse(goal, hierarchy, sites, report.levels.back());
-      hierarchy.levels.push_back(Hierarchy::Level(hierarchy.levels.front()));
+      Hierarchy::Level again = hierarchy.levels.front();
+      if (options.placement == Placement::balanced) again.placed = hierarchy.positions;
+      hierarchy.levels.push_back(std::move(again));
     } else {
       maker.add_level(goal, hierarchy, report.levels.back());
     }

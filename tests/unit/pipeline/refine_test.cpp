@@ -181,6 +181,14 @@ TEST(Edges, OneVertexIsTooFewAndTheReasonSaysHowManyItTakes) {
       << "topology would do with less";
 }
 
+TEST(Edges, ABalancedLevelThatRepeatsTheCoarseOneHasItsPlaces) {
+  ExtractOptions options = asking({{{Quantity::max_vertices, 1}}});
+  options.placement = Placement::balanced;
+  const Extraction e = extract(ball(), options);
+  expect_sound(e, "ball");
+  EXPECT_TRUE(e.hierarchy.levels[1].placed == e.hierarchy.positions);
+}
+
 TEST(Edges, MoreVerticesThanCVertices) {
   const Volume volume = to_volume(sampled({9, 9, 9}, sphere({4.4, 4.6, 4.55}, 3)));
   const Extraction e = extract(volume, asking({{{Quantity::min_vertices, 1e9}}}));
