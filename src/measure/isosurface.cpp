@@ -132,6 +132,14 @@ Isosurface::Hit Isosurface::closest_on_faces(Vec3 p, double at_most) const {
   return {to_index(hit.point), std::sqrt(hit.squared_distance)};
 }
 
+Isosurface::Hit Isosurface::nearby(const Vec3 index) const {
+  const Vec3 p = to_metric(index);
+  const std::optional<Foot> foot = project(p, kDirectReach * voxel_);
+  if (!foot) return {};
+  const Foot slid = slide_towards(p, *foot);
+  return {to_index(slid.point), length(p - slid.point)};
+}
+
 Isosurface::Hit Isosurface::closest(const Vec3 index, double at_most) const {
   const Vec3 p = to_metric(index);
   std::optional<Foot> best = project(p, std::min(kDirectReach * voxel_, at_most));
@@ -162,6 +170,14 @@ std::optional<Vec3> Isosurface::onto_surface(Vec3 p) const {
   const std::optional<Foot> foot = project(to_metric(p), kReach * voxel_);
   if (!foot) return std::nullopt;
   return to_index(foot->point);
+}
+
+std::optional<Vec3> Isosurface::on_edge(const Vec3 low, int axis) const {
+  const Vec3 step{axis == 0 ? 1.0 : 0.0, axis == 1 ? 1.0 : 0.0, axis == 2 ? 1.0 : 0.0};
+  const double f = field_.at(low).value, g = field_.at(low + step).value;
+  if ((f >= 0) == (g >= 0)) return std::nullopt;
+  const double t = f / (f - g);
+  return low + (std::isfinite(t) ? t : 0.5) * step;
 }
 
 Vec3 Isosurface::normal(Vec3 p) const {

@@ -6,12 +6,12 @@
 // line is measured as well (its points projected onto the nearest surfel's tangent plane), and the shorter of the two counts:
 // both are at least as long as the geodesic, up to the polygon's error.
 #include <algorithm>
-#include <limits>
 #include <vector>
 
 #include "core/vector_math.h"
 #include "metrics/border.h"
 #include "metrics/metrics.h"
+#include "metrics/nearest_surfel.h"
 
 namespace isoatlas {
 namespace {
@@ -21,20 +21,13 @@ constexpr int kPieces = 6;  // an arc of 90 degrees comes out 0.3 % short
 double section_length(const CellView& cell, Vec3 from, Vec3 to) {
   double sum = 0;
   Vec3 last = from;
+  CVertexId at = cell.site;
   for (int i = 1; i <= kPieces; ++i) {
     Vec3 p = to;
     if (i < kPieces) {
       const double t = static_cast<double>(i) / kPieces;
       p = (1 - t) * from + t * to;
-      double nearest = std::numeric_limits<double>::infinity();
-      CVertexId at = cell.site;
-      for (const CVertexId v : cell.c_vertices) {
-        const double d = squared_length(cell.surfels.point[v] - p);
-        if (d < nearest) {
-          nearest = d;
-          at = v;
-        }
-      }
+      at = walk_to_nearest(cell.surfels, cell.graph, at, p).id;
       const Vec3 n = cell.surfels.normal[at];
       p = p - dot(p - cell.surfels.point[at], n) * n;
     }

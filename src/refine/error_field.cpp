@@ -2,89 +2,119 @@
 #include "refine/error_field.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "core/parallel.h"
 #include "core/vector_math.h"
 #include "mesh/closest_point.h"
+#include "metrics/nearest_surfel.h"
 
 namespace isoatlas {
 namespace {
 
 constexpr std::size_t kCellsPerPiece = 64;
+constexpr std::size_t kFewCVertices = 12;  // of a cell, looked at first
 
-// A ball around a triangle: lets most triangles be passed over with one distance.
-struct Ball {
-  Vec3 centre;
-  double radius;
-  std::uint32_t triangle;
-};
-
-Ball ball_around(const MeshTriangle& t, std::uint32_t id) {
-  const Vec3 centre = (1.0 / 3.0) * (t.corner[0] + t.corner[1] + t.corner[2]);
-  double squared = 0;
-  for (const Vec3& p : t.corner) squared = std::max(squared, squared_length(p - centre));
-  return {centre, std::sqrt(squared), id};
-}
-
-// The triangles with a corner at a cell or at a neighbour of it, those of the cell itself first.
-void gather_ring(const LevelMesh& mesh, CellId cell, std::vector<std::uint32_t>& ids, std::vector<Ball>& ring) {
-  ids.clear();
-  const auto own = mesh.triangles_of.of(cell);
-  ids.assign(own.begin(), own.end());
-  for (const std::uint32_t t : own) {
-    for (const CellId neighbour : mesh.triangles[t].cell) {
-      if (neighbour == cell) continue;
-      const auto theirs = mesh.triangles_of.of(neighbour);
-      ids.insert(ids.end(), theirs.begin(), theirs.end());
-    }
-  }
-  std::sort(ids.begin() + static_cast<std::ptrdiff_t>(own.size()), ids.end());
-  ring.clear();
-  const auto is_own = [&](std::uint32_t t) { return std::find(own.begin(), own.end(), t) != own.end(); };
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    if (i >= own.size() && ((i > own.size() && ids[i] == ids[i - 1]) || is_own(ids[i]))) continue;
-    ring.push_back(ball_around(mesh.triangles[ids[i]], ids[i]));
-  }
-}
-
-// The triangles around a cell, to be asked for closest points.
+// The triangles around a cell, those with a corner at it or at a neighbour of it, to be asked for closest points. Each has a ball
+// around it, as seen from the cell's vertex, so that most triangles are passed over after one distance; flat arrays of float, so
+// that a compiler does several at a time. Those of the cell itself come first, and often suffice.
 class Ring {
  public:
-  Ring(const LevelMesh& mesh) : mesh_(mesh) {}
+  explicit Ring(const LevelMesh& mesh) : mesh_(mesh) {}
+
   void move_to(CellId cell) {
-    gather_ring(mesh_, cell, ids_, balls_);
+    const auto own = mesh_.triangles_of.of(cell);
+    cell_ = cell;
+    own_ = own.size();
     guess_ = 0;
+    triangles_.assign(own.begin(), own.end());
+    make_balls(0);
   }
-  // Points that follow each other are near each other: the last one's triangle is often right again.
-  std::pair<std::uint32_t, TrianglePoint> closest(Vec3 p) {
-    std::size_t best = guess_;
+
+  /// @param enough  a distance up to this need not be the smallest
+  std::pair<std::uint32_t, TrianglePoint> closest(Vec3 p, double enough = 0) {
+    // Points that follow each other are near each other: the last one's triangle is often right again.
     TrianglePoint found = look_at(guess_, p);
-    double within = std::sqrt(found.squared_distance);
-    for (std::size_t k = 0; k < balls_.size(); ++k) {
-      const double far = within + balls_[k].radius;
-      if (k == guess_ || squared_length(p - balls_[k].centre) >= far * far) continue;
-      const TrianglePoint other = look_at(k, p);
-      if (other.squared_distance >= found.squared_distance) continue;
-      found = other;
-      best = k;
-      within = std::sqrt(found.squared_distance);
+    const double squared_enough = enough * enough;
+    if (found.squared_distance > squared_enough || enough == 0) {
+      look_among(0, own_, p, found);
+      if (found.squared_distance > squared_enough || enough == 0) {
+        if (triangles_.size() == own_) add_neighbours();
+        look_among(own_, triangles_.size(), p, found);
+      }
     }
-    guess_ = best;
-    return {balls_[best].triangle, found};
+    return {triangles_[guess_], found};
   }
 
  private:
+  static constexpr double kRounding = 1e-6;  // of float, with room to spare
+
+  void add_neighbours() {
+    for (std::size_t i = 0; i < own_; ++i) {
+      for (const CellId neighbour : mesh_.triangles[triangles_[i]].cell) {
+        if (neighbour == cell_) continue;
+        const auto theirs = mesh_.triangles_of.of(neighbour);
+        triangles_.insert(triangles_.end(), theirs.begin(), theirs.end());
+      }
+    }
+    const auto others = triangles_.begin() + static_cast<std::ptrdiff_t>(own_);
+    const auto is_own = [&](std::uint32_t t) { return std::find(triangles_.begin(), others, t) != others; };
+    std::sort(others, triangles_.end());
+    triangles_.erase(std::remove_if(others, std::unique(others, triangles_.end()), is_own), triangles_.end());
+    make_balls(own_);
+  }
+
+  void make_balls(std::size_t from) {
+    const std::size_t n = triangles_.size();
+    for (auto* v : {&x_, &y_, &z_, &radius_, &gap_}) v->resize(n);
+    for (std::size_t k = from; k < n; ++k) {
+      const MeshTriangle& t = mesh_.triangles[triangles_[k]];
+      const Vec3 centre = (1.0 / 3.0) * (t.corner[0] + t.corner[1] + t.corner[2]), seen = centre - mesh_.point[cell_];
+      double squared = 0;
+      for (const Vec3& p : t.corner) squared = std::max(squared, squared_length(p - centre));
+      x_[k] = static_cast<float>(seen.x);
+      y_[k] = static_cast<float>(seen.y);
+      z_[k] = static_cast<float>(seen.z);
+      radius_[k] = static_cast<float>(std::sqrt(squared) + kRounding * length(seen));
+    }
+  }
+
+  // Takes a nearer one of [begin, end), if there is one.
+  void look_among(std::size_t begin, std::size_t end, Vec3 p, TrianglePoint& found) {
+    const Vec3 seen = p - mesh_.point[cell_];
+    const auto px = static_cast<float>(seen.x), py = static_cast<float>(seen.y), pz = static_cast<float>(seen.z);
+    const auto reach = [&] { return static_cast<float>(std::sqrt(found.squared_distance) + kRounding * length(seen)); };
+    float within = reach();
+    for (std::size_t k = begin; k < end; ++k) {
+      const float dx = x_[k] - px, dy = y_[k] - py, dz = z_[k] - pz, far = within + radius_[k];
+      gap_[k] = dx * dx + dy * dy + dz * dz - far * far;
+    }
+    for (std::size_t k = begin; k < end; ++k) {
+      if (gap_[k] >= 0 || k == guess_) continue;
+      const float dx = x_[k] - px, dy = y_[k] - py, dz = z_[k] - pz, far = within + radius_[k];
+      if (dx * dx + dy * dy + dz * dz >= far * far) continue;  // nearer ones have been found since
+      const TrianglePoint other = look_at(k, p);
+      if (other.squared_distance >= found.squared_distance) continue;
+      found = other;
+      guess_ = k;
+      within = reach();
+    }
+  }
+
   TrianglePoint look_at(std::size_t k, Vec3 p) const {
-    const MeshTriangle& t = mesh_.triangles[balls_[k].triangle];
+    const MeshTriangle& t = mesh_.triangles[triangles_[k]];
     return closest_on_triangle(p, t.corner[0], t.corner[1], t.corner[2]);
   }
+
   const LevelMesh& mesh_;
-  std::vector<std::uint32_t> ids_;
-  std::vector<Ball> balls_;
-  std::size_t guess_ = 0;
+  CellId cell_ = 0;
+  std::size_t own_ = 0, guess_ = 0;
+  std::vector<std::uint32_t> triangles_;
+  std::vector<float> x_, y_, z_, radius_, gap_;
 };
 
 }  // namespace
@@ -108,6 +138,28 @@ void find_closest(const MeasuredSurface& surface, const LevelMesh& mesh, std::sp
   });
 }
 
+std::vector<Farthest> find_farthest(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cells, double enough) {
+  std::vector<Farthest> out(cells.size());
+  for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
+    Ring ring(mesh);
+    for (std::size_t i = begin; i < end; ++i) {
+      ring.move_to(cells[i]);
+      const auto c_vertices = mesh.c_vertices_of.of(cells[i]);
+      const auto look_at = [&](CVertexId v) {
+        const auto d = static_cast<float>(std::sqrt(ring.closest(surface.surfels.point[v], enough).second.squared_distance));
+        if (d > out[i].distance) out[i] = {d, v};
+      };
+      const std::size_t step = std::max<std::size_t>(1, c_vertices.size() / kFewCVertices);
+      for (std::size_t k = 0; k < c_vertices.size(); k += step) look_at(c_vertices[k]);
+      if (out[i].distance > enough) continue;
+      for (std::size_t k = 0; k < c_vertices.size(); ++k) {
+        if (k % step != 0) look_at(c_vertices[k]);
+      }
+    }
+  });
+  return out;
+}
+
 BetweenPoints::BetweenPoints(const SurfaceComplex& complex, const Isosurface& isosurface)
     : complex_(complex),
       isosurface_(isosurface),
@@ -118,27 +170,65 @@ BetweenPoints::BetweenPoints(const SurfaceComplex& complex, const Isosurface& is
       points_(complex.face_count()),
       known_(complex.face_count(), 0) {}
 
-Vec3 BetweenPoints::point(std::uint32_t f) const {
+namespace {
+
+// The node of a face is on the grid edge around which the face's corners are, one in each of four cells.
+std::optional<Vec3> node_of(const Face& face, const SurfaceComplex& complex, const Isosurface& isosurface) {
+  std::array<double, 3> lowest, highest;
+  lowest.fill(std::numeric_limits<double>::infinity());
+  highest.fill(-std::numeric_limits<double>::infinity());
+  for (int k = 0; k < face.size(); ++k) {
+    const Vec3& p = complex.positions[face.corner[k]];
+    const std::array<double, 3> at{p.x, p.y, p.z};
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double cell = at[a] == 0 ? -1 : std::floor(at[a]);  // on the border: in the layer around the volume
+      lowest[a] = std::min(lowest[a], cell);
+      highest[a] = std::max(highest[a], cell);
+    }
+  }
+  int axis = -1;
+  for (int a = 0; a < 3; ++a) {
+    if (lowest[a] != highest[a]) continue;
+    if (axis >= 0) return std::nullopt;
+    axis = a;
+  }
+  if (axis < 0 || lowest[axis] < 0) return std::nullopt;
+  return isosurface.on_edge({highest[0], highest[1], highest[2]}, axis);
+}
+
+}  // namespace
+
+Vec3 BetweenPoints::point(FaceId f) const {
   if (!known_[f]) {
     const Face& face = complex_.faces[f];
-    Vec3 sum;
-    for (int k = 0; k < face.size(); ++k) sum = sum + complex_.positions[face.corner[k]];
-    const Vec3 middle = (1.0 / face.size()) * sum;
-    points_[f] = scaled(isosurface_.onto_surface(middle).value_or(complex_.positions[face.corner[0]]), complex_.spacing);
+    std::optional<Vec3> found = node_of(face, complex_, isosurface_);
+    if (!found) {
+      Vec3 sum;
+      for (int k = 0; k < face.size(); ++k) sum = sum + complex_.positions[face.corner[k]];
+      found = isosurface_.onto_surface((1.0 / face.size()) * sum);
+    }
+    points_[f] = scaled(found.value_or(complex_.positions[face.corner[0]]), complex_.spacing);
     known_[f] = 1;
   }
   return points_[f];
 }
 
-std::vector<float> measure_between(const BetweenPoints& between, const LevelMesh& mesh, std::span<const CellId> cells) {
-  std::vector<float> out(cells.size(), 0);
+std::vector<Farthest> measure_between(const MeasuredSurface& surface, const BetweenPoints& between, const LevelMesh& mesh,
+                                      std::span<const CellId> cells) {
+  std::vector<Farthest> out(cells.size());
   for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
     Ring ring(mesh);
     for (std::size_t i = begin; i < end; ++i) {
       ring.move_to(cells[i]);
       for (const CVertexId v : mesh.c_vertices_of.of(cells[i])) {
-        between.for_each_at(
-            v, [&](Vec3 p) { out[i] = std::max(out[i], static_cast<float>(std::sqrt(ring.closest(p).second.squared_distance))); });
+        between.for_each_at(v, [&](Vec3 p, const Face& face) {
+          const auto known = static_cast<double>(out[i].distance);
+          const auto d = static_cast<float>(std::sqrt(ring.closest(p, known).second.squared_distance));
+          if (d <= out[i].distance) return;
+          const auto from_vertex = [&](CVertexId c) { return squared_length(surface.surfels.point[c] - mesh.point[cells[i]]); };
+          const auto farther = [&](CVertexId a, CVertexId b) { return from_vertex(a) < from_vertex(b); };
+          out[i] = {d, *std::max_element(face.corner.begin(), face.corner.begin() + face.size(), farther)};
+        });
       }
     }
   });
@@ -147,98 +237,79 @@ std::vector<float> measure_between(const BetweenPoints& between, const LevelMesh
 
 namespace {
 
-// How far p is from the surface near the c-vertices of some cells: from the tangent plane of the nearest one, as far as its
-// surfel goes.
-struct NearestSurfel {
-  CVertexId at = kNone;
-  double squared = std::numeric_limits<double>::infinity();
-  void offer(const Surfels& surfels, std::span<const CVertexId> c_vertices, Vec3 p) {
-    for (const CVertexId v : c_vertices) {
-      const double d = squared_length(surfels.point[v] - p);
-      if (d < squared) {
-        squared = d;
-        at = v;
-      }
-    }
-  }
-  // The nearest one may be of another cell than those asked: where cells are of few c-vertices, triangles reach beyond them.
-  void walk(const MeasuredSurface& surface, Vec3 p) {
-    for (CVertexId from = kNone; from != at;) {
-      from = at;
-      for (const CVertexGraph::Neighbour& n : surface.graph.row(from)) offer(surface.surfels, {&n.id, 1}, p);
-    }
-  }
-  double distance(const MeasuredSurface& surface, Vec3 p) const {
-    const double height = dot(p - surface.surfels.point[at], surface.surfels.normal[at]);
-    const double aside = std::sqrt(std::max(0.0, squared - height * height));
-    return std::hypot(height, std::max(0.0, aside - 0.6 * static_cast<double>(surface.reach[at])));
-  }
-};
+// How far p is from the tangent plane of a c-vertex, as far as its surfel goes.
+double from_surfel(const MeasuredSurface& surface, const NearestSurfel& nearest, Vec3 p) {
+  const double height = dot(p - surface.surfels.point[nearest.id], surface.surfels.normal[nearest.id]);
+  const double aside = std::sqrt(std::max(0.0, nearest.squared_distance - height * height));
+  return std::hypot(height, std::max(0.0, aside - 0.6 * static_cast<double>(surface.reach[nearest.id])));
+}
+
+// How far `p` is from the isosurface. What is found at once is a point of it and bounds the distance from above; only where that is
+// not within `enough` is it worth to look for one that is nearer.
+double to_isosurface(const Isosurface& isosurface, Vec3 p, double c_vertex, double enough) {
+  const double nearby = std::min(c_vertex, isosurface.nearby(p).distance);
+  return nearby <= enough ? nearby : std::min(nearby, isosurface.closest(p, nearby).distance);
+}
 
 constexpr int kMostPieces = 8;
-constexpr double kSampleStep = 0.8;          // between samples of a triangle, in distances to farthest neighbours
-constexpr std::size_t kManyCVertices = 400;  // more than these are slower to look through than the isosurface's tree
+constexpr double kSampleStep = 0.4;          // between samples of a triangle, in distances to farthest neighbours
 
 }  // namespace
 
 void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cell_of,
-                       std::span<const CellId> cells, double look_closer, std::vector<float>& from_mesh) {
+                       std::span<const CellId> cells, double look_closer, std::vector<Farthest>& from_mesh) {
   std::vector<std::uint8_t> wanted(mesh.cell_count(), 0);
   for (const CellId c : cells) wanted[c] = 1;
-  from_mesh.resize(mesh.cell_count(), 0);
+  from_mesh.resize(mesh.cell_count());
   std::vector<std::uint32_t> triangles;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto& c = mesh.triangles[t].cell;
     if (wanted[c[0]] || wanted[c[1]] || wanted[c[2]]) triangles.push_back(t);
   }
   struct Worst {
-    float distance;
+    Farthest sample;
     CellId cell;
   };
   std::vector<Worst> worst(triangles.size());
   for_each_piece(triangles.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const MeshTriangle& t = mesh.triangles[triangles[i]];
-      worst[i] = {0, t.cell[0]};
+      worst[i] = {{}, t.cell[0]};
       double longest = 0, reach = 0;
-      std::size_t c_vertices = 0;
       for (std::size_t k = 0; k < 3; ++k) {
         longest = std::max(longest, length(t.corner[k] - t.corner[(k + 1) % 3]));
-        c_vertices += mesh.c_vertices_of.of(t.cell[k]).size();
         reach = std::max(reach, static_cast<double>(surface.reach[mesh.c_vertices_of.of(t.cell[k])[0]]));
       }
       const int pieces = std::clamp(2 * static_cast<int>(std::ceil(longest / (2 * kSampleStep * reach))), 2,
                                     kMostPieces);  // even: error peaks at edge midpoints
+      CVertexId last = mesh.c_vertices_of.of(t.cell[2])[0];
       for (int a = 0; a <= pieces; ++a) {
-        for (int b = 0; a + b <= pieces; ++b) {
-          const int c = pieces - a - b;
+        for (int j = 0; a + j <= pieces; ++j) {
+          const int b = a % 2 == 0 ? j : pieces - a - j, c = pieces - a - b;  // to and fro
           const Vec3 p = (1.0 / pieces) * (static_cast<double>(a) * t.corner[0] + static_cast<double>(b) * t.corner[1] +
                                            static_cast<double>(c) * t.corner[2]);
-          const double known = static_cast<double>(worst[i].distance);
-          const Vec3 index{p.x / surface.spacing.x, p.y / surface.spacing.y, p.z / surface.spacing.z};
-          double d;
-          CellId cell;
-          if (surface.isosurface != nullptr && c_vertices > kManyCVertices) {
-            d = surface.isosurface->closest(index).distance;
-            cell = t.cell[a >= b && a >= c ? 0 : b >= c ? 1 : 2];
-          } else {
-            NearestSurfel nearest;
-            for (const CellId corner : t.cell) nearest.offer(surface.surfels, mesh.c_vertices_of.of(corner), p);
-            cell = cell_of[nearest.at];
-            nearest.walk(surface, p);
-            d = nearest.distance(surface, p);
-            // No farther than that c-vertex; where this says too little, the tangent plane may say too little as well.
-            if (surface.isosurface != nullptr && nearest.squared > look_closer * look_closer)
-              d = surface.isosurface->closest(index).distance;
+          const NearestSurfel nearest = walk_to_nearest(surface.surfels, surface.graph, last, p);
+          last = nearest.id;
+          // The surface is no farther than that c-vertex.
+          const double known = static_cast<double>(worst[i].sample.distance);
+          if (nearest.squared_distance <= known * known) continue;
+          double d = from_surfel(surface, nearest, p);
+          // Where this says too little, the tangent plane may say too little as well.
+          if (surface.isosurface != nullptr && nearest.squared_distance > look_closer * look_closer) {
+            const Vec3 index{p.x / surface.spacing.x, p.y / surface.spacing.y, p.z / surface.spacing.z};
+            d = to_isosurface(*surface.isosurface, index, std::sqrt(nearest.squared_distance), std::max(known, look_closer));
           }
-          if (d > known) worst[i] = {static_cast<float>(d), cell};
+          if (d <= known) continue;
+          const CellId there = cell_of[nearest.id];
+          const bool own = there == t.cell[0] || there == t.cell[1] || there == t.cell[2];
+          worst[i] = {{static_cast<float>(d), nearest.id}, own ? there : t.cell[a >= b && a >= c ? 0 : b >= c ? 1 : 2]};
         }
       }
     }
   });
-  for (const CellId c : cells) from_mesh[c] = 0;
+  for (const CellId c : cells) from_mesh[c] = {};
   for (const Worst& w : worst) {
-    if (wanted[w.cell]) from_mesh[w.cell] = std::max(from_mesh[w.cell], w.distance);
+    if (wanted[w.cell] && w.sample.distance > from_mesh[w.cell].distance) from_mesh[w.cell] = w.sample;
   }
 }
 

@@ -23,20 +23,32 @@ struct MeasuredSurface {
 /// taken one after the other. Parallel over cells.
 void find_closest(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cells, std::vector<ClosestPoint>& out);
 
-/// Points of the surface between c-vertices, about one per face: where the surface bulges most from what c-vertices say of it.
-/// Found when first asked for.
+/// How far a cell is from the mesh at most, and the c-vertex there.
+struct Farthest {
+  float distance = 0;
+  CVertexId at = kNone;
+  bool operator==(const Farthest&) const = default;
+};
+
+/// Per cell of `cells`, the farthest of its c-vertices from the mesh: cheaper than find_closest(), since a distance up to `enough`
+/// is only known to be no larger than what is returned, and of a cell with one that is larger only some c-vertices are looked at.
+/// Parallel over cells.
+std::vector<Farthest> find_farthest(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cells, double enough);
+
+/// Points of the surface between c-vertices, one per face: its node, where the surface meets a grid edge, which is where creases
+/// and tips stand out most. Found when first asked for.
 class BetweenPoints {
  public:
   BetweenPoints(const SurfaceComplex& complex, const Isosurface& isosurface);
 
-  /// Calls visit(point), spacing applied, for every face whose first corner is `v`. Calls for different c-vertices may overlap.
+  /// Calls visit(point, face), spacing applied, for every face whose first corner is `v`. Calls for different c-vertices may overlap.
   template <class Visit>
   void for_each_at(CVertexId v, Visit visit) const {
-    for (const std::uint32_t face : faces_of_.of(v)) visit(point(face));
+    for (const FaceId face : faces_of_.of(v)) visit(point(face), complex_.faces[face]);
   }
 
  private:
-  Vec3 point(std::uint32_t face) const;
+  Vec3 point(FaceId face) const;
 
   const SurfaceComplex& complex_;
   const Isosurface& isosurface_;
@@ -45,15 +57,16 @@ class BetweenPoints {
   mutable std::vector<std::uint8_t> known_;
 };
 
-/// Largest distance from the points between the c-vertices of some cells to the mesh, per cell of `cells`. Parallel over cells.
-std::vector<float> measure_between(const BetweenPoints& between, const LevelMesh& mesh, std::span<const CellId> cells);
+/// Per cell of `cells`, the largest distance from the points between its c-vertices to the mesh, with the corner of its face
+/// that is farthest from the cell's vertex. Parallel over cells.
+std::vector<Farthest> measure_between(const MeasuredSurface& surface, const BetweenPoints& between, const LevelMesh& mesh, std::span<const CellId> cells);
 
 /// Distances from samples of the triangles of some cells to the surface: for each of these cells the largest, at samples that
-/// are nearest to a c-vertex of the cell. Other cells' entries stay. Parallel over triangles.
+/// are nearest to a c-vertex of the cell, and that c-vertex. Other cells' entries stay. Parallel over triangles.
 ///
 /// @param look_closer  samples with a c-vertex within this distance are judged by its tangent plane, for others the closest point
 ///                     of the isosurface is looked for
 void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cell_of,
-                       std::span<const CellId> cells, double look_closer, std::vector<float>& from_mesh);
+                       std::span<const CellId> cells, double look_closer, std::vector<Farthest>& from_mesh);
 
 }  // namespace isoatlas

@@ -16,9 +16,17 @@ void set_corners(MeshTriangle& t, const std::vector<Vec3>& point) {
 LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, std::span<const DualTriangle> dual, const Places& places) {
   LevelMesh mesh;
   const std::uint32_t cells = partition.cell_count();
+  mesh.c_vertices_of = make_buckets(cells, [&](auto add) {
+    for (CVertexId v = 0; v < partition.cell_of.size(); ++v) add(partition.cell_of[v], v);
+  });
   mesh.point.resize(cells);
   mesh.normal.resize(cells);
-  for (CellId c = 0; c < cells; ++c) {
+  set_triangles(mesh, surfels, dual, places);
+  return mesh;
+}
+
+void set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const Places& places) {
+  for (CellId c = 0; c < mesh.cell_count(); ++c) {
     mesh.normal[c] = surfels.normal[places.anchor[c]];
     mesh.point[c] = places.point(surfels, c);
   }
@@ -27,15 +35,11 @@ LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, st
     mesh.triangles[i].cell = dual[i].cell;
     set_corners(mesh.triangles[i], mesh.point);
   }
-  mesh.triangles_of = make_buckets(cells, [&](auto add) {
+  mesh.triangles_of = make_buckets(mesh.cell_count(), [&](auto add) {
     for (std::uint32_t i = 0; i < dual.size(); ++i) {
       for (const CellId c : dual[i].cell) add(c, i);
     }
   });
-  mesh.c_vertices_of = make_buckets(cells, [&](auto add) {
-    for (CVertexId v = 0; v < partition.cell_of.size(); ++v) add(partition.cell_of[v], v);
-  });
-  return mesh;
 }
 
 void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const Places& places) {

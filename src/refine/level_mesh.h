@@ -60,6 +60,9 @@ struct Places {
 /// O(C)
 LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, std::span<const DualTriangle> dual, const Places& places);
 
+/// Gives the mesh other triangles and places; the cells stay. O(triangles)
+void set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const Places& places);
+
 /// Moves the vertices of `cells` and the corners of their triangles to their places.
 void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const Places& places);
 

@@ -14,7 +14,7 @@ namespace isoatlas {
 namespace {
 
 constexpr std::size_t kCellsPerPiece = 64;
-constexpr double kNearBound = 0.6;  // share of a bound on the distance from which on points between c-vertices are looked at
+constexpr double kLookCloser = 0.6;  // share of the largest distance from which on the isosurface itself is asked
 
 // How far over its bound a quantity is, so that different quantities can be compared: of a ratio what counts is its distance
 // from 1, which like distances goes with the square of the cell's size.
@@ -42,22 +42,6 @@ CellView view_of(const Ground& ground, const Covering& covering, const LevelMesh
           mesh.c_vertices_of.of(cell),
           closest,
           from_mesh};
-}
-
-// Where a cell is among the farthest from the surface, points between its c-vertices may be farther still.
-void add_between(const BetweenPoints& between, const LevelMesh& mesh, std::span<const ClosestPoint> closest, std::vector<float>& farthest) {
-  std::vector<float> most = farthest;
-  for (CellId c = 0; c < mesh.cell_count(); ++c) {
-    for (std::uint32_t i = mesh.c_vertices_of.first[c]; i < mesh.c_vertices_of.first[c + 1]; ++i)
-      most[c] = std::max(most[c], closest[i].distance);
-  }
-  const float from = static_cast<float>(kNearBound) * *std::max_element(most.begin(), most.end());
-  std::vector<CellId> cells;
-  for (CellId c = 0; c < mesh.cell_count(); ++c) {
-    if (most[c] >= from) cells.push_back(c);
-  }
-  const std::vector<float> found = measure_between(between, mesh, cells);
-  for (std::size_t i = 0; i < cells.size(); ++i) farthest[cells[i]] = std::max(farthest[cells[i]], found[i]);
 }
 
 }  // namespace
@@ -180,7 +164,7 @@ void MeasuredCovering::update_all(CertificateReport& report, const RunControl& c
 void MeasuredCovering::remesh(std::span<const DualTriangle> triangles, std::vector<CVertexId> anchors, std::span<const CellId> concerned) {
   places_.anchor = std::move(anchors);
   all_stale_ = true;  // the next update() takes the dual's triangles again
-  mesh_ = make_level_mesh(ground_.surfels, partition(), triangles, places_);
+  set_triangles(mesh_, ground_.surfels, triangles, places_);
   measure({concerned.begin(), concerned.end()});
 }
 
@@ -188,10 +172,18 @@ void MeasuredCovering::measure(std::vector<CellId> cells) {
   const MeasuredSurface surface = ground_.measured();
   errors_.resize(partition().cell_count());
   if (placement_ == Placement::balanced) balance(surface, cells, mesh_, places_);
-  const auto demanded = [&](auto predicate) { return std::any_of(demands_.begin(), demands_.end(), predicate); };
-  const bool need_closest = demanded([](const Constraint& c) { return needs_closest(c.quantity); });
+  const auto distance =
+      std::find_if(demands_.begin(), demands_.end(), [](const Constraint& c) { return c.quantity == Quantity::max_distance; });
+  const bool need_closest = std::any_of(demands_.begin(), demands_.end(), [](const Constraint& c) {
+    return c.quantity != Quantity::max_distance && needs_closest(c.quantity);
+  });
   std::vector<ClosestPoint> found;
-  if (need_closest) find_closest(surface, mesh_, cells, found);
+  std::vector<Farthest> farthest;
+  if (need_closest) {
+    find_closest(surface, mesh_, cells, found);
+  } else if (distance != demands_.end()) {
+    farthest = find_farthest(surface, mesh_, cells, distance->bound);
+  }
 
   std::vector<std::size_t> first(cells.size() + 1, 0);
   for (std::size_t i = 0; i < cells.size(); ++i) first[i + 1] = first[i] + mesh_.c_vertices_of.of(cells[i]).size();
@@ -203,38 +195,35 @@ void MeasuredCovering::measure(std::vector<CellId> cells) {
       const CellView cell = view_of(ground_, covering_, mesh_, c, closest, 0);
       CellError& error = errors_[c] = {};
       for (const Constraint& d : demands_) {
-        const double value = d.quantity == Quantity::max_edge ? longest_edge(mesh_, c) : evaluate(d.quantity, cell);
+        const double value = d.quantity == Quantity::max_edge                          ? longest_edge(mesh_, c)
+                             : d.quantity == Quantity::max_distance && !need_closest ? static_cast<double>(farthest[i].distance)
+                                                                                       : evaluate(d.quantity, cell);
         error.excess = std::max(error.excess, excess_of(d.quantity, value, d.bound));
       }
-      float most = 0;
+      Farthest most = farthest.empty() ? Farthest{} : farthest[i];
       for (std::size_t k = 0; k < closest.size(); ++k) {
-        if (closest[k].distance <= most) continue;
-        most = closest[k].distance;
-        error.worst = cell.c_vertices[k];
+        if (closest[k].distance > most.distance) most = {closest[k].distance, cell.c_vertices[k]};
       }
+      error.worst = most.at;
     }
   });
 
-  // The way from the mesh to the surface costs more, so it is only looked at where all else is within its bounds.
-  const auto distance =
-      std::find_if(demands_.begin(), demands_.end(), [](const Constraint& c) { return c.quantity == Quantity::max_distance; });
+  // What is between c-vertices, and the way from the mesh to the surface, which costs most, are only looked at where all else is
+  // within its bounds.
   if (distance == demands_.end()) return;
-  std::erase_if(cells, [&](CellId c) { return errors_[c].excess > 1; });
+  const auto keep_good = [&] { std::erase_if(cells, [&](CellId c) { return errors_[c].excess > 1; }); };
+  const auto add = [&](CellId c, const Farthest& most) {
+    const double excess = static_cast<double>(most.distance) / distance->bound;
+    if (excess > errors_[c].excess) errors_[c] = {excess, most.at};
+  };
+  if (ground_.between) {
+    keep_good();
+    const std::vector<Farthest> between = measure_between(surface, *ground_.between, mesh_, cells);
+    for (std::size_t i = 0; i < cells.size(); ++i) add(cells[i], between[i]);
+  }
+  keep_good();
   measure_from_mesh(surface, mesh_, partition().cell_of, cells, distance->bound, from_mesh_);
-  for (const CellId c : cells) {
-    const double excess = from_mesh_[c] / distance->bound;
-    if (excess <= errors_[c].excess) continue;
-    errors_[c] = {excess, kNone};
-  }
-
-  // Nor is what lies between c-vertices, where they are well within the bound.
-  if (!ground_.between) return;
-  std::erase_if(cells, [&](CellId c) { return errors_[c].excess > 1 || errors_[c].excess < kNearBound; });
-  const std::vector<float> between = measure_between(*ground_.between, mesh_, cells);
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    CellError& error = errors_[cells[i]];
-    error.excess = std::max(error.excess, between[i] / distance->bound);
-  }
+  for (const CellId c : cells) add(c, from_mesh_[c]);
 }
 
 std::array<MetricSummary, kMetricCount> summarize_metrics(const Ground& ground, const Covering& covering, const LevelMesh& mesh) {
@@ -242,19 +231,22 @@ std::array<MetricSummary, kMetricCount> summarize_metrics(const Ground& ground, 
   std::vector<CellId> cells(n);
   std::iota(cells.begin(), cells.end(), 0u);
   std::vector<ClosestPoint> closest;
-  std::vector<float> farthest;
+  std::vector<Farthest> farthest;
   find_closest(ground.measured(), mesh, cells, closest);
   float most = 0;
   for (const ClosestPoint& p : closest) most = std::max(most, p.distance);
-  measure_from_mesh(ground.measured(), mesh, covering.partition().cell_of, cells, kNearBound * static_cast<double>(most), farthest);
-  if (ground.between) add_between(*ground.between, mesh, closest, farthest);
+  measure_from_mesh(ground.measured(), mesh, covering.partition().cell_of, cells, kLookCloser * static_cast<double>(most), farthest);
+  if (ground.between) {
+    const std::vector<Farthest> between = measure_between(ground.measured(), *ground.between, mesh, cells);
+    for (CellId c = 0; c < n; ++c) farthest[c].distance = std::max(farthest[c].distance, between[c].distance);
+  }
   std::vector<std::array<double, kMetricCount>> values(n);
   for_each_piece(n, kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto c = static_cast<CellId>(i);
       const std::span<const ClosestPoint> own =
           std::span<const ClosestPoint>(closest).subspan(mesh.c_vertices_of.first[c], mesh.c_vertices_of.of(c).size());
-      const CellView cell = view_of(ground, covering, mesh, c, own, farthest[c]);
+      const CellView cell = view_of(ground, covering, mesh, c, own, farthest[c].distance);
       for (std::size_t m = 0; m < kMetricCount; ++m) values[c][m] = evaluate(static_cast<Quantity>(m), cell);
     }
   });

@@ -30,7 +30,7 @@ struct Ground {
 /// What one cell's metrics say.
 struct CellError {
   double excess = 0;        ///< worst of metric / bound; more than 1 is too much
-  CVertexId worst = kNone;  ///< the c-vertex of the cell that is farthest from the mesh, if distance is what is wrong
+  CVertexId worst = kNone;  ///< where it is farthest from the mesh, if distance is what is wrong: a c-vertex there
 };
 
 /// A covering with its certified dual and its errors, all kept up to date while sites are added: only what changed is looked at
@@ -83,7 +83,7 @@ class MeasuredCovering {
   LevelMesh mesh_;
   Places places_;
   CellId frozen_ = 0;
-  std::vector<float> from_mesh_;
+  std::vector<Farthest> from_mesh_;
   std::vector<CellError> errors_;
   bool all_stale_ = true;
 };

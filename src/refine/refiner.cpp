@@ -182,7 +182,12 @@ bool Refiner::work(MeasuredCovering& work, const Task& task, RefinedLevel& out, 
     double worst = 0;
     std::size_t over = 0;
     const bool too_few = sites < task.least_sites;
-    const auto is_open = [&](CellId c) { return !given_up[c] && covering.radius()[partition.site[c]] > least_radius(partition.site[c]); };
+    const auto can_shrink = [&](CellId c) { return covering.radius()[partition.site[c]] > least_radius(partition.site[c]); };
+    const auto can_split = [&](CellId c) {
+      const CVertexId x = errors[c].worst;
+      return x != kNone && covering.distance()[x] >= least_radius(x);
+    };
+    const auto is_open = [&](CellId c) { return !given_up[c] && (can_shrink(c) || can_split(c)); };
     for (CellId c = 0; c < sites; ++c) {
       over += errors[c].excess > 1;
       if ((errors[c].excess > 1 || too_few) && is_open(c)) worst = std::max(worst, errors[c].excess);
@@ -220,7 +225,7 @@ bool Refiner::work(MeasuredCovering& work, const Task& task, RefinedLevel& out, 
     for (const auto& [excess, c] : chosen) {
       const CVertexId v = partition.site[c], x = errors[c].worst;
       const float radius = covering.radius()[v];
-      if (x != kNone && covering.distance()[x] >= std::max(kFarEnough * covering.radius()[x], least_radius(x))) {
+      if (can_split(c) && (covering.distance()[x] >= kFarEnough * covering.radius()[x] || !can_shrink(c))) {
         covering.lower_radius(x, covering.distance()[x]);
         covering.insert(x);
       } else {
@@ -364,6 +369,7 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
     work_->certify(out.certificate, control);
     out.shape = improve_shape(*work_, shape, triangles, control);
   }
+  improve_errors(*work_, shape, triangles, out.shape, control);
   work_->freeze_anchors(partition().cell_count());
   out.triangles.reserve(triangles.size());
   for (const DualTriangle& t : triangles) out.triangles.push_back(t.cell);

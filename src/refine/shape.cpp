@@ -6,15 +6,19 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <optional>
 
 #include "core/vector_math.h"
 
 namespace isoatlas {
 namespace {
 
-constexpr int kPasses = 12;
+constexpr int kPasses = 24;
 constexpr double kWorthIt = 1e-3;
 constexpr double kLeastAgreement = 0.3;  // cosine between normals before and after a flip
+
+// What a change is for: a triangle's shape, or the errors of a cell that is over its bounds.
+enum class Purpose { shape, errors };
 
 // A change of one place of the mesh.
 struct Change {
@@ -31,11 +35,20 @@ struct Change {
 class Workshop {
  public:
   Workshop(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles)
-      : work_(work), goal_(goal), triangles_(triangles), anchors_(work.places().anchor) {
+      : work_(work), goal_(goal), triangles_(triangles), anchors_(work.places().anchor), rings_(work.places().offset.empty() ? 2 : 3) {
     occupied_.assign(work.ground().graph.c_vertex_count(), 0);
     for (const CVertexId v : anchors_) occupied_[v] = 1;
   }
 
+  void run(Purpose purpose, ShapeReport& report, const RunControl& control) {
+    for (int k = 0; k < kPasses; ++k) {
+      control.check_cancelled();
+      if (pass(purpose, report) == 0) break;
+    }
+    report.bad = bad_triangles().size();
+  }
+
+ private:
   double score(const MeshTriangle& t) const { return goal_.score(t.corner[0], t.corner[1], t.corner[2]); }
 
   std::vector<std::uint32_t> bad_triangles() const {
@@ -50,25 +63,50 @@ class Workshop {
     return out;
   }
 
-  // One change for every bad triangle that has one and is far from the others'. @return how many were tried
-  std::size_t pass(ShapeReport& report) {
+  // Cells over their bounds, the worst first.
+  std::vector<CellId> cells_over_bounds() const {
+    std::vector<std::pair<double, CellId>> found;
+    for (CellId c = 0; c < work_.errors().size(); ++c) {
+      if (work_.errors()[c].excess > 1) found.emplace_back(-work_.errors()[c].excess, c);
+    }
+    std::sort(found.begin(), found.end());
+    std::vector<CellId> out;
+    for (const auto& [excess, c] : found) out.push_back(c);
+    return out;
+  }
+
+  // One change for every bad triangle, or for every cell over its bounds, that has one and is far from the others'.
+  // @return how many were tried
+  std::size_t pass(Purpose purpose, ShapeReport& report) {
     const LevelMesh& mesh = work_.mesh();
     std::vector<std::uint8_t> taken(mesh.cell_count(), 0);
+    const auto is_taken = [&](CellId c) { return taken[c] != 0; };
     std::vector<Change> changes;
     std::vector<std::vector<CellId>> concerned;
-    for (const std::uint32_t i : bad_triangles()) {
-      const auto is_taken = [&](CellId c) { return taken[c] != 0; };
-      if (std::any_of(mesh.triangles[i].cell.begin(), mesh.triangles[i].cell.end(), is_taken)) continue;  // most end here
-      Change best;
-      best.score = 0;
-      consider_flips(i, best);
-      consider_moves(i, best);
-      if (best.score == 0) continue;
+    const auto take = [&](const Change& change, std::uint32_t i) {
+      if (change.score == 0) return;
       const std::vector<CellId> near = surroundings(mesh.triangles[i].cell);
-      if (std::any_of(near.begin(), near.end(), is_taken)) continue;
+      if (std::any_of(near.begin(), near.end(), is_taken)) return;
       for (const CellId c : near) taken[c] = 1;
-      changes.push_back(best);
+      changes.push_back(change);
       concerned.push_back(near);
+    };
+    if (purpose == Purpose::errors) {
+      for (const CellId cell : cells_over_bounds()) {
+        if (is_taken(cell)) continue;
+        Change best;
+        for (const std::uint32_t i : mesh.triangles_of.of(cell)) consider_flips(i, std::nullopt, best);
+        consider_moves(cell, std::nullopt, best);
+        take(best, best.is_flip() ? best.i : mesh.triangles_of.of(cell)[0]);
+      }
+    } else {
+      for (const std::uint32_t i : bad_triangles()) {
+        if (std::any_of(mesh.triangles[i].cell.begin(), mesh.triangles[i].cell.end(), is_taken)) continue;  // most end here
+        Change best;
+        consider_flips(i, kWorthIt, best);
+        for (const CellId cell : mesh.triangles[i].cell) consider_moves(cell, kWorthIt, best);
+        take(best, i);
+      }
     }
     if (changes.empty()) return 0;
 
@@ -83,10 +121,16 @@ class Workshop {
 
     bool any_back = false;
     for (std::size_t k = 0; k < changes.size(); ++k) {
-      const bool worse = std::any_of(concerned[k].begin(), concerned[k].end(),
-                                     [&](CellId c) { return work_.errors()[c].excess > std::max(1.0, before[c].excess * (1 + kWorthIt)); });
       const Change& c = changes[k];
-      if (worse) {
+      bool worse = false;
+      double most_before = 0, most_after = 0;
+      for (const CellId cell : concerned[k]) {
+        const double was = before[cell].excess, is = work_.errors()[cell].excess;
+        worse = worse || is > std::max(1.0, was * (1 + kWorthIt));
+        most_before = std::max(most_before, was);
+        most_after = std::max(most_after, is);
+      }
+      if (worse || (purpose == Purpose::errors && most_after > most_before * (1 - kWorthIt))) {
         any_back = true;
         if (c.is_flip()) {
           triangles_[c.i] = old_triangles[c.i];
@@ -107,7 +151,6 @@ class Workshop {
     return changes.size();
   }
 
- private:
   using Key = std::pair<std::uint64_t, std::uint64_t>;
   Key key(const Change& c) const {
     if (!c.is_flip()) return {static_cast<std::uint64_t>(c.cell) << 32 | kNone, c.to};
@@ -116,11 +159,11 @@ class Workshop {
   }
   bool is_refused(const Change& c) const { return std::binary_search(refused_.begin(), refused_.end(), key(c)); }
 
-  // The cells around these and around their neighbours, sorted.
+  // The cells whose metrics look at triangles that a change of one of a triangle with these corners touches, sorted.
   std::vector<CellId> surroundings(const std::array<CellId, 3>& of) const {
     const LevelMesh& mesh = work_.mesh();
     std::vector<CellId> out(of.begin(), of.end());
-    for (int ring = 0; ring < 3; ++ring) {
+    for (int ring = 0; ring < rings_; ++ring) {
       std::vector<CellId> more;
       for (const CellId c : out) {
         for (const std::uint32_t t : mesh.triangles_of.of(c))
@@ -133,7 +176,10 @@ class Workshop {
     return out;
   }
 
-  void consider_flips(std::uint32_t i, Change& best) const {
+  // What a score has to be after a change: better by `gain`; without it, good enough or no worse.
+  static double enough(double was, std::optional<double> gain) { return gain ? was + *gain : std::min(1.0, was); }
+
+  void consider_flips(std::uint32_t i, std::optional<double> gain, Change& best) const {
     const LevelMesh& mesh = work_.mesh();
     const MeshTriangle& t = mesh.triangles[i];
     for (std::size_t k = 0; k < 3; ++k) {
@@ -158,7 +204,7 @@ class Workshop {
       const Vec3 pa = mesh.point[a], pb = mesh.point[b], pc = mesh.point[c], pd = mesh.point[d];
       const double was = std::min(score(t), score(mesh.triangles[j]));
       const double now = std::min(goal_.score(pa, pd, pc), goal_.score(pd, pb, pc));
-      if (now < was + kWorthIt || now <= best.score) continue;
+      if (now < enough(was, gain) || now <= best.score) continue;
       const Vec3 n = normalized(t.normal + mesh.triangles[j].normal);
       if (dot(n, normalized(cross(pd - pa, pc - pa))) < kLeastAgreement || dot(n, normalized(cross(pb - pd, pc - pd))) < kLeastAgreement)
         continue;
@@ -172,36 +218,34 @@ class Workshop {
     }
   }
 
-  // To other c-vertices of its cell.
-  void consider_moves(std::uint32_t i, Change& best) const {
+  // To other c-vertices of the cell.
+  void consider_moves(CellId cell, std::optional<double> gain, Change& best) const {
     const LevelMesh& mesh = work_.mesh();
     const Ground& ground = work_.ground();
-    for (const CellId cell : mesh.triangles[i].cell) {
-      const CVertexId from = anchors_[cell];
-      if (work_.is_frozen(cell) || ground.graph.on_boundary[from]) continue;
-      double was = std::numeric_limits<double>::infinity();
-      for (const std::uint32_t t : mesh.triangles_of.of(cell)) was = std::min(was, score(mesh.triangles[t]));
-      const auto consider = [&](CVertexId to) {
-        if (occupied_[to] || ground.graph.on_boundary[to] || work_.partition().cell_of[to] != cell) return;
-        const Vec3 p = mesh.point[cell] + (ground.surfels.point[to] - ground.surfels.point[from]);
-        double now = std::numeric_limits<double>::infinity();
-        for (const std::uint32_t t : mesh.triangles_of.of(cell)) {
-          std::array<Vec3, 3> q = mesh.triangles[t].corner;
-          for (std::size_t k = 0; k < 3; ++k) {
-            if (mesh.triangles[t].cell[k] == cell) q[k] = p;
-          }
-          if (dot(normalized(cross(q[1] - q[0], q[2] - q[0])), mesh.triangles[t].normal) < kLeastAgreement) return;
-          now = std::min(now, goal_.score(q[0], q[1], q[2]));
+    const CVertexId from = anchors_[cell];
+    if (work_.is_frozen(cell) || ground.graph.on_boundary[from]) return;
+    double was = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t t : mesh.triangles_of.of(cell)) was = std::min(was, score(mesh.triangles[t]));
+    const auto consider = [&](CVertexId to) {
+      if (occupied_[to] || ground.graph.on_boundary[to] || work_.partition().cell_of[to] != cell) return;
+      const Vec3 p = mesh.point[cell] + (ground.surfels.point[to] - ground.surfels.point[from]);
+      double now = std::numeric_limits<double>::infinity();
+      for (const std::uint32_t t : mesh.triangles_of.of(cell)) {
+        std::array<Vec3, 3> q = mesh.triangles[t].corner;
+        for (std::size_t k = 0; k < 3; ++k) {
+          if (mesh.triangles[t].cell[k] == cell) q[k] = p;
         }
-        if (now < was + kWorthIt || now <= best.score) return;
-        Change change;
-        change.score = now;
-        change.cell = cell;
-        change.to = to;
-        if (!is_refused(change)) best = change;
-      };
-      for (const CVertexId v : mesh.c_vertices_of.of(cell)) consider(v);
-    }
+        if (dot(normalized(cross(q[1] - q[0], q[2] - q[0])), mesh.triangles[t].normal) < kLeastAgreement) return;
+        now = std::min(now, goal_.score(q[0], q[1], q[2]));
+      }
+      if (now < enough(was, gain) || now <= best.score) return;
+      Change change;
+      change.score = now;
+      change.cell = cell;
+      change.to = to;
+      if (!is_refused(change)) best = change;
+    };
+    for (const CVertexId v : mesh.c_vertices_of.of(cell)) consider(v);
   }
 
   void apply(const Change& c) {
@@ -221,6 +265,7 @@ class Workshop {
   std::vector<CVertexId> anchors_;
   std::vector<std::uint8_t> occupied_;  // per c-vertex, 1 if a vertex sits there
   std::vector<Key> refused_;
+  int rings_;  // of cells around a change that it concerns; balancing moves vertices beside it
 };
 
 }  // namespace
@@ -238,13 +283,13 @@ ShapeReport improve_shape(MeasuredCovering& work, const ShapeGoal& goal, std::ve
   ShapeReport report;
   triangles.assign(work.triangles().begin(), work.triangles().end());
   work.remesh(triangles, work.places().anchor, {});  // in the triangles' present order
-  Workshop workshop(work, goal, triangles);
-  for (int k = 0; k < kPasses; ++k) {
-    control.check_cancelled();
-    if (workshop.pass(report) == 0) break;
-  }
-  report.bad = workshop.bad_triangles().size();
+  Workshop(work, goal, triangles).run(Purpose::shape, report, control);
   return report;
+}
+
+void improve_errors(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles, ShapeReport& report,
+                    const RunControl& control) {
+  Workshop(work, goal, triangles).run(Purpose::errors, report, control);
 }
 
 }  // namespace isoatlas

@@ -57,7 +57,7 @@ class TestLevel {
   }
   CellView cell(CellId c) const {
     return {ground_.surfels, ground_.graph,       covering_.distance(),      partition().cell_of, mesh_.normal,
-            mesh_.triangles, partition().site[c], mesh_.c_vertices_of.of(c), closest(c),          from_mesh_[c]};
+            mesh_.triangles, partition().site[c], mesh_.c_vertices_of.of(c), closest(c),          from_mesh_[c].distance};
   }
 
  private:
@@ -68,7 +68,7 @@ class TestLevel {
   std::vector<DualTriangle> triangles_;
   LevelMesh mesh_;
   std::vector<ClosestPoint> closest_;
-  std::vector<float> from_mesh_;
+  std::vector<Farthest> from_mesh_;
 };
 
 }  // namespace isoatlas::test

@@ -123,12 +123,12 @@ TEST(MeasureFromMesh, SeesATriangleThatBridgesAFold) {
   places.anchor[2] = 4 + 21 * 6;
   const std::vector<DualTriangle> dual{{{0, 1, 2}, 0}};
   const LevelMesh mesh = make_level_mesh(ground.surfels, partition, dual, places);
-  std::vector<float> from_mesh;
+  std::vector<Farthest> from_mesh;
   const std::vector<CellId> all{0, 1, 2};
   measure_from_mesh(ground.measured(), mesh, partition.cell_of, all, 0, from_mesh);
   ASSERT_EQ(from_mesh.size(), 3u);
   // Points half way over the valley are 4 / sqrt(5) * ... from its walls: the walls' slope is 2, so height 8 is at most 8 / sqrt(5).
-  const float most = *std::max_element(from_mesh.begin(), from_mesh.end());
+  const float most = std::max({from_mesh[0].distance, from_mesh[1].distance, from_mesh[2].distance});
   EXPECT_GT(most, 2.0f);
   EXPECT_LT(most, 8 / std::sqrt(5.0f) + 0.3f);
 }
@@ -138,13 +138,14 @@ TEST(MeasureFromMesh, LeavesOtherCellsAlone) {
   const LevelMesh& mesh = level.mesh();
   std::vector<CellId> all(mesh.cell_count());
   std::iota(all.begin(), all.end(), 0u);
-  std::vector<float> whole, part(mesh.cell_count(), 77);
+  const Farthest untouched{77, 7};
+  std::vector<Farthest> whole, part(mesh.cell_count(), untouched);
   measure_from_mesh(level.ground().measured(), mesh, level.partition().cell_of, all, 0, whole);
   const std::vector<CellId> some{1, 4, 9};
   measure_from_mesh(level.ground().measured(), mesh, level.partition().cell_of, some, 0, part);
   for (CellId c = 0; c < mesh.cell_count(); ++c) {
     const bool asked = std::find(some.begin(), some.end(), c) != some.end();
-    EXPECT_EQ(part[c], asked ? whole[c] : 77) << c;
+    EXPECT_EQ(part[c], asked ? whole[c] : untouched) << c;
   }
 }
 
