@@ -138,7 +138,8 @@ void find_closest(const MeasuredSurface& surface, const LevelMesh& mesh, std::sp
   });
 }
 
-std::vector<Farthest> find_farthest(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cells, double enough) {
+std::vector<Farthest> find_farthest(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cells, double enough,
+                                    Thoroughness thoroughness) {
   std::vector<Farthest> out(cells.size());
   for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
     Ring ring(mesh);
@@ -149,7 +150,7 @@ std::vector<Farthest> find_farthest(const MeasuredSurface& surface, const LevelM
         const auto d = static_cast<float>(std::sqrt(ring.closest(surface.surfels.point[v], enough).second.squared_distance));
         if (d > out[i].distance) out[i] = {d, v};
       };
-      const std::size_t step = std::max<std::size_t>(1, c_vertices.size() / kFewCVertices);
+      const std::size_t step = thoroughness == Thoroughness::exact ? 1 : std::max<std::size_t>(1, c_vertices.size() / kFewCVertices);
       for (std::size_t k = 0; k < c_vertices.size(); k += step) look_at(c_vertices[k]);
       if (out[i].distance > enough) continue;
       for (std::size_t k = 0; k < c_vertices.size(); ++k) {
@@ -237,6 +238,13 @@ std::vector<Farthest> measure_between(const MeasuredSurface& surface, const Betw
 
 namespace {
 
+void look_through(const Surfels& surfels, std::span<const CVertexId> c_vertices, Vec3 p, NearestSurfel& nearest) {
+  for (const CVertexId v : c_vertices) {
+    const double d = squared_length(surfels.point[v] - p);
+    if (d < nearest.squared_distance) nearest = {v, d};
+  }
+}
+
 // How far p is from the tangent plane of a c-vertex, as far as its surfel goes.
 double from_surfel(const MeasuredSurface& surface, const NearestSurfel& nearest, Vec3 p) {
   const double height = dot(p - surface.surfels.point[nearest.id], surface.surfels.normal[nearest.id]);
@@ -288,11 +296,14 @@ void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, st
           const int b = a % 2 == 0 ? j : pieces - a - j, c = pieces - a - b;  // to and fro
           const Vec3 p = (1.0 / pieces) * (static_cast<double>(a) * t.corner[0] + static_cast<double>(b) * t.corner[1] +
                                            static_cast<double>(c) * t.corner[2]);
-          const NearestSurfel nearest = walk_to_nearest(surface.surfels, surface.graph, last, p);
+          NearestSurfel nearest = walk_to_nearest(surface.surfels, surface.graph, last, p);
           last = nearest.id;
           // The surface is no farther than that c-vertex.
           const double known = static_cast<double>(worst[i].sample.distance);
           if (nearest.squared_distance <= known * known) continue;
+          if (surface.isosurface == nullptr && nearest.squared_distance > look_closer * look_closer) {
+            for (const CellId cell : t.cell) look_through(surface.surfels, mesh.c_vertices_of.of(cell), p, nearest);
+          }
           double d = from_surfel(surface, nearest, p);
           // Where this says too little, the tangent plane may say too little as well.
           if (surface.isosurface != nullptr && nearest.squared_distance > look_closer * look_closer) {

@@ -30,10 +30,13 @@ struct Farthest {
   bool operator==(const Farthest&) const = default;
 };
 
+enum class Thoroughness { quick, exact };
+
 /// Per cell of `cells`, the farthest of its c-vertices from the mesh: cheaper than find_closest(), since a distance up to `enough`
-/// is only known to be no larger than what is returned, and of a cell with one that is larger only some c-vertices are looked at.
-/// Parallel over cells.
-std::vector<Farthest> find_farthest(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cells, double enough);
+/// is only known to be no larger than what is returned. If quick, only some c-vertices are looked at of a cell with one that is
+/// farther than that. Parallel over cells.
+std::vector<Farthest> find_farthest(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cells, double enough,
+                                    Thoroughness thoroughness);
 
 /// Points of the surface between c-vertices, one per face: its node, where the surface meets a grid edge, which is where creases
 /// and tips stand out most. Found when first asked for.

@@ -125,7 +125,7 @@ void MeasuredCovering::update(CertificateReport& report, const RunControl& contr
   }
   dual_.forget_touched();
   all_stale_ = false;
-  measure(std::move(cells));
+  measure(std::move(cells), Thoroughness::quick);
 }
 
 // Where a vertex was moved to may be in another cell by now, or a site itself: no two vertices may be at one c-vertex.
@@ -165,10 +165,10 @@ void MeasuredCovering::remesh(std::span<const DualTriangle> triangles, std::vect
   places_.anchor = std::move(anchors);
   all_stale_ = true;  // the next update() takes the dual's triangles again
   set_triangles(mesh_, ground_.surfels, triangles, places_);
-  measure({concerned.begin(), concerned.end()});
+  measure({concerned.begin(), concerned.end()}, Thoroughness::exact);  // to be compared
 }
 
-void MeasuredCovering::measure(std::vector<CellId> cells) {
+void MeasuredCovering::measure(std::vector<CellId> cells, Thoroughness thoroughness) {
   const MeasuredSurface surface = ground_.measured();
   errors_.resize(partition().cell_count());
   if (placement_ == Placement::balanced) balance(surface, cells, mesh_, places_);
@@ -182,7 +182,7 @@ void MeasuredCovering::measure(std::vector<CellId> cells) {
   if (need_closest) {
     find_closest(surface, mesh_, cells, found);
   } else if (distance != demands_.end()) {
-    farthest = find_farthest(surface, mesh_, cells, distance->bound);
+    farthest = find_farthest(surface, mesh_, cells, distance->bound, thoroughness);
   }
 
   std::vector<std::size_t> first(cells.size() + 1, 0);

@@ -73,7 +73,7 @@ class MeasuredCovering {
 
  private:
   void keep_apart();
-  void measure(std::vector<CellId> cells);
+  void measure(std::vector<CellId> cells, Thoroughness thoroughness);
 
   const Ground& ground_;
   Covering covering_;

@@ -282,7 +282,11 @@ double ShapeGoal::score(Vec3 a, Vec3 b, Vec3 c) const {
 ShapeReport improve_shape(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles, const RunControl& control) {
   ShapeReport report;
   triangles.assign(work.triangles().begin(), work.triangles().end());
-  work.remesh(triangles, work.places().anchor, {});  // in the triangles' present order
+  std::vector<CellId> over;
+  for (CellId c = 0; c < work.errors().size(); ++c) {
+    if (work.errors()[c].excess > 1) over.push_back(c);
+  }
+  work.remesh(triangles, work.places().anchor, over);
   Workshop(work, goal, triangles).run(Purpose::shape, report, control);
   return report;
 }
