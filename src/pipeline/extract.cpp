@@ -219,22 +219,8 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
 
   control.report("refine", 0);
   LevelMaker maker({in_voxels, grid, parse.rule, surface, reference, coarser, cover, covering}, options, control);
-  maker.describe_coarse(options.coarse, hierarchy, sites, report.levels.front());
-  for (const LevelGoal& goal : options.refine) {
-    // What topology alone needs is more than is allowed: no level can have less, and none should have more.
-    const bool full = report.levels.size() == 1 && !goal.empty() && goal.front().quantity == Quantity::max_vertices &&
-                      goal.front().bound <= static_cast<double>(hierarchy.positions.size());
-    report.levels.emplace_back();
-    if (full) {
-      report.levels.back() = report.levels.front();
-      maker.describe_coarse(goal, hierarchy, sites, report.levels.back());
-      Hierarchy::Level again = hierarchy.levels.front();
-      if (options.placement == Placement::balanced) again.placed = hierarchy.positions;
-      hierarchy.levels.push_back(std::move(again));
-    } else {
-      maker.add_level(goal, hierarchy, report.levels.back());
-    }
-  }
+  maker.describe_coarse(hierarchy, sites, report.levels.front());
+  for (const LevelGoal& goal : options.refine) maker.add_level(goal, hierarchy, report.levels);
   clock.finished("refine");
   return out;
 } catch (const std::bad_alloc&) {

@@ -77,7 +77,7 @@ void LevelMaker::measure_distance(const TriangleMesh& mesh, LevelReport& report)
   transform_to(*report.measured, source_.grid, options_.space);
 }
 
-void LevelMaker::describe_coarse(const LevelGoal& goal, const Hierarchy& hierarchy, std::span<const CVertexId> sites, LevelReport& report) {
+void LevelMaker::describe_coarse(const Hierarchy& hierarchy, std::span<const CVertexId> sites, LevelReport& report) {
   TriangleMesh mesh;  // in index coordinates again
   mesh.triangles = hierarchy.levels.front().triangles;
   if (options_.space != Space::voxel && source_.grid.mirrored()) {
@@ -85,13 +85,27 @@ void LevelMaker::describe_coarse(const LevelGoal& goal, const Hierarchy& hierarc
   }
   for (const CVertexId v : sites) mesh.positions.push_back(source_.surface.positions[v]);
   const double voxel = source_.grid.smallest_spacing();
+  const LevelGoal& goal = options_.coarse;
   tell(goal, refiner_.describe_coarse(mesh.triangles, sites, in_units_of(goal, voxel), control_), report);
-  if (!report.measured) measure_distance(mesh, report);
+  measure_distance(mesh, report);
 }
 
-void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, LevelReport& report) {
+void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vector<LevelReport>& reports) {
   const auto start = std::chrono::steady_clock::now();
+  const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
   const RefinedLevel refined = refiner_.refine(in_units_of(goal, source_.grid.smallest_spacing()), options_.placement, control_);
+  if (refined.is_the_one_before) {
+    LevelReport same = reports.back();
+    same.refine_rounds = 0;
+    tell(goal, refined.figures, same);
+    same.seconds = seconds();
+    reports.push_back(std::move(same));
+    Hierarchy::Level again = hierarchy.levels.back();
+    if (options_.placement == Placement::balanced && again.placed.empty()) again.placed = hierarchy.positions;
+    hierarchy.levels.push_back(std::move(again));
+    return;
+  }
+  LevelReport& report = reports.emplace_back();
   tell(goal, refined.figures, report);
   report.certificate = refined.certificate;
   report.refine_rounds = refined.rounds;
@@ -123,7 +137,7 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, LevelRep
   Hierarchy::Level level{checked_id(at.size(), "vertices"), std::move(mesh.triangles), {}};
   if (options_.placement == Placement::balanced) level.placed = std::move(mesh.positions);
   hierarchy.levels.push_back(std::move(level));
-  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  report.seconds = seconds();
 }
 
 }  // namespace isoatlas

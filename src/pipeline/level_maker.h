@@ -24,11 +24,11 @@ class LevelMaker {
  public:
   LevelMaker(const LevelSource& source, const ExtractOptions& options, const RunControl& control);
 
-  /// Metrics, constraints and distances of level 0, judged by `goal`.
+  /// Metrics, constraints and distances of level 0. To be called first.
   /// @param sites  per vertex of level 0, its c-vertex on the surface
-  void describe_coarse(const LevelGoal& goal, const Hierarchy& hierarchy, std::span<const CVertexId> sites, LevelReport& report);
+  void describe_coarse(const Hierarchy& hierarchy, std::span<const CVertexId> sites, LevelReport& report);
 
-  void add_level(const LevelGoal& goal, Hierarchy& hierarchy, LevelReport& report);
+  void add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vector<LevelReport>& reports);
 
  private:
   Vec3 to_space(Vec3 index) const;

@@ -260,7 +260,7 @@ double to_isosurface(const Isosurface& isosurface, Vec3 p, double c_vertex, doub
 }
 
 constexpr int kMostPieces = 8;
-constexpr double kSampleStep = 0.4;          // between samples of a triangle, in distances to farthest neighbours
+constexpr double kSampleStep = 0.4;  // between samples of a triangle, in distances to farthest neighbours
 
 }  // namespace
 

@@ -62,7 +62,8 @@ class BetweenPoints {
 
 /// Per cell of `cells`, the largest distance from the points between its c-vertices to the mesh, with the corner of its face
 /// that is farthest from the cell's vertex. Parallel over cells.
-std::vector<Farthest> measure_between(const MeasuredSurface& surface, const BetweenPoints& between, const LevelMesh& mesh, std::span<const CellId> cells);
+std::vector<Farthest> measure_between(const MeasuredSurface& surface, const BetweenPoints& between, const LevelMesh& mesh,
+                                      std::span<const CellId> cells);
 
 /// Distances from samples of the triangles of some cells to the surface: for each of these cells the largest, at samples that
 /// are nearest to a c-vertex of the cell, and that c-vertex. Other cells' entries stay. Parallel over triangles.

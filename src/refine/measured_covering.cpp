@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "core/parallel.h"
 #include "core/vector_math.h"
@@ -15,20 +16,6 @@ namespace {
 
 constexpr std::size_t kCellsPerPiece = 64;
 constexpr double kLookCloser = 0.6;  // share of the largest distance from which on the isosurface itself is asked
-
-// How far over its bound a quantity is, so that different quantities can be compared: of a ratio what counts is its distance
-// from 1, which like distances goes with the square of the cell's size.
-double excess_of(Quantity quantity, double value, double bound) {
-  return unit(quantity) == Unit::ratio ? (value - 1) / (bound - 1) : value / bound;
-}
-
-double longest_edge(const LevelMesh& mesh, CellId cell) {
-  double squared = 0;
-  for (const std::uint32_t t : mesh.triangles_of.of(cell)) {
-    for (const CellId other : mesh.triangles[t].cell) squared = std::max(squared, squared_length(mesh.point[cell] - mesh.point[other]));
-  }
-  return std::sqrt(squared);
-}
 
 CellView view_of(const Ground& ground, const Covering& covering, const LevelMesh& mesh, CellId cell, std::span<const ClosestPoint> closest,
                  float from_mesh) {
@@ -45,6 +32,19 @@ CellView view_of(const Ground& ground, const Covering& covering, const LevelMesh
 }
 
 }  // namespace
+
+// Of a ratio what counts is its distance from 1, which like distances goes with the square of the cell's size.
+double excess_of(Quantity quantity, double value, double bound) {
+  return unit(quantity) == Unit::ratio ? (value - 1) / (bound - 1) : value / bound;
+}
+
+double longest_edge(const LevelMesh& mesh, CellId cell) {
+  double squared = 0;
+  for (const std::uint32_t t : mesh.triangles_of.of(cell)) {
+    for (const CellId other : mesh.triangles[t].cell) squared = std::max(squared, squared_length(mesh.point[cell] - mesh.point[other]));
+  }
+  return std::sqrt(squared);
+}
 
 Ground::Ground(const SurfaceComplex& surface, const Isosurface* trilinear)
     : complex(surface),
@@ -141,19 +141,34 @@ void MeasuredCovering::keep_apart() {
       anchor[c] = partition().site[c];
     }
   }
+  if (strays.empty()) return;
+  std::vector<std::uint8_t> taken(cell_of.size(), 0);
+  for (const CVertexId v : anchor) ++taken[v];
   for (const CellId c : strays) {
-    const CVertexId at = anchor[c];
-    const CellId owner = cell_of[at];
-    if (anchor[owner] != at) continue;
-    anchor[owner] = partition().site[c];  // always free: it is in a cell whose own vertex is elsewhere
-    float nearest = std::numeric_limits<float>::infinity();
-    for (const CVertexGraph::Neighbour& n : ground_.graph.row(at)) {
-      if (cell_of[n.id] != owner || n.weight >= nearest) continue;
-      if (std::any_of(strays.begin(), strays.end(), [&](CellId s) { return anchor[s] == n.id; })) continue;
-      nearest = n.weight;
-      anchor[owner] = n.id;
+    const CellId owner = cell_of[anchor[c]];
+    if (anchor[owner] != anchor[c]) continue;
+    anchor[owner] = free_place_near(anchor[c], owner, taken);
+    --taken[anchor[c]];
+    ++taken[anchor[owner]];
+  }
+}
+
+// The c-vertex fewest steps away that is not taken, of the cell if it has one. There are no fewer c-vertices than vertices.
+CVertexId MeasuredCovering::free_place_near(CVertexId start, CellId cell, const std::vector<std::uint8_t>& taken) const {
+  std::vector<CVertexId> reached{start};
+  std::vector<std::uint8_t> seen(taken.size(), 0);
+  seen[start] = 1;
+  CVertexId elsewhere = kNone;
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    for (const CVertexGraph::Neighbour& n : ground_.graph.row(reached[i])) {
+      if (std::exchange(seen[n.id], 1)) continue;
+      const bool own = partition().cell_of[n.id] == cell;
+      if (own && !taken[n.id]) return n.id;
+      if (elsewhere == kNone && !taken[n.id]) elsewhere = n.id;
+      if (own || elsewhere == kNone) reached.push_back(n.id);
     }
   }
+  return elsewhere;
 }
 
 void MeasuredCovering::update_all(CertificateReport& report, const RunControl& control) {
@@ -195,9 +210,9 @@ void MeasuredCovering::measure(std::vector<CellId> cells, Thoroughness thoroughn
       const CellView cell = view_of(ground_, covering_, mesh_, c, closest, 0);
       CellError& error = errors_[c] = {};
       for (const Constraint& d : demands_) {
-        const double value = d.quantity == Quantity::max_edge                          ? longest_edge(mesh_, c)
+        const double value = d.quantity == Quantity::max_edge                        ? longest_edge(mesh_, c)
                              : d.quantity == Quantity::max_distance && !need_closest ? static_cast<double>(farthest[i].distance)
-                                                                                       : evaluate(d.quantity, cell);
+                                                                                     : evaluate(d.quantity, cell);
         error.excess = std::max(error.excess, excess_of(d.quantity, value, d.bound));
       }
       Farthest most = farthest.empty() ? Farthest{} : farthest[i];
@@ -226,7 +241,7 @@ void MeasuredCovering::measure(std::vector<CellId> cells, Thoroughness thoroughn
   for (const CellId c : cells) add(c, from_mesh_[c]);
 }
 
-std::array<MetricSummary, kMetricCount> summarize_metrics(const Ground& ground, const Covering& covering, const LevelMesh& mesh) {
+std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& covering, const LevelMesh& mesh) {
   const std::uint32_t n = mesh.cell_count();
   std::vector<CellId> cells(n);
   std::iota(cells.begin(), cells.end(), 0u);
@@ -240,7 +255,7 @@ std::array<MetricSummary, kMetricCount> summarize_metrics(const Ground& ground, 
     const std::vector<Farthest> between = measure_between(ground.measured(), *ground.between, mesh, cells);
     for (CellId c = 0; c < n; ++c) farthest[c].distance = std::max(farthest[c].distance, between[c].distance);
   }
-  std::vector<std::array<double, kMetricCount>> values(n);
+  std::vector<MetricValues> values(n);
   for_each_piece(n, kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto c = static_cast<CellId>(i);
@@ -250,11 +265,15 @@ std::array<MetricSummary, kMetricCount> summarize_metrics(const Ground& ground, 
       for (std::size_t m = 0; m < kMetricCount; ++m) values[c][m] = evaluate(static_cast<Quantity>(m), cell);
     }
   });
+  return values;
+}
+
+std::array<MetricSummary, kMetricCount> summarize(std::span<const MetricValues> values) {
   std::array<MetricSummary, kMetricCount> out{};
-  for (const auto& value : values) {
+  for (const MetricValues& value : values) {
     for (std::size_t m = 0; m < kMetricCount; ++m) {
       out[m].maximum = std::max(out[m].maximum, value[m]);
-      out[m].mean += value[m] / n;
+      out[m].mean += value[m] / static_cast<double>(values.size());
     }
   }
   return out;

@@ -73,6 +73,7 @@ class MeasuredCovering {
 
  private:
   void keep_apart();
+  CVertexId free_place_near(CVertexId start, CellId cell, const std::vector<std::uint8_t>& taken) const;
   void measure(std::vector<CellId> cells, Thoroughness thoroughness);
 
   const Ground& ground_;
@@ -88,7 +89,15 @@ class MeasuredCovering {
   bool all_stale_ = true;
 };
 
-/// All six metrics over all cells of a mesh.
-std::array<MetricSummary, kMetricCount> summarize_metrics(const Ground& ground, const Covering& covering, const LevelMesh& mesh);
+using MetricValues = std::array<double, kMetricCount>;
+
+/// All six metrics of every cell of a mesh.
+std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& covering, const LevelMesh& mesh);
+std::array<MetricSummary, kMetricCount> summarize(std::span<const MetricValues> values);
+
+/// How far over its bound a quantity is, so that different quantities can be compared: more than 1 is too much.
+double excess_of(Quantity quantity, double value, double bound);
+
+double longest_edge(const LevelMesh& mesh, CellId cell);
 
 }  // namespace isoatlas

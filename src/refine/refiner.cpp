@@ -31,7 +31,7 @@ constexpr double kLeastStep = 0.5, kLargestStep = 0.8;
 constexpr float kFarEnough = 0.6f;
 
 // min-edge is asked of chords, radii are geodesic.
-constexpr float kChordSlack = 1.1f;
+constexpr float kChordSlack = 1.25f;
 // Under a limit on vertices: how often in a row a step may fail before it is over.
 constexpr int kMostFailures = 24;
 constexpr int kMostLastLooks = 3;
@@ -50,80 +50,6 @@ std::vector<Covering::Radius> radii_of(const Covering& covering, const std::vect
   std::vector<Covering::Radius> out;
   out.reserve(covering.radius().size());
   for (CVertexId v = 0; v < covering.radius().size(); ++v) out.push_back({to.empty() ? v : to[v], covering.radius()[v]});
-  return out;
-}
-
-std::string count_text(std::size_t n) {
-  const std::string digits = std::to_string(n);
-  std::string text;
-  for (std::size_t i = 0; i < digits.size(); ++i) {
-    if (i > 0 && (digits.size() - i) % 3 == 0) text += ',';
-    text += digits[i];
-  }
-  return text;
-}
-
-// What became of the constraints, and what stood in the way of those that are not met.
-// @param first  the level before, if any, is the coarse mesh
-std::vector<ConstraintResult> judge(const LevelGoal& goal, const LevelMesh& mesh, const RefinedLevel& level, std::size_t sites_before,
-                                    bool first) {
-  std::vector<ConstraintResult> out;
-  double shortest = std::numeric_limits<double>::infinity(), longest = 0, least_aspect = 1;
-  for (const MeshTriangle& t : mesh.triangles) {
-    std::array<double, 3> edge;
-    for (std::size_t k = 0; k < 3; ++k) edge[k] = length(t.corner[k] - t.corner[(k + 1) % 3]);
-    const auto [low, high] = std::minmax_element(edge.begin(), edge.end());
-    shortest = std::min(shortest, *low);
-    longest = std::max(longest, *high);
-    least_aspect = std::min(least_aspect, *high > 0 ? *low / *high : 0);
-  }
-  const std::size_t sites = mesh.cell_count();
-  std::string before;  // the limits that came before this constraint
-  std::string drivers;
-  for (const Constraint& c : goal) {
-    ConstraintResult& result = out.emplace_back();
-    result.wanted = c;
-    switch (c.quantity) {
-      case Quantity::max_vertices:
-      case Quantity::min_vertices:
-        result.reached = static_cast<double>(sites);
-        break;
-      case Quantity::min_edge:
-        result.reached = shortest;
-        break;
-      case Quantity::max_edge:
-        result.reached = longest;
-        break;
-      case Quantity::min_aspect:
-        result.reached = least_aspect;
-        break;
-      default:
-        result.reached = level.figures.metrics[static_cast<std::size_t>(c.quantity)].maximum;
-    }
-    result.met = is_lower_bound(c.quantity) ? result.reached >= c.bound : result.reached <= c.bound;
-    if (!result.met) {
-      if (c.quantity == Quantity::max_vertices && static_cast<double>(sites_before) > c.bound) {
-        result.reason = (first ? "topology alone needs " : "the level before has ") + count_text(sites_before);
-      } else if (c.quantity == Quantity::min_aspect) {
-        result.reason = count_text(level.shape.bad) + " triangles cannot be made better where c-vertices are this sparse";
-      } else if (is_lower_bound(c.quantity) && c.quantity == Quantity::min_edge) {
-        result.reason =
-            drivers.empty() ? "topology alone needs shorter edges" : "topology or what comes first (" + drivers + ") needs shorter edges";
-      } else if (c.quantity == Quantity::max_vertices) {
-        result.reason = drivers.empty() ? "the surface needs " + count_text(sites) : drivers + " comes first";
-      } else if (!before.empty()) {
-        result.reason = before + " comes first";
-      } else if (c.quantity == Quantity::min_vertices) {
-        result.reason = "cells cannot be smaller: the surface has " + count_text(mesh.c_vertices_of.items.size()) +
-                        " c-vertices; supersampling would give more";
-      } else {
-        result.reason = count_text(level.at_limit.size()) + " cells are at the resolution limit; supersampling would help there";
-      }
-    }
-    std::string& list = c.quantity == Quantity::max_vertices || c.quantity == Quantity::min_edge ? before : drivers;
-    if (!list.empty()) list += ", ";
-    list += name(c.quantity);
-  }
   return out;
 }
 
@@ -146,9 +72,15 @@ Refiner::Refiner(const SurfaceComplex& surface, const Isosurface& isosurface, co
                  const Covering& coarse)
     : options_(options), coarser_(coarser), coarse_(coarse), ground_(surface, &isosurface), sites_before_(coarse.site_count()) {}
 
-// @return whether everything was done that could be
-bool Refiner::work(MeasuredCovering& work, const Task& task, RefinedLevel& out, const RunControl& control) {
+// Until everything is done that can be, or vertices run out.
+void Refiner::work(MeasuredCovering& work, const Task& task, RefinedLevel& out, const RunControl& control) {
   std::unique_ptr<MeasuredCovering> before;  // the last step, while steps may have to be taken back
+  CertificateReport certificate_before;
+  const auto remember = [&] {
+    before = std::make_unique<MeasuredCovering>(work);
+    certificate_before = out.certificate;
+  };
+  std::vector<CVertexId> shape_step, shape_given_up;  // where the last step put sites for the sake of shape; where that led too far
   const auto least_radius = [&](CVertexId v) {
     return std::max(task.limit_share * work.ground().reach[v], kChordSlack * task.shortest_edge);
   };
@@ -166,13 +98,19 @@ bool Refiner::work(MeasuredCovering& work, const Task& task, RefinedLevel& out, 
         ++failures;
       }
       batch = std::max<std::size_t>(1, batch / 2);
+      if (shape_step.size() == 1) shape_given_up.push_back(shape_step.front());
       work = *before;
+      out.certificate = certificate_before;
       work.update(out.certificate, control);
     } else {
       failures = 0;
     }
+    shape_step.clear();
     const std::uint32_t sites = covering.site_count();
-    if (sites >= task.most_sites || failures > kMostFailures) return false;
+    if (sites >= task.most_sites || failures > kMostFailures) {
+      out.vertices_ran_out = true;
+      return;
+    }
 
     const std::vector<CellError>& errors = work.errors();
     const Partition& partition = work.partition();
@@ -202,10 +140,13 @@ bool Refiner::work(MeasuredCovering& work, const Task& task, RefinedLevel& out, 
     std::sort(chosen.begin(), chosen.end());
 
     if (chosen.empty()) {
-      if (!task.shape) return true;
-      if (task.most_sites != kNone) before = std::make_unique<MeasuredCovering>(work);
-      batch = 1;
-      if (!work_on_shape(work, task)) return true;
+      if (!task.shape) return;
+      const bool limited = task.most_sites != kNone;
+      if (limited) remember();
+      const std::size_t room = !limited ? kNone : too_many ? batch : std::max<std::size_t>(1, (task.most_sites - sites) / 6);
+      batch = room;
+      shape_step = work_on_shape(work, task, room, shape_given_up);
+      if (shape_step.empty()) return;
       continue;
     }
     if (task.most_sites != kNone || too_few) {
@@ -220,7 +161,7 @@ bool Refiner::work(MeasuredCovering& work, const Task& task, RefinedLevel& out, 
         if (chosen.empty()) continue;
       }
       chosen.resize(std::min(chosen.size(), batch));
-      if (task.most_sites != kNone) before = std::make_unique<MeasuredCovering>(work);
+      if (task.most_sites != kNone) remember();
     }
     for (const auto& [excess, c] : chosen) {
       const CVertexId v = partition.site[c], x = errors[c].worst;
@@ -236,22 +177,28 @@ bool Refiner::work(MeasuredCovering& work, const Task& task, RefinedLevel& out, 
   }
 }
 
-// Puts a site where the corners of badly shaped triangles meet. @return whether there was any to put
-bool Refiner::work_on_shape(MeasuredCovering& work, const Task& task) {
+// Puts sites where the corners of badly shaped triangles meet, of the worst ones first. @return where
+std::vector<CVertexId> Refiner::work_on_shape(MeasuredCovering& work, const Task& task, std::size_t room,
+                                              std::span<const CVertexId> given_up) {
   Covering& covering = work.covering();
-  bool any = false;
-  std::size_t room = task.most_sites == kNone ? kNone : 1;
-  for (std::size_t i = 0; i < work.mesh().triangles.size() && room > 0; ++i) {
+  std::vector<std::pair<double, CVertexId>> bad;
+  for (std::size_t i = 0; i < work.mesh().triangles.size(); ++i) {
     const MeshTriangle& t = work.mesh().triangles[i];
-    if (task.shape->score(t.corner[0], t.corner[1], t.corner[2]) >= 1) continue;
+    const double score = task.shape->score(t.corner[0], t.corner[1], t.corner[2]);
+    if (score >= 1) continue;
     const CVertexId v = work.triangles()[i].at;
     const float d = covering.distance()[v];
     if (!covering.is_covered(v) || d < kLimitShare * work.ground().reach[v] || d < kChordSlack * task.shortest_edge) continue;
-    covering.lower_radius(v, d);
-    any = true;
-    room -= room != kNone;
+    if (std::find(given_up.begin(), given_up.end(), v) == given_up.end()) bad.emplace_back(score, v);
   }
-  return any;
+  std::sort(bad.begin(), bad.end());
+  if (bad.size() > room) bad.resize(room);
+  std::vector<CVertexId> out;
+  for (const auto& [score, v] : bad) {
+    covering.lower_radius(v, covering.distance()[v]);
+    out.push_back(v);
+  }
+  return out;
 }
 
 // Makes the cells at badly shaped triangles smaller. @return whether any could be
@@ -294,6 +241,7 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
   if (!task.metrics.empty() && rough.covering().site_count() < task.most_sites) {
     rough.demand(task.metrics, placement);
     work(rough, task, out, control);
+    out.vertices_ran_out = false;  // only its share of them
   }
   placed_in_ = rough.covering().placed_in();
   work_ =
@@ -301,38 +249,26 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
   work_->freeze_anchors(sites_before_);
 }
 
-RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const RunControl& control) {
-  RefinedLevel out;
-  const bool first = work_ == nullptr;
-  if (!first) {
-    sites_before_ = partition().cell_count();
-  } else {
-    step_down(goal, placement, out, control);
-  }
-
-  // The constraints in their order: work on what there is so far before a limit comes into force.
+// The constraints in their order: works on what there is so far before a limit comes into force.
+// @return all of them, the last ones still to be worked on
+Refiner::Task Refiner::whole_task(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control) {
   Task task;
   task.placement = placement;
   ShapeGoal shape;
-  bool new_metrics = false;
-  const auto demand = [&] {
-    const std::array none{Constraint{Quantity::max_distance, std::numeric_limits<double>::max()}};  // only says which cells are worst
-    work_->demand(task.metrics.empty() ? std::span<const Constraint>(none) : task.metrics, task.placement);
-  };
+  bool new_aims = false;
   for (const Constraint& c : goal) {
     const bool limit = c.quantity == Quantity::max_vertices || c.quantity == Quantity::min_edge;
-    if (limit && new_metrics) {
-      demand();
+    if (limit && new_aims) {
+      demand(task);
       work(*work_, task, out, control);
-      new_metrics = false;
     }
+    new_aims = !limit;
     switch (c.quantity) {
       case Quantity::max_vertices:
         task.most_sites = static_cast<std::uint32_t>(std::min(c.bound, 4e9));
         break;
       case Quantity::min_vertices:
         task.least_sites = static_cast<std::uint32_t>(std::min(std::ceil(c.bound), 4e9));
-        new_metrics = true;
         break;
       case Quantity::min_edge:
         task.shortest_edge = static_cast<float>(c.bound);
@@ -340,15 +276,54 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
       case Quantity::min_aspect:
         shape.aspect = std::max(shape.aspect, c.bound);
         task.shape = shape;
-        new_metrics = true;
         break;
       default:
         task.metrics.push_back(c);
-        new_metrics = true;
     }
   }
   task.shape = shape;
-  demand();
+  return task;
+}
+
+void Refiner::demand(const Task& task) {
+  const std::array none{Constraint{Quantity::max_distance, std::numeric_limits<double>::max()}};  // only says which cells are worst
+  work_->demand(task.metrics.empty() ? std::span<const Constraint>(none) : task.metrics, task.placement);
+}
+
+// Cells over a bound with how far they are over it, the worst first.
+std::vector<std::pair<CellId, double>> Refiner::cells_over(const Task& task, std::span<const MetricValues> values) const {
+  std::vector<std::pair<CellId, double>> out;
+  for (CellId c = 0; c < values.size(); ++c) {
+    double excess = 0;
+    for (const Constraint& m : task.metrics) {
+      const double value = is_metric(m.quantity) ? values[c][static_cast<std::size_t>(m.quantity)] : longest_edge(work_->mesh(), c);
+      excess = std::max(excess, excess_of(m.quantity, value, m.bound));
+    }
+    if (excess > 1) out.emplace_back(c, excess);
+  }
+  std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  return out;
+}
+
+RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const RunControl& control) {
+  RefinedLevel out;
+  const bool first = work_ == nullptr;
+  const bool limited = !goal.empty() && goal.front().quantity == Quantity::max_vertices;
+  const auto too_many = [&](std::uint32_t sites) { return limited && static_cast<double>(sites) > goal.front().bound; };
+  const auto the_one_before = [&] {
+    RefinedLevel same;
+    same.is_the_one_before = true;
+    same.figures = {metrics_, judge(goal, extent_, metrics_, {&extent_, first, true, false, 0})};
+    return same;
+  };
+  if (!first) sites_before_ = partition().cell_count();
+  if (limited && static_cast<double>(sites_before_) >= goal.front().bound) return the_one_before();
+  std::unique_ptr<MeasuredCovering> before;
+  if (limited && !first) before = std::make_unique<MeasuredCovering>(*work_);
+
+  if (first) step_down(goal, placement, out, control);
+  const Task task = whole_task(goal, placement, out, control);
+  demand(task);
   work(*work_, task, out, control);
   // Balanced once more in one go, instead of piece by piece, and then what got worse by that.
   for (int again = 0; placement == Placement::balanced && again < kMostLastLooks; ++again) {
@@ -357,37 +332,51 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
     work(*work_, task, out, control);
     if (partition().cell_count() == sites) break;
   }
+  if (too_many(partition().cell_count())) {  // on the surface itself repair needed more than was left
+    work_ = std::move(before);
+    return the_one_before();
+  }
   work_->certify(out.certificate, control);
 
   // Where neither a flip nor a move mends a triangle, smaller cells around it give another mesh, and another chance.
   std::vector<DualTriangle> triangles;
-  out.shape = improve_shape(*work_, shape, triangles, control);
+  out.shape = improve_shape(*work_, *task.shape, triangles, control);
   for (int chance = 0; chance < kMostChances && out.shape.bad > 0 && out.shape.bad < kFewTriangles; ++chance) {
     if (task.most_sites != kNone || !work_around(*work_, task, triangles)) break;
     work_->update(out.certificate, control);
     work(*work_, task, out, control);
     work_->certify(out.certificate, control);
-    out.shape = improve_shape(*work_, shape, triangles, control);
+    const std::size_t moves = out.shape.moves;  // these stay, flips do not
+    out.shape = improve_shape(*work_, *task.shape, triangles, control);
+    out.shape.moves += moves;
   }
-  improve_errors(*work_, shape, triangles, out.shape, control);
+  improve_errors(*work_, *task.shape, triangles, out.shape, control);
   work_->freeze_anchors(partition().cell_count());
   out.triangles.reserve(triangles.size());
   for (const DualTriangle& t : triangles) out.triangles.push_back(t.cell);
-  out.figures.metrics = summarize_metrics(ground_, work_->covering(), work_->mesh());
 
-  for (CellId c = 0; c < partition().cell_count(); ++c) {
+  const std::vector<MetricValues> values = measure_metrics(ground_, work_->covering(), work_->mesh());
+  Obstacles obstacles{&extent_, first, out.vertices_ran_out, false, 0};
+  for (const auto& [c, excess] : cells_over(task, values)) {
     const CVertexId v = partition().site[c];
-    if (work_->errors()[c].excess > 1 && work_->covering().radius()[v] <= kLimitShare * ground_.reach[v] * 1.0001f) {
-      out.at_limit.emplace_back(c, work_->errors()[c].excess);
+    const float radius = work_->covering().radius()[v];
+    if (radius <= kLimitShare * ground_.reach[v] * 1.0001f) {
+      out.at_limit.emplace_back(c, excess);
+    } else if (radius <= kChordSlack * task.shortest_edge * 1.0001f) {
+      obstacles.edges_in_the_way = true;
     }
   }
-  std::stable_sort(out.at_limit.begin(), out.at_limit.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
-  out.figures.constraints = judge(goal, work_->mesh(), out, sites_before_, first);
+  obstacles.cells_at_limit = out.at_limit.size();
+  out.figures.metrics = summarize(values);
+  MeshExtent extent = extent_of(work_->mesh());
+  out.figures.constraints = judge(goal, extent, out.figures.metrics, obstacles);
+  extent_ = std::move(extent);
+  metrics_ = out.figures.metrics;
   return out;
 }
 
 LevelFigures Refiner::describe_coarse(std::span<const Triangle> triangles, std::span<const CVertexId> sites, const LevelGoal& goal,
-                                      const RunControl& control) const {
+                                      const RunControl& control) {
   control.check_cancelled();
   Covering covering(ground_.graph, options_);
   covering.seed(sites, {});
@@ -395,15 +384,9 @@ LevelFigures Refiner::describe_coarse(std::span<const Triangle> triangles, std::
   dual.reserve(triangles.size());
   for (const Triangle& t : triangles) dual.push_back({t, kNone});
   const LevelMesh mesh = make_level_mesh(ground_.surfels, covering.partition(), dual, {{sites.begin(), sites.end()}, {}});
-  RefinedLevel level;
-  level.figures.metrics = summarize_metrics(ground_, covering, mesh);
-  level.shape.bad = 0;
-  level.figures.constraints = judge(goal, mesh, level, covering.site_count(), true);
-  for (ConstraintResult& c : level.figures.constraints) {
-    const bool limited = c.reason.starts_with(name(Quantity::max_vertices));
-    if (!c.met && c.wanted.quantity != Quantity::max_vertices && !limited) c.reason = "the coarse mesh is not refined";
-  }
-  return level.figures;
+  extent_ = extent_of(mesh);
+  metrics_ = summarize(measure_metrics(ground_, covering, mesh));
+  return {metrics_, judge(goal, extent_, metrics_, {})};
 }
 
 std::vector<std::uint32_t> Refiner::parents() const {

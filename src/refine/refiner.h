@@ -7,6 +7,7 @@
 
 #include "isoatlas/extract.h"
 #include "partition/coarsen.h"
+#include "refine/judge.h"
 #include "refine/measured_covering.h"
 #include "refine/shape.h"
 
@@ -18,12 +19,16 @@ struct LevelFigures {
 };
 
 struct RefinedLevel {
+  /// max-vertices comes first and no level with more vertices than the one before has few enough: it is that one again, and only
+  /// `figures` say anything new.
+  bool is_the_one_before = false;
   std::vector<Triangle> triangles;
   CertificateReport certificate;
   LevelFigures figures;
   std::vector<std::pair<CellId, double>> at_limit;  ///< cells over a bound that cannot be made smaller, and by how much; worst first
   ShapeReport shape;
   std::size_t rounds = 0;
+  bool vertices_ran_out = false;  ///< a limit on vertices ended the work
 };
 
 /// Stage two: makes a covering finer where metrics ask for it, level by level (paper, 3.4 and figure 8). Lengths are in voxels.
@@ -37,10 +42,10 @@ class Refiner {
   Refiner(const SurfaceComplex& surface, const Isosurface& isosurface, const Coarsened& coarser, const CoveringOptions& options,
           const Covering& coarse);
 
-  /// What can be said of level 0. @pre refine() was not called yet
+  /// What can be said of level 0. To be called once, before refine().
   /// @param sites  per vertex of the level, its c-vertex on the surface
   LevelFigures describe_coarse(std::span<const Triangle> triangles, std::span<const CVertexId> sites, const LevelGoal& goal,
-                               const RunControl& control) const;
+                               const RunControl& control);
 
   /// Makes the next level. Topology first, then the constraints in their order.
   RefinedLevel refine(const LevelGoal& goal, Placement placement, const RunControl& control);
@@ -53,9 +58,12 @@ class Refiner {
 
  private:
   struct Task;
-  bool work(MeasuredCovering& work, const Task& task, RefinedLevel& out, const RunControl& control);
-  bool work_on_shape(MeasuredCovering& work, const Task& task);
+  void work(MeasuredCovering& work, const Task& task, RefinedLevel& out, const RunControl& control);
+  std::vector<CVertexId> work_on_shape(MeasuredCovering& work, const Task& task, std::size_t room, std::span<const CVertexId> given_up);
   bool work_around(MeasuredCovering& work, const Task& task, const std::vector<DualTriangle>& triangles);
+  void demand(const Task& task);
+  Task whole_task(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control);
+  std::vector<std::pair<CellId, double>> cells_over(const Task& task, std::span<const MetricValues> values) const;
   void step_down(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control);
 
   CoveringOptions options_;
@@ -65,6 +73,8 @@ class Refiner {
   std::unique_ptr<MeasuredCovering> work_;
   std::vector<CellId> placed_in_;  // per site of the first part of refinement, on the coarser complex
   std::uint32_t sites_before_;     // of the level before
+  MeshExtent extent_;              // of the last level, its metrics below
+  std::array<MetricSummary, kMetricCount> metrics_{};
 };
 
 }  // namespace isoatlas

@@ -17,6 +17,8 @@ namespace {
 
 using namespace test;
 
+[[maybe_unused]] const bool kCases = run_cases(250);
+
 SurfaceComplex parsed(const RandomCase& c, const Volume& volume) {
   ParseOptions options;
   options.rule = {c.isovalue(), c.inside(), NonFinite::refuse};

@@ -14,6 +14,8 @@ namespace {
 
 using namespace test;
 
+[[maybe_unused]] const bool kCases = run_cases(250);
+
 RC_GTEST_PROP(AnyCovering, CoversAndCertifies, (const RandomCase& c)) {
   const Samples samples = c.samples();
   RC_PRE(has_surface(samples, c.isovalue(), c.inside()));

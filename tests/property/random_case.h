@@ -5,6 +5,8 @@
 
 #include <rapidcheck.h>
 
+#include <string>
+
 #include <cstdlib>
 #include <ostream>
 
@@ -36,10 +38,10 @@ inline void showValue(const RandomCase& c, std::ostream& out) { out << c; }
 
 // RapidCheck's default is 100 cases of another seed each time: a test that passes or fails by chance says nothing of a change.
 // RC_PARAMS in the environment overrides this, which is how to look for bugs on new volumes.
-inline const bool kEnoughCases = [] {
-  setenv("RC_PARAMS", "max_success=250 max_size=100 seed=2001", 0);
-  return true;
-}();
+inline bool run_cases(int count) {
+  const std::string parameters = "max_success=" + std::to_string(count) + " max_size=100 seed=2001";
+  return setenv("RC_PARAMS", parameters.c_str(), 0) == 0;
+}
 
 }  // namespace isoatlas::test
 
