@@ -33,6 +33,11 @@ CellView view_of(const Ground& ground, const Covering& covering, const LevelMesh
 
 }  // namespace
 
+Constraint scaled(Constraint c, double by) {
+  c.bound = is_metric(c.quantity) && unit(c.quantity) == Unit::ratio ? 1 + by * (c.bound - 1) : by * c.bound;
+  return c;
+}
+
 // Of a ratio what counts is its distance from 1, which like distances goes with the square of the cell's size.
 double excess_of(Quantity quantity, double value, double bound) {
   return unit(quantity) == Unit::ratio ? (value - 1) / (bound - 1) : value / bound;
@@ -77,6 +82,7 @@ MeasuredCovering::MeasuredCovering(const MeasuredCovering& other)
       frozen_(other.frozen_),
       from_mesh_(other.from_mesh_),
       errors_(other.errors_),
+      stale_(other.stale_),
       all_stale_(other.all_stale_) {}
 
 MeasuredCovering& MeasuredCovering::operator=(const MeasuredCovering& other) {
@@ -89,15 +95,27 @@ MeasuredCovering& MeasuredCovering::operator=(const MeasuredCovering& other) {
   frozen_ = other.frozen_;
   from_mesh_ = other.from_mesh_;
   errors_ = other.errors_;
+  stale_ = other.stale_;
   all_stale_ = other.all_stale_;
   return *this;
 }
 
 void MeasuredCovering::demand(std::span<const Constraint> metrics, Placement placement) {
+  if (std::ranges::equal(metrics, demands_) && placement == placement_) return;
   demands_.assign(metrics.begin(), metrics.end());
   if (placement == Placement::surface) places_.offset.clear();
   placement_ = placement;
   all_stale_ = true;
+}
+
+void MeasuredCovering::tighten(double share) {
+  for (Constraint& c : demands_) c = scaled(c, share);
+  stale_.resize(errors_.size(), 0);
+  for (CellId c = 0; c < errors_.size(); ++c) {
+    const bool was_good = errors_[c].excess <= 1;
+    errors_[c].excess /= share;
+    if (was_good && errors_[c].excess > 1) stale_[c] = 1;
+  }
 }
 
 void MeasuredCovering::update(CertificateReport& report, const RunControl& control) {
@@ -114,7 +132,9 @@ void MeasuredCovering::update(CertificateReport& report, const RunControl& contr
     std::iota(cells.begin(), cells.end(), 0u);
   } else {
     // A cell's metrics look at the triangles around it and around its neighbours.
-    std::vector<std::uint8_t> stale = dual_.touched();
+    std::vector<std::uint8_t>& stale = stale_;
+    stale.resize(partition().cell_count(), 0);
+    for (CellId c = 0; c < stale.size(); ++c) stale[c] |= dual_.touched()[c];
     for (const MeshTriangle& t : mesh_.triangles) {
       if (!dual_.touched()[t.cell[0]] && !dual_.touched()[t.cell[1]] && !dual_.touched()[t.cell[2]]) continue;
       for (const CellId c : t.cell) stale[c] = 1;
@@ -124,6 +144,7 @@ void MeasuredCovering::update(CertificateReport& report, const RunControl& contr
     }
   }
   dual_.forget_touched();
+  stale_.clear();
   all_stale_ = false;
   measure(std::move(cells), Thoroughness::quick);
 }
@@ -178,7 +199,8 @@ void MeasuredCovering::update_all(CertificateReport& report, const RunControl& c
 
 void MeasuredCovering::remesh(std::span<const DualTriangle> triangles, std::vector<CVertexId> anchors, std::span<const CellId> concerned) {
   places_.anchor = std::move(anchors);
-  all_stale_ = true;  // the next update() takes the dual's triangles again
+  stale_.resize(partition().cell_count(), 0);
+  for (const CellId c : concerned) stale_[c] = 1;  // the next update() takes the dual's triangles again
   set_triangles(mesh_, ground_.surfels, triangles, places_);
   measure({concerned.begin(), concerned.end()}, Thoroughness::exact);  // to be compared
 }

@@ -43,8 +43,13 @@ class MeasuredCovering {
   /// @pre both stand on the same ground
   MeasuredCovering& operator=(const MeasuredCovering& other);
 
-  /// Which metrics count from now on, with their bounds; everything will be measured anew.
+  /// Which metrics count from now on, with their bounds; everything will be measured anew,
+  /// unless they are what they were.
   void demand(std::span<const Constraint> metrics, Placement placement);
+
+  /// Multiplies all bounds (of ratios, what they are more than 1) by `share` < 1; only cells that this puts over a bound will be
+  /// measured anew.
+  void tighten(double share);
 
   /// Covers, certifies and repairs, places and measures what has changed.
   void update(CertificateReport& report, const RunControl& control);
@@ -86,6 +91,7 @@ class MeasuredCovering {
   CellId frozen_ = 0;
   std::vector<Farthest> from_mesh_;
   std::vector<CellError> errors_;
+  std::vector<std::uint8_t> stale_;  // per cell, 1 if the next update() has to measure it, whatever else it does
   bool all_stale_ = true;
 };
 
@@ -94,6 +100,9 @@ using MetricValues = std::array<double, kMetricCount>;
 /// All six metrics of every cell of a mesh.
 std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& covering, const LevelMesh& mesh);
 std::array<MetricSummary, kMetricCount> summarize(std::span<const MetricValues> values);
+
+/// The bound times `by`; of a ratio, what it is more than 1.
+Constraint scaled(Constraint c, double by);
 
 /// How far over its bound a quantity is, so that different quantities can be compared: more than 1 is too much.
 double excess_of(Quantity quantity, double value, double bound);

@@ -34,6 +34,8 @@ constexpr float kFarEnough = 0.6f;
 constexpr float kChordSlack = 1.25f;
 // Under a limit on vertices: how often in a row a step may fail before it is over.
 constexpr int kMostFailures = 24;
+// How much less generous bounds become: while fewer than half of the vertices are used, and then.
+constexpr double kFirstSteps = 0.7, kLastSteps = 0.85;
 constexpr int kMostLastLooks = 3;
 // A few bad triangles that are left get so many more chances.
 constexpr int kMostChances = 6;
@@ -50,6 +52,14 @@ std::vector<Covering::Radius> radii_of(const Covering& covering, const std::vect
   std::vector<Covering::Radius> out;
   out.reserve(covering.radius().size());
   for (CVertexId v = 0; v < covering.radius().size(); ++v) out.push_back({to.empty() ? v : to[v], covering.radius()[v]});
+  return out;
+}
+
+// What is asked for, bounds so many times as generous.
+std::vector<Constraint> demands_of(const std::vector<Constraint>& metrics, double generosity = 1) {
+  std::vector<Constraint> out;
+  for (const Constraint& c : metrics) out.push_back(scaled(c, generosity));
+  if (out.empty()) out.push_back({Quantity::max_distance, std::numeric_limits<double>::max()});  // only says which cells are worst
   return out;
 }
 
@@ -72,8 +82,35 @@ Refiner::Refiner(const SurfaceComplex& surface, const Isosurface& isosurface, co
                  const Covering& coarse)
     : options_(options), coarser_(coarser), coarse_(coarse), ground_(surface, &isosurface), sites_before_(coarse.site_count()) {}
 
-// Until everything is done that can be, or vertices run out.
+// Until the task is done as far as it can be, or vertices run out. If they may, bounds are first meant more generously and then less
+// and less so: what vertices there are then go where they lower the largest error, looked at from all sides.
 void Refiner::work(MeasuredCovering& work, const Task& task, RefinedLevel& out, const RunControl& control) {
+  work.demand(demands_of(task.metrics), task.placement);
+  if (task.most_sites == kNone || task.metrics.empty()) {
+    meet(work, task, out, control);
+    return;
+  }
+  work.update(out.certificate, control);
+  double generosity = 1;
+  for (const CellError& e : work.errors()) {
+    if (std::isfinite(e.excess)) generosity = std::max(generosity, e.excess);
+  }
+  work.demand(demands_of(task.metrics, generosity), task.placement);
+  work.update(out.certificate, control);
+  Task part = task;
+  part.least_sites = 0;
+  while (generosity > 1 && !out.vertices_ran_out) {
+    const bool many_left = 2 * std::size_t{work.covering().site_count()} < task.most_sites;
+    const double step = std::max(many_left ? kFirstSteps : kLastSteps, 1 / generosity);
+    generosity *= step;
+    work.tighten(step);
+    if (generosity > 1) meet(work, part, out, control);
+  }
+  if (!out.vertices_ran_out) meet(work, task, out, control);
+}
+
+// Until all demands are met as far as they can be, or vertices run out.
+void Refiner::meet(MeasuredCovering& work, const Task& task, RefinedLevel& out, const RunControl& control) {
   std::unique_ptr<MeasuredCovering> before;  // the last step, while steps may have to be taken back
   CertificateReport certificate_before;
   const auto remember = [&] {
@@ -239,7 +276,6 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
     if (c.quantity == Quantity::min_edge) task.shortest_edge = static_cast<float>(c.bound);
   }
   if (!task.metrics.empty() && rough.covering().site_count() < task.most_sites) {
-    rough.demand(task.metrics, placement);
     work(rough, task, out, control);
     out.vertices_ran_out = false;  // only its share of them
   }
@@ -259,7 +295,6 @@ Refiner::Task Refiner::whole_task(const LevelGoal& goal, Placement placement, Re
   for (const Constraint& c : goal) {
     const bool limit = c.quantity == Quantity::max_vertices || c.quantity == Quantity::min_edge;
     if (limit && new_aims) {
-      demand(task);
       work(*work_, task, out, control);
     }
     new_aims = !limit;
@@ -285,11 +320,6 @@ Refiner::Task Refiner::whole_task(const LevelGoal& goal, Placement placement, Re
   return task;
 }
 
-void Refiner::demand(const Task& task) {
-  const std::array none{Constraint{Quantity::max_distance, std::numeric_limits<double>::max()}};  // only says which cells are worst
-  work_->demand(task.metrics.empty() ? std::span<const Constraint>(none) : task.metrics, task.placement);
-}
-
 // Cells over a bound with how far they are over it, the worst first.
 std::vector<std::pair<CellId, double>> Refiner::cells_over(const Task& task, std::span<const MetricValues> values) const {
   std::vector<std::pair<CellId, double>> out;
@@ -303,6 +333,11 @@ std::vector<std::pair<CellId, double>> Refiner::cells_over(const Task& task, std
   }
   std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
   return out;
+}
+
+bool Refiner::is_at_limit(CellId c) const {
+  const CVertexId v = partition().site[c];
+  return work_->covering().radius()[v] <= kLimitShare * ground_.reach[v] * 1.0001f;
 }
 
 RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const RunControl& control) {
@@ -323,10 +358,9 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
 
   if (first) step_down(goal, placement, out, control);
   const Task task = whole_task(goal, placement, out, control);
-  demand(task);
   work(*work_, task, out, control);
   // Balanced once more in one go, instead of piece by piece, and then what got worse by that.
-  for (int again = 0; placement == Placement::balanced && again < kMostLastLooks; ++again) {
+  for (int again = 0; placement == Placement::balanced && again < kMostLastLooks && !out.vertices_ran_out; ++again) {
     const std::uint32_t sites = partition().cell_count();
     work_->update_all(out.certificate, control);
     work(*work_, task, out, control);
@@ -350,7 +384,11 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
     out.shape = improve_shape(*work_, *task.shape, triangles, control);
     out.shape.moves += moves;
   }
-  improve_errors(*work_, *task.shape, triangles, out.shape, control);
+  std::vector<CellId> smallest;  // cells that nothing else can help
+  for (CellId c = 0; c < partition().cell_count(); ++c) {
+    if (is_at_limit(c)) smallest.push_back(c);
+  }
+  improve_errors(*work_, *task.shape, smallest, triangles, out.shape, control);
   work_->freeze_anchors(partition().cell_count());
   out.triangles.reserve(triangles.size());
   for (const DualTriangle& t : triangles) out.triangles.push_back(t.cell);
@@ -358,9 +396,8 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
   const std::vector<MetricValues> values = measure_metrics(ground_, work_->covering(), work_->mesh());
   Obstacles obstacles{&extent_, first, out.vertices_ran_out, false, 0};
   for (const auto& [c, excess] : cells_over(task, values)) {
-    const CVertexId v = partition().site[c];
-    const float radius = work_->covering().radius()[v];
-    if (radius <= kLimitShare * ground_.reach[v] * 1.0001f) {
+    const float radius = work_->covering().radius()[partition().site[c]];
+    if (is_at_limit(c)) {
       out.at_limit.emplace_back(c, excess);
     } else if (radius <= kChordSlack * task.shortest_edge * 1.0001f) {
       obstacles.edges_in_the_way = true;

@@ -59,10 +59,11 @@ class Refiner {
  private:
   struct Task;
   void work(MeasuredCovering& work, const Task& task, RefinedLevel& out, const RunControl& control);
+  void meet(MeasuredCovering& work, const Task& task, RefinedLevel& out, const RunControl& control);
   std::vector<CVertexId> work_on_shape(MeasuredCovering& work, const Task& task, std::size_t room, std::span<const CVertexId> given_up);
   bool work_around(MeasuredCovering& work, const Task& task, const std::vector<DualTriangle>& triangles);
-  void demand(const Task& task);
   Task whole_task(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control);
+  bool is_at_limit(CellId c) const;
   std::vector<std::pair<CellId, double>> cells_over(const Task& task, std::span<const MetricValues> values) const;
   void step_down(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control);
 

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <numeric>
 #include <optional>
+#include <span>
 
 #include "core/vector_math.h"
 
@@ -40,10 +41,10 @@ class Workshop {
     for (const CVertexId v : anchors_) occupied_[v] = 1;
   }
 
-  void run(Purpose purpose, ShapeReport& report, const RunControl& control) {
+  void run(Purpose purpose, std::span<const CellId> cells, ShapeReport& report, const RunControl& control) {
     for (int k = 0; k < kPasses; ++k) {
       control.check_cancelled();
-      if (pass(purpose, report) == 0) break;
+      if (pass(purpose, cells, report) == 0) break;
     }
     report.bad = bad_triangles().size();
   }
@@ -63,10 +64,10 @@ class Workshop {
     return out;
   }
 
-  // Cells over their bounds, the worst first.
-  std::vector<CellId> cells_over_bounds() const {
+  // Those of the cells that are over their bounds, the worst first.
+  std::vector<CellId> over_bounds(std::span<const CellId> cells) const {
     std::vector<std::pair<double, CellId>> found;
-    for (CellId c = 0; c < work_.errors().size(); ++c) {
+    for (const CellId c : cells) {
       if (work_.errors()[c].excess > 1) found.emplace_back(-work_.errors()[c].excess, c);
     }
     std::sort(found.begin(), found.end());
@@ -75,9 +76,9 @@ class Workshop {
     return out;
   }
 
-  // One change for every bad triangle, or for every cell over its bounds, that has one and is far from the others'.
+  // One change for every bad triangle, or for every cell to mend that is over its bounds, that has one and is far from the others'.
   // @return how many were tried
-  std::size_t pass(Purpose purpose, ShapeReport& report) {
+  std::size_t pass(Purpose purpose, std::span<const CellId> cells_to_mend, ShapeReport& report) {
     const LevelMesh& mesh = work_.mesh();
     std::vector<std::uint8_t> taken(mesh.cell_count(), 0);
     const auto is_taken = [&](CellId c) { return taken[c] != 0; };
@@ -92,7 +93,7 @@ class Workshop {
       concerned.push_back(near);
     };
     if (purpose == Purpose::errors) {
-      for (const CellId cell : cells_over_bounds()) {
+      for (const CellId cell : over_bounds(cells_to_mend)) {
         if (is_taken(cell)) continue;
         Change best;
         for (const std::uint32_t i : mesh.triangles_of.of(cell)) consider_flips(i, std::nullopt, best);
@@ -287,13 +288,13 @@ ShapeReport improve_shape(MeasuredCovering& work, const ShapeGoal& goal, std::ve
     if (work.errors()[c].excess > 1) over.push_back(c);
   }
   work.remesh(triangles, work.places().anchor, over);
-  Workshop(work, goal, triangles).run(Purpose::shape, report, control);
+  Workshop(work, goal, triangles).run(Purpose::shape, {}, report, control);
   return report;
 }
 
-void improve_errors(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles, ShapeReport& report,
-                    const RunControl& control) {
-  Workshop(work, goal, triangles).run(Purpose::errors, report, control);
+void improve_errors(MeasuredCovering& work, const ShapeGoal& goal, std::span<const CellId> cells, std::vector<DualTriangle>& triangles,
+                    ShapeReport& report, const RunControl& control) {
+  Workshop(work, goal, triangles).run(Purpose::errors, cells, report, control);
 }
 
 }  // namespace isoatlas
