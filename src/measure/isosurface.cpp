@@ -132,10 +132,12 @@ Isosurface::Hit Isosurface::closest_on_faces(Vec3 p, double at_most) const {
   return {to_index(hit.point), std::sqrt(hit.squared_distance)};
 }
 
-Isosurface::Hit Isosurface::nearby(const Vec3 index) const {
+Isosurface::Hit Isosurface::nearby(const Vec3 index, double enough) const {
   const Vec3 p = to_metric(index);
   const std::optional<Foot> foot = project(p, kDirectReach * voxel_);
   if (!foot) return {};
+  const double distance = length(p - foot->point);
+  if (distance <= enough) return {to_index(foot->point), distance};
   const Foot slid = slide_towards(p, *foot);
   return {to_index(slid.point), length(p - slid.point)};
 }

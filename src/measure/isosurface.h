@@ -38,9 +38,10 @@ class Isosurface {
   /// About two microseconds near the surface.
   Hit closest(Vec3 p, double at_most = std::numeric_limits<double>::infinity()) const;
 
-  /// A point of the trilinear surface, found from p alone: by Newton's method along the gradient, then by sliding towards p. The
-  /// distance is an upper bound too, but nothing is searched for: on another sheet, or nothing at all, where p is not near.
-  Hit nearby(Vec3 p) const;
+  /// A point of the trilinear surface, found from p alone: by Newton's method along the gradient, then, if it is farther than
+  /// `enough`, by sliding towards p. The distance is an upper bound too, but nothing is searched for: on another sheet, or nothing
+  /// at all, where p is not near.
+  Hit nearby(Vec3 p, double enough = 0) const;
 
   /// A point of the trilinear surface near p (within one smallest spacing), by Newton's method along the gradient.
   std::optional<Vec3> onto_surface(Vec3 p) const;

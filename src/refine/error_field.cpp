@@ -255,7 +255,7 @@ double from_surfel(const MeasuredSurface& surface, const NearestSurfel& nearest,
 // How far `p` is from the isosurface. What is found at once is a point of it and bounds the distance from above; only where that is
 // not within `enough` is it worth to look for one that is nearer.
 double to_isosurface(const Isosurface& isosurface, Vec3 p, double c_vertex, double enough) {
-  const double nearby = std::min(c_vertex, isosurface.nearby(p).distance);
+  const double nearby = std::min(c_vertex, isosurface.nearby(p, enough).distance);
   return nearby <= enough ? nearby : std::min(nearby, isosurface.closest(p, nearby).distance);
 }
 

@@ -40,6 +40,8 @@ constexpr int kMostLastLooks = 3;
 // A few bad triangles that are left get so many more chances.
 constexpr int kMostChances = 6;
 constexpr std::size_t kFewTriangles = 100;
+// Cells at their limit that are tried to be mended by flips and moves.
+constexpr std::size_t kMostMended = 200;
 
 std::vector<CVertexId> mapped(const std::vector<CVertexId>& ids, const std::vector<CVertexId>& to) {
   std::vector<CVertexId> out;
@@ -384,11 +386,16 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
     out.shape = improve_shape(*work_, *task.shape, triangles, control);
     out.shape.moves += moves;
   }
-  std::vector<CellId> smallest;  // cells that nothing else can help
+  // What nothing else can help: of the cells at their limit, the worst.
+  std::vector<std::pair<double, CellId>> worst;
   for (CellId c = 0; c < partition().cell_count(); ++c) {
-    if (is_at_limit(c)) smallest.push_back(c);
+    if (work_->errors()[c].excess > 1 && is_at_limit(c)) worst.emplace_back(-work_->errors()[c].excess, c);
   }
-  improve_errors(*work_, *task.shape, smallest, triangles, out.shape, control);
+  std::sort(worst.begin(), worst.end());
+  if (worst.size() > kMostMended) worst.resize(kMostMended);
+  std::vector<CellId> to_mend;
+  for (const auto& [excess, c] : worst) to_mend.push_back(c);
+  improve_errors(*work_, *task.shape, to_mend, triangles, out.shape, control);
   work_->freeze_anchors(partition().cell_count());
   out.triangles.reserve(triangles.size());
   for (const DualTriangle& t : triangles) out.triangles.push_back(t.cell);
