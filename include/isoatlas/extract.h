@@ -80,7 +80,7 @@ struct ConstraintResult {
 
 /// A cell that is over its bound and cannot be made smaller: it would no longer contain all neighbours of its site (paper, 3.4).
 struct CellAtLimit {
-  Vec3 position;      ///< of its site, in the mesh's space
+  Vec3 position;      ///< of its vertex, in the mesh's space
   double excess = 0;  ///< worst of metric / bound
 };
 
