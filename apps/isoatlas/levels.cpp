@@ -11,6 +11,7 @@
 
 #include "commands.h"
 #include "exit_status.h"
+#include "isoatlas/error.h"
 #include "isoatlas/io.h"
 #include "report/level_facts.h"
 #include "text.h"
@@ -78,7 +79,9 @@ Levels levels_of_meshes(const fs::path& path) {
 Levels read_levels(const fs::path& path) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
-  if (extension != ".json") return levels_of_meshes(path);
+  if (is_hierarchy_path(path)) return levels_of_meshes(path);
+  if (extension != ".json")
+    throw Error(ErrorCode::unsupported, path.string() + ": unknown format for levels of detail, expected .glb, .vtm or .json");
   return {facts_of_levels(read_text_file(path), path.string()), std::nullopt, "not known: the file has no vertices"};
 }
 

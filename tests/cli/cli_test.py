@@ -263,6 +263,7 @@ class Extract(ToolTest):
         self.succeed("extract", "n.nrrd", "--iso", "0", "-o", "a.ply", "--nan", "below", "--coarse")
         self.assertIn("2 components", self.succeed("extract", "n.nrrd", "--iso", "0", "-o", "b.ply", "--nan", "above", "--coarse"))
 
+
     def test_quiet_and_verbose(self):
         self.put_sphere()
         arguments = ["extract", "sphere.nrrd", "--iso", "0", "-o", "s.ply", "--coarse"]
@@ -797,7 +798,9 @@ class Check(ToolTest):
         self.put("cut.off", off(*TETRAHEDRON)[:-20])
         self.refuse("cut.off", "check", "cut.off")
         self.put("m.xyz", b"0 0 0\n")
-        self.refuse("m.xyz", "check", "m.xyz")
+        self.refuse("m.xyz.*expected one of .ply .stl .obj .off .vtp$", "check", "m.xyz")
+        self.put("m.glb", b"glTF")
+        self.refuse("m.glb: is a file of levels of detail, expected one of .ply .stl .obj .off .vtp; isoatlas levels", "check", "m.glb")
 
     def test_histogram_suits_the_locale(self):
         self.put("m.off", off(*TETRAHEDRON))
@@ -1199,6 +1202,7 @@ for k in range(blocks.GetNumberOfBlocks()):
         self.levels(0, "b.json")
         self.assertRegex(self.levels(0, "b.glb").splitlines()[-1], r"^  nested +by index only")
 
+
     def test_a_level_that_is_no_manifold(self):
         self.extract("t.glb", "--coarse", "-q")
         gltf, binary = read_glb(self.folder / "t.glb")
@@ -1236,7 +1240,7 @@ for k in range(blocks.GetNumberOfBlocks()):
     def test_bad_files(self):
         self.refuse("nowhere.glb", "levels", "nowhere.glb")
         self.put("t.ply", b"ply\n")
-        self.refuse(r"t\.ply.*\.glb or \.vtm", "levels", "t.ply")
+        self.refuse(r"t\.ply.*expected \.glb, \.vtm or \.json", "levels", "t.ply")
         self.put("text.glb", b"this is no glTF file")
         self.refuse("text.glb", "levels", "text.glb")
         self.put("text.vtm", b"this is no VTK file")
