@@ -108,11 +108,13 @@ TEST(Report, WhatDoesNotApplyIsNull) {
   EXPECT_TRUE(level["measured"].is_null());
 }
 
-TEST(Report, RoundingIsInWorldUnits) {
+TEST(Report, RoundingIsInTheMeshsUnitsEverywhere) {
   Full full;
   full.context.options.space = Space::voxel;
   full.context.grid.spacing = {1, 4, 2};
-  EXPECT_EQ(full.json()["files"][0]["largest_rounding"], 1.0);
+  const std::string text = levels_manifest({full.context.files[1]}, {level_json(full.report.levels[1], 1)});
+  EXPECT_EQ(full.json()["files"][1]["largest_rounding"], 0.5);
+  EXPECT_EQ(Json::parse(text)["levels"][0]["largest_rounding"], 0.5);
 }
 
 TEST(Report, PathsNeedNotBeUtf8) {
