@@ -1199,10 +1199,19 @@ for k in range(blocks.GetNumberOfBlocks()):
                 self.assertRegex(text, rf"(?m)^  {row} ")
             self.assertRegex(text.splitlines()[-1], r"^  nested +yes")
             self.assertRegex(self.levels(0, "r.json").splitlines()[-1], r"^  nested +not known")
+            self.assertRegex(self.levels(0, "r.json"), r"(?m)^  manifold +- +- +-$")
+            self.assertEqual([level["manifold"] for level in of_report["levels"]], [None] * 3)
         self.extract("b.glb", "--glb-per-level", "--placement", "balanced", "-q")
         self.levels(0, "b.json")
         self.assertRegex(self.levels(0, "b.glb").splitlines()[-1], r"^  nested +by index only")
 
+    def test_infinite_metrics(self):
+        self.extract("t.glb", "--report", "r.json", "-q")
+        report = self.report()
+        report["levels"][1]["metrics"]["area-curvature"]["maximum"] = None
+        self.put("r.json", json.dumps(report).encode())
+        self.assertRegex(self.levels(0, "r.json"), r"(?m)^  area-curvature, maximum +[\d.]+ +inf$")
+        self.assertIsNone(json.loads(self.levels(0, "r.json", "--json"))["levels"][1]["metrics"]["area-curvature"]["maximum"])
 
     def test_a_level_that_is_no_manifold(self):
         self.extract("t.glb", "--coarse", "-q")
@@ -1252,6 +1261,8 @@ for k in range(blocks.GetNumberOfBlocks()):
         self.refuse("other.json.*isoatlas-report-2", "levels", "other.json")
         self.put("wrong.json", b'{"schema": "isoatlas-report-2", "levels": [{"vertices": "many"}]}')
         self.refuse("wrong.json", "levels", "wrong.json")
+        self.put("negative.json", b'{"schema": "isoatlas-report-2", "levels": [{"vertices": -1}]}')
+        self.refuse("negative.json: vertices is -1, expected a whole number", "levels", "negative.json")
         self.extract("t.glb", "--coarse", "-q")
         self.extract("t.vtm", "--coarse", "-q")
         self.put("cut.glb", (self.folder / "t.glb").read_bytes()[:-100])

@@ -5,6 +5,7 @@
 
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -142,6 +143,23 @@ TEST(LevelFacts, ComeBackFromTheReportAndFromEachLevel) {
   }
   EXPECT_FALSE(facts_of_level("null", "a.glb"));
   EXPECT_FALSE(facts_of_level("{\"metrics\":null}", "a.glb")->metrics[0]);
+}
+
+// JSON has no infinity: it is written as null.
+TEST(LevelFacts, InfiniteMetricsComeBack) {
+  Full full;
+  full.report.levels[0].metrics.emplace()[2] = {std::numeric_limits<double>::infinity(), 1.5};
+  const auto facts = facts_of_level(level_json(full.report.levels[0], 0), "a.glb");
+  EXPECT_EQ(facts->metrics[2]->maximum, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(facts->metrics[2]->mean, 1.5);
+  EXPECT_TRUE(Json::parse(to_json("a.glb", {*facts}, true))["levels"][0]["metrics"]["area-curvature"]["maximum"].is_null());
+}
+
+TEST(LevelFacts, CountsAreWholeNumbers) {
+  for (const char* text : {R"({"vertices":-1})", R"({"triangles":1.5})", R"({"components":true})", R"({"genus":0.5})",
+                           R"({"quality":{"aspect_ratio":{"minimum":true}}})", R"({"metrics":{"max-distance":{"maximum":"far"}}})"})
+    EXPECT_THROW(facts_of_level(text, "a.glb"), Error) << text;
+  EXPECT_EQ(facts_of_level(R"({"euler_characteristic":-4})", "a.glb")->topology.euler_characteristic, -4);
 }
 
 TEST(LevelFacts, OfAManifest) {
