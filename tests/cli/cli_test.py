@@ -263,6 +263,14 @@ class Extract(ToolTest):
         self.succeed("extract", "n.nrrd", "--iso", "0", "-o", "a.ply", "--nan", "below", "--coarse")
         self.assertIn("2 components", self.succeed("extract", "n.nrrd", "--iso", "0", "-o", "b.ply", "--nan", "above", "--coarse"))
 
+    def test_sheared_grid_is_meshed_but_not_refined(self):
+        self.put("s.nrrd", nrrd(sphere((20, 20, 20)), (20, 20, 20), "float", "space: left-posterior-superior",
+                                "space directions: (1,0,0) (0.7,1,0) (0,0,1)", "space origin: (0,0,0)"))
+        arguments = ["extract", "s.nrrd", "--iso", "0", "-o", "s.ply"]
+        for options in ([], ["--space", "voxel"], ["--coarse", "--max-vertices", "9"], ["--coarse", "--measure"]):
+            self.refuse(r"s\.nrrd: the grid is sheared \(its x and y axes are at 55 degrees\).*--coarse", *arguments, *options)
+        self.succeed(*arguments, "--coarse")
+
 
     def test_quiet_and_verbose(self):
         self.put_sphere()
