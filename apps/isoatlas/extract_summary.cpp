@@ -27,7 +27,9 @@ std::string level_text(const LevelReport& level) {
   for (const ConstraintResult& result : level.constraints) {
     const std::string quantity(name(result.wanted.quantity));
     if (is_metric(result.wanted.quantity)) text += ", " + quantity + " " + bound_text(result.wanted.quantity, result.reached);
-    if (!result.met) unmet += (unmet.empty() ? "" : ", ") + quantity;
+    if (result.met) continue;
+    unmet += (unmet.empty() ? "" : ", ") + quantity;
+    if (result.wanted.is_default) unmet += " (default " + bound_text(result.wanted.quantity, result.wanted.bound) + ")";
   }
   text += ", aspect ratio at least " + ratio_text(level.quality.aspect_min) + ", " + percent_text(level.quality.aspect_share_below_third) +
           " below 1/3";
@@ -60,9 +62,11 @@ void print_level_details(const LevelReport& level, std::size_t number) {
         "at most " + bound_text(metric, (*level.metrics)[i].maximum) + ", on average " + bound_text(metric, (*level.metrics)[i].mean));
   }
   for (const ConstraintResult& result : level.constraints)
-    say(result.met ? "met" : "NOT MET", std::string(name(result.wanted.quantity)) + " " +
-                                            bound_text(result.wanted.quantity, result.wanted.bound) + ": reached " +
-                                            bound_text(result.wanted.quantity, result.reached));
+    say(result.met                 ? "met"
+        : result.wanted.is_default ? "not met"
+                                   : "NOT MET",
+        std::string(name(result.wanted.quantity)) + " " + bound_text(result.wanted.quantity, result.wanted.bound) +
+            (result.wanted.is_default ? " (default)" : "") + ": reached " + bound_text(result.wanted.quantity, result.reached));
   if (!level.measured) return;
   const auto distances = [](const OneSidedDistance& d) {
     return "at most " + number_text(d.maximum) + ", 99 % within " + number_text(d.p99) + ", on average " + number_text(d.mean);
@@ -107,11 +111,9 @@ void print_details(const ExtractReport& report, const ReportContext& context) {
 }
 
 bool print_unmet(const ExtractReport& report) {
-  bool all_met = true;
   for (std::size_t k = 0; k < report.levels.size(); ++k) {
     for (const ConstraintResult& result : report.levels[k].constraints) {
-      if (result.met) continue;
-      all_met = false;
+      if (result.met || result.wanted.is_default) continue;
       const Quantity quantity = result.wanted.quantity;
       std::cerr << one_line("isoatlas: " + level_name(k) + ": " + std::string(name(quantity)) + " " +
                             bound_text(quantity, result.wanted.bound) + ": reached " + bound_text(quantity, result.reached) +
@@ -119,7 +121,7 @@ bool print_unmet(const ExtractReport& report) {
                 << "\n";
     }
   }
-  return all_met;
+  return std::all_of(report.levels.begin(), report.levels.end(), [](const LevelReport& level) { return level.all_met(); });
 }
 
 }  // namespace isoatlas::tool

@@ -98,7 +98,7 @@ struct LevelReport {
   std::optional<Measurement> measured;  ///< if asked for
   double seconds = 0;
 
-  bool all_met() const;
+  bool all_met() const;  ///< all constraints but those that nobody asked for
 };
 
 struct ExtractReport {

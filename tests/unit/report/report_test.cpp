@@ -118,6 +118,18 @@ TEST(Report, RoundingIsInTheMeshsUnitsEverywhere) {
   EXPECT_EQ(Json::parse(text)["levels"][0]["largest_rounding"], 0.5);
 }
 
+TEST(Report, AnUnmetBoundThatNobodyAskedForIsNoFailure) {
+  Full full;
+  LevelReport& level = full.report.levels[0];
+  level.constraints = {{{Quantity::max_distance, 3, true}, 4, false, "max-vertices comes first"}};
+  EXPECT_TRUE(level.all_met());
+  const Json constraint = full.json()["levels"][0]["constraints"][0];
+  EXPECT_EQ(constraint["met"], false);
+  EXPECT_EQ(constraint["default"], true);
+  level.constraints[0].wanted.is_default = false;
+  EXPECT_FALSE(level.all_met());
+}
+
 TEST(Report, PathsNeedNotBeUtf8) {
   Full full;
   full.context.files[0].path = "a\xff.glb";
