@@ -20,6 +20,16 @@ std::string repair_text(const CertificateReport& certificate) {
   return counted(certificate.repair_sites, "site") + " added in " + counted(certificate.repair_rounds, "round");
 }
 
+/// Samples may see what the metric does not: a bound that is met can be exceeded there.
+std::string measured_text(const LevelReport& level) {
+  const double maximum = level.measured->maximum();
+  std::string text = "measured at most " + number_text(maximum) + " (99 % within " + number_text(level.measured->p99()) + ")";
+  for (const ConstraintResult& result : level.constraints)
+    if (result.wanted.quantity == Quantity::max_distance && maximum > result.wanted.bound)
+      text += ", MORE than the bound " + number_text(result.wanted.bound);
+  return text;
+}
+
 /// What a level has of everything, on one line.
 std::string level_text(const LevelReport& level) {
   std::string text = counted(level.vertices, "vertex") + ", " + counted(level.triangles, "triangle");
@@ -31,6 +41,7 @@ std::string level_text(const LevelReport& level) {
     unmet += (unmet.empty() ? "" : ", ") + quantity;
     if (result.wanted.is_default) unmet += " (default " + bound_text(result.wanted.quantity, result.wanted.bound) + ")";
   }
+  if (level.measured) text += ", " + measured_text(level);
   text += ", aspect ratio at least " + ratio_text(level.quality.aspect_min) + ", " + percent_text(level.quality.aspect_share_below_third) +
           " below 1/3";
   if (!unmet.empty()) text += "; not met: " + unmet;

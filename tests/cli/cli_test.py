@@ -282,6 +282,14 @@ class Extract(ToolTest):
         self.assertRegex(asked.stderr, r"\Aisoatlas: level 1: max-distance 0\.5: reached [^\n]+\n\Z")
         self.assertEqual(asked.returncode, 1)
 
+    def test_measured_distance_is_in_the_line_of_the_level(self):
+        self.put_sphere()
+        arguments = ["extract", "sphere.nrrd", "--iso", "0", "-o", "s.ply", "--measure-samples", "1000", "--refine"]
+        said = self.succeed(*arguments, "max-distance:1vx")
+        for level in (0, 1):
+            self.assertRegex(said, rf"level {level} .*, measured at most [\d.]+ \(99 % within [\d.]+\), aspect")
+        self.assertNotIn("MORE", said)
+        self.assertRegex(self.run_tool(*arguments, "max-distance:0.0001vx").stdout, r"measured at most [^,]+, MORE than the bound 0\.0001, aspect")
 
     def test_quiet_and_verbose(self):
         self.put_sphere()
