@@ -105,7 +105,8 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   context.files = meshes.write(extraction.hierarchy, info, outputs);
   context.write_seconds = writing.seconds();
   context.peak_memory_bytes = peak_memory_bytes();
-  if (arguments.report) write_text_file(to_json(report, context), outputs.stage(*arguments.report));
+  if (arguments.report)
+    outputs.write(*arguments.report, [&](const fs::path& staged) { write_text_file(to_json(report, context), staged); });
   interruption.commit([&] { outputs.commit(); });
   progress.erase();
 

@@ -20,6 +20,16 @@ std::string repair_text(const CertificateReport& certificate) {
   return counted(certificate.repair_sites, "site") + " added in " + counted(certificate.repair_rounds, "round");
 }
 
+/// Samples may see what the metric does not: a bound that is met can be exceeded there.
+std::string measured_text(const LevelReport& level) {
+  const double maximum = level.measured->maximum();
+  std::string text = "measured at most " + number_text(maximum) + " (99 % within " + number_text(level.measured->p99()) + ")";
+  for (const ConstraintResult& result : level.constraints)
+    if (result.wanted.quantity == Quantity::max_distance && maximum > result.wanted.bound)
+      text += ", MORE than the bound " + number_text(result.wanted.bound);
+  return text;
+}
+
 /// What a level has of everything, on one line.
 std::string level_text(const LevelReport& level) {
   std::string text = counted(level.vertices, "vertex") + ", " + counted(level.triangles, "triangle");
@@ -27,8 +37,11 @@ std::string level_text(const LevelReport& level) {
   for (const ConstraintResult& result : level.constraints) {
     const std::string quantity(name(result.wanted.quantity));
     if (is_metric(result.wanted.quantity)) text += ", " + quantity + " " + bound_text(result.wanted.quantity, result.reached);
-    if (!result.met) unmet += (unmet.empty() ? "" : ", ") + quantity;
+    if (result.met) continue;
+    unmet += (unmet.empty() ? "" : ", ") + quantity;
+    if (result.wanted.is_default) unmet += " (default " + bound_text(result.wanted.quantity, result.wanted.bound) + ")";
   }
+  if (level.measured) text += ", " + measured_text(level);
   text += ", aspect ratio at least " + ratio_text(level.quality.aspect_min) + ", " + percent_text(level.quality.aspect_share_below_third) +
           " below 1/3";
   if (!unmet.empty()) text += "; not met: " + unmet;
@@ -60,9 +73,11 @@ void print_level_details(const LevelReport& level, std::size_t number) {
         "at most " + bound_text(metric, (*level.metrics)[i].maximum) + ", on average " + bound_text(metric, (*level.metrics)[i].mean));
   }
   for (const ConstraintResult& result : level.constraints)
-    say(result.met ? "met" : "NOT MET", std::string(name(result.wanted.quantity)) + " " +
-                                            bound_text(result.wanted.quantity, result.wanted.bound) + ": reached " +
-                                            bound_text(result.wanted.quantity, result.reached));
+    say(result.met                 ? "met"
+        : result.wanted.is_default ? "not met"
+                                   : "NOT MET",
+        std::string(name(result.wanted.quantity)) + " " + bound_text(result.wanted.quantity, result.wanted.bound) +
+            (result.wanted.is_default ? " (default)" : "") + ": reached " + bound_text(result.wanted.quantity, result.reached));
   if (!level.measured) return;
   const auto distances = [](const OneSidedDistance& d) {
     return "at most " + number_text(d.maximum) + ", 99 % within " + number_text(d.p99) + ", on average " + number_text(d.mean);
@@ -107,11 +122,9 @@ void print_details(const ExtractReport& report, const ReportContext& context) {
 }
 
 bool print_unmet(const ExtractReport& report) {
-  bool all_met = true;
   for (std::size_t k = 0; k < report.levels.size(); ++k) {
     for (const ConstraintResult& result : report.levels[k].constraints) {
-      if (result.met) continue;
-      all_met = false;
+      if (result.met || result.wanted.is_default) continue;
       const Quantity quantity = result.wanted.quantity;
       std::cerr << one_line("isoatlas: " + level_name(k) + ": " + std::string(name(quantity)) + " " +
                             bound_text(quantity, result.wanted.bound) + ": reached " + bound_text(quantity, result.reached) +
@@ -119,7 +132,7 @@ bool print_unmet(const ExtractReport& report) {
                 << "\n";
     }
   }
-  return all_met;
+  return std::all_of(report.levels.begin(), report.levels.end(), [](const LevelReport& level) { return level.all_met(); });
 }
 
 }  // namespace isoatlas::tool

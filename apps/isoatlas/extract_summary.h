@@ -15,7 +15,7 @@ void print_summary(const ExtractReport& report, const ReportContext& context, co
 /// The rest of it: all metrics, complexes, repairs, timings, memory.
 void print_details(const ExtractReport& report, const ReportContext& context);
 
-/// One line on standard error for each constraint of each level that is not met; true if there was none.
+/// One line on standard error for each constraint of each level that was asked for and is not met; true if there was none.
 bool print_unmet(const ExtractReport& report);
 
 }  // namespace isoatlas::tool

@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint32_t kLeastVertices = 4;
 
 // What one level is refined to when nobody says anything: below half a voxel a mesh follows the trilinear surface.
-constexpr TypedConstraint kDefault{Quantity::max_distance, 0.5, true};
+constexpr TypedConstraint kDefault{Quantity::max_distance, 0.5, true, true};
 
 [[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::bad_argument, message); }
 

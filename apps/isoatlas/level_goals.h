@@ -15,8 +15,9 @@ struct TypedConstraint {
   Quantity quantity;
   double bound = 0;
   bool in_voxels = false;
+  bool is_default = false;  ///< nobody typed it
 
-  Constraint in_world(const Grid& grid) const { return {quantity, in_voxels ? bound * grid.smallest_spacing() : bound}; }
+  Constraint in_world(const Grid& grid) const { return {quantity, in_voxels ? bound * grid.smallest_spacing() : bound, is_default}; }
   friend bool operator==(const TypedConstraint&, const TypedConstraint&) = default;
 };
 

@@ -11,6 +11,7 @@
 
 #include "commands.h"
 #include "exit_status.h"
+#include "isoatlas/error.h"
 #include "isoatlas/io.h"
 #include "report/level_facts.h"
 #include "text.h"
@@ -35,7 +36,7 @@ LevelFacts count_again(const TriangleMesh& mesh, const std::optional<LevelFacts>
   facts.vertices = topology.vertices;
   facts.triangles = topology.triangles;
   facts.is_manifold = topology.is_manifold() && topology.is_oriented() && topology.triangles > 0;
-  if (facts.is_manifold) facts.topology = summarize(topology.components);
+  if (*facts.is_manifold) facts.topology = summarize(topology.components);
   facts.topology.components = topology.components.size();
   facts.quality = mesh_quality(mesh);
   return facts;
@@ -78,7 +79,9 @@ Levels levels_of_meshes(const fs::path& path) {
 Levels read_levels(const fs::path& path) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
-  if (extension != ".json") return levels_of_meshes(path);
+  if (is_hierarchy_path(path)) return levels_of_meshes(path);
+  if (extension != ".json")
+    throw Error(ErrorCode::unsupported, path.string() + ": unknown format for levels of detail, expected .glb, .vtm or .json");
   return {facts_of_levels(read_text_file(path), path.string()), std::nullopt, "not known: the file has no vertices"};
 }
 
@@ -121,10 +124,13 @@ void print_table(const std::string& path, const Levels& levels) {
   table.line("              median", [](const LevelFacts& l) { return ratio_text(l.quality.aspect_median); });
   table.line("              below 1/3", [](const LevelFacts& l) { return percent_text(l.quality.aspect_share_below_third); });
   table.line("angle, minimum", [](const LevelFacts& l) { return number_text(l.quality.angle_min); });
-  table.line("manifold", [](const LevelFacts& l) { return l.is_manifold ? "yes" : "NO"; });
+  table.line("manifold", [](const LevelFacts& l) { return !l.is_manifold ? "-" : *l.is_manifold ? "yes" : "NO"; });
   table.line("components", [](const LevelFacts& l) { return count_text(l.topology.components); });
-  table.line("genus", [](const LevelFacts& l) { return l.is_manifold ? std::to_string(l.topology.genus) : "-"; });
-  table.line("boundary loops", [](const LevelFacts& l) { return l.is_manifold ? std::to_string(l.topology.boundary_loops) : "-"; });
+  const auto defined = [](std::int64_t TopologySummary::*part) {
+    return [part](const LevelFacts& l) { return l.is_manifold.value_or(true) ? std::to_string(l.topology.*part) : "-"; };
+  };
+  table.line("genus", defined(&TopologySummary::genus));
+  table.line("boundary loops", defined(&TopologySummary::boundary_loops));
   std::cout << row("nested", levels.about_nesting);
 }
 
@@ -136,7 +142,8 @@ int run_levels(const LevelsArguments& arguments) {
     std::cout << to_json(arguments.file.string(), levels.facts, levels.nested);
   else
     print_table(arguments.file.string(), levels);
-  const bool good = std::all_of(levels.facts.begin(), levels.facts.end(), [](const LevelFacts& level) { return level.is_manifold; });
+  const bool good =
+      std::all_of(levels.facts.begin(), levels.facts.end(), [](const LevelFacts& level) { return level.is_manifold.value_or(true); });
   return good ? kSuccess : kCheckFailed;
 }
 

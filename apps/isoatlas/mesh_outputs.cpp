@@ -20,12 +20,6 @@ constexpr std::string_view kPlaceholder = "{level}";
   throw Error(ErrorCode::bad_argument, path.string() + ": " + message);
 }
 
-/// `path` where it will really be: files that belong to it go beside that place.
-fs::path target_of(const fs::path& path) {
-  std::error_code error;
-  return fs::is_symlink(fs::symlink_status(path, error)) ? resolved(path) : path;
-}
-
 /// The pieces of a .vtm are prepared beside it and renamed into their folder, which must be there or on the same file system.
 void check_pieces(const fs::path& path, std::size_t level_count, const fs::path& volume) {
   const std::vector<fs::path> files = files_of_hierarchy(target_of(path), level_count);
@@ -125,24 +119,26 @@ std::vector<ReportFile> MeshOutputs::write(const Hierarchy& hierarchy, const Hie
                        stored.largest_rounding});
   };
   for (const Item& item : items(level_count)) {
-    const fs::path staged = outputs.stage(item.path);
-    if (!is_hierarchy_path(item.path)) {
-      const std::size_t level = item.levels.front();
-      add(item.path, staged, item.levels, write_mesh(hierarchy.mesh(level), staged, info.mesh));
-      continue;
-    }
-    const bool is_part = item.levels.size() < level_count;
-    HierarchyFileInfo part = info;
-    if (is_part) part.levels = {info.levels[item.levels.front()]};
-    const StoredPositions stored =
-        is_part ? write_hierarchy(only_level(hierarchy, item.levels.front()), staged, part) : write_hierarchy(hierarchy, staged, part);
-    add(item.path, staged, item.levels, stored);
-    if (glb_per_level_ && item.path != path_) one_level.push_back(written.back());
-    const std::vector<fs::path> names = files_of_hierarchy(target_of(item.path), level_count);
-    const std::vector<fs::path> files = files_of_hierarchy(staged, level_count);
-    for (std::size_t i = 1; i < files.size(); ++i) add(names[i], files[i], {i - 1}, stored);
+    outputs.write(item.path, [&](const fs::path& staged) {
+      if (!is_hierarchy_path(item.path)) {
+        const std::size_t level = item.levels.front();
+        add(item.path, staged, item.levels, write_mesh(hierarchy.mesh(level), staged, info.mesh));
+        return;
+      }
+      const bool is_part = item.levels.size() < level_count;
+      HierarchyFileInfo part = info;
+      if (is_part) part.levels = {info.levels[item.levels.front()]};
+      const StoredPositions stored =
+          is_part ? write_hierarchy(only_level(hierarchy, item.levels.front()), staged, part) : write_hierarchy(hierarchy, staged, part);
+      add(item.path, staged, item.levels, stored);
+      if (glb_per_level_ && item.path != path_) one_level.push_back(written.back());
+      const std::vector<fs::path> names = files_of_hierarchy(target_of(item.path), level_count);
+      const std::vector<fs::path> files = files_of_hierarchy(staged, level_count);
+      for (std::size_t i = 1; i < files.size(); ++i) add(names[i], files[i], {i - 1}, stored);
+    });
   }
-  if (glb_per_level_) write_text_file(levels_manifest(one_level, info.levels), outputs.stage(manifest()));
+  if (glb_per_level_)
+    outputs.write(manifest(), [&](const fs::path& staged) { write_text_file(levels_manifest(one_level, info.levels), staged); });
   return written;
 }
 

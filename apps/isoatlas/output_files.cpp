@@ -91,6 +91,11 @@ fs::path resolved(const fs::path& path) {
   return error || result.empty() ? path : result;
 }
 
+fs::path target_of(const fs::path& path) {
+  std::error_code error;
+  return fs::is_symlink(fs::symlink_status(path, error)) ? resolved(path) : path;
+}
+
 void check_output_path(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
@@ -116,6 +121,14 @@ fs::path OutputFiles::stage(const fs::path& destination) {
   const fs::path target = resolved(destination);
   staged_.push_back({make_hidden_folder(target.parent_path(), destination), target});
   return staged_.back().file();
+}
+
+Error OutputFiles::renamed(const Error& error, const fs::path& staged, const fs::path& destination) {
+  const std::string hidden = (staged.parent_path() / "").string(), shown = (target_of(destination).parent_path() / "").string();
+  std::string text = error.what();
+  for (std::size_t at = text.find(hidden); at != std::string::npos; at = text.find(hidden, at + shown.size()))
+    text.replace(at, hidden.size(), shown);
+  return {error.code(), text};
 }
 
 std::vector<OutputFiles::Move> OutputFiles::moves_of(const Staged& staged) {

@@ -15,8 +15,8 @@ const std::string kExitStatus = R"(0    done
 )";
 
 const std::string kExtractExitStatus = R"(0    done
-1    done, but a constraint of a level is not met; stderr says which and
-     why, everything was written
+1    done, but a constraint that was asked for is not met; stderr says
+     which and why, everything was written
 2    an argument or a file is not as it should be, or there is no surface;
      nothing was written
 3    isoatlas' own check failed, a bug; nothing was written
@@ -26,7 +26,8 @@ const std::string kExtractExitStatus = R"(0    done
 
 const std::string kToolExitStatus = R"(0    done
 1    isoatlas check, levels: not a consistently oriented manifold;
-     isoatlas extract: a constraint is not met, everything was written
+     isoatlas extract: a constraint that was asked for is not met,
+     everything was written
 2    an argument or a file is not as it should be, or there is no surface;
      nothing was written
 3    isoatlas' own check failed, a bug; nothing was written

@@ -80,7 +80,7 @@ struct ConstraintResult {
 
 /// A cell that is over its bound and cannot be made smaller: it would no longer contain all neighbours of its site (paper, 3.4).
 struct CellAtLimit {
-  Vec3 position;      ///< of its site, in the mesh's space
+  Vec3 position;      ///< of its vertex, in the mesh's space
   double excess = 0;  ///< worst of metric / bound
 };
 
@@ -98,7 +98,7 @@ struct LevelReport {
   std::optional<Measurement> measured;  ///< if asked for
   double seconds = 0;
 
-  bool all_met() const;
+  bool all_met() const;  ///< all constraints but those that nobody asked for
 };
 
 struct ExtractReport {
@@ -126,7 +126,8 @@ struct Extraction {
 /// @throws Error(bad_argument)  size < 2 along an axis, spacing not positive or different by more than 1e6 between axes, origin or
 ///                              direction not finite, direction singular, isovalue not finite, max_radius <= 0, event_persistence < 0,
 ///                              a bound that its quantity cannot have
-/// @throws Error(unsupported)   NaN or infinity while non_finite is `refuse` (message: count and first index)
+/// @throws Error(unsupported)   NaN or infinity while non_finite is `refuse` (message: count and first index); a direction that is
+///                              not orthonormal, unless `refine` and `coarse` are empty and nothing is to be measured
 /// @throws Error(empty_surface) no sample, or every sample, is inside (message: the range)
 /// @throws Error(internal)      the finished mesh failed its own check: a bug; no mesh is returned
 /// @throws Error(cancelled)     control.cancel was set

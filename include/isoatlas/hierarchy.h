@@ -21,7 +21,8 @@ struct Hierarchy {
   std::vector<std::uint32_t> parent;  ///< per vertex, the vertex of the level before in whose cell it was placed; in level 0 itself
   std::vector<Level> levels;          ///< coarse to fine, at least one after extract()
 
-  std::uint32_t level_of(std::uint32_t vertex) const;  ///< the first level that has the vertex
+  /// The first level that has the vertex. Throws Error(bad_argument) if none has it.
+  std::uint32_t level_of(std::uint32_t vertex) const;
   /// The triangles of a level with its vertices: `placed` if it has them, else its prefix of `positions`.
   TriangleMesh mesh(std::size_t level) const;
 };

@@ -50,6 +50,7 @@ struct StoredPositions {
 /// Writes .ply (binary little endian), .stl (binary), .obj, .off or .vtp by extension. The file appears whole or not at all:
 /// it is written beside its destination and renamed. What is rounded (.stl) is read back before that and must be the same mesh:
 /// the same triangles, no two vertices at one position, the same topology, no vertex moved by more than a tenth of the mean edge.
+/// (A device or a pipe is written directly and cannot be read back.)
 /// Throws Error(bad_file).
 StoredPositions write_mesh(const TriangleMesh& mesh, const std::filesystem::path& path, const MeshFileInfo& info = {});
 

@@ -43,6 +43,7 @@ constexpr bool is_lower_bound(Quantity quantity) {
 struct Constraint {
   Quantity quantity;
   double bound = 0;
+  bool is_default = false;  ///< nobody asked for it: worked for like the others, but no failure where it is not met
   friend bool operator==(const Constraint&, const Constraint&) = default;
 };
 

@@ -57,18 +57,26 @@ template <class Formats>
 std::string extension_list(const Formats& formats) {
   std::string list;
   for (const auto& format : formats) {
-    list += (list.empty() ? "" : " ") + std::string(format.extension);
+    if (!list.empty()) {
+      list += ' ';
+    }
+    list += format.extension;
   }
   return list;
 }
 
-const MeshFormat& mesh_format(const fs::path& path) {
+// @param besides  what else the caller takes, for the message
+const MeshFormat& mesh_format(const fs::path& path, const std::string& besides) {
   const MeshFormat* format = find_format(kMeshFormats, path);
   if (format == nullptr) {
-    throw io::unsupported(
-        path, "unknown mesh format, expected one of " + extension_list(kMeshFormats) + ", or .glb or .vtm for levels of detail");
+    const std::string found = is_hierarchy_path(path) ? "is a file of levels of detail" : "unknown mesh format";
+    throw io::unsupported(path, found + ", expected one of " + extension_list(kMeshFormats) + besides);
   }
   return *format;
+}
+
+const MeshFormat& format_to_write(const fs::path& path) {
+  return mesh_format(path, is_hierarchy_path(path) ? "" : ", or .glb or .vtm for levels of detail");
 }
 
 enum class MeshFault { none, position_not_finite, corner_out_of_range };
@@ -118,12 +126,12 @@ Volume read_volume(const fs::path& path, const std::optional<RawLayout>& raw) {
 }
 
 void check_mesh_path(const fs::path& path) {
-  mesh_format(path);
+  format_to_write(path);
   const io::AtomicFile probe(path);  // creates its temporary file and removes it
 }
 
 StoredPositions write_mesh(const TriangleMesh& mesh, const fs::path& path, const MeshFileInfo& info) {
-  const MeshFormat& format = mesh_format(path);
+  const MeshFormat& format = format_to_write(path);
   if (const MeshCheck check = check_mesh(mesh); check.fault != MeshFault::none) {
     throw Error(ErrorCode::bad_argument, io::one_line(path.string() + ": not written: " + check.text));
   }
@@ -145,7 +153,7 @@ StoredPositions write_mesh(const TriangleMesh& mesh, const fs::path& path, const
 TriangleMesh read_mesh(const fs::path& path) {
   return io::translate_exceptions(path, [&] {
     io::readable_file_size(path);
-    TriangleMesh mesh = mesh_format(path).read(path);
+    TriangleMesh mesh = mesh_format(path, is_hierarchy_path(path) ? "; isoatlas levels reads it" : "").read(path);
     if (mesh.triangles.empty()) {
       throw io::bad_file(path, "has no triangles");
     }

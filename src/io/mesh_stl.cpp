@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// STL: triangles as three float positions, no indices. Whoever reads one finds the shared vertices by equal positions,
-// so a mesh whose vertices differ by less than float can tell must not be written: its topology would change.
+// STL: triangles as three float positions, no indices. Whoever reads one finds the shared vertices by equal positions.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -13,6 +12,7 @@
 #include "io/formats.h"
 #include "io/output_buffer.h"
 #include "io/position_table.h"
+#include "io/same_mesh.h"
 #include "io/text_scanner.h"
 
 namespace isoatlas::io {
@@ -22,10 +22,6 @@ namespace {
 constexpr std::size_t kHeaderBytes = 80;
 constexpr std::size_t kTriangleBytes = 50;  // normal, three corners, 2 unused bytes
 
-using Float3 = std::array<float, 3>;
-
-Float3 to_float(const Vec3& p) { return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}; }
-
 Float3 normal_of(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 u{b.x - a.x, b.y - a.y, b.z - a.z};
   const Vec3 v{c.x - a.x, c.y - a.y, c.z - a.z};
@@ -34,23 +30,7 @@ Float3 normal_of(const Vec3& a, const Vec3& b, const Vec3& c) {
   if (!std::isfinite(length) || length == 0) {
     return {0, 0, 0};  // readers then take the normal from the corners
   }
-  return to_float({n.x / length, n.y / length, n.z / length});
-}
-
-void require_float_keeps_vertices_apart(const TriangleMesh& mesh, const std::filesystem::path& path) {
-  constexpr const char* kAdvice = "; write .ply, .obj, .off or .vtp instead, which keep double precision and indices";
-  PositionTable<float> table(mesh.positions.size());
-  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-    const Float3 p = to_float(mesh.positions[v]);
-    if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) {
-      throw bad_file(path, "not written: vertex " + std::to_string(v) + " is out of the range of STL's float coordinates" + kAdvice);
-    }
-    const std::uint32_t first = table.number_of(p);
-    if (first != v) {
-      throw bad_file(path, "not written: vertices " + std::to_string(first) + " and " + std::to_string(v) +
-                               " would become one in STL's float coordinates" + kAdvice);
-    }
-  }
+  return {static_cast<float>(n.x / length), static_cast<float>(n.y / length), static_cast<float>(n.z / length)};
 }
 
 TriangleMesh read_binary(const std::string& contents, std::uint32_t triangle_count) {
@@ -143,7 +123,6 @@ void write_stl(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& f
   if (mesh.triangles.size() > 0xFFFF'FFFFU) {
     throw bad_file(file.destination(), "not written: more triangles than an STL file can count");
   }
-  require_float_keeps_vertices_apart(mesh, file.destination());
   OutputBuffer out(file.stream());
   // Never "solid" at the start: that marks an ascii file. The space comes first, the comment may be cut.
   std::string header = info.space.empty() ? "STL" : "SPACE=" + info.space;
@@ -152,10 +131,9 @@ void write_stl(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& f
   out.text(header);
   out.bytes(static_cast<std::uint32_t>(mesh.triangles.size()));
   for (const Triangle& t : mesh.triangles) {
-    const std::array<Vec3, 3> corners{mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]};
-    out.bytes(normal_of(corners[0], corners[1], corners[2]));
-    for (const Vec3& corner : corners) {
-      out.bytes(to_float(corner));
+    out.bytes(normal_of(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]));
+    for (const std::uint32_t v : t) {
+      out.bytes(rounded(mesh.positions[v], v, file.destination()));
     }
     out.bytes(std::uint16_t{0});
   }

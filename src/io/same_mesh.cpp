@@ -110,6 +110,14 @@ class Comparison {
 
 }  // namespace
 
+Float3 rounded(const Vec3& position, std::size_t vertex, const std::filesystem::path& path) {
+  const Float3 p{static_cast<float>(position.x), static_cast<float>(position.y), static_cast<float>(position.z)};
+  if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) {
+    throw bad_file(path, "not written: vertex " + std::to_string(vertex) + " is out of the range of its float coordinates" + kAdvice);
+  }
+  return p;
+}
+
 double require_same_mesh(const TriangleMesh& written, const TriangleMesh& read, bool renumbered, const std::filesystem::path& path,
                          std::string_view what) {
   const Comparison comparison(path, what);

@@ -2,6 +2,8 @@
 // Is what was written what was meant? Asked of every file that rounds positions, before it appears.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <filesystem>
 #include <string_view>
 
@@ -9,6 +11,12 @@
 #include "isoatlas/mesh.h"
 
 namespace isoatlas::io {
+
+using Float3 = std::array<float, 3>;
+
+/// The position of a vertex as a file of floats has it.
+/// @throws Error(bad_file) if it is out of their range
+Float3 rounded(const Vec3& position, std::size_t vertex, const std::filesystem::path& path);
 
 /// Compares a mesh with what another reader made of the file it was written to.
 ///

@@ -20,7 +20,6 @@ namespace isoatlas::io {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Float3 = std::array<float, 3>;
 
 constexpr int kFloat = 5126;
 constexpr int kUnsignedInt = 5125;
@@ -53,8 +52,6 @@ Vec3 translation_of(const Box& box) {
   return {static_cast<float>(middle.x), static_cast<float>(middle.y), static_cast<float>(middle.z)};
 }
 
-Float3 to_float(Vec3 p) { return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}; }
-
 // Unit normals of the vertices: the sum of the area vectors around them.
 std::vector<Float3> vertex_normals(const TriangleMesh& mesh, const Box& box) {
   const Vec3 size = box.high - box.low;
@@ -72,7 +69,8 @@ std::vector<Float3> vertex_normals(const TriangleMesh& mesh, const Box& box) {
   for (const Vec3& sum : sums) {
     const Vec3 normal = normalized(sum);
     // glTF wants unit vectors; where all cancels out any of them is as good as any other.
-    normals.push_back(normal == Vec3{} ? Float3{0, 0, 1} : to_float(normal));
+    normals.push_back(normal == Vec3{} ? Float3{0, 0, 1}
+                                       : Float3{static_cast<float>(normal.x), static_cast<float>(normal.y), static_cast<float>(normal.z)});
   }
   return normals;
 }
@@ -127,15 +125,11 @@ void add_range(Json& accessor, const std::vector<Float3>& positions, std::size_t
   accessor["max"] = high;
 }
 
-std::vector<Float3> rounded(const std::vector<Vec3>& positions, Vec3 translation, const std::filesystem::path& path) {
+std::vector<Float3> all_rounded(const std::vector<Vec3>& positions, Vec3 translation, const std::filesystem::path& path) {
   std::vector<Float3> result;
   result.reserve(positions.size());
   for (std::size_t v = 0; v < positions.size(); ++v) {
-    const Float3 p = to_float(positions[v] - translation);
-    if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) {
-      throw bad_file(path, "not written: vertex " + std::to_string(v) + " is out of the range of its float coordinates");
-    }
-    result.push_back(p);
+    result.push_back(rounded(positions[v] - translation, v, path));
   }
   return result;
 }
@@ -178,7 +172,7 @@ Glb make_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const st
     std::vector<Float3> own;
     std::size_t position_view = shared_view;
     if (has_own || shared.empty()) {
-      own = rounded(mesh.positions, translation, path);
+      own = all_rounded(mesh.positions, translation, path);
       position_view = buffer.add_view(own, kArrayBuffer);
       if (!has_own) {
         shared = own;

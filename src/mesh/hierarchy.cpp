@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "isoatlas/hierarchy.h"
 
+#include <string>
+
+#include "isoatlas/error.h"
+
 namespace isoatlas {
 
 std::uint32_t Hierarchy::level_of(std::uint32_t vertex) const {
-  std::uint32_t level = 0;
-  while (vertex >= levels[level].vertex_count) ++level;
-  return level;
+  for (std::uint32_t level = 0; level < levels.size(); ++level)
+    if (vertex < levels[level].vertex_count) return level;
+  throw Error(ErrorCode::bad_argument, "no level has a vertex " + std::to_string(vertex));
 }
 
 TriangleMesh Hierarchy::mesh(std::size_t level) const {

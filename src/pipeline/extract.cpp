@@ -123,6 +123,9 @@ std::vector<Triangle> to_triangles(std::span<const DualTriangle> dual) {
 Extraction extract(const VolumeView& volume, const ExtractOptions& options, const RunControl& control) try {
   check_volume(volume, options.isovalue);
   check_options(options);
+  // Bounds and distances are world lengths; the coarse mesh by itself has none.
+  const bool only_coarse = options.refine.empty() && options.measure_samples == 0 && options.coarse.empty();
+  if (!only_coarse) require_orthonormal(volume.grid);
   const ThreadLimit threads(control.threads);
   Extraction out;
   ExtractReport& report = out.report;
@@ -215,7 +218,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   hierarchy.levels.push_back({checked_id(hierarchy.positions.size(), "vertices"), std::move(mesh.triangles), {}});
   hierarchy.parent.resize(hierarchy.positions.size());
   std::iota(hierarchy.parent.begin(), hierarchy.parent.end(), 0u);
-  if (options.refine.empty() && options.measure_samples == 0 && options.coarse.empty()) return out;
+  if (only_coarse) return out;
 
   control.report("refine", 0);
   LevelMaker maker({in_voxels, grid, parse.rule, surface, reference, coarser, cover, covering}, options, control);

@@ -60,7 +60,7 @@ void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<co
 }
 
 bool LevelReport::all_met() const {
-  return std::all_of(constraints.begin(), constraints.end(), [](const ConstraintResult& c) { return c.met; });
+  return std::all_of(constraints.begin(), constraints.end(), [](const ConstraintResult& c) { return c.met || c.wanted.is_default; });
 }
 
 TopologySummary summarize(const std::vector<ComponentTopology>& components) {

@@ -79,6 +79,7 @@ Json constraint_value(const ConstraintResult& result) {
           {"reached", result.reached},
           {"unit", text(unit(result.wanted.quantity))},
           {"met", result.met},
+          {"default", result.wanted.is_default},
           {"reason", result.met ? Json() : Json(result.reason)}};
 }
 

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report/level_facts.h"
 
+#include <limits>
+#include <string>
+#include <type_traits>
+
 #include "isoatlas/error.h"
 #include "isoatlas/version.h"
 #include "report/json_values.h"
@@ -11,9 +15,31 @@ using report::Json;
 
 namespace {
 
+[[noreturn]] void refuse(const char* key, const Json& value, const char* expected) {
+  constexpr std::size_t kMostShown = 40;
+  throw Error(ErrorCode::bad_file, std::string(key) + " is " + value.dump(-1, ' ', true).substr(0, kMostShown) + ", expected " + expected);
+}
+
+/// The value if it is there. nlohmann by itself makes a count of -1, of 1.5 and of true.
 template <class Value>
 void read(const Json& object, const char* key, Value& value) {
-  if (const auto found = object.find(key); found != object.end() && !found->is_null()) found->get_to(value);
+  const auto found = object.find(key);
+  if (found == object.end() || found->is_null()) return;
+  if constexpr (std::is_floating_point_v<Value>) {
+    if (!found->is_number()) refuse(key, *found, "a number");
+  } else if constexpr (std::is_unsigned_v<Value>) {
+    if (!found->is_number_unsigned()) refuse(key, *found, "a whole number, 0 or more");
+  } else if (!found->is_number_integer()) {
+    refuse(key, *found, "a whole number");
+  }
+  found->get_to(value);
+}
+
+void read_metric(const Json& object, const char* key, double& value) {
+  if (object.contains(key) && object[key].is_null())
+    value = std::numeric_limits<double>::infinity();
+  else
+    read(object, key, value);
 }
 
 Json member(const Json& object, const char* key) { return object.is_object() && object.contains(key) ? object[key] : Json(); }
@@ -36,17 +62,19 @@ LevelFacts facts_of(const Json& json) {
   for (std::size_t i = 0; i < kMetricCount; ++i) {
     const Json metric = member(metrics, std::string(name(static_cast<Quantity>(i))).c_str());
     if (!metric.is_object()) continue;
-    read(metric, "maximum", facts.metrics[i].emplace().maximum);
-    read(metric, "mean", facts.metrics[i]->mean);
+    read_metric(metric, "maximum", facts.metrics[i].emplace().maximum);
+    read_metric(metric, "mean", facts.metrics[i]->mean);
   }
   return facts;
 }
 
-/// Parses, and makes an Error of what nlohmann throws.
+/// Parses, and makes an Error that names the file of whatever goes wrong.
 template <class Work>
 auto with(const std::string& text, const std::string& path, Work work) {
   try {
     return work(Json::parse(text));
+  } catch (const Error& error) {
+    throw Error(error.code(), path + ": " + error.what());
   } catch (const Json::exception& error) {
     throw Error(ErrorCode::bad_file, path + ": is not JSON as isoatlas writes it: " + error.what());
   }
@@ -59,15 +87,14 @@ std::optional<LevelFacts> facts_of_level(const std::string& text, const std::str
 }
 
 std::vector<LevelFacts> facts_of_levels(const std::string& text, const std::string& path) {
-  return with(text, path, [&](const Json& json) {
+  return with(text, path, [](const Json& json) {
     const Json schema = member(json, "schema");
     if (schema != "isoatlas-report-2" && schema != "isoatlas-manifest-1")
-      throw Error(ErrorCode::unsupported,
-                  path + ": is no report of isoatlas extract, expected the schema isoatlas-report-2 or isoatlas-manifest-1");
+      throw Error(ErrorCode::unsupported, "is no report of isoatlas extract, expected the schema isoatlas-report-2 or isoatlas-manifest-1");
     std::vector<LevelFacts> levels;
     for (const Json& level : member(json, "levels"))
       if (level.is_object()) levels.push_back(facts_of(level));
-    if (levels.empty()) throw Error(ErrorCode::bad_file, path + ": has no levels");
+    if (levels.empty()) throw Error(ErrorCode::bad_file, "has no levels");
     return levels;
   });
 }
@@ -81,8 +108,11 @@ std::string to_json(const std::string& path, const std::vector<LevelFacts>& leve
   Json& list = json["levels"] = Json::array();
   for (std::size_t k = 0; k < levels.size(); ++k) {
     const LevelFacts& level = levels[k];
-    Json one = {{"level", k}, {"vertices", level.vertices}, {"triangles", level.triangles}, {"manifold", level.is_manifold}};
-    const auto add = [&](const char* key, auto value) { one[key] = level.is_manifold ? Json(value) : Json(); };
+    Json one = {{"level", k},
+                {"vertices", level.vertices},
+                {"triangles", level.triangles},
+                {"manifold", level.is_manifold ? Json(*level.is_manifold) : Json()}};
+    const auto add = [&](const char* key, auto value) { one[key] = level.is_manifold.value_or(true) ? Json(value) : Json(); };
     one["components"] = level.topology.components;
     add("euler_characteristic", level.topology.euler_characteristic);
     add("genus", level.topology.genus);

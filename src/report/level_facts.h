@@ -18,11 +18,13 @@ struct LevelFacts {
   std::array<std::optional<MetricSummary>, kMetricCount> metrics;
   TopologySummary topology;  ///< without kinds
   MeshQuality quality;       ///< aspect ratio but for its histogram, least angle
-  bool is_manifold = true;   ///< and oriented: else `topology` means nothing
+  /// And oriented: else `topology` means nothing. None where it was not counted: then `topology` is what the file says.
+  std::optional<bool> is_manifold;
 };
 
-/// From level_json(). None if `json` is "null"; keys that are not there leave zeros, metrics none.
-/// @throws Error(bad_file) if it is no JSON object, or a key is of the wrong type; `path` is for messages
+/// From level_json(). None if `json` is "null"; keys that are not there leave zeros, metrics none. JSON has no infinity: a metric
+/// that is null is infinite.
+/// @throws Error(bad_file) if it is no JSON object, or a key is of the wrong type, a count negative or no integer; `path` is for messages
 std::optional<LevelFacts> facts_of_level(const std::string& json, const std::string& path);
 
 /// The levels of a report or of a manifest. Throws Error(bad_file), Error(unsupported) if it is JSON of another kind.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report/report.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <string_view>
@@ -52,15 +51,12 @@ Json goals_value(const std::vector<LevelGoal>& goals) {
   return list;
 }
 
-Json to_value(const ReportFile& file, const ReportContext& context) {
-  // Rounding is counted in the mesh's units; samples are at most the largest spacing apart.
-  const Vec3 s = context.grid.spacing;
-  const double unit = context.options.space == Space::voxel ? std::max({s.x, s.y, s.z}) : 1;
+Json to_value(const ReportFile& file) {
   return {{"path", file.path},
           {"levels", file.levels},
           {"bytes", file.bytes},
           {"positions", file.single_precision ? "float32" : "float64"},
-          {"largest_rounding", unit * file.largest_rounding}};
+          {"largest_rounding", file.largest_rounding}};
 }
 
 Json to_value(const DistanceReport& distance) {
@@ -122,7 +118,7 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
     levels.push_back(std::move(level));
   }
   Json& files = json["files"] = Json::array();
-  for (const ReportFile& file : context.files) files.push_back(to_value(file, context));
+  for (const ReportFile& file : context.files) files.push_back(to_value(file));
 
   Json& seconds = json["seconds"] = {{"read", context.read_seconds}};
   for (const StageTime& stage : report.seconds) seconds[stage.stage] = stage.seconds;

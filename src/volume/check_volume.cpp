@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <string>
 
 #include "core/ids.h"
@@ -14,6 +15,9 @@ namespace isoatlas {
 namespace {
 
 constexpr double kLargestAnisotropy = 1e6;
+
+// Headers hold rounded cosines; up to this lengths are right to a thousandth.
+constexpr double kLargestShear = 1e-3;
 
 void require(bool good, const std::string& message) {
   if (!good) throw Error(ErrorCode::bad_argument, message);
@@ -49,6 +53,25 @@ void check_volume(const VolumeView& volume, double isovalue) {
   require(volume.samples != nullptr, "the volume has no samples");
   visit_sample_type(volume.type, [](auto*) {});  // throws if it is none
   require(std::isfinite(isovalue), "the isovalue is not a finite number");
+}
+
+void require_orthonormal(const Grid& grid) {
+  const auto refuse = [](const std::string& what) {
+    throw Error(ErrorCode::unsupported, what +
+                                            ", so lengths on it are not those of the world: refining and measuring need unit vectors "
+                                            "at right angles; use --coarse, or resample the volume to a box-shaped grid");
+  };
+  constexpr const char* kAxes = "xyz";
+  for (std::size_t a = 0; a < 3; ++a) {
+    const Vec3 axis = grid.direction[a], next = grid.direction[(a + 1) % 3];
+    if (std::fabs(length(axis) - 1) > kLargestShear)
+      refuse(std::string("the direction of the grid's ") + kAxes[a] + " axis has length " + number(length(axis)));
+    const double cosine = dot(normalized(axis), normalized(next));
+    if (std::fabs(cosine) <= kLargestShear) continue;
+    const double degrees = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
+    refuse(std::string("the grid is sheared (its ") + kAxes[a] + " and " + kAxes[(a + 1) % 3] + " axes are at " +
+           number(std::round(10 * degrees) / 10) + " degrees)");
+  }
 }
 
 void throw_empty_surface(const VolumeView& volume, double isovalue) {

@@ -263,6 +263,34 @@ class Extract(ToolTest):
         self.succeed("extract", "n.nrrd", "--iso", "0", "-o", "a.ply", "--nan", "below", "--coarse")
         self.assertIn("2 components", self.succeed("extract", "n.nrrd", "--iso", "0", "-o", "b.ply", "--nan", "above", "--coarse"))
 
+    def test_sheared_grid_is_meshed_but_not_refined(self):
+        self.put("s.nrrd", nrrd(sphere((20, 20, 20)), (20, 20, 20), "float", "space: left-posterior-superior",
+                                "space directions: (1,0,0) (0.7,1,0) (0,0,1)", "space origin: (0,0,0)"))
+        arguments = ["extract", "s.nrrd", "--iso", "0", "-o", "s.ply"]
+        for options in ([], ["--space", "voxel"], ["--coarse", "--max-vertices", "9"], ["--coarse", "--measure"]):
+            self.refuse(r"s\.nrrd: the grid is sheared \(its x and y axes are at 55 degrees\).*--coarse", *arguments, *options)
+        self.succeed(*arguments, "--coarse")
+
+    def test_default_bound_is_not_judged(self):
+        self.put("noise.raw", random.Random(7).randbytes(16 ** 3))
+        arguments = ["extract", "noise.raw", "--raw-size", "16,16,16", "--raw-type", "uint8", "--iso", "127.5", "-o", "n.ply",
+                     "--report", "r.json"]
+        self.assertRegex(self.succeed(*arguments, "--max-vertices", "100000"), r"level 1 .*; not met: max-distance \(default 0\.5\)")
+        distance = json.loads((self.folder / "r.json").read_text())["levels"][1]["constraints"][1]
+        self.assertEqual((distance["quantity"], distance["met"], distance["default"]), ("max-distance", False, True))
+        asked = self.run_tool(*arguments, "--max-vertices", "100000", "--max-distance", "0.5vx")
+        self.assertRegex(asked.stderr, r"\Aisoatlas: level 1: max-distance 0\.5: reached [^\n]+\n\Z")
+        self.assertEqual(asked.returncode, 1)
+
+    def test_measured_distance_is_in_the_line_of_the_level(self):
+        self.put_sphere()
+        arguments = ["extract", "sphere.nrrd", "--iso", "0", "-o", "s.ply", "--measure-samples", "1000", "--refine"]
+        said = self.succeed(*arguments, "max-distance:1vx")
+        for level in (0, 1):
+            self.assertRegex(said, rf"level {level} .*, measured at most [\d.]+ \(99 % within [\d.]+\), aspect")
+        self.assertNotIn("MORE", said)
+        self.assertRegex(self.run_tool(*arguments, "max-distance:0.0001vx").stdout, r"measured at most [^,]+, MORE than the bound 0\.0001, aspect")
+
     def test_quiet_and_verbose(self):
         self.put_sphere()
         arguments = ["extract", "sphere.nrrd", "--iso", "0", "-o", "s.ply", "--coarse"]
@@ -797,7 +825,9 @@ class Check(ToolTest):
         self.put("cut.off", off(*TETRAHEDRON)[:-20])
         self.refuse("cut.off", "check", "cut.off")
         self.put("m.xyz", b"0 0 0\n")
-        self.refuse("m.xyz", "check", "m.xyz")
+        self.refuse("m.xyz.*expected one of .ply .stl .obj .off .vtp$", "check", "m.xyz")
+        self.put("m.glb", b"glTF")
+        self.refuse("m.glb: is a file of levels of detail, expected one of .ply .stl .obj .off .vtp; isoatlas levels", "check", "m.glb")
 
     def test_histogram_suits_the_locale(self):
         self.put("m.off", off(*TETRAHEDRON))
@@ -1074,8 +1104,8 @@ class Levels(ToolTest):
         self.assertLess(self.report()["files"][0]["largest_rounding"], 2e-8)
         self.succeed("levels", "far.glb")
         # STL has no translation: floats there are 1/16 or 1/8 apart, and the sphere would be a line.
-        self.refuse("far.stl.*float coordinates", *arguments, "-o", "far.stl")
-        self.refuse("far-0.stl.*float coordinates", *arguments, "-o", "far-{level}.stl")
+        self.refuse(r": far\.stl: .*float coordinates", *arguments, "-o", "far.stl")
+        self.refuse(r": far-0\.stl: .*float coordinates", *arguments, "-o", "far-{level}.stl")
 
     def test_one_glb_per_level(self):
         self.extract("t.glb", *self.TWO, "--glb-per-level", "--report", "r.json", "-q")
@@ -1166,7 +1196,8 @@ for k in range(blocks.GetNumberOfBlocks()):
             result = subprocess.run([str(TOOL), *arguments, "-o", *output, "--report", "r.json"], cwd=self.folder, preexec_fn=small_disk,
                                     capture_output=True, encoding="utf-8", timeout=50)
             self.assertEqual(result.returncode, 2, result.stderr)
-            self.assertRegex(result.stderr, r"\Aisoatlas: error: [^\n]*cannot be written[^\n]*\n\Z")
+            self.assertRegex(result.stderr, r"\Aisoatlas: error: o[^\n]*cannot be written[^\n]*\n\Z")
+            self.assertNotIn(".isoatlas", result.stderr)
             self.assertEqual({n: (self.folder / n).read_bytes() for n in self.files() if (self.folder / n).is_file()}, before)
 
     def levels(self, status, *arguments):
@@ -1195,9 +1226,19 @@ for k in range(blocks.GetNumberOfBlocks()):
                 self.assertRegex(text, rf"(?m)^  {row} ")
             self.assertRegex(text.splitlines()[-1], r"^  nested +yes")
             self.assertRegex(self.levels(0, "r.json").splitlines()[-1], r"^  nested +not known")
+            self.assertRegex(self.levels(0, "r.json"), r"(?m)^  manifold +- +- +-$")
+            self.assertEqual([level["manifold"] for level in of_report["levels"]], [None] * 3)
         self.extract("b.glb", "--glb-per-level", "--placement", "balanced", "-q")
         self.levels(0, "b.json")
         self.assertRegex(self.levels(0, "b.glb").splitlines()[-1], r"^  nested +by index only")
+
+    def test_infinite_metrics(self):
+        self.extract("t.glb", "--report", "r.json", "-q")
+        report = self.report()
+        report["levels"][1]["metrics"]["area-curvature"]["maximum"] = None
+        self.put("r.json", json.dumps(report).encode())
+        self.assertRegex(self.levels(0, "r.json"), r"(?m)^  area-curvature, maximum +[\d.]+ +inf$")
+        self.assertIsNone(json.loads(self.levels(0, "r.json", "--json"))["levels"][1]["metrics"]["area-curvature"]["maximum"])
 
     def test_a_level_that_is_no_manifold(self):
         self.extract("t.glb", "--coarse", "-q")
@@ -1236,7 +1277,7 @@ for k in range(blocks.GetNumberOfBlocks()):
     def test_bad_files(self):
         self.refuse("nowhere.glb", "levels", "nowhere.glb")
         self.put("t.ply", b"ply\n")
-        self.refuse(r"t\.ply.*\.glb or \.vtm", "levels", "t.ply")
+        self.refuse(r"t\.ply.*expected \.glb, \.vtm or \.json", "levels", "t.ply")
         self.put("text.glb", b"this is no glTF file")
         self.refuse("text.glb", "levels", "text.glb")
         self.put("text.vtm", b"this is no VTK file")
@@ -1247,6 +1288,8 @@ for k in range(blocks.GetNumberOfBlocks()):
         self.refuse("other.json.*isoatlas-report-2", "levels", "other.json")
         self.put("wrong.json", b'{"schema": "isoatlas-report-2", "levels": [{"vertices": "many"}]}')
         self.refuse("wrong.json", "levels", "wrong.json")
+        self.put("negative.json", b'{"schema": "isoatlas-report-2", "levels": [{"vertices": -1}]}')
+        self.refuse("negative.json: vertices is -1, expected a whole number", "levels", "negative.json")
         self.extract("t.glb", "--coarse", "-q")
         self.extract("t.vtm", "--coarse", "-q")
         self.put("cut.glb", (self.folder / "t.glb").read_bytes()[:-100])

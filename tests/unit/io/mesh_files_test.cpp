@@ -121,7 +121,8 @@ TEST(MeshFiles, WrongMeshesAreNotWritten) {
 
 TEST(MeshFiles, PathIsCheckedBeforeTheWork) {
   const TempFolder folder;
-  expect_error(ErrorCode::unsupported, ".ply .stl .obj .off .vtp", folder / "a.xyz", [&] { check_mesh_path(folder / "a.xyz"); });
+  expect_error(ErrorCode::unsupported, ".ply .stl .obj .off .vtp, or .glb or .vtm", folder / "a.xyz",
+               [&] { check_mesh_path(folder / "a.xyz"); });
   expect_error(ErrorCode::bad_file, "there is no folder", folder / "none/a.ply", [&] { check_mesh_path(folder / "none/a.ply"); });
   std::filesystem::create_directory(folder / "dir.ply");
   expect_error(ErrorCode::bad_file, "it is a folder", folder / "dir.ply", [&] { check_mesh_path(folder / "dir.ply"); });
@@ -129,6 +130,21 @@ TEST(MeshFiles, PathIsCheckedBeforeTheWork) {
   write_bytes(folder / "there.ply", "old");
   check_mesh_path(folder / "there.ply");
   EXPECT_EQ(read_bytes(folder / "there.ply"), "old");
+}
+
+TEST(MeshFiles, WhatIsRefusedIsNotWhatIsExpected) {
+  const TempFolder folder;
+  for (const char* name : {"a.glb", "a.vtm", "a.xyz"}) {
+    write_bytes(folder / name, "x");
+    try {
+      read_mesh(folder / name);
+      ADD_FAILURE() << name;
+    } catch (const Error& error) {
+      const std::string what = error.what();
+      EXPECT_NE(what.find(".ply .stl .obj .off .vtp"), std::string::npos) << what;
+      EXPECT_EQ(what.find("or .glb"), std::string::npos) << what;
+    }
+  }
 }
 
 // What other programs write.

@@ -122,6 +122,23 @@ TEST(Refuses, GridsThatAreNone) {
   expect_error(ErrorCode::bad_argument, {"type"}, bad, {});
 }
 
+// Lengths are those of the spacing: on a sheared grid they are not those of the world.
+TEST(Refuses, ToRefineOrMeasureOnAShearedGrid) {
+  Volume volume = ball();
+  volume.grid.direction[1] = {std::sqrt(0.5), std::sqrt(0.5), 0};
+  ExtractOptions refine, coarse, measure;
+  refine.refine = {{{Quantity::max_distance, 1}}};
+  coarse.coarse = {{Quantity::max_vertices, 100}};
+  measure.measure_samples = 10;
+  for (const ExtractOptions& options : {refine, coarse, measure})
+    expect_error(ErrorCode::unsupported, {"sheared", "x and y axes are at 45 degrees", "--coarse"}, volume, options);
+  EXPECT_NO_THROW(extract(volume, {}));
+  volume.grid.direction[1] = {0, 2, 0};
+  expect_error(ErrorCode::unsupported, {"y axis has length 2"}, volume, refine);
+  volume.grid.direction[1] = {5e-4, 1, 0};  // rounded in some header
+  EXPECT_NO_THROW(extract(volume, refine));
+}
+
 TEST(NonFinite, RefusedWithCountAndPlace) { expect_error(ErrorCode::unsupported, {"1 NaN", "(3, 4, 3)", "--nan"}, with_nan(), {}); }
 
 TEST(NonFinite, OnTheSideItIsPut) {

@@ -5,6 +5,7 @@
 
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -108,11 +109,25 @@ TEST(Report, WhatDoesNotApplyIsNull) {
   EXPECT_TRUE(level["measured"].is_null());
 }
 
-TEST(Report, RoundingIsInWorldUnits) {
+TEST(Report, RoundingIsInTheMeshsUnitsEverywhere) {
   Full full;
   full.context.options.space = Space::voxel;
   full.context.grid.spacing = {1, 4, 2};
-  EXPECT_EQ(full.json()["files"][0]["largest_rounding"], 1.0);
+  const std::string text = levels_manifest({full.context.files[1]}, {level_json(full.report.levels[1], 1)});
+  EXPECT_EQ(full.json()["files"][1]["largest_rounding"], 0.5);
+  EXPECT_EQ(Json::parse(text)["levels"][0]["largest_rounding"], 0.5);
+}
+
+TEST(Report, AnUnmetBoundThatNobodyAskedForIsNoFailure) {
+  Full full;
+  LevelReport& level = full.report.levels[0];
+  level.constraints = {{{Quantity::max_distance, 3, true}, 4, false, "max-vertices comes first"}};
+  EXPECT_TRUE(level.all_met());
+  const Json constraint = full.json()["levels"][0]["constraints"][0];
+  EXPECT_EQ(constraint["met"], false);
+  EXPECT_EQ(constraint["default"], true);
+  level.constraints[0].wanted.is_default = false;
+  EXPECT_FALSE(level.all_met());
 }
 
 TEST(Report, PathsNeedNotBeUtf8) {
@@ -140,6 +155,23 @@ TEST(LevelFacts, ComeBackFromTheReportAndFromEachLevel) {
   }
   EXPECT_FALSE(facts_of_level("null", "a.glb"));
   EXPECT_FALSE(facts_of_level("{\"metrics\":null}", "a.glb")->metrics[0]);
+}
+
+// JSON has no infinity: it is written as null.
+TEST(LevelFacts, InfiniteMetricsComeBack) {
+  Full full;
+  full.report.levels[0].metrics.emplace()[2] = {std::numeric_limits<double>::infinity(), 1.5};
+  const auto facts = facts_of_level(level_json(full.report.levels[0], 0), "a.glb");
+  EXPECT_EQ(facts->metrics[2]->maximum, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(facts->metrics[2]->mean, 1.5);
+  EXPECT_TRUE(Json::parse(to_json("a.glb", {*facts}, true))["levels"][0]["metrics"]["area-curvature"]["maximum"].is_null());
+}
+
+TEST(LevelFacts, CountsAreWholeNumbers) {
+  for (const char* text : {R"({"vertices":-1})", R"({"triangles":1.5})", R"({"components":true})", R"({"genus":0.5})",
+                           R"({"quality":{"aspect_ratio":{"minimum":true}}})", R"({"metrics":{"max-distance":{"maximum":"far"}}})"})
+    EXPECT_THROW(facts_of_level(text, "a.glb"), Error) << text;
+  EXPECT_EQ(facts_of_level(R"({"euler_characteristic":-4})", "a.glb")->topology.euler_characteristic, -4);
 }
 
 TEST(LevelFacts, OfAManifest) {

@@ -93,9 +93,9 @@ TEST(PlanLevels, OptionsStandAroundEachLevelsOwn) {
 }
 
 TEST(PlanLevels, Defaults) {
-  EXPECT_EQ(plan_levels({}, false).refine, (std::vector<std::vector<TypedConstraint>>{{{max_distance, 0.5, true}}}));
+  EXPECT_EQ(plan_levels({}, false).refine, (std::vector<std::vector<TypedConstraint>>{{{max_distance, 0.5, true, true}}}));
   EXPECT_EQ(plan_levels({option(max_vertices, "50")}, false).refine[0],
-            (std::vector<TypedConstraint>{{max_vertices, 50}, {max_distance, 0.5, true}}));
+            (std::vector<TypedConstraint>{{max_vertices, 50}, {max_distance, 0.5, true, true}}));
   EXPECT_EQ(plan_levels({option(normal_angle, "10")}, false).refine[0], (std::vector<TypedConstraint>{{normal_angle, 10}}));
   EXPECT_EQ(plan_levels({level("max-vertices:50")}, false).refine[0], (std::vector<TypedConstraint>{{max_vertices, 50}}));
 }
@@ -126,8 +126,8 @@ TEST(PlanLevels, AQuantityTwiceIsAnError) {
 TEST(PlanLevels, LengthsInWorldUnits) {
   Grid grid;
   grid.spacing = {3, 2, 4};
-  EXPECT_EQ(in_world({{max_distance, 0.5, true}, {max_edge, 7}, {max_vertices, 9}}, grid),
-            (LevelGoal{{max_distance, 1}, {max_edge, 7}, {max_vertices, 9}}));
+  EXPECT_EQ(in_world({{max_distance, 0.5, true, true}, {max_edge, 7}, {max_vertices, 9}}, grid),
+            (LevelGoal{{max_distance, 1, true}, {max_edge, 7}, {max_vertices, 9}}));
 }
 
 }  // namespace

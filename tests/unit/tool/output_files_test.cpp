@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "isoatlas/error.h"
 #include "unit/io/io_test_support.h"
 
@@ -50,6 +52,26 @@ TEST(OutputFiles, OfAFolderThatIsThereOnlyFilesOfThatNameAreReplaced) {
   EXPECT_EQ(read_bytes(folder / "a/7"), "old 7");
   EXPECT_EQ(folder.file_count(), 2U);
   EXPECT_EQ(std::distance(fs::directory_iterator(folder / "a"), {}), 3);
+}
+
+TEST(OutputFiles, ErrorsNameTheFileAndNotTheHiddenFolder) {
+  const TempFolder folder;
+  fs::create_directory(folder / "elsewhere");
+  write_bytes(folder / "elsewhere/b.vtm", "old");
+  fs::create_symlink("elsewhere/b.vtm", folder / "link.vtm");
+  for (const auto& [given, told] : {std::pair("a.vtm", "a.vtm"), std::pair("link.vtm", "elsewhere/b.vtm")}) {
+    const fs::path shown = folder / told;
+    OutputFiles outputs;
+    try {
+      outputs.write(folder / given, [](const fs::path& staged) {
+        throw Error(ErrorCode::bad_file, staged.string() + ": bad, as is " + (staged.parent_path() / "a/a_0.vtp").string());
+      });
+      ADD_FAILURE() << "no error";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::bad_file);
+      EXPECT_EQ(error.what(), shown.string() + ": bad, as is " + (shown.parent_path() / "a/a_0.vtp").string());
+    }
+  }
 }
 
 TEST(OutputFiles, WhatWasThereIsPutBackWhenTheEndFails) {
