@@ -44,13 +44,14 @@ struct Measurement {
 /// Two-sided distance between a triangle mesh (any mesh, not only ours) and the trilinear isosurface, sampled.
 ///
 /// Where the isosurface leaves the volume it ends, so the distance near an open boundary is to its edge. Lengths are those of
-/// the volume's spacing, whatever the mesh's space; the direction counts as orthonormal. Maxima are over samples, so they are
+/// the volume's spacing, whatever the mesh's space. Maxima are over samples, so they are
 /// estimates from below; each distance to the isosurface is one from above, tight but for noise, where within a third of a
 /// voxel the nearest of several sheets may be missed.
 ///
 /// Samples are stratified by area and placed by a fixed low-discrepancy sequence: same input, same numbers, for any number of
 /// threads.
-/// @throws as extract(), and Error(bad_argument) if the mesh has no triangles, a corner out of range, or a vertex that is not
+/// @throws as extract(), which refuses to refine on a sheared grid, and Error(bad_argument) if the mesh has no triangles, a corner out of
+/// range, or a vertex that is not
 ///         finite or more than 1e15 voxels away; if no samples are wanted
 /// @cost   one pass over the volume, then O((samples + triangles + c-vertices) log)
 Measurement measure(const TriangleMesh& mesh, const VolumeView& volume, const MeasureOptions& options, const RunControl& control = {});

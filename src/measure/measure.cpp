@@ -262,6 +262,7 @@ void transform_to(Measurement& measurement, const Grid& grid, Space space) {
 
 Measurement measure(const TriangleMesh& mesh, const VolumeView& volume, const MeasureOptions& options, const RunControl& control) try {
   check_volume(volume, options.isovalue);
+  require_orthonormal(volume.grid);
   require(options.samples > 0, "no samples are wanted");
   const ThreadLimit threads(control.threads);
   const Grid& grid = volume.grid;

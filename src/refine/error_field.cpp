@@ -290,7 +290,7 @@ void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, st
       }
       const int pieces = std::clamp(2 * static_cast<int>(std::ceil(longest / (2 * kSampleStep * reach))), 2,
                                     kMostPieces);  // even: error peaks at edge midpoints
-      CVertexId last = mesh.c_vertices_of.of(t.cell[2])[0];
+      CVertexId last = mesh.c_vertices_of.of(*std::min_element(t.cell.begin(), t.cell.end()))[0];
       for (int a = 0; a <= pieces; ++a) {
         for (int j = 0; a + j <= pieces; ++j) {
           const int b = a % 2 == 0 ? j : pieces - a - j, c = pieces - a - b;  // to and fro

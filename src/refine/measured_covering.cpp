@@ -77,6 +77,7 @@ MeasuredCovering::MeasuredCovering(const MeasuredCovering& other)
       dual_(other.dual_, covering_),
       demands_(other.demands_),
       placement_(other.placement_),
+      near_enough_(other.near_enough_),
       mesh_(other.mesh_),
       places_(other.places_),
       frozen_(other.frozen_),
@@ -90,6 +91,7 @@ MeasuredCovering& MeasuredCovering::operator=(const MeasuredCovering& other) {
   dual_.assign(other.dual_);
   demands_ = other.demands_;
   placement_ = other.placement_;
+  near_enough_ = other.near_enough_;
   mesh_ = other.mesh_;
   places_ = other.places_;
   frozen_ = other.frozen_;
@@ -100,8 +102,9 @@ MeasuredCovering& MeasuredCovering::operator=(const MeasuredCovering& other) {
   return *this;
 }
 
-void MeasuredCovering::demand(std::span<const Constraint> metrics, Placement placement) {
-  if (std::ranges::equal(metrics, demands_) && placement == placement_) return;
+void MeasuredCovering::demand(std::span<const Constraint> metrics, Placement placement, double near_enough) {
+  if (std::ranges::equal(metrics, demands_) && placement == placement_ && near_enough == near_enough_) return;
+  near_enough_ = near_enough;
   demands_.assign(metrics.begin(), metrics.end());
   if (placement == Placement::surface) places_.offset.clear();
   placement_ = placement;
@@ -112,9 +115,10 @@ void MeasuredCovering::tighten(double share) {
   for (Constraint& c : demands_) c = scaled(c, share);
   stale_.resize(errors_.size(), 0);
   for (CellId c = 0; c < errors_.size(); ++c) {
-    const bool was_good = errors_[c].excess <= 1;
-    errors_[c].excess /= share;
-    if (was_good && errors_[c].excess > 1) stale_[c] = 1;
+    CellError& error = errors_[c];
+    if (error.excess <= 1 && error.at_most > share) stale_[c] = 1;
+    error.excess /= share;
+    error.at_most /= share;
   }
 }
 
@@ -247,11 +251,12 @@ void MeasuredCovering::measure(std::vector<CellId> cells, Thoroughness thoroughn
 
   // What is between c-vertices, and the way from the mesh to the surface, which costs most, are only looked at where all else is
   // within its bounds.
+  for (const CellId c : cells) errors_[c].at_most = errors_[c].excess;
   if (distance == demands_.end()) return;
   const auto keep_good = [&] { std::erase_if(cells, [&](CellId c) { return errors_[c].excess > 1; }); };
   const auto add = [&](CellId c, const Farthest& most) {
     const double excess = static_cast<double>(most.distance) / distance->bound;
-    if (excess > errors_[c].excess) errors_[c] = {excess, most.at};
+    if (excess > errors_[c].excess) errors_[c] = {excess, excess, most.at};
   };
   if (ground_.between) {
     keep_good();
@@ -259,8 +264,11 @@ void MeasuredCovering::measure(std::vector<CellId> cells, Thoroughness thoroughn
     for (std::size_t i = 0; i < cells.size(); ++i) add(cells[i], between[i]);
   }
   keep_good();
-  measure_from_mesh(surface, mesh_, partition().cell_of, cells, distance->bound, from_mesh_);
-  for (const CellId c : cells) add(c, from_mesh_[c]);
+  measure_from_mesh(surface, mesh_, partition().cell_of, cells, near_enough_ * distance->bound, from_mesh_);
+  for (const CellId c : cells) {
+    add(c, from_mesh_[c]);
+    errors_[c].at_most = std::max(errors_[c].at_most, near_enough_);
+  }
 }
 
 std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& covering, const LevelMesh& mesh) {

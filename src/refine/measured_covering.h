@@ -30,6 +30,7 @@ struct Ground {
 /// What one cell's metrics say.
 struct CellError {
   double excess = 0;        ///< worst of metric / bound; more than 1 is too much
+  double at_most = 0;       ///< the excess is no more than this, if it is not more than 1: within bounds it need not be known better
   CVertexId worst = kNone;  ///< where it is farthest from the mesh, if distance is what is wrong: a c-vertex there
 };
 
@@ -45,7 +46,9 @@ class MeasuredCovering {
 
   /// Which metrics count from now on, with their bounds; everything will be measured anew,
   /// unless they are what they were.
-  void demand(std::span<const Constraint> metrics, Placement placement);
+  /// @param near_enough  share of a bound up to which a distance from the mesh need not be known exactly: what is to be tightened
+  ///                     wants to know more, so as not to be measured again each time
+  void demand(std::span<const Constraint> metrics, Placement placement, double near_enough = 1);
 
   /// Multiplies all bounds (of ratios, what they are more than 1) by `share` < 1; only cells that this puts over a bound will be
   /// measured anew.
@@ -86,6 +89,7 @@ class MeasuredCovering {
   CertifiedDual dual_;
   std::vector<Constraint> demands_;
   Placement placement_ = Placement::surface;
+  double near_enough_ = 1;
   LevelMesh mesh_;
   Places places_;
   CellId frozen_ = 0;

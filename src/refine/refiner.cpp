@@ -36,6 +36,7 @@ constexpr float kChordSlack = 1.25f;
 constexpr int kMostFailures = 24;
 // How much less generous bounds become: while fewer than half of the vertices are used, and then.
 constexpr double kFirstSteps = 0.7, kLastSteps = 0.85;
+constexpr double kNearEnough = 0.5;
 constexpr int kMostLastLooks = 3;
 // A few bad triangles that are left get so many more chances.
 constexpr int kMostChances = 6;
@@ -97,7 +98,7 @@ void Refiner::work(MeasuredCovering& work, const Task& task, RefinedLevel& out, 
   for (const CellError& e : work.errors()) {
     if (std::isfinite(e.excess)) generosity = std::max(generosity, e.excess);
   }
-  work.demand(demands_of(task.metrics, generosity), task.placement);
+  work.demand(demands_of(task.metrics, generosity), task.placement, kNearEnough);
   work.update(out.certificate, control);
   Task part = task;
   part.least_sites = 0;

@@ -27,8 +27,8 @@ struct ShapeReport {
 /// @param triangles  the mesh's, changed by flips
 ShapeReport improve_shape(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles, const RunControl& control);
 
-/// The same for those of `cells` that are over their bounds: a change is kept if the worst of the cells it concerns comes nearer to its bounds, none
-/// other gets over them, and no triangle becomes bad. @pre what improve_shape() left
+/// The same for those of `cells` that are over their bounds: a change is kept if the worst of the cells it concerns comes nearer to its
+/// bounds, none other gets over them, and no triangle becomes bad. @pre what improve_shape() left
 void improve_errors(MeasuredCovering& work, const ShapeGoal& goal, std::span<const CellId> cells, std::vector<DualTriangle>& triangles,
                     ShapeReport& report, const RunControl& control);
 

@@ -258,6 +258,9 @@ TEST(Measure, Errors) {
   expect_error(ErrorCode::bad_argument, "samples", good, volume, {.samples = 0});
   expect_error(ErrorCode::bad_argument, "isovalue", good, volume, {.isovalue = std::nan("")});
   expect_error(ErrorCode::empty_surface, "range from", good, volume, {.isovalue = 1e9});
+  Volume sheared = volume;
+  sheared.grid.direction[1] = {0.6, 0.8, 0};
+  expect_error(ErrorCode::unsupported, "sheared", good, sheared, {});
   for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity(), 1e20, -1e300}) {
     TriangleMesh mesh = good;
     mesh.positions[2].y = bad;
