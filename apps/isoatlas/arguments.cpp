@@ -246,6 +246,21 @@ isovalue is inside either way. Default: above.
     options.inside = parse_inside(text);
   });
 
+  add_value(*command, kSurface, "--min-component-size", "SIZE", R"(
+Leave out components that enclose less: 10vx is ten voxels, 2.5 or 2.5mm3 are world units cubed. One that the volume's
+border cuts open counts as a ball of its area. What is left out is listed in the report. Default: nothing.
+)", [&](const std::string& text) {
+    arguments.min_component_size = space_size_of(text);
+    if (!arguments.min_component_size) refuse("expected a size like 10vx or 2.5mm3, got " + in_quotes(text));
+  });
+  add_value(*command, kSurface, "--keep-components", "N", R"(
+Leave out all but the N largest components. Default: all are kept.
+)", [&](const std::string& text) {
+    const auto count = parse_whole<std::size_t>(text);
+    if (!count || *count == 0) refuse("expected a number above 0, got " + in_quotes(text));
+    options.keep_components = *count;
+  });
+
   command->add_flag("--coarse", arguments.coarse, R"(
 Only the coarsest mesh that keeps the topology: level 0. Constraints for all levels are then looked at there.
 )")->group(kMesh);

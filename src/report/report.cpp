@@ -67,6 +67,14 @@ Json to_value(const DistanceReport& distance) {
   return json;
 }
 
+Json to_value(const DroppedComponent& component) {
+  return {{"position", to_value(component.position)},
+          {"size", component.size},
+          {"c_vertices", component.c_vertices},
+          {"genus", component.topology.genus()},
+          {"boundary_loops", component.topology.boundary_loops}};
+}
+
 /// The file that holds that level and no other, if there is one.
 Json path_of_level(const std::vector<ReportFile>& files, std::size_t level) {
   for (const ReportFile& file : files)
@@ -97,6 +105,8 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
                         {"space", text(options.space)},
                         {"max_radius", to_value(options.max_radius)},
                         {"event_persistence", to_value(options.event_persistence)},
+                        {"min_component_size", options.min_component_size},
+                        {"keep_components", options.keep_components},
                         {"vertices_on_surface", options.vertices_on_surface},
                         {"coarse", to_value(options.coarse)},
                         {"refine", goals_value(options.refine)},
@@ -107,6 +117,8 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
   Json& reference =
       json["reference"] = {{"c_vertices", report.c_vertices}, {"faces", report.faces}, {"double_segments", report.double_segments}};
   add_topology(reference, report.reference);
+  Json& dropped = json["dropped"] = Json::array();
+  for (const DroppedComponent& component : report.dropped) dropped.push_back(to_value(component));
   json["coarsening"] = {{"rounds", report.coarsening.repair_rounds},
                         {"c_vertices", report.coarser_c_vertices},
                         {"certificate", report.coarser_c_vertices.empty() ? Json() : to_value(report.coarsening)}};

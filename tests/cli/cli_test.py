@@ -146,7 +146,7 @@ class Help(ToolTest):
                    "--raw-size --raw-type --raw-spacing --raw-endian -q --quiet -v --verbose -h --help "
                    "--refine --max-distance --mean-distance --area-curvature --area-curvature-smooth --geodesic-ratio "
                    "--normal-angle --max-vertices --min-vertices --min-edge --max-edge --min-aspect --placement "
-                   "--glb-per-level --measure --measure-samples",
+                   "--glb-per-level --measure --measure-samples --min-component-size --keep-components",
         "info": "--raw-size --raw-type --raw-spacing --raw-endian -h --help",
         "check": "--json --volume --iso --inside --nan --space --samples --raw-size --raw-type --raw-spacing --raw-endian -h --help",
         "levels": "--json -h --help",
@@ -404,6 +404,8 @@ class BadArguments(ToolTest):
     def test_values(self):
         for option, values in {
             "--iso": ["nan", "inf", "-inf", "", "1,5", "0x", "ten", "1e999"],
+            "--min-component-size": ["-1", "2.5mm", "vx", "ten", "inf", "", "1e999"],
+            "--keep-components": ["0", "-1", "1.5", "all", ""],
             "--max-radius": ["0", "-1", "3 furlongs", "vx", "mm", "1vxmm", "inf", "nanmm", "", "2.5 mm", "1e999"],
             "--event-persistence": ["-1", "abc", "3px", "infvx"],
             "--threads": ["-1", "1.5", "many", "", "99999999999"],
@@ -632,6 +634,7 @@ class Report(ToolTest):
     def test_every_key_is_documented_and_every_documented_key_is_there(self):
         coarse = documented("isoatlas-report-2") - {"seconds.refine"}
         self.compare(self.make("--coarse"), coarse)
+        self.compare(self.make("--coarse", "--min-component-size", "10vx", "--keep-components", "5"), coarse)
         self.compare(self.make("--coarse", "--max-vertices", "1000", "--max-distance", "1vx", "--placement", "balanced"), documented("isoatlas-report-2"))
         checked = self.succeed("check", "s.ply", "--json", "--volume", "sphere.nrrd", "--iso", "0", "--samples", "100")
         self.compare(json.loads(checked), documented("isoatlas-check-1"))
