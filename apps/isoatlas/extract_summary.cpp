@@ -20,7 +20,11 @@ std::string repair_text(const CertificateReport& certificate) {
   return counted(certificate.repair_sites, "site") + " added in " + counted(certificate.repair_rounds, "round");
 }
 
-std::string point_text(const Vec3& p) { return "(" + number_text(p.x) + ", " + number_text(p.y) + ", " + number_text(p.z) + ")"; }
+std::string point_text(const Vec3& p) {
+  std::string text;
+  for (const double x : {p.x, p.y, p.z}) text += (text.empty() ? "(" : ", ") + number_text(x);
+  return text + ")";
+}
 
 /// Samples may see what the metric does not: a bound that is met can be exceeded there.
 std::string measured_text(const LevelReport& level) {
