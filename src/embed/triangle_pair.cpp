@@ -104,8 +104,6 @@ Corners sort_corners(Triangle a, Triangle b) {
   return out;
 }
 
-bool strictly_one_side(CGAL::Orientation first, CGAL::Orientation second) { return first != CGAL::COPLANAR && first == second; }
-
 }  // namespace
 
 bool meet_beyond_shared(std::span<const Vec3> positions, const Triangle& first, const Triangle& second) {
@@ -119,8 +117,8 @@ bool meet_beyond_shared(std::span<const Vec3> positions, const Triangle& first, 
   const auto away = [&corners](const std::array<Point, 3>& t, const std::array<Point, 3>& from) {
     const auto side = [&from](const Point& p) { return CGAL::orientation(from[0], from[1], from[2], p); };
     const CGAL::Orientation last = side(t[2]);
-    if (corners.shared == 2) return last != CGAL::COPLANAR;
-    return strictly_one_side(last, side(t[1])) && (corners.shared == 1 || strictly_one_side(last, side(t[0])));
+    if (last == CGAL::COPLANAR) return false;
+    return corners.shared == 2 || (side(t[1]) == last && (corners.shared == 1 || side(t[0]) == last));
   };
   if (corners.shared == 3) return true;
   if (away(a, b) || away(b, a)) return false;
