@@ -39,4 +39,7 @@ struct SelfIntersectionOptions {
 std::vector<TrianglePair> self_intersections(std::span<const Vec3> positions, std::span<const Triangle> triangles,
                                              const SelfIntersectionOptions& options = {}, const RunControl& control = {});
 
+/// Near where two triangles meet: the middle of what their boxes have in common. To find the place, not to compute with it.
+Vec3 meeting_place(std::span<const Vec3> positions, const Triangle& a, const Triangle& b);
+
 }  // namespace isoatlas

@@ -176,10 +176,17 @@ class Search {
 std::vector<TrianglePair> self_intersections(std::span<const Vec3> positions, std::span<const Triangle> triangles,
                                              const SelfIntersectionOptions& options, const RunControl& control) {
   const ThreadLimit threads(control.threads);
-  control.report("self-intersections", 0);
+  control.report("intersect", 0);
   check_input(positions, triangles);
   const Search search(positions, triangles, control);
   return options.involving ? search.involving(*options.involving) : search.all();
+}
+
+Vec3 meeting_place(std::span<const Vec3> positions, const Triangle& a, const Triangle& b) {
+  const Box one = box_of(positions, a), other = box_of(positions, b);
+  const Vec3 low{std::max(one.low.x, other.low.x), std::max(one.low.y, other.low.y), std::max(one.low.z, other.low.z)};
+  const Vec3 high{std::min(one.high.x, other.high.x), std::min(one.high.y, other.high.y), std::min(one.high.z, other.high.z)};
+  return 0.5 * low + 0.5 * high;
 }
 
 }  // namespace isoatlas

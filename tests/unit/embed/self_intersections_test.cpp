@@ -204,6 +204,14 @@ TEST(SelfIntersections, RefusesWhatIsNoMesh) {
   refused(good, {.involving = list}, "triangle 1 of 1");
 }
 
+TEST(SelfIntersections, MeetingPlaceIsInBothBoxes) {
+  const std::vector<Vec3> positions{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, -1}, {2, 1, 3}, {9, 3, 0}};
+  const Vec3 at = meeting_place(positions, {0, 1, 2}, {3, 4, 5});
+  EXPECT_EQ(at.x, 2.5);
+  EXPECT_EQ(at.y, 2);
+  EXPECT_EQ(at.z, 0);
+}
+
 TEST(SelfIntersections, CanBeCancelled) {
   const std::atomic<bool> cancel = true;
   RunControl control;
