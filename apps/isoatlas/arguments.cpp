@@ -338,6 +338,10 @@ CLI::App* add_check_command(CLI::App& app, CheckArguments& arguments) {
   command->add_option("MESH", arguments.mesh, "The mesh to look at. See FILES.")->required()->group(kInput);
   command->add_flag("--json", arguments.json, "Print JSON (docs/reference/report.md).")->group(kOutput);
 
+  command->add_flag("--self-intersections", arguments.self_intersections, R"(
+Also look for triangles that meet where they should not: anywhere but at the corners and the edge they share. Decided exactly.
+)")->group(kMesh);
+
   CLI::Option* volume = command->add_option("--volume", arguments.volume, R"(
 Measure how far the mesh is from the isosurface of this volume: a file or, for a DICOM series, a folder. See FILES.
 )")->type_name("VOLUME")->group(kDistance);

@@ -47,6 +47,7 @@ struct CheckArguments {
   std::optional<RawLayout> raw;                 ///< of the volume
   MeasureOptions measure;                       ///< all but the space
   std::optional<Space> space;                   ///< none: as the mesh file says
+  bool self_intersections = false;
   bool json = false;
 };
 

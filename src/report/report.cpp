@@ -75,6 +75,13 @@ Json to_value(const DroppedComponent& component) {
           {"boundary_loops", component.topology.boundary_loops}};
 }
 
+Json to_value(const SelfIntersectionReport& self_intersections) {
+  Json first = Json::array();
+  for (const SelfIntersectionReport::Place& place : self_intersections.first)
+    first.push_back({{"triangles", {place.triangles.first, place.triangles.second}}, {"position", to_value(place.position)}});
+  return {{"pairs", self_intersections.pairs}, {"first", first}};
+}
+
 /// The file that holds that level and no other, if there is one.
 Json path_of_level(const std::vector<ReportFile>& files, std::size_t level) {
   for (const ReportFile& file : files)
@@ -158,7 +165,7 @@ std::string levels_manifest(const std::vector<ReportFile>& files, const std::vec
 }
 
 std::string to_json(const std::string& mesh_path, const MeshTopology& topology, const MeshQuality& quality,
-                    const DistanceReport* distance) {
+                    const SelfIntersectionReport* self_intersections, const DistanceReport* distance) {
   Json json;
   json["schema"] = "isoatlas-check-1";
   json["version"] = ISOATLAS_VERSION;
@@ -182,6 +189,7 @@ std::string to_json(const std::string& mesh_path, const MeshTopology& topology, 
     for (const char* key : {"euler_characteristic", "genus", "boundary_loops", "kinds"}) json[key] = nullptr;
   }
   json["quality"] = to_value(quality);
+  json["self_intersections"] = self_intersections ? to_value(*self_intersections) : Json();
   json["distance"] = distance ? to_value(*distance) : Json();
   return to_text(json);
 }
