@@ -35,6 +35,9 @@ struct ExtractOptions {
   /// One more level, refined from the one before, per entry.
   std::vector<LevelGoal> refine;
   Placement placement = Placement::surface;
+  /// false: in every level cells are made smaller where triangles meet others where they should not, until none does or cells are
+  /// as small as they can be; what is left then is counted. Not the default before nothing can be left.
+  bool allow_self_intersections = true;
   /// Measure every level against the trilinear isosurface with that many samples in each direction; 0: do not.
   std::size_t measure_samples = 0;
 };
@@ -98,7 +101,10 @@ struct LevelReport {
   std::vector<ConstraintResult> constraints;                       ///< in the order given
   std::vector<CellAtLimit> at_limit;                               ///< worst first; supersampling would help there
   std::size_t refine_rounds = 0;
-  std::size_t flips = 0, moves = 0;     ///< edges flipped and vertices moved to a better c-vertex, for the triangles' shape
+  std::size_t flips = 0, moves = 0;  ///< edges flipped and vertices moved to a better c-vertex, for the triangles' shape
+  /// Pairs of triangles that meet where they should not, counted on the finished mesh; none: they are allowed.
+  std::optional<std::size_t> self_intersections;
+  std::size_t parting_sites = 0;        ///< sites added to take such triangles apart
   std::optional<Measurement> measured;  ///< if asked for
   double seconds = 0;
 

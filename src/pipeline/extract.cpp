@@ -15,6 +15,7 @@
 #include "core/parallel.h"
 #include "core/vector_math.h"
 #include "cover/repair.h"
+#include "embed/meeting_corners.h"
 #include "mesh/outward.h"
 #include "partition/coarsen.h"
 #include "pipeline/level.h"
@@ -33,6 +34,8 @@ namespace {
 constexpr double kBlockVoxels = 4;
 constexpr double kBlocksPerRadius = 4;
 constexpr double kLeastBlockVoxels = 1.5;
+// How often cells of the coarse level are divided whose triangles meet others where they should not.
+constexpr int kMostPartings = 12;
 
 class StageClock {
  public:
@@ -238,6 +241,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   const Partition& partition = covering.partition();
   TriangleMesh mesh;
   MeshTopology topology;
+  int partings = 0;
   for (int round = 0;; ++round) {
     mesh.triangles = to_triangles(dual.triangles());
     mesh.positions.clear();
@@ -247,7 +251,14 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
         turned_components(mesh.positions, mesh.triangles, complex.spacing, topology.component_of_vertex, topology.components.size(),
                           outward_of_cells(complex, coarser, partition), 0);
     coarse.turned_components = static_cast<std::size_t>(std::count(turned.begin(), turned.end(), 1));
-    if (coarse.turned_components == 0 || !refine_components(complex, covering, topology, turned, round, coarse.certificate)) break;
+    bool again = coarse.turned_components > 0 && refine_components(complex, covering, topology, turned, round, coarse.certificate);
+    if (!again && !options.allow_self_intersections && partings++ < kMostPartings) {
+      const std::uint32_t sites = covering.site_count();
+      again = covering.shrink(meeting_corners(mesh.positions, mesh.triangles, control));
+      covering.cover(control);
+      coarse.parting_sites += covering.site_count() - sites;
+    }
+    if (!again) break;
     dual.certify(coarse.certificate, control);
   }
   clock.finished("mesh");
@@ -256,7 +267,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   std::vector<CVertexId> sites;  // on the surface itself
   sites.reserve(partition.site.size());
   for (const CVertexId v : partition.site) sites.push_back(coarsened ? coarser.representative[v] : v);
-  finish_level(mesh, topology, sites, reference, grid, options.space, coarse);
+  finish_level(mesh, topology, sites, reference, grid, options, coarse, control);
   clock.finished("check");
 
   Hierarchy& hierarchy = out.hierarchy;

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "isoatlas/self_intersections.h"
+
 namespace isoatlas {
 namespace {
 
@@ -43,7 +45,7 @@ void check_mesh(const MeshTopology& mesh, const Components& reference, const std
 }  // namespace
 
 void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<const CVertexId> sites, const Components& reference,
-                  const Grid& grid, Space space, LevelReport& report) {
+                  const Grid& grid, const ExtractOptions& options, LevelReport& report, const RunControl& control) {
   std::vector<ComponentId> component_of;
   component_of.reserve(sites.size());
   for (const CVertexId v : sites) component_of.push_back(reference.of_c_vertex[v]);
@@ -52,11 +54,13 @@ void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<co
   report.vertices = mesh.positions.size();
   report.triangles = mesh.triangles.size();
 
+  const Space space = options.space;
   // Shape is a matter of world lengths, whatever the space of the output.
   TriangleMesh world = space == Space::voxel ? mesh : TriangleMesh{};
   TriangleMesh& measured = space == Space::voxel ? world : mesh;
   transform_to(measured, grid, space == Space::voxel ? Space::lps : space);
   report.quality = mesh_quality(measured);
+  if (!options.allow_self_intersections) report.self_intersections = self_intersections(mesh.positions, mesh.triangles, {}, control).size();
 }
 
 bool LevelReport::all_met() const {

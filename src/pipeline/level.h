@@ -9,11 +9,12 @@
 
 namespace isoatlas {
 
-/// The end of every level: the topology check, then into the output's space, where shape is measured.
-/// @param mesh     in sample-index coordinates; in `space` afterwards
+/// The end of every level: the topology check, then into the output's space, where shape is measured and self-intersections are
+/// counted.
+/// @param mesh     in sample-index coordinates; in the output's space afterwards
 /// @param sites    per vertex, a c-vertex of the surface in its cell: says which component it belongs to
 /// @throws Error(internal) if the finished triangles have not, component by component, the topology of the reference
 void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<const CVertexId> sites, const Components& reference,
-                  const Grid& grid, Space space, LevelReport& report);
+                  const Grid& grid, const ExtractOptions& options, LevelReport& report, const RunControl& control);
 
 }  // namespace isoatlas

@@ -28,7 +28,7 @@ LevelMaker::LevelMaker(const LevelSource& source, const ExtractOptions& options,
       options_(options),
       control_(control),
       isosurface_(source.volume, source.rule, source.surface),
-      refiner_(source.surface, isosurface_, source.coarser, source.options, source.covering) {}
+      refiner_(source.surface, isosurface_, source.coarser, source.options, source.covering, !options.allow_self_intersections) {}
 
 Vec3 LevelMaker::to_space(Vec3 index) const {
   TriangleMesh one;
@@ -111,6 +111,7 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
   report.refine_rounds = refined.rounds;
   report.flips = refined.shape.flips;
   report.moves = refined.shape.moves;
+  report.parting_sites = refined.parting_sites;
 
   const SurfaceComplex& surface = source_.surface;
   const Partition& partition = refiner_.partition();
@@ -124,7 +125,7 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
                                                              topology.components.size(), outward, 0);
   report.turned_components = static_cast<std::size_t>(std::count(turned.begin(), turned.end(), 1));
   measure_distance(mesh, report);
-  finish_level(mesh, topology, partition.site, source_.reference, source_.grid, options_.space, report);
+  finish_level(mesh, topology, partition.site, source_.reference, source_.grid, options_, report, control_);
 
   // Vertices that are new; the others are there already.
   const std::vector<CVertexId>& at = refiner_.places().anchor;

@@ -12,6 +12,7 @@
 #include <limits>
 
 #include "core/vector_math.h"
+#include "embed/meeting_corners.h"
 
 namespace isoatlas {
 namespace {
@@ -43,6 +44,8 @@ constexpr int kMostChances = 6;
 constexpr std::size_t kFewTriangles = 100;
 // Cells at their limit that are tried to be mended by flips and moves.
 constexpr std::size_t kMostMended = 200;
+// How often cells are divided whose triangles meet others where they should not.
+constexpr int kMostPartings = 12;
 
 std::vector<CVertexId> mapped(const std::vector<CVertexId>& ids, const std::vector<CVertexId>& to) {
   std::vector<CVertexId> out;
@@ -66,6 +69,13 @@ std::vector<Constraint> demands_of(const std::vector<Constraint>& metrics, doubl
   return out;
 }
 
+std::vector<Triangle> cells_of(const std::vector<DualTriangle>& dual) {
+  std::vector<Triangle> out;
+  out.reserve(dual.size());
+  for (const DualTriangle& t : dual) out.push_back(t.cell);
+  return out;
+}
+
 bool drives(Quantity q) { return is_metric(q) || q == Quantity::max_edge; }
 
 }  // namespace
@@ -82,8 +92,13 @@ struct Refiner::Task {
 };
 
 Refiner::Refiner(const SurfaceComplex& surface, const Isosurface& isosurface, const Coarsened& coarser, const CoveringOptions& options,
-                 const Covering& coarse)
-    : options_(options), coarser_(coarser), coarse_(coarse), ground_(surface, &isosurface), sites_before_(coarse.site_count()) {}
+                 const Covering& coarse, bool embedded)
+    : options_(options),
+      coarser_(coarser),
+      coarse_(coarse),
+      embedded_(embedded),
+      ground_(surface, &isosurface),
+      sites_before_(coarse.site_count()) {}
 
 // Until the task is done as far as it can be, or vertices run out. If they may, bounds are first meant more generously and then less
 // and less so: what vertices there are then go where they lower the largest error, looked at from all sides.
@@ -378,14 +393,23 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
   // Where neither a flip nor a move mends a triangle, smaller cells around it give another mesh, and another chance.
   std::vector<DualTriangle> triangles;
   out.shape = improve_shape(*work_, *task.shape, triangles, control);
-  for (int chance = 0; chance < kMostChances && out.shape.bad > 0 && out.shape.bad < kFewTriangles; ++chance) {
-    if (task.most_sites != kNone || !work_around(*work_, task, triangles)) break;
+  const auto again = [&] {
     work_->update(out.certificate, control);
     work(*work_, task, out, control);
     work_->certify(out.certificate, control);
     const std::size_t moves = out.shape.moves;  // these stay, flips do not
     out.shape = improve_shape(*work_, *task.shape, triangles, control);
     out.shape.moves += moves;
+  };
+  for (int chance = 0; chance < kMostChances && out.shape.bad > 0 && out.shape.bad < kFewTriangles; ++chance) {
+    if (task.most_sites != kNone || !work_around(*work_, task, triangles)) break;
+    again();
+  }
+  for (int k = 0; embedded_ && k < kMostPartings; ++k) {
+    if (!work_->covering().shrink(meeting_corners(work_->mesh().point, cells_of(triangles), control))) break;
+    const std::uint32_t sites = partition().cell_count();
+    again();
+    out.parting_sites += partition().cell_count() - sites;
   }
   // What nothing else can help: of the cells at their limit, the worst.
   std::vector<std::pair<double, CellId>> worst;
@@ -398,8 +422,7 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
   for (const auto& [excess, c] : worst) to_mend.push_back(c);
   improve_errors(*work_, *task.shape, to_mend, triangles, out.shape, control);
   work_->freeze_anchors(partition().cell_count());
-  out.triangles.reserve(triangles.size());
-  for (const DualTriangle& t : triangles) out.triangles.push_back(t.cell);
+  out.triangles = cells_of(triangles);
 
   const std::vector<MetricValues> values = measure_metrics(ground_, work_->covering(), work_->mesh());
   Obstacles obstacles{&extent_, first, out.vertices_ran_out, false, 0};

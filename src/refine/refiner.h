@@ -28,6 +28,7 @@ struct RefinedLevel {
   std::vector<std::pair<CellId, double>> at_limit;  ///< cells over a bound that cannot be made smaller, and by how much; worst first
   ShapeReport shape;
   std::size_t rounds = 0;
+  std::size_t parting_sites = 0;  ///< added where triangles met others
   bool vertices_ran_out = false;  ///< a limit on vertices ended the work
 };
 
@@ -39,8 +40,9 @@ struct RefinedLevel {
 class Refiner {
  public:
   /// @param coarse  the covering of level 0, of `coarser.complex`, or of the surface if there is no coarser complex
+  /// @param embedded  divide cells whose triangles meet others where they should not
   Refiner(const SurfaceComplex& surface, const Isosurface& isosurface, const Coarsened& coarser, const CoveringOptions& options,
-          const Covering& coarse);
+          const Covering& coarse, bool embedded);
 
   /// What can be said of level 0. To be called once, before refine().
   /// @param sites  per vertex of the level, its c-vertex on the surface
@@ -70,6 +72,7 @@ class Refiner {
   CoveringOptions options_;
   const Coarsened& coarser_;
   const Covering& coarse_;
+  bool embedded_;
   Ground ground_;
   std::unique_ptr<MeasuredCovering> work_;
   std::vector<CellId> placed_in_;  // per site of the first part of refinement, on the coarser complex
