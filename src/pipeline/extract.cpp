@@ -140,12 +140,14 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   control.report("surface", 0);
   ParseOptions parse;
   parse.rule = {options.isovalue, options.inside, options.non_finite};
+  parse.topology = options.topology;
   parse.vertices_on_surface = options.vertices_on_surface;
   const SurfaceComplex surface = parse_surface(in_voxels, parse, control);
   if (surface.faces.empty()) throw_empty_surface(volume, options.isovalue);
   report.c_vertices = surface.positions.size();
   report.faces = surface.faces.size();
   report.double_segments = surface.double_segments;
+  report.tunnels = surface.tunnels;
   clock.finished("surface");
 
   control.report("components", 0);
