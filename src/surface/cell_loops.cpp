@@ -114,35 +114,41 @@ CellLoops cell_with(std::uint8_t corners, std::uint8_t ambiguous, std::uint8_t j
   return cell;
 }
 
-// What a slice's saddle at an end of the heights at which the corners of both diagonals differ is: is it the ring that is joined
-// there? `side` 0: the lower end. Corners that have another sign at the cell's end change it on the way, one by one; the last one to do so
-// disappears there, and those beside it are joined. Nothing if one vertical edge had to change twice.
-bool ring_is_joined(const CellLoops& cell, const Tunnel& t, int side) {
-  const auto changes = [&](int vertical, bool inside) { return is_inside(cell, vertical + 4 * side) != inside; };
-  const bool any_changes =
-      changes(t.joined[0], t.inside) || changes(t.joined[1], t.inside) || changes(t.ring[0], !t.inside) || changes(t.ring[1], !t.inside);
-  if (!any_changes) return is_joined(cell, 4 + side) != t.inside;
-  return std::any_of(t.joined.begin(), t.joined.end(), [&](int j) {
-    if (!changes(j, t.inside)) return false;
-    return std::all_of(t.ring.begin(), t.ring.end(), [&](int r) {
-      if (!changes(r, !t.inside)) return true;
-      // Both change, on a face that both are on, which is therefore ambiguous. The ring's sign between them if j is the last.
-      const int axis = (j ^ r) == 1 ? 1 : 0;
-      const int face = 2 * axis + ((axis == 1 ? j >> 1 : j) & 1);
-      return is_joined(cell, face) != t.inside;
-    });
-  });
-}
+// In what follows a cell is swept along an axis; a "vertical" edge is one along it, and its bits are its place along the two axes
+// after it.
+struct Sweep {
+  const CellLoops& cell;
+  int axis;
 
-bool may_be_there(const CellLoops& cell, const Tunnel& t) {
-  const auto changes_twice = [&](int vertical, bool inside) {
-    return is_inside(cell, vertical) != inside && is_inside(cell, vertical + 4) != inside;
-  };
-  for (int k = 0; k < 2; ++k) {
-    if (changes_twice(t.joined[k], t.inside) || changes_twice(t.ring[k], !t.inside)) return false;
+  int corner(int vertical, int side) const { return face_corner(axis, side, vertical & 1, vertical >> 1); }
+  bool changes(int vertical, int side, bool inside) const { return is_inside(cell, corner(vertical, side)) != inside; }
+
+  // The slice's saddle at an end (0: the lower one) of the heights where the corners of both diagonals differ: is it the ring that is
+  // joined there? Corners that have another sign at the cell's end change it on the way, one by one; the last one to do so disappears
+  // there, and those beside it are joined.
+  bool ring_is_joined(const Tunnel& t, int side) const {
+    bool any_changes = false;
+    for (int k = 0; k < 2; ++k) any_changes |= changes(t.joined[k], side, t.inside) || changes(t.ring[k], side, !t.inside);
+    if (!any_changes) return is_joined(cell, 2 * axis + side) != t.inside;
+    return std::any_of(t.joined.begin(), t.joined.end(), [&](int j) {
+      if (!changes(j, side, t.inside)) return false;
+      return std::all_of(t.ring.begin(), t.ring.end(), [&](int r) {
+        if (!changes(r, side, !t.inside)) return true;
+        // The face that both are on is ambiguous, then. Between the two changes it has the ring's sign if j's is the last.
+        const int face = (j ^ r) == 1 ? 2 * ((axis + 2) % 3) + (j >> 1) : 2 * ((axis + 1) % 3) + (j & 1);
+        return is_joined(cell, face) != t.inside;
+      });
+    });
   }
-  return ring_is_joined(cell, t, 0) && ring_is_joined(cell, t, 1);
-}
+
+  bool admits(const Tunnel& t) const {
+    for (int k = 0; k < 2; ++k) {  // no vertical edge changes twice
+      if (changes(t.joined[k], 0, t.inside) && changes(t.joined[k], 1, t.inside)) return false;
+      if (changes(t.ring[k], 0, !t.inside) && changes(t.ring[k], 1, !t.inside)) return false;
+    }
+    return ring_is_joined(t, 0) && ring_is_joined(t, 1);
+  }
+};
 
 // Corners that are connected on the boundary of the cell, as the smallest of them.
 std::array<int, 8> regions_of(const CellLoops& cell) {
@@ -167,10 +173,13 @@ std::array<int, 8> regions_of(const CellLoops& cell) {
   return region;
 }
 
-// The loops at the two ends of a tunnel: they part the regions that it joins from the one of the ring.
-std::optional<std::array<std::size_t, 2>> loops_at_ends(const CellLoops& cell, const std::vector<Loop>& loops, const Tunnel& t) {
-  const std::array<int, 8> region = regions_of(cell);
-  const auto region_of = [&](int vertical, bool inside) { return region[is_inside(cell, vertical) == inside ? vertical : vertical + 4]; };
+// The loops at the two ends of a tunnel, the smaller number first: they part the regions that it joins from the one of the ring.
+std::optional<std::array<std::size_t, 2>> loops_at_ends(const Sweep& sweep, const std::vector<Loop>& loops, const Tunnel& t) {
+  const std::array<int, 8> region = regions_of(sweep.cell);
+  const auto region_of = [&](int vertical, bool inside) {
+    const int side = sweep.changes(vertical, 0, inside) ? 1 : 0;
+    return region[static_cast<std::size_t>(sweep.corner(vertical, side))];
+  };
   const int ring = region_of(t.ring[0], !t.inside);
   std::array<std::size_t, 2> out{};
   for (std::size_t end = 0; end < 2; ++end) {
@@ -181,7 +190,39 @@ std::optional<std::array<std::size_t, 2>> loops_at_ends(const CellLoops& cell, c
       if (std::minmax(region[low], region[high]) == std::minmax(joined, ring)) out[end] = k;
     }
   }
-  if (region_of(t.ring[1], !t.inside) != ring || out[0] == loops.size() || out[1] == loops.size() || out[0] == out[1]) return {};
+  std::sort(out.begin(), out.end());
+  if (region_of(t.ring[1], !t.inside) != ring || out[1] == loops.size() || out[0] == out[1]) return {};
+  return out;
+}
+
+struct PossibleTunnel {
+  Tunnel tunnel;
+  std::array<std::size_t, 2> ends;  // loops
+};
+
+std::vector<PossibleTunnel> possible_tunnels(const Sweep& sweep, const std::vector<Loop>& loops) {
+  std::vector<PossibleTunnel> out;
+  for (const bool inside : {false, true}) {
+    for (const bool swapped : {false, true}) {
+      Tunnel t{{0, 3}, {1, 2}, inside, 0};
+      if (swapped) std::swap(t.joined, t.ring);
+      if (!sweep.admits(t)) continue;
+      if (const auto ends = loops_at_ends(sweep, loops, t)) out.push_back({t, *ends});
+    }
+  }
+  return out;
+}
+
+// Those along z that a sweep along each other axis finds too.
+std::vector<PossibleTunnel> possible_tunnels(const CellLoops& cell, const std::vector<Loop>& loops) {
+  std::vector<PossibleTunnel> out = possible_tunnels(Sweep{cell, 2}, loops);
+  for (const int axis : {0, 1}) {
+    const std::vector<PossibleTunnel> others = possible_tunnels(Sweep{cell, axis}, loops);
+    std::erase_if(out, [&](const PossibleTunnel& a) {
+      return std::none_of(others.begin(), others.end(),
+                          [&](const PossibleTunnel& b) { return a.tunnel.inside == b.tunnel.inside && a.ends == b.ends; });
+    });
+  }
   return out;
 }
 
@@ -290,18 +331,11 @@ CellLoopTable::CellLoopTable() {
     if (cell.ambiguous_faces != 0) needs_samples_[cell.corners] = true;
     if (cell.loops < 2) continue;
     const std::vector<Loop> loops = loops_of(cell);
-    for (const bool inside : {false, true}) {
-      for (const bool swapped : {false, true}) {
-        Tunnel t{{0, 3}, {1, 2}, inside, 0};
-        if (swapped) std::swap(t.joined, t.ring);
-        if (!may_be_there(cell, t)) continue;
-        const auto ends = loops_at_ends(cell, loops, t);
-        if (!ends) continue;
-        t.entry = static_cast<std::uint16_t>(entries_.size());
-        tunnels_.push_back(t);
-        needs_samples_[cell.corners] = true;
-        entries_.push_back(with_annulus(cell, loops, *ends));
-      }
+    for (auto [tunnel, ends] : possible_tunnels(cell, loops)) {
+      tunnel.entry = static_cast<std::uint16_t>(entries_.size());
+      tunnels_.push_back(tunnel);
+      needs_samples_[cell.corners] = true;
+      entries_.push_back(with_annulus(cell, loops, ends));
     }
   }
   first_tunnel_.push_back(static_cast<std::uint16_t>(tunnels_.size()));

@@ -16,7 +16,7 @@ namespace isoatlas {
 //   face    2 a + side: the two faces normal to axis a
 
 /// The most surfels an entry of the table has.
-inline constexpr std::size_t kMostSurfels = 5;
+inline constexpr std::size_t kMostSurfels = 4;
 
 struct CellLoops {
   std::uint8_t corners = 0;          ///< bit per corner, 1 = inside

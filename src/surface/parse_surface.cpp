@@ -14,7 +14,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <span>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -418,10 +417,11 @@ class Parser {
 
   struct Node {  // on the grid edge along `axis` at the lower corner of cell c
     FaceId face;
-    std::array<std::size_t, 3> c;
+    bool is_cut;  // an annulus is cut there
     int axis;
-    bool operator<(const Node& o) const { return face < o.face; }
-    bool operator==(const Node& o) const { return face == o.face; }
+    std::array<std::size_t, 3> c;
+    Vec3 position;
+    bool operator<(const Node& o) const { return face != o.face ? face < o.face : is_cut > o.is_cut; }
   };
   struct Middle {  // a c-vertex between the corners a and b of a face
     FaceId face;
@@ -439,21 +439,33 @@ class Parser {
       for (const DoubleFace& d : slice.double_faces) split_double_segments(d, nodes, middles);
       for (const TunnelCell& t : slice.tunnel_cells) {
         const std::array<std::size_t, 3> c{cells_[t.cell].x, t.cy, t.cz};
+        const std::array<double, 8> f = values(sample_indices(c[0], c[1], c[2]));
         for (unsigned rest = cut_edges(table_[cells_[t.cell].loops]); rest != 0; rest &= rest - 1) {
-          const int e = std::countr_zero(rest);
-          nodes.push_back(node_on(c, e / 4, e & 1, e >> 1 & 1));
+          nodes.push_back(node_on(c, f, std::countr_zero(rest), true));
         }
         ++complex_.tunnels;
       }
     }
     std::sort(nodes.begin(), nodes.end());
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    const auto same_face = [](const Node& a, const Node& b) { return a.face == b.face; };
+    nodes.erase(std::unique(nodes.begin(), nodes.end(), same_face), nodes.end());
     std::sort(middles.begin(), middles.end());
+    std::vector<CVertexId> corners, polygon;
     auto middle = middles.cbegin();
     for (const Node& node : nodes) {
+      const auto& quad = complex_.faces[node.face].corner;
+      corners.assign(quad.begin(), quad.end());
+      if (node.is_cut) corners = corners_around(node);
       const auto first = middle;
       while (middle != middles.cend() && middle->face == node.face) ++middle;
-      const std::vector<CVertexId> polygon = corners_around(node, {first, middle});
+      polygon.clear();
+      for (std::size_t k = 0; k < corners.size(); ++k) {
+        const CVertexId from = corners[k], to = corners[(k + 1) % corners.size()];
+        polygon.push_back(from);
+        for (auto m = first; m != middle; ++m) {
+          if ((m->a == from && m->b == to) || (m->b == from && m->a == to)) polygon.push_back(m->id);
+        }
+      }
       const CVertexId centre = add_c_vertex(centre_of_fan(node, polygon));
       for (std::size_t k = 0; k < polygon.size(); ++k) {
         const Face triangle{{centre, polygon[k], polygon[(k + 1) % polygon.size()], kNone}};
@@ -473,7 +485,7 @@ class Parser {
       const std::size_t at = node.c[static_cast<std::size_t>(axis)];
       return at == 1 || at == size_[static_cast<std::size_t>(axis)];
     };
-    if (!on_border((node.axis + 1) % 3) || !on_border((node.axis + 2) % 3)) return position(node.c, 4 * node.axis);
+    if (!on_border((node.axis + 1) % 3) || !on_border((node.axis + 2) % 3)) return node.position;
     Vec3 sum;
     for (const CVertexId v : polygon) sum = sum + complex_.positions[v];
     return (1.0 / static_cast<double>(polygon.size())) * sum;
@@ -482,18 +494,17 @@ class Parser {
   void split_double_segments(const DoubleFace& d, std::vector<Node>& nodes, std::vector<Middle>& middles) {
     const Cell& cell = cells_[d.cell];
     const CellLoops& loops = table_[cell.loops];
-    const int axis = d.axis, u = (axis + 1) % 3, v = (axis + 2) % 3;
+    const int axis = d.axis;
     const std::array<std::size_t, 3> c{cell.x, d.cy, d.cz};
     const CVertexId a = c_vertex(cell, d.cz, face_edge_along_u(axis, 0, 0), axis);
     const CVertexId b = c_vertex(cells_[d.neighbour], axis == 2 ? d.cz - 1 : d.cz, face_edge_along_u(axis, 1, 0), axis);
+    const std::array<double, 8> f = values(sample_indices(c[0], c[1], c[2]));
     const bool around_inside = !((loops.joined_faces >> (2 * axis)) & 1);
     for (int bu = 0; bu < 2; ++bu) {
       for (int bv = 0; bv < 2; ++bv) {
         if (((loops.corners >> face_corner(axis, 0, bu, bv)) & 1) != (around_inside ? 1 : 0)) continue;
-        // Bits of an edge along u are along v and axis, those of one along v along axis and u.
-        const Node on_u = node_on(c, u, bv, 0), on_v = node_on(c, v, 0, bu);
-        const CVertexId id =
-            add_c_vertex(0.5 * (position(c, face_edge_along_u(axis, 0, bv)) + position(c, face_edge_along_v(axis, 0, bu))));
+        const Node on_u = node_on(c, f, face_edge_along_u(axis, 0, bv), false), on_v = node_on(c, f, face_edge_along_v(axis, 0, bu), false);
+        const CVertexId id = add_c_vertex(0.5 * (on_u.position + on_v.position));
         for (const Node& node : {on_u, on_v}) {
           nodes.push_back(node);
           middles.push_back({node.face, a, b, id});
@@ -503,37 +514,29 @@ class Parser {
     ++complex_.double_segments;
   }
 
-  // The node on the edge of cell c along `axis`, at these bits along the two axes after it.
-  Node node_on(std::array<std::size_t, 3> c, int axis, int bit_u, int bit_v) const {
-    c[static_cast<std::size_t>((axis + 1) % 3)] += static_cast<std::size_t>(bit_u);
-    c[static_cast<std::size_t>((axis + 2) % 3)] += static_cast<std::size_t>(bit_v);
-    const Cell& cell = find_cell(c[0], c[1], c[2]);
-    const unsigned owned = owned_nodes(table_[cell.loops], c[0], c[1], c[2]);
-    const auto before = static_cast<FaceId>(std::popcount(owned & ((1u << axis) - 1)));
-    return {slices_[c[2]].first_face + cell.first_face + before, c, axis};
-  }
-
-  // The node on an edge of cell c, in sample-index coordinates.
-  Vec3 position(const std::array<std::size_t, 3>& c, int edge) const {
-    const Vec3 p = node_in_cell(values(sample_indices(c[0], c[1], c[2])), edge);
+  // The node on an edge of cell c, whose corners are f.
+  Node node_on(std::array<std::size_t, 3> c, const std::array<double, 8>& f, int edge, bool is_cut) const {
+    const Vec3 p = node_in_cell(f, edge);
     const auto along = [&](int axis, double x) {
       const std::size_t at = c[static_cast<std::size_t>(axis)];
       const double low = static_cast<double>(sample_of(at, axis));
       return at == 0 || at == size_[static_cast<std::size_t>(axis)] ? low : low + x;
     };
-    return {along(0, p.x), along(1, p.y), along(2, p.z)};
+    const Vec3 position{along(0, p.x), along(1, p.y), along(2, p.z)};
+    const int axis = edge / 4;
+    c[static_cast<std::size_t>((axis + 1) % 3)] += edge & 1;
+    c[static_cast<std::size_t>((axis + 2) % 3)] += edge >> 1 & 1;
+    const Cell& cell = find_cell(c[0], c[1], c[2]);
+    const unsigned owned = owned_nodes(table_[cell.loops], c[0], c[1], c[2]);
+    const auto before = static_cast<FaceId>(std::popcount(owned & ((1u << axis) - 1)));
+    return {slices_[c[2]].first_face + cell.first_face + before, is_cut, axis, c, position};
   }
 
-  // All c-vertices around a node, counter-clockwise seen from outside: those of the four cells in the order of make_face(), two in
-  // a cell whose annulus is cut at the node, and the middles of double segments.
-  std::vector<CVertexId> corners_around(const Node& node, std::span<const Middle> middles) const {
+  // The c-vertices around a node, counter-clockwise seen from outside: those of the four cells in the order of make_face(), two in
+  // a cell whose annulus is cut at the node.
+  std::vector<CVertexId> corners_around(const Node& node) const {
     const auto u = static_cast<std::size_t>((node.axis + 1) % 3), v = static_cast<std::size_t>((node.axis + 2) % 3);
-    std::vector<CVertexId> polygon;
-    const auto add_middle = [&](CVertexId from, CVertexId to) {
-      for (const Middle& m : middles) {
-        if ((m.a == from && m.b == to) || (m.b == from && m.a == to)) polygon.push_back(m.id);
-      }
-    };
+    std::vector<CVertexId> corners;
     bool outside_is_up = false;
     for (const int k : {0, 1, 2, 3}) {
       const std::size_t du = k == 0 || k == 3, dv = k == 0 || k == 1;
@@ -546,13 +549,11 @@ class Parser {
       // From cell 0 to cell 1 across the face normal to u, on across the one normal to v, and so on.
       const auto into = static_cast<int>(k % 2 == 0 ? v : u), out_of = static_cast<int>(k % 2 == 0 ? u : v);
       const CVertexId first = c_vertex(cell, c[2], edge, into), second = c_vertex(cell, c[2], edge, out_of);
-      if (!polygon.empty()) add_middle(polygon.back(), first);
-      polygon.push_back(first);
-      if (second != first) polygon.push_back(second);
+      corners.push_back(first);
+      if (second != first) corners.push_back(second);
     }
-    add_middle(polygon.back(), polygon.front());
-    if (!outside_is_up) std::reverse(polygon.begin() + 1, polygon.end());
-    return polygon;
+    if (!outside_is_up) std::reverse(corners.begin() + 1, corners.end());
+    return corners;
   }
 
   CVertexId add_c_vertex(Vec3 position) {
