@@ -19,6 +19,7 @@ namespace {
 
 std::string_view text(Inside inside) { return inside == Inside::above ? "above" : "below"; }
 
+std::string_view text(Topology topology) { return topology == Topology::faces ? "faces" : "trilinear"; }
 std::string_view text(NonFinite rule) {
   switch (rule) {
     case NonFinite::refuse:
@@ -92,7 +93,7 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
                      {"inside", text(options.inside)},
                      {"tie_rule", "a sample equal to the isovalue is inside"},
                      {"ambiguous_faces", "asymptotic decider"},
-                     {"topology", "faces"}};
+                     {"topology", text(options.topology)}};
   json["parameters"] = {{"non_finite", text(options.non_finite)},
                         {"space", text(options.space)},
                         {"max_radius", to_value(options.max_radius)},
@@ -104,8 +105,8 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
                         {"measure_samples", options.measure_samples},
                         {"threads", context.threads}};
 
-  Json& reference =
-      json["reference"] = {{"c_vertices", report.c_vertices}, {"faces", report.faces}, {"double_segments", report.double_segments}};
+  Json& reference = json["reference"] = {
+      {"c_vertices", report.c_vertices}, {"faces", report.faces}, {"double_segments", report.double_segments}, {"tunnels", report.tunnels}};
   add_topology(reference, report.reference);
   json["coarsening"] = {{"rounds", report.coarsening.repair_rounds},
                         {"c_vertices", report.coarser_c_vertices},
