@@ -254,6 +254,21 @@ What the surface is inside a cell of the volume. faces: one disk for every close
 what the trilinear interpolant has there; it can join two loops by a tunnel. Default: faces.
 )", [&](const std::string& text) { options.topology = parse_topology(text); });
 
+  add_value(*command, kSurface, "--min-component-size", "SIZE", R"(
+Leave out components that enclose less: 10vx is ten voxels, 2.5 or 2.5mm3 are world units cubed. One that the volume's
+border cuts open counts as a ball of its area. What is left out is listed in the report. Default: nothing.
+)", [&](const std::string& text) {
+    arguments.min_component_size = space_size_of(text);
+    if (!arguments.min_component_size) refuse("expected a size like 10vx or 2.5mm3, got " + in_quotes(text));
+  });
+  add_value(*command, kSurface, "--keep-components", "N", R"(
+Leave out all but the N largest components. Default: all are kept.
+)", [&](const std::string& text) {
+    const auto count = parse_whole<std::size_t>(text);
+    if (!count || *count == 0) refuse("expected a number above 0, got " + in_quotes(text));
+    options.keep_components = *count;
+  });
+
   command->add_flag("--coarse", arguments.coarse, R"(
 Only the coarsest mesh that keeps the topology: level 0. Constraints for all levels are then looked at there.
 )")->group(kMesh);
@@ -330,6 +345,10 @@ CLI::App* add_check_command(CLI::App& app, CheckArguments& arguments) {
 
   command->add_option("MESH", arguments.mesh, "The mesh to look at. See FILES.")->required()->group(kInput);
   command->add_flag("--json", arguments.json, "Print JSON (docs/reference/report.md).")->group(kOutput);
+
+  command->add_flag("--self-intersections", arguments.self_intersections, R"(
+Also look for triangles that meet where they should not: anywhere but at the corners and the edge they share. Decided exactly.
+)")->group(kMesh);
 
   CLI::Option* volume = command->add_option("--volume", arguments.volume, R"(
 Measure how far the mesh is from the isosurface of this volume: a file or, for a DICOM series, a folder. See FILES.

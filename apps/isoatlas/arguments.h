@@ -30,6 +30,7 @@ struct ExtractArguments {
   bool glb_per_level = false;  ///< besides `mesh`, which is a .glb, one for each level, and a manifest
   ExtractOptions options;      ///< all but the lengths, which need the volume's voxel size
   std::optional<Length> max_radius, event_persistence;
+  std::optional<SpaceSize> min_component_size;
   TypedGoals goals;     ///< the constraints of all levels
   bool coarse = false;  ///< nothing but level 0
   int threads = 0;
@@ -46,6 +47,7 @@ struct CheckArguments {
   std::optional<RawLayout> raw;                 ///< of the volume
   MeasureOptions measure;                       ///< all but the space
   std::optional<Space> space;                   ///< none: as the mesh file says
+  bool self_intersections = false;
   bool json = false;
 };
 

@@ -4,8 +4,10 @@
 #include <cctype>
 #include <iostream>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "commands.h"
 #include "exit_status.h"
@@ -14,6 +16,7 @@
 #include "isoatlas/io.h"
 #include "isoatlas/measure.h"
 #include "isoatlas/mesh.h"
+#include "isoatlas/self_intersections.h"
 #include "progress_bar.h"
 #include "report/report.h"
 #include "text.h"
@@ -28,6 +31,8 @@ std::string verdict(std::initializer_list<std::pair<std::size_t, const char*>> f
     if (count > 0) text += (text.empty() ? "no: " : "; ") + count_text(count) + " " + fault;
   return text.empty() ? "yes" : text;
 }
+
+std::string point_text(Vec3 p) { return "(" + number_text(p.x) + ", " + number_text(p.y) + ", " + number_text(p.z) + ")"; }
 
 void print_topology(const MeshTopology& topology) {
   std::cout << row("vertices", count_text(topology.vertices) +
@@ -57,6 +62,28 @@ void print_quality(const MeshQuality& quality, bool utf8) {
             << row("zero area", counted(quality.zero_area_triangles, "triangle"));
 }
 
+SelfIntersectionReport find_self_intersections(const CheckArguments& arguments, const TriangleMesh& mesh, const RunControl& control) {
+  constexpr std::size_t kMost = 10;  // places to tell; the count is of all
+  SelfIntersectionReport report;
+  try {
+    const std::vector<TrianglePair> pairs = self_intersections(mesh.positions, mesh.triangles, {}, control);
+    report.pairs = pairs.size();
+    for (const TrianglePair& pair : std::span(pairs).first(std::min(pairs.size(), kMost)))
+      report.first.push_back({pair, meeting_place(mesh.positions, mesh.triangles[pair.first], mesh.triangles[pair.second])});
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::cancelled) throw;
+    throw Error(error.code(), arguments.mesh.string() + ": " + error.what());
+  }
+  return report;
+}
+
+void print_self_intersections(const SelfIntersectionReport& report) {
+  std::cout << row("meets itself", report.pairs == 0 ? "no" : "yes: " + counted(report.pairs, "pair") + " of triangles");
+  for (const auto& [pair, at] : report.first)
+    std::cout << row("", "triangles " + std::to_string(pair.first) + " and " + std::to_string(pair.second) + " near " + point_text(at));
+  if (report.pairs > report.first.size()) std::cout << row("", "and " + counted(report.pairs - report.first.size(), "more pair"));
+}
+
 /// What the user says, else what the file says, else lps.
 Space space_of(const CheckArguments& arguments) {
   if (arguments.space) return *arguments.space;
@@ -83,9 +110,8 @@ DistanceReport measure_distance(const CheckArguments& arguments, const TriangleM
 std::string length_text(double length, double voxel) { return number_text(length) + " (" + ratio_text(length / voxel) + " vx)"; }
 
 std::string one_side_text(const OneSidedDistance& d, double voxel) {
-  const Vec3 at = d.farthest;
   return "mean " + length_text(d.mean, voxel) + ", 99 % within " + length_text(d.p99, voxel) + ", maximum " +
-         length_text(d.maximum, voxel) + " at (" + number_text(at.x) + ", " + number_text(at.y) + ", " + number_text(at.z) + ")";
+         length_text(d.maximum, voxel) + " at " + point_text(d.farthest);
 }
 
 std::string samples_text(const OneSidedDistance& d, std::size_t spread, const char* where) {
@@ -114,7 +140,7 @@ void print_distance(const DistanceReport& report) {
 }  // namespace
 
 int run_check(const CheckArguments& arguments, Interruption& interruption) {
-  ProgressBar progress(arguments.volume.has_value());
+  ProgressBar progress(arguments.volume.has_value() || arguments.self_intersections);
   const Interruption::Cleanup clean_up(interruption, [&] { progress.erase(); });
   RunControl control;
   control.progress = [&](std::string_view stage, double fraction) { progress.show(stage, fraction); };
@@ -123,19 +149,23 @@ int run_check(const CheckArguments& arguments, Interruption& interruption) {
   const TriangleMesh mesh = read_mesh(arguments.mesh);
   const MeshTopology topology = mesh_topology(mesh);
   const MeshQuality quality = mesh_quality(mesh);
+  std::optional<SelfIntersectionReport> meetings;
+  if (arguments.self_intersections) meetings = find_self_intersections(arguments, mesh, control);
   std::optional<DistanceReport> distance;
   if (arguments.volume) distance = measure_distance(arguments, mesh, control);
   progress.erase();
   if (arguments.json) {
-    std::cout << to_json(arguments.mesh.string(), topology, quality, distance ? &*distance : nullptr);
+    std::cout << to_json(arguments.mesh.string(), topology, quality, meetings ? &*meetings : nullptr, distance ? &*distance : nullptr);
   } else {
     std::cout << one_line(arguments.mesh.string()) << "\n";
     print_topology(topology);
     if (topology.triangles > 0) print_quality(quality, terminal_is_utf8());
+    if (meetings) print_self_intersections(*meetings);
     if (distance) print_distance(*distance);
   }
+  const bool meets_itself = meetings && meetings->pairs > 0;
   // No triangles break no rule, but nobody who asks for a check means that by a good mesh.
-  return topology.is_manifold() && topology.is_oriented() && topology.triangles > 0 ? kSuccess : kCheckFailed;
+  return topology.is_manifold() && topology.is_oriented() && topology.triangles > 0 && !meets_itself ? kSuccess : kCheckFailed;
 }
 
 }  // namespace isoatlas::tool

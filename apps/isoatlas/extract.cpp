@@ -88,6 +88,7 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   context.sample_type = volume.type;
   ExtractOptions& options = context.options;
   if (arguments.max_radius) options.max_radius = arguments.max_radius->in_world(volume.grid);
+  if (arguments.min_component_size) options.min_component_size = arguments.min_component_size->in_world(volume.grid);
   if (arguments.event_persistence) options.event_persistence = arguments.event_persistence->in_world(volume.grid);
   options.coarse = in_world(arguments.goals.coarse, volume.grid);
   for (const auto& goal : arguments.goals.refine) options.refine.push_back(in_world(goal, volume.grid));

@@ -20,6 +20,12 @@ std::string repair_text(const CertificateReport& certificate) {
   return counted(certificate.repair_sites, "site") + " added in " + counted(certificate.repair_rounds, "round");
 }
 
+std::string point_text(const Vec3& p) {
+  std::string text;
+  for (const double x : {p.x, p.y, p.z}) text += (text.empty() ? "(" : ", ") + number_text(x);
+  return text + ")";
+}
+
 /// Samples may see what the metric does not: a bound that is met can be exceeded there.
 std::string measured_text(const LevelReport& level) {
   const double maximum = level.measured->maximum();
@@ -94,6 +100,11 @@ void print_summary(const ExtractReport& report, const ReportContext& context, co
   std::cout << row("read", context.volume_path + ": " + size_text(context.grid.size) + " " + std::string(name(context.sample_type)) + ", " +
                                seconds_text(context.read_seconds))
             << row("surface", "isovalue " + number_text(context.options.isovalue) + ": " + topology_text(report.levels.back().topology));
+  if (!report.dropped.empty()) {
+    std::cout << row("left out", counted(report.dropped.size(), "component") + ", the largest of " +
+                                     number_text(report.dropped.front().size) + " cubic units at " +
+                                     point_text(report.dropped.front().position));
+  }
   for (std::size_t k = 0; k < report.levels.size(); ++k) std::cout << row(level_name(k), level_text(report.levels[k]));
   std::size_t bytes = 0;
   double rounding = 0;

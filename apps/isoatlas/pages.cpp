@@ -25,7 +25,8 @@ const std::string kExtractExitStatus = R"(0    done
 )";
 
 const std::string kToolExitStatus = R"(0    done
-1    isoatlas check, levels: not a consistently oriented manifold;
+1    isoatlas check, levels: not a consistently oriented manifold, or with
+     --self-intersections one that meets itself;
      isoatlas extract: a constraint that was asked for is not met,
      everything was written
 2    an argument or a file is not as it should be, or there is no surface;
@@ -36,6 +37,7 @@ const std::string kToolExitStatus = R"(0    done
 )";
 
 const std::string kCheckExitStatus = R"(0    a manifold, consistently oriented, with at least one triangle
+     (and with --self-intersections: that does not meet itself)
 1    not so
 2    an argument or the file is not as it should be
 3    a bug of isoatlas
@@ -157,20 +159,25 @@ isoatlas info fuel.raw --raw-size 64,64,64 --raw-type uint8
 ManPage::Text check_page() {
   return {
       .synopsis =
-          "isoatlas check MESH [--json]\n"
+          "isoatlas check MESH [--self-intersections] [--json]\n"
           "isoatlas check MESH --volume VOLUME --iso X [options]",
       .description = R"(
 Reads any triangle mesh and says whether it is a manifold (every edge in one or two triangles, the triangles of every
 vertex one fan) and consistently oriented, and if so its components, Euler characteristic, genus and boundary loops;
 then the shape of its triangles. The aspect ratio of a triangle is its shortest edge over its longest.
 
+With --self-intersections it also looks for pairs of triangles that meet where they should not, and says where the first
+of them are. Two triangles may meet in the corner or in the edge that they share as vertices of the file, nowhere else; vertices
+that only are at the same place are two vertices.
+
 With a volume it also measures, both ways, how far the mesh is from the trilinear isosurface: distances from samples of
 the mesh to the surface and from samples of the surface to the mesh, and the angles between triangles and surface.
 Distances do not change the exit status.
 )",
-      .groups = {kInput, kDistance, kOutput, kRunning},
+      .groups = {kInput, kMesh, kDistance, kOutput, kRunning},
       .sections = {{"Examples", R"(isoatlas check head.ply
 isoatlas check head.ply --json | jq .genus
+isoatlas check head.ply --self-intersections
 isoatlas check head.ply --volume head.nrrd --iso 80.5
 )"},
                    {"Exit status", kCheckExitStatus},

@@ -32,4 +32,15 @@ struct Length {
 /// None unless `text` is a finite length, 0 or more.
 std::optional<Length> length_of(std::string_view text);
 
+/// The size of a piece of space as typed: "2.5" or "2.5mm3" in world units cubed, "10vx" in voxels.
+struct SpaceSize {
+  double value = 0;
+  bool in_voxels = false;
+
+  double in_world(const Grid& grid) const { return in_voxels ? value * grid.spacing.x * grid.spacing.y * grid.spacing.z : value; }
+};
+
+/// None unless `text` is a finite size, 0 or more.
+std::optional<SpaceSize> space_size_of(std::string_view text);
+
 }  // namespace isoatlas::tool

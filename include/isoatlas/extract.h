@@ -33,6 +33,10 @@ struct ExtractOptions {
   std::optional<double> event_persistence;
   /// false puts c-vertices at the plain average of their nodes, as the paper has it (up to 0.2 voxel off the surface).
   bool vertices_on_surface = true;
+  /// Components that are not meshed; nothing is left out unless asked for. The size of a component is the volume it encloses, of one
+  /// that the volume's border cuts open that of a ball of the same area.
+  double min_component_size = 0;    ///< smaller ones, world units cubed
+  std::size_t keep_components = 0;  ///< all but so many largest ones (equal ones: those first in scan order); 0: none
   /// Level 0 is the coarse mesh of the paper's stage one; its constraints are only looked at, not worked for.
   LevelGoal coarse;
   /// One more level, refined from the one before, per entry.
@@ -108,13 +112,22 @@ struct LevelReport {
   bool all_met() const;  ///< all constraints but those that nobody asked for
 };
 
+/// A component that was left out.
+struct DroppedComponent {
+  Vec3 position;    ///< of its first c-vertex in scan order, in the mesh's space
+  double size = 0;  ///< world units cubed
+  std::size_t c_vertices = 0;
+  ComponentTopology topology;
+};
+
 struct ExtractReport {
   std::size_t c_vertices = 0;  ///< of the reference surface complex
   std::size_t faces = 0;
   std::size_t double_segments = 0;              ///< places split so that the dual of G is simplicial
   std::size_t tunnels = 0;                      ///< cells with an annulus; 0 unless Topology::trilinear was asked for
   std::vector<std::size_t> coarser_c_vertices;  ///< sizes of the certified coarser complexes
-  TopologySummary reference;                    ///< counted on the reference surface complex
+  TopologySummary reference;                    ///< counted on the reference surface complex, without what was dropped
+  std::vector<DroppedComponent> dropped;        ///< as ExtractOptions asked, largest first
   CertificateReport coarsening;                 ///< certificate of the partition into blocks; repair_rounds are the rounds of check and cut
   std::vector<LevelReport> levels;
   std::vector<StageTime> seconds;  ///< in order: surface, components, coarsen, cover, certify, mesh, check, refine
@@ -133,10 +146,10 @@ struct Extraction {
 ///
 /// @throws Error(bad_argument)  size < 2 along an axis, spacing not positive or different by more than 1e6 between axes, origin or
 ///                              direction not finite, direction singular, isovalue not finite, max_radius <= 0, event_persistence < 0,
-///                              a bound that its quantity cannot have
+///                              min_component_size < 0 or not finite, a bound that its quantity cannot have
 /// @throws Error(unsupported)   NaN or infinity while non_finite is `refuse` (message: count and first index); a direction that is
 ///                              not orthonormal, unless `refine` and `coarse` are empty and nothing is to be measured
-/// @throws Error(empty_surface) no sample, or every sample, is inside (message: the range)
+/// @throws Error(empty_surface) no sample, or every sample, is inside (message: the range); every component was to be dropped
 /// @throws Error(internal)      the finished mesh failed its own check: a bug; no mesh is returned
 /// @throws Error(cancelled)     control.cancel was set
 /// @post   same input, same bytes, for any number of threads

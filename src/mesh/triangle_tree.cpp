@@ -216,4 +216,41 @@ TriangleTree::Hit TriangleTree::closest(Vec3 p, double at_most) const {
   return best;
 }
 
+void TriangleTree::leaves_near(Vec3 low, Vec3 high, std::uint32_t first, std::vector<std::uint32_t>& out) const {
+  if (slots_.empty()) return;
+  float centre[3], half[3];  // rounded so that the box is never too small
+  for (int a = 0; a < 3; ++a) {
+    const double l = axis(low, a), h = axis(high, a);
+    centre[a] = static_cast<float>(0.5 * (l + h));
+    half[a] = std::nextafter(static_cast<float>(std::max(h - centre[a], centre[a] - l)), INFINITY);
+  }
+  struct Waiting {
+    std::uint32_t level, number;
+  };
+  std::array<Waiting, 10 * (kChildren - 1) + 1> stack;  // as in closest()
+  std::size_t waiting = 0;
+  stack[waiting++] = {static_cast<std::uint32_t>(levels_.size()), 0};
+  while (waiting > 0) {
+    const Waiting at = stack[--waiting];
+    if (at.level == 0) {
+      out.push_back(at.number);
+      continue;
+    }
+    const Node& node = nodes_[levels_[at.level - 1].first + at.number];
+    // Shortened by more than rounding lengthens it, the distance of two boxes that meet is not above the sum of their halves.
+    bool meets[kChildren];
+    for (std::size_t k = 0; k < kChildren; ++k) {
+      bool all = true;
+      for (int a = 0; a < 3; ++a) all &= std::fabs(centre[a] - node.centre[a][k]) * kShorten <= half[a] + node.half[a][k];
+      meets[k] = all;
+    }
+    const std::uint32_t below = at.level - 1;
+    for (std::size_t k = 0; k < kChildren; ++k) {
+      const auto number = static_cast<std::uint32_t>(kChildren * at.number + k);
+      // The last leaf below child k is leaf (number + 1) 8^below - 1.
+      if (meets[k] && ((std::uint64_t{number} + 1) << (3 * below)) > first) stack[waiting++] = {below, number};
+    }
+  }
+}
+
 }  // namespace isoatlas

@@ -21,6 +21,7 @@
 #include "pipeline/level_maker.h"
 #include "surface/area_vectors.h"
 #include "surface/components.h"
+#include "surface/drop_components.h"
 #include "surface/parse_surface.h"
 #include "volume/check_volume.h"
 
@@ -58,6 +59,7 @@ void check_options(const ExtractOptions& options) {
           "the largest radius must be a positive length");
   require(!options.event_persistence || (std::isfinite(*options.event_persistence) && *options.event_persistence >= 0),
           "the event persistence must be a length >= 0");
+  require(std::isfinite(options.min_component_size) && options.min_component_size >= 0, "the smallest component must have a size >= 0");
   std::vector<const LevelGoal*> goals{&options.coarse};
   for (const LevelGoal& goal : options.refine) goals.push_back(&goal);
   for (const LevelGoal* goal : goals) {
@@ -71,6 +73,42 @@ void check_options(const ExtractOptions& options) {
       require(!std::exchange(seen[static_cast<std::size_t>(c.quantity)], true), what + " is given twice for one level");
     }
   }
+}
+
+// What the options ask to leave out, largest first.
+std::vector<DroppedComponent> drop_small_components(SurfaceComplex& complex, const Components& components, const ExtractOptions& options,
+                                                    const Grid& grid) {
+  const std::size_t n = components.topology.size();
+  std::vector<double> size = component_volumes(complex, components);
+  for (double& s : size) s *= std::pow(grid.smallest_spacing(), 3);
+  std::vector<std::size_t> order(n);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return size[a] > size[b]; });
+  std::vector<std::uint8_t> goes(n, 0);
+  for (std::size_t rank = 0; rank < n; ++rank) {
+    const bool too_many = options.keep_components > 0 && rank >= options.keep_components;
+    goes[order[rank]] = too_many || size[order[rank]] < options.min_component_size;
+  }
+  std::vector<DroppedComponent> out(n);
+  for (std::size_t c = 0; c < n; ++c) {
+    out[c].size = size[c];
+    out[c].topology = components.topology[c];
+  }
+  TriangleMesh first;
+  first.positions.resize(n);
+  for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
+    const ComponentId c = components.of_c_vertex[v];
+    if (out[c].c_vertices++ == 0) first.positions[c] = complex.positions[v];
+  }
+  transform_to(first, grid, options.space);
+  std::vector<DroppedComponent> dropped;
+  for (const std::size_t c : order) {
+    if (!goes[c]) continue;
+    out[c].position = first.positions[c];
+    dropped.push_back(out[c]);
+  }
+  drop_components(complex, components, goes);
+  return dropped;
 }
 
 // Gives every marked component more sites, where it is farthest from the others: one, or from round 3 on all that are at least
@@ -142,16 +180,24 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   parse.rule = {options.isovalue, options.inside, options.non_finite};
   parse.topology = options.topology;
   parse.vertices_on_surface = options.vertices_on_surface;
-  const SurfaceComplex surface = parse_surface(in_voxels, parse, control);
-  if (surface.faces.empty()) throw_empty_surface(volume, options.isovalue);
+  SurfaceComplex whole = parse_surface(in_voxels, parse, control);
+  if (whole.faces.empty()) throw_empty_surface(volume, options.isovalue);
+  clock.finished("surface");
+
+  control.report("components", 0);
+  Components reference = find_components(whole);
+  if (options.min_component_size > 0 || options.keep_components > 0) {
+    report.dropped = drop_small_components(whole, reference, options, grid);
+    if (whole.faces.empty())
+      throw Error(ErrorCode::empty_surface, "every component is smaller than asked for: the largest has a size of " +
+                                                std::to_string(report.dropped.front().size) + " cubic units");
+    if (!report.dropped.empty()) reference = find_components(whole);
+  }
+  const SurfaceComplex& surface = whole;
   report.c_vertices = surface.positions.size();
   report.faces = surface.faces.size();
   report.double_segments = surface.double_segments;
   report.tunnels = surface.tunnels;
-  clock.finished("surface");
-
-  control.report("components", 0);
-  const Components reference = find_components(surface);
   report.reference = summarize(reference.topology);
   clock.finished("components");
 

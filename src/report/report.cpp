@@ -68,6 +68,21 @@ Json to_value(const DistanceReport& distance) {
   return json;
 }
 
+Json to_value(const DroppedComponent& component) {
+  return {{"position", to_value(component.position)},
+          {"size", component.size},
+          {"c_vertices", component.c_vertices},
+          {"genus", component.topology.genus()},
+          {"boundary_loops", component.topology.boundary_loops}};
+}
+
+Json to_value(const SelfIntersectionReport& self_intersections) {
+  Json first = Json::array();
+  for (const SelfIntersectionReport::Place& place : self_intersections.first)
+    first.push_back({{"triangles", {place.triangles.first, place.triangles.second}}, {"position", to_value(place.position)}});
+  return {{"pairs", self_intersections.pairs}, {"first", first}};
+}
+
 /// The file that holds that level and no other, if there is one.
 Json path_of_level(const std::vector<ReportFile>& files, std::size_t level) {
   for (const ReportFile& file : files)
@@ -98,6 +113,8 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
                         {"space", text(options.space)},
                         {"max_radius", to_value(options.max_radius)},
                         {"event_persistence", to_value(options.event_persistence)},
+                        {"min_component_size", options.min_component_size},
+                        {"keep_components", options.keep_components},
                         {"vertices_on_surface", options.vertices_on_surface},
                         {"coarse", to_value(options.coarse)},
                         {"refine", goals_value(options.refine)},
@@ -108,6 +125,8 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
   Json& reference = json["reference"] = {
       {"c_vertices", report.c_vertices}, {"faces", report.faces}, {"double_segments", report.double_segments}, {"tunnels", report.tunnels}};
   add_topology(reference, report.reference);
+  Json& dropped = json["dropped"] = Json::array();
+  for (const DroppedComponent& component : report.dropped) dropped.push_back(to_value(component));
   json["coarsening"] = {{"rounds", report.coarsening.repair_rounds},
                         {"c_vertices", report.coarser_c_vertices},
                         {"certificate", report.coarser_c_vertices.empty() ? Json() : to_value(report.coarsening)}};
@@ -147,7 +166,7 @@ std::string levels_manifest(const std::vector<ReportFile>& files, const std::vec
 }
 
 std::string to_json(const std::string& mesh_path, const MeshTopology& topology, const MeshQuality& quality,
-                    const DistanceReport* distance) {
+                    const SelfIntersectionReport* self_intersections, const DistanceReport* distance) {
   Json json;
   json["schema"] = "isoatlas-check-1";
   json["version"] = ISOATLAS_VERSION;
@@ -171,6 +190,7 @@ std::string to_json(const std::string& mesh_path, const MeshTopology& topology, 
     for (const char* key : {"euler_characteristic", "genus", "boundary_loops", "kinds"}) json[key] = nullptr;
   }
   json["quality"] = to_value(quality);
+  json["self_intersections"] = self_intersections ? to_value(*self_intersections) : Json();
   json["distance"] = distance ? to_value(*distance) : Json();
   return to_text(json);
 }

@@ -9,6 +9,7 @@
 #include "isoatlas/extract.h"
 #include "isoatlas/measure.h"
 #include "isoatlas/mesh.h"
+#include "isoatlas/self_intersections.h"
 #include "isoatlas/volume.h"
 
 namespace isoatlas {
@@ -41,6 +42,16 @@ struct DistanceReport {
   Measurement measured;
 };
 
+/// Pairs of triangles of a mesh that meet where they should not.
+struct SelfIntersectionReport {
+  struct Place {
+    TrianglePair triangles;
+    Vec3 position;  ///< near where they meet
+  };
+  std::size_t pairs = 0;
+  std::vector<Place> first;  ///< the first few of them
+};
+
 /// One JSON object, schema "isoatlas-report-2", keys in a fixed order, a newline at the end.
 std::string to_json(const ExtractReport& report, const ReportContext& context);
 
@@ -54,8 +65,9 @@ std::string levels_manifest(const std::vector<ReportFile>& files, const std::vec
 
 /// One JSON object for a mesh that was only looked at, schema "isoatlas-check-1". What only a consistently oriented manifold
 /// has (Euler characteristic, genus, loops) is null for anything else.
+/// @param self_intersections  null if nobody looked for them
 /// @param distance  null if there was no volume to measure against
 std::string to_json(const std::string& mesh_path, const MeshTopology& topology, const MeshQuality& quality,
-                    const DistanceReport* distance = nullptr);
+                    const SelfIntersectionReport* self_intersections = nullptr, const DistanceReport* distance = nullptr);
 
 }  // namespace isoatlas

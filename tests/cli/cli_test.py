@@ -146,9 +146,9 @@ class Help(ToolTest):
                    "--raw-size --raw-type --raw-spacing --raw-endian -q --quiet -v --verbose -h --help "
                    "--refine --max-distance --mean-distance --area-curvature --area-curvature-smooth --geodesic-ratio "
                    "--normal-angle --max-vertices --min-vertices --min-edge --max-edge --min-aspect --placement "
-                   "--glb-per-level --measure --measure-samples",
+                   "--glb-per-level --measure --measure-samples --min-component-size --keep-components",
         "info": "--raw-size --raw-type --raw-spacing --raw-endian -h --help",
-        "check": "--json --volume --iso --inside --nan --space --samples --raw-size --raw-type --raw-spacing --raw-endian -h --help",
+        "check": "--json --self-intersections --volume --iso --inside --nan --space --samples --raw-size --raw-type --raw-spacing --raw-endian -h --help",
         "levels": "--json -h --help",
     }
 
@@ -404,6 +404,8 @@ class BadArguments(ToolTest):
     def test_values(self):
         for option, values in {
             "--iso": ["nan", "inf", "-inf", "", "1,5", "0x", "ten", "1e999"],
+            "--min-component-size": ["-1", "2.5mm", "vx", "ten", "inf", "", "1e999"],
+            "--keep-components": ["0", "-1", "1.5", "all", ""],
             "--max-radius": ["0", "-1", "3 furlongs", "vx", "mm", "1vxmm", "inf", "nanmm", "", "2.5 mm", "1e999"],
             "--event-persistence": ["-1", "abc", "3px", "infvx"],
             "--threads": ["-1", "1.5", "many", "", "99999999999"],
@@ -632,9 +634,13 @@ class Report(ToolTest):
     def test_every_key_is_documented_and_every_documented_key_is_there(self):
         coarse = documented("isoatlas-report-2") - {"seconds.refine"}
         self.compare(self.make("--coarse"), coarse)
+        self.compare(self.make("--coarse", "--min-component-size", "10vx", "--keep-components", "5"), coarse)
         self.compare(self.make("--coarse", "--max-vertices", "1000", "--max-distance", "1vx", "--placement", "balanced"), documented("isoatlas-report-2"))
-        checked = self.succeed("check", "s.ply", "--json", "--volume", "sphere.nrrd", "--iso", "0", "--samples", "100")
-        self.compare(json.loads(checked), documented("isoatlas-check-1"))
+        checked = self.succeed("check", "s.ply", "--json", "--self-intersections", "--volume", "sphere.nrrd", "--iso", "0", "--samples", "100")
+        self.assertEqual(json.loads(checked)["self_intersections"], {"pairs": 0, "first": []})
+        self.put("m.off", off([(0, 0, 0), (4, 0, 0), (0, 4, 0), (1, 1, 1), (1, 1, -1), (5, 5, 0)], [(0, 1, 2), (3, 4, 5)]))
+        meets = json.loads(self.run_tool("check", "m.off", "--json", "--self-intersections").stdout)
+        self.compare(json.loads(checked) | {"self_intersections": meets["self_intersections"]}, documented("isoatlas-check-1"))
         refined = self.make("--refine", "max-distance:1vx", "--measure-samples", "1000")
         self.compare(refined, documented("isoatlas-report-2") - ({"seconds.refine"} - leaves(refined)))
         self.succeed("extract", "sphere.nrrd", "--iso", "0", "--coarse", "-o", "s.glb", "-q", "--glb-per-level")
@@ -817,6 +823,36 @@ class Check(ToolTest):
         text, numbers = self.check(1, TETRAHEDRON[0], TETRAHEDRON[1] + [(0, 1, 1)])
         self.assertEqual(numbers["degenerate_triangles"], 1)
         self.assertIn("use a vertex twice", text)
+
+    def test_meets_itself(self):
+        positions, triangles = [(0, 0, 0), (4, 0, 0), (0, 4, 0), (1, 1, 1), (1, 1, -1), (5, 5, 0)], [(0, 1, 2), (3, 4, 5)]
+        text, numbers = self.check(0, positions, triangles)  # nobody asked
+        self.assertNotIn("meets itself", text)
+        self.assertIsNone(numbers["self_intersections"])
+        result = self.run_tool("check", "m.off", "--self-intersections")
+        self.assertEqual((result.returncode, result.stderr), (1, ""))
+        self.assertRegex(result.stdout, r"meets itself +yes: 1 pair of triangles\n +triangles 0 and 1 near \(2.5, 2.5, 0\)\n")
+        result = self.run_tool("check", "m.off", "--self-intersections", "--json")
+        self.assertEqual((result.returncode, json.loads(result.stdout)["self_intersections"]),
+                         (1, {"pairs": 1, "first": [{"triangles": [0, 1], "position": [2.5, 2.5, 0]}]}))
+
+    def test_does_not_meet_itself(self):
+        self.put("m.off", off(*TETRAHEDRON))
+        self.assertRegex(self.succeed("check", "m.off", "--self-intersections"), r"meets itself +no\n")
+        self.assertEqual(json.loads(self.succeed("check", "m.off", "--self-intersections", "--json"))["self_intersections"],
+                         {"pairs": 0, "first": []})
+
+    def test_tells_the_first_of_many_meetings(self):
+        ladder = [point for k in range(5) for point in ((0, 0, k), (9, 0, k), (0, 9, k))]
+        nails = [point for k in range(3) for point in ((1, 1 + k, -1), (1, 1 + k, 9), (1, 1.5 + k, -1))]
+        self.put("m.off", off(ladder + nails, [(3 * k, 3 * k + 1, 3 * k + 2) for k in range(8)]))
+        result = self.run_tool("check", "m.off", "--self-intersections")
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("yes: 15 pairs of triangles", result.stdout)
+        self.assertEqual(result.stdout.count(" near "), 10)
+        self.assertRegex(result.stdout, r"(?m)^ +and 5 more pairs$")
+        numbers = json.loads(self.run_tool("check", "m.off", "--self-intersections", "--json").stdout)["self_intersections"]
+        self.assertEqual((numbers["pairs"], len(numbers["first"])), (15, 10))
 
     def test_bad_files(self):
         self.refuse("nowhere.ply", "check", "nowhere.ply")

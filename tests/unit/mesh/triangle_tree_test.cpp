@@ -108,9 +108,56 @@ TEST(TriangleTree, EqualDistancesGoToTheSmallestId) {
   }
 }
 
+// Every triangle whose box meets a box is in a leaf near it, and few others are.
+TEST(TriangleTree, LeavesNearABox) {
+  for (const std::uint32_t size : {1u, 4u, 5u, 33u, 3000u}) {
+    const double scale = size % 2 == 0 ? 1 : 1e9;
+    const Soup soup = random_soup(size, size, scale, {3 * scale, -5 * scale, 1000 * scale});
+    const TriangleTree tree(soup.positions, soup.triangles);
+    ASSERT_EQ(tree.leaf_count(), (size + 3) / 4);
+    std::size_t met = 0, looked_at = 0;
+    for (std::uint32_t t = 0; t < size; ++t) {
+      const auto box = [&](const Triangle& triangle) {
+        std::array<Vec3, 2> out{soup.positions[triangle[0]], soup.positions[triangle[0]]};
+        for (const std::uint32_t v : triangle) {
+          const Vec3 p = soup.positions[v];
+          out[0] = {std::min(out[0].x, p.x), std::min(out[0].y, p.y), std::min(out[0].z, p.z)};
+          out[1] = {std::max(out[1].x, p.x), std::max(out[1].y, p.y), std::max(out[1].z, p.z)};
+        }
+        return out;
+      };
+      const auto [low, high] = box(soup.triangles[t]);
+      const std::uint32_t first = t % 3 == 0 ? 0 : t % tree.leaf_count();
+      std::vector<std::uint32_t> leaves;
+      tree.leaves_near(low, high, first, leaves);
+      std::vector<int> near(tree.leaf_count(), 0);
+      for (const std::uint32_t leaf : leaves) {
+        ASSERT_LT(leaf, tree.leaf_count());
+        ASSERT_GE(leaf, first);
+        ASSERT_EQ(near[leaf]++, 0);
+        looked_at += tree.leaf_end(leaf) - TriangleTree::kLeaf * leaf;
+      }
+      for (std::uint32_t slot = TriangleTree::kLeaf * first; slot < size; ++slot) {
+        const auto [other_low, other_high] = box(tree.corners_in(slot));
+        const bool meets = low.x <= other_high.x && other_low.x <= high.x && low.y <= other_high.y && other_low.y <= high.y &&
+                           low.z <= other_high.z && other_low.z <= high.z;
+        if (!meets) continue;
+        ++met;
+        ASSERT_EQ(near[slot / TriangleTree::kLeaf], 1);
+      }
+    }
+    if (size > 1000) {
+      EXPECT_LT(looked_at, 10 * met + 40 * size);
+    }
+  }
+}
+
 TEST(TriangleTree, Empty) {
   const TriangleTree tree({}, {});
   EXPECT_FALSE(tree.closest({1, 2, 3}).found());
+  std::vector<std::uint32_t> leaves;
+  tree.leaves_near({0, 0, 0}, {1, 1, 1}, 0, leaves);
+  EXPECT_TRUE(leaves.empty());
   EXPECT_EQ(tree.triangle_count(), 0u);
 }
 

@@ -122,6 +122,43 @@ TEST(Refuses, GridsThatAreNone) {
   expect_error(ErrorCode::bad_argument, {"type"}, bad, {});
 }
 
+// Balls of radius 6, 3 and 1.5, spacing 2: volumes 7238, 905 and 113.
+TEST(Components, SmallOnesAreLeftOutAsAskedAndListed) {
+  const Function balls = unite(unite(sphere({8.3, 8.4, 8.6}, 6), sphere({20.4, 8.5, 8.3}, 3)), sphere({28.4, 8.5, 8.3}, 1.5));
+  const Volume volume = to_volume(sampled({32, 18, 18}, balls), SampleType::int32, {2, 2, 2});
+  const auto left = [&](double smallest, std::size_t keep) {
+    ExtractOptions options;
+    options.min_component_size = smallest;
+    options.keep_components = keep;
+    options.refine = {{{Quantity::max_distance, 1}}};
+    const Extraction e = extract(volume, options);
+    EXPECT_EQ(e.report.reference.components + e.report.dropped.size(), 3u);
+    EXPECT_EQ(e.finest().topology, e.report.reference);
+    for (std::size_t k = 1; k < e.report.dropped.size(); ++k) EXPECT_GE(e.report.dropped[k - 1].size, e.report.dropped[k].size);
+    return e.report;
+  };
+  EXPECT_EQ(left(0, 0).reference.components, 3u);
+  EXPECT_EQ(left(200, 0).reference.components, 2u);
+  EXPECT_EQ(left(2000, 0).reference.components, 1u);
+  EXPECT_EQ(left(0, 2).reference.components, 2u);
+  EXPECT_EQ(left(0, 7).reference.components, 3u);
+  EXPECT_EQ(left(2000, 2).reference.components, 1u) << "both";
+  const ExtractReport report = left(0, 1);
+  ASSERT_EQ(report.dropped.size(), 2u);
+  EXPECT_NEAR(report.dropped[0].size, 905, 110);
+  EXPECT_NEAR(report.dropped[0].position.x, 2 * 20.4, 2 * 4.0);
+  EXPECT_EQ(report.dropped[0].topology, (ComponentTopology{2, 0}));
+  EXPECT_GT(report.dropped[0].c_vertices, report.dropped[1].c_vertices);
+
+  ExtractOptions all;
+  all.min_component_size = 1e5;
+  expect_error(ErrorCode::empty_surface, {"every component is smaller", "the largest"}, volume, all);
+  for (const double bad : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    all.min_component_size = bad;
+    expect_error(ErrorCode::bad_argument, {"smallest component"}, volume, all);
+  }
+}
+
 // Lengths are those of the spacing: on a sheared grid they are not those of the world.
 TEST(Refuses, ToRefineOrMeasureOnAShearedGrid) {
   Volume volume = ball();

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+// All pairs of triangles that meet where they should not: candidates from boxes within boxes, then exact tests.
+#include "isoatlas/self_intersections.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numeric>
+#include <string>
+
+#include "core/ids.h"
+#include "core/parallel.h"
+#include "core/vector_math.h"
+#include "embed/triangle_pair.h"
+#include "isoatlas/error.h"
+#include "mesh/triangle_tree.h"
+
+namespace isoatlas {
+namespace {
+
+constexpr std::size_t kGrain = 4096;      // items per piece of a parallel loop
+constexpr std::size_t kLeafGrain = 256;   // leaves of the tree, each with its candidates
+constexpr std::size_t kScanGrain = 8192;  // triangles to compare with a tree that is small and mostly elsewhere
+
+struct Box {
+  Vec3 low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
+
+  void include(Vec3 p) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  bool meets(const Box& other) const {
+    return low.x <= other.high.x && other.low.x <= high.x && low.y <= other.high.y && other.low.y <= high.y && low.z <= other.high.z &&
+           other.low.z <= high.z;
+  }
+};
+
+Box box_of(std::span<const Vec3> positions, const Triangle& triangle) {
+  Box box;
+  for (const std::uint32_t v : triangle) box.include(positions[v]);
+  return box;
+}
+
+void check_input(std::span<const Vec3> positions, std::span<const Triangle> triangles) {
+  checked_id(positions.size(), "vertices");
+  checked_id(triangles.size(), "triangles");
+  for (std::size_t v = 0; v < positions.size(); ++v) {
+    const Vec3 p = positions[v];
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+      throw Error(ErrorCode::bad_argument, "vertex " + std::to_string(v) + " is not finite");
+  }
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    for (const std::uint32_t v : triangles[t]) {
+      if (v >= positions.size())
+        throw Error(ErrorCode::bad_argument,
+                    "triangle " + std::to_string(t) + " has vertex " + std::to_string(v) + " of " + std::to_string(positions.size()));
+    }
+  }
+}
+
+// The positions about the origin and no longer than 2, for boxes in single precision. Neither step turns an order of coordinates
+// around, so boxes that meet still do.
+std::vector<Vec3> about_origin(std::span<const Vec3> positions) {
+  double largest = 0;
+  for (const Vec3& p : positions) largest = std::max({largest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+  const int exponent = largest > 0 ? std::ilogb(largest) + 1 : 0;
+  // In two steps: one power of two alone may not be a double.
+  const double scale = std::ldexp(1.0, -exponent / 2), rest = std::ldexp(1.0, -exponent + exponent / 2);
+  Box box;
+  for (const Vec3& p : positions) box.include(rest * (scale * p));
+  const Vec3 middle = 0.5 * (box.low + box.high);
+  std::vector<Vec3> out(positions.size());
+  for_each_piece(positions.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) out[v] = rest * (scale * positions[v]) - middle;
+  });
+  return out;
+}
+
+class Search {
+ public:
+  Search(std::span<const Vec3> positions, std::span<const Triangle> triangles, const RunControl& control)
+      : positions_(positions), triangles_(triangles), control_(control) {}
+
+  std::vector<TrianglePair> all() const {
+    const TriangleTree tree(about_origin(positions_), triangles_);
+    return collect(tree.leaf_count(), kLeafGrain, [&](std::size_t begin, std::size_t end, std::vector<TrianglePair>& found) {
+      std::vector<std::uint32_t> leaves;
+      for (auto leaf = static_cast<std::uint32_t>(begin); leaf < end; ++leaf) pairs_of_leaf(tree, leaf, leaves, found);
+    });
+  }
+
+  std::vector<TrianglePair> involving(std::span<const std::uint32_t> wanted) const {
+    std::vector<bool> listed(triangles_.size());
+    for (const std::uint32_t t : wanted) {
+      if (t >= triangles_.size())
+        throw Error(ErrorCode::bad_argument,
+                    "triangle " + std::to_string(t) + " of " + std::to_string(triangles_.size()) + " is to be looked at");
+      listed[t] = true;
+    }
+    std::vector<std::uint32_t> list;
+    std::vector<Triangle> corners;
+    for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+      if (!listed[t]) continue;
+      list.push_back(t);
+      corners.push_back(triangles_[t]);
+    }
+    if (list.empty()) return {};
+    const TriangleTree tree(about_origin(positions_), corners);
+    return collect(triangles_.size(), kScanGrain, [&](std::size_t begin, std::size_t end, std::vector<TrianglePair>& found) {
+      std::vector<std::uint32_t> leaves;
+      for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
+        const Box scaled_box = box_of(tree.positions(), triangles_[t]), box = box_of(positions_, triangles_[t]);
+        leaves.clear();
+        tree.leaves_near(scaled_box.low, scaled_box.high, 0, leaves);
+        for (const std::uint32_t leaf : leaves) {
+          for (std::uint32_t slot = TriangleTree::kLeaf * leaf; slot < tree.leaf_end(leaf); ++slot) {
+            const std::uint32_t other = list[tree.triangle_in(slot)];
+            const bool from_the_other_side = listed[t] && other <= t;
+            if (!from_the_other_side && box.meets(box_of(positions_, triangles_[other]))) test(t, other, found);
+          }
+        }
+      }
+    });
+  }
+
+ private:
+  void test(std::uint32_t t, std::uint32_t other, std::vector<TrianglePair>& found) const {
+    if (meet_beyond_shared(positions_, triangles_[t], triangles_[other])) found.push_back(std::minmax(t, other));
+  }
+
+  // The pairs of a leaf's triangles with those after them in the tree.
+  void pairs_of_leaf(const TriangleTree& tree, std::uint32_t leaf, std::vector<std::uint32_t>& leaves,
+                     std::vector<TrianglePair>& found) const {
+    const std::uint32_t begin = TriangleTree::kLeaf * leaf, end = tree.leaf_end(leaf);
+    Box all;
+    std::array<Box, TriangleTree::kLeaf> boxes;
+    for (std::uint32_t slot = begin; slot < end; ++slot) {
+      for (const std::uint32_t v : tree.corners_in(slot)) all.include(tree.positions()[v]);
+      boxes[slot - begin] = box_of(positions_, tree.corners_in(slot));
+    }
+    leaves.clear();
+    tree.leaves_near(all.low, all.high, leaf, leaves);
+    for (const std::uint32_t near : leaves) {
+      for (std::uint32_t other = TriangleTree::kLeaf * near; other < tree.leaf_end(near); ++other) {
+        const Box box = box_of(positions_, tree.corners_in(other));
+        for (std::uint32_t slot = begin; slot < std::min(end, other); ++slot)
+          if (boxes[slot - begin].meets(box)) test(tree.triangle_in(slot), tree.triangle_in(other), found);
+      }
+    }
+  }
+
+  template <class Find>
+  std::vector<TrianglePair> collect(std::size_t n, std::size_t grain, const Find& find) const {
+    const std::size_t pieces = (n + grain - 1) / grain;
+    std::vector<std::vector<TrianglePair>> found(pieces);
+    for_each_piece(pieces, 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t piece = begin; piece < end; ++piece) {
+        control_.check_cancelled();
+        find(piece * grain, std::min(n, (piece + 1) * grain), found[piece]);
+      }
+    });
+    std::vector<TrianglePair> out;
+    for (const auto& part : found) out.insert(out.end(), part.begin(), part.end());
+    std::sort(out.begin(), out.end());
+    return out;
+  }
+
+  std::span<const Vec3> positions_;
+  std::span<const Triangle> triangles_;
+  const RunControl& control_;
+};
+
+}  // namespace
+
+std::vector<TrianglePair> self_intersections(std::span<const Vec3> positions, std::span<const Triangle> triangles,
+                                             const SelfIntersectionOptions& options, const RunControl& control) {
+  const ThreadLimit threads(control.threads);
+  control.report("intersect", 0);
+  check_input(positions, triangles);
+  const Search search(positions, triangles, control);
+  return options.involving ? search.involving(*options.involving) : search.all();
+}
+
+Vec3 meeting_place(std::span<const Vec3> positions, const Triangle& a, const Triangle& b) {
+  const Box one = box_of(positions, a), other = box_of(positions, b);
+  const Vec3 low{std::max(one.low.x, other.low.x), std::max(one.low.y, other.low.y), std::max(one.low.z, other.low.z)};
+  const Vec3 high{std::min(one.high.x, other.high.x), std::min(one.high.y, other.high.y), std::min(one.high.z, other.high.z)};
+  return 0.5 * low + 0.5 * high;
+}
+
+}  // namespace isoatlas

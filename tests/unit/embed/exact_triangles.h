@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// A slow second opinion on triangles with whole-number corners: every corner of the intersection as a fraction of integers.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "isoatlas/mesh.h"
+
+namespace isoatlas::test {
+
+using LatticePoint = std::array<std::int64_t, 3>;  // coordinates of at most 20, so that nothing below overflows
+
+std::vector<Vec3> to_positions(const std::vector<LatticePoint>& points, double scale = 1, Vec3 offset = {});
+
+/// What meet_beyond_shared() promises, from its definition: an intersection of two convex sets is in a third if its corners are.
+bool slow_meet_beyond_shared(const std::vector<LatticePoint>& points, const Triangle& a, const Triangle& b);
+
+}  // namespace isoatlas::test
