@@ -3,8 +3,8 @@
 #   scripts/install_dependencies.sh [build|test|bench]     (default: build; test includes build, bench includes both)
 set -euo pipefail
 
-build=(g++ cmake ninja-build libtbb-dev libcgal-dev libinsighttoolkit5-dev libvtk9-dev libtiff-dev zlib1g-dev libcli11-dev nlohmann-json3-dev libtinygltf-dev)
-test=("${build[@]}" libgtest-dev librapidcheck-dev libboost-dev python3 libgmp-dev)
+build=(g++ cmake ninja-build libtbb-dev libboost-dev libcgal-dev libinsighttoolkit5-dev libvtk9-dev libtiff-dev zlib1g-dev libcli11-dev nlohmann-json3-dev libtinygltf-dev)
+test=("${build[@]}" libgtest-dev librapidcheck-dev python3 libgmp-dev)
 bench=("${test[@]}" libbenchmark-dev python3-numpy python3-vtk9)
 
 case "${1:-build}" in

@@ -96,6 +96,10 @@ RawLayout& layout(std::optional<RawLayout>& raw) { return raw ? *raw : raw.empla
 
 Inside parse_inside(const std::string& text) { return choose<Inside>({{"above", Inside::above}, {"below", Inside::below}}, text); }
 
+Topology parse_topology(const std::string& text) {
+  return choose<Topology>({{"faces", Topology::faces}, {"trilinear", Topology::trilinear}}, text);
+}
+
 NonFinite parse_non_finite(const std::string& text) {
   return choose<NonFinite>({{"below", NonFinite::below}, {"above", NonFinite::above}}, text);
 }
@@ -245,6 +249,10 @@ isovalue is inside either way. Default: above.
 )", [&](const std::string& text) {
     options.inside = parse_inside(text);
   });
+  add_value(*command, kSurface, "--topology", "NAME", R"(
+What the surface is inside a cell of the volume. faces: one disk for every closed loop on the cell's faces. trilinear:
+what the trilinear interpolant has there; it can join two loops by a tunnel. Default: faces.
+)", [&](const std::string& text) { options.topology = parse_topology(text); });
 
   add_value(*command, kSurface, "--min-component-size", "SIZE", R"(
 Leave out components that enclose less: 10vx is ten voxels, 2.5 or 2.5mm3 are world units cubed. One that the volume's

@@ -121,7 +121,8 @@ void print_details(const ExtractReport& report, const ReportContext& context) {
   std::string coarser;
   for (const std::size_t size : report.coarser_c_vertices) coarser += (coarser.empty() ? "" : ", ") + count_text(size);
   std::cout << row("complex", counted(report.c_vertices, "c-vertex") + ", " + counted(report.faces, "face") + ", " +
-                                  counted(report.double_segments, "double segment") + " split")
+                                  counted(report.double_segments, "double segment") + " split" +
+                                  (report.tunnels > 0 ? ", " + counted(report.tunnels, "tunnel") : ""))
             << row("coarser", coarser.empty()
                                   ? "none: disks are too small for blocks"
                                   : coarser + " c-vertices, certified in " + std::to_string(report.coarsening.repair_rounds) + " rounds")

@@ -181,6 +181,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   control.report("surface", 0);
   ParseOptions parse;
   parse.rule = {options.isovalue, options.inside, options.non_finite};
+  parse.topology = options.topology;
   parse.vertices_on_surface = options.vertices_on_surface;
   SurfaceComplex whole = parse_surface(in_voxels, parse, control);
   if (whole.faces.empty()) throw_empty_surface(volume, options.isovalue);
@@ -199,6 +200,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   report.c_vertices = surface.positions.size();
   report.faces = surface.faces.size();
   report.double_segments = surface.double_segments;
+  report.tunnels = surface.tunnels;
   report.reference = summarize(reference.topology);
   clock.finished("components");
 

@@ -19,6 +19,7 @@ namespace {
 
 std::string_view text(Inside inside) { return inside == Inside::above ? "above" : "below"; }
 
+std::string_view text(Topology topology) { return topology == Topology::faces ? "faces" : "trilinear"; }
 std::string_view text(NonFinite rule) {
   switch (rule) {
     case NonFinite::refuse:
@@ -107,7 +108,7 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
                      {"inside", text(options.inside)},
                      {"tie_rule", "a sample equal to the isovalue is inside"},
                      {"ambiguous_faces", "asymptotic decider"},
-                     {"topology", "faces"}};
+                     {"topology", text(options.topology)}};
   json["parameters"] = {{"non_finite", text(options.non_finite)},
                         {"space", text(options.space)},
                         {"max_radius", to_value(options.max_radius)},
@@ -121,8 +122,8 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
                         {"measure_samples", options.measure_samples},
                         {"threads", context.threads}};
 
-  Json& reference =
-      json["reference"] = {{"c_vertices", report.c_vertices}, {"faces", report.faces}, {"double_segments", report.double_segments}};
+  Json& reference = json["reference"] = {
+      {"c_vertices", report.c_vertices}, {"faces", report.faces}, {"double_segments", report.double_segments}, {"tunnels", report.tunnels}};
   add_topology(reference, report.reference);
   Json& dropped = json["dropped"] = Json::array();
   for (const DroppedComponent& component : report.dropped) dropped.push_back(to_value(component));

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the isosurface crosses one cell: which crossed edges (nodes) belong to which closed loop (surfel).
+// How the isosurface crosses one cell: which crossed edges (nodes) belong to which piece of surface (surfel).
 #pragma once
 
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace isoatlas {
@@ -14,17 +15,37 @@ namespace isoatlas {
 //   edge    4 a + (bit along u) + 2 (bit along v): the four edges along axis a
 //   face    2 a + side: the two faces normal to axis a
 
+/// The most surfels an entry of the table has.
+inline constexpr std::size_t kMostSurfels = 4;
+
 struct CellLoops {
-  std::uint8_t corners = 0;                     ///< bit per corner, 1 = inside
-  std::uint8_t loops = 0;                       ///< number of surfels, 0 to 4
-  std::uint8_t ambiguous_faces = 0;             ///< bit per face with diagonal signs
-  std::uint8_t joined_faces = 0;                ///< of those, the ones whose inside corners are joined
-  std::uint16_t crossed = 0;                    ///< bit per edge that carries a node
-  std::array<std::uint8_t, 12> loop_of_edge{};  ///< for crossed edges
+  std::uint8_t corners = 0;          ///< bit per corner, 1 = inside
+  std::uint8_t loops = 0;            ///< number of closed loops of nodes, 0 to 4
+  std::uint8_t surfels = 0;          ///< one per loop; with a tunnel, the pieces of the annulus instead of its two loops
+  std::uint8_t ambiguous_faces = 0;  ///< bit per face with diagonal signs
+  std::uint8_t joined_faces = 0;     ///< of those, the ones whose inside corners are joined
+  std::uint8_t double_faces = 0;     ///< of the ambiguous ones, those whose two segments are sides of the same surfel
+  bool has_tunnel = false;
+  std::uint16_t crossed = 0;  ///< bit per edge that carries a node
+  /// Per crossed edge along axis a, the surfel of the node's segment on the face of the cell normal to (a + 1) % 3, and of the one
+  /// on the face normal to (a + 2) % 3. They differ where an annulus is cut at the node, and only there.
+  std::array<std::uint8_t, 12> surfel_of_edge{}, other_surfel_of_edge{};
+
+  std::uint8_t surfel(int edge, int face_axis) const {
+    return face_axis == (edge / 4 + 1) % 3 ? surfel_of_edge[edge] : other_surfel_of_edge[edge];
+  }
+};
+
+/// A tunnel that the trilinear interpolant may dig through a cell: in the slices normal to z at some height, the corners of one
+/// diagonal are joined, while above and below those of the other one are. Corners here are vertical edges: (x, y) = x + 2 y.
+struct Tunnel {
+  std::array<std::uint8_t, 2> joined, ring;  ///< the vertical edges that it joins, and those of the ring around it
+  bool inside;                               ///< the ends of the tunnel are inside the surface, the ring is outside; or vice versa
+  std::uint16_t entry;                       ///< the cell's entry in the table if the tunnel is there
 };
 
 /// All ways to cross a cell: 256 sign patterns times the decisions on their ambiguous faces, made by walking from node to
-/// node along face segments, not by a hand-written table.
+/// node along face segments, not by a hand-written table. And once more for every tunnel that may be in them.
 class CellLoopTable {
  public:
   static const CellLoopTable& get();
@@ -40,15 +61,25 @@ class CellLoopTable {
     return static_cast<std::uint16_t>(first_[corners] + decisions);
   }
   std::uint8_t ambiguous_faces(std::uint8_t corners) const { return ambiguous_[corners]; }
+  /// Do the signs of the corners leave anything open?
+  bool needs_samples(std::uint8_t corners) const { return needs_samples_[corners]; }
   std::uint16_t first_index(std::uint8_t corners) const { return first_[corners]; }
   const CellLoops& operator[](std::uint16_t index) const { return entries_[index]; }
   const std::vector<CellLoops>& entries() const { return entries_; }
+
+  /// The tunnels that an entry of index() does not rule out: at most two, of which at most one is there (docs/theory/01-surface.md).
+  std::span<const Tunnel> tunnels(std::uint16_t index) const {
+    return {tunnels_.data() + first_tunnel_[index], tunnels_.data() + first_tunnel_[index + 1]};
+  }
 
  private:
   CellLoopTable();
   std::array<std::uint16_t, 256> first_{};
   std::array<std::uint8_t, 256> ambiguous_{};
+  std::array<bool, 256> needs_samples_{};
   std::vector<CellLoops> entries_;
+  std::vector<std::uint16_t> first_tunnel_;  // per entry without a tunnel; one more at the end
+  std::vector<Tunnel> tunnels_;
 };
 
 /// The corner of a face (axis, side) at (bit along u, bit along v).

@@ -22,6 +22,7 @@
 #include "core/saddle_sign.h"
 #include "core/vector_math.h"
 #include "surface/cell_loops.h"
+#include "surface/tunnel_is_there.h"
 #include "volume/field.h"
 
 namespace isoatlas {
@@ -45,12 +46,18 @@ struct DoubleFace {  // an ambiguous grid face whose two segments both join the 
   std::size_t cy, cz;
 };
 
+struct TunnelCell {
+  std::uint32_t cell;
+  std::size_t cy, cz;
+};
+
 struct Slice {  // all cells with one cz
   CVertexId first_c_vertex = 0;
   FaceId first_face = 0;
   std::size_t c_vertices = 0, faces = 0;
   std::vector<BoundarySide> boundary;
   std::vector<DoubleFace> double_faces;
+  std::vector<TunnelCell> tunnel_cells;
 };
 
 template <class T>
@@ -81,7 +88,7 @@ class Parser {
     });
     control_.check_cancelled();
     for (const Slice& s : slices_) complex_.boundary.insert(complex_.boundary.end(), s.boundary.begin(), s.boundary.end());
-    split_double_segments();
+    make_fans();
     return std::move(complex_);
   }
 
@@ -168,6 +175,17 @@ class Parser {
     return static_cast<std::uint8_t>(joined);
   }
 
+  // The cell's entry in the table with the tunnel between two of its loops, if there is one.
+  std::uint16_t decide_tunnel(std::uint16_t loops, const std::array<std::size_t, 8>& sample) const {
+    const long double sign = options_.rule.inside == Inside::above ? 1 : -1;
+    std::array<long double, 8> f;
+    for (std::size_t k = 0; k < 8; ++k) f[k] = sign * field_.exact(sample[k]);
+    for (const Tunnel& tunnel : table_.tunnels(loops)) {
+      if (tunnel_is_there(tunnel, f, sign * field_.isovalue())) return tunnel.entry;
+    }
+    return loops;
+  }
+
   // Which nodes on the three edges at a cell's lowest corner have a face: those on edges of the unextended grid.
   static unsigned owned_nodes(const CellLoops& loops, std::size_t cx, std::size_t cy, std::size_t cz) {
     const unsigned crossed = (loops.crossed & 1u) | (loops.crossed >> 4 & 1u) << 1 | (loops.crossed >> 8 & 1u) << 2;
@@ -193,12 +211,17 @@ class Parser {
             }
             const auto signs = static_cast<std::uint8_t>(corners);
             std::uint16_t loops = table_.first_index(signs);
-            if (table_.ambiguous_faces(signs) != 0) {
-              loops = table_.index(signs, decide_faces(signs, sample_indices(cx, cy, cz)));
+            if (table_.needs_samples(signs)) {
+              const std::array<std::size_t, 8> sample = sample_indices(cx, cy, cz);
+              loops = table_.index(signs, decide_faces(signs, sample));
+              if (options_.topology == Topology::trilinear && !table_.tunnels(loops).empty()) {
+                loops = decide_tunnel(loops, sample);
+                if (table_[loops].has_tunnel) slice.tunnel_cells.push_back({i, cy, cz});
+              }
             }
             cells_[i++] = {static_cast<std::uint32_t>(cx), static_cast<CVertexId>(slice.c_vertices), static_cast<FaceId>(slice.faces),
                            loops};
-            slice.c_vertices += table_[loops].loops;
+            slice.c_vertices += table_[loops].surfels;
             slice.faces += static_cast<std::size_t>(std::popcount(owned_nodes(table_[loops], cx, cy, cz)));
           });
         }
@@ -232,13 +255,21 @@ class Parser {
         const std::array<std::size_t, 8> sample = sample_indices(cell.x, cy, cz);
         const std::array<double, 8> f = values(sample);
 
-        std::array<Vec3, 4> sum{};
-        std::array<int, 4> nodes{};
+        std::array<Vec3, kMostSurfels> sum{};
+        std::array<int, kMostSurfels> nodes{};
         for (unsigned rest = loops.crossed; rest != 0; rest &= rest - 1) {
           const int e = std::countr_zero(rest);
-          const std::size_t loop = loops.loop_of_edge[e];
-          sum[loop] = sum[loop] + node_in_cell(f, e);
-          ++nodes[loop];
+          const std::size_t surfel = loops.surfel_of_edge[e];
+          sum[surfel] = sum[surfel] + node_in_cell(f, e);
+          ++nodes[surfel];
+        }
+        if (loops.has_tunnel) {
+          for (unsigned rest = cut_edges(loops); rest != 0; rest &= rest - 1) {
+            const int e = std::countr_zero(rest);
+            const std::size_t surfel = loops.other_surfel_of_edge[e];
+            sum[surfel] = sum[surfel] + node_in_cell(f, e);
+            ++nodes[surfel];
+          }
         }
         std::array<double, 3> low, width;
         bool layer = false;
@@ -247,15 +278,24 @@ class Parser {
           width[a] = c[a] == 0 || c[a] == size_[a] ? 0 : 1;
           layer |= width[a] == 0;
         }
-        for (std::size_t loop = 0; loop < loops.loops; ++loop) {
-          Vec3 p = (1.0 / nodes[loop]) * sum[loop];
+        for (std::size_t surfel = 0; surfel < loops.surfels; ++surfel) {
+          Vec3 p = (1.0 / nodes[surfel]) * sum[surfel];
           if (options_.vertices_on_surface) p = onto_surface(f, p);
-          const CVertexId id = first + cell.first_c_vertex + static_cast<CVertexId>(loop);
+          const CVertexId id = first + cell.first_c_vertex + static_cast<CVertexId>(surfel);
           complex_.positions[id] = {low[0] + width[0] * p.x, low[1] + width[1] * p.y, low[2] + width[2] * p.z};
           complex_.on_boundary[id] = layer;
         }
       }
     }
+  }
+
+  // The edges at whose nodes an annulus is cut.
+  static unsigned cut_edges(const CellLoops& loops) {
+    unsigned out = 0;
+    for (unsigned e = 0; e < 12; ++e) {
+      if (loops.surfel_of_edge[e] != loops.other_surfel_of_edge[e]) out |= 1u << e;
+    }
+    return out;
   }
 
   static Vec3 node_in_cell(const std::array<double, 8>& f, int edge) {
@@ -290,7 +330,11 @@ class Parser {
   }
 
   CVertexId c_vertex(const Cell& cell, std::size_t cz, int edge) const {
-    return slices_[cz].first_c_vertex + cell.first_c_vertex + table_[cell.loops].loop_of_edge[edge];
+    return slices_[cz].first_c_vertex + cell.first_c_vertex + table_[cell.loops].surfel_of_edge[edge];
+  }
+  // The surfel of the node's segment on the cell's face normal to face_axis.
+  CVertexId c_vertex(const Cell& cell, std::size_t cz, int edge, int face_axis) const {
+    return slices_[cz].first_c_vertex + cell.first_c_vertex + table_[cell.loops].surfel(edge, face_axis);
   }
 
   // One face per node. A node is handled by the cell at whose lowest corner its grid edge starts; the three other cells around
@@ -336,26 +380,18 @@ class Parser {
                     {c_vertex(*(cursor[0] - 1), cz, 11), c_vertex(*cursor[0], cz, 10), c_vertex(cell, cz, 8), c_vertex(*west(), cz, 9)},
                     slice);
         }
-        if (loops.ambiguous_faces & 0b010101) {
+        if (loops.double_faces & 0b010101) {
           for (int axis = 0; axis < 3; ++axis) {
             // In a cell of the outer layer the two segments of a face are on two loops; so the neighbour below is there.
-            if (!((loops.ambiguous_faces >> (2 * axis)) & 1) || !one_loop(loops, axis, 0)) continue;
+            if (!((loops.double_faces >> (2 * axis)) & 1)) continue;
             const Cell* const lower = axis == 0 ? west() : cursor[static_cast<std::size_t>(axis - 1)];
-            if (one_loop(table_[lower->loops], axis, 1)) {
+            if ((table_[lower->loops].double_faces >> (2 * axis + 1)) & 1) {
               slice.double_faces.push_back({i, static_cast<std::uint32_t>(lower - cells_.data()), axis, cy, cz});
             }
           }
         }
       }
     }
-  }
-
-  // All four nodes of an ambiguous face are on one loop.
-  static bool one_loop(const CellLoops& loops, int axis, int side) {
-    const auto loop = [&](int e) { return loops.loop_of_edge[e]; };
-    const auto first = loop(face_edge_along_u(axis, side, 0));
-    return first == loop(face_edge_along_u(axis, side, 1)) && first == loop(face_edge_along_v(axis, side, 0)) &&
-           first == loop(face_edge_along_v(axis, side, 1));
   }
 
   // corners: the c-vertices around the node in the cells (u-,v-), (u+,v-), (u+,v+), (u-,v+).
@@ -379,70 +415,62 @@ class Parser {
     return *std::lower_bound(first, last, cx, [](const Cell& cell, std::size_t x) { return cell.x < x; });
   }
 
+  struct Node {  // on the grid edge along `axis` at the lower corner of cell c
+    FaceId face;
+    bool is_cut;  // an annulus is cut there
+    int axis;
+    std::array<std::size_t, 3> c;
+    Vec3 position;
+    bool operator<(const Node& o) const { return face != o.face ? face < o.face : is_cut > o.is_cut; }
+  };
+  struct Middle {  // a c-vertex between the corners a and b of a face
+    FaceId face;
+    CVertexId a, b, id;
+    bool operator<(const Middle& o) const { return std::tie(face, id) < std::tie(o.face, o.id); }
+  };
+
   // Two surfels in neighbouring cells can share both segments of an ambiguous face. Their dual edge would be there twice; so
   // a c-vertex goes on the middle of each such segment, one on each node at its ends, and the faces of those nodes become
-  // fans about the node.
-  void split_double_segments() {
-    struct Insertion {
-      FaceId face;
-      CVertexId a, b;    // the doubled side
-      CVertexId middle;  // the c-vertex that goes between
-      Vec3 node;         // the face's node
-      bool operator<(const Insertion& o) const { return std::tie(face, middle) < std::tie(o.face, o.middle); }
-    };
-    std::vector<Insertion> insertions;
-    for (std::size_t cz = 0; cz < slices_.size(); ++cz) {
-      for (const DoubleFace& d : slices_[cz].double_faces) {
-        const Cell& cell = cells_[d.cell];
-        const CellLoops& loops = table_[cell.loops];
-        const int axis = d.axis, u = (axis + 1) % 3, v = (axis + 2) % 3;
-        const std::array<std::size_t, 3> c{cell.x, d.cy, d.cz};
-        const std::array<std::size_t, 8> sample = sample_indices(c[0], c[1], c[2]);
-        const std::array<double, 8> f = values(sample);
-        const Vec3 low{static_cast<double>(sample_of(c[0], 0)), static_cast<double>(sample_of(c[1], 1)),
-                       static_cast<double>(sample_of(c[2], 2))};
-        std::array<double, 3> width;
-        for (int a = 0; a < 3; ++a) width[a] = c[a] == 0 || c[a] == size_[a] ? 0 : 1;
-        const auto node = [&](int e) {
-          const Vec3 p = node_in_cell(f, e);
-          return low + Vec3{width[0] * p.x, width[1] * p.y, width[2] * p.z};
-        };
-        const CVertexId a = c_vertex(cell, d.cz, face_edge_along_u(axis, 0, 0));
-        const CVertexId b = c_vertex(cells_[d.neighbour], axis == 2 ? d.cz - 1 : d.cz, face_edge_along_u(axis, 1, 0));
-        const bool around_inside = !((loops.joined_faces >> (2 * axis)) & 1);
-        for (int bu = 0; bu < 2; ++bu) {
-          for (int bv = 0; bv < 2; ++bv) {
-            if (((loops.corners >> face_corner(axis, 0, bu, bv)) & 1) != (around_inside ? 1 : 0)) continue;
-            const Vec3 on_u = node(face_edge_along_u(axis, 0, bv)), on_v = node(face_edge_along_v(axis, 0, bu));
-            const CVertexId middle = add_c_vertex(0.5 * (on_u + on_v));
-            insertions.push_back({face_of_node(c, u, v, bv), a, b, middle, on_u});
-            insertions.push_back({face_of_node(c, v, u, bu), a, b, middle, on_v});
-          }
+  // fans about the node. So do those of the nodes at which an annulus is cut, since they have more than four corners.
+  void make_fans() {
+    std::vector<Node> nodes;
+    std::vector<Middle> middles;
+    for (const Slice& slice : slices_) {
+      for (const DoubleFace& d : slice.double_faces) split_double_segments(d, nodes, middles);
+      for (const TunnelCell& t : slice.tunnel_cells) {
+        const std::array<std::size_t, 3> c{cells_[t.cell].x, t.cy, t.cz};
+        const std::array<double, 8> f = values(sample_indices(c[0], c[1], c[2]));
+        for (unsigned rest = cut_edges(table_[cells_[t.cell].loops]); rest != 0; rest &= rest - 1) {
+          nodes.push_back(node_on(c, f, std::countr_zero(rest), true));
         }
-        ++complex_.double_segments;
+        ++complex_.tunnels;
       }
     }
-    std::sort(insertions.begin(), insertions.end());
-    for (std::size_t i = 0; i < insertions.size();) {
-      const FaceId id = insertions[i].face;
-      const Face face = complex_.faces[id];
-      const std::size_t group = i;
-      while (i < insertions.size() && insertions[i].face == id) ++i;
-      std::vector<CVertexId> polygon;
-      for (int k = 0; k < 4; ++k) {
-        const CVertexId from = face.corner[k], to = face.corner[(k + 1) % 4];
+    std::sort(nodes.begin(), nodes.end());
+    const auto same_face = [](const Node& a, const Node& b) { return a.face == b.face; };
+    nodes.erase(std::unique(nodes.begin(), nodes.end(), same_face), nodes.end());
+    std::sort(middles.begin(), middles.end());
+    std::vector<CVertexId> corners, polygon;
+    auto middle = middles.cbegin();
+    for (const Node& node : nodes) {
+      const auto& quad = complex_.faces[node.face].corner;
+      corners.assign(quad.begin(), quad.end());
+      if (node.is_cut) corners = corners_around(node);
+      const auto first = middle;
+      while (middle != middles.cend() && middle->face == node.face) ++middle;
+      polygon.clear();
+      for (std::size_t k = 0; k < corners.size(); ++k) {
+        const CVertexId from = corners[k], to = corners[(k + 1) % corners.size()];
         polygon.push_back(from);
-        for (std::size_t j = group; j < i; ++j) {
-          if ((insertions[j].a == from && insertions[j].b == to) || (insertions[j].b == from && insertions[j].a == to)) {
-            polygon.push_back(insertions[j].middle);
-          }
+        for (auto m = first; m != middle; ++m) {
+          if ((m->a == from && m->b == to) || (m->b == from && m->a == to)) polygon.push_back(m->id);
         }
       }
-      const CVertexId centre = add_c_vertex(insertions[group].node);
+      const CVertexId centre = add_c_vertex(centre_of_fan(node, polygon));
       for (std::size_t k = 0; k < polygon.size(); ++k) {
         const Face triangle{{centre, polygon[k], polygon[(k + 1) % polygon.size()], kNone}};
         if (k == 0) {
-          complex_.faces[id] = triangle;
+          complex_.faces[node.face] = triangle;
         } else {
           complex_.faces.push_back(triangle);
         }
@@ -451,19 +479,88 @@ class Parser {
     checked_id(complex_.faces.size(), "faces");
   }
 
+  // The node. On an edge of the volume that is where a boundary c-vertex is already.
+  Vec3 centre_of_fan(const Node& node, const std::vector<CVertexId>& polygon) const {
+    const auto on_border = [&](int axis) {
+      const std::size_t at = node.c[static_cast<std::size_t>(axis)];
+      return at == 1 || at == size_[static_cast<std::size_t>(axis)];
+    };
+    if (!on_border((node.axis + 1) % 3) || !on_border((node.axis + 2) % 3)) return node.position;
+    Vec3 sum;
+    for (const CVertexId v : polygon) sum = sum + complex_.positions[v];
+    return (1.0 / static_cast<double>(polygon.size())) * sum;
+  }
+
+  void split_double_segments(const DoubleFace& d, std::vector<Node>& nodes, std::vector<Middle>& middles) {
+    const Cell& cell = cells_[d.cell];
+    const CellLoops& loops = table_[cell.loops];
+    const int axis = d.axis;
+    const std::array<std::size_t, 3> c{cell.x, d.cy, d.cz};
+    const CVertexId a = c_vertex(cell, d.cz, face_edge_along_u(axis, 0, 0), axis);
+    const CVertexId b = c_vertex(cells_[d.neighbour], axis == 2 ? d.cz - 1 : d.cz, face_edge_along_u(axis, 1, 0), axis);
+    const std::array<double, 8> f = values(sample_indices(c[0], c[1], c[2]));
+    const bool around_inside = !((loops.joined_faces >> (2 * axis)) & 1);
+    for (int bu = 0; bu < 2; ++bu) {
+      for (int bv = 0; bv < 2; ++bv) {
+        if (((loops.corners >> face_corner(axis, 0, bu, bv)) & 1) != (around_inside ? 1 : 0)) continue;
+        const Node on_u = node_on(c, f, face_edge_along_u(axis, 0, bv), false), on_v = node_on(c, f, face_edge_along_v(axis, 0, bu), false);
+        const CVertexId id = add_c_vertex(0.5 * (on_u.position + on_v.position));
+        for (const Node& node : {on_u, on_v}) {
+          nodes.push_back(node);
+          middles.push_back({node.face, a, b, id});
+        }
+      }
+    }
+    ++complex_.double_segments;
+  }
+
+  // The node on an edge of cell c, whose corners are f.
+  Node node_on(std::array<std::size_t, 3> c, const std::array<double, 8>& f, int edge, bool is_cut) const {
+    const Vec3 p = node_in_cell(f, edge);
+    const auto along = [&](int axis, double x) {
+      const std::size_t at = c[static_cast<std::size_t>(axis)];
+      const double low = static_cast<double>(sample_of(at, axis));
+      return at == 0 || at == size_[static_cast<std::size_t>(axis)] ? low : low + x;
+    };
+    const Vec3 position{along(0, p.x), along(1, p.y), along(2, p.z)};
+    const int axis = edge / 4;
+    c[static_cast<std::size_t>((axis + 1) % 3)] += edge & 1;
+    c[static_cast<std::size_t>((axis + 2) % 3)] += edge >> 1 & 1;
+    const Cell& cell = find_cell(c[0], c[1], c[2]);
+    const unsigned owned = owned_nodes(table_[cell.loops], c[0], c[1], c[2]);
+    const auto before = static_cast<FaceId>(std::popcount(owned & ((1u << axis) - 1)));
+    return {slices_[c[2]].first_face + cell.first_face + before, is_cut, axis, c, position};
+  }
+
+  // The c-vertices around a node, counter-clockwise seen from outside: those of the four cells in the order of make_face(), two in
+  // a cell whose annulus is cut at the node.
+  std::vector<CVertexId> corners_around(const Node& node) const {
+    const auto u = static_cast<std::size_t>((node.axis + 1) % 3), v = static_cast<std::size_t>((node.axis + 2) % 3);
+    std::vector<CVertexId> corners;
+    bool outside_is_up = false;
+    for (const int k : {0, 1, 2, 3}) {
+      const std::size_t du = k == 0 || k == 3, dv = k == 0 || k == 1;
+      std::array<std::size_t, 3> c = node.c;
+      c[u] -= du;
+      c[v] -= dv;
+      const Cell& cell = find_cell(c[0], c[1], c[2]);
+      const int edge = 4 * node.axis + static_cast<int>(du + 2 * dv);
+      outside_is_up = (table_[cell.loops].corners >> edge_corners(edge)[0]) & 1;
+      // From cell 0 to cell 1 across the face normal to u, on across the one normal to v, and so on.
+      const auto into = static_cast<int>(k % 2 == 0 ? v : u), out_of = static_cast<int>(k % 2 == 0 ? u : v);
+      const CVertexId first = c_vertex(cell, c[2], edge, into), second = c_vertex(cell, c[2], edge, out_of);
+      corners.push_back(first);
+      if (second != first) corners.push_back(second);
+    }
+    if (!outside_is_up) std::reverse(corners.begin() + 1, corners.end());
+    return corners;
+  }
+
   CVertexId add_c_vertex(Vec3 position) {
     const CVertexId id = checked_id(complex_.positions.size(), "c-vertices");
     complex_.positions.push_back(position);
     complex_.on_boundary.push_back(0);
     return id;
-  }
-
-  // The face of the node on the grid edge along `axis` at the lower corner of cell c moved by `bit` along `other`.
-  FaceId face_of_node(std::array<std::size_t, 3> c, int axis, int other, int bit) const {
-    c[static_cast<std::size_t>(other)] += static_cast<std::size_t>(bit);
-    const Cell& cell = find_cell(c[0], c[1], c[2]);
-    const unsigned owned = owned_nodes(table_[cell.loops], c[0], c[1], c[2]);
-    return slices_[c[2]].first_face + cell.first_face + static_cast<FaceId>(std::popcount(owned & ((1u << axis) - 1)));
   }
 
   std::array<std::size_t, 3> size_;

@@ -42,6 +42,7 @@ struct SurfaceComplex {
   std::vector<Face> faces;
   std::vector<BoundarySide> boundary;
   std::size_t double_segments = 0;  ///< places where parsing had to split faces to keep the complex simplicial
+  std::size_t tunnels = 0;          ///< cells with an annulus, see Topology::trilinear
 
   std::uint32_t c_vertex_count() const { return static_cast<std::uint32_t>(positions.size()); }
   std::uint32_t face_count() const { return static_cast<std::uint32_t>(faces.size()); }

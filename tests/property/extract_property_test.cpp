@@ -92,6 +92,34 @@ RC_GTEST_PROP(AnyVolume, MeshIsAManifoldWithTheReferenceTopology, (const RandomC
   RC_ASSERT(std::memcmp(first.mesh().positions.data(), second.mesh().positions.data(), sizeof(Vec3) * first.mesh().positions.size()) == 0);
 }
 
+RC_GTEST_PROP(AnyVolume, TrilinearTopologyIsKept, (const RandomCase& c)) {
+  const Samples samples = c.samples();
+  RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
+  const Volume volume = to_volume(samples, SampleType::int32, c.spacing);
+  ParseOptions parse;
+  parse.rule = {c.isovalue(), c.inside(), NonFinite::refuse};
+  parse.topology = Topology::trilinear;
+  const SurfaceComplex surface = parse_surface(volume, parse);
+  RC_CLASSIFY(surface.tunnels > 0);
+  RC_ASSERT(validate(surface) == "");
+  const TopologySummary want = summarize(find_components(surface).topology), faces = reference_topology(samples, c.isovalue(), c.inside());
+  RC_ASSERT(kinds_of(triangles_of(surface)) == want.kinds);
+  RC_ASSERT(want.boundary_loops == faces.boundary_loops);
+  RC_ASSERT(want.euler_characteristic == faces.euler_characteristic - 2 * static_cast<std::int64_t>(surface.tunnels));
+
+  ExtractOptions options;
+  options.isovalue = c.isovalue();
+  options.inside = c.inside();
+  options.topology = Topology::trilinear;
+  if (c.seed % 3 != 0) options.max_radius = c.seed % 3 == 1 ? 1000 : 0.5 + static_cast<double>(c.seed % 7);
+  const Extraction extraction = extract(volume, options);
+  RC_ASSERT(extraction.report.tunnels == surface.tunnels);
+  RC_ASSERT(extraction.report.reference == want);
+  RC_ASSERT(extraction.finest().certificate.passed);
+  RC_ASSERT(extraction.finest().topology == want);
+  RC_ASSERT(kinds_of(extraction.mesh()) == want.kinds);
+}
+
 RC_GTEST_PROP(AnyVolume, AxesMayBeSwappedAndMirrored, (const RandomCase& c)) {
   const Samples samples = c.samples();
   RC_PRE(has_surface(samples, c.isovalue(), c.inside()));

@@ -3,10 +3,12 @@
 """Meshes the real volumes of ../shared/data and compares their topology with what is known.
 
 real_volumes_test.py topology TOOL FOLDER       every row of TOPOLOGY.tsv; leaves the meshes in FOLDER
+real_volumes_test.py trilinear TOOL FOLDER      the same with --topology trilinear
 real_volumes_test.py nan TOOL FOLDER            the volume with NaN voxels
 real_volumes_test.py bytes TOOL FOLDER          the same bytes for any number of threads
 real_volumes_test.py build-oracle BUILD         builds the independent judge
 real_volumes_test.py oracle ORACLE FOLDER       the judge looks at the meshes in FOLDER
+real_volumes_test.py oracle-trilinear ORACLE FOLDER     at those with --topology trilinear
 real_volumes_test.py distance TOOL ORACLE FOLDER    `isoatlas check --volume` and the judge measure the same meshes
 
 Exit status 77 means skipped: no data, no judge. ISOATLAS_TEST_DATA and ISOATLAS_TEST_ORACLE say where they are otherwise than
@@ -53,23 +55,26 @@ def extract(tool, row, mesh, report, *options):
         capture_output=True, text=True)
 
 
-def check_row(tool, folder, row):
-    """Yields what is wrong."""
+def check_row(tool, folder, row, rule):
+    """Yields what is wrong. The rule is faces or trilinear: which columns hold."""
     mesh = mesh_of(folder, row)
     report_path = mesh.with_suffix(".json")
     for path in (mesh, report_path):
         path.unlink(missing_ok=True)
-    run = extract(tool, row, mesh, report_path)
+    run = extract(tool, row, mesh, report_path, "--topology", rule)
     if run.returncode != 0:
         yield f"exit status {run.returncode}: {run.stderr.strip()}"
         return
     report = json.loads(report_path.read_text())
     finest = report["levels"][-1]
     for part, topology in (("mesh", finest), ("reference", report["reference"])):
-        for key, column in (("components", "faces_components"), ("euler_characteristic", "faces_euler"), ("genus", "faces_genus"),
-                            ("boundary_loops", "faces_boundary_loops")):
+        for key, column in (("components", f"{rule}_components"), ("euler_characteristic", f"{rule}_euler"), ("genus", f"{rule}_genus"),
+                            ("boundary_loops", f"{rule}_boundary_loops")):
             if topology[key] != int(row[column]):
                 yield f"{part} {key} is {topology[key]} instead of {row[column]}"
+    tunnels = int(row["tunnel_cells"]) if rule == "trilinear" else 0
+    if report["reference"]["tunnels"] != tunnels:
+        yield f"{report['reference']['tunnels']} tunnels instead of {tunnels}"
     if finest["certificate"]["passed"] is not True:
         yield "the certificate did not pass"
     # Counted once more by the tool from the file alone.
@@ -81,7 +86,7 @@ def check_row(tool, folder, row):
     for key in ("components", "euler_characteristic", "genus", "boundary_loops", "kinds"):
         if counted[key] != finest[key]:
             yield f"the file's {key} is {counted[key]}, the report says {finest[key]}"
-    if sum(kind["count"] for kind in counted["kinds"]) != int(row["faces_components"]):
+    if sum(kind["count"] for kind in counted["kinds"]) != int(row[f"{rule}_components"]):
         yield "the kinds of components do not add up"
 
 
@@ -97,10 +102,14 @@ def report_all(rows, check):
     return 1 if failures else 0
 
 
-def topology(tool, folder):
+def topology(tool, folder, rule="faces"):
     rows = table()
     folder.mkdir(parents=True, exist_ok=True)
-    return report_all(rows, lambda row: check_row(tool, folder, row))
+    return report_all(rows, lambda row: check_row(tool, folder, row, rule))
+
+
+def trilinear(tool, folder):
+    return topology(tool, folder, "trilinear")
 
 
 def nan(tool, folder):
@@ -174,7 +183,7 @@ def build_oracle(build):
     return 0 if made.returncode == 0 else 1
 
 
-def judge(oracle, folder):
+def judge(oracle, folder, rule="c"):
     rows = table()
     if not oracle.is_file():
         skip(f"no {oracle}: the judge was not built")
@@ -185,8 +194,8 @@ def judge(oracle, folder):
             yield "no mesh: regression.topology_table makes it"
             return
         run = subprocess.run(
-            [oracle, "volume", DATA / row["file"], "--iso", row["isovalue"], "--mesh", mesh, "--mesh-space", "index", "--rules", "c",
-             "--no-distance", "--require", "c", "--json"], capture_output=True, text=True)
+            [oracle, "volume", DATA / row["file"], "--iso", row["isovalue"], "--mesh", mesh, "--mesh-space", "index", "--rules", rule,
+             "--no-distance", "--require", rule, "--json"], capture_output=True, text=True)
         if run.returncode != 0:
             yield f"the judge's exit status is {run.returncode}: {run.stderr.strip()} {run.stdout[-2000:] if run.returncode == 1 else ''}"
             return
@@ -199,6 +208,10 @@ def judge(oracle, folder):
                 yield f"{verdict[key]} {key}"
 
     return report_all(rows, check)
+
+
+def judge_trilinear(oracle, folder):
+    return judge(oracle, folder, "d")
 
 
 def distance(tool, oracle, folder):
@@ -233,4 +246,6 @@ def distance(tool, oracle, folder):
 
 if __name__ == "__main__":
     mode, arguments = sys.argv[1], [pathlib.Path(a).resolve() for a in sys.argv[2:]]
-    sys.exit({"topology": topology, "nan": nan, "bytes": same_bytes, "build-oracle": build_oracle, "oracle": judge, "distance": distance}[mode](*arguments))
+    modes = {"topology": topology, "trilinear": trilinear, "nan": nan, "bytes": same_bytes, "build-oracle": build_oracle,
+             "oracle": judge, "oracle-trilinear": judge_trilinear, "distance": distance}
+    sys.exit(modes[mode](*arguments))
