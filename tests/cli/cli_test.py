@@ -142,7 +142,7 @@ def options_in(text):
 
 class Help(ToolTest):
     OPTIONS = {
-        "extract": "--iso -o --output --report --inside --coarse --max-radius --event-persistence --threads --nan --space "
+        "extract": "--iso -o --output --report --inside --topology --coarse --max-radius --event-persistence --threads --nan --space "
                    "--raw-size --raw-type --raw-spacing --raw-endian -q --quiet -v --verbose -h --help "
                    "--refine --max-distance --mean-distance --area-curvature --area-curvature-smooth --geodesic-ratio "
                    "--normal-angle --max-vertices --min-vertices --min-edge --max-edge --min-aspect --placement "
@@ -241,6 +241,17 @@ class Extract(ToolTest):
         self.succeed("extract", "a.nrrd", "--iso", "0.25", "-o", "a.off", "-q", "--coarse")
         self.succeed("extract", "b.nrrd", "--iso", "-0.25", "--inside", "below", "-o", "b.off", "-q", "--coarse")
         self.assertEqual((self.folder / "a.off").read_bytes(), (self.folder / "b.off").read_bytes())
+
+    def test_topology(self):
+        # Two opposite corners of one cell; the saddle between them is at the isovalue exactly, so they are joined.
+        self.put("cell.nrrd", nrrd(array.array("f", [3, -1, -1, -1, -1, -1, -1, 3]), (2, 2, 2), "float"))
+        for options, tunnels, components in (([], 0, 2), (["--topology", "faces"], 0, 2), (["--topology", "trilinear"], 1, 1)):
+            self.succeed("extract", "cell.nrrd", "--iso", "0", "-o", "c.off", "--report", "c.json", "-q", "--coarse", *options)
+            report = json.loads((self.folder / "c.json").read_text())
+            self.assertEqual(report["surface"]["topology"], "trilinear" if tunnels else "faces")
+            self.assertEqual(report["reference"]["tunnels"], tunnels)
+            self.assertEqual(report["levels"][-1]["components"], components)
+            self.assertEqual(report["levels"][-1]["boundary_loops"], 2)
 
     def test_spaces(self):
         self.put("s.nrrd", nrrd(sphere((20, 20, 20)), (20, 20, 20), "float", "space: left-posterior-superior",
@@ -410,6 +421,7 @@ class BadArguments(ToolTest):
             "--event-persistence": ["-1", "abc", "3px", "infvx"],
             "--threads": ["-1", "1.5", "many", "", "99999999999"],
             "--inside": ["outside", "", "0"],
+            "--topology": ["cubic", "", "Faces"],
             "--nan": ["refuse", ""],
             "--space": ["lpi", "LPS"],
             "--placement": ["here", ""],
