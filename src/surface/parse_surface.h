@@ -10,8 +10,8 @@ namespace isoatlas {
 
 struct ParseOptions {
   InsideRule rule;
-  Topology topology = Topology::faces;
   bool vertices_on_surface = true;  ///< Newton steps onto the trilinear isosurface; false: plain average of the nodes
+  Topology topology = Topology::faces;
 };
 
 /// The reference surface of a volume at an isovalue, as a surface complex: one c-vertex per surfel, one face per node.
