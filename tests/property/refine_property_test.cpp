@@ -30,6 +30,19 @@ void log_goals(const ExtractOptions& o) {
   for (const LevelGoal& goal : o.refine) RC_LOG() << "; " << text(goal);
 }
 
+// A small volume that has a surface, and what is asked of its levels.
+struct LevelsCase {
+  explicit LevelsCase(const RandomCase& any)
+      : c(smaller(any)), samples(c.samples()), volume(to_volume(samples, SampleType::int16, c.spacing)), options(with_random_goals(c)) {
+    RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
+    log_goals(options);
+  }
+  RandomCase c;
+  Samples samples;
+  Volume volume;
+  ExtractOptions options;
+};
+
 std::vector<Vec3> grid_edge_crossings(const Samples& s, double isovalue, Inside inside) {
   std::vector<Vec3> out;
   const auto value = [&](const Size& p) {
@@ -55,12 +68,7 @@ std::vector<Vec3> grid_edge_crossings(const Samples& s, double isovalue, Inside 
 }
 
 RC_GTEST_PROP(AnyLevels, AreNestedManifoldsWithTheReferenceTopology, (const RandomCase& any)) {
-  const RandomCase c = smaller(any);
-  const Samples samples = c.samples();
-  RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
-  const Volume volume = to_volume(samples, SampleType::int16, c.spacing);
-  const ExtractOptions options = with_random_goals(c);
-  log_goals(options);
+  const auto [c, samples, volume, options] = LevelsCase(any);
   const Extraction e = extract(volume, options);
   const Hierarchy& h = e.hierarchy;
   const TopologySummary want = reference_topology(samples, c.isovalue(), c.inside());
@@ -122,12 +130,8 @@ double reached(Quantity quantity, const LevelReport& report, const MeshQuality& 
 }
 
 RC_GTEST_PROP(AnyLevels, ConstraintsAreHonouredOrTheirFailureIsNamed, (const RandomCase& any)) {
-  const RandomCase c = smaller(any);
-  const Samples samples = c.samples();
-  RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
-  const ExtractOptions options = with_random_goals(c);
-  log_goals(options);
-  const Extraction e = extract(to_volume(samples, SampleType::int16, c.spacing), options);
+  const auto [c, samples, volume, options] = LevelsCase(any);
+  const Extraction e = extract(volume, options);
   for (std::size_t l = 0; l < e.report.levels.size(); ++l) {
     const LevelReport& report = e.report.levels[l];
     const LevelGoal& goal = l == 0 ? options.coarse : options.refine[l - 1];
@@ -169,13 +173,8 @@ RC_GTEST_PROP(AnyLevels, ConstraintsAreHonouredOrTheirFailureIsNamed, (const Ran
 // No point of the surface that is known exactly is farther from the mesh than the report says: c-vertices, and where the surface
 // meets grid edges. Looked for among all triangles, while the mesher looks around each cell.
 RC_GTEST_PROP(AnyLevels, AreNowhereFartherThanReported, (const RandomCase& any)) {
-  const RandomCase c = smaller(any);
-  const Samples samples = c.samples();
-  RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
-  const Volume volume = to_volume(samples, SampleType::int16, c.spacing);
-  ExtractOptions options = with_random_goals(c);
+  auto [c, samples, volume, options] = LevelsCase(any);
   options.space = Space::voxel;
-  log_goals(options);
   const Extraction e = extract(volume, options);
   std::vector<Vec3> points = grid_edge_crossings(samples, c.isovalue(), c.inside());
   ParseOptions parse;
@@ -194,12 +193,7 @@ RC_GTEST_PROP(AnyLevels, AreNowhereFartherThanReported, (const RandomCase& any))
 }
 
 RC_GTEST_PROP(AnyLevels, AreTheSameBytesForAnyNumberOfThreads, (const RandomCase& any)) {
-  const RandomCase c = smaller(any);
-  const Samples samples = c.samples();
-  RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
-  const Volume volume = to_volume(samples, SampleType::int16, c.spacing);
-  const ExtractOptions options = with_random_goals(c);
-  log_goals(options);
+  const auto [c, samples, volume, options] = LevelsCase(any);
   RunControl one, two;
   one.threads = 1;
   two.threads = 2;
@@ -219,12 +213,7 @@ RC_GTEST_PROP(AnyLevels, AreTheSameBytesForAnyNumberOfThreads, (const RandomCase
 
 // A later level moves nothing of an earlier one.
 RC_GTEST_PROP(AnyLevels, StayTheSameWhenMoreFollow, (const RandomCase& any)) {
-  const RandomCase c = smaller(any);
-  const Samples samples = c.samples();
-  RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
-  const Volume volume = to_volume(samples, SampleType::int16, c.spacing);
-  ExtractOptions options = with_random_goals(c);
-  log_goals(options);
+  auto [c, samples, volume, options] = LevelsCase(any);
   const Extraction all = extract(volume, options);
   options.refine.resize(1);
   const Extraction first = extract(volume, options);
