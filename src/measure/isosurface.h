@@ -55,6 +55,7 @@ class Isosurface {
   /// Faces as triangles, positions in the metric. The first side of each half of a quad is the quad's diagonal.
   const TriangleTree& faces() const { return faces_; }
   Vec3 spacing() const { return spacing_; }
+  const TrilinearField& field() const { return field_; }
 
  private:
   // All points below are in the metric.

@@ -20,6 +20,7 @@
 #include "partition/coarsen.h"
 #include "pipeline/level.h"
 #include "pipeline/level_maker.h"
+#include "refine/relax.h"
 #include "surface/area_vectors.h"
 #include "surface/components.h"
 #include "surface/drop_components.h"
@@ -36,6 +37,9 @@ constexpr double kBlocksPerRadius = 4;
 constexpr double kLeastBlockVoxels = 1.5;
 // How often cells of the coarse level are divided whose triangles meet others where they should not.
 constexpr int kMostPartings = 12;
+// Vertices of the coarse level are moved this far from each other where they can be, voxels: they stay where they are in all levels,
+// and the triangles of fine ones have edges of about a voxel in noise.
+constexpr double kSeparation = 0.4;
 
 class StageClock {
  public:
@@ -112,6 +116,26 @@ std::vector<DroppedComponent> drop_small_components(SurfaceComplex& complex, con
   }
   drop_components(complex, components, goes);
   return dropped;
+}
+
+// Moves vertices of the coarse level that are too close to each other for later levels to have good triangles there.
+// @return by how much, spacing applied
+std::vector<Vec3> relax_coarse(TriangleMesh& mesh, const SurfaceComplex& complex, std::span<const CVertexId> sites,
+                               const TrilinearField* field) {
+  const Vec3 s = complex.spacing;
+  std::vector<Vec3> points;
+  std::vector<Roam> roam;
+  for (const CVertexId v : sites) {
+    const Vec3 p = complex.positions[v];
+    points.push_back(scaled(p, s));
+    roam.push_back(complex.on_boundary[v] ? Roam{points.back(), points.back()} : roam_of(p, s));
+  }
+  std::vector<Vec3> shift(sites.size());
+  for (const std::uint32_t v : relax(points, mesh.triangles, roam, field, s, {1.0 / 3, kSeparation})) {
+    shift[v] = points[v] - scaled(mesh.positions[v], s);
+    mesh.positions[v] = mesh.positions[v] + Vec3{shift[v].x / s.x, shift[v].y / s.y, shift[v].z / s.z};
+  }
+  return shift;
 }
 
 // Gives every marked component more sites, where it is farthest from the others: one, or from round 3 on all that are at least
@@ -241,13 +265,16 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
 
   control.report("mesh", 0);
   const Partition& partition = covering.partition();
+  const TrilinearField field(in_voxels, parse.rule);
   TriangleMesh mesh;
   MeshTopology topology;
+  std::vector<Vec3> shift;
   int partings = 0;
   for (int round = 0;; ++round) {
     mesh.triangles = to_triangles(dual.triangles());
     mesh.positions.clear();
     for (const CVertexId v : partition.site) mesh.positions.push_back(complex.positions[v]);
+    shift = relax_coarse(mesh, complex, partition.site, options.vertices_on_surface ? &field : nullptr);
     topology = mesh_topology(mesh);
     const std::vector<std::uint8_t> turned =
         turned_components(mesh.positions, mesh.triangles, complex.spacing, topology.component_of_vertex, topology.components.size(),
@@ -280,7 +307,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   if (only_coarse) return out;
 
   control.report("refine", 0);
-  LevelMaker maker({in_voxels, grid, parse.rule, surface, reference, coarser, cover, covering}, options, control);
+  LevelMaker maker({in_voxels, grid, parse.rule, surface, reference, coarser, cover, covering, shift}, options, control);
   maker.describe_coarse(hierarchy, sites, report.levels.front());
   for (const LevelGoal& goal : options.refine) maker.add_level(goal, hierarchy, report.levels);
   clock.finished("refine");

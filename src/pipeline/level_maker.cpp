@@ -28,13 +28,23 @@ LevelMaker::LevelMaker(const LevelSource& source, const ExtractOptions& options,
       options_(options),
       control_(control),
       isosurface_(source.volume, source.rule, source.surface),
-      refiner_(source.surface, isosurface_, source.coarser, source.options, source.covering, !options.allow_self_intersections) {}
+      refiner_(source.surface, isosurface_, source.coarser, source.options, source.covering, source.shift,
+               !options.allow_self_intersections) {}
 
 Vec3 LevelMaker::to_space(Vec3 index) const {
   TriangleMesh one;
   one.positions.push_back(index);
   transform_to(one, source_.grid, options_.space);
   return one.positions[0];
+}
+
+// Of a vertex of the present level, in sample-index coordinates, without balancing.
+Vec3 LevelMaker::base_position(CellId c) const {
+  const Places& places = refiner_.places();
+  const Vec3 p = source_.surface.positions[places.anchor[c]], spacing = source_.surface.spacing;
+  if (places.shift.empty() || places.shift[c] == Vec3{}) return p;
+  const Vec3 d = places.shift[c];
+  return p + Vec3{d.x / spacing.x, d.y / spacing.y, d.z / spacing.z};
 }
 
 // Of the present level, in sample-index coordinates.
@@ -44,7 +54,7 @@ std::vector<Vec3> LevelMaker::vertex_positions() const {
   std::vector<Vec3> out;
   out.reserve(places.anchor.size());
   for (CellId c = 0; c < places.anchor.size(); ++c) {
-    Vec3 p = source_.surface.positions[places.anchor[c]];
+    Vec3 p = base_position(c);
     if (!places.offset.empty()) {
       const Vec3 n = refiner_.surfels().normal[places.anchor[c]];
       const auto d = static_cast<double>(places.offset[c]);
@@ -83,7 +93,10 @@ void LevelMaker::describe_coarse(const Hierarchy& hierarchy, std::span<const CVe
   if (options_.space != Space::voxel && source_.grid.mirrored()) {
     for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
   }
-  for (const CVertexId v : sites) mesh.positions.push_back(source_.surface.positions[v]);
+  for (std::size_t v = 0; v < sites.size(); ++v) {
+    const Vec3 d = source_.shift[v], s = source_.surface.spacing;
+    mesh.positions.push_back(source_.surface.positions[sites[v]] + Vec3{d.x / s.x, d.y / s.y, d.z / s.z});
+  }
   const double voxel = source_.grid.smallest_spacing();
   const LevelGoal& goal = options_.coarse;
   tell(goal, refiner_.describe_coarse(mesh.triangles, sites, in_units_of(goal, voxel), control_), report);
@@ -128,14 +141,14 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
   finish_level(mesh, topology, partition.site, source_.reference, source_.grid, options_, report, control_);
 
   // Vertices that are new; the others are there already.
-  const std::vector<CVertexId>& at = refiner_.places().anchor;
+  const std::uint32_t vertices = partition.cell_count();
   TriangleMesh on_surface;
-  for (std::size_t v = hierarchy.positions.size(); v < at.size(); ++v) on_surface.positions.push_back(surface.positions[at[v]]);
+  for (auto v = static_cast<CellId>(hierarchy.positions.size()); v < vertices; ++v) on_surface.positions.push_back(base_position(v));
   transform_to(on_surface, source_.grid, options_.space);
   hierarchy.positions.insert(hierarchy.positions.end(), on_surface.positions.begin(), on_surface.positions.end());
   const std::vector<std::uint32_t> parents = refiner_.parents();
   hierarchy.parent.insert(hierarchy.parent.end(), parents.begin() + static_cast<std::ptrdiff_t>(hierarchy.parent.size()), parents.end());
-  Hierarchy::Level level{checked_id(at.size(), "vertices"), std::move(mesh.triangles), {}};
+  Hierarchy::Level level{vertices, std::move(mesh.triangles), {}};
   if (options_.placement == Placement::balanced) level.placed = std::move(mesh.positions);
   hierarchy.levels.push_back(std::move(level));
   report.seconds = seconds();

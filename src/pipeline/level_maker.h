@@ -16,7 +16,8 @@ struct LevelSource {
   const Components& reference;
   const Coarsened& coarser;
   const CoveringOptions& options;
-  const Covering& covering;  ///< of level 0
+  const Covering& covering;        ///< of level 0
+  const std::vector<Vec3>& shift;  ///< per vertex of level 0, how far it is from its c-vertex; spacing applied
 };
 
 /// Describes the coarse level and adds the refined ones, each checked, measured where asked for, and in the output's space.
@@ -32,6 +33,7 @@ class LevelMaker {
 
  private:
   Vec3 to_space(Vec3 index) const;
+  Vec3 base_position(CellId c) const;
   std::vector<Vec3> vertex_positions() const;
   void tell(const LevelGoal& goal, const LevelFigures& figures, LevelReport& report) const;
   void measure_distance(const TriangleMesh& mesh, LevelReport& report) const;

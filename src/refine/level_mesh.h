@@ -46,10 +46,16 @@ struct LevelMesh {
 /// Where the vertices of a level sit.
 struct Places {
   std::vector<CVertexId> anchor;  ///< per cell, the c-vertex at whose point it sits: its site, or a better one near by
-  std::vector<float> offset;      ///< per cell, how far from there along the surface's normal; empty: not at all
+  std::vector<float> offset{};    ///< per cell, how far from there along the surface's normal, in this level; empty: not at all
+  std::vector<Vec3> shift{};      ///< per cell, how far from its c-vertex, in all levels; empty: not at all
 
-  Vec3 point(const Surfels& surfels, CellId c) const {
+  /// Where it sits in all levels, but for what balancing does in one.
+  Vec3 base(const Surfels& surfels, CellId c) const {
     const Vec3 p = surfels.point[anchor[c]];
+    return shift.empty() ? p : Vec3{p.x + shift[c].x, p.y + shift[c].y, p.z + shift[c].z};
+  }
+  Vec3 point(const Surfels& surfels, CellId c) const {
+    const Vec3 p = base(surfels, c);
     if (offset.empty()) return p;
     const auto d = static_cast<double>(offset[c]);
     const Vec3 n = surfels.normal[anchor[c]];

@@ -127,6 +127,7 @@ void MeasuredCovering::update(CertificateReport& report, const RunControl& contr
   dual_.update(report, control);
   for (CellId c = static_cast<CellId>(places_.anchor.size()); c < partition().cell_count(); ++c)
     places_.anchor.push_back(partition().site[c]);
+  if (!places_.shift.empty()) places_.shift.resize(partition().cell_count());
   keep_apart();
   if (!places_.offset.empty()) places_.offset.resize(partition().cell_count(), 0);
   mesh_ = make_level_mesh(ground_.surfels, partition(), dual_.triangles(), places_);
@@ -163,7 +164,7 @@ void MeasuredCovering::keep_apart() {
     if (is_frozen(c)) {
       strays.push_back(c);
     } else {
-      anchor[c] = partition().site[c];
+      move_to(c, partition().site[c]);
     }
   }
   if (strays.empty()) return;
@@ -172,10 +173,15 @@ void MeasuredCovering::keep_apart() {
   for (const CellId c : strays) {
     const CellId owner = cell_of[anchor[c]];
     if (anchor[owner] != anchor[c]) continue;
-    anchor[owner] = free_place_near(anchor[c], owner, taken);
+    move_to(owner, free_place_near(anchor[c], owner, taken));
     --taken[anchor[c]];
     ++taken[anchor[owner]];
   }
+}
+
+void MeasuredCovering::move_to(CellId cell, CVertexId c_vertex) {
+  places_.anchor[cell] = c_vertex;
+  if (!places_.shift.empty()) places_.shift[cell] = {};
 }
 
 // The c-vertex fewest steps away that is not taken, of the cell if it has one. There are no fewer c-vertices than vertices.
@@ -201,8 +207,9 @@ void MeasuredCovering::update_all(CertificateReport& report, const RunControl& c
   update(report, control);
 }
 
-void MeasuredCovering::remesh(std::span<const DualTriangle> triangles, std::vector<CVertexId> anchors, std::span<const CellId> concerned) {
-  places_.anchor = std::move(anchors);
+void MeasuredCovering::remesh(std::span<const DualTriangle> triangles, const Places& places, std::span<const CellId> concerned) {
+  places_.anchor = places.anchor;
+  places_.shift = places.shift;
   stale_.resize(partition().cell_count(), 0);
   for (const CellId c : concerned) stale_[c] = 1;  // the next update() takes the dual's triangles again
   set_triangles(mesh_, ground_.surfels, triangles, places_);

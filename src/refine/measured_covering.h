@@ -76,11 +76,16 @@ class MeasuredCovering {
   void freeze_anchors(CellId before) { frozen_ = before; }
   bool is_frozen(CellId c) const { return c < frozen_; }
 
-  /// Replaces the mesh's triangles and anchors, until the next update(), and measures the cells again that this may concern.
-  void remesh(std::span<const DualTriangle> triangles, std::vector<CVertexId> anchors, std::span<const CellId> concerned);
+  /// Replaces the mesh's triangles, until the next update(), and where its vertices sit, but for balancing; measures the cells again
+  /// that this may concern.
+  void remesh(std::span<const DualTriangle> triangles, const Places& places, std::span<const CellId> concerned);
+
+  /// How far the first vertices are from their c-vertices. @pre nothing was updated yet
+  void displace(std::vector<Vec3> shift) { places_.shift = std::move(shift); }
 
  private:
   void keep_apart();
+  void move_to(CellId cell, CVertexId c_vertex);
   CVertexId free_place_near(CVertexId start, CellId cell, const std::vector<std::uint8_t>& taken) const;
   void measure(std::vector<CellId> cells, Thoroughness thoroughness);
 

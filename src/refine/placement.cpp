@@ -21,7 +21,7 @@ void balance(const MeasuredSurface& surface, std::span<const CellId> cells, Leve
   const std::uint32_t all = mesh.cell_count();
   std::vector<float>& offset = places.offset;
   offset.resize(all, 0);
-  const auto anchor_point = [&](CellId c) { return surface.surfels.point[places.anchor[c]]; };
+  const auto anchor_point = [&](CellId c) { return places.base(surface.surfels, c); };
   std::vector<std::uint8_t> listed(all, 0), movable(all, 0);
   for (const CellId c : cells) listed[c] = 1;
   for (const CellId c : cells) {

@@ -92,10 +92,11 @@ struct Refiner::Task {
 };
 
 Refiner::Refiner(const SurfaceComplex& surface, const Isosurface& isosurface, const Coarsened& coarser, const CoveringOptions& options,
-                 const Covering& coarse, bool embedded)
+                 const Covering& coarse, const std::vector<Vec3>& coarse_shift, bool embedded)
     : options_(options),
       coarser_(coarser),
       coarse_(coarse),
+      coarse_shift_(coarse_shift),
       embedded_(embedded),
       ground_(surface, &isosurface),
       sites_before_(coarse.site_count()) {}
@@ -279,6 +280,7 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
   if (on.empty()) {
     placed_in_ = coarse_.placed_in();
     work_ = std::make_unique<MeasuredCovering>(ground_, options_, coarse_.partition().site, radii_of(coarse_, on), control);
+    work_->displace(coarse_shift_);
     work_->freeze_anchors(sites_before_);
     return;
   }
@@ -300,6 +302,7 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
   placed_in_ = rough.covering().placed_in();
   work_ =
       std::make_unique<MeasuredCovering>(ground_, options_, mapped(rough.partition().site, on), radii_of(rough.covering(), on), control);
+  work_->displace(coarse_shift_);
   work_->freeze_anchors(sites_before_);
 }
 
@@ -451,7 +454,7 @@ LevelFigures Refiner::describe_coarse(std::span<const Triangle> triangles, std::
   std::vector<DualTriangle> dual;
   dual.reserve(triangles.size());
   for (const Triangle& t : triangles) dual.push_back({t, kNone});
-  const LevelMesh mesh = make_level_mesh(ground_.surfels, covering.partition(), dual, {{sites.begin(), sites.end()}, {}});
+  const LevelMesh mesh = make_level_mesh(ground_.surfels, covering.partition(), dual, {{sites.begin(), sites.end()}, {}, coarse_shift_});
   extent_ = extent_of(mesh);
   metrics_ = summarize(measure_metrics(ground_, covering, mesh));
   return {metrics_, judge(goal, extent_, metrics_, {})};

@@ -42,7 +42,7 @@ class Refiner {
   /// @param coarse  the covering of level 0, of `coarser.complex`, or of the surface if there is no coarser complex
   /// @param embedded  divide cells whose triangles meet others where they should not
   Refiner(const SurfaceComplex& surface, const Isosurface& isosurface, const Coarsened& coarser, const CoveringOptions& options,
-          const Covering& coarse, bool embedded);
+          const Covering& coarse, const std::vector<Vec3>& coarse_shift, bool embedded);
 
   /// What can be said of level 0. To be called once, before refine().
   /// @param sites  per vertex of the level, its c-vertex on the surface
@@ -72,6 +72,7 @@ class Refiner {
   CoveringOptions options_;
   const Coarsened& coarser_;
   const Covering& coarse_;
+  const std::vector<Vec3>& coarse_shift_;
   bool embedded_;
   Ground ground_;
   std::unique_ptr<MeasuredCovering> work_;

@@ -10,12 +10,14 @@
 #include <span>
 
 #include "core/vector_math.h"
+#include "refine/relax.h"
 
 namespace isoatlas {
 namespace {
 
 constexpr int kPasses = 24;
 constexpr double kWorthIt = 1e-3;
+constexpr int kLooksBack = 4;            // after relaxing, for cells that it took over their bounds
 constexpr double kLeastAgreement = 0.3;  // cosine between normals before and after a flip
 
 // What a change is for: a triangle's shape, or the errors of a cell that is over its bounds.
@@ -36,9 +38,9 @@ struct Change {
 class Workshop {
  public:
   Workshop(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles)
-      : work_(work), goal_(goal), triangles_(triangles), anchors_(work.places().anchor), rings_(work.places().offset.empty() ? 2 : 3) {
+      : work_(work), goal_(goal), triangles_(triangles), places_(work.places()), rings_(work.places().offset.empty() ? 2 : 3) {
     occupied_.assign(work.ground().graph.c_vertex_count(), 0);
-    for (const CVertexId v : anchors_) occupied_[v] = 1;
+    for (const CVertexId v : places_.anchor) occupied_[v] = 1;
   }
 
   void run(Purpose purpose, std::span<const CellId> cells, ShapeReport& report, const RunControl& control) {
@@ -47,6 +49,51 @@ class Workshop {
       if (pass(purpose, cells, report) == 0) break;
     }
     report.bad = bad_triangles().size();
+  }
+
+  // Moves vertices that are not frozen a little. Where that takes a cell over its bounds they go back. @return false if none moved
+  bool relax_bad(ShapeReport& report) {
+    const Ground& ground = work_.ground();
+    const LevelMesh& mesh = work_.mesh();
+    std::vector<Vec3> points = mesh.point;
+    std::vector<Triangle> triangles;
+    triangles.reserve(triangles_.size());
+    for (const DualTriangle& t : triangles_) triangles.push_back(t.cell);
+    std::vector<Roam> roam(mesh.cell_count());
+    for (CellId c = 0; c < mesh.cell_count(); ++c) {
+      const CVertexId v = places_.anchor[c];
+      if (work_.is_frozen(c) || ground.graph.on_boundary[v]) {
+        roam[c] = {points[c], points[c]};
+        continue;
+      }
+      const Vec3 balanced = points[c] - places_.base(ground.surfels, c);
+      roam[c] = roam_of(ground.complex.positions[v], ground.complex.spacing);
+      roam[c] = {roam[c].low + balanced, roam[c].high + balanced};
+    }
+    const TrilinearField* field = ground.isosurface == nullptr ? nullptr : &ground.isosurface->field();
+    std::vector<CellId> moved = relax(points, triangles, roam, field, ground.complex.spacing, {goal_.aspect, 0});
+    if (moved.empty()) return false;
+
+    if (places_.shift.empty()) places_.shift.resize(mesh.cell_count());
+    const std::vector<CellError> before = work_.errors();
+    const std::vector<Vec3> old_shift = places_.shift;
+    std::vector<CellId> concerned = rings_around(moved, rings_);
+    for (const CellId c : moved) places_.shift[c] = places_.shift[c] + (points[c] - mesh.point[c]);
+    work_.remesh(triangles_, places_, concerned);
+    for (int look = 0; look < kLooksBack; ++look) {
+      std::vector<CellId> worse;
+      for (const CellId c : concerned) {
+        if (work_.errors()[c].excess > std::max(1.0, before[c].excess * (1 + kWorthIt))) worse.push_back(c);
+      }
+      if (worse.empty()) break;
+      // At last everything around goes back.
+      worse = rings_around(worse, look + 1 < kLooksBack ? 1 : rings_);
+      for (const CellId c : worse) places_.shift[c] = old_shift[c];
+      concerned = rings_around(worse, rings_);
+      work_.remesh(triangles_, places_, concerned);
+    }
+    for (const CellId c : moved) report.shifts += !(places_.shift[c] == old_shift[c]);
+    return true;
   }
 
  private:
@@ -113,12 +160,12 @@ class Workshop {
 
     const std::vector<CellError> before = work_.errors();
     const std::vector<DualTriangle> old_triangles = triangles_;
-    const std::vector<CVertexId> old_anchors = anchors_;
+    const Places old_places = places_;
     std::vector<CellId> cells;
     for (const auto& near : concerned) cells.insert(cells.end(), near.begin(), near.end());
     std::sort(cells.begin(), cells.end());
     for (const Change& c : changes) apply(c);
-    work_.remesh(triangles_, anchors_, cells);
+    work_.remesh(triangles_, places_, cells);
 
     bool any_back = false;
     for (std::size_t k = 0; k < changes.size(); ++k) {
@@ -138,16 +185,17 @@ class Workshop {
           triangles_[c.j] = old_triangles[c.j];
           refused_.push_back(key(c));
         } else {
-          occupied_[anchors_[c.cell]] = 0;
-          anchors_[c.cell] = old_anchors[c.cell];
-          occupied_[anchors_[c.cell]] = 1;
+          occupied_[places_.anchor[c.cell]] = 0;
+          places_.anchor[c.cell] = old_places.anchor[c.cell];
+          if (!places_.shift.empty()) places_.shift[c.cell] = old_places.shift[c.cell];
+          occupied_[places_.anchor[c.cell]] = 1;
           refused_.push_back(key(c));
         }
         continue;
       }
       ++(c.is_flip() ? report.flips : report.moves);
     }
-    if (any_back) work_.remesh(triangles_, anchors_, cells);
+    if (any_back) work_.remesh(triangles_, places_, cells);
     std::sort(refused_.begin(), refused_.end());
     return changes.size();
   }
@@ -161,10 +209,13 @@ class Workshop {
   bool is_refused(const Change& c) const { return std::binary_search(refused_.begin(), refused_.end(), key(c)); }
 
   // The cells whose metrics look at triangles that a change of one of a triangle with these corners touches, sorted.
-  std::vector<CellId> surroundings(const std::array<CellId, 3>& of) const {
+  std::vector<CellId> surroundings(const std::array<CellId, 3>& of) const { return rings_around(of, rings_); }
+
+  // The cells and those around them, so many rings, sorted.
+  std::vector<CellId> rings_around(std::span<const CellId> of, int rings) const {
     const LevelMesh& mesh = work_.mesh();
     std::vector<CellId> out(of.begin(), of.end());
-    for (int ring = 0; ring < rings_; ++ring) {
+    for (int ring = 0; ring < rings; ++ring) {
       std::vector<CellId> more;
       for (const CellId c : out) {
         for (const std::uint32_t t : mesh.triangles_of.of(c))
@@ -223,13 +274,13 @@ class Workshop {
   void consider_moves(CellId cell, std::optional<double> gain, Change& best) const {
     const LevelMesh& mesh = work_.mesh();
     const Ground& ground = work_.ground();
-    const CVertexId from = anchors_[cell];
+    const CVertexId from = places_.anchor[cell];
     if (work_.is_frozen(cell) || ground.graph.on_boundary[from]) return;
     double was = std::numeric_limits<double>::infinity();
     for (const std::uint32_t t : mesh.triangles_of.of(cell)) was = std::min(was, score(mesh.triangles[t]));
     const auto consider = [&](CVertexId to) {
       if (occupied_[to] || ground.graph.on_boundary[to] || work_.partition().cell_of[to] != cell) return;
-      const Vec3 p = mesh.point[cell] + (ground.surfels.point[to] - ground.surfels.point[from]);
+      const Vec3 p = mesh.point[cell] + (ground.surfels.point[to] - places_.base(ground.surfels, cell));
       double now = std::numeric_limits<double>::infinity();
       for (const std::uint32_t t : mesh.triangles_of.of(cell)) {
         std::array<Vec3, 3> q = mesh.triangles[t].corner;
@@ -254,8 +305,9 @@ class Workshop {
       triangles_[c.i] = c.first;
       triangles_[c.j] = c.second;
     } else {
-      occupied_[anchors_[c.cell]] = 0;
-      anchors_[c.cell] = c.to;
+      occupied_[places_.anchor[c.cell]] = 0;
+      places_.anchor[c.cell] = c.to;
+      if (!places_.shift.empty()) places_.shift[c.cell] = {};
       occupied_[c.to] = 1;
     }
   }
@@ -263,7 +315,7 @@ class Workshop {
   MeasuredCovering& work_;
   const ShapeGoal& goal_;
   std::vector<DualTriangle>& triangles_;
-  std::vector<CVertexId> anchors_;
+  Places places_;                       // offsets are the work's own business
   std::vector<std::uint8_t> occupied_;  // per c-vertex, 1 if a vertex sits there
   std::vector<Key> refused_;
   int rings_;  // of cells around a change that it concerns; balancing moves vertices beside it
@@ -287,8 +339,10 @@ ShapeReport improve_shape(MeasuredCovering& work, const ShapeGoal& goal, std::ve
   for (CellId c = 0; c < work.errors().size(); ++c) {
     if (work.errors()[c].excess > 1) over.push_back(c);
   }
-  work.remesh(triangles, work.places().anchor, over);
-  Workshop(work, goal, triangles).run(Purpose::shape, {}, report, control);
+  work.remesh(triangles, work.places(), over);
+  Workshop workshop(work, goal, triangles);
+  workshop.run(Purpose::shape, {}, report, control);
+  if (report.bad > 0 && workshop.relax_bad(report)) workshop.run(Purpose::shape, {}, report, control);
   return report;
 }
 

@@ -15,9 +15,10 @@ struct ShapeGoal {
 };
 
 struct ShapeReport {
-  std::size_t bad = 0;    ///< triangles below the goal at the end
-  std::size_t flips = 0;  ///< edges flipped
-  std::size_t moves = 0;  ///< vertices moved to another c-vertex
+  std::size_t bad = 0;     ///< triangles below the goal at the end
+  std::size_t flips = 0;   ///< edges flipped
+  std::size_t moves = 0;   ///< vertices moved to another c-vertex
+  std::size_t shifts = 0;  ///< vertices moved a little, within their grid cell
 };
 
 /// Works on badly shaped triangles one by one: flips one of their edges, or moves a vertex that is not frozen to another c-vertex

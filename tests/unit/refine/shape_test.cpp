@@ -52,7 +52,7 @@ TEST(ImproveShape, KeepsTheManifoldAndTheBounds) {
       work.freeze_anchors(frozen);
       std::vector<CellId> all(work.partition().cell_count());
       std::iota(all.begin(), all.end(), 0u);
-      work.remesh(work.triangles(), work.places().anchor, all);  // exactly, of cells over their bounds, too
+      work.remesh(work.triangles(), work.places(), all);  // exactly, of cells over their bounds, too
       const std::vector<CellError> before = work.errors();
       ShapeGoal goal;
       goal.aspect = 0.5;

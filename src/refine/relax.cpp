@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "refine/relax.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/disjoint_sets.h"
+#include "core/ids.h"
+#include "core/vector_math.h"
+#include "refine/level_mesh.h"
+
+namespace isoatlas {
+namespace {
+
+constexpr double kMargin = 0.02;  // of a cell, kept free along its walls
+constexpr double kBeyond = 1.12;  // aims a little higher than the goal, so as to arrive
+constexpr int kSteps = 80;
+constexpr double kPush = 0.6, kPull = 0.3;  // shares of what is missing, of the shortest and the longest edge
+constexpr double kDrawBack = 0.15;          // share of the distance from the surface
+constexpr double kFarthest = 0.25;          // from the surface, voxels
+constexpr double kLeastVolume = 0.25;       // share of what a component encloses that has to be left
+
+bool can_move(const Roam& r) { return r.low.x < r.high.x || r.low.y < r.high.y || r.low.z < r.high.z; }
+
+Vec3 clamped(Vec3 p, const Roam& r) {
+  return {std::clamp(p.x, r.low.x, r.high.x), std::clamp(p.y, r.low.y, r.high.y), std::clamp(p.z, r.low.z, r.high.z)};
+}
+
+class Relaxation {
+ public:
+  Relaxation(std::span<Vec3> points, std::span<const Triangle> triangles, std::span<const Roam> roam, const TrilinearField* field,
+             Vec3 spacing, const RelaxGoal& goal)
+      : points_(points), triangles_(triangles), roam_(roam), field_(field), spacing_(spacing), goal_(goal) {}
+
+  std::vector<std::uint32_t> run() {
+    for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+      if (needs_work(t)) active_.push_back(t);
+    }
+    if (active_.empty()) return {};
+    triangles_of_ = make_buckets(static_cast<std::uint32_t>(points_.size()), [&](auto add) {
+      for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+        for (const std::uint32_t v : triangles_[t]) add(v, t);
+      }
+    });
+    start_.assign(points_.begin(), points_.end());
+    push_.resize(points_.size());
+    pushes_.assign(points_.size(), 0);
+    seen_.assign(triangles_.size(), 0);
+    for (int step = 0; step < kSteps && !active_.empty(); ++step) {
+      for (const std::uint32_t t : active_) push_apart(t);
+      move_pushed();
+    }
+    turn_back_where_turned();
+    turn_back_flattened();
+    std::vector<std::uint32_t> moved;
+    for (std::uint32_t v = 0; v < points_.size(); ++v) {
+      if (!(points_[v] == start_[v])) moved.push_back(v);
+    }
+    return moved;
+  }
+
+ private:
+  std::array<double, 3> edges(std::uint32_t t) const {
+    const Triangle& c = triangles_[t];
+    return {length(points_[c[1]] - points_[c[0]]), length(points_[c[2]] - points_[c[1]]), length(points_[c[0]] - points_[c[2]])};
+  }
+  bool needs_work(std::uint32_t t) const {
+    const std::array<double, 3> e = edges(t);
+    const auto [low, high] = std::minmax_element(e.begin(), e.end());
+    return *low < goal_.aspect * *high || *low < goal_.separation;
+  }
+
+  void push(std::uint32_t v, Vec3 by) {
+    if (pushes_[v]++ == 0) {
+      push_[v] = {};
+      pushed_.push_back(v);
+    }
+    push_[v] = push_[v] + by;
+  }
+
+  // Shares a change of the length of an edge between its ends, as far as these can move.
+  void lengthen(std::uint32_t a, std::uint32_t b, double by) {
+    const bool a_moves = can_move(roam_[a]), b_moves = can_move(roam_[b]);
+    Vec3 direction = normalized(points_[b] - points_[a]);
+    if (direction == Vec3{}) direction = {a < b ? 1.0 : -1.0, 0, 0};
+    const double each = a_moves && b_moves ? 0.5 * by : by;
+    if (a_moves) push(a, -each * direction);
+    if (b_moves) push(b, each * direction);
+  }
+
+  void push_apart(std::uint32_t t) {
+    const Triangle& c = triangles_[t];
+    const std::array<double, 3> e = edges(t);
+    const auto low = static_cast<std::size_t>(std::min_element(e.begin(), e.end()) - e.begin());
+    const auto high = static_cast<std::size_t>(std::max_element(e.begin(), e.end()) - e.begin());
+    const double missing = kBeyond * goal_.aspect * e[high] - e[low];
+    if (e[low] < goal_.aspect * kBeyond * 0.98 * e[high]) {
+      lengthen(c[low], c[(low + 1) % 3], kPush * missing);
+      lengthen(c[high], c[(high + 1) % 3], -kPull * missing);
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (e[k] < goal_.separation) lengthen(c[k], c[(k + 1) % 3], kPush * (1.02 * goal_.separation - e[k]));
+    }
+  }
+
+  Vec3 drawn_back(Vec3 p) const {
+    if (field_ == nullptr) return p;
+    const TrilinearField::Value f = field_->at({p.x / spacing_.x, p.y / spacing_.y, p.z / spacing_.z});
+    const Vec3 gradient{f.gradient.x / spacing_.x, f.gradient.y / spacing_.y, f.gradient.z / spacing_.z};
+    const double slope = length(gradient);
+    const double offset = slope > 0 ? f.value / slope : 0;
+    if (!std::isfinite(offset)) return p;
+    const double back = std::max(kDrawBack * std::abs(offset), std::abs(offset) - kFarthest);
+    return p - std::copysign(std::min(back, kFarthest), offset) * ((1 / slope) * gradient);
+  }
+
+  void move_pushed() {
+    for (const std::uint32_t t : active_) seen_[t] = 0;
+    active_.clear();
+    for (const std::uint32_t v : pushed_) {
+      const Vec3 p = points_[v] + (1.0 / pushes_[v]) * push_[v];
+      points_[v] = clamped(drawn_back(clamped(p, roam_[v])), roam_[v]);
+      pushes_[v] = 0;
+    }
+    for (const std::uint32_t v : pushed_) {
+      for (const std::uint32_t t : triangles_of_.of(v)) {
+        if (seen_[t] || !is_below_aim(t)) continue;
+        seen_[t] = 1;
+        active_.push_back(t);
+      }
+    }
+    pushed_.clear();
+    std::sort(active_.begin(), active_.end());
+  }
+  bool is_below_aim(std::uint32_t t) const {
+    const std::array<double, 3> e = edges(t);
+    const auto [low, high] = std::minmax_element(e.begin(), e.end());
+    return *low < 0.98 * kBeyond * goal_.aspect * *high || *low < goal_.separation;
+  }
+
+  Vec3 area(std::uint32_t t, std::span<const Vec3> at) const {
+    const Triangle& c = triangles_[t];
+    return cross(at[c[1]] - at[c[0]], at[c[2]] - at[c[0]]);
+  }
+
+  // Corners of triangles that now face the other way go back to where they were, until there are none.
+  void turn_back_where_turned() {
+    for (bool any = true; any;) {
+      any = false;
+      for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+        const Triangle& c = triangles_[t];
+        if (points_[c[0]] == start_[c[0]] && points_[c[1]] == start_[c[1]] && points_[c[2]] == start_[c[2]]) continue;
+        if (dot(area(t, start_), area(t, points_)) >= 0) continue;
+        for (const std::uint32_t v : c) points_[v] = start_[v];
+        any = true;
+      }
+    }
+  }
+
+  // A component that encloses hardly anything could end inside out. (Of an open one this says little, but it does no harm.)
+  void turn_back_flattened() {
+    const auto n = static_cast<std::uint32_t>(points_.size());
+    DisjointSets sets(n);
+    for (const Triangle& c : triangles_) {
+      sets.unite(c[0], c[1]);
+      sets.unite(c[0], c[2]);
+    }
+    std::vector<double> before(n, 0), after(n, 0);
+    for (const Triangle& c : triangles_) {
+      const std::uint32_t root = sets.find(c[0]);
+      const auto volume = [&](std::span<const Vec3> at) {  // seen from the first vertex, for the sake of rounding
+        return dot(at[c[0]] - start_[root], cross(at[c[1]] - start_[root], at[c[2]] - start_[root]));
+      };
+      before[root] += volume(start_);
+      after[root] += volume(points_);
+    }
+    for (std::uint32_t v = 0; v < n; ++v) {
+      const std::uint32_t root = sets.find(v);
+      if (after[root] * before[root] < kLeastVolume * before[root] * before[root]) points_[v] = start_[v];
+    }
+  }
+
+  std::span<Vec3> points_;
+  std::span<const Triangle> triangles_;
+  std::span<const Roam> roam_;
+  const TrilinearField* field_;
+  Vec3 spacing_;
+  RelaxGoal goal_;
+  Buckets triangles_of_;
+  std::vector<Vec3> start_;
+  std::vector<std::uint32_t> active_, pushed_;  // triangles, vertices
+  std::vector<Vec3> push_;                      // per vertex
+  std::vector<std::uint32_t> pushes_;           // per vertex
+  std::vector<std::uint8_t> seen_;              // per triangle
+};
+
+}  // namespace
+
+Roam roam_of(Vec3 position, Vec3 spacing) {
+  const auto low = [](double x) { return x == std::floor(x) ? x : std::min(x, std::floor(x) + kMargin); };
+  const auto high = [](double x) { return x == std::floor(x) ? x : std::max(x, std::floor(x) + 1 - kMargin); };
+  return {scaled({low(position.x), low(position.y), low(position.z)}, spacing),
+          scaled({high(position.x), high(position.y), high(position.z)}, spacing)};
+}
+
+std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles, std::span<const Roam> roam,
+                                 const TrilinearField* field, Vec3 spacing, const RelaxGoal& goal) {
+  return Relaxation(points, triangles, roam, field, spacing, goal).run();
+}
+
+}  // namespace isoatlas

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "isoatlas/mesh.h"
+#include "volume/trilinear_field.h"
+
+namespace isoatlas {
+
+/// Where a vertex may go: a box, spacing applied. Where low == high it stays.
+struct Roam {
+  Vec3 low, high;
+};
+
+/// The grid cell that holds a c-vertex, a little smaller; along an axis along which it is on the cell's wall, that wall. A vertex that
+/// stays there keeps the complex as it is: one c-vertex in every surfel.
+/// @param position  in sample-index coordinates
+Roam roam_of(Vec3 position, Vec3 spacing);
+
+struct RelaxGoal {
+  double aspect = 0;      ///< shortest over longest edge of a triangle, at least
+  double separation = 0;  ///< no shorter edge, if possible; spacing applied
+};
+
+/// Moves vertices a little, within their boxes, until triangles have a better shape: the ends of an edge that is too short are pushed
+/// apart, those of the longest one pulled together, and vertices that are moved are drawn back towards the surface, which they may
+/// leave by a quarter of a voxel at most. No triangle is turned over. Only places that need it are touched.
+///
+/// @param points  spacing applied; lengths in voxels (smallest spacings)
+/// @param field   whose zero set is the surface; none: nothing draws vertices back
+/// @return the vertices that were moved, sorted
+/// @cost   O(triangles), then a few dozen looks at those concerned
+std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles, std::span<const Roam> roam,
+                                 const TrilinearField* field, Vec3 spacing, const RelaxGoal& goal);
+
+}  // namespace isoatlas
