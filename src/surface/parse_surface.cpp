@@ -280,6 +280,7 @@ class Parser {
         }
         for (std::size_t surfel = 0; surfel < loops.surfels; ++surfel) {
           Vec3 p = (1.0 / nodes[surfel]) * sum[surfel];
+          if (loops.has_tunnel) p = off_the_walls(p);  // all nodes of a piece of an annulus may be on one wall
           if (options_.vertices_on_surface) p = onto_surface(f, p);
           const CVertexId id = first + cell.first_c_vertex + static_cast<CVertexId>(surfel);
           complex_.positions[id] = {low[0] + width[0] * p.x, low[1] + width[1] * p.y, low[2] + width[2] * p.z};
@@ -307,6 +308,11 @@ class Parser {
     return p;
   }
 
+  static Vec3 off_the_walls(Vec3 p) {
+    const auto clamp = [](double x) { return std::clamp(x, kMargin, 1 - kMargin); };
+    return {clamp(p.x), clamp(p.y), clamp(p.z)};
+  }
+
   // Two Newton steps along the gradient onto the trilinear isosurface, never out of the cell, never farther from it.
   Vec3 onto_surface(const std::array<double, 8>& f, const Vec3 start) const {
     const TrilinearCell cell(f);
@@ -319,8 +325,7 @@ class Parser {
       const double slope = dot(g, direction);
       if (!(slope > 0)) break;
       const double s = value / slope;
-      const auto clamp = [](double x) { return std::clamp(x, kMargin, 1 - kMargin); };
-      p = {clamp(p.x - s * direction.x), clamp(p.y - s * direction.y), clamp(p.z - s * direction.z)};
+      p = off_the_walls(p - s * direction);
       value = cell.value(p);
       if (!(std::abs(value) < best_value)) break;
       best_value = std::abs(value);
@@ -451,6 +456,7 @@ class Parser {
     nodes.erase(std::unique(nodes.begin(), nodes.end(), same_face), nodes.end());
     std::sort(middles.begin(), middles.end());
     std::vector<CVertexId> corners, polygon;
+    std::vector<std::array<CVertexId, 3>> border_nodes;  // ends of a boundary side, and the node between them
     auto middle = middles.cbegin();
     for (const Node& node : nodes) {
       const auto& quad = complex_.faces[node.face].corner;
@@ -466,29 +472,59 @@ class Parser {
           if ((m->a == from && m->b == to) || (m->b == from && m->a == to)) polygon.push_back(m->id);
         }
       }
-      const CVertexId centre = add_c_vertex(centre_of_fan(node, polygon));
+      const CVertexId centre = centre_of_fan(node, polygon);
+      bool first_triangle = true;
       for (std::size_t k = 0; k < polygon.size(); ++k) {
-        const Face triangle{{centre, polygon[k], polygon[(k + 1) % polygon.size()], kNone}};
-        if (k == 0) {
+        const CVertexId from = polygon[k], to = polygon[(k + 1) % polygon.size()];
+        if (from == centre || to == centre) continue;
+        if (is_on_border(node) && complex_.on_boundary[from] && complex_.on_boundary[to]) {  // along the border, through the node
+          complex_.on_boundary[centre] = 1;
+          border_nodes.push_back({from, to, centre});
+          continue;
+        }
+        const Face triangle{{centre, from, to, kNone}};
+        if (std::exchange(first_triangle, false)) {
           complex_.faces[node.face] = triangle;
         } else {
           complex_.faces.push_back(triangle);
         }
       }
     }
+    lead_through(std::move(border_nodes));
     checked_id(complex_.faces.size(), "faces");
   }
 
-  // The node. On an edge of the volume that is where a boundary c-vertex is already.
-  Vec3 centre_of_fan(const Node& node, const std::vector<CVertexId>& polygon) const {
-    const auto on_border = [&](int axis) {
-      const std::size_t at = node.c[static_cast<std::size_t>(axis)];
-      return at == 1 || at == size_[static_cast<std::size_t>(axis)];
+  // Divides boundary sides at nodes.
+  void lead_through(std::vector<std::array<CVertexId, 3>> border_nodes) {
+    if (border_nodes.empty()) return;
+    std::sort(border_nodes.begin(), border_nodes.end());
+    const std::size_t sides = complex_.boundary.size();
+    for (std::size_t i = 0; i < sides; ++i) {
+      const BoundarySide side = complex_.boundary[i];
+      const auto at = std::lower_bound(border_nodes.begin(), border_nodes.end(), std::array<CVertexId, 3>{side.from, side.to, 0});
+      if (at == border_nodes.end() || (*at)[0] != side.from || (*at)[1] != side.to) continue;
+      complex_.boundary[i].to = (*at)[2];
+      complex_.boundary.push_back({(*at)[2], side.to});
+    }
+  }
+
+  bool is_on_border(const Node& node, int axis) const {
+    const std::size_t at = node.c[static_cast<std::size_t>(axis)];
+    return at == 1 || at == size_[static_cast<std::size_t>(axis)];
+  }
+  // On a face of the volume, but on none of its edges.
+  bool is_on_border(const Node& node) const { return is_on_border(node, (node.axis + 1) % 3) != is_on_border(node, (node.axis + 2) % 3); }
+
+  // The node. On an edge of the volume a boundary c-vertex is there already.
+  CVertexId centre_of_fan(const Node& node, const std::vector<CVertexId>& polygon) {
+    const int u = (node.axis + 1) % 3, v = (node.axis + 2) % 3;
+    if (!is_on_border(node, u) || !is_on_border(node, v)) return add_c_vertex(node.position);
+    const auto coordinate = [](Vec3 p, int axis) { return axis == 0 ? p.x : axis == 1 ? p.y : p.z; };
+    const auto is_there = [&](CVertexId id) {
+      const Vec3 p = complex_.positions[id];
+      return coordinate(p, u) == coordinate(node.position, u) && coordinate(p, v) == coordinate(node.position, v);
     };
-    if (!on_border((node.axis + 1) % 3) || !on_border((node.axis + 2) % 3)) return node.position;
-    Vec3 sum;
-    for (const CVertexId v : polygon) sum = sum + complex_.positions[v];
-    return (1.0 / static_cast<double>(polygon.size())) * sum;
+    return *std::find_if(polygon.begin(), polygon.end(), is_there);
   }
 
   void split_double_segments(const DoubleFace& d, std::vector<Node>& nodes, std::vector<Middle>& middles) {

@@ -1,0 +1,437 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "subdivide/subdivide.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "core/vector_math.h"
+
+namespace isoatlas {
+namespace {
+
+// As in parsing: nodes keep away from the ends of their edges, c-vertices from the walls of their cells.
+constexpr double kMargin = 1e-3;
+constexpr int kNewtonSteps = 3;
+constexpr double kShortest = 0.02;  // a side within a cell, steps of the sample index
+constexpr double kTowardsCurve = 0.75;
+
+using Point = std::array<double, 3>;
+Point as_array(Vec3 p) { return {p.x, p.y, p.z}; }
+Vec3 as_vector(const Point& p) { return {p[0], p[1], p[2]}; }
+bool is_whole(double x) { return x == std::floor(x); }
+
+// The smallest whole box around some points.
+struct Box {
+  Point low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
+  void include(Vec3 position) {
+    const Point p = as_array(position);
+    for (std::size_t a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], std::floor(p[a]));
+      high[a] = std::max(high[a], std::ceil(p[a]));
+    }
+  }
+  bool is_in_one_cell() const { return high[0] - low[0] <= 1 && high[1] - low[1] <= 1 && high[2] - low[2] <= 1; }
+};
+
+Box box_of(const SurfaceComplex& complex, const Face& face) {
+  Box box;
+  for (int k = 0; k < face.size(); ++k) box.include(complex.positions[face.corner[k]]);
+  return box;
+}
+
+// A side of a face that is to be divided.
+struct Side {
+  CVertexId a, b;  // a < b
+  Vec3 node;       // of one of its faces, if it crosses a wall
+  bool same_as(const Side& o) const { return a == o.a && b == o.b; }
+};
+
+class Subdivider {
+ public:
+  Subdivider(const SurfaceComplex& complex, std::span<const CVertexId> wanted, const TrilinearField& field)
+      : complex_(complex), field_(field), wanted_(complex.c_vertex_count(), Want::nothing) {
+    const std::vector<std::uint8_t> stays = stays_in_cells(complex);
+    for (const CVertexId v : wanted) wanted_[v] = stays[v] ? Want::smaller_pieces : Want::pieces_in_cells;
+    // At a node it is the sides opposite to it that cross walls.
+    std::vector<CVertexId> opposite;
+    for (const Face& face : complex.faces) {
+      if (!face.is_triangle()) continue;
+      const auto& c = face.corner;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const CVertexId a = c[(k + 1) % 3];
+        if (wanted_[c[k]] == Want::pieces_in_cells && !stays[a] && crosses_wall(a, c[(k + 2) % 3])) opposite.push_back(a);
+      }
+    }
+    for (const CVertexId v : opposite) wanted_[v] = Want::pieces_in_cells;
+  }
+
+  Subdivision run() {
+    out_.complex = complex_;
+    find_sides();
+    for (const DividedSide& s : sides_) add_c_vertex(middle(s), s.a, s.is_boundary);
+    for (FaceId f = 0; f < complex_.face_count(); ++f) {
+      if (is_divided(complex_.faces[f])) divide(f);
+    }
+    divide_boundary();
+    checked_id(out_.complex.faces.size(), "faces");
+    return std::move(out_);
+  }
+
+ private:
+  enum class Want : std::uint8_t { nothing, pieces_in_cells, smaller_pieces };
+
+  struct DividedSide {
+    CVertexId a, b;
+    Vec3 first_node, second_node;
+    bool crosses, is_boundary;
+  };
+
+  bool is_divided(const Face& face) const {
+    bool any = false;
+    for (int k = 0; k < face.size(); ++k) any = any || wanted_[face.corner[k]] != Want::nothing;
+    if (!any) return false;
+    if (!face.is_triangle()) return true;
+    for (int k = 0; k < face.size(); ++k) {
+      if (is_marked(face.corner[k], face.corner[(k + 1) % face.size()])) return true;
+    }
+    return false;
+  }
+  bool is_marked(CVertexId a, CVertexId b) const {
+    const Want most = std::max(wanted_[a], wanted_[b]);
+    if (most == Want::nothing) return false;
+    if (crosses_wall(a, b)) return true;
+    return most == Want::smaller_pieces &&
+           squared_distance(complex_.positions[a], complex_.positions[b], {1, 1, 1}) > kShortest * kShortest;
+  }
+  bool crosses_wall(CVertexId a, CVertexId b) const {
+    Box box;
+    box.include(complex_.positions[a]);
+    box.include(complex_.positions[b]);
+    return !box.is_in_one_cell();
+  }
+
+  CVertexId add_c_vertex(Vec3 position, CVertexId origin, bool on_boundary) {
+    const CVertexId id = checked_id(out_.complex.positions.size(), "c-vertices");
+    out_.complex.positions.push_back(position);
+    out_.complex.on_boundary.push_back(on_boundary);
+    out_.origin.push_back(origin);
+    return id;
+  }
+
+  // Every marked side once, with the nodes of its one or two faces.
+  void find_sides() {
+    std::vector<Side> found;
+    for (const Face& face : complex_.faces) {
+      if (!is_divided(face)) continue;
+      const int size = face.size();
+      const bool crosses = !box_of(complex_, face).is_in_one_cell();
+      const Vec3 node = crosses ? node_of(face) : Vec3{};
+      for (int k = 0; k < size; ++k) {
+        const CVertexId a = face.corner[k], b = face.corner[(k + 1) % size];
+        if (!is_marked(a, b) || (crosses && is_border(a, b))) continue;
+        found.push_back({std::min(a, b), std::max(a, b), node});
+      }
+    }
+    const auto order = [](const Side& x, const Side& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); };
+    std::stable_sort(found.begin(), found.end(), order);
+    for (std::size_t i = 0; i < found.size();) {
+      const bool twice = i + 1 < found.size() && found[i + 1].same_as(found[i]);
+      const Side &first = found[i], &second = found[i + (twice ? 1 : 0)];
+      sides_.push_back({first.a, first.b, first.node, second.node, crosses_wall(first.a, first.b), !twice});
+      i += twice ? 2 : 1;
+    }
+  }
+
+  // Sides along the volume's border from one grid face to the next are divided at the node, with their face.
+  bool is_border(CVertexId a, CVertexId b) const { return complex_.on_boundary[a] && complex_.on_boundary[b] && crosses_wall(a, b); }
+
+  CVertexId middle_of(CVertexId a, CVertexId b) const {
+    if (a > b) std::swap(a, b);
+    const auto at =
+        std::lower_bound(sides_.begin(), sides_.end(), std::pair(a, b),
+                         [](const DividedSide& s, const std::pair<CVertexId, CVertexId>& key) { return std::pair(s.a, s.b) < key; });
+    if (at == sides_.end() || at->a != a || at->b != b) return kNone;
+    return complex_.c_vertex_count() + static_cast<CVertexId>(at - sides_.begin());
+  }
+
+  // Where the surface meets the grid edge around which the face goes: a corner of a fan's triangle, of a quad found on the edge.
+  Vec3 node_of(const Face& face) const {
+    if (face.is_triangle()) {
+      Vec3 best;
+      int most = -1;
+      for (const CVertexId v : {face.corner[0], face.corner[1], face.corner[2]}) {
+        const Point p = as_array(complex_.positions[v]);
+        const int whole = is_whole(p[0]) + is_whole(p[1]) + is_whole(p[2]);
+        if (whole > most) {
+          most = whole;
+          best = complex_.positions[v];
+        }
+      }
+      return best;
+    }
+    const Box box = box_of(complex_, face);
+    // Around an edge along `axis` the corners are in one layer along it and in two along the others, or on the border.
+    std::size_t axis = 3;
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (box.high[a] - box.low[a] <= 1 && !edge_is_across(face, a)) axis = axis == 3 ? a : 4;
+    }
+    if (axis >= 3) return mean_of(face);
+    Point low;
+    for (std::size_t a = 0; a < 3; ++a)
+      low[a] = a == axis ? box.low[a] : box.high[a] - box.low[a] == 2 ? box.low[a] + 1 : border_of(face, a);
+    Point high = low;
+    high[axis] += 1;
+    const double f = field_.at(as_vector(low)).value, g = field_.at(as_vector(high)).value;
+    const double t = (f >= 0) == (g >= 0) ? 0.5 : f / (f - g);
+    low[axis] += std::clamp(std::isfinite(t) ? t : 0.5, kMargin, 1 - kMargin);
+    return as_vector(low);
+  }
+  // Some corner lies on a wall normal to the axis: the edge is on the volume's border.
+  bool edge_is_across(const Face& face, std::size_t axis) const {
+    for (int k = 0; k < face.size(); ++k) {
+      if (is_whole(as_array(complex_.positions[face.corner[k]])[axis])) return true;
+    }
+    return false;
+  }
+  double border_of(const Face& face, std::size_t axis) const {
+    for (int k = 0; k < face.size(); ++k) {
+      const double x = as_array(complex_.positions[face.corner[k]])[axis];
+      if (is_whole(x)) return x;
+    }
+    return 0;
+  }
+  Vec3 mean_of(const Face& face) const {
+    Vec3 sum;
+    for (int k = 0; k < face.size(); ++k) sum = sum + complex_.positions[face.corner[k]];
+    return (1.0 / face.size()) * sum;
+  }
+
+  double value(Vec3 p) const { return field_.at(p).value; }
+
+  Vec3 middle(const DividedSide& s) const {
+    const Vec3 a = complex_.positions[s.a], b = complex_.positions[s.b];
+    return s.crosses ? on_wall(s.first_node, s.second_node) : moved_onto_surface(a, b);
+  }
+
+  // Half-way between two nodes of one wall, on the surface's curve from one to the other.
+  Vec3 on_wall(Vec3 first, Vec3 second) const {
+    const Point n = as_array(first), m = as_array(second);
+    const Vec3 chord = 0.5 * (first + second);
+    std::array<std::size_t, 2> along{3, 3};  // the edge of each node
+    std::size_t wall = 3;
+    Point corner = n;
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (!is_whole(n[a])) along[0] = a;
+      if (!is_whole(m[a])) along[1] = a;
+      if (is_whole(n[a]) && n[a] == m[a]) wall = a;
+    }
+    if (along[0] == 3 || along[1] == 3 || wall == 3 || along[0] == wall || along[1] == wall) return chord;
+    Point from = as_array(chord), to = from;
+    if (along[0] == along[1]) {  // opposite edges: on the line half-way between them f is monotone
+      from[along[0]] = std::floor(n[along[0]]);
+      to[along[0]] = from[along[0]] + 1;
+    } else {  // around a corner: the first crossing seen from it
+      corner[along[0]] = m[along[0]];
+      from = corner;
+      const Vec3 way = chord - as_vector(corner);
+      const Point w = as_array(way);
+      double longest = INFINITY;  // to where it leaves the wall's square
+      for (const std::size_t a : along) longest = std::min(longest, w[a] == 0 ? INFINITY : 1 / std::abs(w[a]));
+      if (!std::isfinite(longest)) return chord;
+      to = as_array(as_vector(corner) + longest * way);
+    }
+    const Vec3 p = as_vector(from), q = as_vector(to);
+    const double f0 = value(p), f1 = value(0.5 * (p + q)), f2 = value(q);
+    // Along a line the bilinear function is quadratic.
+    const double c = f0, b = -3 * f0 + 4 * f1 - f2, a = 2 * f0 - 4 * f1 + 2 * f2;
+    double best = INFINITY;
+    const auto offer = [&](double t) {
+      if (t > 0 && t < 1) best = std::min(best, t);
+    };
+    const double discriminant = b * b - 4 * a * c;
+    if (discriminant >= 0) {
+      const double h = -0.5 * (b + std::copysign(std::sqrt(discriminant), b));
+      if (a != 0) offer(h / a);
+      if (h != 0) offer(c / h);
+    }
+    if (!std::isfinite(best)) return chord;
+    Vec3 found = p + best * (q - p);
+    // Of the two curves on a wall with alternating signs each keeps to its own side: they may touch.
+    if (along[0] != along[1]) found = chord + kTowardsCurve * (found - chord);
+    Point out = as_array(found);
+    for (std::size_t x = 0; x < 3; ++x) {
+      const double low = std::floor(as_array(chord)[x]);
+      out[x] = x == wall ? n[x] : std::clamp(out[x], low + kMargin, low + 1 - kMargin);
+    }
+    return as_vector(out);
+  }
+
+  // From the middle of a side within a cell a few steps of Newton's method, not out of the cell, nor out of the wall that the side is on.
+  Vec3 moved_onto_surface(Vec3 a, Vec3 b) const {
+    const Point pa = as_array(a), pb = as_array(b);
+    std::array<bool, 3> fixed;
+    Point low, high;
+    Box box;
+    box.include(a);
+    box.include(b);
+    for (std::size_t x = 0; x < 3; ++x) {
+      fixed[x] = is_whole(pa[x]) && pa[x] == pb[x];
+      low[x] = fixed[x] ? pa[x] : box.low[x] + kMargin;
+      high[x] = fixed[x] ? pa[x] : box.high[x] - kMargin;
+    }
+    const Vec3 spacing = complex_.spacing;
+    const Point weight{1 / (spacing.x * spacing.x), 1 / (spacing.y * spacing.y), 1 / (spacing.z * spacing.z)};
+    const auto inside = [&](Point p) {
+      for (std::size_t x = 0; x < 3; ++x) p[x] = std::clamp(p[x], low[x], high[x]);
+      return p;
+    };
+    Point p = inside(as_array(0.5 * (a + b))), best = p;
+    TrilinearField::Value f = field_.at(as_vector(p));
+    double least = std::abs(f.value);
+    for (int step = 0; step < kNewtonSteps && least > 0; ++step) {
+      const Point g = as_array(f.gradient);
+      double slope = 0;
+      for (std::size_t x = 0; x < 3; ++x) slope += fixed[x] ? 0 : g[x] * g[x] * weight[x];
+      if (!(slope > 0)) break;
+      for (std::size_t x = 0; x < 3; ++x) p[x] -= fixed[x] ? 0 : f.value / slope * g[x] * weight[x];
+      p = inside(p);
+      f = field_.at(as_vector(p));
+      if (!(std::abs(f.value) < least)) break;
+      least = std::abs(f.value);
+      best = p;
+    }
+    return as_vector(best);
+  }
+
+  void put(FaceId f, bool& first, CVertexId a, CVertexId b, CVertexId c) {
+    const Face triangle{{a, b, c, kNone}};
+    if (first) {
+      out_.complex.faces[f] = triangle;
+      first = false;
+    } else {
+      out_.complex.faces.push_back(triangle);
+    }
+  }
+
+  void divide(FaceId f) {
+    const Face face = complex_.faces[f];
+    const int size = face.size();
+    bool first = true;
+    if (!face.is_triangle() && !box_of(complex_, face).is_in_one_cell()) {
+      divide_around_node(f, face);
+      return;
+    }
+    if (!face.is_triangle()) {  // on an edge of the volume: the diagonal from the c-vertex inside the cell
+      int from = 0;
+      for (int k = 0; k < size; ++k) {
+        if (!complex_.on_boundary[face.corner[k]]) from = k;
+      }
+      const auto corner = [&](int k) { return face.corner[(from + k) % 4]; };
+      divide_triangle(f, first, {corner(0), corner(1), corner(2)});
+      divide_triangle(f, first, {corner(0), corner(2), corner(3)});
+      return;
+    }
+    divide_triangle(f, first, {face.corner[0], face.corner[1], face.corner[2]});
+  }
+
+  void divide_around_node(FaceId f, const Face& face) {
+    const Vec3 node = node_of(face);
+    bool on_border = false;
+    for (int k = 0; k < 4; ++k) on_border = on_border || is_border(face.corner[k], face.corner[(k + 1) % 4]);
+    const CVertexId centre = add_c_vertex(node, face.corner[0], on_border);
+    bool first = true;
+    for (int k = 0; k < 4; ++k) {
+      const CVertexId a = face.corner[k], b = face.corner[(k + 1) % 4];
+      if (is_border(a, b)) {
+        border_nodes_.push_back({a, b, centre});
+        continue;
+      }
+      const CVertexId m = middle_of(a, b);
+      if (m == kNone) {
+        put(f, first, centre, a, b);
+      } else {
+        put(f, first, centre, a, m);
+        put(f, first, centre, m, b);
+      }
+    }
+  }
+
+  void divide_triangle(FaceId f, bool& first, std::array<CVertexId, 3> c) {
+    std::array<CVertexId, 3> m;
+    int marked = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      m[k] = middle_of(c[k], c[(k + 1) % 3]);
+      marked += m[k] != kNone;
+    }
+    if (marked == 0) {
+      put(f, first, c[0], c[1], c[2]);
+      return;
+    }
+    if (marked == 3) {
+      for (std::size_t k = 0; k < 3; ++k) put(f, first, c[k], m[k], m[(k + 2) % 3]);
+      put(f, first, m[0], m[1], m[2]);
+      return;
+    }
+    // Turned so that the side k = 0 is divided, of two the second one after it.
+    std::size_t k = 0;
+    while (m[k] == kNone || (marked == 2 && m[(k + 1) % 3] == kNone)) ++k;
+    const CVertexId a = c[k], b = c[(k + 1) % 3], d = c[(k + 2) % 3], ab = m[k], bd = m[(k + 1) % 3];
+    if (marked == 1) {
+      put(f, first, a, ab, d);
+      put(f, first, ab, b, d);
+      return;
+    }
+    put(f, first, ab, b, bd);
+    const auto squared = [&](CVertexId x, CVertexId y) {
+      return squared_distance(out_.complex.positions[x], out_.complex.positions[y], complex_.spacing);
+    };
+    if (squared(a, bd) <= squared(ab, d)) {
+      put(f, first, a, ab, bd);
+      put(f, first, a, bd, d);
+    } else {
+      put(f, first, a, ab, d);
+      put(f, first, ab, bd, d);
+    }
+  }
+
+  void divide_boundary() {
+    std::sort(border_nodes_.begin(), border_nodes_.end());
+    std::vector<BoundarySide>& boundary = out_.complex.boundary;
+    const std::size_t n = boundary.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      const BoundarySide side = boundary[i];
+      CVertexId m = middle_of(side.from, side.to);
+      const auto at = std::lower_bound(border_nodes_.begin(), border_nodes_.end(), std::array<CVertexId, 3>{side.from, side.to, 0});
+      if (at != border_nodes_.end() && (*at)[0] == side.from && (*at)[1] == side.to) m = (*at)[2];
+      if (m == kNone) continue;
+      boundary[i] = {side.from, m};
+      boundary.push_back({m, side.to});
+    }
+  }
+
+  const SurfaceComplex& complex_;
+  const TrilinearField& field_;
+  std::vector<Want> wanted_;                            // per c-vertex
+  std::vector<DividedSide> sides_;                      // sorted by their ends; the i-th has the i-th new c-vertex
+  std::vector<std::array<CVertexId, 3>> border_nodes_;  // ends of a border side and the node between them
+  Subdivision out_;
+};
+
+}  // namespace
+
+std::vector<std::uint8_t> stays_in_cells(const SurfaceComplex& complex) {
+  std::vector<std::uint8_t> out(complex.c_vertex_count(), 1);
+  for (const Face& face : complex.faces) {
+    if (face.is_triangle() && box_of(complex, face).is_in_one_cell()) continue;
+    for (int k = 0; k < face.size(); ++k) out[face.corner[k]] = 0;
+  }
+  return out;
+}
+
+Subdivision subdivide(const SurfaceComplex& complex, std::span<const CVertexId> wanted, const TrilinearField& field) {
+  return Subdivider(complex, wanted, field).run();
+}
+
+}  // namespace isoatlas
