@@ -236,7 +236,9 @@ std::size_t plain_entries() {
 }
 
 std::vector<TopologySummary::Kind> parsed_kinds(const Samples& s) {  // one disk per loop
-  return summarize(find_components(surface_of(s, 0, Inside::above, {1, 1, 1}, Topology::faces)).topology).kinds;
+  ParseOptions options;
+  options.topology = Topology::faces;
+  return summarize(find_components(parse_surface(to_volume(s), options)).topology).kinds;
 }
 
 struct Tally {
