@@ -66,5 +66,19 @@ TEST(Embedded, InNoiseWhatIsLeftIsCounted) {
   EXPECT_LT(after, before);
 }
 
+// Turning a component outward lowers radii, so that cells may have to be added though no triangles meet. Found by fuzzing.
+TEST(Embedded, CellsAddedAfterAComponentWasTurnedAreMeshed) {
+  Samples s = constant({3, 2, 6}, -128);
+  s.values[1] = 1;
+  s.values[2] = 0;
+  s.values[3] = 63;
+  ExtractOptions options;
+  options.isovalue = -127.5;
+  options.allow_self_intersections = false;
+  const Extraction e = extract(to_volume(s, SampleType::int8, {1e-6, 1, 1}), options);
+  EXPECT_EQ(e.finest().certificate.cells_checked, e.mesh().positions.size());
+  EXPECT_EQ(kinds_of(e.mesh()), e.report.reference.kinds);
+}
+
 }  // namespace
 }  // namespace isoatlas
