@@ -97,7 +97,7 @@ RawLayout& layout(std::optional<RawLayout>& raw) { return raw ? *raw : raw.empla
 Inside parse_inside(const std::string& text) { return choose<Inside>({{"above", Inside::above}, {"below", Inside::below}}, text); }
 
 Topology parse_topology(const std::string& text) {
-  return choose<Topology>({{"faces", Topology::faces}, {"trilinear", Topology::trilinear}}, text);
+  return choose<Topology>({{"trilinear", Topology::trilinear}, {"faces", Topology::faces}}, text);
 }
 
 NonFinite parse_non_finite(const std::string& text) {
@@ -250,8 +250,8 @@ isovalue is inside either way. Default: above.
     options.inside = parse_inside(text);
   });
   add_value(*command, kSurface, "--topology", "NAME", R"(
-What the surface is inside a cell of the volume. faces: one disk for every closed loop on the cell's faces. trilinear:
-what the trilinear interpolant has there; it can join two loops by a tunnel. Default: faces.
+What the surface is inside a cell of the volume. trilinear: what the trilinear interpolant has there; it can join two
+closed loops on the cell's faces by a tunnel. faces: one disk for every such loop. Default: trilinear.
 )", [&](const std::string& text) { options.topology = parse_topology(text); });
 
   add_value(*command, kSurface, "--min-component-size", "SIZE", R"(
@@ -359,6 +359,9 @@ The isovalue.
   CLI::Option* inside = add_value(*command, kDistance, "--inside", "SIDE", R"(
 Which samples are inside, above or below the isovalue; says which way triangles should face. Default: above.
 )", [&](const std::string& text) { options.inside = parse_inside(text); });
+  CLI::Option* topology = add_value(*command, kDistance, "--topology", "NAME", R"(
+What the surface is inside a cell, trilinear or faces, as for `isoatlas extract`. Default: trilinear.
+)", [&](const std::string& text) { options.topology = parse_topology(text); });
   CLI::Option* nan = add_value(*command, kDistance, "--nan", "SIDE", R"(
 Where NaN is, below or above the isovalue; NaN and infinite samples are refused without it.
 )", [&](const std::string& text) { options.non_finite = parse_non_finite(text); });
@@ -373,7 +376,7 @@ Default: 200000.
   add_raw_layout(*command, arguments.raw, volume);
 
   volume->needs(iso);
-  for (CLI::Option* option : {iso, inside, nan, space, samples}) option->needs(volume);
+  for (CLI::Option* option : {iso, inside, topology, nan, space, samples}) option->needs(volume);
   return command;
 }
 // clang-format on

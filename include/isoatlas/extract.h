@@ -15,17 +15,11 @@
 
 namespace isoatlas {
 
-/// What the surface is inside a cell. On the faces between cells it is that of the bilinear interpolant.
-enum class Topology : std::uint8_t {
-  faces,      ///< one disk for every closed loop on the cell's boundary: the paper's surface
-  trilinear,  ///< that of the trilinear interpolant: where it joins two loops by a tunnel, an annulus instead of their two disks
-};
-
 struct ExtractOptions {
   double isovalue = 0;
   Inside inside = Inside::above;
   NonFinite non_finite = NonFinite::refuse;
-  Topology topology = Topology::faces;
+  Topology topology = Topology::trilinear;
   Space space = Space::lps;
   /// Largest disk radius R_g of the paper's stage one, world units; none: half the longest side of the volume.
   std::optional<double> max_radius;
@@ -130,7 +124,7 @@ struct ExtractReport {
   std::size_t c_vertices = 0;  ///< of the reference surface complex
   std::size_t faces = 0;
   std::size_t double_segments = 0;              ///< places split so that the dual of G is simplicial
-  std::size_t tunnels = 0;                      ///< cells with an annulus; 0 unless Topology::trilinear was asked for
+  std::size_t tunnels = 0;                      ///< cells with an annulus; 0 with Topology::faces
   std::vector<std::size_t> coarser_c_vertices;  ///< sizes of the certified coarser complexes
   TopologySummary reference;                    ///< counted on the reference surface complex, without what was dropped
   std::vector<DroppedComponent> dropped;        ///< as ExtractOptions asked, largest first

@@ -14,6 +14,7 @@ struct MeasureOptions {
   double isovalue = 0;
   Inside inside = Inside::above;
   NonFinite non_finite = NonFinite::refuse;
+  Topology topology = Topology::trilinear;
   Space space = Space::lps;       ///< of the mesh's coordinates
   std::size_t samples = 200'000;  ///< spread over the area of each surface; those at vertices and the like come on top
 };

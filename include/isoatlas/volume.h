@@ -65,6 +65,12 @@ enum class Inside { above, below };
 /// keep the side their sign says.
 enum class NonFinite { refuse, below, above };
 
+/// What the surface is inside a cell. On the faces between cells it is that of the bilinear interpolant.
+enum class Topology : std::uint8_t {
+  faces,      ///< one disk for every closed loop on the cell's boundary: the paper's surface
+  trilinear,  ///< that of the trilinear interpolant: where it joins two loops by a tunnel, an annulus instead of their two disks
+};
+
 /// Coordinates of the mesh. lps: the volume's world as ITK gives it; ras: the same with x and y negated;
 /// voxel: sample-index coordinates, sample (0,0,0) at the origin.
 enum class Space { lps, ras, voxel };

@@ -284,7 +284,8 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
     if (!again && !options.allow_self_intersections && partings++ < kMostPartings) {
       const std::uint32_t sites = covering.site_count();
       again = covering.shrink(meeting_corners(mesh.positions, mesh.triangles, control));
-      covering.cover(control);
+      covering.cover(control);  // also where components that were turned left radii too small to cover
+      again = again || covering.site_count() > sites;
       coarse.parting_sites += covering.site_count() - sites;
     }
     if (!again) break;

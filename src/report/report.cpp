@@ -62,8 +62,9 @@ Json to_value(const ReportFile& file) {
 
 Json to_value(const DistanceReport& distance) {
   const MeasureOptions& options = distance.options;
-  Json json = {{"volume", distance.volume_path},         {"isovalue", options.isovalue}, {"inside", text(options.inside)},
-               {"non_finite", text(options.non_finite)}, {"space", text(options.space)}, {"samples_wanted", options.samples}};
+  Json json = {{"volume", distance.volume_path},     {"isovalue", options.isovalue},           {"inside", text(options.inside)},
+               {"topology", text(options.topology)}, {"non_finite", text(options.non_finite)}, {"space", text(options.space)},
+               {"samples_wanted", options.samples}};
   json.update(to_value(distance.measured));
   return json;
 }

@@ -11,14 +11,14 @@ namespace isoatlas {
 struct ParseOptions {
   InsideRule rule;
   bool vertices_on_surface = true;  ///< Newton steps onto the trilinear isosurface; false: plain average of the nodes
-  Topology topology = Topology::faces;
+  Topology topology = Topology::trilinear;
 };
 
 /// The reference surface of a volume at an isovalue, as a surface complex: one c-vertex per surfel, one face per node.
 ///
-/// Inside is decided by the samples alone; ambiguous faces by the asymptotic decider, exactly, ties joined inside; one disk
-/// per loop, or what the trilinear interpolant has (docs/theory/01-surface.md). The volume is extended by one layer of zero thickness, so
-/// that a surface cut by the volume's border ends in boundary c-vertices that lie exactly on it.
+/// Inside is decided by the samples alone; ambiguous faces by the asymptotic decider, exactly, ties joined inside; inside
+/// a cell what the trilinear interpolant has, or one disk per loop (docs/theory/01-surface.md). The volume is extended by one layer of zero
+/// thickness, so that a surface cut by the volume's border ends in boundary c-vertices that lie exactly on it.
 ///
 /// @pre    every size >= 2, spacing > 0, isovalue finite
 /// @throws Error(unsupported) non-finite samples that the rule refuses

@@ -148,7 +148,7 @@ class Help(ToolTest):
                    "--normal-angle --max-vertices --min-vertices --min-edge --max-edge --min-aspect --placement "
                    "--glb-per-level --measure --measure-samples --min-component-size --keep-components",
         "info": "--raw-size --raw-type --raw-spacing --raw-endian -h --help",
-        "check": "--json --self-intersections --volume --iso --inside --nan --space --samples --raw-size --raw-type --raw-spacing --raw-endian -h --help",
+        "check": "--json --self-intersections --volume --iso --inside --topology --nan --space --samples --raw-size --raw-type --raw-spacing --raw-endian -h --help",
         "levels": "--json -h --help",
     }
 
@@ -245,7 +245,7 @@ class Extract(ToolTest):
     def test_topology(self):
         # Two opposite corners of one cell; the saddle between them is at the isovalue exactly, so they are joined.
         self.put("cell.nrrd", nrrd(array.array("f", [3, -1, -1, -1, -1, -1, -1, 3]), (2, 2, 2), "float"))
-        for options, tunnels, components in (([], 0, 2), (["--topology", "faces"], 0, 2), (["--topology", "trilinear"], 1, 1)):
+        for options, tunnels, components in (([], 1, 1), (["--topology", "faces"], 0, 2), (["--topology", "trilinear"], 1, 1)):
             self.succeed("extract", "cell.nrrd", "--iso", "0", "-o", "c.off", "--report", "c.json", "-q", "--coarse", *options)
             report = json.loads((self.folder / "c.json").read_text())
             self.assertEqual(report["surface"]["topology"], "trilinear" if tunnels else "faces")
@@ -908,8 +908,8 @@ class CheckDistance(ToolTest):
         self.plane("p.nrrd", 7.25)
         self.put("m.off", off(*self.square(8.75)))
         found = self.distance("m.off", "--volume", "p.nrrd", "--iso", "0", "--samples", "500")
-        self.assertEqual((found["volume"], found["isovalue"], found["inside"], found["non_finite"], found["space"]),
-                         ("p.nrrd", 0, "above", "refuse", "lps"))
+        self.assertEqual((found["volume"], found["isovalue"], found["inside"], found["topology"], found["non_finite"], found["space"]),
+                         ("p.nrrd", 0, "above", "trilinear", "refuse", "lps"))
         self.assertEqual((found["samples_wanted"], found["voxel"]), (500, 1))
         one = found["mesh_to_surface"]
         for number in ("maximum", "mean", "root_mean_square", "p50", "p99"):
@@ -944,6 +944,18 @@ class CheckDistance(ToolTest):
         for side, degrees in (("above", 0), ("below", 180)):
             found = self.distance("m.off", "--volume", "p.nrrd", "--iso", "0", "--inside", side, "--samples", "10")
             self.assertAlmostEqual(found["normal_degrees"]["mean"], degrees, places=3)
+
+    def test_topology(self):
+        # A cell with a wide tunnel: its wall has an area, the two disks that close it without one have another.
+        self.put("cell.nrrd", nrrd(array.array("f", [9, -1, -1, -1, -1, -1, -1, 9]), (2, 2, 2), "float"))
+        area = {}
+        for rule in ("trilinear", "faces"):
+            self.succeed("extract", "cell.nrrd", "--iso", "0", "--topology", rule, "--coarse", "-o", f"{rule}.off", "-q")
+            found = self.distance("trilinear.off", "--volume", "cell.nrrd", "--iso", "0", "--samples", "1000", "--topology", rule)
+            self.assertEqual(found["topology"], rule)
+            area[rule] = found["surface_area"]
+        self.assertNotAlmostEqual(area["trilinear"], area["faces"], places=2)
+        self.assertEqual(self.distance("trilinear.off", "--volume", "cell.nrrd", "--iso", "0", "--samples", "1000")["surface_area"], area["trilinear"])
 
     def test_every_format_says_its_space(self):
         self.put("s.nrrd", nrrd(sphere((20, 20, 20)), (20, 20, 20), "float", "space: left-posterior-superior",
@@ -996,12 +1008,12 @@ class CheckDistance(ToolTest):
         self.put("m.off", off(*TETRAHEDRON))
         self.refuse(r"--iso requires --volume.*see isoatlas check --help", "check", "m.off", "--iso", "0")
         self.refuse(r"--volume requires --iso", "check", "m.off", "--volume", "sphere.nrrd")
-        for option, value in (("--inside", "above"), ("--nan", "below"), ("--space", "ras"), ("--samples", "5")):
+        for option, value in (("--inside", "above"), ("--topology", "faces"), ("--nan", "below"), ("--space", "ras"), ("--samples", "5")):
             self.refuse(f"{option} requires --volume", "check", "m.off", option, value)
         self.refuse("--raw-size requires --volume", "check", "m.off", "--raw-size", "8,8,8", "--raw-type", "uint8")
         good = ["check", "m.off", "--volume", "sphere.nrrd"]
         for option, values in {"--samples": ["0", "-1", "1.5", "many", "", "99999999999"], "--iso": ["nan", "", "x"],
-                               "--space": ["LPS", "world"], "--inside": ["out"], "--nan": ["refuse"]}.items():
+                               "--space": ["LPS", "world"], "--inside": ["out"], "--topology": ["Faces", "both"], "--nan": ["refuse"]}.items():
             for value in values:
                 rest = [] if option == "--iso" else ["--iso", "0"]
                 self.refuse(option, *good, *rest, f"{option}={value}")

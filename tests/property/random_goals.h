@@ -51,6 +51,7 @@ inline ExtractOptions with_random_goals(const RandomCase& c) {
   out.isovalue = c.isovalue();
   out.inside = c.inside();
   out.placement = random.bits() % 2 ? Placement::surface : Placement::balanced;
+  if (c.seed % 3 == 0) out.topology = Topology::faces;
   if (random.bits() % 3 == 0) out.max_radius = 1000;  // large disks, so coarser complexes even for small volumes
   if (random.bits() % 2) out.coarse = random_goal(voxel, random);
   const auto levels = random.between(1, 3);

@@ -11,6 +11,7 @@
 #include "mesh/triangle_tree.h"
 #include "property/random_goals.h"
 #include "support/surfaces.h"
+#include "surface/components.h"
 #include "surface/parse_surface.h"
 
 namespace isoatlas {
@@ -25,8 +26,8 @@ bool same_bytes(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
 }
 
 void log_goals(const ExtractOptions& o) {
-  RC_LOG() << (o.placement == Placement::surface ? "surface" : "balanced") << (o.max_radius ? ", large disks" : "") << "; coarse "
-           << text(o.coarse);
+  RC_LOG() << (o.topology == Topology::faces ? "faces, " : "trilinear, ") << (o.placement == Placement::surface ? "surface" : "balanced")
+           << (o.max_radius ? ", large disks" : "") << "; coarse " << text(o.coarse);
   for (const LevelGoal& goal : o.refine) RC_LOG() << "; " << text(goal);
 }
 
@@ -42,6 +43,13 @@ struct LevelsCase {
   Volume volume;
   ExtractOptions options;
 };
+
+SurfaceComplex parsed(const RandomCase& c, const Volume& volume, const ExtractOptions& options) {
+  ParseOptions parse;
+  parse.rule = {c.isovalue(), c.inside()};
+  parse.topology = options.topology;
+  return parse_surface(volume, parse);
+}
 
 std::vector<Vec3> grid_edge_crossings(const Samples& s, double isovalue, Inside inside) {
   std::vector<Vec3> out;
@@ -71,7 +79,9 @@ RC_GTEST_PROP(AnyLevels, AreNestedManifoldsWithTheReferenceTopology, (const Rand
   const auto [c, samples, volume, options] = LevelsCase(any);
   const Extraction e = extract(volume, options);
   const Hierarchy& h = e.hierarchy;
-  const TopologySummary want = reference_topology(samples, c.isovalue(), c.inside());
+  RC_CLASSIFY(e.report.tunnels > 0);
+  const TopologySummary want = options.topology == Topology::faces ? reference_topology(samples, c.isovalue(), c.inside())
+                                                                   : summarize(find_components(parsed(c, volume, options)).topology);
 
   RC_ASSERT(h.levels.size() == options.refine.size() + 1);
   RC_ASSERT(e.report.levels.size() == h.levels.size());
@@ -177,9 +187,7 @@ RC_GTEST_PROP(AnyLevels, AreNowhereFartherThanReported, (const RandomCase& any))
   options.space = Space::voxel;
   const Extraction e = extract(volume, options);
   std::vector<Vec3> points = grid_edge_crossings(samples, c.isovalue(), c.inside());
-  ParseOptions parse;
-  parse.rule = {c.isovalue(), c.inside()};
-  const SurfaceComplex surface = parse_surface(volume, parse);
+  const SurfaceComplex surface = parsed(c, volume, options);
   points.insert(points.end(), surface.positions.begin(), surface.positions.end());
   for (Vec3& p : points) p = scaled(p, c.spacing);
   const double voxel = std::min({c.spacing.x, c.spacing.y, c.spacing.z});

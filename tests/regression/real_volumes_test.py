@@ -3,12 +3,12 @@
 """Meshes the real volumes of ../shared/data and compares their topology with what is known.
 
 real_volumes_test.py topology TOOL FOLDER       every row of TOPOLOGY.tsv; leaves the meshes in FOLDER
-real_volumes_test.py trilinear TOOL FOLDER      the same with --topology trilinear
+real_volumes_test.py faces TOOL FOLDER          the same with --topology faces
 real_volumes_test.py nan TOOL FOLDER            the volume with NaN voxels
 real_volumes_test.py bytes TOOL FOLDER          the same bytes for any number of threads
 real_volumes_test.py build-oracle BUILD         builds the independent judge
 real_volumes_test.py oracle ORACLE FOLDER       the judge looks at the meshes in FOLDER
-real_volumes_test.py oracle-trilinear ORACLE FOLDER     at those with --topology trilinear
+real_volumes_test.py oracle-faces ORACLE FOLDER at those with --topology faces
 real_volumes_test.py distance TOOL ORACLE FOLDER    `isoatlas check --volume` and the judge measure the same meshes
 
 Exit status 77 means skipped: no data, no judge. ISOATLAS_TEST_DATA and ISOATLAS_TEST_ORACLE say where they are otherwise than
@@ -55,18 +55,20 @@ def extract(tool, row, mesh, report, *options):
         capture_output=True, text=True)
 
 
-def check_row(tool, folder, row, rule):
-    """Yields what is wrong. The rule is faces or trilinear: which columns hold."""
+def check_row(tool, folder, row, rule, *options):
+    """Yields what is wrong. The rule is trilinear or faces: which columns hold."""
     mesh = mesh_of(folder, row)
     report_path = mesh.with_suffix(".json")
     for path in (mesh, report_path):
         path.unlink(missing_ok=True)
-    run = extract(tool, row, mesh, report_path, "--topology", rule)
+    run = extract(tool, row, mesh, report_path, *options)
     if run.returncode != 0:
         yield f"exit status {run.returncode}: {run.stderr.strip()}"
         return
     report = json.loads(report_path.read_text())
     finest = report["levels"][-1]
+    if report["surface"]["topology"] != rule:
+        yield f"the topology is {report['surface']['topology']}"
     for part, topology in (("mesh", finest), ("reference", report["reference"])):
         for key, column in (("components", f"{rule}_components"), ("euler_characteristic", f"{rule}_euler"), ("genus", f"{rule}_genus"),
                             ("boundary_loops", f"{rule}_boundary_loops")):
@@ -102,14 +104,14 @@ def report_all(rows, check):
     return 1 if failures else 0
 
 
-def topology(tool, folder, rule="faces"):
+def topology(tool, folder, rule="trilinear", *options):
     rows = table()
     folder.mkdir(parents=True, exist_ok=True)
-    return report_all(rows, lambda row: check_row(tool, folder, row, rule))
+    return report_all(rows, lambda row: check_row(tool, folder, row, rule, *options))
 
 
-def trilinear(tool, folder):
-    return topology(tool, folder, "trilinear")
+def faces(tool, folder):
+    return topology(tool, folder, "faces", "--topology", "faces")
 
 
 def nan(tool, folder):
@@ -183,7 +185,8 @@ def build_oracle(build):
     return 0 if made.returncode == 0 else 1
 
 
-def judge(oracle, folder, rule="c"):
+# The judge calls the rules c (faces) and d (trilinear).
+def judge(oracle, folder, rule="d"):
     rows = table()
     if not oracle.is_file():
         skip(f"no {oracle}: the judge was not built")
@@ -191,7 +194,7 @@ def judge(oracle, folder, rule="c"):
     def check(row):
         mesh = mesh_of(folder, row)
         if not mesh.is_file():
-            yield "no mesh: regression.topology_table makes it"
+            yield "no mesh: regression.topology_table or faces_table makes it"
             return
         run = subprocess.run(
             [oracle, "volume", DATA / row["file"], "--iso", row["isovalue"], "--mesh", mesh, "--mesh-space", "index", "--rules", rule,
@@ -210,8 +213,8 @@ def judge(oracle, folder, rule="c"):
     return report_all(rows, check)
 
 
-def judge_trilinear(oracle, folder):
-    return judge(oracle, folder, "d")
+def judge_faces(oracle, folder):
+    return judge(oracle, folder, "c")
 
 
 def distance(tool, oracle, folder):
@@ -225,7 +228,7 @@ def distance(tool, oracle, folder):
         mesh, volume = folder / "distance.ply", DATA / row["file"]
         run = extract(tool, row, mesh, folder / "distance.json", "--coarse", "--max-radius", "3vx")
         ours = subprocess.run([tool, "check", mesh, "--volume", volume, "--iso", row["isovalue"], "--json"], capture_output=True, text=True)
-        theirs = subprocess.run([oracle, "volume", volume, "--iso", row["isovalue"], "--mesh", mesh, "--mesh-space", "index", "--rules", "c",
+        theirs = subprocess.run([oracle, "volume", volume, "--iso", row["isovalue"], "--mesh", mesh, "--mesh-space", "index", "--rules", "d",
                                  "--json"], capture_output=True, text=True)
         if run.returncode or ours.returncode or theirs.returncode:
             yield f"exit statuses {run.returncode}, {ours.returncode}, {theirs.returncode}: {run.stderr}{ours.stderr}{theirs.stderr}"
@@ -246,6 +249,6 @@ def distance(tool, oracle, folder):
 
 if __name__ == "__main__":
     mode, arguments = sys.argv[1], [pathlib.Path(a).resolve() for a in sys.argv[2:]]
-    modes = {"topology": topology, "trilinear": trilinear, "nan": nan, "bytes": same_bytes, "build-oracle": build_oracle,
-             "oracle": judge, "oracle-trilinear": judge_trilinear, "distance": distance}
+    modes = {"topology": topology, "faces": faces, "nan": nan, "bytes": same_bytes, "build-oracle": build_oracle,
+             "oracle": judge, "oracle-faces": judge_faces, "distance": distance}
     sys.exit(modes[mode](*arguments))

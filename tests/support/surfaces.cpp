@@ -47,10 +47,11 @@ SurfaceComplex quads(std::uint32_t n, std::uint32_t m, bool round) {
 
 }  // namespace
 
-SurfaceComplex surface_of(const Samples& samples, double isovalue, Inside inside, Vec3 spacing) {
+SurfaceComplex surface_of(const Samples& samples, double isovalue, Inside inside, Vec3 spacing, Topology topology) {
   const Volume volume = to_volume(samples, SampleType::int32, spacing);
   ParseOptions options;
   options.rule = {isovalue, inside, NonFinite::refuse};
+  options.topology = topology;
   SurfaceComplex out = parse_surface(volume, options);
   if (const std::string wrong = validate(out); !wrong.empty()) throw std::runtime_error("the parsed surface is not valid: " + wrong);
   return out;

@@ -14,7 +14,8 @@
 namespace isoatlas::test {
 
 /// The parsed surface of generated samples; fails loudly where it is not valid.
-SurfaceComplex surface_of(const Samples& samples, double isovalue = 0, Inside inside = Inside::above, Vec3 spacing = {1, 1, 1});
+SurfaceComplex surface_of(const Samples& samples, double isovalue = 0, Inside inside = Inside::above, Vec3 spacing = {1, 1, 1},
+                          Topology topology = Topology::trilinear);
 
 /// Quads cut along one diagonal.
 TriangleMesh triangles_of(const SurfaceComplex& complex);

@@ -84,7 +84,8 @@ struct KnownVolume {
   std::string name;
   Samples samples;
   double isovalue = 0;
-  std::vector<TopologySummary::Kind> kinds;  ///< the multiset of (genus, loops, count), sorted
+  std::vector<TopologySummary::Kind> kinds;        ///< the multiset of (genus, loops, count), sorted
+  std::vector<TopologySummary::Kind> faces_kinds;  ///< the same with Topology::faces
 };
 
 /// Shapes whose topology is known without counting.

@@ -54,6 +54,9 @@ TEST(Extract, KnownShapes) {
     const Extraction e = extract(volume, at(known.isovalue));
     expect_honest(e, known.name);
     EXPECT_EQ(e.finest().topology.kinds, known.kinds) << known.name << ": " << text(e.finest().topology.kinds);
+    ExtractOptions faces = at(known.isovalue);
+    faces.topology = Topology::faces;
+    EXPECT_EQ(extract(volume, faces).finest().topology.kinds, known.faces_kinds) << known.name;
     const Extraction below = extract(to_volume(negated(known.samples)), at(-known.isovalue, Inside::below));
     EXPECT_TRUE(same_bytes(e.mesh(), below.mesh())) << known.name << ": below is the negated volume";
     if (HasFatalFailure()) return;
@@ -92,10 +95,29 @@ TEST(Extract, WhiteNoise32) {
   const Samples s = random_samples(Family::white_noise, {32, 32, 32}, 1);
   const TopologySummary want = reference_topology(s, 0);
   EXPECT_GT(want.genus, 1000);
-  const Extraction e = extract(to_volume(s), at(0));
+  ExtractOptions faces = at(0);
+  faces.topology = Topology::faces;
+  const Extraction e = extract(to_volume(s), faces);
   expect_honest(e, "white noise");
   EXPECT_EQ(e.finest().topology, want);
+  EXPECT_EQ(e.report.tunnels, 0u);
   EXPECT_GT(e.report.double_segments, 0u);
+  const Extraction trilinear = extract(to_volume(s), at(0));
+  expect_honest(trilinear, "white noise with tunnels");
+  EXPECT_GT(trilinear.report.tunnels, 100u);
+  EXPECT_EQ(trilinear.finest().topology.euler_characteristic,
+            want.euler_characteristic - 2 * static_cast<std::int64_t>(trilinear.report.tunnels));
+  EXPECT_EQ(trilinear.finest().topology.boundary_loops, want.boundary_loops);
+}
+
+// Two opposite corners of one cell; the saddle between them is at the isovalue exactly, so they are joined.
+TEST(Extract, TheTrilinearTopologyIsTheDefault) {
+  Samples s = constant({2, 2, 2}, -1);
+  s.at(0, 0, 0) = s.at(1, 1, 1) = 3;
+  EXPECT_EQ(extract(to_volume(s), at(0)).finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 2, 1}}));
+  ExtractOptions faces = at(0);
+  faces.topology = Topology::faces;
+  EXPECT_EQ(extract(to_volume(s), faces).finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 1, 2}}));
 }
 
 TEST(Extract, OneVoxelBlobIsATetrahedronAtLeast) {

@@ -236,7 +236,9 @@ std::size_t plain_entries() {
 }
 
 std::vector<TopologySummary::Kind> parsed_kinds(const Samples& s) {  // one disk per loop
-  return summarize(find_components(parse_surface(to_volume(s), {})).topology).kinds;
+  ParseOptions options;
+  options.topology = Topology::faces;
+  return summarize(find_components(parse_surface(to_volume(s), options)).topology).kinds;
 }
 
 struct Tally {
@@ -557,7 +559,7 @@ TEST(TrilinearSurface, NoTwoCVerticesCoincide) {
 // Where no cell has a tunnel it is the same surface, byte for byte.
 TEST(TrilinearSurface, OtherwiseAsWithFaces) {
   const Samples s = sampled({20, 20, 20}, gyroid(9, 0.2));
-  const SurfaceComplex faces = surface_of(s), trilinear = trilinear_surface_of(s);
+  const SurfaceComplex faces = surface_of(s, 0, Inside::above, {1, 1, 1}, Topology::faces), trilinear = trilinear_surface_of(s);
   EXPECT_EQ(trilinear.tunnels, 0u);
   EXPECT_EQ(faces.positions, trilinear.positions);
   ASSERT_EQ(faces.faces.size(), trilinear.faces.size());

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// Samples at the limits of their type, and floating-point numbers that are hardly any.
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "adversarial/sound_levels.h"
+#include "volume/sample_type.h"
+
+namespace isoatlas {
+namespace {
+
+using namespace test;
+
+/// @return false if all samples are on one side
+template <class T>
+bool expect_sound_among(const std::vector<T>& values, SampleType type, std::uint64_t seed) try {
+  Random random(seed);
+  const auto any = [&] { return values[random.bits() % values.size()]; };
+  Grid grid;
+  for (std::size_t& n : grid.size) n = static_cast<std::size_t>(random.between(2, 6));
+  std::vector<T> samples(grid.sample_count());
+  for (T& s : samples) s = any();
+  const double isovalue = static_cast<double>(any());  // of 64 bits rounded, so that it may be beyond the type
+  const Volume volume = own(grid, type, std::move(samples));
+  const ExtractOptions options = default_levels(volume, isovalue, random.bits() % 2 ? Inside::above : Inside::below);
+  expect_sound(volume, options, std::string(name(type)) + ", seed " + std::to_string(seed) + ", isovalue " + std::to_string(isovalue));
+  return true;
+} catch (const Error& e) {
+  EXPECT_EQ(e.code(), ErrorCode::empty_surface) << e.what();
+  return false;
+}
+
+TEST(Adversarial, SamplesAtTheLimitsOfTheirType) {
+  for (const SampleType type : kAllTypes) {
+    visit_sample_type(type, [&]<class T>(const T*) {
+      using Limits = std::numeric_limits<T>;
+      std::vector<T> values{Limits::lowest(), Limits::max(), T{0}, T{1}};
+      if constexpr (std::is_integral_v<T>) {
+        values.insert(values.end(),
+                      {static_cast<T>(Limits::lowest() + 1), static_cast<T>(Limits::max() - 1), static_cast<T>(Limits::max() / 2)});
+      } else {
+        values.insert(values.end(), {Limits::min(), -Limits::min(), Limits::denorm_min(), -Limits::denorm_min(), -T{0},
+                                     std::nextafter(Limits::max(), T{0}), Limits::max() / 2, T{1} + Limits::epsilon()});
+      }
+      int meshed = 0;
+      for (std::uint64_t seed = 0; seed < (many() ? 400 : 16) && !testing::Test::HasFailure(); ++seed)
+        meshed += expect_sound_among(values, type, seed);
+      EXPECT_GT(meshed, 8) << name(type);
+    });
+    if (HasFailure()) return;
+  }
+}
+
+TEST(Adversarial, Denormals) {
+  const auto among = [](SampleType type, auto least) {
+    using T = decltype(least);
+    std::vector<T> values;
+    for (int k = -3; k <= 3; ++k) values.push_back(static_cast<T>(k) * least);
+    values.push_back(std::numeric_limits<T>::min());
+    values.push_back(-std::numeric_limits<T>::min());
+    int meshed = 0;
+    for (std::uint64_t seed = 0; seed < (many() ? 1000 : 40) && !testing::Test::HasFailure(); ++seed)
+      meshed += expect_sound_among(values, type, seed);
+    EXPECT_GT(meshed, 20) << name(type);
+  };
+  among(SampleType::float32, std::numeric_limits<float>::denorm_min());
+  among(SampleType::float64, std::numeric_limits<double>::denorm_min());
+}
+
+// Two values that are neighbours, or as far apart as can be. Saddles are decided by which of them is nearer to the isovalue, exactly.
+TEST(Adversarial, TwoValuesAndAnIsovalueBetween) {
+  const Samples pattern = random_samples(Family::signs_only, {6, 5, 7}, 41);
+  enum class Nearer { neither, high };
+  const auto two = [&](SampleType type, auto low, auto high, double isovalue, Nearer nearer) {
+    std::vector<decltype(low)> values;
+    for (const std::int64_t v : pattern.values) values.push_back(v > 0 ? high : low);
+    Grid grid;
+    grid.size = pattern.size;
+    const Volume volume = own(grid, type, values);
+    ExtractOptions options = default_levels(volume, isovalue);
+    for (const Topology topology : {Topology::trilinear, Topology::faces}) {
+      options.topology = topology;
+      const Extraction e = expect_sound(volume, options, std::string(name(type)));
+      const TopologySummary want = reference_topology(pattern, nearer == Nearer::high ? 0.5 : 0);
+      EXPECT_EQ(e.report.reference.boundary_loops, want.boundary_loops) << name(type) << " " << isovalue;
+      EXPECT_EQ(e.report.reference.euler_characteristic, want.euler_characteristic - 2 * static_cast<std::int64_t>(e.report.tunnels));
+    }
+  };
+  const float one = 1, next = std::nextafter(1.0f, 2.0f);
+  const double large = std::numeric_limits<double>::max(), least = std::numeric_limits<double>::denorm_min();
+  two(SampleType::float32, one, next, 0.5 * (static_cast<double>(one) + static_cast<double>(next)), Nearer::neither);
+  two(SampleType::float32, one, next, static_cast<double>(next), Nearer::high);
+  two(SampleType::float64, 1.0, std::nextafter(1.0, 2.0), std::nextafter(1.0, 2.0), Nearer::high);
+  two(SampleType::float64, -least, least, 0, Nearer::neither);
+  two(SampleType::float64, 0.0, least, least, Nearer::high);
+  two(SampleType::float64, -large, large, 0, Nearer::neither);
+  two(SampleType::float64, -large, large, least, Nearer::high);
+  two(SampleType::int8, std::int8_t{-128}, std::int8_t{127}, -0.5, Nearer::neither);
+  two(SampleType::int8, std::int8_t{-128}, std::int8_t{127}, 0, Nearer::high);
+  two(SampleType::uint8, std::uint8_t{254}, std::uint8_t{255}, 254.5, Nearer::neither);
+  two(SampleType::int64, std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max(), -0.5, Nearer::neither);
+  two(SampleType::int64, (std::int64_t{1} << 53) - 1, std::int64_t{1} << 53, 0x1p53, Nearer::high);
+  two(SampleType::uint64, std::uint64_t{0}, std::numeric_limits<std::uint64_t>::max(), 0x1p63, Nearer::high);
+}
+
+}  // namespace
+}  // namespace isoatlas
