@@ -70,7 +70,10 @@ class Subdivider {
   Subdivision run() {
     out_.complex = complex_;
     find_sides();
-    for (const DividedSide& s : sides_) add_c_vertex(middle(s), s.a, s.is_boundary);
+    for (const DividedSide& s : sides_) {
+      add_c_vertex(middle(s), s.a, s.is_boundary);
+      if (!s.crosses) out_.between.back() = {s.a, s.b};
+    }
     for (FaceId f = 0; f < complex_.face_count(); ++f) {
       if (is_divided(complex_.faces[f])) divide(f);
     }
@@ -117,6 +120,7 @@ class Subdivider {
     out_.complex.positions.push_back(position);
     out_.complex.on_boundary.push_back(on_boundary);
     out_.origin.push_back(origin);
+    out_.between.push_back({kNone, kNone});
     return id;
   }
 

@@ -2,6 +2,7 @@
 // Adaptive supersampling of a surface complex: more c-vertices where it is too coarse, and only there.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -13,6 +14,8 @@ namespace isoatlas {
 struct Subdivision {
   SurfaceComplex complex;         ///< the old c-vertices with their numbers and positions, then the new ones
   std::vector<CVertexId> origin;  ///< per new c-vertex, an old one of the same component
+  /// Per new c-vertex that divides a side within a grid cell, the ends of that side; else kNone.
+  std::vector<std::array<CVertexId, 2>> between;
 };
 
 /// Per c-vertex, 1 if all faces at it are triangles that lie in one grid cell each (with its walls), as those of a subdivided complex do.

@@ -5,7 +5,7 @@
 
 #include "isoatlas/self_intersections.h"
 #include "property/random_case.h"
-#include "subdivide/separate_surfels.h"
+#include "subdivide/crowded_cells.h"
 #include "support/surfaces.h"
 #include "surface/components.h"
 #include "surface/parse_surface.h"
@@ -65,7 +65,7 @@ RC_GTEST_PROP(AnySurface, InPiecesThatStayInTheirCellsDoesNotMeetItself, (const 
   Parsed p = parsed(c);
   RC_PRE(!p.surface.positions.empty());
   const TrilinearField field(p.volume, p.rule);
-  RC_ASSERT(separate_surfels(p.surface, field) == 0u);
+  RC_ASSERT(CrowdedCells(p.surface, field).separate(p.surface) == 0u);
   const std::vector<std::uint8_t> stays = stays_in_cells(p.surface);
   std::vector<CVertexId> wanted;
   for (CVertexId v = 0; v < stays.size(); ++v) {
