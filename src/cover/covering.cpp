@@ -91,16 +91,6 @@ std::vector<CellId> Covering::shrink(std::span<const CellId> cells) {
   return single;
 }
 
-void Covering::insert_around(std::span<const CVertexId> c_vertices) {
-  for (const CVertexId v : c_vertices) {
-    for (const CVertexGraph::Neighbour& n : graph_.row(v)) {
-      if (distance_[n.id] == 0) continue;
-      lower_radius(n.id, distance_[n.id]);
-      insert(n.id);
-    }
-  }
-}
-
 void Covering::lower_radius(CVertexId v, float radius) {
   if (radius >= radius_[v]) return;
   front_.clear();

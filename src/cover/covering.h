@@ -57,8 +57,6 @@ class Covering {
   /// Makes the radii at the sites of cells smaller, each by so much that the next cover() has to divide the cell. O(C)
   /// @return those of `cells` that have no c-vertex besides their site
   std::vector<CellId> shrink(std::span<const CellId> cells);
-  /// Makes all neighbours of some c-vertices sites.
-  void insert_around(std::span<const CVertexId> c_vertices);
   /// h(x) <= radius + d(v, x) / 3 from now on.
   void lower_radius(CVertexId v, float radius);
 

@@ -59,18 +59,18 @@ std::vector<Vec3> outward_of_cells(const SurfaceComplex& complex, const std::vec
 CoarseMesher::Stand::Stand(const SurfaceComplex& on, const CoveringOptions& options)
     : complex(on), graph(make_graph(on)), covering(graph, options), dual(complex, covering) {}
 
-CoarseMesher::CoarseMesher(AdaptiveSurface& surface, const Coarsened& coarser, const CoveringOptions& cover, const ExtractOptions& options)
+CoarseMesher::CoarseMesher(AdaptiveSurface& surface, Coarsened& coarser, const CoveringOptions& cover, const ExtractOptions& options)
     : surface_(surface), coarser_(coarser), cover_(cover), options_(options) {
-  rough_ = std::make_unique<Stand>(coarser.representative.empty() ? surface.complex() : coarser.complex, cover);
+  stand_ = std::make_unique<Stand>(is_coarser() ? coarser_.complex : surface_.complex(), cover_);
 }
 
-void CoarseMesher::cover(const RunControl& control) { stand().covering.cover(control); }
+void CoarseMesher::cover(const RunControl& control) { stand_->covering.cover(control); }
 
-void CoarseMesher::certify(LevelReport& report, const RunControl& control) { stand().dual.certify(report.certificate, control); }
+void CoarseMesher::certify(LevelReport& report, const RunControl& control) { stand_->dual.certify(report.certificate, control); }
 
 std::vector<CVertexId> CoarseMesher::sites() const {
-  std::vector<CVertexId> out = stand().covering.partition().site;
-  if (is_on_coarser()) {
+  std::vector<CVertexId> out = stand_->covering.partition().site;
+  if (is_coarser()) {
     for (CVertexId& v : out) v = coarser_.representative[v];
   }
   return out;
@@ -78,23 +78,23 @@ std::vector<CVertexId> CoarseMesher::sites() const {
 
 void CoarseMesher::mesh(LevelReport& report, const RunControl& control) {
   for (int round = 0;; ++round) {
-    const SurfaceComplex& complex = stand().complex;
-    const Partition& partition = stand().covering.partition();
+    const SurfaceComplex& complex = stand_->complex;
+    const Partition& partition = stand_->covering.partition();
     mesh_.triangles.clear();
-    for (const DualTriangle& t : stand().dual.triangles()) mesh_.triangles.push_back(t.cell);
+    for (const DualTriangle& t : stand_->dual.triangles()) mesh_.triangles.push_back(t.cell);
     mesh_.positions.clear();
     for (const CVertexId v : partition.site) mesh_.positions.push_back(complex.positions[v]);
     relax_vertices();
     topology_ = mesh_topology(mesh_);
     const std::vector<std::uint8_t> turned =
         turned_components(mesh_.positions, mesh_.triangles, complex.spacing, topology_.component_of_vertex, topology_.components.size(),
-                          outward_of_cells(complex, is_on_coarser() ? coarser_.outward : std::vector<Vec3>(), partition), 0);
+                          outward_of_cells(complex, is_coarser() ? coarser_.outward : std::vector<Vec3>(), partition), 0);
     report.turned_components = static_cast<std::size_t>(std::count(turned.begin(), turned.end(), 1));
     bool again =
-        report.turned_components > 0 && refine_components(complex, stand().covering, topology_, turned, round, report.certificate);
+        report.turned_components > 0 && refine_components(complex, stand_->covering, topology_, turned, round, report.certificate);
     if (!again && !options_.allow_self_intersections) again = part(report, control);
     if (!again) break;
-    stand().dual.certify(report.certificate, control);
+    stand_->dual.certify(report.certificate, control);
   }
 }
 
@@ -136,49 +136,60 @@ void CoarseMesher::relax_vertices() {
 // @return whether there is something new to look at
 bool CoarseMesher::part(LevelReport& report, const RunControl& control) {
   const std::vector<CellId> corners = meeting_.update(mesh_.positions, mesh_.triangles, control);
-  Covering& covering = stand().covering;
+  Covering& covering = stand_->covering;
   const std::uint32_t before = covering.site_count();
   const std::vector<CellId> single = covering.shrink(corners);
   covering.cover(control);  // also where components that were turned left radii too small to cover
   bool any = covering.site_count() > before;
-  if (!any && !single.empty() && is_on_coarser()) {
-    stand_on_surface(control);
-    any = true;
-  } else if (!single.empty() && !is_on_coarser()) {
-    const std::vector<std::uint8_t> in_cells = stays_in_cells(surface_.complex());
-    std::vector<CVertexId> wanted;
-    for (const CellId c : single) {
-      if (!in_cells[covering.partition().site[c]]) wanted.push_back(covering.partition().site[c]);
-    }
-    if (!wanted.empty()) {
-      for (std::size_t i = 0; i < mesh_.positions.size(); ++i) {
-        if (!(shift_[i] == Vec3{})) surface_.move(covering.partition().site[i], mesh_.positions[i]);
-      }
-      surface_.divide(wanted);
-      stand_on_surface(control);
-      any = true;
-    }
-    if (!any) {
-      stays_.resize(before, 0);
-      for (const CellId c : single) any |= std::exchange(stays_[c], std::uint8_t{1}) == 0;
-    }
-  }
-  report.parting_sites += stand().covering.site_count() - before;
+  if (!single.empty()) any = part_single_cells(single, control) || any;
+  report.parting_sites += stand_->covering.site_count() - before;
   return any;
 }
 
-// Sites stay, radii as well, unless that would leave something uncovered.
-void CoarseMesher::stand_on_surface(const RunControl& control) {
-  const std::vector<CVertexId> now = sites();
-  const std::vector<float>& radius = stand().covering.radius();
+bool CoarseMesher::part_single_cells(std::span<const CellId> cells, const RunControl& control) {
+  const std::vector<CVertexId>& site = stand_->covering.partition().site;
+  const std::vector<CVertexId> on_surface = sites();
+  const std::vector<std::uint8_t> in_cells = stays_in_cells(surface_.complex());
+  std::vector<std::uint8_t> stands_for_several(stand_->complex.c_vertex_count(), 0);
+  if (is_coarser()) {
+    for (CVertexId v = 0; v < coarser_.region_of.size(); ++v) {
+      const CVertexId r = coarser_.region_of[v];
+      stands_for_several[r] |= coarser_.representative[r] != v;
+    }
+  }
+  std::vector<CVertexId> to_cut, to_divide;
+  std::vector<CellId> as_fine_as_can_be;
+  for (const CellId c : cells) {
+    if (stands_for_several[site[c]]) {
+      to_cut.push_back(site[c]);
+    } else if (!in_cells[on_surface[c]]) {
+      to_divide.push_back(on_surface[c]);
+    } else {
+      as_fine_as_can_be.push_back(c);
+    }
+  }
+  if (to_cut.empty() && to_divide.empty()) {
+    stays_.resize(site.size(), 0);
+    bool any = false;
+    for (const CellId c : as_fine_as_can_be) any |= std::exchange(stays_[c], std::uint8_t{1}) == 0;
+    return any;
+  }
+  if (!to_divide.empty()) {
+    for (std::size_t i = 0; i < mesh_.positions.size(); ++i) {
+      if (!(shift_[i] == Vec3{})) surface_.move(on_surface[i], mesh_.positions[i]);
+    }
+    surface_.divide(to_divide);
+  }
+  // Sites stay, radii as well, unless that would leave something uncovered.
+  const std::vector<CVertexId> now = site;
   std::vector<Covering::Radius> radii;
-  radii.reserve(radius.size());
-  for (CVertexId v = 0; v < radius.size(); ++v) radii.push_back({is_on_coarser() ? coarser_.representative[v] : v, radius[v]});
-  auto next = std::make_unique<Stand>(surface_.complex(), cover_);
-  next->covering.seed(now, radii);
-  next->covering.ignore_events();
-  next->covering.cover(control);
-  fine_ = std::move(next);
+  for (CVertexId v = 0; v < stand_->covering.radius().size(); ++v) radii.push_back({v, stand_->covering.radius()[v]});
+  if (is_coarser()) cut_regions(surface_.complex(), to_cut, coarser_, control);
+  stand_ = std::make_unique<Stand>(is_coarser() ? coarser_.complex : surface_.complex(), cover_);
+  stand_->covering.seed(now, radii);
+  stand_->covering.ignore_events();
+  stand_->covering.cover(control);
+  return true;
 }
 
 }  // namespace isoatlas

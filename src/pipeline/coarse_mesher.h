@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "cover/repair.h"
@@ -16,8 +17,8 @@ namespace isoatlas {
 class CoarseMesher {
  public:
   /// @param surface  divided where nothing else helps against triangles that meet
-  /// @param coarser  what to work on as long as it is fine enough; without c-vertices: the surface itself
-  CoarseMesher(AdaptiveSurface& surface, const Coarsened& coarser, const CoveringOptions& cover, const ExtractOptions& options);
+  /// @param coarser  what to work on, made finer where triangles meet; without c-vertices: the surface itself
+  CoarseMesher(AdaptiveSurface& surface, Coarsened& coarser, const CoveringOptions& cover, const ExtractOptions& options);
 
   void cover(const RunControl& control);
   void certify(LevelReport& report, const RunControl& control);
@@ -28,9 +29,7 @@ class CoarseMesher {
   const MeshTopology& topology() const { return topology_; }
   const std::vector<Vec3>& shift() const { return shift_; }  ///< per vertex, how far it is from its c-vertex; spacing applied
   std::vector<CVertexId> sites() const;                       ///< per vertex, its c-vertex on the surface
-  const Covering& rough() const { return rough_->covering; }  ///< on the coarser complex, if there is one
-  /// On the surface itself: sites are those of rough(), then more. None if rough() is all there is.
-  const Covering* fine() const { return fine_ ? &fine_->covering : nullptr; }
+  const Covering& covering() const { return stand_->covering; }  ///< of the coarser complex, if there is one
 
  private:
   struct Stand {
@@ -40,18 +39,16 @@ class CoarseMesher {
     Covering covering;
     CertifiedDual dual;
   };
-  Stand& stand() { return fine_ ? *fine_ : *rough_; }
-  const Stand& stand() const { return fine_ ? *fine_ : *rough_; }
-  bool is_on_coarser() const { return !fine_ && !coarser_.representative.empty(); }
+  bool is_coarser() const { return !coarser_.representative.empty(); }
   void relax_vertices();
   bool part(LevelReport& report, const RunControl& control);
-  void stand_on_surface(const RunControl& control);
+  bool part_single_cells(std::span<const CellId> cells, const RunControl& control);
 
   AdaptiveSurface& surface_;
-  const Coarsened& coarser_;
+  Coarsened& coarser_;
   const CoveringOptions& cover_;
   const ExtractOptions& options_;
-  std::unique_ptr<Stand> rough_, fine_;
+  std::unique_ptr<Stand> stand_;
   MeetingTriangles meeting_;
   TriangleMesh mesh_;
   MeshTopology topology_;

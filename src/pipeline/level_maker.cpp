@@ -28,7 +28,7 @@ LevelMaker::LevelMaker(const LevelSource& source, const ExtractOptions& options,
       options_(options),
       control_(control),
       refiner_(source.surface, source.isosurface, source.coarser, source.options,
-               {source.coarse.rough(), source.coarse.fine(), source.coarse.sites(), source.coarse.shift()},
+               {source.coarse.covering(), source.coarse.sites(), source.coarse.shift()},
                !options.allow_self_intersections) {}
 
 Vec3 LevelMaker::to_space(Vec3 index) const {

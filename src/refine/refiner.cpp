@@ -274,13 +274,11 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
   const std::vector<CVertexId>& on = coarser_.representative;
   std::vector<CVertexId> sites = start_.site;
   std::vector<Covering::Radius> radii;
-  if (start_.fine != nullptr) radii = radii_of(*start_.fine, {});
-  placed_in_.assign(sites.size(), kNone);
   if (on.empty()) {
-    if (start_.fine == nullptr) radii = radii_of(start_.rough, {});
+    radii = radii_of(start_.covering, {});
   } else {
     const Ground ground(coarser_.complex);
-    MeasuredCovering rough(ground, options_, start_.rough.partition().site, radii_of(start_.rough, {}), control);
+    MeasuredCovering rough(ground, options_, start_.covering.partition().site, radii_of(start_.covering, {}), control);
     Task task;
     task.placement = placement;
     task.limit_share = kCoarserLimitShare;
@@ -294,31 +292,14 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
       work(rough, task, out, control);
       out.vertices_ran_out = false;  // only its share of them
     }
-    add_sites(rough.covering(), sites);
-    const std::vector<Covering::Radius> rough_radii = radii_of(rough.covering(), on);
-    radii.insert(radii.end(), rough_radii.begin(), rough_radii.end());
+    placed_in_ = rough.covering().placed_in();
+    sites.clear();
+    for (const CVertexId v : rough.partition().site) sites.push_back(on[v]);
+    radii = radii_of(rough.covering(), on);
   }
   work_ = std::make_unique<MeasuredCovering>(*ground_, options_, sites, radii, control);
   work_->displace(start_.shift);
   work_->freeze_anchors(sites_before_);
-}
-
-// The sites that are new on the coarser complex, but where level 0 got other ones near by after it had left that.
-void Refiner::add_sites(const Covering& rough, std::vector<CVertexId>& sites) {
-  const std::vector<CVertexId>& site = rough.partition().site;
-  const std::uint32_t before = start_.rough.site_count();
-  std::vector<CellId> number(site.size());
-  std::iota(number.begin(), number.begin() + before, 0u);
-  for (CellId c = before; c < site.size(); ++c) {
-    const CVertexId v = coarser_.representative[site[c]];
-    if (start_.fine != nullptr && start_.fine->distance()[v] < kFarEnough * rough.radius()[site[c]]) {
-      number[c] = start_.fine->partition().cell_of[v];
-      continue;
-    }
-    number[c] = static_cast<CellId>(sites.size());
-    sites.push_back(v);
-    placed_in_.push_back(number[rough.placed_in()[c]]);
-  }
 }
 
 // Divides cells with these vertices, whose triangles meet others where they should not. Where cells are single c-vertices the surface is

@@ -42,8 +42,7 @@ class Refiner {
  public:
   /// What level 0 is.
   struct Start {
-    const Covering& rough;        ///< on `coarser.complex`, or on the surface if there is no coarser complex
-    const Covering* fine;         ///< on the surface; its sites are those of `rough`, then more. None: those of `rough` are all
+    const Covering& covering;     ///< of `coarser.complex`, or of the surface if there is no coarser complex
     std::vector<CVertexId> site;  ///< per vertex, on the surface
     std::vector<Vec3> shift;      ///< per vertex, how far it is from there; spacing applied
   };
@@ -81,7 +80,6 @@ class Refiner {
   bool is_at_limit(CellId c) const;
   std::vector<std::pair<CellId, double>> cells_over(const Task& task, std::span<const MetricValues> values) const;
   void step_down(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control);
-  void add_sites(const Covering& rough, std::vector<CVertexId>& sites);
   void divide_surface(std::span<const CVertexId> wanted, const RunControl& control);
 
   CoveringOptions options_;
