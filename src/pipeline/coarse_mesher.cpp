@@ -149,7 +149,7 @@ bool CoarseMesher::part(LevelReport& report, const RunControl& control) {
 bool CoarseMesher::part_single_cells(std::span<const CellId> cells, const RunControl& control) {
   const std::vector<CVertexId>& site = stand_->covering.partition().site;
   const std::vector<CVertexId> on_surface = sites();
-  const std::vector<std::uint8_t> in_cells = stays_in_cells(surface_.complex());
+  const std::vector<Fineness> fineness = surface_.fineness();
   std::vector<std::uint8_t> stands_for_several(stand_->complex.c_vertex_count(), 0);
   if (is_coarser()) {
     for (CVertexId v = 0; v < coarser_.region_of.size(); ++v) {
@@ -162,7 +162,7 @@ bool CoarseMesher::part_single_cells(std::span<const CellId> cells, const RunCon
   for (const CellId c : cells) {
     if (stands_for_several[site[c]]) {
       to_cut.push_back(site[c]);
-    } else if (!in_cells[on_surface[c]]) {
+    } else if (fineness[on_surface[c]] == Fineness::faces) {
       to_divide.push_back(on_surface[c]);
     } else {
       as_fine_as_can_be.push_back(c);

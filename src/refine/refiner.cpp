@@ -308,10 +308,10 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
 bool Refiner::part(std::span<const CellId> corners, const RunControl& control) {
   const std::vector<CellId> single = work_->covering().shrink(corners);
   if (single.empty()) return !corners.empty();
-  const std::vector<std::uint8_t> in_cells = stays_in_cells(surface_.complex());
+  const std::vector<Fineness> fineness = surface_.fineness();
   std::vector<CVertexId> wanted;
   for (const CellId c : single) {
-    if (!in_cells[partition().site[c]]) wanted.push_back(partition().site[c]);
+    if (fineness[partition().site[c]] == Fineness::faces) wanted.push_back(partition().site[c]);
   }
   if (!wanted.empty()) {
     divide_surface(wanted, control);

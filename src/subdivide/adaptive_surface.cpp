@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
 #include "core/vector_math.h"
 #include "embed/triangle_pair.h"
@@ -11,26 +12,8 @@
 namespace isoatlas {
 namespace {
 
-std::array<double, 3> as_array(Vec3 p) { return {p.x, p.y, p.z}; }
-
 // Along how many axes a point is on a layer of samples: none inside a cell, one on a wall, two on an edge.
 int whole_coordinates(Vec3 p) { return (p.x == std::floor(p.x)) + (p.y == std::floor(p.y)) + (p.z == std::floor(p.z)); }
-
-// Whether the samples at the corners of a wall have alternating signs, so that two curves cross it.
-bool has_two_curves(const TrilinearField& field, Vec3 on_wall) {
-  const std::array<double, 3> p = as_array(on_wall);
-  std::array<std::size_t, 2> along{};
-  for (std::size_t a = 0, k = 0; a < 3; ++a) {
-    if (p[a] != std::floor(p[a]) && k < 2) along[k++] = a;
-  }
-  const auto inside = [&](double u, double v) {
-    std::array<double, 3> q = p;
-    q[along[0]] = std::floor(p[along[0]]) + u;
-    q[along[1]] = std::floor(p[along[1]]) + v;
-    return field.at({q[0], q[1], q[2]}).value >= 0;
-  };
-  return inside(0, 0) == inside(1, 1) && inside(1, 0) == inside(0, 1) && inside(0, 0) != inside(1, 0);
-}
 
 using Cell = std::array<double, 3>;
 // Of a face that lies in one cell.
@@ -39,6 +22,11 @@ Cell cell_of(const SurfaceComplex& complex, const Face& face) {
   for (int k = 0; k < face.size(); ++k) sum = sum + complex.positions[face.corner[k]];
   sum = (1.0 / face.size()) * sum;
   return {std::floor(sum.x), std::floor(sum.y), std::floor(sum.z)};
+}
+
+void sort_unique(std::vector<Cell>& cells) {
+  std::sort(cells.begin(), cells.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
 }
 
 }  // namespace
@@ -50,6 +38,7 @@ AdaptiveSurface::AdaptiveSurface(SurfaceComplex complex, Components components, 
       crowded_(complex_, field_),
       depth_(complex_.c_vertex_count(), 0),
       deep_(complex_.c_vertex_count(), 0) {
+  for (Vec3& p : complex_.positions) p = rounded(p);
   crowded_.separate(complex_);
   hold();
 }
@@ -73,12 +62,39 @@ void AdaptiveSurface::hold() {
   }
 }
 
+// The next step for each. Where pieces become smaller, what else is in their cells has to be in pieces first, to be looked at with them.
 void AdaptiveSurface::divide(std::span<const CVertexId> wanted) {
-  const std::vector<std::uint8_t> stays = stays_in_cells(complex_);
+  const std::vector<Fineness> was = fineness();
+  std::vector<std::uint8_t> is_wanted(complex_.c_vertex_count(), 0);
+  for (const CVertexId v : wanted) is_wanted[v] = was[v] == Fineness::pieces;
+  std::vector<Cell> cells;
+  for (const Face& face : complex_.faces) {
+    const auto end = face.corner.begin() + face.size();
+    if (std::any_of(face.corner.begin(), end, [&](CVertexId v) { return is_wanted[v]; })) cells.push_back(cell_of(complex_, face));
+  }
+  sort_unique(cells);
+  std::vector<Fineness> now = was;
+  for (;; now = fineness()) {
+    std::vector<CVertexId> coarser;
+    for (CVertexId v = 0; v < complex_.c_vertex_count() && !cells.empty(); ++v) {
+      const Vec3 p = complex_.positions[v];
+      if (now[v] == Fineness::pieces || whole_coordinates(p) > 0) continue;
+      if (std::binary_search(cells.begin(), cells.end(), Cell{std::floor(p.x), std::floor(p.y), std::floor(p.z)})) coarser.push_back(v);
+    }
+    if (coarser.empty()) break;
+    divide_once(coarser, now);
+  }
+  std::vector<CVertexId> left;
+  std::copy_if(wanted.begin(), wanted.end(), std::back_inserter(left), [&](CVertexId v) { return now[v] == was[v]; });
+  divide_once(left, now);
+  hold();
+}
+
+void AdaptiveSurface::divide_once(std::span<const CVertexId> wanted, const std::vector<Fineness>& was) {
   const CVertexId before = complex_.c_vertex_count();
   int deepest = 0;
   for (const CVertexId v : wanted) deepest = std::max(deepest, depth_[v] + 1);
-  Subdivision divided = subdivide(complex_, wanted, field_);
+  Subdivision divided = subdivide(complex_, wanted, {field_, crowded_.flags()});
   complex_ = std::move(divided.complex);
   for (const CVertexId from : divided.origin) {
     components_.of_c_vertex.push_back(components_.of_c_vertex[from]);
@@ -88,8 +104,7 @@ void AdaptiveSurface::divide(std::span<const CVertexId> wanted) {
   added_ += divided.origin.size();
   if (!divided.origin.empty()) deepest_ = std::max(deepest_, deepest);
   deep_.resize(complex_.c_vertex_count(), 0);
-  if (std::any_of(wanted.begin(), wanted.end(), [&](CVertexId v) { return stays[v] != 0; })) flatten_where_pieces_meet(divided, before);
-  hold();
+  if (std::any_of(wanted.begin(), wanted.end(), [&](CVertexId v) { return was[v] == Fineness::pieces; })) flatten_where_pieces_meet(divided, before);
 }
 
 // Pieces of flat triangles that are flat themselves meet no more than the triangles do. So wherever pieces of one cell meet, the new
@@ -102,15 +117,14 @@ void AdaptiveSurface::flatten_where_pieces_meet(const Subdivision& divided, CVer
   for (const Face& face : complex_.faces) {
     if (!face.is_triangle() || !has_middle(face)) continue;
     cells.push_back(cell_of(complex_, face));
-    for (int k = 0; k < 3; ++k) deep_[face.corner[k]] = 1;
   }
-  std::sort(cells.begin(), cells.end());
-  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-  const std::vector<std::uint8_t> stays = stays_in_cells(complex_);
+  sort_unique(cells);
   for (const Face& face : complex_.faces) {
-    if (!face.is_triangle() || !stays[face.corner[0]] || !stays[face.corner[1]] || !stays[face.corner[2]]) continue;
+    if (!face.is_triangle()) continue;
     const Cell cell = cell_of(complex_, face);
-    if (std::binary_search(cells.begin(), cells.end(), cell)) pieces.emplace_back(cell, Triangle{face.corner[0], face.corner[1], face.corner[2]});
+    if (!std::binary_search(cells.begin(), cells.end(), cell)) continue;
+    pieces.emplace_back(cell, Triangle{face.corner[0], face.corner[1], face.corner[2]});
+    for (int k = 0; k < 3; ++k) deep_[face.corner[k]] = 1;
   }
   std::stable_sort(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   for (bool again = true; again;) {  // a point on a wall is in two cells

@@ -23,12 +23,14 @@ class AdaptiveSurface {
   const Components& components() const { return components_; }
   const TrilinearField& field() const { return field_; }
 
+  std::vector<Fineness> fineness() const { return isoatlas::fineness(complex_, {field_, crowded_.flags()}); }  ///< per c-vertex; O(F)
+
   /// See subdivide(). What was derived from the complex has to be made anew. Where smaller pieces would meet each other in a cell, they are
   /// left flat. O(F)
   void divide(std::span<const CVertexId> wanted);
 
   /// Gives a c-vertex another place in its grid cell; for good, if vertices are there.
-  void move(CVertexId v, Vec3 position) { complex_.positions[v] = position; }
+  void move(CVertexId v, Vec3 position) { complex_.positions[v] = rounded(position); }
 
   /// Whether a vertex may leave its c-vertex, within the grid cell, or on the wall or edge that it is on. That stray() says no has to be
   /// seen to besides.
@@ -43,6 +45,7 @@ class AdaptiveSurface {
 
  private:
   void hold();
+  void divide_once(std::span<const CVertexId> wanted, const std::vector<Fineness>& was);
   void flatten_where_pieces_meet(const Subdivision& divided, CVertexId first_new);
 
   SurfaceComplex complex_;
@@ -50,7 +53,7 @@ class AdaptiveSurface {
   TrilinearField field_;
   CrowdedCells crowded_;
   std::vector<std::uint8_t> depth_;  // per c-vertex, which division brought it
-  std::vector<std::uint8_t> deep_;   // per c-vertex, 1 if there are pieces of pieces around it
+  std::vector<std::uint8_t> deep_;   // per c-vertex, 1 if there are pieces of pieces in a cell that it is in or on
   std::vector<std::uint8_t> held_;   // per c-vertex
   std::size_t divided_ = 0, added_ = 0;
   int deepest_ = 0;

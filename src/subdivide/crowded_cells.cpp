@@ -53,10 +53,13 @@ CrowdedCells::CrowdedCells(const SurfaceComplex& complex, const TrilinearField& 
   first_.push_back(static_cast<std::uint32_t>(c_vertices_.size()));
 
   // Their faces as pieces of surfels, cell by cell.
-  const std::vector<std::uint8_t> stays = stays_in_cells(complex);
+  flags_.assign(n, 0);
+  for (const CVertexId v : c_vertices_) flags_[v] = 1;
+  const SurfaceInGrid in{field, flags_};
+  const std::vector<Fineness> now = fineness(complex, in);
   std::vector<CVertexId> wanted;
-  std::copy_if(c_vertices_.begin(), c_vertices_.end(), std::back_inserter(wanted), [&](CVertexId v) { return !stays[v]; });
-  const Subdivision divided = subdivide(complex, wanted, field);
+  std::copy_if(c_vertices_.begin(), c_vertices_.end(), std::back_inserter(wanted), [&](CVertexId v) { return now[v] == Fineness::faces; });
+  const Subdivision divided = subdivide(complex, wanted, in);
   std::vector<std::uint32_t> place(divided.complex.c_vertex_count(), kNone);  // corners of pieces
   for (std::uint32_t i = 0; i < c_vertices_.size(); ++i) place[c_vertices_[i]] = i;
   std::vector<std::pair<std::uint32_t, Triangle>> pieces;
@@ -142,7 +145,7 @@ std::size_t CrowdedCells::separate(SurfaceComplex& complex) {
       bool good = false;
       for (const double share : kShares) {
         for (std::size_t k = 0; k < own.size(); ++k)
-          complex.positions[own[k]] = inside(cell_of(start[k]), start[k] + share * (middle[k] - start[k]));
+          complex.positions[own[k]] = rounded(inside(cell_of(start[k]), start[k] + share * (middle[k] - start[k])));
         good = !surfels_meet(cell, complex.positions);
         if (good) break;
       }

@@ -24,6 +24,7 @@ class CrowdedCells {
   /// @cost   an exact look at every crowded cell; parallel
   std::size_t separate(SurfaceComplex& complex);
 
+  std::span<const std::uint8_t> flags() const { return flags_; }  ///< per c-vertex, 1 if it is in such a cell; empty: none is
   bool contains(CVertexId v) const { return v < cell_of_.size() && cell_of_[v] != kNone; }
 
   /// The c-vertices of those cells, with one of `moved` in them, whose surfels meet where the c-vertices are now.
@@ -35,6 +36,7 @@ class CrowdedCells {
   bool surfels_meet(std::uint32_t cell, std::span<const Vec3> positions) const;
   std::vector<Vec3> middles(std::uint32_t cell) const;
 
+  std::vector<std::uint8_t> flags_;         // per c-vertex
   std::vector<std::uint32_t> cell_of_;      // per c-vertex, its crowded cell; kNone
   std::vector<CVertexId> c_vertices_;       // cell by cell
   std::vector<std::uint32_t> first_;        // per cell, in c_vertices_
