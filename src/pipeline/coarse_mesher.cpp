@@ -118,7 +118,7 @@ void CoarseMesher::relax_vertices() {
   for (const std::uint32_t i : moved) {
     shift_[i] = points[i] - scaled(mesh_.positions[i], s);
     movers.push_back(at[i]);
-    positions[at[i]] = surface.positions[at[i]] + Vec3{shift_[i].x / s.x, shift_[i].y / s.y, shift_[i].z / s.z};
+    positions[at[i]] = rounded(surface.positions[at[i]] + Vec3{shift_[i].x / s.x, shift_[i].y / s.y, shift_[i].z / s.z});
   }
   std::vector<CVertexId> back = surface_.stray(movers, positions);
   std::sort(back.begin(), back.end());

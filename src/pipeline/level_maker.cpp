@@ -44,7 +44,7 @@ Vec3 LevelMaker::base_position(CellId c) const {
   const Vec3 p = source_.surface.complex().positions[places.anchor[c]], spacing = source_.surface.complex().spacing;
   if (places.shift.empty() || places.shift[c] == Vec3{}) return p;
   const Vec3 d = places.shift[c];
-  return p + Vec3{d.x / spacing.x, d.y / spacing.y, d.z / spacing.z};
+  return rounded(p + Vec3{d.x / spacing.x, d.y / spacing.y, d.z / spacing.z});  // as AdaptiveSurface::move() leaves it
 }
 
 // Of the present level, in sample-index coordinates.
@@ -95,7 +95,7 @@ void LevelMaker::describe_coarse(const Hierarchy& hierarchy, std::span<const CVe
   }
   for (std::size_t v = 0; v < sites.size(); ++v) {
     const Vec3 d = source_.coarse.shift()[v], s = source_.surface.complex().spacing;
-    mesh.positions.push_back(source_.surface.complex().positions[sites[v]] + Vec3{d.x / s.x, d.y / s.y, d.z / s.z});
+    mesh.positions.push_back(rounded(source_.surface.complex().positions[sites[v]] + Vec3{d.x / s.x, d.y / s.y, d.z / s.z}));
   }
   const double voxel = source_.grid.smallest_spacing();
   const LevelGoal& goal = options_.coarse;

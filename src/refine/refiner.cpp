@@ -47,6 +47,8 @@ constexpr std::size_t kFewTriangles = 100;
 constexpr std::size_t kMostMended = 200;
 // How often the surface is divided where cells at their limit are over a bound.
 constexpr int kMostDivisions = 3;
+// Each time, the faces around so many c-vertices, or around this part of them all.
+constexpr std::size_t kFewDivided = 20, kShareDivided = 20;
 
 std::vector<Covering::Radius> radii_of(const Covering& covering, const std::vector<CVertexId>& to) {
   std::vector<Covering::Radius> out;
@@ -411,17 +413,27 @@ std::vector<std::pair<CellId, double>> Refiner::cells_over(const Task& task, std
   return out;
 }
 
-// Where cells are over a bound and cannot be made smaller: their c-vertices and those around.
+// Where cells are over a bound and cannot be made smaller, the worst first: their c-vertices and those around. Not too many: what is at its
+// limit nearly everywhere needs another volume.
 std::vector<CVertexId> Refiner::places_at_limit() const {
-  std::vector<CVertexId> out;
+  std::vector<std::pair<double, CellId>> cells;
   for (CellId c = 0; c < partition().cell_count(); ++c) {
-    if (work_->errors()[c].excess <= 1 || !is_at_limit(c)) continue;
+    if (work_->errors()[c].excess > 1 && is_at_limit(c)) cells.emplace_back(-work_->errors()[c].excess, c);
+  }
+  std::sort(cells.begin(), cells.end());
+  const std::size_t room = std::max<std::size_t>(kFewDivided, surface_.complex().c_vertex_count() / kShareDivided);
+  std::vector<std::uint8_t> is_taken(surface_.complex().c_vertex_count(), 0);
+  std::vector<CVertexId> out;
+  const auto take = [&](CVertexId v) {
+    if (std::exchange(is_taken[v], std::uint8_t{1}) == 0) out.push_back(v);
+  };
+  for (const auto& [excess, c] : cells) {
+    if (out.size() >= room) break;
     const CVertexId v = partition().site[c];
-    out.push_back(v);
-    for (const CVertexGraph::Neighbour& n : ground_->graph.row(v)) out.push_back(n.id);
+    take(v);
+    for (const CVertexGraph::Neighbour& n : ground_->graph.row(v)) take(n.id);
   }
   std::sort(out.begin(), out.end());
-  out.erase(std::unique(out.begin(), out.end()), out.end());
   return out;
 }
 
