@@ -14,6 +14,7 @@
 
 #include "core/parallel.h"
 #include "core/vector_math.h"
+#include "cover/halving_covering.h"
 #include "cover/repair.h"
 #include "embed/meeting_corners.h"
 #include "mesh/outward.h"
@@ -77,6 +78,9 @@ void check_options(const ExtractOptions& options) {
     }
   }
 }
+
+// The paper's figure 4 knows no persistence.
+float default_persistence(CoveringStrategy strategy) { return strategy == CoveringStrategy::halving ? 0.0f : 1.5f; }
 
 // What the options ask to leave out, largest first.
 std::vector<DroppedComponent> drop_small_components(SurfaceComplex& complex, const Components& components, const ExtractOptions& options,
@@ -227,9 +231,16 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   const CVertexGraph graph = make_graph(complex);
   CoveringOptions cover;
   cover.max_radius = static_cast<float>(max_radius);
-  cover.event_persistence = options.event_persistence ? voxels(*options.event_persistence) : 1.5f;
+  cover.event_persistence = options.event_persistence ? voxels(*options.event_persistence) : default_persistence(options.covering);
   cover.first_stage = 4;
   Covering covering(graph, cover);
+  if (options.covering == CoveringStrategy::halving) {
+    const DiskCovering disks = cover_by_halving(graph, cover, control);
+    std::vector<Covering::Radius> radii;
+    radii.reserve(disks.sites.size());
+    for (std::size_t k = 0; k < disks.sites.size(); ++k) radii.push_back({disks.sites[k], disks.radii[k]});
+    covering.seed(disks.sites, radii);
+  }
   covering.cover(control);
   clock.finished("cover");
 
