@@ -59,8 +59,8 @@ class Halving {
   EventFinder events_;
   float max_radius_;
   std::vector<CVertexId> site_;          // per disk
-  std::vector<std::uint8_t> halvings_;   // per disk the i of R_g / 2^i; below 255, since a float has no more powers of two
-  std::vector<std::uint8_t> bin_;        // per c-vertex the largest i it was told, forbidden or not
+  std::vector<std::uint16_t> halvings_;  // per disk the i of R_g / 2^i
+  std::vector<std::uint16_t> bin_;       // per c-vertex the largest i it was told, forbidden or not
   KeyHeap<std::greater<>> bins_;         // see bin_key(); what is out of date is dropped when popped
   std::vector<std::uint32_t> disks_of_;  // per c-vertex, the first entry of its list; kNone: in no disk, so not forbidden
   std::vector<Entry> entries_;
@@ -95,7 +95,7 @@ DiskCovering Halving::cover(const RunControl& control) {
   DiskCovering out;
   out.sites = site_;
   out.radii.reserve(site_.size());
-  for (const std::uint8_t i : halvings_) out.radii.push_back(radius(i));
+  for (const std::uint16_t i : halvings_) out.radii.push_back(radius(i));
   return out;
 }
 
@@ -117,7 +117,7 @@ void Halving::place(CVertexId v) {
 
   const DiskId disk = static_cast<DiskId>(site_.size());
   site_.push_back(v);
-  halvings_.push_back(static_cast<std::uint8_t>(last));
+  halvings_.push_back(static_cast<std::uint16_t>(last));
   int i = last;
   for (const Reached& x : ball_) {
     if (x.distance < radius(last)) {
@@ -194,7 +194,7 @@ void Halving::grow(CVertexId centre, float radius) {
 
 void Halving::put_into_bin(CVertexId v, int i) {
   if (i <= bin_[v]) return;
-  bin_[v] = static_cast<std::uint8_t>(i);
+  bin_[v] = static_cast<std::uint16_t>(i);
   if (!is_forbidden(v)) bins_.push(bin_key(v));
 }
 
@@ -224,6 +224,24 @@ void Halving::allow(CVertexId v, DiskId disk) {
 
 DiskCovering cover_by_halving(const CVertexGraph& graph, const CoveringOptions& options, const RunControl& control) {
   return Halving(graph, options).cover(control);
+}
+
+void cover_from(const DiskCovering& disks, const CVertexGraph& graph, Covering& covering, const RunControl& control) {
+  std::vector<Covering::Radius> radii;
+  radii.reserve(disks.sites.size());
+  for (std::size_t k = 0; k < disks.sites.size(); ++k) radii.push_back({disks.sites[k], disks.radii[k]});
+  covering.seed(disks.sites, radii);
+
+  const Partition& partition = covering.partition();
+  for (bool again = true; again;) {  // ends: whatever is uncovered here brings a site
+    covering.cover(control);
+    again = false;
+    for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
+      if (!graph.on_boundary[v] || graph.on_boundary[partition.site[partition.cell_of[v]]]) continue;
+      covering.lower_radius(v, covering.distance()[v]);
+      again = true;
+    }
+  }
 }
 
 }  // namespace isoatlas

@@ -22,4 +22,8 @@ struct DiskCovering {
 /// @cost a Dijkstra over three radii per disk, one over a radius per halving; see there for what that comes to
 DiskCovering cover_by_halving(const CVertexGraph& graph, const CoveringOptions& options, const RunControl& control);
 
+/// Starts from these disks, and adds sites until no interior site owns a boundary c-vertex, of which the paper does not speak.
+/// @pre nothing was inserted yet
+void cover_from(const DiskCovering& disks, const CVertexGraph& graph, Covering& covering, const RunControl& control);
+
 }  // namespace isoatlas

@@ -235,13 +235,10 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   cover.first_stage = 4;
   Covering covering(graph, cover);
   if (options.covering == CoveringStrategy::halving) {
-    const DiskCovering disks = cover_by_halving(graph, cover, control);
-    std::vector<Covering::Radius> radii;
-    radii.reserve(disks.sites.size());
-    for (std::size_t k = 0; k < disks.sites.size(); ++k) radii.push_back({disks.sites[k], disks.radii[k]});
-    covering.seed(disks.sites, radii);
+    cover_from(cover_by_halving(graph, cover, control), graph, covering, control);
+  } else {
+    covering.cover(control);
   }
-  covering.cover(control);
   clock.finished("cover");
 
   control.report("certify", 0);
