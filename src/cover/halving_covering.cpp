@@ -129,7 +129,8 @@ void Halving::place(CVertexId v) {
   }
 }
 
-// Figure 7, with a stack for its recursion: the last disk is looked at until it is right, then the one before once more.
+// Figure 7, with a stack for its recursion: the last disk is looked at until it is right, then the one before once more. Ends: a
+// disk is halved only while it is more than twice as large as another, so none gets smaller than the first one.
 void Halving::enforce_radius_constraints(DiskId first) {
   to_check_.assign(1, first);
   while (!to_check_.empty()) {
@@ -158,15 +159,16 @@ void Halving::halve(DiskId disk) {
 }
 
 Halving::Meeting Halving::meeting(DiskId disk) {
+  const auto is_smaller = [&](DiskId a, DiskId b) { return halvings_[a] != halvings_[b] ? halvings_[a] > halvings_[b] : a < b; };
+  const auto is_larger = [&](DiskId a, DiskId b) { return halvings_[a] != halvings_[b] ? halvings_[a] < halvings_[b] : a < b; };
   Meeting out;
   grow(site_[disk], radius(halvings_[disk]));
   for (const Reached& x : ball_) {
     for (std::uint32_t e = disks_of_[x.id]; e != kNone; e = entries_[e].next) {
       const DiskId other = entries_[e].disk;
       if (other == disk) continue;
-      const auto better = [&](DiskId old, int more) { return old == kNone || more > 0 || (more == 0 && other < old); };
-      if (better(out.smallest, out.smallest == kNone ? 0 : halvings_[other] - halvings_[out.smallest])) out.smallest = other;
-      if (better(out.largest, out.largest == kNone ? 0 : halvings_[out.largest] - halvings_[other])) out.largest = other;
+      if (out.smallest == kNone || is_smaller(other, out.smallest)) out.smallest = other;
+      if (out.largest == kNone || is_larger(other, out.largest)) out.largest = other;
     }
   }
   return out;
