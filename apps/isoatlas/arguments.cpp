@@ -281,8 +281,7 @@ volume.
   });
   add_value(*command, kMesh, "--covering", "NAME", R"(
 How disks cover the surface. radius-field: their radii follow a field that grows slowly away from where it has to be
-small. halving: the paper's own, for comparison: radii are halved until neighbours fit; many more triangles. Default:
-radius-field.
+small. halving: the paper's own, for comparison: radii are halved until neighbours fit. Default: radius-field.
 )", [&](const std::string& text) {
     options.covering =
         choose<CoveringStrategy>({{"radius-field", CoveringStrategy::radius_field}, {"halving", CoveringStrategy::halving}}, text);

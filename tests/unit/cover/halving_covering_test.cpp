@@ -99,7 +99,12 @@ TEST(HalvingCovering, EventsHalveTheRadius) {
   const CVertexGraph graph = make_graph(tube(12, 41));
   const DiskCovering disks = cover_by_halving(graph, options(16), {});
   EXPECT_EQ(disks.radii, std::vector<float>(disks.radii.size(), 4));
-  EXPECT_EQ(disks.sites.front(), 0u) << "the lowest bin's first c-vertex on the boundary";
+  // Bin 0 is what is three radii away from all disks; in it boundary c-vertices, then the others, go first as they are numbered.
+  EXPECT_EQ(disks.sites[0], 0u);
+  EXPECT_EQ(disks.sites[1], 12 * 40u) << "at the other end";
+  const std::vector<double> d = slow_distances(graph, {0});
+  EXPECT_GE(d[disks.sites[2]], 12);
+  EXPECT_LT(d[disks.sites[2]], 13.5);
 }
 
 // Small disks on the chimney, and from one that meets another to the next no more than a factor of two.
