@@ -279,9 +279,16 @@ volume.
     arguments.max_radius = parse_length(text);
     if (arguments.max_radius->value == 0) refuse("expected a length above 0, got " + in_quotes(text));
   });
+  add_value(*command, kMesh, "--covering", "NAME", R"(
+How disks cover the surface. radius-field: their radii follow a field that grows slowly away from where it has to be
+small. halving: the paper's own, for comparison: radii are halved until neighbours fit. Default: radius-field.
+)", [&](const std::string& text) {
+    options.covering =
+        choose<CoveringStrategy>({{"radius-field", CoveringStrategy::radius_field}, {"halving", CoveringStrategy::halving}}, text);
+  });
   add_value(*command, kMesh, "--event-persistence", "LENGTH", R"(
 Holes in a growing disk that close again within this length do not limit it. Larger ignores more noise in the choice of
-triangle sizes; topology is kept whatever the value. Default: 1.5vx.
+triangle sizes; topology is kept whatever the value. Default: 1.5vx; with --covering halving 0.
 )", [&](const std::string& text) { arguments.event_persistence = parse_length(text); });
   add_value(*command, kMesh, "--placement", "WHERE", R"(
 Where vertices sit: on the surface, the same in all levels; or balanced, in each level moved so that the mesh lies evenly

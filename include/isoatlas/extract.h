@@ -15,6 +15,12 @@
 
 namespace isoatlas {
 
+/// How stage one covers the surface by disks; certificate and repair have the last word either way (docs/theory/04-covering.md).
+enum class CoveringStrategy : std::uint8_t {
+  radius_field,  ///< a radius per c-vertex that grows by a third of the distance at most, sites farthest first
+  halving,       ///< the paper's own: bins of radii R_g / 2^i, every radius halved until it fits its neighbours'
+};
+
 struct ExtractOptions {
   double isovalue = 0;
   Inside inside = Inside::above;
@@ -23,7 +29,8 @@ struct ExtractOptions {
   Space space = Space::lps;
   /// Largest disk radius R_g of the paper's stage one, world units; none: half the longest side of the volume.
   std::optional<double> max_radius;
-  /// Topological events that close again within this length do not limit a disk, world units; none: 1.5 voxels.
+  CoveringStrategy covering = CoveringStrategy::radius_field;
+  /// Topological events that close again within this length do not limit a disk, world units; none: 1.5 voxels, with halving 0.
   std::optional<double> event_persistence;
   /// false puts c-vertices at the plain average of their nodes, as the paper has it (up to 0.2 voxel off the surface).
   bool vertices_on_surface = true;

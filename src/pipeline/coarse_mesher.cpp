@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/vector_math.h"
+#include "cover/halving_covering.h"
 #include "mesh/outward.h"
 #include "refine/relax.h"
 #include "surface/area_vectors.h"
@@ -64,7 +65,14 @@ CoarseMesher::CoarseMesher(AdaptiveSurface& surface, Coarsened& coarser, const C
   stand_ = std::make_unique<Stand>(is_coarser() ? coarser_.complex : surface_.complex(), cover_);
 }
 
-void CoarseMesher::cover(const RunControl& control) { stand_->covering.cover(control); }
+void CoarseMesher::cover(const RunControl& control) {
+  auto& [complex, graph, covering, dual] = *stand_;
+  if (options_.covering == CoveringStrategy::halving) {
+    cover_from(cover_by_halving(graph, cover_, control), graph, covering, control);
+  } else {
+    covering.cover(control);
+  }
+}
 
 void CoarseMesher::certify(LevelReport& report, const RunControl& control) { stand_->dual.certify(report.certificate, control); }
 

@@ -74,6 +74,9 @@ void check_options(const ExtractOptions& options) {
   }
 }
 
+// The paper's figure 4 knows no persistence.
+float default_persistence(CoveringStrategy strategy) { return strategy == CoveringStrategy::halving ? 0.0f : 1.5f; }
+
 // What the options ask to leave out, largest first.
 std::vector<DroppedComponent> drop_small_components(SurfaceComplex& complex, const Components& components, const ExtractOptions& options,
                                                     const Grid& grid) {
@@ -177,7 +180,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   control.report("cover", 0);
   CoveringOptions cover;
   cover.max_radius = static_cast<float>(max_radius);
-  cover.event_persistence = options.event_persistence ? voxels(*options.event_persistence) : 1.5f;
+  cover.event_persistence = options.event_persistence ? voxels(*options.event_persistence) : default_persistence(options.covering);
   cover.first_stage = 4;
   CoarseMesher mesher(surface, coarser, cover, options);
   mesher.cover(control);

@@ -44,6 +44,8 @@ std::string_view text(Space space) {
   return "";
 }
 
+std::string_view text(CoveringStrategy strategy) { return strategy == CoveringStrategy::radius_field ? "radius-field" : "halving"; }
+
 std::string_view text(Placement placement) { return placement == Placement::surface ? "surface" : "balanced"; }
 
 Json goals_value(const std::vector<LevelGoal>& goals) {
@@ -113,6 +115,7 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
   json["parameters"] = {{"non_finite", text(options.non_finite)},
                         {"space", text(options.space)},
                         {"max_radius", to_value(options.max_radius)},
+                        {"covering", text(options.covering)},
                         {"event_persistence", to_value(options.event_persistence)},
                         {"min_component_size", options.min_component_size},
                         {"keep_components", options.keep_components},

@@ -142,7 +142,7 @@ def options_in(text):
 
 class Help(ToolTest):
     OPTIONS = {
-        "extract": "--iso -o --output --report --inside --topology --coarse --max-radius --event-persistence --threads --nan --space "
+        "extract": "--iso -o --output --report --inside --topology --coarse --max-radius --covering --event-persistence --threads --nan --space "
                    "--raw-size --raw-type --raw-spacing --raw-endian -q --quiet -v --verbose -h --help "
                    "--refine --max-distance --mean-distance --area-curvature --area-curvature-smooth --geodesic-ratio "
                    "--normal-angle --max-vertices --min-vertices --min-edge --max-edge --min-aspect --placement "
@@ -234,6 +234,22 @@ class Extract(ToolTest):
             meshes.append((self.folder / "s.off").read_bytes())
         self.assertEqual(len(set(meshes)), 1)
         self.succeed("extract", "s.nrrd", "--iso", "0", "--event-persistence", "0", "-o", "s.off", "-q", "--coarse")
+
+    def test_covering(self):
+        self.put_sphere(n=24)
+        arguments = ["extract", "sphere.nrrd", "--iso", "0", "--coarse", "-q", "--report", "s.json"]
+        meshes, said = {}, {}
+        for name in (None, "radius-field", "halving"):
+            self.succeed(*arguments, *(["--covering", name] if name else []), "-o", "s.off")
+            meshes[name] = (self.folder / "s.off").read_bytes()
+            report = json.loads((self.folder / "s.json").read_text())
+            said[name] = report["parameters"]["covering"]
+            self.assertIs(report["levels"][0]["certificate"]["passed"], True)
+            self.assertEqual(report["levels"][0]["kinds"], [{"genus": 0, "boundary_loops": 0, "count": 1}])
+        self.assertEqual(said, {None: "radius-field", "radius-field": "radius-field", "halving": "halving"})
+        self.assertEqual(meshes[None], meshes["radius-field"])
+        self.assertNotEqual(meshes[None], meshes["halving"])
+        self.succeed("extract", "sphere.nrrd", "--iso", "0", "--covering", "halving", "--refine", "max-distance:0.5vx", "-o", "s.off", "-q")
 
     def test_inside_below_is_the_negated_volume(self):
         self.put_sphere("a.nrrd")
@@ -419,6 +435,7 @@ class BadArguments(ToolTest):
             "--keep-components": ["0", "-1", "1.5", "all", ""],
             "--max-radius": ["0", "-1", "3 furlongs", "vx", "mm", "1vxmm", "inf", "nanmm", "", "2.5 mm", "1e999"],
             "--event-persistence": ["-1", "abc", "3px", "infvx"],
+            "--covering": ["bins", "", "Halving", "radius_field", "halving,radius-field"],
             "--threads": ["-1", "1.5", "many", "", "99999999999"],
             "--inside": ["outside", "", "0"],
             "--topology": ["cubic", "", "Faces"],

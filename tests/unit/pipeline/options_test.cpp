@@ -280,7 +280,9 @@ TEST(Extremes, RadiusAndPersistenceOfAnyLength) {
     ExtractOptions radius, persistence;
     radius.max_radius = length;
     persistence.event_persistence = length;
-    for (const ExtractOptions& options : {radius, persistence}) {
+    ExtractOptions halving = radius;
+    halving.covering = CoveringStrategy::halving;
+    for (const ExtractOptions& options : {radius, persistence, halving}) {
       const Extraction e = extract(volume, options);
       EXPECT_EQ(e.finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 1}})) << length;
     }
@@ -337,6 +339,8 @@ TEST(Extremes, EveryRadiusAndPersistenceIsCertified) {
       o.max_radius = radius;
       o.event_persistence = persistence;
       EXPECT_EQ(extract(to_volume(s), o).finest().topology.kinds, kinds) << radius << " " << persistence;
+      o.covering = CoveringStrategy::halving;
+      EXPECT_EQ(extract(to_volume(s), o).finest().topology.kinds, kinds) << radius << " " << persistence << ", halving";
     }
   }
   ExtractOptions plain;
