@@ -100,6 +100,10 @@ Topology parse_topology(const std::string& text) {
   return choose<Topology>({{"faces", Topology::faces}, {"trilinear", Topology::trilinear}}, text);
 }
 
+Interpolation parse_interpolation(const std::string& text) {
+  return choose<Interpolation>({{"trilinear", Interpolation::trilinear}, {"tricubic", Interpolation::tricubic}}, text);
+}
+
 NonFinite parse_non_finite(const std::string& text) {
   return choose<NonFinite>({{"below", NonFinite::below}, {"above", NonFinite::above}}, text);
 }
@@ -253,6 +257,10 @@ isovalue is inside either way. Default: above.
 What the surface is inside a cell of the volume. faces: one disk for every closed loop on the cell's faces. trilinear:
 what the trilinear interpolant has there; it can join two loops by a tunnel. Default: faces.
 )", [&](const std::string& text) { options.topology = parse_topology(text); });
+  add_value(*command, kSurface, "--interpolation", "NAME", R"(
+What the surface is between samples, for where vertices are and for all distances: trilinear or tricubic. Tricubic is
+smooth. The topology is the same. Default: trilinear.
+)", [&](const std::string& text) { options.interpolation = parse_interpolation(text); });
 
   add_value(*command, kSurface, "--min-component-size", "SIZE", R"(
 Leave out components that enclose less: 10vx is ten voxels, 2.5 or 2.5mm3 are world units cubed. One that the volume's
@@ -362,6 +370,9 @@ Which samples are inside, above or below the isovalue; says which way triangles 
   CLI::Option* nan = add_value(*command, kDistance, "--nan", "SIDE", R"(
 Where NaN is, below or above the isovalue; NaN and infinite samples are refused without it.
 )", [&](const std::string& text) { options.non_finite = parse_non_finite(text); });
+  CLI::Option* interpolation = add_value(*command, kDistance, "--interpolation", "NAME", R"(
+What the isosurface is between samples, trilinear or tricubic, as for `isoatlas extract`. Default: trilinear.
+)", [&](const std::string& text) { options.interpolation = parse_interpolation(text); });
   CLI::Option* space = add_value(*command, kDistance, "--space", "SPACE", R"(
 Coordinates of the mesh: lps, ras or voxel, as for `isoatlas extract`. Default: what the file says (SPACE=... in its
 header or comments), else lps.
@@ -373,7 +384,7 @@ Default: 200000.
   add_raw_layout(*command, arguments.raw, volume);
 
   volume->needs(iso);
-  for (CLI::Option* option : {iso, inside, nan, space, samples}) option->needs(volume);
+  for (CLI::Option* option : {iso, inside, nan, interpolation, space, samples}) option->needs(volume);
   return command;
 }
 // clang-format on

@@ -26,6 +26,8 @@ struct ExtractOptions {
   Inside inside = Inside::above;
   NonFinite non_finite = NonFinite::refuse;
   Topology topology = Topology::faces;
+  /// What is between samples, to place vertices and to measure distances; the topology is the same.
+  Interpolation interpolation = Interpolation::trilinear;
   Space space = Space::lps;
   /// Largest disk radius R_g of the paper's stage one, world units; none: half the longest side of the volume.
   std::optional<double> max_radius;
@@ -45,7 +47,7 @@ struct ExtractOptions {
   /// false: in every level cells are made smaller where triangles meet others where they should not, until none does or cells are
   /// as small as they can be; what is left then is counted. Not the default before nothing can be left.
   bool allow_self_intersections = true;
-  /// Measure every level against the trilinear isosurface with that many samples in each direction; 0: do not.
+  /// Measure every level against the isosurface with that many samples in each direction; 0: do not.
   std::size_t measure_samples = 0;
 };
 

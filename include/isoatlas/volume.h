@@ -65,6 +65,12 @@ enum class Inside { above, below };
 /// keep the side their sign says.
 enum class NonFinite { refuse, below, above };
 
+/// Where the surface is between samples. Its topology is decided by the samples, whichever it is.
+enum class Interpolation : std::uint8_t {
+  trilinear,
+  tricubic,  ///< Catmull-Rom splines along the three axes, samples beyond the border as on it: smooth, and through the samples
+};
+
 /// Coordinates of the mesh. lps: the volume's world as ITK gives it; ras: the same with x and y negated;
 /// voxel: sample-index coordinates, sample (0,0,0) at the origin.
 enum class Space { lps, ras, voxel };

@@ -283,9 +283,10 @@ Measurement measure(const TriangleMesh& mesh, const VolumeView& volume, const Me
   control.report("surface", 0);
   ParseOptions parse;
   parse.rule = {options.isovalue, options.inside, options.non_finite};
+  parse.interpolation = options.interpolation;
   SurfaceComplex complex = parse_surface(in_voxels, parse, control);
   if (complex.faces.empty()) throw_empty_surface(volume, options.isovalue);
-  const Isosurface surface(in_voxels, parse.rule, complex);
+  const Isosurface surface(in_voxels, parse.rule, complex, options.interpolation);
   complex = {};
 
   Measurement out = measure(index, surface, options.samples, control);

@@ -182,6 +182,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   ParseOptions parse;
   parse.rule = {options.isovalue, options.inside, options.non_finite};
   parse.topology = options.topology;
+  parse.interpolation = options.interpolation;
   parse.vertices_on_surface = options.vertices_on_surface;
   SurfaceComplex whole = parse_surface(in_voxels, parse, control);
   if (whole.faces.empty()) throw_empty_surface(volume, options.isovalue);

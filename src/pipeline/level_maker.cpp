@@ -27,7 +27,7 @@ LevelMaker::LevelMaker(const LevelSource& source, const ExtractOptions& options,
     : source_(source),
       options_(options),
       control_(control),
-      isosurface_(source.volume, source.rule, source.surface),
+      isosurface_(source.volume, source.rule, source.surface, options.interpolation),
       refiner_(source.surface, isosurface_, source.coarser, source.options, source.covering, !options.allow_self_intersections) {}
 
 Vec3 LevelMaker::to_space(Vec3 index) const {

@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <optional>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -49,6 +50,12 @@ struct DoubleFace {  // an ambiguous grid face whose two segments both join the 
 struct TunnelCell {
   std::uint32_t cell;
   std::size_t cy, cz;
+};
+
+// What places points in a cell.
+struct CellValues {
+  std::array<double, 8> corner;
+  std::optional<TricubicCell> cubic;
 };
 
 struct Slice {  // all cells with one cz
@@ -156,10 +163,21 @@ class Parser {
     return out;
   }
 
-  std::array<double, 8> values(const std::array<std::size_t, 8>& sample) const {
+  CellValues values(const std::array<std::size_t, 3>& c) const {
+    const auto in_range = [](const auto& f) { return std::is_same_v<T, double> ? tamed(f) : f; };
+    const std::array<std::size_t, 8> sample = sample_indices(c[0], c[1], c[2]);
     std::array<double, 8> f;
     for (std::size_t k = 0; k < 8; ++k) f[k] = field_[sample[k]];
-    return std::is_same_v<T, double> ? tamed(f) : f;
+    CellValues out{in_range(f), {}};
+    if (options_.interpolation == Interpolation::tricubic) {
+      const auto along = [&](int axis) {
+        const std::size_t low = sample_of(c[axis], axis), n = size_[axis];
+        // In the layer around the volume nothing changes across it.
+        return c[axis] == 0 || c[axis] == n ? std::array{low, low, low, low} : cubic_samples(low, n);
+      };
+      out.cubic.emplace(in_range(values_around(field_, size_, {along(0), along(1), along(2)})));
+    }
+    return out;
   }
 
   // Which of the ambiguous faces of a cell join their inside corners: the saddle of the bilinear interpolant is inside.
@@ -244,6 +262,14 @@ class Parser {
     const double t = low / (low - high);
     return t > kMargin ? std::min(t, 1 - kMargin) : kMargin;  // also for a NaN of 0/0
   }
+  // The same for the spline through four values, two of them at the ends.
+  static double node_parameter(const std::array<double, 4>& f, double start) {
+    const double t = zero_between(f[1] >= f[2], start, [&](double s) {
+      const CubicWeights w(s);
+      return std::pair(weighted(w.value, f.data()), weighted(w.slope, f.data()));
+    });
+    return std::clamp(t, kMargin, 1 - kMargin);
+  }
 
   void place_c_vertices(std::size_t cz) {
     const CVertexId first = slices_[cz].first_c_vertex;
@@ -252,8 +278,7 @@ class Parser {
         const Cell& cell = cells_[i];
         const CellLoops& loops = table_[cell.loops];
         const std::array<std::size_t, 3> c{cell.x, cy, cz};
-        const std::array<std::size_t, 8> sample = sample_indices(cell.x, cy, cz);
-        const std::array<double, 8> f = values(sample);
+        const CellValues f = values(c);
 
         std::array<Vec3, kMostSurfels> sum{};
         std::array<int, kMostSurfels> nodes{};
@@ -280,7 +305,7 @@ class Parser {
         }
         for (std::size_t surfel = 0; surfel < loops.surfels; ++surfel) {
           Vec3 p = (1.0 / nodes[surfel]) * sum[surfel];
-          if (options_.vertices_on_surface) p = onto_surface(f, p);
+          if (options_.vertices_on_surface) p = f.cubic ? onto_surface(*f.cubic, p) : onto_surface(TrilinearCell(f.corner), p);
           const CVertexId id = first + cell.first_c_vertex + static_cast<CVertexId>(surfel);
           complex_.positions[id] = {low[0] + width[0] * p.x, low[1] + width[1] * p.y, low[2] + width[2] * p.z};
           complex_.on_boundary[id] = layer;
@@ -298,18 +323,19 @@ class Parser {
     return out;
   }
 
-  static Vec3 node_in_cell(const std::array<double, 8>& f, int edge) {
+  static Vec3 node_in_cell(const CellValues& f, int edge) {
     const auto [low, high] = edge_corners(edge);
-    const double t = node_parameter(f[low], f[high]);
     const int axis = edge / 4;
+    double t = node_parameter(f.corner[low], f.corner[high]);
+    if (f.cubic) t = node_parameter(f.cubic->along(low, axis), t);
     Vec3 p{static_cast<double>(low & 1), static_cast<double>(low >> 1 & 1), static_cast<double>(low >> 2 & 1)};
     (axis == 0 ? p.x : axis == 1 ? p.y : p.z) = t;
     return p;
   }
 
-  // Two Newton steps along the gradient onto the trilinear isosurface, never out of the cell, never farther from it.
-  Vec3 onto_surface(const std::array<double, 8>& f, const Vec3 start) const {
-    const TrilinearCell cell(f);
+  // Two Newton steps along the gradient onto the isosurface, never out of the cell, never farther from it.
+  template <class Cell>
+  Vec3 onto_surface(const Cell& cell, const Vec3 start) const {
     Vec3 best = start, p = start;
     double best_value = std::abs(cell.value(start));
     double value = cell.value(start);
@@ -439,7 +465,7 @@ class Parser {
       for (const DoubleFace& d : slice.double_faces) split_double_segments(d, nodes, middles);
       for (const TunnelCell& t : slice.tunnel_cells) {
         const std::array<std::size_t, 3> c{cells_[t.cell].x, t.cy, t.cz};
-        const std::array<double, 8> f = values(sample_indices(c[0], c[1], c[2]));
+        const CellValues f = values(c);
         for (unsigned rest = cut_edges(table_[cells_[t.cell].loops]); rest != 0; rest &= rest - 1) {
           nodes.push_back(node_on(c, f, std::countr_zero(rest), true));
         }
@@ -498,7 +524,7 @@ class Parser {
     const std::array<std::size_t, 3> c{cell.x, d.cy, d.cz};
     const CVertexId a = c_vertex(cell, d.cz, face_edge_along_u(axis, 0, 0), axis);
     const CVertexId b = c_vertex(cells_[d.neighbour], axis == 2 ? d.cz - 1 : d.cz, face_edge_along_u(axis, 1, 0), axis);
-    const std::array<double, 8> f = values(sample_indices(c[0], c[1], c[2]));
+    const CellValues f = values(c);
     const bool around_inside = !((loops.joined_faces >> (2 * axis)) & 1);
     for (int bu = 0; bu < 2; ++bu) {
       for (int bv = 0; bv < 2; ++bv) {
@@ -514,8 +540,8 @@ class Parser {
     ++complex_.double_segments;
   }
 
-  // The node on an edge of cell c, whose corners are f.
-  Node node_on(std::array<std::size_t, 3> c, const std::array<double, 8>& f, int edge, bool is_cut) const {
+  // The node on an edge of cell c, whose values are f.
+  Node node_on(std::array<std::size_t, 3> c, const CellValues& f, int edge, bool is_cut) const {
     const Vec3 p = node_in_cell(f, edge);
     const auto along = [&](int axis, double x) {
       const std::size_t at = c[static_cast<std::size_t>(axis)];

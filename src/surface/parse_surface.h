@@ -10,8 +10,9 @@ namespace isoatlas {
 
 struct ParseOptions {
   InsideRule rule;
-  bool vertices_on_surface = true;  ///< Newton steps onto the trilinear isosurface; false: plain average of the nodes
+  bool vertices_on_surface = true;  ///< Newton steps onto the isosurface; false: plain average of the nodes
   Topology topology = Topology::faces;
+  Interpolation interpolation = Interpolation::trilinear;  ///< on which surface points are placed
 };
 
 /// The reference surface of a volume at an isovalue, as a surface complex: one c-vertex per surfel, one face per node.

@@ -146,9 +146,9 @@ class Help(ToolTest):
                    "--raw-size --raw-type --raw-spacing --raw-endian -q --quiet -v --verbose -h --help "
                    "--refine --max-distance --mean-distance --area-curvature --area-curvature-smooth --geodesic-ratio "
                    "--normal-angle --max-vertices --min-vertices --min-edge --max-edge --min-aspect --placement "
-                   "--glb-per-level --measure --measure-samples --min-component-size --keep-components",
+                   "--glb-per-level --measure --measure-samples --min-component-size --keep-components --interpolation",
         "info": "--raw-size --raw-type --raw-spacing --raw-endian -h --help",
-        "check": "--json --self-intersections --volume --iso --inside --nan --space --samples --raw-size --raw-type --raw-spacing --raw-endian -h --help",
+        "check": "--json --self-intersections --volume --iso --inside --nan --interpolation --space --samples --raw-size --raw-type --raw-spacing --raw-endian -h --help",
         "levels": "--json -h --help",
     }
 
@@ -252,6 +252,21 @@ class Extract(ToolTest):
             self.assertEqual(report["reference"]["tunnels"], tunnels)
             self.assertEqual(report["levels"][-1]["components"], components)
             self.assertEqual(report["levels"][-1]["boundary_loops"], 2)
+
+    def test_interpolation(self):
+        self.put("s.nrrd", nrrd(sphere((20, 20, 20)), (20, 20, 20), "float"))
+        reports, distances = {}, {}
+        for name in ("trilinear", "tricubic"):
+            self.succeed("extract", "s.nrrd", "--iso", "0", "-o", f"{name}.off", "--report", "s.json", "-q", "--interpolation", name)
+            reports[name] = json.loads((self.folder / "s.json").read_text())
+            self.assertEqual(reports[name]["parameters"]["interpolation"], name)
+            check = self.succeed("check", "--json", f"{name}.off", "--volume", "s.nrrd", "--iso", "0", "--interpolation", name)
+            distances[name] = json.loads(check)["distance"]
+            self.assertEqual(distances[name]["interpolation"], name)
+        self.assertEqual(reports["trilinear"]["reference"], reports["tricubic"]["reference"])
+        self.assertNotEqual(distances["trilinear"]["mean"], distances["tricubic"]["mean"])
+        self.assertIn("to the tricubic isosurface",
+                      self.succeed("check", "tricubic.off", "--volume", "s.nrrd", "--iso", "0", "--interpolation", "tricubic"))
 
     def test_spaces(self):
         self.put("s.nrrd", nrrd(sphere((20, 20, 20)), (20, 20, 20), "float", "space: left-posterior-superior",
@@ -422,6 +437,7 @@ class BadArguments(ToolTest):
             "--threads": ["-1", "1.5", "many", "", "99999999999"],
             "--inside": ["outside", "", "0"],
             "--topology": ["cubic", "", "Faces"],
+            "--interpolation": ["linear", "", "Tricubic", "cubic"],
             "--nan": ["refuse", ""],
             "--space": ["lpi", "LPS"],
             "--placement": ["here", ""],

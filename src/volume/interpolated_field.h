@@ -10,37 +10,40 @@
 
 namespace isoatlas {
 
-/// The trilinear field of a volume of any sample type, >= 0 inside and < 0 outside, at any point.
+/// The field of a volume of any sample type between its samples, >= 0 inside and < 0 outside, at any point.
 /// Immutable; any number of threads may ask at once. The volume's samples must outlive it.
-class TrilinearField {
+class InterpolatedField {
  public:
   /// @pre  every size >= 2
   /// @cost one pass over the samples if they are floating-point numbers and the rule admits NaN, else O(1)
-  TrilinearField(const VolumeView& volume, const InsideRule& rule);
+  InterpolatedField(const VolumeView& volume, const InsideRule& rule, Interpolation interpolation = Interpolation::trilinear);
 
   struct Value {
     double value;
     Vec3 gradient;  ///< per step of the sample index
   };
   /// In sample-index coordinates; a point outside the volume counts as the nearest one on its border. Between cells it is the
-  /// upper cell's gradient. Where samples of float64 are so large or small that products of them leave the range of double,
-  /// value and gradient are scaled, both alike.
+  /// upper cell's gradient; if tricubic, both cells have the same. Where samples of float64 are so large or small that products of them
+  /// leave the range of double, value and gradient are scaled, both alike.
   Value at(Vec3 p) const;
 
   /// The nearest point of the volume.
   Vec3 clamped(Vec3 p) const;
   Vec3 last() const { return last_; }  ///< the index of the last sample
+  Interpolation interpolation() const { return interpolation_; }
 
  private:
   struct Samples {
     virtual ~Samples() = default;
     virtual std::array<double, 8> corners(const std::array<std::size_t, 8>& sample) const = 0;
+    virtual std::array<double, 64> around(const std::array<std::size_t, 3>& cell) const = 0;
   };
   template <class T>
   struct SamplesOf;
 
   std::array<std::size_t, 3> size_;
   Vec3 last_;
+  Interpolation interpolation_;
   std::shared_ptr<const Samples> samples_;
 };
 
