@@ -259,8 +259,17 @@ what the trilinear interpolant has there; it can join two loops by a tunnel. Def
 )", [&](const std::string& text) { options.topology = parse_topology(text); });
   add_value(*command, kSurface, "--interpolation", "NAME", R"(
 What the surface is between samples, for where vertices are and for all distances: trilinear or tricubic. Tricubic is
-smooth. The topology is the same. Default: trilinear.
+smooth. The topology is the same, unless supersampled. Default: trilinear.
 )", [&](const std::string& text) { options.interpolation = parse_interpolation(text); });
+  add_value(*command, kSurface, "--supersample", "K", R"(
+Mesh the surface of the volume upsampled K times along each axis by the interpolation, for details that its grid is too
+coarse for. Takes an eighth of a byte for each of its samples, and as much more time and memory as there is more of the
+surface, about K*K. Default: 1.
+)", [&](const std::string& text) {
+    const auto factor = parse_whole<std::uint32_t>(text);
+    if (!factor || *factor == 0) refuse("expected a number above 0, got " + in_quotes(text));
+    options.supersample = *factor;
+  });
 
   add_value(*command, kSurface, "--min-component-size", "SIZE", R"(
 Leave out components that enclose less: 10vx is ten voxels, 2.5 or 2.5mm3 are world units cubed. One that the volume's
@@ -289,7 +298,7 @@ volume.
   });
   add_value(*command, kMesh, "--event-persistence", "LENGTH", R"(
 Holes in a growing disk that close again within this length do not limit it. Larger ignores more noise in the choice of
-triangle sizes; topology is kept whatever the value. Default: 1.5vx.
+triangle sizes; topology is kept whatever the value. Default: 1.5vx, over K with --supersample K.
 )", [&](const std::string& text) { arguments.event_persistence = parse_length(text); });
   add_value(*command, kMesh, "--placement", "WHERE", R"(
 Where vertices sit: on the surface, the same in all levels; or balanced, in each level moved so that the mesh lies evenly

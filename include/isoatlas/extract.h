@@ -26,12 +26,15 @@ struct ExtractOptions {
   Inside inside = Inside::above;
   NonFinite non_finite = NonFinite::refuse;
   Topology topology = Topology::faces;
-  /// What is between samples, to place vertices and to measure distances; the topology is the same.
+  /// What is between samples, to place vertices, to measure distances and to supersample; not supersampled, the topology is the same.
   Interpolation interpolation = Interpolation::trilinear;
+  /// The reference surface is that of the volume upsampled so many times along each axis by the interpolation; lengths in voxels remain
+  /// those of the volume, but for defaults that follow its grid.
+  std::uint32_t supersample = 1;
   Space space = Space::lps;
   /// Largest disk radius R_g of the paper's stage one, world units; none: half the longest side of the volume.
   std::optional<double> max_radius;
-  /// Topological events that close again within this length do not limit a disk, world units; none: 1.5 voxels.
+  /// Topological events that close again within this length do not limit a disk, world units; none: 1.5 voxels over `supersample`.
   std::optional<double> event_persistence;
   /// false puts c-vertices at the plain average of their nodes, as the paper has it (up to 0.2 voxel off the surface).
   bool vertices_on_surface = true;
@@ -154,7 +157,8 @@ struct Extraction {
 ///
 /// @throws Error(bad_argument)  size < 2 along an axis, spacing not positive or different by more than 1e6 between axes, origin or
 ///                              direction not finite, direction singular, isovalue not finite, max_radius <= 0, event_persistence < 0,
-///                              min_component_size < 0 or not finite, a bound that its quantity cannot have
+///                              supersample 0 or so large that there are too many samples, min_component_size < 0 or not finite, a bound
+///                              that its quantity cannot have
 /// @throws Error(unsupported)   NaN or infinity while non_finite is `refuse` (message: count and first index); a direction that is
 ///                              not orthonormal, unless `refine` and `coarse` are empty and nothing is to be measured
 /// @throws Error(empty_surface) no sample, or every sample, is inside (message: the range); every component was to be dropped

@@ -179,8 +179,8 @@ std::optional<Vec3> Isosurface::onto_surface(Vec3 p) const {
   return to_index(foot->point);
 }
 
-std::optional<Vec3> Isosurface::on_edge(const Vec3 low, int axis) const {
-  const Vec3 step{axis == 0 ? 1.0 : 0.0, axis == 1 ? 1.0 : 0.0, axis == 2 ? 1.0 : 0.0};
+std::optional<Vec3> Isosurface::on_edge(const Vec3 low, int axis, double length) const {
+  const Vec3 step{axis == 0 ? length : 0.0, axis == 1 ? length : 0.0, axis == 2 ? length : 0.0};
   const double f = field_.at(low).value, g = field_.at(low + step).value;
   if ((f >= 0) == (g >= 0)) return std::nullopt;
   const double linear = f / (f - g), start = std::isfinite(linear) ? linear : 0.5;

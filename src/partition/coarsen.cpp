@@ -33,7 +33,7 @@ class BlockRegions {
     const Vec3 s = complex.spacing;
     scale_ = {s.x / block_length, s.y / block_length, s.z / block_length};
     const double smallest = std::min({s.x, s.y, s.z});
-    levels_ = 1 + std::max(0, static_cast<int>(std::ceil(std::log2(block_length / smallest))));
+    levels_ = 1 + std::max(0, static_cast<int>(std::ceil(std::log2(complex.cells_per_step * block_length / smallest))));
     for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) block_[v] = block_at(v, 0);
     for (const Face& face : complex.faces) {
       for_each_side(face, [&](CVertexId a, CVertexId b) {

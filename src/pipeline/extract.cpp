@@ -63,6 +63,7 @@ void check_options(const ExtractOptions& options) {
   require(!options.event_persistence || (std::isfinite(*options.event_persistence) && *options.event_persistence >= 0),
           "the event persistence must be a length >= 0");
   require(std::isfinite(options.min_component_size) && options.min_component_size >= 0, "the smallest component must have a size >= 0");
+  require(options.supersample >= 1, "the factor of supersampling must be at least 1");
   std::vector<const LevelGoal*> goals{&options.coarse};
   for (const LevelGoal& goal : options.refine) goals.push_back(&goal);
   for (const LevelGoal* goal : goals) {
@@ -183,6 +184,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   parse.rule = {options.isovalue, options.inside, options.non_finite};
   parse.topology = options.topology;
   parse.interpolation = options.interpolation;
+  parse.supersample = options.supersample;
   parse.vertices_on_surface = options.vertices_on_surface;
   SurfaceComplex whole = parse_surface(in_voxels, parse, control);
   if (whole.faces.empty()) throw_empty_surface(volume, options.isovalue);
@@ -213,9 +215,10 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   const double max_radius = options.max_radius ? std::max(1e-4f, voxels(*options.max_radius)) : longest / 2;
 
   control.report("coarsen", 0);
-  const double block = std::min(kBlockVoxels, max_radius / kBlocksPerRadius);
+  const double cell = 1.0 / options.supersample;  // of the grid that was parsed, voxels
+  const double block = std::min(kBlockVoxels * cell, max_radius / kBlocksPerRadius);
   Coarsened coarser;
-  if (block >= kLeastBlockVoxels) {
+  if (block >= kLeastBlockVoxels * cell) {
     coarser = coarsen(surface, block, control);
     report.coarsening = coarser.certificate;
     report.coarser_c_vertices.push_back(coarser.complex.positions.size());
@@ -228,8 +231,8 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   const CVertexGraph graph = make_graph(complex);
   CoveringOptions cover;
   cover.max_radius = static_cast<float>(max_radius);
-  cover.event_persistence = options.event_persistence ? voxels(*options.event_persistence) : 1.5f;
-  cover.first_stage = 4;
+  cover.event_persistence = options.event_persistence ? voxels(*options.event_persistence) : static_cast<float>(1.5 * cell);
+  cover.first_stage = static_cast<float>(4 * cell);
   Covering covering(graph, cover);
   covering.cover(control);
   clock.finished("cover");

@@ -175,11 +175,12 @@ namespace {
 
 // The node of a face is on the grid edge around which the face's corners are, one in each of four cells.
 std::optional<Vec3> node_of(const Face& face, const SurfaceComplex& complex, const Isosurface& isosurface) {
+  const double cells_per_step = complex.cells_per_step, step = 1 / cells_per_step;
   std::array<double, 3> lowest, highest;
   lowest.fill(std::numeric_limits<double>::infinity());
   highest.fill(-std::numeric_limits<double>::infinity());
   for (int k = 0; k < face.size(); ++k) {
-    const Vec3& p = complex.positions[face.corner[k]];
+    const Vec3 p = cells_per_step * complex.positions[face.corner[k]];
     const std::array<double, 3> at{p.x, p.y, p.z};
     for (std::size_t a = 0; a < 3; ++a) {
       const double cell = at[a] == 0 ? -1 : std::floor(at[a]);  // on the border: in the layer around the volume
@@ -194,7 +195,7 @@ std::optional<Vec3> node_of(const Face& face, const SurfaceComplex& complex, con
     axis = a;
   }
   if (axis < 0 || lowest[axis] < 0) return std::nullopt;
-  return isosurface.on_edge({highest[0], highest[1], highest[2]}, axis);
+  return isosurface.on_edge(step * Vec3{highest[0], highest[1], highest[2]}, axis, step);
 }
 
 }  // namespace

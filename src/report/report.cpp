@@ -118,6 +118,7 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
                      {"topology", text(options.topology)}};
   json["parameters"] = {{"non_finite", text(options.non_finite)},
                         {"interpolation", text(options.interpolation)},
+                        {"supersample", options.supersample},
                         {"space", text(options.space)},
                         {"max_radius", to_value(options.max_radius)},
                         {"event_persistence", to_value(options.event_persistence)},

@@ -25,6 +25,7 @@
 #include "surface/cell_loops.h"
 #include "surface/tunnel_is_there.h"
 #include "volume/field.h"
+#include "volume/upsampled_field.h"
 
 namespace isoatlas {
 namespace {
@@ -67,22 +68,41 @@ struct Slice {  // all cells with one cz
   std::vector<TunnelCell> tunnel_cells;
 };
 
+// The volume's own samples; UpsampledField has those in between as well.
 template <class T>
+class VolumeField : public Field<T> {
+ public:
+  VolumeField(const VolumeView& volume, const InsideRule& rule) : Field<T>(volume, rule), size_(volume.grid.size) {}
+  static constexpr bool kAnyRange = std::is_same_v<T, double>;
+  const std::array<std::size_t, 3>& size() const { return size_; }
+  std::array<double, 64> around(const std::array<std::size_t, 3>& low, const std::array<bool, 3>& flat) const {
+    const auto along = [&](std::size_t a) {
+      return flat[a] ? std::array{low[a], low[a], low[a], low[a]} : cubic_samples(low[a], size_[a]);
+    };
+    return values_around(*this, size_, {along(0), along(1), along(2)});
+  }
+
+ private:
+  std::array<std::size_t, 3> size_;
+};
+
+template <class Samples>
 class Parser {
  public:
-  Parser(const VolumeView& volume, const ParseOptions& options, const RunControl& control, const SignBits& signs)
-      : size_(volume.grid.size),
-        spacing_(volume.grid.spacing),
+  Parser(const Samples& samples, Vec3 spacing, const ParseOptions& options, const RunControl& control, const SignBits& signs)
+      : size_(samples.size()),
+        spacing_(spacing),
         options_(options),
         control_(control),
         signs_(signs),
-        field_(volume, options.rule),
+        field_(samples),
         table_(CellLoopTable::get()) {}
 
   SurfaceComplex run() {
     find_cells();
     classify_cells();
     complex_.spacing = spacing_;
+    complex_.cells_per_step = options_.supersample;
     complex_.positions.resize(c_vertices_);
     complex_.on_boundary.assign(c_vertices_, 0);
     complex_.faces.resize(faces_);
@@ -104,6 +124,12 @@ class Parser {
 
   std::size_t sample_of(std::size_t extended, int axis) const {
     return extended == 0 ? 0 : std::min(extended - 1, size_[static_cast<std::size_t>(axis)] - 1);
+  }
+  bool in_layer(std::size_t c, int axis) const { return c == 0 || c == size_[static_cast<std::size_t>(axis)]; }
+  // From steps of the samples' grid to those of the volume's.
+  Vec3 to_index(Vec3 p) const {
+    const auto steps = static_cast<double>(options_.supersample);
+    return {p.x / steps, p.y / steps, p.z / steps};
   }
   std::size_t row_of(std::size_t cy, std::size_t cz) const { return cy + (size_[1] + 1) * cz; }
 
@@ -164,18 +190,19 @@ class Parser {
   }
 
   CellValues values(const std::array<std::size_t, 3>& c) const {
-    const auto in_range = [](const auto& f) { return std::is_same_v<T, double> ? tamed(f) : f; };
-    const std::array<std::size_t, 8> sample = sample_indices(c[0], c[1], c[2]);
-    std::array<double, 8> f;
-    for (std::size_t k = 0; k < 8; ++k) f[k] = field_[sample[k]];
-    CellValues out{in_range(f), {}};
+    const auto in_range = [](const auto& f) { return Samples::kAnyRange ? tamed(f) : f; };
+    CellValues out;
     if (options_.interpolation == Interpolation::tricubic) {
-      const auto along = [&](int axis) {
-        const std::size_t low = sample_of(c[axis], axis), n = size_[axis];
-        // In the layer around the volume nothing changes across it.
-        return c[axis] == 0 || c[axis] == n ? std::array{low, low, low, low} : cubic_samples(low, n);
-      };
-      out.cubic.emplace(in_range(values_around(field_, size_, {along(0), along(1), along(2)})));
+      // In the layer around the volume nothing changes across it.
+      const std::array<double, 64> f = in_range(field_.around({sample_of(c[0], 0), sample_of(c[1], 1), sample_of(c[2], 2)},
+                                                              {in_layer(c[0], 0), in_layer(c[1], 1), in_layer(c[2], 2)}));
+      for (std::size_t k = 0; k < 8; ++k) out.corner[k] = f[TricubicCell::corner(k)];
+      out.cubic.emplace(f);
+    } else {
+      const std::array<std::size_t, 8> sample = sample_indices(c[0], c[1], c[2]);
+      std::array<double, 8> f;
+      for (std::size_t k = 0; k < 8; ++k) f[k] = field_[sample[k]];
+      out.corner = in_range(f);
     }
     return out;
   }
@@ -300,14 +327,14 @@ class Parser {
         bool layer = false;
         for (int a = 0; a < 3; ++a) {
           low[a] = static_cast<double>(sample_of(c[a], a));
-          width[a] = c[a] == 0 || c[a] == size_[a] ? 0 : 1;
+          width[a] = in_layer(c[a], a) ? 0 : 1;
           layer |= width[a] == 0;
         }
         for (std::size_t surfel = 0; surfel < loops.surfels; ++surfel) {
           Vec3 p = (1.0 / nodes[surfel]) * sum[surfel];
           if (options_.vertices_on_surface) p = f.cubic ? onto_surface(*f.cubic, p) : onto_surface(TrilinearCell(f.corner), p);
           const CVertexId id = first + cell.first_c_vertex + static_cast<CVertexId>(surfel);
-          complex_.positions[id] = {low[0] + width[0] * p.x, low[1] + width[1] * p.y, low[2] + width[2] * p.z};
+          complex_.positions[id] = to_index({low[0] + width[0] * p.x, low[1] + width[1] * p.y, low[2] + width[2] * p.z});
           complex_.on_boundary[id] = layer;
         }
       }
@@ -546,9 +573,9 @@ class Parser {
     const auto along = [&](int axis, double x) {
       const std::size_t at = c[static_cast<std::size_t>(axis)];
       const double low = static_cast<double>(sample_of(at, axis));
-      return at == 0 || at == size_[static_cast<std::size_t>(axis)] ? low : low + x;
+      return in_layer(at, axis) ? low : low + x;
     };
-    const Vec3 position{along(0, p.x), along(1, p.y), along(2, p.z)};
+    const Vec3 position = to_index({along(0, p.x), along(1, p.y), along(2, p.z)});
     const int axis = edge / 4;
     c[static_cast<std::size_t>((axis + 1) % 3)] += edge & 1;
     c[static_cast<std::size_t>((axis + 2) % 3)] += edge >> 1 & 1;
@@ -594,7 +621,7 @@ class Parser {
   const ParseOptions& options_;
   const RunControl& control_;
   const SignBits& signs_;
-  Field<T> field_;
+  const Samples& field_;
   const CellLoopTable& table_;
 
   std::vector<std::uint32_t> row_first_;  // per row (cy, cz), its first cell; one more at the end
@@ -608,13 +635,19 @@ class Parser {
 }  // namespace
 
 SurfaceComplex parse_surface(const VolumeView& volume, const ParseOptions& options, const RunControl& control) {
-  const SignBits signs = classify(volume, options.rule, control);
-  if (!signs.any_inside || !signs.any_outside) {
-    SurfaceComplex empty;
-    empty.spacing = volume.grid.spacing;
-    return empty;
+  const auto parse = [&](const auto& samples, const SignBits& signs) {
+    return Parser(samples, volume.grid.spacing, options, control, signs).run();
+  };
+  SurfaceComplex empty;
+  empty.spacing = volume.grid.spacing;
+  if (options.supersample > 1) {
+    const UpsampledField samples(volume, options.rule, options.interpolation, options.supersample);
+    const SignBits signs = samples.classify(control);
+    return signs.any_inside && signs.any_outside ? parse(samples, signs) : empty;
   }
-  return visit_sample_type(volume.type, [&]<class T>(const T*) { return Parser<T>(volume, options, control, signs).run(); });
+  const SignBits signs = classify(volume, options.rule, control);
+  if (!signs.any_inside || !signs.any_outside) return empty;
+  return visit_sample_type(volume.type, [&]<class T>(const T*) { return parse(VolumeField<T>(volume, options.rule), signs); });
 }
 
 }  // namespace isoatlas

@@ -38,6 +38,7 @@ struct BoundarySide {
 struct SurfaceComplex {
   Vec3 spacing{1, 1, 1};                  ///< world length = length of (spacing * difference of positions)
   std::vector<Vec3> positions;            ///< per c-vertex, sample-index coordinates
+  std::uint32_t cells_per_step = 1;       ///< of a parsed one: cells per step of the sample index along an axis
   std::vector<std::uint8_t> on_boundary;  ///< per c-vertex, 1 if it is on a boundary loop
   std::vector<Face> faces;
   std::vector<BoundarySide> boundary;

@@ -29,7 +29,8 @@ class Field {
     }
   }
 
-  double operator[](std::size_t i) const { return sign_ * (finite(samples_[i]) - isovalue_); }
+  double operator[](std::size_t i) const { return sign_ * (sample(i) - isovalue_); }
+  double sample(std::size_t i) const { return finite(samples_[i]); }
 
   /// The sample itself, for exact decisions.
   long double exact(std::size_t i) const {
@@ -157,10 +158,12 @@ class TricubicCell {
   double value(Vec3 p) const { return at(p).value; }
   Vec3 gradient(Vec3 p) const { return at(p).gradient; }
 
+  /// Which of the values is that of a corner (x + 2y + 4z).
+  static constexpr std::size_t corner(std::size_t c) { return 21 + (c & 1) + 4 * (c >> 1 & 1) + 16 * (c >> 2); }
   /// Along the cell's edge that starts at `corner` (x + 2y + 4z): the four values that its spline is made of.
   std::array<double, 4> along(std::size_t corner, int axis) const {
     const std::size_t step = std::size_t{1} << (2 * axis);
-    const std::size_t first = 21 + (corner & 1) + 4 * (corner >> 1 & 1) + 16 * (corner >> 2) - step;
+    const std::size_t first = TricubicCell::corner(corner) - step;
     return {f_[first], f_[first + step], f_[first + 2 * step], f_[first + 3 * step]};
   }
 
