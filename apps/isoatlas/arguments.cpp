@@ -298,7 +298,7 @@ volume.
   });
   add_value(*command, kMesh, "--event-persistence", "LENGTH", R"(
 Holes in a growing disk that close again within this length do not limit it. Larger ignores more noise in the choice of
-triangle sizes; topology is kept whatever the value. Default: 1.5vx, over K with --supersample K.
+triangle sizes; topology is kept whatever the value. Default: 1.5vx.
 )", [&](const std::string& text) { arguments.event_persistence = parse_length(text); });
   add_value(*command, kMesh, "--placement", "WHERE", R"(
 Where vertices sit: on the surface, the same in all levels; or balanced, in each level moved so that the mesh lies evenly

@@ -28,13 +28,13 @@ struct ExtractOptions {
   Topology topology = Topology::faces;
   /// What is between samples, to place vertices, to measure distances and to supersample; not supersampled, the topology is the same.
   Interpolation interpolation = Interpolation::trilinear;
-  /// The reference surface is that of the volume upsampled so many times along each axis by the interpolation; lengths in voxels remain
-  /// those of the volume, but for defaults that follow its grid.
+  /// The reference surface is that of the volume upsampled so many times along each axis by the interpolation. Voxels are those
+  /// of the volume, and positions in its sample-index coordinates.
   std::uint32_t supersample = 1;
   Space space = Space::lps;
   /// Largest disk radius R_g of the paper's stage one, world units; none: half the longest side of the volume.
   std::optional<double> max_radius;
-  /// Topological events that close again within this length do not limit a disk, world units; none: 1.5 voxels over `supersample`.
+  /// Topological events that close again within this length do not limit a disk, world units; none: 1.5 voxels.
   std::optional<double> event_persistence;
   /// false puts c-vertices at the plain average of their nodes, as the paper has it (up to 0.2 voxel off the surface).
   bool vertices_on_surface = true;

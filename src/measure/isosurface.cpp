@@ -179,16 +179,20 @@ std::optional<Vec3> Isosurface::onto_surface(Vec3 p) const {
   return to_index(foot->point);
 }
 
-std::optional<Vec3> Isosurface::on_edge(const Vec3 low, int axis, double length) const {
-  const Vec3 step{axis == 0 ? length : 0.0, axis == 1 ? length : 0.0, axis == 2 ? length : 0.0};
-  const double f = field_.at(low).value, g = field_.at(low + step).value;
+std::optional<Vec3> Isosurface::on_edge(const Vec3 low, int axis, double cells_per_step) const {
+  const Vec3 step{axis == 0 ? 1.0 : 0.0, axis == 1 ? 1.0 : 0.0, axis == 2 ? 1.0 : 0.0};
+  const auto index = [&](double t) {
+    const Vec3 p = low + t * step;
+    return Vec3{p.x / cells_per_step, p.y / cells_per_step, p.z / cells_per_step};
+  };
+  const double f = field_.at(index(0)).value, g = field_.at(index(1)).value;
   if ((f >= 0) == (g >= 0)) return std::nullopt;
   const double linear = f / (f - g), start = std::isfinite(linear) ? linear : 0.5;
-  if (field_.interpolation() == Interpolation::trilinear) return low + start * step;
-  return low + zero_between(f >= 0, start, [&](double t) {
-                 const InterpolatedField::Value at = field_.at(low + t * step);
-                 return std::pair(at.value, dot(at.gradient, step));
-               }) * step;
+  if (field_.interpolation() == Interpolation::trilinear) return index(start);
+  return index(zero_between(f >= 0, start, [&](double t) {
+    const InterpolatedField::Value at = field_.at(index(t));
+    return std::pair(at.value, dot(at.gradient, step) / cells_per_step);
+  }));
 }
 
 Vec3 Isosurface::normal(Vec3 p) const {

@@ -48,7 +48,8 @@ class Isosurface {
   std::optional<Vec3> onto_surface(Vec3 p) const;
 
   /// Where the surface meets the grid edge from the sample at `low` to the next one along `axis`; nothing if it does not.
-  std::optional<Vec3> on_edge(Vec3 low, int axis, double length = 1) const;
+  /// @param cells_per_step  of a finer grid, whose edge and samples are meant
+  std::optional<Vec3> on_edge(Vec3 low, int axis, double cells_per_step = 1) const;
 
   /// The field's direction of steepest descent, from inside to outside: of unit length in the metric; zero where there is none.
   Vec3 normal(Vec3 p) const;

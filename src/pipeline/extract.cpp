@@ -231,7 +231,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   const CVertexGraph graph = make_graph(complex);
   CoveringOptions cover;
   cover.max_radius = static_cast<float>(max_radius);
-  cover.event_persistence = options.event_persistence ? voxels(*options.event_persistence) : static_cast<float>(1.5 * cell);
+  cover.event_persistence = options.event_persistence ? voxels(*options.event_persistence) : 1.5f;
   cover.first_stage = static_cast<float>(4 * cell);
   Covering covering(graph, cover);
   covering.cover(control);

@@ -175,7 +175,7 @@ namespace {
 
 // The node of a face is on the grid edge around which the face's corners are, one in each of four cells.
 std::optional<Vec3> node_of(const Face& face, const SurfaceComplex& complex, const Isosurface& isosurface) {
-  const double cells_per_step = complex.cells_per_step, step = 1 / cells_per_step;
+  const double cells_per_step = complex.cells_per_step;
   std::array<double, 3> lowest, highest;
   lowest.fill(std::numeric_limits<double>::infinity());
   highest.fill(-std::numeric_limits<double>::infinity());
@@ -195,7 +195,7 @@ std::optional<Vec3> node_of(const Face& face, const SurfaceComplex& complex, con
     axis = a;
   }
   if (axis < 0 || lowest[axis] < 0) return std::nullopt;
-  return isosurface.on_edge(step * Vec3{highest[0], highest[1], highest[2]}, axis, step);
+  return isosurface.on_edge({highest[0], highest[1], highest[2]}, axis, cells_per_step);
 }
 
 }  // namespace
