@@ -118,7 +118,7 @@ void CoarseMesher::relax_vertices() {
     const bool stays = !surface_.may_roam(at[i]) || (i < stays_.size() && stays_[i]);
     roam.push_back(stays ? Roam{points.back(), points.back()} : roam_of(surface.positions[at[i]], s));
   }
-  const TrilinearField* const field = options_.vertices_on_surface ? &surface_.field() : nullptr;
+  const InterpolatedField* const field = options_.vertices_on_surface ? &surface_.field() : nullptr;
   const std::vector<std::uint32_t> moved = relax(points, mesh_.triangles, roam, field, s, {1.0 / 3, kSeparation});
   shift_.assign(at.size(), {});
   std::vector<Vec3> positions = surface.positions;

@@ -17,11 +17,11 @@ namespace isoatlas {
 class AdaptiveSurface {
  public:
   /// @pre the complex is as it was parsed. Its c-vertices are moved where several surfels of one cell would meet.
-  AdaptiveSurface(SurfaceComplex complex, Components components, TrilinearField field);
+  AdaptiveSurface(SurfaceComplex complex, Components components, InterpolatedField field);
 
   const SurfaceComplex& complex() const { return complex_; }
   const Components& components() const { return components_; }
-  const TrilinearField& field() const { return field_; }
+  const InterpolatedField& field() const { return field_; }
 
   std::vector<Fineness> fineness() const { return isoatlas::fineness(complex_, {field_, crowded_.flags()}); }  ///< per c-vertex; O(F)
 
@@ -50,7 +50,7 @@ class AdaptiveSurface {
 
   SurfaceComplex complex_;
   Components components_;
-  TrilinearField field_;
+  InterpolatedField field_;
   CrowdedCells crowded_;
   std::vector<std::uint8_t> depth_;  // per c-vertex, which division brought it
   std::vector<std::uint8_t> deep_;   // per c-vertex, 1 if there are pieces of pieces in a cell that it is in or on

@@ -56,6 +56,11 @@ TEST(Refuses, NonFiniteIsovalueAndBadLengths) {
     o.isovalue = bad;
     expect_error(ErrorCode::bad_argument, {"isovalue"}, ball(), o);
     o = {};
+    o.supersample = 0;
+    expect_error(ErrorCode::bad_argument, {"supersampling"}, ball(), o);
+    o.supersample = 1u << 31;
+    expect_error(ErrorCode::bad_argument, {"12 x 12 x 12", "too many"}, ball(), o);
+    o = {};
     o.max_radius = bad;
     expect_error(ErrorCode::bad_argument, {"radius"}, ball(), o);
     o = {};
