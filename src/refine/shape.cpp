@@ -17,6 +17,7 @@ namespace {
 
 constexpr int kPasses = 24;
 constexpr double kWorthIt = 1e-3;
+constexpr int kRelaxRounds = 3;
 constexpr int kLooksBack = 4;            // after relaxing, for cells that it took over their bounds
 constexpr double kLeastAgreement = 0.3;  // cosine between normals before and after a flip
 
@@ -62,7 +63,7 @@ class Workshop {
     std::vector<Roam> roam(mesh.cell_count());
     for (CellId c = 0; c < mesh.cell_count(); ++c) {
       const CVertexId v = places_.anchor[c];
-      if (work_.is_frozen(c) || work_.is_fixed(c) || !ground.may_roam(v)) {
+      if (work_.is_frozen(c) || work_.is_fixed(c) || is_held(c) || !ground.may_roam(v)) {
         roam[c] = {points[c], points[c]};
         continue;
       }
@@ -78,6 +79,7 @@ class Workshop {
     const std::vector<CellError> before = work_.errors();
     const std::vector<Vec3> old_shift = places_.shift;
     for (const CellId c : moved) places_.shift[c] = places_.shift[c] + (points[c] - mesh.point[c]);
+    held_.resize(mesh.cell_count(), 0);
     keep_from_straying(moved, old_shift);
     std::vector<CellId> concerned = rings_around(moved, rings_);
     work_.remesh(triangles_, places_, concerned);
@@ -89,7 +91,10 @@ class Workshop {
       if (worse.empty()) break;
       // At last everything around goes back.
       worse = rings_around(worse, look + 1 < kLooksBack ? 1 : rings_);
-      for (const CellId c : worse) places_.shift[c] = old_shift[c];
+      for (const CellId c : worse) {
+        places_.shift[c] = old_shift[c];
+        held_[c] = 1;
+      }
       concerned = rings_around(worse, rings_);
       work_.remesh(triangles_, places_, concerned);
     }
@@ -98,6 +103,7 @@ class Workshop {
   }
 
  private:
+  bool is_held(CellId c) const { return c < held_.size() && held_[c] != 0; }
   double score(const MeshTriangle& t) const { return goal_.score(t.corner[0], t.corner[1], t.corner[2]); }
 
   std::vector<std::uint32_t> bad_triangles() const {
@@ -216,7 +222,10 @@ class Workshop {
     std::vector<CVertexId> back = ground.roaming->stray(movers, positions);
     std::sort(back.begin(), back.end());
     for (const CellId c : moved) {
-      if (std::binary_search(back.begin(), back.end(), places_.anchor[c])) places_.shift[c] = old_shift[c];
+      if (std::binary_search(back.begin(), back.end(), places_.anchor[c])) {
+        places_.shift[c] = old_shift[c];
+        held_[c] = 1;
+      }
     }
   }
 
@@ -339,6 +348,7 @@ class Workshop {
   Places places_;                       // offsets are the work's own business
   std::vector<std::uint8_t> occupied_;  // per c-vertex, 1 if a vertex sits there
   std::vector<Key> refused_;
+  std::vector<std::uint8_t> held_;  // per cell, 1 if moving it was taken back
   int rings_;  // of cells around a change that it concerns; balancing moves vertices beside it
 };
 
@@ -363,7 +373,8 @@ ShapeReport improve_shape(MeasuredCovering& work, const ShapeGoal& goal, std::ve
   work.remesh(triangles, work.places(), over);
   Workshop workshop(work, goal, triangles);
   workshop.run(Purpose::shape, {}, report, control);
-  if (report.bad > 0 && workshop.relax_bad(report)) workshop.run(Purpose::shape, {}, report, control);
+  for (int round = 0; round < kRelaxRounds && report.bad > 0 && workshop.relax_bad(report); ++round)
+    workshop.run(Purpose::shape, {}, report, control);
   return report;
 }
 
