@@ -37,7 +37,7 @@ Vec3 clamped(Vec3 p, const Roam& r) {
 
 class Relaxation {
  public:
-  Relaxation(std::span<Vec3> points, std::span<const Triangle> triangles, std::span<const Roam> roam, const TrilinearField* field,
+  Relaxation(std::span<Vec3> points, std::span<const Triangle> triangles, std::span<const Roam> roam, const InterpolatedField* field,
              Vec3 spacing, const RelaxGoal& goal)
       : points_(points), triangles_(triangles), roam_(roam), field_(field), spacing_(spacing), goal_(goal) {}
 
@@ -116,7 +116,7 @@ class Relaxation {
 
   Vec3 drawn_back(Vec3 p) const {
     if (field_ == nullptr) return p;
-    const TrilinearField::Value f = field_->at({p.x / spacing_.x, p.y / spacing_.y, p.z / spacing_.z});
+    const InterpolatedField::Value f = field_->at({p.x / spacing_.x, p.y / spacing_.y, p.z / spacing_.z});
     const Vec3 gradient{f.gradient.x / spacing_.x, f.gradient.y / spacing_.y, f.gradient.z / spacing_.z};
     const double slope = length(gradient);
     const double offset = slope > 0 ? f.value / slope : 0;
@@ -248,7 +248,7 @@ class Relaxation {
     if (field_ == nullptr) return 0;
     Vec3 q = p;
     for (int step = 0; step < kNewtonSteps; ++step) {
-      const TrilinearField::Value f = field_->at({q.x / spacing_.x, q.y / spacing_.y, q.z / spacing_.z});
+      const InterpolatedField::Value f = field_->at({q.x / spacing_.x, q.y / spacing_.y, q.z / spacing_.z});
       const Vec3 gradient{f.gradient.x / spacing_.x, f.gradient.y / spacing_.y, f.gradient.z / spacing_.z};
       const double slope = length(gradient);
       if (f.value == 0) return length(q - p);
@@ -307,7 +307,7 @@ class Relaxation {
   std::span<Vec3> points_;
   std::span<const Triangle> triangles_;
   std::span<const Roam> roam_;
-  const TrilinearField* field_;
+  const InterpolatedField* field_;
   Vec3 spacing_;
   RelaxGoal goal_;
   Buckets triangles_of_;
@@ -329,7 +329,7 @@ Roam roam_of(Vec3 position, Vec3 spacing) {
 }
 
 std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles, std::span<const Roam> roam,
-                                 const TrilinearField* field, Vec3 spacing, const RelaxGoal& goal) {
+                                 const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal) {
   return Relaxation(points, triangles, roam, field, spacing, goal).run();
 }
 

@@ -71,7 +71,7 @@ class Workshop {
       roam[c] = roam_of(ground.complex.positions[v], ground.complex.spacing);
       roam[c] = {roam[c].low + balanced, roam[c].high + balanced};
     }
-    const TrilinearField* field = ground.isosurface == nullptr ? nullptr : &ground.isosurface->field();
+    const InterpolatedField* field = ground.isosurface == nullptr ? nullptr : &ground.isosurface->field();
     std::vector<CellId> moved = relax(points, triangles, roam, field, ground.complex.spacing, {goal_.aspect, 0});
     if (moved.empty()) return false;
 
