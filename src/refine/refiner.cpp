@@ -47,7 +47,7 @@ constexpr std::size_t kMostMended = 200;
 // How often the surface is divided where cells at their limit are over a bound.
 constexpr int kMostDivisions = 3;
 // Each time, the faces around so many c-vertices, or around this part of them all.
-constexpr std::size_t kFewDivided = 20, kShareDivided = 20;
+constexpr std::size_t kFewDivided = 6, kShareDivided = 20;
 
 std::vector<Covering::Radius> radii_of(const Covering& covering, const std::vector<CVertexId>& to) {
   std::vector<Covering::Radius> out;
@@ -443,7 +443,7 @@ void Refiner::work_towards(const Task& task, MeetingTriangles& meeting, RefinedL
     once();
     if (partition().cell_count() == sites) break;
   }
-  for (int k = 0; k < kMostDivisions && !out.vertices_ran_out; ++k) {
+  for (; divisions_ < kMostDivisions && !out.vertices_ran_out; ++divisions_) {
     const std::vector<CVertexId> wanted = places_at_limit();
     if (wanted.empty()) break;
     divide_surface(wanted, control);
@@ -454,6 +454,7 @@ void Refiner::work_towards(const Task& task, MeetingTriangles& meeting, RefinedL
 RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const RunControl& control) {
   RefinedLevel out;
   const bool first = work_ == nullptr;
+  divisions_ = 0;
   const bool limited = !goal.empty() && goal.front().quantity == Quantity::max_vertices;
   const auto too_many = [&](std::uint32_t sites) { return limited && static_cast<double>(sites) > goal.front().bound; };
   const auto the_one_before = [&] {

@@ -94,6 +94,7 @@ class Refiner {
   std::unique_ptr<MeasuredCovering> work_;
   std::vector<CellId> placed_in_;  // per site, as far as it was placed on another complex than work_ stands on; else kNone
   std::uint32_t sites_before_;     // of the level before
+  int divisions_ = 0;              // of this level, for the sake of bounds
   MeshExtent extent_;              // of the last level, its metrics below
   std::array<MetricSummary, kMetricCount> metrics_{};
 };
