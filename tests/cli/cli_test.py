@@ -297,7 +297,7 @@ class Extract(ToolTest):
                 c_vertices[factor] = report["reference"]["c_vertices"]
                 distance = json.loads(self.succeed("check", "--json", "s.off", "--volume", "s.nrrd", "--iso", "0", "--space", "lps",
                                                    "--interpolation", name))["distance"]
-                self.assertLess(distance["surface_to_mesh"]["maximum"], 0.6)
+                self.assertLess(distance["surface_to_mesh"]["world"]["maximum"], 0.6)
             self.assertAlmostEqual(c_vertices[3] / c_vertices[1], 9, delta=1)
         self.refuse("20 x 20 x 20 samples are too many to supersample by 1000", "extract", "s.nrrd", "--iso", "0", "-o", "t.off",
                     "--supersample", "1000")
