@@ -313,6 +313,10 @@ on both sides of the surface. Default: surface.
 )", [&](const std::string& text) {
     options.placement = choose<Placement>({{"surface", Placement::surface}, {"balanced", Placement::balanced}}, text);
   });
+  command->add_flag("--allow-self-intersections", options.allow_self_intersections, R"(
+Leave triangles as they are that meet others beyond the corners and edges they share. It is faster and takes fewer
+triangles. Default: no two triangles of a level meet.
+)")->group(kMesh);
   add_goals(*command, arguments);
 
   command->add_option("-o,--output", arguments.mesh, R"(

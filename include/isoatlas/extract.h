@@ -48,8 +48,8 @@ struct ExtractOptions {
   /// One more level, refined from the one before, per entry.
   std::vector<LevelGoal> refine;
   Placement placement = Placement::surface;
-  /// false: in every level cells are made smaller where triangles meet others where they should not, until none does or cells are
-  /// as small as they can be; what is left then is counted. Not the default before nothing can be left.
+  /// false: no triangles of a level meet beyond the corners and edges they share (docs/theory/06-self-intersections.md). Where they
+  /// would, cells are made smaller, and in the end the surface complex is divided.
   bool allow_self_intersections = false;
   /// Measure every level against the isosurface with that many samples in each direction; 0: do not.
   std::size_t measure_samples = 0;
@@ -104,6 +104,21 @@ struct CellAtLimit {
   double excess = 0;  ///< worst of metric / bound
 };
 
+/// Why a badly shaped triangle could not be mended: what keeps the ends of its shortest edge where they are.
+enum class ShapeObstacle {
+  none,               ///< nothing in particular: no place within reach is better and within the bounds
+  earlier_level,      ///< they are vertices of an earlier level
+  self_intersection,  ///< elsewhere triangles would meet
+  crowded,            ///< other pieces of the surface are in the same grid cell
+};
+
+/// A triangle below the aspect ratio that was asked for, or below 1/3.
+struct BadTriangle {
+  Vec3 position;  ///< its centroid, in the mesh's space
+  double aspect_ratio = 0;
+  ShapeObstacle obstacle = ShapeObstacle::none;
+};
+
 struct LevelReport {
   std::size_t vertices = 0, triangles = 0;
   TopologySummary topology;           ///< counted on the finished triangles, independently
@@ -114,7 +129,9 @@ struct LevelReport {
   std::vector<ConstraintResult> constraints;                       ///< in the order given
   std::vector<CellAtLimit> at_limit;                               ///< worst first; supersampling would help there
   std::size_t refine_rounds = 0;
-  std::size_t flips = 0, moves = 0;  ///< edges flipped and vertices moved to a better c-vertex, for the triangles' shape
+  /// For the triangles' shape: edges flipped, vertices moved to a better c-vertex, and vertices moved within their grid cells.
+  std::size_t flips = 0, moves = 0, shifts = 0;
+  std::vector<BadTriangle> bad_triangles;  ///< what is left, worst first
   /// Pairs of triangles that meet where they should not, counted on the finished mesh; none: they are allowed.
   std::optional<std::size_t> self_intersections;
   std::size_t parting_sites = 0;        ///< sites added to take such triangles apart
@@ -140,6 +157,10 @@ struct ExtractReport {
   std::vector<std::size_t> coarser_c_vertices;  ///< sizes of the certified coarser complexes
   TopologySummary reference;                    ///< counted on the reference surface complex, without what was dropped
   std::vector<DroppedComponent> dropped;        ///< as ExtractOptions asked, largest first
+  /// Adaptive supersampling: more c-vertices where triangles met, or where a bound could not be kept.
+  std::size_t divided_c_vertices = 0;  ///< around which all faces were divided, every time counted
+  std::size_t added_c_vertices = 0;
+  int deepest_division = 0;     ///< how often faces were divided where that was done most often
   CertificateReport coarsening;                 ///< certificate of the partition into blocks; repair_rounds are the rounds of check and cut
   std::vector<LevelReport> levels;
   std::vector<StageTime> seconds;  ///< in order: surface, components, coarsen, cover, certify, mesh, check, refine

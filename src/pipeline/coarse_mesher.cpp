@@ -87,6 +87,15 @@ std::vector<CVertexId> CoarseMesher::sites() const {
   return out;
 }
 
+std::vector<ShapeObstacle> CoarseMesher::stays() const {
+  std::vector<ShapeObstacle> out;
+  for (const CVertexId v : sites()) {
+    const bool met = out.size() < stays_.size() && stays_[out.size()] != 0;
+    out.push_back(met ? ShapeObstacle::self_intersection : surface_.may_roam(v) ? ShapeObstacle::none : ShapeObstacle::crowded);
+  }
+  return out;
+}
+
 void CoarseMesher::mesh(LevelReport& report, const RunControl& told) {
   RunControl control = told;  // covers and certifies again, which is nobody's stage
   control.progress = nullptr;

@@ -203,7 +203,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   control.report("check", 0);
   TriangleMesh& mesh = mesher.mesh();
   const std::vector<CVertexId> sites = mesher.sites();
-  finish_level(mesh, mesher.topology(), sites, surface.components(), grid, options, coarse, control);
+  finish_level(mesh, mesher.topology(), sites, surface.components(), mesher.stays(), options.coarse, grid, options, coarse, control);
   clock.finished("check");
 
   Hierarchy& hierarchy = out.hierarchy;
@@ -211,12 +211,19 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   hierarchy.levels.push_back({checked_id(hierarchy.positions.size(), "vertices"), std::move(mesh.triangles), {}});
   hierarchy.parent.resize(hierarchy.positions.size());
   std::iota(hierarchy.parent.begin(), hierarchy.parent.end(), 0u);
+  const auto tell_of_divisions = [&] {
+    report.divided_c_vertices = surface.divided();
+    report.added_c_vertices = surface.added();
+    report.deepest_division = surface.deepest();
+  };
+  tell_of_divisions();
   if (only_coarse) return out;
 
   control.report("refine", 0);
   LevelMaker maker({grid, surface, *isosurface, coarser, cover, mesher}, options, control);
   maker.describe_coarse(hierarchy, sites, report.levels.front());
   for (const LevelGoal& goal : options.refine) maker.add_level(goal, hierarchy, report.levels);
+  tell_of_divisions();
   clock.finished("refine");
   return out;
 } catch (const std::bad_alloc&) {

@@ -2,11 +2,13 @@
 #include "pipeline/level.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/vector_math.h"
 #include "isoatlas/self_intersections.h"
 
 namespace isoatlas {
@@ -42,10 +44,37 @@ void check_mesh(const MeshTopology& mesh, const Components& reference, const std
   }
 }
 
+constexpr double kLeastAspect = 1.0 / 3;
+
+// @param at  of the vertices, in the output's space
+std::vector<BadTriangle> bad_triangles(const TriangleMesh& world, const TriangleMesh& at, std::span<const ShapeObstacle> stays,
+                                       const LevelGoal& goal) {
+  double least = kLeastAspect;
+  for (const Constraint& c : goal) {
+    if (c.quantity == Quantity::min_aspect) least = c.bound;
+  }
+  std::vector<BadTriangle> out;
+  for (const Triangle& t : world.triangles) {
+    std::array<double, 3> edge;
+    for (std::size_t k = 0; k < 3; ++k) edge[k] = length(world.positions[t[(k + 1) % 3]] - world.positions[t[k]]);
+    const auto [low, high] = std::minmax_element(edge.begin(), edge.end());
+    const double aspect = *high > 0 ? *low / *high : 0;
+    if (aspect >= least) continue;
+    const auto k = static_cast<std::size_t>(low - edge.begin());
+    const ShapeObstacle a = stays[t[k]], b = stays[t[(k + 1) % 3]];
+    // An end that is free says that there was no better place; of two that are not, what can be said of the level itself comes first.
+    const ShapeObstacle obstacle = a == ShapeObstacle::none || b == ShapeObstacle::none ? ShapeObstacle::none : std::max(a, b);
+    out.push_back({(1.0 / 3) * (at.positions[t[0]] + at.positions[t[1]] + at.positions[t[2]]), aspect, obstacle});
+  }
+  std::stable_sort(out.begin(), out.end(), [](const BadTriangle& a, const BadTriangle& b) { return a.aspect_ratio < b.aspect_ratio; });
+  return out;
+}
+
 }  // namespace
 
 void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<const CVertexId> sites, const Components& reference,
-                  const Grid& grid, const ExtractOptions& options, LevelReport& report, const RunControl& control) {
+                  std::span<const ShapeObstacle> stays, const LevelGoal& goal, const Grid& grid, const ExtractOptions& options,
+                  LevelReport& report, const RunControl& control) {
   std::vector<ComponentId> component_of;
   component_of.reserve(sites.size());
   for (const CVertexId v : sites) component_of.push_back(reference.of_c_vertex[v]);
@@ -61,6 +90,7 @@ void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<co
   TriangleMesh& measured = space == Space::voxel ? world : mesh;
   transform_to(measured, grid, space == Space::voxel ? Space::lps : space);
   report.quality = mesh_quality(measured);
+  report.bad_triangles = bad_triangles(measured, mesh, stays, goal);
   if (!options.allow_self_intersections) report.self_intersections = self_intersections(mesh.positions, mesh.triangles, {}, control).size();
 }
 

@@ -22,8 +22,11 @@ void bring_out(TriangleMesh& mesh, const Grid& grid, const ExtractOptions& optio
 /// counted.
 /// @param mesh     in sample-index coordinates; in the output's space afterwards
 /// @param sites    per vertex, a c-vertex of the surface in its cell: says which component it belongs to
+/// @param stays    per vertex, what keeps it where it is, for badly shaped triangles
+/// @param goal     says which triangles are badly shaped
 /// @throws Error(internal) if the finished triangles have not, component by component, the topology of the reference
 void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<const CVertexId> sites, const Components& reference,
-                  const Grid& grid, const ExtractOptions& options, LevelReport& report, const RunControl& control);
+                  std::span<const ShapeObstacle> stays, const LevelGoal& goal, const Grid& grid, const ExtractOptions& options,
+                  LevelReport& report, const RunControl& control);
 
 }  // namespace isoatlas

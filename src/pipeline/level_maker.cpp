@@ -125,6 +125,7 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
   report.refine_rounds = refined.rounds;
   report.flips = refined.shape.flips;
   report.moves = refined.shape.moves;
+  report.shifts = refined.shape.shifts;
   report.parting_sites = refined.parting_sites;
 
   const SurfaceComplex& surface = source_.surface.complex();
@@ -139,7 +140,7 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
                                                              topology.components.size(), outward, 0);
   report.turned_components = static_cast<std::size_t>(std::count(turned.begin(), turned.end(), 1));
   measure_distance(mesh, report);
-  finish_level(mesh, topology, partition.site, source_.surface.components(), source_.grid, options_, report, control_);
+  finish_level(mesh, topology, partition.site, source_.surface.components(), refiner_.stays(), goal, source_.grid, options_, report, control_);
 
   // Vertices that are new; the others are there already.
   const std::uint32_t vertices = partition.cell_count();

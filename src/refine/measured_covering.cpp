@@ -235,6 +235,9 @@ void MeasuredCovering::remesh(std::span<const DualTriangle> triangles, const Pla
   places_.anchor = places.anchor;
   places_.shift = places.shift;
   places_.given_up = places.given_up;
+  for (CellId c = 0; c < places_.offset.size(); ++c) {
+    if (!places_.may_move(c)) places_.offset[c] = 0;
+  }
   stale_.resize(partition().cell_count(), 0);
   for (const CellId c : concerned) stale_[c] = 1;  // the next update() takes the dual's triangles again
   set_triangles(mesh_, ground_.surfels, triangles, places_);

@@ -587,4 +587,16 @@ std::vector<std::uint32_t> Refiner::parents() const {
   return out;
 }
 
+std::vector<ShapeObstacle> Refiner::stays() const {
+  const Places& places = work_->places();
+  std::vector<ShapeObstacle> out;
+  for (CellId c = 0; c < places.anchor.size(); ++c) {
+    out.push_back(c < sites_before_                        ? ShapeObstacle::earlier_level
+                  : !places.may_move(c)                    ? ShapeObstacle::self_intersection
+                  : !surface_.may_roam(places.anchor[c]) ? ShapeObstacle::crowded
+                                                           : ShapeObstacle::none);
+  }
+  return out;
+}
+
 }  // namespace isoatlas

@@ -66,6 +66,7 @@ class Refiner {
   const Places& places() const { return work_->places(); }
   /// Per vertex, the vertex of the level before in whose cell it was placed. @pre refine() was called
   std::vector<std::uint32_t> parents() const;
+  std::vector<ShapeObstacle> stays() const;  ///< per vertex, what keeps it where it is; of the last level
 
  private:
   struct Task;

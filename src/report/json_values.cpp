@@ -151,6 +151,20 @@ Json to_value(const LevelGoal& goal) {
   return list;
 }
 
+std::string_view text(ShapeObstacle obstacle) {
+  switch (obstacle) {
+    case ShapeObstacle::none:
+      return "none";
+    case ShapeObstacle::earlier_level:
+      return "earlier-level";
+    case ShapeObstacle::self_intersection:
+      return "self-intersection";
+    case ShapeObstacle::crowded:
+      return "crowded";
+  }
+  return "";
+}
+
 Json to_value(const LevelReport& level, std::size_t number) {
   Json json = {{"level", number}, {"vertices", level.vertices}, {"triangles", level.triangles}};
   add_topology(json, level.topology);
@@ -167,6 +181,15 @@ Json to_value(const LevelReport& level, std::size_t number) {
   json["refine_rounds"] = level.refine_rounds;
   json["flips"] = level.flips;
   json["moves"] = level.moves;
+  json["shifts"] = level.shifts;
+  Json bad = Json::array();
+  for (std::size_t i = 0; i < std::min(level.bad_triangles.size(), kMostCellsAtLimit); ++i) {
+    const BadTriangle& t = level.bad_triangles[i];
+    bad.push_back({{"position", to_value(t.position)}, {"aspect_ratio", t.aspect_ratio}, {"obstacle", text(t.obstacle)}});
+  }
+  json["bad_triangles"] = {{"count", level.bad_triangles.size()}, {"worst", std::move(bad)}};
+  json["self_intersections"] = level.self_intersections ? Json(*level.self_intersections) : Json();
+  json["parting_sites"] = level.parting_sites;
   json["measured"] = level.measured ? to_value(*level.measured) : Json();
   return json;
 }

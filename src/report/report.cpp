@@ -128,6 +128,7 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
                         {"coarse", to_value(options.coarse)},
                         {"refine", goals_value(options.refine)},
                         {"placement", text(options.placement)},
+                        {"allow_self_intersections", options.allow_self_intersections},
                         {"measure_samples", options.measure_samples},
                         {"threads", context.threads}};
 
@@ -139,6 +140,8 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
   json["coarsening"] = {{"rounds", report.coarsening.repair_rounds},
                         {"c_vertices", report.coarser_c_vertices},
                         {"certificate", report.coarser_c_vertices.empty() ? Json() : to_value(report.coarsening)}};
+  json["divided"] = {
+      {"c_vertices", report.divided_c_vertices}, {"added_c_vertices", report.added_c_vertices}, {"deepest", report.deepest_division}};
   Json& levels = json["levels"] = Json::array();
   for (std::size_t k = 0; k < report.levels.size(); ++k) {
     Json level = {{"path", path_of_level(context.files, k)}};
