@@ -13,8 +13,9 @@
 namespace isoatlas {
 namespace {
 
-// Vertices of the coarse level are moved this far from each other where they can be, voxels: they stay where they are in all levels,
-// and the triangles of fine ones have edges of about a voxel in noise.
+// Vertices of the coarse level are moved this far from each other where they can be, times the shortest side of a grid cell: they stay
+// where they are in all levels, and the triangles of fine ones have edges of about that side in noise. Supersampled cells have no room
+// for more.
 constexpr double kSeparation = 0.4;
 constexpr int kRelaxRounds = 3;  // with those that must not be where they were moved to held
 
@@ -128,6 +129,7 @@ void CoarseMesher::relax_vertices() {
   std::vector<Roam> roam;
   std::vector<Vec3> start;
   shift_.resize(at.size());
+  const double separation = kSeparation * std::min({s.x, s.y, s.z});
   for (std::size_t i = 0; i < at.size(); ++i) {
     start.push_back(scaled(surface.positions[at[i]], s));
     const bool stays = !surface_.may_roam(at[i]) || (i < stays_.size() && stays_[i]);
@@ -137,7 +139,7 @@ void CoarseMesher::relax_vertices() {
   const InterpolatedField* const field = options_.vertices_on_surface ? &surface_.field() : nullptr;
   std::vector<Vec3> positions;
   for (int round = 1;; ++round) {
-    relax(points, mesh_.triangles, roam, field, s, {1.0 / 3, kSeparation});
+    relax(points, mesh_.triangles, roam, field, s, {1.0 / 3, separation});
     positions = surface.positions;
     std::vector<CVertexId> movers;
     for (std::uint32_t i = 0; i < at.size(); ++i) {
