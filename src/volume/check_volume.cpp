@@ -50,6 +50,10 @@ void check_volume(const VolumeView& volume, double isovalue) {
   require(is_finite(grid.origin) && is_finite(axes[0]) && is_finite(axes[1]) && is_finite(axes[2]),
           "origin and direction must be finite numbers");
   require(std::fabs(dot(axes[0], cross(axes[1], axes[2]))) > 1e-6, "the direction's axes lie in a plane");
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    const auto at = [&](unsigned a) { return corner >> a & 1 ? static_cast<double>(grid.size[a] - 1) : 0.0; };
+    require(is_finite(grid.to_world({at(0), at(1), at(2)})), "with this spacing and origin the volume reaches beyond the range of numbers");
+  }
   require(volume.samples != nullptr, "the volume has no samples");
   visit_sample_type(volume.type, [](auto*) {});  // throws if it is none
   require(std::isfinite(isovalue), "the isovalue is not a finite number");

@@ -115,6 +115,9 @@ TEST(Refuses, GridsThatAreNone) {
   bad.grid.direction[1] = bad.grid.direction[0];
   expect_error(ErrorCode::bad_argument, {"direction"}, bad, {});
   bad = good;
+  bad.grid.spacing = {1e308, 1e308, 1e308};  // found by fuzzing: vertices at infinity
+  expect_error(ErrorCode::bad_argument, {"beyond the range"}, bad, {});
+  bad = good;
   bad.samples = nullptr;
   expect_error(ErrorCode::bad_argument, {"no samples"}, bad, {});
   bad = good;
