@@ -38,7 +38,7 @@ struct ExtractOptions {
   Placement placement = Placement::surface;
   /// false: in every level cells are made smaller where triangles meet others where they should not, until none does or cells are
   /// as small as they can be; what is left then is counted. Not the default before nothing can be left.
-  bool allow_self_intersections = true;
+  bool allow_self_intersections = false;
   /// Measure every level against the trilinear isosurface with that many samples in each direction; 0: do not.
   std::size_t measure_samples = 0;
 };

@@ -72,21 +72,23 @@ void Covering::insert(CVertexId v) {
   }
 }
 
-bool Covering::shrink(std::span<const CellId> cells) {
+std::vector<CellId> Covering::shrink(std::span<const CellId> cells) {
   std::vector<float> farthest(site_count(), 0);
   for (CVertexId v = 0; v < distance_.size(); ++v) {
     float& most = farthest[partition_.cell_of[v]];
     most = std::max(most, distance_[v]);
   }
-  bool any = false;
+  std::vector<CellId> single;
   for (const CellId c : cells) {
-    if (farthest[c] == 0) continue;
+    if (farthest[c] == 0) {
+      single.push_back(c);
+      continue;
+    }
     // Radii rise by a third of the distance: with two thirds of it at the site the farthest c-vertex is not covered any more.
     const CVertexId site = partition_.site[c];
     lower_radius(site, std::min(0.7f * radius_[site], 0.66f * farthest[c]));
-    any = true;
   }
-  return any;
+  return single;
 }
 
 void Covering::lower_radius(CVertexId v, float radius) {

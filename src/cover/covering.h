@@ -55,9 +55,8 @@ class Covering {
   /// Makes v a site and gives it every c-vertex that is nearer to it than to any other.
   void insert(CVertexId v);
   /// Makes the radii at the sites of cells smaller, each by so much that the next cover() has to divide the cell. O(C)
-  /// @param cells  in any order, may be listed twice
-  /// @return false if none has a c-vertex besides its site
-  bool shrink(std::span<const CellId> cells);
+  /// @return those of `cells` that have no c-vertex besides their site
+  std::vector<CellId> shrink(std::span<const CellId> cells);
   /// h(x) <= radius + d(v, x) / 3 from now on.
   void lower_radius(CVertexId v, float radius);
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <utility>
+
 #include "cover/covering.h"
 #include "partition/certificate.h"
 
@@ -39,6 +41,7 @@ class CertifiedDual {
 
   /// Per cell, 1 if its c-vertices or triangles may be others than at the last call of forget_touched().
   const std::vector<std::uint8_t>& touched() const { return touched_; }
+  void touch(std::vector<std::uint8_t> cells) { touched_ = std::move(cells); }  ///< per cell, 1 if it is to count as touched
   void forget_touched() { touched_.assign(touched_.size(), 0); }
 
  private:

@@ -267,7 +267,81 @@ Coarsened coarsen(const SurfaceComplex& complex, double block_length, const RunC
     out.complex = dual_complex(complex, partition, check.triangles);
     out.outward = area_vectors(complex, partition.cell_of, partition.cell_count());
     out.representative = std::move(partition.site);
+    out.region_of = std::move(partition.cell_of);
     return out;
+  }
+}
+
+void cut_regions(const SurfaceComplex& complex, std::span<const CVertexId> regions, Coarsened& coarser, const RunControl& control) {
+  const std::uint32_t n = complex.c_vertex_count();
+  std::vector<CellId>& region_of = coarser.region_of;
+  std::vector<CVertexId>& representative = coarser.representative;
+  std::vector<std::uint8_t> changed(n, 0);
+  std::vector<std::uint32_t> members(representative.size(), 0);
+  for (const CellId r : region_of) ++members[r];
+  const auto on_its_own = [&](CVertexId v) {
+    region_of[v] = static_cast<CellId>(representative.size());
+    representative.push_back(v);
+    members.push_back(1);
+    changed[v] = 1;
+  };
+  for (auto v = static_cast<CVertexId>(region_of.size()); v < n; ++v) {
+    region_of.push_back(kNone);
+    on_its_own(v);
+  }
+  std::vector<std::uint8_t> failed(representative.size(), 0);
+  for (const CVertexId r : regions) failed[r] = 1;
+  const auto cut = [&] {
+    for (CVertexId v = 0; v < n; ++v) {
+      const CellId r = region_of[v];
+      if (r >= failed.size() || !failed[r]) continue;
+      changed[v] = 1;
+      if (representative[r] == v) continue;
+      --members[r];
+      on_its_own(v);
+    }
+  };
+  cut();
+  std::vector<std::uint8_t> scope = cells_near_changes(complex, region_of, static_cast<CellId>(representative.size()), changed);
+  for (;;) {
+    control.check_cancelled();
+    const auto count = static_cast<CellId>(representative.size());
+    PartitionCheck check = check_partition(complex, region_of, count, {}, scope);
+    ++coarser.certificate.repair_rounds;
+    if (check.passed() && scope.empty()) {
+      record(check, coarser.certificate);
+      const Partition partition{region_of, representative};
+      coarser.complex = dual_complex(complex, partition, check.triangles);
+      coarser.outward = area_vectors(complex, region_of, count);
+      return;
+    }
+    if (check.passed()) {
+      scope.clear();
+      continue;
+    }
+    failed.assign(count, 0);
+    bool any = false;
+    const auto fail = [&](CellId r) {
+      if (members[r] > 1) failed[r] = 1;
+      any = any || members[r] > 1;
+    };
+    for (CellId r = 0; r < count; ++r) {
+      if (check.cell_fault[r] != 0) fail(r);
+    }
+    for (const PairFault& p : check.pair_faults) fail(members[p.b] > members[p.a] ? p.b : p.a);
+    if (!any) {  // two single c-vertices that meet badly do so because of the regions around them
+      std::vector<std::uint8_t> involved(count, 0);
+      for (const PairFault& p : check.pair_faults) involved[p.a] = involved[p.b] = 1;
+      for (const Face& face : complex.faces) {
+        const int size = face.size();
+        if (std::none_of(face.corner.begin(), face.corner.begin() + size, [&](CVertexId v) { return involved[region_of[v]]; })) continue;
+        for (int k = 0; k < size; ++k) fail(region_of[face.corner[k]]);
+      }
+    }
+    if (!any) throw Error(ErrorCode::internal, "the certificate fails with every c-vertex its own region");
+    changed.assign(n, 0);
+    cut();
+    scope = cells_near_changes(complex, region_of, static_cast<CellId>(representative.size()), changed);
   }
 }
 

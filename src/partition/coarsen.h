@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "isoatlas/extract.h"
@@ -12,6 +13,7 @@ namespace isoatlas {
 struct Coarsened {
   SurfaceComplex complex;                 ///< all triangles; homeomorphic to the input
   std::vector<CVertexId> representative;  ///< per c-vertex of `complex`, the c-vertex of the input it stands on
+  std::vector<CellId> region_of;          ///< per c-vertex of the input, the c-vertex of `complex` that stands for it
   std::vector<Vec3> outward;              ///< per c-vertex of `complex`, area_vectors() of the piece of the input it stands for
   CertificateReport certificate;          ///< of the partition; `repair_rounds` are the rounds of check and cut
 };
@@ -23,5 +25,12 @@ struct Coarsened {
 /// @post  homeomorphic to the input, component by component; same bytes always
 /// @cost  O(C) a round, 3 to 10 rounds
 Coarsened coarsen(const SurfaceComplex& complex, double block_length, const RunControl& control = {});
+
+/// Makes a coarser complex as fine as its input in some places. Its c-vertices keep their numbers and places; new ones come after them.
+///
+/// @param complex  the input, or what it became by subdivision: the same c-vertices and then new ones, which are none's region yet
+/// @param regions  c-vertices of the coarser complex that are to stand for one c-vertex of the input each, in any order
+/// @post  as of coarsen(): certified; where that asks for it, other regions are cut too
+void cut_regions(const SurfaceComplex& complex, std::span<const CVertexId> regions, Coarsened& coarser, const RunControl& control = {});
 
 }  // namespace isoatlas

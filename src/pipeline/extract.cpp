@@ -14,14 +14,11 @@
 
 #include "core/parallel.h"
 #include "core/vector_math.h"
-#include "cover/repair.h"
-#include "embed/meeting_corners.h"
-#include "mesh/outward.h"
 #include "partition/coarsen.h"
+#include "pipeline/coarse_mesher.h"
 #include "pipeline/level.h"
 #include "pipeline/level_maker.h"
-#include "refine/relax.h"
-#include "surface/area_vectors.h"
+#include "subdivide/adaptive_surface.h"
 #include "surface/components.h"
 #include "surface/drop_components.h"
 #include "surface/parse_surface.h"
@@ -35,11 +32,6 @@ namespace {
 constexpr double kBlockVoxels = 4;
 constexpr double kBlocksPerRadius = 4;
 constexpr double kLeastBlockVoxels = 1.5;
-// How often cells of the coarse level are divided whose triangles meet others where they should not.
-constexpr int kMostPartings = 12;
-// Vertices of the coarse level are moved this far from each other where they can be, voxels: they stay where they are in all levels,
-// and the triangles of fine ones have edges of about a voxel in noise.
-constexpr double kSeparation = 0.4;
 
 class StageClock {
  public:
@@ -118,71 +110,6 @@ std::vector<DroppedComponent> drop_small_components(SurfaceComplex& complex, con
   return dropped;
 }
 
-// Moves vertices of the coarse level that are too close to each other for later levels to have good triangles there.
-// @return by how much, spacing applied
-std::vector<Vec3> relax_coarse(TriangleMesh& mesh, const SurfaceComplex& complex, std::span<const CVertexId> sites,
-                               const TrilinearField* field) {
-  const Vec3 s = complex.spacing;
-  std::vector<Vec3> points;
-  std::vector<Roam> roam;
-  for (const CVertexId v : sites) {
-    const Vec3 p = complex.positions[v];
-    points.push_back(scaled(p, s));
-    roam.push_back(complex.on_boundary[v] ? Roam{points.back(), points.back()} : roam_of(p, s));
-  }
-  std::vector<Vec3> shift(sites.size());
-  for (const std::uint32_t v : relax(points, mesh.triangles, roam, field, s, {1.0 / 3, kSeparation})) {
-    shift[v] = points[v] - scaled(mesh.positions[v], s);
-    mesh.positions[v] = mesh.positions[v] + Vec3{shift[v].x / s.x, shift[v].y / s.y, shift[v].z / s.z};
-  }
-  return shift;
-}
-
-// Gives every marked component more sites, where it is farthest from the others: one, or from round 3 on all that are at least
-// half as far as the farthest, so that few rounds suffice. @return false if there was no room for any
-bool refine_components(const SurfaceComplex& complex, Covering& covering, const MeshTopology& topology,
-                       const std::vector<std::uint8_t>& marked, int round, CertificateReport& certificate) {
-  const Partition& partition = covering.partition();
-  const std::vector<float>& distance = covering.distance();
-  const std::uint32_t before = covering.site_count();
-  const auto component_of = [&](CVertexId v) { return topology.component_of_vertex[partition.cell_of[v]]; };
-  std::vector<CVertexId> farthest(topology.components.size(), kNone);
-  for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
-    if (!marked[component_of(v)] || distance[v] == 0) continue;
-    CVertexId& best = farthest[component_of(v)];
-    if (best == kNone || distance[v] > distance[best]) best = v;
-  }
-  std::vector<CVertexId> chosen;
-  for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
-    const CVertexId best = farthest[component_of(v)];
-    if (v == best || (round >= 3 && best != kNone && distance[v] > 0 && distance[v] >= distance[best] / 2)) chosen.push_back(v);
-  }
-  for (const CVertexId v : chosen) {
-    covering.lower_radius(v, distance[v]);
-    covering.insert(v);
-  }
-  certificate.repair_sites += covering.site_count() - before;
-  return covering.site_count() > before;
-}
-
-// Which way the piece of surface of each cell faces.
-std::vector<Vec3> outward_of_cells(const SurfaceComplex& complex, const Coarsened& coarser, const Partition& partition) {
-  if (coarser.representative.empty()) return area_vectors(complex, partition.cell_of, partition.cell_count());
-  std::vector<Vec3> out(partition.cell_count());
-  for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
-    Vec3& sum = out[partition.cell_of[v]];
-    sum = sum + coarser.outward[v];
-  }
-  return out;
-}
-
-std::vector<Triangle> to_triangles(std::span<const DualTriangle> dual) {
-  std::vector<Triangle> triangles;
-  triangles.reserve(dual.size());
-  for (const DualTriangle& t : dual) triangles.push_back(t.cell);
-  return triangles;
-}
-
 }  // namespace
 
 Extraction extract(const VolumeView& volume, const ExtractOptions& options, const RunControl& control) try {
@@ -220,12 +147,14 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
                                                 std::to_string(report.dropped.front().size) + " cubic units");
     if (!report.dropped.empty()) reference = find_components(whole);
   }
-  const SurfaceComplex& surface = whole;
-  report.c_vertices = surface.positions.size();
-  report.faces = surface.faces.size();
-  report.double_segments = surface.double_segments;
-  report.tunnels = surface.tunnels;
+  report.c_vertices = whole.positions.size();
+  report.faces = whole.faces.size();
+  report.double_segments = whole.double_segments;
+  report.tunnels = whole.tunnels;
   report.reference = summarize(reference.topology);
+  const std::unique_ptr<const Isosurface> isosurface =
+      only_coarse ? nullptr : std::make_unique<const Isosurface>(in_voxels, parse.rule, whole);
+  AdaptiveSurface surface(std::move(whole), std::move(reference), TrilinearField(in_voxels, parse.rule));
   clock.finished("components");
 
   double longest = 0;
@@ -239,65 +168,34 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   const double block = std::min(kBlockVoxels, max_radius / kBlocksPerRadius);
   Coarsened coarser;
   if (block >= kLeastBlockVoxels) {
-    coarser = coarsen(surface, block, control);
+    coarser = coarsen(surface.complex(), block, control);
     report.coarsening = coarser.certificate;
     report.coarser_c_vertices.push_back(coarser.complex.positions.size());
   }
-  const bool coarsened = !coarser.representative.empty();
-  const SurfaceComplex& complex = coarsened ? coarser.complex : surface;
   clock.finished("coarsen");
 
   control.report("cover", 0);
-  const CVertexGraph graph = make_graph(complex);
   CoveringOptions cover;
   cover.max_radius = static_cast<float>(max_radius);
   cover.event_persistence = options.event_persistence ? voxels(*options.event_persistence) : 1.5f;
   cover.first_stage = 4;
-  Covering covering(graph, cover);
-  covering.cover(control);
+  CoarseMesher mesher(surface, coarser, cover, options);
+  mesher.cover(control);
   clock.finished("cover");
 
   control.report("certify", 0);
   LevelReport& coarse = report.levels.emplace_back();  // the only one until the refinement starts
-  CertifiedDual dual(complex, covering);
-  dual.certify(coarse.certificate, control);
+  mesher.certify(coarse, control);
   clock.finished("certify");
 
   control.report("mesh", 0);
-  const Partition& partition = covering.partition();
-  const TrilinearField field(in_voxels, parse.rule);
-  TriangleMesh mesh;
-  MeshTopology topology;
-  std::vector<Vec3> shift;
-  int partings = 0;
-  for (int round = 0;; ++round) {
-    mesh.triangles = to_triangles(dual.triangles());
-    mesh.positions.clear();
-    for (const CVertexId v : partition.site) mesh.positions.push_back(complex.positions[v]);
-    shift = relax_coarse(mesh, complex, partition.site, options.vertices_on_surface ? &field : nullptr);
-    topology = mesh_topology(mesh);
-    const std::vector<std::uint8_t> turned =
-        turned_components(mesh.positions, mesh.triangles, complex.spacing, topology.component_of_vertex, topology.components.size(),
-                          outward_of_cells(complex, coarser, partition), 0);
-    coarse.turned_components = static_cast<std::size_t>(std::count(turned.begin(), turned.end(), 1));
-    bool again = coarse.turned_components > 0 && refine_components(complex, covering, topology, turned, round, coarse.certificate);
-    if (!again && !options.allow_self_intersections && partings++ < kMostPartings) {
-      const std::uint32_t sites = covering.site_count();
-      again = covering.shrink(meeting_corners(mesh.positions, mesh.triangles, control));
-      covering.cover(control);  // also where components that were turned left radii too small to cover
-      again = again || covering.site_count() > sites;
-      coarse.parting_sites += covering.site_count() - sites;
-    }
-    if (!again) break;
-    dual.certify(coarse.certificate, control);
-  }
+  mesher.mesh(coarse, control);
   clock.finished("mesh");
 
   control.report("check", 0);
-  std::vector<CVertexId> sites;  // on the surface itself
-  sites.reserve(partition.site.size());
-  for (const CVertexId v : partition.site) sites.push_back(coarsened ? coarser.representative[v] : v);
-  finish_level(mesh, topology, sites, reference, grid, options, coarse, control);
+  TriangleMesh& mesh = mesher.mesh();
+  const std::vector<CVertexId> sites = mesher.sites();
+  finish_level(mesh, mesher.topology(), sites, surface.components(), grid, options, coarse, control);
   clock.finished("check");
 
   Hierarchy& hierarchy = out.hierarchy;
@@ -308,7 +206,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   if (only_coarse) return out;
 
   control.report("refine", 0);
-  LevelMaker maker({in_voxels, grid, parse.rule, surface, reference, coarser, cover, covering, shift}, options, control);
+  LevelMaker maker({grid, surface, *isosurface, coarser, cover, mesher}, options, control);
   maker.describe_coarse(hierarchy, sites, report.levels.front());
   for (const LevelGoal& goal : options.refine) maker.add_level(goal, hierarchy, report.levels);
   clock.finished("refine");

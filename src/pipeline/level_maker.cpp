@@ -27,8 +27,8 @@ LevelMaker::LevelMaker(const LevelSource& source, const ExtractOptions& options,
     : source_(source),
       options_(options),
       control_(control),
-      isosurface_(source.volume, source.rule, source.surface),
-      refiner_(source.surface, isosurface_, source.coarser, source.options, source.covering, source.shift,
+      refiner_(source.surface, source.isosurface, source.coarser, source.options,
+               {source.coarse.covering(), source.coarse.sites(), source.coarse.shift()},
                !options.allow_self_intersections) {}
 
 Vec3 LevelMaker::to_space(Vec3 index) const {
@@ -41,16 +41,16 @@ Vec3 LevelMaker::to_space(Vec3 index) const {
 // Of a vertex of the present level, in sample-index coordinates, without balancing.
 Vec3 LevelMaker::base_position(CellId c) const {
   const Places& places = refiner_.places();
-  const Vec3 p = source_.surface.positions[places.anchor[c]], spacing = source_.surface.spacing;
+  const Vec3 p = source_.surface.complex().positions[places.anchor[c]], spacing = source_.surface.complex().spacing;
   if (places.shift.empty() || places.shift[c] == Vec3{}) return p;
   const Vec3 d = places.shift[c];
-  return p + Vec3{d.x / spacing.x, d.y / spacing.y, d.z / spacing.z};
+  return rounded(p + Vec3{d.x / spacing.x, d.y / spacing.y, d.z / spacing.z});  // as AdaptiveSurface::move() leaves it
 }
 
 // Of the present level, in sample-index coordinates.
 std::vector<Vec3> LevelMaker::vertex_positions() const {
   const Places& places = refiner_.places();
-  const Vec3 spacing = source_.surface.spacing;
+  const Vec3 spacing = source_.surface.complex().spacing;
   std::vector<Vec3> out;
   out.reserve(places.anchor.size());
   for (CellId c = 0; c < places.anchor.size(); ++c) {
@@ -83,7 +83,7 @@ void LevelMaker::tell(const LevelGoal& goal, const LevelFigures& figures, LevelR
 
 void LevelMaker::measure_distance(const TriangleMesh& mesh, LevelReport& report) const {
   if (options_.measure_samples == 0) return;
-  report.measured = measure(mesh, isosurface_, options_.measure_samples, control_);
+  report.measured = measure(mesh, source_.isosurface, options_.measure_samples, control_);
   transform_to(*report.measured, source_.grid, options_.space);
 }
 
@@ -94,8 +94,8 @@ void LevelMaker::describe_coarse(const Hierarchy& hierarchy, std::span<const CVe
     for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
   }
   for (std::size_t v = 0; v < sites.size(); ++v) {
-    const Vec3 d = source_.shift[v], s = source_.surface.spacing;
-    mesh.positions.push_back(source_.surface.positions[sites[v]] + Vec3{d.x / s.x, d.y / s.y, d.z / s.z});
+    const Vec3 d = source_.coarse.shift()[v], s = source_.surface.complex().spacing;
+    mesh.positions.push_back(rounded(source_.surface.complex().positions[sites[v]] + Vec3{d.x / s.x, d.y / s.y, d.z / s.z}));
   }
   const double voxel = source_.grid.smallest_spacing();
   const LevelGoal& goal = options_.coarse;
@@ -126,7 +126,7 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
   report.moves = refined.shape.moves;
   report.parting_sites = refined.parting_sites;
 
-  const SurfaceComplex& surface = source_.surface;
+  const SurfaceComplex& surface = source_.surface.complex();
   const Partition& partition = refiner_.partition();
   TriangleMesh mesh;
   mesh.positions = vertex_positions();
@@ -138,7 +138,7 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
                                                              topology.components.size(), outward, 0);
   report.turned_components = static_cast<std::size_t>(std::count(turned.begin(), turned.end(), 1));
   measure_distance(mesh, report);
-  finish_level(mesh, topology, partition.site, source_.reference, source_.grid, options_, report, control_);
+  finish_level(mesh, topology, partition.site, source_.surface.components(), source_.grid, options_, report, control_);
 
   // Vertices that are new; the others are there already.
   const std::uint32_t vertices = partition.cell_count();

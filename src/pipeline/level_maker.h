@@ -2,22 +2,19 @@
 #pragma once
 
 #include "measure/isosurface.h"
+#include "pipeline/coarse_mesher.h"
 #include "refine/refiner.h"
-#include "surface/components.h"
 
 namespace isoatlas {
 
 /// What the coarse level leaves to the finer ones. Lengths are in voxels (smallest spacings).
 struct LevelSource {
-  VolumeView volume;  ///< with its spacing in voxels
-  const Grid& grid;   ///< the volume's own
-  InsideRule rule;
-  const SurfaceComplex& surface;
-  const Components& reference;
+  const Grid& grid;  ///< the volume's own
+  AdaptiveSurface& surface;
+  const Isosurface& isosurface;
   const Coarsened& coarser;
   const CoveringOptions& options;
-  const Covering& covering;        ///< of level 0
-  const std::vector<Vec3>& shift;  ///< per vertex of level 0, how far it is from its c-vertex; spacing applied
+  const CoarseMesher& coarse;
 };
 
 /// Describes the coarse level and adds the refined ones, each checked, measured where asked for, and in the output's space.
@@ -41,7 +38,6 @@ class LevelMaker {
   LevelSource source_;
   const ExtractOptions& options_;
   const RunControl& control_;
-  Isosurface isosurface_;
   Refiner refiner_;
 };
 

@@ -51,12 +51,13 @@ double longest_edge(const LevelMesh& mesh, CellId cell) {
   return std::sqrt(squared);
 }
 
-Ground::Ground(const SurfaceComplex& surface, const Isosurface* trilinear)
+Ground::Ground(const SurfaceComplex& surface, const Isosurface* trilinear, const AdaptiveSurface* who_may_roam)
     : complex(surface),
       isosurface(trilinear),
       surfels(make_surfels(surface)),
       graph(make_graph(surface)),
-      reach(surface.c_vertex_count(), 0) {
+      reach(surface.c_vertex_count(), 0),
+      roaming(who_may_roam) {
   for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
     for (const CVertexGraph::Neighbour& n : graph.row(v)) reach[v] = std::max(reach[v], n.weight);
   }
@@ -69,6 +70,29 @@ MeasuredCovering::MeasuredCovering(const Ground& ground, const CoveringOptions& 
   covering_.seed(sites, radii);
   covering_.ignore_events();
   covering_.cover(control);
+}
+
+MeasuredCovering::MeasuredCovering(const Ground& finer, const MeasuredCovering& other, const CoveringOptions& options,
+                                   std::span<const Covering::Radius> radii, const RunControl& control)
+    : MeasuredCovering(finer, options, other.places_.anchor, radii, control) {
+  places_ = other.places_;
+  places_.shift.clear();
+  frozen_ = other.frozen_;
+  demands_ = other.demands_;
+  placement_ = other.placement_;
+  near_enough_ = other.near_enough_;
+  errors_ = other.errors_;
+  from_mesh_ = other.from_mesh_;
+  all_stale_ = other.all_stale_;
+  stale_ = other.stale_;
+  // What has other c-vertices than before has to be measured again.
+  CertificateReport report;
+  dual_.update(report, control);
+  dual_.forget_touched();
+  const std::vector<CellId>& before = other.partition().cell_of;
+  std::vector<std::uint8_t> other_cell(partition().cell_of.size(), 1);
+  for (CVertexId v = 0; v < before.size(); ++v) other_cell[v] = before[v] != partition().cell_of[v];
+  dual_.touch(cells_near_changes(finer.complex, partition().cell_of, partition().cell_count(), other_cell));
 }
 
 MeasuredCovering::MeasuredCovering(const MeasuredCovering& other)
@@ -177,6 +201,20 @@ void MeasuredCovering::keep_apart() {
     --taken[anchor[c]];
     ++taken[anchor[owner]];
   }
+}
+
+bool MeasuredCovering::fix(std::span<const CellId> cells) {
+  bool any = false;
+  places_.fixed.resize(partition().cell_count(), 0);
+  stale_.resize(partition().cell_count(), 0);
+  for (const CellId c : cells) {
+    if (std::exchange(places_.fixed[c], std::uint8_t{1}) != 0) continue;
+    any = true;
+    stale_[c] = 1;
+    if (!is_frozen(c)) move_to(c, partition().site[c]);
+    if (!places_.offset.empty()) places_.offset[c] = 0;
+  }
+  return any;
 }
 
 void MeasuredCovering::move_to(CellId cell, CVertexId c_vertex) {

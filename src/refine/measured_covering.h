@@ -9,13 +9,15 @@
 #include "cover/repair.h"
 #include "isoatlas/extract.h"
 #include "refine/error_field.h"
+#include "subdivide/adaptive_surface.h"
 
 namespace isoatlas {
 
 /// A surface complex with all that refinement derives from it once.
 struct Ground {
   /// @param isosurface  what the complex stands for, to look between its c-vertices; none: only they count
-  explicit Ground(const SurfaceComplex& surface, const Isosurface* isosurface = nullptr);
+  /// @param roaming  says which vertices may leave their c-vertices; none: all but those on the boundary
+  explicit Ground(const SurfaceComplex& surface, const Isosurface* isosurface = nullptr, const AdaptiveSurface* roaming = nullptr);
 
   const SurfaceComplex& complex;
   const Isosurface* isosurface;
@@ -23,7 +25,10 @@ struct Ground {
   CVertexGraph graph;
   std::vector<float> reach;  ///< per c-vertex, distance to its farthest neighbour in G
   std::optional<BetweenPoints> between;
+  const AdaptiveSurface* roaming;
 
+  /// Whether a vertex may leave its c-vertex, within the grid cell.
+  bool may_roam(CVertexId v) const { return roaming != nullptr ? roaming->may_roam(v) : !graph.on_boundary[v]; }
   MeasuredSurface measured() const { return {surfels, graph, reach, complex.spacing, isosurface}; }
 };
 
@@ -41,6 +46,10 @@ class MeasuredCovering {
   MeasuredCovering(const Ground& ground, const CoveringOptions& options, std::span<const CVertexId> sites,
                    std::span<const Covering::Radius> radii, const RunControl& control);
   MeasuredCovering(const MeasuredCovering& other);
+  /// Goes on with another's work on a ground with more c-vertices, whose first ones are the same: vertices stay where they are,
+  /// are at their c-vertices now, and become the sites.
+  MeasuredCovering(const Ground& finer, const MeasuredCovering& other, const CoveringOptions& options,
+                   std::span<const Covering::Radius> radii, const RunControl& control);
   /// @pre both stand on the same ground
   MeasuredCovering& operator=(const MeasuredCovering& other);
 
@@ -75,6 +84,11 @@ class MeasuredCovering {
   /// Vertices of the cells before this one keep their anchors from now on.
   void freeze_anchors(CellId before) { frozen_ = before; }
   bool is_frozen(CellId c) const { return c < frozen_; }
+
+  /// Puts the vertices of cells back to their sites for good, but for those that are frozen, and has their triangles left as the dual has
+  /// them. @return whether any was free before
+  bool fix(std::span<const CellId> cells);
+  bool is_fixed(CellId c) const { return places_.is_fixed(c); }
 
   /// Replaces the mesh's triangles, until the next update(), and where its vertices sit, but for balancing; measures the cells again
   /// that this may concern.

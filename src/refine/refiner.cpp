@@ -10,9 +10,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "core/vector_math.h"
-#include "embed/meeting_corners.h"
+#include "embed/meeting_triangles.h"
 
 namespace isoatlas {
 namespace {
@@ -44,15 +45,10 @@ constexpr int kMostChances = 6;
 constexpr std::size_t kFewTriangles = 100;
 // Cells at their limit that are tried to be mended by flips and moves.
 constexpr std::size_t kMostMended = 200;
-// How often cells are divided whose triangles meet others where they should not.
-constexpr int kMostPartings = 12;
-
-std::vector<CVertexId> mapped(const std::vector<CVertexId>& ids, const std::vector<CVertexId>& to) {
-  std::vector<CVertexId> out;
-  out.reserve(ids.size());
-  for (const CVertexId v : ids) out.push_back(to.empty() ? v : to[v]);
-  return out;
-}
+// How often the surface is divided where cells at their limit are over a bound.
+constexpr int kMostDivisions = 3;
+// Each time, the faces around so many c-vertices, or around this part of them all.
+constexpr std::size_t kFewDivided = 20, kShareDivided = 20;
 
 std::vector<Covering::Radius> radii_of(const Covering& covering, const std::vector<CVertexId>& to) {
   std::vector<Covering::Radius> out;
@@ -91,15 +87,16 @@ struct Refiner::Task {
   float limit_share = kLimitShare;
 };
 
-Refiner::Refiner(const SurfaceComplex& surface, const Isosurface& isosurface, const Coarsened& coarser, const CoveringOptions& options,
-                 const Covering& coarse, const std::vector<Vec3>& coarse_shift, bool embedded)
+Refiner::Refiner(AdaptiveSurface& surface, const Isosurface& isosurface, const Coarsened& coarser, const CoveringOptions& options,
+                 Start start, bool embedded)
     : options_(options),
+      surface_(surface),
+      isosurface_(isosurface),
       coarser_(coarser),
-      coarse_(coarse),
-      coarse_shift_(coarse_shift),
+      start_(std::move(start)),
       embedded_(embedded),
-      ground_(surface, &isosurface),
-      sites_before_(coarse.site_count()) {}
+      ground_(std::make_unique<Ground>(surface.complex(), &isosurface, &surface)),
+      sites_before_(static_cast<std::uint32_t>(start_.site.size())) {}
 
 // Until the task is done as far as it can be, or vertices run out. If they may, bounds are first meant more generously and then less
 // and less so: what vertices there are then go where they lower the largest error, looked at from all sides.
@@ -266,7 +263,7 @@ bool Refiner::work_around(MeasuredCovering& work, const Task& task, const std::v
     if (task.shape->score(t.corner[0], t.corner[1], t.corner[2]) >= 1) continue;
     for (const CellId c : t.cell) {
       const CVertexId v = work.partition().site[c];
-      const float radius = covering.radius()[v], least = std::max(kLimitShare * ground_.reach[v], kChordSlack * task.shortest_edge);
+      const float radius = covering.radius()[v], least = std::max(kLimitShare * ground_->reach[v], kChordSlack * task.shortest_edge);
       if (radius <= least) continue;
       covering.lower_radius(v, std::max(least, 0.8f * radius));
       any = true;
@@ -277,33 +274,93 @@ bool Refiner::work_around(MeasuredCovering& work, const Task& task, const std::v
 
 void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control) {
   const std::vector<CVertexId>& on = coarser_.representative;
+  std::vector<CVertexId> sites = start_.site;
+  std::vector<Covering::Radius> radii;
   if (on.empty()) {
-    placed_in_ = coarse_.placed_in();
-    work_ = std::make_unique<MeasuredCovering>(ground_, options_, coarse_.partition().site, radii_of(coarse_, on), control);
-    work_->displace(coarse_shift_);
-    work_->freeze_anchors(sites_before_);
-    return;
+    radii = radii_of(start_.covering, {});
+  } else {
+    const Ground ground(coarser_.complex);
+    MeasuredCovering rough(ground, options_, start_.covering.partition().site, radii_of(start_.covering, {}), control);
+    Task task;
+    task.placement = placement;
+    task.limit_share = kCoarserLimitShare;
+    for (const Constraint& c : goal) {
+      if (drives(c.quantity)) task.metrics.push_back(c);
+      // Leave room for what the surface itself will ask for.
+      if (c.quantity == Quantity::max_vertices) task.most_sites = static_cast<std::uint32_t>(0.6 * std::min(c.bound, 4e9));
+      if (c.quantity == Quantity::min_edge) task.shortest_edge = static_cast<float>(c.bound);
+    }
+    if (!task.metrics.empty() && rough.covering().site_count() < task.most_sites) {
+      work(rough, task, out, control);
+      out.vertices_ran_out = false;  // only its share of them
+    }
+    placed_in_ = rough.covering().placed_in();
+    sites.clear();
+    for (const CVertexId v : rough.partition().site) sites.push_back(on[v]);
+    radii = radii_of(rough.covering(), on);
   }
-  const Ground ground(coarser_.complex);
-  MeasuredCovering rough(ground, options_, coarse_.partition().site, radii_of(coarse_, {}), control);
-  Task task;
-  task.placement = placement;
-  task.limit_share = kCoarserLimitShare;
-  for (const Constraint& c : goal) {
-    if (drives(c.quantity)) task.metrics.push_back(c);
-    // Leave room for what the surface itself will ask for.
-    if (c.quantity == Quantity::max_vertices) task.most_sites = static_cast<std::uint32_t>(0.6 * std::min(c.bound, 4e9));
-    if (c.quantity == Quantity::min_edge) task.shortest_edge = static_cast<float>(c.bound);
-  }
-  if (!task.metrics.empty() && rough.covering().site_count() < task.most_sites) {
-    work(rough, task, out, control);
-    out.vertices_ran_out = false;  // only its share of them
-  }
-  placed_in_ = rough.covering().placed_in();
-  work_ =
-      std::make_unique<MeasuredCovering>(ground_, options_, mapped(rough.partition().site, on), radii_of(rough.covering(), on), control);
-  work_->displace(coarse_shift_);
+  work_ = std::make_unique<MeasuredCovering>(*ground_, options_, sites, radii, control);
+  work_->displace(start_.shift);
   work_->freeze_anchors(sites_before_);
+}
+
+// Divides cells with these vertices, whose triangles meet others where they should not. Where cells are single c-vertices the surface is
+// divided into pieces that stay in their grid cells; such pieces do not meet, but where vertices were moved.
+// @return whether there is something new to look at
+bool Refiner::part(std::span<const CellId> corners, const RunControl& control) {
+  const std::vector<CellId> single = work_->covering().shrink(corners);
+  if (single.empty()) return !corners.empty();
+  const std::vector<Fineness> fineness = surface_.fineness();
+  std::vector<CVertexId> wanted;
+  for (const CellId c : single) {
+    if (fineness[partition().site[c]] == Fineness::faces) wanted.push_back(partition().site[c]);
+  }
+  if (!wanted.empty()) {
+    divide_surface(wanted, control);
+    return true;
+  }
+  return single.size() < corners.size() || work_->fix(single);
+}
+
+// Until no triangles meet where they should not: first in the dual as it is, then with what is done for the sake of shape; where that leads
+// to new ones, it is taken back for good.
+template <class Again>
+void Refiner::take_apart(RefinedLevel& out, const std::vector<DualTriangle>& triangles, const Again& again, const RunControl& control) {
+  MeetingTriangles meeting;
+  for (;;) {
+    const std::vector<CellId> corners = meeting.update(work_->mesh().point, cells_of(triangles), control);
+    if (corners.empty()) return;
+    const std::uint32_t sites = partition().cell_count();
+    bool any = false;
+    for (;; any = true) {
+      work_->update(out.certificate, control);
+      if (!part(meeting.update(work_->mesh().point, cells_of(work_->triangles()), control), control)) break;
+    }
+    out.parting_sites += partition().cell_count() - sites;
+    if (!any && !work_->fix(corners)) return;
+    again();
+  }
+}
+
+// More c-vertices, on which the same work goes on. Vertices stay where they are: there are their c-vertices from now on.
+void Refiner::divide_surface(std::span<const CVertexId> wanted, const RunControl& control) {
+  const Vec3 s = surface_.complex().spacing;
+  const Places& places = work_->places();
+  for (CellId c = 0; c < places.shift.size(); ++c) {
+    const CVertexId v = places.anchor[c];
+    const Vec3 d = places.shift[c];
+    if (!(d == Vec3{})) surface_.move(v, surface_.complex().positions[v] + Vec3{d.x / s.x, d.y / s.y, d.z / s.z});
+  }
+  surface_.divide(wanted);
+  auto ground = std::make_unique<Ground>(surface_.complex(), &isosurface_, &surface_);
+  const Covering& covering = work_->covering();
+  placed_in_.resize(covering.site_count(), kNone);
+  for (CellId c = 0; c < covering.site_count(); ++c) {
+    if (placed_in_[c] == kNone) placed_in_[c] = covering.placed_in()[c];
+  }
+  auto work = std::make_unique<MeasuredCovering>(*ground, *work_, options_, radii_of(covering, {}), control);
+  work_ = std::move(work);
+  ground_ = std::move(ground);
 }
 
 // The constraints in their order: works on what there is so far before a limit comes into force.
@@ -356,9 +413,33 @@ std::vector<std::pair<CellId, double>> Refiner::cells_over(const Task& task, std
   return out;
 }
 
+// Where cells are over a bound and cannot be made smaller, the worst first: their c-vertices and those around. Not too many: what is at its
+// limit nearly everywhere needs another volume.
+std::vector<CVertexId> Refiner::places_at_limit() const {
+  std::vector<std::pair<double, CellId>> cells;
+  for (CellId c = 0; c < partition().cell_count(); ++c) {
+    if (work_->errors()[c].excess > 1 && is_at_limit(c)) cells.emplace_back(-work_->errors()[c].excess, c);
+  }
+  std::sort(cells.begin(), cells.end());
+  const std::size_t room = std::max<std::size_t>(kFewDivided, surface_.complex().c_vertex_count() / kShareDivided);
+  std::vector<std::uint8_t> is_taken(surface_.complex().c_vertex_count(), 0);
+  std::vector<CVertexId> out;
+  const auto take = [&](CVertexId v) {
+    if (std::exchange(is_taken[v], std::uint8_t{1}) == 0) out.push_back(v);
+  };
+  for (const auto& [excess, c] : cells) {
+    if (out.size() >= room) break;
+    const CVertexId v = partition().site[c];
+    take(v);
+    for (const CVertexGraph::Neighbour& n : ground_->graph.row(v)) take(n.id);
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
 bool Refiner::is_at_limit(CellId c) const {
   const CVertexId v = partition().site[c];
-  return work_->covering().radius()[v] <= kLimitShare * ground_.reach[v] * 1.0001f;
+  return work_->covering().radius()[v] <= kLimitShare * ground_->reach[v] * 1.0001f;
 }
 
 RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const RunControl& control) {
@@ -377,7 +458,11 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
   std::unique_ptr<MeasuredCovering> before;
   if (limited && !first) before = std::make_unique<MeasuredCovering>(*work_);
 
-  if (first) step_down(goal, placement, out, control);
+  if (first) {
+    step_down(goal, placement, out, control);
+  } else if (work_->places().anchor != partition().site) {
+    divide_surface({}, control);  // vertices that were moved become sites, so that cells can be as small as their vertices
+  }
   const Task task = whole_task(goal, placement, out, control);
   work(*work_, task, out, control);
   // Balanced once more in one go, instead of piece by piece, and then what got worse by that.
@@ -386,6 +471,12 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
     work_->update_all(out.certificate, control);
     work(*work_, task, out, control);
     if (partition().cell_count() == sites) break;
+  }
+  for (int k = 0; k < kMostDivisions && !out.vertices_ran_out; ++k) {
+    const std::vector<CVertexId> wanted = places_at_limit();
+    if (wanted.empty()) break;
+    divide_surface(wanted, control);
+    work(*work_, task, out, control);
   }
   if (too_many(partition().cell_count())) {  // on the surface itself repair needed more than was left
     work_ = std::move(before);
@@ -408,12 +499,7 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
     if (task.most_sites != kNone || !work_around(*work_, task, triangles)) break;
     again();
   }
-  for (int k = 0; embedded_ && k < kMostPartings; ++k) {
-    if (!work_->covering().shrink(meeting_corners(work_->mesh().point, cells_of(triangles), control))) break;
-    const std::uint32_t sites = partition().cell_count();
-    again();
-    out.parting_sites += partition().cell_count() - sites;
-  }
+  if (embedded_) take_apart(out, triangles, again, control);
   // What nothing else can help: of the cells at their limit, the worst.
   std::vector<std::pair<double, CellId>> worst;
   for (CellId c = 0; c < partition().cell_count(); ++c) {
@@ -427,7 +513,7 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
   work_->freeze_anchors(partition().cell_count());
   out.triangles = cells_of(triangles);
 
-  const std::vector<MetricValues> values = measure_metrics(ground_, work_->covering(), work_->mesh());
+  const std::vector<MetricValues> values = measure_metrics(*ground_, work_->covering(), work_->mesh());
   Obstacles obstacles{&extent_, first, out.vertices_ran_out, false, 0};
   for (const auto& [c, excess] : cells_over(task, values)) {
     const float radius = work_->covering().radius()[partition().site[c]];
@@ -449,14 +535,14 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
 LevelFigures Refiner::describe_coarse(std::span<const Triangle> triangles, std::span<const CVertexId> sites, const LevelGoal& goal,
                                       const RunControl& control) {
   control.check_cancelled();
-  Covering covering(ground_.graph, options_);
+  Covering covering(ground_->graph, options_);
   covering.seed(sites, {});
   std::vector<DualTriangle> dual;
   dual.reserve(triangles.size());
   for (const Triangle& t : triangles) dual.push_back({t, kNone});
-  const LevelMesh mesh = make_level_mesh(ground_.surfels, covering.partition(), dual, {{sites.begin(), sites.end()}, {}, coarse_shift_});
+  const LevelMesh mesh = make_level_mesh(ground_->surfels, covering.partition(), dual, {{sites.begin(), sites.end()}, {}, start_.shift});
   extent_ = extent_of(mesh);
-  metrics_ = summarize(measure_metrics(ground_, covering, mesh));
+  metrics_ = summarize(measure_metrics(*ground_, covering, mesh));
   return {metrics_, judge(goal, extent_, metrics_, {})};
 }
 

@@ -10,6 +10,7 @@
 #include "refine/judge.h"
 #include "refine/measured_covering.h"
 #include "refine/shape.h"
+#include "subdivide/adaptive_surface.h"
 
 namespace isoatlas {
 
@@ -39,10 +40,17 @@ struct RefinedLevel {
 /// certified and measured again.
 class Refiner {
  public:
-  /// @param coarse  the covering of level 0, of `coarser.complex`, or of the surface if there is no coarser complex
-  /// @param embedded  divide cells whose triangles meet others where they should not
-  Refiner(const SurfaceComplex& surface, const Isosurface& isosurface, const Coarsened& coarser, const CoveringOptions& options,
-          const Covering& coarse, const std::vector<Vec3>& coarse_shift, bool embedded);
+  /// What level 0 is.
+  struct Start {
+    const Covering& covering;     ///< of `coarser.complex`, or of the surface if there is no coarser complex
+    std::vector<CVertexId> site;  ///< per vertex, on the surface
+    std::vector<Vec3> shift;      ///< per vertex, how far it is from there; spacing applied
+  };
+
+  /// @param surface   divided where a bound or the shape of triangles asks for more c-vertices than there are
+  /// @param embedded  divide cells, and then the surface, where triangles meet others where they should not
+  Refiner(AdaptiveSurface& surface, const Isosurface& isosurface, const Coarsened& coarser, const CoveringOptions& options, Start start,
+          bool embedded);
 
   /// What can be said of level 0. To be called once, before refine().
   /// @param sites  per vertex of the level, its c-vertex on the surface
@@ -53,7 +61,7 @@ class Refiner {
   RefinedLevel refine(const LevelGoal& goal, Placement placement, const RunControl& control);
 
   const Partition& partition() const { return work_->partition(); }
-  const Surfels& surfels() const { return ground_.surfels; }
+  const Surfels& surfels() const { return ground_->surfels; }
   const Places& places() const { return work_->places(); }
   /// Per vertex, the vertex of the level before in whose cell it was placed. @pre refine() was called
   std::vector<std::uint32_t> parents() const;
@@ -65,18 +73,24 @@ class Refiner {
   std::vector<CVertexId> work_on_shape(MeasuredCovering& work, const Task& task, std::size_t room, std::span<const CVertexId> given_up);
   bool work_around(MeasuredCovering& work, const Task& task, const std::vector<DualTriangle>& triangles);
   Task whole_task(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control);
+  bool part(std::span<const CellId> corners, const RunControl& control);
+  template <class Again>
+  void take_apart(RefinedLevel& out, const std::vector<DualTriangle>& triangles, const Again& again, const RunControl& control);
+  std::vector<CVertexId> places_at_limit() const;
   bool is_at_limit(CellId c) const;
   std::vector<std::pair<CellId, double>> cells_over(const Task& task, std::span<const MetricValues> values) const;
   void step_down(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control);
+  void divide_surface(std::span<const CVertexId> wanted, const RunControl& control);
 
   CoveringOptions options_;
+  AdaptiveSurface& surface_;
+  const Isosurface& isosurface_;
   const Coarsened& coarser_;
-  const Covering& coarse_;
-  const std::vector<Vec3>& coarse_shift_;
+  Start start_;
   bool embedded_;
-  Ground ground_;
+  std::unique_ptr<Ground> ground_;
   std::unique_ptr<MeasuredCovering> work_;
-  std::vector<CellId> placed_in_;  // per site of the first part of refinement, on the coarser complex
+  std::vector<CellId> placed_in_;  // per site, as far as it was placed on another complex than work_ stands on; else kNone
   std::uint32_t sites_before_;     // of the level before
   MeshExtent extent_;              // of the last level, its metrics below
   std::array<MetricSummary, kMetricCount> metrics_{};

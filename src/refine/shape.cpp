@@ -62,7 +62,7 @@ class Workshop {
     std::vector<Roam> roam(mesh.cell_count());
     for (CellId c = 0; c < mesh.cell_count(); ++c) {
       const CVertexId v = places_.anchor[c];
-      if (work_.is_frozen(c) || ground.graph.on_boundary[v]) {
+      if (work_.is_frozen(c) || work_.is_fixed(c) || !ground.may_roam(v)) {
         roam[c] = {points[c], points[c]};
         continue;
       }
@@ -77,8 +77,9 @@ class Workshop {
     if (places_.shift.empty()) places_.shift.resize(mesh.cell_count());
     const std::vector<CellError> before = work_.errors();
     const std::vector<Vec3> old_shift = places_.shift;
-    std::vector<CellId> concerned = rings_around(moved, rings_);
     for (const CellId c : moved) places_.shift[c] = places_.shift[c] + (points[c] - mesh.point[c]);
+    keep_from_straying(moved, old_shift);
+    std::vector<CellId> concerned = rings_around(moved, rings_);
     work_.remesh(triangles_, places_, concerned);
     for (int look = 0; look < kLooksBack; ++look) {
       std::vector<CellId> worse;
@@ -200,6 +201,25 @@ class Workshop {
     return changes.size();
   }
 
+  // Takes back what would make surfels of one grid cell meet.
+  void keep_from_straying(std::span<const CellId> moved, const std::vector<Vec3>& old_shift) {
+    const Ground& ground = work_.ground();
+    if (ground.roaming == nullptr) return;
+    const Vec3 s = ground.complex.spacing;
+    std::vector<Vec3> positions = ground.complex.positions;
+    for (CellId c = 0; c < places_.shift.size(); ++c) {
+      const Vec3 d = places_.shift[c];
+      positions[places_.anchor[c]] = positions[places_.anchor[c]] + Vec3{d.x / s.x, d.y / s.y, d.z / s.z};
+    }
+    std::vector<CVertexId> movers;
+    for (const CellId c : moved) movers.push_back(places_.anchor[c]);
+    std::vector<CVertexId> back = ground.roaming->stray(movers, positions);
+    std::sort(back.begin(), back.end());
+    for (const CellId c : moved) {
+      if (std::binary_search(back.begin(), back.end(), places_.anchor[c])) places_.shift[c] = old_shift[c];
+    }
+  }
+
   using Key = std::pair<std::uint64_t, std::uint64_t>;
   Key key(const Change& c) const {
     if (!c.is_flip()) return {static_cast<std::uint64_t>(c.cell) << 32 | kNone, c.to};
@@ -247,7 +267,8 @@ class Workshop {
           }
         }
       }
-      if (j == kNone || mesh.triangles_of.of(a).size() <= 3 || mesh.triangles_of.of(b).size() <= 3) continue;
+      if (j == kNone || work_.is_fixed(a) || work_.is_fixed(b) || work_.is_fixed(c) || work_.is_fixed(d)) continue;
+      if (mesh.triangles_of.of(a).size() <= 3 || mesh.triangles_of.of(b).size() <= 3) continue;
       bool exists = false;
       for (const std::uint32_t other : mesh.triangles_of.of(c)) {
         for (const CellId e : mesh.triangles[other].cell) exists = exists || e == d;
@@ -275,7 +296,7 @@ class Workshop {
     const LevelMesh& mesh = work_.mesh();
     const Ground& ground = work_.ground();
     const CVertexId from = places_.anchor[cell];
-    if (work_.is_frozen(cell) || ground.graph.on_boundary[from]) return;
+    if (work_.is_frozen(cell) || work_.is_fixed(cell) || ground.graph.on_boundary[from]) return;
     double was = std::numeric_limits<double>::infinity();
     for (const std::uint32_t t : mesh.triangles_of.of(cell)) was = std::min(was, score(mesh.triangles[t]));
     const auto consider = [&](CVertexId to) {

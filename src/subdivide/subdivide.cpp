@@ -11,8 +11,10 @@
 namespace isoatlas {
 namespace {
 
-// As in parsing: nodes keep away from the ends of their edges, c-vertices from the walls of their cells.
+// C-vertices keep away from the walls of their cells, as in parsing; nodes farther from the ends of their edges, since other nodes may be
+// near by on other edges: both may become vertices.
 constexpr double kMargin = 1e-3;
+constexpr double kNodeMargin = 0.06;
 constexpr int kNewtonSteps = 3;
 constexpr double kShortest = 0.02;  // a side within a cell, steps of the sample index
 constexpr double kTowardsCurve = 0.75;
@@ -48,29 +50,68 @@ struct Side {
   bool same_as(const Side& o) const { return a == o.a && b == o.b; }
 };
 
+bool crosses_wall(const SurfaceComplex& complex, CVertexId a, CVertexId b) {
+  Box box;
+  box.include(complex.positions[a]);
+  box.include(complex.positions[b]);
+  return !box.is_in_one_cell();
+}
+
+// Whether a side that crosses a wall has to be divided there for its faces to be pieces of cones: else these could meet others.
+bool needs_point_on_wall(const SurfaceComplex& complex, const SurfaceInGrid& in, CVertexId a, CVertexId b) {
+  const auto is_crowded = [&](CVertexId v) { return v < in.crowded.size() && in.crowded[v] != 0; };
+  if (is_crowded(a) || is_crowded(b)) return true;
+  const Point p = as_array(complex.positions[a]), q = as_array(complex.positions[b]);
+  Point on_wall;
+  int walls = 0;
+  for (std::size_t x = 0; x < 3; ++x) {
+    on_wall[x] = std::floor(p[x]) + 0.5;
+    if (std::floor(p[x]) == std::floor(q[x])) continue;
+    on_wall[x] = std::max(std::floor(p[x]), std::floor(q[x]));
+    ++walls;
+  }
+  return walls == 1 && has_two_curves(in.field, as_vector(on_wall));
+}
+
+Fineness fineness_of(const SurfaceComplex& complex, const SurfaceInGrid& in, const Face& face) {
+  if (!face.is_triangle()) return Fineness::faces;
+  if (box_of(complex, face).is_in_one_cell()) return Fineness::pieces;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const CVertexId a = face.corner[k], b = face.corner[(k + 1) % 3];
+    if (crosses_wall(complex, a, b) && needs_point_on_wall(complex, in, a, b)) return Fineness::faces;
+  }
+  return Fineness::fans;
+}
+
 class Subdivider {
  public:
-  Subdivider(const SurfaceComplex& complex, std::span<const CVertexId> wanted, const TrilinearField& field)
-      : complex_(complex), field_(field), wanted_(complex.c_vertex_count(), Want::nothing) {
-    const std::vector<std::uint8_t> stays = stays_in_cells(complex);
-    for (const CVertexId v : wanted) wanted_[v] = stays[v] ? Want::smaller_pieces : Want::pieces_in_cells;
+  Subdivider(const SurfaceComplex& complex, std::span<const CVertexId> wanted, const SurfaceInGrid& in)
+      : complex_(complex), in_(in), field_(in.field), wanted_(complex.c_vertex_count(), Want::nothing) {
+    const std::vector<Fineness> now = fineness(complex, in);
+    for (const CVertexId v : wanted) {
+      wanted_[v] = now[v] == Fineness::faces ? Want::fans : now[v] == Fineness::fans ? Want::pieces : Want::smaller_pieces;
+    }
     // At a node it is the sides opposite to it that cross walls.
-    std::vector<CVertexId> opposite;
+    std::vector<std::pair<CVertexId, Want>> opposite;
     for (const Face& face : complex.faces) {
       if (!face.is_triangle()) continue;
       const auto& c = face.corner;
       for (std::size_t k = 0; k < 3; ++k) {
         const CVertexId a = c[(k + 1) % 3];
-        if (wanted_[c[k]] == Want::pieces_in_cells && !stays[a] && crosses_wall(a, c[(k + 2) % 3])) opposite.push_back(a);
+        const Want want = std::min(wanted_[c[k]], Want::pieces);
+        if (want > wanted_[a] && now[a] != Fineness::pieces && crosses_wall(complex, a, c[(k + 2) % 3])) opposite.emplace_back(a, want);
       }
     }
-    for (const CVertexId v : opposite) wanted_[v] = Want::pieces_in_cells;
+    for (const auto& [v, want] : opposite) wanted_[v] = std::max(wanted_[v], want);
   }
 
   Subdivision run() {
     out_.complex = complex_;
     find_sides();
-    for (const DividedSide& s : sides_) add_c_vertex(middle(s), s.a, s.is_boundary);
+    for (const DividedSide& s : sides_) {
+      add_c_vertex(middle(s), s.a, s.is_boundary);
+      if (!s.crosses) out_.between.back() = {s.a, s.b};
+    }
     for (FaceId f = 0; f < complex_.face_count(); ++f) {
       if (is_divided(complex_.faces[f])) divide(f);
     }
@@ -80,7 +121,7 @@ class Subdivider {
   }
 
  private:
-  enum class Want : std::uint8_t { nothing, pieces_in_cells, smaller_pieces };
+  enum class Want : std::uint8_t { nothing, fans, pieces, smaller_pieces };
 
   struct DividedSide {
     CVertexId a, b;
@@ -101,22 +142,17 @@ class Subdivider {
   bool is_marked(CVertexId a, CVertexId b) const {
     const Want most = std::max(wanted_[a], wanted_[b]);
     if (most == Want::nothing) return false;
-    if (crosses_wall(a, b)) return true;
-    return most == Want::smaller_pieces &&
-           squared_distance(complex_.positions[a], complex_.positions[b], {1, 1, 1}) > kShortest * kShortest;
-  }
-  bool crosses_wall(CVertexId a, CVertexId b) const {
-    Box box;
-    box.include(complex_.positions[a]);
-    box.include(complex_.positions[b]);
-    return !box.is_in_one_cell();
+    if (crosses_wall(complex_, a, b)) return most >= Want::pieces || needs_point_on_wall(complex_, in_, a, b);
+    // What is not in one cell yet is divided at walls first.
+    return most == Want::smaller_pieces && squared_distance(complex_.positions[a], complex_.positions[b], {1, 1, 1}) > kShortest * kShortest;
   }
 
   CVertexId add_c_vertex(Vec3 position, CVertexId origin, bool on_boundary) {
     const CVertexId id = checked_id(out_.complex.positions.size(), "c-vertices");
-    out_.complex.positions.push_back(position);
+    out_.complex.positions.push_back(rounded(position));
     out_.complex.on_boundary.push_back(on_boundary);
     out_.origin.push_back(origin);
+    out_.between.push_back({kNone, kNone});
     return id;
   }
 
@@ -139,13 +175,13 @@ class Subdivider {
     for (std::size_t i = 0; i < found.size();) {
       const bool twice = i + 1 < found.size() && found[i + 1].same_as(found[i]);
       const Side &first = found[i], &second = found[i + (twice ? 1 : 0)];
-      sides_.push_back({first.a, first.b, first.node, second.node, crosses_wall(first.a, first.b), !twice});
+      sides_.push_back({first.a, first.b, first.node, second.node, crosses_wall(complex_, first.a, first.b), !twice});
       i += twice ? 2 : 1;
     }
   }
 
   // Sides along the volume's border from one grid face to the next are divided at the node, with their face.
-  bool is_border(CVertexId a, CVertexId b) const { return complex_.on_boundary[a] && complex_.on_boundary[b] && crosses_wall(a, b); }
+  bool is_border(CVertexId a, CVertexId b) const { return complex_.on_boundary[a] && complex_.on_boundary[b] && crosses_wall(complex_, a, b); }
 
   CVertexId middle_of(CVertexId a, CVertexId b) const {
     if (a > b) std::swap(a, b);
@@ -185,7 +221,7 @@ class Subdivider {
     high[axis] += 1;
     const double f = field_.at(as_vector(low)).value, g = field_.at(as_vector(high)).value;
     const double t = (f >= 0) == (g >= 0) ? 0.5 : f / (f - g);
-    low[axis] += std::clamp(std::isfinite(t) ? t : 0.5, kMargin, 1 - kMargin);
+    low[axis] += std::clamp(std::isfinite(t) ? t : 0.5, kNodeMargin, 1 - kNodeMargin);
     return as_vector(low);
   }
   // Some corner lies on a wall normal to the axis: the edge is on the volume's border.
@@ -412,6 +448,7 @@ class Subdivider {
   }
 
   const SurfaceComplex& complex_;
+  const SurfaceInGrid& in_;
   const TrilinearField& field_;
   std::vector<Want> wanted_;                            // per c-vertex
   std::vector<DividedSide> sides_;                      // sorted by their ends; the i-th has the i-th new c-vertex
@@ -421,17 +458,32 @@ class Subdivider {
 
 }  // namespace
 
-std::vector<std::uint8_t> stays_in_cells(const SurfaceComplex& complex) {
-  std::vector<std::uint8_t> out(complex.c_vertex_count(), 1);
+bool has_two_curves(const TrilinearField& field, Vec3 point) {
+  const Point p = as_array(point);
+  std::array<std::size_t, 2> along{};
+  for (std::size_t a = 0, k = 0; a < 3; ++a) {
+    if (!is_whole(p[a]) && k < 2) along[k++] = a;
+  }
+  const auto inside = [&](double u, double v) {
+    Point q = p;
+    q[along[0]] = std::floor(p[along[0]]) + u;
+    q[along[1]] = std::floor(p[along[1]]) + v;
+    return field.at(as_vector(q)).value >= 0;
+  };
+  return inside(0, 0) == inside(1, 1) && inside(1, 0) == inside(0, 1) && inside(0, 0) != inside(1, 0);
+}
+
+std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGrid& in) {
+  std::vector<Fineness> out(complex.c_vertex_count(), Fineness::pieces);
   for (const Face& face : complex.faces) {
-    if (face.is_triangle() && box_of(complex, face).is_in_one_cell()) continue;
-    for (int k = 0; k < face.size(); ++k) out[face.corner[k]] = 0;
+    const Fineness f = fineness_of(complex, in, face);
+    for (int k = 0; k < face.size(); ++k) out[face.corner[k]] = std::min(out[face.corner[k]], f);
   }
   return out;
 }
 
-Subdivision subdivide(const SurfaceComplex& complex, std::span<const CVertexId> wanted, const TrilinearField& field) {
-  return Subdivider(complex, wanted, field).run();
+Subdivision subdivide(const SurfaceComplex& complex, std::span<const CVertexId> wanted, const SurfaceInGrid& in) {
+  return Subdivider(complex, wanted, in).run();
 }
 
 }  // namespace isoatlas

@@ -2,6 +2,9 @@
 // Adaptive supersampling of a surface complex: more c-vertices where it is too coarse, and only there.
 #pragma once
 
+#include <array>
+#include <cmath>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -13,20 +16,45 @@ namespace isoatlas {
 struct Subdivision {
   SurfaceComplex complex;         ///< the old c-vertices with their numbers and positions, then the new ones
   std::vector<CVertexId> origin;  ///< per new c-vertex, an old one of the same component
+  /// Per new c-vertex that divides a side within a grid cell, the ends of that side; else kNone.
+  std::vector<std::array<CVertexId, 2>> between;
 };
 
-/// Per c-vertex, 1 if all faces at it are triangles that lie in one grid cell each (with its walls), as those of a subdivided complex do.
-std::vector<std::uint8_t> stays_in_cells(const SurfaceComplex& complex);
+/// Few enough binary digits for the middle of two such points, and the middles of these, to be exact.
+/// @param position  sample-index coordinates below 2^17
+inline Vec3 rounded(Vec3 position) {
+  constexpr double kScale = 4294967296.0;  // 2^32
+  return {std::round(position.x * kScale) / kScale, std::round(position.y * kScale) / kScale, std::round(position.z * kScale) / kScale};
+}
 
-/// Divides all faces around some c-vertices; the others stay, so the result is a subdivision, homeomorphic to the input.
+/// How the faces around a c-vertex lie in the grid, each step finer than the one before.
+enum class Fineness : std::uint8_t {
+  faces,   ///< some are as they were parsed
+  fans,    ///< triangles about nodes; what of such a triangle is in one cell is a piece of a cone about the cell's c-vertex
+  pieces,  ///< triangles that are each in one cell, with its walls
+};
+
+/// What subdivision has to know besides the complex.
+struct SurfaceInGrid {
+  const TrilinearField& field;             ///< whose zero set the surface is
+  std::span<const std::uint8_t> crowded;  ///< per c-vertex, 1 if there are others in its grid cell; those that are missing have none
+};
+
+std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGrid& in);
+
+/// Divides all faces around some c-vertices, to the next fineness; the others stay, so the result is a subdivision, homeomorphic to the
+/// input.
 ///
-/// A side that crosses a wall between two grid cells is divided where the surface crosses that wall half-way between its nodes, a face
-/// around a node becomes a fan about the node; so faces around a c-vertex are pieces of its own surfel then, in its own cell. Faces that
-/// are so already are divided at the middles of their sides, which move onto the surface but not out of their cell or wall.
+/// faces -> fans: a face around a node becomes a fan about the node. A side that crosses a wall with two curves, or beside a crowded cell, is
+/// divided where the surface crosses the wall half-way between its nodes. fans -> pieces: so are all other sides that cross walls. pieces:
+/// sides are divided at their middles, which move onto the surface but not out of their cell or wall.
 ///
 /// @param wanted  c-vertices, in any order
-/// @param field   whose zero set is the surface
 /// @cost  O(F), plus the divided faces times the logarithm of their number
-Subdivision subdivide(const SurfaceComplex& complex, std::span<const CVertexId> wanted, const TrilinearField& field);
+Subdivision subdivide(const SurfaceComplex& complex, std::span<const CVertexId> wanted, const SurfaceInGrid& in);
+
+/// Whether the samples at the corners of a wall have alternating signs, so that two curves cross it.
+/// @param point  on the wall, but not on its edges
+bool has_two_curves(const TrilinearField& field, Vec3 point);
 
 }  // namespace isoatlas

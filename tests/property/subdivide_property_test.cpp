@@ -5,7 +5,8 @@
 
 #include "isoatlas/self_intersections.h"
 #include "property/random_case.h"
-#include "subdivide/separate_surfels.h"
+#include "refine/relax.h"
+#include "subdivide/adaptive_surface.h"
 #include "support/surfaces.h"
 #include "surface/components.h"
 #include "surface/parse_surface.h"
@@ -39,14 +40,16 @@ RC_GTEST_PROP(AnySurface, StaysItselfWhereverItIsDivided, (const RandomCase& c))
   const TopologySummary want = summarize(find_components(p.surface).topology);
   Random random(c.seed + 11);
   SurfaceComplex complex = p.surface;
-  for (int round = 0; round < 3; ++round) {
+  const CrowdedCells crowded(complex, field);
+  for (int round = 0; round < 4; ++round) {
     std::vector<CVertexId> wanted;
     const auto share = random.between(1, 4);
     for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
       if (random.between(0, 3) < share) wanted.push_back(v);
     }
-    const std::vector<std::uint8_t> stayed = stays_in_cells(complex);
-    const Subdivision divided = subdivide(complex, wanted, field);
+    const SurfaceInGrid in{field, crowded.flags()};
+    const std::vector<Fineness> was = fineness(complex, in);
+    const Subdivision divided = subdivide(complex, wanted, in);
     RC_ASSERT(validate(divided.complex) == "");
     const std::uint32_t before = complex.c_vertex_count(), after = divided.complex.c_vertex_count();
     RC_ASSERT(divided.origin.size() == after - before);
@@ -54,25 +57,42 @@ RC_GTEST_PROP(AnySurface, StaysItselfWhereverItIsDivided, (const RandomCase& c))
     const Components components = find_components(divided.complex);
     RC_ASSERT(summarize(components.topology) == want);
     for (CVertexId v = before; v < after; ++v) RC_ASSERT(components.of_c_vertex[v] == components.of_c_vertex[divided.origin[v - before]]);
-    const std::vector<std::uint8_t> stays = stays_in_cells(divided.complex);
-    for (const CVertexId v : wanted) RC_ASSERT(stays[v]);
-    for (CVertexId v = 0; v < before; ++v) RC_ASSERT(!stayed[v] || stays[v]);
+    const std::vector<Fineness> is = fineness(divided.complex, in);
+    for (const CVertexId v : wanted) RC_ASSERT(is[v] > was[v] || is[v] == Fineness::pieces);
+    for (CVertexId v = 0; v < before; ++v) RC_ASSERT(is[v] >= was[v]);
     complex = divided.complex;
   }
 }
 
-RC_GTEST_PROP(AnySurface, InPiecesThatStayInTheirCellsDoesNotMeetItself, (const RandomCase& c)) {
+// Wherever in their cells c-vertices are.
+RC_GTEST_PROP(AnySurface, DividedEverywhereDoesNotMeetItself, (const RandomCase& c)) {
   Parsed p = parsed(c);
   RC_PRE(!p.surface.positions.empty());
-  const TrilinearField field(p.volume, p.rule);
-  RC_ASSERT(separate_surfels(p.surface, field) == 0u);
-  const std::vector<std::uint8_t> stays = stays_in_cells(p.surface);
-  std::vector<CVertexId> wanted;
-  for (CVertexId v = 0; v < stays.size(); ++v) {
-    if (!stays[v]) wanted.push_back(v);
+  Components components = find_components(p.surface);
+  AdaptiveSurface surface(p.surface, components, TrilinearField(p.volume, p.rule));
+  Random random(c.seed + 3);
+  const auto rounds = random.between(1, 3);
+  for (int round = 0; round < rounds; ++round) {
+    const SurfaceComplex& complex = surface.complex();
+    std::vector<CVertexId> moved;
+    std::vector<Vec3> positions = complex.positions;
+    for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
+      if (!surface.may_roam(v) || random.between(0, 2) == 0) continue;
+      const Roam roam = roam_of(complex.positions[v], {1, 1, 1});
+      const auto between = [&](double low, double high) { return low + random.unit() * (high - low); };
+      positions[v] = {between(roam.low.x, roam.high.x), between(roam.low.y, roam.high.y), between(roam.low.z, roam.high.z)};
+      moved.push_back(v);
+    }
+    for (const CVertexId v : surface.stray(moved, positions)) positions[v] = complex.positions[v];
+    for (const CVertexId v : moved) surface.move(v, positions[v]);
+    std::vector<CVertexId> wanted;
+    const std::vector<Fineness> now = surface.fineness();
+    for (CVertexId v = 0; v < now.size(); ++v) {
+      if (now[v] == Fineness::faces || (round > 0 && random.between(0, 3) == 0)) wanted.push_back(v);
+    }
+    surface.divide(wanted);
+    RC_ASSERT(self_intersections(surface.complex().positions, triangles_of(surface.complex()).triangles).empty());
   }
-  const SurfaceComplex complex = subdivide(p.surface, wanted, field).complex;
-  RC_ASSERT(self_intersections(complex.positions, triangles_of(complex).triangles).empty());
 }
 
 }  // namespace

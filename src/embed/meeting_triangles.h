@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "isoatlas/self_intersections.h"
+
+namespace isoatlas {
+
+/// The triangles of a mesh that meet others where they should not, mesh after mesh: only what is new is looked at again.
+class MeetingTriangles {
+ public:
+  /// @return the corners of all such triangles, sorted
+  /// @cost   as self_intersections() the first time; then one pass over the mesh, plus what is near triangles that are new or have a
+  ///         corner that moved
+  std::vector<std::uint32_t> update(std::span<const Vec3> positions, std::span<const Triangle> triangles, const RunControl& control);
+
+  std::size_t pairs() const { return pairs_.size(); }  ///< of the last mesh
+
+ private:
+  std::vector<Vec3> positions_;
+  std::vector<Triangle> triangles_;  // sorted, each with its smallest corner first
+  std::vector<std::pair<Triangle, Triangle>> pairs_;
+};
+
+}  // namespace isoatlas

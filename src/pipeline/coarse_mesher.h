@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "cover/repair.h"
+#include "embed/meeting_triangles.h"
+#include "isoatlas/extract.h"
+#include "partition/coarsen.h"
+#include "subdivide/adaptive_surface.h"
+
+namespace isoatlas {
+
+/// Stage one: a covering, certified, and the mesh of level 0. Lengths are in voxels. To be called in the order below.
+class CoarseMesher {
+ public:
+  /// @param surface  divided where nothing else helps against triangles that meet
+  /// @param coarser  what to work on, made finer where triangles meet; without c-vertices: the surface itself
+  CoarseMesher(AdaptiveSurface& surface, Coarsened& coarser, const CoveringOptions& cover, const ExtractOptions& options);
+
+  void cover(const RunControl& control);
+  void certify(LevelReport& report, const RunControl& control);
+  /// Turns components outward, moves vertices away from each other and takes triangles apart that meet where they should not.
+  void mesh(LevelReport& report, const RunControl& control);
+
+  TriangleMesh& mesh() { return mesh_; }  ///< in sample-index coordinates
+  const MeshTopology& topology() const { return topology_; }
+  const std::vector<Vec3>& shift() const { return shift_; }  ///< per vertex, how far it is from its c-vertex; spacing applied
+  std::vector<CVertexId> sites() const;                       ///< per vertex, its c-vertex on the surface
+  const Covering& covering() const { return stand_->covering; }  ///< of the coarser complex, if there is one
+
+ private:
+  struct Stand {
+    Stand(const SurfaceComplex& on, const CoveringOptions& options);
+    const SurfaceComplex& complex;
+    CVertexGraph graph;
+    Covering covering;
+    CertifiedDual dual;
+  };
+  bool is_coarser() const { return !coarser_.representative.empty(); }
+  void relax_vertices();
+  bool part(LevelReport& report, const RunControl& control);
+  bool part_single_cells(std::span<const CellId> cells, const RunControl& control);
+
+  AdaptiveSurface& surface_;
+  Coarsened& coarser_;
+  const CoveringOptions& cover_;
+  const ExtractOptions& options_;
+  std::unique_ptr<Stand> stand_;
+  MeetingTriangles meeting_;
+  TriangleMesh mesh_;
+  MeshTopology topology_;
+  std::vector<Vec3> shift_;
+  std::vector<std::uint8_t> stays_;  // per vertex, 1 if it must not be moved
+};
+
+}  // namespace isoatlas

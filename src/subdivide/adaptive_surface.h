@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "subdivide/crowded_cells.h"
+#include "subdivide/subdivide.h"
+#include "surface/components.h"
+
+namespace isoatlas {
+
+/// The reference surface, with more c-vertices wherever some stage found it too coarse. It stays the same surface: c-vertices keep their
+/// numbers, components theirs. Divided everywhere it does not meet itself, wherever in their cells its c-vertices are moved, as far as
+/// may_roam() and stray() allow that (docs/theory/06-self-intersections.md).
+class AdaptiveSurface {
+ public:
+  /// @pre the complex is as it was parsed. Its c-vertices are moved where several surfels of one cell would meet.
+  AdaptiveSurface(SurfaceComplex complex, Components components, TrilinearField field);
+
+  const SurfaceComplex& complex() const { return complex_; }
+  const Components& components() const { return components_; }
+  const TrilinearField& field() const { return field_; }
+
+  std::vector<Fineness> fineness() const { return isoatlas::fineness(complex_, {field_, crowded_.flags()}); }  ///< per c-vertex; O(F)
+
+  /// See subdivide(). What was derived from the complex has to be made anew. Where smaller pieces would meet each other in a cell, they are
+  /// left flat. O(F)
+  void divide(std::span<const CVertexId> wanted);
+
+  /// Gives a c-vertex another place in its grid cell; for good, if vertices are there.
+  void move(CVertexId v, Vec3 position) { complex_.positions[v] = rounded(position); }
+
+  /// Whether a vertex may leave its c-vertex, within the grid cell, or on the wall or edge that it is on. That stray() says no has to be
+  /// seen to besides.
+  bool may_roam(CVertexId v) const { return !held_[v]; }
+  /// Those of the c-vertices that must not be where they are in `positions`, per c-vertex, if some were moved there: surfels of their
+  /// cells meet.
+  std::vector<CVertexId> stray(std::span<const CVertexId> moved, std::span<const Vec3> positions) const { return crowded_.meeting(moved, positions); }
+
+  std::size_t divided() const { return divided_; }  ///< c-vertices around which the faces were divided, every time counted
+  std::size_t added() const { return added_; }      ///< c-vertices
+  int deepest() const { return deepest_; }          ///< how often faces were divided where that was done most often
+
+ private:
+  void hold();
+  void divide_once(std::span<const CVertexId> wanted, const std::vector<Fineness>& was);
+  void flatten_where_pieces_meet(const Subdivision& divided, CVertexId first_new);
+
+  SurfaceComplex complex_;
+  Components components_;
+  TrilinearField field_;
+  CrowdedCells crowded_;
+  std::vector<std::uint8_t> depth_;  // per c-vertex, which division brought it
+  std::vector<std::uint8_t> deep_;   // per c-vertex, 1 if there are pieces of pieces in a cell that it is in or on
+  std::vector<std::uint8_t> held_;   // per c-vertex
+  std::size_t divided_ = 0, added_ = 0;
+  int deepest_ = 0;
+};
+
+}  // namespace isoatlas

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "subdivide/crowded_cells.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include "core/parallel.h"
+#include "core/vector_math.h"
+#include "embed/triangle_pair.h"
+
+namespace isoatlas {
+namespace {
+
+constexpr std::size_t kCellsPerPiece = 64;
+constexpr double kMargin = 0.02;  // from a cell's walls, on which the whole border of a surfel's piece may be
+// How far c-vertices are moved towards the middle of their surfel's border, one share after the other.
+constexpr std::array kShares{0.25, 0.5, 0.75, 1.0};
+
+using Cell = std::array<double, 3>;
+Cell cell_of(Vec3 p) { return {std::floor(p.x), std::floor(p.y), std::floor(p.z)}; }
+bool is_in_cell(Vec3 p) { return p.x != std::floor(p.x) && p.y != std::floor(p.y) && p.z != std::floor(p.z); }
+
+Vec3 inside(const Cell& cell, Vec3 p) {
+  const auto clamp = [](double low, double x) { return std::clamp(x, low + kMargin, low + 1 - kMargin); };
+  return {clamp(cell[0], p.x), clamp(cell[1], p.y), clamp(cell[2], p.z)};
+}
+
+// Parsing numbers the c-vertices of a cell one after the other.
+bool same_cell(const SurfaceComplex& complex, CVertexId a, CVertexId b) {
+  const Vec3 p = complex.positions[a], q = complex.positions[b];
+  return is_in_cell(p) && is_in_cell(q) && cell_of(p) == cell_of(q);
+}
+bool is_crowded(const SurfaceComplex& complex, CVertexId v) {
+  return (v > 0 && same_cell(complex, v - 1, v)) || (v + 1 < complex.c_vertex_count() && same_cell(complex, v, v + 1));
+}
+
+}  // namespace
+
+CrowdedCells::CrowdedCells(const SurfaceComplex& complex, const TrilinearField& field) {
+  const std::uint32_t n = complex.c_vertex_count();
+  cell_of_.assign(n, kNone);
+  for (CVertexId v = 0; v < n; ++v) {
+    if (!is_crowded(complex, v)) continue;
+    if (c_vertices_.empty() || !same_cell(complex, c_vertices_.back(), v)) first_.push_back(static_cast<std::uint32_t>(c_vertices_.size()));
+    cell_of_[v] = static_cast<std::uint32_t>(first_.size() - 1);
+    c_vertices_.push_back(v);
+  }
+  if (c_vertices_.empty()) return;
+  first_.push_back(static_cast<std::uint32_t>(c_vertices_.size()));
+
+  // Their faces as pieces of surfels, cell by cell.
+  flags_.assign(n, 0);
+  for (const CVertexId v : c_vertices_) flags_[v] = 1;
+  const SurfaceInGrid in{field, flags_};
+  const std::vector<Fineness> now = fineness(complex, in);
+  std::vector<CVertexId> wanted;
+  std::copy_if(c_vertices_.begin(), c_vertices_.end(), std::back_inserter(wanted), [&](CVertexId v) { return now[v] == Fineness::faces; });
+  const Subdivision divided = subdivide(complex, wanted, in);
+  std::vector<std::uint32_t> place(divided.complex.c_vertex_count(), kNone);  // corners of pieces
+  for (std::uint32_t i = 0; i < c_vertices_.size(); ++i) place[c_vertices_[i]] = i;
+  std::vector<std::pair<std::uint32_t, Triangle>> pieces;
+  for (const Face& face : divided.complex.faces) {
+    if (!face.is_triangle()) continue;
+    const auto own = std::find_if(face.corner.begin(), face.corner.begin() + 3, [&](CVertexId v) { return contains(v); });
+    if (own == face.corner.begin() + 3) continue;
+    Triangle piece;
+    for (std::size_t k = 0; k < 3; ++k) {
+      std::uint32_t& at = place[face.corner[k]];
+      if (at == kNone) {
+        at = static_cast<std::uint32_t>(c_vertices_.size() + points_.size());
+        points_.push_back(divided.complex.positions[face.corner[k]]);
+      }
+      piece[k] = at;
+    }
+    pieces.emplace_back(cell_of_[*own], piece);
+  }
+  std::stable_sort(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  first_piece_.assign(first_.size(), 0);
+  for (const auto& [cell, piece] : pieces) {
+    ++first_piece_[cell + 1];
+    pieces_.push_back(piece);
+  }
+  for (std::size_t c = 1; c < first_piece_.size(); ++c) first_piece_[c] += first_piece_[c - 1];
+}
+
+bool CrowdedCells::surfels_meet(std::uint32_t cell, std::span<const Vec3> positions) const {
+  std::vector<std::uint32_t> places;
+  std::vector<Vec3> corners;
+  std::vector<Triangle> triangles;
+  for (std::uint32_t i = first_piece_[cell]; i < first_piece_[cell + 1]; ++i) {
+    Triangle& t = triangles.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t at = pieces_[i][k];
+      const auto n = static_cast<std::uint32_t>(c_vertices_.size());
+      const auto known = std::find(places.begin(), places.end(), at);
+      t[k] = static_cast<std::uint32_t>(known - places.begin());
+      if (known != places.end()) continue;
+      places.push_back(at);
+      corners.push_back(at < n ? positions[c_vertices_[at]] : points_[at - n]);
+    }
+  }
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    for (std::size_t j = i + 1; j < triangles.size(); ++j) {
+      if (meet_beyond_shared(corners, triangles[i], triangles[j])) return true;
+    }
+  }
+  return false;
+}
+
+// Per c-vertex of the cell, the middle of what is around it, off the walls.
+std::vector<Vec3> CrowdedCells::middles(std::uint32_t cell) const {
+  std::vector<Vec3> out;
+  const auto n = static_cast<std::uint32_t>(c_vertices_.size());
+  for (std::uint32_t own = first_[cell]; own < first_[cell + 1]; ++own) {
+    Vec3 sum;
+    std::size_t count = 0;
+    for (std::uint32_t i = first_piece_[cell]; i < first_piece_[cell + 1]; ++i) {
+      const Triangle& t = pieces_[i];
+      if (std::find(t.begin(), t.end(), own) == t.end()) continue;
+      for (const std::uint32_t at : t) {
+        if (at < n) continue;
+        sum = sum + points_[at - n];
+        ++count;
+      }
+    }
+    out.push_back((1.0 / static_cast<double>(std::max<std::size_t>(1, count))) * sum);
+  }
+  return out;
+}
+
+std::size_t CrowdedCells::separate(SurfaceComplex& complex) {
+  if (first_.empty()) return 0;
+  std::atomic<std::size_t> left = 0;
+  for_each_piece(first_.size() - 1, kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
+    for (auto cell = static_cast<std::uint32_t>(begin); cell < end; ++cell) {
+      if (!surfels_meet(cell, complex.positions)) continue;
+      const std::span<const CVertexId> own = c_vertices(cell);
+      const std::vector<Vec3> middle = middles(cell);
+      std::vector<Vec3> start;
+      for (const CVertexId v : own) start.push_back(complex.positions[v]);
+      bool good = false;
+      for (const double share : kShares) {
+        for (std::size_t k = 0; k < own.size(); ++k)
+          complex.positions[own[k]] = rounded(inside(cell_of(start[k]), start[k] + share * (middle[k] - start[k])));
+        good = !surfels_meet(cell, complex.positions);
+        if (good) break;
+      }
+      left += !good;
+    }
+  });
+  return left;
+}
+
+std::vector<CVertexId> CrowdedCells::meeting(std::span<const CVertexId> moved, std::span<const Vec3> positions) const {
+  std::vector<std::uint32_t> cells;
+  for (const CVertexId v : moved) {
+    if (contains(v)) cells.push_back(cell_of_[v]);
+  }
+  std::sort(cells.begin(), cells.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  std::vector<CVertexId> out;
+  for (const std::uint32_t cell : cells) {
+    if (!surfels_meet(cell, positions)) continue;
+    const std::span<const CVertexId> own = c_vertices(cell);
+    out.insert(out.end(), own.begin(), own.end());
+  }
+  return out;
+}
+
+}  // namespace isoatlas
