@@ -2,6 +2,7 @@
 #include "pipeline/coarse_mesher.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/vector_math.h"
 #include "mesh/outward.h"
@@ -14,6 +15,7 @@ namespace {
 // Vertices of the coarse level are moved this far from each other where they can be, voxels: they stay where they are in all levels,
 // and the triangles of fine ones have edges of about a voxel in noise.
 constexpr double kSeparation = 0.4;
+constexpr int kRelaxRounds = 3;  // with those that must not be where they were moved to held
 
 // Gives every marked component more sites, where it is farthest from the others: one, or from round 3 on all that are at least
 // half as far as the farthest, so that few rounds suffice. @return false if there was no room for any
@@ -76,7 +78,9 @@ std::vector<CVertexId> CoarseMesher::sites() const {
   return out;
 }
 
-void CoarseMesher::mesh(LevelReport& report, const RunControl& control) {
+void CoarseMesher::mesh(LevelReport& report, const RunControl& told) {
+  RunControl control = told;  // covers and certifies again, which is nobody's stage
+  control.progress = nullptr;
   for (int round = 0;; ++round) {
     const SurfaceComplex& complex = stand_->complex;
     const Partition& partition = stand_->covering.partition();
@@ -105,29 +109,39 @@ void CoarseMesher::relax_vertices() {
   const std::vector<CVertexId> at = sites();
   std::vector<Vec3> points;
   std::vector<Roam> roam;
+  std::vector<Vec3> start;
+  shift_.resize(at.size());
   for (std::size_t i = 0; i < at.size(); ++i) {
-    points.push_back(scaled(surface.positions[at[i]], s));
+    start.push_back(scaled(surface.positions[at[i]], s));
     const bool stays = !surface_.may_roam(at[i]) || (i < stays_.size() && stays_[i]);
-    roam.push_back(stays ? Roam{points.back(), points.back()} : roam_of(surface.positions[at[i]], s));
+    points.push_back(stays ? start.back() : start.back() + shift_[i]);  // from where they were in the last round
+    roam.push_back(stays ? Roam{start.back(), start.back()} : roam_of(surface.positions[at[i]], s));
   }
   const TrilinearField* const field = options_.vertices_on_surface ? &surface_.field() : nullptr;
-  const std::vector<std::uint32_t> moved = relax(points, mesh_.triangles, roam, field, s, {1.0 / 3, kSeparation});
-  shift_.assign(at.size(), {});
-  std::vector<Vec3> positions = surface.positions;
-  std::vector<CVertexId> movers;
-  for (const std::uint32_t i : moved) {
-    shift_[i] = points[i] - scaled(mesh_.positions[i], s);
-    movers.push_back(at[i]);
-    positions[at[i]] = rounded(surface.positions[at[i]] + Vec3{shift_[i].x / s.x, shift_[i].y / s.y, shift_[i].z / s.z});
-  }
-  std::vector<CVertexId> back = surface_.stray(movers, positions);
-  std::sort(back.begin(), back.end());
-  for (const std::uint32_t i : moved) {
-    if (std::binary_search(back.begin(), back.end(), at[i])) {
-      shift_[i] = {};
-    } else {
-      mesh_.positions[i] = positions[at[i]];
+  std::vector<Vec3> positions;
+  for (int round = 1;; ++round) {
+    relax(points, mesh_.triangles, roam, field, s, {1.0 / 3, kSeparation});
+    positions = surface.positions;
+    std::vector<CVertexId> movers;
+    for (std::uint32_t i = 0; i < at.size(); ++i) {
+      if (points[i] == start[i]) continue;
+      const Vec3 d = points[i] - start[i];
+      movers.push_back(at[i]);
+      positions[at[i]] = rounded(surface.positions[at[i]] + Vec3{d.x / s.x, d.y / s.y, d.z / s.z});
     }
+    std::vector<CVertexId> back = surface_.stray(movers, positions);
+    std::sort(back.begin(), back.end());
+    for (std::size_t i = 0; i < at.size() && !back.empty(); ++i) {
+      if (!std::binary_search(back.begin(), back.end(), at[i])) continue;
+      points[i] = start[i];
+      roam[i] = {start[i], start[i]};
+      positions[at[i]] = surface.positions[at[i]];
+    }
+    if (back.empty() || round == kRelaxRounds) break;
+  }
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    mesh_.positions[i] = positions[at[i]];
+    shift_[i] = points[i] - start[i];
   }
 }
 
@@ -176,7 +190,7 @@ bool CoarseMesher::part_single_cells(std::span<const CellId> cells, const RunCon
   }
   if (!to_divide.empty()) {
     for (std::size_t i = 0; i < mesh_.positions.size(); ++i) {
-      if (!(shift_[i] == Vec3{})) surface_.move(on_surface[i], mesh_.positions[i]);
+      if (std::exchange(shift_[i], Vec3{}) != Vec3{}) surface_.move(on_surface[i], mesh_.positions[i]);
     }
     surface_.divide(to_divide);
   }

@@ -203,7 +203,8 @@ Vec3 BetweenPoints::point(FaceId f) const {
   if (!known_[f]) {
     const Face& face = complex_.faces[f];
     std::optional<Vec3> found = node_of(face, complex_, isosurface_);
-    if (!found) {
+    // What is in pieces has c-vertices where it stands out; looked for between them, the surface found could be another sheet.
+    if (!found && !face.is_triangle()) {
       Vec3 sum;
       for (int k = 0; k < face.size(); ++k) sum = sum + complex_.positions[face.corner[k]];
       found = isosurface_.onto_surface((1.0 / face.size()) * sum);

@@ -13,6 +13,13 @@ void set_corners(MeshTriangle& t, const std::vector<Vec3>& point) {
 
 }  // namespace
 
+std::vector<Triangle> cells_of(std::span<const DualTriangle> dual) {
+  std::vector<Triangle> out;
+  out.reserve(dual.size());
+  for (const DualTriangle& t : dual) out.push_back(t.cell);
+  return out;
+}
+
 LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, std::span<const DualTriangle> dual, const Places& places) {
   LevelMesh mesh;
   const std::uint32_t cells = partition.cell_count();

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "isoatlas/mesh.h"
 #include "metrics/cell_view.h"
 #include "partition/partition.h"
 
@@ -64,6 +65,9 @@ struct Places {
     return {p.x + d * n.x, p.y + d * n.y, p.z + d * n.z};
   }
 };
+
+/// The corners of each.
+std::vector<Triangle> cells_of(std::span<const DualTriangle> dual);
 
 /// O(C)
 LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, std::span<const DualTriangle> dual, const Places& places);

@@ -203,20 +203,6 @@ void MeasuredCovering::keep_apart() {
   }
 }
 
-bool MeasuredCovering::fix(std::span<const CellId> cells) {
-  bool any = false;
-  places_.fixed.resize(partition().cell_count(), 0);
-  stale_.resize(partition().cell_count(), 0);
-  for (const CellId c : cells) {
-    if (std::exchange(places_.fixed[c], std::uint8_t{1}) != 0) continue;
-    any = true;
-    stale_[c] = 1;
-    if (!is_frozen(c)) move_to(c, partition().site[c]);
-    if (!places_.offset.empty()) places_.offset[c] = 0;
-  }
-  return any;
-}
-
 void MeasuredCovering::move_to(CellId cell, CVertexId c_vertex) {
   places_.anchor[cell] = c_vertex;
   if (!places_.shift.empty()) places_.shift[cell] = {};
@@ -248,6 +234,7 @@ void MeasuredCovering::update_all(CertificateReport& report, const RunControl& c
 void MeasuredCovering::remesh(std::span<const DualTriangle> triangles, const Places& places, std::span<const CellId> concerned) {
   places_.anchor = places.anchor;
   places_.shift = places.shift;
+  places_.fixed = places.fixed;
   stale_.resize(partition().cell_count(), 0);
   for (const CellId c : concerned) stale_[c] = 1;  // the next update() takes the dual's triangles again
   set_triangles(mesh_, ground_.surfels, triangles, places_);

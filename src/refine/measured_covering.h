@@ -85,10 +85,8 @@ class MeasuredCovering {
   void freeze_anchors(CellId before) { frozen_ = before; }
   bool is_frozen(CellId c) const { return c < frozen_; }
 
-  /// Puts the vertices of cells back to their sites for good, but for those that are frozen, and has their triangles left as the dual has
-  /// them. @return whether any was free before
-  bool fix(std::span<const CellId> cells);
-  bool is_fixed(CellId c) const { return places_.is_fixed(c); }
+  /// All vertices may be moved again.
+  void unfix() { places_.fixed.clear(); }
 
   /// Replaces the mesh's triangles, until the next update(), and where its vertices sit, but for balancing; measures the cells again
   /// that this may concern.

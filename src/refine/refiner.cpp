@@ -13,7 +13,6 @@
 #include <numeric>
 
 #include "core/vector_math.h"
-#include "embed/meeting_triangles.h"
 
 namespace isoatlas {
 namespace {
@@ -62,13 +61,6 @@ std::vector<Constraint> demands_of(const std::vector<Constraint>& metrics, doubl
   std::vector<Constraint> out;
   for (const Constraint& c : metrics) out.push_back(scaled(c, generosity));
   if (out.empty()) out.push_back({Quantity::max_distance, std::numeric_limits<double>::max()});  // only says which cells are worst
-  return out;
-}
-
-std::vector<Triangle> cells_of(const std::vector<DualTriangle>& dual) {
-  std::vector<Triangle> out;
-  out.reserve(dual.size());
-  for (const DualTriangle& t : dual) out.push_back(t.cell);
   return out;
 }
 
@@ -305,7 +297,7 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
 }
 
 // Divides cells with these vertices, whose triangles meet others where they should not. Where cells are single c-vertices the surface is
-// divided into pieces that stay in their grid cells; such pieces do not meet, but where vertices were moved.
+// divided into pieces that stay in their grid cells; such pieces do not meet.
 // @return whether there is something new to look at
 bool Refiner::part(std::span<const CellId> corners, const RunControl& control) {
   const std::vector<CellId> single = work_->covering().shrink(corners);
@@ -315,21 +307,14 @@ bool Refiner::part(std::span<const CellId> corners, const RunControl& control) {
   for (const CellId c : single) {
     if (fineness[partition().site[c]] == Fineness::faces) wanted.push_back(partition().site[c]);
   }
-  if (!wanted.empty()) {
-    divide_surface(wanted, control);
-    return true;
-  }
-  return single.size() < corners.size() || work_->fix(single);
+  if (!wanted.empty()) divide_surface(wanted, control);
+  return !wanted.empty() || single.size() < corners.size();
 }
 
-// Until no triangles meet where they should not: first in the dual as it is, then with what is done for the sake of shape; where that leads
-// to new ones, it is taken back for good.
-template <class Again>
-void Refiner::take_apart(RefinedLevel& out, const std::vector<DualTriangle>& triangles, const Again& again, const RunControl& control) {
-  MeetingTriangles meeting;
+// Works on the task until no triangles of the dual meet where they should not.
+void Refiner::work_apart(const Task& task, MeetingTriangles& meeting, RefinedLevel& out, const RunControl& control) {
   for (;;) {
-    const std::vector<CellId> corners = meeting.update(work_->mesh().point, cells_of(triangles), control);
-    if (corners.empty()) return;
+    work(*work_, task, out, control);
     const std::uint32_t sites = partition().cell_count();
     bool any = false;
     for (;; any = true) {
@@ -337,8 +322,7 @@ void Refiner::take_apart(RefinedLevel& out, const std::vector<DualTriangle>& tri
       if (!part(meeting.update(work_->mesh().point, cells_of(work_->triangles()), control), control)) break;
     }
     out.parting_sites += partition().cell_count() - sites;
-    if (!any && !work_->fix(corners)) return;
-    again();
+    if (!any) return;
   }
 }
 
@@ -442,6 +426,31 @@ bool Refiner::is_at_limit(CellId c) const {
   return work_->covering().radius()[v] <= kLimitShare * ground_->reach[v] * 1.0001f;
 }
 
+// Works on the task, dividing the surface where it has too few c-vertices for that.
+void Refiner::work_towards(const Task& task, MeetingTriangles& meeting, RefinedLevel& out, const RunControl& control) {
+  const auto once = [&] {
+    if (embedded_) {
+      work_apart(task, meeting, out, control);
+    } else {
+      work(*work_, task, out, control);
+    }
+  };
+  once();
+  // Balanced once more in one go, instead of piece by piece, and then what got worse by that.
+  for (int again = 0; task.placement == Placement::balanced && again < kMostLastLooks && !out.vertices_ran_out; ++again) {
+    const std::uint32_t sites = partition().cell_count();
+    work_->update_all(out.certificate, control);
+    once();
+    if (partition().cell_count() == sites) break;
+  }
+  for (int k = 0; k < kMostDivisions && !out.vertices_ran_out; ++k) {
+    const std::vector<CVertexId> wanted = places_at_limit();
+    if (wanted.empty()) break;
+    divide_surface(wanted, control);
+    once();
+  }
+}
+
 RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const RunControl& control) {
   RefinedLevel out;
   const bool first = work_ == nullptr;
@@ -455,61 +464,76 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
   };
   if (!first) sites_before_ = partition().cell_count();
   if (limited && static_cast<double>(sites_before_) >= goal.front().bound) return the_one_before();
-  std::unique_ptr<MeasuredCovering> before;
-  if (limited && !first) before = std::make_unique<MeasuredCovering>(*work_);
 
   if (first) {
     step_down(goal, placement, out, control);
-  } else if (work_->places().anchor != partition().site) {
-    divide_surface({}, control);  // vertices that were moved become sites, so that cells can be as small as their vertices
+  } else {
+    work_->unfix();
+    if (work_->places().anchor != partition().site) divide_surface({}, control);  // so that cells can be as small as their vertices
   }
-  const Task task = whole_task(goal, placement, out, control);
-  work(*work_, task, out, control);
-  // Balanced once more in one go, instead of piece by piece, and then what got worse by that.
-  for (int again = 0; placement == Placement::balanced && again < kMostLastLooks && !out.vertices_ran_out; ++again) {
-    const std::uint32_t sites = partition().cell_count();
-    work_->update_all(out.certificate, control);
-    work(*work_, task, out, control);
-    if (partition().cell_count() == sites) break;
-  }
-  for (int k = 0; k < kMostDivisions && !out.vertices_ran_out; ++k) {
-    const std::vector<CVertexId> wanted = places_at_limit();
-    if (wanted.empty()) break;
-    divide_surface(wanted, control);
-    work(*work_, task, out, control);
-  }
-  if (too_many(partition().cell_count())) {  // on the surface itself repair needed more than was left
-    work_ = std::move(before);
-    return the_one_before();
+  std::unique_ptr<const MeasuredCovering> start;
+  if (limited) start = std::make_unique<const MeasuredCovering>(*work_);
+  const CVertexId start_size = surface_.complex().c_vertex_count();
+  Task task = whole_task(goal, placement, out, control);
+  MeetingTriangles meeting;
+  for (;;) {
+    work_towards(task, meeting, out, control);
+    if (!too_many(partition().cell_count())) break;
+    // Topology, and that triangles do not meet, needed more vertices than were left: the constraints get fewer.
+    const std::uint32_t sites = partition().cell_count(), over = sites - static_cast<std::uint32_t>(goal.front().bound);
+    work_ = surface_.complex().c_vertex_count() == start_size
+                ? std::make_unique<MeasuredCovering>(*start)
+                : std::make_unique<MeasuredCovering>(*ground_, *start, options_, radii_of(start->covering(), {}), control);
+    if (task.most_sites <= over || task.most_sites - over <= sites_before_) {
+      if (!first) return the_one_before();
+      Task nothing;
+      nothing.placement = placement;
+      work_towards(nothing, meeting, out, control);
+      break;
+    }
+    task.most_sites -= over;
   }
   work_->certify(out.certificate, control);
 
-  // Where neither a flip nor a move mends a triangle, smaller cells around it give another mesh, and another chance.
   std::vector<DualTriangle> triangles;
-  out.shape = improve_shape(*work_, *task.shape, triangles, control);
-  const auto again = [&] {
-    work_->update(out.certificate, control);
-    work(*work_, task, out, control);
-    work_->certify(out.certificate, control);
-    const std::size_t moves = out.shape.moves;  // these stay, flips do not
+  const auto improve = [&] {
+    const std::size_t moves = out.shape.moves, shifts = out.shape.shifts;  // these stay, flips do not
     out.shape = improve_shape(*work_, *task.shape, triangles, control);
     out.shape.moves += moves;
+    out.shape.shifts += shifts;
   };
+  const auto again = [&] {
+    work_towards(task, meeting, out, control);
+    work_->certify(out.certificate, control);
+    improve();
+  };
+  improve();
+  // Where neither a flip nor a move mends a triangle, smaller cells around it give another mesh, and another chance.
   for (int chance = 0; chance < kMostChances && out.shape.bad > 0 && out.shape.bad < kFewTriangles; ++chance) {
     if (task.most_sites != kNone || !work_around(*work_, task, triangles)) break;
     again();
   }
-  if (embedded_) take_apart(out, triangles, again, control);
   // What nothing else can help: of the cells at their limit, the worst.
-  std::vector<std::pair<double, CellId>> worst;
-  for (CellId c = 0; c < partition().cell_count(); ++c) {
-    if (work_->errors()[c].excess > 1 && is_at_limit(c)) worst.emplace_back(-work_->errors()[c].excess, c);
+  const auto mend = [&] {
+    std::vector<std::pair<double, CellId>> worst;
+    for (CellId c = 0; c < partition().cell_count(); ++c) {
+      if (work_->errors()[c].excess > 1 && is_at_limit(c)) worst.emplace_back(-work_->errors()[c].excess, c);
+    }
+    std::sort(worst.begin(), worst.end());
+    if (worst.size() > kMostMended) worst.resize(kMostMended);
+    std::vector<CellId> to_mend;
+    for (const auto& [excess, c] : worst) to_mend.push_back(c);
+    improve_errors(*work_, *task.shape, to_mend, triangles, out.shape, control);
+  };
+  mend();
+  for (int k = 0; embedded_ && !take_back_meeting(*work_, *task.shape, meeting, triangles, control).empty(); ++k) {
+    if (k == kMostChances) {  // the dual as it is does not meet itself
+      take_back_all(*work_, *task.shape, triangles);
+      break;
+    }
+    again();
+    mend();
   }
-  std::sort(worst.begin(), worst.end());
-  if (worst.size() > kMostMended) worst.resize(kMostMended);
-  std::vector<CellId> to_mend;
-  for (const auto& [excess, c] : worst) to_mend.push_back(c);
-  improve_errors(*work_, *task.shape, to_mend, triangles, out.shape, control);
   work_->freeze_anchors(partition().cell_count());
   out.triangles = cells_of(triangles);
 

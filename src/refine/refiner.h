@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "embed/meeting_triangles.h"
 #include "isoatlas/extract.h"
 #include "partition/coarsen.h"
 #include "refine/judge.h"
@@ -74,8 +75,8 @@ class Refiner {
   bool work_around(MeasuredCovering& work, const Task& task, const std::vector<DualTriangle>& triangles);
   Task whole_task(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control);
   bool part(std::span<const CellId> corners, const RunControl& control);
-  template <class Again>
-  void take_apart(RefinedLevel& out, const std::vector<DualTriangle>& triangles, const Again& again, const RunControl& control);
+  void work_apart(const Task& task, MeetingTriangles& meeting, RefinedLevel& out, const RunControl& control);
+  void work_towards(const Task& task, MeetingTriangles& meeting, RefinedLevel& out, const RunControl& control);
   std::vector<CVertexId> places_at_limit() const;
   bool is_at_limit(CellId c) const;
   std::vector<std::pair<CellId, double>> cells_over(const Task& task, std::span<const MetricValues> values) const;

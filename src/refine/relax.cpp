@@ -18,7 +18,14 @@ constexpr double kBeyond = 1.12;  // aims a little higher than the goal, so as t
 constexpr int kSteps = 80;
 constexpr double kPush = 0.6, kPull = 0.3;  // shares of what is missing, of the shortest and the longest edge
 constexpr double kDrawBack = 0.15;          // share of the distance from the surface
-constexpr double kFarthest = 0.25;          // from the surface, voxels
+constexpr double kFarthest = 0.25;          // from the surface, voxels; while pushing
+constexpr double kFarthestFound = 0.4;      // and while searching
+constexpr std::array kSearchSteps{0.2, 0.1, 0.05, 0.02};  // voxels
+constexpr int kSearchPasses = 12;
+constexpr double kWorthIt = 2e-3;
+constexpr double kSeparationWeight = 0.5;  // an edge as short as can be is half as bad as a triangle
+constexpr int kNewtonSteps = 5;
+constexpr double kOnSurface = 0.02;
 constexpr double kLeastVolume = 0.25;       // share of what a component encloses that has to be left
 
 bool can_move(const Roam& r) { return r.low.x < r.high.x || r.low.y < r.high.y || r.low.z < r.high.z; }
@@ -52,6 +59,7 @@ class Relaxation {
       move_pushed();
     }
     turn_back_where_turned();
+    search();
     turn_back_flattened();
     std::vector<std::uint32_t> moved;
     for (std::uint32_t v = 0; v < points_.size(); ++v) {
@@ -156,6 +164,92 @@ class Relaxation {
         any = true;
       }
     }
+  }
+
+  // What pushing leaves: vertices of triangles that are still bad go wherever the worst of the triangles around them gets better,
+  // step by step, each step as long as it helps.
+  void search() {
+    for (const double step : kSearchSteps) {
+      std::vector<std::uint32_t> vertices;
+      const auto add_corners = [&](std::uint32_t t) { vertices.insert(vertices.end(), triangles_[t].begin(), triangles_[t].end()); };
+      for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+        if (goodness(t, kNone, {}) < 1) add_corners(t);
+      }
+      for (int pass = 0; pass < kSearchPasses && !vertices.empty(); ++pass) {
+        std::sort(vertices.begin(), vertices.end());
+        vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+        std::vector<std::uint32_t> again;
+        for (const std::uint32_t v : vertices) {
+          if (!can_move(roam_[v]) || !improve(v, step)) continue;
+          again.push_back(v);
+          for (const std::uint32_t t : triangles_of_.of(v)) {
+            if (goodness(t, kNone, {}) < 1) again.insert(again.end(), triangles_[t].begin(), triangles_[t].end());
+          }
+        }
+        vertices = std::move(again);
+      }
+    }
+  }
+
+  // 1 is good enough. With vertex v at p.
+  double goodness(std::uint32_t t, std::uint32_t v, Vec3 p) const {
+    const Triangle& c = triangles_[t];
+    const std::array<Vec3, 3> q{c[0] == v ? p : points_[c[0]], c[1] == v ? p : points_[c[1]], c[2] == v ? p : points_[c[2]]};
+    const std::array<double, 3> e{squared_length(q[1] - q[0]), squared_length(q[2] - q[1]), squared_length(q[0] - q[2])};
+    const auto [low, high] = std::minmax_element(e.begin(), e.end());
+    const double aspect = *high > 0 ? std::sqrt(*low / *high) / (1.01 * goal_.aspect) : 0;
+    if (goal_.separation == 0) return std::min(1.0, aspect);
+    return std::min({1.0, aspect, kSeparationWeight + (1 - kSeparationWeight) * std::sqrt(*low) / goal_.separation});
+  }
+  double worst_around(std::uint32_t v, Vec3 p) const {
+    double worst = 1;
+    for (const std::uint32_t t : triangles_of_.of(v)) worst = std::min(worst, goodness(t, v, p));
+    return worst;
+  }
+  bool turns(std::uint32_t v, Vec3 p) const {
+    for (const std::uint32_t t : triangles_of_.of(v)) {
+      const Triangle& c = triangles_[t];
+      const std::array<Vec3, 3> q{c[0] == v ? p : points_[c[0]], c[1] == v ? p : points_[c[1]], c[2] == v ? p : points_[c[2]]};
+      if (dot(area(t, start_), cross(q[1] - q[0], q[2] - q[0])) < 0) return true;
+    }
+    return false;
+  }
+  // No less than its distance from the surface: that of the point found by going down the gradient; infinite if none is found.
+  double off_surface(Vec3 p) const {
+    if (field_ == nullptr) return 0;
+    Vec3 q = p;
+    for (int step = 0; step < kNewtonSteps; ++step) {
+      const TrilinearField::Value f = field_->at({q.x / spacing_.x, q.y / spacing_.y, q.z / spacing_.z});
+      const Vec3 gradient{f.gradient.x / spacing_.x, f.gradient.y / spacing_.y, f.gradient.z / spacing_.z};
+      const double slope = length(gradient);
+      if (f.value == 0) return length(q - p);
+      const double offset = f.value / slope;
+      if (!std::isfinite(offset) || std::abs(offset) > 1) break;
+      if (std::abs(offset) < kOnSurface) return length(q - p) + std::abs(offset);
+      q = q - offset / slope * gradient;
+    }
+    return INFINITY;
+  }
+  // Tries the directions to the corners, edges and faces of a cube.
+  bool improve(std::uint32_t v, double step) {
+    double best = worst_around(v, points_[v]);
+    if (best >= 1) return false;
+    const double farthest = std::max(kFarthestFound, off_surface(points_[v]));
+    const Vec3 from = points_[v];
+    Vec3 found = from;
+    for (int k = 0; k < 27; ++k) {
+      const Vec3 d{k % 3 - 1.0, k / 3 % 3 - 1.0, k / 9 - 1.0};
+      const double l = length(d);
+      if (l == 0) continue;
+      const Vec3 p = clamped(from + (step / l) * d, roam_[v]);
+      if (p == from) continue;
+      const double worst = worst_around(v, p);
+      if (worst <= best + kWorthIt || turns(v, p) || off_surface(p) > farthest) continue;
+      best = worst;
+      found = p;
+    }
+    points_[v] = found;
+    return !(found == from);
   }
 
   // A component that encloses hardly anything could end inside out. (Of an open one this says little, but it does no harm.)

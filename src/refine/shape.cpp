@@ -17,6 +17,7 @@ namespace {
 
 constexpr int kPasses = 24;
 constexpr double kWorthIt = 1e-3;
+constexpr int kRelaxRounds = 3;
 constexpr int kLooksBack = 4;            // after relaxing, for cells that it took over their bounds
 constexpr double kLeastAgreement = 0.3;  // cosine between normals before and after a flip
 
@@ -62,7 +63,7 @@ class Workshop {
     std::vector<Roam> roam(mesh.cell_count());
     for (CellId c = 0; c < mesh.cell_count(); ++c) {
       const CVertexId v = places_.anchor[c];
-      if (work_.is_frozen(c) || work_.is_fixed(c) || !ground.may_roam(v)) {
+      if (work_.is_frozen(c) || places_.is_fixed(c) || is_held(c) || !ground.may_roam(v)) {
         roam[c] = {points[c], points[c]};
         continue;
       }
@@ -78,6 +79,7 @@ class Workshop {
     const std::vector<CellError> before = work_.errors();
     const std::vector<Vec3> old_shift = places_.shift;
     for (const CellId c : moved) places_.shift[c] = places_.shift[c] + (points[c] - mesh.point[c]);
+    held_.resize(mesh.cell_count(), 0);
     keep_from_straying(moved, old_shift);
     std::vector<CellId> concerned = rings_around(moved, rings_);
     work_.remesh(triangles_, places_, concerned);
@@ -89,7 +91,10 @@ class Workshop {
       if (worse.empty()) break;
       // At last everything around goes back.
       worse = rings_around(worse, look + 1 < kLooksBack ? 1 : rings_);
-      for (const CellId c : worse) places_.shift[c] = old_shift[c];
+      for (const CellId c : worse) {
+        places_.shift[c] = old_shift[c];
+        held_[c] = 1;
+      }
       concerned = rings_around(worse, rings_);
       work_.remesh(triangles_, places_, concerned);
     }
@@ -97,7 +102,60 @@ class Workshop {
     return true;
   }
 
+  // Whatever was done around these cells. What that takes over its bounds follows. @return whether there was anything
+  bool take_back(std::vector<CellId> cells) {
+    const std::vector<CellError> before = work_.errors();
+    const std::vector<DualTriangle>& dual = work_.triangles();
+    places_.fixed.resize(work_.mesh().cell_count(), 0);
+    bool any = false;
+    for (int look = 0; !cells.empty(); ++look) {
+      std::vector<std::uint8_t> is_near(work_.mesh().cell_count(), 0);
+      std::vector<CellId> changed;
+      for (const CellId c : cells) {
+        is_near[c] = 1;
+        if (std::exchange(places_.fixed[c], std::uint8_t{1}) != 0) continue;
+        changed.push_back(c);
+        if (!work_.is_frozen(c)) put_back(c);
+      }
+      // Flipped triangles that have a corner in common are put back together.
+      for (bool more = true; more;) {
+        more = false;
+        for (std::size_t i = 0; i < dual.size(); ++i) {
+          if (triangles_[i].cell == dual[i].cell) continue;
+          std::array<CellId, 6> corners;
+          std::copy(dual[i].cell.begin(), dual[i].cell.end(), std::copy(triangles_[i].cell.begin(), triangles_[i].cell.end(), corners.begin()));
+          if (std::none_of(corners.begin(), corners.end(), [&](CellId c) { return is_near[c]; })) continue;
+          for (const CellId c : corners) is_near[c] = 1;
+          changed.insert(changed.end(), corners.begin(), corners.end());
+          triangles_[i] = dual[i];
+          more = true;
+        }
+      }
+      if (changed.empty()) break;
+      any = true;
+      const std::vector<CellId> concerned = rings_around(changed, rings_);
+      work_.remesh(triangles_, places_, concerned);
+      std::vector<CellId> worse;
+      for (const CellId c : concerned) {
+        if (work_.errors()[c].excess > std::max(1.0, before[c].excess * (1 + kWorthIt))) worse.push_back(c);
+      }
+      cells = worse.empty() ? worse : rings_around(worse, look + 1 < kLooksBack ? 1 : rings_);
+    }
+    return any;
+  }
+
  private:
+  // A vertex to its site, if that is free.
+  void put_back(CellId c) {
+    const CVertexId site = work_.partition().site[c];
+    if (!places_.shift.empty()) places_.shift[c] = {};
+    if (places_.anchor[c] == site || occupied_[site]) return;
+    occupied_[places_.anchor[c]] = 0;
+    occupied_[site] = 1;
+    places_.anchor[c] = site;
+  }
+
+  bool is_held(CellId c) const { return c < held_.size() && held_[c] != 0; }
   double score(const MeshTriangle& t) const { return goal_.score(t.corner[0], t.corner[1], t.corner[2]); }
 
   std::vector<std::uint32_t> bad_triangles() const {
@@ -216,7 +274,10 @@ class Workshop {
     std::vector<CVertexId> back = ground.roaming->stray(movers, positions);
     std::sort(back.begin(), back.end());
     for (const CellId c : moved) {
-      if (std::binary_search(back.begin(), back.end(), places_.anchor[c])) places_.shift[c] = old_shift[c];
+      if (std::binary_search(back.begin(), back.end(), places_.anchor[c])) {
+        places_.shift[c] = old_shift[c];
+        held_[c] = 1;
+      }
     }
   }
 
@@ -267,7 +328,7 @@ class Workshop {
           }
         }
       }
-      if (j == kNone || work_.is_fixed(a) || work_.is_fixed(b) || work_.is_fixed(c) || work_.is_fixed(d)) continue;
+      if (j == kNone || places_.is_fixed(a) || places_.is_fixed(b) || places_.is_fixed(c) || places_.is_fixed(d)) continue;
       if (mesh.triangles_of.of(a).size() <= 3 || mesh.triangles_of.of(b).size() <= 3) continue;
       bool exists = false;
       for (const std::uint32_t other : mesh.triangles_of.of(c)) {
@@ -296,7 +357,7 @@ class Workshop {
     const LevelMesh& mesh = work_.mesh();
     const Ground& ground = work_.ground();
     const CVertexId from = places_.anchor[cell];
-    if (work_.is_frozen(cell) || work_.is_fixed(cell) || ground.graph.on_boundary[from]) return;
+    if (work_.is_frozen(cell) || places_.is_fixed(cell) || ground.graph.on_boundary[from]) return;
     double was = std::numeric_limits<double>::infinity();
     for (const std::uint32_t t : mesh.triangles_of.of(cell)) was = std::min(was, score(mesh.triangles[t]));
     const auto consider = [&](CVertexId to) {
@@ -339,6 +400,7 @@ class Workshop {
   Places places_;                       // offsets are the work's own business
   std::vector<std::uint8_t> occupied_;  // per c-vertex, 1 if a vertex sits there
   std::vector<Key> refused_;
+  std::vector<std::uint8_t> held_;  // per cell, 1 if moving it was taken back
   int rings_;  // of cells around a change that it concerns; balancing moves vertices beside it
 };
 
@@ -363,13 +425,29 @@ ShapeReport improve_shape(MeasuredCovering& work, const ShapeGoal& goal, std::ve
   work.remesh(triangles, work.places(), over);
   Workshop workshop(work, goal, triangles);
   workshop.run(Purpose::shape, {}, report, control);
-  if (report.bad > 0 && workshop.relax_bad(report)) workshop.run(Purpose::shape, {}, report, control);
+  for (int round = 0; round < kRelaxRounds && report.bad > 0 && workshop.relax_bad(report); ++round)
+    workshop.run(Purpose::shape, {}, report, control);
   return report;
 }
 
 void improve_errors(MeasuredCovering& work, const ShapeGoal& goal, std::span<const CellId> cells, std::vector<DualTriangle>& triangles,
                     ShapeReport& report, const RunControl& control) {
   Workshop(work, goal, triangles).run(Purpose::errors, cells, report, control);
+}
+
+std::vector<CellId> take_back_meeting(MeasuredCovering& work, const ShapeGoal& goal, MeetingTriangles& meeting,
+                                      std::vector<DualTriangle>& triangles, const RunControl& control) {
+  Workshop workshop(work, goal, triangles);
+  for (;;) {
+    std::vector<CellId> corners = meeting.update(work.mesh().point, cells_of(triangles), control);
+    if (corners.empty() || !workshop.take_back(corners)) return corners;
+  }
+}
+
+void take_back_all(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles) {
+  std::vector<CellId> all(work.mesh().cell_count());
+  std::iota(all.begin(), all.end(), 0u);
+  Workshop(work, goal, triangles).take_back(std::move(all));
 }
 
 }  // namespace isoatlas

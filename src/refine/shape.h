@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "embed/meeting_triangles.h"
 #include "refine/measured_covering.h"
 
 namespace isoatlas {
@@ -32,5 +33,13 @@ ShapeReport improve_shape(MeasuredCovering& work, const ShapeGoal& goal, std::ve
 /// bounds, none other gets over them, and no triangle becomes bad. @pre what improve_shape() left
 void improve_errors(MeasuredCovering& work, const ShapeGoal& goal, std::span<const CellId> cells, std::vector<DualTriangle>& triangles,
                     ShapeReport& report, const RunControl& control);
+
+/// Takes changes back around triangles that meet others where they should not: vertices there go back to their sites and stay, triangles
+/// become the dual's own again.
+/// @param meeting  may know an earlier mesh of these cells
+/// @return the corners of triangles that meet all the same, sorted
+std::vector<CellId> take_back_meeting(MeasuredCovering& work, const ShapeGoal& goal, MeetingTriangles& meeting,
+                                      std::vector<DualTriangle>& triangles, const RunControl& control);
+void take_back_all(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles);
 
 }  // namespace isoatlas

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include "core/vector_math.h"
 #include "embed/triangle_pair.h"
@@ -15,13 +16,13 @@ namespace {
 // Along how many axes a point is on a layer of samples: none inside a cell, one on a wall, two on an edge.
 int whole_coordinates(Vec3 p) { return (p.x == std::floor(p.x)) + (p.y == std::floor(p.y)) + (p.z == std::floor(p.z)); }
 
-using Cell = std::array<double, 3>;
+using Cell = WatchedCells::Cell;
+Cell cell_of(Vec3 p) { return {std::floor(p.x), std::floor(p.y), std::floor(p.z)}; }
 // Of a face that lies in one cell.
 Cell cell_of(const SurfaceComplex& complex, const Face& face) {
   Vec3 sum;
   for (int k = 0; k < face.size(); ++k) sum = sum + complex.positions[face.corner[k]];
-  sum = (1.0 / face.size()) * sum;
-  return {std::floor(sum.x), std::floor(sum.y), std::floor(sum.z)};
+  return cell_of((1.0 / face.size()) * sum);
 }
 
 void sort_unique(std::vector<Cell>& cells) {
@@ -36,30 +37,109 @@ AdaptiveSurface::AdaptiveSurface(SurfaceComplex complex, Components components, 
       components_(std::move(components)),
       field_(std::move(field)),
       crowded_(complex_, field_),
-      depth_(complex_.c_vertex_count(), 0),
-      deep_(complex_.c_vertex_count(), 0) {
+      parsed_(complex_.c_vertex_count()),
+      depth_(parsed_, 0) {
   for (Vec3& p : complex_.positions) p = rounded(p);
   crowded_.separate(complex_);
-  hold();
+  watch();
 }
 
-// C-vertices inside a cell roam: what is there is a cone about them, or is looked at by stray(). So do nodes, on their edge, and points on walls,
-// unless there are crowded cells beside them, or two curves on the wall. What was divided further was looked at as it is.
-void AdaptiveSurface::hold() {
+// C-vertices inside a cell roam: what is there is a cone about them, or the cell is watched. So do nodes, on their edges, and points on
+// walls, once all faces around them are fans or pieces and the cells beside them are cones or watched.
+void AdaptiveSurface::watch() {
   const std::uint32_t n = complex_.c_vertex_count();
-  held_.resize(n, 0);
-  for (CVertexId v = 0; v < n; ++v) held_[v] = complex_.on_boundary[v] || deep_[v];
+  const std::vector<Fineness> now = fineness();
+  std::vector<std::uint8_t> is_watched(n, 0);  // in a cell that will be, if inside a cell
+  std::vector<std::uint8_t> in_two_curves(n, 0);
+  held_.assign(n, 0);
+  for (CVertexId v = 0; v < n; ++v) {
+    const int whole = whole_coordinates(complex_.positions[v]);
+    in_two_curves[v] = whole == 1 && has_two_curves(field_, complex_.positions[v]);
+    const bool parsed_on_border = v < parsed_ && whole == 1 && !in_two_curves[v];
+    held_[v] = whole > 0 && now[v] == Fineness::faces && !parsed_on_border;
+    is_watched[v] = whole == 0 && crowded_.contains(v);
+  }
+  std::vector<Cell> cells = deep_cells_;
   for (const Face& face : complex_.faces) {
     const int size = face.size();
-    if (std::none_of(face.corner.begin(), face.corner.begin() + size, [&](CVertexId v) { return crowded_.contains(v); })) continue;
+    const auto end = face.corner.begin() + size;
+    if (std::none_of(face.corner.begin(), end, [&](CVertexId v) { return in_two_curves[v] || is_watched[v]; })) continue;
     for (int k = 0; k < size; ++k) {
-      if (!crowded_.contains(face.corner[k])) held_[face.corner[k]] |= whole_coordinates(complex_.positions[face.corner[k]]) > 0;
+      const CVertexId v = face.corner[k];
+      if (whole_coordinates(complex_.positions[v]) > 0) continue;
+      if (in_two_curves[face.corner[(k + 1) % size]] || in_two_curves[face.corner[(k + 2) % size]] || is_watched[v])
+        cells.push_back(cell_of(complex_.positions[v]));
     }
   }
+  sort_unique(cells);
+  // Cells with faces that are not even fans cannot be watched.
+  std::vector<Cell> closed;
+  for (CVertexId v = 0; v < n; ++v) {
+    if (now[v] != Fineness::faces || whole_coordinates(complex_.positions[v]) > 0) continue;
+    const Cell cell = cell_of(complex_.positions[v]);
+    if (std::binary_search(cells.begin(), cells.end(), cell)) closed.push_back(cell);
+  }
+  sort_unique(closed);
+  is_closed_.assign(n, 0);
   for (CVertexId v = 0; v < n; ++v) {
     const Vec3 p = complex_.positions[v];
-    if (!held_[v] && whole_coordinates(p) == 1) held_[v] = has_two_curves(field_, p);
+    is_closed_[v] = !closed.empty() && whole_coordinates(p) == 0 && std::binary_search(closed.begin(), closed.end(), cell_of(p));
   }
+  for (const Face& face : complex_.faces) {
+    if (std::none_of(face.corner.begin(), face.corner.begin() + face.size(), [&](CVertexId v) { return is_closed_[v]; })) continue;
+    for (int k = 0; k < face.size(); ++k) held_[face.corner[k]] |= whole_coordinates(complex_.positions[face.corner[k]]) > 0;
+  }
+  std::vector<Cell> open;
+  std::set_difference(cells.begin(), cells.end(), closed.begin(), closed.end(), std::back_inserter(open));
+  watched_ = WatchedCells(complex_, open);
+}
+
+std::vector<CVertexId> AdaptiveSurface::stray(std::span<const CVertexId> moved, std::span<const Vec3> positions) const {
+  std::vector<Vec3> now(positions.begin(), positions.end());
+  std::vector<std::uint8_t> is_back(complex_.c_vertex_count(), 1);
+  for (const CVertexId v : moved) is_back[v] = 0;
+  std::vector<CVertexId> out, look(moved.begin(), moved.end());
+  while (!look.empty()) {
+    std::vector<CVertexId> back = watched_.meeting(look, now);
+    for (const CVertexId v : crowded_.meeting(look, now)) {
+      if (is_closed_[v]) back.push_back(v);
+    }
+    look.clear();
+    for (const CVertexId v : back) {
+      if (std::exchange(is_back[v], std::uint8_t{1})) continue;
+      now[v] = complex_.positions[v];
+      look.push_back(v);
+    }
+    out.insert(out.end(), look.begin(), look.end());
+  }
+  return out;
+}
+
+// Crowded cells are divided as a whole, or not at all, so that they can be watched: also those that a face to be divided reaches into.
+std::vector<CVertexId> AdaptiveSurface::with_crowded_cells(std::span<const CVertexId> wanted) const {
+  std::vector<std::uint8_t> is_wanted(complex_.c_vertex_count(), 0);
+  for (const CVertexId v : wanted) is_wanted[v] = 1;
+  std::vector<CVertexId> out(wanted.begin(), wanted.end());
+  const auto want_cell_of = [&](CVertexId v) {
+    for (const CVertexId w : crowded_.beside(v)) {
+      if (std::exchange(is_wanted[w], std::uint8_t{1}) == 0) out.push_back(w);
+    }
+  };
+  for (const CVertexId v : wanted) {
+    if (crowded_.contains(v)) want_cell_of(v);
+  }
+  for (std::size_t before = 0; before != out.size();) {
+    before = out.size();
+    for (const Face& face : complex_.faces) {
+      if (face.is_triangle()) continue;
+      const auto end = face.corner.begin() + face.size();
+      if (std::none_of(face.corner.begin(), end, [&](CVertexId v) { return is_wanted[v]; })) continue;
+      for (auto v = face.corner.begin(); v != end; ++v) {
+        if (crowded_.contains(*v)) want_cell_of(*v);
+      }
+    }
+  }
+  return out;
 }
 
 // The next step for each. Where pieces become smaller, what else is in their cells has to be in pieces first, to be looked at with them.
@@ -79,15 +159,15 @@ void AdaptiveSurface::divide(std::span<const CVertexId> wanted) {
     for (CVertexId v = 0; v < complex_.c_vertex_count() && !cells.empty(); ++v) {
       const Vec3 p = complex_.positions[v];
       if (now[v] == Fineness::pieces || whole_coordinates(p) > 0) continue;
-      if (std::binary_search(cells.begin(), cells.end(), Cell{std::floor(p.x), std::floor(p.y), std::floor(p.z)})) coarser.push_back(v);
+      if (std::binary_search(cells.begin(), cells.end(), cell_of(p))) coarser.push_back(v);
     }
     if (coarser.empty()) break;
-    divide_once(coarser, now);
+    divide_once(with_crowded_cells(coarser), now);
   }
   std::vector<CVertexId> left;
   std::copy_if(wanted.begin(), wanted.end(), std::back_inserter(left), [&](CVertexId v) { return now[v] == was[v]; });
-  divide_once(left, now);
-  hold();
+  divide_once(with_crowded_cells(left), now);
+  watch();
 }
 
 void AdaptiveSurface::divide_once(std::span<const CVertexId> wanted, const std::vector<Fineness>& was) {
@@ -103,7 +183,6 @@ void AdaptiveSurface::divide_once(std::span<const CVertexId> wanted, const std::
   divided_ += wanted.size();
   added_ += divided.origin.size();
   if (!divided.origin.empty()) deepest_ = std::max(deepest_, deepest);
-  deep_.resize(complex_.c_vertex_count(), 0);
   if (std::any_of(wanted.begin(), wanted.end(), [&](CVertexId v) { return was[v] == Fineness::pieces; })) flatten_where_pieces_meet(divided, before);
 }
 
@@ -119,12 +198,13 @@ void AdaptiveSurface::flatten_where_pieces_meet(const Subdivision& divided, CVer
     cells.push_back(cell_of(complex_, face));
   }
   sort_unique(cells);
+  deep_cells_.insert(deep_cells_.end(), cells.begin(), cells.end());
+  sort_unique(deep_cells_);
   for (const Face& face : complex_.faces) {
     if (!face.is_triangle()) continue;
     const Cell cell = cell_of(complex_, face);
     if (!std::binary_search(cells.begin(), cells.end(), cell)) continue;
     pieces.emplace_back(cell, Triangle{face.corner[0], face.corner[1], face.corner[2]});
-    for (int k = 0; k < 3; ++k) deep_[face.corner[k]] = 1;
   }
   std::stable_sort(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   for (bool again = true; again;) {  // a point on a wall is in two cells

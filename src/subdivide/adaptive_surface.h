@@ -7,6 +7,7 @@
 
 #include "subdivide/crowded_cells.h"
 #include "subdivide/subdivide.h"
+#include "subdivide/watched_cells.h"
 #include "surface/components.h"
 
 namespace isoatlas {
@@ -35,16 +36,17 @@ class AdaptiveSurface {
   /// Whether a vertex may leave its c-vertex, within the grid cell, or on the wall or edge that it is on. That stray() says no has to be
   /// seen to besides.
   bool may_roam(CVertexId v) const { return !held_[v]; }
-  /// Those of the c-vertices that must not be where they are in `positions`, per c-vertex, if some were moved there: surfels of their
-  /// cells meet.
-  std::vector<CVertexId> stray(std::span<const CVertexId> moved, std::span<const Vec3> positions) const { return crowded_.meeting(moved, positions); }
+  /// Those of the c-vertices that must not be where they are in `positions`, per c-vertex, if some were moved there: surfels or pieces in
+  /// their cells would meet. With these back where they were, none do.
+  std::vector<CVertexId> stray(std::span<const CVertexId> moved, std::span<const Vec3> positions) const;
 
   std::size_t divided() const { return divided_; }  ///< c-vertices around which the faces were divided, every time counted
   std::size_t added() const { return added_; }      ///< c-vertices
   int deepest() const { return deepest_; }          ///< how often faces were divided where that was done most often
 
  private:
-  void hold();
+  void watch();
+  std::vector<CVertexId> with_crowded_cells(std::span<const CVertexId> wanted) const;
   void divide_once(std::span<const CVertexId> wanted, const std::vector<Fineness>& was);
   void flatten_where_pieces_meet(const Subdivision& divided, CVertexId first_new);
 
@@ -52,9 +54,12 @@ class AdaptiveSurface {
   Components components_;
   TrilinearField field_;
   CrowdedCells crowded_;
+  WatchedCells watched_;
+  std::vector<WatchedCells::Cell> deep_cells_;  // with pieces of pieces
+  CVertexId parsed_;                 // c-vertices before this one were parsed
   std::vector<std::uint8_t> depth_;  // per c-vertex, which division brought it
-  std::vector<std::uint8_t> deep_;   // per c-vertex, 1 if there are pieces of pieces in a cell that it is in or on
-  std::vector<std::uint8_t> held_;   // per c-vertex
+  std::vector<std::uint8_t> held_;       // per c-vertex
+  std::vector<std::uint8_t> is_closed_;  // per c-vertex, 1 if inside a crowded cell that is not in pieces yet
   std::size_t divided_ = 0, added_ = 0;
   int deepest_ = 0;
 };

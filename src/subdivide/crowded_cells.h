@@ -27,6 +27,9 @@ class CrowdedCells {
   std::span<const std::uint8_t> flags() const { return flags_; }  ///< per c-vertex, 1 if it is in such a cell; empty: none is
   bool contains(CVertexId v) const { return v < cell_of_.size() && cell_of_[v] != kNone; }
 
+  /// All c-vertices in the grid cell of one. @pre contains(v)
+  std::span<const CVertexId> beside(CVertexId v) const { return c_vertices(cell_of_[v]); }
+
   /// The c-vertices of those cells, with one of `moved` in them, whose surfels meet where the c-vertices are now.
   /// @param positions  per c-vertex
   std::vector<CVertexId> meeting(std::span<const CVertexId> moved, std::span<const Vec3> positions) const;
