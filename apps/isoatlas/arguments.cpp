@@ -100,6 +100,10 @@ Topology parse_topology(const std::string& text) {
   return choose<Topology>({{"trilinear", Topology::trilinear}, {"faces", Topology::faces}}, text);
 }
 
+Interpolation parse_interpolation(const std::string& text) {
+  return choose<Interpolation>({{"trilinear", Interpolation::trilinear}, {"tricubic", Interpolation::tricubic}}, text);
+}
+
 NonFinite parse_non_finite(const std::string& text) {
   return choose<NonFinite>({{"below", NonFinite::below}, {"above", NonFinite::above}}, text);
 }
@@ -253,6 +257,19 @@ isovalue is inside either way. Default: above.
 What the surface is inside a cell of the volume. trilinear: what the trilinear interpolant has there; it can join two
 closed loops on the cell's faces by a tunnel. faces: one disk for every such loop. Default: trilinear.
 )", [&](const std::string& text) { options.topology = parse_topology(text); });
+  add_value(*command, kSurface, "--interpolation", "NAME", R"(
+What the surface is between samples, for where vertices are and for all distances: trilinear or tricubic. Tricubic is
+smooth. The topology is the same, unless supersampled. Default: trilinear.
+)", [&](const std::string& text) { options.interpolation = parse_interpolation(text); });
+  add_value(*command, kSurface, "--supersample", "K", R"(
+Mesh the surface of the volume upsampled K times along each axis by the interpolation, for details that its grid is too
+coarse for. Takes an eighth of a byte for each of its samples, and as much more time and memory as there is more of the
+surface, about K*K. Default: 1.
+)", [&](const std::string& text) {
+    const auto factor = parse_whole<std::uint32_t>(text);
+    if (!factor || *factor == 0) refuse("expected a number above 0, got " + in_quotes(text));
+    options.supersample = *factor;
+  });
 
   add_value(*command, kSurface, "--min-component-size", "SIZE", R"(
 Leave out components that enclose less: 10vx is ten voxels, 2.5 or 2.5mm3 are world units cubed. One that the volume's
@@ -279,9 +296,16 @@ volume.
     arguments.max_radius = parse_length(text);
     if (arguments.max_radius->value == 0) refuse("expected a length above 0, got " + in_quotes(text));
   });
+  add_value(*command, kMesh, "--covering", "NAME", R"(
+How disks cover the surface. radius-field: their radii follow a field that grows slowly away from where it has to be
+small. halving: the paper's own, for comparison: radii are halved until neighbours fit. Default: radius-field.
+)", [&](const std::string& text) {
+    options.covering =
+        choose<CoveringStrategy>({{"radius-field", CoveringStrategy::radius_field}, {"halving", CoveringStrategy::halving}}, text);
+  });
   add_value(*command, kMesh, "--event-persistence", "LENGTH", R"(
 Holes in a growing disk that close again within this length do not limit it. Larger ignores more noise in the choice of
-triangle sizes; topology is kept whatever the value. Default: 1.5vx.
+triangle sizes; topology is kept whatever the value. Default: 1.5vx; with --covering halving 0.
 )", [&](const std::string& text) { arguments.event_persistence = parse_length(text); });
   add_value(*command, kMesh, "--placement", "WHERE", R"(
 Where vertices sit: on the surface, the same in all levels; or balanced, in each level moved so that the mesh lies evenly
@@ -365,6 +389,9 @@ What the surface is inside a cell, trilinear or faces, as for `isoatlas extract`
   CLI::Option* nan = add_value(*command, kDistance, "--nan", "SIDE", R"(
 Where NaN is, below or above the isovalue; NaN and infinite samples are refused without it.
 )", [&](const std::string& text) { options.non_finite = parse_non_finite(text); });
+  CLI::Option* interpolation = add_value(*command, kDistance, "--interpolation", "NAME", R"(
+What the isosurface is between samples, trilinear or tricubic, as for `isoatlas extract`. Default: trilinear.
+)", [&](const std::string& text) { options.interpolation = parse_interpolation(text); });
   CLI::Option* space = add_value(*command, kDistance, "--space", "SPACE", R"(
 Coordinates of the mesh: lps, ras or voxel, as for `isoatlas extract`. Default: what the file says (SPACE=... in its
 header or comments), else lps.
@@ -376,7 +403,7 @@ Default: 200000.
   add_raw_layout(*command, arguments.raw, volume);
 
   volume->needs(iso);
-  for (CLI::Option* option : {iso, inside, topology, nan, space, samples}) option->needs(volume);
+  for (CLI::Option* option : {iso, inside, topology, nan, interpolation, space, samples}) option->needs(volume);
   return command;
 }
 // clang-format on

@@ -123,7 +123,9 @@ void print_distance(const DistanceReport& report) {
   const Measurement& m = report.measured;
   const Space space = report.options.space;
   const std::size_t spread = report.options.samples;
-  std::cout << row("distance", "to the isosurface at " + number_text(report.options.isovalue) + " of " + report.volume_path + ", mesh in " +
+  const std::string name = report.options.interpolation == Interpolation::tricubic ? "tricubic isosurface" : "isosurface";
+  std::cout << row("distance", "to the " + name + " at " + number_text(report.options.isovalue) + " of " + report.volume_path +
+                                   ", mesh in " +
                                    (space == Space::lps   ? "LPS"
                                     : space == Space::ras ? "RAS"
                                                           : "voxels") +

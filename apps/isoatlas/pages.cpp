@@ -170,7 +170,7 @@ With --self-intersections it also looks for pairs of triangles that meet where t
 of them are. Two triangles may meet in the corner or in the edge that they share as vertices of the file, nowhere else; vertices
 that only are at the same place are two vertices.
 
-With a volume it also measures, both ways, how far the mesh is from the trilinear isosurface: distances from samples of
+With a volume it also measures, both ways, how far the mesh is from the isosurface: distances from samples of
 the mesh to the surface and from samples of the surface to the mesh, and the angles between triangles and surface.
 Distances do not change the exit status.
 )",

@@ -15,15 +15,27 @@
 
 namespace isoatlas {
 
+/// How stage one covers the surface by disks; certificate and repair have the last word either way (docs/theory/04-covering.md).
+enum class CoveringStrategy : std::uint8_t {
+  radius_field,  ///< a radius per c-vertex that grows by a third of the distance at most, sites farthest first
+  halving,       ///< the paper's own: bins of radii R_g / 2^i, every radius halved until it fits its neighbours'
+};
+
 struct ExtractOptions {
   double isovalue = 0;
   Inside inside = Inside::above;
   NonFinite non_finite = NonFinite::refuse;
   Topology topology = Topology::trilinear;
+  /// What is between samples, to place vertices, to measure distances and to supersample; not supersampled, the topology is the same.
+  Interpolation interpolation = Interpolation::trilinear;
+  /// The reference surface is that of the volume upsampled so many times along each axis by the interpolation. Voxels are those
+  /// of the volume, and positions in its sample-index coordinates.
+  std::uint32_t supersample = 1;
   Space space = Space::lps;
   /// Largest disk radius R_g of the paper's stage one, world units; none: half the longest side of the volume.
   std::optional<double> max_radius;
-  /// Topological events that close again within this length do not limit a disk, world units; none: 1.5 voxels.
+  CoveringStrategy covering = CoveringStrategy::radius_field;
+  /// Topological events that close again within this length do not limit a disk, world units; none: 1.5 voxels, with halving 0.
   std::optional<double> event_persistence;
   /// false puts c-vertices at the plain average of their nodes, as the paper has it (up to 0.2 voxel off the surface).
   bool vertices_on_surface = true;
@@ -39,7 +51,7 @@ struct ExtractOptions {
   /// false: in every level cells are made smaller where triangles meet others where they should not, until none does or cells are
   /// as small as they can be; what is left then is counted. Not the default before nothing can be left.
   bool allow_self_intersections = false;
-  /// Measure every level against the trilinear isosurface with that many samples in each direction; 0: do not.
+  /// Measure every level against the isosurface with that many samples in each direction; 0: do not.
   std::size_t measure_samples = 0;
 };
 
@@ -146,8 +158,9 @@ struct Extraction {
 ///
 /// @throws Error(bad_argument)  size < 2 along an axis, spacing not positive or different by more than 1e6 between axes, origin,
 ///                              direction or a corner of the volume not finite, fewer than 2^16 doubles to a voxel there, direction
-///                              singular, isovalue not finite, max_radius <= 0, event_persistence < 0, min_component_size < 0 or not
-///                              finite, a bound that its quantity cannot have
+///                              singular, isovalue not finite, max_radius <= 0, event_persistence < 0, supersample 0 or so large that
+///                              there are too many samples, min_component_size < 0 or not finite, a bound that its quantity cannot
+///                              have
 /// @throws Error(unsupported)   NaN or infinity while non_finite is `refuse` (message: count and first index); a direction that is
 ///                              not orthonormal, unless `refine` and `coarse` are empty and nothing is to be measured
 /// @throws Error(empty_surface) no sample, or every sample, is inside (message: the range); every component was to be dropped

@@ -15,7 +15,8 @@ struct MeasureOptions {
   Inside inside = Inside::above;
   NonFinite non_finite = NonFinite::refuse;
   Topology topology = Topology::trilinear;
-  Space space = Space::lps;       ///< of the mesh's coordinates
+  Interpolation interpolation = Interpolation::trilinear;  ///< what the isosurface is between samples
+  Space space = Space::lps;                                ///< of the mesh's coordinates
   std::size_t samples = 200'000;  ///< spread over the area of each surface; those at vertices and the like come on top
 };
 
@@ -29,7 +30,7 @@ struct OneSidedDistance {
   Vec3 farthest{};  ///< the sample at which the maximum is, in the mesh's space
 };
 
-/// How far a mesh is from the trilinear isosurface of a volume.
+/// How far a mesh is from the isosurface of a volume.
 struct Measurement {
   double voxel = 1;  ///< the smallest spacing: divide lengths by it to have voxels
   OneSidedDistance mesh_to_surface, surface_to_mesh;
@@ -42,7 +43,7 @@ struct Measurement {
   double surface_area = 0, mesh_area = 0;  ///< world units squared; of the isosurface: that of the faces it is sampled by
 };
 
-/// Two-sided distance between a triangle mesh (any mesh, not only ours) and the trilinear isosurface, sampled.
+/// Two-sided distance between a triangle mesh (any mesh, not only ours) and the isosurface, sampled.
 ///
 /// Where the isosurface leaves the volume it ends, so the distance near an open boundary is to its edge. Lengths are those of
 /// the volume's spacing, whatever the mesh's space. Maxima are over samples, so they are

@@ -71,6 +71,12 @@ enum class Topology : std::uint8_t {
   trilinear,  ///< that of the trilinear interpolant: where it joins two loops by a tunnel, an annulus instead of their two disks
 };
 
+/// Where the surface is between samples. Its topology is decided by the samples, whichever it is.
+enum class Interpolation : std::uint8_t {
+  trilinear,
+  tricubic,  ///< Catmull-Rom splines along the three axes, samples beyond the border as on it: smooth, and through the samples
+};
+
 /// Coordinates of the mesh. lps: the volume's world as ITK gives it; ras: the same with x and y negated;
 /// voxel: sample-index coordinates, sample (0,0,0) at the origin.
 enum class Space { lps, ras, voxel };

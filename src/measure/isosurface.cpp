@@ -43,8 +43,12 @@ TriangleTree tree_of(const SurfaceComplex& complex) {
 
 }  // namespace
 
-Isosurface::Isosurface(const VolumeView& volume, const InsideRule& rule, const SurfaceComplex& complex)
-    : spacing_(complex.spacing), voxel_(std::min({spacing_.x, spacing_.y, spacing_.z})), field_(volume, rule), faces_(tree_of(complex)) {}
+Isosurface::Isosurface(const VolumeView& volume, const InsideRule& rule, const SurfaceComplex& complex, Interpolation interpolation,
+                       std::uint32_t supersample)
+    : spacing_(complex.spacing),
+      voxel_(supersample * std::min({spacing_.x, spacing_.y, spacing_.z})),
+      field_(volume, rule, interpolation, supersample),
+      faces_(tree_of(complex)) {}
 
 Vec3 Isosurface::clamped(Vec3 p) const {
   const Vec3 last = to_metric(field_.last());
@@ -52,7 +56,7 @@ Vec3 Isosurface::clamped(Vec3 p) const {
 }
 
 Isosurface::Look Isosurface::look(Vec3 p) const {
-  const TrilinearField::Value f = field_.at(to_index(p));
+  const InterpolatedField::Value f = field_.at(to_index(p));
   const Vec3 g = to_index(f.gradient);
   const double slope = length(g);
   if (!(slope > 0)) return {f.value == 0 ? 0 : std::copysign(INFINITY, f.value), {}};
@@ -175,11 +179,9 @@ std::optional<Vec3> Isosurface::onto_surface(Vec3 p) const {
 }
 
 std::optional<Vec3> Isosurface::on_edge(const Vec3 low, int axis) const {
-  const Vec3 step{axis == 0 ? 1.0 : 0.0, axis == 1 ? 1.0 : 0.0, axis == 2 ? 1.0 : 0.0};
-  const double f = field_.at(low).value, g = field_.at(low + step).value;
-  if ((f >= 0) == (g >= 0)) return std::nullopt;
-  const double t = f / (f - g);
-  return low + (std::isfinite(t) ? t : 0.5) * step;
+  const std::optional<double> t = field_.zero_on_edge(low, axis);
+  if (!t) return std::nullopt;
+  return low + *t * Vec3{axis == 0 ? 1.0 : 0.0, axis == 1 ? 1.0 : 0.0, axis == 2 ? 1.0 : 0.0};
 }
 
 Vec3 Isosurface::normal(Vec3 p) const {

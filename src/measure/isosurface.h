@@ -7,20 +7,21 @@
 #include "isoatlas/volume.h"
 #include "mesh/triangle_tree.h"
 #include "surface/surface_complex.h"
-#include "volume/trilinear_field.h"
+#include "volume/interpolated_field.h"
 
 namespace isoatlas {
 
-/// The trilinear isosurface of a volume, to be asked for closest points: the faces of its surface complex say where it is, the
+/// The isosurface of a volume between its samples, to be asked for closest points: the faces of its surface complex say where it is, the
 /// field where exactly. It ends at the volume's border.
 ///
 /// Points are in sample-index coordinates, lengths in the complex's metric (spacing applied). Immutable; any number of threads
 /// may ask at once. The volume's samples must outlive it, the complex need not. 46 bytes per quad beside 24 per c-vertex.
 class Isosurface {
  public:
-  /// @param complex  the volume's surface, as parse_surface() makes it with the same rule
+  /// @param complex  the volume's surface, as parse_surface() makes it with the same rule, interpolation and factor
   /// @cost  O(F log F); for samples that may be NaN one pass over the volume besides
-  Isosurface(const VolumeView& volume, const InsideRule& rule, const SurfaceComplex& complex);
+  Isosurface(const VolumeView& volume, const InsideRule& rule, const SurfaceComplex& complex,
+             Interpolation interpolation = Interpolation::trilinear, std::uint32_t supersample = 1);
 
   struct Hit {
     Vec3 point{};
@@ -32,18 +33,18 @@ class Isosurface {
   /// within a few hundredths of a voxel of the surface, in noise within a third. About a microsecond.
   Hit closest_on_faces(Vec3 p, double at_most = std::numeric_limits<double>::infinity()) const;
 
-  /// The closest point of the trilinear surface that is found from two starts, p moved along the gradient and the closest point
+  /// The closest point of the surface that is found from two starts, p moved along the gradient and the closest point
   /// of the faces, by sliding towards p; so the distance is an upper bound, tight but for surfaces with several sheets within
   /// the faces' error. Where the gradient vanishes and no point of the surface is found near the faces, it is one of the faces'.
-  /// About two microseconds near the surface.
+  /// About two microseconds near the surface, several times that if tricubic.
   Hit closest(Vec3 p, double at_most = std::numeric_limits<double>::infinity()) const;
 
-  /// A point of the trilinear surface, found from p alone: by Newton's method along the gradient, then, if it is farther than
+  /// A point of the surface, found from p alone: by Newton's method along the gradient, then, if it is farther than
   /// `enough`, by sliding towards p. The distance is an upper bound too, but nothing is searched for: on another sheet, or nothing
   /// at all, where p is not near.
   Hit nearby(Vec3 p, double enough = 0) const;
 
-  /// A point of the trilinear surface near p (within one smallest spacing), by Newton's method along the gradient.
+  /// A point of the surface near p (within one smallest spacing), by Newton's method along the gradient.
   std::optional<Vec3> onto_surface(Vec3 p) const;
 
   /// Where the surface meets the grid edge from the sample at `low` to the next one along `axis`; nothing if it does not.
@@ -55,7 +56,8 @@ class Isosurface {
   /// Faces as triangles, positions in the metric. The first side of each half of a quad is the quad's diagonal.
   const TriangleTree& faces() const { return faces_; }
   Vec3 spacing() const { return spacing_; }
-  const TrilinearField& field() const { return field_; }
+  double voxel() const { return voxel_; }  ///< smallest spacing of the volume itself
+  const InterpolatedField& field() const { return field_; }
 
  private:
   // All points below are in the metric.
@@ -76,8 +78,8 @@ class Isosurface {
   Vec3 to_index(Vec3 p) const { return {p.x / spacing_.x, p.y / spacing_.y, p.z / spacing_.z}; }
 
   Vec3 spacing_;
-  double voxel_;  // smallest spacing
-  TrilinearField field_;
+  double voxel_;  // smallest spacing of the volume
+  InterpolatedField field_;
   TriangleTree faces_;
 };
 

@@ -241,7 +241,7 @@ Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::si
   const TriangleTree tree(std::move(positions), mesh.triangles);
 
   Measurement out;
-  out.voxel = std::min({spacing.x, spacing.y, spacing.z});
+  out.voxel = surface.voxel();
   measure_mesh_to_surface(mesh, tree, surface, samples, out, control);
   measure_surface_to_mesh(tree, surface, samples, out, control);
   return out;
@@ -284,9 +284,10 @@ Measurement measure(const TriangleMesh& mesh, const VolumeView& volume, const Me
   ParseOptions parse;
   parse.rule = {options.isovalue, options.inside, options.non_finite};
   parse.topology = options.topology;
+  parse.interpolation = options.interpolation;
   SurfaceComplex complex = parse_surface(in_voxels, parse, control);
   if (complex.faces.empty()) throw_empty_surface(volume, options.isovalue);
-  const Isosurface surface(in_voxels, parse.rule, complex);
+  const Isosurface surface(in_voxels, parse.rule, complex, options.interpolation);
   complex = {};
 
   Measurement out = measure(index, surface, options.samples, control);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/vector_math.h"
+#include "cover/halving_covering.h"
 #include "mesh/outward.h"
 #include "refine/relax.h"
 #include "surface/area_vectors.h"
@@ -66,7 +67,14 @@ CoarseMesher::CoarseMesher(AdaptiveSurface& surface, Coarsened& coarser, const C
   stand_ = std::make_unique<Stand>(is_coarser() ? coarser_.complex : surface_.complex(), cover_);
 }
 
-void CoarseMesher::cover(const RunControl& control) { stand_->covering.cover(control); }
+void CoarseMesher::cover(const RunControl& control) {
+  auto& [complex, graph, covering, dual] = *stand_;
+  if (options_.covering == CoveringStrategy::halving) {
+    cover_from(cover_by_halving(graph, cover_, control), graph, covering, control);
+  } else {
+    covering.cover(control);
+  }
+}
 
 void CoarseMesher::certify(LevelReport& report, const RunControl& control) { stand_->dual.certify(report.certificate, control); }
 
@@ -117,7 +125,7 @@ void CoarseMesher::relax_vertices() {
     points.push_back(stays ? start.back() : start.back() + shift_[i]);  // from where they were in the last round
     roam.push_back(stays ? Roam{start.back(), start.back()} : roam_of(surface.positions[at[i]], s));
   }
-  const TrilinearField* const field = options_.vertices_on_surface ? &surface_.field() : nullptr;
+  const InterpolatedField* const field = options_.vertices_on_surface ? &surface_.field() : nullptr;
   std::vector<Vec3> positions;
   for (int round = 1;; ++round) {
     relax(points, mesh_.triangles, roam, field, s, {1.0 / 3, kSeparation});

@@ -59,6 +59,7 @@ void check_options(const ExtractOptions& options) {
   require(!options.event_persistence || (std::isfinite(*options.event_persistence) && *options.event_persistence >= 0),
           "the event persistence must be a length >= 0");
   require(std::isfinite(options.min_component_size) && options.min_component_size >= 0, "the smallest component must have a size >= 0");
+  require(options.supersample >= 1, "the factor of supersampling must be at least 1");
   std::vector<const LevelGoal*> goals{&options.coarse};
   for (const LevelGoal& goal : options.refine) goals.push_back(&goal);
   for (const LevelGoal* goal : goals) {
@@ -73,6 +74,9 @@ void check_options(const ExtractOptions& options) {
     }
   }
 }
+
+// The paper's figure 4 knows no persistence.
+float default_persistence(CoveringStrategy strategy) { return strategy == CoveringStrategy::halving ? 0.0f : 1.5f; }
 
 // What the options ask to leave out, largest first.
 std::vector<DroppedComponent> drop_small_components(SurfaceComplex& complex, const Components& components, const ExtractOptions& options,
@@ -99,7 +103,7 @@ std::vector<DroppedComponent> drop_small_components(SurfaceComplex& complex, con
     const ComponentId c = components.of_c_vertex[v];
     if (out[c].c_vertices++ == 0) first.positions[c] = complex.positions[v];
   }
-  transform_to(first, grid, options.space);
+  bring_out(first, grid, options);
   std::vector<DroppedComponent> dropped;
   for (const std::size_t c : order) {
     if (!goes[c]) continue;
@@ -133,6 +137,8 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   ParseOptions parse;
   parse.rule = {options.isovalue, options.inside, options.non_finite};
   parse.topology = options.topology;
+  parse.interpolation = options.interpolation;
+  parse.supersample = options.supersample;
   parse.vertices_on_surface = options.vertices_on_surface;
   SurfaceComplex whole = parse_surface(in_voxels, parse, control);
   if (whole.faces.empty()) throw_empty_surface(volume, options.isovalue);
@@ -153,8 +159,9 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   report.tunnels = whole.tunnels;
   report.reference = summarize(reference.topology);
   const std::unique_ptr<const Isosurface> isosurface =
-      only_coarse ? nullptr : std::make_unique<const Isosurface>(in_voxels, parse.rule, whole);
-  AdaptiveSurface surface(std::move(whole), std::move(reference), TrilinearField(in_voxels, parse.rule));
+      only_coarse ? nullptr : std::make_unique<const Isosurface>(in_voxels, parse.rule, whole, options.interpolation, options.supersample);
+  AdaptiveSurface surface(std::move(whole), std::move(reference),
+                          InterpolatedField(in_voxels, parse.rule, options.interpolation, options.supersample));
   clock.finished("components");
 
   double longest = 0;
@@ -165,9 +172,10 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   const double max_radius = options.max_radius ? std::max(1e-4f, voxels(*options.max_radius)) : longest / 2;
 
   control.report("coarsen", 0);
-  const double block = std::min(kBlockVoxels, max_radius / kBlocksPerRadius);
+  const double cell = 1.0 / options.supersample;  // of the grid that was parsed, voxels
+  const double block = std::min(kBlockVoxels * cell, max_radius / kBlocksPerRadius);
   Coarsened coarser;
-  if (block >= kLeastBlockVoxels) {
+  if (block >= kLeastBlockVoxels * cell) {
     coarser = coarsen(surface.complex(), block, control);
     report.coarsening = coarser.certificate;
     report.coarser_c_vertices.push_back(coarser.complex.positions.size());
@@ -177,8 +185,8 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   control.report("cover", 0);
   CoveringOptions cover;
   cover.max_radius = static_cast<float>(max_radius);
-  cover.event_persistence = options.event_persistence ? voxels(*options.event_persistence) : 1.5f;
-  cover.first_stage = 4;
+  cover.event_persistence = options.event_persistence ? voxels(*options.event_persistence) : default_persistence(options.covering);
+  cover.first_stage = static_cast<float>(4 * cell);
   CoarseMesher mesher(surface, coarser, cover, options);
   mesher.cover(control);
   clock.finished("cover");

@@ -55,6 +55,7 @@ void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<co
   report.triangles = mesh.triangles.size();
 
   const Space space = options.space;
+  for (Vec3& p : mesh.positions) p = to_volume(p, options);
   // Shape is a matter of world lengths, whatever the space of the output.
   TriangleMesh world = space == Space::voxel ? mesh : TriangleMesh{};
   TriangleMesh& measured = space == Space::voxel ? world : mesh;
@@ -79,6 +80,11 @@ TopologySummary summarize(const std::vector<ComponentTopology>& components) {
   }
   for (const auto& [kind, count] : kinds) out.kinds.push_back({kind.first, kind.second, count});
   return out;
+}
+
+void bring_out(TriangleMesh& mesh, const Grid& grid, const ExtractOptions& options) {
+  for (Vec3& p : mesh.positions) p = to_volume(p, options);
+  transform_to(mesh, grid, options.space);
 }
 
 void transform_to(TriangleMesh& mesh, const Grid& grid, Space space) {

@@ -9,6 +9,15 @@
 
 namespace isoatlas {
 
+/// From sample-index coordinates, of the upsampled samples if the volume was supersampled, to those of the volume.
+inline Vec3 to_volume(Vec3 index, const ExtractOptions& options) {
+  const double steps = options.supersample;
+  return {index.x / steps, index.y / steps, index.z / steps};
+}
+
+/// From there to the output's space.
+void bring_out(TriangleMesh& mesh, const Grid& grid, const ExtractOptions& options);
+
 /// The end of every level: the topology check, then into the output's space, where shape is measured and self-intersections are
 /// counted.
 /// @param mesh     in sample-index coordinates; in the output's space afterwards

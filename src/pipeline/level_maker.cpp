@@ -28,13 +28,12 @@ LevelMaker::LevelMaker(const LevelSource& source, const ExtractOptions& options,
       options_(options),
       control_(control),
       refiner_(source.surface, source.isosurface, source.coarser, source.options,
-               {source.coarse.covering(), source.coarse.sites(), source.coarse.shift()},
-               !options.allow_self_intersections) {}
+               {source.coarse.covering(), source.coarse.sites(), source.coarse.shift()}, !options.allow_self_intersections) {}
 
 Vec3 LevelMaker::to_space(Vec3 index) const {
   TriangleMesh one;
   one.positions.push_back(index);
-  transform_to(one, source_.grid, options_.space);
+  bring_out(one, source_.grid, options_);
   return one.positions[0];
 }
 
@@ -84,6 +83,8 @@ void LevelMaker::tell(const LevelGoal& goal, const LevelFigures& figures, LevelR
 void LevelMaker::measure_distance(const TriangleMesh& mesh, LevelReport& report) const {
   if (options_.measure_samples == 0) return;
   report.measured = measure(mesh, source_.isosurface, options_.measure_samples, control_);
+  for (OneSidedDistance* d : {&report.measured->mesh_to_surface, &report.measured->surface_to_mesh})
+    d->farthest = to_volume(d->farthest, options_);
   transform_to(*report.measured, source_.grid, options_.space);
 }
 
@@ -144,7 +145,7 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
   const std::uint32_t vertices = partition.cell_count();
   TriangleMesh on_surface;
   for (auto v = static_cast<CellId>(hierarchy.positions.size()); v < vertices; ++v) on_surface.positions.push_back(base_position(v));
-  transform_to(on_surface, source_.grid, options_.space);
+  bring_out(on_surface, source_.grid, options_);
   hierarchy.positions.insert(hierarchy.positions.end(), on_surface.positions.begin(), on_surface.positions.end());
   const std::vector<std::uint32_t> parents = refiner_.parents();
   hierarchy.parent.insert(hierarchy.parent.end(), parents.begin() + static_cast<std::ptrdiff_t>(hierarchy.parent.size()), parents.end());

@@ -49,9 +49,10 @@ struct Places {
   std::vector<CVertexId> anchor;  ///< per cell, the c-vertex at whose point it sits: its site, or a better one near by
   std::vector<float> offset{};    ///< per cell, how far from there along the surface's normal, in this level; empty: not at all
   std::vector<Vec3> shift{};      ///< per cell, how far from its c-vertex, in all levels; empty: not at all
-  std::vector<std::uint8_t> fixed{};  ///< per cell, 1 if it stays at its site, or where an earlier level has it; missing ones may move
+  std::vector<std::uint8_t> given_up{};  ///< per cell, 1 if its triangles stay the dual's, 3 if it stays at its site, too; missing: 0
 
-  bool is_fixed(CellId c) const { return c < fixed.size() && fixed[c] != 0; }
+  bool may_move(CellId c) const { return c >= given_up.size() || given_up[c] < 3; }
+  bool may_flip(CellId c) const { return c >= given_up.size() || given_up[c] == 0; }
   /// Where it sits in all levels, but for what balancing does in one.
   Vec3 base(const Surfels& surfels, CellId c) const {
     const Vec3 p = surfels.point[anchor[c]];

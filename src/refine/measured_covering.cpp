@@ -234,7 +234,7 @@ void MeasuredCovering::update_all(CertificateReport& report, const RunControl& c
 void MeasuredCovering::remesh(std::span<const DualTriangle> triangles, const Places& places, std::span<const CellId> concerned) {
   places_.anchor = places.anchor;
   places_.shift = places.shift;
-  places_.fixed = places.fixed;
+  places_.given_up = places.given_up;
   stale_.resize(partition().cell_count(), 0);
   for (const CellId c : concerned) stale_[c] = 1;  // the next update() takes the dual's triangles again
   set_triangles(mesh_, ground_.surfels, triangles, places_);

@@ -85,8 +85,8 @@ class MeasuredCovering {
   void freeze_anchors(CellId before) { frozen_ = before; }
   bool is_frozen(CellId c) const { return c < frozen_; }
 
-  /// All vertices may be moved again.
-  void unfix() { places_.fixed.clear(); }
+  /// All vertices may be moved again, all edges flipped.
+  void try_again() { places_.given_up.clear(); }
 
   /// Replaces the mesh's triangles, until the next update(), and where its vertices sit, but for balancing; measures the cells again
   /// that this may concern.

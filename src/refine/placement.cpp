@@ -25,7 +25,7 @@ void balance(const MeasuredSurface& surface, std::span<const CellId> cells, Leve
   std::vector<std::uint8_t> listed(all, 0), movable(all, 0);
   for (const CellId c : cells) listed[c] = 1;
   for (const CellId c : cells) {
-    bool inner = !surface.graph.on_boundary[places.anchor[c]] && !places.is_fixed(c);
+    bool inner = !surface.graph.on_boundary[places.anchor[c]] && places.may_move(c);
     for (const std::uint32_t t : mesh.triangles_of.of(c)) {
       for (const CellId n : mesh.triangles[t].cell) inner = inner && listed[n];
     }

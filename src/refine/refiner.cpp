@@ -468,7 +468,7 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
   if (first) {
     step_down(goal, placement, out, control);
   } else {
-    work_->unfix();
+    work_->try_again();
     if (work_->places().anchor != partition().site) divide_surface({}, control);  // so that cells can be as small as their vertices
   }
   std::unique_ptr<const MeasuredCovering> start;
@@ -533,6 +533,10 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
     }
     again();
     mend();
+  }
+  if (embedded_ && out.shape.bad > 0) {  // what is near where something was taken back may move again
+    relax_shape(*work_, *task.shape, triangles, out.shape);
+    if (!take_back_meeting(*work_, *task.shape, meeting, triangles, control).empty()) take_back_all(*work_, *task.shape, triangles);
   }
   work_->freeze_anchors(partition().cell_count());
   out.triangles = cells_of(triangles);

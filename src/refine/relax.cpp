@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 
 #include "core/disjoint_sets.h"
 #include "core/ids.h"
@@ -36,7 +37,7 @@ Vec3 clamped(Vec3 p, const Roam& r) {
 
 class Relaxation {
  public:
-  Relaxation(std::span<Vec3> points, std::span<const Triangle> triangles, std::span<const Roam> roam, const TrilinearField* field,
+  Relaxation(std::span<Vec3> points, std::span<const Triangle> triangles, std::span<const Roam> roam, const InterpolatedField* field,
              Vec3 spacing, const RelaxGoal& goal)
       : points_(points), triangles_(triangles), roam_(roam), field_(field), spacing_(spacing), goal_(goal) {}
 
@@ -59,6 +60,7 @@ class Relaxation {
       move_pushed();
     }
     turn_back_where_turned();
+    if (goal_.separation > 0) find_opposite();
     search();
     turn_back_flattened();
     std::vector<std::uint32_t> moved;
@@ -114,7 +116,7 @@ class Relaxation {
 
   Vec3 drawn_back(Vec3 p) const {
     if (field_ == nullptr) return p;
-    const TrilinearField::Value f = field_->at({p.x / spacing_.x, p.y / spacing_.y, p.z / spacing_.z});
+    const InterpolatedField::Value f = field_->at({p.x / spacing_.x, p.y / spacing_.y, p.z / spacing_.z});
     const Vec3 gradient{f.gradient.x / spacing_.x, f.gradient.y / spacing_.y, f.gradient.z / spacing_.z};
     const double slope = length(gradient);
     const double offset = slope > 0 ? f.value / slope : 0;
@@ -166,6 +168,28 @@ class Relaxation {
     }
   }
 
+  // Per triangle and corner, the vertex on the other side of the edge opposite to it: what a flip would join.
+  void find_opposite() {
+    struct Side {
+      std::uint32_t a, b, triangle, corner;
+    };
+    std::vector<Side> sides;
+    for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        const std::uint32_t a = triangles_[t][(k + 1) % 3], b = triangles_[t][(k + 2) % 3];
+        sides.push_back({std::min(a, b), std::max(a, b), t, k});
+      }
+    }
+    std::sort(sides.begin(), sides.end(), [](const Side& x, const Side& y) { return std::tie(x.a, x.b, x.triangle) < std::tie(y.a, y.b, y.triangle); });
+    opposite_.assign(triangles_.size(), {kNone, kNone, kNone});
+    for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
+      const Side &x = sides[i], &y = sides[i + 1];
+      if (x.a != y.a || x.b != y.b) continue;
+      opposite_[x.triangle][x.corner] = triangles_[y.triangle][y.corner];
+      opposite_[y.triangle][y.corner] = triangles_[x.triangle][x.corner];
+    }
+  }
+
   // What pushing leaves: vertices of triangles that are still bad go wherever the worst of the triangles around them gets better,
   // step by step, each step as long as it helps.
   void search() {
@@ -199,7 +223,12 @@ class Relaxation {
     const auto [low, high] = std::minmax_element(e.begin(), e.end());
     const double aspect = *high > 0 ? std::sqrt(*low / *high) / (1.01 * goal_.aspect) : 0;
     if (goal_.separation == 0) return std::min(1.0, aspect);
-    return std::min({1.0, aspect, kSeparationWeight + (1 - kSeparationWeight) * std::sqrt(*low) / goal_.separation});
+    double closest = *low;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t o = opposite_[t][k];
+      if (o != kNone && o != c[k]) closest = std::min(closest, squared_length((o == v ? p : points_[o]) - q[k]));
+    }
+    return std::min({1.0, aspect, kSeparationWeight + (1 - kSeparationWeight) * std::sqrt(closest) / goal_.separation});
   }
   double worst_around(std::uint32_t v, Vec3 p) const {
     double worst = 1;
@@ -219,7 +248,7 @@ class Relaxation {
     if (field_ == nullptr) return 0;
     Vec3 q = p;
     for (int step = 0; step < kNewtonSteps; ++step) {
-      const TrilinearField::Value f = field_->at({q.x / spacing_.x, q.y / spacing_.y, q.z / spacing_.z});
+      const InterpolatedField::Value f = field_->at({q.x / spacing_.x, q.y / spacing_.y, q.z / spacing_.z});
       const Vec3 gradient{f.gradient.x / spacing_.x, f.gradient.y / spacing_.y, f.gradient.z / spacing_.z};
       const double slope = length(gradient);
       if (f.value == 0) return length(q - p);
@@ -278,10 +307,11 @@ class Relaxation {
   std::span<Vec3> points_;
   std::span<const Triangle> triangles_;
   std::span<const Roam> roam_;
-  const TrilinearField* field_;
+  const InterpolatedField* field_;
   Vec3 spacing_;
   RelaxGoal goal_;
   Buckets triangles_of_;
+  std::vector<std::array<std::uint32_t, 3>> opposite_;
   std::vector<Vec3> start_;
   std::vector<std::uint32_t> active_, pushed_;  // triangles, vertices
   std::vector<Vec3> push_;                      // per vertex
@@ -299,7 +329,7 @@ Roam roam_of(Vec3 position, Vec3 spacing) {
 }
 
 std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles, std::span<const Roam> roam,
-                                 const TrilinearField* field, Vec3 spacing, const RelaxGoal& goal) {
+                                 const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal) {
   return Relaxation(points, triangles, roam, field, spacing, goal).run();
 }
 

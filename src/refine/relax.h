@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "isoatlas/mesh.h"
-#include "volume/trilinear_field.h"
+#include "volume/interpolated_field.h"
 
 namespace isoatlas {
 
@@ -33,6 +33,6 @@ struct RelaxGoal {
 /// @return the vertices that were moved, sorted
 /// @cost   O(triangles), then a few dozen looks at those concerned
 std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles, std::span<const Roam> roam,
-                                 const TrilinearField* field, Vec3 spacing, const RelaxGoal& goal);
+                                 const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal);
 
 }  // namespace isoatlas

@@ -63,7 +63,7 @@ class Workshop {
     std::vector<Roam> roam(mesh.cell_count());
     for (CellId c = 0; c < mesh.cell_count(); ++c) {
       const CVertexId v = places_.anchor[c];
-      if (work_.is_frozen(c) || places_.is_fixed(c) || is_held(c) || !ground.may_roam(v)) {
+      if (work_.is_frozen(c) || !places_.may_move(c) || is_held(c) || !ground.may_roam(v)) {
         roam[c] = {points[c], points[c]};
         continue;
       }
@@ -71,7 +71,7 @@ class Workshop {
       roam[c] = roam_of(ground.complex.positions[v], ground.complex.spacing);
       roam[c] = {roam[c].low + balanced, roam[c].high + balanced};
     }
-    const TrilinearField* field = ground.isosurface == nullptr ? nullptr : &ground.isosurface->field();
+    const InterpolatedField* field = ground.isosurface == nullptr ? nullptr : &ground.isosurface->field();
     std::vector<CellId> moved = relax(points, triangles, roam, field, ground.complex.spacing, {goal_.aspect, 0});
     if (moved.empty()) return false;
 
@@ -102,34 +102,18 @@ class Workshop {
     return true;
   }
 
-  // Whatever was done around these cells. What that takes over its bounds follows. @return whether there was anything
+  // Flips around these cells; where there are none, moves. What that takes over its bounds follows. @return whether there was anything
   bool take_back(std::vector<CellId> cells) {
     const std::vector<CellError> before = work_.errors();
-    const std::vector<DualTriangle>& dual = work_.triangles();
-    places_.fixed.resize(work_.mesh().cell_count(), 0);
+    places_.given_up.resize(work_.mesh().cell_count(), 0);
     bool any = false;
     for (int look = 0; !cells.empty(); ++look) {
-      std::vector<std::uint8_t> is_near(work_.mesh().cell_count(), 0);
-      std::vector<CellId> changed;
+      std::vector<CellId> changed = take_back_flips(cells);
       for (const CellId c : cells) {
-        is_near[c] = 1;
-        if (std::exchange(places_.fixed[c], std::uint8_t{1}) != 0) continue;
+        if (places_.given_up[c] == 1 && std::binary_search(changed.begin(), changed.end(), c)) continue;
+        if (std::exchange(places_.given_up[c], std::uint8_t{3}) == 3) continue;
         changed.push_back(c);
         if (!work_.is_frozen(c)) put_back(c);
-      }
-      // Flipped triangles that have a corner in common are put back together.
-      for (bool more = true; more;) {
-        more = false;
-        for (std::size_t i = 0; i < dual.size(); ++i) {
-          if (triangles_[i].cell == dual[i].cell) continue;
-          std::array<CellId, 6> corners;
-          std::copy(dual[i].cell.begin(), dual[i].cell.end(), std::copy(triangles_[i].cell.begin(), triangles_[i].cell.end(), corners.begin()));
-          if (std::none_of(corners.begin(), corners.end(), [&](CellId c) { return is_near[c]; })) continue;
-          for (const CellId c : corners) is_near[c] = 1;
-          changed.insert(changed.end(), corners.begin(), corners.end());
-          triangles_[i] = dual[i];
-          more = true;
-        }
       }
       if (changed.empty()) break;
       any = true;
@@ -145,6 +129,34 @@ class Workshop {
   }
 
  private:
+  // Flipped triangles become the dual's again, those that have a corner in common together. @return their corners, sorted
+  std::vector<CellId> take_back_flips(std::span<const CellId> cells) {
+    const std::vector<DualTriangle>& dual = work_.triangles();
+    std::vector<std::uint8_t> is_near(work_.mesh().cell_count(), 0);
+    for (const CellId c : cells) is_near[c] = 1;
+    std::vector<std::uint32_t> flipped;
+    for (std::uint32_t i = 0; i < dual.size(); ++i) {
+      if (triangles_[i].cell != dual[i].cell) flipped.push_back(i);
+    }
+    std::vector<CellId> changed;
+    for (std::size_t before = kNone; before != flipped.size();) {
+      before = flipped.size();
+      std::erase_if(flipped, [&](std::uint32_t i) {
+        std::array<CellId, 6> corners;
+        std::copy(dual[i].cell.begin(), dual[i].cell.end(), std::copy(triangles_[i].cell.begin(), triangles_[i].cell.end(), corners.begin()));
+        if (std::none_of(corners.begin(), corners.end(), [&](CellId c) { return is_near[c]; })) return false;
+        for (const CellId c : corners) is_near[c] = 1;
+        changed.insert(changed.end(), corners.begin(), corners.end());
+        triangles_[i] = dual[i];
+        return true;
+      });
+    }
+    std::sort(changed.begin(), changed.end());
+    changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
+    for (const CellId c : changed) places_.given_up[c] = std::max(places_.given_up[c], std::uint8_t{1});
+    return changed;
+  }
+
   // A vertex to its site, if that is free.
   void put_back(CellId c) {
     const CVertexId site = work_.partition().site[c];
@@ -328,7 +340,7 @@ class Workshop {
           }
         }
       }
-      if (j == kNone || places_.is_fixed(a) || places_.is_fixed(b) || places_.is_fixed(c) || places_.is_fixed(d)) continue;
+      if (j == kNone || !places_.may_flip(a) || !places_.may_flip(b) || !places_.may_flip(c) || !places_.may_flip(d)) continue;
       if (mesh.triangles_of.of(a).size() <= 3 || mesh.triangles_of.of(b).size() <= 3) continue;
       bool exists = false;
       for (const std::uint32_t other : mesh.triangles_of.of(c)) {
@@ -357,7 +369,7 @@ class Workshop {
     const LevelMesh& mesh = work_.mesh();
     const Ground& ground = work_.ground();
     const CVertexId from = places_.anchor[cell];
-    if (work_.is_frozen(cell) || places_.is_fixed(cell) || ground.graph.on_boundary[from]) return;
+    if (work_.is_frozen(cell) || !places_.may_move(cell) || ground.graph.on_boundary[from]) return;
     double was = std::numeric_limits<double>::infinity();
     for (const std::uint32_t t : mesh.triangles_of.of(cell)) was = std::min(was, score(mesh.triangles[t]));
     const auto consider = [&](CVertexId to) {
@@ -442,6 +454,10 @@ std::vector<CellId> take_back_meeting(MeasuredCovering& work, const ShapeGoal& g
     std::vector<CellId> corners = meeting.update(work.mesh().point, cells_of(triangles), control);
     if (corners.empty() || !workshop.take_back(corners)) return corners;
   }
+}
+
+void relax_shape(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles, ShapeReport& report) {
+  Workshop(work, goal, triangles).relax_bad(report);
 }
 
 void take_back_all(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles) {

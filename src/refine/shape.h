@@ -40,6 +40,7 @@ void improve_errors(MeasuredCovering& work, const ShapeGoal& goal, std::span<con
 /// @return the corners of triangles that meet all the same, sorted
 std::vector<CellId> take_back_meeting(MeasuredCovering& work, const ShapeGoal& goal, MeetingTriangles& meeting,
                                       std::vector<DualTriangle>& triangles, const RunControl& control);
+void relax_shape(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles, ShapeReport& report);
 void take_back_all(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles);
 
 }  // namespace isoatlas

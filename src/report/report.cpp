@@ -20,6 +20,8 @@ namespace {
 std::string_view text(Inside inside) { return inside == Inside::above ? "above" : "below"; }
 
 std::string_view text(Topology topology) { return topology == Topology::faces ? "faces" : "trilinear"; }
+std::string_view text(Interpolation interpolation) { return interpolation == Interpolation::trilinear ? "trilinear" : "tricubic"; }
+
 std::string_view text(NonFinite rule) {
   switch (rule) {
     case NonFinite::refuse:
@@ -44,6 +46,8 @@ std::string_view text(Space space) {
   return "";
 }
 
+std::string_view text(CoveringStrategy strategy) { return strategy == CoveringStrategy::radius_field ? "radius-field" : "halving"; }
+
 std::string_view text(Placement placement) { return placement == Placement::surface ? "surface" : "balanced"; }
 
 Json goals_value(const std::vector<LevelGoal>& goals) {
@@ -62,9 +66,10 @@ Json to_value(const ReportFile& file) {
 
 Json to_value(const DistanceReport& distance) {
   const MeasureOptions& options = distance.options;
-  Json json = {{"volume", distance.volume_path},     {"isovalue", options.isovalue},           {"inside", text(options.inside)},
-               {"topology", text(options.topology)}, {"non_finite", text(options.non_finite)}, {"space", text(options.space)},
-               {"samples_wanted", options.samples}};
+  Json json = {{"volume", distance.volume_path},         {"isovalue", options.isovalue},
+               {"inside", text(options.inside)},         {"topology", text(options.topology)},
+               {"non_finite", text(options.non_finite)}, {"interpolation", text(options.interpolation)},
+               {"space", text(options.space)},           {"samples_wanted", options.samples}};
   json.update(to_value(distance.measured));
   return json;
 }
@@ -111,8 +116,11 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
                      {"ambiguous_faces", "asymptotic decider"},
                      {"topology", text(options.topology)}};
   json["parameters"] = {{"non_finite", text(options.non_finite)},
+                        {"interpolation", text(options.interpolation)},
+                        {"supersample", options.supersample},
                         {"space", text(options.space)},
                         {"max_radius", to_value(options.max_radius)},
+                        {"covering", text(options.covering)},
                         {"event_persistence", to_value(options.event_persistence)},
                         {"min_component_size", options.min_component_size},
                         {"keep_components", options.keep_components},

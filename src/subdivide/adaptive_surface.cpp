@@ -32,7 +32,7 @@ void sort_unique(std::vector<Cell>& cells) {
 
 }  // namespace
 
-AdaptiveSurface::AdaptiveSurface(SurfaceComplex complex, Components components, TrilinearField field)
+AdaptiveSurface::AdaptiveSurface(SurfaceComplex complex, Components components, InterpolatedField field)
     : complex_(std::move(complex)),
       components_(std::move(components)),
       field_(std::move(field)),

@@ -18,11 +18,11 @@ namespace isoatlas {
 class AdaptiveSurface {
  public:
   /// @pre the complex is as it was parsed. Its c-vertices are moved where several surfels of one cell would meet.
-  AdaptiveSurface(SurfaceComplex complex, Components components, TrilinearField field);
+  AdaptiveSurface(SurfaceComplex complex, Components components, InterpolatedField field);
 
   const SurfaceComplex& complex() const { return complex_; }
   const Components& components() const { return components_; }
-  const TrilinearField& field() const { return field_; }
+  const InterpolatedField& field() const { return field_; }
 
   std::vector<Fineness> fineness() const { return isoatlas::fineness(complex_, {field_, crowded_.flags()}); }  ///< per c-vertex; O(F)
 
@@ -52,7 +52,7 @@ class AdaptiveSurface {
 
   SurfaceComplex complex_;
   Components components_;
-  TrilinearField field_;
+  InterpolatedField field_;
   CrowdedCells crowded_;
   WatchedCells watched_;
   std::vector<WatchedCells::Cell> deep_cells_;  // with pieces of pieces

@@ -40,7 +40,7 @@ bool is_crowded(const SurfaceComplex& complex, CVertexId v) {
 
 }  // namespace
 
-CrowdedCells::CrowdedCells(const SurfaceComplex& complex, const TrilinearField& field) {
+CrowdedCells::CrowdedCells(const SurfaceComplex& complex, const InterpolatedField& field) {
   const std::uint32_t n = complex.c_vertex_count();
   cell_of_.assign(n, kNone);
   for (CVertexId v = 0; v < n; ++v) {

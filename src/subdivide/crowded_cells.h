@@ -17,7 +17,7 @@ class CrowdedCells {
   CrowdedCells() = default;
   /// @pre  the complex is as it was parsed
   /// @cost O(F)
-  CrowdedCells(const SurfaceComplex& complex, const TrilinearField& field);
+  CrowdedCells(const SurfaceComplex& complex, const InterpolatedField& field);
 
   /// Moves c-vertices of crowded cells until no surfels meet: then all faces of a complex that was subdivided everywhere are embedded.
   /// @return how many cells have surfels that meet, wherever their c-vertices are put

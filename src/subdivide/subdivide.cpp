@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/vector_math.h"
+#include "volume/field.h"
 
 namespace isoatlas {
 namespace {
@@ -144,7 +145,8 @@ class Subdivider {
     if (most == Want::nothing) return false;
     if (crosses_wall(complex_, a, b)) return most >= Want::pieces || needs_point_on_wall(complex_, in_, a, b);
     // What is not in one cell yet is divided at walls first.
-    return most == Want::smaller_pieces && squared_distance(complex_.positions[a], complex_.positions[b], {1, 1, 1}) > kShortest * kShortest;
+    return most == Want::smaller_pieces &&
+           squared_distance(complex_.positions[a], complex_.positions[b], {1, 1, 1}) > kShortest * kShortest;
   }
 
   CVertexId add_c_vertex(Vec3 position, CVertexId origin, bool on_boundary) {
@@ -181,7 +183,9 @@ class Subdivider {
   }
 
   // Sides along the volume's border from one grid face to the next are divided at the node, with their face.
-  bool is_border(CVertexId a, CVertexId b) const { return complex_.on_boundary[a] && complex_.on_boundary[b] && crosses_wall(complex_, a, b); }
+  bool is_border(CVertexId a, CVertexId b) const {
+    return complex_.on_boundary[a] && complex_.on_boundary[b] && crosses_wall(complex_, a, b);
+  }
 
   CVertexId middle_of(CVertexId a, CVertexId b) const {
     if (a > b) std::swap(a, b);
@@ -217,11 +221,8 @@ class Subdivider {
     Point low;
     for (std::size_t a = 0; a < 3; ++a)
       low[a] = a == axis ? box.low[a] : box.high[a] - box.low[a] == 2 ? box.low[a] + 1 : border_of(face, a);
-    Point high = low;
-    high[axis] += 1;
-    const double f = field_.at(as_vector(low)).value, g = field_.at(as_vector(high)).value;
-    const double t = (f >= 0) == (g >= 0) ? 0.5 : f / (f - g);
-    low[axis] += std::clamp(std::isfinite(t) ? t : 0.5, kNodeMargin, 1 - kNodeMargin);
+    const double t = field_.zero_on_edge(as_vector(low), static_cast<int>(axis)).value_or(0.5);
+    low[axis] += std::clamp(t, kNodeMargin, 1 - kNodeMargin);
     return as_vector(low);
   }
   // Some corner lies on a wall normal to the axis: the edge is on the volume's border.
@@ -264,6 +265,9 @@ class Subdivider {
       if (is_whole(n[a]) && n[a] == m[a]) wall = a;
     }
     if (along[0] == 3 || along[1] == 3 || wall == 3 || along[0] == wall || along[1] == wall) return chord;
+    // Chords of two curves never meet; the curves are known to part only if the field on walls is the bilinear one that parsing saw.
+    const bool cubic = field_.interpolation() == Interpolation::tricubic;
+    if ((cubic || field_.supersample() > 1) && has_two_curves(field_, chord)) return chord;
     Point from = as_array(chord), to = from;
     if (along[0] == along[1]) {  // opposite edges: on the line half-way between them f is monotone
       from[along[0]] = std::floor(n[along[0]]);
@@ -293,6 +297,12 @@ class Subdivider {
       if (h != 0) offer(c / h);
     }
     if (!std::isfinite(best)) return chord;
+    if (cubic && (f0 >= 0) != (f2 >= 0)) {
+      best = zero_between(f0 >= 0, best, [&](double t) {
+        const InterpolatedField::Value f = field_.at(p + t * (q - p));
+        return std::pair(f.value, dot(f.gradient, q - p));
+      });
+    }
     Vec3 found = p + best * (q - p);
     // Of the two curves on a wall with alternating signs each keeps to its own side: they may touch.
     if (along[0] != along[1]) found = chord + kTowardsCurve * (found - chord);
@@ -324,7 +334,7 @@ class Subdivider {
       return p;
     };
     Point p = inside(as_array(0.5 * (a + b))), best = p;
-    TrilinearField::Value f = field_.at(as_vector(p));
+    InterpolatedField::Value f = field_.at(as_vector(p));
     double least = std::abs(f.value);
     for (int step = 0; step < kNewtonSteps && least > 0; ++step) {
       const Point g = as_array(f.gradient);
@@ -449,7 +459,7 @@ class Subdivider {
 
   const SurfaceComplex& complex_;
   const SurfaceInGrid& in_;
-  const TrilinearField& field_;
+  const InterpolatedField& field_;
   std::vector<Want> wanted_;                            // per c-vertex
   std::vector<DividedSide> sides_;                      // sorted by their ends; the i-th has the i-th new c-vertex
   std::vector<std::array<CVertexId, 3>> border_nodes_;  // ends of a border side and the node between them
@@ -458,7 +468,7 @@ class Subdivider {
 
 }  // namespace
 
-bool has_two_curves(const TrilinearField& field, Vec3 point) {
+bool has_two_curves(const InterpolatedField& field, Vec3 point) {
   const Point p = as_array(point);
   std::array<std::size_t, 2> along{};
   for (std::size_t a = 0, k = 0; a < 3; ++a) {
@@ -468,7 +478,7 @@ bool has_two_curves(const TrilinearField& field, Vec3 point) {
     Point q = p;
     q[along[0]] = std::floor(p[along[0]]) + u;
     q[along[1]] = std::floor(p[along[1]]) + v;
-    return field.at(as_vector(q)).value >= 0;
+    return field.at_sample(as_vector(q)) >= 0;
   };
   return inside(0, 0) == inside(1, 1) && inside(1, 0) == inside(0, 1) && inside(0, 0) != inside(1, 0);
 }

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "surface/surface_complex.h"
-#include "volume/trilinear_field.h"
+#include "volume/interpolated_field.h"
 
 namespace isoatlas {
 
@@ -21,7 +21,7 @@ struct Subdivision {
 };
 
 /// Few enough binary digits for the middle of two such points, and the middles of these, to be exact.
-/// @param position  sample-index coordinates below 2^17
+/// @param position  sample-index coordinates below 2^17, of the upsampled samples if there are any
 inline Vec3 rounded(Vec3 position) {
   constexpr double kScale = 4294967296.0;  // 2^32
   return {std::round(position.x * kScale) / kScale, std::round(position.y * kScale) / kScale, std::round(position.z * kScale) / kScale};
@@ -36,7 +36,7 @@ enum class Fineness : std::uint8_t {
 
 /// What subdivision has to know besides the complex.
 struct SurfaceInGrid {
-  const TrilinearField& field;             ///< whose zero set the surface is
+  const InterpolatedField& field;             ///< whose zero set the surface is
   std::span<const std::uint8_t> crowded;  ///< per c-vertex, 1 if there are others in its grid cell; those that are missing have none
 };
 
@@ -55,6 +55,6 @@ Subdivision subdivide(const SurfaceComplex& complex, std::span<const CVertexId> 
 
 /// Whether the samples at the corners of a wall have alternating signs, so that two curves cross it.
 /// @param point  on the wall, but not on its edges
-bool has_two_curves(const TrilinearField& field, Vec3 point);
+bool has_two_curves(const InterpolatedField& field, Vec3 point);
 
 }  // namespace isoatlas

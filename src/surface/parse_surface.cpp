@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <optional>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -24,6 +25,7 @@
 #include "surface/cell_loops.h"
 #include "surface/tunnel_is_there.h"
 #include "volume/field.h"
+#include "volume/upsampled_field.h"
 
 namespace isoatlas {
 namespace {
@@ -51,6 +53,12 @@ struct TunnelCell {
   std::size_t cy, cz;
 };
 
+// What places points in a cell.
+struct CellValues {
+  std::array<double, 8> corner;
+  std::optional<TricubicCell> cubic;
+};
+
 struct Slice {  // all cells with one cz
   CVertexId first_c_vertex = 0;
   FaceId first_face = 0;
@@ -60,16 +68,34 @@ struct Slice {  // all cells with one cz
   std::vector<TunnelCell> tunnel_cells;
 };
 
+// The volume's own samples; UpsampledField has those in between as well.
 template <class T>
+class VolumeField : public Field<T> {
+ public:
+  VolumeField(const VolumeView& volume, const InsideRule& rule) : Field<T>(volume, rule), size_(volume.grid.size) {}
+  static constexpr bool kAnyRange = std::is_same_v<T, double>;
+  const std::array<std::size_t, 3>& size() const { return size_; }
+  std::array<double, 64> around(const std::array<std::size_t, 3>& low, const std::array<bool, 3>& flat) const {
+    const auto along = [&](std::size_t a) {
+      return flat[a] ? std::array{low[a], low[a], low[a], low[a]} : cubic_samples(low[a], size_[a]);
+    };
+    return values_around(*this, size_, {along(0), along(1), along(2)});
+  }
+
+ private:
+  std::array<std::size_t, 3> size_;
+};
+
+template <class Samples>
 class Parser {
  public:
-  Parser(const VolumeView& volume, const ParseOptions& options, const RunControl& control, const SignBits& signs)
-      : size_(volume.grid.size),
-        spacing_(volume.grid.spacing),
+  Parser(const Samples& samples, Vec3 spacing, const ParseOptions& options, const RunControl& control, const SignBits& signs)
+      : size_(samples.size()),
+        spacing_(spacing),
         options_(options),
         control_(control),
         signs_(signs),
-        field_(volume, options.rule),
+        field_(samples),
         table_(CellLoopTable::get()) {}
 
   SurfaceComplex run() {
@@ -98,6 +124,7 @@ class Parser {
   std::size_t sample_of(std::size_t extended, int axis) const {
     return extended == 0 ? 0 : std::min(extended - 1, size_[static_cast<std::size_t>(axis)] - 1);
   }
+  bool in_layer(std::size_t c, int axis) const { return c == 0 || c == size_[static_cast<std::size_t>(axis)]; }
   std::size_t row_of(std::size_t cy, std::size_t cz) const { return cy + (size_[1] + 1) * cz; }
 
   // Calls f(cx) for every crossed cell of a row, in order.
@@ -156,10 +183,22 @@ class Parser {
     return out;
   }
 
-  std::array<double, 8> values(const std::array<std::size_t, 8>& sample) const {
-    std::array<double, 8> f;
-    for (std::size_t k = 0; k < 8; ++k) f[k] = field_[sample[k]];
-    return std::is_same_v<T, double> ? tamed(f) : f;
+  CellValues values(const std::array<std::size_t, 3>& c) const {
+    const auto in_range = [](const auto& f) { return Samples::kAnyRange ? tamed(f) : f; };
+    CellValues out;
+    if (options_.interpolation == Interpolation::tricubic) {
+      // In the layer around the volume nothing changes across it.
+      const std::array<double, 64> f = in_range(field_.around({sample_of(c[0], 0), sample_of(c[1], 1), sample_of(c[2], 2)},
+                                                              {in_layer(c[0], 0), in_layer(c[1], 1), in_layer(c[2], 2)}));
+      for (std::size_t k = 0; k < 8; ++k) out.corner[k] = f[TricubicCell::corner(k)];
+      out.cubic.emplace(f);
+    } else {
+      const std::array<std::size_t, 8> sample = sample_indices(c[0], c[1], c[2]);
+      std::array<double, 8> f;
+      for (std::size_t k = 0; k < 8; ++k) f[k] = field_[sample[k]];
+      out.corner = in_range(f);
+    }
+    return out;
   }
 
   // Which of the ambiguous faces of a cell join their inside corners: the saddle of the bilinear interpolant is inside.
@@ -244,6 +283,14 @@ class Parser {
     const double t = low / (low - high);
     return t > kMargin ? std::min(t, 1 - kMargin) : kMargin;  // also for a NaN of 0/0
   }
+  // The same for the spline through four values, two of them at the ends.
+  static double node_parameter(const std::array<double, 4>& f, double start) {
+    const double t = zero_between(f[1] >= f[2], start, [&](double s) {
+      const CubicWeights w(s);
+      return std::pair(weighted(w.value, f.data()), weighted(w.slope, f.data()));
+    });
+    return std::clamp(t, kMargin, 1 - kMargin);
+  }
 
   void place_c_vertices(std::size_t cz) {
     const CVertexId first = slices_[cz].first_c_vertex;
@@ -252,8 +299,7 @@ class Parser {
         const Cell& cell = cells_[i];
         const CellLoops& loops = table_[cell.loops];
         const std::array<std::size_t, 3> c{cell.x, cy, cz};
-        const std::array<std::size_t, 8> sample = sample_indices(cell.x, cy, cz);
-        const std::array<double, 8> f = values(sample);
+        const CellValues f = values(c);
 
         std::array<Vec3, kMostSurfels> sum{};
         std::array<int, kMostSurfels> nodes{};
@@ -275,13 +321,16 @@ class Parser {
         bool layer = false;
         for (int a = 0; a < 3; ++a) {
           low[a] = static_cast<double>(sample_of(c[a], a));
-          width[a] = c[a] == 0 || c[a] == size_[a] ? 0 : 1;
+          width[a] = in_layer(c[a], a) ? 0 : 1;
           layer |= width[a] == 0;
         }
+        // Two curves on a wall of the border part as the samples have it. Splines need not, so there c-vertices stay on the chords, which
+        // do.
+        const bool stays = f.cubic && layer && loops.surfels > 1;
         for (std::size_t surfel = 0; surfel < loops.surfels; ++surfel) {
           Vec3 p = (1.0 / nodes[surfel]) * sum[surfel];
           if (loops.has_tunnel) p = off_the_walls(p);  // all nodes of a piece of an annulus may be on one wall
-          if (options_.vertices_on_surface) p = onto_surface(f, p);
+          if (options_.vertices_on_surface && !stays) p = f.cubic ? onto_surface(*f.cubic, p) : onto_surface(TrilinearCell(f.corner), p);
           const CVertexId id = first + cell.first_c_vertex + static_cast<CVertexId>(surfel);
           complex_.positions[id] = {low[0] + width[0] * p.x, low[1] + width[1] * p.y, low[2] + width[2] * p.z};
           complex_.on_boundary[id] = layer;
@@ -299,10 +348,11 @@ class Parser {
     return out;
   }
 
-  static Vec3 node_in_cell(const std::array<double, 8>& f, int edge) {
+  static Vec3 node_in_cell(const CellValues& f, int edge) {
     const auto [low, high] = edge_corners(edge);
-    const double t = node_parameter(f[low], f[high]);
     const int axis = edge / 4;
+    double t = node_parameter(f.corner[low], f.corner[high]);
+    if (f.cubic) t = node_parameter(f.cubic->along(low, axis), t);
     Vec3 p{static_cast<double>(low & 1), static_cast<double>(low >> 1 & 1), static_cast<double>(low >> 2 & 1)};
     (axis == 0 ? p.x : axis == 1 ? p.y : p.z) = t;
     return p;
@@ -313,9 +363,9 @@ class Parser {
     return {clamp(p.x), clamp(p.y), clamp(p.z)};
   }
 
-  // Two Newton steps along the gradient onto the trilinear isosurface, never out of the cell, never farther from it.
-  Vec3 onto_surface(const std::array<double, 8>& f, const Vec3 start) const {
-    const TrilinearCell cell(f);
+  // Two Newton steps along the gradient onto the isosurface, never out of the cell, never farther from it.
+  template <class Cell>
+  Vec3 onto_surface(const Cell& cell, const Vec3 start) const {
     Vec3 best = start, p = start;
     double best_value = std::abs(cell.value(start));
     double value = cell.value(start);
@@ -444,7 +494,7 @@ class Parser {
       for (const DoubleFace& d : slice.double_faces) split_double_segments(d, nodes, middles);
       for (const TunnelCell& t : slice.tunnel_cells) {
         const std::array<std::size_t, 3> c{cells_[t.cell].x, t.cy, t.cz};
-        const std::array<double, 8> f = values(sample_indices(c[0], c[1], c[2]));
+        const CellValues f = values(c);
         for (unsigned rest = cut_edges(table_[cells_[t.cell].loops]); rest != 0; rest &= rest - 1) {
           nodes.push_back(node_on(c, f, std::countr_zero(rest), true));
         }
@@ -534,7 +584,7 @@ class Parser {
     const std::array<std::size_t, 3> c{cell.x, d.cy, d.cz};
     const CVertexId a = c_vertex(cell, d.cz, face_edge_along_u(axis, 0, 0), axis);
     const CVertexId b = c_vertex(cells_[d.neighbour], axis == 2 ? d.cz - 1 : d.cz, face_edge_along_u(axis, 1, 0), axis);
-    const std::array<double, 8> f = values(sample_indices(c[0], c[1], c[2]));
+    const CellValues f = values(c);
     const bool around_inside = !((loops.joined_faces >> (2 * axis)) & 1);
     for (int bu = 0; bu < 2; ++bu) {
       for (int bv = 0; bv < 2; ++bv) {
@@ -550,13 +600,13 @@ class Parser {
     ++complex_.double_segments;
   }
 
-  // The node on an edge of cell c, whose corners are f.
-  Node node_on(std::array<std::size_t, 3> c, const std::array<double, 8>& f, int edge, bool is_cut) const {
+  // The node on an edge of cell c, whose values are f.
+  Node node_on(std::array<std::size_t, 3> c, const CellValues& f, int edge, bool is_cut) const {
     const Vec3 p = node_in_cell(f, edge);
     const auto along = [&](int axis, double x) {
       const std::size_t at = c[static_cast<std::size_t>(axis)];
       const double low = static_cast<double>(sample_of(at, axis));
-      return at == 0 || at == size_[static_cast<std::size_t>(axis)] ? low : low + x;
+      return in_layer(at, axis) ? low : low + x;
     };
     const Vec3 position{along(0, p.x), along(1, p.y), along(2, p.z)};
     const int axis = edge / 4;
@@ -604,7 +654,7 @@ class Parser {
   const ParseOptions& options_;
   const RunControl& control_;
   const SignBits& signs_;
-  Field<T> field_;
+  const Samples& field_;
   const CellLoopTable& table_;
 
   std::vector<std::uint32_t> row_first_;  // per row (cy, cz), its first cell; one more at the end
@@ -618,13 +668,19 @@ class Parser {
 }  // namespace
 
 SurfaceComplex parse_surface(const VolumeView& volume, const ParseOptions& options, const RunControl& control) {
-  const SignBits signs = classify(volume, options.rule, control);
-  if (!signs.any_inside || !signs.any_outside) {
-    SurfaceComplex empty;
-    empty.spacing = volume.grid.spacing;
-    return empty;
+  SurfaceComplex empty;
+  empty.spacing = (1.0 / options.supersample) * volume.grid.spacing;
+  const auto parse = [&](const auto& samples, const SignBits& signs) {
+    return Parser(samples, empty.spacing, options, control, signs).run();
+  };
+  if (options.supersample > 1) {
+    const UpsampledField samples(volume, options.rule, options.interpolation, options.supersample);
+    const SignBits signs = samples.classify(control);
+    return signs.any_inside && signs.any_outside ? parse(samples, signs) : empty;
   }
-  return visit_sample_type(volume.type, [&]<class T>(const T*) { return Parser<T>(volume, options, control, signs).run(); });
+  const SignBits signs = classify(volume, options.rule, control);
+  if (!signs.any_inside || !signs.any_outside) return empty;
+  return visit_sample_type(volume.type, [&]<class T>(const T*) { return parse(VolumeField<T>(volume, options.rule), signs); });
 }
 
 }  // namespace isoatlas

@@ -10,21 +10,25 @@ namespace isoatlas {
 
 struct ParseOptions {
   InsideRule rule;
-  bool vertices_on_surface = true;  ///< Newton steps onto the trilinear isosurface; false: plain average of the nodes
+  bool vertices_on_surface = true;  ///< Newton steps onto the isosurface; false: plain average of the nodes
   Topology topology = Topology::trilinear;
+  Interpolation interpolation = Interpolation::trilinear;  ///< on which surface points are placed
+  std::uint32_t supersample = 1;                           ///< >= 1: parses the volume upsampled that often per axis, see UpsampledField
 };
 
 /// The reference surface of a volume at an isovalue, as a surface complex: one c-vertex per surfel, one face per node.
 ///
 /// Inside is decided by the samples alone; ambiguous faces by the asymptotic decider, exactly, ties joined inside; inside
 /// a cell what the trilinear interpolant has, or one disk per loop (docs/theory/01-surface.md). The volume is extended by one layer of zero
-/// thickness, so that a surface cut by the volume's border ends in boundary c-vertices that lie exactly on it.
+/// thickness, so that a surface cut by the volume's border ends in boundary c-vertices that lie exactly on it. Supersampled, all of this
+/// is said of the upsampled samples: positions are in their index and the spacing is theirs, so that cells are unit boxes whatever the
+/// factor.
 ///
 /// @pre    every size >= 2, spacing > 0, isovalue finite
-/// @throws Error(unsupported) non-finite samples that the rule refuses
+/// @throws Error(unsupported) non-finite samples that the rule refuses; Error(bad_argument) too many to supersample
 /// @return an empty complex if all samples are on one side
 /// @post   same bytes for any number of threads
-/// @cost   O(N) for N samples, one pass over them; then O(C) for C c-vertices
+/// @cost   O(N) for N samples, one pass over them; then O(C) for C c-vertices. Supersampled, N/8 bytes for N upsampled samples
 /// @source paper section 3.2; departures: docs/theory/01-surface.md
 SurfaceComplex parse_surface(const VolumeView& volume, const ParseOptions& options, const RunControl& control = {});
 

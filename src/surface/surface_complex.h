@@ -37,7 +37,7 @@ struct BoundarySide {
 /// Bytes per c-vertex, with about one quad per c-vertex: 24 + 16 + 1.
 struct SurfaceComplex {
   Vec3 spacing{1, 1, 1};                  ///< world length = length of (spacing * difference of positions)
-  std::vector<Vec3> positions;            ///< per c-vertex, sample-index coordinates
+  std::vector<Vec3> positions;            ///< per c-vertex, sample-index coordinates, of the upsampled samples if these were parsed
   std::vector<std::uint8_t> on_boundary;  ///< per c-vertex, 1 if it is on a boundary loop
   std::vector<Face> faces;
   std::vector<BoundarySide> boundary;

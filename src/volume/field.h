@@ -29,7 +29,8 @@ class Field {
     }
   }
 
-  double operator[](std::size_t i) const { return sign_ * (finite(samples_[i]) - isovalue_); }
+  double operator[](std::size_t i) const { return sign_ * (sample(i) - isovalue_); }
+  double sample(std::size_t i) const { return finite(samples_[i]); }
 
   /// The sample itself, for exact decisions.
   long double exact(std::size_t i) const {
@@ -56,8 +57,9 @@ class Field {
   double nan_side_ = 0;
 };
 
-/// Corner values brought into a range where products of them neither over- nor underflow. Only the sign and the ratios matter.
-inline std::array<double, 8> tamed(std::array<double, 8> f) {
+/// Values of a cell brought into a range where products of them neither over- nor underflow. Only the sign and the ratios matter.
+template <std::size_t N>
+std::array<double, N> tamed(std::array<double, N> f) {
   constexpr double kHuge = 1e60, kTiny = 1e-60;
   double largest = 0;
   for (double& x : f) {
@@ -93,5 +95,100 @@ class TrilinearCell {
  private:
   double c0_, cx_, cy_, cz_, cxy_, cxz_, cyz_, cxyz_;
 };
+
+/// A Catmull-Rom spline between the second and the third of four values: what each value counts at t in [0,1]. Through the samples
+/// exactly, as the others count nothing at 0 and 1; reproduces polynomials of degree two, up to rounding.
+/// @source Catmull, Rom, A class of local interpolating splines, 1974; with tension 1/2
+struct CubicWeights {
+  explicit CubicWeights(double t)
+      : value{-0.5 * t * (1 - t) * (1 - t), 1 + t * t * (1.5 * t - 2.5), t * (0.5 + t * (2 - 1.5 * t)), -0.5 * t * t * (1 - t)},
+        slope{-0.5 + t * (2 - 1.5 * t), t * (4.5 * t - 5), 0.5 + t * (4 - 4.5 * t), t * (1.5 * t - 1)} {}
+  std::array<double, 4> value, slope;
+};
+
+inline double weighted(const std::array<double, 4>& weight, const double* f) {
+  return weight[0] * f[0] + weight[1] * f[1] + weight[2] * f[2] + weight[3] * f[3];
+}
+
+/// The samples along one axis that a tricubic cell is made of, from one before `low` to two after; beyond the border, that on it.
+constexpr std::array<std::size_t, 4> cubic_samples(std::size_t low, std::size_t n) {
+  return {low == 0 ? 0 : low - 1, low, low + 1 < n ? low + 1 : n - 1, low + 2 < n ? low + 2 : n - 1};
+}
+
+/// The 4 x 4 x 4 values at those samples, x + 4y + 16z.
+template <class T>
+std::array<double, 64> values_around(const Field<T>& field, const std::array<std::size_t, 3>& size,
+                                     const std::array<std::array<std::size_t, 4>, 3>& sample) {
+  std::array<double, 64> f;
+  std::size_t n = 0;
+  for (const std::size_t z : sample[2]) {
+    for (const std::size_t y : sample[1]) {
+      const std::size_t row = size[0] * (y + size[1] * z);
+      for (const std::size_t x : sample[0]) f[n++] = field[row + x];
+    }
+  }
+  return f;
+}
+
+/// The tricubic interpolant of one cell in local coordinates [0,1]^3, from the 4 x 4 x 4 values around it (x + 4y + 16z; the corners
+/// of the cell are those at 1 and 2).
+class TricubicCell {
+ public:
+  explicit TricubicCell(const std::array<double, 64>& f) : f_(f) {}
+
+  struct Value {
+    double value;
+    Vec3 gradient;
+  };
+  Value at(Vec3 p) const {
+    const CubicWeights x(p.x), y(p.y), z(p.z);
+    std::array<double, 4> value, dx, dy;  // per slice
+    for (std::size_t k = 0; k < 4; ++k) {
+      std::array<double, 4> row, slope;
+      for (std::size_t j = 0; j < 4; ++j) {
+        row[j] = weighted(x.value, &f_[4 * j + 16 * k]);
+        slope[j] = weighted(x.slope, &f_[4 * j + 16 * k]);
+      }
+      value[k] = weighted(y.value, row.data());
+      dx[k] = weighted(y.value, slope.data());
+      dy[k] = weighted(y.slope, row.data());
+    }
+    return {weighted(z.value, value.data()), {weighted(z.value, dx.data()), weighted(z.value, dy.data()), weighted(z.slope, value.data())}};
+  }
+  double value(Vec3 p) const { return at(p).value; }
+  Vec3 gradient(Vec3 p) const { return at(p).gradient; }
+
+  /// Which of the values is that of a corner (x + 2y + 4z).
+  static constexpr std::size_t corner(std::size_t c) { return 21 + (c & 1) + 4 * (c >> 1 & 1) + 16 * (c >> 2); }
+  /// Along the cell's edge that starts at `corner` (x + 2y + 4z): the four values that its spline is made of.
+  std::array<double, 4> along(std::size_t corner, int axis) const {
+    const std::size_t step = std::size_t{1} << (2 * axis);
+    const std::size_t first = TricubicCell::corner(corner) - step;
+    return {f_[first], f_[first + step], f_[first + 2 * step], f_[first + 3 * step]};
+  }
+
+ private:
+  std::array<double, 64> f_;
+};
+
+/// Where f, which has different signs at 0 and 1, is zero between them: by Newton's method, or by halving where that leads away.
+/// @param f  f(t) returns value and slope, the value > 0 inside
+template <class F>
+double zero_between(bool inside_at_0, double start, F f) {
+  constexpr int kMostSteps = 60;
+  constexpr double kClose = 1e-12;
+  double low = 0, high = 1, t = start;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const auto [value, slope] = f(t);
+    if (value == 0) break;
+    ((value > 0) == inside_at_0 ? low : high) = t;
+    double next = t - value / slope;
+    if (!(next > low && next < high)) next = 0.5 * (low + high);  // also for a NaN
+    const bool close = std::abs(next - t) <= kClose;
+    t = next;
+    if (close) break;
+  }
+  return t;
+}
 
 }  // namespace isoatlas

@@ -142,13 +142,13 @@ def options_in(text):
 
 class Help(ToolTest):
     OPTIONS = {
-        "extract": "--iso -o --output --report --inside --topology --coarse --max-radius --event-persistence --threads --nan --space "
+        "extract": "--iso -o --output --report --inside --topology --coarse --max-radius --covering --event-persistence --threads --nan --space "
                    "--raw-size --raw-type --raw-spacing --raw-endian -q --quiet -v --verbose -h --help "
                    "--refine --max-distance --mean-distance --area-curvature --area-curvature-smooth --geodesic-ratio "
                    "--normal-angle --max-vertices --min-vertices --min-edge --max-edge --min-aspect --placement "
-                   "--glb-per-level --measure --measure-samples --min-component-size --keep-components",
+                   "--glb-per-level --measure --measure-samples --min-component-size --keep-components --interpolation --supersample",
         "info": "--raw-size --raw-type --raw-spacing --raw-endian -h --help",
-        "check": "--json --self-intersections --volume --iso --inside --topology --nan --space --samples --raw-size --raw-type --raw-spacing --raw-endian -h --help",
+        "check": "--json --self-intersections --volume --iso --inside --topology --nan --interpolation --space --samples --raw-size --raw-type --raw-spacing --raw-endian -h --help",
         "levels": "--json -h --help",
     }
 
@@ -235,6 +235,22 @@ class Extract(ToolTest):
         self.assertEqual(len(set(meshes)), 1)
         self.succeed("extract", "s.nrrd", "--iso", "0", "--event-persistence", "0", "-o", "s.off", "-q", "--coarse")
 
+    def test_covering(self):
+        self.put_sphere(n=24)
+        arguments = ["extract", "sphere.nrrd", "--iso", "0", "--coarse", "-q", "--report", "s.json"]
+        meshes, said = {}, {}
+        for name in (None, "radius-field", "halving"):
+            self.succeed(*arguments, *(["--covering", name] if name else []), "-o", "s.off")
+            meshes[name] = (self.folder / "s.off").read_bytes()
+            report = json.loads((self.folder / "s.json").read_text())
+            said[name] = report["parameters"]["covering"]
+            self.assertIs(report["levels"][0]["certificate"]["passed"], True)
+            self.assertEqual(report["levels"][0]["kinds"], [{"genus": 0, "boundary_loops": 0, "count": 1}])
+        self.assertEqual(said, {None: "radius-field", "radius-field": "radius-field", "halving": "halving"})
+        self.assertEqual(meshes[None], meshes["radius-field"])
+        self.assertNotEqual(meshes[None], meshes["halving"])
+        self.succeed("extract", "sphere.nrrd", "--iso", "0", "--covering", "halving", "--refine", "max-distance:0.5vx", "-o", "s.off", "-q")
+
     def test_inside_below_is_the_negated_volume(self):
         self.put_sphere("a.nrrd")
         self.put_sphere("b.nrrd", inside=-1.0)
@@ -252,6 +268,39 @@ class Extract(ToolTest):
             self.assertEqual(report["reference"]["tunnels"], tunnels)
             self.assertEqual(report["levels"][-1]["components"], components)
             self.assertEqual(report["levels"][-1]["boundary_loops"], 2)
+
+    def test_interpolation(self):
+        self.put("s.nrrd", nrrd(sphere((20, 20, 20)), (20, 20, 20), "float"))
+        reports, distances = {}, {}
+        for name in ("trilinear", "tricubic"):
+            self.succeed("extract", "s.nrrd", "--iso", "0", "-o", f"{name}.off", "--report", "s.json", "-q", "--interpolation", name)
+            reports[name] = json.loads((self.folder / "s.json").read_text())
+            self.assertEqual(reports[name]["parameters"]["interpolation"], name)
+            check = self.succeed("check", "--json", f"{name}.off", "--volume", "s.nrrd", "--iso", "0", "--interpolation", name)
+            distances[name] = json.loads(check)["distance"]
+            self.assertEqual(distances[name]["interpolation"], name)
+        self.assertEqual(reports["trilinear"]["reference"], reports["tricubic"]["reference"])
+        self.assertNotEqual(distances["trilinear"]["mean"], distances["tricubic"]["mean"])
+        self.assertIn("to the tricubic isosurface",
+                      self.succeed("check", "tricubic.off", "--volume", "s.nrrd", "--iso", "0", "--interpolation", "tricubic"))
+
+    def test_supersample(self):
+        self.put("s.nrrd", nrrd(sphere((20, 20, 20)), (20, 20, 20), "float"))
+        for name in ("trilinear", "tricubic"):
+            c_vertices = {}
+            for factor in (1, 3):
+                self.succeed("extract", "s.nrrd", "--iso", "0", "-o", "s.off", "--report", "s.json", "-q", "--interpolation", name,
+                             "--supersample", factor)
+                report = json.loads((self.folder / "s.json").read_text())
+                self.assertEqual(report["parameters"]["supersample"], factor)
+                self.assertEqual(report["reference"]["kinds"], [{"genus": 0, "boundary_loops": 0, "count": 1}])
+                c_vertices[factor] = report["reference"]["c_vertices"]
+                distance = json.loads(self.succeed("check", "--json", "s.off", "--volume", "s.nrrd", "--iso", "0", "--space", "lps",
+                                                   "--interpolation", name))["distance"]
+                self.assertLess(distance["surface_to_mesh"]["maximum"], 0.6)
+            self.assertAlmostEqual(c_vertices[3] / c_vertices[1], 9, delta=1)
+        self.refuse("20 x 20 x 20 samples are too many to supersample by 1000", "extract", "s.nrrd", "--iso", "0", "-o", "t.off",
+                    "--supersample", "1000")
 
     def test_spaces(self):
         self.put("s.nrrd", nrrd(sphere((20, 20, 20)), (20, 20, 20), "float", "space: left-posterior-superior",
@@ -419,9 +468,12 @@ class BadArguments(ToolTest):
             "--keep-components": ["0", "-1", "1.5", "all", ""],
             "--max-radius": ["0", "-1", "3 furlongs", "vx", "mm", "1vxmm", "inf", "nanmm", "", "2.5 mm", "1e999"],
             "--event-persistence": ["-1", "abc", "3px", "infvx"],
+            "--covering": ["bins", "", "Halving", "radius_field", "halving,radius-field"],
             "--threads": ["-1", "1.5", "many", "", "99999999999"],
             "--inside": ["outside", "", "0"],
             "--topology": ["cubic", "", "Faces"],
+            "--interpolation": ["linear", "", "Tricubic", "cubic"],
+            "--supersample": ["0", "-2", "1.5", "2x", "", "99999999999"],
             "--nan": ["refuse", ""],
             "--space": ["lpi", "LPS"],
             "--placement": ["here", ""],

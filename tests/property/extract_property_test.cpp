@@ -94,6 +94,29 @@ RC_GTEST_PROP(AnyVolume, MeshIsAManifoldWithTheReferenceTopology, (const RandomC
   RC_ASSERT(std::memcmp(first.mesh().positions.data(), second.mesh().positions.data(), sizeof(Vec3) * first.mesh().positions.size()) == 0);
 }
 
+RC_GTEST_PROP(AnyVolume, ThePapersCoveringKeepsTheTopology, (const RandomCase& c)) {
+  const Samples samples = c.samples();
+  RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
+  ExtractOptions options;
+  options.isovalue = c.isovalue();
+  options.inside = c.inside();
+  options.topology = Topology::faces;  // of which there is a second opinion
+  options.covering = CoveringStrategy::halving;
+  if (c.seed % 3 != 0) options.max_radius = c.seed % 3 == 1 ? 1000 : 0.5 + static_cast<double>(c.seed % 7);
+  if (c.seed % 4 == 0) options.event_persistence = static_cast<double>(c.seed % 5);
+  if (c.seed % 16 == 0) options.refine = {{{Quantity::max_distance, 0.5}}};
+  const Extraction extraction = extract(to_volume(samples, SampleType::int16, c.spacing), options);
+  const TopologySummary want = reference_topology(samples, c.isovalue(), c.inside());
+  for (const LevelReport& level : extraction.report.levels) {
+    RC_ASSERT(level.topology == want);
+    RC_ASSERT(level.certificate.passed);
+  }
+  const MeshTopology topology = mesh_topology(extraction.mesh());
+  RC_ASSERT(topology.is_manifold());
+  RC_ASSERT(topology.is_oriented());
+  RC_ASSERT(kinds_of(extraction.mesh()) == want.kinds);
+}
+
 RC_GTEST_PROP(AnyVolume, TrilinearTopologyIsKept, (const RandomCase& c)) {
   const Samples samples = c.samples();
   RC_PRE(has_surface(samples, c.isovalue(), c.inside()));

@@ -18,25 +18,24 @@ using namespace test;
 
 struct Parsed {
   Volume volume;
-  InsideRule rule;
   SurfaceComplex surface;
+  InterpolatedField field;
 };
 
-Parsed parsed(const RandomCase& c) {
-  Parsed out;
-  out.volume = to_volume(c.samples(), SampleType::int32, c.spacing);
-  out.rule = {c.isovalue(), c.inside(), NonFinite::refuse};
+Parsed parsed(const RandomCase& c, Interpolation interpolation = Interpolation::trilinear, std::uint32_t supersample = 1) {
+  const Volume volume = to_volume(c.samples(), SampleType::int32, c.spacing);
   ParseOptions options;
-  options.rule = out.rule;
+  options.rule = {c.isovalue(), c.inside(), NonFinite::refuse};
   options.topology = c.seed % 2 ? Topology::trilinear : Topology::faces;
-  out.surface = parse_surface(out.volume, options);
-  return out;
+  options.interpolation = interpolation;
+  options.supersample = supersample;
+  return {volume, parse_surface(volume, options), InterpolatedField(volume, options.rule, interpolation, supersample)};
 }
 
 RC_GTEST_PROP(AnySurface, StaysItselfWhereverItIsDivided, (const RandomCase& c)) {
   const Parsed p = parsed(c);
   RC_PRE(!p.surface.positions.empty());
-  const TrilinearField field(p.volume, p.rule);
+  const InterpolatedField& field = p.field;
   const TopologySummary want = summarize(find_components(p.surface).topology);
   Random random(c.seed + 11);
   SurfaceComplex complex = p.surface;
@@ -65,12 +64,9 @@ RC_GTEST_PROP(AnySurface, StaysItselfWhereverItIsDivided, (const RandomCase& c))
 }
 
 // Wherever in their cells c-vertices are.
-RC_GTEST_PROP(AnySurface, DividedEverywhereDoesNotMeetItself, (const RandomCase& c)) {
-  Parsed p = parsed(c);
-  RC_PRE(!p.surface.positions.empty());
-  Components components = find_components(p.surface);
-  AdaptiveSurface surface(p.surface, components, TrilinearField(p.volume, p.rule));
-  Random random(c.seed + 3);
+void divided_everywhere_does_not_meet_itself(const Parsed& p, std::uint64_t seed) {
+  AdaptiveSurface surface(p.surface, find_components(p.surface), p.field);
+  Random random(seed + 3);
   const auto rounds = random.between(1, 3);
   for (int round = 0; round < rounds; ++round) {
     const SurfaceComplex& complex = surface.complex();
@@ -93,6 +89,20 @@ RC_GTEST_PROP(AnySurface, DividedEverywhereDoesNotMeetItself, (const RandomCase&
     surface.divide(wanted);
     RC_ASSERT(self_intersections(surface.complex().positions, triangles_of(surface.complex()).triangles).empty());
   }
+}
+
+RC_GTEST_PROP(AnySurface, DividedEverywhereDoesNotMeetItself, (const RandomCase& c)) {
+  const Parsed p = parsed(c);
+  RC_PRE(!p.surface.positions.empty());
+  divided_everywhere_does_not_meet_itself(p, c.seed);
+}
+
+RC_GTEST_PROP(AnySurface, DividedEverywhereDoesNotMeetItselfTricubicOrSupersampled, (const RandomCase& c)) {
+  const auto interpolation = c.seed % 3 == 0 ? Interpolation::trilinear : Interpolation::tricubic;
+  const auto supersample = static_cast<std::uint32_t>(c.seed % 3 == 0 ? 2 + c.seed % 2 : 1 + c.seed / 3 % 3);
+  const Parsed p = parsed(c, interpolation, supersample);
+  RC_PRE(!p.surface.positions.empty());
+  divided_everywhere_does_not_meet_itself(p, c.seed);
 }
 
 }  // namespace

@@ -71,8 +71,45 @@ TEST(Isosurface, SphereFromFarAndNear) {
   }
 }
 
+TEST(Isosurface, OfATricubicFieldIsNearerTheTrueSphere) {
+  const Vec3 c{15.3, 15.6, 15.45};
+  const Volume volume = exact_volume({32, 32, 32}, test::sphere(c, 10));
+  const InsideRule rule{0, Inside::above, NonFinite::refuse};
+  ParseOptions parse;
+  parse.interpolation = Interpolation::tricubic;
+  const SurfaceComplex complex = parse_surface(volume, parse);
+  const Isosurface linear(volume, rule, parse_surface(volume, {rule, true})), cubic(volume, rule, complex, Interpolation::tricubic);
+  Random random(6);
+  double off[2] = {0, 0};
+  for (int k = 0; k < 2000; ++k) {
+    const Vec3 p = random_in(random, {4, 4, 4}, {27, 27, 27});
+    const double r = length(p - c);
+    if (r < 5) continue;
+    const auto miss = [&](const Isosurface& surface) { return std::abs(surface.closest(p).distance - std::abs(r - 10)); };
+    off[0] += miss(linear);
+    off[1] += miss(cubic);
+    EXPECT_LT(length(cubic.normal(cubic.closest(p).point) - (1 / r) * (p - c)), 0.03);
+  }
+  EXPECT_LT(off[1], off[0] / 20);
+  // Where it crosses grid edges.
+  double worst[2] = {0, 0};
+  int crossed = 0;
+  for (int k = 0; k < 3000; ++k) {
+    Vec3 low = random_in(random, {3, 3, 3}, {28, 28, 28});
+    low = {std::floor(low.x), std::floor(low.y), std::floor(low.z)};
+    const auto a = linear.on_edge(low, k % 3), b = cubic.on_edge(low, k % 3);
+    ASSERT_EQ(a.has_value(), b.has_value());
+    if (!a) continue;
+    ++crossed;
+    worst[0] = std::max(worst[0], std::abs(length(*a - c) - 10));
+    worst[1] = std::max(worst[1], std::abs(length(*b - c) - 10));
+  }
+  EXPECT_GT(crossed, 50);
+  EXPECT_LT(worst[1], worst[0] / 5);
+}
+
 // Many points of the trilinear surface: where it crosses lines parallel to the axes.
-std::vector<Vec3> crossings(const TrilinearField& field, int lines_per_cell) {
+std::vector<Vec3> crossings(const InterpolatedField& field, int lines_per_cell) {
   std::vector<Vec3> out;
   const Vec3 last = field.last();
   const double ends[3] = {last.x, last.y, last.z};
@@ -102,7 +139,7 @@ TEST(Isosurface, NoiseAgainstManyPointsOfTheSurface) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     const Volume volume = test::to_volume(test::random_samples(test::Family::white_noise, {6, 6, 6}, seed));
     const Isosurface surface = isosurface_of(volume, 0.5);
-    const TrilinearField field(volume, {0.5, Inside::above, NonFinite::refuse});
+    const InterpolatedField field(volume, {0.5, Inside::above, NonFinite::refuse});
     const std::vector<Vec3> cloud = crossings(field, 25);
     Random random(seed);
     for (int k = 0; k < 150; ++k) {
@@ -111,7 +148,7 @@ TEST(Isosurface, NoiseAgainstManyPointsOfTheSurface) {
       for (const Vec3& q : cloud) slow = std::min(slow, length(p - q));
       const Isosurface::Hit hit = surface.closest(p);
       ASSERT_TRUE(hit.found());
-      const TrilinearField::Value at = field.at(hit.point);
+      const InterpolatedField::Value at = field.at(hit.point);
       EXPECT_LE(std::abs(at.value), 1e-4 * length(at.gradient)) << "not on the surface";
       EXPECT_GE(hit.distance, slow - 0.03);
       EXPECT_LE(hit.distance, slow + 0.5);

@@ -80,6 +80,32 @@ TEST(Extract, KnownShapesWithAndWithoutCoarserComplexes) {
   EXPECT_TRUE(coarsened && direct);
 }
 
+// In the volume's own space, with its voxels, from more c-vertices.
+TEST(Extract, Supersampled) {
+  const Volume volume = to_volume(sampled({26, 27, 28}, torus({12.6, 13.3, 13.4}, 8, 3.4), 1000), SampleType::float32, {1, 1, 2});
+  for (const Interpolation interpolation : {Interpolation::trilinear, Interpolation::tricubic}) {
+    std::size_t c_vertices = 0;
+    for (const std::uint32_t factor : {1u, 2u, 3u}) {
+      ExtractOptions o = at(0);
+      o.interpolation = interpolation;
+      o.supersample = factor;
+      o.refine = {{{Quantity::max_distance, 0.5}}};
+      o.measure_samples = 5000;
+      RunControl one;
+      one.threads = 1;
+      const Extraction e = extract(volume, o), again = extract(volume, o, one);
+      expect_honest(e, "factor " + std::to_string(factor));
+      EXPECT_EQ(text(e.finest().topology.kinds), text({{1, 0, 1}}));
+      EXPECT_TRUE(same_bytes(e.mesh(), again.mesh())) << "the number of threads";
+      EXPECT_TRUE(e.finest().all_met());
+      EXPECT_LT(e.finest().measured->maximum(), 0.55);
+      EXPECT_EQ(e.finest().measured->voxel, 1);
+      if (factor == 1) c_vertices = e.report.c_vertices;
+      EXPECT_NEAR(static_cast<double>(e.report.c_vertices) / static_cast<double>(c_vertices), factor * factor, 0.5 * factor);
+    }
+  }
+}
+
 TEST(Extract, GyroidCutByTheBoundary) {
   for (const double period : {7.3, 11.0, 20.0}) {
     const Samples s = sampled({26, 24, 25}, gyroid(period, 0.15));

@@ -56,6 +56,11 @@ TEST(Refuses, NonFiniteIsovalueAndBadLengths) {
     o.isovalue = bad;
     expect_error(ErrorCode::bad_argument, {"isovalue"}, ball(), o);
     o = {};
+    o.supersample = 0;
+    expect_error(ErrorCode::bad_argument, {"supersampling"}, ball(), o);
+    o.supersample = 1u << 31;
+    expect_error(ErrorCode::bad_argument, {"12 x 12 x 12", "too many"}, ball(), o);
+    o = {};
     o.max_radius = bad;
     expect_error(ErrorCode::bad_argument, {"radius"}, ball(), o);
     o = {};
@@ -292,7 +297,9 @@ TEST(Extremes, RadiusAndPersistenceOfAnyLength) {
     ExtractOptions radius, persistence;
     radius.max_radius = length;
     persistence.event_persistence = length;
-    for (const ExtractOptions& options : {radius, persistence}) {
+    ExtractOptions halving = radius;
+    halving.covering = CoveringStrategy::halving;
+    for (const ExtractOptions& options : {radius, persistence, halving}) {
       const Extraction e = extract(volume, options);
       EXPECT_EQ(e.finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 1}})) << length;
     }
@@ -349,6 +356,8 @@ TEST(Extremes, EveryRadiusAndPersistenceIsCertified) {
       o.max_radius = radius;
       o.event_persistence = persistence;
       EXPECT_EQ(extract(to_volume(s), o).finest().topology.kinds, kinds) << radius << " " << persistence;
+      o.covering = CoveringStrategy::halving;
+      EXPECT_EQ(extract(to_volume(s), o).finest().topology.kinds, kinds) << radius << " " << persistence << ", halving";
     }
   }
   ExtractOptions plain;

@@ -36,6 +36,33 @@ std::vector<std::array<CellId, 3>> set_of(const std::vector<DualTriangle>& trian
   return out;
 }
 
+// The points between c-vertices are nodes: on an edge of the grid that was parsed, all but those of faces that were split.
+TEST(BetweenPoints, AreOnEdgesOfTheGrid) {
+  const Volume volume = exact_volume({14, 15, 16}, sphere({6.4, 16.6, 7.55}, 9));
+  for (const std::uint32_t factor : {1u, 3u}) {
+    for (const Interpolation interpolation : {Interpolation::trilinear, Interpolation::tricubic}) {
+      ParseOptions options;
+      options.supersample = factor;
+      options.interpolation = interpolation;
+      const SurfaceComplex surface = parse_surface(volume, options);
+      const Isosurface isosurface(volume, options.rule, surface, interpolation, factor);
+      const InterpolatedField field(volume, options.rule, interpolation);
+      const BetweenPoints between(surface, isosurface);
+      std::size_t seen = 0;
+      for (CVertexId v = 0; v < surface.c_vertex_count(); ++v) {
+        between.for_each_at(v, [&](Vec3 p, const Face&) {
+          int whole = 0;
+          for (const double x : {p.x, p.y, p.z}) whole += std::abs(factor * x - std::round(factor * x)) < 1e-9 ? 1 : 0;
+          ASSERT_GE(whole, 2);
+          ASSERT_LT(std::abs(field.at(p).value), 1e-6);
+          ++seen;
+        });
+      }
+      EXPECT_EQ(seen, surface.faces.size());
+    }
+  }
+}
+
 void expect_same(const MeasuredCovering& a, const MeasuredCovering& b) {
   ASSERT_EQ(a.partition().site, b.partition().site);
   ASSERT_EQ(a.partition().cell_of, b.partition().cell_of);

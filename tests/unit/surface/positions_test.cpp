@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "core/vector_math.h"
+#include "support/exact_volume.h"
 #include "support/reference_topology.h"
 #include "support/surfaces.h"
 #include "surface/parse_surface.h"
@@ -168,6 +169,54 @@ TEST(Positions, NoTwoCVerticesCoincide) {
       }
     }
   }
+}
+
+SurfaceComplex parsed(const Samples& samples, Interpolation interpolation) {
+  ParseOptions options;
+  options.interpolation = interpolation;
+  return parse_surface(to_volume(samples), options);
+}
+
+// Same faces; every c-vertex in the same cell or on the same border, none where another is.
+TEST(Positions, TricubicInterpolationMovesPointsWithinTheirCells) {
+  for (std::uint64_t seed = 0; seed < 120; ++seed) {
+    const auto family = static_cast<Family>(seed % kFamilies);
+    const Samples s = random_samples(family, {2 + seed % 7, 6, 5}, seed);
+    if (!has_surface(s, 0)) continue;
+    const SurfaceComplex linear = parsed(s, Interpolation::trilinear), cubic = parsed(s, Interpolation::tricubic);
+    ASSERT_EQ(validate(cubic), "");
+    ASSERT_EQ(linear.faces.size(), cubic.faces.size());
+    for (std::size_t i = 0; i < linear.faces.size(); ++i) ASSERT_EQ(linear.faces[i].corner, cubic.faces[i].corner);
+    for (CVertexId v = 0; v < linear.c_vertex_count(); ++v) {
+      const Vec3 p = linear.positions[v], q = cubic.positions[v];
+      ASSERT_EQ(linear.on_boundary[v], cubic.on_boundary[v]);
+      ASSERT_TRUE(inside_volume(q, s.size));
+      const auto same_cell = [](double a, double b) { return std::floor(a) == std::floor(b) && std::ceil(a) == std::ceil(b); };
+      ASSERT_TRUE(same_cell(p.x, q.x) && same_cell(p.y, q.y) && same_cell(p.z, q.z)) << name(family) << " seed " << seed;
+    }
+    EXPECT_EQ(coinciding(cubic), 0u) << name(family) << " seed " << seed;
+  }
+}
+
+// On a distance field what is between samples is all that keeps c-vertices off the true sphere.
+TEST(Positions, TricubicInterpolationIsNearerTheTrueSphere) {
+  const Vec3 centre{13.3, 13.6, 13.45};
+  const Volume volume = exact_volume({27, 28, 29}, sphere(centre, 10));
+  Offsets off[2];
+  for (const Interpolation interpolation : {Interpolation::trilinear, Interpolation::tricubic}) {
+    ParseOptions options;
+    options.interpolation = interpolation;
+    const SurfaceComplex surface = parse_surface(volume, options);
+    Offsets& out = off[static_cast<int>(interpolation)];
+    for (const Vec3& p : surface.positions) {
+      const double d = std::abs(length(p - centre) - 10);
+      out.worst = std::max(out.worst, d);
+      out.mean += d / surface.c_vertex_count();
+    }
+  }
+  EXPECT_LT(off[1].worst, off[0].worst / 2);  // some are held back by the walls of their cells
+  EXPECT_LT(off[1].mean, off[0].mean / 20);
+  EXPECT_GT(off[0].mean, 0.005);  // 1 / (8 R) and less
 }
 
 TEST(Positions, FacesLookOutwards) {
