@@ -1,17 +1,20 @@
 #!/usr/bin/env bash
-# Installs what the build, the tests and the benchmarks need on Debian 12, and nothing where it is all there already.
-#   scripts/install_dependencies.sh [build|test|bench]     (default: build; test includes build, bench includes both)
+# Installs what the build, the tests, the benchmarks and the fuzzers need on Debian 12, and nothing where it is all there already.
+#   scripts/install_dependencies.sh [build|test|bench|fuzz]     (default: build; test includes build, bench includes both; fuzz: the
+#                                                               core library only, and clang)
 set -euo pipefail
 
 build=(g++ cmake ninja-build libtbb-dev libboost-dev libcgal-dev libinsighttoolkit5-dev libvtk9-dev libtiff-dev zlib1g-dev libcli11-dev nlohmann-json3-dev libtinygltf-dev)
 test=("${build[@]}" libgtest-dev librapidcheck-dev python3 libgmp-dev)
 bench=("${test[@]}" libbenchmark-dev python3-numpy python3-vtk9)
+fuzz=(clang libclang-rt-dev cmake ninja-build libtbb-dev libboost-dev libcgal-dev)
 
 case "${1:-build}" in
   build) wanted=("${build[@]}") ;;
   test) wanted=("${test[@]}") ;;
   bench) wanted=("${bench[@]}") ;;
-  *) echo "usage: $0 [build|test|bench]" >&2; exit 2 ;;
+  fuzz) wanted=("${fuzz[@]}") ;;
+  *) echo "usage: $0 [build|test|bench|fuzz]" >&2; exit 2 ;;
 esac
 
 missing=()

@@ -177,10 +177,11 @@ struct Extraction {
 /// Meshes the isosurface of a volume in nested levels: coarse, then refined; each with the topology of the reference surface, checked.
 /// Constraints that cannot be met together are no error: see LevelReport::constraints.
 ///
-/// @throws Error(bad_argument)  size < 2 along an axis, spacing not positive or different by more than 1e6 between axes, origin or
-///                              direction not finite, direction singular, isovalue not finite, max_radius <= 0, event_persistence < 0,
-///                              supersample 0 or so large that there are too many samples, min_component_size < 0 or not finite, a bound
-///                              that its quantity cannot have
+/// @throws Error(bad_argument)  size < 2 along an axis, spacing not positive or different by more than 1e6 between axes, origin,
+///                              direction or a corner of the volume not finite, fewer than 2^16 doubles to a voxel there, direction
+///                              singular, isovalue not finite, max_radius <= 0, event_persistence < 0, supersample 0 or so large that
+///                              there are too many samples, min_component_size < 0 or not finite, a bound that its quantity cannot
+///                              have
 /// @throws Error(unsupported)   NaN or infinity while non_finite is `refuse` (message: count and first index); a direction that is
 ///                              not orthonormal, unless `refine` and `coarse` are empty and nothing is to be measured
 /// @throws Error(empty_surface) no sample, or every sample, is inside (message: the range); every component was to be dropped

@@ -2,6 +2,7 @@
 #include "volume/check_volume.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -15,6 +16,9 @@ namespace isoatlas {
 namespace {
 
 constexpr double kLargestAnisotropy = 1e6;
+
+// A voxel must have at least so many coordinates across it, or what the mesh tells apart falls together in the world.
+constexpr double kFewestSteps = 65536;
 
 // Headers hold rounded cosines; up to this lengths are right to a thousandth.
 constexpr double kLargestShear = 1e-3;
@@ -30,6 +34,28 @@ std::string number(double x) {
 }
 
 bool is_finite(Vec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
+
+// How far apart numbers as large as x are.
+double step_at(double x) { return x - std::nextafter(x, 0.0); }
+
+void check_reach(const Grid& grid) {
+  Vec3 reach;
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    const auto at = [&](unsigned a) { return corner >> a & 1 ? static_cast<double>(grid.size[a] - 1) : 0.0; };
+    const Vec3 p = grid.to_world({at(0), at(1), at(2)});
+    require(is_finite(p), "with this spacing and origin the volume reaches beyond the range of numbers");
+    reach = {std::max(reach.x, std::fabs(p.x)), std::max(reach.y, std::fabs(p.y)), std::max(reach.z, std::fabs(p.z))};
+  }
+  const Vec3 step{step_at(reach.x), step_at(reach.y), step_at(reach.z)};
+  const std::array spacing{grid.spacing.x, grid.spacing.y, grid.spacing.z};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const Vec3& d = grid.direction[a];
+    const double along = std::fabs(d.x) * step.x + std::fabs(d.y) * step.y + std::fabs(d.z) * step.z;
+    require(along <= spacing[a] / kFewestSteps, std::string("spacing ") + number(spacing[a]) + " along " + "xyz"[a] +
+                                                    " is too small for coordinates this large: numbers there are " + number(along) +
+                                                    " apart");
+  }
+}
 
 }  // namespace
 
@@ -50,6 +76,7 @@ void check_volume(const VolumeView& volume, double isovalue) {
   require(is_finite(grid.origin) && is_finite(axes[0]) && is_finite(axes[1]) && is_finite(axes[2]),
           "origin and direction must be finite numbers");
   require(std::fabs(dot(axes[0], cross(axes[1], axes[2]))) > 1e-6, "the direction's axes lie in a plane");
+  check_reach(grid);
   require(volume.samples != nullptr, "the volume has no samples");
   visit_sample_type(volume.type, [](auto*) {});  // throws if it is none
   require(std::isfinite(isovalue), "the isovalue is not a finite number");

@@ -45,6 +45,15 @@ std::string wrong_with_level(const Extraction& e, const ExtractOptions& options,
     if (r.met != r.reason.empty()) return "constraint on " + std::string(name(r.wanted.quantity)) + ": met or not? " + r.reason;
     if (std::isnan(r.reached)) return "constraint on " + std::string(name(r.wanted.quantity)) + " reached no number";
   }
+  if (report.metrics) {
+    for (const MetricSummary& m : *report.metrics) {
+      if (std::isnan(m.maximum) || std::isnan(m.mean)) return "a metric is no number";
+    }
+  }
+  for (const double q : {report.quality.aspect_min, report.quality.aspect_median, report.quality.angle_min, report.quality.angle_max,
+                         report.quality.edge_min, report.quality.edge_max}) {
+    if (std::isnan(q)) return "the quality of its triangles is no number";
+  }
   if (report.self_intersections || (kEmbedded && !options.allow_self_intersections)) {
     const std::size_t pairs = self_intersections(mesh.positions, mesh.triangles).size();
     if (report.self_intersections && *report.self_intersections != pairs)

@@ -120,6 +120,18 @@ TEST(Refuses, GridsThatAreNone) {
   bad.grid.direction[1] = bad.grid.direction[0];
   expect_error(ErrorCode::bad_argument, {"direction"}, bad, {});
   bad = good;
+  bad.grid.spacing = {1e308, 1e308, 1e308};  // found by fuzzing: vertices at infinity
+  expect_error(ErrorCode::bad_argument, {"beyond the range"}, bad, {});
+  bad = good;
+  bad.grid.origin.z = 1e300;  // found by fuzzing: all vertices at one place
+  expect_error(ErrorCode::bad_argument, {"along z", "too small"}, bad, {});
+  bad = good;
+  bad.grid.spacing = {5e-324, 5e-324, 5e-324};
+  expect_error(ErrorCode::bad_argument, {"along x", "too small"}, bad, {});
+  bad.grid.spacing = {1e-6, 1, 1};
+  bad.grid.origin = {0, 0, 1e9};
+  EXPECT_NO_THROW(extract(bad, {})) << "only numbers along z are far apart";
+  bad = good;
   bad.samples = nullptr;
   expect_error(ErrorCode::bad_argument, {"no samples"}, bad, {});
   bad = good;
