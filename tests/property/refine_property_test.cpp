@@ -19,7 +19,7 @@ namespace {
 
 using namespace test;
 
-[[maybe_unused]] const bool kCases = run_cases(60);
+[[maybe_unused]] const bool kCases = run_cases(25);
 
 bool same_bytes(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(Vec3)) == 0);
