@@ -174,12 +174,13 @@ bool CoarseMesher::part(LevelReport& report, const RunControl& control) {
   const std::vector<CellId> single = covering.shrink(corners);
   covering.cover(control);  // also where components that were turned left radii too small to cover
   bool any = covering.site_count() > before;
-  if (!single.empty()) any = part_single_cells(single, control) || any;
+  if (!single.empty()) any = part_single_cells(single, any, control) || any;
   report.parting_sites += stand_->covering.site_count() - before;
   return any;
 }
 
-bool CoarseMesher::part_single_cells(std::span<const CellId> cells, const RunControl& control) {
+// @param progress  whether other cells were made smaller
+bool CoarseMesher::part_single_cells(std::span<const CellId> cells, bool progress, const RunControl& control) {
   const std::vector<CVertexId>& site = stand_->covering.partition().site;
   const std::vector<CVertexId> on_surface = sites();
   const std::vector<Fineness> fineness = surface_.fineness();
@@ -202,6 +203,7 @@ bool CoarseMesher::part_single_cells(std::span<const CellId> cells, const RunCon
     }
   }
   if (to_cut.empty() && to_divide.empty()) {
+    if (progress) return true;
     stays_.resize(site.size(), 0);
     bool any = false;
     for (const CellId c : as_fine_as_can_be) any |= std::exchange(stays_[c], std::uint8_t{1}) == 0;

@@ -43,7 +43,7 @@ class CoarseMesher {
   bool is_coarser() const { return !coarser_.representative.empty(); }
   void relax_vertices();
   bool part(LevelReport& report, const RunControl& control);
-  bool part_single_cells(std::span<const CellId> cells, const RunControl& control);
+  bool part_single_cells(std::span<const CellId> cells, bool progress, const RunControl& control);
 
   AdaptiveSurface& surface_;
   Coarsened& coarser_;
