@@ -14,7 +14,7 @@ namespace {
 
 using namespace test;
 
-[[maybe_unused]] const bool kCases = run_cases(250);
+[[maybe_unused]] const bool kCases = run_cases(100);
 
 RC_GTEST_PROP(AnyCovering, CoversAndCertifies, (const RandomCase& c)) {
   const Samples samples = c.samples();
