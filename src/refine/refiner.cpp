@@ -326,6 +326,15 @@ void Refiner::work_apart(const Task& task, MeetingTriangles& meeting, RefinedLev
   }
 }
 
+// Which a covering that is made anew does not know.
+void Refiner::remember_placed_in() {
+  const Covering& covering = work_->covering();
+  placed_in_.resize(covering.site_count(), kNone);
+  for (CellId c = 0; c < covering.site_count(); ++c) {
+    if (placed_in_[c] == kNone) placed_in_[c] = covering.placed_in()[c];
+  }
+}
+
 // More c-vertices, on which the same work goes on. Vertices stay where they are: there are their c-vertices from now on.
 void Refiner::divide_surface(std::span<const CVertexId> wanted, const RunControl& control) {
   const Vec3 s = surface_.complex().spacing;
@@ -338,10 +347,7 @@ void Refiner::divide_surface(std::span<const CVertexId> wanted, const RunControl
   surface_.divide(wanted);
   auto ground = std::make_unique<Ground>(surface_.complex(), &isosurface_, &surface_);
   const Covering& covering = work_->covering();
-  placed_in_.resize(covering.site_count(), kNone);
-  for (CellId c = 0; c < covering.site_count(); ++c) {
-    if (placed_in_[c] == kNone) placed_in_[c] = covering.placed_in()[c];
-  }
+  remember_placed_in();
   auto work = std::make_unique<MeasuredCovering>(*ground, *work_, options_, radii_of(covering, {}), control);
   work_ = std::move(work);
   ground_ = std::move(ground);
@@ -474,25 +480,29 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
   }
   std::unique_ptr<const MeasuredCovering> start;
   if (limited) start = std::make_unique<const MeasuredCovering>(*work_);
-  const CVertexId start_size = surface_.complex().c_vertex_count();
+  remember_placed_in();
+  const std::vector<CellId> start_placed_in = placed_in_;
+  const Ground* const start_ground = ground_.get();
   Task task = whole_task(goal, placement, out, control);
   MeetingTriangles meeting;
   for (;;) {
     work_towards(task, meeting, out, control);
     if (!too_many(partition().cell_count())) break;
-    // Topology, and that triangles do not meet, needed more vertices than were left: the constraints get fewer.
-    const std::uint32_t sites = partition().cell_count(), over = sites - static_cast<std::uint32_t>(goal.front().bound);
-    work_ = surface_.complex().c_vertex_count() == start_size
-                ? std::make_unique<MeasuredCovering>(*start)
-                : std::make_unique<MeasuredCovering>(*ground_, *start, options_, radii_of(start->covering(), {}), control);
-    if (task.most_sites <= over || task.most_sites - over <= sites_before_) {
+    // Topology, and that triangles do not meet, needed more vertices than were left. Back, and less of what was asked for; but not where the
+    // surface was divided since.
+    if (ground_.get() != start_ground) break;
+    const std::uint32_t over = partition().cell_count() - static_cast<std::uint32_t>(goal.front().bound);
+    work_ = std::make_unique<MeasuredCovering>(*start);
+    placed_in_ = start_placed_in;
+    const std::uint32_t room = task.most_sites > sites_before_ ? task.most_sites - sites_before_ : 0;
+    if (room <= 2 * over) {
       if (!first) return the_one_before();
       Task nothing;
       nothing.placement = placement;
       work_towards(nothing, meeting, out, control);
       break;
     }
-    task.most_sites -= over;
+    task.most_sites = sites_before_ + std::min(room - over, room / 2);
   }
   work_->certify(out.certificate, control);
 

@@ -82,6 +82,7 @@ class Refiner {
   bool is_at_limit(CellId c) const;
   std::vector<std::pair<CellId, double>> cells_over(const Task& task, std::span<const MetricValues> values) const;
   void step_down(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control);
+  void remember_placed_in();
   void divide_surface(std::span<const CVertexId> wanted, const RunControl& control);
 
   CoveringOptions options_;
