@@ -37,33 +37,6 @@ Vec3 LevelMaker::to_space(Vec3 index) const {
   return one.positions[0];
 }
 
-// Of a vertex of the present level, in sample-index coordinates, without balancing.
-Vec3 LevelMaker::base_position(CellId c) const {
-  const Places& places = refiner_.places();
-  const Vec3 p = source_.surface.complex().positions[places.anchor[c]], spacing = source_.surface.complex().spacing;
-  if (places.shift.empty() || places.shift[c] == Vec3{}) return p;
-  const Vec3 d = places.shift[c];
-  return rounded(p + Vec3{d.x / spacing.x, d.y / spacing.y, d.z / spacing.z});  // as AdaptiveSurface::move() leaves it
-}
-
-// Of the present level, in sample-index coordinates.
-std::vector<Vec3> LevelMaker::vertex_positions() const {
-  const Places& places = refiner_.places();
-  const Vec3 spacing = source_.surface.complex().spacing;
-  std::vector<Vec3> out;
-  out.reserve(places.anchor.size());
-  for (CellId c = 0; c < places.anchor.size(); ++c) {
-    Vec3 p = base_position(c);
-    if (!places.offset.empty()) {
-      const Vec3 n = refiner_.surfels().normal[places.anchor[c]];
-      const auto d = static_cast<double>(places.offset[c]);
-      p = p + Vec3{d * n.x / spacing.x, d * n.y / spacing.y, d * n.z / spacing.z};
-    }
-    out.push_back(p);
-  }
-  return out;
-}
-
 // From voxels to world lengths.
 void LevelMaker::tell(const LevelGoal& goal, const LevelFigures& figures, LevelReport& report) const {
   const double voxel = source_.grid.smallest_spacing();
@@ -131,7 +104,7 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
   const SurfaceComplex& surface = source_.surface.complex();
   const Partition& partition = refiner_.partition();
   TriangleMesh mesh;
-  mesh.positions = vertex_positions();
+  mesh.positions = vertex_positions(surface, refiner_.surfels(), refiner_.places());
   mesh.triangles = refined.triangles;
   for (const auto& [cell, excess] : refined.at_limit) report.at_limit.push_back({to_space(mesh.positions[cell]), excess});
   const MeshTopology topology = mesh_topology(mesh);
@@ -145,7 +118,8 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
   // Vertices that are new; the others are there already.
   const std::uint32_t vertices = partition.cell_count();
   TriangleMesh on_surface;
-  for (auto v = static_cast<CellId>(hierarchy.positions.size()); v < vertices; ++v) on_surface.positions.push_back(base_position(v));
+  for (auto v = static_cast<CellId>(hierarchy.positions.size()); v < vertices; ++v) 
+    on_surface.positions.push_back(base_position(surface, refiner_.places(), v));
   bring_out(on_surface, source_.grid, options_);
   hierarchy.positions.insert(hierarchy.positions.end(), on_surface.positions.begin(), on_surface.positions.end());
   const std::vector<std::uint32_t> parents = refiner_.parents();

@@ -30,8 +30,6 @@ class LevelMaker {
 
  private:
   Vec3 to_space(Vec3 index) const;
-  Vec3 base_position(CellId c) const;
-  std::vector<Vec3> vertex_positions() const;
   void tell(const LevelGoal& goal, const LevelFigures& figures, LevelReport& report) const;
   void measure_distance(const TriangleMesh& mesh, LevelReport& report) const;
 

@@ -2,6 +2,7 @@
 #include "refine/level_mesh.h"
 
 #include "core/vector_math.h"
+#include "subdivide/subdivide.h"
 
 namespace isoatlas {
 namespace {
@@ -12,6 +13,29 @@ void set_corners(MeshTriangle& t, const std::vector<Vec3>& point) {
 }
 
 }  // namespace
+
+Vec3 base_position(const SurfaceComplex& complex, const Places& places, CellId c) {
+  const Vec3 p = complex.positions[places.anchor[c]], s = complex.spacing;
+  if (places.shift.empty() || places.shift[c] == Vec3{}) return p;
+  const Vec3 d = places.shift[c];
+  return rounded(p + Vec3{d.x / s.x, d.y / s.y, d.z / s.z});  // as AdaptiveSurface::move() leaves it
+}
+
+std::vector<Vec3> vertex_positions(const SurfaceComplex& complex, const Surfels& surfels, const Places& places) {
+  const Vec3 s = complex.spacing;
+  std::vector<Vec3> out;
+  out.reserve(places.anchor.size());
+  for (CellId c = 0; c < places.anchor.size(); ++c) {
+    Vec3 p = base_position(complex, places, c);
+    if (!places.offset.empty()) {
+      const Vec3 n = surfels.normal[places.anchor[c]];
+      const auto d = static_cast<double>(places.offset[c]);
+      p = p + Vec3{d * n.x / s.x, d * n.y / s.y, d * n.z / s.z};
+    }
+    out.push_back(p);
+  }
+  return out;
+}
 
 std::vector<Triangle> cells_of(std::span<const DualTriangle> dual) {
   std::vector<Triangle> out;

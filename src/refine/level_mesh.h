@@ -67,6 +67,10 @@ struct Places {
   }
 };
 
+/// The same in sample-index coordinates, to the last bit as it is written: what triangles meet is asked of these.
+Vec3 base_position(const SurfaceComplex& complex, const Places& places, CellId c);
+std::vector<Vec3> vertex_positions(const SurfaceComplex& complex, const Surfels& surfels, const Places& places);
+
 /// The corners of each.
 std::vector<Triangle> cells_of(std::span<const DualTriangle> dual);
 

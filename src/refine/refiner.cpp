@@ -319,7 +319,7 @@ void Refiner::work_apart(const Task& task, MeetingTriangles& meeting, RefinedLev
     bool any = false;
     for (;; any = true) {
       work_->update(out.certificate, control);
-      if (!part(meeting.update(work_->mesh().point, cells_of(work_->triangles()), control), control)) break;
+      if (!part(meeting.update(work_->positions(), cells_of(work_->triangles()), control), control)) break;
     }
     out.parting_sites += partition().cell_count() - sites;
     if (!any) return;

@@ -451,7 +451,7 @@ std::vector<CellId> take_back_meeting(MeasuredCovering& work, const ShapeGoal& g
                                       std::vector<DualTriangle>& triangles, const RunControl& control) {
   Workshop workshop(work, goal, triangles);
   for (;;) {
-    std::vector<CellId> corners = meeting.update(work.mesh().point, cells_of(triangles), control);
+    std::vector<CellId> corners = meeting.update(work.positions(), cells_of(triangles), control);
     if (corners.empty() || !workshop.take_back(corners)) return corners;
   }
 }
