@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cmath>
 #include <iterator>
+#include <numeric>
 #include <utility>
 
 #include "core/parallel.h"
@@ -17,6 +18,9 @@ namespace {
 
 constexpr std::size_t kCellsPerPiece = 64;
 constexpr double kMargin = 0.02;  // from a cell's walls, on which the whole border of a surfel's piece may be
+// Where else they are looked for, in a cell, and from how many places.
+constexpr std::array kLattice{0.02, 0.1, 0.25, 0.5, 0.75, 0.9, 0.98};
+constexpr int kAttempts = 12;
 // How far c-vertices are moved towards the middle of their surfel's border, one share after the other.
 constexpr std::array kShares{0.25, 0.5, 0.75, 1.0};
 
@@ -87,26 +91,95 @@ CrowdedCells::CrowdedCells(const SurfaceComplex& complex, const InterpolatedFiel
   for (std::size_t c = 1; c < first_piece_.size(); ++c) first_piece_[c] += first_piece_[c - 1];
 }
 
-bool CrowdedCells::surfels_meet(std::uint32_t cell, std::span<const Vec3> positions) const {
-  std::vector<std::uint32_t> places;
-  std::vector<Vec3> corners;
-  std::vector<Triangle> triangles;
-  for (std::uint32_t i = first_piece_[cell]; i < first_piece_[cell + 1]; ++i) {
-    Triangle& t = triangles.emplace_back();
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t at = pieces_[i][k];
-      const auto n = static_cast<std::uint32_t>(c_vertices_.size());
-      const auto known = std::find(places.begin(), places.end(), at);
-      t[k] = static_cast<std::uint32_t>(known - places.begin());
-      if (known != places.end()) continue;
-      places.push_back(at);
-      corners.push_back(at < n ? positions[c_vertices_[at]] : points_[at - n]);
+// The surfels of one crowded cell as triangles. Its c-vertices come first.
+class CrowdedCells::Surfels {
+ public:
+  Surfels(const CrowdedCells& in, std::uint32_t cell) {
+    const auto n = static_cast<std::uint32_t>(in.c_vertices_.size());
+    std::vector<std::uint32_t> places(in.first_[cell + 1] - in.first_[cell]);
+    std::iota(places.begin(), places.end(), in.first_[cell]);
+    corners.resize(places.size());
+    for (std::uint32_t i = in.first_piece_[cell]; i < in.first_piece_[cell + 1]; ++i) {
+      Triangle& t = triangles.emplace_back();
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t at = in.pieces_[i][k];
+        const auto known = std::find(places.begin(), places.end(), at);
+        t[k] = static_cast<std::uint32_t>(known - places.begin());
+        if (known != places.end()) continue;
+        places.push_back(at);
+        corners.push_back(in.points_[at - n]);
+      }
     }
   }
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    for (std::size_t j = i + 1; j < triangles.size(); ++j) {
-      if (meet_beyond_shared(corners, triangles[i], triangles[j])) return true;
+
+  /// How many pairs of triangles meet; where there are as many as `enough`, that.
+  std::size_t meeting_pairs(std::size_t enough) const {
+    std::size_t out = 0;
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+      for (std::size_t j = i + 1; j < triangles.size(); ++j) {
+        if (meet_beyond_shared(corners, triangles[i], triangles[j]) && ++out >= enough) return out;
+      }
     }
+    return out;
+  }
+  bool meet() const { return meeting_pairs(1) > 0; }
+
+  std::vector<Vec3> corners;
+  std::vector<Triangle> triangles;
+};
+
+bool CrowdedCells::surfels_meet(std::uint32_t cell, std::span<const Vec3> positions) const {
+  Surfels surfels(*this, cell);
+  const std::span<const CVertexId> own = c_vertices(cell);
+  for (std::size_t k = 0; k < own.size(); ++k) surfels.corners[k] = positions[own[k]];
+  return surfels.meet();
+}
+
+// One c-vertex after the other goes where on a lattice the fewest triangles meet, the nearest such place, until none do; where that ends
+// too early, once more from other places. @return whether it was found
+bool CrowdedCells::search_places(std::uint32_t cell, std::span<Vec3> places) const {
+  Surfels surfels(*this, cell);
+  const Cell low = cell_of(places[0]);
+  const std::vector<Vec3> start(places.begin(), places.end());
+  const auto lattice = [&](std::size_t i, std::size_t j, std::size_t k) {
+    return rounded({low[0] + kLattice[i], low[1] + kLattice[j], low[2] + kLattice[k]});
+  };
+  std::uint64_t state = 1;
+  const auto any = [&] {  // a place of the lattice, the same ones every time
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    const std::uint64_t r = state >> 33;
+    return lattice(r % kLattice.size(), r / kLattice.size() % kLattice.size(), r / kLattice.size() / kLattice.size() % kLattice.size());
+  };
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    for (std::size_t v = 0; v < places.size(); ++v) surfels.corners[v] = attempt == 0 ? start[v] : any();
+    std::size_t least = surfels.meeting_pairs(kNone);
+    for (bool better = true; better && least > 0;) {
+      better = false;
+      for (std::size_t v = 0; v < places.size() && least > 0; ++v) {
+        Vec3 best = surfels.corners[v];
+        double nearest = INFINITY;
+        std::size_t fewest = least;
+        for (std::size_t i = 0; i < kLattice.size(); ++i) {
+          for (std::size_t j = 0; j < kLattice.size(); ++j) {
+            for (std::size_t k = 0; k < kLattice.size(); ++k) {
+              surfels.corners[v] = lattice(i, j, k);
+              const double away = squared_length(surfels.corners[v] - start[v]);
+              const std::size_t pairs = surfels.meeting_pairs(fewest + 1);
+              if (pairs > fewest || (pairs == fewest && (pairs == least || away >= nearest))) continue;
+              fewest = pairs;
+              nearest = away;
+              best = surfels.corners[v];
+            }
+          }
+        }
+        surfels.corners[v] = best;
+        better = better || fewest < least;
+        least = fewest;
+      }
+    }
+    if (least > 0) continue;
+    std::copy(surfels.corners.begin(), surfels.corners.begin() + static_cast<std::ptrdiff_t>(places.size()), places.begin());
+    return true;
   }
   return false;
 }
@@ -148,6 +221,10 @@ std::size_t CrowdedCells::separate(SurfaceComplex& complex) {
           complex.positions[own[k]] = rounded(inside(cell_of(start[k]), start[k] + share * (middle[k] - start[k])));
         good = !surfels_meet(cell, complex.positions);
         if (good) break;
+      }
+      if (!good) {
+        good = search_places(cell, start);
+        for (std::size_t k = 0; k < own.size(); ++k) complex.positions[own[k]] = start[k];
       }
       left += !good;
     }

@@ -36,6 +36,8 @@ class CrowdedCells {
 
  private:
   std::span<const CVertexId> c_vertices(std::uint32_t cell) const { return {c_vertices_.data() + first_[cell], c_vertices_.data() + first_[cell + 1]}; }
+  class Surfels;
+  bool search_places(std::uint32_t cell, std::span<Vec3> places) const;
   bool surfels_meet(std::uint32_t cell, std::span<const Vec3> positions) const;
   std::vector<Vec3> middles(std::uint32_t cell) const;
 

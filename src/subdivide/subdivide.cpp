@@ -51,6 +51,42 @@ struct Side {
   bool same_as(const Side& o) const { return a == o.a && b == o.b; }
 };
 
+// The field on the wall that a point is on, from its four corners: bilinear, as parsing saw it.
+class BilinearWall {
+ public:
+  BilinearWall(const InterpolatedField& field, Vec3 point) : low_(as_array(point)) {
+    std::size_t k = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (!is_whole(low_[a]) && k < 2) along_[k++] = a;
+      low_[a] = std::floor(low_[a]);
+    }
+    for (k = 0; k < 4; ++k) {
+      Point corner = low_;
+      corner[along_[0]] += static_cast<double>(k & 1);
+      corner[along_[1]] += static_cast<double>(k >> 1);
+      f_[k] = field.at_sample(as_vector(corner));
+    }
+    f_ = tamed(f_);
+  }
+
+  double value(Vec3 point) const {
+    const Point p = as_array(point);
+    const double u = p[along_[0]] - low_[along_[0]], v = p[along_[1]] - low_[along_[1]];
+    return (1 - v) * ((1 - u) * f_[0] + u * f_[1]) + v * ((1 - u) * f_[2] + u * f_[3]);
+  }
+
+  // Signs alternate: the surface's two curves each cut off one corner, or two.
+  bool has_two_curves() const {
+    const auto inside = [&](std::size_t k) { return f_[k] >= 0; };
+    return inside(0) == inside(3) && inside(1) == inside(2) && inside(0) != inside(1);
+  }
+
+ private:
+  Point low_;
+  std::array<std::size_t, 2> along_{0, 1};
+  std::array<double, 4> f_;
+};
+
 bool crosses_wall(const SurfaceComplex& complex, CVertexId a, CVertexId b) {
   Box box;
   box.include(complex.positions[a]);
@@ -265,9 +301,10 @@ class Subdivider {
       if (is_whole(n[a]) && n[a] == m[a]) wall = a;
     }
     if (along[0] == 3 || along[1] == 3 || wall == 3 || along[0] == wall || along[1] == wall) return chord;
+    const BilinearWall wall_field(field_, chord);
     // Chords of two curves never meet; the curves are known to part only if the field on walls is the bilinear one that parsing saw.
     const bool cubic = field_.interpolation() == Interpolation::tricubic;
-    if ((cubic || field_.supersample() > 1) && has_two_curves(field_, chord)) return chord;
+    if ((cubic || field_.supersample() > 1) && wall_field.has_two_curves()) return chord;
     Point from = as_array(chord), to = from;
     if (along[0] == along[1]) {  // opposite edges: on the line half-way between them f is monotone
       from[along[0]] = std::floor(n[along[0]]);
@@ -283,7 +320,7 @@ class Subdivider {
       to = as_array(as_vector(corner) + longest * way);
     }
     const Vec3 p = as_vector(from), q = as_vector(to);
-    const double f0 = value(p), f1 = value(0.5 * (p + q)), f2 = value(q);
+    const double f0 = wall_field.value(p), f1 = wall_field.value(0.5 * (p + q)), f2 = wall_field.value(q);
     // Along a line the bilinear function is quadratic.
     const double c = f0, b = -3 * f0 + 4 * f1 - f2, a = 2 * f0 - 4 * f1 + 2 * f2;
     double best = INFINITY;
@@ -297,8 +334,8 @@ class Subdivider {
       if (h != 0) offer(c / h);
     }
     if (!std::isfinite(best)) return chord;
-    if (cubic && (f0 >= 0) != (f2 >= 0)) {
-      best = zero_between(f0 >= 0, best, [&](double t) {
+    if (cubic && (value(p) >= 0) != (value(q) >= 0)) {
+      best = zero_between(value(p) >= 0, best, [&](double t) {
         const InterpolatedField::Value f = field_.at(p + t * (q - p));
         return std::pair(f.value, dot(f.gradient, q - p));
       });
@@ -468,20 +505,7 @@ class Subdivider {
 
 }  // namespace
 
-bool has_two_curves(const InterpolatedField& field, Vec3 point) {
-  const Point p = as_array(point);
-  std::array<std::size_t, 2> along{};
-  for (std::size_t a = 0, k = 0; a < 3; ++a) {
-    if (!is_whole(p[a]) && k < 2) along[k++] = a;
-  }
-  const auto inside = [&](double u, double v) {
-    Point q = p;
-    q[along[0]] = std::floor(p[along[0]]) + u;
-    q[along[1]] = std::floor(p[along[1]]) + v;
-    return field.at_sample(as_vector(q)) >= 0;
-  };
-  return inside(0, 0) == inside(1, 1) && inside(1, 0) == inside(0, 1) && inside(0, 0) != inside(1, 0);
-}
+bool has_two_curves(const InterpolatedField& field, Vec3 point) { return BilinearWall(field, point).has_two_curves(); }
 
 std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGrid& in) {
   std::vector<Fineness> out(complex.c_vertex_count(), Fineness::pieces);
