@@ -129,7 +129,7 @@ void find_closest(const MeasuredSurface& surface, const LevelMesh& mesh, std::sp
       ring.move_to(cells[i]);
       std::size_t at = first[i];
       for (const CVertexId v : mesh.c_vertices_of.of(cells[i])) {
-        const auto [triangle, p] = ring.closest(surface.surfels.point[v]);
+        const auto [triangle, p] = ring.closest(surface.found[v]);
         out[at++] = {triangle,
                      {static_cast<float>(p.weight[0]), static_cast<float>(p.weight[1]), static_cast<float>(p.weight[2])},
                      static_cast<float>(std::sqrt(p.squared_distance))};
@@ -147,7 +147,7 @@ std::vector<Farthest> find_farthest(const MeasuredSurface& surface, const LevelM
       ring.move_to(cells[i]);
       const auto c_vertices = mesh.c_vertices_of.of(cells[i]);
       const auto look_at = [&](CVertexId v) {
-        const auto d = static_cast<float>(std::sqrt(ring.closest(surface.surfels.point[v], enough).second.squared_distance));
+        const auto d = static_cast<float>(std::sqrt(ring.closest(surface.found[v], enough).second.squared_distance));
         if (d > out[i].distance) out[i] = {d, v};
       };
       const std::size_t step = thoroughness == Thoroughness::exact ? 1 : std::max<std::size_t>(1, c_vertices.size() / kFewCVertices);

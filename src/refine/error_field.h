@@ -13,6 +13,7 @@ namespace isoatlas {
 /// Everything of the surface that measuring needs and that does not change.
 struct MeasuredSurface {
   const Surfels& surfels;
+  std::span<const Vec3> found;  ///< per c-vertex, the point that it was found at, whatever was moved since; spacing applied
   const CVertexGraph& graph;
   std::span<const float> reach;  ///< per c-vertex, distance to its farthest neighbour in G
   Vec3 spacing;

@@ -22,6 +22,7 @@ struct Ground {
   const SurfaceComplex& complex;
   const Isosurface* isosurface;
   Surfels surfels;
+  std::vector<Vec3> moved_from;  ///< per c-vertex, where it was found, if that may be elsewhere than its surfel; else empty
   CVertexGraph graph;
   std::vector<float> reach;  ///< per c-vertex, distance to its farthest neighbour in G
   std::optional<BetweenPoints> between;
@@ -29,7 +30,7 @@ struct Ground {
 
   /// Whether a vertex may leave its c-vertex, within the grid cell.
   bool may_roam(CVertexId v) const { return roaming != nullptr ? roaming->may_roam(v) : !graph.on_boundary[v]; }
-  MeasuredSurface measured() const { return {surfels, graph, reach, complex.spacing, isosurface}; }
+  MeasuredSurface measured() const { return {surfels, moved_from.empty() ? surfels.point : moved_from, graph, reach, complex.spacing, isosurface}; }
 };
 
 /// What one cell's metrics say.

@@ -40,6 +40,7 @@ AdaptiveSurface::AdaptiveSurface(SurfaceComplex complex, Components components, 
       parsed_(complex_.c_vertex_count()),
       depth_(parsed_, 0) {
   for (Vec3& p : complex_.positions) p = rounded(p);
+  found_ = complex_.positions;
   crowded_.separate(complex_);
   watch();
 }
@@ -180,6 +181,7 @@ void AdaptiveSurface::divide_once(std::span<const CVertexId> wanted, const std::
     components_.of_c_vertex.push_back(components_.of_c_vertex[from]);
     depth_.push_back(static_cast<std::uint8_t>(std::min(deepest, depth_[from] + 1)));
   }
+  found_.insert(found_.end(), complex_.positions.begin() + before, complex_.positions.end());
   divided_ += wanted.size();
   added_ += divided.origin.size();
   if (!divided.origin.empty()) deepest_ = std::max(deepest_, deepest);

@@ -23,6 +23,8 @@ class AdaptiveSurface {
   const SurfaceComplex& complex() const { return complex_; }
   const Components& components() const { return components_; }
   const InterpolatedField& field() const { return field_; }
+  /// Per c-vertex, the place of the surface where it was found, before it was moved; sample-index coordinates.
+  std::span<const Vec3> found() const { return found_; }
 
   std::vector<Fineness> fineness() const { return isoatlas::fineness(complex_, {field_, crowded_.flags()}); }  ///< per c-vertex; O(F)
 
@@ -56,6 +58,7 @@ class AdaptiveSurface {
   CrowdedCells crowded_;
   WatchedCells watched_;
   std::vector<WatchedCells::Cell> deep_cells_;  // with pieces of pieces
+  std::vector<Vec3> found_;
   CVertexId parsed_;                 // c-vertices before this one were parsed
   std::vector<std::uint8_t> depth_;  // per c-vertex, which division brought it
   std::vector<std::uint8_t> held_;       // per c-vertex
