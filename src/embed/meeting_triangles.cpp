@@ -13,27 +13,38 @@ Triangle with_smallest_first(Triangle t) {
 
 }  // namespace
 
+bool MeetingTriangles::stayed(std::span<const Vec3> positions, const Triangle& t) const {
+  return std::all_of(t.begin(), t.end(), [&](std::uint32_t v) { return v < positions_.size() && positions_[v] == positions[v]; });
+}
+
+std::vector<std::uint8_t> MeetingTriangles::fresh(std::span<const Vec3> positions, std::span<const Triangle> triangles) const {
+  std::vector<std::uint8_t> out(triangles.size(), 0);
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const Triangle t = with_smallest_first(triangles[i]);
+    out[i] = !stayed(positions, t) || !std::binary_search(triangles_.begin(), triangles_.end(), t);
+  }
+  return out;
+}
+
 std::vector<std::uint32_t> MeetingTriangles::update(std::span<const Vec3> positions, std::span<const Triangle> triangles,
                                                     const RunControl& control) {
-  const auto stayed = [&](const Triangle& t) {
-    return std::all_of(t.begin(), t.end(), [&](std::uint32_t v) { return v < positions_.size() && positions_[v] == positions[v]; });
-  };
+  const std::vector<std::uint8_t> is_fresh = fresh(positions, triangles);
   std::vector<Triangle> sorted(triangles.size());
   std::transform(triangles.begin(), triangles.end(), sorted.begin(), with_smallest_first);
-  std::vector<std::uint32_t> fresh;
+  std::vector<std::uint32_t> to_look_at;
   for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-    if (!stayed(sorted[i]) || !std::binary_search(triangles_.begin(), triangles_.end(), sorted[i])) fresh.push_back(i);
+    if (is_fresh[i]) to_look_at.push_back(i);
   }
-  const bool most = 2 * fresh.size() > triangles.size();
+  const bool most = 2 * to_look_at.size() > triangles.size();
   std::vector<std::pair<Triangle, Triangle>> pairs;
   SelfIntersectionOptions options;
-  if (!most) options.involving = fresh;
+  if (!most) options.involving = to_look_at;
   RunControl quiet = control;  // it is not the stage that tells its progress
   quiet.progress = nullptr;
   for (const auto& [a, b] : self_intersections(positions, triangles, options, quiet)) pairs.emplace_back(sorted[a], sorted[b]);
   std::sort(sorted.begin(), sorted.end());
   if (!most) {
-    const auto is_there = [&](const Triangle& t) { return stayed(t) && std::binary_search(sorted.begin(), sorted.end(), t); };
+    const auto is_there = [&](const Triangle& t) { return stayed(positions, t) && std::binary_search(sorted.begin(), sorted.end(), t); };
     for (const auto& [a, b] : pairs_) {
       if (is_there(a) && is_there(b)) pairs.emplace_back(a, b);
     }

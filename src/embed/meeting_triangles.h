@@ -16,9 +16,14 @@ class MeetingTriangles {
   ///         corner that moved
   std::vector<std::uint32_t> update(std::span<const Vec3> positions, std::span<const Triangle> triangles, const RunControl& control);
 
+  /// Per triangle, 1 if it is new since the last update() or has a corner that moved.
+  std::vector<std::uint8_t> fresh(std::span<const Vec3> positions, std::span<const Triangle> triangles) const;
+
   std::size_t pairs() const { return pairs_.size(); }  ///< of the last mesh
 
  private:
+  bool stayed(std::span<const Vec3> positions, const Triangle& t) const;
+
   std::vector<Vec3> positions_;
   std::vector<Triangle> triangles_;  // sorted, each with its smallest corner first
   std::vector<std::pair<Triangle, Triangle>> pairs_;

@@ -137,31 +137,43 @@ void CoarseMesher::relax_vertices() {
     roam.push_back(stays ? Roam{start.back(), start.back()} : roam_of(surface.positions[at[i]], s));
   }
   const InterpolatedField* const field = options_.vertices_on_surface ? &surface_.field() : nullptr;
-  std::vector<Vec3> positions;
-  for (int round = 1;; ++round) {
-    relax(points, mesh_.triangles, roam, field, s, {1.0 / 3, separation});
+  std::vector<Vec3> positions;  // per c-vertex, those that vertices are at moved
+  std::vector<CVertexId> movers;
+  const auto move_c_vertices = [&] {
     positions = surface.positions;
-    std::vector<CVertexId> movers;
-    for (std::uint32_t i = 0; i < at.size(); ++i) {
-      if (points[i] == start[i]) continue;
-      const Vec3 d = points[i] - start[i];
-      movers.push_back(at[i]);
-      positions[at[i]] = rounded(surface.positions[at[i]] + Vec3{d.x / s.x, d.y / s.y, d.z / s.z});
+    movers.clear();
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      if (!(points[i] == start[i])) {
+        const Vec3 d = points[i] - start[i];
+        movers.push_back(at[i]);
+        positions[at[i]] = rounded(surface.positions[at[i]] + Vec3{d.x / s.x, d.y / s.y, d.z / s.z});
+      }
+      mesh_.positions[i] = positions[at[i]];
     }
+  };
+  move_c_vertices();
+  std::vector<std::uint8_t> fresh = meeting_.fresh(mesh_.positions, mesh_.triangles);  // for the others this was done in the last round
+  for (int round = 1;; ++round) {
+    relax(points, mesh_.triangles, roam, field, s, {1.0 / 3, separation}, fresh);
+    move_c_vertices();
     std::vector<CVertexId> back = surface_.stray(movers, positions);
+    if (back.empty()) break;
     std::sort(back.begin(), back.end());
-    for (std::size_t i = 0; i < at.size() && !back.empty(); ++i) {
+    std::vector<std::uint8_t> is_back(at.size(), 0);
+    for (std::size_t i = 0; i < at.size(); ++i) {
       if (!std::binary_search(back.begin(), back.end(), at[i])) continue;
+      is_back[i] = 1;
       points[i] = start[i];
       roam[i] = {start[i], start[i]};
-      positions[at[i]] = surface.positions[at[i]];
+      mesh_.positions[i] = surface.positions[at[i]];
     }
-    if (back.empty() || round == kRelaxRounds) break;
+    if (round == kRelaxRounds) break;
+    for (std::size_t t = 0; t < fresh.size(); ++t) {
+      const Triangle& c = mesh_.triangles[t];
+      fresh[t] = is_back[c[0]] | is_back[c[1]] | is_back[c[2]];
+    }
   }
-  for (std::size_t i = 0; i < at.size(); ++i) {
-    mesh_.positions[i] = positions[at[i]];
-    shift_[i] = points[i] - start[i];
-  }
+  for (std::size_t i = 0; i < at.size(); ++i) shift_[i] = points[i] - start[i];
 }
 
 // Divides cells whose triangles meet others where they should not. Where cells are single c-vertices, more of these are needed: first

@@ -38,12 +38,12 @@ Vec3 clamped(Vec3 p, const Roam& r) {
 class Relaxation {
  public:
   Relaxation(std::span<Vec3> points, std::span<const Triangle> triangles, std::span<const Roam> roam, const InterpolatedField* field,
-             Vec3 spacing, const RelaxGoal& goal)
-      : points_(points), triangles_(triangles), roam_(roam), field_(field), spacing_(spacing), goal_(goal) {}
+             Vec3 spacing, const RelaxGoal& goal, std::span<const std::uint8_t> fresh)
+      : fresh_(fresh), points_(points), triangles_(triangles), roam_(roam), field_(field), spacing_(spacing), goal_(goal) {}
 
   std::vector<std::uint32_t> run() {
     for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
-      if (needs_work(t)) active_.push_back(t);
+      if (is_fresh(t) && needs_work(t)) active_.push_back(t);
     }
     if (active_.empty()) return {};
     triangles_of_ = make_buckets(static_cast<std::uint32_t>(points_.size()), [&](auto add) {
@@ -60,7 +60,7 @@ class Relaxation {
       move_pushed();
     }
     turn_back_where_turned();
-    if (goal_.separation > 0) find_opposite();
+    if (goal_.separation > 0) opposite_.assign(triangles_.size(), {kUnknown, kUnknown, kUnknown});
     search();
     turn_back_flattened();
     std::vector<std::uint32_t> moved;
@@ -79,6 +79,11 @@ class Relaxation {
     const std::array<double, 3> e = edges(t);
     const auto [low, high] = std::minmax_element(e.begin(), e.end());
     return *low < goal_.aspect * *high || *low < goal_.separation;
+  }
+
+  bool is_fresh(std::uint32_t t) const { return fresh_.empty() || fresh_[t] != 0; }
+  bool has_moved(std::uint32_t t) const {
+    return std::any_of(triangles_[t].begin(), triangles_[t].end(), [&](std::uint32_t v) { return !(points_[v] == start_[v]); });
   }
 
   void push(std::uint32_t v, Vec3 by) {
@@ -160,7 +165,7 @@ class Relaxation {
       any = false;
       for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
         const Triangle& c = triangles_[t];
-        if (points_[c[0]] == start_[c[0]] && points_[c[1]] == start_[c[1]] && points_[c[2]] == start_[c[2]]) continue;
+        if (!has_moved(t)) continue;
         if (dot(area(t, start_), area(t, points_)) >= 0) continue;
         for (const std::uint32_t v : c) points_[v] = start_[v];
         any = true;
@@ -168,26 +173,19 @@ class Relaxation {
     }
   }
 
-  // Per triangle and corner, the vertex on the other side of the edge opposite to it: what a flip would join.
-  void find_opposite() {
-    struct Side {
-      std::uint32_t a, b, triangle, corner;
-    };
-    std::vector<Side> sides;
-    for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
-      for (std::uint32_t k = 0; k < 3; ++k) {
-        const std::uint32_t a = triangles_[t][(k + 1) % 3], b = triangles_[t][(k + 2) % 3];
-        sides.push_back({std::min(a, b), std::max(a, b), t, k});
+  // The vertex on the other side of the edge opposite to a triangle's corner: what a flip would join. Found when it is asked for.
+  std::uint32_t opposite(std::uint32_t t, std::size_t k) const {
+    std::uint32_t& known = opposite_[t][k];
+    if (known != kUnknown) return known;
+    known = kNone;
+    const std::uint32_t a = triangles_[t][(k + 1) % 3], b = triangles_[t][(k + 2) % 3];
+    for (const std::uint32_t other : triangles_of_.of(a)) {
+      const Triangle& c = triangles_[other];
+      for (std::size_t m = 0; m < 3; ++m) {
+        if (other != t && c[m] == b && c[(m + 1) % 3] == a) known = c[(m + 2) % 3];
       }
     }
-    std::sort(sides.begin(), sides.end(), [](const Side& x, const Side& y) { return std::tie(x.a, x.b, x.triangle) < std::tie(y.a, y.b, y.triangle); });
-    opposite_.assign(triangles_.size(), {kNone, kNone, kNone});
-    for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
-      const Side &x = sides[i], &y = sides[i + 1];
-      if (x.a != y.a || x.b != y.b) continue;
-      opposite_[x.triangle][x.corner] = triangles_[y.triangle][y.corner];
-      opposite_[y.triangle][y.corner] = triangles_[x.triangle][x.corner];
-    }
+    return known;
   }
 
   // What pushing leaves: vertices of triangles that are still bad go wherever the worst of the triangles around them gets better,
@@ -197,7 +195,7 @@ class Relaxation {
       std::vector<std::uint32_t> vertices;
       const auto add_corners = [&](std::uint32_t t) { vertices.insert(vertices.end(), triangles_[t].begin(), triangles_[t].end()); };
       for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
-        if (goodness(t, kNone, {}) < 1) add_corners(t);
+        if ((is_fresh(t) || has_moved(t)) && goodness(t, kNone, {}) < 1) add_corners(t);
       }
       for (int pass = 0; pass < kSearchPasses && !vertices.empty(); ++pass) {
         std::sort(vertices.begin(), vertices.end());
@@ -225,7 +223,7 @@ class Relaxation {
     if (goal_.separation == 0) return std::min(1.0, aspect);
     double closest = *low;
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t o = opposite_[t][k];
+      const std::uint32_t o = opposite(t, k);
       if (o != kNone && o != c[k]) closest = std::min(closest, squared_length((o == v ? p : points_[o]) - q[k]));
     }
     return std::min({1.0, aspect, kSeparationWeight + (1 - kSeparationWeight) * std::sqrt(closest) / goal_.separation});
@@ -304,6 +302,7 @@ class Relaxation {
     }
   }
 
+  std::span<const std::uint8_t> fresh_;
   std::span<Vec3> points_;
   std::span<const Triangle> triangles_;
   std::span<const Roam> roam_;
@@ -311,7 +310,8 @@ class Relaxation {
   Vec3 spacing_;
   RelaxGoal goal_;
   Buckets triangles_of_;
-  std::vector<std::array<std::uint32_t, 3>> opposite_;
+  static constexpr std::uint32_t kUnknown = kNone - 1;
+  mutable std::vector<std::array<std::uint32_t, 3>> opposite_;
   std::vector<Vec3> start_;
   std::vector<std::uint32_t> active_, pushed_;  // triangles, vertices
   std::vector<Vec3> push_;                      // per vertex
@@ -329,8 +329,8 @@ Roam roam_of(Vec3 position, Vec3 spacing) {
 }
 
 std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles, std::span<const Roam> roam,
-                                 const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal) {
-  return Relaxation(points, triangles, roam, field, spacing, goal).run();
+                                 const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal, std::span<const std::uint8_t> fresh) {
+  return Relaxation(points, triangles, roam, field, spacing, goal, fresh).run();
 }
 
 }  // namespace isoatlas

@@ -30,9 +30,11 @@ struct RelaxGoal {
 ///
 /// @param points  spacing applied; lengths in voxels (smallest spacings)
 /// @param field   whose zero set is the surface; none: nothing draws vertices back
+/// @param fresh  per triangle, 1 if it was not there, or its corners were elsewhere, when this was done the last time; empty: all are
 /// @return the vertices that were moved, sorted
 /// @cost   O(triangles), then a few dozen looks at those concerned
 std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles, std::span<const Roam> roam,
-                                 const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal);
+                                 const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal,
+                                 std::span<const std::uint8_t> fresh = {});
 
 }  // namespace isoatlas
