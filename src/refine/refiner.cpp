@@ -539,16 +539,13 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
   mend();
   for (int k = 0; embedded_ && !take_back_meeting(*work_, *task.shape, meeting, triangles, control).empty(); ++k) {
     if (k == kMostChances) {  // the dual as it is does not meet itself
-      take_back_all(*work_, *task.shape, triangles);
+      take_back_all(*work_, *task.shape, triangles, control);
       break;
     }
     again();
     mend();
   }
-  if (embedded_ && out.shape.bad > 0) {  // what is near where something was taken back may move again
-    relax_shape(*work_, *task.shape, triangles, out.shape);
-    if (!take_back_meeting(*work_, *task.shape, meeting, triangles, control).empty()) take_back_all(*work_, *task.shape, triangles);
-  }
+  if (embedded_) improve_shape_carefully(*work_, *task.shape, meeting, triangles, out.shape, control);
   work_->freeze_anchors(partition().cell_count());
   out.triangles = cells_of(triangles);
 

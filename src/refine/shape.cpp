@@ -38,15 +38,24 @@ struct Change {
 
 class Workshop {
  public:
-  Workshop(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles)
-      : work_(work), goal_(goal), triangles_(triangles), places_(work.places()), rings_(work.places().offset.empty() ? 2 : 3) {
+  /// @param meeting  careful: no change is kept that makes triangles meet, and then also vertices and edges may change that were given up;
+  ///                 none: whether they do is not looked at
+  Workshop(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles, const RunControl& control,
+           MeetingTriangles* meeting = nullptr)
+      : work_(work),
+        goal_(goal),
+        triangles_(triangles),
+        control_(control),
+        meeting_(meeting),
+        places_(work.places()),
+        rings_(work.places().offset.empty() ? 2 : 3) {
     occupied_.assign(work.ground().graph.c_vertex_count(), 0);
     for (const CVertexId v : places_.anchor) occupied_[v] = 1;
   }
 
-  void run(Purpose purpose, std::span<const CellId> cells, ShapeReport& report, const RunControl& control) {
+  void run(Purpose purpose, std::span<const CellId> cells, ShapeReport& report) {
     for (int k = 0; k < kPasses; ++k) {
-      control.check_cancelled();
+      control_.check_cancelled();
       if (pass(purpose, cells, report) == 0) break;
     }
     report.bad = bad_triangles().size();
@@ -63,7 +72,7 @@ class Workshop {
     std::vector<Roam> roam(mesh.cell_count());
     for (CellId c = 0; c < mesh.cell_count(); ++c) {
       const CVertexId v = places_.anchor[c];
-      if (work_.is_frozen(c) || !places_.may_move(c) || is_held(c) || !ground.may_roam(v)) {
+      if (work_.is_frozen(c) || !may_move(c) || is_held(c) || !ground.may_roam(v)) {
         roam[c] = {points[c], points[c]};
         continue;
       }
@@ -83,20 +92,21 @@ class Workshop {
     keep_from_straying(moved, old_shift);
     std::vector<CellId> concerned = rings_around(moved, rings_);
     work_.remesh(triangles_, places_, concerned);
-    for (int look = 0; look < kLooksBack; ++look) {
-      std::vector<CellId> worse;
+    for (int look = 0; look < kLooksBack || meeting_ != nullptr; ++look) {
+      std::vector<CellId> worse = meeting_corners();
       for (const CellId c : concerned) {
         if (work_.errors()[c].excess > std::max(1.0, before[c].excess * (1 + kWorthIt))) worse.push_back(c);
       }
       if (worse.empty()) break;
-      // At last everything around goes back.
-      worse = rings_around(worse, look + 1 < kLooksBack ? 1 : rings_);
+      // At last everything around goes back, and then everything.
+      worse = look >= kLooksBack ? moved : rings_around(worse, look + 1 < kLooksBack ? 1 : rings_);
       for (const CellId c : worse) {
         places_.shift[c] = old_shift[c];
         held_[c] = 1;
       }
       concerned = rings_around(worse, rings_);
       work_.remesh(triangles_, places_, concerned);
+      if (look >= kLooksBack) break;
     }
     for (const CellId c : moved) report.shifts += !(places_.shift[c] == old_shift[c]);
     return true;
@@ -165,6 +175,14 @@ class Workshop {
     occupied_[places_.anchor[c]] = 0;
     occupied_[site] = 1;
     places_.anchor[c] = site;
+  }
+
+  bool may_move(CellId c) const { return meeting_ != nullptr || places_.may_move(c); }
+  bool may_flip(CellId c) const { return meeting_ != nullptr || places_.may_flip(c); }
+  // If careful: corners of triangles that meet now.
+  std::vector<CellId> meeting_corners() const {
+    if (meeting_ == nullptr) return {};
+    return meeting_->update(work_.positions(), cells_of(triangles_), control_);
   }
 
   bool is_held(CellId c) const { return c < held_.size() && held_[c] != 0; }
@@ -238,9 +256,22 @@ class Workshop {
     for (const Change& c : changes) apply(c);
     work_.remesh(triangles_, places_, cells);
 
-    bool any_back = false;
-    for (std::size_t k = 0; k < changes.size(); ++k) {
+    std::vector<std::uint8_t> is_kept(changes.size(), 1);
+    const auto take_back = [&](std::size_t k) {
       const Change& c = changes[k];
+      is_kept[k] = 0;
+      refused_.push_back(key(c));
+      if (c.is_flip()) {
+        triangles_[c.i] = old_triangles[c.i];
+        triangles_[c.j] = old_triangles[c.j];
+        return;
+      }
+      occupied_[places_.anchor[c.cell]] = 0;
+      places_.anchor[c.cell] = old_places.anchor[c.cell];
+      if (!places_.shift.empty()) places_.shift[c.cell] = old_places.shift[c.cell];
+      occupied_[places_.anchor[c.cell]] = 1;
+    };
+    for (std::size_t k = 0; k < changes.size(); ++k) {
       bool worse = false;
       double most_before = 0, most_after = 0;
       for (const CellId cell : concerned[k]) {
@@ -249,24 +280,23 @@ class Workshop {
         most_before = std::max(most_before, was);
         most_after = std::max(most_after, is);
       }
-      if (worse || (purpose == Purpose::errors && most_after > most_before * (1 - kWorthIt))) {
-        any_back = true;
-        if (c.is_flip()) {
-          triangles_[c.i] = old_triangles[c.i];
-          triangles_[c.j] = old_triangles[c.j];
-          refused_.push_back(key(c));
-        } else {
-          occupied_[places_.anchor[c.cell]] = 0;
-          places_.anchor[c.cell] = old_places.anchor[c.cell];
-          if (!places_.shift.empty()) places_.shift[c.cell] = old_places.shift[c.cell];
-          occupied_[places_.anchor[c.cell]] = 1;
-          refused_.push_back(key(c));
-        }
-        continue;
-      }
-      ++(c.is_flip() ? report.flips : report.moves);
+      if (worse || (purpose == Purpose::errors && most_after > most_before * (1 - kWorthIt))) take_back(k);
     }
-    if (any_back) work_.remesh(triangles_, places_, cells);
+    if (std::count(is_kept.begin(), is_kept.end(), 0) > 0) work_.remesh(triangles_, places_, cells);
+    for (std::vector<CellId> corners = meeting_corners(); !corners.empty(); corners = meeting_corners()) {
+      bool any = false;
+      for (std::size_t k = 0; k < changes.size(); ++k) {
+        const auto is_corner = [&](CellId c) { return std::binary_search(corners.begin(), corners.end(), c); };
+        if (is_kept[k] == 0 || std::none_of(concerned[k].begin(), concerned[k].end(), is_corner)) continue;
+        take_back(k);
+        any = true;
+      }
+      if (!any) break;
+      work_.remesh(triangles_, places_, cells);
+    }
+    for (std::size_t k = 0; k < changes.size(); ++k) {
+      if (is_kept[k]) ++(changes[k].is_flip() ? report.flips : report.moves);
+    }
     std::sort(refused_.begin(), refused_.end());
     return changes.size();
   }
@@ -340,7 +370,7 @@ class Workshop {
           }
         }
       }
-      if (j == kNone || !places_.may_flip(a) || !places_.may_flip(b) || !places_.may_flip(c) || !places_.may_flip(d)) continue;
+      if (j == kNone || !may_flip(a) || !may_flip(b) || !may_flip(c) || !may_flip(d)) continue;
       if (mesh.triangles_of.of(a).size() <= 3 || mesh.triangles_of.of(b).size() <= 3) continue;
       bool exists = false;
       for (const std::uint32_t other : mesh.triangles_of.of(c)) {
@@ -369,7 +399,7 @@ class Workshop {
     const LevelMesh& mesh = work_.mesh();
     const Ground& ground = work_.ground();
     const CVertexId from = places_.anchor[cell];
-    if (work_.is_frozen(cell) || !places_.may_move(cell) || ground.graph.on_boundary[from]) return;
+    if (work_.is_frozen(cell) || !may_move(cell) || ground.graph.on_boundary[from]) return;
     double was = std::numeric_limits<double>::infinity();
     for (const std::uint32_t t : mesh.triangles_of.of(cell)) was = std::min(was, score(mesh.triangles[t]));
     const auto consider = [&](CVertexId to) {
@@ -409,6 +439,8 @@ class Workshop {
   MeasuredCovering& work_;
   const ShapeGoal& goal_;
   std::vector<DualTriangle>& triangles_;
+  const RunControl& control_;
+  MeetingTriangles* meeting_;           // none: triangles may meet
   Places places_;                       // offsets are the work's own business
   std::vector<std::uint8_t> occupied_;  // per c-vertex, 1 if a vertex sits there
   std::vector<Key> refused_;
@@ -435,35 +467,36 @@ ShapeReport improve_shape(MeasuredCovering& work, const ShapeGoal& goal, std::ve
     if (work.errors()[c].excess > 1) over.push_back(c);
   }
   work.remesh(triangles, work.places(), over);
-  Workshop workshop(work, goal, triangles);
-  workshop.run(Purpose::shape, {}, report, control);
-  for (int round = 0; round < kRelaxRounds && report.bad > 0 && workshop.relax_bad(report); ++round)
-    workshop.run(Purpose::shape, {}, report, control);
+  Workshop workshop(work, goal, triangles, control);
+  workshop.run(Purpose::shape, {}, report);
+  for (int round = 0; round < kRelaxRounds && report.bad > 0 && workshop.relax_bad(report); ++round) workshop.run(Purpose::shape, {}, report);
   return report;
+}
+
+void improve_shape_carefully(MeasuredCovering& work, const ShapeGoal& goal, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles,
+                             ShapeReport& report, const RunControl& control) {
+  Workshop workshop(work, goal, triangles, control, &meeting);
+  for (int round = 0; round < kRelaxRounds && report.bad > 0 && workshop.relax_bad(report); ++round) workshop.run(Purpose::shape, {}, report);
 }
 
 void improve_errors(MeasuredCovering& work, const ShapeGoal& goal, std::span<const CellId> cells, std::vector<DualTriangle>& triangles,
                     ShapeReport& report, const RunControl& control) {
-  Workshop(work, goal, triangles).run(Purpose::errors, cells, report, control);
+  Workshop(work, goal, triangles, control).run(Purpose::errors, cells, report);
 }
 
 std::vector<CellId> take_back_meeting(MeasuredCovering& work, const ShapeGoal& goal, MeetingTriangles& meeting,
                                       std::vector<DualTriangle>& triangles, const RunControl& control) {
-  Workshop workshop(work, goal, triangles);
+  Workshop workshop(work, goal, triangles, control);
   for (;;) {
     std::vector<CellId> corners = meeting.update(work.positions(), cells_of(triangles), control);
     if (corners.empty() || !workshop.take_back(corners)) return corners;
   }
 }
 
-void relax_shape(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles, ShapeReport& report) {
-  Workshop(work, goal, triangles).relax_bad(report);
-}
-
-void take_back_all(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles) {
+void take_back_all(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles, const RunControl& control) {
   std::vector<CellId> all(work.mesh().cell_count());
   std::iota(all.begin(), all.end(), 0u);
-  Workshop(work, goal, triangles).take_back(std::move(all));
+  Workshop(work, goal, triangles, control).take_back(std::move(all));
 }
 
 }  // namespace isoatlas

@@ -40,7 +40,13 @@ void improve_errors(MeasuredCovering& work, const ShapeGoal& goal, std::span<con
 /// @return the corners of triangles that meet all the same, sorted
 std::vector<CellId> take_back_meeting(MeasuredCovering& work, const ShapeGoal& goal, MeetingTriangles& meeting,
                                       std::vector<DualTriangle>& triangles, const RunControl& control);
-void relax_shape(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles, ShapeReport& report);
-void take_back_all(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles);
+
+/// All changes.
+void take_back_all(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles, const RunControl& control);
+
+/// More of improve_shape(), also where something was taken back, a change at a time that makes no triangles meet. @pre none do
+/// @param meeting  may know an earlier mesh of these cells
+void improve_shape_carefully(MeasuredCovering& work, const ShapeGoal& goal, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles,
+                             ShapeReport& report, const RunControl& control);
 
 }  // namespace isoatlas
