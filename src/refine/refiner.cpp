@@ -344,7 +344,9 @@ void Refiner::divide_surface(std::span<const CVertexId> wanted, const RunControl
     const Vec3 d = places.shift[c];
     if (!(d == Vec3{})) surface_.move(v, surface_.complex().positions[v] + Vec3{d.x / s.x, d.y / s.y, d.z / s.z});
   }
-  surface_.divide(wanted);
+  std::vector<CVertexId> pinned;  // by vertices of earlier levels
+  for (CellId c = 0; c < sites_before_; ++c) pinned.push_back(places.anchor[c]);
+  surface_.divide(wanted, pinned);
   auto ground = std::make_unique<Ground>(surface_.complex(), &isosurface_, &surface_);
   const Covering& covering = work_->covering();
   remember_placed_in();

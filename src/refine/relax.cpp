@@ -14,7 +14,7 @@
 namespace isoatlas {
 namespace {
 
-constexpr double kMargin = 0.02;  // of a cell, kept free along its walls
+constexpr double kMargin = 0.03;  // of a cell, kept free along its walls
 constexpr double kBeyond = 1.12;  // aims a little higher than the goal, so as to arrive
 constexpr int kSteps = 80;
 constexpr double kPush = 0.6, kPull = 0.3;  // shares of what is missing, of the shortest and the longest edge

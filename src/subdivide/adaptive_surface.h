@@ -29,8 +29,9 @@ class AdaptiveSurface {
   std::vector<Fineness> fineness() const { return isoatlas::fineness(complex_, {field_, crowded_.flags()}); }  ///< per c-vertex; O(F)
 
   /// See subdivide(). What was derived from the complex has to be made anew. Where smaller pieces would meet each other in a cell, they are
-  /// left flat. O(F)
-  void divide(std::span<const CVertexId> wanted);
+  /// left flat. C-vertices there that hardly keep off the walls of their cells, for good triangles, are moved a little.
+  /// @param pinned  these are not. O(F)
+  void divide(std::span<const CVertexId> wanted, std::span<const CVertexId> pinned = {});
 
   /// Gives a c-vertex another place in its grid cell; for good, if vertices are there.
   void move(CVertexId v, Vec3 position) { complex_.positions[v] = rounded(position); }
@@ -49,6 +50,7 @@ class AdaptiveSurface {
  private:
   void watch();
   std::vector<CVertexId> with_crowded_cells(std::span<const CVertexId> wanted) const;
+  void keep_off_walls(std::span<const CVertexId> wanted, std::span<const CVertexId> pinned, const std::vector<Fineness>& was);
   void divide_once(std::span<const CVertexId> wanted, const std::vector<Fineness>& was);
   void flatten_where_pieces_meet(const Subdivision& divided, CVertexId first_new);
 

@@ -12,10 +12,10 @@
 namespace isoatlas {
 namespace {
 
-// C-vertices keep away from the walls of their cells, as in parsing; nodes farther from the ends of their edges, since other nodes may be
-// near by on other edges: both may become vertices.
-constexpr double kMargin = 1e-3;
-constexpr double kNodeMargin = 0.06;
+// Points keep away from the edges of their walls and from the walls of their cells, nodes farther from the ends of their edges, since
+// other nodes may be near by on other edges: all may become vertices. (Chords of two nodes keep kMargin where nodes keep kNodeMargin.)
+constexpr double kMargin = kWallMargin;
+constexpr double kNodeMargin = 2 * kMargin;
 constexpr int kNewtonSteps = 3;
 constexpr double kShortest = 0.02;  // a side within a cell, steps of the sample index
 constexpr double kTowardsCurve = 0.75;

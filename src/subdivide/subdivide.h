@@ -20,6 +20,9 @@ struct Subdivision {
   std::vector<std::array<CVertexId, 2>> between;
 };
 
+/// How near new c-vertices are, at most, to walls of their cell that they are not on; steps of the sample index.
+inline constexpr double kWallMargin = 0.03;
+
 /// Few enough binary digits for the middle of two such points, and the middles of these, to be exact.
 /// @param position  sample-index coordinates below 2^17, of the upsampled samples if there are any
 inline Vec3 rounded(Vec3 position) {
