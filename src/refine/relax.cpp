@@ -24,6 +24,7 @@ constexpr double kFarthestFound = 0.4;      // and while searching
 constexpr std::array kSearchSteps{0.2, 0.1, 0.05, 0.02};  // voxels
 constexpr int kSearchPasses = 12;
 constexpr double kWorthIt = 2e-3;
+constexpr double kSliver = 0.1;  // height over the longest edge
 constexpr double kSeparationWeight = 0.5;  // an edge as short as can be is half as bad as a triangle
 constexpr int kNewtonSteps = 5;
 constexpr double kOnSurface = 0.02;
@@ -159,6 +160,20 @@ class Relaxation {
     return cross(at[c[1]] - at[c[0]], at[c[2]] - at[c[0]]);
   }
 
+  // Which way a triangle faced at the start. Of a sliver that says nothing: there, all those around it.
+  Vec3 facing(std::uint32_t t) const {
+    const Triangle& c = triangles_[t];
+    const Vec3 own = area(t, start_);
+    const double longest = std::max({squared_length(start_[c[1]] - start_[c[0]]), squared_length(start_[c[2]] - start_[c[1]]),
+                                     squared_length(start_[c[0]] - start_[c[2]])});
+    if (length(own) >= kSliver * longest) return own;
+    Vec3 sum;
+    for (const std::uint32_t v : c) {
+      for (const std::uint32_t other : triangles_of_.of(v)) sum = sum + area(other, start_);
+    }
+    return sum;
+  }
+
   // Corners of triangles that now face the other way go back to where they were, until there are none.
   void turn_back_where_turned() {
     for (bool any = true; any;) {
@@ -166,7 +181,7 @@ class Relaxation {
       for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
         const Triangle& c = triangles_[t];
         if (!has_moved(t)) continue;
-        if (dot(area(t, start_), area(t, points_)) >= 0) continue;
+        if (dot(facing(t), area(t, points_)) >= 0) continue;
         for (const std::uint32_t v : c) points_[v] = start_[v];
         any = true;
       }
@@ -237,7 +252,7 @@ class Relaxation {
     for (const std::uint32_t t : triangles_of_.of(v)) {
       const Triangle& c = triangles_[t];
       const std::array<Vec3, 3> q{c[0] == v ? p : points_[c[0]], c[1] == v ? p : points_[c[1]], c[2] == v ? p : points_[c[2]]};
-      if (dot(area(t, start_), cross(q[1] - q[0], q[2] - q[0])) < 0) return true;
+      if (dot(facing(t), cross(q[1] - q[0], q[2] - q[0])) < 0) return true;
     }
     return false;
   }

@@ -19,6 +19,7 @@ constexpr int kPasses = 24;
 constexpr double kWorthIt = 1e-3;
 constexpr int kRelaxRounds = 3;
 constexpr int kLooksBack = 4;            // after relaxing, for cells that it took over their bounds
+constexpr double kSliver = 0.1;          // height over the longest edge
 constexpr double kLeastAgreement = 0.3;  // cosine between normals before and after a flip
 
 // What a change is for: a triangle's shape, or the errors of a cell that is over its bounds.
@@ -175,6 +176,24 @@ class Workshop {
     occupied_[places_.anchor[c]] = 0;
     occupied_[site] = 1;
     places_.anchor[c] = site;
+  }
+
+  // Which way a triangle faces, by its area. Of a sliver that says nothing: there, all those around it.
+  Vec3 facing(std::uint32_t i) const {
+    const auto area = [&](std::uint32_t t) {
+      const std::array<Vec3, 3>& q = work_.mesh().triangles[t].corner;
+      return cross(q[1] - q[0], q[2] - q[0]);
+    };
+    const MeshTriangle& t = work_.mesh().triangles[i];
+    const Vec3 own = area(i);
+    const double longest = std::max({squared_length(t.corner[1] - t.corner[0]), squared_length(t.corner[2] - t.corner[1]),
+                                     squared_length(t.corner[0] - t.corner[2])});
+    if (length(own) >= kSliver * longest) return own;
+    Vec3 sum;
+    for (const CellId c : t.cell) {
+      for (const std::uint32_t other : work_.mesh().triangles_of.of(c)) sum = sum + area(other);
+    }
+    return sum;
   }
 
   bool may_move(CellId c) const { return meeting_ != nullptr || places_.may_move(c); }
@@ -381,7 +400,7 @@ class Workshop {
       const double was = std::min(score(t), score(mesh.triangles[j]));
       const double now = std::min(goal_.score(pa, pd, pc), goal_.score(pd, pb, pc));
       if (now < enough(was, gain) || now <= best.score) continue;
-      const Vec3 n = normalized(t.normal + mesh.triangles[j].normal);
+      const Vec3 n = normalized(facing(i) + facing(j));
       if (dot(n, normalized(cross(pd - pa, pc - pa))) < kLeastAgreement || dot(n, normalized(cross(pb - pd, pc - pd))) < kLeastAgreement)
         continue;
       Change change;
@@ -411,7 +430,7 @@ class Workshop {
         for (std::size_t k = 0; k < 3; ++k) {
           if (mesh.triangles[t].cell[k] == cell) q[k] = p;
         }
-        if (dot(normalized(cross(q[1] - q[0], q[2] - q[0])), mesh.triangles[t].normal) < kLeastAgreement) return;
+        if (dot(normalized(cross(q[1] - q[0], q[2] - q[0])), normalized(facing(t))) < kLeastAgreement) return;
         now = std::min(now, goal_.score(q[0], q[1], q[2]));
       }
       if (now < enough(was, gain) || now <= best.score) return;

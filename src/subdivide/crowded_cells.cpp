@@ -17,9 +17,9 @@ namespace isoatlas {
 namespace {
 
 constexpr std::size_t kCellsPerPiece = 64;
-constexpr double kMargin = 0.02;  // from a cell's walls, on which the whole border of a surfel's piece may be
+constexpr double kMargin = kWallMargin;  // from a cell's walls, on which the whole border of a surfel's piece may be
 // Where else they are looked for, in a cell, and from how many places.
-constexpr std::array kLattice{0.02, 0.1, 0.25, 0.5, 0.75, 0.9, 0.98};
+constexpr std::array kLattice{kWallMargin, 0.1, 0.25, 0.5, 0.75, 0.9, 1 - kWallMargin};
 constexpr int kAttempts = 12;
 // How far c-vertices are moved towards the middle of their surfel's border, one share after the other.
 constexpr std::array kShares{0.25, 0.5, 0.75, 1.0};
@@ -210,11 +210,14 @@ std::size_t CrowdedCells::separate(SurfaceComplex& complex) {
   std::atomic<std::size_t> left = 0;
   for_each_piece(first_.size() - 1, kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
     for (auto cell = static_cast<std::uint32_t>(begin); cell < end; ++cell) {
-      if (!surfels_meet(cell, complex.positions)) continue;
       const std::span<const CVertexId> own = c_vertices(cell);
-      const std::vector<Vec3> middle = middles(cell);
       std::vector<Vec3> start;
       for (const CVertexId v : own) start.push_back(complex.positions[v]);
+      for (const CVertexId v : own) complex.positions[v] = rounded(inside(cell_of(complex.positions[v]), complex.positions[v]));
+      if (!surfels_meet(cell, complex.positions)) continue;
+      for (std::size_t k = 0; k < own.size(); ++k) complex.positions[own[k]] = start[k];
+      if (!surfels_meet(cell, complex.positions)) continue;
+      const std::vector<Vec3> middle = middles(cell);
       bool good = false;
       for (const double share : kShares) {
         for (std::size_t k = 0; k < own.size(); ++k)
