@@ -547,7 +547,17 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
     again();
     mend();
   }
-  if (embedded_) improve_shape_carefully(*work_, *task.shape, meeting, triangles, out.shape, control);
+  if (embedded_) {
+    improve_shape_carefully(*work_, *task.shape, meeting, triangles, out.shape, control);
+    // What balancing did since is not undone with a change that is taken back.
+    if (!take_back_meeting(*work_, *task.shape, meeting, triangles, control).empty()) {
+      take_back_all(*work_, *task.shape, triangles, control);
+      Task plain;
+      work_apart(plain, meeting, out, control);
+      work_->certify(out.certificate, control);
+      triangles.assign(work_->triangles().begin(), work_->triangles().end());
+    }
+  }
   work_->freeze_anchors(partition().cell_count());
   out.triangles = cells_of(triangles);
 

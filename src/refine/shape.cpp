@@ -122,9 +122,8 @@ class Workshop {
       std::vector<CellId> changed = take_back_flips(cells);
       for (const CellId c : cells) {
         if (places_.given_up[c] == 1 && std::binary_search(changed.begin(), changed.end(), c)) continue;
-        if (std::exchange(places_.given_up[c], std::uint8_t{3}) == 3) continue;
-        changed.push_back(c);
-        if (!work_.is_frozen(c)) put_back(c);
+        const bool was_given_up = std::exchange(places_.given_up[c], std::uint8_t{3}) == 3;
+        if (put_back(c) || !was_given_up) changed.push_back(c);
       }
       if (changed.empty()) break;
       any = true;
@@ -168,14 +167,16 @@ class Workshop {
     return changed;
   }
 
-  // A vertex to its site, if that is free.
-  void put_back(CellId c) {
+  // A vertex that is not frozen to its site, if that is free. @return whether it was elsewhere
+  bool put_back(CellId c) {
+    if (work_.is_frozen(c)) return false;
     const CVertexId site = work_.partition().site[c];
-    if (!places_.shift.empty()) places_.shift[c] = {};
-    if (places_.anchor[c] == site || occupied_[site]) return;
+    const bool shifted = !places_.shift.empty() && std::exchange(places_.shift[c], Vec3{}) != Vec3{};
+    if (places_.anchor[c] == site || occupied_[site]) return shifted;
     occupied_[places_.anchor[c]] = 0;
     occupied_[site] = 1;
     places_.anchor[c] = site;
+    return true;
   }
 
   // Which way a triangle faces, by its area. Of a sliver that says nothing: there, all those around it.
