@@ -50,7 +50,8 @@ std::string level_text(const LevelReport& level) {
   if (level.measured) text += ", " + measured_text(level);
   text += ", aspect ratio at least " + ratio_text(level.quality.aspect_min) + ", " + percent_text(level.quality.aspect_share_below_third) +
           " below 1/3";
-  if (level.self_intersections) text += ", " + (*level.self_intersections == 0 ? "no" : count_text(*level.self_intersections)) + " self-intersections";
+  if (level.self_intersections)
+    text += ", " + (*level.self_intersections == 0 ? "no" : count_text(*level.self_intersections)) + " self-intersections";
   if (!unmet.empty()) text += "; not met: " + unmet;
   if (!level.at_limit.empty()) text += "; supersampling would help at " + counted(level.at_limit.size(), "place");
   return text;

@@ -160,8 +160,8 @@ struct ExtractReport {
   /// Adaptive supersampling: more c-vertices where triangles met, or where a bound could not be kept.
   std::size_t divided_c_vertices = 0;  ///< around which all faces were divided, every time counted
   std::size_t added_c_vertices = 0;
-  int deepest_division = 0;     ///< how often faces were divided where that was done most often
-  CertificateReport coarsening;                 ///< certificate of the partition into blocks; repair_rounds are the rounds of check and cut
+  int deepest_division = 0;      ///< how often faces were divided where that was done most often
+  CertificateReport coarsening;  ///< certificate of the partition into blocks; repair_rounds are the rounds of check and cut
   std::vector<LevelReport> levels;
   std::vector<StageTime> seconds;  ///< in order: surface, components, coarsen, cover, certify, mesh, check, refine
   double total_seconds = 0;        ///< volume in memory to checked levels

@@ -112,8 +112,7 @@ void CoarseMesher::mesh(LevelReport& report, const RunControl& told) {
         turned_components(mesh_.positions, mesh_.triangles, complex.spacing, topology_.component_of_vertex, topology_.components.size(),
                           outward_of_cells(complex, is_coarser() ? coarser_.outward : std::vector<Vec3>(), partition), 0);
     report.turned_components = static_cast<std::size_t>(std::count(turned.begin(), turned.end(), 1));
-    bool again =
-        report.turned_components > 0 && refine_components(complex, stand_->covering, topology_, turned, round, report.certificate);
+    bool again = report.turned_components > 0 && refine_components(complex, stand_->covering, topology_, turned, round, report.certificate);
     if (!again && !options_.allow_self_intersections) again = part(report, control);
     if (!again) break;
     stand_->dual.certify(report.certificate, control);

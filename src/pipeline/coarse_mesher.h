@@ -27,9 +27,9 @@ class CoarseMesher {
 
   TriangleMesh& mesh() { return mesh_; }  ///< in sample-index coordinates
   const MeshTopology& topology() const { return topology_; }
-  const std::vector<Vec3>& shift() const { return shift_; }  ///< per vertex, how far it is from its c-vertex; spacing applied
-  std::vector<CVertexId> sites() const;                       ///< per vertex, its c-vertex on the surface
-  std::vector<ShapeObstacle> stays() const;                   ///< per vertex, what keeps it there
+  const std::vector<Vec3>& shift() const { return shift_; }      ///< per vertex, how far it is from its c-vertex; spacing applied
+  std::vector<CVertexId> sites() const;                          ///< per vertex, its c-vertex on the surface
+  std::vector<ShapeObstacle> stays() const;                      ///< per vertex, what keeps it there
   const Covering& covering() const { return stand_->covering; }  ///< of the coarser complex, if there is one
 
  private:

@@ -113,12 +113,13 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
                                                              topology.components.size(), outward, 0);
   report.turned_components = static_cast<std::size_t>(std::count(turned.begin(), turned.end(), 1));
   measure_distance(mesh, report);
-  finish_level(mesh, topology, partition.site, source_.surface.components(), refiner_.stays(), goal, source_.grid, options_, report, control_);
+  finish_level(mesh, topology, partition.site, source_.surface.components(), refiner_.stays(), goal, source_.grid, options_, report,
+               control_);
 
   // Vertices that are new; the others are there already.
   const std::uint32_t vertices = partition.cell_count();
   TriangleMesh on_surface;
-  for (auto v = static_cast<CellId>(hierarchy.positions.size()); v < vertices; ++v) 
+  for (auto v = static_cast<CellId>(hierarchy.positions.size()); v < vertices; ++v)
     on_surface.positions.push_back(base_position(surface, refiner_.places(), v));
   bring_out(on_surface, source_.grid, options_);
   hierarchy.positions.insert(hierarchy.positions.end(), on_surface.positions.begin(), on_surface.positions.end());

@@ -46,9 +46,9 @@ struct LevelMesh {
 
 /// Where the vertices of a level sit.
 struct Places {
-  std::vector<CVertexId> anchor;  ///< per cell, the c-vertex at whose point it sits: its site, or a better one near by
-  std::vector<float> offset{};    ///< per cell, how far from there along the surface's normal, in this level; empty: not at all
-  std::vector<Vec3> shift{};      ///< per cell, how far from its c-vertex, in all levels; empty: not at all
+  std::vector<CVertexId> anchor;         ///< per cell, the c-vertex at whose point it sits: its site, or a better one near by
+  std::vector<float> offset{};           ///< per cell, how far from there along the surface's normal, in this level; empty: not at all
+  std::vector<Vec3> shift{};             ///< per cell, how far from its c-vertex, in all levels; empty: not at all
   std::vector<std::uint8_t> given_up{};  ///< per cell, 1 if its triangles stay the dual's, 3 if it stays at its site, too; missing: 0
 
   bool may_move(CellId c) const { return c >= given_up.size() || given_up[c] < 3; }

@@ -30,7 +30,9 @@ struct Ground {
 
   /// Whether a vertex may leave its c-vertex, within the grid cell.
   bool may_roam(CVertexId v) const { return roaming != nullptr ? roaming->may_roam(v) : !graph.on_boundary[v]; }
-  MeasuredSurface measured() const { return {surfels, moved_from.empty() ? surfels.point : moved_from, graph, reach, complex.spacing, isosurface}; }
+  MeasuredSurface measured() const {
+    return {surfels, moved_from.empty() ? surfels.point : moved_from, graph, reach, complex.spacing, isosurface};
+  }
 };
 
 /// What one cell's metrics say.
@@ -81,7 +83,9 @@ class MeasuredCovering {
   const std::vector<DualTriangle>& triangles() const { return dual_.triangles(); }
   const std::vector<CellError>& errors() const { return errors_; }
   const Places& places() const { return places_; }
-  std::vector<Vec3> positions() const { return vertex_positions(ground_.complex, ground_.surfels, places_); }  ///< of vertices, in sample-index coordinates
+  std::vector<Vec3> positions() const {
+    return vertex_positions(ground_.complex, ground_.surfels, places_);
+  }  ///< of vertices, in sample-index coordinates
 
   /// Vertices of the cells before this one keep their anchors from now on.
   void freeze_anchors(CellId before) { frozen_ = before; }

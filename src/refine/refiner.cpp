@@ -490,8 +490,8 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
   for (;;) {
     work_towards(task, meeting, out, control);
     if (!too_many(partition().cell_count())) break;
-    // Topology, and that triangles do not meet, needed more vertices than were left. Back, and less of what was asked for; but not where the
-    // surface was divided since.
+    // Topology, and that triangles do not meet, needed more vertices than were left. Back, and less of what was asked for; but not where
+    // the surface was divided since.
     if (ground_.get() != start_ground) break;
     const std::uint32_t over = partition().cell_count() - static_cast<std::uint32_t>(goal.front().bound);
     work_ = std::make_unique<MeasuredCovering>(*start);
@@ -611,10 +611,10 @@ std::vector<ShapeObstacle> Refiner::stays() const {
   const Places& places = work_->places();
   std::vector<ShapeObstacle> out;
   for (CellId c = 0; c < places.anchor.size(); ++c) {
-    out.push_back(c < sites_before_                        ? ShapeObstacle::earlier_level
-                  : !places.may_move(c)                    ? ShapeObstacle::self_intersection
+    out.push_back(c < sites_before_                      ? ShapeObstacle::earlier_level
+                  : !places.may_move(c)                  ? ShapeObstacle::self_intersection
                   : !surface_.may_roam(places.anchor[c]) ? ShapeObstacle::crowded
-                                                           : ShapeObstacle::none);
+                                                         : ShapeObstacle::none);
   }
   return out;
 }

@@ -17,18 +17,18 @@ namespace {
 constexpr double kMargin = 0.03;  // of a cell, kept free along its walls
 constexpr double kBeyond = 1.12;  // aims a little higher than the goal, so as to arrive
 constexpr int kSteps = 80;
-constexpr double kPush = 0.6, kPull = 0.3;  // shares of what is missing, of the shortest and the longest edge
-constexpr double kDrawBack = 0.15;          // share of the distance from the surface
-constexpr double kFarthest = 0.25;          // from the surface, voxels; while pushing
-constexpr double kFarthestFound = 0.4;      // and while searching
+constexpr double kPush = 0.6, kPull = 0.3;                // shares of what is missing, of the shortest and the longest edge
+constexpr double kDrawBack = 0.15;                        // share of the distance from the surface
+constexpr double kFarthest = 0.25;                        // from the surface, voxels; while pushing
+constexpr double kFarthestFound = 0.4;                    // and while searching
 constexpr std::array kSearchSteps{0.2, 0.1, 0.05, 0.02};  // voxels
 constexpr int kSearchPasses = 12;
 constexpr double kWorthIt = 2e-3;
-constexpr double kSliver = 0.1;  // height over the longest edge
+constexpr double kSliver = 0.1;            // height over the longest edge
 constexpr double kSeparationWeight = 0.5;  // an edge as short as can be is half as bad as a triangle
 constexpr int kNewtonSteps = 5;
 constexpr double kOnSurface = 0.02;
-constexpr double kLeastVolume = 0.25;       // share of what a component encloses that has to be left
+constexpr double kLeastVolume = 0.25;  // share of what a component encloses that has to be left
 
 bool can_move(const Roam& r) { return r.low.x < r.high.x || r.low.y < r.high.y || r.low.z < r.high.z; }
 

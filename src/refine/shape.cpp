@@ -153,7 +153,8 @@ class Workshop {
       before = flipped.size();
       std::erase_if(flipped, [&](std::uint32_t i) {
         std::array<CellId, 6> corners;
-        std::copy(dual[i].cell.begin(), dual[i].cell.end(), std::copy(triangles_[i].cell.begin(), triangles_[i].cell.end(), corners.begin()));
+        std::copy(dual[i].cell.begin(), dual[i].cell.end(),
+                  std::copy(triangles_[i].cell.begin(), triangles_[i].cell.end(), corners.begin()));
         if (std::none_of(corners.begin(), corners.end(), [&](CellId c) { return is_near[c]; })) return false;
         for (const CellId c : corners) is_near[c] = 1;
         changed.insert(changed.end(), corners.begin(), corners.end());
@@ -187,8 +188,8 @@ class Workshop {
     };
     const MeshTriangle& t = work_.mesh().triangles[i];
     const Vec3 own = area(i);
-    const double longest = std::max({squared_length(t.corner[1] - t.corner[0]), squared_length(t.corner[2] - t.corner[1]),
-                                     squared_length(t.corner[0] - t.corner[2])});
+    const double longest = std::max(
+        {squared_length(t.corner[1] - t.corner[0]), squared_length(t.corner[2] - t.corner[1]), squared_length(t.corner[0] - t.corner[2])});
     if (length(own) >= kSliver * longest) return own;
     Vec3 sum;
     for (const CellId c : t.cell) {
@@ -465,7 +466,7 @@ class Workshop {
   std::vector<std::uint8_t> occupied_;  // per c-vertex, 1 if a vertex sits there
   std::vector<Key> refused_;
   std::vector<std::uint8_t> held_;  // per cell, 1 if moving it was taken back
-  int rings_;  // of cells around a change that it concerns; balancing moves vertices beside it
+  int rings_;                       // of cells around a change that it concerns; balancing moves vertices beside it
 };
 
 }  // namespace
@@ -489,14 +490,16 @@ ShapeReport improve_shape(MeasuredCovering& work, const ShapeGoal& goal, std::ve
   work.remesh(triangles, work.places(), over);
   Workshop workshop(work, goal, triangles, control);
   workshop.run(Purpose::shape, {}, report);
-  for (int round = 0; round < kRelaxRounds && report.bad > 0 && workshop.relax_bad(report); ++round) workshop.run(Purpose::shape, {}, report);
+  for (int round = 0; round < kRelaxRounds && report.bad > 0 && workshop.relax_bad(report); ++round)
+    workshop.run(Purpose::shape, {}, report);
   return report;
 }
 
 void improve_shape_carefully(MeasuredCovering& work, const ShapeGoal& goal, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles,
                              ShapeReport& report, const RunControl& control) {
   Workshop workshop(work, goal, triangles, control, &meeting);
-  for (int round = 0; round < kRelaxRounds && report.bad > 0 && workshop.relax_bad(report); ++round) workshop.run(Purpose::shape, {}, report);
+  for (int round = 0; round < kRelaxRounds && report.bad > 0 && workshop.relax_bad(report); ++round)
+    workshop.run(Purpose::shape, {}, report);
 }
 
 void improve_errors(MeasuredCovering& work, const ShapeGoal& goal, std::span<const CellId> cells, std::vector<DualTriangle>& triangles,

@@ -144,7 +144,8 @@ std::vector<CVertexId> AdaptiveSurface::with_crowded_cells(std::span<const CVert
 }
 
 // Those that are alone in a cell, which they may be anywhere in.
-void AdaptiveSurface::keep_off_walls(std::span<const CVertexId> wanted, std::span<const CVertexId> pinned, const std::vector<Fineness>& was) {
+void AdaptiveSurface::keep_off_walls(std::span<const CVertexId> wanted, std::span<const CVertexId> pinned,
+                                     const std::vector<Fineness>& was) {
   std::vector<std::uint8_t> is_pinned(complex_.c_vertex_count(), 0);
   for (const CVertexId v : pinned) is_pinned[v] = 1;
   for (const CVertexId v : wanted) {
@@ -198,7 +199,8 @@ void AdaptiveSurface::divide_once(std::span<const CVertexId> wanted, const std::
   divided_ += wanted.size();
   added_ += divided.origin.size();
   if (!divided.origin.empty()) deepest_ = std::max(deepest_, deepest);
-  if (std::any_of(wanted.begin(), wanted.end(), [&](CVertexId v) { return was[v] == Fineness::pieces; })) flatten_where_pieces_meet(divided, before);
+  if (std::any_of(wanted.begin(), wanted.end(), [&](CVertexId v) { return was[v] == Fineness::pieces; }))
+    flatten_where_pieces_meet(divided, before);
 }
 
 // Pieces of flat triangles that are flat themselves meet no more than the triangles do. So wherever pieces of one cell meet, the new

@@ -61,8 +61,8 @@ class AdaptiveSurface {
   WatchedCells watched_;
   std::vector<WatchedCells::Cell> deep_cells_;  // with pieces of pieces
   std::vector<Vec3> found_;
-  CVertexId parsed_;                 // c-vertices before this one were parsed
-  std::vector<std::uint8_t> depth_;  // per c-vertex, which division brought it
+  CVertexId parsed_;                     // c-vertices before this one were parsed
+  std::vector<std::uint8_t> depth_;      // per c-vertex, which division brought it
   std::vector<std::uint8_t> held_;       // per c-vertex
   std::vector<std::uint8_t> is_closed_;  // per c-vertex, 1 if inside a crowded cell that is not in pieces yet
   std::size_t divided_ = 0, added_ = 0;

@@ -35,7 +35,9 @@ class CrowdedCells {
   std::vector<CVertexId> meeting(std::span<const CVertexId> moved, std::span<const Vec3> positions) const;
 
  private:
-  std::span<const CVertexId> c_vertices(std::uint32_t cell) const { return {c_vertices_.data() + first_[cell], c_vertices_.data() + first_[cell + 1]}; }
+  std::span<const CVertexId> c_vertices(std::uint32_t cell) const {
+    return {c_vertices_.data() + first_[cell], c_vertices_.data() + first_[cell + 1]};
+  }
   class Surfels;
   bool search_places(std::uint32_t cell, std::span<Vec3> places) const;
   bool surfels_meet(std::uint32_t cell, std::span<const Vec3> positions) const;

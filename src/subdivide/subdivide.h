@@ -39,7 +39,7 @@ enum class Fineness : std::uint8_t {
 
 /// What subdivision has to know besides the complex.
 struct SurfaceInGrid {
-  const InterpolatedField& field;             ///< whose zero set the surface is
+  const InterpolatedField& field;         ///< whose zero set the surface is
   std::span<const std::uint8_t> crowded;  ///< per c-vertex, 1 if there are others in its grid cell; those that are missing have none
 };
 
@@ -48,9 +48,9 @@ std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGri
 /// Divides all faces around some c-vertices, to the next fineness; the others stay, so the result is a subdivision, homeomorphic to the
 /// input.
 ///
-/// faces -> fans: a face around a node becomes a fan about the node. A side that crosses a wall with two curves, or beside a crowded cell, is
-/// divided where the surface crosses the wall half-way between its nodes. fans -> pieces: so are all other sides that cross walls. pieces:
-/// sides are divided at their middles, which move onto the surface but not out of their cell or wall.
+/// faces -> fans: a face around a node becomes a fan about the node. A side that crosses a wall with two curves, or beside a crowded cell,
+/// is divided where the surface crosses the wall half-way between its nodes. fans -> pieces: so are all other sides that cross walls.
+/// pieces: sides are divided at their middles, which move onto the surface but not out of their cell or wall.
 ///
 /// @param wanted  c-vertices, in any order
 /// @cost  O(F), plus the divided faces times the logarithm of their number

@@ -22,7 +22,9 @@ class WatchedCells {
   /// @cost  O(F log cells)
   WatchedCells(const SurfaceComplex& complex, std::span<const Cell> cells);
 
-  bool contains(CVertexId v) const { return v < complex_size_ && first_cell_[v] != first_cell_[v + 1]; }  ///< in such a cell, or on its walls
+  bool contains(CVertexId v) const {
+    return v < complex_size_ && first_cell_[v] != first_cell_[v + 1];
+  }  ///< in such a cell, or on its walls
 
   /// All c-vertices of those cells, with one of `moved` in them, in which triangles meet where the c-vertices are now; some may be there
   /// several times.
@@ -31,7 +33,9 @@ class WatchedCells {
   std::vector<CVertexId> meeting(std::span<const CVertexId> moved, std::span<const Vec3> positions) const;
 
  private:
-  std::span<const Triangle> triangles(std::uint32_t cell) const { return {triangles_.data() + first_[cell], triangles_.data() + first_[cell + 1]}; }
+  std::span<const Triangle> triangles(std::uint32_t cell) const {
+    return {triangles_.data() + first_[cell], triangles_.data() + first_[cell + 1]};
+  }
 
   std::uint32_t complex_size_ = 0;
   std::vector<std::uint32_t> first_;       // per cell, in triangles_

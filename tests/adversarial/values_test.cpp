@@ -31,18 +31,34 @@ bool expect_sound_among(const std::vector<T>& values, SampleType type, std::uint
   return false;
 }
 
+template <class T>
+std::vector<T> limits_of_type() {
+  using Limits = std::numeric_limits<T>;
+  std::vector<T> values{Limits::lowest(), Limits::max(), T{0}, T{1}};
+  if constexpr (std::is_integral_v<T>) {
+    values.insert(values.end(),
+                  {static_cast<T>(Limits::lowest() + 1), static_cast<T>(Limits::max() - 1), static_cast<T>(Limits::max() / 2)});
+  } else {
+    values.insert(values.end(), {Limits::min(), -Limits::min(), Limits::denorm_min(), -Limits::denorm_min(), -T{0},
+                                 std::nextafter(Limits::max(), T{0}), Limits::max() / 2, T{1} + Limits::epsilon()});
+  }
+  return values;
+}
+
+template <class T>
+std::vector<T> denormals() {
+  using Limits = std::numeric_limits<T>;
+  std::vector<T> values;
+  for (int k = -3; k <= 3; ++k) values.push_back(static_cast<T>(k) * Limits::denorm_min());
+  values.push_back(Limits::min());
+  values.push_back(-Limits::min());
+  return values;
+}
+
 TEST(Adversarial, SamplesAtTheLimitsOfTheirType) {
   for (const SampleType type : kAllTypes) {
     visit_sample_type(type, [&]<class T>(const T*) {
-      using Limits = std::numeric_limits<T>;
-      std::vector<T> values{Limits::lowest(), Limits::max(), T{0}, T{1}};
-      if constexpr (std::is_integral_v<T>) {
-        values.insert(values.end(),
-                      {static_cast<T>(Limits::lowest() + 1), static_cast<T>(Limits::max() - 1), static_cast<T>(Limits::max() / 2)});
-      } else {
-        values.insert(values.end(), {Limits::min(), -Limits::min(), Limits::denorm_min(), -Limits::denorm_min(), -T{0},
-                                     std::nextafter(Limits::max(), T{0}), Limits::max() / 2, T{1} + Limits::epsilon()});
-      }
+      const std::vector<T> values = limits_of_type<T>();
       int meshed = 0;
       for (std::uint64_t seed = 0; seed < (many() ? 400 : 16) && !testing::Test::HasFailure(); ++seed)
         meshed += expect_sound_among(values, type, seed);
@@ -53,20 +69,23 @@ TEST(Adversarial, SamplesAtTheLimitsOfTheirType) {
 }
 
 TEST(Adversarial, Denormals) {
-  const auto among = [](SampleType type, auto least) {
-    using T = decltype(least);
-    std::vector<T> values;
-    for (int k = -3; k <= 3; ++k) values.push_back(static_cast<T>(k) * least);
-    values.push_back(std::numeric_limits<T>::min());
-    values.push_back(-std::numeric_limits<T>::min());
+  const auto among = [](SampleType type, const auto& values) {
     int meshed = 0;
     for (std::uint64_t seed = 0; seed < (many() ? 1000 : 40) && !testing::Test::HasFailure(); ++seed)
       meshed += expect_sound_among(values, type, seed);
     EXPECT_GT(meshed, 20) << name(type);
   };
-  among(SampleType::float32, std::numeric_limits<float>::denorm_min());
-  among(SampleType::float64, std::numeric_limits<double>::denorm_min());
+  among(SampleType::float32, denormals<float>());
+  among(SampleType::float64, denormals<double>());
 }
+
+// An annulus and a disk in one cell, whose c-vertices have to be looked for.
+TEST(Adversarial, SurfelsOfACellThatAreHardToSeparate) {
+  EXPECT_TRUE(expect_sound_among(limits_of_type<std::uint8_t>(), SampleType::uint8, 48));
+}
+
+// Cells beside each other whose numbers are scaled differently: points on their wall went to the wrong curve.
+TEST(Adversarial, WallBetweenCellsOfTinyNumbers) { EXPECT_TRUE(expect_sound_among(denormals<double>(), SampleType::float64, 591)); }
 
 // Two values that are neighbours, or as far apart as can be. Saddles are decided by which of them is nearer to the isovalue, exactly.
 TEST(Adversarial, TwoValuesAndAnIsovalueBetween) {

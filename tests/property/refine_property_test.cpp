@@ -175,7 +175,8 @@ RC_GTEST_PROP(AnyLevels, ConstraintsAreHonouredOrTheirFailureIsNamed, (const Ran
 
     // The first constraint is held by whatever else is asked.
     const ConstraintResult& first = report.constraints.front();
-    if (first.wanted.quantity == Quantity::max_vertices && e.report.levels[l - 1].vertices <= first.wanted.bound && report.parting_sites == 0)
+    if (first.wanted.quantity == Quantity::max_vertices && e.report.levels[l - 1].vertices <= first.wanted.bound &&
+        report.parting_sites == 0)
       RC_ASSERT(first.met);
     if (is_metric(first.wanted.quantity) && !first.met && goal.size() == 1) RC_ASSERT(!report.at_limit.empty());
   }

@@ -54,7 +54,8 @@ TEST(Embedded, BadTrianglesAreListedWithWhatKeepsThem) {
   const Extraction e = extract(to_volume(random_samples(Family::white_noise, {12, 12, 12}, 3)), asking(false, Placement::surface));
   std::size_t listed = 0;
   for (const LevelReport& level : e.report.levels) {
-    EXPECT_EQ(static_cast<double>(level.bad_triangles.size()), std::round(level.quality.aspect_share_below_third * static_cast<double>(level.triangles)));
+    EXPECT_EQ(static_cast<double>(level.bad_triangles.size()),
+              std::round(level.quality.aspect_share_below_third * static_cast<double>(level.triangles)));
     for (std::size_t i = 0; i < level.bad_triangles.size(); ++i) {
       EXPECT_LT(level.bad_triangles[i].aspect_ratio, 1.0 / 3);
       EXPECT_GE(level.bad_triangles[i].aspect_ratio, i == 0 ? 0 : level.bad_triangles[i - 1].aspect_ratio);
