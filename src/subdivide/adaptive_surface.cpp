@@ -143,11 +143,15 @@ std::vector<CVertexId> AdaptiveSurface::with_crowded_cells(std::span<const CVert
   return out;
 }
 
-// Those that are alone in a cell, which they may be anywhere in.
+// Those that are alone in a cell, which they may be anywhere in, while nothing there is divided.
 void AdaptiveSurface::keep_off_walls(std::span<const CVertexId> wanted, std::span<const CVertexId> pinned,
                                      const std::vector<Fineness>& was) {
   std::vector<std::uint8_t> is_pinned(complex_.c_vertex_count(), 0);
   for (const CVertexId v : pinned) is_pinned[v] = 1;
+  for (const Face& face : complex_.faces) {
+    if (!face.is_triangle()) continue;
+    for (int k = 0; k < 3; ++k) is_pinned[face.corner[k]] = 1;
+  }
   for (const CVertexId v : wanted) {
     Vec3& p = complex_.positions[v];
     if (is_pinned[v] || v >= parsed_ || was[v] != Fineness::faces || crowded_.contains(v) || whole_coordinates(p) > 0) continue;

@@ -36,11 +36,11 @@ std::vector<T> limits_of_type() {
   using Limits = std::numeric_limits<T>;
   std::vector<T> values{Limits::lowest(), Limits::max(), T{0}, T{1}};
   if constexpr (std::is_integral_v<T>) {
-    values.insert(values.end(),
-                  {static_cast<T>(Limits::lowest() + 1), static_cast<T>(Limits::max() - 1), static_cast<T>(Limits::max() / 2)});
+    for (const auto v : {Limits::lowest() + 1, Limits::max() - 1, Limits::max() / 2}) values.push_back(static_cast<T>(v));
   } else {
-    values.insert(values.end(), {Limits::min(), -Limits::min(), Limits::denorm_min(), -Limits::denorm_min(), -T{0},
-                                 std::nextafter(Limits::max(), T{0}), Limits::max() / 2, T{1} + Limits::epsilon()});
+    for (const T v : {Limits::min(), -Limits::min(), Limits::denorm_min(), -Limits::denorm_min(), -T{0},
+                      std::nextafter(Limits::max(), T{0}), Limits::max() / 2, T{1} + Limits::epsilon()})
+      values.push_back(v);
   }
   return values;
 }
