@@ -155,7 +155,7 @@ void CoarseMesher::relax_vertices() {
   for (int round = 1;; ++round) {
     relax(points, mesh_.triangles, roam, field, s, {1.0 / 3, separation}, fresh);
     move_c_vertices();
-    std::vector<CVertexId> back = surface_.stray(movers, positions);
+    std::vector<CVertexId> back = surface_.stray(movers, positions, surface.positions);
     if (back.empty()) break;
     std::sort(back.begin(), back.end());
     std::vector<std::uint8_t> is_back(at.size(), 0);

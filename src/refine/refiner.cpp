@@ -337,13 +337,18 @@ void Refiner::remember_placed_in() {
 
 // More c-vertices, on which the same work goes on. Vertices stay where they are: there are their c-vertices from now on.
 void Refiner::divide_surface(std::span<const CVertexId> wanted, const RunControl& control) {
-  const Vec3 s = surface_.complex().spacing;
   const Places& places = work_->places();
+  std::vector<CVertexId> movers;
+  std::vector<Vec3> positions = surface_.complex().positions, frozen = positions;
   for (CellId c = 0; c < places.shift.size(); ++c) {
+    if (places.shift[c] == Vec3{}) continue;
     const CVertexId v = places.anchor[c];
-    const Vec3 d = places.shift[c];
-    if (!(d == Vec3{})) surface_.move(v, surface_.complex().positions[v] + Vec3{d.x / s.x, d.y / s.y, d.z / s.z});
+    movers.push_back(v);
+    positions[v] = base_position(surface_.complex(), places, c);
+    if (c < sites_before_) frozen[v] = positions[v];
   }
+  for (const CVertexId v : surface_.stray(movers, positions, frozen)) positions[v] = frozen[v];
+  for (const CVertexId v : movers) surface_.move(v, positions[v]);
   std::vector<CVertexId> pinned;  // by vertices of earlier levels
   for (CellId c = 0; c < sites_before_; ++c) pinned.push_back(places.anchor[c]);
   surface_.divide(wanted, pinned);
@@ -549,14 +554,16 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
   }
   if (embedded_) {
     improve_shape_carefully(*work_, *task.shape, meeting, triangles, out.shape, control);
-    // What balancing did since is not undone with a change that is taken back.
-    if (!take_back_meeting(*work_, *task.shape, meeting, triangles, control).empty()) {
+    // What balancing did since is not undone with a change that is taken back; nor need c-vertices do without others what they do with
+    // them.
+    do {
+      if (take_back_meeting(*work_, *task.shape, meeting, triangles, control).empty()) continue;
       take_back_all(*work_, *task.shape, triangles, control);
       Task plain;
       work_apart(plain, meeting, out, control);
       work_->certify(out.certificate, control);
       triangles.assign(work_->triangles().begin(), work_->triangles().end());
-    }
+    } while (settle_vertices(*work_, *task.shape, triangles, control));
   }
   work_->freeze_anchors(partition().cell_count());
   out.triangles = cells_of(triangles);

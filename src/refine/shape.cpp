@@ -90,7 +90,7 @@ class Workshop {
     const std::vector<Vec3> old_shift = places_.shift;
     for (const CellId c : moved) places_.shift[c] = places_.shift[c] + (points[c] - mesh.point[c]);
     held_.resize(mesh.cell_count(), 0);
-    keep_from_straying(moved, old_shift);
+    keep_from_straying(old_shift);
     std::vector<CellId> concerned = rings_around(moved, rings_);
     work_.remesh(triangles_, places_, concerned);
     for (int look = 0; look < kLooksBack || meeting_ != nullptr; ++look) {
@@ -105,12 +105,26 @@ class Workshop {
         places_.shift[c] = old_shift[c];
         held_[c] = 1;
       }
+      const std::vector<CellId> strayed = keep_from_straying(old_shift);
+      worse.insert(worse.end(), strayed.begin(), strayed.end());
       concerned = rings_around(worse, rings_);
       work_.remesh(triangles_, places_, concerned);
       if (look >= kLooksBack) break;
     }
     for (const CellId c : moved) report.shifts += !(places_.shift[c] == old_shift[c]);
     return true;
+  }
+
+  // Vertices that are not frozen go back to their c-vertices where surfels of one grid cell meet as all are now. @return whether any did
+  bool settle() {
+    if (places_.shift.empty()) return false;
+    std::vector<Vec3> home = places_.shift;
+    for (CellId c = 0; c < home.size(); ++c) {
+      if (!work_.is_frozen(c)) home[c] = {};
+    }
+    const std::vector<CellId> back = keep_from_straying(home);
+    if (!back.empty()) work_.remesh(triangles_, places_, rings_around(back, rings_));
+    return !back.empty();
   }
 
   // Flips around these cells; where there are none, moves. What that takes over its bounds follows. @return whether there was anything
@@ -322,26 +336,36 @@ class Workshop {
     return changes.size();
   }
 
-  // Takes back what would make surfels of one grid cell meet.
-  void keep_from_straying(std::span<const CellId> moved, const std::vector<Vec3>& old_shift) {
+  // Vertices whose shift is another one than before get that again where surfels of one grid cell would meet. @return their cells
+  std::vector<CellId> keep_from_straying(const std::vector<Vec3>& before) {
     const Ground& ground = work_.ground();
-    if (ground.roaming == nullptr) return;
-    const Vec3 s = ground.complex.spacing;
-    std::vector<Vec3> positions = ground.complex.positions;
+    if (ground.roaming == nullptr || places_.shift.empty()) return {};
+    std::vector<CellId> movers;
+    std::vector<CVertexId> c_vertices;
     for (CellId c = 0; c < places_.shift.size(); ++c) {
-      const Vec3 d = places_.shift[c];
-      positions[places_.anchor[c]] = positions[places_.anchor[c]] + Vec3{d.x / s.x, d.y / s.y, d.z / s.z};
+      if (places_.shift[c] == before[c]) continue;
+      movers.push_back(c);
+      c_vertices.push_back(places_.anchor[c]);
     }
-    std::vector<CVertexId> movers;
-    for (const CellId c : moved) movers.push_back(places_.anchor[c]);
-    std::vector<CVertexId> back = ground.roaming->stray(movers, positions);
+    if (movers.empty()) return {};
+    Places were = places_;
+    were.shift = before;
+    std::vector<Vec3> start = ground.complex.positions, now = start;
+    for (CellId c = 0; c < places_.shift.size(); ++c) {
+      start[places_.anchor[c]] = base_position(ground.complex, were, c);
+      now[places_.anchor[c]] = base_position(ground.complex, places_, c);
+    }
+    std::vector<CVertexId> back = ground.roaming->stray(c_vertices, now, start);
     std::sort(back.begin(), back.end());
-    for (const CellId c : moved) {
-      if (std::binary_search(back.begin(), back.end(), places_.anchor[c])) {
-        places_.shift[c] = old_shift[c];
-        held_[c] = 1;
-      }
+    held_.resize(work_.mesh().cell_count(), 0);
+    std::vector<CellId> out;
+    for (const CellId c : movers) {
+      if (!std::binary_search(back.begin(), back.end(), places_.anchor[c])) continue;
+      places_.shift[c] = before[c];
+      held_[c] = 1;
+      out.push_back(c);
     }
+    return out;
   }
 
   using Key = std::pair<std::uint64_t, std::uint64_t>;
@@ -514,6 +538,10 @@ std::vector<CellId> take_back_meeting(MeasuredCovering& work, const ShapeGoal& g
     std::vector<CellId> corners = meeting.update(work.positions(), cells_of(triangles), control);
     if (corners.empty() || !workshop.take_back(corners)) return corners;
   }
+}
+
+bool settle_vertices(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles, const RunControl& control) {
+  return Workshop(work, goal, triangles, control).settle();
 }
 
 void take_back_all(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles, const RunControl& control) {

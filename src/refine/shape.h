@@ -41,6 +41,9 @@ void improve_errors(MeasuredCovering& work, const ShapeGoal& goal, std::span<con
 std::vector<CellId> take_back_meeting(MeasuredCovering& work, const ShapeGoal& goal, MeetingTriangles& meeting,
                                       std::vector<DualTriangle>& triangles, const RunControl& control);
 
+/// Vertices go back to their c-vertices where surfels would meet if c-vertices were where their vertices are. @return whether any did
+bool settle_vertices(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles, const RunControl& control);
+
 /// All changes.
 void take_back_all(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles, const RunControl& control);
 

@@ -95,7 +95,8 @@ void AdaptiveSurface::watch() {
   watched_ = WatchedCells(complex_, open);
 }
 
-std::vector<CVertexId> AdaptiveSurface::stray(std::span<const CVertexId> moved, std::span<const Vec3> positions) const {
+std::vector<CVertexId> AdaptiveSurface::stray(std::span<const CVertexId> moved, std::span<const Vec3> positions,
+                                              std::span<const Vec3> before) const {
   std::vector<Vec3> now(positions.begin(), positions.end());
   std::vector<std::uint8_t> is_back(complex_.c_vertex_count(), 1);
   for (const CVertexId v : moved) is_back[v] = 0;
@@ -108,7 +109,7 @@ std::vector<CVertexId> AdaptiveSurface::stray(std::span<const CVertexId> moved, 
     look.clear();
     for (const CVertexId v : back) {
       if (std::exchange(is_back[v], std::uint8_t{1})) continue;
-      now[v] = complex_.positions[v];
+      now[v] = before[v];
       look.push_back(v);
     }
     out.insert(out.end(), look.begin(), look.end());

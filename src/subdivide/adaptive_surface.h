@@ -40,8 +40,8 @@ class AdaptiveSurface {
   /// seen to besides.
   bool may_roam(CVertexId v) const { return !held_[v]; }
   /// Those of the c-vertices that must not be where they are in `positions`, per c-vertex, if some were moved there: surfels or pieces in
-  /// their cells would meet. With these back where they were, none do.
-  std::vector<CVertexId> stray(std::span<const CVertexId> moved, std::span<const Vec3> positions) const;
+  /// their cells would meet. With these back where they were in `before`, none do, if none did there.
+  std::vector<CVertexId> stray(std::span<const CVertexId> moved, std::span<const Vec3> positions, std::span<const Vec3> before) const;
 
   std::size_t divided() const { return divided_; }  ///< c-vertices around which the faces were divided, every time counted
   std::size_t added() const { return added_; }      ///< c-vertices

@@ -81,7 +81,7 @@ void divided_everywhere_does_not_meet_itself(const Parsed& p, std::uint64_t seed
       positions[v] = {between(roam.low.x, roam.high.x), between(roam.low.y, roam.high.y), between(roam.low.z, roam.high.z)};
       moved.push_back(v);
     }
-    for (const CVertexId v : surface.stray(moved, positions)) positions[v] = complex.positions[v];
+    for (const CVertexId v : surface.stray(moved, positions, complex.positions)) positions[v] = complex.positions[v];
     for (const CVertexId v : moved) surface.move(v, positions[v]);
     std::vector<CVertexId> wanted;
     const std::vector<Fineness> now = surface.fineness();
