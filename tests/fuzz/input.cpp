@@ -182,6 +182,9 @@ LevelGoal read_goal(Bytes& bytes, double voxel) {
 
 ExtractOptions read_options(Bytes& bytes, double voxel) {
   ExtractOptions out;
+  out.interpolation = bytes.coin() ? Interpolation::tricubic : Interpolation::trilinear;
+  out.supersample = bytes.one_of(std::array<std::uint32_t, 8>{1, 1, 1, 1, 1, 2, 3, 0});
+  out.covering = bytes.coin() ? CoveringStrategy::halving : CoveringStrategy::radius_field;
   out.inside = bytes.coin() ? Inside::below : Inside::above;
   out.non_finite = bytes.one_of(std::array{NonFinite::refuse, NonFinite::below, NonFinite::above});
   out.topology = bytes.coin() ? Topology::faces : Topology::trilinear;
@@ -262,10 +265,13 @@ std::string describe(const FuzzInput& input) {
   std::ostringstream out;
   out.precision(17);
   out << "isovalue " << o.isovalue << (o.inside == Inside::above ? ", inside above" : ", inside below") << ", non-finite "
-      << kNonFinite[static_cast<std::size_t>(o.non_finite)] << (o.topology == Topology::faces ? ", faces" : ", trilinear") << ", space "
-      << kSpace[static_cast<std::size_t>(o.space)] << (o.placement == Placement::balanced ? ", balanced" : ", on surface");
+      << kNonFinite[static_cast<std::size_t>(o.non_finite)] << (o.topology == Topology::faces ? ", faces" : ", trilinear")
+      << (o.interpolation == Interpolation::tricubic ? ", tricubic" : "") << ", space " << kSpace[static_cast<std::size_t>(o.space)]
+      << (o.placement == Placement::balanced ? ", balanced" : ", on surface");
   if (o.allow_self_intersections) out << ", self-intersections allowed";
   if (!o.vertices_on_surface) out << ", c-vertices at averages";
+  if (o.supersample != 1) out << ", supersample " << o.supersample;
+  if (o.covering == CoveringStrategy::halving) out << ", halving";
   if (o.max_radius) out << ", max radius " << *o.max_radius;
   if (o.event_persistence) out << ", event persistence " << *o.event_persistence;
   if (o.min_component_size != 0) out << ", min component size " << o.min_component_size;
