@@ -142,12 +142,8 @@ void CoarseMesher::relax_vertices() {
     positions = surface.positions;
     movers.clear();
     for (std::size_t i = 0; i < at.size(); ++i) {
-      if (!(points[i] == start[i])) {
-        const Vec3 d = points[i] - start[i];
-        movers.push_back(at[i]);
-        positions[at[i]] = rounded(surface.positions[at[i]] + Vec3{d.x / s.x, d.y / s.y, d.z / s.z});
-      }
-      mesh_.positions[i] = positions[at[i]];
+      if (!(points[i] == start[i])) movers.push_back(at[i]);
+      mesh_.positions[i] = positions[at[i]] = displaced(surface, at[i], points[i] - start[i]);
     }
   };
   move_c_vertices();

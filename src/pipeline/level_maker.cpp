@@ -67,10 +67,8 @@ void LevelMaker::describe_coarse(const Hierarchy& hierarchy, std::span<const CVe
   if (options_.space != Space::voxel && source_.grid.mirrored()) {
     for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
   }
-  for (std::size_t v = 0; v < sites.size(); ++v) {
-    const Vec3 d = source_.coarse.shift()[v], s = source_.surface.complex().spacing;
-    mesh.positions.push_back(rounded(source_.surface.complex().positions[sites[v]] + Vec3{d.x / s.x, d.y / s.y, d.z / s.z}));
-  }
+  for (std::size_t v = 0; v < sites.size(); ++v)
+    mesh.positions.push_back(displaced(source_.surface.complex(), sites[v], source_.coarse.shift()[v]));
   const double voxel = source_.grid.smallest_spacing();
   const LevelGoal& goal = options_.coarse;
   tell(goal, refiner_.describe_coarse(mesh.triangles, sites, in_units_of(goal, voxel), control_), report);

@@ -15,10 +15,7 @@ void set_corners(MeshTriangle& t, const std::vector<Vec3>& point) {
 }  // namespace
 
 Vec3 base_position(const SurfaceComplex& complex, const Places& places, CellId c) {
-  const Vec3 p = complex.positions[places.anchor[c]], s = complex.spacing;
-  if (places.shift.empty() || places.shift[c] == Vec3{}) return p;
-  const Vec3 d = places.shift[c];
-  return rounded(p + Vec3{d.x / s.x, d.y / s.y, d.z / s.z});  // as AdaptiveSurface::move() leaves it
+  return displaced(complex, places.anchor[c], places.shift.empty() ? Vec3{} : places.shift[c]);
 }
 
 std::vector<Vec3> vertex_positions(const SurfaceComplex& complex, const Surfels& surfels, const Places& places) {

@@ -83,9 +83,8 @@ class MeasuredCovering {
   const std::vector<DualTriangle>& triangles() const { return dual_.triangles(); }
   const std::vector<CellError>& errors() const { return errors_; }
   const Places& places() const { return places_; }
-  std::vector<Vec3> positions() const {
-    return vertex_positions(ground_.complex, ground_.surfels, places_);
-  }  ///< of vertices, in sample-index coordinates
+  /// Of vertices, in sample-index coordinates.
+  std::vector<Vec3> positions() const { return vertex_positions(ground_.complex, ground_.surfels, places_); }
 
   /// Vertices of the cells before this one keep their anchors from now on.
   void freeze_anchors(CellId before) { frozen_ = before; }

@@ -557,12 +557,12 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
     // What balancing did since is not undone with a change that is taken back; nor need c-vertices do without others what they do with
     // them.
     do {
-      if (take_back_meeting(*work_, *task.shape, meeting, triangles, control).empty()) continue;
-      take_back_all(*work_, *task.shape, triangles, control);
-      Task plain;
-      work_apart(plain, meeting, out, control);
-      work_->certify(out.certificate, control);
-      triangles.assign(work_->triangles().begin(), work_->triangles().end());
+      if (!take_back_meeting(*work_, *task.shape, meeting, triangles, control).empty()) {
+        take_back_all(*work_, *task.shape, triangles, control);
+        work_apart({}, meeting, out, control);
+        work_->certify(out.certificate, control);
+        triangles.assign(work_->triangles().begin(), work_->triangles().end());
+      }
     } while (settle_vertices(*work_, *task.shape, triangles, control));
   }
   work_->freeze_anchors(partition().cell_count());

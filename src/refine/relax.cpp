@@ -4,17 +4,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <tuple>
 
 #include "core/disjoint_sets.h"
 #include "core/ids.h"
 #include "core/vector_math.h"
+#include "refine/facing.h"
 #include "refine/level_mesh.h"
+#include "subdivide/subdivide.h"
 
 namespace isoatlas {
 namespace {
 
-constexpr double kMargin = 0.03;  // of a cell, kept free along its walls
 constexpr double kBeyond = 1.12;  // aims a little higher than the goal, so as to arrive
 constexpr int kSteps = 80;
 constexpr double kPush = 0.6, kPull = 0.3;                // shares of what is missing, of the shortest and the longest edge
@@ -24,7 +24,6 @@ constexpr double kFarthestFound = 0.4;                    // and while searching
 constexpr std::array kSearchSteps{0.2, 0.1, 0.05, 0.02};  // voxels
 constexpr int kSearchPasses = 12;
 constexpr double kWorthIt = 2e-3;
-constexpr double kSliver = 0.1;            // height over the longest edge
 constexpr double kSeparationWeight = 0.5;  // an edge as short as can be is half as bad as a triangle
 constexpr int kNewtonSteps = 5;
 constexpr double kOnSurface = 0.02;
@@ -160,18 +159,18 @@ class Relaxation {
     return cross(at[c[1]] - at[c[0]], at[c[2]] - at[c[0]]);
   }
 
-  // Which way a triangle faced at the start. Of a sliver that says nothing: there, all those around it.
-  Vec3 facing(std::uint32_t t) const {
-    const Triangle& c = triangles_[t];
-    const Vec3 own = area(t, start_);
-    const double longest = std::max({squared_length(start_[c[1]] - start_[c[0]]), squared_length(start_[c[2]] - start_[c[1]]),
-                                     squared_length(start_[c[0]] - start_[c[2]])});
-    if (length(own) >= kSliver * longest) return own;
-    Vec3 sum;
-    for (const std::uint32_t v : c) {
-      for (const std::uint32_t other : triangles_of_.of(v)) sum = sum + area(other, start_);
-    }
-    return sum;
+  Vec3 facing_at_start(std::uint32_t t) const {
+    return facing(
+        t,
+        [&](std::uint32_t i) {
+          const Triangle& c = triangles_[i];
+          return std::array<Vec3, 3>{start_[c[0]], start_[c[1]], start_[c[2]]};
+        },
+        [&](auto add) {
+          for (const std::uint32_t v : triangles_[t]) {
+            for (const std::uint32_t i : triangles_of_.of(v)) add(i);
+          }
+        });
   }
 
   // Corners of triangles that now face the other way go back to where they were, until there are none.
@@ -181,7 +180,7 @@ class Relaxation {
       for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
         const Triangle& c = triangles_[t];
         if (!has_moved(t)) continue;
-        if (dot(facing(t), area(t, points_)) >= 0) continue;
+        if (dot(facing_at_start(t), area(t, points_)) >= 0) continue;
         for (const std::uint32_t v : c) points_[v] = start_[v];
         any = true;
       }
@@ -252,7 +251,7 @@ class Relaxation {
     for (const std::uint32_t t : triangles_of_.of(v)) {
       const Triangle& c = triangles_[t];
       const std::array<Vec3, 3> q{c[0] == v ? p : points_[c[0]], c[1] == v ? p : points_[c[1]], c[2] == v ? p : points_[c[2]]};
-      if (dot(facing(t), cross(q[1] - q[0], q[2] - q[0])) < 0) return true;
+      if (dot(facing_at_start(t), cross(q[1] - q[0], q[2] - q[0])) < 0) return true;
     }
     return false;
   }
@@ -337,8 +336,8 @@ class Relaxation {
 }  // namespace
 
 Roam roam_of(Vec3 position, Vec3 spacing) {
-  const auto low = [](double x) { return x == std::floor(x) ? x : std::min(x, std::floor(x) + kMargin); };
-  const auto high = [](double x) { return x == std::floor(x) ? x : std::max(x, std::floor(x) + 1 - kMargin); };
+  const auto low = [](double x) { return x == std::floor(x) ? x : std::min(x, std::floor(x) + kWallMargin); };
+  const auto high = [](double x) { return x == std::floor(x) ? x : std::max(x, std::floor(x) + 1 - kWallMargin); };
   return {scaled({low(position.x), low(position.y), low(position.z)}, spacing),
           scaled({high(position.x), high(position.y), high(position.z)}, spacing)};
 }

@@ -26,7 +26,7 @@ struct RelaxGoal {
 
 /// Moves vertices a little, within their boxes, until triangles have a better shape: the ends of an edge that is too short are pushed
 /// apart, those of the longest one pulled together, and vertices that are moved are drawn back towards the surface, which they may
-/// leave by a quarter of a voxel at most. No triangle is turned over. Only places that need it are touched.
+/// leave by 0.4 voxel at most. No triangle is turned over. Only places that need it are touched.
 ///
 /// @param points  spacing applied; lengths in voxels (smallest spacings)
 /// @param field   whose zero set is the surface; none: nothing draws vertices back

@@ -10,6 +10,7 @@
 #include <span>
 
 #include "core/vector_math.h"
+#include "refine/facing.h"
 #include "refine/relax.h"
 
 namespace isoatlas {
@@ -19,7 +20,6 @@ constexpr int kPasses = 24;
 constexpr double kWorthIt = 1e-3;
 constexpr int kRelaxRounds = 3;
 constexpr int kLooksBack = 4;            // after relaxing, for cells that it took over their bounds
-constexpr double kSliver = 0.1;          // height over the longest edge
 constexpr double kLeastAgreement = 0.3;  // cosine between normals before and after a flip
 
 // What a change is for: a triangle's shape, or the errors of a cell that is over its bounds.
@@ -93,13 +93,14 @@ class Workshop {
     keep_from_straying(old_shift);
     std::vector<CellId> concerned = rings_around(moved, rings_);
     work_.remesh(triangles_, places_, concerned);
-    for (int look = 0; look < kLooksBack || meeting_ != nullptr; ++look) {
+    const int looks = meeting_ == nullptr ? kLooksBack : kLooksBack + 1;
+    for (int look = 0; look < looks; ++look) {
       std::vector<CellId> worse = meeting_corners();
       for (const CellId c : concerned) {
         if (work_.errors()[c].excess > std::max(1.0, before[c].excess * (1 + kWorthIt))) worse.push_back(c);
       }
       if (worse.empty()) break;
-      // At last everything around goes back, and then everything.
+      // At last everything around goes back, and if triangles must not meet, everything.
       worse = look >= kLooksBack ? moved : rings_around(worse, look + 1 < kLooksBack ? 1 : rings_);
       for (const CellId c : worse) {
         places_.shift[c] = old_shift[c];
@@ -109,7 +110,6 @@ class Workshop {
       worse.insert(worse.end(), strayed.begin(), strayed.end());
       concerned = rings_around(worse, rings_);
       work_.remesh(triangles_, places_, concerned);
-      if (look >= kLooksBack) break;
     }
     for (const CellId c : moved) report.shifts += !(places_.shift[c] == old_shift[c]);
     return true;
@@ -194,22 +194,15 @@ class Workshop {
     return true;
   }
 
-  // Which way a triangle faces, by its area. Of a sliver that says nothing: there, all those around it.
-  Vec3 facing(std::uint32_t i) const {
-    const auto area = [&](std::uint32_t t) {
-      const std::array<Vec3, 3>& q = work_.mesh().triangles[t].corner;
-      return cross(q[1] - q[0], q[2] - q[0]);
-    };
-    const MeshTriangle& t = work_.mesh().triangles[i];
-    const Vec3 own = area(i);
-    const double longest = std::max(
-        {squared_length(t.corner[1] - t.corner[0]), squared_length(t.corner[2] - t.corner[1]), squared_length(t.corner[0] - t.corner[2])});
-    if (length(own) >= kSliver * longest) return own;
-    Vec3 sum;
-    for (const CellId c : t.cell) {
-      for (const std::uint32_t other : work_.mesh().triangles_of.of(c)) sum = sum + area(other);
-    }
-    return sum;
+  Vec3 facing_of(std::uint32_t i) const {
+    const LevelMesh& mesh = work_.mesh();
+    return facing(
+        i, [&](std::uint32_t t) { return mesh.triangles[t].corner; },
+        [&](auto add) {
+          for (const CellId c : mesh.triangles[i].cell) {
+            for (const std::uint32_t t : mesh.triangles_of.of(c)) add(t);
+          }
+        });
   }
 
   bool may_move(CellId c) const { return meeting_ != nullptr || places_.may_move(c); }
@@ -426,7 +419,7 @@ class Workshop {
       const double was = std::min(score(t), score(mesh.triangles[j]));
       const double now = std::min(goal_.score(pa, pd, pc), goal_.score(pd, pb, pc));
       if (now < enough(was, gain) || now <= best.score) continue;
-      const Vec3 n = normalized(facing(i) + facing(j));
+      const Vec3 n = normalized(facing_of(i) + facing_of(j));
       if (dot(n, normalized(cross(pd - pa, pc - pa))) < kLeastAgreement || dot(n, normalized(cross(pb - pd, pc - pd))) < kLeastAgreement)
         continue;
       Change change;
@@ -456,7 +449,7 @@ class Workshop {
         for (std::size_t k = 0; k < 3; ++k) {
           if (mesh.triangles[t].cell[k] == cell) q[k] = p;
         }
-        if (dot(normalized(cross(q[1] - q[0], q[2] - q[0])), normalized(facing(t))) < kLeastAgreement) return;
+        if (dot(normalized(cross(q[1] - q[0], q[2] - q[0])), normalized(facing_of(t))) < kLeastAgreement) return;
         now = std::min(now, goal_.score(q[0], q[1], q[2]));
       }
       if (now < enough(was, gain) || now <= best.score) return;

@@ -144,18 +144,17 @@ std::vector<CVertexId> AdaptiveSurface::with_crowded_cells(std::span<const CVert
   return out;
 }
 
-// Those that are alone in a cell, which they may be anywhere in, while nothing there is divided.
-void AdaptiveSurface::keep_off_walls(std::span<const CVertexId> wanted, std::span<const CVertexId> pinned,
-                                     const std::vector<Fineness>& was) {
-  std::vector<std::uint8_t> is_pinned(complex_.c_vertex_count(), 0);
-  for (const CVertexId v : pinned) is_pinned[v] = 1;
+// Those that are alone in a cell, which they may be anywhere in, while nothing around them is divided.
+void AdaptiveSurface::keep_off_walls(std::span<const CVertexId> wanted, std::span<const CVertexId> pinned) {
+  std::vector<std::uint8_t> stays(complex_.c_vertex_count(), 0);
+  for (const CVertexId v : pinned) stays[v] = 1;
   for (const Face& face : complex_.faces) {
     if (!face.is_triangle()) continue;
-    for (int k = 0; k < 3; ++k) is_pinned[face.corner[k]] = 1;
+    for (int k = 0; k < 3; ++k) stays[face.corner[k]] = 1;
   }
   for (const CVertexId v : wanted) {
     Vec3& p = complex_.positions[v];
-    if (is_pinned[v] || v >= parsed_ || was[v] != Fineness::faces || crowded_.contains(v) || whole_coordinates(p) > 0) continue;
+    if (stays[v] || crowded_.contains(v) || whole_coordinates(p) > 0) continue;
     const auto inside = [](double x) { return std::clamp(x, std::floor(x) + kWallMargin, std::floor(x) + 1 - kWallMargin); };
     p = rounded({inside(p.x), inside(p.y), inside(p.z)});
   }
@@ -164,7 +163,7 @@ void AdaptiveSurface::keep_off_walls(std::span<const CVertexId> wanted, std::spa
 // The next step for each. Where pieces become smaller, what else is in their cells has to be in pieces first, to be looked at with them.
 void AdaptiveSurface::divide(std::span<const CVertexId> wanted, std::span<const CVertexId> pinned) {
   const std::vector<Fineness> was = fineness();
-  keep_off_walls(wanted, pinned, was);
+  keep_off_walls(wanted, pinned);
   std::vector<std::uint8_t> is_wanted(complex_.c_vertex_count(), 0);
   for (const CVertexId v : wanted) is_wanted[v] = was[v] == Fineness::pieces;
   std::vector<Cell> cells;

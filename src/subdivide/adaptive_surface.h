@@ -50,7 +50,7 @@ class AdaptiveSurface {
  private:
   void watch();
   std::vector<CVertexId> with_crowded_cells(std::span<const CVertexId> wanted) const;
-  void keep_off_walls(std::span<const CVertexId> wanted, std::span<const CVertexId> pinned, const std::vector<Fineness>& was);
+  void keep_off_walls(std::span<const CVertexId> wanted, std::span<const CVertexId> pinned);
   void divide_once(std::span<const CVertexId> wanted, const std::vector<Fineness>& was);
   void flatten_where_pieces_meet(const Subdivision& divided, CVertexId first_new);
 

@@ -17,7 +17,6 @@ namespace isoatlas {
 namespace {
 
 constexpr std::size_t kCellsPerPiece = 64;
-constexpr double kMargin = kWallMargin;  // from a cell's walls, on which the whole border of a surfel's piece may be
 // Where else they are looked for, in a cell, and from how many places.
 constexpr std::array kLattice{kWallMargin, 0.1, 0.25, 0.5, 0.75, 0.9, 1 - kWallMargin};
 constexpr int kAttempts = 12;
@@ -29,7 +28,7 @@ Cell cell_of(Vec3 p) { return {std::floor(p.x), std::floor(p.y), std::floor(p.z)
 bool is_in_cell(Vec3 p) { return p.x != std::floor(p.x) && p.y != std::floor(p.y) && p.z != std::floor(p.z); }
 
 Vec3 inside(const Cell& cell, Vec3 p) {
-  const auto clamp = [](double low, double x) { return std::clamp(x, low + kMargin, low + 1 - kMargin); };
+  const auto clamp = [](double low, double x) { return std::clamp(x, low + kWallMargin, low + 1 - kWallMargin); };
   return {clamp(cell[0], p.x), clamp(cell[1], p.y), clamp(cell[2], p.z)};
 }
 
@@ -213,18 +212,16 @@ std::size_t CrowdedCells::separate(SurfaceComplex& complex) {
       const std::span<const CVertexId> own = c_vertices(cell);
       std::vector<Vec3> start;
       for (const CVertexId v : own) start.push_back(complex.positions[v]);
-      for (const CVertexId v : own) complex.positions[v] = rounded(inside(cell_of(complex.positions[v]), complex.positions[v]));
-      if (!surfels_meet(cell, complex.positions)) continue;
-      for (std::size_t k = 0; k < own.size(); ++k) complex.positions[own[k]] = start[k];
-      if (!surfels_meet(cell, complex.positions)) continue;
+      const auto fits = [&](auto place) {
+        for (std::size_t k = 0; k < own.size(); ++k) complex.positions[own[k]] = place(k);
+        return !surfels_meet(cell, complex.positions);
+      };
+      const auto off_walls = [&](std::size_t k, Vec3 p) { return rounded(inside(cell_of(start[k]), p)); };
+      if (fits([&](std::size_t k) { return off_walls(k, start[k]); }) || fits([&](std::size_t k) { return start[k]; })) continue;
       const std::vector<Vec3> middle = middles(cell);
       bool good = false;
-      for (const double share : kShares) {
-        for (std::size_t k = 0; k < own.size(); ++k)
-          complex.positions[own[k]] = rounded(inside(cell_of(start[k]), start[k] + share * (middle[k] - start[k])));
-        good = !surfels_meet(cell, complex.positions);
-        if (good) break;
-      }
+      for (std::size_t i = 0; i < kShares.size() && !good; ++i)
+        good = fits([&](std::size_t k) { return off_walls(k, start[k] + kShares[i] * (middle[k] - start[k])); });
       if (!good) {
         good = search_places(cell, start);
         for (std::size_t k = 0; k < own.size(); ++k) complex.positions[own[k]] = start[k];

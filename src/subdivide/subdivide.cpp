@@ -13,9 +13,8 @@ namespace isoatlas {
 namespace {
 
 // Points keep away from the edges of their walls and from the walls of their cells, nodes farther from the ends of their edges, since
-// other nodes may be near by on other edges: all may become vertices. (Chords of two nodes keep kMargin where nodes keep kNodeMargin.)
-constexpr double kMargin = kWallMargin;
-constexpr double kNodeMargin = 2 * kMargin;
+// other nodes may be near by on other edges: all may become vertices. (Chords of two nodes keep kWallMargin where nodes keep kNodeMargin.)
+constexpr double kNodeMargin = 2 * kWallMargin;
 constexpr int kNewtonSteps = 3;
 constexpr double kShortest = 0.02;  // a side within a cell, steps of the sample index
 constexpr double kTowardsCurve = 0.75;
@@ -346,7 +345,7 @@ class Subdivider {
     Point out = as_array(found);
     for (std::size_t x = 0; x < 3; ++x) {
       const double low = std::floor(as_array(chord)[x]);
-      out[x] = x == wall ? n[x] : std::clamp(out[x], low + kMargin, low + 1 - kMargin);
+      out[x] = x == wall ? n[x] : std::clamp(out[x], low + kWallMargin, low + 1 - kWallMargin);
     }
     return as_vector(out);
   }
@@ -361,8 +360,8 @@ class Subdivider {
     box.include(b);
     for (std::size_t x = 0; x < 3; ++x) {
       fixed[x] = is_whole(pa[x]) && pa[x] == pb[x];
-      low[x] = fixed[x] ? pa[x] : box.low[x] + kMargin;
-      high[x] = fixed[x] ? pa[x] : box.high[x] - kMargin;
+      low[x] = fixed[x] ? pa[x] : box.low[x] + kWallMargin;
+      high[x] = fixed[x] ? pa[x] : box.high[x] - kWallMargin;
     }
     const Vec3 spacing = complex_.spacing;
     const Point weight{1 / (spacing.x * spacing.x), 1 / (spacing.y * spacing.y), 1 / (spacing.z * spacing.z)};

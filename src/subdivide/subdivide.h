@@ -30,6 +30,13 @@ inline Vec3 rounded(Vec3 position) {
   return {std::round(position.x * kScale) / kScale, std::round(position.y * kScale) / kScale, std::round(position.z * kScale) / kScale};
 }
 
+/// Where a c-vertex is that was moved: in sample-index coordinates, to the last bit as everything else has it.
+/// @param shift  how far it was moved, spacing applied
+inline Vec3 displaced(const SurfaceComplex& complex, CVertexId v, Vec3 shift) {
+  const Vec3 p = complex.positions[v], s = complex.spacing;
+  return shift == Vec3{} ? p : rounded({p.x + shift.x / s.x, p.y + shift.y / s.y, p.z + shift.z / s.z});
+}
+
 /// How the faces around a c-vertex lie in the grid, each step finer than the one before.
 enum class Fineness : std::uint8_t {
   faces,   ///< some are as they were parsed

@@ -22,9 +22,8 @@ class WatchedCells {
   /// @cost  O(F log cells)
   WatchedCells(const SurfaceComplex& complex, std::span<const Cell> cells);
 
-  bool contains(CVertexId v) const {
-    return v < complex_size_ && first_cell_[v] != first_cell_[v + 1];
-  }  ///< in such a cell, or on its walls
+  /// In such a cell, or on its walls.
+  bool contains(CVertexId v) const { return v < complex_size_ && first_cell_[v] != first_cell_[v + 1]; }
 
   /// All c-vertices of those cells, with one of `moved` in them, in which triangles meet where the c-vertices are now; some may be there
   /// several times.
