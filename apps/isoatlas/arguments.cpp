@@ -270,6 +270,14 @@ surface, about K*K. Default: 1.
     if (!factor || *factor == 0) refuse("expected a number above 0, got " + in_quotes(text));
     options.supersample = *factor;
   });
+  add_value(*command, kSurface, "--adaptive-supersample", "N", R"(
+How often, in each refined level, the surface may be sampled more finely at places where a bound cannot be kept
+otherwise, from 0, never, to 8. Where triangles would meet is another matter. Default: 3.
+)", [&](const std::string& text) {
+    const auto times = parse_whole<std::uint32_t>(text);
+    if (!times || *times > kMostDivisions) refuse("expected a number from 0 to 8, got " + in_quotes(text));
+    options.adaptive_supersample = *times;
+  });
 
   add_value(*command, kSurface, "--min-component-size", "SIZE", R"(
 Leave out components that enclose less: 10vx is ten voxels, 2.5 or 2.5mm3 are world units cubed. One that the volume's

@@ -21,6 +21,8 @@ enum class CoveringStrategy : std::uint8_t {
   halving,       ///< the paper's own: bins of radii R_g / 2^i, every radius halved until it fits its neighbours'
 };
 
+constexpr std::uint32_t kMostDivisions = 8;  ///< more often the surface is not divided for a bound
+
 struct ExtractOptions {
   double isovalue = 0;
   Inside inside = Inside::above;
@@ -31,6 +33,8 @@ struct ExtractOptions {
   /// The reference surface is that of the volume upsampled so many times along each axis by the interpolation. Voxels are those
   /// of the volume, and positions in its sample-index coordinates.
   std::uint32_t supersample = 1;
+  /// How often the surface may be divided, in each refined level, where cells as small as they can be are over a bound; 0: never.
+  std::uint32_t adaptive_supersample = 3;
   Space space = Space::lps;
   /// Largest disk radius R_g of the paper's stage one, world units; none: half the longest side of the volume.
   std::optional<double> max_radius;
@@ -180,8 +184,8 @@ struct Extraction {
 /// @throws Error(bad_argument)  size < 2 along an axis, spacing not positive or different by more than 1e6 between axes, origin,
 ///                              direction or a corner of the volume not finite, fewer than 2^16 doubles to a voxel there, direction
 ///                              singular, isovalue not finite, max_radius <= 0, event_persistence < 0, supersample 0 or so large that
-///                              there are too many samples, min_component_size < 0 or not finite, a bound that its quantity cannot
-///                              have
+///                              there are too many samples, adaptive_supersample > kMostDivisions, min_component_size < 0 or not finite,
+///                              a bound that its quantity cannot have
 /// @throws Error(unsupported)   NaN or infinity while non_finite is `refuse` (message: count and first index); a direction that is
 ///                              not orthonormal, unless `refine` and `coarse` are empty and nothing is to be measured
 /// @throws Error(empty_surface) no sample, or every sample, is inside (message: the range); every component was to be dropped

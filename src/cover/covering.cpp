@@ -72,12 +72,17 @@ void Covering::insert(CVertexId v) {
   }
 }
 
-std::vector<CellId> Covering::shrink(std::span<const CellId> cells) {
+std::vector<float> Covering::reach() const {
   std::vector<float> farthest(site_count(), 0);
   for (CVertexId v = 0; v < distance_.size(); ++v) {
     float& most = farthest[partition_.cell_of[v]];
     most = std::max(most, distance_[v]);
   }
+  return farthest;
+}
+
+std::vector<CellId> Covering::shrink(std::span<const CellId> cells) {
+  const std::vector<float> farthest = reach();
   std::vector<CellId> single;
   for (const CellId c : cells) {
     if (farthest[c] == 0) {

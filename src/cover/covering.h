@@ -54,6 +54,8 @@ class Covering {
 
   /// Makes v a site and gives it every c-vertex that is nearer to it than to any other.
   void insert(CVertexId v);
+  /// Per cell, the distance of its farthest c-vertex; 0 where the site is the only one. O(C)
+  std::vector<float> reach() const;
   /// Makes the radii at the sites of cells smaller, each by so much that the next cover() has to divide the cell. O(C)
   /// @return those of `cells` that have no c-vertex besides their site
   std::vector<CellId> shrink(std::span<const CellId> cells);

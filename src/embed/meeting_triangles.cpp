@@ -2,6 +2,8 @@
 #include "embed/meeting_triangles.h"
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 namespace isoatlas {
 namespace {
@@ -9,6 +11,12 @@ namespace {
 Triangle with_smallest_first(Triangle t) {
   std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
   return t;
+}
+
+std::vector<std::uint32_t> sorted_once(std::vector<std::uint32_t> ids) {
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  return ids;
 }
 
 }  // namespace
@@ -58,9 +66,23 @@ std::vector<std::uint32_t> MeetingTriangles::update(std::span<const Vec3> positi
     corners.insert(corners.end(), a.begin(), a.end());
     corners.insert(corners.end(), b.begin(), b.end());
   }
-  std::sort(corners.begin(), corners.end());
-  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
-  return corners;
+  return sorted_once(std::move(corners));
+}
+
+std::vector<std::uint32_t> MeetingTriangles::largest_corners(std::span<const float> size_of_vertex) const {
+  std::vector<std::uint32_t> out;
+  for (const auto& [a, b] : pairs_) {
+    const std::array<std::uint32_t, 6> corner{a[0], a[1], a[2], b[0], b[1], b[2]};
+    const auto largest = std::max_element(corner.begin(), corner.end(), [&](std::uint32_t v, std::uint32_t w) {
+      return size_of_vertex[v] != size_of_vertex[w] ? size_of_vertex[v] < size_of_vertex[w] : v > w;
+    });
+    if (size_of_vertex[*largest] > 0) {
+      out.push_back(*largest);
+    } else {
+      out.insert(out.end(), corner.begin(), corner.end());
+    }
+  }
+  return sorted_once(std::move(out));
 }
 
 }  // namespace isoatlas

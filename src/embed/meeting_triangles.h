@@ -19,6 +19,9 @@ class MeetingTriangles {
   /// Per triangle, 1 if it is new since the last update() or has a corner that moved.
   std::vector<std::uint8_t> fresh(std::span<const Vec3> positions, std::span<const Triangle> triangles) const;
 
+  /// Of each pair in the last mesh the largest corner, all six if the largest has no size; sorted.
+  std::vector<std::uint32_t> largest_corners(std::span<const float> size_of_vertex) const;
+
   std::size_t pairs() const { return pairs_.size(); }  ///< of the last mesh
 
  private:

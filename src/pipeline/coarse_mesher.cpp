@@ -171,14 +171,15 @@ void CoarseMesher::relax_vertices() {
   for (std::size_t i = 0; i < at.size(); ++i) shift_[i] = points[i] - start[i];
 }
 
-// Divides cells whose triangles meet others where they should not. Where cells are single c-vertices, more of these are needed: first
-// those of the surface itself, then pieces that stay in their grid cells. Such pieces do not meet, but where vertices were moved.
+// Of each two triangles that meet where they should not the largest cell is divided. (All six: 2 to 10 % more triangles, twice as many
+// bad ones, and a quarter less time in white noise.) Where cells are single c-vertices, more of these are needed: first those of the
+// surface itself, then pieces that stay in their grid cells. Such pieces do not meet, but where vertices were moved.
 // @return whether there is something new to look at
 bool CoarseMesher::part(LevelReport& report, const RunControl& control) {
-  const std::vector<CellId> corners = meeting_.update(mesh_.positions, mesh_.triangles, control);
+  meeting_.update(mesh_.positions, mesh_.triangles, control);
   Covering& covering = stand_->covering;
   const std::uint32_t before = covering.site_count();
-  const std::vector<CellId> single = covering.shrink(corners);
+  const std::vector<CellId> single = covering.shrink(meeting_.largest_corners(covering.reach()));
   covering.cover(control);  // also where components that were turned left radii too small to cover
   bool any = covering.site_count() > before;
   if (!single.empty()) any = part_single_cells(single, any, control) || any;

@@ -49,9 +49,10 @@ class Refiner {
   };
 
   /// @param surface   divided where a bound or the shape of triangles asks for more c-vertices than there are
-  /// @param embedded  divide cells, and then the surface, where triangles meet others where they should not
+  /// @param embedded        divide cells, and then the surface, where triangles meet others where they should not
+  /// @param most_divisions  per level, how often to divide the surface where cells at their limit are over a bound
   Refiner(AdaptiveSurface& surface, const Isosurface& isosurface, const Coarsened& coarser, const CoveringOptions& options, Start start,
-          bool embedded);
+          bool embedded, std::uint32_t most_divisions);
 
   /// What can be said of level 0. To be called once, before refine().
   /// @param sites  per vertex of the level, its c-vertex on the surface
@@ -75,7 +76,7 @@ class Refiner {
   std::vector<CVertexId> work_on_shape(MeasuredCovering& work, const Task& task, std::size_t room, std::span<const CVertexId> given_up);
   bool work_around(MeasuredCovering& work, const Task& task, const std::vector<DualTriangle>& triangles);
   Task whole_task(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control);
-  bool part(std::span<const CellId> corners, const RunControl& control);
+  bool part(const MeetingTriangles& meeting, const RunControl& control);
   void work_apart(const Task& task, MeetingTriangles& meeting, RefinedLevel& out, const RunControl& control);
   void work_towards(const Task& task, MeetingTriangles& meeting, RefinedLevel& out, const RunControl& control);
   std::vector<CVertexId> places_at_limit() const;
@@ -91,11 +92,12 @@ class Refiner {
   const Coarsened& coarser_;
   Start start_;
   bool embedded_;
+  std::uint32_t most_divisions_;
   std::unique_ptr<Ground> ground_;
   std::unique_ptr<MeasuredCovering> work_;
   std::vector<CellId> placed_in_;  // per site, as far as it was placed on another complex than work_ stands on; else kNone
   std::uint32_t sites_before_;     // of the level before
-  int divisions_ = 0;              // of this level, for the sake of bounds
+  std::uint32_t divisions_ = 0;    // of this level, for the sake of bounds
   MeshExtent extent_;              // of the last level, its metrics below
   std::array<MetricSummary, kMetricCount> metrics_{};
 };

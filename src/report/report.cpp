@@ -118,6 +118,7 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
   json["parameters"] = {{"non_finite", text(options.non_finite)},
                         {"interpolation", text(options.interpolation)},
                         {"supersample", options.supersample},
+                        {"adaptive_supersample", options.adaptive_supersample},
                         {"space", text(options.space)},
                         {"max_radius", to_value(options.max_radius)},
                         {"covering", text(options.covering)},

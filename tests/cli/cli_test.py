@@ -146,7 +146,7 @@ class Help(ToolTest):
                    "--raw-size --raw-type --raw-spacing --raw-endian -q --quiet -v --verbose -h --help "
                    "--refine --max-distance --mean-distance --area-curvature --area-curvature-smooth --geodesic-ratio "
                    "--normal-angle --max-vertices --min-vertices --min-edge --max-edge --min-aspect --placement "
-                   "--glb-per-level --measure --measure-samples --min-component-size --keep-components --interpolation --supersample "
+                   "--glb-per-level --measure --measure-samples --min-component-size --keep-components --interpolation --supersample --adaptive-supersample "
                    "--allow-self-intersections",
         "info": "--raw-size --raw-type --raw-spacing --raw-endian -h --help",
         "check": "--json --self-intersections --volume --iso --inside --topology --nan --interpolation --space --samples --raw-size --raw-type --raw-spacing --raw-endian -h --help",
@@ -473,6 +473,7 @@ class BadArguments(ToolTest):
             "--inside": ["outside", "", "0"],
             "--topology": ["cubic", "", "Faces"],
             "--interpolation": ["linear", "", "Tricubic", "cubic"],
+            "--adaptive-supersample": ["-1", "9", "1.5", "", "many"],
             "--supersample": ["0", "-2", "1.5", "2x", "", "99999999999"],
             "--nan": ["refuse", ""],
             "--space": ["lpi", "LPS"],

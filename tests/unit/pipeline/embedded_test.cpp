@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "isoatlas/extract.h"
 #include "isoatlas/self_intersections.h"
@@ -47,6 +48,23 @@ TEST(Embedded, NothingIsLeftInAnyLevel) {
     }
   }
   EXPECT_GT(before, 0u) << "else this shows nothing";
+}
+
+// Bounds that the grid is too coarse for: the more often the surface may be divided, the better they are kept.
+TEST(AdaptiveSupersample, AsOftenAsAllowed) {
+  ExtractOptions options;
+  options.allow_self_intersections = true;  // else the surface is also divided where triangles meet
+  options.refine = {{{Quantity::max_distance, 0.02}}};
+  double before = std::numeric_limits<double>::infinity();
+  for (const std::uint32_t times : {0u, 1u, 3u}) {
+    options.adaptive_supersample = times;
+    const Extraction e = extract(to_volume(random_samples(Family::white_noise, {8, 8, 8}, 3)), options);
+    EXPECT_EQ(e.report.added_c_vertices > 0, times > 0);
+    EXPECT_LE(e.report.deepest_division, static_cast<int>(times));
+    const double reached = e.finest().constraints.front().reached;
+    EXPECT_LT(reached, before) << times;
+    before = reached;
+  }
 }
 
 // What is listed as badly shaped is, and nothing else.

@@ -61,6 +61,9 @@ TEST(Refuses, NonFiniteIsovalueAndBadLengths) {
     o.supersample = 1u << 31;
     expect_error(ErrorCode::bad_argument, {"12 x 12 x 12", "too many"}, ball(), o);
     o = {};
+    o.adaptive_supersample = 9;
+    expect_error(ErrorCode::bad_argument, {"adaptive supersampling", "8"}, ball(), o);
+    o = {};
     o.max_radius = bad;
     expect_error(ErrorCode::bad_argument, {"radius"}, ball(), o);
     o = {};
