@@ -86,44 +86,6 @@ MESH_3 = {"head": ((4466, 0.932, 0.15), (8868, 0.525, 0.087), (11630, 0.426, 0.0
           "dragon": ((24544, 0.994, 0.14), (46100, 0.815, 0.081), (58646, 0.486, 0.066))}
 REFINED = [p[:3] for p in PAPER[:3]]
 
-# Coarse triangles of the feasibility study on its full complexes: the paper's bins and halving, the radius field.
-STUDY_COVERINGS = {("dragon_sdf.nrrd", "0"): (15444, 436), ("neuron_dendrite.nrrd", "127.5"): (41374, 1834)}
-
-
-def coverings(tool, data, rows, work, repeats):
-    """A line per row of TOPOLOGY.tsv with both strategies of --covering, in turns on the same volume; seconds are the least of `repeats`."""
-    lines, passed = [], 0
-    for row in rows:
-        name, iso = row["file"], row["isovalue"]
-        label = f"{name.split('.')[0]} @ {iso}"
-        print(f"{label}, coverings", flush=True)
-        best, failed = {}, ""
-        for _ in range(repeats):
-            for strategy in ("radius-field", "halving"):
-                mesh, report = work / "covering.ply", work / "covering.json"
-                done = run([tool, "extract", data / name, "--iso", iso, "--coarse", "--covering", strategy, "-o", mesh, "--report", report, "-q",
-                            "--threads", "1"])
-                if done.returncode != 0:
-                    failed = done.stderr.strip()
-                    continue
-                r = json.load(open(report))
-                if strategy not in best or r["seconds"]["total"] < best[strategy]["seconds"]["total"]:
-                    best[strategy] = r
-        if failed:
-            lines.append(f"| {label} | failed: {failed} | | | | | | | | | |")
-            continue
-        want = [int(row["faces_" + k]) for k in ("components", "euler", "genus", "boundary_loops")]
-        levels = [best[s]["levels"][0] for s in ("radius-field", "halving")]
-        good = all(m["certificate"]["passed"] and [m[k] for k in ("components", "euler_characteristic", "genus", "boundary_loops")] == want
-                   for m in levels)
-        passed += good
-        field, halving = (m["triangles"] for m in levels)
-        repair = " | ".join(f"{m['certificate']['repair_sites']:,}" for m in levels)
-        disks = " | ".join(f"{1000 * (best[s]['seconds']['cover'] + best[s]['seconds']['certify']):.0f}" for s in ("radius-field", "halving"))
-        study = " | ".join(f"{n:,}" for n in reversed(STUDY_COVERINGS[name, iso])) if (name, iso) in STUDY_COVERINGS else " | "
-        lines.append(f"| {label} | {field:,} | {halving:,} | {halving / field:.2f} | {study} | {repair} | {disks} | {yes(good)} |")
-    return lines, passed
-
 
 class Refinement:
     """Everything results.md says of refined levels. Distances are the tool's own, 200,000 samples each way, and the oracle's beside."""
@@ -298,18 +260,16 @@ def main():
         b = json.loads(must([bin_folder / "bench_extract", volume, iso, options.repeats]))
         study = STUDY.get((name, iso))
         bound = f"{study[0]:,} | {study[1] * study[0]:,.0f} | {m['triangles'] / study[0]:.2f} | {yes(m['triangles'] <= study[1] * study[0])}" if study else "| | |"
-        triangles.append(f"| {label} | {b['mc_triangles']:,} | {r['reference']['c_vertices']:,} | {m['triangles']:,} | {bound} |")
+        triangles.append(f"| {label} | {b['mc_triangles']:,} | {r['reference']['c_vertices']:,} | {m['triangles']:,} | {b['meeting_triangles']:,} | {bound} |")
         q = m["quality"]["aspect_ratio"]
         shape.append(f"| {label} | {c['repair_sites']:,} in {c['repair_rounds']} rounds | {q['minimum']:.3g} | {q['p01']:.3f} | {q['median']:.3f} | "
                      f"{100 * q['share_below_third']:.2f} % |")
-        ratio = b["isoatlas_ms"] / b["mc_ms"]
+        ratio = b["meeting_ms"] / b["mc_ms"]
         limit = 2 if (name, iso) in SMOOTH else 8
         s = b["stages_ms"]
-        time.append(f"| {label} | {b['mc_ms']:.0f} | {b['fe_ms']:.0f} | {b['isoatlas_ms']:.0f} | {ratio:.2f} | {b['isoatlas_ms'] / b['fe_ms']:.1f} | "
-                    f"{yes(ratio <= limit)} (≤ {limit}) | " + " | ".join(f"{s[k]:.0f}" for k in ("surface", "components", "coarsen", "cover", "certify", "mesh", "check")) +
+        time.append(f"| {label} | {b['mc_ms']:.0f} | {b['fe_ms']:.0f} | {b['meeting_ms']:.0f} | {ratio:.2f} | {b['meeting_ms'] / b['fe_ms']:.1f} | "
+                    f"{yes(ratio <= limit)} (≤ {limit}) | {b['isoatlas_ms']:.0f} | {b['isoatlas_ms'] / b['mc_ms']:.2f} | " + " | ".join(f"{s[k]:.0f}" for k in ("surface", "components", "coarsen", "cover", "certify", "mesh", "check")) +
                     f" | {r['peak_memory_bytes'] / 2**20:.0f} |")
-
-    strategies, kept = coverings(tool, options.data, rows, work, options.repeats)
 
     nan = options.data / "tmap_nan.nii.gz"
     mesh = work / "tmap.ply"
@@ -347,16 +307,16 @@ With `--topology faces` every loop is spanned by a disk, as in the paper:
 
 ## Triangles of the coarse mesh
 
-"Study" is the feasibility study's coarse column; asked for is at most 1.2 times that, 1.5 times on anisotropic volumes, which the
+"Study" is the feasibility study's coarse column, whose meshes meet themselves; asked for is at most 1.2 times that, 1.5 times on anisotropic volumes, which the
 study meshed with unit spacing.
 
-| volume @ isovalue | marching cubes | c-vertices | isoatlas | study | at most | ratio | met |
-|---|---:|---:|---:|---:|---:|---:|---|
+| volume @ isovalue | marching cubes | c-vertices | isoatlas | self-intersections allowed | study | at most | ratio | met |
+|---|---:|---:|---:|---:|---:|---:|---:|---|
 {chr(10).join(triangles)}
 
 ## Shape of the coarse mesh
 
-Nothing is promised here yet: a coarse mesh has to be right before it is nice (paper, section 3.7). World units.
+Nothing is promised here: a coarse mesh has to be right before it is nice (paper, section 3.7). World units.
 
 | volume @ isovalue | sites added by repair | aspect ratio: min | 1st percentile | median | below 1/3 |
 |---|---:|---:|---:|---:|---:|
@@ -364,29 +324,19 @@ Nothing is promised here yet: a coarse mesh has to be right before it is nice (p
 
 ## Time
 
-CPU milliseconds from the volume in memory to the checked mesh, best of {options.repeats}, in one process with `vtkMarchingCubes` and
+CPU milliseconds from the volume in memory to the checked coarse mesh, best of {options.repeats} (of fewer where a run takes seconds), in one process with `vtkMarchingCubes` and
 `vtkFlyingEdges3D` (normals, gradients and scalars off) in turns on the same samples. Asked for: at most 2 times marching cubes on the
-smooth volumes, 8 times on the noisy ones. Stages: milliseconds of the best run by the wall clock. Memory: peak of the tool in MiB, volume and
+smooth volumes, 8 times on the noisy ones; that is of meshes with `--allow-self-intersections`. "Embedded" is the default, no two triangles meeting; it has no bound of its own.
+Stages: of the embedded mesh, milliseconds of the best run by the wall clock. Memory: peak of the tool in MiB, volume and
 libraries included.
 
 Where it goes: on smooth volumes a third each into reading the samples and placing c-vertices (`surface`), into making the coarser complex certified
 (`coarsen`) and into disks (`cover`, `certify`); on noisy ones, whose complexes shrink little, into disks and repair. `certify` includes repair; `mesh` turning
-components outward; `check` counting the finished triangles and measuring their shape.
+components outward and taking apart triangles that meet; `check` counting the finished triangles and measuring their shape.
 
-| volume @ isovalue | MC | FE | isoatlas | / MC | / FE | met | surface | components | coarsen | cover | certify | mesh | check | MiB |
-|---|---:|---:|---:|---:|---:|---|---:|---:|---:|---:|---:|---:|---:|---:|
+| volume @ isovalue | MC | FE | isoatlas | / MC | / FE | met | embedded | / MC | surface | components | coarsen | cover | certify | mesh | check | MiB |
+|---|---:|---:|---:|---:|---:|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|
 {chr(10).join(time)}
-"""
-    text += f"""
-## The paper's own covering
-
-`--covering radius-field` beside `--covering halving` ([theory](theory/04-covering.md#the-papers-own-covering)), both with `--coarse` on the same coarser
-complex, followed by the same certificate and repair. Certified and with the topology of `TOPOLOGY.tsv`, both: **{kept} of {n}**. Study: on the
-full complex. Milliseconds of the wall clock for `cover` and `certify`, best of {options.repeats}, in turns, one thread.
-
-| volume @ isovalue | radius field | halving | ratio | study: radius field | halving | sites added by repair: radius field | halving | ms: radius field | halving | both certified |
-|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---|
-{chr(10).join(strategies)}
 """
     text += f"""
 ## Refined levels

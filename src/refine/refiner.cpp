@@ -385,7 +385,7 @@ Refiner::Task Refiner::whole_task(const LevelGoal& goal, Placement placement, Re
         task.shortest_edge = static_cast<float>(c.bound);
         break;
       case Quantity::min_aspect:
-        shape.aspect = std::max(shape.aspect, c.bound);
+        shape = ShapeGoal::of(c.bound);
         task.shape = shape;
         break;
       default:

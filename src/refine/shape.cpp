@@ -488,6 +488,11 @@ class Workshop {
 
 }  // namespace
 
+ShapeGoal ShapeGoal::of(double aspect) {
+  const ShapeGoal usual;
+  return {aspect, usual.angle * std::min(1.0, aspect / usual.aspect)};
+}
+
 double ShapeGoal::score(Vec3 a, Vec3 b, Vec3 c) const {
   std::array<double, 3> squared{squared_length(b - a), squared_length(c - b), squared_length(a - c)};
   std::sort(squared.begin(), squared.end());

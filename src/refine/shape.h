@@ -11,6 +11,8 @@ struct ShapeGoal {
   double aspect = 1.0 / 3;  ///< shortest over longest edge, at least
   double angle = 18;        ///< smallest angle, at least, degrees
 
+  /// The angle becomes smaller with an aspect ratio below 1/3.
+  static ShapeGoal of(double aspect);
   /// 1 where both are just met, less where one is not.
   double score(Vec3 a, Vec3 b, Vec3 c) const;
 };

@@ -58,13 +58,30 @@ TEST(AdaptiveSupersample, AsOftenAsAllowed) {
   double before = std::numeric_limits<double>::infinity();
   for (const std::uint32_t times : {0u, 1u, 3u}) {
     options.adaptive_supersample = times;
-    const Extraction e = extract(to_volume(random_samples(Family::white_noise, {8, 8, 8}, 3)), options);
+    const Extraction e = extract(to_volume(random_samples(Family::white_noise, {6, 6, 6}, 3)), options);
     EXPECT_EQ(e.report.added_c_vertices > 0, times > 0);
     EXPECT_LE(e.report.deepest_division, static_cast<int>(times));
     const double reached = e.finest().constraints.front().reached;
     EXPECT_LT(reached, before) << times;
     before = reached;
   }
+}
+
+// Triangles that are good enough for who asked are left alone.
+TEST(MinAspect, BelowAThirdIsLessWork) {
+  ExtractOptions options;
+  options.allow_self_intersections = true;
+  const Volume volume = to_volume(random_samples(Family::white_noise, {12, 12, 12}, 3));
+  const auto work = [&](double aspect) {
+    options.refine = {{{Quantity::max_distance, 0.5}, {Quantity::min_aspect, aspect}}};
+    const LevelReport level = extract(volume, options).finest();
+    EXPECT_EQ(level.bad_triangles.empty(), level.quality.aspect_min >= aspect) << aspect;
+    return level.flips + level.moves + level.shifts;
+  };
+  const std::size_t usual = work(1.0 / 3);
+  EXPECT_LT(work(0.1), usual / 2);
+  EXPECT_EQ(work(1e-6), 0u);
+  EXPECT_GT(work(0.4), usual);
 }
 
 // What is listed as badly shaped is, and nothing else.
