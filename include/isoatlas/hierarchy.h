@@ -15,6 +15,9 @@ struct Hierarchy {
     std::uint32_t vertex_count = 0;   ///< the level's vertices are [0, vertex_count); never less than in the level before
     std::vector<Triangle> triangles;  ///< T x 3, corners < vertex_count
     std::vector<Vec3> placed;         ///< with Placement::balanced, vertex_count positions for this level; else, and in level 0, empty
+    /// Per vertex the largest distance between its cell's part of the isosurface and the mesh, both ways, in world units: what
+    /// `max-distance` bounds. Empty if nothing was measured.
+    std::vector<float> distance;
   };
 
   std::vector<Vec3> positions;        ///< V x 3, on the isosurface, the same in all levels

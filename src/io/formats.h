@@ -28,8 +28,8 @@ TriangleMesh read_stl(const std::filesystem::path& path);
 TriangleMesh read_obj(const std::filesystem::path& path);
 TriangleMesh read_off(const std::filesystem::path& path);
 TriangleMesh read_vtp(const std::filesystem::path& path);
-/// With its text fields by name.
-TriangleMesh read_vtp(const std::filesystem::path& path, std::map<std::string, std::string>& fields);
+/// With its text fields by name, and what it says of every vertex's distance (Hierarchy::Level::distance).
+TriangleMesh read_vtp(const std::filesystem::path& path, std::map<std::string, std::string>& fields, std::vector<float>& distance);
 
 // Meshes out. The mesh has finite positions and indices in range; `info` is free of control characters. The bytes
 // depend on the arguments only. The caller commits the file.
@@ -38,8 +38,9 @@ void write_stl(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& f
 void write_obj(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file);
 void write_off(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file);
 void write_vtp(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file);
-/// With text fields by name; empty ones are left out.
-void write_vtp(const TriangleMesh& mesh, const std::map<std::string, std::string>& fields, AtomicFile& file);
+/// With text fields by name, empty ones are left out, and distances of the vertices or none.
+void write_vtp(const TriangleMesh& mesh, const std::map<std::string, std::string>& fields, const std::vector<float>& distance,
+               AtomicFile& file);
 
 // Levels out: checked like meshes; `info.levels` is empty or has a JSON object for each level.
 StoredPositions write_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const std::filesystem::path& path);
@@ -48,6 +49,7 @@ StoredPositions write_vtm(const Hierarchy& hierarchy, const HierarchyFileInfo& i
 /// Levels as a file keeps them, coarse to fine, each with its own positions.
 struct StoredLevels {
   std::vector<TriangleMesh> meshes;
+  std::vector<std::vector<float>> distances;  ///< of each level, empty where the file has none
   HierarchyFileInfo info;
 };
 StoredLevels read_glb(const std::filesystem::path& path);

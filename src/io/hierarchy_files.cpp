@@ -76,6 +76,10 @@ std::string fault_of(const Hierarchy& hierarchy, const HierarchyFileInfo& info) 
         (!level.placed.empty() && level.placed.size() != level.vertex_count)) {
       return where + "its " + std::to_string(level.vertex_count) + " vertices are not those of the level before and more";
     }
+    if (!level.distance.empty() && level.distance.size() != level.vertex_count) {
+      return where + "there are " + std::to_string(level.distance.size()) + " distances for " + std::to_string(level.vertex_count) +
+             " vertices";
+    }
     most = level.vertex_count;
     if (const std::string fault = fault_of(hierarchy.mesh(k)); !fault.empty()) {
       return where + fault;
@@ -145,8 +149,14 @@ HierarchyFile read_hierarchy(const fs::path& path) {
       }
     }
     const std::vector<Vec3>& finest = stored.meshes.back().positions;
-    for (TriangleMesh& mesh : stored.meshes) {
+    for (std::size_t k = 0; k < stored.meshes.size(); ++k) {
+      TriangleMesh& mesh = stored.meshes[k];
+      if (const std::size_t n = stored.distances[k].size(); n != 0 && n != mesh.positions.size()) {
+        throw io::bad_file(path, "level " + std::to_string(k) + ": there are " + std::to_string(n) + " distances for " +
+                                     std::to_string(mesh.positions.size()) + " vertices");
+      }
       Hierarchy::Level& level = file.hierarchy.levels.emplace_back();
+      level.distance = std::move(stored.distances[k]);
       level.vertex_count = static_cast<std::uint32_t>(mesh.positions.size());
       level.triangles = std::move(mesh.triangles);
       if (!is_prefix(mesh.positions, finest)) {

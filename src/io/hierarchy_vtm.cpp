@@ -120,7 +120,7 @@ StoredPositions write_vtm(const Hierarchy& hierarchy, const HierarchyFileInfo& i
                {"COMMENT", info.mesh.comment},
                {kPlacementField, info.placement == Placement::balanced ? "balanced" : "surface"},
                {kLevelField, info.levels.empty() ? "" : info.levels[k]}},
-              *pieces.back());
+              hierarchy.levels[k].distance, *pieces.back());
     const std::string number = std::to_string(k);
     list += "    <DataSet index=\"" + number + "\" name=\"level " + number + "\" file=\"" +
             escaped((folder.filename() / piece.filename()).generic_string()) + "\"/>\n";
@@ -145,7 +145,7 @@ StoredLevels read_vtm(const fs::path& path) {
     const fs::path piece = path.parent_path() / block;
     readable_file_size(piece);
     std::map<std::string, std::string> fields;
-    levels.meshes.push_back(read_vtp(piece, fields));
+    levels.meshes.push_back(read_vtp(piece, fields, levels.distances.emplace_back()));
     levels.info.mesh = {fields["SPACE"], fields["COMMENT"]};
     levels.info.placement = fields[kPlacementField] == "balanced" ? Placement::balanced : Placement::surface;
     levels.info.levels.push_back(fields[kLevelField].empty() ? "null" : fields[kLevelField]);

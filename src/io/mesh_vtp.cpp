@@ -5,7 +5,9 @@
 #include <vtkDoubleArray.h>
 #include <vtkErrorCode.h>
 #include <vtkFieldData.h>
+#include <vtkFloatArray.h>
 #include <vtkNew.h>
+#include <vtkPointData.h>
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
 #include <vtkStringArray.h>
@@ -24,6 +26,8 @@
 namespace isoatlas::io {
 
 namespace {
+
+constexpr const char* kDistanceArray = "max_distance";
 
 void add_field(vtkPolyData& data, const std::string& name, const std::string& value) {
   if (!value.empty()) {
@@ -77,10 +81,11 @@ void append_cells(TriangleMesh& mesh, vtkCellArray& cells, bool are_strips, cons
 
 TriangleMesh read_vtp(const std::filesystem::path& path) {
   std::map<std::string, std::string> ignored;
-  return read_vtp(path, ignored);
+  std::vector<float> ignored_too;
+  return read_vtp(path, ignored, ignored_too);
 }
 
-TriangleMesh read_vtp(const std::filesystem::path& path, std::map<std::string, std::string>& fields) {
+TriangleMesh read_vtp(const std::filesystem::path& path, std::map<std::string, std::string>& fields, std::vector<float>& distance) {
   const LibraryMessages messages;
   vtkNew<vtkXMLPolyDataReader> reader;
   if (reader->CanReadFile(path.c_str()) == 0) {
@@ -88,7 +93,9 @@ TriangleMesh read_vtp(const std::filesystem::path& path, std::map<std::string, s
   }
   require_readable_vtk_xml(path);
   reader->SetFileName(path.c_str());
+  reader->UpdateInformation();
   reader->GetPointDataArraySelection()->DisableAllArrays();
+  reader->GetPointDataArraySelection()->EnableArray(kDistanceArray);
   reader->GetCellDataArraySelection()->DisableAllArrays();
   reader->Update();
   if (const std::string error = messages.first_vtk_error(); !error.empty() || reader->GetErrorCode() != 0) {
@@ -106,14 +113,19 @@ TriangleMesh read_vtp(const std::filesystem::path& path, std::map<std::string, s
   append_cells(mesh, *data->GetPolys(), false, path);
   append_cells(mesh, *data->GetStrips(), true, path);
   fields = text_fields(*data);
+  distance.clear();
+  if (vtkDataArray* array = data->GetPointData()->GetArray(kDistanceArray); array != nullptr && array->GetNumberOfComponents() == 1) {
+    for (vtkIdType v = 0; v < array->GetNumberOfTuples(); ++v) distance.push_back(static_cast<float>(array->GetTuple1(v)));
+  }
   return mesh;
 }
 
 void write_vtp(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file) {
-  write_vtp(mesh, {{"SPACE", info.space}, {"COMMENT", info.comment}}, file);  // SPACE is 3D Slicer's name for it
+  write_vtp(mesh, {{"SPACE", info.space}, {"COMMENT", info.comment}}, {}, file);  // SPACE is 3D Slicer's name for it
 }
 
-void write_vtp(const TriangleMesh& mesh, const std::map<std::string, std::string>& fields, AtomicFile& file) {
+void write_vtp(const TriangleMesh& mesh, const std::map<std::string, std::string>& fields, const std::vector<float>& distance,
+               AtomicFile& file) {
   const LibraryMessages messages;
   const auto vertex_count = static_cast<vtkIdType>(mesh.positions.size());
   const auto triangle_count = static_cast<vtkIdType>(mesh.triangles.size());
@@ -146,6 +158,12 @@ void write_vtp(const TriangleMesh& mesh, const std::map<std::string, std::string
   data->SetPolys(polygons);
   for (const auto& [name, value] : fields) {
     add_field(*data, name, value);
+  }
+  if (!distance.empty()) {
+    vtkNew<vtkFloatArray> array;
+    array->SetName(kDistanceArray);
+    array->SetArray(const_cast<float*>(distance.data()), static_cast<vtkIdType>(distance.size()), 1);
+    data->GetPointData()->AddArray(array);
   }
 
   vtkNew<vtkXMLPolyDataWriter> writer;

@@ -98,6 +98,7 @@ class Reader {
     for (const tinygltf::Node* n : nodes) {
       const tinygltf::Mesh& mesh = at(model_.meshes, n->mesh, "mesh");
       levels.meshes.push_back(mesh_of(mesh, translation_of(*n)));
+      levels.distances.push_back(distance_of(mesh));
       levels.info.levels.push_back(ours(mesh.extras_json_string).dump());
       any_json = any_json || levels.info.levels.back() != "null";
     }
@@ -197,6 +198,20 @@ class Reader {
     }
     append_triangles(mesh, primitive.indices);
     return mesh;
+  }
+
+  std::vector<float> distance_of(const tinygltf::Mesh& gltf_mesh) const {
+    const auto attribute = gltf_mesh.primitives[0].attributes.find("_MAX_DISTANCE");
+    if (attribute == gltf_mesh.primitives[0].attributes.end() ||
+        at(model_.accessors, attribute->second, "accessor").componentType != TINYGLTF_COMPONENT_TYPE_FLOAT) {
+      return {};
+    }
+    const Elements values = elements(attribute->second, TINYGLTF_TYPE_SCALAR, sizeof(float));
+    std::vector<float> result(values.count);
+    for (std::size_t v = 0; v < values.count; ++v) {
+      std::memcpy(&result[v], values.first + v * values.stride, sizeof(float));
+    }
+    return result;
   }
 
   void append_triangles(TriangleMesh& mesh, int accessor) const {

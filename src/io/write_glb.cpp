@@ -184,6 +184,12 @@ Glb make_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const st
     const std::size_t positions = buffer.add_accessor(std::move(position));
     const std::size_t normals =
         buffer.add_accessor(vec3_accessor(buffer.add_view(vertex_normals(mesh, box), kArrayBuffer), mesh.positions.size()));
+    Json attributes = {{"POSITION", positions}, {"NORMAL", normals}};
+    if (const std::vector<float>& distance = hierarchy.levels[k].distance; !distance.empty()) {
+      const std::size_t view = buffer.add_view(distance, kArrayBuffer);
+      attributes["_MAX_DISTANCE"] =
+          buffer.add_accessor({{"bufferView", view}, {"componentType", kFloat}, {"count", distance.size()}, {"type", "SCALAR"}});
+    }
     const std::size_t indices = buffer.add_accessor({{"bufferView", buffer.add_view(mesh.triangles, kElementArrayBuffer)},
                                                      {"componentType", kUnsignedInt},
                                                      {"count", 3 * mesh.triangles.size()},
@@ -192,9 +198,7 @@ Glb make_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const st
     const std::string name = "level " + std::to_string(k);
     Json gltf_mesh = {
         {"name", name},
-        {"primitives",
-         Json::array(
-             {{{"attributes", {{"POSITION", positions}, {"NORMAL", normals}}}, {"indices", indices}, {"material", 0}, {"mode", 4}}})}};
+        {"primitives", Json::array({{{"attributes", std::move(attributes)}, {"indices", indices}, {"material", 0}, {"mode", 4}}})}};
     if (!info.levels.empty()) {
       gltf_mesh["extras"] = {{"isoatlas", Json::parse(info.levels[k])}};
     }

@@ -209,7 +209,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
 
   Hierarchy& hierarchy = out.hierarchy;
   hierarchy.positions = std::move(mesh.positions);
-  hierarchy.levels.push_back({checked_id(hierarchy.positions.size(), "vertices"), std::move(mesh.triangles), {}});
+  hierarchy.levels.push_back({checked_id(hierarchy.positions.size(), "vertices"), std::move(mesh.triangles), {}, {}});
   hierarchy.parent.resize(hierarchy.positions.size());
   std::iota(hierarchy.parent.begin(), hierarchy.parent.end(), 0u);
   const auto tell_of_divisions = [&] {

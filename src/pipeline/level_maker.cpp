@@ -54,6 +54,11 @@ void LevelMaker::tell(const LevelGoal& goal, const LevelFigures& figures, LevelR
   }
 }
 
+std::vector<float> LevelMaker::world_lengths(std::vector<float> voxels) const {
+  for (float& length : voxels) length = static_cast<float>(length * source_.grid.smallest_spacing());
+  return voxels;
+}
+
 void LevelMaker::measure_distance(const TriangleMesh& mesh, LevelReport& report) const {
   if (options_.measure_samples == 0) return;
   report.measured = measure(mesh, source_.isosurface, options_.measure_samples, control_);
@@ -62,7 +67,7 @@ void LevelMaker::measure_distance(const TriangleMesh& mesh, LevelReport& report)
   transform_to(*report.measured, source_.grid, options_.space);
 }
 
-void LevelMaker::describe_coarse(const Hierarchy& hierarchy, std::span<const CVertexId> sites, LevelReport& report) {
+void LevelMaker::describe_coarse(Hierarchy& hierarchy, std::span<const CVertexId> sites, LevelReport& report) {
   TriangleMesh mesh;  // in index coordinates again
   mesh.triangles = hierarchy.levels.front().triangles;
   if (options_.space != Space::voxel && source_.grid.mirrored()) {
@@ -72,7 +77,9 @@ void LevelMaker::describe_coarse(const Hierarchy& hierarchy, std::span<const CVe
     mesh.positions.push_back(displaced(source_.surface.complex(), sites[v], source_.coarse.shift()[v]));
   const double voxel = source_.grid.smallest_spacing();
   const LevelGoal& goal = options_.coarse;
-  tell(goal, refiner_.describe_coarse(mesh.triangles, sites, in_units_of(goal, voxel), control_), report);
+  const LevelFigures figures = refiner_.describe_coarse(mesh.triangles, sites, in_units_of(goal, voxel), control_);
+  tell(goal, figures, report);
+  hierarchy.levels.front().distance = world_lengths(figures.distance);
   measure_distance(mesh, report);
 }
 
@@ -124,7 +131,7 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
   hierarchy.positions.insert(hierarchy.positions.end(), on_surface.positions.begin(), on_surface.positions.end());
   const std::vector<std::uint32_t> parents = refiner_.parents();
   hierarchy.parent.insert(hierarchy.parent.end(), parents.begin() + static_cast<std::ptrdiff_t>(hierarchy.parent.size()), parents.end());
-  Hierarchy::Level level{vertices, std::move(mesh.triangles), {}};
+  Hierarchy::Level level{vertices, std::move(mesh.triangles), {}, world_lengths(refined.figures.distance)};
   if (options_.placement == Placement::balanced) level.placed = std::move(mesh.positions);
   hierarchy.levels.push_back(std::move(level));
   report.seconds = seconds();

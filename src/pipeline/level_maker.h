@@ -24,13 +24,14 @@ class LevelMaker {
 
   /// Metrics, constraints and distances of level 0. To be called first.
   /// @param sites  per vertex of level 0, its c-vertex on the surface
-  void describe_coarse(const Hierarchy& hierarchy, std::span<const CVertexId> sites, LevelReport& report);
+  void describe_coarse(Hierarchy& hierarchy, std::span<const CVertexId> sites, LevelReport& report);
 
   void add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vector<LevelReport>& reports);
 
  private:
   Vec3 to_space(Vec3 index) const;
   void tell(const LevelGoal& goal, const LevelFigures& figures, LevelReport& report) const;
+  std::vector<float> world_lengths(std::vector<float> voxels) const;
   void measure_distance(const TriangleMesh& mesh, LevelReport& report) const;
 
   LevelSource source_;

@@ -62,6 +62,13 @@ std::vector<Constraint> demands_of(const std::vector<Constraint>& metrics, doubl
   return out;
 }
 
+std::vector<float> distances(std::span<const MetricValues> values) {
+  std::vector<float> out;
+  out.reserve(values.size());
+  for (const MetricValues& v : values) out.push_back(static_cast<float>(v[static_cast<std::size_t>(Quantity::max_distance)]));
+  return out;
+}
+
 bool drives(Quantity q) { return is_metric(q) || q == Quantity::max_edge; }
 
 }  // namespace
@@ -474,7 +481,7 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
   const auto the_one_before = [&] {
     RefinedLevel same;
     same.is_the_one_before = true;
-    same.figures = {metrics_, judge(goal, extent_, metrics_, {&extent_, first, true, false, 0})};
+    same.figures = {metrics_, judge(goal, extent_, metrics_, {&extent_, first, true, false, 0}), {}};
     return same;
   };
   if (!first) sites_before_ = partition().cell_count();
@@ -581,6 +588,7 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
   }
   obstacles.cells_at_limit = out.at_limit.size();
   out.figures.metrics = summarize(values);
+  out.figures.distance = distances(values);
   MeshExtent extent = extent_of(work_->mesh());
   out.figures.constraints = judge(goal, extent, out.figures.metrics, obstacles);
   extent_ = std::move(extent);
@@ -598,8 +606,9 @@ LevelFigures Refiner::describe_coarse(std::span<const Triangle> triangles, std::
   for (const Triangle& t : triangles) dual.push_back({t, kNone});
   const LevelMesh mesh = make_level_mesh(ground_->surfels, covering.partition(), dual, {{sites.begin(), sites.end()}, {}, start_.shift});
   extent_ = extent_of(mesh);
-  metrics_ = summarize(measure_metrics(*ground_, covering, mesh));
-  return {metrics_, judge(goal, extent_, metrics_, {})};
+  const std::vector<MetricValues> values = measure_metrics(*ground_, covering, mesh);
+  metrics_ = summarize(values);
+  return {metrics_, judge(goal, extent_, metrics_, {}), distances(values)};
 }
 
 std::vector<std::uint32_t> Refiner::parents() const {

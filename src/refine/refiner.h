@@ -18,6 +18,7 @@ namespace isoatlas {
 struct LevelFigures {
   std::array<MetricSummary, kMetricCount> metrics{};
   std::vector<ConstraintResult> constraints;  ///< in the order given
+  std::vector<float> distance;                ///< per cell, its max-distance
 };
 
 struct RefinedLevel {

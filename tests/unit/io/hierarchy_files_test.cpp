@@ -61,7 +61,9 @@ Hierarchy sphere(const Shape& shape) {
   }
   for (int level = 0; level < 3; ++level) {
     if (level > 0) triangles = subdivided(triangles, positions);
-    hierarchy.levels.push_back({static_cast<std::uint32_t>(positions.size()), triangles, {}});
+    hierarchy.levels.push_back({static_cast<std::uint32_t>(positions.size()), triangles, {}, {}});
+    for (std::size_t v = 0; v < positions.size() && !(shape.is_open && level == 0); ++v)  // level 0 of the open ones was not measured
+      hierarchy.levels.back().distance.push_back(0.1f * static_cast<float>(v) / static_cast<float>(level + 1));
   }
   for (Vec3& p : positions)
     p = {shape.middle.x + shape.scale * p.x, shape.middle.y + shape.scale * p.y, shape.middle.z + shape.scale * p.z};
@@ -107,6 +109,7 @@ void expect_same(const HierarchyFile& read, const Hierarchy& hierarchy, const Hi
     SCOPED_TRACE(k);
     EXPECT_EQ(read.hierarchy.levels[k].vertex_count, hierarchy.levels[k].vertex_count);
     EXPECT_EQ(read.hierarchy.levels[k].triangles, hierarchy.levels[k].triangles);
+    EXPECT_EQ(read.hierarchy.levels[k].distance, hierarchy.levels[k].distance);
     EXPECT_LE(largest_distance(read.hierarchy.mesh(k).positions, hierarchy.mesh(k).positions), rounding);
     EXPECT_EQ(mesh_topology(read.hierarchy.mesh(k)).components, mesh_topology(hierarchy.mesh(k)).components);
     EXPECT_EQ(nlohmann::json::parse(read.info.levels[k]), nlohmann::json::parse(info.levels[k]));
@@ -310,6 +313,9 @@ TEST(HierarchyFiles, WrongLevelsAreNotWritten) {
     hierarchy = sphere({});
     hierarchy.levels[0].triangles.clear();
     refuse("no triangles", hierarchy);
+    hierarchy = sphere({});
+    hierarchy.levels[1].distance.pop_back();
+    refuse("level 1: there are 17 distances for 18 vertices", hierarchy);
     refuse("2 texts for 3 levels", sphere({}), {.mesh = {}, .placement = {}, .levels = {"{}", "{}"}});
     refuse("level 1: what is said", sphere({}), {.mesh = {}, .placement = {}, .levels = {"{}", "[1]", "{}"}});
     EXPECT_EQ(folder.file_count(), 0U);

@@ -48,6 +48,10 @@ void expect_sound(const Extraction& e, const std::string& what) {
     ASSERT_TRUE(topology.is_manifold() && topology.is_oriented() && topology.unused_vertices == 0) << what << ", level " << l;
     ASSERT_EQ(summarize(topology.components), e.report.reference) << what << ", level " << l;
     ASSERT_TRUE(e.report.levels[l].certificate.passed);
+    const std::vector<float>& distance = e.hierarchy.levels[l].distance;
+    ASSERT_EQ(distance.size(), mesh.positions.size()) << what << ", level " << l;
+    ASSERT_EQ(*std::max_element(distance.begin(), distance.end()), static_cast<float>((*e.report.levels[l].metrics)[0].maximum))
+        << what << ", level " << l;
     for (const ConstraintResult& r : e.report.levels[l].constraints) ASSERT_EQ(r.met, r.reason.empty()) << what << ": " << r.reason;
   }
 }

@@ -18,8 +18,8 @@ using test::TempFolder;
 Hierarchy two_levels() {
   Hierarchy hierarchy;
   hierarchy.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.5, 0.5, 0.5}};
-  hierarchy.levels.push_back({4, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}, {}});
-  hierarchy.levels.push_back({5, {{0, 2, 1}, {0, 1, 3}, {2, 0, 3}, {1, 2, 4}, {2, 3, 4}, {3, 1, 4}}, {}});
+  hierarchy.levels.push_back({4, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}, {}, {}});
+  hierarchy.levels.push_back({5, {{0, 2, 1}, {0, 1, 3}, {2, 0, 3}, {1, 2, 4}, {2, 3, 4}, {3, 1, 4}}, {}, {}});
   return hierarchy;
 }
 
