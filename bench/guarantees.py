@@ -72,6 +72,23 @@ def steps_table(tool, oracle, rows, folder):
     return "\n".join(lines)
 
 
+def places(label, level):
+    """Rows for the worst triangles of a level, if some are bad enough to be pointed out."""
+    rows = [f"| {label} | {', '.join(f'{x:.1f}' for x in t['position'])} | {t['aspect_ratio']:.3f} | {t['obstacle']} |"
+            for t in level["bad_triangles"]["worst"] if t["aspect_ratio"] < 0.1]
+    return list(dict.fromkeys(rows))[:3]  # several triangles share an edge
+
+
+PLACES = """### Where triangles are below aspect ratio 0.1
+
+Of the 0.5-voxel level, the three worst on each surface: the triangle's centroid in sample-index coordinates, and what keeps the ends of its shortest edge. All others are in the report
+(`levels[].bad_triangles`).
+
+| surface | place | aspect ratio | what keeps it |
+|---|---|---:|---|
+"""
+
+
 def percent(share):
     return "0" if share == 0 else f"{100 * share:.2f} %"
 
@@ -85,7 +102,7 @@ def main():
     parser.add_argument("--only", help="rows whose name starts so")
     arguments = parser.parse_args()
 
-    lines = []
+    lines, worst = [], []
     total = collections.Counter()
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
@@ -106,6 +123,7 @@ def main():
             fine, fine_without = report["levels"][2], without["levels"][2]
             shape = fine["quality"]["aspect_ratio"]
             why = collections.Counter(t["obstacle"] for t in fine["bad_triangles"]["worst"])
+            worst += places(label, fine)
             total.update({"pairs": sum(found), "before": sum(found_without), "triangles": fine["triangles"], "bad": fine["bad_triangles"]["count"]})
             lines.append(f"| {label}{' (smooth)' if label in SMOOTH else ''} | {found[0]} / {found[1]} / {found[2]} | {found_without[0]} / {found_without[1]} / {found_without[2]} | "
                          f"{fine['triangles']:,} | {fine['triangles'] / fine_without['triangles']:.2f} | {seconds:.1f} | {seconds / seconds_without:.1f} | "
@@ -123,6 +141,8 @@ below 1/3 ([report](reference/report.md)), of the first 1,000.
 """ + "\n".join(lines) + f"""
 
 In all: {total['pairs']} pairs ({total['before']:,} without); {total['bad']:,} of {total['triangles']:,} triangles below 1/3.
+
+{PLACES}{chr(10).join(worst)}
 
 ### What each step costs
 

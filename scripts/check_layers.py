@@ -16,7 +16,7 @@ SRC = ROOT / "src"
 PUBLIC = {"error.h": "core", "run_control.h": "core", "version.h": "core", "volume.h": "core", "mesh.h": "core",
           "extract.h": "core", "hierarchy.h": "core", "measure.h": "core", "refine.h": "core", "self_intersections.h": "embed", "io.h": "io", "isoatlas.h": "pipeline", "report.h": "report"}
 # Libraries that only one module may see.
-PRIVATE_LIBRARIES = {r"tbb/": {"core"}, r"(itk|vtk|gdcm|tiff|tiny_gltf)": {"io"}, r"nlohmann/": {"io", "report"}, r"CGAL/": {"embed"}, r"boost/": {"surface"}, r"CLI/": set()}
+PRIVATE_LIBRARIES = {r"tbb/": {"core"}, r"(itk|gdcm|tiff|tiny_gltf)": {"io"}, r"vtk": {"io", "page", "picture"}, r"X11/": {"picture"}, r"meshoptimizer": {"page"}, r"nlohmann/": {"io", "report", "page"}, r"CGAL/": {"embed"}, r"boost/": {"surface"}, r"CLI/": set()}
 
 
 def depends():

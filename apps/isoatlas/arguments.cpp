@@ -338,6 +338,10 @@ With -o NAME.glb: also NAME-0.glb, NAME-1.glb, ... with one level each, and NAME
 Write topology, certificates, metrics, constraints, triangle shapes, timings and memory as JSON
 (docs/reference/report.md).
 )")->type_name("FILE")->group(kOutput);
+  command->add_option("--html", arguments.page, R"(
+Write one page that shows the levels in 3-D, with what is known of them, in any browser and without a network
+(docs/report.md).
+)")->type_name("FILE")->group(kOutput);
   add_value(*command, kOutput, "--space", "SPACE", R"(
 Coordinates of the mesh: lps, the world as ITK has it; ras, the same with x and y negated; voxel, sample indices.
 Default: lps.
@@ -426,6 +430,60 @@ CLI::App* add_levels_command(CLI::App& app, LevelsArguments& arguments) {
   command->add_flag("--json", arguments.json, "Print JSON (docs/reference/report.md).")->group(kOutput);
   return command;
 }
+
+CLI::App* add_report_command(CLI::App& app, ReportArguments& arguments) {
+  CLI::App* command = add_command(app, "report", "show results in 3-D on one page", report_page());
+  command->add_option("RESULT", arguments.results, "What `extract` wrote: a report, a file of levels, or one mesh. See FILES.")
+      ->required()
+      ->group(kInput);
+  command->add_option("-o,--output", arguments.page, "The page to write.")->type_name("FILE")->required()->group(kOutput);
+  command->add_flag("-q,--quiet", arguments.quiet, "Print nothing unless something is wrong.")->group(kRunning);
+  return command;
+}
+
+// clang-format off
+CLI::App* add_picture_command(CLI::App& app, PictureArguments& arguments) {
+  CLI::App* command = add_command(app, "picture", "draw a mesh into a PNG file", picture_page());
+  PictureOptions& options = arguments.options;
+  const auto direction = [](const std::string& text) {
+    const auto [x, y, z] = parse_triple<double>(text, "three numbers like 0.45,-1,0.35", [](double v) { return std::isfinite(v); });
+    return Vec3{x, y, z};
+  };
+  command->add_option("RESULT", arguments.mesh, "A mesh, or a file of levels. See FILES.")->required()->group(kInput);
+  add_value(*command, kInput, "--level", "K", R"(
+Which level of a file of levels, from 0, the coarsest. Default: the finest.
+)", [&](const std::string& text) { arguments.level = parse_whole<std::uint32_t>(text); 
+    if (!arguments.level) refuse("expected a level's number, 0 or more, got " + in_quotes(text)); });
+  command->add_option("-o,--output", arguments.picture, "The picture to write, a PNG file.")->type_name("FILE")->required()->group(kOutput);
+  add_value(*command, kOutput, "--style", "NAME", R"(
+smooth: lit, as a solid thing. hidden-line: the edges that are seen, dark on white. Default: smooth.
+)", [&](const std::string& text) {
+    options.style = choose<PictureStyle>({{"smooth", PictureStyle::smooth}, {"hidden-line", PictureStyle::hidden_line}}, text);
+  });
+  add_value(*command, kOutput, "--size", "WIDTH,HEIGHT", R"(
+Pixels, 16 to 8192 each. Default: 1200,900.
+)", [&](const std::string& text) {
+    const std::size_t comma = text.find(',');
+    const auto width = parse_whole<int>(std::string_view(text).substr(0, comma));
+    const auto height = comma == std::string::npos ? std::nullopt : parse_whole<int>(std::string_view(text).substr(comma + 1));
+    if (!width || !height) refuse("expected two whole numbers like 1200,900, got " + in_quotes(text));
+    options.width = *width;
+    options.height = *height;
+  });
+  add_value(*command, kOutput, "--view", "X,Y,Z", R"(
+From where the mesh is seen: the direction from it to the eye. Default: 0.45,-1,0.35, of a patient the front from a
+little above.
+)", [&, direction](const std::string& text) { options.view = direction(text); });
+  add_value(*command, kOutput, "--up", "X,Y,Z", R"(
+What is up in the picture. Default: 0,0,1.
+)", [&, direction](const std::string& text) { options.up = direction(text); });
+  add_value(*command, kOutput, "--zoom", "FACTOR", R"(
+How much larger than to fit into the picture. Default: 1.
+)", [&](const std::string& text) { options.zoom = parse_finite(text); });
+  command->add_flag("-q,--quiet", arguments.quiet, "Print nothing unless something is wrong.")->group(kRunning);
+  return command;
+}
+// clang-format on
 
 void describe_tool(CLI::App& app) {
   app.name("isoatlas");

@@ -5,12 +5,15 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "isoatlas/extract.h"
 #include "isoatlas/io.h"
 #include "isoatlas/measure.h"
 #include "level_goals.h"
+#include "picture/picture.h"
 #include "values.h"
 
 namespace isoatlas::tool {
@@ -26,7 +29,7 @@ struct VolumeArguments {
 struct ExtractArguments {
   VolumeArguments volume;
   std::filesystem::path mesh;
-  std::optional<std::filesystem::path> report;
+  std::optional<std::filesystem::path> report, page;
   bool glb_per_level = false;  ///< besides `mesh`, which is a .glb, one for each level, and a manifest
   ExtractOptions options;      ///< all but the lengths, which need the volume's voxel size
   std::optional<Length> max_radius, event_persistence;
@@ -34,6 +37,7 @@ struct ExtractArguments {
   TypedGoals goals;     ///< the constraints of all levels
   bool coarse = false;  ///< nothing but level 0
   int threads = 0;
+  std::string command;  ///< the whole command line, for people to run again
   bool quiet = false, verbose = false;
 };
 
@@ -56,11 +60,26 @@ struct LevelsArguments {
   bool json = false;
 };
 
+struct ReportArguments {
+  std::vector<std::filesystem::path> results;
+  std::filesystem::path page;
+  bool quiet = false;
+};
+
+struct PictureArguments {
+  std::filesystem::path mesh, picture;
+  std::optional<std::size_t> level;  ///< none: the finest
+  PictureOptions options;
+  bool quiet = false;
+};
+
 /// Each adds one command to `app` that fills `arguments` when it is parsed.
 CLI::App* add_extract_command(CLI::App& app, ExtractArguments& arguments);
 CLI::App* add_info_command(CLI::App& app, InfoArguments& arguments);
 CLI::App* add_check_command(CLI::App& app, CheckArguments& arguments);
 CLI::App* add_levels_command(CLI::App& app, LevelsArguments& arguments);
+CLI::App* add_report_command(CLI::App& app, ReportArguments& arguments);
+CLI::App* add_picture_command(CLI::App& app, PictureArguments& arguments);
 
 /// Name, version and help page of the tool itself.
 void describe_tool(CLI::App& app);

@@ -11,5 +11,7 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption);
 int run_info(const InfoArguments& arguments);
 int run_check(const CheckArguments& arguments, Interruption& interruption);
 int run_levels(const LevelsArguments& arguments);
+int run_picture(const PictureArguments& arguments, Interruption& interruption);
+int run_report(const ReportArguments& arguments, Interruption& interruption);
 
 }  // namespace isoatlas::tool

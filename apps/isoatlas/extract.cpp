@@ -7,6 +7,7 @@
 #include <chrono>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "commands.h"
 #include "exit_status.h"
@@ -16,6 +17,7 @@
 #include "isoatlas/version.h"
 #include "mesh_outputs.h"
 #include "output_files.h"
+#include "page/page.h"
 #include "progress_bar.h"
 #include "report/report.h"
 
@@ -64,7 +66,11 @@ const char* space_name(Space space) {
 
 int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   const MeshOutputs meshes(arguments.mesh, arguments.glb_per_level);
-  meshes.check(1 + arguments.goals.refine.size(), arguments.volume.path, arguments.report);
+  if (arguments.page) require_pages();
+  std::vector<MeshOutputs::Other> others;
+  if (arguments.report) others.push_back({*arguments.report, "report"});
+  if (arguments.page) others.push_back({*arguments.page, "page"});
+  meshes.check(1 + arguments.goals.refine.size(), arguments.volume.path, others);
 
   ProgressBar progress(!arguments.quiet);
   OutputFiles outputs;
@@ -79,6 +85,7 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   context.volume_path = arguments.volume.path.string();
   context.options = arguments.options;
   context.threads = arguments.threads;
+  context.command = arguments.command;
 
   progress.show("read", std::nullopt);
   const Stopwatch reading;
@@ -93,8 +100,13 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   options.coarse = in_world(arguments.goals.coarse, volume.grid);
   for (const auto& goal : arguments.goals.refine) options.refine.push_back(in_world(goal, volume.grid));
 
-  const Extraction extraction = extract_from(arguments.volume.path, volume, options, control);
+  Extraction extraction = extract_from(arguments.volume.path, volume, options, control);
   const ExtractReport& report = extraction.report;
+  std::optional<MeshQuality> marching_cubes;  // for the page to compare with
+  if (arguments.page) {
+    progress.show("compare", std::nullopt);
+    marching_cubes = marching_cubes_quality(volume, options.isovalue);
+  }
   volume = {};  // writing needs memory too
 
   progress.show("write", std::nullopt);
@@ -106,13 +118,19 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   context.files = meshes.write(extraction.hierarchy, info, outputs);
   context.write_seconds = writing.seconds();
   context.peak_memory_bytes = peak_memory_bytes();
-  if (arguments.report)
-    outputs.write(*arguments.report, [&](const fs::path& staged) { write_text_file(to_json(report, context), staged); });
+  const std::string json = arguments.report || arguments.page ? to_json(report, context) : "";
+  if (arguments.report) outputs.write(*arguments.report, [&](const fs::path& staged) { write_text_file(json, staged); });
+  if (arguments.page) {
+    progress.show("page", std::nullopt);
+    const PageEntry entry = entry_of_report(json, arguments.page->string(), std::move(extraction.hierarchy), marching_cubes);
+    const std::string page = page_html({&entry, 1}, *arguments.page);
+    outputs.write(*arguments.page, [&](const fs::path& staged) { write_text_file(page, staged); });
+  }
   interruption.commit([&] { outputs.commit(); });
   progress.erase();
 
-  const std::string written =
-      meshes.text(report.levels.size()) + (arguments.report ? ", report " + arguments.report->string() : std::string());
+  std::string written = meshes.text(report.levels.size());
+  for (const auto& [path, what] : others) written += ", " + what + " " + path.string();
   if (!arguments.quiet) print_summary(report, context, written);
   if (arguments.verbose) print_details(report, context);
   return print_unmet(report) ? kSuccess : kUnmet;

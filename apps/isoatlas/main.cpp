@@ -74,9 +74,13 @@ int main(int argc, char** argv) {
   InfoArguments info_arguments;
   CheckArguments check_arguments;
   LevelsArguments levels_arguments;
+  ReportArguments report_arguments;
+  PictureArguments picture_arguments;
   const CLI::App* extract_command = add_extract_command(app, extract_arguments);
   const CLI::App* info_command = add_info_command(app, info_arguments);
   const CLI::App* levels_command = add_levels_command(app, levels_arguments);
+  const CLI::App* report_command = add_report_command(app, report_arguments);
+  const CLI::App* picture_command = add_picture_command(app, picture_arguments);
   add_check_command(app, check_arguments);
 
   try {
@@ -88,8 +92,11 @@ int main(int argc, char** argv) {
     return fail(kBadInput,
                 std::string(error.what()) + " (see isoatlas " + (chosen.empty() ? "" : chosen.front()->get_name() + " ") + "--help)");
   }
+  extract_arguments.command = command_text({argv + 1, argv + argc});
   if (extract_command->parsed()) return run([&] { return run_extract(extract_arguments, interruption); }, interruption);
   if (info_command->parsed()) return run([&] { return run_info(info_arguments); }, interruption);
   if (levels_command->parsed()) return run([&] { return run_levels(levels_arguments); }, interruption);
+  if (report_command->parsed()) return run([&] { return run_report(report_arguments, interruption); }, interruption);
+  if (picture_command->parsed()) return run([&] { return run_picture(picture_arguments, interruption); }, interruption);
   return run([&] { return run_check(check_arguments, interruption); }, interruption);
 }

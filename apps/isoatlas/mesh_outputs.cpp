@@ -78,7 +78,7 @@ std::vector<MeshOutputs::Item> MeshOutputs::items(std::size_t level_count) const
   return result;
 }
 
-void MeshOutputs::check(std::size_t level_count, const fs::path& volume, const std::optional<fs::path>& report) const {
+void MeshOutputs::check(std::size_t level_count, const fs::path& volume, const std::vector<Other>& others) const {
   std::vector<fs::path> meshes;
   for (const Item& item : items(level_count)) {
     meshes.push_back(item.path);
@@ -98,17 +98,22 @@ void MeshOutputs::check(std::size_t level_count, const fs::path& volume, const s
   }
   if (glb_per_level_) {
     if (same_file(manifest(), volume)) refuse(manifest(), "the list of levels would replace the volume");
-    if (report && same_file(manifest(), *report)) refuse(*report, "the report would replace the list of levels, expected another name");
     check_output_path(manifest());
   }
   for (std::size_t i = 0; i < meshes.size(); ++i)  // links can make one file of two names
     for (std::size_t j = 0; j < i; ++j)
       if (same_file(meshes[i], meshes[j])) refuse(meshes[i], "a level would replace another, in " + meshes[j].string());
-  if (!report) return;
-  for (const fs::path& mesh : meshes)
-    if (same_file(*report, mesh)) refuse(*report, "the report would replace the mesh");
-  if (same_file(*report, volume)) refuse(*report, "the report would replace the volume");
-  check_output_path(*report);
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    const auto& [path, what] = others[i];
+    const auto replaces = [&](const fs::path& other, const std::string& name) {
+      if (same_file(path, other)) refuse(path, "the " + what + " would replace the " + name + ", expected another name");
+    };
+    if (glb_per_level_) replaces(manifest(), "list of levels");
+    for (const fs::path& mesh : meshes) replaces(mesh, "mesh");
+    for (std::size_t j = 0; j < i; ++j) replaces(others[j].path, others[j].what);
+    replaces(volume, "volume");
+    check_output_path(path);
+  }
 }
 
 std::vector<ReportFile> MeshOutputs::write(const Hierarchy& hierarchy, const HierarchyFileInfo& info, OutputFiles& outputs) const {

@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,13 +17,19 @@ namespace isoatlas::tool {
 /// them; with glb_per_level also NAME-0.glb, NAME-1.glb, ... and their list NAME.json.
 class MeshOutputs {
  public:
+  /// What else a run writes.
+  struct Other {
+    std::filesystem::path path;
+    std::string what;  ///< "report"
+  };
+
   /// @throws Error(bad_argument) if the name and glb_per_level do not make sense
   MeshOutputs(std::filesystem::path path, bool glb_per_level);
 
   /// Everything that can be wrong with the names is found here, before anybody waits.
-  /// @throws Error(bad_argument) if an output would replace the volume, the report or another output
+  /// @throws Error(bad_argument) if an output would replace the volume or another output
   /// @throws Error(bad_file), Error(unsupported) if one of them cannot be written
-  void check(std::size_t level_count, const std::filesystem::path& volume, const std::optional<std::filesystem::path>& report) const;
+  void check(std::size_t level_count, const std::filesystem::path& volume, const std::vector<Other>& others) const;
 
   /// Writes all files to where `outputs` stages them.
   /// @return what was written, under the names it will have

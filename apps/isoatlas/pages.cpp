@@ -209,4 +209,46 @@ counted again) or the list of levels that --glb-per-level wrote.
   };
 }
 
+ManPage::Text report_page() {
+  return {
+      .synopsis = "isoatlas report RESULT... -o FILE",
+      .description = R"(
+Writes one HTML file that shows results in 3-D, level by level, with their topology, certificate, shape and errors; it
+needs nothing but a browser. With a report the page also says which command made the mesh, and compares the shape of its
+triangles with marching cubes, if the volume is still where it was.
+)",
+      .groups = {kInput, kOutput, kRunning},
+      .sections = {{"Examples", R"(isoatlas extract head.nrrd --iso 80.5 -o head.glb --report head.json
+isoatlas report head.json -o head.html
+
+isoatlas report head.glb other.ply -o both.html
+    Two results on one page, to compare.
+)"},
+                   {"Exit status", kExitStatus},
+                   {"Files", R"(.json: the report of isoatlas extract, whose meshes and volume are looked
+for where it says and then beside it. .glb, .vtm: levels of detail. .ply,
+.stl, .obj, .off, .vtp: one mesh, of any program.
+)"}},
+  };
+}
+
+ManPage::Text picture_page() {
+  return {
+      .synopsis = "isoatlas picture RESULT -o FILE [options]",
+      .description = R"(
+Draws a mesh into a PNG file, on white, in parallel projection.
+
+VTK does the drawing and needs an X display; where there is none, Xvfb is started for the time that it takes (Debian:
+package xvfb).
+)",
+      .groups = {kInput, kOutput, kRunning},
+      .sections = {{"Examples", R"(isoatlas picture head.ply -o head.png
+isoatlas picture head.glb --level 0 --style hidden-line -o coarse.png
+)"},
+                   {"Exit status", kExitStatus},
+                   {"Files", R"(.glb, .vtm: levels of detail. .ply, .stl, .obj, .off, .vtp: one mesh.
+)"}},
+  };
+}
+
 }  // namespace isoatlas::tool

@@ -20,5 +20,7 @@ ManPage::Text extract_page();
 ManPage::Text info_page();
 ManPage::Text check_page();
 ManPage::Text levels_page();
+ManPage::Text report_page();
+ManPage::Text picture_page();
 
 }  // namespace isoatlas::tool

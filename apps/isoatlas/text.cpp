@@ -98,6 +98,22 @@ std::string size_text(const std::array<std::size_t, 3>& size) {
   return std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " + std::to_string(size[2]);
 }
 
+std::string command_text(const std::vector<std::string>& arguments) {
+  constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=:,./@%";
+  std::string out = "isoatlas";
+  for (const std::string& argument : arguments) {
+    out += ' ';
+    if (!argument.empty() && argument.find_first_not_of(kPlain) == std::string::npos) {
+      out += argument;
+      continue;
+    }
+    out += "'";
+    for (const char c : argument) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    out += "'";
+  }
+  return out;
+}
+
 std::string topology_text(const TopologySummary& topology) {
   return counted(topology.components, "component") + ", genus " + std::to_string(topology.genus) + ", " +
          counted(static_cast<std::uint64_t>(topology.boundary_loops), "boundary loop") + ", Euler characteristic " +

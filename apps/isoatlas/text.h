@@ -30,6 +30,9 @@ std::string seconds_text(double seconds);                           ///< 83 ms, 
 std::string bound_text(Quantity quantity, double bound);            ///< 1,161; 0.5; 15 degrees
 std::string size_text(const std::array<std::size_t, 3>& size);      ///< 256 x 256 x 94
 
+/// The command line, quoted for a shell: isoatlas extract 'my head.nrrd' --iso 80.5
+std::string command_text(const std::vector<std::string>& arguments);
+
 /// "2 components, genus 3, 1 boundary loop, Euler characteristic -3"
 std::string topology_text(const TopologySummary& topology);
 /// "3 x (genus 0, closed), 1 x (genus 2, 1 boundary loop)", at most `most` kinds

@@ -103,6 +103,7 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
   Json json;
   json["schema"] = "isoatlas-report-2";
   json["version"] = ISOATLAS_VERSION;
+  json["command"] = context.command.empty() ? Json() : Json(context.command);
   json["input"] = {{"path", context.volume_path},
                    {"sample_type", name(context.sample_type)},
                    {"size", context.grid.size},

@@ -26,6 +26,7 @@ struct ReportFile {
 /// What a report says besides what extract() found out: where things came from and went to, and what that took.
 struct ReportContext {
   std::string volume_path;
+  std::string command;  ///< that made it, as one would type it; empty: it was no command
   std::vector<ReportFile> files;
   Grid grid;
   SampleType sample_type = SampleType::float32;

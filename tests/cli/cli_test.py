@@ -12,6 +12,7 @@ import random
 import re
 import resource
 import select
+import shutil
 import signal
 import stat
 import struct
@@ -105,7 +106,7 @@ class ToolTest(unittest.TestCase):
             if limit:
                 resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
 
-        environment = {**os.environ, "LC_ALL": locale}
+        environment = {**os.environ, "LC_ALL": locale, **options.pop("env", {})}
         options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **options}
         return subprocess.run([str(TOOL), *map(str, arguments)], env=environment, cwd=self.folder, preexec_fn=prepare,
                               timeout=50, encoding="utf-8", **options)
@@ -147,10 +148,12 @@ class Help(ToolTest):
                    "--refine --max-distance --mean-distance --area-curvature --area-curvature-smooth --geodesic-ratio "
                    "--normal-angle --max-vertices --min-vertices --min-edge --max-edge --min-aspect --placement "
                    "--glb-per-level --measure --measure-samples --min-component-size --keep-components --interpolation --supersample --adaptive-supersample "
-                   "--allow-self-intersections",
+                   "--allow-self-intersections --html",
         "info": "--raw-size --raw-type --raw-spacing --raw-endian -h --help",
         "check": "--json --self-intersections --volume --iso --inside --topology --nan --interpolation --space --samples --raw-size --raw-type --raw-spacing --raw-endian -h --help",
         "levels": "--json -h --help",
+        "report": "-o --output -q --quiet -h --help",
+        "picture": "-o --output --level --style --size --view --up --zoom -q --quiet -h --help",
     }
 
     def test_pages_have_every_section_and_option(self):
@@ -1422,6 +1425,51 @@ for k in range(blocks.GetNumberOfBlocks()):
         text += b" " * (-len(text) % 4)
         self.put("deep.glb", struct.pack("<4sIII4s", b"glTF", 2, 20 + len(text), len(text), b"JSON") + text)
         self.refuse("nested too deeply", "levels", "deep.glb")
+
+
+def png_size(data):
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    return struct.unpack(">II", data[16:24])
+
+
+@unittest.skipUnless(os.environ.get("DISPLAY") or shutil.which("Xvfb"), "no X display and no Xvfb")
+class Picture(ToolTest):
+    def make(self, *options):
+        self.succeed("picture", "s.glb", "-o", "p.png", "-q", *options)
+        return (self.folder / "p.png").read_bytes()
+
+    def setUp(self):
+        super().setUp()
+        self.put_sphere()
+        self.succeed("extract", "sphere.nrrd", "--iso", "0", "-o", "s.glb", "-q", "--refine", "max-distance:2vx", "--refine", "max-distance:0.3vx")
+
+    def test_styles_levels_and_views_differ(self):
+        seen = [self.make("--size", "160,120", *options) for options in
+                ([], ["--style", "hidden-line"], ["--level", "0"], ["--view", "1,0,0"], ["--up", "1,0,0", "--level", "0"], ["--zoom", "2"])]
+        self.assertEqual(len(set(seen)), len(seen))
+        self.assertEqual({png_size(data) for data in seen}, {(160, 120)})
+        self.assertEqual(self.make("--size", "160,120"), seen[0], "the same again")
+        self.assertEqual(self.make("--size", "160,120", "--level", "2"), seen[0], "the finest is the default")
+
+    def test_default_size_and_summary(self):
+        self.assertRegex(self.succeed("picture", "s.glb", "-o", "p.png"), r"\A  wrote +p.png: [\d,]+ triangles, [\d.]+ KiB\n\Z")
+        self.assertEqual(png_size((self.folder / "p.png").read_bytes()), (1200, 900))
+
+    def test_one_mesh(self):
+        self.put("t.off", off(*TETRAHEDRON))
+        self.succeed("picture", "t.off", "--level", "0", "-o", "t.png", "-q")
+        self.refuse("no level 1", "picture", "t.off", "--level", "1", "-o", "t1.png")
+
+    def test_what_cannot_be(self):
+        for pattern, options in [("levels 0 to 2", ["--level", "3"]), ("--size", ["--size", "100"]), ("16 to 8192", ["--size", "8,100"]), ("two directions", ["--up", "0,0,0"]),
+                                 ("two directions", ["--view", "0,0,2"]), ("zoom", ["--zoom", "0"]), ("--style", ["--style", "wire"]), ("--level", ["--level", "-1"])]:
+            self.refuse(pattern, "picture", "s.glb", "-o", "q.png", *options)
+        self.refuse("replace the mesh", "picture", "s.glb", "-o", "s.glb")
+        self.refuse("nowhere", "picture", "s.glb", "-o", "nowhere/q.png")
+        self.refuse("missing.glb", "picture", "missing.glb", "-o", "q.png")
+
+    def test_without_a_display_or_xvfb_one_line_says_so(self):
+        self.refuse("X display", "picture", "s.glb", "-o", "q.png", env={"DISPLAY": "", "PATH": "/nonexistent"})
 
 
 class Terminal(ToolTest):

@@ -11,7 +11,7 @@ namespace {
 TEST(Hierarchy, LevelOfAVertexIsTheFirstThatHasIt) {
   Hierarchy hierarchy;
   EXPECT_THROW(hierarchy.level_of(0), Error);
-  hierarchy.levels = {{4, {}, {}}, {4, {}, {}}, {9, {}, {}}};
+  hierarchy.levels = {{4, {}, {}, {}}, {4, {}, {}, {}}, {9, {}, {}, {}}};
   EXPECT_EQ(hierarchy.level_of(0), 0U);
   EXPECT_EQ(hierarchy.level_of(3), 0U);
   EXPECT_EQ(hierarchy.level_of(4), 2U);

@@ -28,7 +28,7 @@ const HierarchyFileInfo kInfo{.mesh = {}, .placement = {}, .levels = {R"({"level
 // Writes to a folder; the files by name with the levels they hold.
 std::map<std::string, std::vector<std::size_t>> written(const TempFolder& folder, const std::string& name, bool glb_per_level = false) {
   const MeshOutputs meshes(folder / name, glb_per_level);
-  meshes.check(2, folder / "volume", std::nullopt);
+  meshes.check(2, folder / "volume", {});
   OutputFiles outputs;
   std::map<std::string, std::vector<std::size_t>> files;
   for (const ReportFile& file : meshes.write(two_levels(), kInfo, outputs))
@@ -62,7 +62,7 @@ TEST(MeshOutputs, LinksAreFollowed) {
   test::write_bytes(folder / "elsewhere/b.vtm", "old");
   fs::create_symlink("elsewhere/b.vtm", folder / "a.vtm");
   const MeshOutputs meshes(folder / "a.vtm", false);
-  meshes.check(2, folder / "volume", std::nullopt);
+  meshes.check(2, folder / "volume", {});
   {
     OutputFiles outputs;
     meshes.write(two_levels(), kInfo, outputs);

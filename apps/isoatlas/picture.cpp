@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// isoatlas picture: what does it look like?
+#include "picture/picture.h"
+
+#include <iostream>
+#include <string>
+
+#include "commands.h"
+#include "exit_status.h"
+#include "isoatlas/error.h"
+#include "isoatlas/io.h"
+#include "output_files.h"
+#include "text.h"
+
+namespace isoatlas::tool {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+TriangleMesh read_level(const fs::path& path, const std::optional<std::size_t>& level) {
+  if (!is_hierarchy_path(path)) {
+    if (level.value_or(0) != 0)
+      throw Error(ErrorCode::bad_argument, path.string() + ": has one mesh and no level " + std::to_string(*level));
+    return read_mesh(path);
+  }
+  const Hierarchy hierarchy = read_hierarchy(path).hierarchy;
+  const std::size_t last = hierarchy.levels.size() - 1;
+  if (level.value_or(0) > last)
+    throw Error(ErrorCode::bad_argument,
+                path.string() + ": has levels 0 to " + std::to_string(last) + " and no level " + std::to_string(*level));
+  return hierarchy.mesh(level.value_or(last));
+}
+
+}  // namespace
+
+int run_picture(const PictureArguments& arguments, Interruption& interruption) {
+  if (same_file(arguments.mesh, arguments.picture))
+    throw Error(ErrorCode::bad_argument, arguments.picture.string() + ": the picture would replace the mesh");
+  check_output_path(arguments.picture);
+  OutputFiles outputs;
+  const Interruption::Cleanup clean_up(interruption, [&] { outputs.discard(); });
+  const TriangleMesh mesh = read_level(arguments.mesh, arguments.level);
+  const std::string png = picture_png(mesh, arguments.options);
+  outputs.write(arguments.picture, [&](const fs::path& staged) { write_text_file(png, staged); });
+  interruption.commit([&] { outputs.commit(); });
+  if (!arguments.quiet)
+    std::cout << row("wrote", arguments.picture.string() + ": " + count_text(mesh.triangles.size()) + " triangles, " +
+                                  bytes_text(static_cast<double>(png.size())));
+  return kSuccess;
+}
+
+}  // namespace isoatlas::tool

@@ -1,0 +1,19 @@
+# cmake -D OUT=assets.cpp -P embed.cmake [SCRIPT STYLE]: a source file with these texts, or with none.
+set(script "")
+set(style "")
+if(CMAKE_ARGC GREATER 6)
+  file(READ ${CMAKE_ARGV5} script)
+  file(READ ${CMAKE_ARGV6} style)
+endif()
+foreach(text IN ITEMS script style)
+  string(FIND "${${text}}" ")isoatlas\"" at)
+  if(NOT at EQUAL -1)
+    message(FATAL_ERROR "the page's ${text} would end the literal that it stands in")
+  endif()
+endforeach()
+file(WRITE ${OUT} "#include \"page/assets.h\"\n
+namespace isoatlas::page {
+std::string_view script() { return R\"isoatlas(${script})isoatlas\"; }
+std::string_view style() { return R\"isoatlas(${style})isoatlas\"; }
+}  // namespace isoatlas::page
+")

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is said of a result: from its report, from the files of its meshes, or counted.
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "isoatlas/error.h"
+#include "isoatlas/extract.h"
+#include "isoatlas/io.h"
+#include "page/page.h"
+#include "report/json_values.h"
+
+namespace isoatlas {
+namespace {
+
+namespace fs = std::filesystem;
+using report::Json;
+
+constexpr std::size_t kMostPlaces = 20;  // of bad triangles in the page's facts
+
+[[noreturn]] void bad_report(const std::string& path, const std::string& what) { throw Error(ErrorCode::bad_file, path + ": " + what); }
+
+std::string lower_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+// Formats that say, or are agreed to be, in millimetres.
+bool is_medical(const std::string& path) {
+  const std::string name = lower_case(fs::path(path).filename().string());
+  constexpr std::array<std::string_view, 9> kEndings{".nii", ".nii.gz", ".hdr", ".img", ".mha", ".mhd", ".nrrd", ".nhdr", ".dcm"};
+  return fs::path(path).extension().empty() ||
+         std::any_of(kEndings.begin(), kEndings.end(), [&](std::string_view e) { return name.ends_with(e); });
+}
+
+// Lists of places are for machines and long.
+void shorten(Json& level) {
+  level.erase("at_limit");
+  if (!level.contains("bad_triangles")) return;
+  Json& worst = level["bad_triangles"]["worst"];
+  if (worst.is_array() && worst.size() > kMostPlaces) worst.erase(worst.begin() + kMostPlaces, worst.end());
+}
+
+// What can be said of triangles alone, with the keys of a report's level.
+Json counted(const TriangleMesh& mesh, std::size_t number) {
+  const MeshTopology topology = mesh_topology(mesh);
+  Json level = {{"level", number}, {"vertices", topology.vertices}, {"triangles", topology.triangles}};
+  level["manifold"] = topology.is_manifold() && topology.is_oriented();
+  report::add_topology(level, summarize(topology.components));
+  level["quality"] = report::to_value(mesh_quality(mesh));
+  return level;
+}
+
+Json empty_facts(const std::string& title) {
+  return {{"title", title},   {"unit", "mm"},       {"command", nullptr},  {"parameters", nullptr},
+          {"input", nullptr}, {"surface", nullptr}, {"reference", nullptr}};
+}
+
+Json to_value(const std::optional<MeshQuality>& marching_cubes) {
+  if (!marching_cubes) return nullptr;
+  return {{"triangles", marching_cubes->triangles},
+          {"histogram", marching_cubes->aspect_histogram},
+          {"share_below_third", marching_cubes->aspect_share_below_third},
+          {"minimum", marching_cubes->aspect_min}};
+}
+
+Json parsed_report(const std::string& text, const std::string& path) {
+  Json json = Json::parse(text, nullptr, false);
+  if (!json.is_object() || !json.contains("schema") || json["schema"] != "isoatlas-report-2")
+    bad_report(path, "is no report of isoatlas extract (schema isoatlas-report-2)");
+  for (const char* key : {"input", "surface", "parameters", "reference"})
+    if (!json.contains(key) || !json[key].is_object()) bad_report(path, std::string("has no '") + key + "'");
+  for (const char* key : {"levels", "files"})
+    if (!json.contains(key) || !json[key].is_array()) bad_report(path, std::string("has no '") + key + "'");
+  return json;
+}
+
+// Where the report says, or beside it.
+fs::path found(const std::string& path, const fs::path& report) {
+  if (fs::exists(path)) return path;
+  return report.parent_path() / fs::path(path).filename();
+}
+
+// The levels of one result, each a mesh in a file of its own.
+Hierarchy of_meshes(std::vector<TriangleMesh> meshes) {
+  Hierarchy out;
+  out.positions = meshes.back().positions;
+  for (TriangleMesh& mesh : meshes) {
+    const std::size_t n = mesh.positions.size();
+    const bool nested = n <= out.positions.size() && std::memcmp(mesh.positions.data(), out.positions.data(), n * sizeof(Vec3)) == 0;
+    Hierarchy::Level& level = out.levels.emplace_back();
+    level.vertex_count = static_cast<std::uint32_t>(n);
+    level.triangles = std::move(mesh.triangles);
+    if (!nested) level.placed = std::move(mesh.positions);
+  }
+  return out;
+}
+
+// The levels that a report's files hold, as many as there are files for: all from one file, or each from its own.
+std::pair<Hierarchy, std::vector<std::size_t>> read_levels(const Json& json, const fs::path& report) {
+  std::vector<std::pair<std::size_t, fs::path>> single;
+  for (const Json& file : json["files"]) {
+    const fs::path path = found(file.at("path").get<std::string>(), report);
+    const auto levels = file.at("levels").get<std::vector<std::size_t>>();
+    if (is_hierarchy_path(path) && levels.size() == json["levels"].size()) return {read_hierarchy(path).hierarchy, levels};
+    if (levels.size() == 1) single.emplace_back(levels.front(), path);
+  }
+  std::stable_sort(single.begin(), single.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<TriangleMesh> meshes;
+  std::vector<std::size_t> numbers;
+  for (const auto& [number, path] : single) {
+    if (!numbers.empty() && numbers.back() == number) continue;
+    numbers.push_back(number);
+    meshes.push_back(is_hierarchy_path(path) ? read_hierarchy(path).hierarchy.mesh(0) : read_mesh(path));
+  }
+  if (meshes.empty()) bad_report(report.string(), "names no file with a mesh");
+  return {of_meshes(std::move(meshes)), numbers};
+}
+
+// Of the volume that a report is about, if it is still there and can be read without being told how.
+std::optional<MeshQuality> marching_cubes_of(const Json& json, const fs::path& report) {
+  try {
+    const Volume volume = read_volume(found(json["input"].at("path").get<std::string>(), report));
+    if (volume.grid.size != json["input"].at("size").get<std::array<std::size_t, 3>>()) return std::nullopt;
+    return marching_cubes_quality(volume, json["surface"].at("isovalue").get<double>());
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+// @param numbers  the report's levels that the hierarchy has
+PageEntry entry_of(const Json& json, const std::string& path, Hierarchy hierarchy, const std::vector<std::size_t>& numbers,
+                   const std::optional<MeshQuality>& marching_cubes) {
+  const std::string volume = json["input"].at("path").get<std::string>();
+  std::string name = fs::path(volume).filename().string();
+  if (name.empty()) name = fs::path(volume).parent_path().filename().string();  // a folder
+  Json facts = empty_facts(name + " at " + json["surface"].at("isovalue").dump());
+  facts["unit"] = is_medical(volume) ? "mm" : "units";
+  facts["command"] = json.value("command", Json());
+  for (const char* key : {"parameters", "input", "surface", "reference"}) facts[key] = json[key];
+  if (json.contains("dropped")) facts["dropped"] = json["dropped"].size();
+  Json& levels = facts["levels"] = Json::array();
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (numbers[i] >= json["levels"].size()) bad_report(path, "has no level " + std::to_string(numbers[i]));
+    Json level = json["levels"][numbers[i]];
+    if (level.value("vertices", std::size_t{0}) != hierarchy.levels[i].vertex_count ||
+        level.value("triangles", std::size_t{0}) != hierarchy.levels[i].triangles.size())
+      bad_report(path, "is about another mesh: level " + std::to_string(numbers[i]) + " has other numbers of vertices and triangles");
+    shorten(level);
+    levels.push_back(std::move(level));
+  }
+  facts["marching_cubes"] = to_value(marching_cubes);
+  return {std::move(hierarchy), facts.dump()};
+}
+
+}  // namespace
+
+PageEntry entry_of_report(const std::string& report, const std::string& path, Hierarchy hierarchy,
+                          const std::optional<MeshQuality>& marching_cubes) {
+  const Json json = parsed_report(report, path);
+  std::vector<std::size_t> numbers;
+  for (std::size_t k = 0; k < hierarchy.levels.size(); ++k) numbers.push_back(k);
+  try {
+    return entry_of(json, path, std::move(hierarchy), numbers, marching_cubes);
+  } catch (const Json::exception& error) {
+    bad_report(path, std::string("a key is missing or of another type: ") + error.what());
+  }
+}
+
+PageEntry entry_of_file(const fs::path& path) {
+  if (lower_case(path.extension().string()) == ".json") {
+    const Json json = parsed_report(read_text_file(path), path.string());
+    try {
+      auto [hierarchy, numbers] = read_levels(json, path);
+      return entry_of(json, path.string(), std::move(hierarchy), numbers, marching_cubes_of(json, path));
+    } catch (const Json::exception& error) {
+      bad_report(path.string(), std::string("a key is missing or of another type: ") + error.what());
+    }
+  }
+  PageEntry entry;
+  Json facts = empty_facts(path.filename().string());
+  std::vector<std::string> said;
+  std::string space;
+  if (is_hierarchy_path(path)) {
+    HierarchyFile file = read_hierarchy(path);
+    entry.hierarchy = std::move(file.hierarchy);
+    said = std::move(file.info.levels);
+    space = file.info.mesh.space;
+  } else {
+    entry.hierarchy = of_meshes({read_mesh(path)});
+    space = mesh_space(path);
+  }
+  facts["unit"] = space == "voxel" || space.empty() ? "units" : "mm";
+  Json& levels = facts["levels"] = Json::array();
+  for (std::size_t k = 0; k < entry.hierarchy.levels.size(); ++k) {
+    const Json from_file = said.empty() ? Json() : Json::parse(said[k]);
+    Json level = counted(entry.hierarchy.mesh(k), k);
+    if (from_file.is_object()) level.update(from_file);
+    shorten(level);
+    levels.push_back(std::move(level));
+  }
+  facts["marching_cubes"] = nullptr;
+  entry.facts = facts.dump();
+  return entry;
+}
+
+}  // namespace isoatlas

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "page/page.h"
+
+#include <vtkBase64Utilities.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "isoatlas/error.h"
+#include "isoatlas/version.h"
+#include "page/assets.h"
+#include "page/geometry.h"
+
+namespace isoatlas {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string base64(const std::string& bytes) {
+  std::string out(4 * ((bytes.size() + 2) / 3), '\0');
+  const auto* from = reinterpret_cast<const unsigned char*>(bytes.data());
+  out.resize(vtkBase64Utilities::Encode(from, bytes.size(), reinterpret_cast<unsigned char*>(out.data())));
+  return out;
+}
+
+std::string in_html(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else
+      out += c;
+  }
+  return out;
+}
+
+// JSON that cannot end the element it stands in: '<' is only found in texts, where it may be written so.
+std::string in_script(const Json& json) {
+  std::string out;
+  for (const char c : json.dump(-1, ' ', false, Json::error_handler_t::replace)) {
+    if (c == '<')
+      out += "\\u003c";
+    else
+      out += c;
+  }
+  return out;
+}
+
+}  // namespace
+
+void require_pages() {
+  if (page::script().empty()) throw Error(ErrorCode::unsupported, "this isoatlas was built without pages (ISOATLAS_BUILD_PAGE)");
+}
+
+std::string page_html(std::span<const PageEntry> entries, const std::filesystem::path& path) {
+  require_pages();
+  Json json = {{"schema", "isoatlas-page-1"}, {"version", ISOATLAS_VERSION}};
+  Json& results = json["results"] = Json::array();
+  std::string geometry, title;
+  for (const PageEntry& entry : entries) {
+    Json result = Json::parse(entry.facts);
+    result["geometry"] = page::append_geometry(entry.hierarchy, path, geometry);
+    title += (title.empty() ? "" : ", ") + result["title"].get<std::string>();
+    results.push_back(std::move(result));
+  }
+  std::string out =
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<meta name=\"generator\" content=\"isoatlas " ISOATLAS_VERSION "\">\n<title>";
+  out += in_html(title);
+  out += " - isoatlas</title>\n<style>\n";
+  out += page::style();
+  out +=
+      "\n</style>\n</head>\n<body>\n<noscript>This page shows meshes in 3-D and needs JavaScript. It loads nothing from "
+      "anywhere.</noscript>\n"
+      "<script type=\"application/json\" id=\"isoatlas-data\">";
+  out += in_script(json);
+  out += "</script>\n<script type=\"text/plain\" id=\"isoatlas-geometry\">";
+  out += base64(geometry);
+  out += "</script>\n<script>\n";
+  out += page::script();
+  out += "\n</script>\n</body>\n</html>\n";
+  return out;
+}
+
+}  // namespace isoatlas

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "picture/picture.h"
+
+#include <vtkActor.h>
+#include <vtkCamera.h>
+#include <vtkCellArray.h>
+#include <vtkFloatArray.h>
+#include <vtkImageData.h>
+#include <vtkImageShrink3D.h>
+#include <vtkLight.h>
+#include <vtkNew.h>
+#include <vtkPNGWriter.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+#include <vtkPolyDataMapper.h>
+#include <vtkProperty.h>
+#include <vtkRenderer.h>
+#include <vtkRenderWindow.h>
+#include <vtkUnsignedCharArray.h>
+#include <vtkWindowToImageFilter.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "core/vector_math.h"
+#include "isoatlas/error.h"
+#include "picture/display.h"
+
+namespace isoatlas {
+namespace {
+
+constexpr int kFiner = 3;  // drawn so many times larger, then averaged: edges are smooth whatever the driver can do
+constexpr double kMargin = 1.06;
+
+struct Box {
+  Vec3 middle;
+  double radius = 0;  // of a ball around it
+};
+
+Box box_of(const TriangleMesh& mesh) {
+  Vec3 low = mesh.positions[mesh.triangles[0][0]], high = low;
+  for (const Triangle& t : mesh.triangles) {
+    for (const std::uint32_t v : t) {
+      const Vec3 p = mesh.positions[v];
+      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+  }
+  return {0.5 * low + 0.5 * high, std::max(0.5 * length(high - low), 1e-300)};
+}
+
+// Around the origin with radius 1, where floats are good, and with the normals of the vertices: sums of area vectors.
+vtkNew<vtkPolyData> surface_of(const TriangleMesh& mesh, const Box& box) {
+  vtkNew<vtkPoints> points;
+  points->SetNumberOfPoints(static_cast<vtkIdType>(mesh.positions.size()));
+  std::vector<Vec3> at;
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    at.push_back((1 / box.radius) * (mesh.positions[v] - box.middle));
+    points->SetPoint(static_cast<vtkIdType>(v), at[v].x, at[v].y, at[v].z);
+  }
+  std::vector<Vec3> normals(mesh.positions.size());
+  vtkNew<vtkCellArray> triangles;
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3 area = cross(at[t[1]] - at[t[0]], at[t[2]] - at[t[0]]);
+    for (const std::uint32_t v : t) normals[v] = normals[v] + area;
+    triangles->InsertNextCell({t[0], t[1], t[2]});
+  }
+  vtkNew<vtkFloatArray> unit;
+  unit->SetNumberOfComponents(3);
+  unit->SetNumberOfTuples(static_cast<vtkIdType>(normals.size()));
+  for (std::size_t v = 0; v < normals.size(); ++v) {
+    const Vec3 n = normalized(normals[v]);
+    unit->SetTuple3(static_cast<vtkIdType>(v), n.x, n.y, n.z);
+  }
+  vtkNew<vtkPolyData> out;
+  out->SetPoints(points);
+  out->SetPolys(triangles);
+  out->GetPointData()->SetNormals(unit);
+  return out;
+}
+
+vtkNew<vtkPolyData> edges_of(const TriangleMesh& mesh, vtkPolyData& surface) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (const Triangle& t : mesh.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) edges.push_back(std::minmax(t[k], t[(k + 1) % 3]));
+  }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  vtkNew<vtkCellArray> lines;
+  for (const auto& [a, b] : edges) lines->InsertNextCell({a, b});
+  vtkNew<vtkPolyData> out;
+  out->SetPoints(surface.GetPoints());
+  out->SetLines(lines);
+  return out;
+}
+
+void add_lights(vtkRenderer& renderer) {
+  struct Lamp {
+    double x, y, intensity;
+  };
+  renderer.RemoveAllLights();
+  for (const Lamp& lamp : {Lamp{-0.5, 0.7, 0.85}, Lamp{0.9, 0.1, 0.3}, Lamp{0, -0.9, 0.2}}) {
+    vtkNew<vtkLight> light;
+    light->SetLightTypeToCameraLight();
+    light->SetPosition(lamp.x, lamp.y, 1);
+    light->SetFocalPoint(0, 0, 0);
+    light->SetIntensity(lamp.intensity);
+    renderer.AddLight(light);
+  }
+}
+
+void require(bool good, const char* message) {
+  if (!good) throw Error(ErrorCode::bad_argument, message);
+}
+
+}  // namespace
+
+std::string picture_png(const TriangleMesh& mesh, const PictureOptions& options) {
+  require(!mesh.triangles.empty(), "the mesh has no triangles to draw");
+  for (const int pixels : {options.width, options.height})
+    require(pixels >= 16 && pixels <= 8192, "a picture is 16 to 8192 pixels wide and high");
+  require(options.zoom > 0 && std::isfinite(options.zoom), "the zoom of a picture must be positive");
+  const Vec3 towards = normalized(options.view);
+  require(length(cross(towards, normalized(options.up))) > 1e-6, "the view of a picture and what is up in it must be two directions");
+  const picture::Display display;
+
+  const Box box = box_of(mesh);
+  const vtkNew<vtkPolyData> surface = surface_of(mesh, box);
+  vtkNew<vtkRenderer> renderer;
+  renderer->SetBackground(1, 1, 1);
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputData(surface);
+  vtkNew<vtkActor> actor;
+  actor->SetMapper(mapper);
+  renderer->AddActor(actor);
+  vtkProperty& look = *actor->GetProperty();
+  vtkNew<vtkPolyData> edges;
+  if (options.style == PictureStyle::smooth) {
+    look.SetColor(0.80, 0.79, 0.76);
+    look.SetInterpolationToPhong();
+    look.SetAmbient(0.12);
+    look.SetSpecular(0.15);
+    look.SetSpecularPower(20);
+    add_lights(*renderer);
+  } else {
+    look.SetLighting(false);
+    look.SetColor(1, 1, 1);
+    mapper->SetResolveCoincidentTopologyToPolygonOffset();
+    mapper->SetRelativeCoincidentTopologyPolygonOffsetParameters(2, 2);
+    edges->ShallowCopy(edges_of(mesh, *surface));
+    vtkNew<vtkPolyDataMapper> edge_mapper;
+    edge_mapper->SetInputData(edges);
+    vtkNew<vtkActor> edge_actor;
+    edge_actor->SetMapper(edge_mapper);
+    edge_actor->GetProperty()->SetLighting(false);
+    edge_actor->GetProperty()->SetColor(0.10, 0.12, 0.15);
+    edge_actor->GetProperty()->SetLineWidth(1.25f * kFiner);
+    renderer->AddActor(edge_actor);
+  }
+
+  vtkCamera& camera = *renderer->GetActiveCamera();
+  camera.SetFocalPoint(0, 0, 0);
+  camera.SetPosition(10 * towards.x, 10 * towards.y, 10 * towards.z);
+  camera.SetViewUp(options.up.x, options.up.y, options.up.z);
+  camera.SetParallelProjection(true);
+  // So that every vertex is in the picture.
+  const Vec3 right = normalized(cross(options.up, towards)), up = cross(towards, right);
+  double half_width = 0, half_height = 0;
+  for (const Triangle& t : mesh.triangles) {
+    for (const std::uint32_t v : t) {
+      const Vec3 p = (1 / box.radius) * (mesh.positions[v] - box.middle);
+      half_width = std::max(half_width, std::fabs(dot(p, right)));
+      half_height = std::max(half_height, std::fabs(dot(p, up)));
+    }
+  }
+  const double shape = static_cast<double>(options.height) / options.width;
+  camera.SetParallelScale(kMargin * std::max({half_height, half_width * shape, 1e-6}) / options.zoom);
+  camera.SetClippingRange(8.5, 11.5);
+
+  vtkNew<vtkRenderWindow> window;
+  window->SetOffScreenRendering(1);
+  window->SetMultiSamples(0);
+  window->SetSize(kFiner * options.width, kFiner * options.height);
+  window->AddRenderer(renderer);
+  window->Render();
+  vtkNew<vtkWindowToImageFilter> pixels;
+  pixels->SetInput(window);
+  pixels->ReadFrontBufferOff();
+  vtkNew<vtkImageShrink3D> smaller;
+  smaller->SetInputConnection(pixels->GetOutputPort());
+  smaller->SetShrinkFactors(kFiner, kFiner, 1);
+  smaller->AveragingOn();
+  vtkNew<vtkPNGWriter> writer;
+  writer->SetInputConnection(smaller->GetOutputPort());
+  writer->WriteToMemoryOn();
+  writer->Write();
+  const vtkUnsignedCharArray& png = *writer->GetResult();
+  return {reinterpret_cast<const char*>(const_cast<vtkUnsignedCharArray&>(png).GetPointer(0)),
+          static_cast<std::size_t>(png.GetNumberOfValues())};
+}
+
+}  // namespace isoatlas
