@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "isoatlas/error.h"
+#include "isoatlas/extract.h"
+#include "isoatlas/io.h"
+#include "page/page.h"
+#include "report/report.h"
+#include "support/exact_volume.h"
+#include "support/volumes.h"
+
+namespace isoatlas {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class PageEntries : public ::testing::Test {
+ protected:
+  PageEntries() {
+    fs::create_directories(folder_);
+    volume_ = test::exact_volume({24, 24, 24}, test::torus({11.3, 11.6, 11.4}, 6.5, 2.5));
+    options_.refine = {{{Quantity::max_distance, 0.5}}};
+    extraction_ = extract(volume_, options_);
+  }
+  ~PageEntries() override { fs::remove_all(folder_); }
+
+  ReportContext context() const {
+    ReportContext out;
+    out.volume_path = "torus.nrrd";
+    out.command = "isoatlas extract torus.nrrd";
+    out.grid = volume_.grid;
+    out.options = options_;
+    return out;
+  }
+  HierarchyFileInfo info() const {
+    HierarchyFileInfo out;
+    out.mesh.space = "LPS";
+    for (std::size_t k = 0; k < extraction_.report.levels.size(); ++k) out.levels.push_back(level_json(extraction_.report.levels[k], k));
+    return out;
+  }
+
+  fs::path folder_ = fs::temp_directory_path() / ("isoatlas-page-" + std::to_string(::getpid()));
+  Volume volume_;
+  ExtractOptions options_;
+  Extraction extraction_;
+};
+
+void expect_error(ErrorCode code, const std::string& fragment, const std::function<void()>& work) {
+  try {
+    work();
+    FAIL() << "no error: " << fragment;
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), code) << error.what();
+    EXPECT_NE(std::string(error.what()).find(fragment), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(PageEntries, OfAReportSayWhatItSays) {
+  const auto cubes = marching_cubes_quality(volume_, 0);
+  ASSERT_TRUE(cubes);
+  const PageEntry entry = entry_of_report(to_json(extraction_.report, context()), "r.json", extraction_.hierarchy, cubes);
+  const json facts = json::parse(entry.facts);
+  EXPECT_EQ(facts["title"], "torus.nrrd at 0.0");
+  EXPECT_EQ(facts["unit"], "mm");
+  EXPECT_EQ(facts["command"], "isoatlas extract torus.nrrd");
+  EXPECT_EQ(facts["levels"].size(), 2u);
+  EXPECT_EQ(facts["levels"][1]["genus"], 1);
+  EXPECT_EQ(facts["reference"]["genus"], 1);
+  EXPECT_EQ(facts["marching_cubes"]["triangles"], cubes->triangles);
+  EXPECT_FALSE(facts["levels"][1].contains("at_limit"));
+}
+
+TEST_F(PageEntries, OfAReportAboutAnotherMeshAreRefused) {
+  const std::string report = to_json(extraction_.report, context());
+  Hierarchy other = extraction_.hierarchy;
+  other.levels[1].triangles.pop_back();
+  expect_error(ErrorCode::bad_file, "r.json: is about another mesh: level 1", [&] { entry_of_report(report, "r.json", other, {}); });
+  expect_error(ErrorCode::bad_file, "r.json: is no report", [&] { entry_of_report("{}", "r.json", other, {}); });
+  expect_error(ErrorCode::bad_file, "r.json: is no report", [&] { entry_of_report("no json", "r.json", other, {}); });
+  json broken = json::parse(report);
+  broken.erase("levels");
+  expect_error(ErrorCode::bad_file, "r.json: has no 'levels'", [&] { entry_of_report(broken.dump(), "r.json", other, {}); });
+  broken = json::parse(report);
+  broken["levels"][0]["vertices"] = "many";
+  expect_error(ErrorCode::bad_file, "r.json: a key", [&] { entry_of_report(broken.dump(), "r.json", extraction_.hierarchy, {}); });
+}
+
+TEST_F(PageEntries, OfFilesSayWhatTheyKnowAndCountTheRest) {
+  write_hierarchy(extraction_.hierarchy, folder_ / "a.glb", info());
+  const PageEntry levels = entry_of_file(folder_ / "a.glb");
+  EXPECT_EQ(levels.hierarchy.levels.size(), 2u);
+  json facts = json::parse(levels.facts);
+  EXPECT_EQ(facts["title"], "a.glb");
+  EXPECT_TRUE(facts["command"].is_null());
+  EXPECT_TRUE(facts["levels"][1]["certificate"]["passed"]);
+  EXPECT_FALSE(levels.hierarchy.levels[1].distance.empty());
+
+  write_mesh(extraction_.mesh(), folder_ / "a.ply");
+  const PageEntry mesh = entry_of_file(folder_ / "a.ply");
+  facts = json::parse(mesh.facts);
+  EXPECT_EQ(facts["levels"].size(), 1u);
+  EXPECT_EQ(facts["levels"][0]["genus"], 1);
+  EXPECT_EQ(facts["levels"][0]["triangles"], extraction_.finest().triangles);
+  EXPECT_FALSE(facts["levels"][0].contains("certificate"));
+  EXPECT_EQ(facts["unit"], "units") << "the file does not say in which space it is";
+}
+
+// The report names files as they were called when it was written; they are found beside it, too.
+TEST_F(PageEntries, OfAReportFileFindItsMeshes) {
+  ReportContext said = context();
+  const auto report_of = [&](std::vector<ReportFile> files) {
+    said.files = std::move(files);
+    write_text_file(to_json(extraction_.report, said), folder_ / "r.json");
+    return entry_of_file(folder_ / "r.json");
+  };
+  write_hierarchy(extraction_.hierarchy, folder_ / "a.glb", info());
+  EXPECT_EQ(report_of({{"elsewhere/a.glb", {0, 1}, 1}}).hierarchy.levels.size(), 2u);
+  write_mesh(extraction_.hierarchy.mesh(0), folder_ / "a-0.ply");
+  write_mesh(extraction_.hierarchy.mesh(1), folder_ / "a-1.ply");
+  const PageEntry both = report_of({{"a-0.ply", {0}, 1}, {"a-1.ply", {1}, 1}});
+  EXPECT_EQ(both.hierarchy.levels.size(), 2u);
+  EXPECT_TRUE(both.hierarchy.levels[0].placed.empty()) << "nested: the positions are shared";
+  const PageEntry finest = report_of({{"a-1.ply", {1}, 1}});
+  EXPECT_EQ(finest.hierarchy.levels.size(), 1u);
+  EXPECT_EQ(json::parse(finest.facts)["levels"][0]["level"], 1);
+  expect_error(ErrorCode::bad_file, "names no file", [&] { report_of({}); });
+  expect_error(ErrorCode::bad_file, "gone.ply", [&] { report_of({{"gone.ply", {1}, 1}}); });
+}
+
+TEST(PageMarchingCubes, AreNotMadeOfWhatIsNotFinite) {
+  Volume volume = test::exact_volume({8, 8, 8}, test::sphere({3.4, 3.5, 3.6}, 2));
+  EXPECT_FALSE(marching_cubes_quality(volume, 1e9)) << "no surface";
+  const auto quality = marching_cubes_quality(volume, 0);
+  ASSERT_TRUE(quality);
+  EXPECT_GT(quality->triangles, 50u);
+  EXPECT_EQ(std::accumulate(quality->aspect_histogram.begin(), quality->aspect_histogram.end(), std::size_t{0}), quality->triangles);
+}
+
+}  // namespace
+}  // namespace isoatlas
