@@ -500,7 +500,7 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
   const Ground* const start_ground = ground_.get();
   Task task = whole_task(goal, placement, out, control);
   MeetingTriangles meeting;
-  for (;;) {
+  for (std::uint32_t twice = 2;; twice *= 2) {
     work_towards(task, meeting, out, control);
     if (!too_many(partition().cell_count())) break;
     // Topology, and that triangles do not meet, needed more vertices than were left. Back, and less of what was asked for; but not where
@@ -510,14 +510,16 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
     work_ = std::make_unique<MeasuredCovering>(*start);
     placed_in_ = start_placed_in;
     const std::uint32_t room = task.most_sites > sites_before_ ? task.most_sites - sites_before_ : 0;
-    if (room <= 2 * over) {
+    out.vertices_ran_out = false;
+    if (room / twice <= over) {
       if (!first) return the_one_before();
       Task nothing;
       nothing.placement = placement;
       work_towards(nothing, meeting, out, control);
+      out.vertices_ran_out = true;
       break;
     }
-    task.most_sites = sites_before_ + std::min(room - over, room / 2);
+    task.most_sites -= twice * over;
   }
   work_->certify(out.certificate, control);
 

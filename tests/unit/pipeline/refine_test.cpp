@@ -163,6 +163,24 @@ TEST(Priorities, ALimitOnVerticesEndsTheWorkInNoise) {
   }
 }
 
+// Where parting triangles that meet took more vertices than were left, less is asked for; but not nothing.
+TEST(Priorities, ALimitOnVerticesIsNearlyUsedUp) {
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    const Volume volume = to_volume(random_samples(Family::white_noise, {9, 9, 9}, seed));
+    const double coarse = static_cast<double>(extract(volume, asking({})).finest().vertices);
+    std::vector<LevelGoal> levels;
+    for (const double share : {1.05, 1.1, 1.2})
+      levels.push_back({{Quantity::max_vertices, std::floor(share * coarse)}, {Quantity::max_distance, 0.01}});
+    const Extraction e = extract(volume, asking(levels));
+    expect_sound(e, "white noise");
+    for (std::size_t l = 0; l < levels.size(); ++l) {
+      const double vertices = static_cast<double>(e.report.levels[l + 1].vertices), limit = levels[l].front().bound;
+      EXPECT_LE(vertices, limit);
+      EXPECT_GE(vertices, 0.9 * limit) << "seed " << seed << ", level " << l + 1;
+    }
+  }
+}
+
 // ---------------------------------------------------------------------------------------------------------------- edges
 
 TEST(Edges, FourVerticesAreEnoughForASphereIfTopologySaysSo) {
