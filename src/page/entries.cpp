@@ -38,9 +38,9 @@ bool is_medical(const std::string& path) {
          std::any_of(kEndings.begin(), kEndings.end(), [&](std::string_view e) { return name.ends_with(e); });
 }
 
-// Lists of places are for machines and long.
+// Lists of places are for machines and long; times and paths change from run to run, and a page should not.
 void shorten(Json& level) {
-  level.erase("at_limit");
+  for (const char* key : {"at_limit", "seconds", "path"}) level.erase(key);
   if (!level.contains("bad_triangles")) return;
   Json& worst = level["bad_triangles"]["worst"];
   if (worst.is_array() && worst.size() > kMostPlaces) worst.erase(worst.begin() + kMostPlaces, worst.end());

@@ -3,6 +3,7 @@
 """Runs the isoatlas tool: cli_test.py PATH_OF_TOOL [TestClass ...]. Needs nothing but the standard library."""
 
 import array
+import base64
 import json
 import math
 import os
@@ -12,6 +13,7 @@ import random
 import re
 import resource
 import select
+import shlex
 import shutil
 import signal
 import stat
@@ -1470,6 +1472,112 @@ class Picture(ToolTest):
 
     def test_without_a_display_or_xvfb_one_line_says_so(self):
         self.refuse("X display", "picture", "s.glb", "-o", "q.png", env={"DISPLAY": "", "PATH": "/nonexistent"})
+
+
+def page_parts(path):
+    """(facts, bytes of geometry, all of the text) of a page."""
+    text = path.read_text(encoding="utf-8")
+    part = lambda id: re.search(rf'(?s)<script type="[a-z/]+" id="isoatlas-{id}">(.*?)</script>', text).group(1)
+    return json.loads(part("data")), base64.b64decode(part("geometry"), validate=True), text
+
+
+HAS_PAGES = "without pages" not in subprocess.run([str(TOOL), "report", "missing.json", "-o", "/nonexistent/p.html"], capture_output=True, text=True).stderr
+
+
+@unittest.skipUnless(HAS_PAGES, "built without pages (ISOATLAS_BUILD_PAGE)")
+class Page(ToolTest):
+    EXTRACT = ["extract", "sphere.nrrd", "--iso", "0", "--refine", "max-distance:1vx", "--refine", "max-distance:0.3vx", "-q"]
+
+    def setUp(self):
+        super().setUp()
+        self.put_sphere()
+
+    def test_of_extract_has_everything(self):
+        self.succeed(*self.EXTRACT, "-o", "s.glb", "--html", "s.html", "--report", "s.json")
+        page, geometry, text = page_parts(self.folder / "s.html")
+        self.assertTrue(text.startswith("<!doctype html>"))
+        self.assertEqual(page["schema"], "isoatlas-page-1")
+        result, = page["results"]
+        report = json.loads((self.folder / "s.json").read_text())
+        self.assertEqual(result["command"], " ".join(["isoatlas", *self.EXTRACT, "-o", "s.glb", "--html", "s.html", "--report", "s.json"]))
+        for key in ["parameters", "input", "surface", "reference"]:
+            self.assertEqual(result[key], report[key])
+        self.assertEqual([l["triangles"] for l in result["levels"]], [l["triangles"] for l in report["levels"]])
+        self.assertEqual(sum(result["marching_cubes"]["histogram"]), result["marching_cubes"]["triangles"])
+        levels = result["geometry"]["levels"]
+        self.assertEqual([l["triangles"]["count"] for l in levels], [l["triangles"] for l in report["levels"]])
+        self.assertEqual(max(r["offset"] + r["bytes"] for l in levels for r in (l["triangles"], l["distance"])), len(geometry))
+        for level, said in zip(levels, report["levels"]):
+            self.assertAlmostEqual(level["distance"]["maximum"], said["metrics"]["max-distance"]["maximum"], places=6)
+
+    def test_loads_nothing(self):
+        self.succeed(*self.EXTRACT, "-o", "s.glb", "--html", "s.html")
+        text = (self.folder / "s.html").read_text(encoding="utf-8")
+        for pattern in [r"<link\b", r"<img\b", r"<script[^>]*\bsrc=", r"<iframe\b", r"@import", r"url\((?!['\"]?(?:data:|#))", r"\bimport\s*\("]:
+            self.assertIsNone(re.search(pattern, text), pattern)
+
+    def test_same_bytes_again_and_with_any_number_of_threads(self):
+        pages = []
+        for threads in ["1", "2", "2"]:
+            self.succeed(*self.EXTRACT, "-o", "s.glb", "--html", "s.html", "--threads", threads)
+            pages.append(re.sub(r"--threads \d|\"threads\":\d", "", (self.folder / "s.html").read_text(encoding="utf-8")))
+        self.assertEqual(len(set(pages)), 1)
+
+    def test_of_a_report_is_that_of_extract(self):
+        self.succeed(*self.EXTRACT, "-o", "s.vtm", "--html", "a.html", "--report", "s.json")
+        self.succeed("report", "s.json", "-o", "b.html", "-q")
+        self.assertEqual((self.folder / "a.html").read_bytes(), (self.folder / "b.html").read_bytes())
+        (self.folder / "sphere.nrrd").unlink()
+        self.succeed("report", "s.json", "-o", "c.html", "-q")
+        self.assertIsNone(page_parts(self.folder / "c.html")[0]["results"][0]["marching_cubes"])
+
+    def test_of_several_results(self):
+        self.succeed(*self.EXTRACT, "-o", "s.glb", "--report", "s.json")
+        self.put("t.off", off(*TETRAHEDRON))
+        self.assertRegex(self.succeed("report", "s.json", "s.glb", "t.off", "-o", "p.html"), r"\A  wrote +p.html: 3 results, [\d.]+ [KM]iB\n\Z")
+        page, _, text = page_parts(self.folder / "p.html")
+        self.assertEqual([r["title"] for r in page["results"]], ["sphere.nrrd at 0.0", "s.glb", "t.off"])
+        self.assertIn("<title>sphere.nrrd at 0.0, s.glb, t.off - isoatlas</title>", text)
+        self.assertEqual([len(r["levels"]) for r in page["results"]], [3, 3, 1])
+        self.assertEqual(page["results"][2]["levels"][0]["genus"], 0)
+
+    def test_names_cannot_break_out(self):
+        name = "</script><b>&amp; 'x'.nrrd".replace("/", "")
+        (self.folder / "sphere.nrrd").rename(self.folder / name)
+        self.succeed("extract", name, "--iso", "0", "--coarse", "-o", "s.ply", "-q", "--html", "s.html")
+        page, _, text = page_parts(self.folder / "s.html")
+        self.assertEqual(page["results"][0]["input"]["path"], name)
+        self.assertEqual(text.count("<b>"), (self.folder / "s.html").read_text().count("<b>"))
+        self.assertIn("<title>&lt;script>&lt;b>&amp;amp; 'x'.nrrd at 0.0 - isoatlas</title>", text)
+        self.assertEqual(shlex.split(page["results"][0]["command"])[2], name)
+
+    def test_what_cannot_be(self):
+        self.succeed(*self.EXTRACT, "-o", "s.glb", "--report", "s.json")
+        self.put("bad.json", b"{}")
+        self.refuse("is no report", "report", "bad.json", "-o", "p.html")
+        self.refuse("missing.glb", "report", "missing.glb", "-o", "p.html")
+        self.refuse("would replace a result", "report", "s.glb", "-o", "s.glb")
+        self.refuse("nowhere", "report", "s.glb", "-o", "nowhere/p.html")
+        self.refuse("the page would replace the mesh", *self.EXTRACT, "-o", "s.glb", "--html", "s.glb")
+        self.refuse("the page would replace the report", *self.EXTRACT, "-o", "s.glb", "--report", "x", "--html", "x")
+        self.refuse("the page would replace the volume", *self.EXTRACT, "-o", "s.glb", "--html", "sphere.nrrd")
+        other = json.loads((self.folder / "s.json").read_text())
+        other["levels"][0]["vertices"] += 1
+        self.put("other.json", json.dumps(other).encode())
+        self.refuse("about another mesh", "report", "other.json", "-o", "p.html")
+
+    def test_snippets_of_the_page_about_it(self):
+        (self.folder / "samples").symlink_to(DOCS.parents[1] / "samples")
+        (self.folder / "isoatlas").symlink_to(TOOL)
+        text = (DOCS.parent / "report.md").read_text(encoding="utf-8")
+        blocks = re.findall(r"(?ms)^```sh\n(.*?)^```", text)
+        self.assertGreaterEqual(len(blocks), 4)
+        for block in blocks:
+            done = subprocess.run(["bash", "-euc", block], cwd=self.folder, env={**os.environ, "PATH": f"{self.folder}:{os.environ['PATH']}"},
+                                  capture_output=True, text=True)
+            self.assertEqual((done.returncode, done.stderr), (0, ""), block)
+        for page in re.findall(r"(?<=-o |ml )\w+\.html", "".join(blocks)):
+            self.assertGreater(len(page_parts(self.folder / page)[1]), 1000, page)
 
 
 class Terminal(ToolTest):
