@@ -84,7 +84,7 @@ def main():
             errors = [f"{level['metrics']['max-distance']['maximum'] / voxel:.3g}" for level in report["levels"]]
             genus, components = report["reference"]["genus"], report["reference"]["components"]
             text += ["", f"## {title}", "", f"`{source}`, {components:,} component{'s' if components > 1 else ''} of genus {genus:,} in all: {', '.join(counts[:3])} and {counts[3]} triangles; largest distance from the isosurface "
-                     f"{', '.join(errors[:3])} and {errors[3]} voxels. The paper's volume: {of_the_paper} triangles.", ""]
+                     f"{', '.join(errors[:3])} and {errors[3]} voxels. In the paper: {of_the_paper}.", ""]
             text += [f"![{title}, smooth](images/gallery/{short}-smooth.jpg)", "", f"![{title}, hidden lines](images/gallery/{short}-hidden-line.png)"]
             print(text[-5], flush=True)
     if arguments.only is None:
