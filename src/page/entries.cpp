@@ -41,7 +41,7 @@ bool is_medical(const std::string& path) {
 // Lists of places are for machines and long; times and paths change from run to run, and a page should not.
 void shorten(Json& level) {
   for (const char* key : {"at_limit", "seconds", "path"}) level.erase(key);
-  if (!level.contains("bad_triangles")) return;
+  if (!level.contains("bad_triangles") || !level["bad_triangles"].is_object()) return;
   Json& worst = level["bad_triangles"]["worst"];
   if (worst.is_array() && worst.size() > kMostPlaces) worst.erase(worst.begin() + kMostPlaces, worst.end());
 }
@@ -55,6 +55,9 @@ Json counted(const TriangleMesh& mesh, std::size_t number) {
   level["quality"] = report::to_value(mesh_quality(mesh));
   return level;
 }
+
+// Names of files need not be UTF-8.
+std::string text_of(const Json& facts) { return facts.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 Json empty_facts(const std::string& title) {
   return {{"title", title},   {"unit", "mm"},       {"command", nullptr},  {"parameters", nullptr},
@@ -155,7 +158,7 @@ PageEntry entry_of(const Json& json, const std::string& path, Hierarchy hierarch
     levels.push_back(std::move(level));
   }
   facts["marching_cubes"] = to_value(marching_cubes);
-  return {std::move(hierarchy), facts.dump()};
+  return {std::move(hierarchy), text_of(facts)};
 }
 
 }  // namespace
@@ -205,7 +208,7 @@ PageEntry entry_of_file(const fs::path& path) {
     levels.push_back(std::move(level));
   }
   facts["marching_cubes"] = nullptr;
-  entry.facts = facts.dump();
+  entry.facts = text_of(facts);
   return entry;
 }
 

@@ -1551,6 +1551,17 @@ class Page(ToolTest):
         self.assertIn("<title>&lt;script>&lt;b>&amp;amp; 'x'.nrrd at 0.0 - isoatlas</title>", text)
         self.assertEqual(shlex.split(page["results"][0]["command"])[2], name)
 
+    def test_names_that_are_not_utf8(self):
+        name = os.fsdecode(b"m\xff.off")
+        (self.folder / name).write_bytes(off(*TETRAHEDRON))
+        self.succeed("report", name, "-o", "p.html", "-q")
+        self.assertEqual(page_parts(self.folder / "p.html")[0]["results"][0]["title"], "m\ufffd.off")
+
+    def test_a_mesh_that_is_no_manifold(self):
+        self.put("m.off", off([(0, 0, 0), (4, 0, 0), (0, 4, 0), (0, 0, 4), (0, 0, -4)], [(0, 1, 2), (0, 1, 3), (0, 1, 4)]))
+        self.succeed("report", "m.off", "-o", "p.html", "-q")
+        self.assertIs(page_parts(self.folder / "p.html")[0]["results"][0]["levels"][0]["manifold"], False)
+
     def test_what_cannot_be(self):
         self.succeed(*self.EXTRACT, "-o", "s.glb", "--report", "s.json")
         self.put("bad.json", b"{}")
