@@ -1,215 +1,252 @@
-// The mesh in 3-D: which level, how it is shaded, coloured and cut, and where it is looked at from.
-import {
-  AmbientLight, BufferAttribute, BufferGeometry, Color, DirectionalLight, DoubleSide, LineBasicMaterial, LineSegments, Mesh as Solid, MeshBasicMaterial,
-  MeshLambertMaterial, OrthographicCamera, Plane, Scene as World, Sphere, Vector3, WebGLRenderer,
-} from "three";
-import {OrbitControls} from "three/addons/controls/OrbitControls.js";
+// SPDX-License-Identifier: Apache-2.0
+// The mesh in 3-D: which level, how it is drawn, coloured and cut. Drawn when something changed, and only then.
+import {BufferAttribute, BufferGeometry, Color, DataTexture, DoubleSide, GLSL3, Mesh as Solid, RawShaderMaterial, Scene as World, Vector3, WebGLRenderer} from "three";
 
-import {colour, type Colouring, type Legend} from "./colours";
-import type {Level, Mesh} from "./data";
-import {aspectRatios, edges, vertexNormals} from "./shape";
+import {Camera, looking} from "./camera";
+import {colour, type Colouring, type Colours, type Legend} from "./colours";
+import type {AspectRatio, Level, Mesh, Triple} from "./data";
+import {FRAGMENT, VERTEX} from "./shaders";
+import {aspectFacts, aspectRatios, components, isHidden, vertexNormals, type Components} from "./shape";
 
-export type Style = "smooth" | "hidden-line";
+export type Style = "smooth" | "split" | "lines";
 
-const AXES = [new Vector3(1, 0, 0), new Vector3(0, 1, 0), new Vector3(0, 0, 1)];
+export interface Cut {
+  /** Of the way through the box, 0 to 1. */
+  share: number;
+  /** Which side is left. */
+  keep: "below" | "above";
+}
 
-export class Scene {
-  private readonly renderer: WebGLRenderer;
-  private readonly world = new World();
-  private readonly camera = new OrthographicCamera(-1, 1, 1, -1, -100, 100);
-  private readonly controls: OrbitControls;
-  private readonly light = new DirectionalLight(0xffffff, 2.2);
-  private readonly surface = new Solid(new BufferGeometry(), new MeshLambertMaterial({vertexColors: true, side: DoubleSide}));
-  private readonly fill = new MeshBasicMaterial({polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1, side: DoubleSide, vertexColors: true});
-  private readonly shaded = this.surface.material as MeshLambertMaterial;
-  private readonly lines = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
-  private readonly mark = new LineSegments(new BufferGeometry(), new LineBasicMaterial({color: 0xd62728, depthTest: false}));
-  private readonly planes = AXES.map((axis) => new Plane(axis.clone().negate(), 0));
-  private mesh: Mesh | null = null;
-  private unit = "";
-  private bounds = new Sphere();
-  private style: Style = "smooth";
-  private colouring: Colouring = "plain";
-  private level = 0;
-  private waiting = false;
-  private ground = new Color("#ffffff");
-  private ink = new Color("#1c2126");
+export interface Worst {
+  triangle: number;
+  ratio: number;
+  /** From the mesh's centre. */
+  corners: [Vector3, Vector3, Vector3];
+  centroid: Vector3;
+}
 
-  constructor(private readonly canvas: HTMLCanvasElement) {
-    this.renderer = new WebGLRenderer({canvas, antialias: true, preserveDrawingBuffer: true});
-    this.renderer.localClippingEnabled = true;
-    this.light.position.set(0.4, 0.7, 1);
-    this.camera.add(this.light, new DirectionalLight(0xffffff, 0.5));
-    this.mark.renderOrder = 1;
-    this.mark.visible = false;
-    this.world.add(new AmbientLight(0xffffff, 0.9), this.camera, this.surface, this.lines, this.mark);
-    this.controls = new OrbitControls(this.camera, canvas);
-    this.controls.addEventListener("change", () => this.draw());
-    new ResizeObserver(() => this.fit()).observe(canvas);
+/** What is computed of a level when it is first asked for. */
+export class LevelShape {
+  private knownRatios?: Float32Array;
+  private knownAspect?: AspectRatio;
+  private knownComponents?: Components;
+
+  constructor(readonly level: Level) {}
+
+  readonly ratios = (): Float32Array => (this.knownRatios ??= aspectRatios(this.level.positions, this.level.triangles));
+  readonly components = (): Components => (this.knownComponents ??= components(this.level.vertices, this.level.triangles));
+
+  aspect(): AspectRatio {
+    return (this.knownAspect ??= {...aspectFacts(this.ratios()), ...this.level.facts.quality?.aspect_ratio});
   }
 
-  /** Another result: its finest level is what the view is made for. */
-  show(mesh: Mesh, unit: string): void {
+  worst(): Worst | null {
+    const {positions, triangles} = this.level;
+    const ratios = this.ratios();
+    if (ratios.length === 0) return null;
+    let triangle = 0;
+    for (let t = 1; t < ratios.length; ++t) if (ratios[t] < ratios[triangle]) triangle = t;
+    const corner = (k: number): Vector3 => new Vector3().fromArray(positions, 3 * triangles[3 * triangle + k]);
+    const corners: Worst["corners"] = [corner(0), corner(1), corner(2)];
+    const centroid = corners[0].clone().add(corners[1]).add(corners[2]).divideScalar(3);
+    return {triangle, ratio: ratios[triangle], corners, centroid};
+  }
+}
+
+/** A level with one vertex per corner, so that each triangle knows its corners' colours. */
+interface Prepared {
+  geometry: BufferGeometry;
+  colouring: Colouring | null;
+  colours: Colours | null;
+}
+
+const MODES = {plain: 0, blend: 1, nearest: 2};
+
+export class Scene {
+  readonly camera: Camera;
+  readonly cuts: [Cut, Cut, Cut] = [{share: 1, keep: "below"}, {share: 1, keep: "below"}, {share: 1, keep: "below"}];
+  frames = 0;
+  private readonly renderer: WebGLRenderer;
+  private readonly world = new World();
+  private readonly texture = new DataTexture(new Uint8Array(4 * 256), 256, 1);
+  private readonly material: RawShaderMaterial;
+  private readonly surface: Solid<BufferGeometry, RawShaderMaterial>;
+  private mesh!: Mesh;
+  private shapes: LevelShape[] = [];
+  private prepared: (Prepared | undefined)[] = [];
+  private style: Style = "smooth";
+  private waiting = false;
+
+  /** @param context WebGL 2 of the canvas; @param drew called after each frame */
+  constructor(private readonly canvas: HTMLCanvasElement, context: WebGL2RenderingContext, private readonly drew: () => void) {
+    this.renderer = new WebGLRenderer({canvas, context, alpha: true, antialias: true});
+    this.renderer.setClearColor(0x000000, 0);  // the ground is the page's
+    const colourNames = ["clay", "inside", "paper", "paperInside", "ink", "section"];
+    this.material = new RawShaderMaterial({
+      glslVersion: GLSL3,
+      vertexShader: VERTEX,
+      fragmentShader: FRAGMENT,
+      side: DoubleSide,
+      uniforms: {
+        mode: {value: 0},
+        palette: {value: this.texture},
+        cutAt: {value: new Vector3()},
+        cutSide: {value: new Vector3()},
+        linesFrom: {value: 0},
+        pixelRatio: {value: 1},
+        ...Object.fromEntries(colourNames.map((name) => [name, {value: new Vector3()}])),
+      },
+    });
+    this.surface = new Solid(new BufferGeometry(), this.material);
+    this.surface.frustumCulled = false;
+    this.world.add(this.surface);
+    this.camera = new Camera(() => this.draw());
+    new ResizeObserver(() => this.resize()).observe(canvas);
+    this.resize();
+    canvas.addEventListener("webglcontextrestored", () => this.draw());
+  }
+
+  /** Another mesh; the view is made for its finest level. */
+  show(mesh: Mesh, shapes: LevelShape[]): void {
+    for (const old of this.prepared) old?.geometry.dispose();
     this.mesh = mesh;
-    this.unit = unit;
-    const finest = mesh.levels[mesh.levels.length - 1];
-    const geometry = new BufferGeometry();
-    geometry.setAttribute("position", new BufferAttribute(finest.positions, 3));
-    geometry.computeBoundingSphere();
-    this.bounds = geometry.boundingSphere!;
-    this.reset();
+    this.shapes = shapes;
+    this.prepared = [];
+    this.camera.setHome(mesh.levels[mesh.levels.length - 1].positions);
   }
 
   /** @returns what the colours say */
-  update(level: number, style: Style, colouring: Colouring): Legend {
-    this.level = level;
+  update(level: number, style: Style, colouring: Colouring, unit: string): Legend | null {
     this.style = style;
-    this.colouring = colouring;
-    return this.rebuild();
+    const prepared = (this.prepared[level] ??= this.prepare(level));
+    if (prepared.colouring !== colouring) {
+      prepared.colours = colour(colouring, this.mesh, this.mesh.levels[level], this.shapes[level], unit);
+      prepared.colouring = colouring;
+      const {values} = prepared.colours;
+      if (values) prepared.geometry.setAttribute("corners", new BufferAttribute(perCorner(values), 4, true));
+    }
+    const {mode, palette, legend} = prepared.colours!;
+    this.material.uniforms.mode.value = MODES[mode];
+    if (palette) {
+      (this.texture.image.data as Uint8Array).set(palette);
+      this.texture.needsUpdate = true;
+    }
+    this.surface.geometry = prepared.geometry;
+    this.draw();
+    return legend;
   }
 
-  /** Which half of the box along an axis is shown: the part below `share`, 0 to 1; 1: all. */
-  clip(axis: number, share: number): void {
-    const {center, radius} = this.bounds;
-    this.planes[axis].constant = center.getComponent(axis) + (2 * share - 1) * radius;
-    this.planes[axis].constant += share >= 1 ? radius : 0;
+  cut(axis: number, cut: Cut): void {
+    this.cuts[axis] = cut;
     this.draw();
   }
 
-  theme(ground: string, ink: string): void {
-    this.ground = new Color(ground);
-    this.ink = new Color(ink);
-    this.rebuild();
+  /** A cut at the end of its way leaves all. */
+  isCut(axis: number): boolean {
+    const {share, keep} = this.cuts[axis];
+    return keep === "below" ? share < 1 : share > 0;
   }
 
-  reset(): void {
-    const {center, radius} = this.bounds;
-    this.camera.zoom = 1;
-    this.camera.up.set(0, 0, 1);
-    this.camera.position.copy(center).add(new Vector3(0.45, -1, 0.35).normalize().multiplyScalar(2 * radius));
-    this.controls.target.copy(center);
-    this.mark.visible = false;
-    this.planes.forEach((_, axis) => this.clip(axis, 1));
-    this.fit();
-    this.controls.update();
-  }
-
-  /** Turns the view, radians. */
-  turn(right: number, up: number): void {
-    const from = this.camera.position.clone().sub(this.controls.target);
-    from.applyAxisAngle(this.camera.up, right);
-    const side = new Vector3().crossVectors(this.camera.up, from).normalize();
-    const tilted = from.clone().applyAxisAngle(side, -up);
-    if (Math.abs(tilted.clone().normalize().dot(this.camera.up)) < 0.995) from.copy(tilted);
-    this.camera.position.copy(this.controls.target).add(from);
-    this.controls.update();
+  /** Colours of the theme, from the style sheet. */
+  theme(colours: Record<string, string>): void {
+    for (const [name, text] of Object.entries(colours)) {
+      const {r, g, b} = new Color(text).convertLinearToSRGB();  // the shader works on what is written
+      (this.material.uniforms[name].value as Vector3).set(r, g, b);
+    }
     this.draw();
   }
 
-  /** Moves the view, shares of its width. */
-  move(right: number, up: number): void {
-    const width = (this.camera.right - this.camera.left) / this.camera.zoom;
-    const shift = new Vector3(right, up, 0).multiplyScalar(width).applyQuaternion(this.camera.quaternion);
-    this.camera.position.add(shift);
-    this.controls.target.add(shift);
-    this.controls.update();
-    this.draw();
-  }
-
-  zoom(factor: number): void {
-    this.camera.zoom = Math.min(Math.max(this.camera.zoom * factor, 0.2), 5000);
-    this.camera.updateProjectionMatrix();
-    this.draw();
-  }
-
-  /** Centres the triangle with the smallest aspect ratio, marks it and looks at it from outside. @returns its ratio */
-  showWorst(): number {
-    const {positions, triangles} = this.shown();
-    const ratios = aspectRatios(positions, triangles);
-    let worst = 0;
-    for (let t = 1; t < ratios.length; ++t) if (ratios[t] < ratios[worst]) worst = t;
-    const corner = [0, 1, 2].map((k) => new Vector3().fromArray(positions, 3 * triangles[3 * worst + k]));
-    const centre = corner[0].clone().add(corner[1]).add(corner[2]).divideScalar(3);
-    const normal = new Vector3().crossVectors(corner[1].clone().sub(corner[0]), corner[2].clone().sub(corner[0])).normalize();
-    if (!(normal.lengthSq() > 0.5)) normal.copy(this.camera.position).sub(this.controls.target).normalize();
-    if (Math.abs(normal.dot(this.camera.up)) > 0.99) normal.add(new Vector3(0.15, 0.1, 0)).normalize();
-    const size = Math.max(...corner.map((c) => c.distanceTo(centre)));
-    this.controls.target.copy(centre);
-    this.camera.position.copy(centre).addScaledVector(normal, 2 * this.bounds.radius);
-    this.camera.zoom = Math.min(Math.max((0.12 * this.bounds.radius) / Math.max(size, 1e-9), 1), 2000);
-    this.mark.geometry.dispose();
-    this.mark.geometry = new BufferGeometry().setFromPoints([corner[0], corner[1], corner[1], corner[2], corner[2], corner[0]]);
-    this.mark.visible = true;
-    this.fit();
-    this.controls.update();
-    return ratios[worst];
-  }
-
-  private shown(): Level {
-    return this.mesh!.levels[this.level];
-  }
-
-  private rebuild(): Legend {
-    if (!this.mesh) return {title: ""};
-    const level = this.shown();
-    const {positions, triangles} = level;
-    const smooth = this.style === "smooth";
-    const coloured = colour(this.colouring, this.mesh, level, this.unit);
-    // One corner, one vertex: colours change at edges.
-    const corners = new Float32Array(3 * triangles.length);
-    const normals = smooth ? new Float32Array(corners.length) : null;
-    const normal = smooth ? vertexNormals(positions, triangles) : null;
-    for (let i = 0; i < triangles.length; ++i) {
-      for (let k = 0; k < 3; ++k) {
-        corners[3 * i + k] = positions[3 * triangles[i] + k];
-        if (normals && normal) normals[3 * i + k] = normal[3 * triangles[i] + k];
+  /** Looks at a level's worst triangle, from where nothing hides it if there is such a place. */
+  centre(worst: Worst, level: number): void {
+    const {corners: [a, b, c], centroid} = worst;
+    const {positions, triangles} = this.mesh.levels[level];
+    const size = Math.max(a.distanceTo(b), b.distanceTo(c), c.distanceTo(a)) || 1e-3;
+    const normal = new Vector3().crossVectors(b.clone().sub(a), c.clone().sub(a)).normalize();
+    if (!(normal.lengthSq() > 0.5)) normal.set(0, 0, 1).applyQuaternion(this.camera.pose.rotation);
+    const side = new Vector3(1, 0, 0).addScaledVector(normal, -normal.x);
+    if (side.lengthSq() < 0.1) side.set(0, 1, 0).addScaledVector(normal, -normal.y);
+    side.normalize();
+    const other = new Vector3().crossVectors(normal, side);
+    let from = normal;
+    search: for (const tilt of [0.15, 0.5, 0.85, 1.15]) {
+      for (let k = 0; k < 8; ++k) {
+        const angle = (k * Math.PI) / 4;
+        const tried = normal.clone().multiplyScalar(Math.cos(tilt))
+          .addScaledVector(side, Math.sin(tilt) * Math.cos(angle)).addScaledVector(other, Math.sin(tilt) * Math.sin(angle));
+        if (isHidden(positions, triangles, worst.triangle, centroid.toArray(), tried.toArray(), 1e-4 * size)) continue;
+        from = tried;
+        break search;
       }
     }
-    this.surface.geometry.dispose();
-    const geometry = (this.surface.geometry = new BufferGeometry());
-    geometry.setAttribute("position", new BufferAttribute(corners, 3));
-    geometry.setAttribute("color", new BufferAttribute(coloured.corners, 3));
-    if (normals) geometry.setAttribute("normal", new BufferAttribute(normals, 3));
-    if (!smooth && this.colouring === "plain") {  // the paper's figure 1: lines, and what is behind the surface hidden by it
-      const {r, g, b} = this.ground;
-      for (let i = 0; i < coloured.corners.length; i += 3) coloured.corners.set([r, g, b], i);
-    }
-    this.surface.material = smooth ? this.shaded : this.fill;
-    this.lines.visible = !smooth;
-    if (!smooth) {
-      this.lines.geometry.dispose();
-      this.lines.geometry = new BufferGeometry();
-      this.lines.geometry.setAttribute("position", new BufferAttribute(positions, 3));
-      this.lines.geometry.setIndex(new BufferAttribute(edges(triangles, level.facts.vertices), 1));
-    }
-    (this.lines.material as LineBasicMaterial).color = this.ink;
-    for (const material of [this.shaded, this.fill, this.lines.material as LineBasicMaterial]) material.clippingPlanes = this.planes;
-    this.world.background = this.ground;
-    this.mark.visible = false;
-    this.draw();
-    return coloured.legend;
+    this.camera.glide({target: centroid, rotation: looking(from), zoom: Math.max(this.camera.zoomFor(size, 130), 1)});
   }
 
-  private fit(): void {
-    const width = this.canvas.clientWidth;
-    const height = this.canvas.clientHeight;
-    if (width === 0 || height === 0) return;
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
-    this.renderer.setSize(width, height, false);
-    const half = 1.05 * this.bounds.radius;
-    const wide = Math.max(width / height, 1) * half;
-    const high = Math.max(height / width, 1) * half;
-    Object.assign(this.camera, {left: -wide, right: wide, top: high, bottom: -high, near: -4 * half, far: 8 * half});
-    this.camera.updateProjectionMatrix();
-    this.draw();
+  /** Draws now; a picture can be read from the canvas until the next task. */
+  render(): void {
+    const {uniforms} = this.material;
+    const {half} = this.mesh;
+    for (let axis = 0; axis < 3; ++axis) {
+      const {share, keep} = this.cuts[axis];
+      (uniforms.cutAt.value as Vector3).setComponent(axis, (2 * share - 1) * half[axis]);
+      (uniforms.cutSide.value as Vector3).setComponent(axis, this.isCut(axis) ? (keep === "below" ? 1 : -1) : 0);
+    }
+    const ratio = this.renderer.getPixelRatio();
+    uniforms.pixelRatio.value = ratio;
+    uniforms.linesFrom.value = {smooth: 1e9, split: Math.round((this.canvas.clientWidth / 2) * ratio), lines: -1}[this.style];
+    this.renderer.render(this.world, this.camera.three);
+    ++this.frames;
+    this.drew();
   }
 
-  private draw(): void {
-    if (this.waiting) return;
+  draw(): void {
+    if (this.waiting || !this.mesh) return;
     this.waiting = true;
     requestAnimationFrame(() => {
       this.waiting = false;
-      this.renderer.render(this.world, this.camera);
+      this.render();
     });
   }
+
+  private prepare(at: number): Prepared {
+    const {positions, triangles} = this.mesh.levels[at];
+    const normals = vertexNormals(positions, triangles);
+    const places = new Float32Array(3 * triangles.length);
+    const directions = new Int16Array(4 * triangles.length);
+    for (let i = 0; i < triangles.length; ++i) {
+      const v = 3 * triangles[i];
+      places[3 * i] = positions[v], places[3 * i + 1] = positions[v + 1], places[3 * i + 2] = positions[v + 2];
+      directions[4 * i] = 32767 * normals[v], directions[4 * i + 1] = 32767 * normals[v + 1], directions[4 * i + 2] = 32767 * normals[v + 2];
+    }
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(places, 3));
+    geometry.setAttribute("normal", new BufferAttribute(directions, 4, true));
+    geometry.setAttribute("corners", new BufferAttribute(new Uint8Array(4 * triangles.length), 4, true));
+    return {geometry, colouring: null, colours: null};
+  }
+
+  private resize(): void {
+    const {clientWidth: width, clientHeight: height} = this.canvas;
+    if (width === 0 || height === 0) return;
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setSize(width, height, false);
+    this.camera.resize(width, height);
+    if (this.mesh) this.render();  // in this frame: a canvas that was resized is empty
+  }
+}
+
+/** Each triangle's three bytes, given to each of its corners. */
+function perCorner(values: Uint8Array): Uint8Array {
+  const out = new Uint8Array((4 * 3 * values.length) / 3);
+  for (let t = 0, o = 0; t < values.length; t += 3) {
+    for (let k = 0; k < 3; ++k, o += 4) {
+      out[o] = values[t];
+      out[o + 1] = values[t + 1];
+      out[o + 2] = values[t + 2];
+    }
+  }
+  return out;
+}
+
+export function toFile(point: Vector3, centre: Triple): Triple {
+  return [point.x + centre[0], point.y + centre[1], point.z + centre[2]];
 }
