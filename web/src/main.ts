@@ -7,11 +7,11 @@ import {Vector3} from "three";
 import type {Colouring, Legend} from "./colours";
 import {choice, cutControl, levelSlider} from "./controls";
 import {readMesh, readPage, type Mesh, type Result, type Triple} from "./data";
-import {element, number, plural} from "./dom";
+import {drawn, element, number, plural} from "./dom";
 import {errorText, facts, origin, summary} from "./facts";
 import {listen} from "./gestures";
 import {Overlay} from "./overlay";
-import {LevelShape, Scene, toFile, type Style} from "./scene";
+import {contextOf, LevelShape, Scene, toFile, type Style} from "./scene";
 
 const AXES = ["x", "y", "z"] as const;
 const HELP = [
@@ -24,6 +24,11 @@ const HELP = [
 ];
 const THEME = {clay: "--clay", inside: "--inside", paper: "--paper", paperInside: "--paper-inside", ink: "--edge", section: "--section"};
 
+/** A circle, half of it filled. */
+function halfMoon(): SVGElement {
+  return drawn("svg", {viewBox: "0 0 20 20", width: 20, height: 20, "aria-hidden": "true", class: "icon"}, drawn("circle", {cx: 10, cy: 10, r: 7.25}), drawn("path", {d: "M10 2.75a7.25 7.25 0 0 1 0 14.5z"}));
+}
+
 class PageView {
   private readonly page = readPage();
   private readonly canvas = element("canvas", {id: "view", tabindex: "0", role: "application", "aria-roledescription": "3-D view", "aria-label": "Mesh", "aria-describedby": "help"});
@@ -35,7 +40,7 @@ class PageView {
   private readonly known = element("div", {id: "facts"});
   private readonly madeBy = element("div");
   private readonly which = element("select", {id: "result", "aria-label": "Result"});
-  private readonly theme = element("button", {type: "button", id: "theme", "aria-pressed": "false", "aria-label": "Dark theme"}, "◐");
+  private readonly theme = element("button", {type: "button", id: "theme", "aria-pressed": "false", "aria-label": "Dark theme", title: "Light or dark"}, halfMoon());
   private readonly level = levelSlider(() => this.update());
   private readonly style = choice<Style>("style", "Shading", [{value: "smooth", text: "Smooth"}, {value: "split", text: "Both"}, {value: "lines", text: "Hidden line"}], () => this.update());
   private readonly colouring = choice<Colouring>(
@@ -79,7 +84,8 @@ class PageView {
           "section",
           {class: "stage", "aria-label": "Mesh"},
           element("header", {}, element("div", {class: "titles"}, this.title, this.subtitle), this.which, this.theme),
-          element("div", {class: "picture"}, this.canvas, this.overlay.svg, this.legend),
+          element("div", {class: "picture"}, this.canvas, this.overlay.svg),
+          this.legend,
           this.level.field,
         ),
         element(
@@ -104,7 +110,7 @@ class PageView {
   }
 
   private startScene(): void {
-    const context = this.canvas.getContext("webgl2", {alpha: true, antialias: true, depth: true, premultipliedAlpha: true});
+    const context = contextOf(this.canvas);
     if (!context) {
       const words = "The mesh cannot be drawn: this browser has no WebGL 2, or it is turned off. All that is known of the mesh is in the tables.";
       this.canvas.replaceWith(element("p", {class: "missing", role: "alert"}, words));
@@ -137,9 +143,11 @@ class PageView {
     for (const cut of this.cuts) cut.reset();
     this.madeBy.replaceChildren(origin(result));
     this.update();
-    this.scene?.render();
-    document.documentElement.dataset.ready = `${index}`;
-    performance.mark("ready");
+    // Ready when the first picture is on its way to the screen, not when it was asked for.
+    requestAnimationFrame(() => requestAnimationFrame(() => {
+      document.documentElement.dataset.ready = `${index}`;
+      performance.mark("ready");
+    }));
   }
 
   private get shown(): number {
@@ -216,7 +224,6 @@ class PageView {
     }
     if (legend?.note) out.push(element("p", {}, legend.note));
     this.legend.replaceChildren(...out);
-    this.legend.hidden = out.length === 0;
   }
 
   private showWorst(): void {

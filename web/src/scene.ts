@@ -6,7 +6,7 @@ import {Camera, looking} from "./camera";
 import {colour, type Colouring, type Colours, type Legend} from "./colours";
 import type {AspectRatio, Level, Mesh, Triple} from "./data";
 import {FRAGMENT, VERTEX} from "./shaders";
-import {aspectFacts, aspectRatios, components, isHidden, vertexNormals, type Components} from "./shape";
+import {aspectFacts, aspectRatios, components, enclosedVolume, isHidden, vertexNormals, type Components} from "./shape";
 
 export type Style = "smooth" | "split" | "lines";
 
@@ -80,6 +80,7 @@ export class Scene {
   /** @param context WebGL 2 of the canvas; @param drew called after each frame */
   constructor(private readonly canvas: HTMLCanvasElement, context: WebGL2RenderingContext, private readonly drew: () => void) {
     this.renderer = new WebGLRenderer({canvas, context, alpha: true, antialias: true});
+    this.renderer.debug.checkShaderErrors = false;  // each question waits for the graphics process; the tests look at the picture
     this.renderer.setClearColor(0x000000, 0);  // the ground is the page's
     const colourNames = ["clay", "inside", "paper", "paperInside", "ink", "section"];
     this.material = new RawShaderMaterial({
@@ -92,6 +93,7 @@ export class Scene {
         palette: {value: this.texture},
         cutAt: {value: new Vector3()},
         cutSide: {value: new Vector3()},
+        turned: {value: false},
         linesFrom: {value: 0},
         pixelRatio: {value: 1},
         ...Object.fromEntries(colourNames.map((name) => [name, {value: new Vector3()}])),
@@ -112,6 +114,9 @@ export class Scene {
     this.mesh = mesh;
     this.shapes = shapes;
     this.prepared = [];
+    // Where samples below the isovalue are meant, the whole mesh faces inward; what is seen from outside is its outside all the same.
+    const finest = mesh.levels[mesh.levels.length - 1];
+    this.material.uniforms.turned.value = enclosedVolume(finest.positions, finest.triangles) < 0;
     this.camera.setHome(mesh.levels[mesh.levels.length - 1].positions);
   }
 
@@ -190,7 +195,7 @@ export class Scene {
       (uniforms.cutAt.value as Vector3).setComponent(axis, (2 * share - 1) * half[axis]);
       (uniforms.cutSide.value as Vector3).setComponent(axis, this.isCut(axis) ? (keep === "below" ? 1 : -1) : 0);
     }
-    const ratio = this.renderer.getPixelRatio();
+    const ratio = pixelRatio();
     uniforms.pixelRatio.value = ratio;
     uniforms.linesFrom.value = {smooth: 1e9, split: Math.round((this.canvas.clientWidth / 2) * ratio), lines: -1}[this.style];
     this.renderer.render(this.world, this.camera.three);
@@ -227,11 +232,22 @@ export class Scene {
   private resize(): void {
     const {clientWidth: width, clientHeight: height} = this.canvas;
     if (width === 0 || height === 0) return;
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
-    this.renderer.setSize(width, height, false);
+    const [wide, high] = pixelsOf(this.canvas);
+    // To set the size empties the canvas and waits for the graphics process, even where it is the same as before.
+    if (this.canvas.width !== wide || this.canvas.height !== high) this.renderer.setSize(wide, high, false);
     this.camera.resize(width, height);
     if (this.mesh) this.render();  // in this frame: a canvas that was resized is empty
   }
+}
+
+const pixelRatio = (): number => Math.min(devicePixelRatio, 2);
+
+const pixelsOf = (canvas: HTMLCanvasElement): [number, number] => [Math.round(canvas.clientWidth * pixelRatio()), Math.round(canvas.clientHeight * pixelRatio())];
+
+/** WebGL 2 for a canvas in the page, at the size it has there; null if there is none. */
+export function contextOf(canvas: HTMLCanvasElement): WebGL2RenderingContext | null {
+  [canvas.width, canvas.height] = pixelsOf(canvas);
+  return canvas.getContext("webgl2", {alpha: true, antialias: true, depth: true, premultipliedAlpha: true});
 }
 
 /** Each triangle's three bytes, given to each of its corners. */

@@ -33,6 +33,7 @@ uniform int mode;            // 0 plain, 1 blended between corners, 2 of the nea
 uniform sampler2D palette;
 uniform vec3 cutAt;
 uniform vec3 cutSide;        // 1: what is below stays; -1: what is above; 0: not cut
+uniform bool turned;         // the mesh as a whole faces inward
 uniform float linesFrom;     // pixel of the picture from which on lines are drawn; left of it the surface is shaded
 uniform float pixelRatio;
 uniform vec3 clay, inside, paper, paperInside, ink, section;
@@ -63,22 +64,25 @@ vec3 shaded(vec3 albedo, vec3 n) {
 void main() {
   vec3 fromCut = cutSide * (cutAt - vPlace);
   vec3 perPixel = fwidth(vPlace);
-  vec3 steepness = fwidth(vWeight);
+  vec3 across = dFdx(vWeight);
+  vec3 along = dFdy(vWeight);
   if (any(lessThan(fromCut, vec3(0.0)))) discard;
 
-  bool front = gl_FrontFacing;
+  bool front = gl_FrontFacing != turned;
   bool lines = gl_FragCoord.x >= linesFrom;
   vec3 colour = mode == 0 || !front ? (front ? clay : inside) : coloured();
   if (lines) {
     vec3 ground = front ? paper : paperInside;
     colour = mode == 0 || !front ? ground : colour;
-    // Of each edge the triangles on both sides draw half. Where triangles are only a few pixels high lines get lighter, or all would be ink.
-    vec3 height = 1.0 / max(steepness, vec3(1e-9));
-    vec3 near = 1.0 - smoothstep(0.25 * pixelRatio, 0.25 * pixelRatio + 0.75, vWeight * height);
-    near *= mix(vec3(0.28), vec3(front ? 0.92 : 0.5), smoothstep(2.0, 12.0, height / pixelRatio));
+    // Of each edge the triangles on both sides draw half. Short edges are drawn lighter, or small triangles would be all ink; an edge's length
+    // in pixels is the same from both sides: from the height over it and the area.
+    vec3 slope = sqrt(across * across + along * along);
+    vec3 length = slope / max(abs(across.x * along.y - across.y * along.x), 1e-9);
+    vec3 near = 1.0 - smoothstep(0.2 * pixelRatio, 0.2 * pixelRatio + 0.7, vWeight / max(slope, vec3(1e-9)));
+    near *= mix(vec3(0.3), vec3(front ? 1.0 : 0.5), smoothstep(2.0, 16.0, length / pixelRatio));
     colour = mix(colour, ink, max(near.x, max(near.y, near.z)));
   } else {
-    vec3 n = normalize(front ? vNormal : -vNormal);
+    vec3 n = normalize(gl_FrontFacing ? vNormal : -vNormal);
     if (!(n.z > 0.02)) n = normalize(vec3(n.xy, 0.02));  // a normal between corners may look away where the surface does not
     colour = shaded(colour, n);
   }

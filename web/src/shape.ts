@@ -148,6 +148,19 @@ export function vertexNormals(positions: Float32Array, triangles: Uint32Array): 
   return out;
 }
 
+/** With sign: below 0, triangles face inward on the whole. */
+export function enclosedVolume(positions: Float32Array, triangles: Uint32Array): number {
+  const p = positions;
+  let sum = 0;
+  for (let i = 0; i < triangles.length; i += 3) {
+    const a = 3 * triangles[i];
+    const b = 3 * triangles[i + 1];
+    const c = 3 * triangles[i + 2];
+    sum += p[a] * (p[b + 1] * p[c + 2] - p[b + 2] * p[c + 1]) + p[a + 1] * (p[b + 2] * p[c] - p[b] * p[c + 2]) + p[a + 2] * (p[b] * p[c + 1] - p[b + 1] * p[c]);
+  }
+  return sum / 6;
+}
+
 /** Whether the ray from `from` along `along` meets a triangle other than `own`, farther off than `least`. */
 export function isHidden(positions: Float32Array, triangles: Uint32Array, own: number, from: ArrayLike<number>, along: ArrayLike<number>, least: number): boolean {
   const p = positions;
