@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the mesh is looked at from. Parallel projection, so that lengths can be read off, and any turn is possible: volumes have no up.
+import {Matrix4, OrthographicCamera, Quaternion, Vector3} from "three";
+
+export interface Pose {
+  /** The point in the middle of the picture. */
+  target: Vector3;
+  /** Of the camera: x is right, y up, z towards the eye. */
+  rotation: Quaternion;
+  /** 1: the whole mesh fills the picture. */
+  zoom: number;
+}
+
+const UP = new Vector3(0, 0, 1);
+const X = new Vector3(1, 0, 0);
+const Y = new Vector3(0, 1, 0);
+const Z = new Vector3(0, 0, 1);
+const MARGIN = 0.88;
+
+/** @param from where the eye is, seen from the target */
+export function looking(from: Vector3): Quaternion {
+  const up = Math.abs(from.clone().normalize().dot(UP)) > 0.999 ? Y : UP;
+  return new Quaternion().setFromRotationMatrix(new Matrix4().lookAt(from, new Vector3(), up));
+}
+
+export class Camera {
+  readonly three = new OrthographicCamera();
+  readonly pose: Pose = {target: new Vector3(), rotation: new Quaternion(), zoom: 1};
+  moving = false;
+  private home: Pose = {target: new Vector3(), rotation: new Quaternion(), zoom: 1};
+  /** Half the size of the mesh as seen from home; what zoom 1 has to show. */
+  private extent: [number, number] = [1, 1];
+  private radius = 1;
+  private width = 1;
+  private height = 1;
+
+  constructor(private readonly changed: () => void) {}
+
+  /** @param positions of the mesh to be seen, around 0 */
+  setHome(positions: Float32Array): void {
+    const rotation = looking(new Vector3(0.5, -1, 0.38));
+    const right = X.clone().applyQuaternion(rotation);
+    const up = Y.clone().applyQuaternion(rotation);
+    const low = [Infinity, Infinity];
+    const high = [-Infinity, -Infinity];
+    let farthest = 0;
+    for (let i = 0; i < positions.length; i += 3) {
+      const [x, y, z] = [positions[i], positions[i + 1], positions[i + 2]];
+      const h = x * right.x + y * right.y + z * right.z;
+      const v = x * up.x + y * up.y + z * up.z;
+      if (h < low[0]) low[0] = h;
+      if (h > high[0]) high[0] = h;
+      if (v < low[1]) low[1] = v;
+      if (v > high[1]) high[1] = v;
+      farthest = Math.max(farthest, x * x + y * y + z * z);
+    }
+    if (positions.length === 0) low.fill(-1), high.fill(1), (farthest = 1);
+    this.radius = Math.sqrt(farthest) || 1;
+    this.extent = [Math.max(high[0] - low[0], 1e-6 * this.radius) / 2, Math.max(high[1] - low[1], 1e-6 * this.radius) / 2];
+    const target = right.multiplyScalar((low[0] + high[0]) / 2).addScaledVector(up, (low[1] + high[1]) / 2);
+    this.home = {target, rotation, zoom: 1};
+    this.set(this.home);
+  }
+
+  resize(width: number, height: number): void {
+    this.width = width;
+    this.height = height;
+    this.apply();
+  }
+
+  /** CSS pixels per unit of length. */
+  get scale(): number {
+    return this.scaleAt(this.pose.zoom);
+  }
+
+  private scaleAt(zoom: number): number {
+    return (zoom * MARGIN * Math.min(this.width / this.extent[0], this.height / this.extent[1])) / 2;
+  }
+
+  /** The zoom at which a length has so many pixels. */
+  zoomFor(length: number, pixels: number): number {
+    return Math.min(Math.max(pixels / (length * this.scaleAt(1)), 0.2), 1e5);
+  }
+
+  /** Where a point is in the picture, in pixels from its upper left corner. */
+  project(point: Vector3): [number, number] {
+    const seen = point.clone().sub(this.pose.target).applyQuaternion(this.pose.rotation.clone().invert());
+    return [this.width / 2 + seen.x * this.scale, this.height / 2 - seen.y * this.scale];
+  }
+
+  /** By pixels dragged: across turns around the volume's z, up and down around the picture's x. */
+  turn(right: number, down: number): void {
+    const perPixel = 3.2 / Math.max(Math.min(this.width, this.height), 200);
+    const {rotation} = this.pose;
+    const upright = Y.clone().applyQuaternion(rotation).z >= 0 ? 1 : -1;  // upside down, across goes the other way round
+    rotation.premultiply(new Quaternion().setFromAxisAngle(UP, -upright * right * perPixel));
+    rotation.multiply(new Quaternion().setFromAxisAngle(X, -down * perPixel)).normalize();
+    this.stop();
+  }
+
+  /** By pixels dragged. */
+  move(right: number, down: number): void {
+    const step = new Vector3(-right, down, 0).divideScalar(this.scale).applyQuaternion(this.pose.rotation);
+    this.pose.target.add(step).clampLength(0, 3 * this.radius);
+    this.stop();
+  }
+
+  /** What is at the pixel stays there. */
+  zoomAt(factor: number, x = this.width / 2, y = this.height / 2): void {
+    const before = this.scale;
+    this.pose.zoom = Math.min(Math.max(this.pose.zoom * factor, 0.2), 1e5);
+    const share = this.scale / before - 1;
+    this.move((this.width / 2 - x) * share, (this.height / 2 - y) * share);
+  }
+
+  goHome(): void {
+    this.glide(this.home);
+  }
+
+  lookAlong(axis: number): void {
+    const from = new Vector3().setComponent(axis, axis === 1 ? -1 : 1);
+    this.glide({...this.pose, rotation: looking(from)});
+  }
+
+  /** To another pose, in a third of a second; at once for those who want no motion. */
+  glide(to: Pose): void {
+    const from: Pose = {target: this.pose.target.clone(), rotation: this.pose.rotation.clone(), zoom: this.pose.zoom};
+    const goal: Pose = {target: to.target.clone(), rotation: to.rotation.clone(), zoom: to.zoom};
+    if (matchMedia("(prefers-reduced-motion: reduce)").matches) {
+      this.set(goal);
+      return;
+    }
+    this.moving = true;
+    const id = ++this.gliding;
+    const begin = performance.now();
+    const step = (now: number): void => {
+      if (id !== this.gliding) return;
+      const share = Math.min(Math.max((now - begin) / 350, 0), 1);
+      if (share === 1) {
+        this.set(goal);
+        return;
+      }
+      const eased = share * share * (3 - 2 * share);
+      this.pose.target.lerpVectors(from.target, goal.target, eased);
+      this.pose.rotation.slerpQuaternions(from.rotation, goal.rotation, eased);
+      this.pose.zoom = from.zoom * (goal.zoom / from.zoom) ** eased;
+      this.apply();
+      requestAnimationFrame(step);
+    };
+    requestAnimationFrame(step);
+  }
+  private gliding = 0;
+
+  private set(pose: Pose): void {
+    this.pose.target.copy(pose.target);
+    this.pose.rotation.copy(pose.rotation);
+    this.pose.zoom = pose.zoom;
+    this.stop();
+  }
+
+  private stop(): void {
+    ++this.gliding;
+    this.moving = false;
+    this.apply();
+  }
+
+  private apply(): void {
+    const {target, rotation} = this.pose;
+    const towards = Z.clone().applyQuaternion(rotation);
+    // The eye is outside of the mesh's ball, wherever the target is, and the ball is between near and far.
+    const ahead = this.radius * 1.01 - target.dot(towards);
+    this.three.position.copy(target).addScaledVector(towards, ahead);
+    this.three.quaternion.copy(rotation);
+    const [w, h] = [this.width / this.scale / 2, this.height / this.scale / 2];
+    Object.assign(this.three, {left: -w, right: w, top: h, bottom: -h, near: 0, far: 2.02 * this.radius});
+    this.three.updateProjectionMatrix();
+    this.changed();
+  }
+}

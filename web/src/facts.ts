@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is known of a result, beside the mesh: tables, the certificate, how it was made.
+import {componentColour} from "./colours";
+import type {Constraint, Kind, LevelFacts, Result} from "./data";
+import {count, element, number, percent, plural, type Child} from "./dom";
+import {histogram} from "./histogram";
+import type {LevelShape} from "./scene";
+
+const MOST_COMPONENTS = 20;
+
+/** The largest distance between surface and mesh of a level; null: not known. */
+export function errorOf(level: LevelFacts): number | null {
+  const metric = level.metrics?.["max-distance"];
+  if (metric) return metric.maximum ?? Infinity;
+  return level.measured?.maximum ?? null;
+}
+
+export function errorText(level: LevelFacts, unit: string): string {
+  const error = errorOf(level);
+  if (error === null) return "error not measured";
+  return error === Infinity ? "error without bound" : `error ${number(error)} ${unit}`;
+}
+
+function table(attributes: Record<string, string>, caption: string, head: string[], rows: HTMLTableRowElement[]): HTMLElement {
+  const out = element("table", attributes);
+  if (caption) out.append(element("caption", {}, caption));
+  out.append(element("thead", {}, element("tr", {}, ...head.map((text) => element("th", {scope: "col"}, text)))), element("tbody", {}, ...rows));
+  return element("div", {class: "table"}, out);
+}
+
+function row(attributes: Record<string, string>, first: Child | Child[], ...rest: Child[]): HTMLTableRowElement {
+  return element("tr", attributes, element("th", {scope: "row"}, ...(Array.isArray(first) ? first : [first])), ...rest.map((cell) => element("td", {}, cell)));
+}
+
+const check = (good: boolean): HTMLElement => element("span", {class: good ? "good" : "bad", role: "img", "aria-label": good ? "yes" : "no"}, good ? "✓" : "✗");
+
+export function section(title: string, ...children: Child[]): HTMLElement {
+  return element("section", {"aria-label": title}, element("h2", {}, title), ...children);
+}
+
+function levelTable(result: Result, shown: number, shapes: LevelShape[]): HTMLElement {
+  const rows = result.levels.map((level, k) => {
+    const aspect = shapes[k].aspect();
+    const error = errorOf(level);
+    return row(
+      k === shown ? {"aria-current": "true"} : {},
+      `${level.level}`,
+      count(level.vertices),
+      count(level.triangles),
+      error === null ? "–" : error === Infinity ? "∞" : number(error),
+      number(aspect.minimum),
+      percent(aspect.share_below_third),
+    );
+  });
+  return table({id: "levels"}, "", ["Level", "Vertices", "Triangles", `Error, ${result.unit}`, "Least aspect", "Below 1/3"], rows);
+}
+
+const UNITS: Record<string, string> = {degrees: "°", ratio: "", count: ""};
+
+function constraintLine(constraint: Constraint, unit: string): HTMLElement {
+  const {quantity, wanted, reached, met, reason} = constraint;
+  const written = constraint.unit === "world" ? ` ${unit}` : (UNITS[constraint.unit] ?? ` ${constraint.unit}`);
+  const sign = quantity.startsWith("min-") ? "≥" : "≤";
+  const is = reached === null ? "∞" : number(reached);
+  const line = element("li", {}, check(met), ` ${quantity} ${sign} ${number(wanted)}${written}: ${is}${written}`);
+  if (!met && reason) line.append(element("span", {class: "soft"}, ` – ${reason}`));
+  return line;
+}
+
+function constraints(level: LevelFacts, unit: string): Child[] {
+  const asked = level.constraints ?? [];
+  if (asked.length === 0) return [];
+  return [element("p", {class: "soft lead"}, `Asked of level ${level.level}, and reached:`), element("ul", {class: "plain", id: "constraints"}, ...asked.map((c) => constraintLine(c, unit)))];
+}
+
+const loops = (n: number): string => plural(n, "loop");
+
+function kindsOf(level: LevelFacts, shape: LevelShape): Kind[] {
+  if (level.kinds) return level.kinds;
+  const kinds = new Map<string, Kind>();
+  for (const {genus, boundaryLoops} of shape.components().list) {
+    const name = `${genus} ${boundaryLoops}`;
+    const kind = kinds.get(name) ?? {genus, boundary_loops: boundaryLoops, count: 0};
+    ++kind.count;
+    kinds.set(name, kind);
+  }
+  return [...kinds.values()];
+}
+
+/** Kinds of components against those of the isosurface; then the components one by one. */
+function topology(result: Result, level: LevelFacts, shape: LevelShape): Child[] {
+  const {reference} = result;
+  const same = (a: Kind) => (b: Kind): boolean => a.genus === b.genus && a.boundary_loops === b.boundary_loops;
+  const here = kindsOf(level, shape);
+  const kinds = [...here, ...(reference?.kinds ?? []).filter((kind) => !here.some(same(kind))).map((kind) => ({...kind, count: 0}))];
+  const rows = kinds.map((kind) => {
+    const wanted = reference?.kinds.find(same(kind))?.count ?? 0;
+    return row({}, `genus ${kind.genus}, ${loops(kind.boundary_loops)}`, count(kind.count), ...(reference ? [count(wanted), check(wanted === kind.count)] : []));
+  });
+  const out: Child[] = [
+    table({id: "kinds"}, "", reference ? ["Components of", `Level ${level.level}`, "Isosurface", "Same"] : ["Components of", `Level ${level.level}`], rows),
+  ];
+  if (!reference) out.push(element("p", {class: "soft"}, "The file does not have the isosurface's topology."));
+  const {list} = shape.components();
+  const each = list.slice(0, MOST_COMPONENTS).map((component, i) => {
+    const swatch = element("span", {class: "swatch"});
+    swatch.style.background = componentColour(i);
+    return row({}, [swatch, `${i + 1}`], count(component.triangles), number(component.genus), `${component.boundaryLoops}`);
+  });
+  out.push(table({id: "components"}, "", ["Component", "Triangles", "Genus", "Loops"], each));
+  const rest = list.slice(MOST_COMPONENTS);
+  if (rest.length > 0) {
+    const most = rest[0].triangles;
+    out.push(element("p", {class: "soft", id: "rest"}, `and ${count(rest.length)} more, of at most ${plural(most, "triangle")} each.`));
+  }
+  return out;
+}
+
+function certificate(level: LevelFacts): Child[] {
+  const {certificate: c, self_intersections: pairs} = level;
+  const lines: HTMLElement[] = [];
+  const line = (good: boolean | null, text: string): void => void lines.push(element("li", {}, good === null ? "– " : check(good), ` ${text}`));
+  if (c) {
+    line(c.passed, `${plural(c.cells_checked, "cell is a disk", "cells are disks")}, with a triangle each`);
+    line(c.passed, `${count(c.arcs_checked)} pairs of neighbours meet in one arc each`);
+    line(c.passed, `${count(c.triples_checked)} triples meet in one point each`);
+  }
+  if (pairs === 0) line(true, "no two triangles meet but at corners and edges");
+  else if (pairs != null) line(false, `${plural(pairs, "pair")} of triangles meet`);
+  else line(null, "whether triangles meet was not looked for");
+  const verdict = c
+    ? element("p", {class: "verdict"}, element("strong", {class: c.passed ? "good" : "bad"}, c.passed ? "Passed" : "Failed"), ` on level ${level.level}: the mesh is a manifold with the isosurface's topology.`)
+    : element("p", {class: "verdict"}, "The file has no certificate.");
+  if (c && !c.passed) verdict.lastChild!.textContent = ` on level ${level.level}.`;
+  return [verdict, element("ul", {class: "plain"}, ...lines)];
+}
+
+function value(of: unknown): string {
+  if (of === null || of === undefined) return "–";
+  if (typeof of === "string") return of;
+  if (typeof of === "number") return number(of, 7);
+  if (typeof of === "boolean") return of ? "yes" : "no";
+  if (Array.isArray(of)) {
+    if (of.length === 0) return "–";
+    return of.every((x) => typeof x === "number") ? of.map((x) => number(x, 7)).join(" × ").replaceAll(" × ", of.every((x) => Number.isInteger(x) && x > 0) ? " × " : ", ") : of.map(value).join("; ");
+  }
+  const {quantity, bound} = of as Record<string, unknown>;
+  if (typeof quantity === "string") return `${quantity} ${value(bound)}`;
+  return Object.entries(of).map(([key, inner]) => `${key} ${value(inner)}`).join(", ");
+}
+
+function copying(text: string, holder: HTMLElement): HTMLElement {
+  const button = element("button", {type: "button", id: "copy"}, "Copy");
+  button.addEventListener("click", () => {
+    const done = (): void => void (button.textContent = "Copied");
+    const select = (): void => {
+      getSelection()?.selectAllChildren(holder);
+      button.textContent = "Selected";
+    };
+    // A page opened as a file may not be allowed to write to the clipboard.
+    if (navigator.clipboard) navigator.clipboard.writeText(text).then(done, select);
+    else select();
+  });
+  return button;
+}
+
+function made(result: Result): Child[] {
+  const out: Child[] = [];
+  if (result.command) {
+    const code = element("code", {}, result.command);
+    out.push(element("pre", {tabindex: "0", "aria-label": "Command", id: "command"}, code), copying(result.command, code));
+  } else {
+    out.push(element("p", {class: "soft"}, "The file does not say which command made it."));
+  }
+  const groups: HTMLElement[] = [];
+  for (const [name, part] of [["Input", result.input], ["Surface", result.surface], ["Parameters", result.parameters]] as const) {
+    const entries = Object.entries(part ?? {});
+    if (entries.length > 0) groups.push(table({}, name, ["Name", "Value"], entries.map(([key, of]) => row({}, key.replaceAll("_", " "), value(of)))));
+  }
+  if (groups.length > 0) out.push(element("details", {id: "parameters"}, element("summary", {}, "Parameters"), ...groups));
+  else out.push(element("p", {class: "soft"}, "The file does not have the parameters."));
+  return out;
+}
+
+/** All that depends on the level shown. */
+export function facts(result: Result, shown: number, shapes: LevelShape[]): HTMLElement[] {
+  const level = result.levels[shown];
+  return [
+    section("Levels", levelTable(result, shown, shapes), ...constraints(level, result.unit)),
+    section("Aspect ratios", histogram(result, shown, shapes[shown].aspect())),
+    section("Topology", ...topology(result, level, shapes[shown])),
+    section("Certificate", ...certificate(level)),
+  ];
+}
+
+export function origin(result: Result): HTMLElement {
+  return section("Made by", ...made(result));
+}
+
+/** One line below the title. */
+export function summary(result: Result): string {
+  const {input, surface, levels} = result;
+  const last = levels[levels.length - 1];
+  const parts: string[] = [];
+  if (Array.isArray(input?.size)) parts.push(`${input.size.join(" × ")} samples`);
+  if (typeof surface?.isovalue === "number") parts.push(`isovalue ${number(surface.isovalue, 6)}`);
+  parts.push(plural(last.components, "component"));
+  if (last.genus != null) parts.push(`genus ${count(last.genus)}`);
+  return parts.join(" · ");
+}

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// Aspect ratios of a level above the axis, of marching cubes below it: the paper's figure 12, back to back.
+import type {AspectRatio, Result} from "./data";
+import {count, drawn, element, percent, plural} from "./dom";
+
+function shares(bins: number[]): number[] {
+  const all = bins.reduce((a, b) => a + b, 0) || 1;
+  return bins.map((n) => n / all);
+}
+
+/** Bars in a box of 100 by 100 that is stretched; text is HTML, so that it is not. */
+function bars(of: number[], top: number, down: boolean): SVGElement {
+  const svg = drawn("svg", {viewBox: "0 0 100 100", preserveAspectRatio: "none", "aria-hidden": "true"});
+  const width = 100 / of.length;
+  of.forEach((share, bin) => {
+    const height = (100 * share) / top;
+    // A bin that 1/3 divides counts as good: how much of it is below is told in words.
+    const name = (bin + 1) / of.length <= 1 / 3 ? "poor" : "good";
+    svg.append(drawn("rect", {class: name, x: bin * width + 0.35, width: width - 0.7, y: down ? 0 : 100 - height, height}));
+  });
+  return svg;
+}
+
+export function histogram(result: Result, level: number, aspect: AspectRatio): HTMLElement {
+  const ours = shares(aspect.histogram);
+  const cubes = result.marching_cubes;
+  const theirs = cubes ? shares(cubes.histogram) : null;
+  const top = Math.max(...ours, ...(theirs ?? []), 0.01) * 1.12;
+  const own = percent(aspect.share_below_third);
+  const words = `${own} of the triangles of level ${level} are below 1/3${cubes ? `; with marching cubes ${percent(cubes.share_below_third)}` : ""}.`;
+
+  const half = (bins: number[], name: string, down: boolean, ...text: string[]): HTMLElement =>
+    element("div", {class: `half ${down ? "down" : "up"}`}, bars(bins, top, down), element("p", {class: name}, element("strong", {}, text[0]), element("br"), text.slice(1).join("")));
+  const chart = element("div", {class: "chart", role: "img", "aria-label": `Histogram of aspect ratios. ${words}`});
+  chart.append(half(ours, "ours", false, `Level ${level}`, plural(result.levels[level].triangles, "triangle")));
+  const ticks = [0, 1 / 3, 0.5, 1].map((at) => {
+    const tick = element("span", {}, at === 1 / 3 ? "1/3" : `${at}`);
+    tick.style.left = `${100 * at}%`;
+    return tick;
+  });
+  chart.append(element("div", {class: "ticks"}, ...ticks));
+  if (theirs) chart.append(half(theirs, "theirs", true, "Marching cubes", plural(cubes!.triangles, "triangle")));
+  const third = element("span", {class: "third"});
+  third.style.left = `${100 / 3}%`;
+  chart.append(third);
+
+  const rows = ours.map((_, bin) => {
+    const [from, to] = [bin / ours.length, (bin + 1) / ours.length].map((x) => x.toFixed(2));
+    const cells = [aspect.histogram[bin], ...(cubes ? [cubes.histogram[bin] ?? 0] : [])];
+    return element("tr", {}, element("th", {scope: "row"}, `${from} to ${to}`), ...cells.map((n) => element("td", {}, count(n))));
+  });
+  const heads = ["Aspect ratio", `Level ${level}`, ...(cubes ? ["Marching cubes"] : [])];
+  const numbers = element(
+    "details",
+    {class: "numbers"},
+    element("summary", {}, "As numbers"),
+    element("table", {id: "histogram-numbers"}, element("thead", {}, element("tr", {}, ...heads.map((text) => element("th", {scope: "col"}, text)))), element("tbody", {}, ...rows)),
+  );
+  const out = element("figure", {class: "histogram"}, chart, element("figcaption", {}, words));
+  if (!cubes) out.append(element("p", {class: "soft"}, "Marching cubes is not there to compare with: the volume was not at hand."));
+  out.append(numbers);
+  return out;
+}

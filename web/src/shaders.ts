@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// One program draws all views. Edges are found in the triangle itself, from its barycentric coordinates, so nothing can flicker with the surface.
+
+export const VERTEX = `
+precision highp float;
+in vec3 position;
+in vec4 normal;
+in vec4 corners;  // what the colouring says of the triangle's three corners
+uniform mat4 modelViewMatrix;
+uniform mat4 projectionMatrix;
+uniform mat3 normalMatrix;
+out vec3 vPlace;
+out vec3 vNormal;
+out vec3 vWeight;
+flat out vec3 vCorners;
+
+void main() {
+  int corner = gl_VertexID % 3;
+  vWeight = vec3(corner == 0, corner == 1, corner == 2);
+  vCorners = corners.xyz;
+  vPlace = position;
+  vNormal = normalMatrix * normal.xyz;
+  gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+}`;
+
+export const FRAGMENT = `
+precision highp float;
+in vec3 vPlace;
+in vec3 vNormal;
+in vec3 vWeight;
+flat in vec3 vCorners;
+uniform int mode;            // 0 plain, 1 blended between corners, 2 of the nearest corner
+uniform sampler2D palette;
+uniform vec3 cutAt;
+uniform vec3 cutSide;        // 1: what is below stays; -1: what is above; 0: not cut
+uniform bool turned;         // the mesh as a whole faces inward
+uniform float linesFrom;     // pixel of the picture from which on lines are drawn; left of it the surface is shaded
+uniform float pixelRatio;
+uniform vec3 clay, inside, paper, paperInside, ink, section;
+out vec4 result;
+
+vec3 linear(vec3 c) { return pow(c, vec3(2.2)); }
+
+vec3 coloured() {
+  float at = dot(vCorners, vWeight);
+  if (mode == 2) {
+    vec3 w = vWeight;
+    at = w.x >= w.y && w.x >= w.z ? vCorners.x : (w.y >= w.z ? vCorners.y : vCorners.z);
+  }
+  return texelFetch(palette, ivec2(clamp(int(at * 255.0 + 0.5), 0, 255), 0), 0).rgb;
+}
+
+vec3 shaded(vec3 albedo, vec3 n) {
+  // Three lights that go with the eye: a warm one from above left, a cool one from the right, a rim from behind; and the sky.
+  vec3 light = mix(vec3(0.26, 0.24, 0.235), vec3(0.40, 0.42, 0.44), n.y * 0.5 + 0.5);
+  light += vec3(0.78, 0.76, 0.72) * max(dot(n, normalize(vec3(-0.5, 0.62, 0.7))), 0.0);
+  light += vec3(0.13, 0.15, 0.18) * max(dot(n, normalize(vec3(0.85, -0.1, 0.5))), 0.0);
+  float edge = 1.0 - clamp(n.z, 0.0, 1.0);
+  light += vec3(0.30, 0.31, 0.33) * edge * edge * edge * max(n.y * 0.6 + 0.4, 0.0);
+  float gloss = pow(max(dot(n, normalize(vec3(-0.27, 0.34, 0.9))), 0.0), 48.0);
+  return pow(clamp(linear(albedo) * light + 0.045 * gloss, 0.0, 1.0), vec3(1.0 / 2.2));
+}
+
+void main() {
+  vec3 fromCut = cutSide * (cutAt - vPlace);
+  vec3 perPixel = fwidth(vPlace);
+  vec3 across = dFdx(vWeight);
+  vec3 along = dFdy(vWeight);
+  if (any(lessThan(fromCut, vec3(0.0)))) discard;
+
+  bool front = gl_FrontFacing != turned;
+  bool lines = gl_FragCoord.x >= linesFrom;
+  vec3 colour = mode == 0 || !front ? (front ? clay : inside) : coloured();
+  if (lines) {
+    vec3 ground = front ? paper : paperInside;
+    colour = mode == 0 || !front ? ground : colour;
+    // Of each edge the triangles on both sides draw half. Short edges are drawn lighter, or small triangles would be all ink; an edge's length
+    // in pixels is the same from both sides: from the height over it and the area.
+    vec3 slope = sqrt(across * across + along * along);
+    vec3 length = slope / max(abs(across.x * along.y - across.y * along.x), 1e-9);
+    vec3 near = 1.0 - smoothstep(0.2 * pixelRatio, 0.2 * pixelRatio + 0.7, vWeight / max(slope, vec3(1e-9)));
+    near *= mix(vec3(0.3), vec3(front ? 1.0 : 0.5), smoothstep(2.0, 16.0, length / pixelRatio));
+    colour = mix(colour, ink, max(near.x, max(near.y, near.z)));
+  } else {
+    vec3 n = normalize(gl_FrontFacing ? vNormal : -vNormal);
+    if (!(n.z > 0.02)) n = normalize(vec3(n.xy, 0.02));  // a normal between corners may look away where the surface does not
+    colour = shaded(colour, n);
+  }
+  // The line along which the surface is cut.
+  vec3 onCut = step(fromCut, 1.3 * pixelRatio * perPixel) * abs(cutSide);
+  if (max(onCut.x, max(onCut.y, onCut.z)) > 0.0) colour = mix(colour, section, 0.85);
+  result = vec4(colour, 1.0);
+}`;
