@@ -5,7 +5,8 @@
 set -euo pipefail
 
 build=(g++ cmake ninja-build libtbb-dev libboost-dev libcgal-dev libinsighttoolkit5-dev libvtk9-dev libtiff-dev zlib1g-dev libcli11-dev nlohmann-json3-dev libtinygltf-dev libmeshoptimizer-dev)
-test=("${build[@]}" libgtest-dev librapidcheck-dev python3 libgmp-dev xvfb xauth)
+command -v npm > /dev/null || build+=(nodejs npm)  # for the page; any of Node 18 or later will do
+test=("${build[@]}" libgtest-dev librapidcheck-dev python3 libgmp-dev xvfb xauth chromium)
 bench=("${test[@]}" libbenchmark-dev python3-numpy python3-vtk9)
 fuzz=(clang libclang-rt-dev cmake ninja-build libtbb-dev libboost-dev libcgal-dev)
 
