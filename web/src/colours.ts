@@ -47,13 +47,13 @@ const css = ([r, g, b]: Rgb): string => `rgb(${r} ${g} ${b})`;
 
 /** From light to dark in even steps of lightness, so that it is read in grey as well; hues from sand to plum. */
 function distanceColour(share: number): Rgb {
-  return colourOf(0.93 - 0.6 * share, 0.045 + 0.11 * Math.sin(Math.PI * Math.min(0.12 + 0.72 * share, 1)), 95 - 110 * share);
+  return colourOf(0.93 - 0.6 * share, 0.04 + 0.085 * Math.sin(Math.PI * Math.min(0.12 + 0.72 * share, 1)), 95 - 110 * share);
 }
 
 /** Level 0 is the darkest, since its vertices are the fewest and carry all others. */
 function levelColour(level: number, levels: number): Rgb {
   const share = levels > 1 ? level / (levels - 1) : 0;
-  return colourOf(0.38 + 0.53 * share, 0.105 - 0.06 * share, 265 - 85 * share);
+  return colourOf(0.4 + 0.48 * share, 0.1 - 0.062 * share, 262 - 72 * share);
 }
 
 /** Aspect ratios in steps. What is below 1/3, the paper's bound, is of the other hue, and there is less of it to see. */

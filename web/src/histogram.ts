@@ -29,17 +29,17 @@ export function histogram(result: Result, level: number, aspect: AspectRatio): H
   const own = percent(aspect.share_below_third);
   const words = `${own} of the triangles of level ${level} are below 1/3${cubes ? `; with marching cubes ${percent(cubes.share_below_third)}` : ""}.`;
 
-  const half = (bins: number[], name: string, down: boolean, ...text: string[]): HTMLElement =>
-    element("div", {class: `half ${down ? "down" : "up"}`}, bars(bins, top, down), element("p", {class: name}, element("strong", {}, text[0]), element("br"), text.slice(1).join("")));
+  const half = (bins: number[], down: boolean): HTMLElement => element("div", {class: "half"}, bars(bins, top, down));
+  const name = (of: string, triangles: number): HTMLElement => element("p", {}, element("strong", {}, of), element("span", {class: "soft"}, ` ${plural(triangles, "triangle")}`));
   const chart = element("div", {class: "chart", role: "img", "aria-label": `Histogram of aspect ratios. ${words}`});
-  chart.append(half(ours, "ours", false, `Level ${level}`, plural(result.levels[level].triangles, "triangle")));
+  chart.append(half(ours, false));
   const ticks = [0, 1 / 3, 0.5, 1].map((at) => {
     const tick = element("span", {}, at === 1 / 3 ? "1/3" : `${at}`);
     tick.style.left = `${100 * at}%`;
     return tick;
   });
   chart.append(element("div", {class: "ticks"}, ...ticks));
-  if (theirs) chart.append(half(theirs, "theirs", true, "Marching cubes", plural(cubes!.triangles, "triangle")));
+  if (theirs) chart.append(half(theirs, true));
   const third = element("span", {class: "third"});
   third.style.left = `${100 / 3}%`;
   chart.append(third);
@@ -56,7 +56,9 @@ export function histogram(result: Result, level: number, aspect: AspectRatio): H
     element("summary", {}, "As numbers"),
     element("table", {id: "histogram-numbers"}, element("thead", {}, element("tr", {}, ...heads.map((text) => element("th", {scope: "col"}, text)))), element("tbody", {}, ...rows)),
   );
-  const out = element("figure", {class: "histogram"}, chart, element("figcaption", {}, words));
+  const out = element("figure", {class: "histogram"}, name(`Level ${level}`, result.levels[level].triangles), chart);
+  if (cubes) out.append(name("Marching cubes", cubes.triangles));
+  out.append(element("figcaption", {}, words));
   if (!cubes) out.append(element("p", {class: "soft"}, "Marching cubes is not there to compare with: the volume was not at hand."));
   out.append(numbers);
   return out;

@@ -58,6 +58,7 @@ class PageView {
 
   async start(): Promise<void> {
     this.build();
+    this.head(this.page.results[0]);  // before the canvas gets its size: to change that later costs a wait for the graphics process
     this.startScene();
     const dark = matchMedia("(prefers-color-scheme: dark)");
     dark.addEventListener("change", () => this.setTheme(dark.matches));
@@ -133,9 +134,7 @@ class PageView {
     this.result = result;
     this.mesh = mesh;
     this.shapes = mesh.levels.map((level) => new LevelShape(level));
-    document.title = `${result.title} – isoatlas`;
-    this.title.textContent = result.title;
-    this.subtitle.textContent = summary(result);
+    this.head(result);
     this.level.open(mesh.levels.length, mesh.levels.length - 1);
     this.colouring.enable("distance", mesh.levels.some(({distance}) => distance !== null), "The file has no distance error per vertex.");
     this.overlay.unit = this.lengthUnit();
@@ -148,6 +147,12 @@ class PageView {
       document.documentElement.dataset.ready = `${index}`;
       performance.mark("ready");
     }));
+  }
+
+  private head(result: Result): void {
+    document.title = `${result.title} – isoatlas`;
+    this.title.textContent = result.title;
+    this.subtitle.textContent = summary(result);
   }
 
   private get shown(): number {

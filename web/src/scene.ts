@@ -75,6 +75,7 @@ export class Scene {
   private shapes: LevelShape[] = [];
   private prepared: (Prepared | undefined)[] = [];
   private style: Style = "smooth";
+  private turned = false;
   private waiting = false;
 
   /** @param context WebGL 2 of the canvas; @param drew called after each frame */
@@ -116,7 +117,8 @@ export class Scene {
     this.prepared = [];
     // Where samples below the isovalue are meant, the whole mesh faces inward; what is seen from outside is its outside all the same.
     const finest = mesh.levels[mesh.levels.length - 1];
-    this.material.uniforms.turned.value = enclosedVolume(finest.positions, finest.triangles) < 0;
+    this.turned = enclosedVolume(finest.positions, finest.triangles) < 0;
+    this.material.uniforms.turned.value = this.turned;
     this.camera.setHome(mesh.levels[mesh.levels.length - 1].positions);
   }
 
@@ -167,13 +169,15 @@ export class Scene {
     const {positions, triangles} = this.mesh.levels[level];
     const size = Math.max(a.distanceTo(b), b.distanceTo(c), c.distanceTo(a)) || 1e-3;
     const normal = new Vector3().crossVectors(b.clone().sub(a), c.clone().sub(a)).normalize();
+    if (this.turned) normal.negate();
     if (!(normal.lengthSq() > 0.5)) normal.set(0, 0, 1).applyQuaternion(this.camera.pose.rotation);
     const side = new Vector3(1, 0, 0).addScaledVector(normal, -normal.x);
     if (side.lengthSq() < 0.1) side.set(0, 1, 0).addScaledVector(normal, -normal.y);
     side.normalize();
     const other = new Vector3().crossVectors(normal, side);
     let from = normal;
-    search: for (const tilt of [0.15, 0.5, 0.85, 1.15]) {
+    // From outside, ever more aslant; at last from inside.
+    search: for (const tilt of [0.15, 0.5, 0.85, 1.15, Math.PI - 0.5, Math.PI - 1]) {
       for (let k = 0; k < 8; ++k) {
         const angle = (k * Math.PI) / 4;
         const tried = normal.clone().multiplyScalar(Math.cos(tilt))
