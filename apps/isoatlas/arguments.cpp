@@ -14,6 +14,7 @@
 #include "isoatlas/version.h"
 #include "man_page.h"
 #include "pages.h"
+#include "wording/choices.h"
 
 namespace isoatlas::tool {
 namespace {
@@ -71,46 +72,7 @@ CLI::Option* add_value(CLI::App& app, const char* group, const std::string& name
   return app.add_option_function<std::string>(name, callback, description)->type_name(placeholder)->group(group);
 }
 
-template <class Value>
-using Choices = std::vector<std::pair<std::string, Value>>;
-
-template <class Value>
-Value choose(const Choices<Value>& choices, const std::string& text) {
-  std::string names;
-  for (const auto& [name, value] : choices) {
-    if (name == text) return value;
-    names += (names.empty() ? "" : ", ") + name;
-  }
-  refuse("expected one of " + names + ", got " + in_quotes(text));
-}
-
-Choices<SampleType> sample_types() {
-  Choices<SampleType> choices;
-  for (const SampleType type : {SampleType::int8, SampleType::uint8, SampleType::int16, SampleType::uint16, SampleType::int32,
-                                SampleType::uint32, SampleType::int64, SampleType::uint64, SampleType::float32, SampleType::float64})
-    choices.emplace_back(name(type), type);
-  return choices;
-}
-
 RawLayout& layout(std::optional<RawLayout>& raw) { return raw ? *raw : raw.emplace(); }
-
-Inside parse_inside(const std::string& text) { return choose<Inside>({{"above", Inside::above}, {"below", Inside::below}}, text); }
-
-Topology parse_topology(const std::string& text) {
-  return choose<Topology>({{"trilinear", Topology::trilinear}, {"faces", Topology::faces}}, text);
-}
-
-Interpolation parse_interpolation(const std::string& text) {
-  return choose<Interpolation>({{"trilinear", Interpolation::trilinear}, {"tricubic", Interpolation::tricubic}}, text);
-}
-
-NonFinite parse_non_finite(const std::string& text) {
-  return choose<NonFinite>({{"below", NonFinite::below}, {"above", NonFinite::above}}, text);
-}
-
-Space parse_space(const std::string& text) {
-  return choose<Space>({{"lps", Space::lps}, {"ras", Space::ras}, {"voxel", Space::voxel}}, text);
-}
 
 // Options read as a page: prose at the margin, then what it does.
 // clang-format off
@@ -125,7 +87,7 @@ The file has no header: samples along x, y and z, x running fastest.
 
   CLI::Option* type = add_value(app, kInput, "--raw-type", "TYPE", R"(
 Type of headerless samples: int8, uint8, int16, uint16, int32, uint32, int64, uint64, float32 or float64.
-)", [&](const std::string& text) { layout(raw).type = choose(sample_types(), text); });
+)", [&](const std::string& text) { layout(raw).type = parse_sample_type(text); });
 
   CLI::Option* spacing = add_value(app, kInput, "--raw-spacing", "SX,SY,SZ", R"(
 Distance between headerless samples along x, y and z. Default: 1,1,1.
@@ -137,7 +99,7 @@ Distance between headerless samples along x, y and z. Default: 1,1,1.
   CLI::Option* endian = add_value(app, kInput, "--raw-endian", "ORDER", R"(
 Byte order of headerless samples: little or big. Default: little.
 )", [&](const std::string& text) {
-    layout(raw).big_endian = choose<bool>({{"little", false}, {"big", true}}, text);
+    layout(raw).big_endian = parse_is_big_endian(text);
   });
 
   size->needs(type);
@@ -308,8 +270,7 @@ volume.
 How disks cover the surface. radius-field: their radii follow a field that grows slowly away from where it has to be
 small. halving: the paper's own, for comparison: radii are halved until neighbours fit. Default: radius-field.
 )", [&](const std::string& text) {
-    options.covering =
-        choose<CoveringStrategy>({{"radius-field", CoveringStrategy::radius_field}, {"halving", CoveringStrategy::halving}}, text);
+    options.covering = parse_covering(text);
   });
   add_value(*command, kMesh, "--event-persistence", "LENGTH", R"(
 Holes in a growing disk that close again within this length do not limit it. Larger ignores more noise in the choice of
@@ -319,7 +280,7 @@ triangle sizes; topology is kept whatever the value. Default: 1.5vx; with --cove
 Where vertices sit: on the surface, the same in all levels; or balanced, in each level moved so that the mesh lies evenly
 on both sides of the surface. Default: surface.
 )", [&](const std::string& text) {
-    options.placement = choose<Placement>({{"surface", Placement::surface}, {"balanced", Placement::balanced}}, text);
+    options.placement = parse_placement(text);
   });
   command->add_flag("--allow-self-intersections", options.allow_self_intersections, R"(
 Leave triangles as they are that meet others beyond the corners and edges they share. It is faster and takes fewer

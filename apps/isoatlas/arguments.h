@@ -10,8 +10,8 @@
 #include "isoatlas/extract.h"
 #include "isoatlas/io.h"
 #include "isoatlas/measure.h"
-#include "level_goals.h"
-#include "values.h"
+#include "wording/level_goals.h"
+#include "wording/values.h"
 
 namespace isoatlas::tool {
 

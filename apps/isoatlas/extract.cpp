@@ -2,22 +2,21 @@
 // isoatlas extract: read, mesh, write, say what happened.
 #include "isoatlas/extract.h"
 
-#include <sys/resource.h>
-
 #include <chrono>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "commands.h"
 #include "exit_status.h"
 #include "extract_summary.h"
 #include "isoatlas/error.h"
 #include "isoatlas/io.h"
-#include "isoatlas/version.h"
-#include "mesh_outputs.h"
-#include "output_files.h"
+#include "outputs/mesh_outputs.h"
+#include "outputs/output_files.h"
 #include "progress_bar.h"
 #include "report/report.h"
+#include "text.h"
 
 namespace isoatlas::tool {
 namespace {
@@ -33,12 +32,6 @@ class Stopwatch {
   Clock::time_point started_ = Clock::now();
 };
 
-std::size_t peak_memory_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::size_t>(usage.ru_maxrss) * 1024;  // Linux counts KiB
-}
-
 /// The library does not know what the volume is called; its messages should.
 Extraction extract_from(const fs::path& path, const VolumeView& volume, const ExtractOptions& options, const RunControl& control) {
   try {
@@ -48,16 +41,9 @@ Extraction extract_from(const fs::path& path, const VolumeView& volume, const Ex
   }
 }
 
-const char* space_name(Space space) {
-  switch (space) {
-    case Space::lps:
-      return "LPS";
-    case Space::ras:
-      return "RAS";
-    case Space::voxel:
-      return "voxel";
-  }
-  return "";
+/// "NAME.ply", or "NAME-0.ply and 2 more files"
+std::string files_text(const std::vector<fs::path>& paths) {
+  return paths.front().string() + (paths.size() > 1 ? " and " + counted(paths.size() - 1, "more file") : "");
 }
 
 }  // namespace
@@ -100,10 +86,7 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   progress.show("write", std::nullopt);
   control.check_cancelled();
   const Stopwatch writing;
-  HierarchyFileInfo info{
-      .mesh = {.space = space_name(options.space), .comment = "isoatlas " ISOATLAS_VERSION}, .placement = options.placement, .levels = {}};
-  for (std::size_t k = 0; k < report.levels.size(); ++k) info.levels.push_back(level_json(report.levels[k], k));
-  context.files = meshes.write(extraction.hierarchy, info, outputs);
+  context.files = meshes.write(extraction.hierarchy, file_info(report, options), outputs);
   context.write_seconds = writing.seconds();
   context.peak_memory_bytes = peak_memory_bytes();
   if (arguments.report)
@@ -112,7 +95,7 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   progress.erase();
 
   const std::string written =
-      meshes.text(report.levels.size()) + (arguments.report ? ", report " + arguments.report->string() : std::string());
+      files_text(meshes.paths(report.levels.size())) + (arguments.report ? ", report " + arguments.report->string() : std::string());
   if (!arguments.quiet) print_summary(report, context, written);
   if (arguments.verbose) print_details(report, context);
   return print_unmet(report) ? kSuccess : kUnmet;

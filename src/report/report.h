@@ -25,7 +25,7 @@ struct ReportFile {
 
 /// What a report says besides what extract() found out: where things came from and went to, and what that took.
 struct ReportContext {
-  std::string volume_path;
+  std::string volume_path;  ///< empty: the volume came from memory
   std::vector<ReportFile> files;
   Grid grid;
   SampleType sample_type = SampleType::float32;
@@ -37,7 +37,7 @@ struct ReportContext {
 
 /// How far a mesh is from an isosurface, and from which.
 struct DistanceReport {
-  std::string volume_path;
+  std::string volume_path;  ///< empty: the volume came from memory
   MeasureOptions options;
   Measurement measured;
 };
@@ -52,6 +52,12 @@ struct SelfIntersectionReport {
   std::vector<Place> first;  ///< the first few of them
 };
 
+/// Largest resident size of this process so far.
+std::size_t peak_memory_bytes();
+
+/// Looks for them. Throws as self_intersections().
+SelfIntersectionReport find_self_intersections(const TriangleMesh& mesh, const RunControl& control);
+
 /// One JSON object, schema "isoatlas-report-2", keys in a fixed order, a newline at the end.
 std::string to_json(const ExtractReport& report, const ReportContext& context);
 
@@ -65,6 +71,7 @@ std::string levels_manifest(const std::vector<ReportFile>& files, const std::vec
 
 /// One JSON object for a mesh that was only looked at, schema "isoatlas-check-1". What only a consistently oriented manifold
 /// has (Euler characteristic, genus, loops) is null for anything else.
+/// @param mesh_path  empty: the mesh came from memory
 /// @param self_intersections  null if nobody looked for them
 /// @param distance  null if there was no volume to measure against
 std::string to_json(const std::string& mesh_path, const MeshTopology& topology, const MeshQuality& quality,

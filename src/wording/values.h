@@ -9,7 +9,7 @@
 
 #include "isoatlas/volume.h"
 
-namespace isoatlas::tool {
+namespace isoatlas {
 
 /// A number that is the whole text, whatever the locale; none if it is not.
 template <class Number>
@@ -43,4 +43,4 @@ struct SpaceSize {
 /// None unless `text` is a finite size, 0 or more.
 std::optional<SpaceSize> space_size_of(std::string_view text);
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "output_files.h"
+#include "outputs/output_files.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -9,7 +9,7 @@
 
 #include "isoatlas/error.h"
 
-namespace isoatlas::tool {
+namespace isoatlas {
 namespace fs = std::filesystem;
 namespace {
 
@@ -165,4 +165,4 @@ void OutputFiles::discard() noexcept {
   staged_.clear();
 }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas

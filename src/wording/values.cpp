@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "values.h"
+#include "wording/values.h"
 
 #include <cmath>
 
-namespace isoatlas::tool {
+namespace isoatlas {
 
 namespace {
 
@@ -29,4 +29,4 @@ std::optional<Measure> measure_of(std::string_view text, std::string_view world_
 std::optional<Length> length_of(std::string_view text) { return measure_of<Length>(text, "mm"); }
 std::optional<SpaceSize> space_size_of(std::string_view text) { return measure_of<SpaceSize>(text, "mm3"); }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas
