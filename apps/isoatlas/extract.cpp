@@ -63,7 +63,6 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
                            .threads = arguments.threads};
   ReportContext context;
   context.volume_path = arguments.volume.path.string();
-  context.options = arguments.options;
   context.threads = arguments.threads;
 
   progress.show("read", std::nullopt);
@@ -72,12 +71,8 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   context.read_seconds = reading.seconds();
   context.grid = volume.grid;
   context.sample_type = volume.type;
-  ExtractOptions& options = context.options;
-  if (arguments.max_radius) options.max_radius = arguments.max_radius->in_world(volume.grid);
-  if (arguments.min_component_size) options.min_component_size = arguments.min_component_size->in_world(volume.grid);
-  if (arguments.event_persistence) options.event_persistence = arguments.event_persistence->in_world(volume.grid);
-  options.coarse = in_world(arguments.goals.coarse, volume.grid);
-  for (const auto& goal : arguments.goals.refine) options.refine.push_back(in_world(goal, volume.grid));
+  context.options = in_world(arguments, volume.grid);
+  const ExtractOptions& options = context.options;
 
   const Extraction extraction = extract_from(arguments.volume.path, volume, options, control);
   const ExtractReport& report = extraction.report;
