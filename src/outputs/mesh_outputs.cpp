@@ -139,7 +139,7 @@ std::vector<ReportFile> MeshOutputs::write(const Hierarchy& hierarchy, const Hie
       }
       const bool is_part = item.levels.size() < level_count;
       HierarchyFileInfo part = info;
-      if (is_part) part.levels = {info.levels[item.levels.front()]};
+      if (is_part && !info.levels.empty()) part.levels = {info.levels[item.levels.front()]};
       const StoredPositions stored =
           is_part ? write_hierarchy(only_level(hierarchy, item.levels.front()), staged, part) : write_hierarchy(hierarchy, staged, part);
       add(item.path, staged, item.levels, stored);

@@ -110,6 +110,7 @@ void check_output_path(const fs::path& path) {
 }
 
 bool same_file(const fs::path& a, const fs::path& b) {
+  if (a.empty() || b.empty()) return false;
   std::error_code error;
   if (fs::equivalent(a, b, error) && !error) return true;  // hard links too
   return resolved(a) == resolved(b);

@@ -20,7 +20,7 @@ std::filesystem::path resolved(const std::filesystem::path& path);
 /// `path` where it will really be, as people know it: files that belong to it go beside that place.
 std::filesystem::path target_of(const std::filesystem::path& path);
 
-/// Are these one file? Links are followed; neither needs to exist.
+/// Are these one file? Links are followed; neither needs to exist. An empty path is no file.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
 /// Collects outputs in hidden folders beside their destinations and moves them there in one go.

@@ -198,7 +198,7 @@ std::string levels_manifest(const std::vector<ReportFile>& files, const std::vec
     Json level = {{"file", std::filesystem::path(files[k].path).filename().string()},
                   {"bytes", files[k].bytes},
                   {"largest_rounding", files[k].largest_rounding}};
-    level.update(Json::parse(levels[k]));
+    if (!levels.empty()) level.update(Json::parse(levels[k]));
     list.push_back(std::move(level));
   }
   return to_text(json);

@@ -66,7 +66,7 @@ std::string to_json(const ExtractReport& report, const ReportContext& context);
 std::string level_json(const LevelReport& level, std::size_t number);
 
 /// A list of files with one level each, schema "isoatlas-manifest-1": `files` have one level each, in their order; `levels` has
-/// the level_json() of each. Names are relative to the list, which is beside them.
+/// the level_json() of each, or nothing. Names are relative to the list, which is beside them.
 std::string levels_manifest(const std::vector<ReportFile>& files, const std::vector<std::string>& levels);
 
 /// One JSON object for a mesh that was only looked at, schema "isoatlas-check-1". What only a consistently oriented manifold
