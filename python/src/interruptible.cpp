@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "interruptible.h"
 
+#include <unistd.h>
+
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <mutex>
 #include <string>
@@ -72,6 +77,19 @@ void forget_what_has_ended() {
   });
 }
 
+/// What work uses is taken down at the end of the process, under work that still goes on. So the process ends without that; the interpreter
+/// is finished by then, and the status known.
+void end_at_once(int status, void* /*unused*/) {
+  if (std::ranges::all_of(given_up(), [](const GivenUp& work) { return is_done(*work.shared); })) return;
+  std::fflush(nullptr);
+  _exit(status);
+}
+
+void give_up(GivenUp work) {
+  given_up().push_back(std::move(work));
+  on_exit(&end_at_once, nullptr);  // each time: what is registered last is called first
+}
+
 /// @return whether the work came back in time
 bool cancel(Shared& shared) {
   shared.cancel = true;
@@ -115,19 +133,16 @@ void run_interruptibly(std::function<void(const RunControl&)> work, const Watch&
     if (cancel(*shared))
       thread.join();
     else
-      given_up().push_back({shared, std::move(thread), watch.keep_alive});
+      give_up({shared, std::move(thread), watch.keep_alive});
     throw;
   }
   thread.join();
   if (shared->error) std::rethrow_exception(shared->error);
 }
 
-void join_given_up_work() {
-  for (GivenUp& work : given_up()) {
-    const py::gil_scoped_release release;
-    work.thread.join();
-  }
-  given_up().clear();
+std::size_t given_up_work() {
+  forget_what_has_ended();
+  return given_up().size();
 }
 
 }  // namespace isoatlas::python

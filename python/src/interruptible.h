@@ -4,6 +4,7 @@
 
 #include <pybind11/pybind11.h>
 
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -25,9 +26,9 @@ struct Watch {
 /// Runs `work` on a thread of its own. This one waits without the interpreter's lock, and takes it now and then to look for signals and
 /// to call `progress`. What a signal's handler or `progress` raises sets `RunControl::cancel` and is thrown from here.
 ///
-/// Work that does not come back soon after that (a file being read, say) goes on by itself, to no effect, until it looks at `cancel` or is
-/// done. So `work` must own what it uses, `keep_alive` apart, and hold no Python object; and it must look at `cancel` before anything that
-/// others would see.
+/// Work that does not come back soon after that (a file being read, say) goes on by itself, to no effect, until it looks at `cancel`, or is
+/// done, or the process ends. So `work` must own what it uses, `keep_alive` apart, and hold no Python object; and it must look at `cancel`
+/// before anything that others would see.
 void run_interruptibly(std::function<void(const RunControl&)> work, const Watch& watch);
 
 /// The same for work that makes something. Results are handed over only if the work was not given up.
@@ -39,7 +40,7 @@ auto make_interruptibly(Work work, const Watch& watch) {
   return std::move(**result);
 }
 
-/// Waits for work that was given up. The interpreter must not end under it.
-void join_given_up_work();
+/// How much work was given up and still goes on.
+std::size_t given_up_work();
 
 }  // namespace isoatlas::python

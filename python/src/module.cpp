@@ -97,8 +97,5 @@ PYBIND11_MODULE(_core, module) {
       "read_levels", [](const py::object& path) { return read_levels(path_of(path)); }, "path"_a);
   module.def("check", &check_mesh, "vertices"_a.noconvert(), "faces"_a.noconvert(), "self_intersections"_a, "volume"_a.none(true),
              "measure"_a, "threads"_a, "progress"_a);
-  module.def("join_given_up_work", &join_given_up_work);
-
-  // Work that was given up must not find the interpreter gone.
-  py::module_::import("atexit").attr("register")(module.attr("join_given_up_work"));
+  module.def("given_up_work", &given_up_work);
 }
