@@ -18,7 +18,7 @@ std::array<int, 3> axes_in_memory(const py::array& array) {
   std::ranges::stable_sort(axes, {}, [&](int axis) { return array.strides(axis); });
   py::ssize_t expected = array.itemsize();
   for (const int axis : axes) {
-    if (array.shape(axis) > 1 && array.strides(axis) != expected) throw std::invalid_argument("the array is not dense");
+    if (array.size() > 0 && array.shape(axis) > 1 && array.strides(axis) != expected) throw std::invalid_argument("the array is not dense");
     expected *= array.shape(axis);
   }
   return axes;
