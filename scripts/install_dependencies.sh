@@ -1,21 +1,23 @@
 #!/usr/bin/env bash
 # Installs what the build, the tests, the benchmarks and the fuzzers need on Debian 12, and nothing where it is all there already.
-#   scripts/install_dependencies.sh [build|test|bench|fuzz]     (default: build; test includes build, bench includes both; fuzz: the
-#                                                               core library only, and clang)
+#   scripts/install_dependencies.sh [build|python|test|bench|fuzz]     (default: build; python: build and the Python module; test includes
+#                                                                      these, bench includes all; fuzz: the core library only, and clang)
 set -euo pipefail
 
 build=(g++ cmake ninja-build libtbb-dev libboost-dev libcgal-dev libinsighttoolkit5-dev libvtk9-dev libtiff-dev zlib1g-dev libcli11-dev nlohmann-json3-dev libtinygltf-dev libmeshoptimizer-dev)
 command -v npm > /dev/null || build+=(nodejs npm)  # for the page; any of Node 18 or later will do
-test=("${build[@]}" libgtest-dev librapidcheck-dev python3 libgmp-dev xvfb xauth chromium)
-bench=("${test[@]}" libbenchmark-dev python3-numpy python3-vtk9)
+python=("${build[@]}" pybind11-dev python3-dev python3-numpy python3-pip python3-setuptools python3-venv python3-wheel)
+test=("${python[@]}" libgtest-dev librapidcheck-dev python3 libgmp-dev xvfb xauth chromium python3-pytest python3-skimage python3-tqdm python3-vtk9 mypy)
+bench=("${test[@]}" libbenchmark-dev)
 fuzz=(clang libclang-rt-dev cmake ninja-build libtbb-dev libboost-dev libcgal-dev)
 
 case "${1:-build}" in
   build) wanted=("${build[@]}") ;;
+  python) wanted=("${python[@]}") ;;
   test) wanted=("${test[@]}") ;;
   bench) wanted=("${bench[@]}") ;;
   fuzz) wanted=("${fuzz[@]}") ;;
-  *) echo "usage: $0 [build|test|bench|fuzz]" >&2; exit 2 ;;
+  *) echo "usage: $0 [build|python|test|bench|fuzz]" >&2; exit 2 ;;
 esac
 
 missing=()

@@ -2,8 +2,6 @@
 #include "arguments.h"
 
 #include <array>
-#include <cmath>
-#include <cstdint>
 #include <map>
 #include <memory>
 #include <string>
@@ -14,48 +12,10 @@
 #include "isoatlas/version.h"
 #include "man_page.h"
 #include "pages.h"
+#include "wording/choices.h"
 
 namespace isoatlas::tool {
 namespace {
-
-constexpr std::size_t kMeasureSamples = 200'000;
-
-[[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::bad_argument, message); }
-
-std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
-
-double parse_finite(std::string_view text) {
-  const auto number = parse_whole<double>(text);
-  if (!number || !std::isfinite(*number)) refuse("expected a finite number, got " + in_quotes(text));
-  return *number;
-}
-
-std::size_t parse_samples(std::string_view text) {
-  const auto number = parse_whole<std::uint32_t>(text);
-  if (!number || *number == 0) refuse("expected a whole number, 1 or more, got " + in_quotes(text));
-  return *number;
-}
-
-int parse_threads(std::string_view text) {
-  const auto number = parse_whole<int>(text);
-  if (!number || *number < 0) refuse("expected a whole number, 0 or more, got " + in_quotes(text));
-  return *number;
-}
-
-template <class Number, class Accept>
-std::array<Number, 3> parse_triple(std::string_view text, const char* expected, Accept accept) {
-  std::array<Number, 3> triple{};
-  std::string_view rest = text;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::size_t comma = rest.find(',');
-    const auto number = parse_whole<Number>(rest.substr(0, comma));
-    const bool is_last = comma == std::string_view::npos;
-    if (!number || !accept(*number) || is_last != (i == 2)) refuse(std::string("expected ") + expected + ", got " + in_quotes(text));
-    triple[i] = *number;
-    if (!is_last) rest.remove_prefix(comma + 1);
-  }
-  return triple;
-}
 
 /// An option with a value that `read` makes something of; what that throws names the option.
 template <class Read>
@@ -71,46 +31,7 @@ CLI::Option* add_value(CLI::App& app, const char* group, const std::string& name
   return app.add_option_function<std::string>(name, callback, description)->type_name(placeholder)->group(group);
 }
 
-template <class Value>
-using Choices = std::vector<std::pair<std::string, Value>>;
-
-template <class Value>
-Value choose(const Choices<Value>& choices, const std::string& text) {
-  std::string names;
-  for (const auto& [name, value] : choices) {
-    if (name == text) return value;
-    names += (names.empty() ? "" : ", ") + name;
-  }
-  refuse("expected one of " + names + ", got " + in_quotes(text));
-}
-
-Choices<SampleType> sample_types() {
-  Choices<SampleType> choices;
-  for (const SampleType type : {SampleType::int8, SampleType::uint8, SampleType::int16, SampleType::uint16, SampleType::int32,
-                                SampleType::uint32, SampleType::int64, SampleType::uint64, SampleType::float32, SampleType::float64})
-    choices.emplace_back(name(type), type);
-  return choices;
-}
-
 RawLayout& layout(std::optional<RawLayout>& raw) { return raw ? *raw : raw.emplace(); }
-
-Inside parse_inside(const std::string& text) { return choose<Inside>({{"above", Inside::above}, {"below", Inside::below}}, text); }
-
-Topology parse_topology(const std::string& text) {
-  return choose<Topology>({{"trilinear", Topology::trilinear}, {"faces", Topology::faces}}, text);
-}
-
-Interpolation parse_interpolation(const std::string& text) {
-  return choose<Interpolation>({{"trilinear", Interpolation::trilinear}, {"tricubic", Interpolation::tricubic}}, text);
-}
-
-NonFinite parse_non_finite(const std::string& text) {
-  return choose<NonFinite>({{"below", NonFinite::below}, {"above", NonFinite::above}}, text);
-}
-
-Space parse_space(const std::string& text) {
-  return choose<Space>({{"lps", Space::lps}, {"ras", Space::ras}, {"voxel", Space::voxel}}, text);
-}
 
 // Options read as a page: prose at the margin, then what it does.
 // clang-format off
@@ -118,27 +39,19 @@ Space parse_space(const std::string& text) {
 void add_raw_layout(CLI::App& app, std::optional<RawLayout>& raw, CLI::Option* volume = nullptr) {
   CLI::Option* size = add_value(app, kInput, "--raw-size", "NX,NY,NZ", R"(
 The file has no header: samples along x, y and z, x running fastest.
-)", [&](const std::string& text) {
-    layout(raw).size =
-        parse_triple<std::size_t>(text, "three whole numbers like 256,256,94", [](std::size_t n) { return n > 0; });
-  });
+)", [&](const std::string& text) { set(layout(raw), "raw-size", text); });
 
   CLI::Option* type = add_value(app, kInput, "--raw-type", "TYPE", R"(
 Type of headerless samples: int8, uint8, int16, uint16, int32, uint32, int64, uint64, float32 or float64.
-)", [&](const std::string& text) { layout(raw).type = choose(sample_types(), text); });
+)", [&](const std::string& text) { set(layout(raw), "raw-type", text); });
 
   CLI::Option* spacing = add_value(app, kInput, "--raw-spacing", "SX,SY,SZ", R"(
 Distance between headerless samples along x, y and z. Default: 1,1,1.
-)", [&](const std::string& text) {
-    const auto accept = [](double s) { return std::isfinite(s) && s > 0; };
-    layout(raw).spacing = parse_triple<double>(text, "three positive numbers like 1,1,2.5", accept);
-  });
+)", [&](const std::string& text) { set(layout(raw), "raw-spacing", text); });
 
   CLI::Option* endian = add_value(app, kInput, "--raw-endian", "ORDER", R"(
 Byte order of headerless samples: little or big. Default: little.
-)", [&](const std::string& text) {
-    layout(raw).big_endian = choose<bool>({{"little", false}, {"big", true}}, text);
-  });
+)", [&](const std::string& text) { set(layout(raw), "raw-endian", text); });
 
   size->needs(type);
   type->needs(size);
@@ -224,12 +137,6 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
 
 }  // namespace
 
-Length parse_length(std::string_view text) {
-  const auto length = length_of(text);
-  if (!length) refuse("expected a length like 2.5, 2.5mm or 3vx, got " + in_quotes(text));
-  return *length;
-}
-
 // clang-format off
 CLI::App* add_extract_command(CLI::App& app, ExtractArguments& arguments) {
   CLI::App* command = add_command(app, "extract", "mesh an isosurface, with certified topology", extract_page());
@@ -239,60 +146,41 @@ CLI::App* add_extract_command(CLI::App& app, ExtractArguments& arguments) {
   add_value(*command, kInput, "--nan", "SIDE", R"(
 NaN and infinite samples are refused unless this says where NaN is: below or above the isovalue. Infinities are then on
 the side of their sign.
-)", [&](const std::string& text) {
-    options.non_finite = parse_non_finite(text);
-  });
+)", [&](const std::string& text) { set(arguments, "nan", text); });
 
   add_value(*command, kSurface, "--iso", "X", R"(
 The isovalue. `isoatlas info` suggests some. For integer samples a value between two integers, like 80.5, is best: no
 sample equals it.
-)", [&](const std::string& text) { options.isovalue = parse_finite(text); })->required();
+)", [&](const std::string& text) { set(arguments, "iso", text); })->required();
   add_value(*command, kSurface, "--inside", "SIDE", R"(
 Which samples are inside: those above or those below the isovalue. Triangles face outwards. A sample equal to the
 isovalue is inside either way. Default: above.
-)", [&](const std::string& text) {
-    options.inside = parse_inside(text);
-  });
+)", [&](const std::string& text) { set(arguments, "inside", text); });
   add_value(*command, kSurface, "--topology", "NAME", R"(
 What the surface is inside a cell of the volume. trilinear: what the trilinear interpolant has there; it can join two
 closed loops on the cell's faces by a tunnel. faces: one disk for every such loop. Default: trilinear.
-)", [&](const std::string& text) { options.topology = parse_topology(text); });
+)", [&](const std::string& text) { set(arguments, "topology", text); });
   add_value(*command, kSurface, "--interpolation", "NAME", R"(
 What the surface is between samples, for where vertices are and for all distances: trilinear or tricubic. Tricubic is
 smooth. The topology is the same, unless supersampled. Default: trilinear.
-)", [&](const std::string& text) { options.interpolation = parse_interpolation(text); });
+)", [&](const std::string& text) { set(arguments, "interpolation", text); });
   add_value(*command, kSurface, "--supersample", "K", R"(
 Mesh the surface of the volume upsampled K times along each axis by the interpolation, for details that its grid is too
 coarse for. Takes an eighth of a byte for each of its samples, and as much more time and memory as there is more of the
 surface, about K*K. Default: 1.
-)", [&](const std::string& text) {
-    const auto factor = parse_whole<std::uint32_t>(text);
-    if (!factor || *factor == 0) refuse("expected a number above 0, got " + in_quotes(text));
-    options.supersample = *factor;
-  });
+)", [&](const std::string& text) { set(arguments, "supersample", text); });
   add_value(*command, kSurface, "--adaptive-supersample", "N", R"(
 How often, in each refined level, the surface may be sampled more finely at places where a bound cannot be kept
 otherwise, from 0, never, to 8. Where triangles would meet is another matter. Default: 3.
-)", [&](const std::string& text) {
-    const auto times = parse_whole<std::uint32_t>(text);
-    if (!times || *times > kMostDivisions) refuse("expected a number from 0 to 8, got " + in_quotes(text));
-    options.adaptive_supersample = *times;
-  });
+)", [&](const std::string& text) { set(arguments, "adaptive-supersample", text); });
 
   add_value(*command, kSurface, "--min-component-size", "SIZE", R"(
 Leave out components that enclose less: 10vx is ten voxels, 2.5 or 2.5mm3 are world units cubed. One that the volume's
 border cuts open counts as a ball of its area. What is left out is listed in the report. Default: nothing.
-)", [&](const std::string& text) {
-    arguments.min_component_size = space_size_of(text);
-    if (!arguments.min_component_size) refuse("expected a size like 10vx or 2.5mm3, got " + in_quotes(text));
-  });
+)", [&](const std::string& text) { set(arguments, "min-component-size", text); });
   add_value(*command, kSurface, "--keep-components", "N", R"(
 Leave out all but the N largest components. Default: all are kept.
-)", [&](const std::string& text) {
-    const auto count = parse_whole<std::size_t>(text);
-    if (!count || *count == 0) refuse("expected a number above 0, got " + in_quotes(text));
-    options.keep_components = *count;
-  });
+)", [&](const std::string& text) { set(arguments, "keep-components", text); });
 
   command->add_flag("--coarse", arguments.coarse, R"(
 Only the coarsest mesh that keeps the topology: level 0. Constraints for all levels are then looked at there.
@@ -300,27 +188,19 @@ Only the coarsest mesh that keeps the topology: level 0. Constraints for all lev
   add_value(*command, kMesh, "--max-radius", "LENGTH", R"(
 Largest radius of the disks that cover the surface; smaller means more triangles. Default: half the longest side of the
 volume.
-)", [&](const std::string& text) {
-    arguments.max_radius = parse_length(text);
-    if (arguments.max_radius->value == 0) refuse("expected a length above 0, got " + in_quotes(text));
-  });
+)", [&](const std::string& text) { set(arguments, "max-radius", text); });
   add_value(*command, kMesh, "--covering", "NAME", R"(
 How disks cover the surface. radius-field: their radii follow a field that grows slowly away from where it has to be
 small. halving: the paper's own, for comparison: radii are halved until neighbours fit. Default: radius-field.
-)", [&](const std::string& text) {
-    options.covering =
-        choose<CoveringStrategy>({{"radius-field", CoveringStrategy::radius_field}, {"halving", CoveringStrategy::halving}}, text);
-  });
+)", [&](const std::string& text) { set(arguments, "covering", text); });
   add_value(*command, kMesh, "--event-persistence", "LENGTH", R"(
 Holes in a growing disk that close again within this length do not limit it. Larger ignores more noise in the choice of
 triangle sizes; topology is kept whatever the value. Default: 1.5vx; with --covering halving 0.
-)", [&](const std::string& text) { arguments.event_persistence = parse_length(text); });
+)", [&](const std::string& text) { set(arguments, "event-persistence", text); });
   add_value(*command, kMesh, "--placement", "WHERE", R"(
 Where vertices sit: on the surface, the same in all levels; or balanced, in each level moved so that the mesh lies evenly
 on both sides of the surface. Default: surface.
-)", [&](const std::string& text) {
-    options.placement = choose<Placement>({{"surface", Placement::surface}, {"balanced", Placement::balanced}}, text);
-  });
+)", [&](const std::string& text) { set(arguments, "placement", text); });
   command->add_flag("--allow-self-intersections", options.allow_self_intersections, R"(
 Leave triangles as they are that meet others beyond the corners and edges they share. It is faster and takes fewer
 triangles. Default: no two triangles of a level meet.
@@ -345,21 +225,19 @@ Write one page that shows the levels in 3-D, with what is known of them, in any 
   add_value(*command, kOutput, "--space", "SPACE", R"(
 Coordinates of the mesh: lps, the world as ITK has it; ras, the same with x and y negated; voxel, sample indices.
 Default: lps.
-)", [&](const std::string& text) {
-    options.space = parse_space(text);
-  });
+)", [&](const std::string& text) { set(arguments, "space", text); });
 
   CLI::Option* measure = command->add_flag_callback("--measure", [&] { options.measure_samples = kMeasureSamples; }, R"(
 Measure each level against the isosurface, both ways, with 200,000 samples each.
 )")->group(kOutput);
   CLI::Option* samples = add_value(*command, kOutput, "--measure-samples", "N", R"(
 The same with N samples.
-)", [&](const std::string& text) { options.measure_samples = parse_samples(text); });
+)", [&](const std::string& text) { set(arguments, "measure-samples", text); });
   measure->excludes(samples);
 
   add_value(*command, kRunning, "--threads", "N", R"(
 Number of threads; 0: as many as the machine has. Default: 0.
-)", [&](const std::string& text) { arguments.threads = parse_threads(text); });
+)", [&](const std::string& text) { set(arguments, "threads", text); });
   CLI::Option* quiet = command->add_flag("-q,--quiet", arguments.quiet, R"(
 Print nothing unless something is wrong; no progress bar.
 )");
@@ -395,19 +273,19 @@ Measure how far the mesh is from the isosurface of this volume: a file or, for a
 )")->type_name("VOLUME")->group(kDistance);
   CLI::Option* iso = add_value(*command, kDistance, "--iso", "X", R"(
 The isovalue.
-)", [&](const std::string& text) { options.isovalue = parse_finite(text); });
+)", [&](const std::string& text) { set(options, "iso", text); });
   CLI::Option* inside = add_value(*command, kDistance, "--inside", "SIDE", R"(
 Which samples are inside, above or below the isovalue; says which way triangles should face. Default: above.
-)", [&](const std::string& text) { options.inside = parse_inside(text); });
+)", [&](const std::string& text) { set(options, "inside", text); });
   CLI::Option* topology = add_value(*command, kDistance, "--topology", "NAME", R"(
 What the surface is inside a cell, trilinear or faces, as for `isoatlas extract`. Default: trilinear.
-)", [&](const std::string& text) { options.topology = parse_topology(text); });
+)", [&](const std::string& text) { set(options, "topology", text); });
   CLI::Option* nan = add_value(*command, kDistance, "--nan", "SIDE", R"(
 Where NaN is, below or above the isovalue; NaN and infinite samples are refused without it.
-)", [&](const std::string& text) { options.non_finite = parse_non_finite(text); });
+)", [&](const std::string& text) { set(options, "nan", text); });
   CLI::Option* interpolation = add_value(*command, kDistance, "--interpolation", "NAME", R"(
 What the isosurface is between samples, trilinear or tricubic, as for `isoatlas extract`. Default: trilinear.
-)", [&](const std::string& text) { options.interpolation = parse_interpolation(text); });
+)", [&](const std::string& text) { set(options, "interpolation", text); });
   CLI::Option* space = add_value(*command, kDistance, "--space", "SPACE", R"(
 Coordinates of the mesh: lps, ras or voxel, as for `isoatlas extract`. Default: what the file says (SPACE=... in its
 header or comments), else lps.
@@ -415,7 +293,7 @@ header or comments), else lps.
   CLI::Option* samples = add_value(*command, kDistance, "--samples", "N", R"(
 Samples spread over the area of each of the two surfaces; vertices, edge midpoints, centroids and c-vertices come on top.
 Default: 200000.
-)", [&](const std::string& text) { options.samples = parse_samples(text); });
+)", [&](const std::string& text) { set(options, "samples", text); });
   add_raw_layout(*command, arguments.raw, volume);
 
   volume->needs(iso);
@@ -452,13 +330,16 @@ CLI::App* add_picture_command(CLI::App& app, PictureArguments& arguments) {
   command->add_option("RESULT", arguments.mesh, "A mesh, or a file of levels. See FILES.")->required()->group(kInput);
   add_value(*command, kInput, "--level", "K", R"(
 Which level of a file of levels, from 0, the coarsest. Default: the finest.
-)", [&](const std::string& text) { arguments.level = parse_whole<std::uint32_t>(text); 
-    if (!arguments.level) refuse("expected a level's number, 0 or more, got " + in_quotes(text)); });
+)", [&](const std::string& text) {
+    arguments.level = parse_whole<std::uint32_t>(text);
+    if (!arguments.level) refuse_value("a level's number, 0 or more", text);
+  });
   command->add_option("-o,--output", arguments.picture, "The picture to write, a PNG file.")->type_name("FILE")->required()->group(kOutput);
   add_value(*command, kOutput, "--style", "NAME", R"(
 smooth: lit, as a solid thing. hidden-line: the edges that are seen, dark on white. Default: smooth.
 )", [&](const std::string& text) {
-    options.style = choose<PictureStyle>({{"smooth", PictureStyle::smooth}, {"hidden-line", PictureStyle::hidden_line}}, text);
+    if (text != "smooth" && text != "hidden-line") refuse_value("one of smooth, hidden-line", text);
+    options.style = text == "smooth" ? PictureStyle::smooth : PictureStyle::hidden_line;
   });
   add_value(*command, kOutput, "--size", "WIDTH,HEIGHT", R"(
 Pixels, 16 to 8192 each. Default: 1200,900.
@@ -466,7 +347,7 @@ Pixels, 16 to 8192 each. Default: 1200,900.
     const std::size_t comma = text.find(',');
     const auto width = parse_whole<int>(std::string_view(text).substr(0, comma));
     const auto height = comma == std::string::npos ? std::nullopt : parse_whole<int>(std::string_view(text).substr(comma + 1));
-    if (!width || !height) refuse("expected two whole numbers like 1200,900, got " + in_quotes(text));
+    if (!width || !height) refuse_value("two whole numbers like 1200,900", text);
     options.width = *width;
     options.height = *height;
   });

@@ -12,32 +12,23 @@
 #include "isoatlas/extract.h"
 #include "isoatlas/io.h"
 #include "isoatlas/measure.h"
-#include "level_goals.h"
 #include "picture/picture.h"
-#include "values.h"
+#include "wording/settings.h"
 
 namespace isoatlas::tool {
-
-/// Throws Error(bad_argument) unless `text` is a length, 0 or more.
-Length parse_length(std::string_view text);
 
 struct VolumeArguments {
   std::filesystem::path path;
   std::optional<RawLayout> raw;
 };
 
-struct ExtractArguments {
+struct ExtractArguments : ExtractSettings {
   VolumeArguments volume;
   std::filesystem::path mesh;
   std::optional<std::filesystem::path> report, page;
   bool glb_per_level = false;  ///< besides `mesh`, which is a .glb, one for each level, and a manifest
-  ExtractOptions options;      ///< all but the lengths, which need the volume's voxel size
-  std::optional<Length> max_radius, event_persistence;
-  std::optional<SpaceSize> min_component_size;
-  TypedGoals goals;     ///< the constraints of all levels
-  bool coarse = false;  ///< nothing but level 0
-  int threads = 0;
-  std::string command;  ///< the whole command line, for people to run again
+  bool coarse = false;         ///< nothing but level 0
+  std::string command;         ///< the whole command line, for people to run again
   bool quiet = false, verbose = false;
 };
 

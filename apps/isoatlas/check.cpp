@@ -4,7 +4,6 @@
 #include <cctype>
 #include <iostream>
 #include <optional>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,7 +15,6 @@
 #include "isoatlas/io.h"
 #include "isoatlas/measure.h"
 #include "isoatlas/mesh.h"
-#include "isoatlas/self_intersections.h"
 #include "progress_bar.h"
 #include "report/report.h"
 #include "text.h"
@@ -63,18 +61,12 @@ void print_quality(const MeshQuality& quality, bool utf8) {
 }
 
 SelfIntersectionReport find_self_intersections(const CheckArguments& arguments, const TriangleMesh& mesh, const RunControl& control) {
-  constexpr std::size_t kMost = 10;  // places to tell; the count is of all
-  SelfIntersectionReport report;
   try {
-    const std::vector<TrianglePair> pairs = self_intersections(mesh.positions, mesh.triangles, {}, control);
-    report.pairs = pairs.size();
-    for (const TrianglePair& pair : std::span(pairs).first(std::min(pairs.size(), kMost)))
-      report.first.push_back({pair, meeting_place(mesh.positions, mesh.triangles[pair.first], mesh.triangles[pair.second])});
+    return isoatlas::find_self_intersections(mesh, control);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
     throw Error(error.code(), arguments.mesh.string() + ": " + error.what());
   }
-  return report;
 }
 
 void print_self_intersections(const SelfIntersectionReport& report) {

@@ -2,8 +2,6 @@
 // isoatlas extract: read, mesh, write, say what happened.
 #include "isoatlas/extract.h"
 
-#include <sys/resource.h>
-
 #include <chrono>
 #include <string>
 #include <utility>
@@ -14,12 +12,12 @@
 #include "extract_summary.h"
 #include "isoatlas/error.h"
 #include "isoatlas/io.h"
-#include "isoatlas/version.h"
-#include "mesh_outputs.h"
-#include "output_files.h"
+#include "outputs/mesh_outputs.h"
+#include "outputs/output_files.h"
 #include "page/page.h"
 #include "progress_bar.h"
 #include "report/report.h"
+#include "text.h"
 
 namespace isoatlas::tool {
 namespace {
@@ -35,12 +33,6 @@ class Stopwatch {
   Clock::time_point started_ = Clock::now();
 };
 
-std::size_t peak_memory_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::size_t>(usage.ru_maxrss) * 1024;  // Linux counts KiB
-}
-
 /// The library does not know what the volume is called; its messages should.
 Extraction extract_from(const fs::path& path, const VolumeView& volume, const ExtractOptions& options, const RunControl& control) {
   try {
@@ -50,16 +42,9 @@ Extraction extract_from(const fs::path& path, const VolumeView& volume, const Ex
   }
 }
 
-const char* space_name(Space space) {
-  switch (space) {
-    case Space::lps:
-      return "LPS";
-    case Space::ras:
-      return "RAS";
-    case Space::voxel:
-      return "voxel";
-  }
-  return "";
+/// "NAME.ply", or "NAME-0.ply and 2 more files"
+std::string files_text(const std::vector<fs::path>& paths) {
+  return paths.front().string() + (paths.size() > 1 ? " and " + counted(paths.size() - 1, "more file") : "");
 }
 
 }  // namespace
@@ -83,7 +68,6 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
                            .threads = arguments.threads};
   ReportContext context;
   context.volume_path = arguments.volume.path.string();
-  context.options = arguments.options;
   context.threads = arguments.threads;
   context.command = arguments.command;
 
@@ -93,12 +77,8 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   context.read_seconds = reading.seconds();
   context.grid = volume.grid;
   context.sample_type = volume.type;
-  ExtractOptions& options = context.options;
-  if (arguments.max_radius) options.max_radius = arguments.max_radius->in_world(volume.grid);
-  if (arguments.min_component_size) options.min_component_size = arguments.min_component_size->in_world(volume.grid);
-  if (arguments.event_persistence) options.event_persistence = arguments.event_persistence->in_world(volume.grid);
-  options.coarse = in_world(arguments.goals.coarse, volume.grid);
-  for (const auto& goal : arguments.goals.refine) options.refine.push_back(in_world(goal, volume.grid));
+  context.options = in_world(arguments, volume.grid);
+  const ExtractOptions& options = context.options;
 
   Extraction extraction = extract_from(arguments.volume.path, volume, options, control);
   const ExtractReport& report = extraction.report;
@@ -112,10 +92,7 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   progress.show("write", std::nullopt);
   control.check_cancelled();
   const Stopwatch writing;
-  HierarchyFileInfo info{
-      .mesh = {.space = space_name(options.space), .comment = "isoatlas " ISOATLAS_VERSION}, .placement = options.placement, .levels = {}};
-  for (std::size_t k = 0; k < report.levels.size(); ++k) info.levels.push_back(level_json(report.levels[k], k));
-  context.files = meshes.write(extraction.hierarchy, info, outputs);
+  context.files = meshes.write(extraction.hierarchy, file_info(report, options), outputs);
   context.write_seconds = writing.seconds();
   context.peak_memory_bytes = peak_memory_bytes();
   const std::string json = arguments.report || arguments.page ? to_json(report, context) : "";
@@ -129,7 +106,7 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   interruption.commit([&] { outputs.commit(); });
   progress.erase();
 
-  std::string written = meshes.text(report.levels.size());
+  std::string written = files_text(meshes.paths(report.levels.size()));
   for (const auto& [path, what] : others) written += ", " + what + " " + path.string();
   if (!arguments.quiet) print_summary(report, context, written);
   if (arguments.verbose) print_details(report, context);

@@ -9,7 +9,7 @@
 #include "exit_status.h"
 #include "isoatlas/error.h"
 #include "isoatlas/io.h"
-#include "output_files.h"
+#include "outputs/output_files.h"
 #include "text.h"
 
 namespace isoatlas::tool {

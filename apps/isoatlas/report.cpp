@@ -8,7 +8,7 @@
 #include "exit_status.h"
 #include "isoatlas/error.h"
 #include "isoatlas/io.h"
-#include "output_files.h"
+#include "outputs/output_files.h"
 #include "page/page.h"
 #include "text.h"
 

@@ -162,7 +162,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   const std::unique_ptr<const Isosurface> isosurface =
       only_coarse ? nullptr : std::make_unique<const Isosurface>(in_voxels, parse.rule, whole, options.interpolation, options.supersample);
   AdaptiveSurface surface(std::move(whole), std::move(reference),
-                          InterpolatedField(in_voxels, parse.rule, options.interpolation, options.supersample));
+                          InterpolatedField(in_voxels, parse.rule, options.interpolation, options.supersample), control);
   clock.finished("components");
 
   double longest = 0;

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report/report.h"
 
+#include <sys/resource.h>
+
+#include <algorithm>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "isoatlas/version.h"
@@ -50,6 +54,8 @@ std::string_view text(CoveringStrategy strategy) { return strategy == CoveringSt
 
 std::string_view text(Placement placement) { return placement == Placement::surface ? "surface" : "balanced"; }
 
+Json path_value(const std::string& path) { return path.empty() ? Json() : Json(path); }
+
 Json goals_value(const std::vector<LevelGoal>& goals) {
   Json list = Json::array();
   for (const LevelGoal& goal : goals) list.push_back(to_value(goal));
@@ -66,10 +72,14 @@ Json to_value(const ReportFile& file) {
 
 Json to_value(const DistanceReport& distance) {
   const MeasureOptions& options = distance.options;
-  Json json = {{"volume", distance.volume_path},         {"isovalue", options.isovalue},
-               {"inside", text(options.inside)},         {"topology", text(options.topology)},
-               {"non_finite", text(options.non_finite)}, {"interpolation", text(options.interpolation)},
-               {"space", text(options.space)},           {"samples_wanted", options.samples}};
+  Json json = {{"volume", path_value(distance.volume_path)},
+               {"isovalue", options.isovalue},
+               {"inside", text(options.inside)},
+               {"topology", text(options.topology)},
+               {"non_finite", text(options.non_finite)},
+               {"interpolation", text(options.interpolation)},
+               {"space", text(options.space)},
+               {"samples_wanted", options.samples}};
   json.update(to_value(distance.measured));
   return json;
 }
@@ -98,13 +108,29 @@ Json path_of_level(const std::vector<ReportFile>& files, std::size_t level) {
 
 }  // namespace
 
+std::size_t peak_memory_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::size_t>(usage.ru_maxrss) * 1024;  // Linux counts KiB
+}
+
+SelfIntersectionReport find_self_intersections(const TriangleMesh& mesh, const RunControl& control) {
+  constexpr std::size_t kMost = 10;  // places to tell; the count is of all
+  SelfIntersectionReport report;
+  const std::vector<TrianglePair> pairs = self_intersections(mesh.positions, mesh.triangles, {}, control);
+  report.pairs = pairs.size();
+  for (const TrianglePair& pair : std::span(pairs).first(std::min(pairs.size(), kMost)))
+    report.first.push_back({pair, meeting_place(mesh.positions, mesh.triangles[pair.first], mesh.triangles[pair.second])});
+  return report;
+}
+
 std::string to_json(const ExtractReport& report, const ReportContext& context) {
   const ExtractOptions& options = context.options;
   Json json;
   json["schema"] = "isoatlas-report-2";
   json["version"] = ISOATLAS_VERSION;
   json["command"] = context.command.empty() ? Json() : Json(context.command);
-  json["input"] = {{"path", context.volume_path},
+  json["input"] = {{"path", path_value(context.volume_path)},
                    {"sample_type", name(context.sample_type)},
                    {"size", context.grid.size},
                    {"spacing", to_value(context.grid.spacing)},
@@ -173,7 +199,7 @@ std::string levels_manifest(const std::vector<ReportFile>& files, const std::vec
     Json level = {{"file", std::filesystem::path(files[k].path).filename().string()},
                   {"bytes", files[k].bytes},
                   {"largest_rounding", files[k].largest_rounding}};
-    level.update(Json::parse(levels[k]));
+    if (!levels.empty()) level.update(Json::parse(levels[k]));
     list.push_back(std::move(level));
   }
   return to_text(json);
@@ -184,7 +210,7 @@ std::string to_json(const std::string& mesh_path, const MeshTopology& topology, 
   Json json;
   json["schema"] = "isoatlas-check-1";
   json["version"] = ISOATLAS_VERSION;
-  json["path"] = mesh_path;
+  json["path"] = path_value(mesh_path);
   json["manifold"] = topology.is_manifold();
   json["oriented"] = topology.is_oriented();
   json["closed"] = topology.boundary_edges == 0;

@@ -25,8 +25,8 @@ struct ReportFile {
 
 /// What a report says besides what extract() found out: where things came from and went to, and what that took.
 struct ReportContext {
-  std::string volume_path;
-  std::string command;  ///< that made it, as one would type it; empty: it was no command
+  std::string volume_path;  ///< empty: the volume came from memory
+  std::string command;      ///< that made it, as one would type it; empty: it was no command
   std::vector<ReportFile> files;
   Grid grid;
   SampleType sample_type = SampleType::float32;
@@ -38,7 +38,7 @@ struct ReportContext {
 
 /// How far a mesh is from an isosurface, and from which.
 struct DistanceReport {
-  std::string volume_path;
+  std::string volume_path;  ///< empty: the volume came from memory
   MeasureOptions options;
   Measurement measured;
 };
@@ -53,6 +53,12 @@ struct SelfIntersectionReport {
   std::vector<Place> first;  ///< the first few of them
 };
 
+/// Largest resident size of this process so far.
+std::size_t peak_memory_bytes();
+
+/// Looks for them. Throws as self_intersections().
+SelfIntersectionReport find_self_intersections(const TriangleMesh& mesh, const RunControl& control);
+
 /// One JSON object, schema "isoatlas-report-2", keys in a fixed order, a newline at the end.
 std::string to_json(const ExtractReport& report, const ReportContext& context);
 
@@ -61,11 +67,12 @@ std::string to_json(const ExtractReport& report, const ReportContext& context);
 std::string level_json(const LevelReport& level, std::size_t number);
 
 /// A list of files with one level each, schema "isoatlas-manifest-1": `files` have one level each, in their order; `levels` has
-/// the level_json() of each. Names are relative to the list, which is beside them.
+/// the level_json() of each, or nothing. Names are relative to the list, which is beside them.
 std::string levels_manifest(const std::vector<ReportFile>& files, const std::vector<std::string>& levels);
 
 /// One JSON object for a mesh that was only looked at, schema "isoatlas-check-1". What only a consistently oriented manifold
 /// has (Euler characteristic, genus, loops) is null for anything else.
+/// @param mesh_path  empty: the mesh came from memory
 /// @param self_intersections  null if nobody looked for them
 /// @param distance  null if there was no volume to measure against
 std::string to_json(const std::string& mesh_path, const MeshTopology& topology, const MeshQuality& quality,

@@ -32,16 +32,17 @@ void sort_unique(std::vector<Cell>& cells) {
 
 }  // namespace
 
-AdaptiveSurface::AdaptiveSurface(SurfaceComplex complex, Components components, InterpolatedField field)
+AdaptiveSurface::AdaptiveSurface(SurfaceComplex complex, Components components, InterpolatedField field, const RunControl& control)
     : complex_(std::move(complex)),
       components_(std::move(components)),
       field_(std::move(field)),
-      crowded_(complex_, field_),
+      control_{.progress = {}, .cancel = control.cancel, .threads = 0},
+      crowded_(complex_, field_, control_),
       parsed_(complex_.c_vertex_count()),
       depth_(parsed_, 0) {
   for (Vec3& p : complex_.positions) p = rounded(p);
   found_ = complex_.positions;
-  crowded_.separate(complex_);
+  crowded_.separate(complex_, control_);
   watch();
 }
 
@@ -193,7 +194,7 @@ void AdaptiveSurface::divide_once(std::span<const CVertexId> wanted, const std::
   const CVertexId before = complex_.c_vertex_count();
   int deepest = 0;
   for (const CVertexId v : wanted) deepest = std::max(deepest, depth_[v] + 1);
-  Subdivision divided = subdivide(complex_, wanted, {field_, crowded_.flags()});
+  Subdivision divided = subdivide(complex_, wanted, {field_, crowded_.flags(), &control_});
   complex_ = std::move(divided.complex);
   for (const CVertexId from : divided.origin) {
     components_.of_c_vertex.push_back(components_.of_c_vertex[from]);

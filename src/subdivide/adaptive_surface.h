@@ -18,7 +18,8 @@ namespace isoatlas {
 class AdaptiveSurface {
  public:
   /// @pre the complex is as it was parsed. Its c-vertices are moved where several surfels of one cell would meet.
-  AdaptiveSurface(SurfaceComplex complex, Components components, InterpolatedField field);
+  /// @param control  only `cancel` is looked at, here and in divide()
+  AdaptiveSurface(SurfaceComplex complex, Components components, InterpolatedField field, const RunControl& control = {});
 
   const SurfaceComplex& complex() const { return complex_; }
   const Components& components() const { return components_; }
@@ -57,6 +58,7 @@ class AdaptiveSurface {
   SurfaceComplex complex_;
   Components components_;
   InterpolatedField field_;
+  RunControl control_;
   CrowdedCells crowded_;
   WatchedCells watched_;
   std::vector<WatchedCells::Cell> deep_cells_;  // with pieces of pieces

@@ -43,7 +43,7 @@ bool is_crowded(const SurfaceComplex& complex, CVertexId v) {
 
 }  // namespace
 
-CrowdedCells::CrowdedCells(const SurfaceComplex& complex, const InterpolatedField& field) {
+CrowdedCells::CrowdedCells(const SurfaceComplex& complex, const InterpolatedField& field, const RunControl& control) {
   const std::uint32_t n = complex.c_vertex_count();
   cell_of_.assign(n, kNone);
   for (CVertexId v = 0; v < n; ++v) {
@@ -58,7 +58,7 @@ CrowdedCells::CrowdedCells(const SurfaceComplex& complex, const InterpolatedFiel
   // Their faces as pieces of surfels, cell by cell.
   flags_.assign(n, 0);
   for (const CVertexId v : c_vertices_) flags_[v] = 1;
-  const SurfaceInGrid in{field, flags_};
+  const SurfaceInGrid in{field, flags_, &control};
   const std::vector<Fineness> now = fineness(complex, in);
   std::vector<CVertexId> wanted;
   std::copy_if(c_vertices_.begin(), c_vertices_.end(), std::back_inserter(wanted), [&](CVertexId v) { return now[v] == Fineness::faces; });
@@ -204,11 +204,12 @@ std::vector<Vec3> CrowdedCells::middles(std::uint32_t cell) const {
   return out;
 }
 
-std::size_t CrowdedCells::separate(SurfaceComplex& complex) {
+std::size_t CrowdedCells::separate(SurfaceComplex& complex, const RunControl& control) {
   if (first_.empty()) return 0;
   std::atomic<std::size_t> left = 0;
   for_each_piece(first_.size() - 1, kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
     for (auto cell = static_cast<std::uint32_t>(begin); cell < end; ++cell) {
+      control.check_cancelled();
       const std::span<const CVertexId> own = c_vertices(cell);
       std::vector<Vec3> start;
       for (const CVertexId v : own) start.push_back(complex.positions[v]);

@@ -17,12 +17,12 @@ class CrowdedCells {
   CrowdedCells() = default;
   /// @pre  the complex is as it was parsed
   /// @cost O(F)
-  CrowdedCells(const SurfaceComplex& complex, const InterpolatedField& field);
+  CrowdedCells(const SurfaceComplex& complex, const InterpolatedField& field, const RunControl& control = {});
 
   /// Moves c-vertices of crowded cells until no surfels meet: then all faces of a complex that was subdivided everywhere are embedded.
   /// @return how many cells have surfels that meet, wherever their c-vertices are put
   /// @cost   an exact look at every crowded cell; parallel
-  std::size_t separate(SurfaceComplex& complex);
+  std::size_t separate(SurfaceComplex& complex, const RunControl& control = {});
 
   std::span<const std::uint8_t> flags() const { return flags_; }  ///< per c-vertex, 1 if it is in such a cell; empty: none is
   bool contains(CVertexId v) const { return v < cell_of_.size() && cell_of_[v] != kNone; }

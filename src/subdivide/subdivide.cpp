@@ -145,10 +145,12 @@ class Subdivider {
     out_.complex = complex_;
     find_sides();
     for (const DividedSide& s : sides_) {
+      check_cancelled(out_.origin.size());
       add_c_vertex(middle(s), s.a, s.is_boundary);
       if (!s.crosses) out_.between.back() = {s.a, s.b};
     }
     for (FaceId f = 0; f < complex_.face_count(); ++f) {
+      check_cancelled(f);
       if (is_divided(complex_.faces[f])) divide(f);
     }
     divide_boundary();
@@ -164,6 +166,11 @@ class Subdivider {
     Vec3 first_node, second_node;
     bool crosses, is_boundary;
   };
+
+  void check_cancelled(std::size_t item) const {
+    constexpr std::size_t kItems = 4096;  // take some milliseconds
+    if (in_.control != nullptr && item % kItems == 0) in_.control->check_cancelled();
+  }
 
   bool is_divided(const Face& face) const {
     bool any = false;
@@ -196,7 +203,9 @@ class Subdivider {
   // Every marked side once, with the nodes of its one or two faces.
   void find_sides() {
     std::vector<Side> found;
-    for (const Face& face : complex_.faces) {
+    for (FaceId f = 0; f < complex_.face_count(); ++f) {
+      check_cancelled(f);
+      const Face& face = complex_.faces[f];
       if (!is_divided(face)) continue;
       const int size = face.size();
       const bool crosses = !box_of(complex_, face).is_in_one_cell();

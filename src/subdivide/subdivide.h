@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "isoatlas/run_control.h"
 #include "surface/surface_complex.h"
 #include "volume/interpolated_field.h"
 
@@ -48,6 +49,7 @@ enum class Fineness : std::uint8_t {
 struct SurfaceInGrid {
   const InterpolatedField& field;         ///< whose zero set the surface is
   std::span<const std::uint8_t> crowded;  ///< per c-vertex, 1 if there are others in its grid cell; those that are missing have none
+  const RunControl* control = nullptr;    ///< looked at now and then, if there is one
 };
 
 std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGrid& in);

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mesh_outputs.h"
+#include "outputs/mesh_outputs.h"
 
 #include <gtest/gtest.h>
 
 #include <map>
+#include <vector>
 
 #include "isoatlas/error.h"
 #include "unit/io/io_test_support.h"
 
-namespace isoatlas::tool {
+namespace isoatlas {
 namespace {
 
 namespace fs = std::filesystem;
@@ -74,12 +75,16 @@ TEST(MeshOutputs, LinksAreFollowed) {
   EXPECT_EQ(folder.file_count(), 2U);
 }
 
-TEST(MeshOutputs, NamesForPeople) {
-  EXPECT_EQ(MeshOutputs("a.ply", false).text(3), "a.ply");
-  EXPECT_EQ(MeshOutputs("a-{level}.ply", false).text(3), "a-0.ply and 2 more files");
-  EXPECT_EQ(MeshOutputs("a.vtm", false).text(3), "a.vtm and 3 more files");
-  EXPECT_EQ(MeshOutputs("a.glb", true).text(3), "a.glb and 4 more files");
+TEST(MeshOutputs, ListsAllFiles) {
+  using Paths = std::vector<fs::path>;
+  EXPECT_EQ(MeshOutputs("a.ply", false).paths(3), (Paths{"a.ply"}));
+  EXPECT_EQ(MeshOutputs("a-{level}.ply", false).paths(3), (Paths{"a-0.ply", "a-1.ply", "a-2.ply"}));
+  EXPECT_EQ(MeshOutputs("a.glb", true).paths(2), (Paths{"a.glb", "a-0.glb", "a-1.glb", "a.json"}));
+  const Paths vtm = MeshOutputs("a.vtm", false).paths(2);
+  ASSERT_EQ(vtm.size(), 3u);
+  EXPECT_EQ(vtm[0], "a.vtm");
+  EXPECT_EQ(vtm[2].filename(), "a_1.vtp");
 }
 
 }  // namespace
-}  // namespace isoatlas::tool
+}  // namespace isoatlas

@@ -7,11 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "isoatlas/extract.h"
 #include "isoatlas/io.h"
-#include "output_files.h"
+#include "outputs/output_files.h"
 #include "report/report.h"
 
-namespace isoatlas::tool {
+namespace isoatlas {
 
 /// What -o and --glb-per-level ask for: NAME.ply is the finest level, NAME-{level}.ply each level, NAME.vtm and NAME.glb all of
 /// them; with glb_per_level also NAME-0.glb, NAME-1.glb, ... and their list NAME.json.
@@ -35,8 +36,8 @@ class MeshOutputs {
   /// @return what was written, under the names it will have
   std::vector<ReportFile> write(const Hierarchy& hierarchy, const HierarchyFileInfo& info, OutputFiles& outputs) const;
 
-  /// "NAME.ply", or "NAME-0.ply and 2 more files": for people.
-  std::string text(std::size_t level_count) const;
+  /// All files that will be there, the one that the name says first.
+  std::vector<std::filesystem::path> paths(std::size_t level_count) const;
 
  private:
   struct Item {
@@ -52,4 +53,7 @@ class MeshOutputs {
   bool is_pattern_ = false;
 };
 
-}  // namespace isoatlas::tool
+/// What files of the levels of an extraction say about them.
+HierarchyFileInfo file_info(const ExtractReport& report, const ExtractOptions& options);
+
+}  // namespace isoatlas

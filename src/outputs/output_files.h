@@ -8,7 +8,7 @@
 
 #include "isoatlas/error.h"
 
-namespace isoatlas::tool {
+namespace isoatlas {
 
 /// Throws Error(bad_file) unless a file could be put at `path` now: its folder exists and takes files, and nothing but
 /// a regular file is there. Tried by doing, because permission bits say little about root or read-only mounts.
@@ -20,7 +20,7 @@ std::filesystem::path resolved(const std::filesystem::path& path);
 /// `path` where it will really be, as people know it: files that belong to it go beside that place.
 std::filesystem::path target_of(const std::filesystem::path& path);
 
-/// Are these one file? Links are followed; neither needs to exist.
+/// Are these one file? Links are followed; neither needs to exist. An empty path is no file.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
 /// Collects outputs in hidden folders beside their destinations and moves them there in one go.
@@ -69,4 +69,4 @@ class OutputFiles {
   bool discarded_ = false;
 };
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "level_goals.h"
+#include "wording/level_goals.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "isoatlas/error.h"
 
-namespace isoatlas::tool {
+namespace isoatlas {
 namespace {
 
 using enum Quantity;
@@ -131,4 +131,4 @@ TEST(PlanLevels, LengthsInWorldUnits) {
 }
 
 }  // namespace
-}  // namespace isoatlas::tool
+}  // namespace isoatlas

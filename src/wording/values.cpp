@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "values.h"
+#include "wording/values.h"
 
 #include <cmath>
+#include <string>
 
-namespace isoatlas::tool {
+#include "isoatlas/error.h"
+
+namespace isoatlas {
 
 namespace {
 
@@ -26,7 +29,17 @@ std::optional<Measure> measure_of(std::string_view text, std::string_view world_
 
 }  // namespace
 
+void refuse_value(std::string_view expected, std::string_view text) {
+  throw Error(ErrorCode::bad_argument, "expected " + std::string(expected) + ", got '" + std::string(text) + "'");
+}
+
+double parse_finite(std::string_view text) {
+  const auto number = parse_whole<double>(text);
+  if (!number || !std::isfinite(*number)) refuse_value("a finite number", text);
+  return *number;
+}
+
 std::optional<Length> length_of(std::string_view text) { return measure_of<Length>(text, "mm"); }
 std::optional<SpaceSize> space_size_of(std::string_view text) { return measure_of<SpaceSize>(text, "mm3"); }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mesh_outputs.h"
+#include "outputs/mesh_outputs.h"
 
 #include <sys/stat.h>
 
@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "isoatlas/error.h"
-#include "text.h"
+#include "isoatlas/version.h"
 
-namespace isoatlas::tool {
+namespace isoatlas {
 namespace fs = std::filesystem;
 namespace {
 
@@ -33,6 +33,18 @@ void check_pieces(const fs::path& path, std::size_t level_count, const fs::path&
   if (stat(resolved(path).parent_path().c_str(), &beside) == 0 && stat(folder.c_str(), &inside) == 0 && beside.st_dev != inside.st_dev)
     refuse(path, "the folder " + folder.string() + " for its levels is on another file system, expected the same one");
   for (std::size_t i = 1; i < files.size(); ++i) check_output_path(files[i]);
+}
+
+const char* space_name(Space space) {
+  switch (space) {
+    case Space::lps:
+      return "LPS";
+    case Space::ras:
+      return "RAS";
+    case Space::voxel:
+      return "voxel";
+  }
+  return "";
 }
 
 /// One level of a hierarchy, as if it were the only one.
@@ -132,7 +144,7 @@ std::vector<ReportFile> MeshOutputs::write(const Hierarchy& hierarchy, const Hie
       }
       const bool is_part = item.levels.size() < level_count;
       HierarchyFileInfo part = info;
-      if (is_part) part.levels = {info.levels[item.levels.front()]};
+      if (is_part && !info.levels.empty()) part.levels = {info.levels[item.levels.front()]};
       const StoredPositions stored =
           is_part ? write_hierarchy(only_level(hierarchy, item.levels.front()), staged, part) : write_hierarchy(hierarchy, staged, part);
       add(item.path, staged, item.levels, stored);
@@ -147,11 +159,23 @@ std::vector<ReportFile> MeshOutputs::write(const Hierarchy& hierarchy, const Hie
   return written;
 }
 
-std::string MeshOutputs::text(std::size_t level_count) const {
-  const std::vector<Item> all = items(level_count);
-  std::size_t more = all.size() - 1 + (glb_per_level_ ? 1 : 0);
-  if (is_hierarchy_path(path_) && !is_pattern_) more += files_of_hierarchy(path_, level_count).size() - 1;
-  return all.front().path.string() + (more > 0 ? " and " + counted(more, "more file") : "");
+std::vector<fs::path> MeshOutputs::paths(std::size_t level_count) const {
+  std::vector<fs::path> result;
+  for (const Item& item : items(level_count)) {
+    result.push_back(item.path);
+    if (!is_hierarchy_path(item.path)) continue;
+    const std::vector<fs::path> files = files_of_hierarchy(target_of(item.path), level_count);
+    result.insert(result.end(), files.begin() + 1, files.end());
+  }
+  if (glb_per_level_) result.push_back(manifest());
+  return result;
 }
 
-}  // namespace isoatlas::tool
+HierarchyFileInfo file_info(const ExtractReport& report, const ExtractOptions& options) {
+  HierarchyFileInfo info{
+      .mesh = {.space = space_name(options.space), .comment = "isoatlas " ISOATLAS_VERSION}, .placement = options.placement, .levels = {}};
+  for (std::size_t k = 0; k < report.levels.size(); ++k) info.levels.push_back(level_json(report.levels[k], k));
+  return info;
+}
+
+}  // namespace isoatlas

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "output_files.h"
+#include "outputs/output_files.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include "isoatlas/error.h"
 #include "unit/io/io_test_support.h"
 
-namespace isoatlas::tool {
+namespace isoatlas {
 namespace {
 
 namespace fs = std::filesystem;
@@ -113,4 +113,4 @@ TEST(OutputFiles, DiscardLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace isoatlas::tool
+}  // namespace isoatlas

@@ -2,14 +2,16 @@
 // Numbers and lengths as people type them.
 #pragma once
 
+#include <array>
 #include <charconv>
+#include <cstddef>
 #include <optional>
 #include <string_view>
 #include <system_error>
 
 #include "isoatlas/volume.h"
 
-namespace isoatlas::tool {
+namespace isoatlas {
 
 /// A number that is the whole text, whatever the locale; none if it is not.
 template <class Number>
@@ -19,6 +21,28 @@ std::optional<Number> parse_whole(std::string_view text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
   return number;
+}
+
+/// Throws Error(bad_argument): "expected ..., got '...'".
+[[noreturn]] void refuse_value(std::string_view expected, std::string_view text);
+
+/// A finite number. Throws Error(bad_argument).
+double parse_finite(std::string_view text);
+
+/// Three numbers between commas, each as `accept` wants it. Throws Error(bad_argument); `expected` is for its message.
+template <class Number, class Accept>
+std::array<Number, 3> parse_triple(std::string_view text, const char* expected, Accept accept) {
+  std::array<Number, 3> triple{};
+  std::string_view rest = text;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t comma = rest.find(',');
+    const auto number = parse_whole<Number>(rest.substr(0, comma));
+    const bool is_last = comma == std::string_view::npos;
+    if (!number || !accept(*number) || is_last != (i == 2)) refuse_value(expected, text);
+    triple[i] = *number;
+    if (!is_last) rest.remove_prefix(comma + 1);
+  }
+  return triple;
 }
 
 /// A length as typed: "2.5" or "2.5mm" in world units, "3vx" in voxels.
@@ -43,4 +67,4 @@ struct SpaceSize {
 /// None unless `text` is a finite size, 0 or more.
 std::optional<SpaceSize> space_size_of(std::string_view text);
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas

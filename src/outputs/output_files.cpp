@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "output_files.h"
+#include "outputs/output_files.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -9,7 +9,7 @@
 
 #include "isoatlas/error.h"
 
-namespace isoatlas::tool {
+namespace isoatlas {
 namespace fs = std::filesystem;
 namespace {
 
@@ -110,6 +110,7 @@ void check_output_path(const fs::path& path) {
 }
 
 bool same_file(const fs::path& a, const fs::path& b) {
+  if (a.empty() || b.empty()) return false;
   std::error_code error;
   if (fs::equivalent(a, b, error) && !error) return true;  // hard links too
   return resolved(a) == resolved(b);
@@ -165,4 +166,4 @@ void OutputFiles::discard() noexcept {
   staged_.clear();
 }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "level_goals.h"
+#include "wording/level_goals.h"
 
 #include <algorithm>
 #include <bitset>
@@ -8,9 +8,9 @@
 #include <string>
 
 #include "isoatlas/error.h"
-#include "values.h"
+#include "wording/values.h"
 
-namespace isoatlas::tool {
+namespace isoatlas {
 namespace {
 
 // Fewer vertices than a tetrahedron's make no closed surface.
@@ -134,4 +134,4 @@ LevelGoal in_world(const std::vector<TypedConstraint>& goal, const Grid& grid) {
   return result;
 }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas

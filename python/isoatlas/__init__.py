@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Isosurface meshes whose topology is guaranteed, from numpy arrays and volume files.
+
+    >>> import isoatlas
+    >>> volume = isoatlas.read("scan.nii.gz")
+    >>> mesh = isoatlas.extract(volume, 300.5, max_distance=0.4)
+    >>> mesh.save("bone.ply")
+
+`extract` meshes an array or a `Volume`; `read` reads volumes and meshes; `check` looks at any mesh; `marching_cubes` stands in for
+scikit-image's. docs/python.md shows how.
+"""
+
+from __future__ import annotations
+
+from ._check import check
+from ._core import __version__
+from ._extract import extract
+from ._marching_cubes import marching_cubes
+from ._mesh import Level, Mesh
+from ._read import read, read_mesh, read_volume
+from ._volume import Volume
+from .errors import (
+    BadArgumentError,
+    BadFileError,
+    EmptySurfaceError,
+    Error,
+    InternalError,
+    OutOfMemoryError,
+    UnsupportedError,
+)
+
+__all__ = [
+    "BadArgumentError",
+    "BadFileError",
+    "EmptySurfaceError",
+    "Error",
+    "InternalError",
+    "Level",
+    "Mesh",
+    "OutOfMemoryError",
+    "UnsupportedError",
+    "Volume",
+    "__version__",
+    "check",
+    "extract",
+    "marching_cubes",
+    "read",
+    "read_mesh",
+    "read_volume",
+]

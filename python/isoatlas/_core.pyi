@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+# The extension (python/src/module.cpp). Not for users: nothing here checks what it is given for their sake.
+import os
+from typing import Any, Callable, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+__version__: str
+
+_Words = Sequence[tuple[str, str]]
+_Triple = tuple[float, float, float]
+_Matrix = tuple[_Triple, _Triple, _Triple]
+_Path = str | bytes | os.PathLike[str]
+
+class ArrayVolume:
+    def __init__(
+        self, array: npt.NDArray[Any], order: str, spacing: _Triple, origin: _Triple, direction: _Matrix, path: _Path | None
+    ) -> None: ...
+
+class ExtractWords:
+    def __init__(
+        self, settings: _Words, constraints: _Words, refine: Sequence[str | _Words], coarse: bool, allow_self_intersections: bool
+    ) -> None: ...
+
+class Levels:
+    def __len__(self) -> int: ...
+    def vertices(self, level: int) -> npt.NDArray[np.float64]: ...
+    def faces(self, level: int) -> npt.NDArray[np.uint32]: ...
+    def report(self) -> str: ...
+    def level_reports(self) -> list[str]: ...
+    @property
+    def space(self) -> str: ...
+    @property
+    def placement(self) -> str: ...
+    def save(self, path: _Path, report: _Path | None, glb_per_level: bool) -> None: ...
+
+def extract(volume: ArrayVolume, words: ExtractWords, progress: Callable[[str, float], Any] | None) -> Levels: ...
+def read_volume(path: _Path, raw: _Words) -> tuple[npt.NDArray[Any], _Triple, _Triple, _Matrix]: ...
+def read_levels(path: _Path) -> Levels: ...
+def check(
+    vertices: npt.NDArray[np.float64],
+    faces: npt.NDArray[np.uint32],
+    self_intersections: bool,
+    volume: ArrayVolume | None,
+    measure: _Words,
+    threads: int,
+    progress: Callable[[str, float], Any] | None,
+) -> str: ...
+def given_up_work() -> int: ...

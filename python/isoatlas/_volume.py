@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import Any, Literal, Sequence
+
+import numpy.typing as npt
+
+from . import _core
+from ._arrays import Array, Matrix, Triple, as_direction, as_samples, as_triple
+from .errors import BadArgumentError
+
+Order = Literal["ijk", "xyz"]
+UNIT: Triple = (1.0, 1.0, 1.0)
+ZERO: Triple = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Volume:
+    """Samples on a grid, as `read` makes them of a file. `extract`, `check` and `marching_cubes` take one in place of an array.
+
+    The position of the sample ``array[z, y, x]`` in the world is ``origin + direction @ (spacing * (x, y, z))``.
+
+    Attributes
+    ----------
+    array : ndarray, 3-D
+        The samples in their native type, indexed ``[z, y, x]``: x runs fastest in memory. It may be changed.
+    spacing : (x, y, z)
+        World length of one step along each axis; millimetres for medical formats.
+    origin : (x, y, z)
+        World position of the sample ``array[0, 0, 0]``.
+    direction : 3 x 3, rows first
+        Its columns are the unit vectors of the x, y and z axis.
+    path : str or None
+        The file it was read from.
+    """
+
+    array: Array
+    spacing: Triple = UNIT
+    origin: Triple = ZERO
+    direction: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    path: str | os.PathLike[str] | None = None
+
+    def __repr__(self) -> str:
+        size = " x ".join(str(n) for n in reversed(self.array.shape))
+        spacing = " x ".join(f"{s:g}" for s in self.spacing)
+        where = "" if self.path is None else f", {os.fspath(self.path)!r}"
+        return f"<isoatlas.Volume: {size} {self.array.dtype}, spacing {spacing}{where}>"
+
+
+def core_volume(
+    volume: Any,
+    spacing: Sequence[float],
+    origin: Sequence[float],
+    direction: npt.ArrayLike | None,
+    order: str | None,
+) -> _core.ArrayVolume:
+    """An array and its geometry, or a `Volume`, for the extension."""
+    if isinstance(volume, Volume):
+        given = {"spacing": tuple(spacing) != UNIT, "origin": tuple(origin) != ZERO, "direction": direction is not None}
+        for name, is_given in given.items():
+            if is_given:
+                raise BadArgumentError(f"{name}: the volume has its own, expected {name} with an array only")
+        if order not in (None, "xyz"):
+            raise BadArgumentError(f"order: a Volume is 'xyz', got {order!r}; pass its array for another")
+        return _core.ArrayVolume(
+            as_samples(volume.array),
+            "xyz",
+            as_triple(volume.spacing, "spacing"),
+            as_triple(volume.origin, "origin"),
+            as_direction(volume.direction),
+            volume.path,
+        )
+    if isinstance(volume, (str, bytes, os.PathLike)):
+        raise TypeError("expected an array or a Volume, got a path: use isoatlas.read(path)")
+    return _core.ArrayVolume(
+        as_samples(volume),
+        "ijk" if order is None else order,
+        as_triple(spacing, "spacing"),
+        as_triple(origin, "origin"),
+        as_direction(direction),
+        None,
+    )

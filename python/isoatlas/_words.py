@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Values of options as the command line takes them: so both have the same domains, defaults and messages."""
+
+from __future__ import annotations
+
+import numbers
+from typing import Mapping, Sequence, Union
+
+from .errors import BadArgumentError
+
+Length = Union[float, str]
+Words = list[tuple[str, str]]
+LevelSpec = Union[str, Mapping[str, Length]]
+Refine = Union[LevelSpec, Sequence[LevelSpec]]
+
+
+def word(name: str, value: object) -> str:
+    """The value as text, exactly."""
+    if isinstance(value, str):
+        return value
+    if isinstance(value, numbers.Integral) and not isinstance(value, bool):
+        return str(int(value))
+    if isinstance(value, numbers.Real) and not isinstance(value, bool):
+        number = float(value)
+        return str(int(number)) if number.is_integer() and abs(number) < 2**53 else repr(number)
+    raise TypeError(f"{name}: expected a number or a text, got {value!r}")
+
+
+def words(options: Mapping[str, object]) -> Words:
+    """Those that are not None, with the names of the command line."""
+    return [(name.replace("_", "-"), word(name, value)) for name, value in options.items() if value is not None]
+
+
+def isovalue(name: str, value: object) -> str:
+    """An isovalue is a double: of an integer that is none, the surface would be another one."""
+    if isinstance(value, numbers.Integral) and not isinstance(value, bool) and int(float(int(value))) != int(value):
+        raise BadArgumentError(f"{name}: expected a number that is a float64, got {int(value)}")
+    return word(name, value)
+
+
+def levels(refine: Refine | None) -> list[str | Words]:
+    if refine is None:
+        return []
+    if isinstance(refine, (str, Mapping)):
+        refine = [refine]
+    specs: list[str | Words] = []
+    for spec in refine:
+        if isinstance(spec, str):
+            specs.append(spec)
+        elif isinstance(spec, Mapping):
+            if not spec:
+                raise BadArgumentError("refine: expected at least one bound for a level, got {}")
+            specs.append([(name.replace("_", "-"), word(f"refine: {name}", bound)) for name, bound in spec.items()])
+        else:
+            raise TypeError(f"refine: expected a text like 'max-distance:0.5vx', a dict like {{'max-distance': 0.5}}, or a list of them, got {spec!r}")
+    return specs

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "axes.h"
+
+#include <utility>
+#include <vector>
+
+namespace isoatlas::python {
+namespace {
+
+using Triple = std::array<double, 3>;
+
+Triple triple(Vec3 v) { return {v.x, v.y, v.z}; }
+
+void turn_over(std::vector<Triangle>& triangles) {
+  for (Triangle& t : triangles) std::swap(t[1], t[2]);
+}
+
+}  // namespace
+
+bool Axes::mirrors() const {
+  int swaps = 0;
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < i; ++j) swaps += of_[j] > of_[i] ? 1 : 0;
+  return swaps % 2 == 1;
+}
+
+Vec3 Axes::to_library(Vec3 caller) const {
+  const Triple c = triple(caller);
+  return {c[of_[0]], c[of_[1]], c[of_[2]]};
+}
+
+Vec3 Axes::to_caller(Vec3 library) const {
+  const Triple l = triple(library);
+  Triple c{};
+  for (std::size_t k = 0; k < 3; ++k) c[of_[k]] = l[k];
+  return {c[0], c[1], c[2]};
+}
+
+Grid Axes::to_library(const Grid& caller) const {
+  Grid grid;
+  grid.spacing = to_library(caller.spacing);
+  grid.origin = to_library(caller.origin);
+  for (std::size_t k = 0; k < 3; ++k) {
+    grid.size[k] = caller.size[of_[k]];
+    grid.direction[k] = to_library(caller.direction[of_[k]]);
+  }
+  return grid;
+}
+
+void Axes::to_library(TriangleMesh& mesh, Space space) const {
+  if (is_same()) return;
+  for (Vec3& p : mesh.positions) p = to_library(space == Space::ras ? Vec3{-p.x, -p.y, p.z} : p);
+  if (mirrors()) turn_over(mesh.triangles);
+}
+
+void Axes::to_caller(Measurement& measurement, Space space) const {
+  if (is_same()) return;
+  for (OneSidedDistance* side : {&measurement.mesh_to_surface, &measurement.surface_to_mesh}) {
+    const Vec3 p = to_caller(side->farthest);
+    side->farthest = space == Space::ras ? Vec3{-p.x, -p.y, p.z} : p;
+  }
+}
+
+void Axes::to_caller(Extraction& extraction, Space space) const {
+  if (is_same()) return;
+  const auto move = [&](Vec3& place) {
+    const Vec3 p = to_caller(place);
+    place = space == Space::ras ? Vec3{-p.x, -p.y, p.z} : p;
+  };
+  Hierarchy& hierarchy = extraction.hierarchy;
+  for (Vec3& p : hierarchy.positions) move(p);
+  for (Hierarchy::Level& level : hierarchy.levels) {
+    for (Vec3& p : level.placed) move(p);
+    if (mirrors()) turn_over(level.triangles);
+  }
+  for (DroppedComponent& component : extraction.report.dropped) move(component.position);
+  for (LevelReport& level : extraction.report.levels) {
+    for (CellAtLimit& cell : level.at_limit) move(cell.position);
+    for (BadTriangle& triangle : level.bad_triangles) move(triangle.position);
+    if (level.measured) to_caller(*level.measured, space);
+  }
+}
+
+}  // namespace isoatlas::python

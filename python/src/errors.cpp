@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "errors.h"
+
+#include <new>
+#include <string>
+
+#include "isoatlas/error.h"
+
+namespace isoatlas::python {
+namespace {
+
+namespace py = pybind11;
+
+const char* class_name(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::bad_argument:
+      return "BadArgumentError";
+    case ErrorCode::bad_file:
+      return "BadFileError";
+    case ErrorCode::unsupported:
+      return "UnsupportedError";
+    case ErrorCode::empty_surface:
+      return "EmptySurfaceError";
+    case ErrorCode::internal:
+    case ErrorCode::cancelled:  // whoever cancels has an exception of their own to throw
+      return "InternalError";
+    case ErrorCode::out_of_memory:
+      return "OutOfMemoryError";
+  }
+  return "InternalError";
+}
+
+void set_error(ErrorCode code, const std::string& message) {
+  std::string text = message;
+  if (code == ErrorCode::internal) text += ". This is a bug of isoatlas: please report it with the input";
+  // A path in the message may hold bytes that are not UTF-8.
+  const auto decoded =
+      py::reinterpret_steal<py::object>(PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "surrogateescape"));
+  const py::object type = py::module_::import("isoatlas.errors").attr(class_name(code));
+  PyErr_SetObject(type.ptr(), decoded.ptr());
+}
+
+}  // namespace
+
+void translate_errors() {
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const Error& error) {
+      set_error(error.code(), error.what());
+    } catch (const std::bad_alloc&) {
+      set_error(ErrorCode::out_of_memory, "out of memory");
+    }
+  });
+}
+
+}  // namespace isoatlas::python

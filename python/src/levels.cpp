@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "levels.h"
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <functional>
+
+#include "interruptible.h"
+#include "isoatlas/error.h"
+#include "isoatlas/version.h"
+#include "outputs/mesh_outputs.h"
+#include "outputs/output_files.h"
+#include "wording/settings.h"
+
+namespace isoatlas::python {
+namespace fs = std::filesystem;
+namespace {
+
+[[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::bad_argument, message); }
+
+std::string python_name(std::string name) {
+  std::ranges::replace(name, '-', '_');
+  return name;
+}
+
+/// What goes wrong is said of an option by the name that Python has for it.
+template <class Work>
+auto of_option(const std::string& name, Work work) {
+  try {
+    return work();
+  } catch (const Error& error) {
+    throw Error(error.code(), python_name(name) + ": " + error.what());
+  }
+}
+
+/// parse_bound() begins its messages with the quantity's name, as the command line has it.
+TypedConstraint constraint_of(const std::string& name, const std::string& text) {
+  const auto quantity = quantity_named(name);
+  if (!quantity) return parse_level(name + ":" + text).front();  // which says what there is
+  return parse_bound(*quantity, text);
+}
+
+TypedGoals goals_of(const ExtractWords& words) {
+  if (words.coarse && !words.refine.empty()) refuse("coarse makes no level but the coarsest, expected it without refine");
+  std::vector<GoalArgument> arguments;
+  for (const auto& [name, text] : words.constraints) {
+    try {
+      arguments.push_back({false, {constraint_of(name, text)}});
+    } catch (const Error& error) {
+      const std::string message = error.what();
+      throw Error(error.code(), message.starts_with(name) ? python_name(name) + message.substr(name.size()) : message);
+    }
+  }
+  for (const auto& level : words.refine) {
+    GoalArgument argument{true, {}};
+    of_option("refine", [&] {
+      if (const auto* text = std::get_if<std::string>(&level)) argument.constraints = parse_level(*text);
+      if (const auto* pairs = std::get_if<Words>(&level))
+        for (const auto& [name, text] : *pairs) argument.constraints.push_back(constraint_of(name, text));
+    });
+    arguments.push_back(std::move(argument));
+  }
+  return plan_levels(arguments, words.coarse);
+}
+
+ExtractSettings settings_of(const ExtractWords& words) {
+  ExtractSettings settings;
+  for (const auto& [name, text] : words.settings) of_option(name, [&, &name = name, &text = text] { set(settings, name, text); });
+  settings.options.allow_self_intersections = words.allow_self_intersections;
+  settings.goals = goals_of(words);
+  return settings;
+}
+
+/// The library's message names options of the command line, and samples in an order of its own.
+Error error_of_samples(const Error& error, const ArrayVolume& volume, NonFinite rule) {
+  if (error.code() != ErrorCode::unsupported || rule != NonFinite::refuse) return error;
+  const SampleSummary summary = summarize(volume.view());
+  if (summary.nan_count + summary.infinity_count == 0) return error;
+  const auto [x, y, z] = summary.first_non_finite;
+  const Vec3 first = volume.axes.to_caller({static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)});
+  const auto index = [](double i) { return std::to_string(static_cast<std::size_t>(i)); };
+  return {error.code(), std::to_string(summary.nan_count) + " NaN and " + std::to_string(summary.infinity_count) +
+                            " infinite samples, the first at index (" + index(first.x) + ", " + index(first.y) + ", " + index(first.z) +
+                            "): say with nan='below' or nan='above' on which side of the isovalue NaN lies"};
+}
+
+Error error_of_file(const Error& error, const std::string& path) {
+  return path.empty() ? error : Error(error.code(), path + ": " + error.what());
+}
+
+}  // namespace
+
+std::shared_ptr<Levels> extract_levels(const ArrayVolume& volume, const ExtractWords& words, const py::object& progress) {
+  const ExtractSettings settings = settings_of(words);
+  const Space space = settings.options.space;
+  if (space == Space::ras && !volume.is_xyz) refuse("space: ras is about x, y and z, expected order='xyz' with it");
+  const VolumeView view = volume.view();
+  auto levels = std::make_shared<Levels>();
+  Levels::Made& made = levels->made.emplace();
+  made.context.volume_path = volume.path;
+  made.context.grid = volume.grid;
+  made.context.sample_type = view.type;
+  made.context.options = in_world(settings, view.grid);
+  made.context.threads = settings.threads;
+
+  ExtractOptions options = made.context.options;
+  options.space = volume.axes.space_in_library(space);
+  const auto work = [view, options](const RunControl& control) { return extract(view, options, control); };
+  Extraction extraction;
+  try {
+    extraction = make_interruptibly(work, {.progress = progress, .threads = settings.threads, .keep_alive = volume.array});
+  } catch (const Error& error) {
+    throw error_of_file(error_of_samples(error, volume, settings.options.non_finite), volume.path);
+  }
+  volume.axes.to_caller(extraction, space);
+  levels->hierarchy = std::move(extraction.hierarchy);
+  made.report = std::move(extraction.report);
+  made.context.peak_memory_bytes = peak_memory_bytes();
+  levels->info = file_info(made.report, made.context.options);
+  if (!volume.is_xyz && space != Space::voxel) levels->info.mesh.space.clear();  // nobody said what the array's axes are
+  return levels;
+}
+
+std::shared_ptr<Levels> read_levels(const std::string& path) {
+  return make_interruptibly(
+      [path](const RunControl&) {
+        auto levels = std::make_shared<Levels>();
+        if (is_hierarchy_path(path)) {
+          HierarchyFile file = read_hierarchy(path);
+          levels->hierarchy = std::move(file.hierarchy);
+          levels->info = std::move(file.info);
+          return levels;
+        }
+        TriangleMesh mesh = read_mesh(path);
+        levels->info.mesh.space = mesh_space(path);
+        levels->info.mesh.comment = "isoatlas " ISOATLAS_VERSION;
+        levels->hierarchy.levels.push_back({static_cast<std::uint32_t>(mesh.positions.size()), std::move(mesh.triangles), {}});
+        levels->hierarchy.positions = std::move(mesh.positions);
+        return levels;
+      },
+      {});
+}
+
+namespace {
+
+/// rows x 3 of somebody else's numbers.
+template <class Number>
+py::array view_of(const void* numbers, std::size_t rows, const std::shared_ptr<Levels>& owner) {
+  const py::array_t<Number> array({rows, std::size_t{3}}, {3 * sizeof(Number), sizeof(Number)}, static_cast<const Number*>(numbers),
+                                  py::cast(owner));
+  array.attr("setflags")(py::arg("write") = false);  // levels share their vertices, and save() writes them
+  return array;
+}
+
+const Hierarchy::Level& level_at(const Levels& levels, std::size_t level) {
+  if (level >= levels.hierarchy.levels.size()) throw py::index_error("no such level");
+  return levels.hierarchy.levels[level];
+}
+
+}  // namespace
+
+py::array vertices_of(const std::shared_ptr<Levels>& levels, std::size_t level) {
+  static_assert(sizeof(Vec3) == 3 * sizeof(double));
+  const Hierarchy::Level& it = level_at(*levels, level);
+  return view_of<double>(it.placed.empty() ? levels->hierarchy.positions.data() : it.placed.data(), it.vertex_count, levels);
+}
+
+py::array faces_of(const std::shared_ptr<Levels>& levels, std::size_t level) {
+  static_assert(sizeof(Triangle) == 3 * sizeof(std::uint32_t));
+  const Hierarchy::Level& it = level_at(*levels, level);
+  return view_of<std::uint32_t>(it.triangles.data(), it.triangles.size(), levels);
+}
+
+std::string report_of(const Levels& levels) { return levels.made ? to_json(levels.made->report, levels.made->context) : std::string(); }
+
+void save_levels(const std::shared_ptr<Levels>& levels, const std::string& path, const std::optional<std::string>& report,
+                 bool glb_per_level) {
+  if (report && !levels->made) refuse("report: these levels were read from a file, expected a result of extract()");
+  const MeshOutputs meshes(path, glb_per_level);
+  std::vector<MeshOutputs::Other> others;
+  if (report) others.push_back({*report, "report"});
+  meshes.check(levels->hierarchy.levels.size(), levels->made ? levels->made->context.volume_path : std::string(), others);
+  run_interruptibly(
+      [levels, report, meshes](const RunControl& control) {
+        OutputFiles outputs;
+        const auto started = std::chrono::steady_clock::now();
+        const std::vector<ReportFile> files = meshes.write(levels->hierarchy, levels->info, outputs);
+        if (report) {
+          ReportContext context = levels->made->context;
+          context.files = files;
+          context.write_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+          context.peak_memory_bytes = peak_memory_bytes();
+          outputs.write(*report, [&](const fs::path& staged) { write_text_file(to_json(levels->made->report, context), staged); });
+        }
+        control.check_cancelled();
+        outputs.commit();
+      },
+      {});
+}
+
+}  // namespace isoatlas::python

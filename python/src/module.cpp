@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// isoatlas._core: what the Python layer (python/isoatlas/) calls. Arguments come checked and in one form each; see its files for what users
+// may pass.
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "array_volume.h"
+#include "check.h"
+#include "errors.h"
+#include "interruptible.h"
+#include "isoatlas/error.h"
+#include "isoatlas/io.h"
+#include "isoatlas/version.h"
+#include "levels.h"
+#include "wording/settings.h"
+
+namespace {
+
+using namespace isoatlas;
+using namespace isoatlas::python;
+using py::literals::operator""_a;
+
+// A path is bytes; what is not UTF-8 comes from Python as surrogates.
+std::string path_of(const py::object& path) { return py::bytes(py::module_::import("os").attr("fsencode")(path)); }
+
+std::optional<std::string> path_or_none(const py::object& path) { return path.is_none() ? std::nullopt : std::optional(path_of(path)); }
+
+/// (array, spacing, origin, direction) with the array's axes z, y, x and the rest x, y, z.
+py::tuple read_volume_as_array(const py::object& path, const Words& raw) {
+  std::optional<RawLayout> layout;
+  for (const auto& [name, text] : raw) {
+    try {
+      set(layout ? *layout : layout.emplace(), name, text);
+    } catch (const Error& error) {
+      std::string python_name = name;
+      for (char& c : python_name) c = c == '-' ? '_' : c;
+      throw Error(error.code(), python_name + ": " + error.what());
+    }
+  }
+  const Volume volume = make_interruptibly([path = path_of(path), layout](const RunControl&) { return read_volume(path, layout); }, {});
+
+  using Owner = std::shared_ptr<const void>;
+  const py::capsule owner(new Owner(volume.owner), [](void* it) { delete static_cast<Owner*>(it); });
+  const Grid& grid = volume.grid;
+  const py::array array(py::dtype(std::string(name(volume.type))), {grid.size[2], grid.size[1], grid.size[0]}, volume.samples, owner);
+  const auto tuple = [](Vec3 v) { return py::make_tuple(v.x, v.y, v.z); };
+  const auto& d = grid.direction;
+  const py::tuple direction = py::make_tuple(py::make_tuple(d[0].x, d[1].x, d[2].x), py::make_tuple(d[0].y, d[1].y, d[2].y),
+                                             py::make_tuple(d[0].z, d[1].z, d[2].z));
+  return py::make_tuple(array, tuple(grid.spacing), tuple(grid.origin), direction);
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_core, module) {
+  module.attr("__version__") = ISOATLAS_VERSION;
+  translate_errors();
+
+  py::class_<ArrayVolume>(module, "ArrayVolume")
+      .def(py::init([](const py::array& array, const std::string& order, const std::array<double, 3>& spacing,
+                       const std::array<double, 3>& origin, const std::array<std::array<double, 3>, 3>& direction, const py::object& path) {
+             return array_volume(array, order, spacing, origin, direction, path.is_none() ? std::string() : path_of(path));
+           }),
+           "array"_a, "order"_a, "spacing"_a, "origin"_a, "direction"_a, "path"_a);
+
+  py::class_<ExtractWords>(module, "ExtractWords")
+      .def(py::init([](const Words& settings, const Words& constraints, const decltype(ExtractWords::refine)& refine, bool coarse,
+                       bool allow_self_intersections) {
+             return ExtractWords{settings, constraints, refine, coarse, allow_self_intersections};
+           }),
+           "settings"_a, "constraints"_a, "refine"_a, "coarse"_a, "allow_self_intersections"_a);
+
+  py::class_<Levels, std::shared_ptr<Levels>>(module, "Levels")
+      .def("__len__", [](const Levels& levels) { return levels.hierarchy.levels.size(); })
+      .def("vertices", &vertices_of, "level"_a)
+      .def("faces", &faces_of, "level"_a)
+      .def("report", &report_of)
+      .def("level_reports", [](const Levels& levels) { return levels.info.levels; })
+      .def_property_readonly("space", [](const Levels& levels) { return levels.info.mesh.space; })
+      .def_property_readonly("placement",
+                             [](const Levels& levels) { return levels.info.placement == Placement::balanced ? "balanced" : "surface"; })
+      .def(
+          "save",
+          [](const std::shared_ptr<Levels>& levels, const py::object& path, const py::object& report, bool glb_per_level) {
+            save_levels(levels, path_of(path), path_or_none(report), glb_per_level);
+          },
+          "path"_a, "report"_a, "glb_per_level"_a);
+
+  module.def("extract", &extract_levels, "volume"_a, "words"_a, "progress"_a);
+  module.def("read_volume", &read_volume_as_array, "path"_a, "raw"_a);
+  module.def(
+      "read_levels", [](const py::object& path) { return read_levels(path_of(path)); }, "path"_a);
+  module.def("check", &check_mesh, "vertices"_a.noconvert(), "faces"_a.noconvert(), "self_intersections"_a, "volume"_a.none(true),
+             "measure"_a, "threads"_a, "progress"_a);
+  module.def("given_up_work", &given_up_work);
+}

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// Options whose values are words. A name is that of the command line without the dashes; the Python module has underscores in it instead.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "isoatlas/extract.h"
+#include "isoatlas/io.h"
+#include "isoatlas/measure.h"
+#include "isoatlas/volume.h"
+#include "wording/level_goals.h"
+#include "wording/values.h"
+
+namespace isoatlas {
+
+constexpr std::size_t kMeasureSamples = 200'000;  ///< where somebody wants to measure, and does not say with how many
+
+/// How an isosurface is to be meshed. Lengths are as they were said: the volume's voxel size makes world lengths of them.
+struct ExtractSettings {
+  ExtractOptions options;  ///< all but what follows
+  std::optional<Length> max_radius, event_persistence;
+  std::optional<SpaceSize> min_component_size;
+  TypedGoals goals;  ///< the constraints of all levels
+  int threads = 0;
+};
+
+/// Throws Error(bad_argument) if there is no such setting, or it cannot have this value; the message says what was expected, but not
+/// of which setting.
+void set(ExtractSettings& settings, std::string_view name, std::string_view text);
+void set(MeasureOptions& options, std::string_view name, std::string_view text);
+void set(RawLayout& layout, std::string_view name, std::string_view text);  ///< raw-size, raw-type, raw-spacing, raw-endian
+
+ExtractOptions in_world(const ExtractSettings& settings, const Grid& grid);
+
+// Each throws Error(bad_argument).
+Length parse_length(std::string_view text);  ///< 0 or more
+int parse_threads(std::string_view text);    ///< 0 or more
+
+}  // namespace isoatlas

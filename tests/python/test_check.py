@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+import json
+
+import numpy as np
+import pytest
+
+import isoatlas
+from conftest import SAMPLES, torus
+
+TETRAHEDRON = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float)
+SIDES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+
+
+def test_counts_of_a_tetrahedron():
+    report = isoatlas.check(TETRAHEDRON, SIDES)
+    assert report["schema"] == "isoatlas-check-1" and report["path"] is None
+    assert report["manifold"] and report["oriented"] and report["closed"]
+    assert (report["vertices"], report["edges"], report["triangles"], report["genus"]) == (4, 6, 4, 0)
+    assert report["self_intersections"] is None and report["distance"] is None
+
+
+def test_faults_are_found():
+    turned = SIDES.copy()
+    turned[0] = turned[0][::-1]
+    assert not isoatlas.check(TETRAHEDRON, turned)["oriented"]
+    assert isoatlas.check(TETRAHEDRON, turned)["genus"] is None
+    assert not isoatlas.check(TETRAHEDRON, SIDES[:3])["closed"]
+    assert isoatlas.check(TETRAHEDRON, np.vstack([SIDES, [[0, 1, 2]]]))["non_manifold_edges"] == 3
+
+
+def test_self_intersections():
+    vertices = np.vstack([TETRAHEDRON, TETRAHEDRON + 0.1])
+    faces = np.vstack([SIDES, SIDES + 4])
+    report = isoatlas.check(vertices, faces, self_intersections=True)
+    assert report["self_intersections"]["pairs"] > 0
+    assert isoatlas.check(TETRAHEDRON, SIDES, self_intersections=True)["self_intersections"] == {"pairs": 0, "first": []}
+
+
+@pytest.mark.parametrize("space", ["lps", "ras", "voxel"])
+def test_same_as_the_command_line(space, tool, tmp_path):
+    volume = isoatlas.read_volume(SAMPLES / "protein_iron.nhdr")
+    mesh = isoatlas.extract(volume, 100, space=space)
+    mesh.save(tmp_path / "m.ply")
+    ours = isoatlas.check(mesh.vertices, mesh.faces, self_intersections=True, volume=volume, iso=100, space=space, samples=4000)
+    run = tool("check", tmp_path / "m.ply", "--self-intersections", "--volume", SAMPLES / "protein_iron.nhdr", "--iso", 100, "--samples", 4000, "--json")
+    theirs = json.loads(run.stdout)
+    assert list(ours) == list(theirs)
+    del ours["path"], theirs["path"]
+    assert ours == theirs
+
+
+def test_distance_in_any_order():
+    """The same distances, whichever way axes and coordinates run; places in the mesh's coordinates."""
+    volume = torus(dtype=np.float64)
+    spacing, origin = (0.5, 1.0, 2.0), (7.0, 8.0, 9.0)
+    seen = []
+    for array in (volume, np.asfortranarray(volume)):
+        for order in ("ijk", "xyz"):
+            turn = 1 if order == "ijk" else -1
+            geometry = {"spacing": spacing[::turn], "origin": origin[::turn], "order": order}
+            mesh = isoatlas.extract(array, 0.0, **geometry, max_distance=0.4)
+            report = isoatlas.check(mesh.vertices, mesh.faces, volume=array, iso=0.0, **geometry, samples=20_000)["distance"]
+            assert report["maximum"] < 0.8
+            assert report["normal_degrees"]["mean"] < 45, "triangles are turned over"
+            farthest = np.array(report["mesh_to_surface"]["farthest"])
+            assert (farthest >= mesh.vertices.min(0) - 0.1).all() and (farthest <= mesh.vertices.max(0) + 0.1).all()
+            seen.append(report["surface_area"])
+    assert np.ptp(seen) < 0.05 * seen[0]
+
+
+def test_any_array_of_numbers_will_do():
+    expected = isoatlas.check(TETRAHEDRON, SIDES)
+    for vertices in (TETRAHEDRON.astype(np.float32), TETRAHEDRON.astype(int), np.asfortranarray(TETRAHEDRON), TETRAHEDRON.tolist()):
+        for faces in (SIDES.astype(np.uint8), SIDES.astype(">i4"), np.asfortranarray(SIDES), SIDES.tolist()):
+            assert isoatlas.check(vertices, faces) == expected
+    assert isoatlas.check(np.empty((0, 3)), np.empty((0, 3)))["triangles"] == 0
+
+
+@pytest.mark.parametrize(
+    ("vertices", "faces", "message"),
+    [
+        (TETRAHEDRON, SIDES + 1, "faces: triangle 1 uses vertex 4, but there are only 4"),
+        (TETRAHEDRON, SIDES - 1, "faces: triangle 0 uses vertex -1"),
+        (TETRAHEDRON, SIDES.astype(float), "faces: expected indices of vertices, got float64"),
+        (TETRAHEDRON, SIDES.ravel(), r"faces: expected an array of shape \(F, 3\), got \(12,\)"),
+        (TETRAHEDRON[:, :2], SIDES, r"vertices: expected an array of shape \(V, 3\), got \(4, 2\)"),
+        (TETRAHEDRON + 0j, SIDES, "vertices: expected numbers, got complex128"),
+        (np.where(TETRAHEDRON == 1, np.nan, 0), SIDES, "vertices: the position of vertex 1 is not finite"),
+    ],
+)
+def test_what_is_no_mesh_is_refused(vertices, faces, message):
+    with pytest.raises(isoatlas.BadArgumentError, match=message):
+        isoatlas.check(vertices, faces)
+
+
+def test_a_distance_needs_both():
+    for options in ({"volume": torus()}, {"iso": 0.0}):
+        with pytest.raises(isoatlas.BadArgumentError, match="expected both or none"):
+            isoatlas.check(TETRAHEDRON, SIDES, **options)
+    with pytest.raises(isoatlas.BadArgumentError, match="samples: expected a whole number, 1 or more, got '0'"):
+        isoatlas.check(TETRAHEDRON, SIDES, volume=torus(), iso=0.0, samples=0)
+    with pytest.raises(isoatlas.BadArgumentError, match="threads"):
+        isoatlas.check(TETRAHEDRON, SIDES, threads=-1)

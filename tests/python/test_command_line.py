@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The same files as the command line's, byte for byte."""
+import json
+
+import numpy as np
+import pytest
+
+import isoatlas
+from conftest import SAMPLES, topology
+
+PROTEIN = SAMPLES / "protein_iron.nhdr"
+
+CASES = {
+    "default": ([], {}),
+    "coarse": (["--coarse"], {"coarse": True}),
+    "voxel": (["--space", "voxel", "--coarse"], {"space": "voxel", "coarse": True}),
+    "ras": (["--space", "ras", "--inside", "below"], {"space": "ras", "inside": "below"}),
+    "levels": (
+        ["--max-vertices", "3000", "--refine", "max-distance:2vx", "--refine", "max-distance:0.7vx,normal-angle:60deg"],
+        {"max_vertices": 3000, "refine": ["max-distance:2vx", {"max_distance": "0.7vx", "normal_angle": 60}]},
+    ),
+    "balanced": (
+        ["--placement", "balanced", "--interpolation", "tricubic", "--max-distance", "1.25", "--topology", "faces"],
+        {"placement": "balanced", "interpolation": "tricubic", "max_distance": 1.25, "topology": "faces"},
+    ),
+    "intersections": (
+        ["--allow-self-intersections", "--min-component-size", "20vx", "--max-radius", "9.5"],
+        {"allow_self_intersections": True, "min_component_size": "20vx", "max_radius": 9.5},
+    ),
+}
+
+
+def files_in(folder):
+    return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_same_bytes(case, tool, tmp_path):
+    arguments, options = CASES[case]
+    ours, theirs = tmp_path / "python", tmp_path / "tool"
+    ours.mkdir()
+    theirs.mkdir()
+    mesh = isoatlas.extract(isoatlas.read(PROTEIN), 100, **options)
+    for name in ("m.ply", "m.stl", "m.vtm", "m-{level}.obj") if case in ("levels", "balanced") else ("m.ply",):
+        mesh.save(ours / name)
+        tool("extract", PROTEIN, "--iso", "100", *arguments, "-q", "-o", theirs / name)
+    mesh.save(ours / "m.glb", glb_per_level=True)
+    tool("extract", PROTEIN, "--iso", "100", *arguments, "-q", "-o", theirs / "m.glb", "--glb-per-level")
+    found = files_in(ours)
+    assert found == files_in(theirs)
+    assert len(found) >= 4
+
+
+def test_plain_array_is_the_same_as_the_volume(tool, tmp_path):
+    """Of an array the module knows nothing but what it is told."""
+    samples = np.fromfile(SAMPLES / "protein_iron.raw", np.uint8).reshape(68, 68, 68)
+    isoatlas.extract(samples, 100, order="xyz", spacing=(1, 1, 1)).save(tmp_path / "python.off")
+    tool("extract", PROTEIN, "--iso", "100", "-q", "-o", tmp_path / "tool.off")
+    assert (tmp_path / "python.off").read_bytes() == (tmp_path / "tool.off").read_bytes()
+
+
+def test_anisotropic_mirrored_geometry(tool, tmp_path):
+    rng = np.random.default_rng(2)
+    samples = (rng.random((9, 10, 11)) * 100).astype(np.int16)
+    samples.tofile(tmp_path / "v.raw")
+    header = """NRRD0004
+type: int16
+dimension: 3
+space: left-posterior-superior
+sizes: 11 10 9
+space directions: (0,0.75,0) (0.5,0,0) (0,0,2.5)
+kinds: domain domain domain
+endian: little
+encoding: raw
+space origin: (1.5,-20.25,300)
+data file: v.raw
+"""
+    (tmp_path / "v.nhdr").write_text(header)
+    volume = isoatlas.read_volume(tmp_path / "v.nhdr")
+    assert volume.spacing == (0.75, 0.5, 2.5) and volume.origin == (1.5, -20.25, 300.0)
+    assert np.linalg.det(np.array(volume.direction)) < 0
+    tool("extract", tmp_path / "v.nhdr", "--iso", "50.5", "-q", "-o", tmp_path / "tool.ply")
+    isoatlas.extract(volume, 50.5).save(tmp_path / "volume.ply")
+    isoatlas.extract(
+        samples, 50.5, order="xyz", spacing=(0.75, 0.5, 2.5), origin=(1.5, -20.25, 300), direction=[[0, 1, 0], [1, 0, 0], [0, 0, 1]]
+    ).save(tmp_path / "array.ply")
+    expected = (tmp_path / "tool.ply").read_bytes()
+    assert (tmp_path / "volume.ply").read_bytes() == expected
+    assert (tmp_path / "array.ply").read_bytes() == expected
+
+
+def without_times(report):
+    for key in ("seconds", "peak_memory_bytes"):
+        del report[key]
+    for level in report["levels"]:
+        del level["seconds"], level["path"]
+    for file in report["files"]:
+        del file["path"]
+    return report
+
+
+def test_report_has_the_same_content(tool, tmp_path):
+    (tmp_path / "a").mkdir()
+    (tmp_path / "b").mkdir()
+    mesh = isoatlas.extract(isoatlas.read(PROTEIN), 100, measure_samples=5000, threads=2)
+    mesh.save(tmp_path / "a/m.ply", report=tmp_path / "a/m.json")
+    tool("extract", PROTEIN, "--iso", "100", "--measure-samples", "5000", "--threads", "2", "-q", "-o", tmp_path / "b/m.ply", "--report",
+         tmp_path / "b/m.json")  # fmt: skip
+    saved = json.loads((tmp_path / "a/m.json").read_text())
+    theirs = json.loads((tmp_path / "b/m.json").read_text())
+    assert saved["files"][0]["path"] == str(tmp_path / "a/m.ply") and saved["seconds"].keys() == theirs["seconds"].keys()
+    assert list(saved) == list(theirs) == list(mesh.report)  # in the same order
+    assert without_times(saved) == without_times(theirs)
+    mine = without_times(dict(mesh.report))
+    assert mine.pop("files") == []
+    del theirs["files"]
+    assert mine == theirs
+
+
+def test_sample_volumes_have_the_same_topology(tool, tmp_path):
+    for name, iso in (("protein_iron.nhdr", "100"), ("embryo.nrrd", "90.5")):
+        tool("extract", SAMPLES / name, "--iso", iso, "--coarse", "--allow-self-intersections", "-q", "-o", tmp_path / "m.ply", "--report",
+             tmp_path / "m.json")  # fmt: skip
+        theirs = json.loads((tmp_path / "m.json").read_text())["levels"][0]
+        volume = isoatlas.read_volume(SAMPLES / name)
+        for order in "CF":  # of memory
+            array = np.array(volume.array, order=order)
+            mesh = isoatlas.extract(array, float(iso), coarse=True, allow_self_intersections=True)
+            assert topology(mesh.levels[0].report) == topology(theirs)

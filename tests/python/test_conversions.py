@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+import sys
+import types
+
+import numpy as np
+import pytest
+
+import isoatlas
+from conftest import torus
+
+MESH = isoatlas.extract(torus(), 0.0, refine=["max-distance:1vx", "max-distance:0.5vx"])
+
+
+def check_vtk(polydata, level):
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    assert polydata.GetPoints().GetDataType() == 11  # VTK_DOUBLE
+    assert np.array_equal(vtk_to_numpy(polydata.GetPoints().GetData()), level.vertices)
+    cells = vtk_to_numpy(polydata.GetPolys().GetConnectivityArray()).reshape(-1, 3)
+    assert np.array_equal(cells, level.faces) and polydata.GetNumberOfPolys() == len(level.faces)
+
+
+def test_to_vtk():
+    pytest.importorskip("vtkmodules", reason="VTK is not there")
+    check_vtk(MESH.to_vtk(), MESH.levels[-1])
+    polydata = MESH.to_vtk(level=0)
+    check_vtk(polydata, MESH.levels[0])
+    polydata.GetPoints().SetPoint(0, 1e3, 0, 0)  # a copy
+    assert MESH.vertices[0, 0] != 1e3
+
+
+def test_vtk_agrees_about_volume_and_edges():
+    pytest.importorskip("vtkmodules", reason="VTK is not there")
+    from vtkmodules.vtkFiltersCore import vtkFeatureEdges, vtkMassProperties
+
+    mass = vtkMassProperties()
+    mass.SetInputData(MESH.to_vtk())
+    a, b, c = (MESH.vertices[MESH.faces[:, k]] for k in range(3))
+    assert mass.GetVolume() == pytest.approx(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6, rel=1e-6)
+    edges = vtkFeatureEdges()
+    edges.SetInputData(MESH.to_vtk())
+    edges.FeatureEdgesOff()
+    edges.Update()
+    assert edges.GetOutput().GetNumberOfCells() == 0  # closed and manifold
+
+
+def test_to_pyvista():
+    pyvista = pytest.importorskip("pyvista", reason="PyVista is not there")
+    mesh = MESH.to_pyvista()
+    assert isinstance(mesh, pyvista.PolyData) and mesh.is_manifold
+    assert np.array_equal(mesh.points, MESH.vertices)
+    assert np.array_equal(mesh.faces.reshape(-1, 4)[:, 1:], MESH.faces)
+
+
+def test_to_trimesh():
+    trimesh = pytest.importorskip("trimesh", reason="trimesh is not there")
+    mesh = MESH.to_trimesh(level=1)
+    assert isinstance(mesh, trimesh.Trimesh) and mesh.is_watertight and mesh.volume > 0
+    assert np.array_equal(mesh.vertices, MESH.levels[1].vertices) and np.array_equal(mesh.faces, MESH.levels[1].faces)
+
+
+def test_what_pyvista_would_be_given(monkeypatch):
+    pytest.importorskip("vtkmodules", reason="VTK is not there")
+    monkeypatch.setitem(sys.modules, "pyvista", types.SimpleNamespace(wrap=lambda it: ("wrapped", it)))
+    wrapped, polydata = MESH.to_pyvista(level=1)
+    assert wrapped == "wrapped"
+    check_vtk(polydata, MESH.levels[1])
+
+
+def test_what_trimesh_would_be_given(monkeypatch):
+    monkeypatch.setitem(sys.modules, "trimesh", types.SimpleNamespace(Trimesh=lambda **given: given))
+    given = MESH.to_trimesh()
+    assert given["process"] is False
+    assert np.array_equal(given["vertices"], MESH.vertices) and given["vertices"].flags.writeable
+    assert np.array_equal(given["faces"], MESH.faces) and given["faces"].dtype == np.int64
+
+
+@pytest.mark.parametrize(("method", "package"), [("to_vtk", "vtkmodules"), ("to_pyvista", "pyvista"), ("to_trimesh", "trimesh")])
+def test_what_is_not_there_is_named(method, package, monkeypatch):
+    for name in [name for name in sys.modules if name.split(".")[0] == package]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(ImportError, match=f"{method}\\(\\) needs the package"):
+        getattr(MESH, method)()

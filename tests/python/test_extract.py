@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: Apache-2.0
+import gc
+import weakref
+
+import numpy as np
+import pytest
+
+import isoatlas
+from conftest import SAMPLES, enclosed, torus
+
+
+def test_result_has_arrays_levels_and_report():
+    mesh = isoatlas.extract(torus(), 0.0, refine=["max-distance:1vx", "max-distance:0.25vx"])
+    assert mesh.vertices.dtype == np.float64 and mesh.vertices.shape[1] == 3
+    assert mesh.faces.dtype == np.uint32 and mesh.faces.shape[1] == 3
+    assert [level.number for level in mesh.levels] == [0, 1, 2]
+    assert mesh.faces is mesh.levels[-1].faces
+    sizes = [len(level.vertices) for level in mesh.levels]
+    assert sizes == sorted(sizes) and sizes[0] < sizes[-1]
+    for coarse, fine in zip(mesh.levels, mesh.levels[1:]):  # nested, at the same indices
+        assert np.array_equal(coarse.vertices, fine.vertices[: len(coarse.vertices)])
+    assert mesh.report["schema"] == "isoatlas-report-2"
+    assert mesh.report["input"]["path"] is None and mesh.report["files"] == []
+    assert [level.report["genus"] for level in mesh.levels] == [1, 1, 1]
+    assert [level.report["vertices"] for level in mesh.levels] == sizes
+    assert mesh.levels[-1].report["metrics"]["max-distance"]["maximum"] <= 0.25
+    assert mesh.unmet == []
+
+
+def test_default_is_one_level_within_half_a_voxel():
+    mesh = isoatlas.extract(torus(), 0.0, spacing=(2, 2, 2))
+    assert mesh.report["parameters"]["refine"] == [[{"quantity": "max-distance", "bound": 1.0}]]
+    assert len(mesh.levels) == 2
+
+
+def test_refine_takes_texts_dicts_and_lists():
+    one = {"max_distance": "0.5vx", "normal-angle": 30}
+    wanted = [{"quantity": "max-distance", "bound": 0.5}, {"quantity": "normal-angle", "bound": 30.0}]
+    for refine in ("max-distance:0.5vx,normal-angle:30deg", one, [one], (one,), ["max-distance:0.5vx,normal-angle:30"]):
+        assert isoatlas.extract(torus(), 0.0, refine=refine).report["parameters"]["refine"] == [wanted]
+    both = isoatlas.extract(torus(), 0.0, refine=["max-distance:2", {"max_distance": np.float32(0.5)}], max_vertices=np.int64(200))
+    assert [[(c["quantity"], c["bound"]) for c in level] for level in both.report["parameters"]["refine"]] == [
+        [("max-vertices", 200.0), ("max-distance", 2.0)],
+        [("max-vertices", 200.0), ("max-distance", 0.5)],
+    ]
+
+
+def test_each_option_reaches_the_library():
+    mesh = isoatlas.extract(
+        torus(), -0.25, inside="below", nan="above", topology="faces", interpolation="tricubic", supersample=2, adaptive_supersample=1,
+        min_component_size="2vx", keep_components=1, max_radius="4vx", covering="halving", event_persistence=0.5, placement="balanced",
+        space="voxel", measure_samples=1000, threads=1, allow_self_intersections=True, spacing=(0.5, 1, 2), max_distance=0.5,
+        mean_distance=0.4, area_curvature=1.5, area_curvature_smooth=1.6, geodesic_ratio=1.7, normal_angle="80deg", max_vertices=5000,
+        min_vertices=5, min_edge=0.01, max_edge=50, min_aspect=0.01)  # fmt: skip
+    parameters = mesh.report["parameters"]
+    expected = {
+        "non_finite": "above", "interpolation": "tricubic", "supersample": 2, "adaptive_supersample": 1, "space": "voxel", "max_radius": 2.0,
+        "covering": "halving", "event_persistence": 0.5, "min_component_size": 2.0, "keep_components": 1, "placement": "balanced",
+        "allow_self_intersections": True, "measure_samples": 1000, "threads": 1, "coarse": [],
+    }  # fmt: skip
+    assert {key: parameters[key] for key in expected} == expected
+    assert mesh.report["surface"]["isovalue"] == -0.25
+    assert mesh.report["surface"]["inside"] == "below" and mesh.report["surface"]["topology"] == "faces"
+    assert [(c["quantity"], c["bound"]) for c in parameters["refine"][0]] == [
+        ("max-distance", 0.5), ("mean-distance", 0.4), ("area-curvature", 1.5), ("area-curvature-smooth", 1.6), ("geodesic-ratio", 1.7),
+        ("normal-angle", 80.0), ("max-vertices", 5000.0), ("min-vertices", 5.0), ("min-edge", 0.01), ("max-edge", 50.0), ("min-aspect", 0.01),
+    ]  # fmt: skip
+    assert mesh.placement == "balanced" and mesh.levels[1].report["measured"] is not None
+    assert isoatlas.extract(torus(), 0.0, coarse=True, measure=True).report["parameters"]["measure_samples"] == 200_000
+
+
+def test_coarse_is_level_0_alone():
+    mesh = isoatlas.extract(torus(), 0.0, coarse=True, max_vertices=10_000)
+    assert len(mesh.levels) == 1
+    assert mesh.report["parameters"]["coarse"] == [{"quantity": "max-vertices", "bound": 10_000.0}]
+
+
+def test_what_cannot_be_met_is_told():
+    mesh = isoatlas.extract(torus(), 0.0, max_vertices=5)
+    assert len(mesh.unmet) == 1
+    assert mesh.unmet[0].startswith("level 1: max-vertices 5: reached ")
+    assert len(mesh.vertices) > 5
+
+
+def test_unmet_lines_are_the_command_lines(tool, tmp_path):
+    run = tool("extract", SAMPLES / "protein_iron.nhdr", "--iso", "100", "--max-vertices", "50", "-q", "-o", tmp_path / "m.ply", status=1)
+    mesh = isoatlas.extract(isoatlas.read_volume(SAMPLES / "protein_iron.nhdr"), 100, max_vertices=50)
+    assert [f"isoatlas: {line}" for line in mesh.unmet] == run.stderr.splitlines()
+
+
+def test_inside_below_is_the_negative():
+    volume = torus()
+    above = isoatlas.extract(volume, 0.0)
+    below = isoatlas.extract(-volume, 0.0, inside="below")
+    assert np.array_equal(above.vertices, below.vertices) and np.array_equal(above.faces, below.faces)
+    assert enclosed(above.vertices, above.faces) > 0
+
+
+def test_same_bytes_for_any_number_of_threads():
+    noise = np.random.default_rng(3).random((12, 13, 14)).astype(np.float32)
+    one, two = (isoatlas.extract(noise, 0.5, threads=n, max_distance="1vx") for n in (1, 2))
+    assert one.vertices.tobytes() == two.vertices.tobytes()
+    for a, b in zip(one.levels, two.levels):
+        assert a.faces.tobytes() == b.faces.tobytes()
+
+
+def test_arrays_are_read_only_and_outlive_the_mesh():
+    mesh = isoatlas.extract(torus(), 0.0)
+    vertices, faces, coarse = mesh.vertices, mesh.faces, mesh.levels[0].faces
+    with pytest.raises(ValueError, match="read-only"):
+        vertices[0, 0] = 1
+    with pytest.raises(ValueError, match="read-only"):
+        faces[0, 0] = 1
+    assert not vertices.flags.owndata and not faces.flags.owndata
+    copies = vertices.copy(), faces.copy(), coarse.copy()
+    gone = weakref.ref(mesh)
+    del mesh
+    gc.collect()
+    assert gone() is None
+    rubbish = [np.full(vertices.shape, 7.0) for _ in range(50)]  # would be put where freed memory was
+    assert all(np.array_equal(a, b) for a, b in zip((vertices, faces, coarse), copies)) and rubbish
+
+
+def test_memory_is_given_back():
+    import resource
+
+    noise = np.random.default_rng(5).random((16, 16, 16)).astype(np.float32)
+    isoatlas.extract(noise, 0.5, coarse=True, allow_self_intersections=True)
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    for _ in range(40):
+        isoatlas.extract(noise, 0.5, coarse=True, allow_self_intersections=True)
+    grown = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) * 1024
+    mesh = isoatlas.extract(noise, 0.5, coarse=True, allow_self_intersections=True)
+    assert grown < 20 * (mesh.vertices.nbytes + mesh.faces.nbytes), grown
+
+
+def test_components_are_left_out_and_listed():
+    volume = np.maximum(torus((40, 22, 14)), (1.4 - np.linalg.norm(np.indices((40, 22, 14)).T - (34.2, 9.8, 7.1), axis=-1)).T)
+    assert isoatlas.extract(volume, 0.0).levels[0].report["components"] == 2
+    mesh = isoatlas.extract(volume, 0.0, keep_components=1)
+    assert mesh.levels[0].report["components"] == 1
+    (dropped,) = mesh.report["dropped"]
+    assert np.linalg.norm(np.array(dropped["position"]) - (34.2, 9.8, 7.1)) < 2  # in the order of the array's axes
+
+
+def test_places_in_the_report_are_in_the_meshs_coordinates():
+    mesh = isoatlas.extract(torus(), 0.0, spacing=(1, 2, 3), origin=(100, 200, 300), measure_samples=2000)
+    low, high = mesh.vertices.min(0) - 3, mesh.vertices.max(0) + 3
+    measured = mesh.levels[1].report["measured"]
+    for side in ("mesh_to_surface", "surface_to_mesh"):
+        farthest = np.array(measured[side]["farthest"])
+        assert (farthest > low).all() and (farthest < high).all()
+    for bad in mesh.levels[0].report["bad_triangles"]["worst"]:
+        assert (np.array(bad["position"]) > low).all() and (np.array(bad["position"]) < high).all()
+    assert mesh.report["input"]["size"] == [26, 22, 14] and mesh.report["input"]["spacing"] == [1.0, 2.0, 3.0]
+
+
+def test_reprs_say_what_it_is():
+    mesh = isoatlas.extract(torus(), 0.0)
+    assert repr(mesh) == (
+        f"<isoatlas.Mesh: {len(mesh.vertices):,} vertices, {len(mesh.faces):,} faces, 2 levels; 1 component, genus 1, 0 boundary loops>"
+    )
+    assert repr(mesh.levels[0]) == f"<isoatlas.Level 0: {len(mesh.levels[0].vertices)} vertices, {len(mesh.levels[0].faces)} faces>"
+    assert repr(isoatlas.read(SAMPLES / "protein_iron.nhdr")).startswith("<isoatlas.Volume: 68 x 68 x 68 uint8, spacing 1 x 1 x 1, '")

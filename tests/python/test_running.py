@@ -1,0 +1,237 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Long work: other threads go on, progress is told, and Ctrl-C ends it."""
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import isoatlas
+from conftest import torus
+
+NOISE = np.random.default_rng(1).random((26, 26, 26)).astype(np.float32)
+FAST = {"coarse": True, "allow_self_intersections": True}
+
+
+def test_other_threads_go_on():
+    steps, stop = [0], threading.Event()
+
+    def count():
+        while not stop.is_set():
+            steps[0] += 1
+            time.sleep(0.002)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    try:
+        started, before = time.monotonic(), steps[0]
+        isoatlas.extract(NOISE, 0.5, threads=1, **FAST)
+        seconds, made = time.monotonic() - started, steps[0] - before
+    finally:
+        stop.set()
+        thread.join()
+    assert seconds > 0.3, "too fast to tell"
+    assert made > 20 * seconds  # nearly none with the lock held
+
+
+def test_several_at_once():
+    results = {}
+    threads = [threading.Thread(target=lambda k=k: results.update({k: isoatlas.extract(torus(), 0.1 * k)})) for k in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for k in range(4):
+        assert results[k].vertices.tobytes() == isoatlas.extract(torus(), 0.1 * k).vertices.tobytes()
+
+
+def test_progress_is_told_on_this_thread():
+    seen = []
+    isoatlas.extract(NOISE[:16, :16, :16], 0.5, progress=lambda stage, fraction: seen.append((stage, fraction, threading.get_ident())), **FAST)
+    stages = list(dict.fromkeys(stage for stage, _, _ in seen))
+    assert stages == ["surface", "components", "coarsen", "cover", "certify", "mesh", "check"]
+    assert all(0 <= fraction <= 1 and thread == threading.get_ident() for _, fraction, thread in seen)
+    assert len(seen) < 2000  # however often the library tells
+
+
+def test_progress_may_call_us():
+    inner = []
+
+    def progress(stage, fraction):
+        if not inner:
+            inner.append(isoatlas.extract(torus(), 0.0, coarse=True))
+
+    mesh = isoatlas.extract(NOISE[:16, :16, :16], 0.5, progress=progress, **FAST)
+    assert inner[0].levels[0].report["genus"] == 1 and len(mesh.faces) > 500
+
+
+def test_what_progress_raises_ends_it():
+    class Enough(Exception):
+        pass
+
+    def progress(stage, fraction):
+        raise Enough(stage)
+
+    started = time.monotonic()
+    with pytest.raises(Enough, match="surface"):
+        isoatlas.extract(NOISE, 0.5, progress=progress)
+    assert time.monotonic() - started < 1
+    assert isoatlas.extract(torus(), 0.0).levels[0].report["genus"] == 1  # nothing is left of it
+
+
+def test_tqdm(capsys):
+    pytest.importorskip("tqdm", reason="tqdm is not there")
+    isoatlas.extract(NOISE[:16, :16, :16], 0.5, progress=True, **FAST)
+    assert "surface" in capsys.readouterr().err
+    isoatlas.check(torus()[0, :, :3] * 0, np.empty((0, 3), int), progress=False)
+
+
+def test_no_tqdm(monkeypatch):
+    monkeypatch.setitem(sys.modules, "tqdm.auto", None)
+    with pytest.raises(ImportError, match="progress=True needs the package tqdm"):
+        isoatlas.extract(torus(), 0.0, progress=True)
+
+
+def interrupted(work, after, tail="", n=160):
+    """Runs `work` in a Python of its own and sends SIGINT `after` seconds into it. @return seconds until KeyboardInterrupt, the rest that it printed,
+    the exit status."""
+    code = textwrap.dedent(
+        f"""
+        import time
+        import numpy as np
+        import isoatlas
+        noise = np.random.default_rng(1).random(({n}, {n}, {n})).astype(np.float32)
+        print("ready", flush=True)
+        try:
+            {work}
+            print("finished", flush=True)
+        except KeyboardInterrupt:
+            print(time.clock_gettime(time.CLOCK_MONOTONIC), flush=True)
+        """
+    ) + textwrap.dedent(tail)
+    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout.readline() == "ready\n"
+        time.sleep(after)
+        sent = time.clock_gettime(time.CLOCK_MONOTONIC)
+        process.send_signal(signal.SIGINT)
+        answer = process.stdout.readline()
+        rest = process.stdout.read()
+        status = process.wait(timeout=60)
+        ended = time.clock_gettime(time.CLOCK_MONOTONIC)
+    assert answer != "finished\n", "too fast to interrupt"
+    return float(answer) - sent, rest, status, ended - sent
+
+
+@pytest.mark.parametrize("after", [0.1, 0.7, 1.5, 3.0])
+def test_ctrl_c_within_a_second(after):
+    latency, _, status, until_end = interrupted("isoatlas.extract(noise, 0.5)", after)
+    print(f"KeyboardInterrupt after {latency:.3f} s, process ended after {until_end:.3f} s")
+    assert latency < 1
+    assert status == 0 and until_end < 2  # work that was given up does not hold it up
+
+
+def test_ctrl_c_while_files_are_written(tmp_path):
+    """Nothing appears after KeyboardInterrupt, and nothing is left behind."""
+    code = textwrap.dedent(
+        """
+        import os, threading, signal, time
+        import numpy as np
+        import isoatlas
+        noise = np.random.default_rng(1).random((30, 30, 30)).astype(np.float32)
+        mesh = isoatlas.extract(noise, 0.5, coarse=True, allow_self_intersections=True)
+        threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT)).start()
+        started = time.monotonic()
+        try:
+            for _ in range(100):
+                mesh.save("m.obj")
+                os.remove("m.obj")
+        except KeyboardInterrupt:
+            print(time.monotonic() - started)
+        while isoatlas._core.given_up_work():
+            time.sleep(0.01)
+        """
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path)
+    assert run.returncode == 0, run.stderr
+    assert float(run.stdout) < 1.05
+    assert [name for name in os.listdir(tmp_path) if name != "m.obj"] == []  # no hidden folders
+
+
+def test_work_goes_on_after_ctrl_c():
+    """The session stays usable, and memory comes back."""
+    tail = """
+    import resource
+    while isoatlas._core.given_up_work():
+        time.sleep(0.01)
+    peaks = []
+    import threading, os, signal
+    for _ in range(6):
+        threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
+        try:
+            isoatlas.extract(noise, 0.5)
+        except KeyboardInterrupt:
+            pass
+        while isoatlas._core.given_up_work():
+            time.sleep(0.01)
+        with open("/proc/self/statm") as file:
+            peaks.append(int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE"))
+    print(max(peaks) - peaks[0] < 0.5 * 2**30, isoatlas.extract(noise[:20, :20, :20], 0.5, coarse=True).levels[0].report["level"], peaks)
+    """
+    latency, rest, status, _ = interrupted("isoatlas.extract(noise, 0.5)", 0.3, tail=tail, n=128)
+    assert latency < 1 and status == 0
+    assert rest.startswith("True 0"), rest
+
+
+def test_a_handler_of_ones_own_is_called():
+    class Stop(Exception):
+        pass
+
+    def handler(number, frame):
+        raise Stop
+
+    before = signal.signal(signal.SIGALRM, handler)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.2)
+        with pytest.raises(Stop):
+            isoatlas.extract(NOISE, 0.5)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def test_a_handler_that_returns_changes_nothing():
+    calls = []
+    before = signal.signal(signal.SIGALRM, lambda number, frame: calls.append(number))
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.05, 0.05)
+        mesh = isoatlas.extract(NOISE, 0.5, **FAST)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+    assert len(calls) > 2
+    assert mesh.vertices.tobytes() == isoatlas.extract(NOISE, 0.5, **FAST).vertices.tobytes()
+
+
+def test_not_on_the_main_thread():
+    results = []
+    thread = threading.Thread(target=lambda: results.append(isoatlas.extract(torus(), 0.0, progress=lambda *_: None)))
+    thread.start()
+    thread.join()
+    assert results[0].levels[0].report["genus"] == 1
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")
+def test_in_a_process_of_a_pool():
+    import multiprocessing
+
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        assert pool.apply(count_faces) == len(isoatlas.extract(torus(), 0.0).faces)
+
+
+def count_faces():
+    return len(isoatlas.extract(torus(), 0.0).faces)
