@@ -447,6 +447,17 @@ test("what a file does not have is said", {timeout: 2 * SLOW}, async () => {
   await close();
 });
 
+test("shapes and kinds are counted in the page where the file does not tell", {timeout: 2 * SLOW}, async () => {
+  const {page, close} = await open(fileOf("terse").path);
+  const {results: [told]} = pages.ring();
+  const least = (await rows(page, "#levels")).map((r) => r[4]);
+  // Positions in the page are rounded to its grid, so not to the last digit.
+  least.forEach((text, level) => assert.ok(Math.abs(Number(text) - told.levels[level].quality.aspect_ratio.minimum) < 0.005, text));
+  assert.deepEqual(new Set((await rows(page, "#kinds")).map((r) => r.join())), new Set(["genus 1, 0 loops,1,1,✓", "genus 0, 2 loops,1,1,✓", "genus 0, 0 loops,4,4,✓"]));
+  assert.ok((await page.locator("section[aria-label=Certificate]").textContent()).includes("no certificate"));
+  await close();
+});
+
 test("many components: the first 20, and a word about the rest", {timeout: 2 * SLOW}, async () => {
   const {page, close} = await open(fileOf("dust").path);
   assert.equal((await rows(page, "#components")).length, 20);
