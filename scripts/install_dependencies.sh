@@ -5,7 +5,8 @@
 set -euo pipefail
 
 build=(g++ cmake ninja-build libtbb-dev libboost-dev libcgal-dev libinsighttoolkit5-dev libvtk9-dev libtiff-dev zlib1g-dev libcli11-dev nlohmann-json3-dev libtinygltf-dev libmeshoptimizer-dev)
-command -v npm > /dev/null || build+=(nodejs npm)  # for the page; any of Node 18 or later will do
+command -v node > /dev/null || build+=(nodejs)  # for the page; any from 18 on will do, wherever it is from
+command -v npm > /dev/null || build+=(npm)
 python=("${build[@]}" pybind11-dev python3-dev python3-numpy python3-pip python3-setuptools python3-venv python3-wheel)
 test=("${python[@]}" libgtest-dev librapidcheck-dev python3 libgmp-dev xvfb xauth chromium python3-pytest python3-skimage python3-tqdm python3-vtk9 mypy)
 bench=("${test[@]}" libbenchmark-dev)

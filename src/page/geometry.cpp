@@ -22,7 +22,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Steps = std::array<std::uint32_t, 3>;
 
-constexpr int kFewestBits = 16, kMostBits = 24;  // more than 24 a browser's floats cannot tell apart
+constexpr int kFewestBits = 20, kMostBits = 24;  // more than 24 a browser's floats cannot tell apart
 
 // Positions are origin + step * integers.
 struct Grid3 {

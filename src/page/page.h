@@ -42,7 +42,7 @@ void require_pages();
 /// @throws Error(bad_file) if a grid of 2^24 steps does not do; `path` is for messages
 /// @throws Error(unsupported) as require_pages()
 /// @post the same entries give the same bytes
-/// @cost  O(vertices + triangles) for each level, for each of at most five grids
+/// @cost  O(vertices + triangles) for each level, for each of at most three grids
 std::string page_html(std::span<const PageEntry> entries, const std::filesystem::path& path);
 
 }  // namespace isoatlas

@@ -207,6 +207,12 @@ function page(...make) {
   return {html: assemble(results, geometry), results};
 }
 
+/** As a file of others tells: no shapes, no kinds, no certificate. */
+function terse(result) {
+  for (const level of result.levels) for (const key of ["quality", "kinds", "certificate", "constraints"]) delete level[key];
+  return result;
+}
+
 function dust(count) {
   const balls = Array.from({length: count}, (_, i) => sphere(0, [12 * (i % 6), 12 * Math.floor(i / 6), 5 * Math.sin(i)], 2 + (i % 7) / 2));
   return [join_meshes(...balls)];
@@ -221,6 +227,7 @@ export const pages = {
     return makeResult(g, [shrunk, fine], RING, {placed: true, title: "balanced"});
   }),
   bare: () => page((g) => makeResult(g, ringAndBall(2), RING, {title: "bare.glb", distances: false, command: null, parameters: null, input: null, surface: null, reference: null, marching_cubes: null, self_intersections: null})),
+  terse: () => page((g) => terse(makeResult(g, ringAndBall(3), RING, {title: "terse.vtm"}))),
   hostile: () => page((g) => makeResult(g, ringAndBall(2), RING, {
     title: "</script><b>bold</b><img src=x onerror=alert(1)>",
     command: "isoatlas extract '</script><script>document.title=\"owned\"</script><!--' --iso 1",

@@ -246,11 +246,12 @@ describe("controls", () => {
     for (const axis of ["x", "y", "z"]) {
       const below = await changes(page, `cut ${axis}`, () => slide(page, `#cut-${axis}`, 0.4));
       const text = await page.locator(`output[for="cut-${axis}"]`).textContent();
-      assert.match(text, /^≤ /);
+      const [first, second] = axis === "y" ? ["≥ ", "≤ "] : ["≤ ", "≥ "];  // what is cut away at first is on the side of the eye
+      assert.ok(text.startsWith(first), text);
       assert.ok((await page.locator("#legend").textContent()).includes("inside"));
       const above = await changes(page, `the other side of ${axis}`, () => page.locator(`#flip-${axis}`).click());
       assert.notEqual(above, below);
-      assert.match(await page.locator(`output[for="cut-${axis}"]`).textContent(), /^≥ /);
+      assert.ok((await page.locator(`output[for="cut-${axis}"]`).textContent()).startsWith(second));
       await page.locator("#reset").click();
       assert.equal(await picture(page), whole);
       assert.equal(await page.locator(`output[for="cut-${axis}"]`).textContent(), "off");
@@ -446,6 +447,17 @@ test("what a file does not have is said", {timeout: 2 * SLOW}, async () => {
   await close();
 });
 
+test("shapes and kinds are counted in the page where the file does not tell", {timeout: 2 * SLOW}, async () => {
+  const {page, close} = await open(fileOf("terse").path);
+  const {results: [told]} = pages.ring();
+  const least = (await rows(page, "#levels")).map((r) => r[4]);
+  // Positions in the page are rounded to its grid, so not to the last digit.
+  least.forEach((text, level) => assert.ok(Math.abs(Number(text) - told.levels[level].quality.aspect_ratio.minimum) < 0.005, text));
+  assert.deepEqual(new Set((await rows(page, "#kinds")).map((r) => r.join())), new Set(["genus 1, 0 loops,1,1,✓", "genus 0, 2 loops,1,1,✓", "genus 0, 0 loops,4,4,✓"]));
+  assert.ok((await page.locator("section[aria-label=Certificate]").textContent()).includes("no certificate"));
+  await close();
+});
+
 test("many components: the first 20, and a word about the rest", {timeout: 2 * SLOW}, async () => {
   const {page, close} = await open(fileOf("dust").path);
   assert.equal((await rows(page, "#components")).length, 20);
@@ -467,8 +479,8 @@ test("hostile text stays text", {timeout: 2 * SLOW}, async () => {
 test("far from the origin it looks the same", {timeout: 2 * SLOW}, async () => {
   const near = await open(fileOf("ring").path);
   const far = await open(fileOf("far").path);
-  await slide(near.page, "#level", 2);
-  // Not to the pixel: positions are rounded elsewhere. So by the worst triangle, and where things are.
+  await slide(near.page, "#level", 2);  // the finest of the other
+  // Not to the pixel, since positions are rounded elsewhere: by the worst triangle, and where things are.
   const [a, b] = await Promise.all([near, far].map(({page}) => page.evaluate(() => window.isoatlas.project(window.isoatlas.centre))));
   assert.ok(Math.hypot(a[0] - b[0], a[1] - b[1]) < 1, `${a} and ${b}`);
   const worst = [await state(near.page, "worst"), await state(far.page, "worst")];

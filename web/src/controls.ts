@@ -49,17 +49,23 @@ export interface CutControl {
   reset: () => void;
 }
 
-/** A slider through the box along one axis, and a button for the other side. */
-export function cutControl(axis: string, changed: () => void): CutControl {
-  const input = element("input", {type: "range", id: `cut-${axis}`, min: "0", max: "1", step: "0.005", value: "1"});
+/**
+ * A slider through the box along one axis, and a button for the other side.
+ * @param keepsAbove at first; what is cut away then is on the side of the eye
+ */
+export function cutControl(axis: string, keepsAbove: boolean, changed: () => void): CutControl {
+  const end = (): string => (above() ? "0" : "1");  // where all is left
+  const input = element("input", {type: "range", id: `cut-${axis}`, min: "0", max: "1", step: "0.005"});
   const output = element("output", {for: input.id}, "off");
   const flip = element("button", {type: "button", id: `flip-${axis}`, class: "flip", "aria-pressed": "false", "aria-label": `Keep the other side of ${axis}`, title: "Keep the other side"}, "⇄");
-  const above = (): boolean => flip.getAttribute("aria-pressed") === "true";
+  const pressed = (): boolean => flip.getAttribute("aria-pressed") === "true";
+  const above = (): boolean => pressed() !== keepsAbove;
+  input.value = end();
   input.addEventListener("input", changed);
   flip.addEventListener("click", () => {
-    flip.setAttribute("aria-pressed", `${!above()}`);
-    // Off is the end at which all is left, so it goes along.
-    if (Number(input.value) === (above() ? 1 : 0)) input.value = above() ? "0" : "1";
+    const off = input.value === end();
+    flip.setAttribute("aria-pressed", `${!pressed()}`);
+    if (off) input.value = end();
     changed();
   });
   return {
@@ -71,8 +77,8 @@ export function cutControl(axis: string, changed: () => void): CutControl {
       input.setAttribute("aria-valuetext", text);
     },
     reset: () => {
-      input.value = "1";
       flip.setAttribute("aria-pressed", "false");
+      input.value = end();
       changed();
     },
   };

@@ -52,7 +52,6 @@ export interface Constraint {
 
 export interface AspectRatio {
   minimum: number;
-  median: number;
   share_below_third: number;
   /** Bins of equal width over [0, 1]. */
   histogram: number[];

@@ -49,7 +49,7 @@ class PageView {
     [{value: "plain", text: "Plain"}, {value: "aspect", text: "Aspect ratio"}, {value: "distance", text: "Distance error"}, {value: "component", text: "Component"}, {value: "level", text: "Level of vertex"}],
     () => this.update(),
   );
-  private readonly cuts = AXES.map((axis, i) => cutControl(axis, () => this.cut(i)));
+  private readonly cuts = AXES.map((axis, i) => cutControl(axis, axis === "y", () => this.cut(i)));
   private scene: Scene | null = null;
   private result!: Result;
   private mesh!: Mesh;

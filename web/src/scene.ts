@@ -37,7 +37,9 @@ export class LevelShape {
   readonly components = (): Components => (this.knownComponents ??= components(this.level.vertices, this.level.triangles));
 
   aspect(): AspectRatio {
-    return (this.knownAspect ??= {...aspectFacts(this.ratios()), ...this.level.facts.quality?.aspect_ratio});
+    const told = this.level.facts.quality?.aspect_ratio;
+    if (told?.histogram && told.minimum !== undefined && told.share_below_third !== undefined) return told as AspectRatio;
+    return (this.knownAspect ??= {...aspectFacts(this.ratios()), ...told});
   }
 
   worst(): Worst | null {

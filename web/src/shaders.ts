@@ -80,7 +80,8 @@ void main() {
     vec3 length = slope / max(abs(across.x * along.y - across.y * along.x), 1e-9);
     vec3 near = 1.0 - smoothstep(0.2 * pixelRatio, 0.2 * pixelRatio + 0.7, vWeight / max(slope, vec3(1e-9)));
     near *= mix(vec3(0.3), vec3(front ? 1.0 : 0.5), smoothstep(2.0, 16.0, length / pixelRatio));
-    colour = mix(colour, ink, max(near.x, max(near.y, near.z)));
+    vec3 drawnWith = mode == 0 || !front ? ink : vec3(0.12, 0.14, 0.16);  // scales are light in both themes
+    colour = mix(colour, drawnWith, max(near.x, max(near.y, near.z)));
   } else {
     vec3 n = normalize(gl_FrontFacing ? vNormal : -vNormal);
     if (!(n.z > 0.02)) n = normalize(vec3(n.xy, 0.02));  // a normal between corners may look away where the surface does not

@@ -32,8 +32,7 @@ export function aspectFacts(ratios: Float32Array): AspectRatio {
     ++histogram[Math.min(Math.floor(ratio * 20), 19)];
     if (ratio < 1 / 3) ++below;
   }
-  const sorted = ratios.slice().sort();
-  return {minimum: sorted[0] ?? 0, median: sorted[sorted.length >> 1] ?? 0, share_below_third: below / (ratios.length || 1), histogram};
+  return {minimum: ratios.reduce((least, ratio) => Math.min(least, ratio), 1), share_below_third: below / (ratios.length || 1), histogram};
 }
 
 export interface Component {

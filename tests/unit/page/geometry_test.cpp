@@ -101,8 +101,8 @@ Hierarchy with_near_vertices(double apart) {
 
 TEST(PageGeometry, TheGridIsAsFineAsTheMeshNeeds) {
   std::string bytes;
-  EXPECT_EQ(page::append_geometry(with_near_vertices(0.2), "p", bytes)["positions"]["step"], 1.0 / 0xffff);
-  EXPECT_EQ(page::append_geometry(with_near_vertices(3e-6), "p", bytes)["positions"]["step"], 1.0 / 0x3ffff);
+  EXPECT_EQ(page::append_geometry(with_near_vertices(0.2), "p", bytes)["positions"]["step"], 1.0 / 0xfffff);
+  EXPECT_EQ(page::append_geometry(with_near_vertices(2e-7), "p", bytes)["positions"]["step"], 1.0 / 0x3fffff);
   EXPECT_EQ(page::append_geometry(with_near_vertices(1e-7), "p", bytes)["positions"]["step"], 1.0 / 0xffffff);
   try {
     page::append_geometry(with_near_vertices(1e-9), "p.html", bytes);
