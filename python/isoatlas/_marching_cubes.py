@@ -108,7 +108,7 @@ def marching_cubes(
     if gradient_direction == "descent":
         faces = faces[:, ::-1]
     normals, values = _from_data(array, mesh.vertices, mesh.faces, np.asarray(steps))
-    vertices = mesh.vertices.astype(np.float32) if world == (1.0, 1.0, 1.0) else mesh.vertices.copy()
+    vertices: npt.NDArray[Any] = mesh.vertices.astype(np.float32) if world == (1.0, 1.0, 1.0) else mesh.vertices.copy()
     return vertices, faces, normals.astype(np.float32), values.astype(np.float32)
 
 
