@@ -16,8 +16,8 @@ CASES = {
     "voxel": (["--space", "voxel", "--coarse"], {"space": "voxel", "coarse": True}),
     "ras": (["--space", "ras", "--inside", "below"], {"space": "ras", "inside": "below"}),
     "levels": (
-        ["--max-vertices", "3000", "--refine", "max-distance:2vx", "--refine", "max-distance:0.7vx,normal-angle:60deg"],
-        {"max_vertices": 3000, "refine": ["max-distance:2vx", {"max_distance": "0.7vx", "normal_angle": 60}]},
+        ["--max-vertices", "900", "--refine", "max-distance:2vx", "--refine", "max-distance:1.2vx,max-edge:30"],
+        {"max_vertices": 900, "refine": ["max-distance:2vx", {"max_distance": "1.2vx", "max_edge": 30}]},
     ),
     "balanced": (
         ["--placement", "balanced", "--interpolation", "tricubic", "--max-distance", "1.25", "--topology", "faces"],
@@ -41,7 +41,7 @@ def test_same_bytes(case, tool, tmp_path):
     ours.mkdir()
     theirs.mkdir()
     mesh = isoatlas.extract(isoatlas.read(PROTEIN), 100, **options)
-    for name in ("m.ply", "m.stl", "m.vtm", "m-{level}.obj") if case in ("levels", "balanced") else ("m.ply",):
+    for name in {"levels": ("m.ply", "m.vtm"), "balanced": ("m.stl", "m-{level}.obj")}.get(case, ("m.ply",)):
         mesh.save(ours / name)
         tool("extract", PROTEIN, "--iso", "100", *arguments, "-q", "-o", theirs / name, status=1 if mesh.unmet else 0)
     mesh.save(ours / "m.glb", glb_per_level=True)
