@@ -40,7 +40,7 @@ def _exactly(array: Array, dtype: type[np.generic], what: str) -> Array:
 def as_samples(volume: Any) -> Array:
     """A 3-D array of one of the sample types, dense, aligned and in native byte order: ``volume`` itself where it is that."""
     if isinstance(volume, np.ma.MaskedArray):
-        masked = int(np.ma.count_masked(volume))
+        masked = int(np.count_nonzero(volume.mask))
         if masked > 0:
             raise UnsupportedError(f"the array has {masked} masked samples, expected none: say with .filled(value) what they are")
         volume = volume.data

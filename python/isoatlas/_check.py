@@ -11,7 +11,7 @@ from ._arrays import as_faces, as_vertices
 from ._extract import Side
 from ._progress import ProgressLike, watched
 from ._volume import Order, Volume, core_volume
-from ._words import isovalue, word, words
+from ._words import Number, isovalue, word, words
 from .errors import BadArgumentError
 
 
@@ -21,7 +21,7 @@ def check(
     *,
     self_intersections: bool = False,
     volume: npt.ArrayLike | Volume | None = None,
-    iso: float | None = None,
+    iso: Number | None = None,
     spacing: Sequence[float] = (1.0, 1.0, 1.0),
     origin: Sequence[float] = (0.0, 0.0, 0.0),
     direction: npt.ArrayLike | None = None,

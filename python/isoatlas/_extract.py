@@ -9,14 +9,14 @@ from . import _core
 from ._mesh import Mesh
 from ._progress import ProgressLike, watched
 from ._volume import Order, Volume, core_volume
-from ._words import Length, Refine, isovalue, levels, words
+from ._words import Length, Number, Refine, isovalue, levels, words
 
 Side = Literal["above", "below"]
 
 
 def extract(
     volume: npt.ArrayLike | Volume,
-    iso: float,
+    iso: Number,
     *,
     spacing: Sequence[float] = (1.0, 1.0, 1.0),
     origin: Sequence[float] = (0.0, 0.0, 0.0),

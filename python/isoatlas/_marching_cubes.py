@@ -9,7 +9,7 @@ import numpy.typing as npt
 from ._arrays import Array, as_samples, as_triple
 from ._extract import Side, extract
 from ._progress import ProgressLike
-from ._words import Length, Refine
+from ._words import Length, Number, Refine
 from .errors import BadArgumentError
 
 _CHUNK = 65_536  # vertices whose surroundings are looked up at once: keeps the copies small
@@ -17,7 +17,7 @@ _CHUNK = 65_536  # vertices whose surroundings are looked up at once: keeps the 
 
 def marching_cubes(
     volume: npt.ArrayLike,
-    level: float | None = None,
+    level: Number | None = None,
     *,
     spacing: Sequence[float] = (1.0, 1.0, 1.0),
     gradient_direction: Literal["descent", "ascent"] = "descent",
@@ -108,7 +108,7 @@ def marching_cubes(
     if gradient_direction == "descent":
         faces = faces[:, ::-1]
     normals, values = _from_data(array, mesh.vertices, mesh.faces, np.asarray(steps))
-    vertices = mesh.vertices.astype(np.float32) if world == (1.0, 1.0, 1.0) else mesh.vertices.copy()
+    vertices: npt.NDArray[Any] = mesh.vertices.astype(np.float32) if world == (1.0, 1.0, 1.0) else mesh.vertices.copy()
     return vertices, faces, normals.astype(np.float32), values.astype(np.float32)
 
 

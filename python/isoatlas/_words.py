@@ -4,10 +4,13 @@
 from __future__ import annotations
 
 import numbers
-from typing import Mapping, Sequence, Union
+from typing import Any, Mapping, Sequence, Union
+
+import numpy as np
 
 from .errors import BadArgumentError
 
+Number = Union[float, "np.floating[Any]", "np.integer[Any]"]
 Length = Union[float, str]
 Words = list[tuple[str, str]]
 LevelSpec = Union[str, Mapping[str, Length]]

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Classes, codes and texts: those of the command line."""
 import os
+import shutil
 
 import numpy as np
 import pytest
@@ -105,7 +106,11 @@ def test_outputs_are_refused_with_the_same_words(tool, tmp_path):
         line = line_of(tool, PROTEIN, "--iso", "100", "--coarse", "-o", path)
         assert str(error_of(lambda: mesh.save(path))) == line
     assert list(tmp_path.iterdir()) == []
-    assert "replace the volume" in str(error_of(lambda: mesh.save(SAMPLES / "x" / ".." / "protein_iron.nhdr"))) or True
+    copy = tmp_path / "v.ply"  # a volume with the name of a mesh
+    shutil.copy(SAMPLES / "protein_iron.raw", copy)
+    volume = isoatlas.read_volume(copy, raw_size=(68, 68, 68), raw_type="uint8")
+    error = error_of(lambda: isoatlas.extract(volume, 100, coarse=True).save(copy))
+    assert str(error) == f"{copy}: the mesh would replace the volume"
     error = error_of(lambda: mesh.save(tmp_path / "m.ply", report=tmp_path / "m.ply"))
     assert "the report would replace the mesh" in str(error)
 

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Installs the module, from a fresh copy of the sources, as docs/python.md tells, and by CMake. Without a network."""
+import os
+import subprocess
+import sys
+
+import pytest
+
+from conftest import ROOT
+from test_documentation import PAGE, snippets
+
+TRY = """
+import isoatlas, sys
+mesh = isoatlas.extract(isoatlas.read(sys.argv[1]), 100, coarse=True)
+assert mesh.report["version"] == isoatlas.__version__
+print(isoatlas.__file__, mesh)
+"""
+
+
+def environment(**more):
+    return {key: value for key, value in os.environ.items() if key not in ("PYTHONPATH", "PYTHONDONTWRITEBYTECODE")} | more
+
+
+def run(*command, **options):
+    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, **options)
+    assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
+    return done.stdout
+
+
+@pytest.fixture
+def sources(tmp_path):
+    """The files that git knows or would take, as they are now."""
+    try:
+        files = run("git", "-C", ROOT, "ls-files", "-z", "--cached", "--others", "--exclude-standard").split("\0")
+    except (AssertionError, FileNotFoundError):
+        pytest.skip("not a git repository")
+    copy = tmp_path / "sources"
+    for name in files:
+        if name and (ROOT / name).is_file():
+            (copy / name).parent.mkdir(parents=True, exist_ok=True)
+            (copy / name).write_bytes((ROOT / name).read_bytes())
+            (copy / name).chmod((ROOT / name).stat().st_mode)
+    return copy
+
+
+def test_pip(sources, tmp_path):
+    (_, _, commands), = [block for block in snippets(PAGE) if block[0] == "sh"]
+    _, *lines = commands.strip().splitlines()  # the first one installs what the build needs, which is there
+    script = "\n".join(lines).replace("python3 ", f"{sys.executable} ", 1)
+    run("bash", "-euc", script, cwd=sources, env=environment(CMAKE_BUILD_PARALLEL_LEVEL="2"))
+    printed = run(sources / "venv/bin/python", "-c", TRY, ROOT / "samples/protein_iron.nhdr", cwd=tmp_path, env=environment())
+    assert str(sources / "venv") in printed and "genus 8" in printed
+    files = run(sources / "venv/bin/pip", "show", "-f", "isoatlas", cwd=tmp_path, env=environment())
+    for name in ("isoatlas/py.typed", "isoatlas/_core.pyi", "isoatlas/_core.cpython", "isoatlas/errors.py"):
+        assert name in files
+
+
+def test_cmake(tmp_path):
+    build = os.environ.get("ISOATLAS_BUILD")
+    if not build:
+        pytest.skip("ISOATLAS_BUILD does not say where the build is")
+    run("cmake", "--install", build, "--prefix", tmp_path, "--component", "python")
+    (package,) = tmp_path.glob("lib/python3*/*-packages/isoatlas")
+    printed = run(sys.executable, "-c", TRY, ROOT / "samples/protein_iron.nhdr", cwd="/", env=environment(PYTHONPATH=str(package.parent)))
+    assert str(package) in printed
+    assert (package / "py.typed").is_file() and (package / "_core.pyi").is_file()

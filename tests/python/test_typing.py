@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Types and docstrings."""
+import inspect
+import os
+import pathlib
+import shutil
+import subprocess
+
+import pytest
+
+import isoatlas
+from conftest import ROOT
+
+
+@pytest.mark.parametrize("what", [ROOT / "python" / "isoatlas", pathlib.Path(__file__).with_name("usage_for_mypy.py")])
+def test_mypy_is_content(what, tmp_path):
+    mypy = shutil.which("mypy")
+    if mypy is None:
+        pytest.skip("mypy is not there")
+    run = subprocess.run(
+        [mypy, "--strict", "--warn-unused-ignores", "--config-file", ROOT / "pyproject.toml", "--cache-dir", tmp_path, what],
+        capture_output=True, text=True, cwd=tmp_path, env={**os.environ, "MYPYPATH": str(ROOT / "python"), "PYTHONPATH": ""},
+    )  # fmt: skip
+    assert run.returncode == 0, run.stdout + run.stderr
+
+
+def public():
+    for name in isoatlas.__all__:
+        it = getattr(isoatlas, name)
+        if not name.startswith("_"):
+            yield name, it
+        if inspect.isclass(it):
+            for member, value in vars(it).items():
+                if not member.startswith("_") and (callable(value) or isinstance(value, property)):
+                    yield f"{name}.{member}", value
+
+
+@pytest.mark.parametrize(("name", "it"), list(public()))
+def test_all_that_is_public_says_what_it_is(name, it):
+    assert it.__doc__ and len(it.__doc__.strip()) > 10
+
+
+@pytest.mark.parametrize("function", [isoatlas.extract, isoatlas.check, isoatlas.marching_cubes, isoatlas.read_volume])
+def test_each_parameter_is_told(function):
+    text = function.__doc__.split("Parameters\n")[1].split("Returns\n")[0]
+    named = {name.strip() for line in text.splitlines() if line.startswith("    ") and not line.startswith("     ") for name in line.split(" :")[0].split(",")}
+    missing = [name for name in inspect.signature(function).parameters if name not in named and f"``{name}``" not in function.__doc__]
+    assert missing == []
+
+
+def test_the_stub_has_what_the_extension_has():
+    from isoatlas import _core
+
+    stub = (ROOT / "python" / "isoatlas" / "_core.pyi").read_text()
+    for name in vars(_core):
+        if not name.startswith("__"):
+            assert f"def {name}(" in stub or f"class {name}:" in stub, name
+    for name in vars(_core.Levels):
+        if not name.startswith(("__", "_pybind")):
+            assert f"def {name}(" in stub, name
