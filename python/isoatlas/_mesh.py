@@ -28,6 +28,9 @@ class Level:
         In all levels of ``placement="surface"`` those of the level before come first, at the same indices.
     faces : (F, 3) uint32, read-only
         Indices of vertices, counter-clockwise seen from outside.
+    distance : (V,) float32, read-only, or None
+        Per vertex the largest distance between its part of the isosurface and the mesh, both ways, in the unit of the volume's spacing:
+        what ``max_distance`` bounds. None where nothing was measured (``coarse=True``, files of other programs).
     report : dict
         What is known of it: the keys of ``levels[]`` in docs/reference/report.md. Empty if a file does not say.
     """
@@ -36,6 +39,7 @@ class Level:
         self.number = number
         self.vertices: npt.NDArray[np.float64] = core.vertices(number)
         self.faces: npt.NDArray[np.uint32] = core.faces(number)
+        self.distance: npt.NDArray[np.float32] | None = core.distance(number)
         self.report = report
 
     def __repr__(self) -> str:
@@ -125,7 +129,9 @@ class Mesh:
         self._core.save(path, report, glb_per_level)
 
     def to_vtk(self, level: int = -1) -> vtkPolyData:
-        """A copy as ``vtkPolyData``, of the finest level or of another one. Needs VTK (Debian: python3-vtk9)."""
+        """A copy as ``vtkPolyData``, of the finest level or of another one; `Level.distance` as the point array ``max_distance``.
+        Needs VTK (Debian: python3-vtk9).
+        """
         try:
             from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
             from vtkmodules.vtkCommonCore import vtkPoints
@@ -145,6 +151,10 @@ class Mesh:
         mesh = vtkPolyData()
         mesh.SetPoints(points)
         mesh.SetPolys(cells)
+        if it.distance is not None:
+            array = numpy_to_vtk(it.distance, deep=True)
+            array.SetName("max_distance")
+            mesh.GetPointData().AddArray(array)
         return mesh
 
     def to_pyvista(self, level: int = -1) -> pyvista.PolyData:

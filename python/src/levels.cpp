@@ -135,7 +135,7 @@ std::shared_ptr<Levels> read_levels(const std::string& path) {
         TriangleMesh mesh = read_mesh(path);
         levels->info.mesh.space = mesh_space(path);
         levels->info.mesh.comment = "isoatlas " ISOATLAS_VERSION;
-        levels->hierarchy.levels.push_back({static_cast<std::uint32_t>(mesh.positions.size()), std::move(mesh.triangles), {}});
+        levels->hierarchy.levels.push_back({static_cast<std::uint32_t>(mesh.positions.size()), std::move(mesh.triangles), {}, {}});
         levels->hierarchy.positions = std::move(mesh.positions);
         return levels;
       },
@@ -170,6 +170,14 @@ py::array faces_of(const std::shared_ptr<Levels>& levels, std::size_t level) {
   static_assert(sizeof(Triangle) == 3 * sizeof(std::uint32_t));
   const Hierarchy::Level& it = level_at(*levels, level);
   return view_of<std::uint32_t>(it.triangles.data(), it.triangles.size(), levels);
+}
+
+py::object distance_of(const std::shared_ptr<Levels>& levels, std::size_t level) {
+  const std::vector<float>& distance = level_at(*levels, level).distance;
+  if (distance.empty()) return py::none();
+  const py::array_t<float> array({distance.size()}, {sizeof(float)}, distance.data(), py::cast(levels));
+  array.attr("setflags")(py::arg("write") = false);
+  return array;
 }
 
 std::string report_of(const Levels& levels) { return levels.made ? to_json(levels.made->report, levels.made->context) : std::string(); }

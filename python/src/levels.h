@@ -48,8 +48,9 @@ std::shared_ptr<Levels> extract_levels(const ArrayVolume& volume, const ExtractW
 std::shared_ptr<Levels> read_levels(const std::string& path);
 
 /// Views, read-only, which keep `levels` alive.
-py::array vertices_of(const std::shared_ptr<Levels>& levels, std::size_t level);  ///< V x 3 float64
-py::array faces_of(const std::shared_ptr<Levels>& levels, std::size_t level);     ///< F x 3 uint32
+py::array vertices_of(const std::shared_ptr<Levels>& levels, std::size_t level);   ///< V x 3 float64
+py::array faces_of(const std::shared_ptr<Levels>& levels, std::size_t level);      ///< F x 3 uint32
+py::object distance_of(const std::shared_ptr<Levels>& levels, std::size_t level);  ///< V float32; None: not known
 
 /// JSON as the command line's --report has it, without files; empty if they were read.
 std::string report_of(const Levels& levels);

@@ -79,6 +79,7 @@ PYBIND11_MODULE(_core, module) {
       .def("__len__", [](const Levels& levels) { return levels.hierarchy.levels.size(); })
       .def("vertices", &vertices_of, "level"_a)
       .def("faces", &faces_of, "level"_a)
+      .def("distance", &distance_of, "level"_a)
       .def("report", &report_of)
       .def("level_reports", [](const Levels& levels) { return levels.info.levels; })
       .def_property_readonly("space", [](const Levels& levels) { return levels.info.mesh.space; })

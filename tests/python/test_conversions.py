@@ -82,3 +82,18 @@ def test_what_is_not_there_is_named(method, package, monkeypatch):
     monkeypatch.setitem(sys.modules, package, None)
     with pytest.raises(ImportError, match=f"{method}\\(\\) needs the package"):
         getattr(MESH, method)()
+
+
+def test_distances_of_vertices(tmp_path):
+    for level in MESH.levels:
+        assert level.distance.dtype == np.float32 and level.distance.shape == (len(level.vertices),)
+        assert level.distance.max() == np.float32(level.report["metrics"]["max-distance"]["maximum"])
+        assert not level.distance.flags.writeable
+    MESH.save(tmp_path / "m.vtm")
+    for level, again in zip(MESH.levels, isoatlas.read(tmp_path / "m.vtm").levels):
+        assert np.array_equal(level.distance, again.distance)
+    assert isoatlas.extract(torus(), 0.0, coarse=True).levels[0].distance is None
+    pytest.importorskip("vtkmodules", reason="VTK is not there")
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    assert np.array_equal(vtk_to_numpy(MESH.to_vtk().GetPointData().GetArray("max_distance")), MESH.levels[-1].distance)
