@@ -98,7 +98,8 @@ class Mesh:
     def unmet(self) -> list[str]:
         """A line for each bound that was asked for and could not be met, as the command line prints it; empty: all are met."""
         return [
-            f"level {k}: {c['quantity']} {c['wanted']:g}: reached {'infinity' if c['reached'] is None else format(c['reached'], 'g')}: {c['reason']}"
+            f"level {k}: {c['quantity']} {_bound_text(c['wanted'], c['unit'])}: reached {_bound_text(c['reached'], c['unit'])}"
+            + (f": {c['reason']}" if c["reason"] else "")
             for k, level in enumerate(self.report["levels"])
             for c in level.get("constraints", ())
             if not c["met"] and not c["default"]
@@ -184,6 +185,14 @@ class Mesh:
                 _counted(finest[key], noun) for key, noun in (("components", "component"), ("genus", ""), ("boundary_loops", "boundary loop"))
             )
         return f"<isoatlas.Mesh: {text}>"
+
+
+def _bound_text(bound: float | None, unit: str) -> str:
+    if bound is None:  # JSON has no infinity
+        return "inf" + (" degrees" if unit == "degrees" else "")
+    if unit == "count":
+        return f"{int(bound):,}"
+    return f"{bound:.6g}" + (" degrees" if unit == "degrees" else "")
 
 
 def _counted(count: int, noun: str) -> str:

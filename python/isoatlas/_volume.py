@@ -18,7 +18,7 @@ ZERO: Triple = (0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Volume:
-    """Samples on a grid, as `read` makes them of a file. `extract`, `check` and `marching_cubes` take one in place of an array.
+    """Samples on a grid, as `read` makes them of a file. `extract` and `check` take one in place of an array.
 
     The position of the sample ``array[z, y, x]`` in the world is ``origin + direction @ (spacing * (x, y, z))``.
 

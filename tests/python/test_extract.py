@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 import gc
+import inspect
 import os
 import weakref
 
@@ -8,6 +9,10 @@ import pytest
 
 import isoatlas
 from conftest import SAMPLES, enclosed, torus
+
+
+# Of the signature: what comes first is more important.
+ORDER = [*inspect.signature(isoatlas.extract).parameters]
 
 
 def test_result_has_arrays_levels_and_report():
@@ -83,10 +88,12 @@ def test_what_cannot_be_met_is_told():
     assert len(mesh.vertices) > 5
 
 
-def test_unmet_lines_are_the_command_lines(tool, tmp_path):
-    run = tool("extract", SAMPLES / "protein_iron.nhdr", "--iso", "100", "--max-vertices", "50", "-q", "-o", tmp_path / "m.ply", status=1)
-    mesh = isoatlas.extract(isoatlas.read_volume(SAMPLES / "protein_iron.nhdr"), 100, max_vertices=50)
-    assert [f"isoatlas: {line}" for line in mesh.unmet] == run.stderr.splitlines()
+@pytest.mark.parametrize("bounds", [{"max_vertices": 50}, {"max_vertices": 600, "max_distance": 0.4, "normal_angle": 12.5}, {"max_edge": 3, "min_aspect": 0.9, "max_vertices": 700}])
+def test_unmet_lines_are_the_command_lines(bounds, tool, tmp_path):
+    options = [f"--{name.replace('_', '-')}={bound}" for name, bound in sorted(bounds.items(), key=lambda item: ORDER.index(item[0]))]
+    run = tool("extract", SAMPLES / "protein_iron.nhdr", "--iso", "100", *options, "-q", "-o", tmp_path / "m.ply", status=1)
+    mesh = isoatlas.extract(isoatlas.read_volume(SAMPLES / "protein_iron.nhdr"), 100, **bounds)
+    assert [f"isoatlas: {line}" for line in mesh.unmet] == run.stderr.splitlines() and mesh.unmet
 
 
 def test_inside_below_is_the_negative():

@@ -127,7 +127,7 @@ def interrupted(work, after, tail="", n=160):
     return float(answer) - sent, rest, status, ended - sent
 
 
-@pytest.mark.parametrize("after", [0.1, 0.7, 1.5, 3.0])
+@pytest.mark.parametrize("after", [0.2, 0.8, 2.5])
 def test_ctrl_c_within_a_second(after):
     latency, _, status, until_end = interrupted("isoatlas.extract(noise, 0.5)", after)
     print(f"KeyboardInterrupt after {latency:.3f} s, process ended after {until_end:.3f} s")
@@ -170,7 +170,7 @@ def test_work_goes_on_after_ctrl_c():
         time.sleep(0.01)
     peaks = []
     import threading, os, signal
-    for _ in range(6):
+    for _ in range(4):
         threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
         try:
             isoatlas.extract(noise, 0.5)
