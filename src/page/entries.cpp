@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstdio>
 #include <cstring>
 #include <string>
 #include <string_view>
@@ -50,8 +51,12 @@ void shorten(Json& level) {
 Json counted(const TriangleMesh& mesh, std::size_t number) {
   const MeshTopology topology = mesh_topology(mesh);
   Json level = {{"level", number}, {"vertices", topology.vertices}, {"triangles", topology.triangles}};
-  level["manifold"] = topology.is_manifold() && topology.is_oriented();
+  const bool manifold = topology.is_manifold() && topology.is_oriented();
+  level["manifold"] = manifold;
   report::add_topology(level, summarize(topology.components));
+  if (!manifold) {
+    for (const char* key : {"euler_characteristic", "genus", "boundary_loops", "kinds"}) level[key] = nullptr;
+  }
   level["quality"] = report::to_value(mesh_quality(mesh));
   return level;
 }
@@ -142,7 +147,9 @@ PageEntry entry_of(const Json& json, const std::string& path, Hierarchy hierarch
   const std::string volume = json["input"].at("path").get<std::string>();
   std::string name = fs::path(volume).filename().string();
   if (name.empty()) name = fs::path(volume).parent_path().filename().string();  // a folder
-  Json facts = empty_facts(name + " at " + json["surface"].at("isovalue").dump());
+  std::array<char, 32> isovalue{};
+  std::snprintf(isovalue.data(), isovalue.size(), "%g", json["surface"].at("isovalue").get<double>());
+  Json facts = empty_facts(name + " at " + isovalue.data());
   facts["unit"] = is_medical(volume) ? "mm" : "units";
   facts["command"] = json.value("command", Json());
   for (const char* key : {"parameters", "input", "surface", "reference"}) facts[key] = json[key];

@@ -90,7 +90,7 @@ data file: v.raw
 
 
 def without_times(report):
-    for key in ("seconds", "peak_memory_bytes"):
+    for key in ("seconds", "peak_memory_bytes", "command"):
         del report[key]
     for level in report["levels"]:
         del level["seconds"], level["path"]

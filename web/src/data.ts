@@ -63,6 +63,8 @@ export interface LevelFacts {
   vertices: number;
   triangles: number;
   components: number;
+  /** false: genus and loops mean nothing. */
+  manifold?: boolean;
   euler_characteristic: number | null;
   genus: number | null;
   boundary_loops: number | null;

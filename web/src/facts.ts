@@ -89,6 +89,9 @@ function kindsOf(level: LevelFacts, shape: LevelShape): Kind[] {
 
 /** Kinds of components against those of the isosurface; then the components one by one. */
 function topology(result: Result, level: LevelFacts, shape: LevelShape): Child[] {
+  if (level.manifold === false) {
+    return [element("p", {id: "not-manifold"}, element("strong", {class: "bad"}, "Not a manifold"), " with triangles that face one way: genus and boundary loops mean nothing here. ", element("code", {}, "isoatlas check"), " counts what is wrong.")];
+  }
   const {reference} = result;
   const same = (a: Kind) => (b: Kind): boolean => a.genus === b.genus && a.boundary_loops === b.boundary_loops;
   const here = kindsOf(level, shape);

@@ -42,6 +42,12 @@ export class LevelShape {
     return (this.knownAspect ??= {...aspectFacts(this.ratios()), ...told});
   }
 
+  isClosed(): boolean {
+    const {manifold, boundary_loops: loops} = this.level.facts;
+    if (manifold === false) return false;
+    return loops == null ? this.components().list.every((component) => component.boundaryLoops === 0) : loops === 0;
+  }
+
   worst(): Worst | null {
     const {positions, triangles} = this.level;
     const ratios = this.ratios();
@@ -78,6 +84,7 @@ export class Scene {
   private prepared: (Prepared | undefined)[] = [];
   private style: Style = "smooth";
   private turned = false;
+  private closed = false;
   private waiting = false;
 
   /** @param context WebGL 2 of the canvas; @param drew called after each frame */
@@ -97,6 +104,7 @@ export class Scene {
         cutAt: {value: new Vector3()},
         cutSide: {value: new Vector3()},
         turned: {value: false},
+        solid: {value: false},
         linesFrom: {value: 0},
         pixelRatio: {value: 1},
         ...Object.fromEntries(colourNames.map((name) => [name, {value: new Vector3()}])),
@@ -141,6 +149,7 @@ export class Scene {
       this.texture.needsUpdate = true;
     }
     this.surface.geometry = prepared.geometry;
+    this.closed = this.shapes[level].isClosed();
     this.draw();
     return legend;
   }
@@ -201,6 +210,7 @@ export class Scene {
       (uniforms.cutAt.value as Vector3).setComponent(axis, (2 * share - 1) * half[axis]);
       (uniforms.cutSide.value as Vector3).setComponent(axis, this.isCut(axis) ? (keep === "below" ? 1 : -1) : 0);
     }
+    uniforms.solid.value = this.closed && ![0, 1, 2].some((axis) => this.isCut(axis));
     const ratio = pixelRatio();
     uniforms.pixelRatio.value = ratio;
     uniforms.linesFrom.value = {smooth: 1e9, split: Math.round((this.canvas.clientWidth / 2) * ratio), lines: -1}[this.style];

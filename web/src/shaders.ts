@@ -34,6 +34,7 @@ uniform sampler2D palette;
 uniform vec3 cutAt;
 uniform vec3 cutSide;        // 1: what is below stays; -1: what is above; 0: not cut
 uniform bool turned;         // the mesh as a whole faces inward
+uniform bool solid;          // closed and not cut: no inside can be seen, only edges of triangles that are just turning away
 uniform float linesFrom;     // pixel of the picture from which on lines are drawn; left of it the surface is shaded
 uniform float pixelRatio;
 uniform vec3 clay, inside, paper, paperInside, ink, section;
@@ -68,7 +69,7 @@ void main() {
   vec3 along = dFdy(vWeight);
   if (any(lessThan(fromCut, vec3(0.0)))) discard;
 
-  bool front = gl_FrontFacing != turned;
+  bool front = solid || gl_FrontFacing != turned;
   bool lines = gl_FragCoord.x >= linesFrom;
   vec3 colour = mode == 0 || !front ? (front ? clay : inside) : coloured();
   if (lines) {
@@ -83,7 +84,7 @@ void main() {
     vec3 drawnWith = mode == 0 || !front ? ink : vec3(0.12, 0.14, 0.16);  // scales are light in both themes
     colour = mix(colour, drawnWith, max(near.x, max(near.y, near.z)));
   } else {
-    vec3 n = normalize(gl_FrontFacing ? vNormal : -vNormal);
+    vec3 n = normalize((solid ? !turned : gl_FrontFacing) ? vNormal : -vNormal);
     if (!(n.z > 0.02)) n = normalize(vec3(n.xy, 0.02));  // a normal between corners may look away where the surface does not
     colour = shaded(colour, n);
   }

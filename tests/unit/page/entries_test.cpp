@@ -68,7 +68,7 @@ TEST_F(PageEntries, OfAReportSayWhatItSays) {
   ASSERT_TRUE(cubes);
   const PageEntry entry = entry_of_report(to_json(extraction_.report, context()), "r.json", extraction_.hierarchy, cubes);
   const json facts = json::parse(entry.facts);
-  EXPECT_EQ(facts["title"], "torus.nrrd at 0.0");
+  EXPECT_EQ(facts["title"], "torus.nrrd at 0");
   EXPECT_EQ(facts["unit"], "mm");
   EXPECT_EQ(facts["command"], "isoatlas extract torus.nrrd");
   EXPECT_EQ(facts["levels"].size(), 2u);
