@@ -30,7 +30,7 @@ STUDY = {
     ("flame_heptane.nii.gz", "60.5"): (5388, 1.2), ("brain_white_matter.nii.gz", "127.5"): (7842, 1.2), ("protein_iron.nhdr", "100"): (692, 1.2),
     ("embryo.nrrd", "90.5"): (161764, 1.2), ("ct_engine.nrrd", "128"): (10398, 1.2),
 }
-GUARANTEES = "## Guarantees past the paper"  # bench/guarantees.py writes that section
+KEPT = ("## Pages", "## Guarantees past the paper")  # bench/pages.mjs and bench/guarantees.py write these sections
 # At most so many times vtkMarchingCubes: 2 on smooth volumes, 8 on noisy ones.
 SMOOTH = {("head_igea_sdf.nrrd", "0"), ("dragon_sdf.nrrd", "0"), ("neuron_dendrite.nrrd", "127.5"), ("ct_oblique.nii.gz", "80.5"),
           ("brain_white_matter.nii.gz", "127.5"), ("ct_engine.nrrd", "80.5")}
@@ -379,8 +379,8 @@ At Mesh_3's triangle counts, `--placement balanced`. Mesh_3's figures are those 
 {chr(10).join(beside)}
 """
     old = options.out.read_text() if options.out.exists() else ""
-    kept_section = old.find(GUARANTEES)
-    options.out.write_text(text + ("\n" + old[kept_section:] if kept_section >= 0 else ""))
+    kept = min((old.find(title) for title in KEPT if title in old), default=-1)
+    options.out.write_text(text + ("\n" + old[kept:] if kept >= 0 else ""))
     print(f"wrote {options.out}")
     for file in work.iterdir():
         file.unlink()
