@@ -1570,6 +1570,8 @@ class Page(ToolTest):
         self.refuse("missing.glb", "report", "missing.glb", "-o", "p.html")
         self.refuse("would replace a result", "report", "s.glb", "-o", "s.glb")
         self.refuse("nowhere", "report", "s.glb", "-o", "nowhere/p.html")
+        self.put("empty.off", off([(0, 0, 0), (1, 0, 0), (0, 1, 0)], []))
+        self.refuse("no triangles", "report", "empty.off", "-o", "p.html")
         self.refuse("the page would replace the mesh", *self.EXTRACT, "-o", "s.glb", "--html", "s.glb")
         self.refuse("the page would replace the report", *self.EXTRACT, "-o", "s.glb", "--report", "x", "--html", "x")
         self.refuse("the page would replace the volume", *self.EXTRACT, "-o", "s.glb", "--html", "sphere.nrrd")
