@@ -7,6 +7,7 @@
 #include <cstring>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -90,7 +91,8 @@ Json parsed_report(const std::string& text, const std::string& path) {
 
 // Where the report says, or beside it.
 fs::path found(const std::string& path, const fs::path& report) {
-  if (fs::exists(path)) return path;
+  std::error_code cannot_see;
+  if (fs::exists(path, cannot_see)) return path;
   return report.parent_path() / fs::path(path).filename();
 }
 
@@ -154,6 +156,7 @@ PageEntry entry_of(const Json& json, const std::string& path, Hierarchy hierarch
   facts["command"] = json.value("command", Json());
   for (const char* key : {"parameters", "input", "surface", "reference"}) facts[key] = json[key];
   if (json.contains("dropped")) facts["dropped"] = json["dropped"].size();
+  if (hierarchy.levels.size() != numbers.size()) bad_report(path, "is about another mesh: it has another number of levels");
   Json& levels = facts["levels"] = Json::array();
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     if (numbers[i] >= json["levels"].size()) bad_report(path, "has no level " + std::to_string(numbers[i]));

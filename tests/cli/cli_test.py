@@ -1579,6 +1579,9 @@ class Page(ToolTest):
         other["levels"][0]["vertices"] += 1
         self.put("other.json", json.dumps(other).encode())
         self.refuse("about another mesh", "report", "other.json", "-o", "p.html")
+        for more in (["--coarse"], self.EXTRACT[4:-1] + ["--refine", "max-distance:0.2vx"]):  # the file was made again since
+            self.succeed(*self.EXTRACT[:4], *more, "-q", "-o", "s.glb")
+            self.refuse("about another mesh", "report", "s.json", "-o", "p.html")
 
     def test_snippets_of_the_page_about_it(self):
         (self.folder / "samples").symlink_to(DOCS.parents[1] / "samples")
