@@ -26,7 +26,12 @@ int run_report(const ReportArguments& arguments, Interruption& interruption) {
   const Interruption::Cleanup clean_up(interruption, [&] { outputs.discard(); });
 
   std::vector<PageEntry> entries;
-  for (const fs::path& result : arguments.results) entries.push_back(entry_of_file(result));
+  for (const fs::path& result : arguments.results) {
+    entries.push_back(entry_of_file(result));
+    for (const fs::path& source : entries.back().sources)
+      if (same_file(source, arguments.page))
+        throw Error(ErrorCode::bad_argument, arguments.page.string() + ": the page would replace " + source.string() + ", which it shows");
+  }
   const std::string page = page_html(entries, arguments.page);
   outputs.write(arguments.page, [&](const fs::path& staged) { write_text_file(page, staged); });
   interruption.commit([&] { outputs.commit(); });

@@ -62,6 +62,14 @@ Json counted(const TriangleMesh& mesh, std::size_t number) {
   return level;
 }
 
+// Is what is said of a level true of its triangles? Compared as they are: said may be anything.
+bool agrees(const Json& said, const Json& counted) {
+  if (!said.is_object()) return false;
+  for (const char* key : {"vertices", "triangles", "components", "euler_characteristic", "genus", "boundary_loops"})
+    if (!said.contains(key) || said[key] != counted[key]) return false;
+  return true;
+}
+
 // Names of files need not be UTF-8.
 std::string text_of(const Json& facts) { return facts.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
@@ -111,31 +119,49 @@ Hierarchy of_meshes(std::vector<TriangleMesh> meshes) {
   return out;
 }
 
-// The levels that a report's files hold, as many as there are files for: all from one file, or each from its own.
-std::pair<Hierarchy, std::vector<std::size_t>> read_levels(const Json& json, const fs::path& report) {
+// The levels that a report's files hold.
+struct FoundLevels {
+  Hierarchy hierarchy;
+  std::vector<std::size_t> numbers;  // of its levels
+  std::vector<fs::path> files;
+  bool nested = true;  // a vertex has the same index in all levels that have it
+};
+
+// As many as there are files for: all from one file, or each from its own.
+FoundLevels read_levels(const Json& json, const fs::path& report) {
   std::vector<std::pair<std::size_t, fs::path>> single;
   for (const Json& file : json["files"]) {
     const fs::path path = found(file.at("path").get<std::string>(), report);
     const auto levels = file.at("levels").get<std::vector<std::size_t>>();
-    if (is_hierarchy_path(path) && levels.size() == json["levels"].size()) return {read_hierarchy(path).hierarchy, levels};
+    if (is_hierarchy_path(path) && levels.size() == json["levels"].size())
+      return {read_hierarchy(path).hierarchy, levels, files_of_hierarchy(path, levels.size())};
     if (levels.size() == 1) single.emplace_back(levels.front(), path);
   }
   std::stable_sort(single.begin(), single.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<TriangleMesh> meshes;
-  std::vector<std::size_t> numbers;
+  FoundLevels out;
   for (const auto& [number, path] : single) {
-    if (!numbers.empty() && numbers.back() == number) continue;
-    numbers.push_back(number);
+    if (!out.numbers.empty() && out.numbers.back() == number) continue;
+    out.numbers.push_back(number);
+    out.files.push_back(path);
+    out.nested = out.nested && lower_case(path.extension().string()) != ".stl";  // which has no indices
     meshes.push_back(is_hierarchy_path(path) ? read_hierarchy(path).hierarchy.mesh(0) : read_mesh(path));
   }
   if (meshes.empty()) bad_report(report.string(), "names no file with a mesh");
-  return {of_meshes(std::move(meshes)), numbers};
+  out.hierarchy = of_meshes(std::move(meshes));
+  return out;
 }
 
-// Of the volume that a report is about, if it is still there and can be read without being told how.
-std::optional<MeshQuality> marching_cubes_of(const Json& json, const fs::path& report) {
+// The volume that a report is about; empty if it came from memory.
+std::string volume_of(const Json& json) {
+  const Json& path = json["input"].at("path");
+  return path.is_null() ? std::string() : path.get<std::string>();
+}
+
+// Of the volume at `path`, if it is still there and can be read without being told how.
+std::optional<MeshQuality> marching_cubes_of(const Json& json, const fs::path& path) {
   try {
-    const Volume volume = read_volume(found(json["input"].at("path").get<std::string>(), report));
+    const Volume volume = read_volume(path);
     if (volume.grid.size != json["input"].at("size").get<std::array<std::size_t, 3>>()) return std::nullopt;
     return marching_cubes_quality(volume, json["surface"].at("isovalue").get<double>());
   } catch (const Error&) {
@@ -145,14 +171,14 @@ std::optional<MeshQuality> marching_cubes_of(const Json& json, const fs::path& r
 
 // @param numbers  the report's levels that the hierarchy has
 PageEntry entry_of(const Json& json, const std::string& path, Hierarchy hierarchy, const std::vector<std::size_t>& numbers,
-                   const std::optional<MeshQuality>& marching_cubes) {
-  const std::string volume = json["input"].at("path").get<std::string>();
-  std::string name = fs::path(volume).filename().string();
+                   const std::optional<MeshQuality>& marching_cubes, bool nested = true) {
+  const std::string volume = volume_of(json);
+  std::string name = fs::path(volume.empty() ? path : volume).filename().string();
   if (name.empty()) name = fs::path(volume).parent_path().filename().string();  // a folder
   std::array<char, 32> isovalue{};
   std::snprintf(isovalue.data(), isovalue.size(), "%g", json["surface"].at("isovalue").get<double>());
   Json facts = empty_facts(name + " at " + isovalue.data());
-  facts["unit"] = is_medical(volume) ? "mm" : "units";
+  facts["unit"] = !volume.empty() && is_medical(volume) ? "mm" : "units";
   facts["command"] = json.value("command", Json());
   for (const char* key : {"parameters", "input", "surface", "reference"}) facts[key] = json[key];
   if (json.contains("dropped")) facts["dropped"] = json["dropped"].size();
@@ -161,13 +187,13 @@ PageEntry entry_of(const Json& json, const std::string& path, Hierarchy hierarch
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     if (numbers[i] >= json["levels"].size()) bad_report(path, "has no level " + std::to_string(numbers[i]));
     Json level = json["levels"][numbers[i]];
-    if (level.value("vertices", std::size_t{0}) != hierarchy.levels[i].vertex_count ||
-        level.value("triangles", std::size_t{0}) != hierarchy.levels[i].triangles.size())
-      bad_report(path, "is about another mesh: level " + std::to_string(numbers[i]) + " has other numbers of vertices and triangles");
+    if (!agrees(level, counted(hierarchy.mesh(i), numbers[i])))
+      bad_report(path, "is about another mesh: level " + std::to_string(numbers[i]) + " is not what it says");
     shorten(level);
     levels.push_back(std::move(level));
   }
   facts["marching_cubes"] = to_value(marching_cubes);
+  facts["nested"] = nested;
   return {std::move(hierarchy), text_of(facts)};
 }
 
@@ -189,8 +215,15 @@ PageEntry entry_of_file(const fs::path& path) {
   if (lower_case(path.extension().string()) == ".json") {
     const Json json = parsed_report(read_text_file(path), path.string());
     try {
-      auto [hierarchy, numbers] = read_levels(json, path);
-      return entry_of(json, path.string(), std::move(hierarchy), numbers, marching_cubes_of(json, path));
+      FoundLevels levels = read_levels(json, path);
+      const std::string volume = volume_of(json);
+      const fs::path volume_path = volume.empty() ? fs::path() : found(volume, path);
+      const auto marching_cubes = volume.empty() ? std::nullopt : marching_cubes_of(json, volume_path);
+      PageEntry entry = entry_of(json, path.string(), std::move(levels.hierarchy), levels.numbers, marching_cubes, levels.nested);
+      entry.sources = std::move(levels.files);
+      entry.sources.push_back(path);
+      if (!volume.empty()) entry.sources.push_back(volume_path);
+      return entry;
     } catch (const Json::exception& error) {
       bad_report(path.string(), std::string("a key is missing or of another type: ") + error.what());
     }
@@ -198,26 +231,26 @@ PageEntry entry_of_file(const fs::path& path) {
   PageEntry entry;
   Json facts = empty_facts(path.filename().string());
   std::vector<std::string> said;
-  std::string space;
+  entry.sources = {path};
   if (is_hierarchy_path(path)) {
     HierarchyFile file = read_hierarchy(path);
     entry.hierarchy = std::move(file.hierarchy);
     said = std::move(file.info.levels);
-    space = file.info.mesh.space;
+    entry.sources = files_of_hierarchy(path, entry.hierarchy.levels.size());
   } else {
     entry.hierarchy = of_meshes({read_mesh(path)});
-    space = mesh_space(path);
   }
-  facts["unit"] = space == "voxel" || space.empty() ? "units" : "mm";
+  facts["unit"] = "units";  // no format of meshes says
   Json& levels = facts["levels"] = Json::array();
   for (std::size_t k = 0; k < entry.hierarchy.levels.size(); ++k) {
     const Json from_file = said.empty() ? Json() : Json::parse(said[k]);
     Json level = counted(entry.hierarchy.mesh(k), k);
-    if (from_file.is_object()) level.update(from_file);
+    if (agrees(from_file, level)) level.update(from_file);
     shorten(level);
     levels.push_back(std::move(level));
   }
   facts["marching_cubes"] = nullptr;
+  facts["nested"] = true;
   entry.facts = text_of(facts);
   return entry;
 }

@@ -143,17 +143,20 @@ EncodedPositions encoded_positions(const Hierarchy& hierarchy, const std::vector
       for (const std::size_t k : levels) require_same(hierarchy, k, decoded, out.grid.origin, triangles[k], path);
       return out;
     } catch (const Error& error) {
-      if (error.code() != ErrorCode::bad_file || bits == kMostBits) throw;
+      if (error.code() != ErrorCode::bad_file) throw;
+      if (bits == kMostBits)
+        throw Error(ErrorCode::bad_file,
+                    path.string() + ": not written: on a page's finest grid, 2^24 steps long, vertices would become one or move too far");
     }
   }
 }
 
 // Shares of the largest one, in 255 steps, rounded up: a page never says less than is so.
 Json append_distances(const std::vector<float>& distance, std::string& bytes) {
-  const float most = *std::max_element(distance.begin(), distance.end());
+  const float most = std::max(0.0f, *std::max_element(distance.begin(), distance.end()));
   std::string code;
   for (const float d : distance)
-    code += static_cast<char>(static_cast<unsigned char>(most > 0 ? std::min(255.0, std::ceil(255.0 * d / most)) : 0));
+    code += static_cast<char>(static_cast<unsigned char>(most > 0 ? std::clamp(std::ceil(255.0 * d / most), 0.0, 255.0) : 0));
   Json out = range(code, bytes);
   out["maximum"] = most;
   return out;
@@ -186,7 +189,9 @@ Json append_geometry(const Hierarchy& hierarchy, const std::filesystem::path& pa
     entry["triangles"] = range(codes[k], bytes);
     entry["triangles"]["count"] = level.triangles.size();
     if (!level.placed.empty()) entry["placed"] = encoded_positions(hierarchy, level.placed, {k}, triangles, path).append_to(bytes);
-    if (!level.distance.empty()) entry["distance"] = append_distances(level.distance, bytes);
+    const auto finite = [](float d) { return std::isfinite(d); };
+    if (!level.distance.empty() && std::all_of(level.distance.begin(), level.distance.end(), finite))
+      entry["distance"] = append_distances(level.distance, bytes);
     levels.push_back(std::move(entry));
   }
   return out;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "isoatlas/hierarchy.h"
 #include "isoatlas/mesh.h"
@@ -16,7 +17,8 @@ namespace isoatlas {
 /// One result of a page.
 struct PageEntry {
   Hierarchy hierarchy;
-  std::string facts;  ///< a JSON object with what "isoatlas-page-1" says of a result, but for its geometry
+  std::string facts;                                ///< a JSON object with what "isoatlas-page-1" says of a result, but for its geometry
+  std::vector<std::filesystem::path> sources = {};  ///< the files that it was read from, the volume among them; some may not be there
 };
 
 /// From a report ("isoatlas-report-2") and the levels it is about.
@@ -26,7 +28,8 @@ PageEntry entry_of_report(const std::string& report, const std::string& path, Hi
                           const std::optional<MeshQuality>& marching_cubes);
 
 /// From a file: levels (.glb, .vtm), one mesh (.ply, .stl, ...), or a report (.json), which names the files of its meshes and the
-/// volume. They are looked for where it says, then beside it. What a file does not say is counted (topology, shape) or left out.
+/// volume. They are looked for where it says, then beside it. What a file does not say is counted (topology, shape) or left out; so is what
+/// it says of a level whose triangles are others.
 /// @throws Error(bad_file), Error(unsupported)
 PageEntry entry_of_file(const std::filesystem::path& path);
 

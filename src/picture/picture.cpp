@@ -33,7 +33,8 @@
 namespace isoatlas {
 namespace {
 
-constexpr int kFiner = 3;  // drawn so many times larger, then averaged: edges are smooth whatever the driver can do
+constexpr int kFiner = 3;              // drawn so many times larger, then averaged: edges are smooth whatever the driver can do
+constexpr int kLargestWindow = 16384;  // drivers draw nothing into larger ones
 constexpr double kMargin = 1.06;
 
 struct Box {
@@ -126,6 +127,7 @@ std::string picture_png(const TriangleMesh& mesh, const PictureOptions& options)
   require(options.zoom > 0 && std::isfinite(options.zoom), "the zoom of a picture must be positive");
   const Vec3 towards = normalized(options.view);
   require(length(cross(towards, normalized(options.up))) > 1e-6, "the view of a picture and what is up in it must be two directions");
+  const int finer = std::min(kFiner, kLargestWindow / std::max(options.width, options.height));
   const picture::Display display;
 
   const Box box = box_of(mesh);
@@ -158,7 +160,7 @@ std::string picture_png(const TriangleMesh& mesh, const PictureOptions& options)
     edge_actor->SetMapper(edge_mapper);
     edge_actor->GetProperty()->SetLighting(false);
     edge_actor->GetProperty()->SetColor(0.10, 0.12, 0.15);
-    edge_actor->GetProperty()->SetLineWidth(1.25f * kFiner);
+    edge_actor->GetProperty()->SetLineWidth(1.25f * static_cast<float>(finer));
     renderer->AddActor(edge_actor);
   }
 
@@ -184,7 +186,7 @@ std::string picture_png(const TriangleMesh& mesh, const PictureOptions& options)
   vtkNew<vtkRenderWindow> window;
   window->SetOffScreenRendering(1);
   window->SetMultiSamples(0);
-  window->SetSize(kFiner * options.width, kFiner * options.height);
+  window->SetSize(finer * options.width, finer * options.height);
   window->AddRenderer(renderer);
   window->Render();
   vtkNew<vtkWindowToImageFilter> pixels;
@@ -192,7 +194,7 @@ std::string picture_png(const TriangleMesh& mesh, const PictureOptions& options)
   pixels->ReadFrontBufferOff();
   vtkNew<vtkImageShrink3D> smaller;
   smaller->SetInputConnection(pixels->GetOutputPort());
-  smaller->SetShrinkFactors(kFiner, kFiner, 1);
+  smaller->SetShrinkFactors(finer, finer, 1);
   smaller->AveragingOn();
   vtkNew<vtkPNGWriter> writer;
   writer->SetInputConnection(smaller->GetOutputPort());

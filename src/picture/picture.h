@@ -25,7 +25,7 @@ struct PictureOptions {
 /// The mesh on white, as PNG, in parallel projection.
 /// @throws Error(unsupported)   there is no display and no Xvfb
 /// @throws Error(bad_argument)  no triangles, a size outside [16, 8192], zoom not positive, view or up zero or along each other
-/// @cost   nine times the picture's pixels, and the mesh once more in float
+/// @cost   at most nine times the picture's pixels, and the mesh once more in float
 std::string picture_png(const TriangleMesh& mesh, const PictureOptions& options);
 
 }  // namespace isoatlas

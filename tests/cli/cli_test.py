@@ -1457,6 +1457,17 @@ class Picture(ToolTest):
         self.assertRegex(self.succeed("picture", "s.glb", "-o", "p.png"), r"\A  wrote +p.png: [\d,]+ triangles, [\d.]+ KiB\n\Z")
         self.assertEqual(png_size((self.folder / "p.png").read_bytes()), (1200, 900))
 
+    def test_the_largest_sizes_are_drawn(self):
+        for size in [(6000, 60), (8192, 16)]:
+            data = self.make("--size", "{},{}".format(*size))
+            self.assertEqual(png_size(data), size)
+            start, row = 33, b""
+            while start < len(data):
+                length, kind = struct.unpack(">I4s", data[start:start + 8])
+                row += data[start + 8:start + 8 + length] if kind == b"IDAT" else b""
+                start += 12 + length
+            self.assertIn(b"\xff\xff\xff", zlib.decompress(row)[:30], "a white corner")
+
     def test_one_mesh(self):
         self.put("t.off", off(*TETRAHEDRON))
         self.succeed("picture", "t.off", "--level", "0", "-o", "t.png", "-q")
@@ -1569,6 +1580,8 @@ class Page(ToolTest):
         self.refuse("is no report", "report", "bad.json", "-o", "p.html")
         self.refuse("missing.glb", "report", "missing.glb", "-o", "p.html")
         self.refuse("would replace a result", "report", "s.glb", "-o", "s.glb")
+        self.refuse("would replace .*s.glb", "report", "s.json", "-o", "s.glb")
+        self.refuse("would replace .*sphere.nrrd", "report", "s.json", "-o", "sphere.nrrd")
         self.refuse("nowhere", "report", "s.glb", "-o", "nowhere/p.html")
         self.put("empty.off", off([(0, 0, 0), (1, 0, 0), (0, 1, 0)], []))
         self.refuse("no triangles", "report", "empty.off", "-o", "p.html")

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page in a real browser: node --test tests/page/   (build it first: cd web && npm ci && npm run build)
+// The page in a real browser: node --test tests/page/page_test.mjs   (build it first: cd web && npm ci && npm run build)
 //   ISOATLAS_PAGE=page.html         also checks a page that the tool has made
 //   ISOATLAS_PAGE_SCREENSHOTS=DIR   where pictures go for a person to open (default: build/page-screenshots)
 //   ISOATLAS_CHROMIUM=PATH          default: /usr/bin/chromium

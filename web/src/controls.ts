@@ -26,6 +26,7 @@ export function choice<T extends string>(name: string, legend: string, options: 
   inputs.get(options[0].value)!.checked = true;
   const note = element("p", {class: "soft note"});
   note.hidden = true;
+  const reasons = new Map<T, string>();  // why some cannot be chosen
   const field = element("fieldset", {id: name}, element("legend", {}, legend), element("div", {class: "chips"}, ...chips), note);
   return {
     field,
@@ -33,8 +34,10 @@ export function choice<T extends string>(name: string, legend: string, options: 
     set: (value) => void (inputs.get(value)!.checked = true),
     enable: (value, enabled, why) => {
       inputs.get(value)!.disabled = !enabled;
-      note.hidden = enabled;
-      note.textContent = enabled ? "" : why;
+      reasons.delete(value);
+      if (!enabled) reasons.set(value, why);
+      note.hidden = reasons.size === 0;
+      note.textContent = [...reasons.values()].join(" ");
       if (!enabled && inputs.get(value)!.checked) inputs.get(options[0].value)!.checked = true;
     },
   };

@@ -87,6 +87,8 @@ export interface Result {
   surface: Record<string, unknown> | null;
   reference: ({kinds: Kind[]; components: number; genus: number; boundary_loops: number; euler_characteristic: number} & Record<string, unknown>) | null;
   levels: LevelFacts[];
+  /** false: vertices have other indices in each level. */
+  nested?: boolean;
   marching_cubes: {triangles: number; histogram: number[]; share_below_third: number; minimum: number} | null;
   geometry: {positions: QuantisedPositions; levels: LevelGeometry[]};
 }

@@ -137,6 +137,7 @@ class PageView {
     this.head(result);
     this.level.open(mesh.levels.length, mesh.levels.length - 1);
     this.colouring.enable("distance", mesh.levels.some(({distance}) => distance !== null), "The file has no distance error per vertex.");
+    this.colouring.enable("level", result.nested !== false, "The files do not say which level a vertex came in.");
     this.overlay.unit = this.lengthUnit();
     this.scene?.show(mesh, this.shapes);
     for (const cut of this.cuts) cut.reset();

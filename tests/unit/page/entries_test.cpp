@@ -90,6 +90,10 @@ TEST_F(PageEntries, OfAReportAboutAnotherMeshAreRefused) {
   expect_error(ErrorCode::bad_file, "r.json: has no 'levels'", [&] { entry_of_report(broken.dump(), "r.json", other, {}); });
   broken = json::parse(report);
   broken["levels"][0]["vertices"] = "many";
+  expect_error(ErrorCode::bad_file, "r.json: is about another mesh: level 0",
+               [&] { entry_of_report(broken.dump(), "r.json", extraction_.hierarchy, {}); });
+  broken = json::parse(report);
+  broken["surface"]["isovalue"] = "high";
   expect_error(ErrorCode::bad_file, "r.json: a key", [&] { entry_of_report(broken.dump(), "r.json", extraction_.hierarchy, {}); });
 }
 
@@ -113,6 +117,32 @@ TEST_F(PageEntries, OfFilesSayWhatTheyKnowAndCountTheRest) {
   EXPECT_EQ(facts["unit"], "units") << "the file does not say in which space it is";
 }
 
+// A certificate is of the triangles that it came with.
+TEST_F(PageEntries, OfFilesThatSayWhatIsNotSoAreCounted) {
+  HierarchyFileInfo lies = info();
+  json level = json::parse(lies.levels[1]);
+  level["genus"] = 7;
+  lies.levels[1] = level.dump();
+  write_hierarchy(extraction_.hierarchy, folder_ / "a.glb", lies);
+  const json facts = json::parse(entry_of_file(folder_ / "a.glb").facts);
+  EXPECT_TRUE(facts["levels"][0].contains("certificate"));
+  EXPECT_FALSE(facts["levels"][1].contains("certificate"));
+  EXPECT_EQ(facts["levels"][1]["genus"], 1);
+}
+
+// Of an array in Python.
+TEST_F(PageEntries, OfAReportOfAVolumeInMemory) {
+  ReportContext said = context();
+  said.volume_path.clear();
+  write_hierarchy(extraction_.hierarchy, folder_ / "a.glb", info());
+  said.files = {{"a.glb", {0, 1}, 1}};
+  write_text_file(to_json(extraction_.report, said), folder_ / "r.json");
+  const json facts = json::parse(entry_of_file(folder_ / "r.json").facts);
+  EXPECT_EQ(facts["title"], "r.json at 0");
+  EXPECT_EQ(facts["unit"], "units");
+  EXPECT_TRUE(facts["marching_cubes"].is_null());
+}
+
 // The report names files as they were called when it was written; they are found beside it, too.
 TEST_F(PageEntries, OfAReportFileFindItsMeshes) {
   ReportContext said = context();
@@ -131,6 +161,10 @@ TEST_F(PageEntries, OfAReportFileFindItsMeshes) {
   const PageEntry finest = report_of({{"a-1.ply", {1}, 1}});
   EXPECT_EQ(finest.hierarchy.levels.size(), 1u);
   EXPECT_EQ(json::parse(finest.facts)["levels"][0]["level"], 1);
+  write_mesh(extraction_.hierarchy.mesh(0), folder_ / "a-0.stl");
+  write_mesh(extraction_.hierarchy.mesh(1), folder_ / "a-1.stl");
+  EXPECT_TRUE(json::parse(both.facts)["nested"]);
+  EXPECT_FALSE(json::parse(report_of({{"a-0.stl", {0}, 1}, {"a-1.stl", {1}, 1}}).facts)["nested"]);
   expect_error(ErrorCode::bad_file, "names no file", [&] { report_of({}); });
   expect_error(ErrorCode::bad_file, "gone.ply", [&] { report_of({{"gone.ply", {1}, 1}}); });
 }
