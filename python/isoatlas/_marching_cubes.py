@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 from __future__ import annotations
 
+import math
 from typing import Any, Literal, Sequence
 
 import numpy as np
@@ -90,7 +91,11 @@ def marching_cubes(
     if level is None:
         if array.size == 0:
             raise BadArgumentError(f"the array has no samples, its shape is {array.shape}")
-        level = 0.5 * float(array.min()) + 0.5 * float(array.max())
+        # What is not finite has a side, but no place between the others; without one extract() says that it is there.
+        samples = array[np.isfinite(array)] if array.dtype.kind == "f" else array
+        level = 0.5 * float(samples.min()) + 0.5 * float(samples.max()) if samples.size else 0.0
+    elif not math.isfinite(level):
+        raise BadArgumentError(f"level: expected a finite number, got '{level}'")
     steps = (world[0] * step, world[1] * step, world[2] * step)
     mesh = extract(
         array,

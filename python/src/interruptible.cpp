@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <string_view>
@@ -56,6 +57,7 @@ struct GivenUp {
   std::shared_ptr<Shared> shared;
   std::thread thread;
   py::object keep_alive;
+  std::function<void()> discard;
 };
 
 // Guarded by the interpreter's lock. Never destroyed: at the end of the process there is no interpreter to return objects to.
@@ -81,6 +83,9 @@ void forget_what_has_ended() {
 /// is finished by then, and the status known.
 void end_at_once(int status, void* /*unused*/) {
   if (std::ranges::all_of(given_up(), [](const GivenUp& work) { return is_done(*work.shared); })) return;
+  for (const GivenUp& work : given_up()) {
+    if (work.discard && !is_done(*work.shared)) work.discard();
+  }
   std::fflush(nullptr);
   _exit(status);
 }
@@ -133,7 +138,7 @@ void run_interruptibly(std::function<void(const RunControl&)> work, const Watch&
     if (cancel(*shared))
       thread.join();
     else
-      give_up({shared, std::move(thread), watch.keep_alive});
+      give_up({shared, std::move(thread), watch.keep_alive, watch.discard});
     throw;
   }
   thread.join();

@@ -21,6 +21,7 @@ struct Watch {
   py::object progress = py::none();    ///< called as progress(stage, fraction) on the calling thread, some 20 times a second; or None
   int threads = 0;                     ///< 0: as many as the machine has
   py::object keep_alive = py::none();  ///< what the work reads without owning it
+  std::function<void()> discard = {};  ///< removes what it has half written; called beside it if the process ends before it does
 };
 
 /// Runs `work` on a thread of its own. This one waits without the interpreter's lock, and takes it now and then to look for signals and

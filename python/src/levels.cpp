@@ -189,9 +189,10 @@ void save_levels(const std::shared_ptr<Levels>& levels, const std::string& path,
   std::vector<MeshOutputs::Other> others;
   if (report) others.push_back({*report, "report"});
   meshes.check(levels->hierarchy.levels.size(), levels->made ? levels->made->context.volume_path : std::string(), others);
+  const auto files_of_run = std::make_shared<OutputFiles>();
   run_interruptibly(
-      [levels, report, meshes](const RunControl& control) {
-        OutputFiles outputs;
+      [levels, report, meshes, files_of_run](const RunControl& control) {
+        OutputFiles& outputs = *files_of_run;
         const auto started = std::chrono::steady_clock::now();
         const std::vector<ReportFile> files = meshes.write(levels->hierarchy, levels->info, outputs);
         if (report) {
@@ -204,7 +205,7 @@ void save_levels(const std::shared_ptr<Levels>& levels, const std::string& path,
         control.check_cancelled();
         outputs.commit();
       },
-      {});
+      {.discard = [files_of_run] { files_of_run->discard(); }});
 }
 
 }  // namespace isoatlas::python

@@ -133,3 +133,15 @@ def test_no_volume():
     for array in (np.zeros((4, 4)), np.zeros((1, 4, 4)), np.zeros((0, 4, 4))):
         with pytest.raises(ValueError):
             isoatlas.marching_cubes(array)
+
+
+def test_default_level_where_samples_are_not_finite():
+    field = torus()
+    expected = isoatlas.marching_cubes(field)
+    field[0, 0, 0] = np.nan
+    with pytest.raises(isoatlas.UnsupportedError, match="1 NaN"):
+        isoatlas.marching_cubes(field)
+    found = isoatlas.marching_cubes(field, nan="below")
+    assert np.array_equal(found[0], expected[0]) and np.array_equal(found[1], expected[1])
+    with pytest.raises(isoatlas.BadArgumentError, match="^level: expected a finite number"):
+        isoatlas.marching_cubes(torus(), float("nan"))

@@ -162,6 +162,31 @@ def test_ctrl_c_while_files_are_written(tmp_path):
     assert [name for name in os.listdir(tmp_path) if name != "m.obj"] == []  # no hidden folders
 
 
+def test_a_process_that_ends_while_files_are_written_leaves_none(tmp_path):
+    code = textwrap.dedent(
+        """
+        import os, threading, signal
+        import numpy as np
+        import isoatlas
+        faces = np.arange(3 * 2**20, dtype=np.uint32).reshape(-1, 3)
+        with open("big.off", "w") as file:  # a mesh that takes long to write, and is quickly made
+            file.write(f"OFF\\n{3 * 2**20} {2**20} 0\\n")
+            np.savetxt(file, np.random.default_rng(1).random((3 * 2**20, 3)), fmt="%.17g")
+            np.savetxt(file, np.insert(faces, 0, 3, axis=1), fmt="%d")
+        mesh = isoatlas.read("big.off")
+        before = sorted(os.listdir("."))
+        threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()
+        try:
+            mesh.save("m.obj")
+        except KeyboardInterrupt:
+            print(isoatlas._core.given_up_work(), before == sorted(n for n in os.listdir(".") if not n.startswith(".isoatlas")))
+        """
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path)
+    assert run.stdout == "1 True\n", run.stdout + run.stderr  # else there was nothing to clear away
+    assert sorted(os.listdir(tmp_path)) == ["big.off"]
+
+
 def test_work_goes_on_after_ctrl_c():
     """The session stays usable, and memory comes back."""
     tail = """
