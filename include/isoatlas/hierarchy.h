@@ -30,4 +30,8 @@ struct Hierarchy {
   TriangleMesh mesh(std::size_t level) const;
 };
 
+/// Levels that come as meshes of their own, coarse to fine, as one: `placed` where a level's vertices are not, bit by bit, the first ones
+/// of the finest level; no parents. @pre there are levels
+Hierarchy hierarchy_of(std::vector<TriangleMesh> levels);
+
 }  // namespace isoatlas

@@ -11,6 +11,9 @@ using Triple = std::array<double, 3>;
 
 Triple triple(Vec3 v) { return {v.x, v.y, v.z}; }
 
+/// There and back.
+Vec3 as_ras(Vec3 p, Space space) { return space == Space::ras ? Vec3{-p.x, -p.y, p.z} : p; }
+
 void turn_over(std::vector<Triangle>& triangles) {
   for (Triangle& t : triangles) std::swap(t[1], t[2]);
 }
@@ -49,24 +52,20 @@ Grid Axes::to_library(const Grid& caller) const {
 
 void Axes::to_library(TriangleMesh& mesh, Space space) const {
   if (is_same()) return;
-  for (Vec3& p : mesh.positions) p = to_library(space == Space::ras ? Vec3{-p.x, -p.y, p.z} : p);
+  for (Vec3& p : mesh.positions) p = to_library(as_ras(p, space));
   if (mirrors()) turn_over(mesh.triangles);
 }
 
 void Axes::to_caller(Measurement& measurement, Space space) const {
   if (is_same()) return;
   for (OneSidedDistance* side : {&measurement.mesh_to_surface, &measurement.surface_to_mesh}) {
-    const Vec3 p = to_caller(side->farthest);
-    side->farthest = space == Space::ras ? Vec3{-p.x, -p.y, p.z} : p;
+    side->farthest = as_ras(to_caller(side->farthest), space);
   }
 }
 
 void Axes::to_caller(Extraction& extraction, Space space) const {
   if (is_same()) return;
-  const auto move = [&](Vec3& place) {
-    const Vec3 p = to_caller(place);
-    place = space == Space::ras ? Vec3{-p.x, -p.y, p.z} : p;
-  };
+  const auto move = [&](Vec3& place) { place = as_ras(to_caller(place), space); };
   Hierarchy& hierarchy = extraction.hierarchy;
   for (Vec3& p : hierarchy.positions) move(p);
   for (Hierarchy::Level& level : hierarchy.levels) {

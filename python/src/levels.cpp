@@ -132,11 +132,9 @@ std::shared_ptr<Levels> read_levels(const std::string& path) {
           levels->info = std::move(file.info);
           return levels;
         }
-        TriangleMesh mesh = read_mesh(path);
         levels->info.mesh.space = mesh_space(path);
         levels->info.mesh.comment = "isoatlas " ISOATLAS_VERSION;
-        levels->hierarchy.levels.push_back({static_cast<std::uint32_t>(mesh.positions.size()), std::move(mesh.triangles), {}, {}});
-        levels->hierarchy.positions = std::move(mesh.positions);
+        levels->hierarchy = hierarchy_of({read_mesh(path)});
         return levels;
       },
       {});

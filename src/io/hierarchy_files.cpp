@@ -4,7 +4,6 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <cstring>
 #include <new>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -61,6 +60,18 @@ std::string fault_of(const TriangleMesh& mesh) {
   return mesh.triangles.empty() ? "there are no triangles" : "";
 }
 
+std::string fault_of(const std::vector<float>& distances, std::size_t vertex_count) {
+  if (!distances.empty() && distances.size() != vertex_count) {
+    return "there are " + std::to_string(distances.size()) + " distances for " + std::to_string(vertex_count) + " vertices";
+  }
+  for (std::size_t v = 0; v < distances.size(); ++v) {
+    if (!(distances[v] >= 0) || std::isinf(distances[v])) {
+      return "the distance of vertex " + std::to_string(v) + " is not finite or negative";
+    }
+  }
+  return "";
+}
+
 std::string fault_of(const Hierarchy& hierarchy, const HierarchyFileInfo& info) {
   if (hierarchy.levels.empty()) {
     return "there are no levels";
@@ -76,9 +87,8 @@ std::string fault_of(const Hierarchy& hierarchy, const HierarchyFileInfo& info) 
         (!level.placed.empty() && level.placed.size() != level.vertex_count)) {
       return where + "its " + std::to_string(level.vertex_count) + " vertices are not those of the level before and more";
     }
-    if (!level.distance.empty() && level.distance.size() != level.vertex_count) {
-      return where + "there are " + std::to_string(level.distance.size()) + " distances for " + std::to_string(level.vertex_count) +
-             " vertices";
+    if (const std::string fault = fault_of(level.distance, level.vertex_count); !fault.empty()) {
+      return where + fault;
     }
     most = level.vertex_count;
     if (const std::string fault = fault_of(hierarchy.mesh(k)); !fault.empty()) {
@@ -89,10 +99,6 @@ std::string fault_of(const Hierarchy& hierarchy, const HierarchyFileInfo& info) 
     }
   }
   return "";
-}
-
-bool is_prefix(const std::vector<Vec3>& coarse, const std::vector<Vec3>& fine) {
-  return coarse.size() <= fine.size() && std::memcmp(coarse.data(), fine.data(), coarse.size() * sizeof(Vec3)) == 0;
 }
 
 }  // namespace
@@ -144,26 +150,18 @@ HierarchyFile read_hierarchy(const fs::path& path) {
     HierarchyFile file;
     file.info = std::move(stored.info);
     for (std::size_t k = 0; k < stored.meshes.size(); ++k) {
-      if (const std::string fault = fault_of(stored.meshes[k]); !fault.empty()) {
+      std::string fault = fault_of(stored.meshes[k]);
+      if (fault.empty()) {
+        fault = fault_of(stored.distances[k], stored.meshes[k].positions.size());
+      }
+      if (!fault.empty()) {
         throw io::bad_file(path, "level " + std::to_string(k) + ": " + fault);
       }
     }
-    const std::vector<Vec3>& finest = stored.meshes.back().positions;
-    for (std::size_t k = 0; k < stored.meshes.size(); ++k) {
-      TriangleMesh& mesh = stored.meshes[k];
-      if (const std::size_t n = stored.distances[k].size(); n != 0 && n != mesh.positions.size()) {
-        throw io::bad_file(path, "level " + std::to_string(k) + ": there are " + std::to_string(n) + " distances for " +
-                                     std::to_string(mesh.positions.size()) + " vertices");
-      }
-      Hierarchy::Level& level = file.hierarchy.levels.emplace_back();
-      level.distance = std::move(stored.distances[k]);
-      level.vertex_count = static_cast<std::uint32_t>(mesh.positions.size());
-      level.triangles = std::move(mesh.triangles);
-      if (!is_prefix(mesh.positions, finest)) {
-        level.placed = mesh.positions;
-      }
+    file.hierarchy = hierarchy_of(std::move(stored.meshes));
+    for (std::size_t k = 0; k < stored.distances.size(); ++k) {
+      file.hierarchy.levels[k].distance = std::move(stored.distances[k]);
     }
-    file.hierarchy.positions = std::move(stored.meshes.back().positions);
     return file;
   });
 }

@@ -14,6 +14,8 @@
 #include "io/formats.h"
 #include "io/output_buffer.h"
 #include "io/same_mesh.h"
+#include "mesh/bounds.h"
+#include "mesh/vertex_normals.h"
 
 namespace isoatlas::io {
 
@@ -26,48 +28,20 @@ constexpr int kUnsignedInt = 5125;
 constexpr int kArrayBuffer = 34962;
 constexpr int kElementArrayBuffer = 34963;
 
-struct Box {
-  Vec3 low, high;
-};
-
-Box bounds(const std::vector<Vec3>& positions) {
-  constexpr double kMost = std::numeric_limits<double>::max();
-  Box box{{kMost, kMost, kMost}, {-kMost, -kMost, -kMost}};
-  for (const Vec3& p : positions) {
-    box.low = {std::min(box.low.x, p.x), std::min(box.low.y, p.y), std::min(box.low.z, p.z)};
-    box.high = {std::max(box.high.x, p.x), std::max(box.high.y, p.y), std::max(box.high.z, p.z)};
-  }
-  return box;
-}
-
 // Where float has digits to lose: a mesh farther from the origin than it is long is moved to the origin, and a node
 // moves it back. The translation is a float, so that viewers who compute in floats put the mesh where we say it is.
-Vec3 translation_of(const Box& box) {
+Vec3 translation_of(const Bounds& box) {
   const Vec3 middle = 0.5 * box.low + 0.5 * box.high;
-  const Vec3 size = box.high - box.low;
-  const double longest = std::max({size.x, size.y, size.z});
-  if (std::max({std::fabs(middle.x), std::fabs(middle.y), std::fabs(middle.z)}) <= longest) {
+  if (std::max({std::fabs(middle.x), std::fabs(middle.y), std::fabs(middle.z)}) <= box.longest()) {
     return {};
   }
   return {static_cast<float>(middle.x), static_cast<float>(middle.y), static_cast<float>(middle.z)};
 }
 
-// Unit normals of the vertices: the sum of the area vectors around them.
-std::vector<Float3> vertex_normals(const TriangleMesh& mesh, const Box& box) {
-  const Vec3 size = box.high - box.low;
-  const double longest = std::max({size.x, size.y, size.z, std::numeric_limits<double>::min()});
-  std::vector<Vec3> sums(mesh.positions.size());
-  for (const Triangle& t : mesh.triangles) {
-    const Vec3 a = mesh.positions[t[0]];
-    const Vec3 area = cross((1 / longest) * (mesh.positions[t[1]] - a), (1 / longest) * (mesh.positions[t[2]] - a));
-    for (const std::uint32_t v : t) {
-      sums[v] = sums[v] + area;
-    }
-  }
+std::vector<Float3> stored_normals(const TriangleMesh& mesh, const Bounds& box) {
   std::vector<Float3> normals;
-  normals.reserve(sums.size());
-  for (const Vec3& sum : sums) {
-    const Vec3 normal = normalized(sum);
+  normals.reserve(mesh.positions.size());
+  for (const Vec3& normal : vertex_normals(mesh, std::max(box.longest(), std::numeric_limits<double>::min()))) {
     // glTF wants unit vectors; where all cancels out any of them is as good as any other.
     normals.push_back(normal == Vec3{} ? Float3{0, 0, 1}
                                        : Float3{static_cast<float>(normal.x), static_cast<float>(normal.y), static_cast<float>(normal.z)});
@@ -156,7 +130,7 @@ struct Glb {
 Glb make_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const std::filesystem::path& path) {
   const bool is_balanced = info.placement == Placement::balanced;
   const std::size_t level_count = hierarchy.levels.size();
-  const Box box = bounds(hierarchy.mesh(level_count - 1).positions);
+  const Bounds box = bounds_of(hierarchy.mesh(level_count - 1).positions);
   const Vec3 translation = translation_of(box);
   const bool is_moved = translation != Vec3{};
 
@@ -183,7 +157,7 @@ Glb make_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const st
     add_range(position, own.empty() ? shared : own, mesh.positions.size());
     const std::size_t positions = buffer.add_accessor(std::move(position));
     const std::size_t normals =
-        buffer.add_accessor(vec3_accessor(buffer.add_view(vertex_normals(mesh, box), kArrayBuffer), mesh.positions.size()));
+        buffer.add_accessor(vec3_accessor(buffer.add_view(stored_normals(mesh, box), kArrayBuffer), mesh.positions.size()));
     Json attributes = {{"POSITION", positions}, {"NORMAL", normals}};
     if (const std::vector<float>& distance = hierarchy.levels[k].distance; !distance.empty()) {
       const std::size_t view = buffer.add_view(distance, kArrayBuffer);

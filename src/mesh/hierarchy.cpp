@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "isoatlas/hierarchy.h"
 
+#include <cstring>
 #include <string>
+#include <utility>
 
 #include "isoatlas/error.h"
 
@@ -21,6 +23,20 @@ TriangleMesh Hierarchy::mesh(std::size_t level) const {
     out.positions.assign(positions.begin(), positions.begin() + l.vertex_count);
   } else {
     out.positions = l.placed;
+  }
+  return out;
+}
+
+Hierarchy hierarchy_of(std::vector<TriangleMesh> levels) {
+  Hierarchy out;
+  out.positions = levels.back().positions;
+  for (TriangleMesh& mesh : levels) {
+    const std::size_t n = mesh.positions.size();
+    const bool is_prefix = n <= out.positions.size() && std::memcmp(mesh.positions.data(), out.positions.data(), n * sizeof(Vec3)) == 0;
+    Hierarchy::Level& level = out.levels.emplace_back();
+    level.vertex_count = static_cast<std::uint32_t>(n);
+    level.triangles = std::move(mesh.triangles);
+    if (!is_prefix) level.placed = std::move(mesh.positions);
   }
   return out;
 }

@@ -4,7 +4,6 @@
 #include <array>
 #include <cctype>
 #include <cstdio>
-#include <cstring>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -104,21 +103,6 @@ fs::path found(const std::string& path, const fs::path& report) {
   return report.parent_path() / fs::path(path).filename();
 }
 
-// The levels of one result, each a mesh in a file of its own.
-Hierarchy of_meshes(std::vector<TriangleMesh> meshes) {
-  Hierarchy out;
-  out.positions = meshes.back().positions;
-  for (TriangleMesh& mesh : meshes) {
-    const std::size_t n = mesh.positions.size();
-    const bool nested = n <= out.positions.size() && std::memcmp(mesh.positions.data(), out.positions.data(), n * sizeof(Vec3)) == 0;
-    Hierarchy::Level& level = out.levels.emplace_back();
-    level.vertex_count = static_cast<std::uint32_t>(n);
-    level.triangles = std::move(mesh.triangles);
-    if (!nested) level.placed = std::move(mesh.positions);
-  }
-  return out;
-}
-
 // The levels that a report's files hold.
 struct FoundLevels {
   Hierarchy hierarchy;
@@ -148,7 +132,7 @@ FoundLevels read_levels(const Json& json, const fs::path& report) {
     meshes.push_back(is_hierarchy_path(path) ? read_hierarchy(path).hierarchy.mesh(0) : read_mesh(path));
   }
   if (meshes.empty()) bad_report(report.string(), "names no file with a mesh");
-  out.hierarchy = of_meshes(std::move(meshes));
+  out.hierarchy = hierarchy_of(std::move(meshes));
   return out;
 }
 
@@ -238,7 +222,7 @@ PageEntry entry_of_file(const fs::path& path) {
     said = std::move(file.info.levels);
     entry.sources = files_of_hierarchy(path, entry.hierarchy.levels.size());
   } else {
-    entry.hierarchy = of_meshes({read_mesh(path)});
+    entry.hierarchy = hierarchy_of({read_mesh(path)});
   }
   facts["unit"] = "units";  // no format of meshes says
   Json& levels = facts["levels"] = Json::array();

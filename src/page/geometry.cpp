@@ -15,6 +15,7 @@
 #include "io/same_mesh.h"
 #include "isoatlas/error.h"
 #include "isoatlas/mesh.h"
+#include "mesh/bounds.h"
 
 namespace isoatlas::page {
 namespace {
@@ -31,13 +32,8 @@ struct Grid3 {
 };
 
 Grid3 grid_over(const std::vector<Vec3>& positions, int bits) {
-  Vec3 low = positions.front(), high = low;
-  for (const Vec3& p : positions) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  }
-  const double longest = std::max({high.x - low.x, high.y - low.y, high.z - low.z});
-  return {low, longest > 0 ? longest / ((1 << bits) - 1) : 1};
+  const Bounds box = bounds_of(positions);
+  return {box.low, box.longest() > 0 ? box.longest() / ((1 << bits) - 1) : 1};
 }
 
 std::vector<Steps> on_grid(const std::vector<Vec3>& positions, const Grid3& grid) {

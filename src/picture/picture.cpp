@@ -22,12 +22,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <utility>
 #include <vector>
 
 #include "core/vector_math.h"
 #include "isoatlas/error.h"
+#include "mesh/vertex_normals.h"
 #include "picture/display.h"
 
 namespace isoatlas {
@@ -54,29 +54,21 @@ Box box_of(const TriangleMesh& mesh) {
   return {0.5 * low + 0.5 * high, std::max(0.5 * length(high - low), 1e-300)};
 }
 
-// Around the origin with radius 1, where floats are good, and with the normals of the vertices: sums of area vectors.
+// Around the origin with radius 1, where floats are good, and with the normals of the vertices.
 vtkNew<vtkPolyData> surface_of(const TriangleMesh& mesh, const Box& box) {
   vtkNew<vtkPoints> points;
   points->SetNumberOfPoints(static_cast<vtkIdType>(mesh.positions.size()));
-  std::vector<Vec3> at;
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-    at.push_back((1 / box.radius) * (mesh.positions[v] - box.middle));
-    points->SetPoint(static_cast<vtkIdType>(v), at[v].x, at[v].y, at[v].z);
+    const Vec3 at = (1 / box.radius) * (mesh.positions[v] - box.middle);
+    points->SetPoint(static_cast<vtkIdType>(v), at.x, at.y, at.z);
   }
-  std::vector<Vec3> normals(mesh.positions.size());
   vtkNew<vtkCellArray> triangles;
-  for (const Triangle& t : mesh.triangles) {
-    const Vec3 area = cross(at[t[1]] - at[t[0]], at[t[2]] - at[t[0]]);
-    for (const std::uint32_t v : t) normals[v] = normals[v] + area;
-    triangles->InsertNextCell({t[0], t[1], t[2]});
-  }
+  for (const Triangle& t : mesh.triangles) triangles->InsertNextCell({t[0], t[1], t[2]});
+  const std::vector<Vec3> normals = vertex_normals(mesh, box.radius);
   vtkNew<vtkFloatArray> unit;
   unit->SetNumberOfComponents(3);
   unit->SetNumberOfTuples(static_cast<vtkIdType>(normals.size()));
-  for (std::size_t v = 0; v < normals.size(); ++v) {
-    const Vec3 n = normalized(normals[v]);
-    unit->SetTuple3(static_cast<vtkIdType>(v), n.x, n.y, n.z);
-  }
+  for (std::size_t v = 0; v < normals.size(); ++v) unit->SetTuple3(static_cast<vtkIdType>(v), normals[v].x, normals[v].y, normals[v].z);
   vtkNew<vtkPolyData> out;
   out->SetPoints(points);
   out->SetPolys(triangles);

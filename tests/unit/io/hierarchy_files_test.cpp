@@ -316,6 +316,9 @@ TEST(HierarchyFiles, WrongLevelsAreNotWritten) {
     hierarchy = sphere({});
     hierarchy.levels[1].distance.pop_back();
     refuse("level 1: there are 17 distances for 18 vertices", hierarchy);
+    hierarchy = sphere({});
+    hierarchy.levels[1].distance[4] = -0.5F;
+    refuse("level 1: the distance of vertex 4", hierarchy);
     refuse("2 texts for 3 levels", sphere({}), {.mesh = {}, .placement = {}, .levels = {"{}", "{}"}});
     refuse("level 1: what is said", sphere({}), {.mesh = {}, .placement = {}, .levels = {"{}", "[1]", "{}"}});
     EXPECT_EQ(folder.file_count(), 0U);
@@ -379,6 +382,23 @@ TEST(HierarchyFiles, DamagedFiles) {
     } catch (const Error& error) {
       EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
     }
+  }
+}
+
+TEST(HierarchyFiles, DistancesThatAreNoneAreRefused) {
+  const TempFolder folder;
+  const fs::path path = folder / "a.glb";
+  Hierarchy hierarchy = sphere({});
+  constexpr float kMark = 0.7109375F;
+  hierarchy.levels[1].distance[4] = kMark;
+  write_hierarchy(hierarchy, path);
+  const std::string bytes = read_bytes(path);
+  const auto as_bytes = [](float value) { return std::string(reinterpret_cast<const char*>(&value), sizeof value); };
+  const std::size_t at = bytes.find(as_bytes(kMark));
+  ASSERT_NE(at, std::string::npos);
+  for (const float bad : {-1.0F, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    write_bytes(path, std::string(bytes).replace(at, sizeof bad, as_bytes(bad)));
+    expect_error(ErrorCode::bad_file, "level 1: the distance of vertex 4", path, [&] { read_hierarchy(path); });
   }
 }
 
