@@ -16,7 +16,7 @@ std::int64_t magnitude(Random& random, std::int64_t largest) { return random.bet
 
 TEST(Adversarial, EverySignPatternOfOneCell) {
   Random random(11);
-  const int rounds = many() ? 15 : 1;
+  const int rounds = many() ? 8 : 1;
   for (int pattern = 1; pattern < 255; ++pattern) {
     for (const std::int64_t largest : kLargest) {
       for (int round = 0; round < rounds; ++round) {
@@ -33,7 +33,7 @@ TEST(Adversarial, EverySignPatternOfOneCell) {
 // The cell in the middle of a volume, so that its surface goes on on all sides.
 TEST(Adversarial, EverySignPatternOfOneCellAmongOthers) {
   Random random(12);
-  const int rounds = many() ? 10 : 1;
+  const int rounds = many() ? 5 : 1;
   for (int pattern = 1; pattern < 255; ++pattern) {
     for (int round = 0; round < rounds; ++round) {
       const std::int64_t largest = kLargest[random.bits() % kLargest.size()], around = random.bits() % 2 ? 1 : -1;
@@ -50,7 +50,7 @@ TEST(Adversarial, EverySignPatternOfOneCellAmongOthers) {
 // 2^27 patterns: a sample of them, as they are and with a layer of one side around them.
 TEST(Adversarial, SignPatternsOfThreeByThreeByThree) {
   Random random(13);
-  const int count = many() ? 20'000 : 500;
+  const int count = many() ? 10'000 : 500;
   for (int k = 0; k < count; ++k) {
     const auto pattern = static_cast<std::uint32_t>(random.bits() & ((1u << 27) - 1) & (k % 3 == 0 ? random.bits() : ~0ull));
     const std::int64_t largest = kLargest[random.bits() % kLargest.size()];

@@ -60,7 +60,7 @@ TEST(Adversarial, SamplesAtTheLimitsOfTheirType) {
     visit_sample_type(type, [&]<class T>(const T*) {
       const std::vector<T> values = limits_of_type<T>();
       int meshed = 0;
-      for (std::uint64_t seed = 0; seed < (many() ? 150 : 16) && !testing::Test::HasFailure(); ++seed)
+      for (std::uint64_t seed = 0; seed < (many() ? 80 : 16) && !testing::Test::HasFailure(); ++seed)
         meshed += expect_sound_among(values, type, seed);
       EXPECT_GT(meshed, 8) << name(type);
     });
@@ -71,7 +71,7 @@ TEST(Adversarial, SamplesAtTheLimitsOfTheirType) {
 TEST(Adversarial, Denormals) {
   const auto among = [](SampleType type, const auto& values) {
     int meshed = 0;
-    for (std::uint64_t seed = 0; seed < (many() ? 400 : 40) && !testing::Test::HasFailure(); ++seed)
+    for (std::uint64_t seed = 0; seed < (many() ? 200 : 40) && !testing::Test::HasFailure(); ++seed)
       meshed += expect_sound_among(values, type, seed);
     EXPECT_GT(meshed, 20) << name(type);
   };
