@@ -65,6 +65,8 @@ std::string extension_list(const Formats& formats) {
   return list;
 }
 
+constexpr const char* kOrLevels = ", or .glb or .vtm for levels of detail";
+
 // @param besides  what else the caller takes, for the message
 const MeshFormat& mesh_format(const fs::path& path, const std::string& besides) {
   const MeshFormat* format = find_format(kMeshFormats, path);
@@ -75,9 +77,7 @@ const MeshFormat& mesh_format(const fs::path& path, const std::string& besides) 
   return *format;
 }
 
-const MeshFormat& format_to_write(const fs::path& path) {
-  return mesh_format(path, is_hierarchy_path(path) ? "" : ", or .glb or .vtm for levels of detail");
-}
+const MeshFormat& format_to_write(const fs::path& path) { return mesh_format(path, is_hierarchy_path(path) ? "" : kOrLevels); }
 
 enum class MeshFault { none, position_not_finite, corner_out_of_range };
 
@@ -153,7 +153,7 @@ StoredPositions write_mesh(const TriangleMesh& mesh, const fs::path& path, const
 TriangleMesh read_mesh(const fs::path& path) {
   return io::translate_exceptions(path, [&] {
     io::readable_file_size(path);
-    TriangleMesh mesh = mesh_format(path, is_hierarchy_path(path) ? "; isoatlas levels reads it" : "").read(path);
+    TriangleMesh mesh = mesh_format(path, is_hierarchy_path(path) ? "; isoatlas levels reads it" : kOrLevels).read(path);
     if (mesh.triangles.empty()) {
       throw io::bad_file(path, "has no triangles");
     }

@@ -1480,6 +1480,8 @@ class Picture(ToolTest):
         self.refuse("replace the mesh", "picture", "s.glb", "-o", "s.glb")
         self.refuse("nowhere", "picture", "s.glb", "-o", "nowhere/q.png")
         self.refuse("missing.glb", "picture", "missing.glb", "-o", "q.png")
+        for command in ("picture", "report"):
+            self.refuse("expected one of .ply .stl .obj .off .vtp, or .glb or .vtm", command, "sphere.nrrd", "-o", "q.out")
 
     def test_without_a_display_or_xvfb_one_line_says_so(self):
         self.refuse("X display", "picture", "s.glb", "-o", "q.png", env={"DISPLAY": "", "PATH": "/nonexistent"})
