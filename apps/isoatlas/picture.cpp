@@ -19,16 +19,12 @@ namespace fs = std::filesystem;
 namespace {
 
 TriangleMesh read_level(const fs::path& path, const std::optional<std::size_t>& level) {
-  if (!is_hierarchy_path(path)) {
-    if (level.value_or(0) != 0)
-      throw Error(ErrorCode::bad_argument, path.string() + ": has one mesh and no level " + std::to_string(*level));
-    return read_mesh(path);
-  }
-  const Hierarchy hierarchy = read_hierarchy(path).hierarchy;
+  const Hierarchy hierarchy = read_levels(path).hierarchy;
   const std::size_t last = hierarchy.levels.size() - 1;
-  if (level.value_or(0) > last)
-    throw Error(ErrorCode::bad_argument,
-                path.string() + ": has levels 0 to " + std::to_string(last) + " and no level " + std::to_string(*level));
+  if (level.value_or(0) > last) {
+    const std::string found = last == 0 ? "one level" : "levels 0 to " + std::to_string(last);
+    throw Error(ErrorCode::bad_argument, path.string() + ": has " + found + " and no level " + std::to_string(*level));
+  }
   return hierarchy.mesh(level.value_or(last));
 }
 

@@ -59,6 +59,7 @@ TriangleMesh read_mesh(const std::filesystem::path& path);
 
 /// The space that a mesh file says its coordinates are in, as MeshFileInfo has it; empty if it says nothing. Throws Error(bad_file).
 std::string mesh_space(const std::filesystem::path& path);
+
 /// What a file of levels says besides their triangles.
 struct HierarchyFileInfo {
   MeshFileInfo mesh;
@@ -96,6 +97,9 @@ struct HierarchyFile {
 
 /// Reads what write_hierarchy writes. Throws Error(bad_file), Error(unsupported).
 HierarchyFile read_hierarchy(const std::filesystem::path& path);
+
+/// The same of any file with meshes: levels of detail, or one mesh, as read_mesh reads it, as the only level.
+HierarchyFile read_levels(const std::filesystem::path& path);
 
 /// Reads text. Throws Error(bad_file).
 std::string read_text_file(const std::filesystem::path& path);

@@ -126,15 +126,10 @@ std::shared_ptr<Levels> read_levels(const std::string& path) {
   return make_interruptibly(
       [path](const RunControl&) {
         auto levels = std::make_shared<Levels>();
-        if (is_hierarchy_path(path)) {
-          HierarchyFile file = read_hierarchy(path);
-          levels->hierarchy = std::move(file.hierarchy);
-          levels->info = std::move(file.info);
-          return levels;
-        }
-        levels->info.mesh.space = mesh_space(path);
-        levels->info.mesh.comment = "isoatlas " ISOATLAS_VERSION;
-        levels->hierarchy = hierarchy_of({read_mesh(path)});
+        HierarchyFile file = isoatlas::read_levels(path);
+        levels->hierarchy = std::move(file.hierarchy);
+        levels->info = std::move(file.info);
+        if (!is_hierarchy_path(path)) levels->info.mesh.comment = "isoatlas " ISOATLAS_VERSION;
         return levels;
       },
       {});

@@ -153,7 +153,7 @@ StoredPositions write_mesh(const TriangleMesh& mesh, const fs::path& path, const
 TriangleMesh read_mesh(const fs::path& path) {
   return io::translate_exceptions(path, [&] {
     io::readable_file_size(path);
-    TriangleMesh mesh = mesh_format(path, is_hierarchy_path(path) ? "; isoatlas levels reads it" : kOrLevels).read(path);
+    TriangleMesh mesh = mesh_format(path, is_hierarchy_path(path) ? "; isoatlas levels reads it" : "").read(path);
     if (mesh.triangles.empty()) {
       throw io::bad_file(path, "has no triangles");
     }
@@ -161,6 +161,19 @@ TriangleMesh read_mesh(const fs::path& path) {
       throw io::bad_file(path, check.text);
     }
     return mesh;
+  });
+}
+
+HierarchyFile read_levels(const fs::path& path) {
+  if (is_hierarchy_path(path)) {
+    return read_hierarchy(path);
+  }
+  return io::translate_exceptions(path, [&] {
+    io::readable_file_size(path);
+    if (find_format(kMeshFormats, path) == nullptr) {
+      throw io::unsupported(path, "unknown format, expected one of " + extension_list(kMeshFormats) + kOrLevels);
+    }
+    return HierarchyFile{hierarchy_of({read_mesh(path)}), {{mesh_space(path), ""}, {}, {}}};
   });
 }
 

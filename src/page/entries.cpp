@@ -112,7 +112,7 @@ struct FoundLevels {
 };
 
 // As many as there are files for: all from one file, or each from its own.
-FoundLevels read_levels(const Json& json, const fs::path& report) {
+FoundLevels levels_of_report(const Json& json, const fs::path& report) {
   std::vector<std::pair<std::size_t, fs::path>> single;
   for (const Json& file : json["files"]) {
     const fs::path path = found(file.at("path").get<std::string>(), report);
@@ -129,7 +129,7 @@ FoundLevels read_levels(const Json& json, const fs::path& report) {
     out.numbers.push_back(number);
     out.files.push_back(path);
     out.nested = out.nested && lower_case(path.extension().string()) != ".stl";  // which has no indices
-    meshes.push_back(is_hierarchy_path(path) ? read_hierarchy(path).hierarchy.mesh(0) : read_mesh(path));
+    meshes.push_back(read_levels(path).hierarchy.mesh(0));
   }
   if (meshes.empty()) bad_report(report.string(), "names no file with a mesh");
   out.hierarchy = hierarchy_of(std::move(meshes));
@@ -199,7 +199,7 @@ PageEntry entry_of_file(const fs::path& path) {
   if (lower_case(path.extension().string()) == ".json") {
     const Json json = parsed_report(read_text_file(path), path.string());
     try {
-      FoundLevels levels = read_levels(json, path);
+      FoundLevels levels = levels_of_report(json, path);
       const std::string volume = volume_of(json);
       const fs::path volume_path = volume.empty() ? fs::path() : found(volume, path);
       const auto marching_cubes = volume.empty() ? std::nullopt : marching_cubes_of(json, volume_path);
@@ -214,16 +214,10 @@ PageEntry entry_of_file(const fs::path& path) {
   }
   PageEntry entry;
   Json facts = empty_facts(path.filename().string());
-  std::vector<std::string> said;
-  entry.sources = {path};
-  if (is_hierarchy_path(path)) {
-    HierarchyFile file = read_hierarchy(path);
-    entry.hierarchy = std::move(file.hierarchy);
-    said = std::move(file.info.levels);
-    entry.sources = files_of_hierarchy(path, entry.hierarchy.levels.size());
-  } else {
-    entry.hierarchy = hierarchy_of({read_mesh(path)});
-  }
+  HierarchyFile file = read_levels(path);
+  entry.hierarchy = std::move(file.hierarchy);
+  const std::vector<std::string>& said = file.info.levels;
+  entry.sources = is_hierarchy_path(path) ? files_of_hierarchy(path, entry.hierarchy.levels.size()) : std::vector{path};
   facts["unit"] = "units";  // no format of meshes says
   Json& levels = facts["levels"] = Json::array();
   for (std::size_t k = 0; k < entry.hierarchy.levels.size(); ++k) {

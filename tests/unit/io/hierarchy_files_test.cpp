@@ -402,6 +402,22 @@ TEST(HierarchyFiles, DistancesThatAreNoneAreRefused) {
   }
 }
 
+TEST(HierarchyFiles, AnyFileWithMeshesIsRead) {
+  const TempFolder folder;
+  const Hierarchy hierarchy = sphere({});
+  write_hierarchy(hierarchy, folder / "a.vtm");
+  EXPECT_EQ(read_levels(folder / "a.vtm").hierarchy.levels.size(), 3U);
+  write_mesh(hierarchy.mesh(1), folder / "a.ply", {"lps", "no comment is kept"});
+  const HierarchyFile one = read_levels(folder / "a.ply");
+  ASSERT_EQ(one.hierarchy.levels.size(), 1U);
+  EXPECT_EQ(one.hierarchy.mesh(0).triangles, hierarchy.mesh(1).triangles);
+  EXPECT_EQ(one.info.mesh.space, "lps");
+  expect_error(ErrorCode::bad_file, "no such file", folder / "none.xyz", [&] { read_levels(folder / "none.xyz"); });
+  write_bytes(folder / "a.xyz", "x");
+  expect_error(ErrorCode::unsupported, "one of .ply .stl .obj .off .vtp, or .glb or .vtm", folder / "a.xyz",
+               [&] { read_levels(folder / "a.xyz"); });
+}
+
 TEST(HierarchyFiles, LevelsThatAreNotNestedAreRead) {
   const TempFolder folder;
   const Shape shape{.is_balanced = true};
