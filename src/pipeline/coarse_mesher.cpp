@@ -106,8 +106,10 @@ void CoarseMesher::mesh(LevelReport& report, const RunControl& told) {
     for (const DualTriangle& t : stand_->dual.triangles()) mesh_.triangles.push_back(t.cell);
     mesh_.positions.clear();
     for (const CVertexId v : partition.site) mesh_.positions.push_back(complex.positions[v]);
-    relax_vertices();
+    relax_vertices(control);
+    control.check_cancelled();
     topology_ = mesh_topology(mesh_);
+    control.check_cancelled();
     const std::vector<std::uint8_t> turned =
         turned_components(mesh_.positions, mesh_.triangles, complex.spacing, topology_.component_of_vertex, topology_.components.size(),
                           outward_of_cells(complex, is_coarser() ? coarser_.outward : std::vector<Vec3>(), partition), 0);
@@ -120,7 +122,7 @@ void CoarseMesher::mesh(LevelReport& report, const RunControl& told) {
 }
 
 // Moves vertices that are too close to each other for later levels to have good triangles there.
-void CoarseMesher::relax_vertices() {
+void CoarseMesher::relax_vertices(const RunControl& control) {
   const SurfaceComplex& surface = surface_.complex();
   const Vec3 s = surface.spacing;
   const std::vector<CVertexId> at = sites();
@@ -149,7 +151,8 @@ void CoarseMesher::relax_vertices() {
   move_c_vertices();
   std::vector<std::uint8_t> fresh = meeting_.fresh(mesh_.positions, mesh_.triangles);  // for the others this was done in the last round
   for (int round = 1;; ++round) {
-    relax(points, mesh_.triangles, roam, field, s, {1.0 / 3, separation}, fresh);
+    relax(points, mesh_.triangles, roam, field, s, {1.0 / 3, separation}, control, fresh);
+    control.check_cancelled();
     move_c_vertices();
     std::vector<CVertexId> back = surface_.stray(movers, positions, surface.positions);
     if (back.empty()) break;
@@ -228,7 +231,9 @@ bool CoarseMesher::part_single_cells(std::span<const CellId> cells, bool progres
   std::vector<Covering::Radius> radii;
   for (CVertexId v = 0; v < stand_->covering.radius().size(); ++v) radii.push_back({v, stand_->covering.radius()[v]});
   if (is_coarser()) cut_regions(surface_.complex(), to_cut, coarser_, control);
+  control.check_cancelled();
   stand_ = std::make_unique<Stand>(is_coarser() ? coarser_.complex : surface_.complex(), cover_);
+  control.check_cancelled();
   stand_->covering.seed(now, radii);
   stand_->covering.ignore_events();
   stand_->covering.cover(control);

@@ -41,7 +41,7 @@ class CoarseMesher {
     CertifiedDual dual;
   };
   bool is_coarser() const { return !coarser_.representative.empty(); }
-  void relax_vertices();
+  void relax_vertices(const RunControl& control);
   bool part(LevelReport& report, const RunControl& control);
   bool part_single_cells(std::span<const CellId> cells, bool progress, const RunControl& control);
 

@@ -147,6 +147,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
 
   control.report("components", 0);
   Components reference = find_components(whole);
+  control.check_cancelled();
   if (options.min_component_size > 0 || options.keep_components > 0) {
     report.dropped = drop_small_components(whole, reference, options, grid);
     if (whole.faces.empty())
@@ -161,6 +162,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   report.reference = summarize(reference.topology);
   const std::unique_ptr<const Isosurface> isosurface =
       only_coarse ? nullptr : std::make_unique<const Isosurface>(in_voxels, parse.rule, whole, options.interpolation, options.supersample);
+  control.check_cancelled();
   AdaptiveSurface surface(std::move(whole), std::move(reference),
                           InterpolatedField(in_voxels, parse.rule, options.interpolation, options.supersample), control);
   clock.finished("components");

@@ -124,6 +124,7 @@ void find_closest(const MeasuredSurface& surface, const LevelMesh& mesh, std::sp
   for (std::size_t i = 0; i < cells.size(); ++i) first[i + 1] = first[i] + mesh.c_vertices_of.of(cells[i]).size();
   out.resize(first.back());
   for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
+    surface.check_cancelled();
     Ring ring(mesh);
     for (std::size_t i = begin; i < end; ++i) {
       ring.move_to(cells[i]);
@@ -142,6 +143,7 @@ std::vector<Farthest> find_farthest(const MeasuredSurface& surface, const LevelM
                                     Thoroughness thoroughness) {
   std::vector<Farthest> out(cells.size());
   for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
+    surface.check_cancelled();
     Ring ring(mesh);
     for (std::size_t i = begin; i < end; ++i) {
       ring.move_to(cells[i]);
@@ -219,6 +221,7 @@ std::vector<Farthest> measure_between(const MeasuredSurface& surface, const Betw
                                       std::span<const CellId> cells) {
   std::vector<Farthest> out(cells.size());
   for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
+    surface.check_cancelled();
     Ring ring(mesh);
     for (std::size_t i = begin; i < end; ++i) {
       ring.move_to(cells[i]);
@@ -281,6 +284,7 @@ void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, st
   };
   std::vector<Worst> worst(triangles.size());
   for_each_piece(triangles.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
+    surface.check_cancelled();
     for (std::size_t i = begin; i < end; ++i) {
       const MeshTriangle& t = mesh.triangles[triangles[i]];
       worst[i] = {{}, t.cell[0]};

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "isoatlas/run_control.h"
 #include "measure/isosurface.h"
 #include "metrics/metrics.h"
 #include "refine/level_mesh.h"
@@ -18,6 +19,10 @@ struct MeasuredSurface {
   std::span<const float> reach;  ///< per c-vertex, distance to its farthest neighbour in G
   Vec3 spacing;
   const Isosurface* isosurface;  ///< none: the c-vertices are all that is known
+  const RunControl* control;     ///< asked now and then whether to stop; none: nobody is
+  void check_cancelled() const {
+    if (control != nullptr) control->check_cancelled();
+  }
 };
 
 /// Finds, for the c-vertices of some cells, the closest points of the mesh: out[i] belongs to the i-th c-vertex of the cells

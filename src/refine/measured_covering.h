@@ -27,11 +27,12 @@ struct Ground {
   std::vector<float> reach;  ///< per c-vertex, distance to its farthest neighbour in G
   std::optional<BetweenPoints> between;
   const AdaptiveSurface* roaming;
+  const RunControl* control = nullptr;  ///< asked while distances are measured
 
   /// Whether a vertex may leave its c-vertex, within the grid cell.
   bool may_roam(CVertexId v) const { return roaming != nullptr ? roaming->may_roam(v) : !graph.on_boundary[v]; }
   MeasuredSurface measured() const {
-    return {surfels, moved_from.empty() ? surfels.point : moved_from, graph, reach, complex.spacing, isosurface};
+    return {surfels, moved_from.empty() ? surfels.point : moved_from, graph, reach, complex.spacing, isosurface, control};
   }
 };
 

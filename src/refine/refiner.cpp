@@ -277,7 +277,8 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
   if (on.empty()) {
     radii = radii_of(start_.covering, {});
   } else {
-    const Ground ground(coarser_.complex);
+    Ground ground(coarser_.complex);
+    ground.control = &control;
     MeasuredCovering rough(ground, options_, start_.covering.partition().site, radii_of(start_.covering, {}), control);
     Task task;
     task.placement = placement;

@@ -25,6 +25,7 @@ constexpr std::array kSearchSteps{0.2, 0.1, 0.05, 0.02};  // voxels
 constexpr int kSearchPasses = 12;
 constexpr double kWorthIt = 2e-3;
 constexpr double kSeparationWeight = 0.5;  // an edge as short as can be is half as bad as a triangle
+constexpr std::size_t kLook = 4096;        // vertices between looks at whether to stop
 constexpr int kNewtonSteps = 5;
 constexpr double kOnSurface = 0.02;
 constexpr double kLeastVolume = 0.25;  // share of what a component encloses that has to be left
@@ -38,8 +39,15 @@ Vec3 clamped(Vec3 p, const Roam& r) {
 class Relaxation {
  public:
   Relaxation(std::span<Vec3> points, std::span<const Triangle> triangles, std::span<const Roam> roam, const InterpolatedField* field,
-             Vec3 spacing, const RelaxGoal& goal, std::span<const std::uint8_t> fresh)
-      : fresh_(fresh), points_(points), triangles_(triangles), roam_(roam), field_(field), spacing_(spacing), goal_(goal) {}
+             Vec3 spacing, const RelaxGoal& goal, const RunControl& control, std::span<const std::uint8_t> fresh)
+      : control_(control),
+        fresh_(fresh),
+        points_(points),
+        triangles_(triangles),
+        roam_(roam),
+        field_(field),
+        spacing_(spacing),
+        goal_(goal) {}
 
   std::vector<std::uint32_t> run() {
     for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
@@ -51,11 +59,13 @@ class Relaxation {
         for (const std::uint32_t v : triangles_[t]) add(v, t);
       }
     });
+    control_.check_cancelled();
     start_.assign(points_.begin(), points_.end());
     push_.resize(points_.size());
     pushes_.assign(points_.size(), 0);
     seen_.assign(triangles_.size(), 0);
     for (int step = 0; step < kSteps && !active_.empty(); ++step) {
+      control_.check_cancelled();
       for (const std::uint32_t t : active_) push_apart(t);
       move_pushed();
     }
@@ -176,6 +186,7 @@ class Relaxation {
   // Corners of triangles that now face the other way go back to where they were, until there are none.
   void turn_back_where_turned() {
     for (bool any = true; any;) {
+      control_.check_cancelled();
       any = false;
       for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
         const Triangle& c = triangles_[t];
@@ -206,6 +217,7 @@ class Relaxation {
   // step by step, each step as long as it helps.
   void search() {
     for (const double step : kSearchSteps) {
+      control_.check_cancelled();
       std::vector<std::uint32_t> vertices;
       const auto add_corners = [&](std::uint32_t t) { vertices.insert(vertices.end(), triangles_[t].begin(), triangles_[t].end()); };
       for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
@@ -215,7 +227,9 @@ class Relaxation {
         std::sort(vertices.begin(), vertices.end());
         vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
         std::vector<std::uint32_t> again;
+        std::size_t looked_at = 0;
         for (const std::uint32_t v : vertices) {
+          if (++looked_at % kLook == 0) control_.check_cancelled();
           if (!can_move(roam_[v]) || !improve(v, step)) continue;
           again.push_back(v);
           for (const std::uint32_t t : triangles_of_.of(v)) {
@@ -295,6 +309,7 @@ class Relaxation {
 
   // A component that encloses hardly anything could end inside out. (Of an open one this says little, but it does no harm.)
   void turn_back_flattened() {
+    control_.check_cancelled();
     const auto n = static_cast<std::uint32_t>(points_.size());
     DisjointSets sets(n);
     for (const Triangle& c : triangles_) {
@@ -316,6 +331,7 @@ class Relaxation {
     }
   }
 
+  const RunControl& control_;
   std::span<const std::uint8_t> fresh_;
   std::span<Vec3> points_;
   std::span<const Triangle> triangles_;
@@ -343,8 +359,9 @@ Roam roam_of(Vec3 position, Vec3 spacing) {
 }
 
 std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles, std::span<const Roam> roam,
-                                 const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal, std::span<const std::uint8_t> fresh) {
-  return Relaxation(points, triangles, roam, field, spacing, goal, fresh).run();
+                                 const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal, const RunControl& control,
+                                 std::span<const std::uint8_t> fresh) {
+  return Relaxation(points, triangles, roam, field, spacing, goal, control, fresh).run();
 }
 
 }  // namespace isoatlas

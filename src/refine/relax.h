@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "isoatlas/mesh.h"
+#include "isoatlas/run_control.h"
 #include "volume/interpolated_field.h"
 
 namespace isoatlas {
@@ -34,7 +35,7 @@ struct RelaxGoal {
 /// @return the vertices that were moved, sorted
 /// @cost   O(triangles), then a few dozen looks at those concerned
 std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles, std::span<const Roam> roam,
-                                 const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal,
+                                 const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal, const RunControl& control,
                                  std::span<const std::uint8_t> fresh = {});
 
 }  // namespace isoatlas

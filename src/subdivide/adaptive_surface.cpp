@@ -17,6 +17,8 @@ namespace {
 int whole_coordinates(Vec3 p) { return (p.x == std::floor(p.x)) + (p.y == std::floor(p.y)) + (p.z == std::floor(p.z)); }
 
 using Cell = WatchedCells::Cell;
+constexpr CVertexId kLook = 65536;  // c-vertices between looks at whether to stop
+
 Cell cell_of(Vec3 p) { return {std::floor(p.x), std::floor(p.y), std::floor(p.z)}; }
 // Of a face that lies in one cell.
 Cell cell_of(const SurfaceComplex& complex, const Face& face) {
@@ -55,12 +57,14 @@ void AdaptiveSurface::watch() {
   std::vector<std::uint8_t> in_two_curves(n, 0);
   held_.assign(n, 0);
   for (CVertexId v = 0; v < n; ++v) {
+    if (v % kLook == 0) control_.check_cancelled();
     const int whole = whole_coordinates(complex_.positions[v]);
     in_two_curves[v] = whole == 1 && has_two_curves(field_, complex_.positions[v]);
     const bool parsed_on_border = v < parsed_ && whole == 1 && !in_two_curves[v];
     held_[v] = whole > 0 && now[v] == Fineness::faces && !parsed_on_border;
     is_watched[v] = whole == 0 && crowded_.contains(v);
   }
+  control_.check_cancelled();
   std::vector<Cell> cells = deep_cells_;
   for (const Face& face : complex_.faces) {
     const int size = face.size();
@@ -74,6 +78,7 @@ void AdaptiveSurface::watch() {
     }
   }
   sort_unique(cells);
+  control_.check_cancelled();
   // Cells with faces that are not even fans cannot be watched.
   std::vector<Cell> closed;
   for (CVertexId v = 0; v < n; ++v) {
@@ -91,6 +96,7 @@ void AdaptiveSurface::watch() {
     if (std::none_of(face.corner.begin(), face.corner.begin() + face.size(), [&](CVertexId v) { return is_closed_[v]; })) continue;
     for (int k = 0; k < face.size(); ++k) held_[face.corner[k]] |= whole_coordinates(complex_.positions[face.corner[k]]) > 0;
   }
+  control_.check_cancelled();
   std::vector<Cell> open;
   std::set_difference(cells.begin(), cells.end(), closed.begin(), closed.end(), std::back_inserter(open));
   watched_ = WatchedCells(complex_, open);

@@ -46,7 +46,8 @@ class AdaptiveSurface {
 
   std::size_t divided() const { return divided_; }  ///< c-vertices around which the faces were divided, every time counted
   std::size_t added() const { return added_; }      ///< c-vertices
-  int deepest() const { return deepest_; }          ///< how often faces were divided where that was done most often
+  const RunControl& control() const { return control_; }
+  int deepest() const { return deepest_; }  ///< how often faces were divided where that was done most often
 
  private:
   void watch();

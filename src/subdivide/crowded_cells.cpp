@@ -63,6 +63,7 @@ CrowdedCells::CrowdedCells(const SurfaceComplex& complex, const InterpolatedFiel
   std::vector<CVertexId> wanted;
   std::copy_if(c_vertices_.begin(), c_vertices_.end(), std::back_inserter(wanted), [&](CVertexId v) { return now[v] == Fineness::faces; });
   const Subdivision divided = subdivide(complex, wanted, in);
+  control.check_cancelled();
   std::vector<std::uint32_t> place(divided.complex.c_vertex_count(), kNone);  // corners of pieces
   for (std::uint32_t i = 0; i < c_vertices_.size(); ++i) place[c_vertices_[i]] = i;
   std::vector<std::pair<std::uint32_t, Triangle>> pieces;
@@ -81,6 +82,7 @@ CrowdedCells::CrowdedCells(const SurfaceComplex& complex, const InterpolatedFiel
     }
     pieces.emplace_back(cell_of_[*own], piece);
   }
+  control.check_cancelled();
   std::stable_sort(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   first_piece_.assign(first_.size(), 0);
   for (const auto& [cell, piece] : pieces) {
