@@ -12,7 +12,7 @@ struct RunControl {
   /// Called from the computing thread now and then: the stage's name and the fraction of that stage done, in [0, 1].
   std::function<void(std::string_view stage, double fraction)> progress;
   /// Set it (from any thread, or from a signal handler) to stop: the computation throws Error(cancelled)
-  /// at its next step, which for surfaces of up to some millions of c-vertices is within a second or two.
+  /// at its next step, which for surfaces of up to some millions of c-vertices takes a second or two, in noise perhaps some more.
   const std::atomic<bool>* cancel = nullptr;
   /// Number of threads, 0 = as many as the machine has. Results do not depend on it.
   int threads = 0;

@@ -61,10 +61,10 @@ Ground::Ground(const SurfaceComplex& surface, const Isosurface* trilinear, const
   for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
     for (const CVertexGraph::Neighbour& n : graph.row(v)) reach[v] = std::max(reach[v], n.weight);
   }
-  if (roaming != nullptr) control = &roaming->control();
   if (roaming != nullptr && !std::ranges::equal(roaming->found(), surface.positions)) {
     for (const Vec3& p : roaming->found()) moved_from.push_back(scaled(p, surface.spacing));
   }
+  if (roaming != nullptr) control = &roaming->control();
   if (isosurface != nullptr) between.emplace(surface, *isosurface);
 }
 

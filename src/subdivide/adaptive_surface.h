@@ -26,6 +26,7 @@ class AdaptiveSurface {
   const InterpolatedField& field() const { return field_; }
   /// Per c-vertex, the place of the surface where it was found, before it was moved; sample-index coordinates.
   std::span<const Vec3> found() const { return found_; }
+  const RunControl& control() const { return control_; }  ///< says whether to stop; tells no progress
 
   std::vector<Fineness> fineness() const { return isoatlas::fineness(complex_, {field_, crowded_.flags()}); }  ///< per c-vertex; O(F)
 
@@ -46,8 +47,7 @@ class AdaptiveSurface {
 
   std::size_t divided() const { return divided_; }  ///< c-vertices around which the faces were divided, every time counted
   std::size_t added() const { return added_; }      ///< c-vertices
-  const RunControl& control() const { return control_; }
-  int deepest() const { return deepest_; }  ///< how often faces were divided where that was done most often
+  int deepest() const { return deepest_; }          ///< how often faces were divided where that was done most often
 
  private:
   void watch();
