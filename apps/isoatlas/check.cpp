@@ -89,7 +89,7 @@ DistanceReport measure_distance(const CheckArguments& arguments, const TriangleM
   report.volume_path = arguments.volume->string();
   report.options = arguments.measure;
   report.options.space = space_of(arguments);
-  const Volume volume = read_volume(*arguments.volume, arguments.raw);
+  const Volume volume = read_volume(*arguments.volume, {.raw = arguments.raw});
   try {
     report.measured = measure(mesh, volume, report.options, control);
   } catch (const Error& error) {

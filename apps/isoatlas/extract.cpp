@@ -73,7 +73,7 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
 
   progress.show("read", std::nullopt);
   const Stopwatch reading;
-  Volume volume = read_volume(arguments.volume.path, arguments.volume.raw);
+  Volume volume = read_volume(arguments.volume.path, {.raw = arguments.volume.raw});
   context.read_seconds = reading.seconds();
   context.grid = volume.grid;
   context.sample_type = volume.type;

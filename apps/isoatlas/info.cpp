@@ -113,7 +113,7 @@ void print_suggestions(const std::vector<SuggestedIsovalue>& suggestions, const 
 }  // namespace
 
 int run_info(const InfoArguments& arguments) {
-  const Volume volume = read_volume(arguments.volume.path, arguments.volume.raw);
+  const Volume volume = read_volume(arguments.volume.path, {.raw = arguments.volume.raw});
   const SampleSummary summary = summarize(volume);
   std::cout << one_line(arguments.volume.path.string()) << "\n";
   print_geometry(volume);

@@ -7,6 +7,8 @@
 #include <memory>
 #include <string_view>
 
+#include "isoatlas/length_unit.h"
+
 namespace isoatlas {
 
 struct Vec3 {
@@ -21,12 +23,13 @@ std::string_view name(SampleType type);  ///< "int8" ... "float64"
 std::size_t bytes_per_sample(SampleType type);
 
 /// Where the samples of a volume sit in the world: world = origin + direction * (spacing * index).
-/// The world is LPS in millimetres for medical formats (as ITK gives it), else whatever the file says.
+/// The world is LPS for medical formats (as ITK gives it), else whatever the file says.
 struct Grid {
   std::array<std::size_t, 3> size{};                                           ///< samples along x, y, z; x runs fastest in memory
   Vec3 spacing{1, 1, 1};                                                       ///< world length of one step along each axis, > 0
   Vec3 origin{};                                                               ///< world position of sample (0, 0, 0)
   std::array<Vec3, 3> direction{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};  ///< unit vector of the x, y and z axis (columns)
+  LengthUnit unit = LengthUnit::unknown;                                       ///< of `spacing` and `origin`
 
   std::size_t sample_count() const { return size[0] * size[1] * size[2]; }
   double smallest_spacing() const;  ///< what "one voxel" (vx) means as a length

@@ -42,7 +42,7 @@ py::tuple read_volume_as_array(const py::object& path, const Words& raw) {
       throw Error(error.code(), python_name + ": " + error.what());
     }
   }
-  const Volume volume = make_interruptibly([path = path_of(path), layout](const RunControl&) { return read_volume(path, layout); }, {});
+  const Volume volume = make_interruptibly([path = path_of(path), layout](const RunControl&) { return read_volume(path, {.raw = layout}); }, {});
 
   using Owner = std::shared_ptr<const void>;
   const py::capsule owner(new Owner(volume.owner), [](void* it) { delete static_cast<Owner*>(it); });

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "isoatlas/error.h"
+#include "isoatlas/text_file.h"
 #include "isoatlas/version.h"
 
 namespace isoatlas {

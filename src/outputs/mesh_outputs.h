@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "isoatlas/extract.h"
-#include "isoatlas/io.h"
+#include "isoatlas/mesh_file.h"
 #include "outputs/output_files.h"
 #include "report/report.h"
 

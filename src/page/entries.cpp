@@ -12,7 +12,9 @@
 
 #include "isoatlas/error.h"
 #include "isoatlas/extract.h"
-#include "isoatlas/io.h"
+#include "isoatlas/mesh_file.h"
+#include "isoatlas/text_file.h"
+#include "isoatlas/volume_file.h"
 #include "page/page.h"
 #include "report/json_values.h"
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "core/vector_math.h"
-#include "io/same_mesh.h"
+#include "mesh_files/same_mesh.h"
 #include "isoatlas/error.h"
 #include "isoatlas/mesh.h"
 #include "mesh/bounds.h"

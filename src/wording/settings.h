@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "isoatlas/extract.h"
-#include "isoatlas/io.h"
+#include "isoatlas/volume_file.h"
 #include "isoatlas/measure.h"
 #include "isoatlas/volume.h"
 #include "wording/level_goals.h"

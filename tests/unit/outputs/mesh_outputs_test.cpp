@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "isoatlas/error.h"
-#include "unit/io/io_test_support.h"
+#include "support/file_test_support.h"
 
 namespace isoatlas {
 namespace {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "isoatlas/error.h"
-#include "unit/io/io_test_support.h"
+#include "support/file_test_support.h"
 
 namespace isoatlas {
 namespace {

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// Volumes from files. Needs the isoatlas-io library; the core library does not.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "isoatlas/error.h"
+#include "isoatlas/volume.h"
+
+namespace isoatlas {
+
+/// Layout of a headerless file. Samples run x fastest.
+struct RawLayout {
+  std::array<std::size_t, 3> size{};
+  SampleType type = SampleType::uint8;
+  std::array<double, 3> spacing{1, 1, 1};
+  bool big_endian = false;
+  std::uint64_t offset = 0;  ///< bytes before the first sample
+};
+
+/// What to read of a file that holds more than one volume, and how.
+struct ReadOptions {
+  std::optional<RawLayout> raw = {};        ///< the file has no header
+  std::optional<std::size_t> channel = {};  ///< which of several channels or values per sample, from 0
+  std::optional<std::size_t> time = {};     ///< which of several time points, from 0
+  std::string layer = {};                   ///< which of several layers of a segmentation: its number from 0, or its name
+  std::string array = {};                   ///< which of several named arrays
+  std::string series = {};                  ///< which of several DICOM series: its number from 0 in the list, or its UID
+  std::optional<Vec3> spacing = {};         ///< world length of one step along x, y and z, in place of the file's
+  std::uint64_t max_memory = 0;        ///< largest size of the samples in bytes; 0: three quarters of the machine's memory
+};
+
+/// A list in a file from which one entry is read.
+struct FileChoice {
+  std::string name = {};                    ///< "channel", "time", "layer", "array" or "series", as in ReadOptions
+  std::vector<std::string> entries = {};    ///< what each is called in the file; a number where it has no name
+  std::optional<std::size_t> selected = {};  ///< the entry that was read
+};
+
+/// What a reader decided, in the order in which it did.
+struct ReadDecision {
+  std::string key;    ///< e.g. "affine"
+  std::string value;  ///< e.g. "sform"
+};
+
+/// Where a volume comes from and how its file was understood.
+struct VolumeSource {
+  std::string format = {};                   ///< e.g. "NIfTI-1", "ImageJ TIFF"
+  std::string reader = {};                   ///< the library that read it, with its version, e.g. "libtiff 4.5.0"
+  std::vector<ReadDecision> decisions = {};
+  std::vector<std::string> warnings = {};    ///< one line each, without the path
+  std::vector<FileChoice> choices = {};
+  bool has_spacing = true;              ///< the file states the distance between samples
+};
+
+struct VolumeFile {
+  Volume volume = {};
+  VolumeSource source = {};
+};
+
+/// A file holds more than one volume, and the options do not say which to read.
+class ChoiceNeeded : public Error {
+ public:
+  ChoiceNeeded(const std::string& message, FileChoice choice, VolumeSource source)
+      : Error(ErrorCode::unsupported, message), choice_(std::move(choice)), source_(std::move(source)) {}
+  const FileChoice& choice() const noexcept { return choice_; }     ///< what has to be chosen
+  const VolumeSource& source() const noexcept { return source_; }  ///< what is known of the file so far
+
+ private:
+  FileChoice choice_;
+  VolumeSource source_;
+};
+
+/// Reads a 3-D scalar volume in its native sample type, with spacing, origin and direction in LPS.
+/// docs/reference/formats.md lists the formats and what is read of each. The format is that of the file's content; its
+/// extension decides only where the content does not. A folder is a DICOM series or a stack of images. "-" is standard input.
+///
+/// @throws Error(bad_file)      missing, truncated, a header that promises more than there is, sizes that overflow
+/// @throws Error(unsupported)   vector, complex or 2-D image, one sample along an axis, unknown format
+/// @throws Error(bad_argument)  an option that the file has no use for, or a choice that it does not have
+/// @throws Error(out_of_memory) more samples than `max_memory` allows
+/// @throws ChoiceNeeded         several volumes in the file and no option that says which
+VolumeFile read_volume_file(const std::filesystem::path& path, const ReadOptions& options = {});
+
+/// The volume alone.
+Volume read_volume(const std::filesystem::path& path, const ReadOptions& options = {});
+
+/// SHA-256 of the samples as they are meshed: x fastest, native type, little endian; 64 hexadecimal digits.
+/// Two volumes of the same size, type and digest have the same samples. @cost one pass over all samples
+std::string sample_digest(const VolumeView& volume);
+
+}  // namespace isoatlas

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+namespace isoatlas::io {
+
+/// Three quarters of the memory that this process may use: the machine's, or its control group's limit where that is less.
+std::uint64_t default_memory_limit();
+
+}  // namespace isoatlas::io

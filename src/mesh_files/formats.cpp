@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mesh_files/formats.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "files/file_error.h"
+#include "mesh_files/same_mesh.h"
+
+namespace isoatlas {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct MeshFormat {
+  std::string_view extension;
+  TriangleMesh (*read)(const fs::path&);
+  void (*write)(const TriangleMesh&, const MeshFileInfo&, io::AtomicFile&);
+  bool is_single_precision = false;
+};
+
+constexpr std::array kMeshFormats{
+    MeshFormat{".ply", io::read_ply, io::write_ply}, MeshFormat{".stl", io::read_stl, io::write_stl, true},
+    MeshFormat{".obj", io::read_obj, io::write_obj}, MeshFormat{".off", io::read_off, io::write_off},
+    MeshFormat{".vtp", io::read_vtp, io::write_vtp},
+};
+
+// The format whose extension ends the file's name in any case, or null.
+template <class Formats>
+auto find_format(const Formats& formats, const fs::path& path) -> decltype(formats.data()) {
+  std::string file_name = path.filename().string();
+  std::ranges::transform(file_name, file_name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const auto found = std::ranges::find_if(formats, [&](const auto& format) { return file_name.ends_with(format.extension); });
+  return found == formats.end() ? nullptr : &*found;
+}
+
+template <class Formats>
+std::string extension_list(const Formats& formats) {
+  std::string list;
+  for (const auto& format : formats) {
+    if (!list.empty()) {
+      list += ' ';
+    }
+    list += format.extension;
+  }
+  return list;
+}
+
+constexpr const char* kOrLevels = ", or .glb or .vtm for levels of detail";
+
+// @param besides  what else the caller takes, for the message
+const MeshFormat& mesh_format(const fs::path& path, const std::string& besides) {
+  const MeshFormat* format = find_format(kMeshFormats, path);
+  if (format == nullptr) {
+    const std::string found = is_hierarchy_path(path) ? "is a file of levels of detail" : "unknown mesh format";
+    throw io::unsupported(path, found + ", expected one of " + extension_list(kMeshFormats) + besides);
+  }
+  return *format;
+}
+
+const MeshFormat& format_to_write(const fs::path& path) { return mesh_format(path, is_hierarchy_path(path) ? "" : kOrLevels); }
+
+enum class MeshFault { none, position_not_finite, corner_out_of_range };
+
+struct MeshCheck {
+  MeshFault fault = MeshFault::none;
+  std::string text;
+};
+
+MeshCheck check_mesh(const TriangleMesh& mesh) {
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const Vec3& p = mesh.positions[v];
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
+      return {MeshFault::position_not_finite, "the position of vertex " + std::to_string(v) + " is not finite"};
+    }
+  }
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (const std::uint32_t corner : mesh.triangles[t]) {
+      if (corner >= mesh.positions.size()) {
+        return {MeshFault::corner_out_of_range, "triangle " + std::to_string(t) + " uses vertex " + std::to_string(corner) +
+                                                    ", but there are only " + std::to_string(mesh.positions.size())};
+      }
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+void check_mesh_path(const fs::path& path) {
+  format_to_write(path);
+  const io::AtomicFile probe(path);  // creates its temporary file and removes it
+}
+
+StoredPositions write_mesh(const TriangleMesh& mesh, const fs::path& path, const MeshFileInfo& info) {
+  const MeshFormat& format = format_to_write(path);
+  if (const MeshCheck check = check_mesh(mesh); check.fault != MeshFault::none) {
+    throw Error(ErrorCode::bad_argument, io::one_line(path.string() + ": not written: " + check.text));
+  }
+  // One line each: a newline would end the comment and start a line of the file's own grammar.
+  const MeshFileInfo clean_info{io::one_line(info.space), io::one_line(info.comment)};
+  return io::translate_exceptions(path, [&] {
+    io::AtomicFile file(path);
+    format.write(mesh, clean_info, file);
+    StoredPositions stored{.single_precision = format.is_single_precision};
+    if (format.is_single_precision && file.is_temporary()) {
+      file.flush();
+      stored.largest_rounding = io::require_same_mesh(mesh, format.read(file.written_path()), true, path);
+    }
+    file.commit();
+    return stored;
+  });
+}
+
+TriangleMesh read_mesh(const fs::path& path) {
+  return io::translate_exceptions(path, [&] {
+    io::readable_file_size(path);
+    TriangleMesh mesh = mesh_format(path, is_hierarchy_path(path) ? "; isoatlas levels reads it" : "").read(path);
+    if (mesh.triangles.empty()) {
+      throw io::bad_file(path, "has no triangles");
+    }
+    if (const MeshCheck check = check_mesh(mesh); check.fault != MeshFault::none) {
+      throw io::bad_file(path, check.text);
+    }
+    return mesh;
+  });
+}
+
+HierarchyFile read_levels(const fs::path& path) {
+  if (is_hierarchy_path(path)) {
+    return read_hierarchy(path);
+  }
+  return io::translate_exceptions(path, [&] {
+    io::readable_file_size(path);
+    if (find_format(kMeshFormats, path) == nullptr) {
+      throw io::unsupported(path, "unknown format, expected one of " + extension_list(kMeshFormats) + kOrLevels);
+    }
+    return HierarchyFile{hierarchy_of({read_mesh(path)}), {{mesh_space(path), ""}, {}, {}}};
+  });
+}
+
+}  // namespace isoatlas

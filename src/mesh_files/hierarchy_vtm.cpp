@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+// VTK's XML multi-block file: a list of .vtp files, one for each level, in a folder beside it, named as VTK's own writer names them.
+#include <vtkNew.h>
+#include <vtkXMLDataElement.h>
+#include <vtkXMLDataParser.h>
+
+#include <memory>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "files/file_error.h"
+#include "mesh_files/formats.h"
+#include "files/library_messages.h"
+#include "files/stored_data.h"
+
+namespace isoatlas::io {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// Fields of the pieces.
+constexpr const char* kLevelField = "LEVEL";          // the level's JSON
+constexpr const char* kPlacementField = "PLACEMENT";  // surface or balanced
+
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      default:
+        result += c;
+    }
+  }
+  return result;
+}
+
+// A folder that goes away again unless it is kept; one that was there already stays.
+class NewFolder {
+ public:
+  NewFolder(fs::path folder, const fs::path& path) : folder_(std::move(folder)) {
+    std::error_code error;
+    is_new_ = fs::create_directory(folder_, error);
+    if (error || !fs::is_directory(folder_, error)) {
+      throw bad_file(path, "cannot be written: no folder " + folder_.string() + " can be made for its levels");
+    }
+  }
+  ~NewFolder() {
+    std::error_code ignored;
+    if (is_new_) {
+      fs::remove(folder_, ignored);  // it is empty: all files in it were temporary
+    }
+  }
+  NewFolder(const NewFolder&) = delete;
+  NewFolder& operator=(const NewFolder&) = delete;
+  void keep() { is_new_ = false; }
+
+ private:
+  fs::path folder_;
+  bool is_new_ = false;
+};
+
+// File names of the blocks, relative to the folder of `path`, in their order.
+std::vector<fs::path> blocks_of(const fs::path& path) {
+  const LibraryMessages messages;
+  require_ending(path, "</VTKFile>");
+  vtkNew<vtkXMLDataParser> parser;
+  parser->SetFileName(path.c_str());
+  vtkXMLDataElement* root = parser->Parse() != 0 ? parser->GetRootElement() : nullptr;
+  vtkXMLDataElement* list = root == nullptr ? nullptr : root->FindNestedElementWithName("vtkMultiBlockDataSet");
+  if (list == nullptr) {
+    throw bad_file(path, "is not a VTK XML multi-block file");
+  }
+  std::vector<fs::path> blocks;
+  for (int i = 0; i < list->GetNumberOfNestedElements(); ++i) {
+    vtkXMLDataElement& element = *list->GetNestedElement(i);
+    const char* file = element.GetAttribute("file");
+    if (std::string(element.GetName()) != "DataSet" || file == nullptr) {
+      throw unsupported(path, "has blocks within blocks, expected one file for each level");
+    }
+    blocks.emplace_back(file);
+  }
+  if (blocks.empty()) {
+    throw bad_file(path, "has no blocks");
+  }
+  return blocks;
+}
+
+}  // namespace
+
+fs::path vtm_piece(const fs::path& path, std::size_t level) {
+  const std::string stem = path.stem().string();
+  return path.parent_path() / stem / (stem + "_" + std::to_string(level) + ".vtp");
+}
+
+StoredPositions write_vtm(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const fs::path& path) {
+  AtomicFile index(path);
+  const fs::path folder = vtm_piece(path, 0).parent_path();
+  NewFolder new_folder(folder, path);
+  std::vector<std::unique_ptr<AtomicFile>> pieces;
+  std::string list;
+  for (std::size_t k = 0; k < hierarchy.levels.size(); ++k) {
+    const fs::path piece = vtm_piece(path, k);
+    pieces.push_back(std::make_unique<AtomicFile>(piece));
+    write_vtp(hierarchy.mesh(k),
+              {{"SPACE", info.mesh.space},
+               {"COMMENT", info.mesh.comment},
+               {kPlacementField, info.placement == Placement::balanced ? "balanced" : "surface"},
+               {kLevelField, info.levels.empty() ? "" : info.levels[k]}},
+              hierarchy.levels[k].distance, *pieces.back());
+    const std::string number = std::to_string(k);
+    list += "    <DataSet index=\"" + number + "\" name=\"level " + number + "\" file=\"" +
+            escaped((folder.filename() / piece.filename()).generic_string()) + "\"/>\n";
+  }
+  index.stream() << "<?xml version=\"1.0\"?>\n"
+                    "<VTKFile type=\"vtkMultiBlockDataSet\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+                    "  <vtkMultiBlockDataSet>\n"
+                 << list << "  </vtkMultiBlockDataSet>\n</VTKFile>\n";
+  // The list last: it never names a file that is not there.
+  for (const auto& piece : pieces) {
+    piece->commit();
+    new_folder.keep();
+  }
+  index.commit();
+  return {};
+}
+
+StoredLevels read_vtm(const fs::path& path) {
+  StoredLevels levels;
+  bool any_json = false;
+  for (const fs::path& block : blocks_of(path)) {
+    const fs::path piece = path.parent_path() / block;
+    readable_file_size(piece);
+    std::map<std::string, std::string> fields;
+    levels.meshes.push_back(read_vtp(piece, fields, levels.distances.emplace_back()));
+    levels.info.mesh = {fields["SPACE"], fields["COMMENT"]};
+    levels.info.placement = fields[kPlacementField] == "balanced" ? Placement::balanced : Placement::surface;
+    levels.info.levels.push_back(fields[kLevelField].empty() ? "null" : fields[kLevelField]);
+    any_json = any_json || levels.info.levels.back() != "null";
+  }
+  if (!any_json) {
+    levels.info.levels.clear();
+  }
+  return levels;
+}
+
+}  // namespace isoatlas::io

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// Wavefront OBJ: `v` and `f` lines; the rest (normals, texture, groups, materials) is passed over.
+//
+// Not through vtkOBJReader: it stores float positions and, where a file has normals or texture coordinates, makes a
+// vertex of its own for every corner, which tears the mesh into loose triangles.
+#include <string>
+
+#include "files/file_error.h"
+#include "mesh_files/formats.h"
+#include "mesh_files/output_buffer.h"
+#include "mesh_files/polygon_fan.h"
+#include "files/text_scanner.h"
+
+namespace isoatlas::io {
+
+TriangleMesh read_obj(const std::filesystem::path& path) {
+  const std::string text = file_contents(path);
+  TextScanner scanner(text, path);
+  TriangleMesh mesh;
+  std::vector<std::uint32_t> corners;
+  while (scanner.next_line()) {
+    const std::string_view keyword = scanner.word();
+    if (keyword == "v") {
+      const double x = scanner.number("the x coordinate of a vertex");
+      const double y = scanner.number("the y coordinate of a vertex");
+      const double z = scanner.number("the z coordinate of a vertex");
+      mesh.positions.push_back({x, y, z});
+    } else if (keyword == "f") {
+      corners.clear();
+      for (std::string_view corner = scanner.word(); !corner.empty(); corner = scanner.word()) {
+        if (corner == "\\" && scanner.next_line()) {
+          continue;  // the face goes on in the next line
+        }
+        // "7", "7/1", "7/1/2" or "7//2": the position comes first
+        const std::int64_t index = scanner.to_integer(corner.substr(0, corner.find('/')), "a vertex number");
+        if (index == 0) {
+          throw scanner.error("vertex number 0, but vertices are numbered from 1");
+        }
+        const auto count = static_cast<std::int64_t>(mesh.positions.size());
+        corners.push_back(vertex_index(index > 0 ? index - 1 : count + index));  // -1 is the last vertex so far
+      }
+      if (corners.size() < 3) {
+        throw scanner.error("a face with " + std::to_string(corners.size()) + " corners, expected at least 3");
+      }
+      append_polygon(mesh, corners);
+    }
+  }
+  return mesh;
+}
+
+void write_obj(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file) {
+  OutputBuffer out(file.stream());
+  for (const std::string& comment : {info.comment, info.space.empty() ? "" : "SPACE=" + info.space}) {
+    if (!comment.empty()) {
+      out.text("# " + comment + "\n");
+    }
+  }
+  for (const Vec3& p : mesh.positions) {
+    out.text("v ");
+    out.number(p.x);
+    out.text(" ");
+    out.number(p.y);
+    out.text(" ");
+    out.number(p.z);
+    out.text("\n");
+  }
+  for (const Triangle& t : mesh.triangles) {
+    out.text("f");
+    for (const std::uint32_t corner : t) {
+      out.text(" ");
+      out.number(std::uint64_t{corner} + 1);
+    }
+    out.text("\n");
+  }
+  out.flush();
+}
+
+}  // namespace isoatlas::io

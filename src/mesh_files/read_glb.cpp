@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+// Levels of detail from binary glTF, by tinygltf: nothing here is shared with the writer, whose files it certifies.
+#include <tiny_gltf.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "files/file_error.h"
+#include "mesh_files/formats.h"
+
+namespace isoatlas::io {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::uint32_t number_at(const std::string& contents, std::size_t offset) {
+  std::uint32_t number = 0;
+  std::memcpy(&number, contents.data() + offset, sizeof number);
+  return number;
+}
+
+// What tinygltf does not look at before it reads: the length in the header, and lists in lists in lists, which it descends into.
+void require_container(const std::string& contents, const fs::path& path) {
+  constexpr std::size_t kJsonStart = 20;
+  constexpr int kMostDepth = 64;
+  if (contents.size() < kJsonStart || !contents.starts_with("glTF")) {
+    throw bad_file(path, "is not a binary glTF file");
+  }
+  if (number_at(contents, 8) != contents.size()) {
+    throw bad_file(path, "promises " + std::to_string(number_at(contents, 8)) + " bytes, but has " + std::to_string(contents.size()));
+  }
+  if (number_at(contents, 12) > contents.size() - kJsonStart) {
+    throw bad_file(path, "its JSON is cut off");
+  }
+  int depth = 0;
+  bool is_text = false;
+  for (std::size_t i = kJsonStart; i < kJsonStart + number_at(contents, 12); ++i) {
+    const char c = contents[i];
+    if (is_text) {
+      i += c == '\\';
+      is_text = c != '"';
+    } else if (c == '"') {
+      is_text = true;
+    } else if (c == '{' || c == '[') {
+      if (++depth > kMostDepth) {
+        throw bad_file(path, "its JSON is nested too deeply");
+      }
+    } else if (c == '}' || c == ']') {
+      --depth;
+    }
+  }
+}
+
+tinygltf::Model load(std::string contents, const fs::path& path) {
+  require_container(contents, path);
+  tinygltf::TinyGLTF loader;
+  // Only this file: nothing it names is opened, no picture decoded.
+  tinygltf::FsCallbacks files{};
+  files.FileExists = [](const std::string&, void*) { return false; };
+  files.ExpandFilePath = [](const std::string& name, void*) { return name; };
+  files.ReadWholeFile = [](std::vector<unsigned char>*, std::string*, const std::string&, void*) { return false; };
+  files.WriteWholeFile = [](std::string*, const std::string&, const std::vector<unsigned char>&, void*) { return false; };
+  loader.SetFsCallbacks(files);
+  loader.SetImageLoader(
+      [](tinygltf::Image*, const int, std::string*, std::string*, int, int, const unsigned char*, int, void*) { return true; }, nullptr);
+  loader.SetStoreOriginalJSONForExtrasAndExtensions(true);
+  tinygltf::Model model;
+  std::string error;
+  std::string warning;
+  const auto size = static_cast<unsigned int>(contents.size());
+  if (!loader.LoadBinaryFromMemory(&model, &error, &warning, reinterpret_cast<const unsigned char*>(contents.data()), size)) {
+    throw bad_file(path, "is not a glTF 2.0 file: " + one_line(error));
+  }
+  return model;
+}
+
+class Reader {
+ public:
+  Reader(const tinygltf::Model& model, const fs::path& path) : model_(model), path_(path) {}
+
+  StoredLevels read() const {
+    StoredLevels levels;
+    const tinygltf::Node& finest = node(finest_node());
+    std::vector<const tinygltf::Node*> nodes{&finest};
+    if (const auto lod = finest.extensions.find("MSFT_lod"); lod != finest.extensions.end() && lod->second.Has("ids")) {
+      const tinygltf::Value& ids = lod->second.Get("ids");
+      for (std::size_t i = 0; i < ids.ArrayLen(); ++i) {
+        nodes.push_back(&node(ids.Get(static_cast<int>(i)).IsInt() ? ids.Get(static_cast<int>(i)).GetNumberAsInt() : -1));
+      }
+    }
+    std::ranges::reverse(nodes);  // the extension has the finest first
+    bool any_json = false;
+    for (const tinygltf::Node* n : nodes) {
+      const tinygltf::Mesh& mesh = at(model_.meshes, n->mesh, "mesh");
+      levels.meshes.push_back(mesh_of(mesh, translation_of(*n)));
+      levels.distances.push_back(distance_of(mesh));
+      levels.info.levels.push_back(ours(mesh.extras_json_string).dump());
+      any_json = any_json || levels.info.levels.back() != "null";
+    }
+    if (!any_json) {
+      levels.info.levels.clear();
+    }
+    const nlohmann::json about = ours(model_.asset.extras_json_string);
+    if (about.contains("space") && about["space"].is_string()) {
+      about["space"].get_to(levels.info.mesh.space);
+    }
+    if (about.contains("placement") && about["placement"] == "balanced") {
+      levels.info.placement = Placement::balanced;
+    }
+    levels.info.mesh.comment = model_.asset.generator;
+    return levels;
+  }
+
+ private:
+  template <class Item>
+  const Item& at(const std::vector<Item>& items, int index, const char* missing) const {
+    if (index < 0 || static_cast<std::size_t>(index) >= items.size()) {
+      throw bad_file(path_, missing);
+    }
+    return items[static_cast<std::size_t>(index)];
+  }
+
+  const tinygltf::Node& node(int index) const { return at(model_.nodes, index, "node"); }
+
+  int finest_node() const {
+    const tinygltf::Scene& scene = at(model_.scenes, std::max(model_.defaultScene, 0), "scene");
+    if (scene.nodes.size() != 1 || node(scene.nodes[0]).mesh < 0) {
+      throw unsupported(path_, "expected a scene with one mesh and its levels of detail, as isoatlas writes it");
+    }
+    return scene.nodes[0];
+  }
+
+  Vec3 translation_of(const tinygltf::Node& n) const {
+    if (!n.matrix.empty() || !n.rotation.empty() || !n.scale.empty() || !n.children.empty()) {
+      throw unsupported(path_, "has a node with more than a translation");
+    }
+    if (n.translation.size() != 3) {
+      return {};
+    }
+    return {n.translation[0], n.translation[1], n.translation[2]};
+  }
+
+  // Our part of what an object says beyond glTF; null if there is none.
+  nlohmann::json ours(const std::string& extras) const {
+    const nlohmann::json json = nlohmann::json::parse(extras, nullptr, false);
+    return json.is_object() && json.contains("isoatlas") && json["isoatlas"].is_object() ? json["isoatlas"] : nlohmann::json();
+  }
+
+  struct Elements {
+    const unsigned char* first;
+    std::size_t count, stride;
+  };
+
+  Elements elements(int index, int type, std::size_t element_bytes) const {
+    const tinygltf::Accessor& accessor = at(model_.accessors, index, "accessor");
+    if (accessor.type != type || accessor.sparse.isSparse || accessor.normalized) {
+      throw unsupported(path_, "has an accessor of a kind that isoatlas does not write");
+    }
+    const tinygltf::BufferView& view = at(model_.bufferViews, accessor.bufferView, "buffer view");
+    const std::vector<unsigned char>& bytes = at(model_.buffers, view.buffer, "buffer").data;
+    const std::size_t stride = view.byteStride == 0 ? element_bytes : view.byteStride;
+    const std::size_t count = accessor.count;
+    const bool fits = view.byteOffset <= bytes.size() && view.byteLength <= bytes.size() - view.byteOffset && stride >= element_bytes &&
+                      accessor.byteOffset <= view.byteLength &&
+                      (count == 0 || (view.byteLength - accessor.byteOffset >= element_bytes &&
+                                      (count - 1) <= (view.byteLength - accessor.byteOffset - element_bytes) / stride));
+    if (!fits) {
+      throw bad_file(path_, "promises more elements than it has");
+    }
+    return {bytes.data() + view.byteOffset + accessor.byteOffset, count, stride};
+  }
+
+  TriangleMesh mesh_of(const tinygltf::Mesh& gltf_mesh, Vec3 translation) const {
+    if (gltf_mesh.primitives.size() != 1) {
+      throw unsupported(path_, "has a mesh of " + std::to_string(gltf_mesh.primitives.size()) + " primitives, expected one");
+    }
+    const tinygltf::Primitive& primitive = gltf_mesh.primitives[0];
+    const auto position = primitive.attributes.find("POSITION");
+    if ((primitive.mode != TINYGLTF_MODE_TRIANGLES && primitive.mode != -1) || position == primitive.attributes.end() ||
+        primitive.indices < 0) {
+      throw unsupported(path_, "has a mesh that is no list of triangles with indices");
+    }
+    TriangleMesh mesh;
+    if (at(model_.accessors, position->second, "accessor").componentType != TINYGLTF_COMPONENT_TYPE_FLOAT) {
+      throw unsupported(path_, "has positions that are not float");
+    }
+    const Elements positions = elements(position->second, TINYGLTF_TYPE_VEC3, 3 * sizeof(float));
+    mesh.positions.reserve(positions.count);
+    for (std::size_t v = 0; v < positions.count; ++v) {
+      std::array<float, 3> p{};
+      std::memcpy(p.data(), positions.first + v * positions.stride, sizeof p);
+      mesh.positions.push_back({p[0] + translation.x, p[1] + translation.y, p[2] + translation.z});
+    }
+    append_triangles(mesh, primitive.indices);
+    return mesh;
+  }
+
+  std::vector<float> distance_of(const tinygltf::Mesh& gltf_mesh) const {
+    const auto attribute = gltf_mesh.primitives[0].attributes.find("_MAX_DISTANCE");
+    if (attribute == gltf_mesh.primitives[0].attributes.end() ||
+        at(model_.accessors, attribute->second, "accessor").componentType != TINYGLTF_COMPONENT_TYPE_FLOAT) {
+      return {};
+    }
+    const Elements values = elements(attribute->second, TINYGLTF_TYPE_SCALAR, sizeof(float));
+    std::vector<float> result(values.count);
+    for (std::size_t v = 0; v < values.count; ++v) {
+      std::memcpy(&result[v], values.first + v * values.stride, sizeof(float));
+    }
+    return result;
+  }
+
+  void append_triangles(TriangleMesh& mesh, int accessor) const {
+    const int type = at(model_.accessors, accessor, "accessor").componentType;
+    const std::size_t bytes = type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT     ? 4
+                              : type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ? 2
+                              : type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE  ? 1
+                                                                               : 0;
+    if (bytes == 0) {
+      throw unsupported(path_, "has indices that are not unsigned integers");
+    }
+    const Elements indices = elements(accessor, TINYGLTF_TYPE_SCALAR, bytes);
+    if (indices.count % 3 != 0) {
+      throw bad_file(path_, "has a list of triangles that ends within one");
+    }
+    mesh.triangles.resize(indices.count / 3);
+    for (std::size_t i = 0; i < indices.count; ++i) {
+      std::uint32_t index = 0;
+      std::memcpy(&index, indices.first + i * indices.stride, bytes);  // little endian, as we are
+      mesh.triangles[i / 3][i % 3] = index;
+    }
+  }
+
+  const tinygltf::Model& model_;
+  const fs::path& path_;
+};
+
+}  // namespace
+
+StoredLevels read_glb(const fs::path& path) { return read_glb(file_contents(path), path); }
+
+StoredLevels read_glb(std::string contents, const fs::path& path) {
+  const tinygltf::Model model = load(std::move(contents), path);
+  return Reader(model, path).read();
+}
+
+}  // namespace isoatlas::io

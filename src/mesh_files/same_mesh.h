@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Is what was written what was meant? Asked of every file that rounds positions, before it appears.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <filesystem>
+#include <string_view>
+
+#include "isoatlas/mesh_file.h"
+#include "isoatlas/mesh.h"
+
+namespace isoatlas::io {
+
+using Float3 = std::array<float, 3>;
+
+/// The position of a vertex as a file of floats has it.
+/// @throws Error(bad_file) if it is out of their range
+Float3 rounded(const Vec3& position, std::size_t vertex, const std::filesystem::path& path);
+
+/// Compares a mesh with what another reader made of the file it was written to.
+///
+/// Triangles must be identical, the topology counted on both the same, and vertices that had different positions must
+/// not have become one. With `renumbered` (formats without indices: equal positions are one vertex) triangles are identical up
+/// to a one-to-one renumbering of the vertices in use.
+/// @param what  "" or which part of the file this is, for messages: "level 2"
+/// @return the largest distance of a vertex from where it was
+/// @throws Error(bad_file) if rounding merged vertices or moved some by more than a tenth of the mean edge, Error(internal) if anything
+/// else differs
+double require_same_mesh(const TriangleMesh& written, const TriangleMesh& read, bool renumbered, const std::filesystem::path& path,
+                         std::string_view what = {});
+
+}  // namespace isoatlas::io

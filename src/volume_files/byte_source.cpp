@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "volume_files/byte_source.h"
+
+#include <bzlib.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <fstream>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "files/file_error.h"
+#include "files/stored_data.h"
+
+namespace isoatlas::io {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t kChunk = std::size_t{1} << 18;
+
+/// Decompresses from the bytes it is given. `done` is set at the end of a member; several members may follow each other.
+class Decompressor {
+ public:
+  virtual ~Decompressor() = default;
+  struct Step {
+    std::size_t used = 0, made = 0;
+    bool at_end = false;
+  };
+  /// @throws const char* if the stream is damaged
+  virtual Step step(const char* from, std::size_t available, char* to, std::size_t room) = 0;
+  virtual void start_next_member() = 0;
+};
+
+class Inflater final : public Decompressor {
+ public:
+  Inflater() {
+    constexpr int kGzipOrZlib = 15 + 32;
+    if (inflateInit2(&stream_, kGzipOrZlib) != Z_OK) throw std::bad_alloc();
+  }
+  ~Inflater() override { inflateEnd(&stream_); }
+  Step step(const char* from, std::size_t available, char* to, std::size_t room) override {
+    stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(from));
+    stream_.avail_in = static_cast<uInt>(available);
+    stream_.next_out = reinterpret_cast<Bytef*>(to);
+    stream_.avail_out = static_cast<uInt>(room);
+    const int result = inflate(&stream_, Z_NO_FLUSH);
+    if (result != Z_OK && result != Z_STREAM_END && result != Z_BUF_ERROR) throw "damaged";
+    return {available - stream_.avail_in, room - stream_.avail_out, result == Z_STREAM_END};
+  }
+  void start_next_member() override { inflateReset(&stream_); }
+
+ private:
+  z_stream stream_{};
+};
+
+class Bunzipper final : public Decompressor {
+ public:
+  Bunzipper() { start(); }
+  ~Bunzipper() override { BZ2_bzDecompressEnd(&stream_); }
+  Step step(const char* from, std::size_t available, char* to, std::size_t room) override {
+    stream_.next_in = const_cast<char*>(from);
+    stream_.avail_in = static_cast<unsigned>(available);
+    stream_.next_out = to;
+    stream_.avail_out = static_cast<unsigned>(room);
+    const int result = BZ2_bzDecompress(&stream_);
+    if (result != BZ_OK && result != BZ_STREAM_END) throw "damaged";
+    return {available - stream_.avail_in, room - stream_.avail_out, result == BZ_STREAM_END};
+  }
+  void start_next_member() override {
+    BZ2_bzDecompressEnd(&stream_);
+    start();
+  }
+
+ private:
+  void start() {
+    stream_ = {};
+    if (BZ2_bzDecompressInit(&stream_, 0, 0) != BZ_OK) throw std::bad_alloc();
+  }
+  bz_stream stream_{};
+};
+
+std::unique_ptr<Decompressor> decompressor_for(Packing packing) {
+  if (packing == Packing::deflate) return std::make_unique<Inflater>();
+  if (packing == Packing::bzip2) return std::make_unique<Bunzipper>();
+  return nullptr;
+}
+
+}  // namespace
+
+struct ByteSource::Stream {
+  fs::path path;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file{nullptr, std::fclose};
+  std::unique_ptr<Decompressor> decompressor;
+  std::vector<char> packed;
+  std::size_t begin = 0, end = 0;  // of the packed bytes that are not used yet
+  bool between_members = true;
+  std::uint64_t total = 0;  // bytes handed out
+
+  std::size_t read_file(char* to, std::size_t bytes) {
+    errno = 0;
+    const std::size_t count = std::fread(to, 1, bytes, file.get());
+    if (count < bytes && std::ferror(file.get()) != 0) {
+      throw bad_file(path, "cannot be read: " + system_text(errno));
+    }
+    return count;
+  }
+
+  std::size_t read_unpacked(char* to, std::size_t bytes) {
+    std::size_t made = 0;
+    while (made < bytes) {
+      if (begin == end) {
+        begin = 0;
+        end = read_file(packed.data(), packed.size());
+      }
+      if (end == 0) {
+        if (!between_members) {
+          throw bad_file(path, "is cut off: its compressed samples end after " + std::to_string(total + made) + " bytes");
+        }
+        break;
+      }
+      // What follows the last member need not be one more: some writers pad with zeros.
+      if (between_members && total + made > 0 && !starts_member()) {
+        break;
+      }
+      if (between_members && total + made > 0) {
+        decompressor->start_next_member();
+      }
+      between_members = false;
+      try {
+        const std::size_t room = std::min<std::size_t>(bytes - made, std::numeric_limits<int>::max());
+        const auto step = decompressor->step(packed.data() + begin, end - begin, to + made, room);
+        begin += step.used;
+        made += step.made;
+        between_members = step.at_end;
+      } catch (const char*) {
+        throw bad_file(path, "its compressed samples are damaged after " + std::to_string(total + made) + " bytes");
+      }
+    }
+    return made;
+  }
+
+  bool starts_member() const {
+    const auto first = static_cast<unsigned char>(packed[begin]);
+    return first == 0x1F || first == 'B';
+  }
+};
+
+Packing packing_of(const fs::path& path) {
+  std::array<char, 3> mark{};
+  std::ifstream(path, std::ios::binary).read(mark.data(), mark.size());
+  if (mark[0] == '\x1F' && mark[1] == '\x8B') return Packing::deflate;
+  if (mark[0] == 'B' && mark[1] == 'Z' && mark[2] == 'h') return Packing::bzip2;
+  return Packing::none;
+}
+
+ByteSource::ByteSource(const fs::path& path, std::uint64_t offset, Packing packing) : stream_(std::make_unique<Stream>()) {
+  stream_->path = path;
+  errno = 0;
+  stream_->file.reset(std::fopen(path.c_str(), "rb"));
+  if (!stream_->file || fseeko(stream_->file.get(), static_cast<off_t>(offset), SEEK_SET) != 0) {
+    throw bad_file(path, "cannot be opened: " + system_text(errno));
+  }
+  stream_->decompressor = decompressor_for(packing);
+  if (stream_->decompressor) {
+    stream_->packed.resize(kChunk);
+  }
+}
+
+ByteSource::~ByteSource() = default;
+ByteSource::ByteSource(ByteSource&&) noexcept = default;
+
+std::size_t ByteSource::read(void* to, std::size_t bytes) {
+  char* const chars = static_cast<char*>(to);
+  const std::size_t count = stream_->decompressor ? stream_->read_unpacked(chars, bytes) : stream_->read_file(chars, bytes);
+  stream_->total += count;
+  return count;
+}
+
+void ByteSource::skip(std::uint64_t bytes) {
+  std::vector<char> buffer(static_cast<std::size_t>(std::min<std::uint64_t>(bytes, kChunk)));
+  for (std::uint64_t left = bytes; left > 0;) {
+    const auto wanted = static_cast<std::size_t>(std::min<std::uint64_t>(left, buffer.size()));
+    const std::size_t count = read(buffer.data(), wanted);
+    if (count < wanted) {
+      throw bad_file(stream_->path, "is cut off: it ends " + std::to_string(left - count) + " bytes before its samples begin");
+    }
+    left -= count;
+  }
+}
+
+void ByteSource::read_samples(void* to, std::uint64_t bytes) {
+  require_stored_bytes(stream_->path, bytes, read(to, static_cast<std::size_t>(bytes)));
+}
+
+std::uint64_t ByteSource::count_rest(std::uint64_t limit) {
+  std::vector<char> buffer(static_cast<std::size_t>(std::clamp<std::uint64_t>(limit, 1, kChunk)));
+  std::uint64_t count = 0;
+  for (;;) {
+    const std::size_t found = read(buffer.data(), buffer.size());
+    count += found;
+    if (found < buffer.size() || count >= limit) {
+      return std::min(count, limit);
+    }
+  }
+}
+
+void swap_byte_order(void* values, std::uint64_t count, std::size_t value_bytes) {
+  char* value = static_cast<char*>(values);
+  for (std::uint64_t i = 0; i < count; ++i, value += value_bytes) {
+    std::reverse(value, value + value_bytes);
+  }
+}
+
+}  // namespace isoatlas::io

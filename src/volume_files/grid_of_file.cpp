@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "volume_files/grid_of_file.h"
+
+#include <cmath>
+#include <limits>
+#include <new>
+#include <string>
+
+#include "files/file_error.h"
+#include "files/memory_limit.h"
+
+namespace isoatlas::io {
+
+namespace {
+
+// Headers hold rounded cosines. Within this distance of 1 a length is rounding, and the axis and the spacing stay as
+// written: 0.8125 in the file is 0.8125 in the report.
+constexpr double kUnitTolerance = 1e-6;
+
+// |det| of three unit vectors. Below this the volume is flat for all practical purposes.
+constexpr double kSmallestDeterminant = 1e-4;
+
+bool is_finite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+Vec3 scaled(const Vec3& v, double factor) { return {v.x * factor, v.y * factor, v.z * factor}; }
+
+double determinant(const std::array<Vec3, 3>& a) {
+  return a[0].x * (a[1].y * a[2].z - a[1].z * a[2].y) - a[1].x * (a[0].y * a[2].z - a[0].z * a[2].y) +
+         a[2].x * (a[0].y * a[1].z - a[0].z * a[1].y);
+}
+
+}  // namespace
+
+Grid grid_of_file(const std::filesystem::path& path, const std::array<std::size_t, 3>& size, const Vec3& spacing, const Vec3& origin,
+                  const std::array<Vec3, 3>& axes) {
+  Grid grid;
+  grid.size = size;
+  grid.origin = origin;
+  grid.direction = axes;
+  grid.spacing = spacing;
+  if (!is_finite(origin)) {
+    throw bad_file(path, "the origin is not finite");
+  }
+  const std::array<double*, 3> steps{&grid.spacing.x, &grid.spacing.y, &grid.spacing.z};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    double& step = *steps[axis];
+    Vec3& direction = grid.direction[axis];
+    const std::string axis_name(1, "xyz"[axis]);
+    const double length = std::hypot(direction.x, direction.y, direction.z);
+    if (!std::isfinite(length) || length == 0) {
+      throw bad_file(path, "the direction of the " + axis_name + " axis is not a direction");
+    }
+    if (!std::isfinite(step) || step == 0) {
+      throw bad_file(path, "the spacing along " + axis_name + " is " + std::to_string(step) + ", expected a positive length");
+    }
+    if (step < 0) {
+      step = -step;
+      direction = scaled(direction, -1);
+    }
+    if (std::abs(length - 1) > kUnitTolerance) {
+      step *= length;
+      direction = scaled(direction, 1 / length);
+      if (!std::isfinite(step) || step == 0 || !is_finite(direction)) {
+        throw bad_file(path, "the direction of the " + axis_name + " axis is out of range");
+      }
+    }
+  }
+  for (Vec3* v : {&grid.origin, &grid.direction[0], &grid.direction[1], &grid.direction[2]}) {
+    *v = {v->x + 0.0, v->y + 0.0, v->z + 0.0};  // no "-0" in reports
+  }
+  if (std::abs(determinant(grid.direction)) < kSmallestDeterminant) {
+    throw bad_file(path, "the direction matrix is singular: the three axes lie in a plane");
+  }
+  return grid;
+}
+
+std::uint64_t checked_sample_bytes(const std::filesystem::path& path, const std::array<std::size_t, 3>& size,
+                                   std::size_t bytes_per_sample) {
+  const std::string shape = std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " + std::to_string(size[2]) + " samples";
+  std::uint64_t bytes = bytes_per_sample;
+  for (const std::size_t samples : size) {
+    if (samples < 2) {
+      throw unsupported(path, "has " + shape + ", expected a 3-D volume with at least 2 along each axis");
+    }
+    if (bytes > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()) / samples) {
+      throw bad_file(path, "the header promises " + shape + ", more than any file can hold");
+    }
+    bytes *= samples;
+  }
+  return bytes;
+}
+
+std::shared_ptr<std::byte[]> allocate_samples(const std::filesystem::path& path, std::uint64_t bytes, const ReadOptions& options) {
+  const std::uint64_t limit = options.max_memory == 0 ? default_memory_limit() : options.max_memory;
+  if (bytes > limit) {
+    throw Error(ErrorCode::out_of_memory, one_line(path.string() + ": its samples take " + std::to_string(bytes) + " bytes, more than the limit of " +
+                                                   std::to_string(limit) + (options.max_memory == 0 ? " (three quarters of the memory)" : "")));
+  }
+  try {
+    return std::shared_ptr<std::byte[]>(new std::byte[bytes]);
+  } catch (const std::bad_alloc&) {
+    throw out_of_memory(path, bytes);
+  }
+}
+
+}  // namespace isoatlas::io

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "files/file_error.h"
+#include "isoatlas/volume_file.h"
+#include "volume_files/readers.h"
+#include "volume_files/standard_input.h"
+#include "volume_files/volume_format.h"
+
+namespace isoatlas {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+void require_valid(const ReadOptions& options, const fs::path& path) {
+  const auto refuse = [&](const std::string& what) { throw Error(ErrorCode::bad_argument, io::one_line(path.string() + ": " + what)); };
+  if (options.spacing) {
+    for (const double step : {options.spacing->x, options.spacing->y, options.spacing->z}) {
+      if (!std::isfinite(step) || step <= 0) {
+        refuse("a spacing of " + std::to_string(step) + " was given, expected positive lengths");
+      }
+    }
+    if (options.raw && options.raw->spacing != std::array<double, 3>{1, 1, 1}) {
+      refuse("two spacings were given, the raw layout's and one in place of the file's; expected one");
+    }
+  }
+}
+
+// An option that no reader has looked at: the file has no such list.
+void require_used(const ReadOptions& options, const VolumeFile& file, const fs::path& path) {
+  const auto check = [&](const std::string& name, bool is_given) {
+    const bool is_used = std::ranges::any_of(file.source.choices, [&](const FileChoice& choice) { return choice.name == name; });
+    if (is_given && !is_used) {
+      const std::string list = name == "series" ? name : name == "time" ? "time points" : name + "s";
+      throw Error(ErrorCode::bad_argument, io::one_line(path.string() + ": a " + name + " was chosen, but a " + file.source.format +
+                                                        " file like this one has no " + list + " to choose from"));
+    }
+  };
+  check("channel", options.channel.value_or(0) > 0);  // the first of one needs no list
+  check("time", options.time.value_or(0) > 0);
+  check("layer", !options.layer.empty() && options.layer != "0");
+  check("array", !options.array.empty());
+  check("series", !options.series.empty() && options.series != "0");
+}
+
+void apply_spacing(const ReadOptions& options, VolumeFile& file) {
+  VolumeSource& source = file.source;
+  if (options.spacing) {
+    file.volume.grid.spacing = *options.spacing;
+    source.decisions.push_back({"spacing", "given, in place of the file's"});
+  } else if (!source.has_spacing) {
+    source.warnings.push_back("states no voxel size, 1 x 1 x 1 is assumed");
+  }
+}
+
+VolumeFile read_path(const fs::path& path, const ReadOptions& options) {
+  if (options.raw) {
+    return io::read_raw(path, options);
+  }
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) {
+    return io::read_dicom(path, options);
+  }
+  io::readable_file_size(path);  // missing, empty, not readable: said before anything about the format
+  return io::format_of(path).read(path, options);
+}
+
+// Standard input is a file with a name that tells nobody anything: messages get the one that does.
+[[noreturn]] void rethrow_named(const Error& error, const fs::path& path) {
+  std::string message = error.what();
+  if (const std::size_t at = message.find(path.string()); at != std::string::npos) {
+    message.replace(at, path.string().size(), io::kStandardInputName);
+  }
+  if (const auto* needed = dynamic_cast<const ChoiceNeeded*>(&error)) {
+    throw ChoiceNeeded(message, needed->choice(), needed->source());
+  }
+  throw Error(error.code(), message);
+}
+
+}  // namespace
+
+VolumeFile read_volume_file(const fs::path& path, const ReadOptions& options) {
+  if (path == "-") {
+    const io::StandardInput input;
+    try {
+      return read_volume_file(input.path(), options);
+    } catch (const Error& error) {
+      rethrow_named(error, input.path());
+    }
+  }
+  return io::translate_exceptions(path, [&] {
+    require_valid(options, path);
+    VolumeFile file = read_path(path, options);
+    require_used(options, file, path);
+    apply_spacing(options, file);
+    return file;
+  });
+}
+
+Volume read_volume(const fs::path& path, const ReadOptions& options) { return read_volume_file(path, options).volume; }
+
+}  // namespace isoatlas

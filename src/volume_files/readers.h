@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// The readers behind read_volume_file(), which picks one by the file's content.
+#pragma once
+
+#include <filesystem>
+
+#include "isoatlas/volume_file.h"
+
+namespace isoatlas::io {
+
+// Each reads one file that exists, can be read and is not empty. It
+// - fills `source.format`, `source.reader`, `source.decisions` and `source.warnings`, and sets `source.has_spacing`;
+// - takes its entry of every list in the file with take_choice();
+// - sets `volume.grid.unit` where the file states one;
+// - allocates samples with allocate_samples() only after it has checked that the file can hold them;
+// - ignores `options.spacing`: read_volume_file() applies it.
+VolumeFile read_nrrd(const std::filesystem::path& path, const ReadOptions& options);
+VolumeFile read_nifti(const std::filesystem::path& path, const ReadOptions& options);
+VolumeFile read_meta_image(const std::filesystem::path& path, const ReadOptions& options);
+VolumeFile read_tiff(const std::filesystem::path& path, const ReadOptions& options);
+VolumeFile read_legacy_vtk(const std::filesystem::path& path, const ReadOptions& options);
+VolumeFile read_vti(const std::filesystem::path& path, const ReadOptions& options);
+VolumeFile read_dicom(const std::filesystem::path& folder, const ReadOptions& options);
+VolumeFile read_raw(const std::filesystem::path& path, const ReadOptions& options);
+
+}  // namespace isoatlas::io

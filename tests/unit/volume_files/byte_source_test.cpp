@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "volume_files/byte_source.h"
+
+#include <bzlib.h>
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <string>
+
+#include "support/file_test_support.h"
+
+namespace isoatlas::io {
+namespace {
+
+using test::TempFolder;
+using test::write_bytes;
+
+std::string content() {
+  std::string bytes;
+  for (int i = 0; i < 700'000; ++i) bytes += static_cast<char>(i * 7 + i / 1000);
+  return bytes;
+}
+
+std::string deflated(const std::string& bytes, int window_bits) {
+  z_stream stream{};
+  deflateInit2(&stream, 6, Z_DEFLATED, window_bits, 8, Z_DEFAULT_STRATEGY);
+  std::string packed(deflateBound(&stream, bytes.size()) + 32, '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+  stream.avail_in = static_cast<uInt>(bytes.size());
+  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
+  stream.avail_out = static_cast<uInt>(packed.size());
+  deflate(&stream, Z_FINISH);
+  packed.resize(stream.total_out);
+  deflateEnd(&stream);
+  return packed;
+}
+
+std::string gzipped(const std::string& bytes) { return deflated(bytes, 15 + 16); }
+
+std::string bzipped(const std::string& bytes) {
+  unsigned size = static_cast<unsigned>(bytes.size() + bytes.size() / 50 + 1000);
+  std::string packed(size, '\0');
+  BZ2_bzBuffToBuffCompress(packed.data(), &size, const_cast<char*>(bytes.data()), static_cast<unsigned>(bytes.size()), 9, 0, 0);
+  packed.resize(size);
+  return packed;
+}
+
+class Packed : public testing::TestWithParam<int> {
+ protected:
+  std::string pack(const std::string& bytes) const {
+    switch (GetParam()) {
+      case 0: return bytes;
+      case 1: return gzipped(bytes);
+      case 2: return deflated(bytes, 15);
+      case 3: return bzipped(bytes);
+      case 4: return gzipped(bytes.substr(0, 1000)) + gzipped(bytes.substr(1000));
+      default: return bzipped(bytes.substr(0, 1000)) + bzipped(bytes.substr(1000));
+    }
+  }
+  Packing packing() const { return GetParam() == 0 ? Packing::none : GetParam() == 3 || GetParam() == 5 ? Packing::bzip2 : Packing::deflate; }
+  TempFolder folder_;
+};
+
+TEST_P(Packed, ReadsExactlyWhatIsThere) {
+  const std::string bytes = content();
+  write_bytes(folder_ / "a", "HEADER" + pack(bytes));
+  ByteSource source(folder_ / "a", 6, packing());
+  source.skip(10);
+  std::string found(bytes.size() - 15, '\0');
+  source.read_samples(found.data(), found.size());
+  EXPECT_EQ(found, bytes.substr(10, found.size()));
+  EXPECT_EQ(source.count_rest(100), 5U);
+}
+
+TEST_P(Packed, SaysThatAFileIsCutOff) {
+  const std::string packed = pack(content());
+  write_bytes(folder_ / "a", packed.substr(0, packed.size() - 40));
+  std::string found(content().size(), '\0');
+  ByteSource source(folder_ / "a", 0, packing());
+  EXPECT_THROW(
+      {
+        source.read_samples(found.data(), found.size());
+        source.count_rest(0);
+      },
+      Error);
+}
+
+TEST_P(Packed, SaysThatThereAreTooFewSamples) {
+  write_bytes(folder_ / "a", pack(content()));
+  std::string found(content().size() + 1, '\0');
+  EXPECT_THROW(ByteSource(folder_ / "a", 0, packing()).read_samples(found.data(), found.size()), Error);
+}
+
+TEST_P(Packed, SaysThatACompressedStreamIsDamaged) {
+  if (packing() == Packing::none) GTEST_SKIP() << "nothing tells";
+  std::string packed = pack(content());
+  for (std::size_t quarter = 1; quarter < 4; ++quarter) packed[packed.size() * quarter / 4] ^= 0x55;
+  write_bytes(folder_ / "a", packed);
+  std::string found(content().size(), '\0');
+  ByteSource source(folder_ / "a", 0, packing());
+  EXPECT_THROW(
+      {
+        source.read_samples(found.data(), found.size());
+        source.count_rest(0);
+      },
+      Error);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Packed, testing::Range(0, 6));
+
+TEST(ByteSource, ZerosAfterAGzipMemberAreNoMember) {
+  const TempFolder folder;
+  write_bytes(folder / "a", gzipped("twelve bytes") + std::string(512, '\0'));
+  std::string found(12, '\0');
+  ByteSource source(folder / "a", 0, Packing::deflate);
+  source.read_samples(found.data(), 12);
+  EXPECT_EQ(found, "twelve bytes");
+  EXPECT_EQ(source.count_rest(100), 0U);
+}
+
+TEST(ByteSource, PackingIsThatOfTheContent) {
+  const TempFolder folder;
+  write_bytes(folder / "a.gz", "plain");
+  EXPECT_EQ(packing_of(folder / "a.gz"), Packing::none);
+  write_bytes(folder / "b", gzipped("x"));
+  EXPECT_EQ(packing_of(folder / "b"), Packing::deflate);
+  write_bytes(folder / "c", bzipped("x"));
+  EXPECT_EQ(packing_of(folder / "c"), Packing::bzip2);
+}
+
+}  // namespace
+}  // namespace isoatlas::io
