@@ -205,7 +205,7 @@ std::uint64_t ByteSource::count_rest(std::uint64_t limit) {
   for (;;) {
     const std::size_t found = read(buffer.data(), buffer.size());
     count += found;
-    if (found < buffer.size() || count >= limit) {
+    if (found < buffer.size() || count > limit) {
       return std::min(count, limit);
     }
   }

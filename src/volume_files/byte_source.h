@@ -34,8 +34,8 @@ class ByteSource {
   /// @throws Error(bad_file) "is cut off ...: the header promises ... bytes of samples, the file has ..."
   void read_samples(void* to, std::uint64_t bytes);
 
-  /// Reads to the end and says how many bytes were left, at most `limit`. A compressed stream's checksum is at its end: call this
-  /// after the samples, with limit 0 if what follows does not matter.
+  /// Reads on, at most to `limit` bytes or a little more, and returns how many bytes there were, at most `limit`. A compressed
+  /// stream's checksum is at its end, so call this after the samples: it is checked unless more than `limit` bytes are left.
   std::uint64_t count_rest(std::uint64_t limit);
 
  private:
