@@ -52,7 +52,7 @@ bool is_vti(std::string_view bytes) {
 
 constexpr std::array kVolumeFormats{
     VolumeFormat{"NRRD", ".nrrd .nhdr", is_nrrd, read_nrrd},
-    VolumeFormat{"NIfTI", ".nii .nii.gz .hdr .img", is_nifti, read_nifti},
+    VolumeFormat{"NIfTI", ".nii .nii.gz .nii.bz2 .hdr .img .img.gz", is_nifti, read_nifti},
     VolumeFormat{"MetaImage", ".mha .mhd", is_meta_image, read_meta_image},
     VolumeFormat{"TIFF", ".tif .tiff", is_tiff, read_tiff},
     VolumeFormat{"legacy VTK", ".vtk", is_legacy_vtk, read_legacy_vtk},
