@@ -166,18 +166,13 @@ Rescale rescale_of(const NiftiHeader& header, VolumeSource& source) {
   return rescale;
 }
 
-// Samples without a scale keep their type; scaled ones are computed in double precision and kept as float, or double if they were.
-void read_samples(ByteSource& stream, const fs::path& file, const NiftiHeader& header, SampleType stored, const Rescale& rescale,
-                  std::uint64_t count, std::byte* samples) {
-  if (!rescale.is_needed()) {
-    stream.read_samples(samples, count * bytes_per_sample(stored));
-    if (header.swap) swap_byte_order(samples, count, bytes_per_sample(stored));
-    return;
-  }
+// Scaled samples are computed in double precision and kept as float, or as double if they were.
+void read_scaled_samples(ByteSource& stream, const fs::path& file, bool swap, SampleType stored, const Rescale& rescale,
+                         std::uint64_t count, std::byte* samples) {
   visit_sample_type(stored, [&](const auto* type) {
     using Stored = std::remove_cvref_t<decltype(*type)>;
     using Sample = std::conditional_t<std::is_same_v<Stored, double>, double, float>;
-    read_converted<Stored>(stream, file, count, header.swap, reinterpret_cast<Sample*>(samples), [&](Stored value) {
+    read_converted<Stored>(stream, file, count, swap, reinterpret_cast<Sample*>(samples), [&](Stored value) {
       return static_cast<Sample>(static_cast<double>(value) * rescale.slope + rescale.intercept);
     });
   });
@@ -217,21 +212,18 @@ VolumeFile read_nifti(const fs::path& path, const ReadOptions& options) {
   const std::uint64_t index = chosen_volume(path, header, options, source);
   volume.grid = nifti_grid(header, header_file, source);
   const Rescale rescale = rescale_of(header, source);
-  volume.type = !rescale.is_needed() || stored_type == SampleType::float64 ? stored_type : SampleType::float32;
+  volume.type = stored_type;
   warn_of_bits(header, stored_type, source);
 
   stored.file = image_half(path, header_file, header);
   stored.offset = samples_offset(header, header_file, stored.file != header_file);
   stored.count = static_cast<std::uint64_t>(header.dim[4] * header.dim[5]);
   check_data_file(path, stored.file, [&] {
-    require_stored_volumes(stored, source);
-    const std::uint64_t bytes = checked_sample_bytes(path, size, bytes_per_sample(volume.type));
-    const std::shared_ptr<std::byte[]> samples = allocate_samples(path, bytes, options);
-    read_stored_volume(stored, index, source, [&](ByteSource& stream) {
-      read_samples(stream, stored.file, header, stored_type, rescale, volume.grid.sample_count(), samples.get());
+    if (!rescale.is_needed()) return read_plain_samples(stored, index, header.swap, file, options);
+    volume.type = stored_type == SampleType::float64 ? SampleType::float64 : SampleType::float32;
+    read_stored_volume(stored, index, file, options, [&](ByteSource& stream, std::byte* samples) {
+      read_scaled_samples(stream, stored.file, header.swap, stored_type, rescale, volume.grid.sample_count(), samples);
     });
-    volume.samples = samples.get();
-    volume.owner = samples;
   });
   return file;
 }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "files/file_error.h"
+#include "volume_files/grid_of_file.h"
 
 namespace isoatlas::io {
 
@@ -39,8 +40,7 @@ ByteSource stream_at(const fs::path& file, Packing packing, std::uint64_t positi
   return stream;
 }
 
-}  // namespace
-
+// Before memory is allocated.
 void require_stored_volumes(const StoredVolumes& stored, VolumeSource& source) {
   const std::uint64_t promised = all_bytes(stored);
   const std::uint64_t file_bytes = readable_file_size(stored.file);
@@ -52,16 +52,42 @@ void require_stored_volumes(const StoredVolumes& stored, VolumeSource& source) {
   if (available > promised && !stored.has_footer) warn_of_more(source, available - promised, true);
 }
 
-void read_stored_volume(const StoredVolumes& stored, std::uint64_t index, VolumeSource& source,
-                        const std::function<void(ByteSource&)>& read) {
-  const Packing packing = packing_of(stored.file);
-  ByteSource stream = stream_at(stored.file, packing, stored.offset + index * stored.volume_bytes);
-  read(stream);
-  if (packing == Packing::none) return;
+void require_rest(ByteSource& stream, const StoredVolumes& stored, std::uint64_t index, VolumeSource& source) {
   const std::uint64_t left = (stored.count - index - 1) * stored.volume_bytes;
   const std::uint64_t found = stream.count_rest(left + kMostCounted);
   if (found < left) require_stored_bytes(stored.file, all_bytes(stored), (index + 1) * stored.volume_bytes + found);
   if (found > left && !stored.has_footer) warn_of_more(source, found - left, found < left + kMostCounted);
+}
+
+}  // namespace
+
+void read_stored_volume(const StoredVolumes& stored, std::uint64_t index, VolumeFile& file, const ReadOptions& options,
+                        const std::function<void(ByteSource&, std::byte*)>& read) {
+  require_stored_volumes(stored, file.source);
+  Volume& volume = file.volume;
+  const std::uint64_t bytes = checked_sample_bytes(stored.file, volume.grid.size, bytes_per_sample(volume.type));
+  const std::shared_ptr<std::byte[]> samples = allocate_samples(stored.file, bytes, options);
+  const Packing packing = packing_of(stored.file);
+  ByteSource stream = stream_at(stored.file, packing, stored.offset + index * stored.volume_bytes);
+  read(stream, samples.get());
+  if (packing != Packing::none) require_rest(stream, stored, index, file.source);
+  volume.samples = samples.get();
+  volume.owner = samples;
+}
+
+void read_plain_samples(const StoredVolumes& stored, std::uint64_t index, bool swap, VolumeFile& file, const ReadOptions& options) {
+  const std::size_t sample_bytes = bytes_per_sample(file.volume.type);
+  read_stored_volume(stored, index, file, options, [&](ByteSource& stream, std::byte* samples) {
+    stream.read_samples(samples, stored.volume_bytes);
+    if (swap) swap_byte_order(samples, stored.volume_bytes / sample_bytes, sample_bytes);
+  });
+}
+
+void read_half_samples(const StoredVolumes& stored, std::uint64_t index, bool swap, VolumeFile& file, const ReadOptions& options) {
+  const std::uint64_t count = file.volume.grid.sample_count();
+  read_stored_volume(stored, index, file, options, [&](ByteSource& stream, std::byte* samples) {
+    read_converted<std::uint16_t>(stream, stored.file, count, swap, reinterpret_cast<float*>(samples), float_of_half);
+  });
 }
 
 std::string unpacked_start(const fs::path& file, std::size_t limit) {

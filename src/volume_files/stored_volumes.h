@@ -25,15 +25,19 @@ struct StoredVolumes {
   bool has_footer = false;  ///< the format has more after the samples
 };
 
-/// To call before memory is allocated. Warns where a file that is not packed is longer than its header promises.
-/// @throws Error(bad_file) if the file cannot hold all volumes
-void require_stored_volumes(const StoredVolumes& stored, VolumeSource& source);
+/// Reads volume `index` into new memory for `file.volume`, whose grid's size and type are known: `read` gets a stream at the first
+/// sample, of which it takes `volume_bytes` bytes, and the memory. The rest of a packed file is read as well, as its checksum is at
+/// its end. Warns where there is more than the header promises.
+/// @throws Error(bad_file)       the file is damaged or holds less than all volumes
+/// @throws Error(out_of_memory)
+void read_stored_volume(const StoredVolumes& stored, std::uint64_t index, VolumeFile& file, const ReadOptions& options,
+                        const std::function<void(ByteSource&, std::byte*)>& read);
 
-/// Calls `read` with a stream at the first sample of volume `index`; `read` takes `volume_bytes` bytes. The rest of a packed file is
-/// read as well, as its checksum is at its end. Warns where there is more than the header promises.
-/// @throws Error(bad_file) if a packed file is damaged or holds less than all volumes
-void read_stored_volume(const StoredVolumes& stored, std::uint64_t index, VolumeSource& source,
-                        const std::function<void(ByteSource&)>& read);
+/// The same for samples that are stored in the volume's type; `swap`: in the other byte order.
+void read_plain_samples(const StoredVolumes& stored, std::uint64_t index, bool swap, VolumeFile& file, const ReadOptions& options);
+
+/// The same for samples that are stored as half-precision numbers; the volume's are float32.
+void read_half_samples(const StoredVolumes& stored, std::uint64_t index, bool swap, VolumeFile& file, const ReadOptions& options);
 
 /// The first bytes of the unpacked file, at most `limit`.
 std::string unpacked_start(const std::filesystem::path& file, std::size_t limit);
