@@ -113,6 +113,7 @@ VolumeFile read_mgh(const fs::path& path, const ReadOptions& options) {
                              .volume_bytes = checked_sample_bytes(path, volume_size, bytes_per_sample(volume.type)),
                              .count = size[3],
                              .has_footer = true};
+  require_stored_volumes(stored, file.source);
   const std::size_t frame = size[3] > 1 ? take_choice(path, file.source, numbered_choice("time", size[3]), options.time) : 0;
   volume.grid = grid_of(path, header, volume_size, file.source);
   read_plain_samples(stored, frame, kSwap, file, options);

@@ -141,9 +141,10 @@ Vec3 origin_of(const HeaderFields& header, const std::array<std::size_t, 3>& wor
     return (is_reversed ? -1.0 : 1.0) * Vec3{stated[0], stated[1], stated[2]};
   }
   const std::array starts = triple(header, kNxStart);
+  if (starts == std::array{0, 0, 0}) return {};
+  source.decisions.push_back({"origin", "NXSTART, NYSTART and NZSTART"});
   Vec3 origin;
   for (std::size_t i = 0; i < 3; ++i) origin = origin + (starts[i] * steps[world_axis[i]]) * axes[i];
-  if (starts != std::array{0, 0, 0}) source.decisions.push_back({"origin", "NXSTART, NYSTART and NZSTART"});
   return origin;
 }
 
@@ -206,6 +207,7 @@ VolumeFile read_mrc(const fs::path& path, const ReadOptions& options) {
                              .offset = kHeaderBytes + static_cast<std::size_t>(extended_bytes),
                              .volume_bytes = checked_sample_bytes(path, size, type.bytes),
                              .count = count};
+  require_stored_volumes(stored, file.source);
   const std::size_t index = count > 1 ? take_choice(path, file.source, numbered_choice("time", count), options.time) : 0;
   volume.grid = grid_of(path, header, size, file.source);
   if (type.is_half) {

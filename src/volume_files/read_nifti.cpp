@@ -113,9 +113,8 @@ std::uint64_t samples_offset(const NiftiHeader& header, const fs::path& header_f
   throw bad_file(header_file, "its samples begin at byte " + std::string(text) + " by vox_offset, expected a place after the header");
 }
 
-/// Picks a time point and, of several values per sample, one. @return the number of the volume in the file
-std::uint64_t chosen_volume(const fs::path& path, const NiftiHeader& header, const ReadOptions& options, VolumeSource& source) {
-  constexpr std::int64_t kMost = 1'000'000;
+std::uint64_t volume_count(const NiftiHeader& header, const fs::path& path) {
+  constexpr std::int64_t kMost = 1'000'000'000;
   if (header.dim[6] > 1 || header.dim[7] > 1 || header.dim[4] > kMost || header.dim[5] > kMost) {
     std::string shape;
     for (std::size_t axis = 1; axis <= static_cast<std::size_t>(header.dim[0]); ++axis) {
@@ -124,6 +123,11 @@ std::uint64_t chosen_volume(const fs::path& path, const NiftiHeader& header, con
     throw unsupported(path, "has " + std::to_string(header.dim[0]) + " dimensions (" + shape +
                                 "), expected three of space, time, and values per sample");
   }
+  return static_cast<std::uint64_t>(header.dim[4] * header.dim[5]);
+}
+
+/// Picks a time point and, of several values per sample, one. @return the number of the volume in the file
+std::uint64_t chosen_volume(const fs::path& path, const NiftiHeader& header, const ReadOptions& options, VolumeSource& source) {
   const auto times = static_cast<std::size_t>(header.dim[4]), channels = static_cast<std::size_t>(header.dim[5]);
   const std::size_t time = times > 1 ? take_choice(path, source, numbered_choice("time", times), options.time) : 0;
   const std::size_t channel = channels > 1 ? take_choice(path, source, numbered_choice("channel", channels), options.channel) : 0;
@@ -204,20 +208,20 @@ VolumeFile read_nifti(const fs::path& path, const ReadOptions& options) {
                         static_cast<std::size_t>(header.dim[3])};
   StoredVolumes stored;
   stored.volume_bytes = checked_sample_bytes(header_file, size, bytes_per_sample(stored_type));
+  stored.count = volume_count(header, path);
+  stored.file = image_half(path, header_file, header);
+  stored.offset = samples_offset(header, header_file, stored.file != header_file);
 
   VolumeFile file;
   Volume& volume = file.volume;
   VolumeSource& source = file.source;
   source.format = format_name(header);
+  check_data_file(path, stored.file, [&] { require_stored_volumes(stored, source); });
   const std::uint64_t index = chosen_volume(path, header, options, source);
   volume.grid = nifti_grid(header, header_file, source);
   const Rescale rescale = rescale_of(header, source);
   volume.type = stored_type;
   warn_of_bits(header, stored_type, source);
-
-  stored.file = image_half(path, header_file, header);
-  stored.offset = samples_offset(header, header_file, stored.file != header_file);
-  stored.count = static_cast<std::uint64_t>(header.dim[4] * header.dim[5]);
   check_data_file(path, stored.file, [&] {
     if (!rescale.is_needed()) return read_plain_samples(stored, index, header.swap, file, options);
     volume.type = stored_type == SampleType::float64 ? SampleType::float64 : SampleType::float32;

@@ -186,7 +186,7 @@ std::array<std::size_t, 3> size_of(const std::vector<std::uint64_t>& shape, cons
   if (axes.size() > 3) std::erase(axes, 1U);
   if (axes.size() != 3) {
     throw unsupported(path, "holds an array of shape " + text_of(shape) +
-                                ", expected three axes (z, y, x); save one volume of it to a file of its own");
+                                ", expected three axes (z, y, x)" + (axes.size() > 3 ? "; save one volume of it to a file of its own" : ""));
   }
   return {axes[2], axes[1], axes[0]};
 }
@@ -241,6 +241,7 @@ VolumeFile read_npy(const fs::path& path, const ReadOptions& options) {
   const StoredVolumes stored{.file = path,
                              .offset = header.samples_offset,
                              .volume_bytes = checked_sample_bytes(path, volume.grid.size, type.bytes)};
+  require_stored_volumes(stored, file.source);
   if (type.is_half) {
     read_half_samples(stored, 0, swap, file, options);
   } else {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "files/file_error.h"
+#include "isoatlas/version.h"
 #include "volume_files/grid_of_file.h"
 
 namespace isoatlas::io {
@@ -15,6 +16,9 @@ namespace {
 
 // Bytes after the samples are counted up to here only: a warning needs no more.
 constexpr std::uint64_t kMostCounted = std::uint64_t{1} << 20;
+
+// They are listed for a choice.
+constexpr std::uint64_t kMostVolumes = 1'000'000;
 
 // Of bzip2, for a file of zeros.
 constexpr std::uint64_t kMostPerBzip2Byte = 2'000'000;
@@ -40,8 +44,19 @@ ByteSource stream_at(const fs::path& file, Packing packing, std::uint64_t positi
   return stream;
 }
 
-// Before memory is allocated.
+void require_rest(ByteSource& stream, const StoredVolumes& stored, std::uint64_t index, VolumeSource& source) {
+  const std::uint64_t left = (stored.count - index - 1) * stored.volume_bytes;
+  const std::uint64_t found = stream.count_rest(left + kMostCounted);
+  if (found < left) require_stored_bytes(stored.file, all_bytes(stored), (index + 1) * stored.volume_bytes + found);
+  if (found > left && !stored.has_footer) warn_of_more(source, found - left, found < left + kMostCounted);
+}
+
+}  // namespace
+
 void require_stored_volumes(const StoredVolumes& stored, VolumeSource& source) {
+  if (stored.count > kMostVolumes) {
+    throw unsupported(stored.file, "has " + std::to_string(stored.count) + " volumes, expected at most " + std::to_string(kMostVolumes));
+  }
   const std::uint64_t promised = all_bytes(stored);
   const std::uint64_t file_bytes = readable_file_size(stored.file);
   const Packing packing = packing_of(stored.file);
@@ -52,18 +67,8 @@ void require_stored_volumes(const StoredVolumes& stored, VolumeSource& source) {
   if (available > promised && !stored.has_footer) warn_of_more(source, available - promised, true);
 }
 
-void require_rest(ByteSource& stream, const StoredVolumes& stored, std::uint64_t index, VolumeSource& source) {
-  const std::uint64_t left = (stored.count - index - 1) * stored.volume_bytes;
-  const std::uint64_t found = stream.count_rest(left + kMostCounted);
-  if (found < left) require_stored_bytes(stored.file, all_bytes(stored), (index + 1) * stored.volume_bytes + found);
-  if (found > left && !stored.has_footer) warn_of_more(source, found - left, found < left + kMostCounted);
-}
-
-}  // namespace
-
 void read_stored_volume(const StoredVolumes& stored, std::uint64_t index, VolumeFile& file, const ReadOptions& options,
                         const std::function<void(ByteSource&, std::byte*)>& read) {
-  require_stored_volumes(stored, file.source);
   Volume& volume = file.volume;
   const std::uint64_t bytes = checked_sample_bytes(stored.file, volume.grid.size, bytes_per_sample(volume.type));
   const std::shared_ptr<std::byte[]> samples = allocate_samples(stored.file, bytes, options);
@@ -73,6 +78,7 @@ void read_stored_volume(const StoredVolumes& stored, std::uint64_t index, Volume
   if (packing != Packing::none) require_rest(stream, stored, index, file.source);
   volume.samples = samples.get();
   volume.owner = samples;
+  file.source.reader = "isoatlas " ISOATLAS_VERSION;
 }
 
 void read_plain_samples(const StoredVolumes& stored, std::uint64_t index, bool swap, VolumeFile& file, const ReadOptions& options) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // NIfTI-1, NIfTI-2 and Analyze 7.5: what people's programs write, and what the specification allows.
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #define DONT_INCLUDE_ANALYZE_STRUCT
 #include <nifti/nifti1.h>
@@ -9,7 +8,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
@@ -18,8 +16,10 @@
 #include <vector>
 
 #include "isoatlas/io.h"
+#include "isoatlas/version.h"
 #include "support/field_volumes.h"
 #include "support/file_test_support.h"
+#include "support/volume_bytes.h"
 
 namespace isoatlas::test {
 namespace {
@@ -33,30 +33,6 @@ constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 constexpr std::size_t kCount = 24;
 constexpr std::array<std::size_t, 3> kSize{4, 3, 2};
-
-template <class Value>
-Value reversed(Value value) {
-  auto bytes = std::bit_cast<std::array<std::byte, sizeof(Value)>>(value);
-  std::ranges::reverse(bytes);
-  return std::bit_cast<Value>(bytes);
-}
-
-template <class Value>
-std::string bytes_of(const std::vector<Value>& values, bool big_endian = false) {
-  std::string bytes;
-  for (Value value : values) {
-    if (big_endian) value = reversed(value);
-    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-  }
-  return bytes;
-}
-
-template <class Value>
-std::vector<Value> ramp(std::size_t count = kCount, int first = 0) {
-  std::vector<Value> values;
-  for (std::size_t i = 0; i < count; ++i) values.push_back(static_cast<Value>(first + static_cast<int>(i)));
-  return values;
-}
 
 nifti_1_header header1(short datatype = 2) {
   nifti_1_header header{};
@@ -107,45 +83,13 @@ void set_sform(nifti_1_header& header, const std::array<std::array<float, 4>, 3>
 }
 
 template <class Header>
-std::string bytes_of(const Header& header) {
+std::string header_bytes(const Header& header) {
   return {reinterpret_cast<const char*>(&header), sizeof header};
 }
 
 template <class Header>
-std::string one_file(const Header& header, const std::string& samples = bytes_of(ramp<std::uint8_t>())) {
-  return bytes_of(header) + std::string(4, '\0') + samples;
-}
-
-std::string gzipped(const std::string& bytes) {
-  z_stream stream{};
-  deflateInit2(&stream, 6, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY);
-  std::string packed(bytes.size() + 1000, '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-  stream.avail_in = static_cast<uInt>(bytes.size());
-  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
-  stream.avail_out = static_cast<uInt>(packed.size());
-  deflate(&stream, Z_FINISH);
-  packed.resize(stream.total_out);
-  deflateEnd(&stream);
-  return packed;
-}
-
-std::string decision(const VolumeFile& file, const std::string& key) {
-  for (const ReadDecision& decision : file.source.decisions) {
-    if (decision.key == key) return decision.value;
-  }
-  return "";
-}
-
-void expect_one_warning(const VolumeFile& file, const std::string& says) {
-  ASSERT_EQ(file.source.warnings.size(), 1u);
-  EXPECT_NE(file.source.warnings[0].find(says), std::string::npos) << file.source.warnings[0];
-}
-
-void expect_near(const Vec3& value, const Vec3& expected, double tolerance = 1e-7) {
-  EXPECT_NEAR(value.x, expected.x, tolerance);
-  EXPECT_NEAR(value.y, expected.y, tolerance);
-  EXPECT_NEAR(value.z, expected.z, tolerance);
+std::string one_file(const Header& header, const std::string& samples = bytes_of(ramp<std::uint8_t>(kCount))) {
+  return header_bytes(header) + std::string(4, '\0') + samples;
 }
 
 class Nifti : public testing::Test {
@@ -208,6 +152,7 @@ TEST(FieldNifti, AreReadAsTheyAreMeant) {
     EXPECT_EQ(file.volume.grid.unit, LengthUnit::millimetre);
     EXPECT_EQ(samples_as_double(file.volume), samples);
     EXPECT_EQ(decision(file, "affine"), "sform");
+    EXPECT_EQ(file.source.reader, "isoatlas " ISOATLAS_VERSION);
     if (expected.warning.empty()) {
       EXPECT_TRUE(file.source.warnings.empty());
     } else {
@@ -244,7 +189,7 @@ TEST(FieldNifti, TimePointsAreAChoice) {
 TEST_F(Nifti, EveryTypeInBothByteOrdersAndVersions) {
   const auto check = [&](auto zero, short datatype, SampleType type) {
     using T = decltype(zero);
-    std::vector<T> values = ramp<T>();
+    std::vector<T> values = ramp<T>(kCount);
     values[1] = std::numeric_limits<T>::max();
     values[2] = std::numeric_limits<T>::lowest();
     std::vector<double> expected(values.begin(), values.end());
@@ -316,14 +261,14 @@ TEST_F(Nifti, ScaledSamplesAreFloatOrDouble) {
     EXPECT_EQ(sample_as_double(file.volume, i), static_cast<float>(stored * static_cast<double>(0.1F) - 7));
   }
   header.datatype = 64;
-  const VolumeFile doubles = read(one_file(header, bytes_of(ramp<double>())));
+  const VolumeFile doubles = read(one_file(header, bytes_of(ramp<double>(kCount))));
   EXPECT_EQ(doubles.volume.type, SampleType::float64);
   EXPECT_EQ(sample_as_double(doubles.volume, 3), 3 * static_cast<double>(0.1F) - 7);
   // 2^24 + 1 is no float: it is scaled as it is, not rounded first.
   header.datatype = 8;
   header.scl_slope = 1;
   header.scl_inter = -16777216;
-  std::vector<std::int32_t> large = ramp<std::int32_t>();
+  std::vector<std::int32_t> large = ramp<std::int32_t>(kCount);
   large[7] = 16777217;
   EXPECT_EQ(sample_as_double(read(one_file(header, bytes_of(large))).volume, 7), 1);
 }
@@ -331,7 +276,7 @@ TEST_F(Nifti, ScaledSamplesAreFloatOrDouble) {
 TEST_F(Nifti, ScaledNaNStaysNaN) {
   nifti_1_header header = header1(16);
   header.scl_slope = 2;
-  std::vector<float> values = ramp<float>();
+  std::vector<float> values = ramp<float>(kCount);
   values[3] = kNaN;
   values[4] = -std::numeric_limits<float>::infinity();
   const VolumeFile file = read(one_file(header, bytes_of(values)));
@@ -341,7 +286,7 @@ TEST_F(Nifti, ScaledNaNStaysNaN) {
 }
 
 TEST_F(Nifti, UnusableScalesAreLeftOut) {
-  const auto values = ramp<std::int16_t>();
+  const auto values = ramp<std::int16_t>(kCount);
   for (const float slope : {0.0F, kNaN, std::numeric_limits<float>::infinity()}) {
     nifti_1_header header = header1(4);
     header.scl_slope = slope;
@@ -363,14 +308,14 @@ TEST_F(Nifti, UnusableScalesAreLeftOut) {
 }
 
 TEST_F(Nifti, SamplesBeginWhereTheHeaderSays) {
-  const std::string samples = bytes_of(ramp<std::uint8_t>());
+  const std::string samples = bytes_of(ramp<std::uint8_t>(kCount));
   nifti_1_header header = header1();
   header.vox_offset = 368;  // an extension of 16 bytes
   EXPECT_EQ(sample_as_double(read(one_file(header, std::string(16, 'x') + samples)).volume, 9), 9);
   header.vox_offset = 0;
   EXPECT_EQ(sample_as_double(read(one_file(header, samples)).volume, 9), 9);
   header.vox_offset = 348;  // without the mark for extensions
-  EXPECT_EQ(sample_as_double(read(bytes_of(header) + samples).volume, 9), 9);
+  EXPECT_EQ(sample_as_double(read(header_bytes(header) + samples).volume, 9), 9);
   for (const float offset : {-16.0F, 100.0F, kNaN, 1e20F}) {
     header.vox_offset = offset;
     refuse(one_file(header, samples), ErrorCode::bad_file, "by vox_offset, expected a place after the header");
@@ -643,7 +588,7 @@ TEST_F(Nifti, LengthsAreInMillimetres) {
 // ---- pairs and Analyze
 
 TEST_F(Nifti, PairsInEachPackingAndCase) {
-  const std::string header = bytes_of(pair_header()), samples = bytes_of(ramp<std::uint8_t>());
+  const std::string header = header_bytes(pair_header()), samples = bytes_of(ramp<std::uint8_t>(kCount));
   const std::vector<std::array<std::string, 2>> pairs{
       {"a.hdr", "a.img"}, {"b.hdr.gz", "b.img.gz"}, {"c.hdr", "c.img.gz"}, {"D.HDR", "D.IMG"}, {"e.Hdr", "e.IMG.GZ"}, {"f.v2.hdr", "f.v2.img"}};
   for (const auto& [header_name, image_name] : pairs) {
@@ -673,8 +618,8 @@ TEST_F(Nifti, PairsInEachPackingAndCase) {
 TEST_F(Nifti, APairMayClaimToBeOneFile) {
   nifti_1_header header = header1();
   header.vox_offset = 0;
-  write_bytes(folder_ / "a.hdr", bytes_of(header));
-  write_bytes(folder_ / "a.img", bytes_of(ramp<std::uint8_t>()));
+  write_bytes(folder_ / "a.hdr", header_bytes(header));
+  write_bytes(folder_ / "a.img", bytes_of(ramp<std::uint8_t>(kCount)));
   EXPECT_EQ(sample_as_double(read_volume(folder_ / "a.hdr"), 9), 9);
   EXPECT_EQ(sample_as_double(read(one_file(header1()), {}, "b.hdr").volume, 9), 9);  // and one file may be called a header
 }
@@ -684,8 +629,8 @@ TEST_F(Nifti, AnalyzeHasNoOrientation) {
   header.pixdim[3] = 2;
   header.qform_code = 3;  // another field in Analyze
   header.sform_code = 77;
-  write_bytes(folder_ / "a.hdr", bytes_of(header));
-  write_bytes(folder_ / "a.img", bytes_of(ramp<std::int16_t>()));
+  write_bytes(folder_ / "a.hdr", header_bytes(header));
+  write_bytes(folder_ / "a.img", bytes_of(ramp<std::int16_t>(kCount)));
   VolumeFile file = read_volume_file(folder_ / "a.hdr");
   EXPECT_EQ(file.source.format, "Analyze 7.5");
   EXPECT_EQ(sample_as_double(file.volume, 9), 9);
@@ -695,7 +640,7 @@ TEST_F(Nifti, AnalyzeHasNoOrientation) {
   expect_one_warning(file, "states no orientation");
   header.scl_slope = 0.5F;  // SPM's factor; what follows it is not an intercept
   header.scl_inter = 100;
-  write_bytes(folder_ / "a.hdr", bytes_of(header));
+  write_bytes(folder_ / "a.hdr", header_bytes(header));
   file = read_volume_file(folder_ / "a.img");
   EXPECT_EQ(sample_as_double(file.volume, 9), 4.5);
   ASSERT_EQ(file.source.warnings.size(), 2u);
