@@ -200,7 +200,9 @@ void reverse_axes(const Sample* from, Sample* to, const std::array<std::size_t, 
     for (std::size_t first_z = 0; first_z < nz; first_z += kBlock) {
       for (std::size_t first_x = 0; first_x < nx; first_x += kBlock) {
         for (std::size_t z = first_z; z < std::min(first_z + kBlock, nz); ++z) {
-          for (std::size_t x = first_x; x < std::min(first_x + kBlock, nx); ++x) to[x + nx * (y + ny * z)] = from[z + nz * (y + ny * x)];
+          for (std::size_t x = first_x; x < std::min(first_x + kBlock, nx); ++x) {
+            to[x + nx * (y + ny * z)] = from[z + nz * (y + ny * x)];
+          }
         }
       }
     }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // NIfTI-1, NIfTI-2 and Analyze 7.5: what people's programs write, and what the specification allows.
+#include <bzlib.h>
 #include <gtest/gtest.h>
 
 #define DONT_INCLUDE_ANALYZE_STRUCT
@@ -444,6 +445,17 @@ TEST_F(Nifti, MoreThanPromisedIsSaid) {
   EXPECT_EQ(read(gzipped(one_file(header1()))).source.warnings.size(), 0u);
 }
 
+TEST_F(Nifti, PackedByBzip2) {
+  std::string bytes = one_file(header1());
+  std::string packed(2 * bytes.size() + 1000, '\0');
+  auto packed_bytes = static_cast<unsigned>(packed.size());
+  ASSERT_EQ(BZ2_bzBuffToBuffCompress(packed.data(), &packed_bytes, bytes.data(), static_cast<unsigned>(bytes.size()), 9, 0, 0), BZ_OK);
+  packed.resize(packed_bytes);
+  EXPECT_EQ(sample_as_double(read(packed, {}, "v.nii.bz2").volume, 9), 9);
+  EXPECT_EQ(sample_as_double(read(packed).volume, 9), 9);  // whatever its name
+  refuse(packed.substr(0, packed.size() - 1), ErrorCode::bad_file, "is cut off");
+}
+
 // ---- geometry
 
 TEST_F(Nifti, QformIsARotationAndAVoxelSize) {
@@ -590,7 +602,8 @@ TEST_F(Nifti, LengthsAreInMillimetres) {
 TEST_F(Nifti, PairsInEachPackingAndCase) {
   const std::string header = header_bytes(pair_header()), samples = bytes_of(ramp<std::uint8_t>(kCount));
   const std::vector<std::array<std::string, 2>> pairs{
-      {"a.hdr", "a.img"}, {"b.hdr.gz", "b.img.gz"}, {"c.hdr", "c.img.gz"}, {"D.HDR", "D.IMG"}, {"e.Hdr", "e.IMG.GZ"}, {"f.v2.hdr", "f.v2.img"}};
+      {"a.hdr", "a.img"}, {"b.hdr.gz", "b.img.gz"}, {"c.hdr", "c.img.gz"},
+      {"D.HDR", "D.IMG"}, {"e.Hdr", "e.IMG.GZ"},    {"f.v2.hdr", "f.v2.img"}};
   for (const auto& [header_name, image_name] : pairs) {
     SCOPED_TRACE(header_name + " " + image_name);
     const auto packed = [](const std::string& file, const std::string& bytes) {
