@@ -50,9 +50,27 @@ bool is_vti(std::string_view bytes) {
   return bytes.find("<VTKFile") != std::string_view::npos && bytes.find("\"ImageData\"") != std::string_view::npos;
 }
 
+// The version, of which the second byte may say more; four sizes and a type, big endian: most of their upper bytes are 0.
+bool is_mgh(std::string_view bytes) {
+  if (bytes.size() < 30 || bytes[0] != 0 || bytes[1] != 0 || bytes[3] != 1) return false;
+  for (std::size_t field = 4; field < 20; field += 4) {
+    const std::string_view size = bytes.substr(field, 4);
+    if (size[0] != 0 || size == std::string_view("\0\0\0\0", 4)) return false;
+  }
+  constexpr char kLargestType = 10;
+  return bytes.substr(20, 3) == std::string_view("\0\0\0", 3) && bytes[23] >= 0 && bytes[23] <= kLargestType;
+}
+
+bool is_mrc(std::string_view bytes) { return bytes.size() >= 1024 && has_at(bytes, 208, "MAP"); }
+
+bool is_npy(std::string_view bytes) { return has_at(bytes, 0, "\x93NUMPY"); }
+
 constexpr std::array kVolumeFormats{
     VolumeFormat{"NRRD", ".nrrd .nhdr", is_nrrd, read_nrrd},
-    VolumeFormat{"NIfTI", ".nii .nii.gz .hdr .img", is_nifti, read_nifti},
+    VolumeFormat{"NIfTI", ".nii .nii.gz .nii.bz2 .hdr .img .img.gz", is_nifti, read_nifti},
+    VolumeFormat{"MGH", ".mgz .mgh .mgh.gz", is_mgh, read_mgh},
+    VolumeFormat{"MRC", ".mrc .map .rec .ccp4 .st .mrcs .mrc.gz .map.gz", is_mrc, read_mrc},
+    VolumeFormat{"NumPy array", ".npy", is_npy, read_npy},
     VolumeFormat{"MetaImage", ".mha .mhd", is_meta_image, read_meta_image},
     VolumeFormat{"TIFF", ".tif .tiff", is_tiff, read_tiff},
     VolumeFormat{"legacy VTK", ".vtk", is_legacy_vtk, read_legacy_vtk},
@@ -81,6 +99,7 @@ std::string other_kind(std::string_view bytes, const std::string& file_name) {
   if (has_extension(file_name, ".json")) return "is a JSON file, perhaps a report";
   if (has_at(bytes, 0, "\x89HDF")) return "is an HDF5 file";
   if (has_at(bytes, 0, "CDF")) return "is a NetCDF file";
+  if (has_extension(file_name, ".npz")) return "is an archive of NumPy arrays, expected a .npy file with one of them";
   if (has_at(bytes, 0, "PK\x03\x04")) return "is a ZIP archive";
   if (has_at(bytes, 0, "ZISRAWFILE")) return "is a Zeiss CZI file";
   if (has_at(bytes, 0, "\xDA\xCE\xBE\x0A")) return "is a Nikon ND2 file";
