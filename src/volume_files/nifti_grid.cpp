@@ -23,7 +23,7 @@ namespace {
 constexpr double kRounding = 1e-5;
 
 // Of a voxel.
-constexpr double kSamePlace = 0.01;
+constexpr double kSamePlace = 1e-4;
 
 // Of a voxel. A quaternion in single precision near half a turn is off by as much over 300 voxels; more is another place.
 constexpr double kDisagreement = 0.1;
