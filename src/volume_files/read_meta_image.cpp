@@ -215,11 +215,11 @@ std::vector<StoredAxis> select(const fs::path& path, const MetaImageHeader& head
     axes.push_back({size, {}});
   }
   for (std::size_t axis = 3; axis < axes.size(); ++axis) {
-    axes[axis].selected = axes[axis].size == 1 ? 0 : take_choice(path, source, numbered_choice("time", axes[axis].size), options.time);
+    axes[axis].selected = axes[axis].size == 1 ? 0 : take_choice(path, source, checked_choice(path, "time", axes[axis].size), options.time);
   }
   const std::int64_t channels = meta_integer(path, header, "ElementNumberOfChannels", 1, 1);
   if (channels > 1) {
-    const FileChoice choice = numbered_choice("channel", static_cast<std::size_t>(std::min<std::int64_t>(channels, 1 << 20)));
+    const FileChoice choice = checked_choice(path, "channel", static_cast<std::uint64_t>(channels));
     axes.insert(axes.begin(), {static_cast<std::uint64_t>(channels), take_choice(path, source, choice, options.channel)});
   }
   return axes;

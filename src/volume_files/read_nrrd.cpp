@@ -93,7 +93,7 @@ std::array<NrrdAxis, 3> space_axes(const fs::path& path, const std::vector<NrrdA
 }
 
 /// What the values of one sample are called; numbers where the kind does not say.
-FileChoice named_channels(const NrrdAxis& axis) {
+FileChoice named_channels(const fs::path& path, const NrrdAxis& axis) {
   static const std::map<std::string_view, std::vector<std::string>> kNames{{"rgb-color", {"red", "green", "blue"}},
                                                                            {"rgbcolor", {"red", "green", "blue"}},
                                                                            {"rgb", {"red", "green", "blue"}},
@@ -101,7 +101,7 @@ FileChoice named_channels(const NrrdAxis& axis) {
                                                                            {"rgbacolor", {"red", "green", "blue", "alpha"}},
                                                                            {"rgba", {"red", "green", "blue", "alpha"}},
                                                                            {"complex", {"real", "imaginary"}}};
-  FileChoice choice = numbered_choice("channel", axis.size);
+  FileChoice choice = checked_choice(path, "channel", axis.size);
   if (const auto names = kNames.find(axis.kind); names != kNames.end() && names->second.size() == axis.size) {
     choice.entries = names->second;
   }
@@ -131,14 +131,16 @@ std::vector<Segment> segments_of(const NrrdHeader& header) {
 }
 
 /// A layer is called as its segments are, "liver, spleen".
-FileChoice named_layers(const NrrdHeader& header, std::size_t count) {
-  FileChoice choice = numbered_choice("layer", count);
-  for (std::size_t layer = 0; layer < count; ++layer) {
-    std::string names;
-    for (const Segment& segment : segments_of(header)) {
-      names += segment.layer == layer ? (names.empty() ? "" : ", ") + segment.name : "";
+FileChoice named_layers(const fs::path& path, const std::vector<Segment>& segments, std::size_t count) {
+  FileChoice choice = checked_choice(path, "layer", count);
+  std::vector<std::string> names(count);
+  for (const Segment& segment : segments) {
+    if (segment.layer < count) {
+      names[segment.layer] += (names[segment.layer].empty() ? "" : ", ") + segment.name;
     }
-    choice.entries[layer] = names.empty() ? choice.entries[layer] : names;
+  }
+  for (std::size_t layer = 0; layer < count; ++layer) {
+    choice.entries[layer] = names[layer].empty() ? choice.entries[layer] : names[layer];
   }
   return choice;
 }
@@ -171,14 +173,14 @@ std::vector<StoredAxis> select(const fs::path& path, const NrrdHeader& header, c
       case AxisRole::space:
         break;
       case AxisRole::time:
-        axis.selected = take_choice(path, source, numbered_choice("time", axes[i].size), options.time);
+        axis.selected = take_choice(path, source, checked_choice(path, "time", axes[i].size), options.time);
         break;
       case AxisRole::layer:
-        layer = take_choice(path, source, named_layers(header, axes[i].size), options.layer);
+        layer = take_choice(path, source, named_layers(path, segments_of(header), axes[i].size), options.layer);
         axis.selected = layer;
         break;
       case AxisRole::channel:
-        axis.selected = take_choice(path, source, named_channels(axes[i]), options.channel);
+        axis.selected = take_choice(path, source, named_channels(path, axes[i]), options.channel);
         break;
       case AxisRole::nothing:
         axis.selected = 0;
