@@ -343,6 +343,7 @@ TEST(MetaImageHeader, Spelling) {
   EXPECT_EQ(
       MetaFile(small(kSpacing + "Comment = a = b : c\nModality = MET_MOD_CT\nMyField = x\nElementMin = 0\nElementNBits = 8\n")).samples(),
       counted(24));
+  EXPECT_EQ(MetaFile(small(kSpacing + "ElementSpacing = 3 4 5\n")).file().volume.grid.spacing, (Vec3{3, 4, 5}));  // the last one counts
 }
 
 TEST(MetaImageHeader, GzippedAsAWhole) {
