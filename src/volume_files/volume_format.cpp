@@ -21,7 +21,7 @@ bool has_at(std::string_view bytes, std::size_t position, std::string_view mark)
   return bytes.size() >= position + mark.size() && bytes.substr(position, mark.size()) == mark;
 }
 
-bool is_nrrd(std::string_view bytes) { return has_at(bytes, 0, "NRRD000"); }
+bool is_nrrd(std::string_view bytes) { return has_at(bytes, 0, "NRRD00"); }
 
 // The size of the header, as a number of either byte order, is at its start: 348, or 540 in NIfTI-2. Analyze has no mark.
 bool is_nifti(std::string_view bytes) {
