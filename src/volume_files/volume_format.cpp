@@ -50,7 +50,10 @@ bool is_vti(std::string_view bytes) {
   return bytes.find("<VTKFile") != std::string_view::npos && bytes.find("\"ImageData\"") != std::string_view::npos;
 }
 
+bool is_dicom(std::string_view bytes) { return has_at(bytes, 128, "DICM"); }
+
 constexpr std::array kVolumeFormats{
+    VolumeFormat{"DICOM", ".dcm .ima", is_dicom, read_dicom},
     VolumeFormat{"NRRD", ".nrrd .nhdr", is_nrrd, read_nrrd},
     VolumeFormat{"NIfTI", ".nii .nii.gz .hdr .img", is_nifti, read_nifti},
     VolumeFormat{"MetaImage", ".mha .mhd", is_meta_image, read_meta_image},
