@@ -198,9 +198,6 @@ bool decode_with_library(Family family, const DicomImage& image, const std::stri
 
 // The stream as the decoder takes it: a JPEG 2000 codestream without a file around it, up to the marker that ends it. Empty: it is cut off.
 std::string whole_stream(Family family, const std::string& stream) {
-  if (family == Family::jpeg) {
-    return stream;  // the decoder tells
-  }
   const std::size_t start = family == Family::jpeg_2000 ? stream.find(kCodestreamStart) : 0;
   const std::size_t end = stream.rfind("\xFF\xD9");
   constexpr std::size_t kMostPadding = 16;
