@@ -133,7 +133,10 @@ const DicomAttribute* DicomDataSet::find(DicomTag tag) const {
 
 bool DicomDataSet::has(DicomTag tag) const {
   const DicomAttribute* attribute = find(tag);
-  return attribute != nullptr && (!attribute->items.empty() || !trimmed(attribute->value).empty());
+  if (attribute == nullptr || !attribute->items.empty()) {
+    return attribute != nullptr;
+  }
+  return value_bytes(attribute->type) > 0 ? !attribute->value.empty() : !trimmed(attribute->value).empty();
 }
 
 std::string DicomDataSet::text(DicomTag tag) const {
