@@ -18,7 +18,7 @@
 #include <string_view>
 
 #include "files/file_error.h"
-#include "files/library_messages.h"
+#include "volume_files/standard_error_capture.h"
 
 namespace isoatlas::io {
 
@@ -60,6 +60,7 @@ struct StreamHeader {
   std::size_t columns = 0, rows = 0;
   unsigned components = 0, bits = 0;
   bool is_signed = false;
+  bool is_lossy = false;  // JPEG
 };
 
 std::size_t big_endian(std::string_view bytes, std::size_t at, std::size_t count) {
@@ -82,7 +83,7 @@ bool read_jpeg_header(std::string_view stream, StreamHeader& header) {
     const bool is_frame = (marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC) || marker == 0xF7;
     if (is_frame && at + 10 <= stream.size()) {
       header = {big_endian(stream, at + 7, 2), big_endian(stream, at + 5, 2), static_cast<unsigned char>(stream[at + 9]),
-                static_cast<unsigned char>(stream[at + 4]), false};
+                static_cast<unsigned char>(stream[at + 4]), false, marker < 0xC3};
       return true;
     }
     at += is_fill ? 1 : 2 + big_endian(stream, at + 2, 2);
@@ -101,7 +102,8 @@ bool read_codestream_header(std::string_view stream, StreamHeader& header) {
   const bool starts_at_corner = field(16) == 0 && field(20) == 0 && field(32) == 0 && field(36) == 0;
   const auto depth = static_cast<unsigned char>(stream[42]);
   const bool is_full = stream[43] == 1 && stream[44] == 1;
-  header = {field(8), field(12), static_cast<unsigned>(big_endian(stream, 40, 2)), (depth & 0x7FU) + 1U, (depth & 0x80U) != 0};
+  header = {field(8), field(12), static_cast<unsigned>(big_endian(stream, 40, 2)), (depth & 0x7FU) + 1U, (depth & 0x80U) != 0,
+            false};
   return starts_at_corner && is_full;
 }
 
@@ -170,7 +172,8 @@ std::unique_ptr<gdcm::ImageCodec> codec_of(Family family, std::size_t frame_byte
   return codec;
 }
 
-bool decode_with_library(Family family, const DicomImage& image, const std::string& stream, char* to, std::size_t frame_bytes) {
+bool decode_with_library(Family family, const DicomImage& image, const StreamHeader& header, const std::string& stream, char* to,
+                         std::size_t frame_bytes) {
   const std::unique_ptr<gdcm::ImageCodec> codec = codec_of(family, frame_bytes);
   const DicomSampleFormat& format = image.format;
   const std::array<unsigned, 3> size{static_cast<unsigned>(image.columns), static_cast<unsigned>(image.rows), 1};
@@ -179,7 +182,9 @@ bool decode_with_library(Family family, const DicomImage& image, const std::stri
   codec->SetDimensions(size.data());
   codec->SetPlanarConfiguration(0);
   codec->SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);  // MONOCHROME1 is about display
-  codec->SetPixelFormat(gdcm::PixelFormat(1, bits(format.bits_allocated), bits(format.bits_stored), bits(format.high_bit),
+  // A lossy stream has a decoder for just its number of bits; of the wrong one it complains on the terminal.
+  const unsigned allocated = header.is_lossy ? header.bits : format.bits_allocated;
+  codec->SetPixelFormat(gdcm::PixelFormat(1, bits(allocated), bits(format.bits_stored), bits(format.high_bit),
                                           bits(format.is_signed ? 1 : 0)));
   codec->SetNeedOverlayCleanup(false);
   const gdcm::SmartPointer<gdcm::SequenceOfFragments> fragments = gdcm::SequenceOfFragments::New();
@@ -189,7 +194,11 @@ bool decode_with_library(Family family, const DicomImage& image, const std::stri
   gdcm::DataElement in(gdcm::Tag(0x7FE0, 0x0010)), out;
   in.SetVR(gdcm::VR::OB);
   in.SetValue(*fragments);
-  if (!codec->Decode(in, out) || out.GetByteValue() == nullptr || out.GetByteValue()->GetLength() < frame_bytes) {
+  const StandardErrorCapture messages;
+  const bool is_decoded = codec->Decode(in, out);
+  // A JPEG stream that ends too early is filled up with grey; all that tells is a message ("Corrupt JPEG data: premature end of ...").
+  if (!is_decoded || messages.text().find("Corrupt JPEG data") != std::string::npos || out.GetByteValue() == nullptr ||
+      out.GetByteValue()->GetLength() < frame_bytes) {
     return false;
   }
   std::memcpy(to, out.GetByteValue()->GetPointer(), frame_bytes);
@@ -244,20 +253,20 @@ std::vector<std::vector<DicomPixels::Fragment>> fragments_of_frames(DicomBytes& 
   const std::vector<DicomPixels::Fragment>& fragments = image.pixels.fragments;
   const std::vector<std::uint32_t>& offsets = image.pixels.frame_offsets;
   std::vector<std::vector<DicomPixels::Fragment>> frames;
+  bool is_clear = true;
   for (std::size_t i = 0; i < fragments.size(); ++i) {
-    bool starts_frame = i == 0 || fragments.size() == image.frames;
-    if (!starts_frame && image.frames > 1) {
-      const std::uint64_t place = fragments[i].offset - fragments[0].offset;
-      const std::string_view start = fragments[i].bytes >= 4 ? bytes.at(fragments[i].offset, 4) : std::string_view();
-      starts_frame = offsets.size() == image.frames ? std::ranges::find(offsets, place) != offsets.end()
-                                                    : start.starts_with("\xFF\xD8\xFF") || start == kCodestreamStart;
-    }
+    const std::uint64_t place = fragments[i].offset - fragments[0].offset;
+    const std::string_view start = fragments[i].bytes >= 4 ? bytes.at(fragments[i].offset, 4) : std::string_view();
+    const bool starts_image = start.starts_with("\xFF\xD8\xFF") || start == kCodestreamStart;
+    const bool starts_frame = i == 0 || fragments.size() == image.frames ||
+                              (offsets.size() == image.frames ? std::ranges::find(offsets, place) != offsets.end() : starts_image);
+    is_clear = is_clear && (starts_frame || !starts_image);
     if (starts_frame) {
       frames.emplace_back();
     }
     frames.back().push_back(fragments[i]);
   }
-  if (frames.size() != image.frames) {
+  if (!is_clear || frames.size() != image.frames) {
     throw bad_file(image.path, "has " + std::to_string(fragments.size()) + " compressed fragments, from which its " +
                                    std::to_string(image.frames) + " frames cannot be told");
   }
@@ -276,7 +285,7 @@ void decode_frame(const DicomImage& image, std::size_t frame, const std::string&
     throw bad_file(image.path, problem);
   } else if (allocated_for(header.bits) == image.format.bits_allocated) {
     const std::string whole = whole_stream(family, stream);
-    is_decoded = !whole.empty() && decode_with_library(family, image, whole, to, count * sample_bytes);
+    is_decoded = !whole.empty() && decode_with_library(family, image, header, whole, to, count * sample_bytes);
   }
   if (!is_decoded) {
     throw bad_file(image.path, "is damaged: frame " + std::to_string(frame + 1) + " of its " + compression_name(image.transfer_syntax) +
