@@ -64,8 +64,10 @@ bool is_mgh(std::string_view bytes) {
 bool is_mrc(std::string_view bytes) { return bytes.size() >= 1024 && has_at(bytes, 208, "MAP"); }
 
 bool is_npy(std::string_view bytes) { return has_at(bytes, 0, "\x93NUMPY"); }
+bool is_dicom(std::string_view bytes) { return has_at(bytes, 128, "DICM"); }
 
 constexpr std::array kVolumeFormats{
+    VolumeFormat{"DICOM", ".dcm .ima", is_dicom, read_dicom},
     VolumeFormat{"NRRD", ".nrrd .nhdr", is_nrrd, read_nrrd},
     VolumeFormat{"NIfTI", ".nii .nii.gz .nii.bz2 .hdr .img .img.gz", is_nifti, read_nifti},
     VolumeFormat{"MGH", ".mgz .mgh .mgh.gz", is_mgh, read_mgh},
