@@ -49,6 +49,7 @@ std::optional<TiffStack> describe_lsm(TiffFile& tiff, VolumeSource& source) {
   const auto scan_type = fields.at<std::uint16_t>(88);
   const std::array<std::int32_t, 2> sizes{fields.at<std::int32_t>(16), fields.at<std::int32_t>(24)};  // z and time
   std::vector<std::size_t> pages = pages_without_previews(tiff, source);
+  tiff.select(pages.front());
   TiffStack stack;
   stack.format = "Zeiss LSM";
   stack.slices = static_cast<std::size_t>(std::max(sizes[0], 1));

@@ -88,7 +88,7 @@ class OmeImage {
   struct PlaneHash {
     std::size_t operator()(const Plane& plane) const { return (plane[2] * 1000003 + plane[1]) * 1000003 + plane[0]; }
   };
-  static constexpr std::size_t kMostPlanes = 10000000;
+  static constexpr std::size_t kMostPlanes = 2000000;
   using Planes = std::unordered_map<Plane, PlaneLocation, PlaneHash>;
 
   std::size_t size_of(const char* name) const {

@@ -170,6 +170,7 @@ TiffStack describe_pages(TiffFile& tiff, const ReadOptions& options, VolumeSourc
                               std::to_string(pages.size()) + " pages are not; they are read as slices");
   }
   stack.slices = pages.size();
+  tiff.select(pages.front());
   set_page_order(stack, "ZCT", std::move(pages));
   return stack;
 }

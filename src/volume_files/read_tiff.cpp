@@ -208,9 +208,6 @@ VolumeFile read_tiff(const fs::path& path, const ReadOptions& options) {
   TiffStack stack = describe(tiff, options, source);
   source.format = stack.format;
   take_only_axis_as_slices(stack, source);
-  if (!stack.is_contiguous) {
-    tiff.select(stack.page_of(0, 0, 0));
-  }
   const PageFormat page = tiff.format();
   require_slices(stack, page, path);
   const Selection selection = select(stack, page, tiff.value_names(), path, options, source);

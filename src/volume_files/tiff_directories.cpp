@@ -17,12 +17,14 @@ namespace {
 /// The numbers of the file's structure, which are 2, 4 or 8 bytes in the file's byte order.
 class StructureReader {
  public:
-  StructureReader(const fs::path& path, std::uint64_t file_size) : path_(path), file_(path, std::ios::binary), file_size_(file_size) {
-    std::array<char, 4> mark{};
-    file_.read(mark.data(), mark.size());
+  StructureReader(const fs::path& path, std::uint64_t file_size) : path_(path), file_size_(file_size) {
+    file_.rdbuf()->pubsetbuf(nullptr, 0);  // the window is the buffer
+    file_.open(path, std::ios::binary);
+    fill_window(0);
+    const std::array<unsigned char, 4> mark{window_[0], window_[1], window_[2], window_[3]};
     is_big_endian_ = mark[0] == 'M';
-    const char version = is_big_endian_ ? mark[3] : mark[2];
-    if (!file_ || mark[0] != mark[1] || (mark[0] != 'I' && mark[0] != 'M') || (version != 42 && version != 43)) {
+    const unsigned char version = is_big_endian_ ? mark[3] : mark[2];
+    if (window_bytes_ < mark.size() || mark[0] != mark[1] || (mark[0] != 'I' && mark[0] != 'M') || (version != 42 && version != 43)) {
       throw bad_file(path, "is not a TIFF file: it does not begin with the mark of one");
     }
     is_big_tiff_ = version == 43;
@@ -32,12 +34,13 @@ class StructureReader {
   bool has(std::uint64_t offset, std::uint64_t bytes) const { return offset <= file_size_ && bytes <= file_size_ - offset; }
 
   std::uint64_t number_at(std::uint64_t offset, std::size_t bytes) {
-    std::array<unsigned char, 8> digits{};
-    file_.seekg(static_cast<std::streamoff>(offset));
-    file_.read(reinterpret_cast<char*>(digits.data()), static_cast<std::streamsize>(bytes));
-    if (!file_) {
+    if (offset < window_start_ || offset + bytes > window_start_ + window_bytes_) {
+      fill_window(offset);
+    }
+    if (window_bytes_ < bytes) {
       throw bad_file(path_, "is cut off: it ends before its directory of pages");
     }
+    const unsigned char* const digits = window_.data() + (offset - window_start_);
     std::uint64_t number = 0;
     for (std::size_t i = 0; i < bytes; ++i) {
       number = number << 8 | digits[is_big_endian_ ? i : bytes - 1 - i];
@@ -46,9 +49,20 @@ class StructureReader {
   }
 
  private:
+  void fill_window(std::uint64_t offset) {
+    file_.clear();
+    file_.seekg(static_cast<std::streamoff>(offset));
+    file_.read(reinterpret_cast<char*>(window_.data()), window_.size());
+    window_start_ = offset;
+    window_bytes_ = static_cast<std::size_t>(file_.gcount());
+  }
+
   fs::path path_;
   std::ifstream file_;
   std::uint64_t file_size_;
+  std::array<unsigned char, 512> window_{};  // most directories fit
+  std::uint64_t window_start_ = 0;
+  std::size_t window_bytes_ = 0;
   bool is_big_endian_ = false, is_big_tiff_ = false;
 };
 

@@ -101,6 +101,15 @@ std::string photometric_name(std::uint16_t photometric) {
   }
 }
 
+void require_decodable(TIFF* tiff, const fs::path& path) {
+  const auto compression = tag_or<std::uint16_t>(tiff, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
+  if (TIFFIsCODECConfigured(compression) == 0) {
+    const TIFFCodec* const codec = TIFFFindCODEC(compression);
+    throw unsupported(path, "is compressed with scheme " + std::to_string(compression) + (codec == nullptr ? "" : std::string(" (") + codec->name + ")") +
+                                ", which this libtiff cannot decode; expected none, LZW, deflate or another that it can");
+  }
+}
+
 void require_readable(const PageFormat& format, const fs::path& path) {
   constexpr std::array kPlainValues{PHOTOMETRIC_MINISWHITE, PHOTOMETRIC_MINISBLACK, PHOTOMETRIC_RGB, PHOTOMETRIC_PALETTE};
   if (std::ranges::find(kPlainValues, format.photometric) == kPlainValues.end()) {
@@ -206,6 +215,7 @@ PageFormat TiffFile::format() const {
   format.photometric = PHOTOMETRIC_MINISBLACK;
   TIFFGetField(tiff_.get(), TIFFTAG_PHOTOMETRIC, &format.photometric);
   require_readable(format, path_);
+  require_decodable(tiff_.get(), path_);
   if (const auto depth = tag_or<std::uint32_t>(tiff_.get(), TIFFTAG_IMAGEDEPTH, 1); depth > 1) {
     throw unsupported(path_, "has pages of " + std::to_string(depth) + " layers each (ImageDepth), expected one slice per page");
   }

@@ -39,7 +39,8 @@ struct TiffStack {
 void set_page_order(TiffStack& stack, const std::string& axes, std::vector<std::size_t> pages);
 
 // Each describes the file by its kind of description, or returns nothing if it has none of that kind. The current page is
-// the first one before, any one after. They take the choice of a series, and add to `source` what they decide and warn of.
+// the first one before; after, it is a page of the stack. They take the choice of a series, and add to `source` what they decide and
+// warn of.
 std::optional<TiffStack> describe_ome(TiffFile& tiff, const ReadOptions& options, VolumeSource& source);
 std::optional<TiffStack> describe_imagej(TiffFile& tiff, VolumeSource& source);
 std::optional<TiffStack> describe_scifio(TiffFile& tiff, VolumeSource& source);
