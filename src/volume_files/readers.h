@@ -24,6 +24,7 @@ VolumeFile read_tiff(const std::filesystem::path& path, const ReadOptions& optio
 VolumeFile read_legacy_vtk(const std::filesystem::path& path, const ReadOptions& options);
 VolumeFile read_vti(const std::filesystem::path& path, const ReadOptions& options);
 VolumeFile read_dicom(const std::filesystem::path& folder, const ReadOptions& options);
+VolumeFile read_image_stack(const std::filesystem::path& folder, const ReadOptions& options);
 VolumeFile read_raw(const std::filesystem::path& path, const ReadOptions& options);
 
 }  // namespace isoatlas::io

@@ -106,7 +106,7 @@ std::string other_kind(std::string_view bytes, const std::string& file_name) {
   if (has_at(bytes, 0, "ZISRAWFILE")) return "is a Zeiss CZI file";
   if (has_at(bytes, 0, "\xDA\xCE\xBE\x0A")) return "is a Nikon ND2 file";
   if (has_at(bytes, 0, "\xFF\xD8\xFF")) return "is a JPEG image";
-  if (has_at(bytes, 0, "\x89PNG")) return "is a single PNG image";
+  if (has_at(bytes, 0, "\x89PNG")) return "is a 2-D PNG image (a folder with all slices is read)";
   if (has_at(bytes, 0, "%PDF")) return "is a PDF document";
   return "";
 }
@@ -129,7 +129,7 @@ const VolumeFormat& format_of(const fs::path& path) {
   }
   const std::string kind = other_kind(start, file_name);
   throw unsupported(path, (kind.empty() ? "unknown volume format" : kind) + ", expected a volume: one of " + volume_extensions() +
-                              ", a folder with a DICOM series, or a raw layout (size and sample type)");
+                              ", a folder with a DICOM series or a slice in each image, or a raw layout (size and sample type)");
 }
 
 std::string volume_extensions() {

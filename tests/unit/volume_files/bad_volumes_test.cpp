@@ -353,8 +353,8 @@ TEST(BadVolumes, Tiff) {
   expect_all_errors(
       {{"mixed.tif", tiff(mixed), kUnsupported, "page 6 has 8 x 12 samples"},
        {"single.tif", tiff({tiff_pages()[0]}), kUnsupported, "16 x 12 x 1"},
-       {"colour.tif", tiff(tiff_pages(3 * 192), 8, 3), kUnsupported, "3 values per sample"},
-       {"bits.tif", tiff(tiff_pages(24), 1), kUnsupported, "samples of 1 bits"},
+       {"colour.tif", tiff(tiff_pages(3 * 192), 8, 3), kUnsupported, "has 3 channels, expected a choice of one: 0 (red), 1 (green), 2 (blue)"},
+       {"bits.tif", tiff(tiff_pages(24), 24), kUnsupported, "unsigned integer samples of 24 bits"},
        {"huge.tif", tiff({{.width = 100000, .height = 100000, .samples = "x"}, {.width = 100000, .height = 100000, .samples = "x"}}), kBad,
         "far more than a file of"}});
 }
