@@ -22,7 +22,7 @@ VolumeFile read_npy(const std::filesystem::path& path, const ReadOptions& option
 VolumeFile read_meta_image(const std::filesystem::path& path, const ReadOptions& options);
 VolumeFile read_tiff(const std::filesystem::path& path, const ReadOptions& options);
 VolumeFile read_legacy_vtk(const std::filesystem::path& path, const ReadOptions& options);
-VolumeFile read_vti(const std::filesystem::path& path, const ReadOptions& options);
+VolumeFile read_vtk_xml(const std::filesystem::path& path, const ReadOptions& options);
 VolumeFile read_dicom(const std::filesystem::path& folder, const ReadOptions& options);
 VolumeFile read_image_stack(const std::filesystem::path& folder, const ReadOptions& options);
 VolumeFile read_raw(const std::filesystem::path& path, const ReadOptions& options);

@@ -46,8 +46,10 @@ bool is_tiff(std::string_view bytes) {
 
 bool is_legacy_vtk(std::string_view bytes) { return has_at(bytes, 0, "# vtk DataFile"); }
 
-bool is_vti(std::string_view bytes) {
-  return bytes.find("<VTKFile") != std::string_view::npos && bytes.find("\"ImageData\"") != std::string_view::npos;
+// Any data set: the reader says what it is where it is no volume.
+bool is_vtk_xml(std::string_view bytes) {
+  const std::size_t first = bytes.find_first_not_of("\xEF\xBB\xBF \t\r\n");
+  return first != std::string_view::npos && bytes[first] == '<' && bytes.find("<VTKFile") != std::string_view::npos;
 }
 
 // The version, of which the second byte may say more; four sizes and a type, big endian: most of their upper bytes are 0.
@@ -76,7 +78,7 @@ constexpr std::array kVolumeFormats{
     VolumeFormat{"MetaImage", ".mha .mhd", is_meta_image, read_meta_image},
     VolumeFormat{"TIFF", ".tif .tiff", is_tiff, read_tiff},
     VolumeFormat{"legacy VTK", ".vtk", is_legacy_vtk, read_legacy_vtk},
-    VolumeFormat{"VTK XML image data", ".vti", is_vti, read_vti},
+    VolumeFormat{"VTK XML", ".vti .vtr .pvti .pvtr", is_vtk_xml, read_vtk_xml},
 };
 
 std::string lower_case(std::string text) {
@@ -99,6 +101,7 @@ bool has_extension(const std::string& file_name, std::string_view extensions) {
 std::string other_kind(std::string_view bytes, const std::string& file_name) {
   if (has_extension(file_name, ".ply .stl .obj .off .vtp .glb .vtm .3mf .gii")) return "is a mesh file";
   if (has_extension(file_name, ".json")) return "is a JSON file, perhaps a report";
+  if (has_extension(file_name, ".vtkhdf")) return "is a VTKHDF file";
   if (has_at(bytes, 0, "\x89HDF")) return "is an HDF5 file";
   if (has_at(bytes, 0, "CDF")) return "is a NetCDF file";
   if (has_extension(file_name, ".npz")) return "is an archive of NumPy arrays, expected a .npy file with one of them";

@@ -327,16 +327,17 @@ TEST(BadVolumes, LegacyVtk) {
       {{"raw.vtk", vtk(cut(noise(), 1)), kBad, "promises 1920 bytes of samples, the file has 1919"},
        {"none.vtk", vtk(""), kBad, "the file has 0"},
        {"text.vtk", vtk(cut(as_text(noise()), 300), "ASCII"), kBad, "promises 1920 numbers"},
-       {"huge.vtk", vtk(noise(), "BINARY", "100000 100000 100000"), kBad, "promises 1000000000000000"},
+       {"huge.vtk", vtk(noise(), "BINARY", "100000 100000 100000"), kBad, "make 1000000000000000"},
+       {"overflow.vtk", vtk(noise(), "BINARY", "4294967296 4294967296 4294967296"), kBad, "more than any file can hold"},
        {"negative.vtk", vtk(noise(), "BINARY", "-16 12 10"), kBad, ""},
-       {"zero.vtk", vtk(noise(), "BINARY", "16 0 10"), kUnsupported, "16 x 0 x 10"},
+       {"zero.vtk", vtk(noise(), "BINARY", "16 0 10"), kBad, "16 x 0 x 10"},
        {"flat.vtk", vtk(noise(), "BINARY", "16 120 1"), kUnsupported, "16 x 120 x 1"},
-       {"cells.vtk", vtk(noise(), "BINARY", "16 12 10", "CELL_DATA 1920\nSCALARS s unsigned_char 1\nLOOKUP_TABLE default\n"), kUnsupported,
-        "CELL_DATA"},
-       {"colour.vtk", vtk(noise() + noise() + noise(), "BINARY", "16 12 10", "POINT_DATA 1920\nCOLOR_SCALARS s 3\n"), kUnsupported, ""},
+       {"cells.vtk", vtk(noise(), "BINARY", "16 12 10", "CELL_DATA 1920\nSCALARS s unsigned_char 1\nLOOKUP_TABLE default\n"), kBad,
+        "CELL_DATA states 1920 values"},
+       {"colour.vtk", vtk(noise() + noise() + noise(), "BINARY", "16 12 10", "POINT_DATA 1920\nCOLOR_SCALARS s 3\n"), kUnsupported, "3 channels"},
        {"two.vtk", vtk(noise() + noise(), "BINARY", "16 12 10", "POINT_DATA 1920\nSCALARS s unsigned_char 2\nLOOKUP_TABLE default\n"),
-        kUnsupported, "2 values per sample"},
-       {"poly.vtk", "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 1 float\n0 0 0\n", kBad, "structured points"}});
+        kUnsupported, "2 channels"},
+       {"poly.vtk", "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 1 float\n0 0 0\n", kUnsupported, "is a mesh file"}});
 }
 
 TEST(BadVolumes, Tiff) {
@@ -369,9 +370,9 @@ TEST(BadVolumes, Vti) {
        {"more.vti", vti(noise(), "0 999 0 99 0 9"), kBad, ""},
        {"inverse.vti", vti(noise(), "15 0 0 11 0 9"), kUnsupported, "0 x 12 x 10"},
        {"flat.vti", vti(noise(), "0 15 0 119 0 0"), kUnsupported, "16 x 120 x 1"},
-       {"vector.vti", vti(noise() + noise(), "0 15 0 11 0 9", "UInt8", "NumberOfComponents=\"2\""), kUnsupported, "2 values per sample"},
-       {"bit.vti", vti(noise(), "0 15 0 11 0 9", "Bit"), kUnsupported, "not integers"},
-       {"string.vti", vti(noise(), "0 15 0 11 0 9", "String"), kUnsupported, "not integers"},
+       {"vector.vti", vti(noise() + noise(), "0 15 0 11 0 9", "UInt8", "NumberOfComponents=\"2\""), kUnsupported, "2 channels"},
+       {"bit.vti", vti(noise(), "0 15 0 11 0 9", "Bit"), kBad, "has 1920 bytes of samples, expected 240"},
+       {"string.vti", vti(noise(), "0 15 0 11 0 9", "String"), kUnsupported, "no array of numbers"},
        {"unknown.vti", vti(noise(), "0 15 0 11 0 9", "Foo"), kBad, "unknown data type 'Foo'"}});
   std::string no_blocks = whole;  // VTK 9.1 divides by the block size
   no_blocks.insert(no_blocks.find(" header_type"), " compressor=\"vtkZLibDataCompressor\"");
@@ -382,7 +383,7 @@ TEST(BadVolumes, Vti) {
   std::string two = whole;
   const std::string array = "<DataArray type=\"UInt8\" Name=\"t\" format=\"appended\" offset=\"0\"/>\n";
   two.insert(two.find("</PointData>"), array);
-  expect_all_errors({{"two.vti", two, kUnsupported, "several point arrays (s, t)"}});
+  expect_all_errors({{"two.vti", two, kUnsupported, "has 2 arrays, expected a choice of one: 0 (s: uint8), 1 (t: uint8)"}});
 }
 
 TEST(BadVolumes, Raw) {
