@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <bit>
@@ -334,9 +335,8 @@ TEST_F(LegacyVtk, BytesThatAreLeftAreWarnedOf) {
 TEST_F(LegacyVtk, CutFilesAreRefused) {
   const std::string cells = "CELL_DATA 6\nSCALARS c double\nLOOKUP_TABLE default\n";
   const std::string points = "\nPOINT_DATA 24\nFIELD f 2\na 1 24 float\n";
-  const std::string binary = start() + "FIELD n 1\ns 1 1 string\n\xC2" "ab\n" + kGeometry + cells + big_endian(ramp<double>(kCells)) + points +
-                             big_endian(ramp(kPoints)) + "\nb 1 24 short\n" +
-                             big_endian(ramp<std::int16_t>(kPoints)) + "\n";
+  const std::string binary = start() + "FIELD n 1\ns 1 1 string\n\xC2" "ab\n" + kGeometry + cells + big_endian(ramp<double>(kCells)) +
+                             points + big_endian(ramp(kPoints)) + "\nb 1 24 short\n" + big_endian(ramp<std::int16_t>(kPoints)) + "\n";
   const std::string ascii = start("ASCII") + kGeometry + cells + integers(kCells) + points + integers(kPoints) + "b 1 24 short\n" +
                             integers(kPoints, 100) + "\n";
   for (const std::string& whole : {binary, ascii}) {
@@ -352,6 +352,14 @@ TEST_F(LegacyVtk, CutFilesAreRefused) {
       }
     }
   }
+}
+
+TEST_F(LegacyVtk, CompressedFilesAreRefused) {
+  const std::string whole = start("ASCII") + kGeometry + "POINT_DATA 24\nSCALARS s float\n" + integers(kPoints);
+  gzFile file = gzopen(path().c_str(), "wb");
+  gzwrite(file, whole.data(), static_cast<unsigned>(whole.size()));
+  gzclose(file);
+  expect_error(ErrorCode::unsupported, "is a compressed legacy VTK file", path(), [&] { read_volume(path()); });
 }
 
 TEST_F(LegacyVtk, PromisesAreCheckedBeforeMemoryIsAllocated) {

@@ -376,6 +376,8 @@ TEST_F(VtkXml, OtherDataSetsAreNamed) {
   expect_refused(vtk_file("Collection", "", ""), ErrorCode::unsupported, "is a list of other files");
   expect_refused(vtk_file("vtkMultiBlockDataSet", "", ""), ErrorCode::unsupported, "is a list of other files");
   expect_refused(vtk_file("Table", "", ""), ErrorCode::unsupported, "holds 'Table'");
+  write_bytes(folder_ / "a.vtkhdf", "\x89HDF\r\n\x1a\n");
+  expect_error(ErrorCode::unsupported, "is a VTKHDF file", folder_ / "a.vtkhdf", [&] { read_volume(folder_ / "a.vtkhdf"); });
   expect_refused("<?xml version='1.0'?><svg></svg><!-- <VTKFile></VTKFile>", ErrorCode::bad_file, "is not well-formed XML");
   expect_refused("<svg a='<VTKFile'></VTKFile>", ErrorCode::bad_file, "is not well-formed XML");
 }
@@ -482,6 +484,26 @@ TEST_F(VtkXml, FilesOfVtkAreReadWhereverTheyAreNotCut) {
       }
     }
   }
+}
+
+TEST_F(VtkXml, BitsAreRead) {
+  const auto bits = [](const std::string& format, const std::string& values) {
+    return image(point_data("<DataArray type='Bit' Name='v' format='" + format + "'>" + values + "</DataArray>"));
+  };
+  const VolumeFile text = read(bits("ascii", "1 0 0 0 0 0 0 0  0 0 0 0 0 0 0 1  1 1 1 1 0 0 0 0"));
+  const VolumeFile binary = read(bits("binary", "AwAAAIAB8A=="));  // 3 bytes: 80 01 F0
+  EXPECT_EQ(text.volume.type, SampleType::uint8);
+  EXPECT_EQ(samples_as_double(text.volume), samples_as_double(binary.volume));
+  EXPECT_EQ(sample_as_double(binary.volume, 15), 1);
+  expect_refused(bits("ascii", "2 " + integers(23, 0, 0)), ErrorCode::bad_file, "has '2', expected a value of type bit");
+}
+
+TEST_F(VtkXml, CompressedFilesAreRefused) {
+  const std::string whole = image(point_data(floats("v", integers(kPoints))));
+  gzFile file = gzopen(path().c_str(), "wb");
+  gzwrite(file, whole.data(), static_cast<unsigned>(whole.size()));
+  gzclose(file);
+  expect_error(ErrorCode::unsupported, "is a compressed VTK XML file", path(), [&] { read_volume(path()); });
 }
 
 TEST_F(VtkXml, HostileElementsAreRefused) {
