@@ -175,6 +175,13 @@ TiffStack describe_slice(TiffFile& tiff, VolumeSource& source) {
   TiffStack stack;
   if (const std::string description = tiff.description(); description.starts_with("ImageJ=")) {
     const KeyValueLines lines(description);
+    const std::size_t images = lines.count("images").value_or(1);
+    const std::uint64_t start = tiff.offset_of_plain_samples();
+    if (images > 1 && start != 0 && (tiff.file_size() - start) / tiff.format().stored_bytes() >= images) {
+      throw unsupported(tiff.path(), "has " + std::to_string(images) +
+                                         " images behind one page, expected one slice in each file of the folder; "
+                                         "a file of many slices is read by itself");
+    }
     set_geometry(tiff, lines, stack, source);
     set_rescale(tiff, lines, stack, source);
   }

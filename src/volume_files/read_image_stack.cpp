@@ -103,6 +103,10 @@ class TiffSlices final : public SliceFiles {
     if (const PageFormat format = tiff.format(); !format.has_same_samples(format_)) {
       throw differs(file, to_string(format), first_, to_string(format_));
     }
+    VolumeSource ignored;
+    if (describe_slice(tiff, ignored).rescale != rescale_) {
+      throw unsupported(file, "has another calibration function than " + first_.filename().string() + ", expected slices of one volume");
+    }
     if (!rescale_) {
       tiff.read_samples(format_, value, options, samples);
       return;

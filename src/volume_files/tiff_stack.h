@@ -18,6 +18,7 @@ namespace isoatlas::io {
 /// Value in the world = slope * stored value + intercept.
 struct LinearRescale {
   double slope = 1, intercept = 0;
+  friend bool operator==(const LinearRescale&, const LinearRescale&) = default;
 };
 
 /// Pages as channels x slices x times. A page may hold several channels, the values of its samples.
@@ -49,7 +50,8 @@ std::optional<TiffStack> describe_lsm(TiffFile& tiff, VolumeSource& source);
 /// By tifffile's JSON, or pages that are slices.
 TiffStack describe_pages(TiffFile& tiff, const ReadOptions& options, VolumeSource& source);
 
-/// x, y and z spacing that ImageJ's or OME's description in the current page states, for a page that is one of several files.
+/// The lengths and the rescale that ImageJ's description in the current page states, for a file that is one slice of several.
+/// @throws Error(unsupported) if further images are behind the page
 TiffStack describe_slice(TiffFile& tiff, VolumeSource& source);
 
 /// Pages that are no previews or masks of others, from 0. `at_page` is called with each, by its place in the result, while it is the

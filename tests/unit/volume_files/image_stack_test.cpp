@@ -177,6 +177,16 @@ TEST_F(ImageStack, ImageJsSignedSamples) {
   const VolumeFile file = read();
   EXPECT_EQ(file.volume.type, SampleType::int16);
   EXPECT_EQ(sample_as_double(file.volume, 0), 1);
+  page.description = "ImageJ=1.53t\ncf=0\nc0=-32767\nc1=1\nvunit=Gray Value\n";
+  write_bytes(folder_ / "s2.tif", TiffWriter().add(page).bytes());
+  refuse(ErrorCode::unsupported, "has another calibration function than s1.tif", folder_ / "s2.tif");
+}
+
+TEST_F(ImageStack, ImagesBehindAPageAreNotOverlooked) {
+  add("s1.tif", 1);
+  TiffPage page{.samples = std::string(24, 'a'), .description = "ImageJ=1.53t\nimages=2\nslices=2\n", .strip_bytes = 12};
+  write_bytes(folder_ / "s2.tif", TiffWriter().add(page).bytes());
+  refuse(ErrorCode::unsupported, "has 2 images behind one page", folder_ / "s2.tif");
 }
 
 TEST_F(ImageStack, RedGreenBlue) {

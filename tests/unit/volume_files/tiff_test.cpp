@@ -383,8 +383,8 @@ TEST_F(Tiff, OmeLengthsAndUnits) {
       "PhysicalSizeZ=\"2\" PhysicalSizeZUnit=\"\u00C5\"");
   EXPECT_EQ(angstrom.volume.grid.unit, LengthUnit::angstrom);
   EXPECT_NEAR(angstrom.volume.grid.spacing.y, 2, 1e-12);
-  const VolumeFile pixels = lengths(
-      R"(PhysicalSizeX="2" PhysicalSizeXUnit="pixel" PhysicalSizeY="2" PhysicalSizeYUnit="pixel" PhysicalSizeZ="3" PhysicalSizeZUnit="pixel")");
+  const VolumeFile pixels = lengths(R"(PhysicalSizeX="2" PhysicalSizeXUnit="pixel" PhysicalSizeY="2" PhysicalSizeYUnit="pixel" )"
+                                    R"(PhysicalSizeZ="3" PhysicalSizeZUnit="pixel")");
   EXPECT_EQ(pixels.volume.grid.unit, LengthUnit::unknown);
   EXPECT_EQ(pixels.source.warnings, kNone);
   const VolumeFile none = lengths(R"(PhysicalSizeX="0" PhysicalSizeY="-1" PhysicalSizeZ="NaN")");
@@ -428,8 +428,8 @@ TEST_F(Tiff, OmeOverSeveralFiles) {
   EXPECT_EQ(pages_read(read(pages(2, ome(two, whole("./a.tif"))))), (std::vector{0, 1}));
   refuse(pages(2, ome(two, whole("old name.tif"))), ErrorCode::unsupported, "'old name.tif'");
   // A channel that is here can be read.
-  const std::string channels =
-      R"(<TiffData IFD="0" FirstC="1" PlaneCount="2"/><TiffData IFD="0" PlaneCount="2"><UUID FileName="b.tif">urn:uuid:2</UUID></TiffData>)";
+  const std::string channels = R"(<TiffData IFD="0" FirstC="1" PlaneCount="2"/>)"
+                               R"(<TiffData IFD="0" PlaneCount="2"><UUID FileName="b.tif">urn:uuid:2</UUID></TiffData>)";
   const std::string bytes = pages(2, ome(R"(DimensionOrder="XYZCT" SizeZ="2" SizeC="2" SizeT="1")", channels, own));
   EXPECT_EQ(pages_read(read(bytes, {.channel = 1})), (std::vector{0, 1}));
   refuse(bytes, ErrorCode::unsupported, "channel 0, slice 0, time 0 is in 'b.tif'", {.channel = 0});
@@ -480,6 +480,13 @@ TEST_F(Tiff, OmeSizesThatDiffer) {
   const VolumeFile file = read(pages(2, description));
   EXPECT_EQ(file.volume.grid.size, (std::array<std::size_t, 3>{4, 3, 2}));
   EXPECT_EQ(file.source.warnings[0], "OME-XML promises 8 x 6 samples, its pages have 4 x 3; the pages are right");
+}
+
+TEST_F(Tiff, OmeSlicesThatAreAngles) {
+  std::string description = ome(kStack, kAll);
+  description.insert(description.find("</OME>"),
+                     "<StructuredAnnotations><M:ModuloAlongZ xmlns:M=\"m\" Type=\"angle\"/></StructuredAnnotations>");
+  EXPECT_EQ(read(pages(3, description)).source.warnings[0], "its slices are those of several angles, phases or the like (ModuloAlongZ)");
 }
 
 TEST_F(Tiff, OmeChannelsWithinPages) {
@@ -656,6 +663,10 @@ TEST_F(Tiff, SampleTypesThatAreRefused) {
   refuse(of(24, 3), ErrorCode::unsupported, "floating point samples of 24 bits");
   refuse(of(12, 2), ErrorCode::unsupported, "signed integer samples of 12 bits");
   refuse(of(128, 1), ErrorCode::unsupported, "unsigned integer samples of 128 bits");
+}
+
+TEST_F(Tiff, PagesOfSeveralLayers) {
+  refuse(pages(2, "", {.more = {{32997, 4, {2}}}}), ErrorCode::unsupported, "has pages of 2 layers each (ImageDepth)");
 }
 
 TEST_F(Tiff, CompressionThatLibtiffLacks) {
