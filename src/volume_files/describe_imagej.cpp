@@ -60,8 +60,8 @@ std::optional<double> slice_distance(const KeyValueLines& lines, const std::file
   }
   const std::optional<double> distance = lines.number("spacing");
   if (!distance) {
-    throw bad_file(path, "'" + one_line(lines.text("spacing"), 40) +
-                             "' is not a number, expected a length after 'spacing=' in ImageJ's description");
+    throw bad_file(
+        path, "'" + one_line(lines.text("spacing"), 40) + "' is not a number, expected a length after 'spacing=' in ImageJ's description");
   }
   return *distance == 0 ? std::nullopt : std::optional(std::abs(*distance));
 }
@@ -86,7 +86,8 @@ void set_geometry(TiffFile& tiff, const KeyValueLines& lines, TiffStack& stack, 
   convert_axis(lines, "zunit", stack, stack.spacing[2], source);
   const Vec3 first{lines.number("xorigin").value_or(0), lines.number("yorigin").value_or(0), lines.number("zorigin").value_or(0)};
   if (first != Vec3{}) {  // in samples: the sample there is at 0
-    stack.origin = {-first.x * stack.spacing[0].value_or(1), -first.y * stack.spacing[1].value_or(1), -first.z * stack.spacing[2].value_or(1)};
+    stack.origin = {-first.x * stack.spacing[0].value_or(1), -first.y * stack.spacing[1].value_or(1),
+                    -first.z * stack.spacing[2].value_or(1)};
     source.decisions.push_back({"origin", "ImageJ's xorigin, yorigin, zorigin"});
   }
 }
@@ -174,6 +175,13 @@ TiffStack describe_slice(TiffFile& tiff, VolumeSource& source) {
   TiffStack stack;
   if (const std::string description = tiff.description(); description.starts_with("ImageJ=")) {
     const KeyValueLines lines(description);
+    const std::size_t images = lines.count("images").value_or(1);
+    const std::uint64_t start = tiff.offset_of_plain_samples();
+    if (images > 1 && start != 0 && (tiff.file_size() - start) / tiff.format().stored_bytes() >= images) {
+      throw unsupported(tiff.path(), "has " + std::to_string(images) +
+                                         " images behind one page, expected one slice in each file of the folder; "
+                                         "a file of many slices is read by itself");
+    }
     set_geometry(tiff, lines, stack, source);
     set_rescale(tiff, lines, stack, source);
   }

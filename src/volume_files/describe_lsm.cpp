@@ -56,8 +56,9 @@ std::optional<TiffStack> describe_lsm(TiffFile& tiff, VolumeSource& source) {
   stack.times = static_cast<std::size_t>(std::max(sizes[1], 1));
   constexpr std::uint16_t kStack = 0;
   if (scan_type != kStack || pages.size() != stack.slices * stack.times) {
-    throw unsupported(tiff.path(), "is a Zeiss LSM file of scan type " + std::to_string(scan_type) + " with " + std::to_string(pages.size()) +
-                                       " pages for " + std::to_string(stack.slices) + " slices x " + std::to_string(stack.times) +
+    throw unsupported(tiff.path(), "is a Zeiss LSM file of scan type " + std::to_string(scan_type) + " with " +
+                                       std::to_string(pages.size()) + " pages for " + std::to_string(stack.slices) + " slices x " +
+                                       std::to_string(stack.times) +
                                        " time points, expected one stack of x, y and z (scan type 0); Fiji can save it as OME-TIFF");
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {

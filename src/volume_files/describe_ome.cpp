@@ -77,9 +77,8 @@ class OmeImage {
     locate_planes();
     read_lengths(source);
     warn_of_differences(page, source);
-    stack_.page_of = [planes = std::make_shared<const Planes>(std::move(planes_)), path = path_](std::size_t c, std::size_t z, std::size_t t) {
-      return page_of_plane(*planes, path, {c, z, t});
-    };
+    stack_.page_of = [planes = std::make_shared<const Planes>(std::move(planes_)), path = path_](
+                         std::size_t c, std::size_t z, std::size_t t) { return page_of_plane(*planes, path, {c, z, t}); };
     return std::move(stack_);
   }
 
@@ -171,7 +170,8 @@ class OmeImage {
         const std::optional<Plane> plane = advanced(start, i);
         if (!plane) break;  // more pages than planes
         if (i >= pages_left && (has_page || has_count)) {
-          throw bad_file(path_, "OME-XML promises a page " + std::to_string(first + i + 1) + ", the file has " + std::to_string(page_count_));
+          throw bad_file(path_,
+                         "OME-XML promises a page " + std::to_string(first + i + 1) + ", the file has " + std::to_string(page_count_));
         }
         if (++located_ > kMostPlanes) {
           throw bad_file(path_, "OME-XML places more than " + std::to_string(kMostPlanes) + " pages");
@@ -182,7 +182,8 @@ class OmeImage {
   }
 
   static std::size_t page_of_plane(const Planes& planes, const std::filesystem::path& path, const Plane& plane) {
-    const std::string name = "channel " + std::to_string(plane[0]) + ", slice " + std::to_string(plane[1]) + ", time " + std::to_string(plane[2]);
+    const std::string name =
+        "channel " + std::to_string(plane[0]) + ", slice " + std::to_string(plane[1]) + ", time " + std::to_string(plane[2]);
     const auto found = planes.find(plane);
     if (found == planes.end()) {
       throw bad_file(path, "OME-XML names no page for " + name);
@@ -260,7 +261,8 @@ class OmeImage {
 
 std::optional<TiffStack> describe_ome(TiffFile& tiff, const ReadOptions& options, VolumeSource& source) {
   const std::string description = tiff.description();
-  if (description.substr(0, 4096).find("<OME") == std::string::npos || description.find_first_not_of(" \r\n\t\xEF\xBB\xBF") != description.find('<')) {
+  if (description.substr(0, 4096).find("<OME") == std::string::npos ||
+      description.find_first_not_of(" \r\n\t\xEF\xBB\xBF") != description.find('<')) {
     return {};
   }
   pugi::xml_document document;

@@ -153,7 +153,8 @@ TiffStack describe_pages(TiffFile& tiff, const ReadOptions& options, VolumeSourc
     }
   });
   // Somebody who writes slices one by one makes a series of one page of each.
-  const bool is_one_by_one = std::ranges::all_of(list, [](const Series& series) { return series.page_count == 1 && !series.is_contiguous; });
+  const bool is_one_by_one =
+      std::ranges::all_of(list, [](const Series& series) { return series.page_count == 1 && !series.is_contiguous; });
   if (!list.empty() && list.front().first_page == 0 && !(list.size() > 1 && is_one_by_one)) {
     FileChoice choice{"series", {}, {}};
     for (const Series& series : list) {

@@ -20,7 +20,7 @@ class KeyValueLines {
  public:
   explicit KeyValueLines(std::string_view text);
   bool has(const std::string& key) const { return values_.contains(key); }
-  std::string text(const std::string& key) const;                  ///< empty: not there
+  std::string text(const std::string& key) const;  ///< empty: not there
   std::optional<double> number(const std::string& key) const { return finite_number(text(key)); }
   std::optional<std::size_t> count(const std::string& key) const { return count_of_pages(text(key)); }
 

@@ -12,6 +12,7 @@
 
 #include "files/file_error.h"
 #include "volume_files/byte_source.h"
+#include "volume_files/grid_of_file.h"
 
 namespace isoatlas::io {
 
@@ -113,7 +114,7 @@ PngFormat png_format(const fs::path& path) {
   return open(path, decoder);
 }
 
-void read_png(const fs::path& path, const PngFormat& format, std::size_t value, std::byte* samples) {
+void read_png(const fs::path& path, const PngFormat& format, std::size_t value, const ReadOptions& options, std::byte* samples) {
   Decoder decoder;
   if (open(path, decoder) != format) {
     throw bad_file(path, "changed while it was read");
@@ -122,7 +123,7 @@ void read_png(const fs::path& path, const PngFormat& format, std::size_t value, 
   const std::size_t values = format.values_per_sample;
   const std::size_t count = std::size_t{format.width} * format.height;
   const bool is_direct = values == 1;
-  const std::unique_ptr<std::byte[]> stored(new std::byte[is_direct ? 0 : count * values * value_bytes]);
+  const std::shared_ptr<std::byte[]> stored = allocate_samples(path, is_direct ? 0 : count * values * value_bytes, options);
   std::byte* const to = is_direct ? samples : stored.get();
   std::vector<png_bytep> rows(format.height);
   for (std::size_t row = 0; row < rows.size(); ++row) {

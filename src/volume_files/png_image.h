@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "isoatlas/volume.h"
+#include "isoatlas/volume_file.h"
 
 namespace isoatlas::io {
 
@@ -33,7 +33,9 @@ PngFormat png_format(const std::filesystem::path& path);
 /// Reads value `value` of every sample to `samples`, which has room for width x height of the type.
 /// @throws Error(bad_file) if the image cannot be decoded whole, or is not of this format
 /// @throws Error(unsupported) if it has an alpha value that is not opaque
-void read_png(const std::filesystem::path& path, const PngFormat& format, std::size_t value, std::byte* samples);
+/// @throws Error(out_of_memory) if all values together are more than the limit
+void read_png(const std::filesystem::path& path, const PngFormat& format, std::size_t value, const ReadOptions& options,
+              std::byte* samples);
 
 std::string png_library_version();  ///< "libpng 1.6.39"
 

@@ -70,7 +70,7 @@ class SliceFiles {
   virtual SampleType type() const = 0;
   virtual std::uint64_t stored_bytes() const = 0;
   virtual std::vector<std::string> value_names() const = 0;
-  virtual void read(const fs::path& file, std::size_t value, std::byte* samples) const = 0;
+  virtual void read(const fs::path& file, std::size_t value, const ReadOptions& options, std::byte* samples) const = 0;
 };
 
 Error differs(const fs::path& file, const std::string& format, const fs::path& first, const std::string& first_format) {
@@ -97,19 +97,23 @@ class TiffSlices final : public SliceFiles {
   }
   std::uint64_t stored_bytes() const override { return format_.stored_bytes(); }
   std::vector<std::string> value_names() const override { return value_names_; }
-  void read(const fs::path& file, std::size_t value, std::byte* samples) const override {
+  void read(const fs::path& file, std::size_t value, const ReadOptions& options, std::byte* samples) const override {
     TiffFile tiff(file);
     select_only_page(tiff);
     if (const PageFormat format = tiff.format(); !format.has_same_samples(format_)) {
       throw differs(file, to_string(format), first_, to_string(format_));
     }
+    VolumeSource ignored;
+    if (describe_slice(tiff, ignored).rescale != rescale_) {
+      throw unsupported(file, "has another calibration function than " + first_.filename().string() + ", expected slices of one volume");
+    }
     if (!rescale_) {
-      tiff.read_samples(format_, value, samples);
+      tiff.read_samples(format_, value, options, samples);
       return;
     }
     const std::size_t count = std::size_t{format_.width} * format_.height;
     std::vector<std::byte> stored(count * bytes_per_sample(format_.type()));
-    tiff.read_samples(format_, value, stored.data());
+    tiff.read_samples(format_, value, options, stored.data());
     rescale_samples(format_.type(), stored.data(), count, rescale_->slope, rescale_->intercept, samples);
   }
 
@@ -147,11 +151,11 @@ class PngSlices final : public SliceFiles {
   std::vector<std::string> value_names() const override {
     return format_.values_per_sample >= 3 ? std::vector<std::string>{"red", "green", "blue"} : std::vector<std::string>{"grey"};
   }
-  void read(const fs::path& file, std::size_t value, std::byte* samples) const override {
+  void read(const fs::path& file, std::size_t value, const ReadOptions& options, std::byte* samples) const override {
     if (const PngFormat format = png_format(file); format != format_) {
       throw differs(file, to_string(format), first_, to_string(format_));
     }
-    read_png(file, format_, value, samples);
+    read_png(file, format_, value, options, samples);
   }
 
  private:
@@ -179,7 +183,7 @@ Volume read_all(const fs::path& folder, const std::vector<fs::path>& files, cons
   const std::shared_ptr<std::byte[]> samples = allocate_samples(folder, bytes, options);
   const std::uint64_t slice_bytes = bytes / files.size();
   for (std::size_t slice = 0; slice < files.size(); ++slice) {
-    slices.read(files[slice], value, samples.get() + slice * slice_bytes);
+    slices.read(files[slice], value, options, samples.get() + slice * slice_bytes);
   }
   volume.samples = samples.get();
   volume.owner = samples;
@@ -212,8 +216,8 @@ VolumeFile read_image_stack(const fs::path& folder, const ReadOptions& options) 
   } else {
     slices = std::make_unique<TiffSlices>(files.front(), stack, source);
   }
-  source.decisions.push_back({"slices", std::to_string(files.size()) + " from '" + one_line(files.front().filename().string(), 80) + "' to '" +
-                                            one_line(files.back().filename().string(), 80) + "', by the number in their names"});
+  source.decisions.push_back({"slices", std::to_string(files.size()) + " from '" + one_line(files.front().filename().string(), 80) +
+                                            "' to '" + one_line(files.back().filename().string(), 80) + "', by the number in their names"});
   std::size_t value = 0;
   if (const std::vector<std::string> names = slices->value_names(); names.size() > 1) {
     value = take_choice(folder, source, FileChoice{"channel", names, {}}, options.channel);

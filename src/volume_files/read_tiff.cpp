@@ -46,7 +46,8 @@ TiffStack describe(TiffFile& tiff, const ReadOptions& options, VolumeSource& sou
 void take_only_axis_as_slices(TiffStack& stack, VolumeSource& source) {
   constexpr std::size_t kMostChannels = 7;
   const auto use = [&](std::size_t& axis, const std::string& label, auto page_of) {
-    source.warnings.push_back("its " + std::to_string(axis) + " pages are labelled as " + label + " of one slice each, they are read as slices");
+    source.warnings.push_back("its " + std::to_string(axis) + " pages are labelled as " + label +
+                              " of one slice each, they are read as slices");
     std::swap(axis, stack.slices);
     stack.page_of = page_of;
   };
@@ -54,9 +55,11 @@ void take_only_axis_as_slices(TiffStack& stack, VolumeSource& source) {
     return;
   }
   if (stack.channels == 1 && stack.times > 1) {
-    use(stack.times, "time points", [page_of = stack.page_of](std::size_t, std::size_t slice, std::size_t) { return page_of(0, 0, slice); });
+    use(stack.times, "time points",
+        [page_of = stack.page_of](std::size_t, std::size_t slice, std::size_t) { return page_of(0, 0, slice); });
   } else if (stack.channels > kMostChannels && stack.times == 1) {
-    use(stack.channels, "channels", [page_of = stack.page_of](std::size_t, std::size_t slice, std::size_t) { return page_of(slice, 0, 0); });
+    use(stack.channels, "channels",
+        [page_of = stack.page_of](std::size_t, std::size_t slice, std::size_t) { return page_of(slice, 0, 0); });
     stack.channel_names.clear();
   }
 }
@@ -127,7 +130,8 @@ void require_possible_pages(const TiffFile& tiff, const PageFormat& page, std::s
 
 class SliceReader {
  public:
-  SliceReader(TiffFile& tiff, const TiffStack& stack, const PageFormat& page) : tiff_(tiff), stack_(stack), page_(page) {
+  SliceReader(TiffFile& tiff, const TiffStack& stack, const PageFormat& page, const ReadOptions& options)
+      : tiff_(tiff), stack_(stack), page_(page), options_(options) {
     if (stack.is_contiguous) {
       start_ = tiff.offset_of_plain_samples();
       const std::uint64_t pages = stack.channels * stack.slices * stack.times;
@@ -143,9 +147,10 @@ class SliceReader {
     }
     tiff_.select(page);
     if (const PageFormat format = tiff_.format(); !format.has_same_samples(page_)) {
-      throw unsupported(tiff_.path(), "page " + std::to_string(page + 1) + " has " + to_string(format) + ", the first has " + to_string(page_));
+      throw unsupported(tiff_.path(),
+                        "page " + std::to_string(page + 1) + " has " + to_string(format) + ", the first has " + to_string(page_));
     }
-    tiff_.read_samples(page_, selection.value, samples);
+    tiff_.read_samples(page_, selection.value, options_, samples);
   }
 
  private:
@@ -166,6 +171,7 @@ class SliceReader {
   TiffFile& tiff_;
   const TiffStack& stack_;
   PageFormat page_;
+  const ReadOptions& options_;
   std::uint64_t start_ = 0;
   std::vector<std::byte> stored_;
 };
@@ -177,7 +183,7 @@ Volume read_slices(TiffFile& tiff, const TiffStack& stack, const PageFormat& pag
   const SampleType type = stack.rescale ? rescaled_type(page.type(), stack.rescale->slope, stack.rescale->intercept) : page.type();
   const std::uint64_t bytes = checked_sample_bytes(path, size, bytes_per_sample(type));
   require_possible_pages(tiff, page, stack.is_contiguous ? 1 : stack.slices);
-  SliceReader reader(tiff, stack, page);
+  SliceReader reader(tiff, stack, page, options);
   Volume volume;
   volume.grid = grid_of_file(path, size, spacing, stack.origin, {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}});
   volume.grid.unit = stack.unit;

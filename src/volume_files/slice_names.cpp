@@ -116,9 +116,8 @@ std::vector<fs::path> in_slice_order(const fs::path& folder, std::vector<fs::pat
   std::ranges::sort(names, {}, &SliceName::path);  // the same messages for any order of the folder
   require_alike(folder, names);
   const std::vector<std::size_t> varying = varying_numbers(names);
-  std::ranges::stable_sort(names, [&](const SliceName& a, const SliceName& b) {
-    return std::ranges::lexicographical_compare(a.numbers, b.numbers, is_below);
-  });
+  std::ranges::stable_sort(
+      names, [&](const SliceName& a, const SliceName& b) { return std::ranges::lexicographical_compare(a.numbers, b.numbers, is_below); });
   if (varying.empty() && names.size() > 1) {
     throw bad_file(folder, "its images " + quoted(names[0].path) + " and " + quoted(names[1].path) + " have the same number");
   }

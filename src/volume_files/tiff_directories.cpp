@@ -79,7 +79,8 @@ std::vector<std::uint64_t> tiff_directories(const fs::path& path, std::uint64_t 
   while (offset != 0 || directories.empty()) {
     const std::string page = "page " + std::to_string(directories.size() + 1);
     if (!seen.insert(offset).second) {
-      throw bad_file(path, "is damaged: its pages are a ring, after page " + std::to_string(directories.size()) + " comes an earlier one again");
+      throw bad_file(path,
+                     "is damaged: its pages are a ring, after page " + std::to_string(directories.size()) + " comes an earlier one again");
     }
     const Error cut_off = bad_file(path, "is cut off or damaged in " + page + ": its directory is not wholly in the file");
     if (offset == 0 || !file.has(offset, count_bytes)) {

@@ -11,6 +11,7 @@
 
 #include "files/file_error.h"
 #include "files/stored_data.h"
+#include "volume_files/grid_of_file.h"
 #include "volume_files/tiff_directories.h"
 
 namespace isoatlas::io {
@@ -31,7 +32,9 @@ void keep_first(std::string& kept, const char* format, va_list arguments) {
 
 void keep_first_error(const char* /*module*/, const char* format, va_list arguments) { keep_first(first_tiff_error, format, arguments); }
 
-void keep_first_warning(const char* /*module*/, const char* format, va_list arguments) { keep_first(first_tiff_warning, format, arguments); }
+void keep_first_warning(const char* /*module*/, const char* format, va_list arguments) {
+  keep_first(first_tiff_warning, format, arguments);
+}
 
 template <class Number>
 Number tag_or(TIFF* tiff, std::uint32_t tag, Number otherwise) {
@@ -105,7 +108,8 @@ void require_decodable(TIFF* tiff, const fs::path& path) {
   const auto compression = tag_or<std::uint16_t>(tiff, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
   if (TIFFIsCODECConfigured(compression) == 0) {
     const TIFFCodec* const codec = TIFFFindCODEC(compression);
-    throw unsupported(path, "is compressed with scheme " + std::to_string(compression) + (codec == nullptr ? "" : std::string(" (") + codec->name + ")") +
+    throw unsupported(path, "is compressed with scheme " + std::to_string(compression) +
+                                (codec == nullptr ? "" : std::string(" (") + codec->name + ")") +
                                 ", which this libtiff cannot decode; expected none, LZW, deflate or another that it can");
   }
 }
@@ -205,8 +209,8 @@ void TiffFile::select(std::size_t page) {
 
 PageFormat TiffFile::format() const {
   PageFormat format;
-  if (TIFFGetField(tiff_.get(), TIFFTAG_IMAGEWIDTH, &format.width) == 0 || TIFFGetField(tiff_.get(), TIFFTAG_IMAGELENGTH, &format.height) == 0 ||
-      format.width == 0 || format.height == 0) {
+  if (TIFFGetField(tiff_.get(), TIFFTAG_IMAGEWIDTH, &format.width) == 0 ||
+      TIFFGetField(tiff_.get(), TIFFTAG_IMAGELENGTH, &format.height) == 0 || format.width == 0 || format.height == 0) {
     throw damaged(page_);
   }
   format.bits = tag_or<std::uint16_t>(tiff_.get(), TIFFTAG_BITSPERSAMPLE, 1);
@@ -305,7 +309,8 @@ bool TiffFile::are_values_separate() const {
 std::uint64_t TiffFile::offset_of_plain_samples() const {
   const PageFormat page = format();
   if (tag_or<std::uint16_t>(tiff_.get(), TIFFTAG_COMPRESSION, COMPRESSION_NONE) != COMPRESSION_NONE || TIFFIsTiled(tiff_.get()) != 0 ||
-      (are_values_separate() && page.values_per_sample > 1) || tag_or<std::uint16_t>(tiff_.get(), TIFFTAG_FILLORDER, 1) != FILLORDER_MSB2LSB) {
+      (are_values_separate() && page.values_per_sample > 1) ||
+      tag_or<std::uint16_t>(tiff_.get(), TIFFTAG_FILLORDER, 1) != FILLORDER_MSB2LSB) {
     return 0;
   }
   const std::uint32_t strips = TIFFNumberOfStrips(tiff_.get());
@@ -326,14 +331,14 @@ void TiffFile::require_stored(std::uint32_t strip_or_tile) const {
   }
 }
 
-void TiffFile::read_strips(const PageFormat& format, std::size_t value, std::byte* samples) {
+void TiffFile::read_strips(const PageFormat& format, std::size_t value, const ReadOptions& options, std::byte* samples) {
   const bool is_separate = are_values_separate();
   const std::size_t values = is_separate ? 1 : format.values_per_sample;
   const std::uint64_t stored_row = packed_bytes(std::uint64_t{format.width} * values, format.bits);
   const std::uint64_t row_bytes = format.width * bytes_per_sample(format.type());
   const bool is_direct = values == 1 && format.bits == 8 * bytes_per_sample(format.type());
   const std::uint32_t strip_rows = std::clamp(tag_or<std::uint32_t>(tiff_.get(), TIFFTAG_ROWSPERSTRIP, format.height), 1U, format.height);
-  const std::unique_ptr<std::byte[]> stored(new std::byte[is_direct ? 0 : static_cast<std::size_t>(strip_rows * stored_row)]);
+  const std::shared_ptr<std::byte[]> stored = allocate_samples(path_, is_direct ? 0 : strip_rows * stored_row, options);
   for (std::uint32_t row = 0; row < format.height; row += strip_rows) {
     const std::uint32_t rows = std::min(strip_rows, format.height - row);
     const std::uint32_t strip = TIFFComputeStrip(tiff_.get(), row, static_cast<std::uint16_t>(is_separate ? value : 0));
@@ -351,7 +356,7 @@ void TiffFile::read_strips(const PageFormat& format, std::size_t value, std::byt
   }
 }
 
-void TiffFile::read_tiles(const PageFormat& format, std::size_t value, std::byte* samples) {
+void TiffFile::read_tiles(const PageFormat& format, std::size_t value, const ReadOptions& options, std::byte* samples) {
   const bool is_separate = are_values_separate();
   const std::size_t values = is_separate ? 1 : format.values_per_sample;
   const std::uint64_t sample_bytes = bytes_per_sample(format.type());
@@ -366,7 +371,7 @@ void TiffFile::read_tiles(const PageFormat& format, std::size_t value, std::byte
     constexpr std::uint64_t kMostPerByte = 5000;  // by LZW, of constant data
     require_possible_bytes(path_, static_cast<std::uint64_t>(tile_bytes), file_size_, kMostPerByte);
   }
-  const std::unique_ptr<std::byte[]> tile(new std::byte[static_cast<std::size_t>(tile_bytes)]);
+  const std::shared_ptr<std::byte[]> tile = allocate_samples(path_, static_cast<std::uint64_t>(tile_bytes), options);
   for (std::uint64_t row = 0; row < format.height; row += tile_height) {
     for (std::uint64_t column = 0; column < format.width; column += tile_width) {
       const auto x = static_cast<std::uint32_t>(column), y = static_cast<std::uint32_t>(row);
@@ -384,12 +389,12 @@ void TiffFile::read_tiles(const PageFormat& format, std::size_t value, std::byte
   }
 }
 
-void TiffFile::read_samples(const PageFormat& format, std::size_t value, std::byte* samples) {
+void TiffFile::read_samples(const PageFormat& format, std::size_t value, const ReadOptions& options, std::byte* samples) {
   first_tiff_warning.clear();
   if (TIFFIsTiled(tiff_.get()) != 0) {
-    read_tiles(format, value, samples);
+    read_tiles(format, value, options, samples);
   } else {
-    read_strips(format, value, samples);
+    read_strips(format, value, options, samples);
   }
   if (first_tiff_error.empty() && warns_of_damage(tiff_.get())) {
     first_tiff_error = first_tiff_warning;

@@ -24,7 +24,8 @@ Vec3 take_spacing(const TiffStack& stack, VolumeSource& source) {
     source.decisions.push_back({"unit", unit});
   }
   if (stack.rescale) {
-    source.decisions.push_back({"rescale", "slope " + number_text(stack.rescale->slope) + ", intercept " + number_text(stack.rescale->intercept)});
+    source.decisions.push_back(
+        {"rescale", "slope " + number_text(stack.rescale->slope) + ", intercept " + number_text(stack.rescale->intercept)});
   }
   std::string missing;
   for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -18,11 +18,12 @@ namespace isoatlas::io {
 /// Value in the world = slope * stored value + intercept.
 struct LinearRescale {
   double slope = 1, intercept = 0;
+  friend bool operator==(const LinearRescale&, const LinearRescale&) = default;
 };
 
 /// Pages as channels x slices x times. A page may hold several channels, the values of its samples.
 struct TiffStack {
-  std::string format = "TIFF";                  ///< for VolumeSource
+  std::string format = "TIFF";  ///< for VolumeSource
   std::size_t channels = 1, slices = 1, times = 1;
   std::vector<std::string> channel_names = {};  ///< empty, or one for each channel, those within a page counted too
   /// The page of a channel, slice and time, all from 0. Throws Error if the file has no such page.
@@ -49,12 +50,14 @@ std::optional<TiffStack> describe_lsm(TiffFile& tiff, VolumeSource& source);
 /// By tifffile's JSON, or pages that are slices.
 TiffStack describe_pages(TiffFile& tiff, const ReadOptions& options, VolumeSource& source);
 
-/// x, y and z spacing that ImageJ's or OME's description in the current page states, for a page that is one of several files.
+/// The lengths and the rescale that ImageJ's description in the current page states, for a file that is one slice of several.
+/// @throws Error(unsupported) if further images are behind the page
 TiffStack describe_slice(TiffFile& tiff, VolumeSource& source);
 
 /// Pages that are no previews or masks of others, from 0. `at_page` is called with each, by its place in the result, while it is the
 /// current one.
 /// @throws Error(unsupported) if there is none
-std::vector<std::size_t> pages_without_previews(TiffFile& tiff, VolumeSource& source, const std::function<void(std::size_t place)>& at_page = {});
+std::vector<std::size_t> pages_without_previews(TiffFile& tiff, VolumeSource& source,
+                                                const std::function<void(std::size_t place)>& at_page = {});
 
 }  // namespace isoatlas::io

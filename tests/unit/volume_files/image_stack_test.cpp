@@ -20,7 +20,9 @@ const std::vector<std::string> kNone;
 const std::string kNoSpacing = "states no voxel size, 1 x 1 x 1 is assumed";
 
 std::string slice(int number, const std::string& description = "", std::uint32_t width = 4) {
-  return TiffWriter().add({.width = width, .samples = std::string(width * 3, static_cast<char>(number)), .description = description}).bytes();
+  return TiffWriter()
+      .add({.width = width, .samples = std::string(width * 3, static_cast<char>(number)), .description = description})
+      .bytes();
 }
 
 struct PngImage {
@@ -37,8 +39,8 @@ void write_png(const fs::path& path, PngImage image) {
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
   png_infop info = png_create_info_struct(png);
   png_init_io(png, file);
-  png_set_IHDR(png, info, image.width, image.height, image.bits, image.colours, image.is_interlaced ? PNG_INTERLACE_ADAM7 : PNG_INTERLACE_NONE,
-               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_IHDR(png, info, image.width, image.height, image.bits, image.colours,
+               image.is_interlaced ? PNG_INTERLACE_ADAM7 : PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   const std::vector<png_color> palette(std::size_t{1} << std::min(image.bits, 8), png_color{9, 9, 9});
   if (image.colours == PNG_COLOR_TYPE_PALETTE) png_set_PLTE(png, info, palette.data(), static_cast<int>(palette.size()));
   png_write_info(png, info);
@@ -158,7 +160,9 @@ TEST_F(ImageStack, SlicesThatDiffer) {
 
 TEST_F(ImageStack, ImageJsLengths) {
   // An image sequence that ImageJ saved knows lengths along x and y.
-  TiffPage page{.samples = std::string(12, 'a'), .description = "ImageJ=1.53t\nunit=um\n", .more = {{282, 5, {4, 1}}, {283, 5, {4, 1}}, {296, 3, {1}}}};
+  TiffPage page{.samples = std::string(12, 'a'),
+                .description = "ImageJ=1.53t\nunit=um\n",
+                .more = {{282, 5, {4, 1}}, {283, 5, {4, 1}}, {296, 3, {1}}}};
   for (const char* name : {"s1.tif", "s2.tif"}) write_bytes(folder_ / name, TiffWriter().add(page).bytes());
   const VolumeFile file = read();
   EXPECT_EQ(file.volume.grid.spacing, (Vec3{0.25, 0.25, 1}));
@@ -173,6 +177,16 @@ TEST_F(ImageStack, ImageJsSignedSamples) {
   const VolumeFile file = read();
   EXPECT_EQ(file.volume.type, SampleType::int16);
   EXPECT_EQ(sample_as_double(file.volume, 0), 1);
+  page.description = "ImageJ=1.53t\ncf=0\nc0=-32767\nc1=1\nvunit=Gray Value\n";
+  write_bytes(folder_ / "s2.tif", TiffWriter().add(page).bytes());
+  refuse(ErrorCode::unsupported, "has another calibration function than s1.tif", folder_ / "s2.tif");
+}
+
+TEST_F(ImageStack, ImagesBehindAPageAreNotOverlooked) {
+  add("s1.tif", 1);
+  TiffPage page{.samples = std::string(24, 'a'), .description = "ImageJ=1.53t\nimages=2\nslices=2\n", .strip_bytes = 12};
+  write_bytes(folder_ / "s2.tif", TiffWriter().add(page).bytes());
+  refuse(ErrorCode::unsupported, "has 2 images behind one page", folder_ / "s2.tif");
 }
 
 TEST_F(ImageStack, RedGreenBlue) {
@@ -200,11 +214,12 @@ TEST_F(ImageStack, PngOfAnyDepth) {
     std::vector<double> values;  // of the first row
     SampleType type;
   };
-  const std::vector<Depth> depths{{1, {"\xA0", "\x50", "\xF0"}, {1, 0, 1, 0}, SampleType::uint8},
-                                  {2, {"\x1B", "\x1B", "\xFF"}, {0, 1, 2, 3}, SampleType::uint8},
-                                  {4, {"\x1F\x28", "\x11\x11", "\x22\x22"}, {1, 15, 2, 8}, SampleType::uint8},
-                                  {8, {"\x01\xFF\x7F\x80", "aaaa", "bbbb"}, {1, 255, 127, 128}, SampleType::uint8},
-                                  {16, {std::string("\x00\x01\xFF\xFE\x12\x34\x80\x00", 8), "aaaaaaaa", "bbbbbbbb"}, {1, 0xFFFE, 0x1234, 0x8000}, SampleType::uint16}};
+  const std::vector<Depth> depths{
+      {1, {"\xA0", "\x50", "\xF0"}, {1, 0, 1, 0}, SampleType::uint8},
+      {2, {"\x1B", "\x1B", "\xFF"}, {0, 1, 2, 3}, SampleType::uint8},
+      {4, {"\x1F\x28", "\x11\x11", "\x22\x22"}, {1, 15, 2, 8}, SampleType::uint8},
+      {8, {"\x01\xFF\x7F\x80", "aaaa", "bbbb"}, {1, 255, 127, 128}, SampleType::uint8},
+      {16, {std::string("\x00\x01\xFF\xFE\x12\x34\x80\x00", 8), "aaaaaaaa", "bbbbbbbb"}, {1, 0xFFFE, 0x1234, 0x8000}, SampleType::uint16}};
   for (const Depth& depth : depths) {
     for (const bool is_interlaced : {false, true}) {
       for (const int colours : {PNG_COLOR_TYPE_GRAY, PNG_COLOR_TYPE_PALETTE}) {
@@ -234,9 +249,17 @@ TEST_F(ImageStack, PngChannelsAndAlpha) {
   EXPECT_EQ(sample_as_double(read({.channel = 2}).volume, 23), 'b');
   write_both(PNG_COLOR_TYPE_RGB_ALPHA, "rgb\xFFrgb\xFFrgb\xFFrgb\xFF");
   EXPECT_EQ(sample_as_double(read({.channel = 1}).volume, 23), 'g');
-  write_both(PNG_COLOR_TYPE_GRAY_ALPHA, "a\xFF" "b\xFF" "c\xFF" "d\xFF");
+  write_both(PNG_COLOR_TYPE_GRAY_ALPHA,
+             "a\xFF"
+             "b\xFF"
+             "c\xFF"
+             "d\xFF");
   EXPECT_EQ(sample_as_double(read().volume, 2), 'c');
-  write_both(PNG_COLOR_TYPE_GRAY_ALPHA, "a\xFF" "b\xFE" "c\xFF" "d\xFF");
+  write_both(PNG_COLOR_TYPE_GRAY_ALPHA,
+             "a\xFF"
+             "b\xFE"
+             "c\xFF"
+             "d\xFF");
   refuse(ErrorCode::unsupported, "has transparent samples (an alpha channel)", folder_ / "s1.png");
 }
 

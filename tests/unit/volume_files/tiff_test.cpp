@@ -143,7 +143,7 @@ TEST(TiffField, PaletteIndices) {
 // ---------------------------------------------------------------- ImageJ
 
 struct Lengths {
-  std::string description;           // after "ImageJ=1.53t\nimages=2\nslices=2\n"
+  std::string description;                     // after "ImageJ=1.53t\nimages=2\nslices=2\n"
   std::vector<std::uint32_t> resolution = {};  // numerator, denominator
   std::uint32_t resolution_unit = 1;
   Vec3 spacing = {1, 1, 1};
@@ -167,7 +167,12 @@ TEST_F(Tiff, ImageJLengths) {
       {"unit=mm\nspacing=1.5\n", {}, 1, {1, 1, 1.5}, LengthUnit::millimetre},
       {"unit=\\u00C5\nspacing=1.5\n", {2, 1}, 1, {0.5, 0.5, 1.5}, LengthUnit::angstrom},
       {"unit=um\nzunit=nm\nspacing=500\n", {4, 1}, 1, {0.25, 0.25, 0.5}, kMicro},
-      {"unit=um\nzunit=sec\nspacing=3\n", {4, 1}, 1, {0.25, 0.25, 3}, kMicro, true,
+      {"unit=um\nzunit=sec\nspacing=3\n",
+       {4, 1},
+       1,
+       {0.25, 0.25, 3},
+       kMicro,
+       true,
        "its z axis is in 'sec' and its x axis in 'um', the numbers are used as they are"},
       {"unit=furlong\nspacing=3\n", {4, 1}, 1, {0.25, 0.25, 3}, kUnknown, true, "its unit of length 'furlong' is not known"},
       {"spacing=3\n", {4, 1}, 1, {0.25, 0.25, 3}, kUnknown},
@@ -224,8 +229,10 @@ TEST_F(Tiff, ImageJPageCounts) {
   EXPECT_EQ(read(pages(3, head + "images=3\n")).volume.grid.size[2], 3U);
   const VolumeFile more = read(pages(5, head + "images=3\nslices=3\n"));
   EXPECT_EQ(more.volume.grid.size[2], 5U);
-  EXPECT_EQ(more.source.warnings, std::vector<std::string>{"ImageJ's description promises 3 images, the file has 5 pages, which are all read"});
-  refuse(pages(5, head + "images=16\nslices=16\n"), ErrorCode::bad_file, "promises 1 channels x 16 slices x 1 time points, the file has 5 pages");
+  EXPECT_EQ(more.source.warnings,
+            std::vector<std::string>{"ImageJ's description promises 3 images, the file has 5 pages, which are all read"});
+  refuse(pages(5, head + "images=16\nslices=16\n"), ErrorCode::bad_file,
+         "promises 1 channels x 16 slices x 1 time points, the file has 5 pages");
   refuse(pages(5, head + "images=4\nchannels=2\nslices=2\n"), ErrorCode::bad_file, "promises 2 channels x 2 slices x 1 time points");
   refuse(pages(2, head + "channels=1000000\nslices=1000000\nframes=1000000\n"), ErrorCode::bad_file, "the file has 2 pages");
 }
@@ -256,7 +263,8 @@ TEST_F(Tiff, ImageJCalibration) {
   EXPECT_EQ(values("cf=0\nc0=0\nc1=1E-3\nvunit=x\n"), Pair(SampleType::float32, 0.003F));
   EXPECT_EQ(values("cf=20\nvunit=Gray Value\n"), Pair(SampleType::uint8, 3));
   EXPECT_EQ(values("cf=0\nc0=5\nc1=2\n"), Pair(SampleType::uint8, 3));  // without vunit ImageJ does not apply it
-  for (const char* function : {"cf=1\nc0=1\nc1=2\nc2=3\nvunit=x\n", "cf=21\nvunit=U. OD\n", "cf=0\nc0=-5\nc1=1\nvunit=x\nzeroclip=true\n"}) {
+  for (const char* function :
+       {"cf=1\nc0=1\nc1=2\nc2=3\nvunit=x\n", "cf=21\nvunit=U. OD\n", "cf=0\nc0=-5\nc1=1\nvunit=x\nzeroclip=true\n"}) {
     refuse(pages(2, head + function), ErrorCode::unsupported, "calibration function");
   }
   refuse(pages(2, head + "cf=0\nvunit=x\n"), ErrorCode::bad_file, "without two coefficients");
@@ -266,8 +274,10 @@ TEST_F(Tiff, ImageJCalibration) {
 // ImageJ reads signed 16-bit samples as unsigned ones with the calibration for signed; both together are the samples themselves.
 TEST_F(Tiff, ImageJCalibrationOfSignedSamples) {
   TiffWriter file;
-  TiffPage page{.samples = "", .description = "ImageJ=1.53t\nimages=2\nslices=2\nspacing=2\ncf=0\nc0=-32768\nc1=1\nvunit=Gray Value\n",
-                .bits = 16, .format = 2};
+  TiffPage page{.samples = "",
+                .description = "ImageJ=1.53t\nimages=2\nslices=2\nspacing=2\ncf=0\nc0=-32768\nc1=1\nvunit=Gray Value\n",
+                .bits = 16,
+                .format = 2};
   for (int i = 0; i < 12; ++i) page.samples += std::string("\xFE\xFF", 2);
   file.add(page).add(page);
   const VolumeFile read_file = read(file.bytes());
@@ -276,7 +286,8 @@ TEST_F(Tiff, ImageJCalibrationOfSignedSamples) {
 }
 
 TEST_F(Tiff, ImageJRedGreenBlue) {
-  TiffPage page{.samples = samples_of(0, 36), .description = "ImageJ=1.53t\nimages=2\nslices=2\nspacing=2\n", .values = 3, .photometric = 2};
+  TiffPage page{
+      .samples = samples_of(0, 36), .description = "ImageJ=1.53t\nimages=2\nslices=2\nspacing=2\n", .values = 3, .photometric = 2};
   TiffWriter file;
   file.add(page).add(page);
   refuse(file.bytes(), ErrorCode::unsupported, "has 3 channels, expected a choice of one: 0 (red), 1 (green), 2 (blue)");
@@ -289,9 +300,11 @@ TEST_F(Tiff, ImageJRedGreenBlue) {
 // ---------------------------------------------------------------- one page for all images
 
 std::string big_stack(std::size_t pages_promised, std::size_t pages_there, bool is_big_endian) {
-  TiffPage page{.samples = "", .description = "ImageJ=1.53t\nimages=" + std::to_string(pages_promised) + "\nchannels=2\nslices=" +
-                                              std::to_string(pages_promised / 2) + "\nspacing=2\n",
-                .bits = 16, .strip_bytes = 24};
+  TiffPage page{.samples = "",
+                .description = "ImageJ=1.53t\nimages=" + std::to_string(pages_promised) +
+                               "\nchannels=2\nslices=" + std::to_string(pages_promised / 2) + "\nspacing=2\n",
+                .bits = 16,
+                .strip_bytes = 24};
   for (std::size_t i = 0; i < pages_there * 12; ++i) {
     page.samples += is_big_endian ? std::string{static_cast<char>(i / 12), static_cast<char>(i % 12)}
                                   : std::string{static_cast<char>(i % 12), static_cast<char>(i / 12)};
@@ -358,17 +371,20 @@ TEST_F(Tiff, OmeDimensionOrders) {
 
 TEST_F(Tiff, OmeLengthsAndUnits) {
   const auto lengths = [&](const std::string& attributes) { return read(pages(3, ome(kStack + (" " + attributes), kAll))); };
-  const VolumeFile mixed = lengths(R"(PhysicalSizeX="200" PhysicalSizeXUnit="nm" PhysicalSizeY="0.3" PhysicalSizeZ="0.0005" PhysicalSizeZUnit="mm")");
+  const VolumeFile mixed =
+      lengths(R"(PhysicalSizeX="200" PhysicalSizeXUnit="nm" PhysicalSizeY="0.3" PhysicalSizeZ="0.0005" PhysicalSizeZUnit="mm")");
   expect_size_and_spacing(mixed.volume, {4, 3, 3}, {200, 300, 500}, 1e-9);
   EXPECT_EQ(mixed.volume.grid.unit, LengthUnit::nanometre);
   const VolumeFile flat = lengths(R"(PhysicalSizeX="0.2" PhysicalSizeY="0.3")");
   EXPECT_EQ(flat.volume.grid.spacing, (Vec3{0.2, 0.3, 1}));
   EXPECT_EQ(flat.source.warnings, std::vector<std::string>{"states no voxel size along z, 1 um is assumed there"});
-  const VolumeFile angstrom = lengths("PhysicalSizeX=\"2\" PhysicalSizeXUnit=\"\u00C5\" PhysicalSizeY=\"0.2\" PhysicalSizeYUnit=\"nm\" "
-                                      "PhysicalSizeZ=\"2\" PhysicalSizeZUnit=\"\u00C5\"");
+  const VolumeFile angstrom = lengths(
+      "PhysicalSizeX=\"2\" PhysicalSizeXUnit=\"\u00C5\" PhysicalSizeY=\"0.2\" PhysicalSizeYUnit=\"nm\" "
+      "PhysicalSizeZ=\"2\" PhysicalSizeZUnit=\"\u00C5\"");
   EXPECT_EQ(angstrom.volume.grid.unit, LengthUnit::angstrom);
   EXPECT_NEAR(angstrom.volume.grid.spacing.y, 2, 1e-12);
-  const VolumeFile pixels = lengths(R"(PhysicalSizeX="2" PhysicalSizeXUnit="pixel" PhysicalSizeY="2" PhysicalSizeYUnit="pixel" PhysicalSizeZ="3" PhysicalSizeZUnit="pixel")");
+  const VolumeFile pixels = lengths(R"(PhysicalSizeX="2" PhysicalSizeXUnit="pixel" PhysicalSizeY="2" PhysicalSizeYUnit="pixel" )"
+                                    R"(PhysicalSizeZ="3" PhysicalSizeZUnit="pixel")");
   EXPECT_EQ(pixels.volume.grid.unit, LengthUnit::unknown);
   EXPECT_EQ(pixels.source.warnings, kNone);
   const VolumeFile none = lengths(R"(PhysicalSizeX="0" PhysicalSizeY="-1" PhysicalSizeZ="NaN")");
@@ -384,11 +400,13 @@ TEST_F(Tiff, OmePlanesByPage) {
   // The first page is of something else.
   EXPECT_EQ(pages_read(read(pages(4, ome(kStack, R"(<TiffData IFD="1" PlaneCount="3"/>)")))), (std::vector{1, 2, 3}));
   EXPECT_EQ(pages_read(read(pages(5, ome(kStack, kAll)))), (std::vector{0, 1, 2}));
-  refuse(pages(3, ome(kStack, R"(<TiffData IFD="0"/><TiffData IFD="1" FirstZ="1"/>)")), ErrorCode::bad_file, "names no page for channel 0, slice 2");
+  refuse(pages(3, ome(kStack, R"(<TiffData IFD="0"/><TiffData IFD="1" FirstZ="1"/>)")), ErrorCode::bad_file,
+         "names no page for channel 0, slice 2");
   refuse(pages(2, ome(kStack, R"(<TiffData IFD="0" PlaneCount="3"/>)")), ErrorCode::bad_file, "promises a page 3, the file has 2");
   refuse(pages(2, ome(kStack, kAll)), ErrorCode::bad_file, "names no page for channel 0, slice 2");
   refuse(pages(3, ome(kStack, R"(<TiffData IFD="0" FirstZ="3"/>)")), ErrorCode::bad_file, "beyond its own sizes");
-  refuse(pages(3, ome(kStack, R"(<TiffData IFD="18446744073709551615" PlaneCount="3"/>)")), ErrorCode::unsupported, "has none of the planes");
+  refuse(pages(3, ome(kStack, R"(<TiffData IFD="18446744073709551615" PlaneCount="3"/>)")), ErrorCode::unsupported,
+         "has none of the planes");
   refuse(pages(3, ome(kStack, "")), ErrorCode::unsupported, "has no TiffData");
 }
 
@@ -400,7 +418,8 @@ TEST_F(Tiff, OmeOverSeveralFiles) {
   const std::string own = R"(UUID="urn:uuid:1")";
   refuse(pages(2, ome(two, block(0, "urn:uuid:1", "a.tif") + block(1, "urn:uuid:2", "b.tif"), own)), ErrorCode::unsupported,
          "is one of several files of an OME-TIFF: channel 0, slice 1, time 0 is in 'b.tif'");
-  refuse(pages(2, ome(two, block(0, "urn:uuid:3", "c.tif") + block(1, "urn:uuid:2", "b.tif"), own)), ErrorCode::unsupported, "they are in 'c.tif'");
+  refuse(pages(2, ome(two, block(0, "urn:uuid:3", "c.tif") + block(1, "urn:uuid:2", "b.tif"), own)), ErrorCode::unsupported,
+         "they are in 'c.tif'");
   // A file that was renamed knows itself by its UUID, one without by its name.
   const auto whole = [](const std::string& file) {
     return "<TiffData IFD=\"0\" PlaneCount=\"2\"><UUID FileName=\"" + file + "\">urn:uuid:1</UUID></TiffData>";
@@ -409,7 +428,8 @@ TEST_F(Tiff, OmeOverSeveralFiles) {
   EXPECT_EQ(pages_read(read(pages(2, ome(two, whole("./a.tif"))))), (std::vector{0, 1}));
   refuse(pages(2, ome(two, whole("old name.tif"))), ErrorCode::unsupported, "'old name.tif'");
   // A channel that is here can be read.
-  const std::string channels = R"(<TiffData IFD="0" FirstC="1" PlaneCount="2"/><TiffData IFD="0" PlaneCount="2"><UUID FileName="b.tif">urn:uuid:2</UUID></TiffData>)";
+  const std::string channels = R"(<TiffData IFD="0" FirstC="1" PlaneCount="2"/>)"
+                               R"(<TiffData IFD="0" PlaneCount="2"><UUID FileName="b.tif">urn:uuid:2</UUID></TiffData>)";
   const std::string bytes = pages(2, ome(R"(DimensionOrder="XYZCT" SizeZ="2" SizeC="2" SizeT="1")", channels, own));
   EXPECT_EQ(pages_read(read(bytes, {.channel = 1})), (std::vector{0, 1}));
   refuse(bytes, ErrorCode::unsupported, "channel 0, slice 0, time 0 is in 'b.tif'", {.channel = 0});
@@ -419,9 +439,10 @@ TEST_F(Tiff, OmeOverSeveralFiles) {
 
 TEST_F(Tiff, OmeSeries) {
   const auto image = [](const std::string& name, int first, int slices) {
-    return "<Image ID=\"i" + std::to_string(first) + "\" Name=\"" + name + "\"><Pixels DimensionOrder=\"XYCZT\" Type=\"uint8\" SizeX=\"4\" SizeY=\"3\" SizeZ=\"" +
-           std::to_string(slices) + "\" SizeC=\"1\" SizeT=\"1\"><TiffData IFD=\"" + std::to_string(first) + "\" PlaneCount=\"" +
-           std::to_string(slices) + "\"/></Pixels></Image>";
+    return "<Image ID=\"i" + std::to_string(first) + "\" Name=\"" + name +
+           "\"><Pixels DimensionOrder=\"XYCZT\" Type=\"uint8\" SizeX=\"4\" SizeY=\"3\" SizeZ=\"" + std::to_string(slices) +
+           "\" SizeC=\"1\" SizeT=\"1\"><TiffData IFD=\"" + std::to_string(first) + "\" PlaneCount=\"" + std::to_string(slices) +
+           "\"/></Pixels></Image>";
   };
   const std::string bytes = pages(5, "<OME>" + image("left", 0, 2) + image("right", 2, 3) + "</OME>");
   refuse(bytes, ErrorCode::unsupported, "has 2 series, expected a choice of one: 0 (left), 1 (right)");
@@ -438,28 +459,40 @@ TEST_F(Tiff, OmeWithoutSense) {
   refuse(pages(3, "<OME><Image/></OME>"), ErrorCode::bad_file, "has no Pixels");
   for (const char* sizes : {R"(SizeZ="0" SizeC="1" SizeT="1")", R"(SizeZ="-3" SizeC="1" SizeT="1")", R"(SizeZ="3" SizeC="1")",
                             R"(SizeZ="3" SizeC="99999999999999999999" SizeT="1")", R"(SizeZ="3" SizeC="1e9" SizeT="1")"}) {
-    refuse(pages(3, ome(std::string(R"(DimensionOrder="XYZCT" )") + sizes, kAll)), ErrorCode::bad_file, "expected a number from 1 to 1000000");
+    refuse(pages(3, ome(std::string(R"(DimensionOrder="XYZCT" )") + sizes, kAll)), ErrorCode::bad_file,
+           "expected a number from 1 to 1000000");
   }
   for (const char* order : {"", "XYZZT", "ZYXCT", "XYZCTS"}) {
-    refuse(pages(3, ome(std::string("DimensionOrder=\"") + order + R"(" SizeZ="3" SizeC="1" SizeT="1")", kAll)), ErrorCode::bad_file, "DimensionOrder");
+    refuse(pages(3, ome(std::string("DimensionOrder=\"") + order + R"(" SizeZ="3" SizeC="1" SizeT="1")", kAll)), ErrorCode::bad_file,
+           "DimensionOrder");
   }
   // Many planes in other files, named over and over, are not worth minutes.
   std::string blocks;
   for (int i = 0; i < 30; ++i) blocks += R"(<TiffData PlaneCount="999999"><UUID FileName="b.tif">urn:uuid:2</UUID></TiffData>)";
-  refuse(pages(3, ome(R"(DimensionOrder="XYZCT" SizeZ="1000000" SizeC="1" SizeT="1")", "<TiffData IFD=\"0\"/>" + blocks, R"(UUID="urn:uuid:1")")),
+  refuse(pages(3, ome(R"(DimensionOrder="XYZCT" SizeZ="1000000" SizeC="1" SizeT="1")", "<TiffData IFD=\"0\"/>" + blocks,
+                      R"(UUID="urn:uuid:1")")),
          ErrorCode::bad_file, "places more than");
 }
 
 TEST_F(Tiff, OmeSizesThatDiffer) {
-  const std::string description = R"(<OME><Image><Pixels DimensionOrder="XYZCT" SizeX="8" SizeY="6" SizeZ="2" SizeC="1" SizeT="1"><TiffData/></Pixels></Image></OME>)";
+  const std::string description =
+      R"(<OME><Image><Pixels DimensionOrder="XYZCT" SizeX="8" SizeY="6" SizeZ="2" SizeC="1" SizeT="1"><TiffData/></Pixels></Image></OME>)";
   const VolumeFile file = read(pages(2, description));
   EXPECT_EQ(file.volume.grid.size, (std::array<std::size_t, 3>{4, 3, 2}));
   EXPECT_EQ(file.source.warnings[0], "OME-XML promises 8 x 6 samples, its pages have 4 x 3; the pages are right");
 }
 
+TEST_F(Tiff, OmeSlicesThatAreAngles) {
+  std::string description = ome(kStack, kAll);
+  description.insert(description.find("</OME>"),
+                     "<StructuredAnnotations><M:ModuloAlongZ xmlns:M=\"m\" Type=\"angle\"/></StructuredAnnotations>");
+  EXPECT_EQ(read(pages(3, description)).source.warnings[0], "its slices are those of several angles, phases or the like (ModuloAlongZ)");
+}
+
 TEST_F(Tiff, OmeChannelsWithinPages) {
   TiffPage page{.samples = samples_of(0, 36), .values = 3, .photometric = 2};
-  page.description = ome(R"(DimensionOrder="XYCZT" SizeZ="2" SizeC="3" SizeT="1")", R"(<Channel SamplesPerPixel="3" Name="photo"/><TiffData/>)");
+  page.description =
+      ome(R"(DimensionOrder="XYCZT" SizeZ="2" SizeC="3" SizeT="1")", R"(<Channel SamplesPerPixel="3" Name="photo"/><TiffData/>)");
   TiffWriter file;
   file.add(page).add(page);
   refuse(file.bytes(), ErrorCode::unsupported, "0 (photo 0), 1 (photo 1), 2 (photo 2)");
@@ -483,7 +516,8 @@ TEST_F(Tiff, TifffilesShapes) {
   const VolumeFile stale = read(pages(4, R"({"shape": [3, 3, 4]})"));
   EXPECT_EQ(stale.volume.grid.size[2], 4U);
   EXPECT_EQ(stale.source.warnings[0], "its description is of an array of 3 x 3 x 4, which its 4 pages are not; they are read as slices");
-  for (const char* odd : {R"({"shape": [})", R"({"shape": [99999999999999999999999, 3, 4]})", R"({"shape": "x"})", R"({"shape": [0, 3, 4]})"}) {
+  for (const char* odd :
+       {R"({"shape": [})", R"({"shape": [99999999999999999999999, 3, 4]})", R"({"shape": "x"})", R"({"shape": [0, 3, 4]})"}) {
     EXPECT_EQ(read(pages(3, odd)).volume.grid.size[2], 3U) << odd;
   }
 }
@@ -492,7 +526,9 @@ TEST_F(Tiff, TifffilesSeries) {
   TiffWriter series;
   for (int i = 0; i < 5; ++i) {
     series.add({.samples = samples_of(static_cast<std::size_t>(i)),
-                .description = i == 0 ? R"({"shape": [2, 3, 4]})" : i == 2 ? R"({"shape": [3, 3, 4]})" : ""});
+                .description = i == 0   ? R"({"shape": [2, 3, 4]})"
+                               : i == 2 ? R"({"shape": [3, 3, 4]})"
+                                        : ""});
   }
   refuse(series.bytes(), ErrorCode::unsupported, "has 2 series, expected a choice of one: 0 (2 x 3 x 4), 1 (3 x 3 x 4)");
   EXPECT_EQ(pages_read(read(series.bytes(), {.series = "1"})), (std::vector{2, 3, 4}));
@@ -502,15 +538,18 @@ TEST_F(Tiff, TifffilesSeries) {
 }
 
 TEST_F(Tiff, ScifiosAxes) {
-  const VolumeFile file = read(pages(6, "SCIFIO=0.45\naxes=X,Y,Channel,Z\nlengths=4,3,2,3\nscales=0.5,0.5,1.0,2.0\nunits=\\u00B5m,\\u00B5m,null,\\u00B5m\n"),
-                               {.channel = 1});
+  const VolumeFile file =
+      read(pages(6, "SCIFIO=0.45\naxes=X,Y,Channel,Z\nlengths=4,3,2,3\nscales=0.5,0.5,1.0,2.0\nunits=\\u00B5m,\\u00B5m,null,\\u00B5m\n"),
+           {.channel = 1});
   EXPECT_EQ(pages_read(file), (std::vector{1, 3, 5}));
   EXPECT_EQ(file.volume.grid.spacing, (Vec3{0.5, 0.5, 2}));
   EXPECT_EQ(file.volume.grid.unit, LengthUnit::micrometre);
   EXPECT_EQ(file.source.warnings, kNone);
   EXPECT_FALSE(read(pages(3, "SCIFIO=0.45\naxes=X,Y,Z\nlengths=4,3,3\nscales=1.0,1.0,1.0\nunits=null,null,null\n")).source.has_spacing);
-  refuse(pages(3, "SCIFIO=0.45\naxes=X,Y,Z\nlengths=4,3,5\nscales=1,1,1\nunits=um,um,um\n"), ErrorCode::bad_file, "promises 5 pages, the file has 3");
-  refuse(pages(3, "SCIFIO=0.45\naxes=X,Y,Lifetime\nlengths=4,3,3\nscales=1,1,1\nunits=um,um,um\n"), ErrorCode::unsupported, "an axis 'Lifetime'");
+  refuse(pages(3, "SCIFIO=0.45\naxes=X,Y,Z\nlengths=4,3,5\nscales=1,1,1\nunits=um,um,um\n"), ErrorCode::bad_file,
+         "promises 5 pages, the file has 3");
+  refuse(pages(3, "SCIFIO=0.45\naxes=X,Y,Lifetime\nlengths=4,3,3\nscales=1,1,1\nunits=um,um,um\n"), ErrorCode::unsupported,
+         "an axis 'Lifetime'");
   refuse(pages(3, "SCIFIO=0.45\naxes=X\nlengths=4\n"), ErrorCode::bad_file, "X and Y first");
 }
 
@@ -578,9 +617,9 @@ TEST_F(Tiff, PackedBits) {
 }
 
 TEST_F(Tiff, HalfPrecision) {
-  const std::vector<std::pair<std::uint16_t, float>> halves{{0x0000, 0.0F}, {0x8000, -0.0F}, {0x0001, 0x1p-24F}, {0x83FF, -1023 * 0x1p-24F},
-                                                            {0x0400, 0x1p-14F}, {0x3C00, 1.0F}, {0xC000, -2.0F}, {0x3555, 1365 * 0x1p-12F},
-                                                            {0x7BFF, 65504.0F}, {0x7C00, INFINITY}, {0xFC00, -INFINITY}, {0x7E00, NAN}};
+  const std::vector<std::pair<std::uint16_t, float>> halves{
+      {0x0000, 0.0F},  {0x8000, -0.0F},           {0x0001, 0x1p-24F}, {0x83FF, -1023 * 0x1p-24F}, {0x0400, 0x1p-14F},  {0x3C00, 1.0F},
+      {0xC000, -2.0F}, {0x3555, 1365 * 0x1p-12F}, {0x7BFF, 65504.0F}, {0x7C00, INFINITY},         {0xFC00, -INFINITY}, {0x7E00, NAN}};
   TiffPage page{.bits = 16, .format = 3};
   for (const auto& half : halves) page.samples += std::string{static_cast<char>(half.first & 0xFF), static_cast<char>(half.first >> 8)};
   const VolumeFile file = read(TiffWriter().add(page).add(page).bytes());
@@ -626,6 +665,10 @@ TEST_F(Tiff, SampleTypesThatAreRefused) {
   refuse(of(128, 1), ErrorCode::unsupported, "unsigned integer samples of 128 bits");
 }
 
+TEST_F(Tiff, PagesOfSeveralLayers) {
+  refuse(pages(2, "", {.more = {{32997, 4, {2}}}}), ErrorCode::unsupported, "has pages of 2 layers each (ImageDepth)");
+}
+
 TEST_F(Tiff, CompressionThatLibtiffLacks) {
   refuse(pages(2, "", {.more = {{259, 3, {34712}}}}), ErrorCode::unsupported, "is compressed with scheme 34712");
 }
@@ -663,7 +706,8 @@ void write_with_libtiff(const std::filesystem::path& path, std::uint16_t compres
       std::string bytes(static_cast<std::size_t>(piece), static_cast<char>(page * 50 + 1 + static_cast<int>(i)));
       const bool is_last = !is_tiled && i % 3 == 2;  // 40 rows: the third strip has 8
       const tmsize_t length = is_last ? piece / 2 : piece;
-      ASSERT_EQ(is_tiled ? TIFFWriteEncodedTile(tiff, i, bytes.data(), length) : TIFFWriteEncodedStrip(tiff, i, bytes.data(), length), length);
+      ASSERT_EQ(is_tiled ? TIFFWriteEncodedTile(tiff, i, bytes.data(), length) : TIFFWriteEncodedStrip(tiff, i, bytes.data(), length),
+                length);
     }
     TIFFWriteDirectory(tiff);
   }
@@ -672,8 +716,8 @@ void write_with_libtiff(const std::filesystem::path& path, std::uint16_t compres
 
 TEST_F(Tiff, CompressionsAndLayouts) {
   int tried = 0;
-  for (const int compression : {COMPRESSION_NONE, COMPRESSION_LZW, COMPRESSION_ADOBE_DEFLATE, COMPRESSION_PACKBITS, COMPRESSION_ZSTD,
-                                          COMPRESSION_LZMA}) {
+  for (const int compression :
+       {COMPRESSION_NONE, COMPRESSION_LZW, COMPRESSION_ADOBE_DEFLATE, COMPRESSION_PACKBITS, COMPRESSION_ZSTD, COMPRESSION_LZMA}) {
     if (TIFFIsCODECConfigured(static_cast<std::uint16_t>(compression)) == 0) continue;
     for (const bool is_separate : {false, true}) {
       for (const bool is_tiled : {false, true}) {
@@ -698,8 +742,12 @@ TEST_F(Tiff, CompressionsAndLayouts) {
 
 // Fax and photograph decoders go on when their data end, and make up the rest.
 TEST_F(Tiff, DamagedStreamsAreNeverFilledUp) {
-  for (const auto& [compression, bits] : {std::pair{COMPRESSION_CCITTFAX4, 1}, {COMPRESSION_CCITTFAX3, 1}, {COMPRESSION_JPEG, 8},
-                                          {COMPRESSION_LZW, 8}, {COMPRESSION_ADOBE_DEFLATE, 8}, {COMPRESSION_PACKBITS, 8}}) {
+  for (const auto& [compression, bits] : {std::pair{COMPRESSION_CCITTFAX4, 1},
+                                          {COMPRESSION_CCITTFAX3, 1},
+                                          {COMPRESSION_JPEG, 8},
+                                          {COMPRESSION_LZW, 8},
+                                          {COMPRESSION_ADOBE_DEFLATE, 8},
+                                          {COMPRESSION_PACKBITS, 8}}) {
     if (TIFFIsCODECConfigured(static_cast<std::uint16_t>(compression)) == 0) continue;
     SCOPED_TRACE(compression);
     write_with_libtiff(folder_ / "d.tif", static_cast<std::uint16_t>(compression), static_cast<std::uint16_t>(bits), false, false);
