@@ -21,6 +21,7 @@ class ManPage : public CLI::FormatterBase {
 
   explicit ManPage(Text text) : text_(std::move(text)) {}
   std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override;
+  const Text& text() const { return text_; }
 
  private:
   Text text_;
