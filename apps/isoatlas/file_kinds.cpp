@@ -138,6 +138,16 @@ std::string advice_for_file(std::string_view command, const fs::path& path) {
   return advice_on_mesh_place(command, kind);
 }
 
+void require_page_name(const fs::path& path) {
+  if (kind_of_name(path) != FileKind::page)
+    throw Error(ErrorCode::bad_argument, path.string() + ": is no name of a page, expected a name ending in .html");
+}
+
+void require_report_name(const fs::path& path) {
+  if (kind_of_name(path) == FileKind::page)
+    throw Error(ErrorCode::bad_argument, path.string() + ": a report is JSON, expected a name ending in .json; --html writes a page");
+}
+
 std::string name_without_extensions(const fs::path& path) {
   const std::string name = path.filename().string();
   const std::size_t dot = name.find('.', 1);

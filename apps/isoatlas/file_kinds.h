@@ -33,6 +33,12 @@ std::string advice_for_file(std::string_view command, const std::filesystem::pat
 /// Does the name end with one of `extensions` (with dots, between blanks), in any case?
 bool has_extension(const std::filesystem::path& path, std::string_view extensions);
 
+/// Pages and reports are written under names that say what they are.
+/// @throws Error(bad_argument) unless the name ends in .html or .htm
+void require_page_name(const std::filesystem::path& path);
+/// @throws Error(bad_argument) if it does
+void require_report_name(const std::filesystem::path& path);
+
 /// "/scans/head.nii.gz" -> "head"
 std::string name_without_extensions(const std::filesystem::path& path);
 

@@ -2,16 +2,11 @@
 #include "nearest_name.h"
 
 #include <algorithm>
-#include <cctype>
 #include <vector>
 
-namespace isoatlas::tool {
+#include "wording/values.h"
 
-std::string plain_name(std::string_view name) {
-  std::string plain(name);
-  std::ranges::transform(plain, plain.begin(), [](unsigned char c) { return c == '_' ? '-' : static_cast<char>(std::tolower(c)); });
-  return plain;
-}
+namespace isoatlas::tool {
 
 // Optimal string alignment: the last three rows of the table of Levenshtein's distance, with swaps.
 std::size_t edit_distance(std::string_view from, std::string_view to) {
@@ -32,16 +27,16 @@ std::size_t edit_distance(std::string_view from, std::string_view to) {
 
 std::string nearest_name(std::string_view typed, std::span<const std::string> names) {
   constexpr std::size_t kShortestBeginning = 3;
-  const std::string plain = plain_name(typed);
+  const std::string plain = plain_word(typed);
   std::string nearest, begun;
   std::size_t smallest = std::max<std::size_t>(1, plain.size() / 3) + 1, beginnings = 0;
   for (const std::string& name : names) {
-    const std::size_t distance = edit_distance(plain, plain_name(name));
+    const std::size_t distance = edit_distance(plain, plain_word(name));
     if (distance < smallest && distance < name.size()) {
       smallest = distance;
       nearest = name;
     }
-    if (plain.size() >= kShortestBeginning && plain_name(name).starts_with(plain)) {
+    if (plain.size() >= kShortestBeginning && plain_word(name).starts_with(plain)) {
       begun = name;
       ++beginnings;
     }

@@ -7,6 +7,7 @@
 
 #include "nearest_name.h"
 #include "other_programs.h"
+#include "wording/values.h"
 
 namespace isoatlas::tool {
 namespace {
@@ -40,7 +41,7 @@ std::string others_with(const CLI::App& app, const CLI::App& command, const std:
 
 /// What other programs call so; empty if that is not known or the command has nothing like it.
 std::string advice_of_other_programs(const CLI::App& command, const std::string& name) {
-  for (const OtherOption& other : options_called(plain_name(name))) {
+  for (const OtherOption& other : options_called(plain_word(name))) {
     if (!other.is_option()) return ": " + std::string(other.text);
     if (has_option(command, other.option())) return ", did you mean " + std::string(other.text) + "?";
   }
@@ -58,7 +59,7 @@ std::string advice_on(const CLI::App& app, const CLI::App& command, const std::s
   const Names own = names_of_options(command);
   const auto did_you_mean = [](const std::string& nearest) { return ", did you mean --" + nearest + "?"; };
   for (const std::string& known : own)
-    if (plain_name(known) == plain_name(name)) return did_you_mean(known);
+    if (plain_word(known) == plain_word(name)) return did_you_mean(known);
   if (const std::string advice = advice_of_other_programs(command, name); !advice.empty()) return advice;
   if (const std::string others = others_with(app, command, typed); !others.empty()) return ", it is one of " + others;
   for (const std::string& part : {name, leading_name(name)})

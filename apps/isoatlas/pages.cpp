@@ -236,13 +236,14 @@ ManPage::Text picture_page() {
   return {
       .synopsis = "isoatlas picture RESULT -o FILE [options]",
       .description = R"(
-Draws a mesh into a PNG file, on white, in parallel projection.
+Draws a mesh into a PNG or JPEG file, on white, in parallel projection. The extension of the name is the format.
 
 VTK does the drawing and needs an X display; where there is none, Xvfb is started for the time that it takes (Debian:
 package xvfb).
 )",
       .groups = {kInput, kOutput, kRunning},
       .sections = {{"Examples", R"(isoatlas picture head.ply -o head.png
+isoatlas picture head.ply --view left -o left.jpg
 isoatlas picture head.glb --level 0 --style hidden-line -o coarse.png
 )"},
                    {"Exit status", kExitStatus},

@@ -82,6 +82,7 @@ std::string seconds_text(double seconds) {
 }
 
 std::string bound_text(Quantity quantity, double bound) {
+  if (std::isinf(bound)) return "unbounded";
   switch (unit(quantity)) {
     case Unit::count:
       return count_text(static_cast<std::uint64_t>(std::max(bound, 0.0)));

@@ -13,6 +13,7 @@
 #include "other_programs.h"
 #include "positional_mistakes.h"
 #include "text.h"
+#include "wording/values.h"
 
 namespace isoatlas::tool {
 namespace {
@@ -132,7 +133,7 @@ std::string option_before_command(const CLI::App& app, const Words& words) {
     return "the command comes first, expected: " + command_text(sorted);
   }
   if (words.size() == 1) {
-    const bool wants_version = plain_name(words[0]) == "-v";
+    const bool wants_version = plain_word(words[0]) == "-v";
     return "there is no option " + words[0] + (wants_version ? ", did you mean --version?" : " that stands without a command");
   }
   return forgotten_command(app, words);
@@ -143,17 +144,16 @@ std::string wrong_command(const CLI::App& app, const Words& words) {
   if (is_option_like(word)) return app.get_option_no_throw(word) != nullptr ? "" : option_before_command(app, words);
   const Words names = names_of_commands(app);
   const std::string nearest = nearest_name(word, names);
-  const std::vector<std::string_view> meant = commands_called(plain_name(word));
+  const std::vector<std::string_view> meant = commands_called(plain_word(word));
   if (meant.empty() && nearest.empty() && looks_like_file(word)) return forgotten_command(app, words);
   const std::string list = nearest.empty() ? listed(Words(meant.begin(), meant.end())) : nearest;
   return "there is no command '" + word + "'" + (list.empty() ? "" : ", did you mean " + list + "?") +
          (list.empty() ? "; the" : " The") + " commands are " + listed(names, "and");
 }
 
-bool asks_for_help(const CLI::App& command, const Words& words) {
-  if (!words.empty() && words.front() == "help" && !exists("help")) return true;
-  const CommandWords read = read_words(command, words);
-  return std::ranges::any_of(read.options, [](const OptionWord& word) { return word.name == "-h" || word.name == "--help"; });
+bool asks_for_help(const CommandWords& words) {
+  const bool says_help = !words.positionals.empty() && words.positionals.front().text == "help" && !exists("help");
+  return says_help || std::ranges::any_of(words.options, [](const OptionWord& word) { return word.name == "-h" || word.name == "--help"; });
 }
 
 }  // namespace
@@ -169,7 +169,7 @@ std::vector<std::string> in_standard_form(const CLI::App& app, Words words) {
     return {words.front(), "--help"};
   }
   const CLI::App* command = command_named(app, first);
-  if (command != nullptr && asks_for_help(*command, {words.begin() + 1, words.end()})) return {first, "--help"};
+  if (command != nullptr && asks_for_help(read_words(*command, {words.begin() + 1, words.end()}))) return {first, "--help"};
   return words;
 }
 
@@ -178,6 +178,7 @@ std::string find_mistake(const CLI::App& app, const Words& words) {
   const CLI::App* command = command_named(app, words.front());
   if (command == nullptr) return wrong_command(app, words);
   const CommandWords read = read_words(*command, {words.begin() + 1, words.end()});
+  if (asks_for_help(read)) return "";
   for (const auto find : {find_unknown_option, find_missing_value, find_repeated_option, find_leftover_word, find_missing_word})
     if (std::string mistake = find(app, *command, read); !mistake.empty()) return mistake;
   return "";
