@@ -176,7 +176,16 @@ class Help(ToolTest):
             self.assertRegex(page, rf"(?m)^    {command} ")
 
     def test_version(self):
-        self.assertRegex(self.succeed("--version"), r"\Aisoatlas \d+\.\d+\.\d+\n\Z")
+        for words in (["--version"], ["version"], ["-V"]):
+            self.assertRegex(self.succeed(*words), r"\Aisoatlas \d+\.\d+\.\d+\n\Z")
+
+    def test_all_ways_to_ask_for_help(self):
+        self.assertEqual(self.succeed("help"), self.succeed("--help"))
+        for command in self.OPTIONS:
+            page = self.succeed(command, "--help")
+            for words in (["help", command], ["--help", command], ["-h", command], [command, "help"], [command, "-h"],
+                          [command, "nowhere", "--frobnicate", "--help"]):
+                self.assertEqual(self.succeed(*words), page, words)
 
     def test_command_line_page_documents_every_option(self):
         text = (DOCS / "command-line.md").read_text(encoding="utf-8")
@@ -539,6 +548,62 @@ class BadArguments(ToolTest):
         for spacing in ("0,1,1", "1,1", "-1,1,1", "nan,1,1"):
             self.refuse("--raw-spacing", *raw, "--raw-size", "8,8,8", "--raw-type", "uint8", f"--raw-spacing={spacing}")
         self.refuse("--raw-endian", *raw, "--raw-size", "8,8,8", "--raw-type", "uint8", "--raw-endian", "middle")
+
+
+class WrongCommandLines(ToolTest):
+    """Each line of wrong_command_lines.tsv is answered by one line that says what to type instead, and nothing is written."""
+
+    LINES = [line.split("\t") for line in (pathlib.Path(__file__).parent / "wrong_command_lines.tsv").read_text(encoding="utf-8").splitlines()
+             if line and not line.startswith("#")]
+
+    def setUp(self):
+        super().setUp()
+        n = 12
+        volume = nrrd(sphere((n, n, n)), (n, n, n))
+        for name in ("scan.nrrd", "my scan.nrrd"):
+            self.put(name, volume)
+        header, samples = volume.split(b"\n\n", 1)
+        self.put("scan.nhdr", header + b"\ndata file: scan.raw\n")
+        for name in ("scan.raw", "bare.raw"):
+            self.put(name, samples)
+        for name in ("head.ply", "head.stl", "head.glb"):
+            self.succeed("extract", "scan.nrrd", "--iso", "0", "-o", name, "--report", "report.json", "-q")
+        self.put("check.json", self.succeed("check", "head.ply", "--json").encode())
+        self.put("page.html", b"<!doctype html>\n<title>a page</title>\n")
+        self.put("photo.png", b"\x89PNG\r\n\x1a\n" + bytes(100))
+        self.put("notes.txt", b"some notes\n")
+        (self.folder / "slices").mkdir()
+
+    def test_all_of_them(self):
+        self.assertGreaterEqual(len(self.LINES), 60)
+        for line, expected in self.LINES:
+            with self.subTest(line):
+                program, *arguments = shlex.split(line)
+                self.assertEqual(program, "isoatlas")
+                self.refuse(re.escape(expected), *arguments)
+
+    def test_nothing_at_all_lists_the_commands(self):
+        result = self.run_tool()
+        self.assertEqual((result.returncode, result.stdout), (2, ""))
+        self.assertTrue(result.stderr.startswith("usage: isoatlas COMMAND"))
+        for command in Help.OPTIONS:
+            self.assertRegex(result.stderr, rf"(?m)^  {command} ")
+
+    def test_right_lines_that_look_wrong(self):
+        extract = ["extract", "scan.nrrd", "-q", "--coarse"]
+        self.succeed(*extract, "--iso", "-.5", "-o", "a.ply")
+        self.succeed(*extract, "--iso=-5e-1", "-oa.ply")
+        self.succeed("extract", "scan.nrrd", "-qo", "b.ply", "--iso", " 0 ")
+        self.succeed(*extract, "--iso", "0", "--space", " LPS", "--inside", "Below", "-o", "a.ply")
+        self.succeed("extract", "scan.nrrd", "-q", "--iso", "0", "--refine", "max-distance: 0.5vx", "--refine", "MAX_DISTANCE:0.4 vx", "-o", "a.ply")
+        self.succeed(*extract, "--iso", "0", "--max-radius", "9 mm", "-o", "a.ply")
+        self.succeed("extract", "bare.raw", "--raw-size", "12, 12, 12", "--raw-type", "Float32", "--iso", "0", "-q", "-o", "a.ply", "--coarse")
+        self.put("-dash.nrrd", (self.folder / "scan.nrrd").read_bytes())
+        self.succeed("extract", "-q", "--coarse", "--iso", "0", "-o", "a.ply", "--", "-dash.nrrd")
+        self.put("check", (self.folder / "bare.raw").read_bytes())
+        self.succeed("info", "check", "--raw-size", "12,12,12", "--raw-type", "float32")
+        self.put("–scan.nrrd", (self.folder / "scan.nrrd").read_bytes())  # a file may be called so
+        self.succeed("info", "–scan.nrrd")
 
 
 class BadFiles(ToolTest):
