@@ -170,6 +170,13 @@ class Help(ToolTest):
         for title in ["INPUT", "SURFACE", "MESH", "LEVELS", "OUTPUT", "RUNNING"]:
             self.assertIn(f"\n{title}\n", self.succeed("extract", "-h"))
 
+    def test_common_options_of_extract_are_on_the_first_screen(self):
+        screen = self.succeed("extract", "--help").splitlines()[:24]
+        start = screen.index("COMMON OPTIONS")
+        names = [line.split()[0].rstrip(",") for line in screen[start:] if line.startswith("    -")]
+        self.assertEqual(names, ["--iso", "-o", "--max-distance", "--refine", "--report", "--html"])
+        self.assertTrue(any(line.startswith("    isoatlas extract ") for line in screen[start:]), "an example")
+
     def test_main_page_names_the_commands(self):
         page = self.succeed("--help")
         for command in self.OPTIONS:
