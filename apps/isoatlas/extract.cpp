@@ -10,6 +10,7 @@
 #include "commands.h"
 #include "exit_status.h"
 #include "extract_summary.h"
+#include "file_kinds.h"
 #include "isoatlas/error.h"
 #include "isoatlas/io.h"
 #include "outputs/mesh_outputs.h"
@@ -66,6 +67,8 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   if (arguments.report) others.push_back({*arguments.report, "report"});
   if (arguments.page) others.push_back({*arguments.page, "page"});
   meshes.check(1 + arguments.goals.refine.size(), arguments.volume.path, others);
+  if (arguments.report) require_report_name(*arguments.report);
+  if (arguments.page) require_page_name(*arguments.page);
 
   ProgressBar progress(!arguments.quiet);
   OutputFiles outputs;
