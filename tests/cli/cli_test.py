@@ -63,6 +63,8 @@ def little(samples):
 def nrrd(samples, size, kind="float", *extra):
     header = ["NRRD0004", f"type: {kind}", f"dimension: {len(size)}", "sizes: " + " ".join(map(str, size)),
               "encoding: raw", "endian: little", *extra]
+    if not any(line.startswith("spac") for line in extra):  # or there is a warning
+        header.append("spacings: " + " ".join("1" for _ in size))
     return "\n".join(header).encode() + b"\n\n" + (samples if isinstance(samples, bytes) else little(samples))
 
 
