@@ -469,8 +469,9 @@ class Parser {
       const std::uint64_t start = position_;
       if (is_offset_table) {
         const std::string table = value(item.length);
-        pixels.frame_offsets.resize(table.size() / sizeof(std::uint32_t));
-        std::memcpy(pixels.frame_offsets.data(), table.data(), pixels.frame_offsets.size() * sizeof(std::uint32_t));
+        for (std::size_t at = 0; at + sizeof(std::uint32_t) <= table.size(); at += sizeof(std::uint32_t)) {
+          std::memcpy(&pixels.frame_offsets.emplace_back(), table.data() + at, sizeof(std::uint32_t));
+        }
       } else {
         skip(item.length);
         pixels.fragments.push_back({start, item.length});

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The attributes of a DICOM file, and where its pixel data is. Nothing is decoded here.
 //
-// GDCM decodes compressed frames (dicom_codec.h). Its parser is not used: it allocates whatever length a file states, and
-// reads a file that ends in the middle of an attribute without complaint.
+// No library's parser is used: GDCM's allocates whatever length a file states, reads a file that ends in the middle of an attribute
+// without complaint, and its asserts, which Debian leaves in, end the process where a file is damaged.
 #pragma once
 
 #include <cstddef>

@@ -408,7 +408,7 @@ Volume read_stack(const fs::path& path, const DicomStack& stack, const ReadOptio
 }  // namespace
 
 VolumeFile read_dicom(const fs::path& path, const ReadOptions& options) {
-  const LibraryMessages messages;  // the decoders of GDCM write to std::cerr
+  const LibraryMessages messages;  // DCMTK writes to std::cerr
   const std::uint64_t max_memory = options.max_memory == 0 ? default_memory_limit() : options.max_memory;
   std::error_code ignored;
   Collection collection(path, max_memory);
@@ -425,7 +425,7 @@ VolumeFile read_dicom(const fs::path& path, const ReadOptions& options) {
   source.format = is_multi_frame ? "multi-frame DICOM" : "DICOM series";
   const DicomSeries series = choose_series(path, series_of(std::move(frames)), options, source);
   const DicomStack stack = choose_volume(path, series, options, source);
-  source.reader = stack.frames.front().image->pixels.is_compressed ? decoder_name() : "isoatlas";
+  source.reader = decoder_name(*stack.frames.front().image);
   require_readable(path, stack);
   add_image_warnings(stack.frames, source);
   add_decisions(series, stack.frames, source);
