@@ -12,6 +12,7 @@
 #include "outputs/mesh_outputs.h"
 #include "outputs/output_files.h"
 #include "wording/settings.h"
+#include "wording/supersampling.h"
 
 namespace isoatlas::python {
 namespace fs = std::filesystem;
@@ -106,7 +107,10 @@ std::shared_ptr<Levels> extract_levels(const ArrayVolume& volume, const ExtractW
 
   ExtractOptions options = made.context.options;
   options.space = volume.axes.space_in_library(space);
-  const auto work = [view, options](const RunControl& control) { return extract(view, options, control); };
+  const auto work = [view, options](const RunControl& control) {
+    require_memory_for_supersampling(view, options, 0, control);
+    return extract(view, options, control);
+  };
   Extraction extraction;
   try {
     extraction = make_interruptibly(work, {.progress = progress, .threads = settings.threads, .keep_alive = volume.array});

@@ -669,6 +669,21 @@ class BadFiles(ToolTest):
         self.put("same.nrrd", nrrd(bytes([7] * 512), (8, 8, 8), "uchar"))
         self.refuse_volume(r"\b7\b", "same.nrrd", iso="7")
 
+    def test_supersampling_beyond_the_memory_names_the_largest_factor(self):
+        self.put_sphere()
+        extract = ["extract", "sphere.nrrd", "--iso", "0", "-o", "out.ply"]
+        self.refuse(r"sphere.nrrd: supersampling 1000 times makes more samples than are possible, 2\^36: expected \d+ times at most",
+                    *extract, "--supersample", "1000")
+        limit = 1 << 30
+        if self.run_tool("--version", limit=limit).returncode != 0:
+            self.skipTest("the tool does not start with 1 GiB of address space (sanitizers)")
+        started = time.monotonic()
+        message = self.refuse(r"sphere.nrrd: supersampling 60 times takes about \d.* GiB of memory, of which 0.8 GiB can be used: expected \d\d times at most",
+                              *extract, "--supersample", "60", limit=limit)
+        self.assertLess(time.monotonic() - started, 5)
+        largest = int(re.search(r"expected (\d+) times", message).group(1))
+        self.refuse(f"supersampling {largest + 1} times takes", *extract, "--supersample", str(largest + 1), limit=limit)
+
     def test_out_of_memory_is_status_4(self):
         limit = 1 << 30
         if self.run_tool("--version", limit=limit).returncode != 0:
