@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "volume_files/grid_of_file.h"
 
+#include <atomic>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <new>
 #include <string>
@@ -90,14 +92,23 @@ std::uint64_t checked_sample_bytes(const std::filesystem::path& path, const std:
   return bytes;
 }
 
-std::shared_ptr<std::byte[]> allocate_samples(const std::filesystem::path& path, std::uint64_t bytes, const ReadOptions& options) {
+void require_within_memory_limit(const std::filesystem::path& path, std::uint64_t bytes, const ReadOptions& options) {
   const std::uint64_t limit = options.max_memory == 0 ? default_memory_limit() : options.max_memory;
   if (bytes > limit) {
     throw Error(ErrorCode::out_of_memory, one_line(path.string() + ": its samples take " + std::to_string(bytes) + " bytes, more than the limit of " +
                                                    std::to_string(limit) + (options.max_memory == 0 ? " (three quarters of the memory)" : "")));
   }
+}
+
+std::shared_ptr<std::byte[]> allocate_samples(const std::filesystem::path& path, std::uint64_t bytes, const ReadOptions& options) {
+  require_within_memory_limit(path, bytes, options);
   try {
-    return std::shared_ptr<std::byte[]>(new std::byte[bytes]);
+    const std::shared_ptr<std::byte[]> samples(new std::byte[bytes]);
+#ifdef ISOATLAS_FILL_SAMPLES
+    static std::atomic<unsigned char> fill{0};  // samples that nobody decodes are not the same twice
+    std::memset(samples.get(), ++fill, bytes);
+#endif
+    return samples;
   } catch (const std::bad_alloc&) {
     throw out_of_memory(path, bytes);
   }

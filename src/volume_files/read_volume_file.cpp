@@ -7,6 +7,7 @@
 
 #include "files/file_error.h"
 #include "isoatlas/volume_file.h"
+#include "volume_files/image_stack.h"
 #include "volume_files/readers.h"
 #include "volume_files/standard_input.h"
 #include "volume_files/volume_format.h"
@@ -51,7 +52,13 @@ void require_used(const ReadOptions& options, const VolumeFile& file, const fs::
 void apply_spacing(const ReadOptions& options, VolumeFile& file) {
   VolumeSource& source = file.source;
   if (options.spacing) {
-    file.volume.grid.spacing = *options.spacing;
+    Grid& grid = file.volume.grid;
+    grid.spacing = *options.spacing;
+    if (options.spacing_unit != LengthUnit::unknown) {
+      const double scale = grid.unit == LengthUnit::unknown ? 1 : metres(grid.unit) / metres(options.spacing_unit);
+      grid.origin = {grid.origin.x * scale, grid.origin.y * scale, grid.origin.z * scale};
+      grid.unit = options.spacing_unit;
+    }
     source.decisions.push_back({"spacing", "given, in place of the file's"});
   } else if (!source.has_spacing) {
     source.warnings.push_back("states no voxel size, 1 x 1 x 1 is assumed");
@@ -64,7 +71,7 @@ VolumeFile read_path(const fs::path& path, const ReadOptions& options) {
   }
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) {
-    return io::read_dicom(path, options);
+    return io::is_image_stack(path) ? io::read_image_stack(path, options) : io::read_dicom(path, options);
   }
   io::readable_file_size(path);  // missing, empty, not readable: said before anything about the format
   return io::format_of(path).read(path, options);
