@@ -25,7 +25,7 @@ std::size_t count_crossed_cells(const VolumeView& volume, const ExtractOptions& 
     control.check_cancelled();
     for (std::size_t y = 0; y + 1 < ny; ++y) {
       const std::uint64_t* rows[4] = {signs.row(y, z), signs.row(y + 1, z), signs.row(y, z + 1), signs.row(y + 1, z + 1)};
-      std::uint64_t any_before = 0, all_before = ~std::uint64_t{0};  // of the word before: its last sample is in a cell with this one's first
+      std::uint64_t any_before = 0, all_before = 0;  // of the word before, whose last sample is in a cell with this one's first
       for (std::size_t w = 0; w < signs.words; ++w) {
         const std::uint64_t any = rows[0][w] | rows[1][w] | rows[2][w] | rows[3][w];
         const std::uint64_t all = rows[0][w] & rows[1][w] & rows[2][w] & rows[3][w];
