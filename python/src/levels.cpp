@@ -117,7 +117,7 @@ std::shared_ptr<Levels> extract_levels(const ArrayVolume& volume, const ExtractW
   levels->hierarchy = std::move(extraction.hierarchy);
   made.report = std::move(extraction.report);
   made.context.peak_memory_bytes = peak_memory_bytes();
-  levels->info = file_info(made.report, made.context.options);
+  levels->info = file_info(made.report, made.context.options, view.grid.unit);
   if (!volume.is_xyz && space != Space::voxel) levels->info.mesh.space.clear();  // nobody said what the array's axes are
   return levels;
 }
