@@ -31,40 +31,63 @@ CLI::Option* add_value(CLI::App& app, const char* group, const std::string& name
   return app.add_option_function<std::string>(name, callback, description)->type_name(placeholder)->group(group);
 }
 
-RawLayout& layout(std::optional<RawLayout>& raw) { return raw ? *raw : raw.emplace(); }
-
 // Options read as a page: prose at the margin, then what it does.
 // clang-format off
-/// `volume`: the option that all of these need, if there is one.
-void add_raw_layout(CLI::App& app, std::optional<RawLayout>& raw, CLI::Option* volume = nullptr) {
-  CLI::Option* size = add_value(app, kInput, "--raw-size", "NX,NY,NZ", R"(
+/// How to read a volume.
+/// @param volume  the option that all of these need; null: the volume is an argument of its own
+void add_reading(CLI::App& app, ReadOptions& read, CLI::Option* volume = nullptr) {
+  const auto add = [&](const std::string& name, const char* placeholder, const std::string& description) {
+    CLI::Option* option = add_value(app, kReading, "--" + name, placeholder, description,
+                                    [&read, name](const std::string& text) { set(read, name, text); });
+    if (volume != nullptr) option->needs(volume);
+    return option;
+  };
+  add("channel", "N", R"(
+Which of several channels, or of several values per sample, to read; the first is 0. `isoatlas info` lists them.
+)");
+  add("time", "N", R"(
+Which of several time points to read; the first is 0.
+)");
+  add("layer", "NAME", R"(
+Which layer of a segmentation file to read: its name, or its number from 0.
+)");
+  add("array", "NAME", R"(
+Which of several named arrays of a VTK file to read.
+)");
+  add("series", "UID", R"(
+Which of several DICOM series or images to read: its number from 0 in the list that `isoatlas info` prints, or its UID.
+)");
+  add("spacing", "SX,SY,SZ", R"(
+Distance between samples along x, y and z, in place of the file's. A unit may follow: 0.2,0.2,1um.
+)");
+  CLI::Option* size = add("raw-size", "NX,NY,NZ", R"(
 The file has no header: samples along x, y and z, x running fastest.
-)", [&](const std::string& text) { set(layout(raw), "raw-size", text); });
-
-  CLI::Option* type = add_value(app, kInput, "--raw-type", "TYPE", R"(
+)");
+  CLI::Option* type = add("raw-type", "TYPE", R"(
 Type of headerless samples: int8, uint8, int16, uint16, int32, uint32, int64, uint64, float32 or float64.
-)", [&](const std::string& text) { set(layout(raw), "raw-type", text); });
-
-  CLI::Option* spacing = add_value(app, kInput, "--raw-spacing", "SX,SY,SZ", R"(
+)");
+  CLI::Option* spacing = add("raw-spacing", "SX,SY,SZ", R"(
 Distance between headerless samples along x, y and z. Default: 1,1,1.
-)", [&](const std::string& text) { set(layout(raw), "raw-spacing", text); });
-
-  CLI::Option* endian = add_value(app, kInput, "--raw-endian", "ORDER", R"(
+)");
+  CLI::Option* endian = add("raw-endian", "ORDER", R"(
 Byte order of headerless samples: little or big. Default: little.
-)", [&](const std::string& text) { set(layout(raw), "raw-endian", text); });
-
+)");
+  CLI::Option* offset = add("raw-offset", "BYTES", R"(
+Bytes to skip before the first headerless sample. Default: 0.
+)");
+  add("max-memory", "SIZE", R"(
+Refuse a volume whose samples take more: 8GiB, 500MB. Default: three quarters of the machine's memory.
+)");
   size->needs(type);
   type->needs(size);
-  spacing->needs(size);
-  endian->needs(size);
-  if (volume != nullptr) size->needs(volume);
+  for (CLI::Option* option : {spacing, endian, offset}) option->needs(size);
 }
 
 void add_volume(CLI::App& app, VolumeArguments& volume) {
-  app.add_option("VOLUME", volume.path, "File or, for a DICOM series, folder with one 3-D scalar image. See FILES.")
+  app.add_option("VOLUME", volume.path, "File with a 3-D scalar image, folder with a DICOM series or image slices, or - for standard input. See FILES.")
       ->required()
       ->group(kInput);
-  add_raw_layout(app, volume.raw);
+  add_reading(app, volume.read);
 }
 // clang-format on
 
@@ -253,6 +276,7 @@ Also print all levels' metrics, timings, coarser complexes, repairs and memory.
 CLI::App* add_info_command(CLI::App& app, InfoArguments& arguments) {
   CLI::App* command = add_command(app, "info", "describe a volume and suggest isovalues", info_page());
   add_volume(*command, arguments.volume);
+  command->add_flag("--json", arguments.json, "Print JSON (docs/reference/report.md).")->group(kOutput);
   return command;
 }
 
@@ -294,7 +318,7 @@ header or comments), else lps.
 Samples spread over the area of each of the two surfaces; vertices, edge midpoints, centroids and c-vertices come on top.
 Default: 200000.
 )", [&](const std::string& text) { set(options, "samples", text); });
-  add_raw_layout(*command, arguments.raw, volume);
+  add_reading(*command, arguments.read, volume);
 
   volume->needs(iso);
   for (CLI::Option* option : {iso, inside, topology, nan, interpolation, space, samples}) option->needs(volume);

@@ -19,7 +19,7 @@ namespace isoatlas::tool {
 
 struct VolumeArguments {
   std::filesystem::path path;
-  std::optional<RawLayout> raw;
+  ReadOptions read;
 };
 
 struct ExtractArguments : ExtractSettings {
@@ -34,12 +34,13 @@ struct ExtractArguments : ExtractSettings {
 
 struct InfoArguments {
   VolumeArguments volume;
+  bool json = false;
 };
 
 struct CheckArguments {
   std::filesystem::path mesh;
   std::optional<std::filesystem::path> volume;  ///< whose isosurface the mesh is measured against
-  std::optional<RawLayout> raw;                 ///< of the volume
+  ReadOptions read;                             ///< how to read the volume
   MeasureOptions measure;                       ///< all but the space
   std::optional<Space> space;                   ///< none: as the mesh file says
   bool self_intersections = false;

@@ -18,6 +18,7 @@
 #include "progress_bar.h"
 #include "report/report.h"
 #include "text.h"
+#include "volume_input.h"
 
 namespace isoatlas::tool {
 namespace {
@@ -89,7 +90,9 @@ DistanceReport measure_distance(const CheckArguments& arguments, const TriangleM
   report.volume_path = arguments.volume->string();
   report.options = arguments.measure;
   report.options.space = space_of(arguments);
-  const Volume volume = read_volume(*arguments.volume, {.raw = arguments.raw});
+  const VolumeFile file = read_volume_input(*arguments.volume, arguments.read);
+  print_warnings(*arguments.volume, file.source);
+  const Volume& volume = file.volume;
   try {
     report.measured = measure(mesh, volume, report.options, control);
   } catch (const Error& error) {

@@ -18,6 +18,7 @@
 #include "progress_bar.h"
 #include "report/report.h"
 #include "text.h"
+#include "volume_input.h"
 
 namespace isoatlas::tool {
 namespace {
@@ -39,6 +40,15 @@ Extraction extract_from(const fs::path& path, const VolumeView& volume, const Ex
     return extract(volume, options, control);
   } catch (const Error& error) {
     throw Error(error.code(), path.string() + ": " + error.what());
+  }
+}
+
+/// Lengths need the volume's unit, which is known only now.
+ExtractOptions options_in_world(const ExtractArguments& arguments, const Grid& grid) {
+  try {
+    return in_world(arguments, grid);
+  } catch (const Error& error) {
+    throw Error(error.code(), arguments.volume.path.string() + ": " + error.what());
   }
 }
 
@@ -67,17 +77,19 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
                            .cancel = &interruption.requested(),
                            .threads = arguments.threads};
   ReportContext context;
-  context.volume_path = arguments.volume.path.string();
   context.threads = arguments.threads;
   context.command = arguments.command;
 
   progress.show("read", std::nullopt);
   const Stopwatch reading;
-  Volume volume = read_volume(arguments.volume.path, {.raw = arguments.volume.raw});
+  VolumeFile file = read_volume_input(arguments.volume.path, arguments.volume.read);
+  if (!file.source.warnings.empty()) progress.clear_line();
+  print_warnings(arguments.volume.path, file.source);
+  Volume volume = std::move(file.volume);
   context.read_seconds = reading.seconds();
-  context.grid = volume.grid;
-  context.sample_type = volume.type;
-  context.options = in_world(arguments, volume.grid);
+  context.volume = {arguments.volume.path.string(), std::move(file.source), "", volume.grid, volume.type};
+  if (arguments.report || arguments.page) context.volume.sample_digest = sample_digest(volume);
+  context.options = options_in_world(arguments, volume.grid);
   const ExtractOptions& options = context.options;
 
   Extraction extraction = extract_from(arguments.volume.path, volume, options, control);
@@ -110,7 +122,7 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   for (const auto& [path, what] : others) written += ", " + what + " " + path.string();
   if (!arguments.quiet) print_summary(report, context, written);
   if (arguments.verbose) print_details(report, context);
-  return print_unmet(report) ? kSuccess : kUnmet;
+  return print_unmet(report, context.volume.grid.unit) ? kSuccess : kUnmet;
 }
 
 }  // namespace isoatlas::tool

@@ -27,27 +27,27 @@ std::string point_text(const Vec3& p) {
 }
 
 /// Samples may see what the metric does not: a bound that is met can be exceeded there.
-std::string measured_text(const LevelReport& level) {
+std::string measured_text(const LevelReport& level, LengthUnit unit) {
   const double maximum = level.measured->maximum();
-  std::string text = "measured at most " + number_text(maximum) + " (99 % within " + number_text(level.measured->p99()) + ")";
+  std::string text = "measured at most " + with_unit(maximum, unit) + " (99 % within " + with_unit(level.measured->p99(), unit) + ")";
   for (const ConstraintResult& result : level.constraints)
     if (result.wanted.quantity == Quantity::max_distance && maximum > result.wanted.bound)
-      text += ", MORE than the bound " + number_text(result.wanted.bound);
+      text += ", MORE than the bound " + with_unit(result.wanted.bound, unit);
   return text;
 }
 
 /// What a level has of everything, on one line.
-std::string level_text(const LevelReport& level) {
+std::string level_text(const LevelReport& level, LengthUnit unit) {
   std::string text = counted(level.vertices, "vertex") + ", " + counted(level.triangles, "triangle");
   std::string unmet;
   for (const ConstraintResult& result : level.constraints) {
     const std::string quantity(name(result.wanted.quantity));
-    if (is_metric(result.wanted.quantity)) text += ", " + quantity + " " + bound_text(result.wanted.quantity, result.reached);
+    if (is_metric(result.wanted.quantity)) text += ", " + quantity + " " + bound_text(result.wanted.quantity, result.reached, unit);
     if (result.met) continue;
     unmet += (unmet.empty() ? "" : ", ") + quantity;
-    if (result.wanted.is_default) unmet += " (default " + bound_text(result.wanted.quantity, result.wanted.bound) + ")";
+    if (result.wanted.is_default) unmet += " (default " + bound_text(result.wanted.quantity, result.wanted.bound, unit) + ")";
   }
-  if (level.measured) text += ", " + measured_text(level);
+  if (level.measured) text += ", " + measured_text(level, unit);
   text += ", aspect ratio at least " + ratio_text(level.quality.aspect_min) + ", " + percent_text(level.quality.aspect_share_below_third) +
           " below 1/3";
   if (level.self_intersections)
@@ -68,7 +68,7 @@ std::string certificate_of_all(const ExtractReport& report) {
          "; counted again: " + (std::all_of(report.levels.begin(), report.levels.end(), same) ? "same topology" : "OTHER TOPOLOGY");
 }
 
-void print_level_details(const LevelReport& level, std::size_t number) {
+void print_level_details(const LevelReport& level, std::size_t number, LengthUnit unit) {
   const auto say = [&](const std::string& label, const std::string& value) { std::cout << row("  " + label, value); };
   std::cout << row(level_name(number), repair_text(level.certificate) + " by repair, " + counted(level.refine_rounds, "round") +
                                            " of refinement, " + seconds_text(level.seconds));
@@ -78,17 +78,17 @@ void print_level_details(const LevelReport& level, std::size_t number) {
   for (std::size_t i = 0; level.metrics && i < kMetricCount; ++i) {
     const auto metric = static_cast<Quantity>(i);
     say(std::string(name(metric)),
-        "at most " + bound_text(metric, (*level.metrics)[i].maximum) + ", on average " + bound_text(metric, (*level.metrics)[i].mean));
+        "at most " + bound_text(metric, (*level.metrics)[i].maximum, unit) + ", on average " + bound_text(metric, (*level.metrics)[i].mean, unit));
   }
   for (const ConstraintResult& result : level.constraints)
     say(result.met                 ? "met"
         : result.wanted.is_default ? "not met"
                                    : "NOT MET",
-        std::string(name(result.wanted.quantity)) + " " + bound_text(result.wanted.quantity, result.wanted.bound) +
-            (result.wanted.is_default ? " (default)" : "") + ": reached " + bound_text(result.wanted.quantity, result.reached));
+        std::string(name(result.wanted.quantity)) + " " + bound_text(result.wanted.quantity, result.wanted.bound, unit) +
+            (result.wanted.is_default ? " (default)" : "") + ": reached " + bound_text(result.wanted.quantity, result.reached, unit));
   if (!level.measured) return;
-  const auto distances = [](const OneSidedDistance& d) {
-    return "at most " + number_text(d.maximum) + ", 99 % within " + number_text(d.p99) + ", on average " + number_text(d.mean);
+  const auto distances = [unit](const OneSidedDistance& d) {
+    return "at most " + with_unit(d.maximum, unit) + ", 99 % within " + with_unit(d.p99, unit) + ", on average " + with_unit(d.mean, unit);
   };
   say("to surface", distances(level.measured->mesh_to_surface));
   say("from surface", distances(level.measured->surface_to_mesh));
@@ -99,15 +99,19 @@ void print_level_details(const LevelReport& level, std::size_t number) {
 }  // namespace
 
 void print_summary(const ExtractReport& report, const ReportContext& context, const std::string& outputs) {
-  std::cout << row("read", context.volume_path + ": " + size_text(context.grid.size) + " " + std::string(name(context.sample_type)) + ", " +
-                               seconds_text(context.read_seconds))
+  const Grid& grid = context.volume.grid;
+  const LengthUnit unit = grid.unit;
+  const std::string spacing = number_text(grid.spacing.x) + " x " + number_text(grid.spacing.y) + " x " + with_unit(grid.spacing.z, unit);
+  std::cout << row("read", context.volume.path + ": " + size_text(grid.size) + " " + std::string(name(context.volume.sample_type)) +
+                               ", spacing " + spacing + ", " + seconds_text(context.read_seconds))
             << row("surface", "isovalue " + number_text(context.options.isovalue) + ": " + topology_text(report.levels.back().topology));
   if (!report.dropped.empty()) {
     std::cout << row("left out", counted(report.dropped.size(), "component") + ", the largest of " +
-                                     number_text(report.dropped.front().size) + " cubic units at " +
+                                     number_text(report.dropped.front().size) + " cubic " +
+                                     (unit == LengthUnit::unknown ? "units" : std::string(symbol(unit))) + " at " +
                                      point_text(report.dropped.front().position));
   }
-  for (std::size_t k = 0; k < report.levels.size(); ++k) std::cout << row(level_name(k), level_text(report.levels[k]));
+  for (std::size_t k = 0; k < report.levels.size(); ++k) std::cout << row(level_name(k), level_text(report.levels[k], unit));
   std::size_t bytes = 0;
   double rounding = 0;
   for (const ReportFile& file : context.files) {
@@ -129,19 +133,19 @@ void print_details(const ExtractReport& report, const ReportContext& context) {
                                   ? "none: disks are too small for blocks"
                                   : coarser + " c-vertices, certified in " + std::to_string(report.coarsening.repair_rounds) + " rounds")
             << row("kinds", kinds_text(report.levels.back().topology, 6));
-  for (std::size_t k = 0; k < report.levels.size(); ++k) print_level_details(report.levels[k], k);
+  for (std::size_t k = 0; k < report.levels.size(); ++k) print_level_details(report.levels[k], k, context.volume.grid.unit);
   for (const StageTime& stage : report.seconds) std::cout << row("  " + stage.stage, seconds_text(stage.seconds));
   std::cout << row("  write", seconds_text(context.write_seconds))
             << row("memory", bytes_text(static_cast<double>(context.peak_memory_bytes)) + " at most");
 }
 
-bool print_unmet(const ExtractReport& report) {
+bool print_unmet(const ExtractReport& report, LengthUnit unit) {
   for (std::size_t k = 0; k < report.levels.size(); ++k) {
     for (const ConstraintResult& result : report.levels[k].constraints) {
       if (result.met || result.wanted.is_default) continue;
       const Quantity quantity = result.wanted.quantity;
       std::cerr << one_line("isoatlas: " + level_name(k) + ": " + std::string(name(quantity)) + " " +
-                            bound_text(quantity, result.wanted.bound) + ": reached " + bound_text(quantity, result.reached) +
+                            bound_text(quantity, result.wanted.bound, unit) + ": reached " + bound_text(quantity, result.reached, unit) +
                             (result.reason.empty() ? "" : ": " + result.reason))
                 << "\n";
     }

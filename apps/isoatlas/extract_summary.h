@@ -16,6 +16,6 @@ void print_summary(const ExtractReport& report, const ReportContext& context, co
 void print_details(const ExtractReport& report, const ReportContext& context);
 
 /// One line on standard error for each constraint of each level that was asked for and is not met; true if there was none.
-bool print_unmet(const ExtractReport& report);
+bool print_unmet(const ExtractReport& report, LengthUnit unit);
 
 }  // namespace isoatlas::tool

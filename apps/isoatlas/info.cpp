@@ -5,13 +5,16 @@
 #include <cmath>
 #include <iostream>
 #include <numbers>
+#include <optional>
 #include <string>
 
 #include "commands.h"
 #include "exit_status.h"
-#include "isoatlas/io.h"
+#include "isoatlas/volume_file.h"
+#include "report/report.h"
 #include "sample_histogram.h"
 #include "text.h"
+#include "volume_input.h"
 
 namespace isoatlas::tool {
 namespace {
@@ -63,6 +66,24 @@ std::string orientation_text(const Grid& grid) {
   return code + " (" + words + ")" + (oblique ? ", oblique by " + number_text(std::round(found.tilt_degrees * 10) / 10) + " degrees" : "");
 }
 
+/// " mm"; nothing where the volume states no unit.
+std::string unit_text(const Grid& grid) {
+  return grid.unit == LengthUnit::unknown ? "" : " " + std::string(symbol(grid.unit));
+}
+
+void print_source(const VolumeSource& source) {
+  std::cout << row("format", source.format + (source.reader.empty() ? "" : ", read by " + source.reader));
+  for (const ReadDecision& decision : source.decisions) std::cout << row(decision.key, one_line(decision.value));
+  for (const FileChoice& choice : source.choices) {
+    if (choice.selected && choice.entries.size() == 1) continue;
+    std::cout << row(choice.name, one_line(choice_text(choice)));
+    for (std::size_t i = 0; i < choice.entries.size(); ++i) {
+      const std::string number = std::to_string(i);
+      std::cout << row("", number + (choice.entries[i] == number ? "" : "  " + one_line(choice.entries[i])));
+    }
+  }
+}
+
 void print_geometry(const VolumeView& volume) {
   const Grid& grid = volume.grid;
   const auto extent = [&](std::size_t axis) {
@@ -71,8 +92,8 @@ void print_geometry(const VolumeView& volume) {
   const std::size_t bytes = grid.sample_count() * bytes_per_sample(volume.type);
   std::cout << row("size", size_text(grid.size) + ", " + counted(grid.sample_count(), "sample"))
             << row("type", std::string(name(volume.type)) + ", " + bytes_text(static_cast<double>(bytes)) + " in memory")
-            << row("spacing", vector_text(grid.spacing, 0))
-            << row("extent", extent(0) + " x " + extent(1) + " x " + extent(2) + ", first to last sample")
+            << row("spacing", vector_text(grid.spacing, 0) + unit_text(grid))
+            << row("extent", extent(0) + " x " + extent(1) + " x " + extent(2) + unit_text(grid) + ", first to last sample")
             << row("origin", vector_text(grid.origin, grid.smallest_spacing())) << row("orientation", orientation_text(grid));
   for (std::size_t r = 0; r < 3; ++r)
     std::cout << row(r == 0 ? "direction" : "",
@@ -112,12 +133,26 @@ void print_suggestions(const std::vector<SuggestedIsovalue>& suggestions, const 
 
 }  // namespace
 
-int run_info(const InfoArguments& arguments) {
-  const Volume volume = read_volume(arguments.volume.path, {.raw = arguments.volume.raw});
-  const SampleSummary summary = summarize(volume);
-  std::cout << one_line(arguments.volume.path.string()) << "\n";
-  print_geometry(volume);
+namespace {
 
+/// @param volume  null where a choice has to be made first
+InfoReport info_report(const std::string& path, const VolumeSource& source, const Volume* volume, const SampleHistogram* histogram,
+                       const std::optional<SampleSummary>& summary) {
+  InfoReport info;
+  info.volume.path = path;
+  info.volume.source = source;
+  info.samples = summary;
+  if (volume == nullptr) return info;
+  info.volume.grid = volume->grid;
+  info.volume.sample_type = volume->type;
+  info.volume.sample_digest = sample_digest(*volume);
+  if (histogram == nullptr) return info;
+  for (const SuggestedIsovalue& isovalue : suggest_isovalues(*histogram, *summary))
+    info.isovalues.push_back({isovalue.value, isovalue.reason});
+  return info;
+}
+
+void print_samples(const SampleSummary& summary) {
   const auto& first = summary.first_non_finite;
   std::string not_finite = count_text(summary.nan_count) + " NaN, " + count_text(summary.infinity_count) + " infinite";
   if (summary.nan_count + summary.infinity_count > 0)
@@ -125,12 +160,52 @@ int run_info(const InfoArguments& arguments) {
                   "); isoatlas extract needs --nan";
   if (summary.finite_count > 0) std::cout << row("range", number_text(summary.minimum) + " to " + number_text(summary.maximum));
   std::cout << row("not finite", not_finite);
-  if (summary.finite_count > 0) {
-    const SampleHistogram histogram = sample_histogram(volume, summary);
-    print_histogram(histogram, summary, terminal_is_utf8());
-    print_suggestions(suggest_isovalues(histogram, summary), histogram);
+}
+
+/// Of a file that holds several volumes: which there are.
+int list_choices(const InfoArguments& arguments, const ChoiceNeeded& needed) {
+  if (arguments.json) {
+    std::cout << to_json(info_report(arguments.volume.path.string(), needed.source(), nullptr, nullptr, std::nullopt));
+  } else {
+    std::cout << one_line(arguments.volume.path.string()) << "\n";
+    print_source(needed.source());
   }
   return kSuccess;
+}
+
+int describe(const InfoArguments& arguments, const VolumeFile& file) {
+  const SampleSummary summary = summarize(file.volume);
+  std::optional<SampleHistogram> histogram;
+  if (summary.finite_count > 0) histogram = sample_histogram(file.volume, summary);
+  const InfoReport info =
+      info_report(arguments.volume.path.string(), file.source, &file.volume, histogram ? &*histogram : nullptr, summary);
+  if (arguments.json) {
+    std::cout << to_json(info);
+    return kSuccess;
+  }
+  std::cout << one_line(arguments.volume.path.string()) << "\n";
+  print_source(file.source);
+  print_geometry(file.volume);
+  print_samples(summary);
+  if (histogram) {
+    print_histogram(*histogram, summary, terminal_is_utf8());
+    print_suggestions(suggest_isovalues(*histogram, summary), *histogram);
+  }
+  std::cout << row("sha256", info.volume.sample_digest);
+  return kSuccess;
+}
+
+}  // namespace
+
+int run_info(const InfoArguments& arguments) {
+  std::optional<VolumeFile> file;
+  try {
+    file = read_volume_input(arguments.volume.path, arguments.volume.read);
+  } catch (const ChoiceNeeded& needed) {
+    return list_choices(arguments, needed);
+  }
+  print_warnings(arguments.volume.path, file->source);
+  return describe(arguments, *file);
 }
 
 }  // namespace isoatlas::tool

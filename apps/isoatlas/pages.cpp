@@ -93,12 +93,12 @@ of the full-resolution surface; that is checked before anything is written.
 What a level has to be is said with --refine for that level, or with options for all levels but level 0 (with --coarse:
 for level 0). Where constraints pull apart, the one that stands first on the command line wins; topology always wins.
 
-Lengths are world units, as the volume's spacing: 2.5 or 2.5mm; or voxels: 3vx is three times the volume's smallest
-spacing.
+A length is a number in the volume's unit (2.5), a number with a unit (2.5mm, 0.2um; nm, um, mm, cm and m are converted to
+the volume's unit, which it must state), or voxels: 3vx is three times the volume's smallest spacing.
 
 The same input gives the same bytes, whatever the number of threads.
 )",
-      .groups = {kInput, kSurface, kMesh, kLevels, kOutput, kRunning},
+      .groups = {kInput, kSurface, kMesh, kLevels, kOutput, kReading, kRunning},
       .sections = {{"Examples", R"(isoatlas extract head.nrrd --iso 80.5 -o head.ply
     The surface at 80.5 within half a voxel, in the world coordinates of the
     file.
@@ -147,7 +147,7 @@ two and into three classes (Otsu's method), and 0 for what looks like a signed d
 The three letters of the orientation say where the x, y and z axes point, taking the world as LPS: Left or Right,
 Posterior or Anterior, Superior or Inferior.
 )",
-      .groups = {kInput, kRunning},
+      .groups = {kInput, kReading, kOutput, kRunning},
       .sections = {{"Examples", R"(isoatlas info head.nrrd
 isoatlas info fuel.raw --raw-size 64,64,64 --raw-type uint8
 )"},
@@ -174,7 +174,7 @@ With a volume it also measures, both ways, how far the mesh is from the isosurfa
 the mesh to the surface and from samples of the surface to the mesh, and the angles between triangles and surface.
 Distances do not change the exit status.
 )",
-      .groups = {kInput, kMesh, kDistance, kOutput, kRunning},
+      .groups = {kInput, kMesh, kDistance, kReading, kOutput, kRunning},
       .sections = {{"Examples", R"(isoatlas check head.ply
 isoatlas check head.ply --json | jq .genus
 isoatlas check head.ply --self-intersections

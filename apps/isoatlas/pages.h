@@ -8,6 +8,7 @@ namespace isoatlas::tool {
 
 // Groups of options: titles on the pages.
 inline constexpr const char* kInput = "Input";
+inline constexpr const char* kReading = "Reading";
 inline constexpr const char* kSurface = "Surface";
 inline constexpr const char* kMesh = "Mesh";
 inline constexpr const char* kLevels = "Levels";

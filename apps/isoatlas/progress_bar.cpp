@@ -55,12 +55,17 @@ void ProgressBar::show(std::string_view stage, std::optional<double> fraction) {
   std::fflush(stderr);
 }
 
-void ProgressBar::erase() {
+void ProgressBar::clear_line() {
   const std::lock_guard lock(mutex_);
   if (!active_) return;
-  active_ = false;
   std::fputs("\r\x1b[K", stderr);
   std::fflush(stderr);
+}
+
+void ProgressBar::erase() {
+  clear_line();
+  const std::lock_guard lock(mutex_);
+  active_ = false;
 }
 
 std::string ProgressBar::line(std::string_view stage, std::optional<double> fraction, Clock::time_point now) const {

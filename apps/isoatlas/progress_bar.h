@@ -19,7 +19,8 @@ class ProgressBar {
 
   /// `fraction` of the stage in [0, 1]; none: it is not known.
   void show(std::string_view stage, std::optional<double> fraction);
-  void erase();  ///< nothing is drawn after it
+  void clear_line();  ///< makes room for a message
+  void erase();       ///< nothing is drawn after it
 
  private:
   using Clock = std::chrono::steady_clock;

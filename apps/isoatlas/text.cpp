@@ -81,13 +81,20 @@ std::string seconds_text(double seconds) {
   return formatted("%.0f min ", minutes) + formatted("%02.0f s", std::floor(seconds - 60 * minutes));
 }
 
-std::string bound_text(Quantity quantity, double bound) {
+std::string with_unit(double length, LengthUnit unit) {
+  std::string text = number_text(length);
+  if (unit != LengthUnit::unknown) text.append(" ").append(symbol(unit));
+  return text;
+}
+
+std::string bound_text(Quantity quantity, double bound, LengthUnit world) {
   switch (unit(quantity)) {
     case Unit::count:
       return count_text(static_cast<std::uint64_t>(std::max(bound, 0.0)));
     case Unit::degrees:
       return number_text(bound) + " degrees";
     case Unit::length:
+      return with_unit(bound, world);
     case Unit::ratio:
       break;
   }

@@ -9,10 +9,10 @@
 #include <optional>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "isoatlas/error.h"
 #include "isoatlas/volume.h"
+#include "isoatlas/volume_source.h"
 
 namespace isoatlas {
 
@@ -34,30 +34,8 @@ struct ReadOptions {
   std::string array = {};                   ///< which of several named arrays
   std::string series = {};                  ///< which of several DICOM series: its number from 0 in the list, or its UID
   std::optional<Vec3> spacing = {};         ///< world length of one step along x, y and z, in place of the file's
+  LengthUnit spacing_unit = LengthUnit::unknown;  ///< unit of `spacing`; unknown: the file's
   std::uint64_t max_memory = 0;        ///< largest size of the samples in bytes; 0: three quarters of the machine's memory
-};
-
-/// A list in a file from which one entry is read.
-struct FileChoice {
-  std::string name = {};                    ///< "channel", "time", "layer", "array" or "series", as in ReadOptions
-  std::vector<std::string> entries = {};    ///< what each is called in the file; a number where it has no name
-  std::optional<std::size_t> selected = {};  ///< the entry that was read
-};
-
-/// What a reader decided, in the order in which it did.
-struct ReadDecision {
-  std::string key;    ///< e.g. "affine"
-  std::string value;  ///< e.g. "sform"
-};
-
-/// Where a volume comes from and how its file was understood.
-struct VolumeSource {
-  std::string format = {};                   ///< e.g. "NIfTI-1", "ImageJ TIFF"
-  std::string reader = {};                   ///< the library that read it, with its version, e.g. "libtiff 4.5.0"
-  std::vector<ReadDecision> decisions = {};
-  std::vector<std::string> warnings = {};    ///< one line each, without the path
-  std::vector<FileChoice> choices = {};
-  bool has_spacing = true;              ///< the file states the distance between samples
 };
 
 struct VolumeFile {

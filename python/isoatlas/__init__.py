@@ -13,7 +13,7 @@ scikit-image's. docs/python.md shows how.
 from __future__ import annotations
 
 from ._check import check
-from ._core import __version__
+from ._core import VolumeSource, __version__
 from ._extract import extract
 from ._marching_cubes import marching_cubes
 from ._mesh import Level, Mesh
@@ -24,6 +24,7 @@ from .errors import (
     BadFileError,
     EmptySurfaceError,
     Error,
+    FileWarning,
     InternalError,
     OutOfMemoryError,
     UnsupportedError,
@@ -34,12 +35,14 @@ __all__ = [
     "BadFileError",
     "EmptySurfaceError",
     "Error",
+    "FileWarning",
     "InternalError",
     "Level",
     "Mesh",
     "OutOfMemoryError",
     "UnsupportedError",
     "Volume",
+    "VolumeSource",
     "__version__",
     "check",
     "extract",

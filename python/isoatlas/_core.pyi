@@ -13,9 +13,29 @@ _Triple = tuple[float, float, float]
 _Matrix = tuple[_Triple, _Triple, _Triple]
 _Path = str | bytes | os.PathLike[str]
 
+class VolumeSource:
+    @property
+    def format(self) -> str: ...
+    @property
+    def reader(self) -> str: ...
+    @property
+    def decisions(self) -> dict[str, str]: ...
+    @property
+    def choices(self) -> dict[str, tuple[str, ...]]: ...
+    @property
+    def warnings(self) -> tuple[str, ...]: ...
+
 class ArrayVolume:
     def __init__(
-        self, array: npt.NDArray[Any], order: str, spacing: _Triple, origin: _Triple, direction: _Matrix, path: _Path | None
+        self,
+        array: npt.NDArray[Any],
+        order: str,
+        spacing: _Triple,
+        origin: _Triple,
+        direction: _Matrix,
+        path: _Path | None,
+        unit: str,
+        source: VolumeSource | None,
     ) -> None: ...
 
 class ExtractWords:
@@ -37,7 +57,8 @@ class Levels:
     def save(self, path: _Path, report: _Path | None, glb_per_level: bool) -> None: ...
 
 def extract(volume: ArrayVolume, words: ExtractWords, progress: Callable[[str, float], Any] | None) -> Levels: ...
-def read_volume(path: _Path, raw: _Words) -> tuple[npt.NDArray[Any], _Triple, _Triple, _Matrix]: ...
+def length_unit(name: str) -> str: ...
+def read_volume(path: _Path, options: _Words) -> tuple[npt.NDArray[Any], _Triple, _Triple, _Matrix, str, VolumeSource]: ...
 def read_levels(path: _Path) -> Levels: ...
 def check(
     vertices: npt.NDArray[np.float64],

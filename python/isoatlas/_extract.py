@@ -59,7 +59,8 @@ def extract(
     Every level of the result is a 2-manifold, consistently oriented and homeomorphic to the isosurface, component by component; that
     was checked. Options mean what those of ``isoatlas extract`` mean (docs/reference/command-line.md).
 
-    A length is a number, in the unit of ``spacing``, or a text: ``"3vx"`` is three times the smallest spacing, ``"2.5mm"`` is 2.5.
+    A length is a number, in the unit of ``spacing``, or a text: ``"3vx"`` is three times the smallest spacing, ``"2.5mm"`` is converted to the
+    unit of the `Volume`, which must have one.
 
     Parameters
     ----------

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from . import _core
 from ._arrays import Array, Matrix, Triple, as_direction, as_samples, as_triple
+from ._core import VolumeSource
 from .errors import BadArgumentError
 
 Order = Literal["ijk", "xyz"]
@@ -27,13 +28,18 @@ class Volume:
     array : ndarray, 3-D
         The samples in their native type, indexed ``[z, y, x]``: x runs fastest in memory. It may be changed.
     spacing : (x, y, z)
-        World length of one step along each axis; millimetres for medical formats.
+        World length of one step along each axis, in ``unit``; millimetres for medical formats.
     origin : (x, y, z)
         World position of the sample ``array[0, 0, 0]``.
     direction : 3 x 3, rows first
         Its columns are the unit vectors of the x, y and z axis.
     path : str or None
         The file it was read from.
+    unit : str or None
+        Unit of the world's lengths: ``"nm"``, ``"um"``, ``"mm"``, ``"cm"``, ``"m"``, ``"A"``, ``"in"``; None where it is not known. A
+        length with a unit, as ``max_distance="0.5um"``, is converted to it.
+    source : VolumeSource or None
+        How the file was understood: ``format``, ``reader``, ``decisions``, ``choices`` and ``warnings``.
     """
 
     array: Array
@@ -41,10 +47,16 @@ class Volume:
     origin: Triple = ZERO
     direction: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     path: str | os.PathLike[str] | None = None
+    unit: str | None = None
+    source: VolumeSource | None = None
+
+    def __post_init__(self) -> None:
+        if self.unit is not None and not _core.length_unit(self.unit):
+            raise BadArgumentError(f"unit: expected one of nm, um, mm, cm, m, A, in or None, got {self.unit!r}")
 
     def __repr__(self) -> str:
         size = " x ".join(str(n) for n in reversed(self.array.shape))
-        spacing = " x ".join(f"{s:g}" for s in self.spacing)
+        spacing = " x ".join(f"{s:g}" for s in self.spacing) + (f" {self.unit}" if self.unit else "")
         where = "" if self.path is None else f", {os.fspath(self.path)!r}"
         return f"<isoatlas.Volume: {size} {self.array.dtype}, spacing {spacing}{where}>"
 
@@ -71,6 +83,8 @@ def core_volume(
             as_triple(volume.origin, "origin"),
             as_direction(volume.direction),
             volume.path,
+            volume.unit or "",
+            volume.source,
         )
     if isinstance(volume, (str, bytes, os.PathLike)):
         raise TypeError("expected an array or a Volume, got a path: use isoatlas.read(path)")
@@ -80,5 +94,7 @@ def core_volume(
         as_triple(spacing, "spacing"),
         as_triple(origin, "origin"),
         as_direction(direction),
+        None,
+        "",
         None,
     )

@@ -13,6 +13,7 @@ __all__ = [
     "BadFileError",
     "EmptySurfaceError",
     "Error",
+    "FileWarning",
     "InternalError",
     "OutOfMemoryError",
     "UnsupportedError",
@@ -59,3 +60,7 @@ class InternalError(Error, RuntimeError):
     """A check of isoatlas on its own result failed: a bug, please report it. No mesh that failed a check is ever returned."""
 
     code = "internal"
+
+
+class FileWarning(UserWarning):
+    """A file was read, but something about it had to be assumed; the text says what."""

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <stdexcept>
+#include <utility>
 
 #include "isoatlas/error.h"
 
@@ -38,7 +39,7 @@ VolumeView ArrayVolume::view() const { return {axes.to_library(grid), sample_typ
 
 ArrayVolume array_volume(const py::array& array, const std::string& order, const std::array<double, 3>& spacing,
                          const std::array<double, 3>& origin, const std::array<std::array<double, 3>, 3>& direction,
-                         const std::string& path) {
+                         const std::string& path, LengthUnit unit, VolumeSource source) {
   if (order != "ijk" && order != "xyz") throw Error(ErrorCode::bad_argument, "order: expected one of ijk, xyz, got '" + order + "'");
   if (array.ndim() != 3) throw std::invalid_argument("the array is not 3-D");
   const auto coordinate = [&](int axis) { return order == "ijk" ? axis : 2 - axis; };
@@ -49,8 +50,9 @@ ArrayVolume array_volume(const py::array& array, const std::string& order, const
   for (int axis = 0; axis < 3; ++axis) grid.size[coordinate(axis)] = static_cast<std::size_t>(array.shape(axis));
   grid.spacing = vec(spacing);
   grid.origin = vec(origin);
+  grid.unit = unit;
   for (std::size_t k = 0; k < 3; ++k) grid.direction[k] = {direction[0][k], direction[1][k], direction[2][k]};
-  return {array, path, grid, Axes(of), order == "xyz"};
+  return {array, path, grid, Axes(of), order == "xyz", std::move(source)};
 }
 
 }  // namespace isoatlas::python

@@ -10,6 +10,7 @@
 
 #include "axes.h"
 #include "isoatlas/volume.h"
+#include "isoatlas/volume_source.h"
 
 namespace isoatlas::python {
 
@@ -22,6 +23,7 @@ struct ArrayVolume {
   Grid grid;         ///< in the caller's coordinates
   Axes axes;
   bool is_xyz = false;  ///< the coordinates are x, y, z, as in a file
+  VolumeSource source;  ///< how that file was understood
 
   VolumeView view() const;  ///< in the library's
 };
@@ -33,7 +35,7 @@ struct ArrayVolume {
 /// @throws Error(bad_argument) if the order is another
 ArrayVolume array_volume(const py::array& array, const std::string& order, const std::array<double, 3>& spacing,
                          const std::array<double, 3>& origin, const std::array<std::array<double, 3>, 3>& direction,
-                         const std::string& path);
+                         const std::string& path, LengthUnit unit, VolumeSource source);
 
 /// Throws std::invalid_argument if it is none.
 SampleType sample_type_of(const py::dtype& type);

@@ -98,18 +98,22 @@ std::shared_ptr<Levels> extract_levels(const ArrayVolume& volume, const ExtractW
   const VolumeView view = volume.view();
   auto levels = std::make_shared<Levels>();
   Levels::Made& made = levels->made.emplace();
-  made.context.volume_path = volume.path;
-  made.context.grid = volume.grid;
-  made.context.sample_type = view.type;
+  made.context.volume.path = volume.path;
+  made.context.volume.source = volume.source;
+  made.context.volume.grid = volume.grid;
+  made.context.volume.sample_type = view.type;
   made.context.options = in_world(settings, view.grid);
   made.context.threads = settings.threads;
 
   ExtractOptions options = made.context.options;
   options.space = volume.axes.space_in_library(space);
-  const auto work = [view, options](const RunControl& control) { return extract(view, options, control); };
+  const auto work = [view, options](const RunControl& control) {
+    const std::string digest = sample_digest(view);
+    return std::pair(extract(view, options, control), digest);
+  };
   Extraction extraction;
   try {
-    extraction = make_interruptibly(work, {.progress = progress, .threads = settings.threads, .keep_alive = volume.array});
+    std::tie(extraction, made.context.volume.sample_digest) = make_interruptibly(work, {.progress = progress, .threads = settings.threads, .keep_alive = volume.array});
   } catch (const Error& error) {
     throw error_of_file(error_of_samples(error, volume, settings.options.non_finite), volume.path);
   }
@@ -181,7 +185,7 @@ void save_levels(const std::shared_ptr<Levels>& levels, const std::string& path,
   const MeshOutputs meshes(path, glb_per_level);
   std::vector<MeshOutputs::Other> others;
   if (report) others.push_back({*report, "report"});
-  meshes.check(levels->hierarchy.levels.size(), levels->made ? levels->made->context.volume_path : std::string(), others);
+  meshes.check(levels->hierarchy.levels.size(), levels->made ? levels->made->context.volume.path : std::string(), others);
   const auto files_of_run = std::make_shared<OutputFiles>();
   run_interruptibly(
       [levels, report, meshes, files_of_run](const RunControl& control) {

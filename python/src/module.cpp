@@ -30,19 +30,31 @@ std::string path_of(const py::object& path) { return py::bytes(py::module_::impo
 
 std::optional<std::string> path_or_none(const py::object& path) { return path.is_none() ? std::nullopt : std::optional(path_of(path)); }
 
-/// (array, spacing, origin, direction) with the array's axes z, y, x and the rest x, y, z.
-py::tuple read_volume_as_array(const py::object& path, const Words& raw) {
-  std::optional<RawLayout> layout;
-  for (const auto& [name, text] : raw) {
+ReadOptions read_options_of(const Words& words) {
+  ReadOptions options;
+  for (const auto& [name, text] : words) {
     try {
-      set(layout ? *layout : layout.emplace(), name, text);
+      set(options, name, text);
     } catch (const Error& error) {
       std::string python_name = name;
       for (char& c : python_name) c = c == '-' ? '_' : c;
       throw Error(error.code(), python_name + ": " + error.what());
     }
   }
-  const Volume volume = make_interruptibly([path = path_of(path), layout](const RunControl&) { return read_volume(path, {.raw = layout}); }, {});
+  return options;
+}
+
+/// (array, spacing, origin, direction, unit, source) with the array's axes z, y, x and the rest x, y, z.
+py::tuple read_volume_as_array(const py::object& path, const Words& words) {
+  const auto work = [path = path_of(path), options = read_options_of(words)](const RunControl&) {
+    try {
+      return read_volume_file(path, options);
+    } catch (const ChoiceNeeded& needed) {
+      throw Error(needed.code(), needed.what() + ("; choose with " + needed.choice().name + "=0, for example"));
+    }
+  };
+  VolumeFile file = make_interruptibly(work, {});
+  const Volume& volume = file.volume;
 
   using Owner = std::shared_ptr<const void>;
   const py::capsule owner(new Owner(volume.owner), [](void* it) { delete static_cast<Owner*>(it); });
@@ -52,7 +64,19 @@ py::tuple read_volume_as_array(const py::object& path, const Words& raw) {
   const auto& d = grid.direction;
   const py::tuple direction = py::make_tuple(py::make_tuple(d[0].x, d[1].x, d[2].x), py::make_tuple(d[0].y, d[1].y, d[2].y),
                                              py::make_tuple(d[0].z, d[1].z, d[2].z));
-  return py::make_tuple(array, tuple(grid.spacing), tuple(grid.origin), direction);
+  return py::make_tuple(array, tuple(grid.spacing), tuple(grid.origin), direction, std::string(symbol(grid.unit)), std::move(file.source));
+}
+
+py::dict decisions_of(const VolumeSource& source) {
+  py::dict decisions;
+  for (const ReadDecision& decision : source.decisions) decisions[py::str(decision.key)] = decision.value;
+  return decisions;
+}
+
+py::dict choices_of(const VolumeSource& source) {
+  py::dict choices;
+  for (const FileChoice& choice : source.choices) choices[py::str(choice.name)] = py::tuple(py::cast(choice.entries));
+  return choices;
 }
 
 }  // namespace
@@ -61,12 +85,24 @@ PYBIND11_MODULE(_core, module) {
   module.attr("__version__") = ISOATLAS_VERSION;
   translate_errors();
 
+  py::class_<VolumeSource>(module, "VolumeSource", "How a volume file was understood.")
+      .def_readonly("format", &VolumeSource::format, "The file's format, for example 'NIfTI-1'.")
+      .def_readonly("reader", &VolumeSource::reader, "The library that read it.")
+      .def_property_readonly("decisions", &decisions_of, "What the reader decided: a dict of texts.")
+      .def_property_readonly("choices", &choices_of, "The lists in the file from which one entry was read: a dict of tuples.")
+      .def_property_readonly(
+          "warnings", [](const VolumeSource& source) { return py::tuple(py::cast(source.warnings)); },
+          "What had to be assumed: a tuple of texts.")
+      .def("__repr__", [](const VolumeSource& source) { return "<isoatlas.VolumeSource: " + source.format + ">"; });
+
   py::class_<ArrayVolume>(module, "ArrayVolume")
       .def(py::init([](const py::array& array, const std::string& order, const std::array<double, 3>& spacing,
-                       const std::array<double, 3>& origin, const std::array<std::array<double, 3>, 3>& direction, const py::object& path) {
-             return array_volume(array, order, spacing, origin, direction, path.is_none() ? std::string() : path_of(path));
+                       const std::array<double, 3>& origin, const std::array<std::array<double, 3>, 3>& direction, const py::object& path, const std::string& unit,
+                       const VolumeSource* source) {
+             return array_volume(array, order, spacing, origin, direction, path.is_none() ? std::string() : path_of(path),
+                                 length_unit_named(unit), source == nullptr ? VolumeSource{} : *source);
            }),
-           "array"_a, "order"_a, "spacing"_a, "origin"_a, "direction"_a, "path"_a);
+           "array"_a, "order"_a, "spacing"_a, "origin"_a, "direction"_a, "path"_a, "unit"_a, "source"_a.none(true));
 
   py::class_<ExtractWords>(module, "ExtractWords")
       .def(py::init([](const Words& settings, const Words& constraints, const decltype(ExtractWords::refine)& refine, bool coarse,
@@ -93,7 +129,8 @@ PYBIND11_MODULE(_core, module) {
           "path"_a, "report"_a, "glb_per_level"_a);
 
   module.def("extract", &extract_levels, "volume"_a, "words"_a, "progress"_a);
-  module.def("read_volume", &read_volume_as_array, "path"_a, "raw"_a);
+  module.def("length_unit", [](const std::string& name) { return std::string(symbol(length_unit_named(name))); }, "name"_a);
+  module.def("read_volume", &read_volume_as_array, "path"_a, "options"_a);
   module.def(
       "read_levels", [](const py::object& path) { return read_levels(path_of(path)); }, "path"_a);
   module.def("check", &check_mesh, "vertices"_a.noconvert(), "faces"_a.noconvert(), "self_intersections"_a, "volume"_a.none(true),

@@ -33,14 +33,6 @@ std::string lower_case(std::string text) {
   return text;
 }
 
-// Formats that say, or are agreed to be, in millimetres.
-bool is_medical(const std::string& path) {
-  const std::string name = lower_case(fs::path(path).filename().string());
-  constexpr std::array<std::string_view, 9> kEndings{".nii", ".nii.gz", ".hdr", ".img", ".mha", ".mhd", ".nrrd", ".nhdr", ".dcm"};
-  return fs::path(path).extension().empty() ||
-         std::any_of(kEndings.begin(), kEndings.end(), [&](std::string_view e) { return name.ends_with(e); });
-}
-
 // Lists of places are for machines and long; times and paths change from run to run, and a page should not.
 void shorten(Json& level) {
   for (const char* key : {"at_limit", "seconds", "path"}) level.erase(key);
@@ -75,7 +67,7 @@ bool agrees(const Json& said, const Json& counted) {
 std::string text_of(const Json& facts) { return facts.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 Json empty_facts(const std::string& title) {
-  return {{"title", title},   {"unit", "mm"},       {"command", nullptr},  {"parameters", nullptr},
+  return {{"title", title},   {"unit", "units"},    {"command", nullptr},  {"parameters", nullptr},
           {"input", nullptr}, {"surface", nullptr}, {"reference", nullptr}};
 }
 
@@ -144,11 +136,29 @@ std::string volume_of(const Json& json) {
   return path.is_null() ? std::string() : path.get<std::string>();
 }
 
-// Of the volume at `path`, if it is still there and can be read without being told how.
+// What was chosen of a file with several volumes, to read the same one again.
+ReadOptions read_options_of(const Json& json) {
+  ReadOptions options;
+  for (const Json& choice : json["input"].value("choices", Json::array())) {
+    const std::string choice_name = choice.at("name").get<std::string>();
+    if (!choice.at("selected").is_number_unsigned()) continue;
+    const auto selected = choice.at("selected").get<std::size_t>();
+    if (choice_name == "channel") options.channel = selected;
+    if (choice_name == "time") options.time = selected;
+    if (choice_name == "layer") options.layer = std::to_string(selected);
+    if (choice_name == "array") options.array = choice.at("entries").at(selected).get<std::string>();
+    if (choice_name == "series") options.series = std::to_string(selected);
+  }
+  return options;
+}
+
+// Of the volume at `path`, if it is still there, can be read without a raw layout and has the samples that were meshed.
 std::optional<MeshQuality> marching_cubes_of(const Json& json, const fs::path& path) {
   try {
-    const Volume volume = read_volume(path);
+    const Volume volume = read_volume(path, read_options_of(json));
     if (volume.grid.size != json["input"].at("size").get<std::array<std::size_t, 3>>()) return std::nullopt;
+    const Json digest = json["input"].value("sha256", Json());
+    if (digest.is_string() && digest != sample_digest(volume)) return std::nullopt;
     return marching_cubes_quality(volume, json["surface"].at("isovalue").get<double>());
   } catch (const Error&) {
     return std::nullopt;
@@ -164,7 +174,8 @@ PageEntry entry_of(const Json& json, const std::string& path, Hierarchy hierarch
   std::array<char, 32> isovalue{};
   std::snprintf(isovalue.data(), isovalue.size(), "%g", json["surface"].at("isovalue").get<double>());
   Json facts = empty_facts(name + " at " + isovalue.data());
-  facts["unit"] = !volume.empty() && is_medical(volume) ? "mm" : "units";
+  const Json unit = json["input"].value("unit", Json());
+  facts["unit"] = unit.is_string() ? unit : Json("units");
   facts["command"] = json.value("command", Json());
   for (const char* key : {"parameters", "input", "surface", "reference"}) facts[key] = json[key];
   if (json.contains("dropped")) facts["dropped"] = json["dropped"].size();

@@ -102,6 +102,29 @@ Json to_value(const SelfIntersectionReport& self_intersections) {
   return {{"pairs", self_intersections.pairs}, {"first", first}};
 }
 
+Json to_value(const VolumeReport& volume) {
+  const Grid& grid = volume.grid;
+  Json json;
+  json["path"] = path_value(volume.path);
+  json["sample_type"] = name(volume.sample_type);
+  json["size"] = grid.size;
+  json["spacing"] = to_value(grid.spacing);
+  json["origin"] = to_value(grid.origin);
+  json["direction"] = Json::array({to_value(grid.direction[0]), to_value(grid.direction[1]), to_value(grid.direction[2])});
+  json["unit"] = grid.unit == LengthUnit::unknown ? Json() : Json(symbol(grid.unit));
+  json["format"] = volume.source.format.empty() ? Json() : Json(volume.source.format);
+  json["reader"] = volume.source.reader.empty() ? Json() : Json(volume.source.reader);
+  Json& decisions = json["decisions"] = Json::array();
+  for (const ReadDecision& decision : volume.source.decisions) decisions.push_back({{"key", decision.key}, {"value", decision.value}});
+  json["warnings"] = volume.source.warnings;
+  Json& choices = json["choices"] = Json::array();
+  for (const FileChoice& choice : volume.source.choices)
+    choices.push_back(
+        {{"name", choice.name}, {"entries", choice.entries}, {"selected", choice.selected ? Json(*choice.selected) : Json()}});
+  json["sha256"] = volume.sample_digest.empty() ? Json() : Json(volume.sample_digest);
+  return json;
+}
+
 /// The file that holds that level and no other, if there is one.
 Json path_of_level(const std::vector<ReportFile>& files, std::size_t level) {
   for (const ReportFile& file : files)
@@ -133,13 +156,7 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
   json["schema"] = "isoatlas-report-2";
   json["version"] = ISOATLAS_VERSION;
   json["command"] = context.command.empty() ? Json() : Json(context.command);
-  json["input"] = {{"path", path_value(context.volume_path)},
-                   {"sample_type", name(context.sample_type)},
-                   {"size", context.grid.size},
-                   {"spacing", to_value(context.grid.spacing)},
-                   {"origin", to_value(context.grid.origin)},
-                   {"direction", Json::array({to_value(context.grid.direction[0]), to_value(context.grid.direction[1]),
-                                              to_value(context.grid.direction[2])})}};
+  json["input"] = to_value(context.volume);
   json["surface"] = {{"isovalue", options.isovalue},
                      {"inside", text(options.inside)},
                      {"tie_rule", "a sample equal to the isovalue is inside"},
@@ -189,6 +206,24 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
   seconds["write"] = context.write_seconds;
   seconds["total"] = report.total_seconds;
   json["peak_memory_bytes"] = context.peak_memory_bytes;
+  return to_text(json);
+}
+
+std::string to_json(const InfoReport& info) {
+  Json json;
+  json["schema"] = "isoatlas-info-1";
+  json["version"] = ISOATLAS_VERSION;
+  json["volume"] = to_value(info.volume);
+  if (info.volume.grid.sample_count() == 0)
+    for (const char* key : {"sample_type", "size", "spacing", "origin", "direction"}) json["volume"][key] = nullptr;
+  const bool has_range = info.samples && info.samples->finite_count > 0;
+  json["minimum"] = has_range ? Json(info.samples->minimum) : Json();
+  json["maximum"] = has_range ? Json(info.samples->maximum) : Json();
+  json["nan"] = info.samples ? Json(info.samples->nan_count) : Json();
+  json["infinite"] = info.samples ? Json(info.samples->infinity_count) : Json();
+  Json& isovalues = json["isovalues"] = Json::array();
+  for (const InfoReport::Isovalue& isovalue : info.isovalues)
+    isovalues.push_back({{"value", isovalue.value}, {"reason", isovalue.reason}});
   return to_text(json);
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "isoatlas/mesh.h"
 #include "isoatlas/self_intersections.h"
 #include "isoatlas/volume.h"
+#include "isoatlas/volume_source.h"
 
 namespace isoatlas {
 
@@ -26,13 +28,31 @@ struct ReportFile {
   std::vector<std::string> notes = {};    ///< what the format changed or had to state, for people
 };
 
-/// What a report says besides what extract() found out: where things came from and went to, and what that took.
-struct ReportContext {
-  std::string volume_path;  ///< empty: the volume came from memory
-  std::string command;      ///< that made it, as one would type it; empty: it was no command
-  std::vector<ReportFile> files;
+/// The volume that was meshed or looked at.
+struct VolumeReport {
+  std::string path;           ///< empty: it came from memory
+  VolumeSource source;        ///< how its file was understood
+  std::string sample_digest;  ///< SHA-256 of the samples; empty: not computed
   Grid grid;
   SampleType sample_type = SampleType::float32;
+};
+
+/// What `info` finds out about a volume file.
+struct InfoReport {
+  struct Isovalue {
+    double value = 0;
+    std::string reason;
+  };
+  VolumeReport volume;               ///< `grid` has size 0 where a choice has to be made first
+  std::optional<SampleSummary> samples;
+  std::vector<Isovalue> isovalues;  ///< suggested ones
+};
+
+/// What a report says besides what extract() found out: where things came from and went to, and what that took.
+struct ReportContext {
+  VolumeReport volume;
+  std::string command;      ///< that made it, as one would type it; empty: it was no command
+  std::vector<ReportFile> files;
   ExtractOptions options;
   int threads = 0;  ///< as asked for; 0: as many as the machine has
   double read_seconds = 0, write_seconds = 0;
@@ -64,6 +84,9 @@ SelfIntersectionReport find_self_intersections(const TriangleMesh& mesh, const R
 
 /// One JSON object, schema "isoatlas-report-2", keys in a fixed order, a newline at the end.
 std::string to_json(const ExtractReport& report, const ReportContext& context);
+
+/// One JSON object, schema "isoatlas-info-1". What needs the samples is null where a choice has to be made first.
+std::string to_json(const InfoReport& info);
 
 /// What the report says of one level, on one line, without the time it took and the file it went to: for files that carry it with
 /// the level. The same input gives the same text.

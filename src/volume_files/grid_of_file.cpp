@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "volume_files/grid_of_file.h"
 
+#include <atomic>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <new>
 #include <string>
@@ -97,7 +99,12 @@ std::shared_ptr<std::byte[]> allocate_samples(const std::filesystem::path& path,
                                                    std::to_string(limit) + (options.max_memory == 0 ? " (three quarters of the memory)" : "")));
   }
   try {
-    return std::shared_ptr<std::byte[]>(new std::byte[bytes]);
+    const std::shared_ptr<std::byte[]> samples(new std::byte[bytes]);
+#ifdef ISOATLAS_FILL_SAMPLES
+    static std::atomic<unsigned char> fill{0};  // samples that nobody decodes are not the same twice
+    std::memset(samples.get(), ++fill, bytes);
+#endif
+    return samples;
   } catch (const std::bad_alloc&) {
     throw out_of_memory(path, bytes);
   }

@@ -51,7 +51,13 @@ void require_used(const ReadOptions& options, const VolumeFile& file, const fs::
 void apply_spacing(const ReadOptions& options, VolumeFile& file) {
   VolumeSource& source = file.source;
   if (options.spacing) {
-    file.volume.grid.spacing = *options.spacing;
+    Grid& grid = file.volume.grid;
+    grid.spacing = *options.spacing;
+    if (options.spacing_unit != LengthUnit::unknown) {
+      const double scale = grid.unit == LengthUnit::unknown ? 1 : metres(grid.unit) / metres(options.spacing_unit);
+      grid.origin = {grid.origin.x * scale, grid.origin.y * scale, grid.origin.z * scale};
+      grid.unit = options.spacing_unit;
+    }
     source.decisions.push_back({"spacing", "given, in place of the file's"});
   } else if (!source.has_spacing) {
     source.warnings.push_back("states no voxel size, 1 x 1 x 1 is assumed");

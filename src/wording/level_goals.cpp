@@ -75,7 +75,7 @@ TypedConstraint parse_bound(Quantity quantity, std::string_view text) {
     case Unit::length: {
       const auto length = length_of(text);
       if (!length || length->value == 0) refuse_bound(quantity, "a length above 0 like 0.5vx, 2mm or 2", text);
-      return {quantity, length->value, length->in_voxels};
+      return {quantity, length->value, length->in_voxels, false, length->unit};
     }
     case Unit::ratio:
       return {quantity, parse_ratio(quantity, text)};
@@ -126,6 +126,14 @@ TypedGoals plan_levels(const std::vector<GoalArgument>& arguments, bool only_coa
     goals.refine.push_back(std::move(goal));
   }
   return goals;
+}
+
+Constraint TypedConstraint::in_world(const Grid& grid) const {
+  try {
+    return {quantity, Length{bound, in_voxels, unit}.in_world(grid), is_default};
+  } catch (const Error& error) {
+    refuse(std::string(name(quantity)) + ": " + error.what());
+  }
 }
 
 LevelGoal in_world(const std::vector<TypedConstraint>& goal, const Grid& grid) {

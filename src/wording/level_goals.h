@@ -15,13 +15,15 @@ struct TypedConstraint {
   Quantity quantity;
   double bound = 0;
   bool in_voxels = false;
-  bool is_default = false;  ///< nobody typed it
+  bool is_default = false;                ///< nobody typed it
+  LengthUnit unit = LengthUnit::unknown;  ///< of a length that states one
 
-  Constraint in_world(const Grid& grid) const { return {quantity, in_voxels ? bound * grid.smallest_spacing() : bound, is_default}; }
+  /// @throws Error(bad_argument) if the volume states no unit to convert to
+  Constraint in_world(const Grid& grid) const;
   friend bool operator==(const TypedConstraint&, const TypedConstraint&) = default;
 };
 
-/// The bound of one quantity: "0.5vx", "2mm" or "2"; "1.1"; "15deg" or "15"; "2000".
+/// The bound of one quantity: "0.5vx", "2mm" or "2" (the world's unit); "1.1"; "15deg" or "15"; "2000".
 /// @throws Error(bad_argument) if the quantity cannot have it
 TypedConstraint parse_bound(Quantity quantity, std::string_view text);
 

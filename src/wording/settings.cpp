@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "wording/settings.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <utility>
 
 #include "isoatlas/error.h"
 #include "wording/choices.h"
@@ -26,7 +28,7 @@ std::size_t parse_samples(std::string_view text) {
 
 Length parse_length(std::string_view text) {
   const auto length = length_of(text);
-  if (!length) refuse_value("a length like 2.5, 2.5mm or 3vx", text);
+  if (!length) refuse_value("a length like 3vx, 2.5mm or 2.5", text);
   return *length;
 }
 
@@ -34,6 +36,35 @@ int parse_threads(std::string_view text) {
   const auto number = parse_whole<int>(text);
   if (!number || *number < 0) refuse_value("a whole number, 0 or more", text);
   return *number;
+}
+
+std::pair<std::array<double, 3>, LengthUnit> parse_spacing(std::string_view text) {
+  constexpr const char* kExpected = "three positive numbers like 1,1,2.5, or with a unit like 0.2,0.2,1um";
+  const std::size_t unit_begin = std::min(text.find_last_of("0123456789."), text.size() - 1) + 1;
+  std::string_view unit_text = text.substr(std::min(unit_begin, text.size()));
+  while (unit_text.starts_with(' ')) unit_text.remove_prefix(1);
+  const LengthUnit unit = length_unit_named(unit_text);
+  if (!unit_text.empty() && unit == LengthUnit::unknown) refuse_value(kExpected, text);
+  const auto accept = [](double s) { return std::isfinite(s) && s > 0; };
+  return {parse_triple<double>(text.substr(0, unit_begin), kExpected, accept), unit};
+}
+
+std::uint64_t parse_bytes(std::string_view text) {
+  std::string_view number = text;
+  double factor = 1;
+  constexpr std::array<std::pair<std::string_view, double>, 9> kUnits{{{"GiB", 0x1p30}, {"MiB", 0x1p20}, {"KiB", 0x1p10}, {"GB", 1e9}, {"MB", 1e6},
+                                                                       {"kB", 1e3}, {"G", 0x1p30}, {"M", 0x1p20}, {"K", 0x1p10}}};
+  for (const auto& [unit, bytes] : kUnits) {
+    if (number.ends_with(unit)) {
+      number.remove_suffix(unit.size());
+      factor = bytes;
+      break;
+    }
+  }
+  while (number.ends_with(' ')) number.remove_suffix(1);
+  const auto value = parse_whole<double>(number);
+  if (!value || !(*value * factor >= 1) || *value * factor > 0x1p62) refuse_value("a size like 8GiB or 500MB", text);
+  return static_cast<std::uint64_t>(*value * factor);
 }
 
 void set(ExtractSettings& settings, std::string_view name, std::string_view text) {
@@ -58,7 +89,7 @@ void set(ExtractSettings& settings, std::string_view name, std::string_view text
     options.adaptive_supersample = *times;
   } else if (name == "min-component-size") {
     settings.min_component_size = space_size_of(text);
-    if (!settings.min_component_size) refuse_value("a size like 10vx or 2.5mm3", text);
+    if (!settings.min_component_size) refuse_value("a size like 10vx, 2.5mm3 or 2.5", text);
   } else if (name == "keep-components") {
     const auto count = parse_whole<std::size_t>(text);
     if (!count || *count == 0) refuse_value("a number above 0", text);
@@ -103,26 +134,79 @@ void set(MeasureOptions& options, std::string_view name, std::string_view text) 
   }
 }
 
-void set(RawLayout& layout, std::string_view name, std::string_view text) {
+namespace {
+
+bool set_raw(RawLayout& layout, std::string_view name, std::string_view text) {
   if (name == "raw-size") {
     layout.size = parse_triple<std::size_t>(text, "three whole numbers like 256,256,94", [](std::size_t n) { return n > 0; });
   } else if (name == "raw-type") {
     layout.type = parse_sample_type(text);
   } else if (name == "raw-spacing") {
-    const auto accept = [](double s) { return std::isfinite(s) && s > 0; };
-    layout.spacing = parse_triple<double>(text, "three positive numbers like 1,1,2.5", accept);
+    layout.spacing = parse_spacing(text).first;
   } else if (name == "raw-endian") {
     layout.big_endian = parse_is_big_endian(text);
+  } else if (name == "raw-offset") {
+    const auto bytes = parse_whole<std::uint64_t>(text);
+    if (!bytes) refuse_value("a number of bytes, 0 or more", text);
+    layout.offset = *bytes;
+  } else {
+    return false;
+  }
+  return true;
+}
+
+std::size_t parse_entry(std::string_view text) {
+  const auto entry = parse_whole<std::uint32_t>(text);
+  if (!entry) refuse_value("a whole number, 0 for the first", text);
+  return *entry;
+}
+
+}  // namespace
+
+void set(ReadOptions& options, std::string_view name, std::string_view text) {
+  if (name.starts_with("raw-")) {
+    if (!set_raw(options.raw ? *options.raw : options.raw.emplace(), name, text)) refuse_name(name);
+  } else if (name == "channel") {
+    options.channel = parse_entry(text);
+  } else if (name == "time") {
+    options.time = parse_entry(text);
+  } else if (name == "layer") {
+    options.layer = text;
+  } else if (name == "array") {
+    options.array = text;
+  } else if (name == "series") {
+    options.series = text;
+  } else if (name == "spacing") {
+    const auto [spacing, unit] = parse_spacing(text);
+    options.spacing = Vec3{spacing[0], spacing[1], spacing[2]};
+    options.spacing_unit = unit;
+  } else if (name == "max-memory") {
+    options.max_memory = parse_bytes(text);
   } else {
     refuse_name(name);
   }
 }
 
+namespace {
+
+/// What `measure` throws gets the setting's name in front.
+template <class Measure>
+double named_in_world(std::string_view name, const Measure& measure, const Grid& grid) {
+  try {
+    return measure.in_world(grid);
+  } catch (const Error& error) {
+    throw Error(error.code(), std::string(name) + ": " + error.what());
+  }
+}
+
+}  // namespace
+
 ExtractOptions in_world(const ExtractSettings& settings, const Grid& grid) {
   ExtractOptions options = settings.options;
-  if (settings.max_radius) options.max_radius = settings.max_radius->in_world(grid);
-  if (settings.min_component_size) options.min_component_size = settings.min_component_size->in_world(grid);
-  if (settings.event_persistence) options.event_persistence = settings.event_persistence->in_world(grid);
+  if (settings.max_radius) options.max_radius = named_in_world("max-radius", *settings.max_radius, grid);
+  if (settings.min_component_size)
+    options.min_component_size = named_in_world("min-component-size", *settings.min_component_size, grid);
+  if (settings.event_persistence) options.event_persistence = named_in_world("event-persistence", *settings.event_persistence, grid);
   options.coarse = in_world(settings.goals.coarse, grid);
   for (const auto& goal : settings.goals.refine) options.refine.push_back(in_world(goal, grid));
   return options;

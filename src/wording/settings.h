@@ -2,8 +2,11 @@
 // Options whose values are words. A name is that of the command line without the dashes; the Python module has underscores in it instead.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "isoatlas/extract.h"
 #include "isoatlas/volume_file.h"
@@ -29,12 +32,17 @@ struct ExtractSettings {
 /// of which setting.
 void set(ExtractSettings& settings, std::string_view name, std::string_view text);
 void set(MeasureOptions& options, std::string_view name, std::string_view text);
-void set(RawLayout& layout, std::string_view name, std::string_view text);  ///< raw-size, raw-type, raw-spacing, raw-endian
+/// raw-size, raw-type, raw-spacing, raw-endian, raw-offset (which make a raw layout), channel, time, layer, array, series, spacing,
+/// max-memory.
+void set(ReadOptions& options, std::string_view name, std::string_view text);
 
 ExtractOptions in_world(const ExtractSettings& settings, const Grid& grid);
 
 // Each throws Error(bad_argument).
 Length parse_length(std::string_view text);  ///< 0 or more
 int parse_threads(std::string_view text);    ///< 0 or more
+/// Three positive numbers, with a unit behind the last or `unknown`.
+std::pair<std::array<double, 3>, LengthUnit> parse_spacing(std::string_view text);
+std::uint64_t parse_bytes(std::string_view text);  ///< "8GiB", "500MB", "1000"; 1 or more
 
 }  // namespace isoatlas

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "wording/values.h"
 
+#include <charconv>
 #include <cmath>
 #include <string>
 
@@ -10,20 +11,29 @@ namespace isoatlas {
 
 namespace {
 
-// A number, 0 or more, with "vx" or the world's unit behind it, or nothing.
+std::string without_blanks(std::string_view text) {
+  std::string result;
+  for (const char c : text)
+    if (c != ' ' && c != '\t') result += c;
+  return result;
+}
+
+/// A number, 0 or more, with "vx" or a unit of length and then `power` behind it, or nothing.
 template <class Measure>
-std::optional<Measure> measure_of(std::string_view text, std::string_view world_unit) {
-  const auto strip = [&text](std::string_view unit) {
-    if (!text.ends_with(unit)) return false;
-    text.remove_suffix(unit.size());
-    return true;
-  };
+std::optional<Measure> measure_of(std::string_view typed, std::string_view power) {
+  const std::string text = without_blanks(typed);
+  const char* const begin = text.data() + (text.starts_with('+') ? 1 : 0);
+  const char* const end = text.data() + text.size();
   Measure measure;
-  measure.in_voxels = strip("vx");
-  if (!measure.in_voxels) strip(world_unit);
-  const auto value = parse_whole<double>(text);
-  if (!value || !std::isfinite(*value) || *value < 0) return std::nullopt;
-  measure.value = *value;
+  const auto [unit_begin, error] = std::from_chars(begin, end, measure.value);
+  if (error != std::errc{} || !std::isfinite(measure.value) || measure.value < 0) return std::nullopt;
+  std::string_view unit(unit_begin, static_cast<std::size_t>(end - unit_begin));
+  measure.in_voxels = unit == "vx" || unit == "VX";
+  if (unit.empty() || measure.in_voxels) return measure;
+  if (!unit.ends_with(power)) return std::nullopt;
+  unit.remove_suffix(power.size());
+  measure.unit = length_unit_named(unit);
+  if (measure.unit == LengthUnit::unknown) return std::nullopt;
   return measure;
 }
 
@@ -39,7 +49,21 @@ double parse_finite(std::string_view text) {
   return *number;
 }
 
-std::optional<Length> length_of(std::string_view text) { return measure_of<Length>(text, "mm"); }
-std::optional<SpaceSize> space_size_of(std::string_view text) { return measure_of<SpaceSize>(text, "mm3"); }
+std::optional<Length> length_of(std::string_view text) { return measure_of<Length>(text, ""); }
+std::optional<SpaceSize> space_size_of(std::string_view text) { return measure_of<SpaceSize>(text, "3"); }
+
+double world_length(double value, LengthUnit unit, const Grid& grid) {
+  if (unit == LengthUnit::unknown || unit == grid.unit) return value;
+  if (grid.unit == LengthUnit::unknown)
+    throw Error(ErrorCode::bad_argument, "a length in " + std::string(symbol(unit)) +
+                                             " was given, but the volume states no unit; expected a number without a unit, or voxels like 2vx");
+  return value * (metres(unit) / metres(grid.unit));
+}
+
+double SpaceSize::in_world(const Grid& grid) const {
+  if (in_voxels) return value * grid.spacing.x * grid.spacing.y * grid.spacing.z;
+  const double edge = world_length(1, unit, grid);
+  return value * edge * edge * edge;
+}
 
 }  // namespace isoatlas

@@ -45,23 +45,31 @@ std::array<Number, 3> parse_triple(std::string_view text, const char* expected, 
   return triple;
 }
 
-/// A length as typed: "2.5" or "2.5mm" in world units, "3vx" in voxels.
+/// `value` of `unit` as a length in the unit of the volume's world; unit `unknown`: the world's own.
+/// @throws Error(bad_argument) if the volume states no unit to convert to
+double world_length(double value, LengthUnit unit, const Grid& grid);
+
+/// A length as typed: "2.5" in the world's unit, "2.5mm" in a unit of its own, "3vx" in voxels.
 struct Length {
   double value = 0;
   bool in_voxels = false;
+  LengthUnit unit = LengthUnit::unknown;
 
-  double in_world(const Grid& grid) const { return in_voxels ? value * grid.smallest_spacing() : value; }
+  /// @throws Error(bad_argument) as world_length()
+  double in_world(const Grid& grid) const { return in_voxels ? value * grid.smallest_spacing() : world_length(value, unit, grid); }
 };
 
 /// None unless `text` is a finite length, 0 or more.
 std::optional<Length> length_of(std::string_view text);
 
-/// The size of a piece of space as typed: "2.5" or "2.5mm3" in world units cubed, "10vx" in voxels.
+/// The size of a piece of space as typed: "2.5" in the world's unit cubed, "2.5mm3" in a unit of its own, "10vx" in voxels.
 struct SpaceSize {
   double value = 0;
   bool in_voxels = false;
+  LengthUnit unit = LengthUnit::unknown;
 
-  double in_world(const Grid& grid) const { return in_voxels ? value * grid.spacing.x * grid.spacing.y * grid.spacing.z : value; }
+  /// @throws Error(bad_argument) as world_length()
+  double in_world(const Grid& grid) const;
 };
 
 /// None unless `text` is a finite size, 0 or more.

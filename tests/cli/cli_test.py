@@ -4,6 +4,7 @@
 
 import array
 import base64
+import hashlib
 import json
 import math
 import os
@@ -143,16 +144,20 @@ def options_in(text):
     return set(re.findall(r"(?<![\w-])(--?[a-z][a-z-]*)\b", text))
 
 
+READING = ("--channel --time --layer --array --series --spacing --max-memory --raw-size --raw-type --raw-spacing --raw-endian "
+           "--raw-offset ")
+
+
 class Help(ToolTest):
     OPTIONS = {
         "extract": "--iso -o --output --report --inside --topology --coarse --max-radius --covering --event-persistence --threads --nan --space "
-                   "--raw-size --raw-type --raw-spacing --raw-endian -q --quiet -v --verbose -h --help "
+                   "-q --quiet -v --verbose -h --help " + READING +
                    "--refine --max-distance --mean-distance --area-curvature --area-curvature-smooth --geodesic-ratio "
                    "--normal-angle --max-vertices --min-vertices --min-edge --max-edge --min-aspect --placement "
                    "--glb-per-level --measure --measure-samples --min-component-size --keep-components --interpolation --supersample --adaptive-supersample "
                    "--allow-self-intersections --html",
-        "info": "--raw-size --raw-type --raw-spacing --raw-endian -h --help",
-        "check": "--json --self-intersections --volume --iso --inside --topology --nan --interpolation --space --samples --raw-size --raw-type --raw-spacing --raw-endian -h --help",
+        "info": "--json -h --help " + READING,
+        "check": "--json --self-intersections --volume --iso --inside --topology --nan --interpolation --space --samples -h --help " + READING,
         "levels": "--json -h --help",
         "report": "-o --output -q --quiet -h --help",
         "picture": "-o --output --level --style --size --view --up --zoom -q --quiet -h --help",
@@ -190,6 +195,68 @@ class Help(ToolTest):
         text = (DOCS / "errors.md").read_text(encoding="utf-8")
         statuses = set(map(int, re.findall(r"(?m)^\| (\d+) \|", text)))
         self.assertEqual(statuses, {0, 1, 2, 3, 4, 129, 130, 143})
+
+
+class Reading(ToolTest):
+    def test_json_has_the_documented_keys(self):
+        self.put_sphere()
+        found = json.loads(self.succeed("info", "sphere.nrrd", "--json"))
+        keys = {key for key in leaves(found) if not key.startswith("volume.")} | {"volume"}
+        self.assertEqual(keys, documented("isoatlas-info-1"))
+        self.assertEqual(found["volume"]["format"], "NRRD")
+        self.assertEqual(found["volume"]["path"], "sphere.nrrd")
+
+    def test_the_digest_is_that_of_the_samples(self):
+        samples = bytes(range(64))
+        self.put("a.raw", samples)
+        raw = ["--raw-size", "4,4,4", "--raw-type", "uint8"]
+        found = json.loads(self.succeed("info", "a.raw", "--json", *raw))["volume"]["sha256"]
+        self.assertEqual(found, hashlib.sha256(samples).hexdigest())
+        self.assertIn(found, self.succeed("info", "a.raw", *raw))
+        self.put("big.raw", struct.pack(">32h", *range(32)))
+        found = json.loads(self.succeed("info", "big.raw", "--json", "--raw-size", "4,4,2", "--raw-type", "int16", "--raw-endian", "big"))
+        self.assertEqual(found["volume"]["sha256"], hashlib.sha256(struct.pack("<32h", *range(32))).hexdigest())
+
+    def test_headerless_samples_may_have_something_before_them(self):
+        self.put("a.raw", b"header of 20 bytes.." + bytes(range(64)))
+        raw = ["--raw-size", "4,4,4", "--raw-type", "uint8"]
+        self.assertRegex(self.succeed("info", "a.raw", *raw, "--raw-offset", "20"), r"range +0 to 63\n")
+        self.refuse("has 84 bytes, but after an offset of 10 4 x 4 x 4 samples", "info", "a.raw", *raw, "--raw-offset", "10")
+
+    def test_spacing_replaces_the_files_and_may_bring_a_unit(self):
+        self.put_sphere()
+        self.assertRegex(self.succeed("info", "sphere.nrrd", "--spacing", "1,2,3"), r"spacing +1 2 3\n")
+        self.assertRegex(self.succeed("info", "sphere.nrrd", "--spacing", "0.2,0.2,1um"), r"spacing +0.2 0.2 1 um\n")
+        self.refuse("--spacing.*three positive numbers", "info", "sphere.nrrd", "--spacing", "1,1")
+        self.refuse("--spacing.*three positive numbers", "info", "sphere.nrrd", "--spacing", "1,1,1furlong")
+
+    def test_memory_limit(self):
+        self.put_sphere()
+        self.fail_with(4, "more than the limit of 1000", "info", "sphere.nrrd", "--max-memory", "1000")
+        self.refuse("--max-memory.*a size like 8GiB", "info", "sphere.nrrd", "--max-memory", "much")
+
+
+class Units(ToolTest):
+    BASE = ["extract", "sphere.nrrd", "--iso", "0", "-q", "-o", "a.ply"]
+
+    def test_a_unit_needs_a_volume_that_states_one(self):
+        self.put_sphere()
+        self.refuse("sphere.nrrd: max-distance: a length in mm was given, but the volume states no unit", *self.BASE, "--max-distance", "1mm")
+        self.refuse("sphere.nrrd: min-component-size: a length in mm", *self.BASE, "--min-component-size", "1mm3")
+
+    def test_lengths_are_converted_and_named(self):
+        self.put_sphere()
+        um = ["--spacing", "2,2,2um", "--report", "r.json"]
+        bounds = []
+        for length in ("1", "1um", "1000nm", "0.001mm", "0.5vx", "1e-6 m"):
+            self.succeed(*self.BASE, *um, "--max-distance", length)
+            report = json.loads((self.folder / "r.json").read_text(encoding="utf-8"))
+            bounds.append(report["parameters"]["refine"][0][0]["bound"])
+            self.assertEqual(report["input"]["unit"], "um")
+        self.assertLess(max(bounds) / min(bounds) - 1, 1e-12)
+        said = self.succeed(*[a for a in self.BASE if a != "-q"], *um, "--max-distance", "1000nm")
+        self.assertRegex(said, r"max-distance [0-9.]+ um")
+        self.assertRegex(said, r"spacing 2 x 2 x 2 um")
 
 
 class Extract(ToolTest):
@@ -232,9 +299,9 @@ class Extract(ToolTest):
             self.assertEqual(mesh, meshes[0])
 
     def test_lengths_in_world_units_and_voxels(self):
-        self.put("s.nrrd", nrrd(sphere((20, 20, 20)), (20, 20, 20), "float", "spacings: 2 2 2"))
+        self.put("s.nrrd", nrrd(sphere((20, 20, 20)), (20, 20, 20), "float", "space: left-posterior-superior\nspace units: \"mm\" \"mm\" \"mm\"\nspace directions: (2,0,0) (0,2,0) (0,0,2)"))
         meshes = []
-        for length in ("6", "6mm", "3vx", "+6", "6e0mm"):
+        for length in ("6", "6mm", "3vx", "+6", "6e0mm", "6 mm", "6000um", "0.6cm", "0.006m", "6e6 nm"):
             self.succeed("extract", "s.nrrd", "--iso", "0", "--max-radius", length, "--event-persistence", length,
                          "-o", "s.off", "-q", "--coarse")
             meshes.append((self.folder / "s.off").read_bytes())
@@ -471,7 +538,7 @@ class BadArguments(ToolTest):
             "--iso": ["nan", "inf", "-inf", "", "1,5", "0x", "ten", "1e999"],
             "--min-component-size": ["-1", "2.5mm", "vx", "ten", "inf", "", "1e999"],
             "--keep-components": ["0", "-1", "1.5", "all", ""],
-            "--max-radius": ["0", "-1", "3 furlongs", "vx", "mm", "1vxmm", "inf", "nanmm", "", "2.5 mm", "1e999"],
+            "--max-radius": ["0", "-1", "3 furlongs", "vx", "mm", "1vxmm", "inf", "nanmm", "", "2.5 px", "1e999"],
             "--event-persistence": ["-1", "abc", "3px", "infvx"],
             "--covering": ["bins", "", "Halving", "radius_field", "halving,radius-field"],
             "--threads": ["-1", "1.5", "many", "", "99999999999"],
@@ -751,7 +818,7 @@ class Report(ToolTest):
         parameters = self.make()["parameters"]
         self.assertEqual((parameters["coarse"], parameters["refine"]), ([], [[{"quantity": "max-distance", "bound": 0.5}]]))
         parameters = self.make("--max-vertices", "500", "--refine", "max-distance:2vx,normal-angle:40deg", "--min-aspect", "0.1",
-                               "--refine", "max-distance:1.5mm", "--max-edge", "9")["parameters"]
+                               "--refine", "max-distance:1.5", "--max-edge", "9")["parameters"]
         self.assertEqual([names(goal) for goal in parameters["refine"]],
                          [["max-vertices", "max-distance", "normal-angle", "min-aspect", "max-edge"],
                           ["max-vertices", "min-aspect", "max-distance", "max-edge"]])

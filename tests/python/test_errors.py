@@ -45,7 +45,7 @@ OPTIONS = [
     ("inside", "up"), ("topology", "x"), ("interpolation", "linear"), ("nan", "refuse"), ("space", "LPS"), ("covering", "radius_field"),
     ("placement", "up"), ("supersample", 0), ("supersample", 1.5), ("adaptive_supersample", 9), ("adaptive_supersample", -1),
     ("min_component_size", "3cm"), ("keep_components", 0), ("max_radius", 0), ("max_radius", "1e999"), ("event_persistence", "-1vx"),
-    ("measure_samples", 0), ("threads", -1), ("max_distance", 0), ("max_distance", "3 vx"), ("mean_distance", float("nan")),
+    ("measure_samples", 0), ("threads", -1), ("max_distance", 0), ("max_distance", "3 px"), ("mean_distance", float("nan")),
     ("area_curvature", 1), ("area_curvature_smooth", 0.5), ("geodesic_ratio", float("inf")), ("normal_angle", -5), ("max_vertices", 3),
     ("max_vertices", 10.5), ("min_vertices", -4), ("min_edge", 0), ("max_edge", "x"), ("min_aspect", 1), ("min_aspect", 0),
 ]  # fmt: skip

@@ -34,9 +34,10 @@ class PageEntries : public ::testing::Test {
 
   ReportContext context() const {
     ReportContext out;
-    out.volume_path = "torus.nrrd";
+    out.volume.path = "torus.nrrd";
     out.command = "isoatlas extract torus.nrrd";
-    out.grid = volume_.grid;
+    out.volume.grid = volume_.grid;
+    out.volume.grid.unit = LengthUnit::millimetre;
     out.options = options_;
     return out;
   }
@@ -133,7 +134,8 @@ TEST_F(PageEntries, OfFilesThatSayWhatIsNotSoAreCounted) {
 // Of an array in Python.
 TEST_F(PageEntries, OfAReportOfAVolumeInMemory) {
   ReportContext said = context();
-  said.volume_path.clear();
+  said.volume.path.clear();
+  said.volume.grid.unit = LengthUnit::unknown;
   write_hierarchy(extraction_.hierarchy, folder_ / "a.glb", info());
   said.files = {{"a.glb", {0, 1}, 1}};
   write_text_file(to_json(extraction_.report, said), folder_ / "r.json");

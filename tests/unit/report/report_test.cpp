@@ -47,7 +47,9 @@ struct Full {
     }
     report.seconds = {{"surface", 1}, {"components", 1}, {"coarsen", 1}, {"cover", 1},
                       {"certify", 1}, {"mesh", 1},       {"check", 1},   {"refine", 1}};
-    context.volume_path = "v.nrrd";
+    context.volume.path = "v.nrrd";
+    context.volume.source.decisions = {{"affine", "sform"}};
+    context.volume.source.choices = {{"channel", {"DAPI", "GFP"}, 1}};
     context.files = {{"a.glb", {0, 1}, 99, true, 0.25}, {"a-1.glb", {1}, 9, true, 0.5}};
     context.options.coarse = {{Quantity::max_vertices, 5}};
     context.options.refine = {{{Quantity::max_distance, 3}}};
@@ -115,7 +117,7 @@ TEST(Report, WhatDoesNotApplyIsNull) {
 TEST(Report, RoundingIsInTheMeshsUnitsEverywhere) {
   Full full;
   full.context.options.space = Space::voxel;
-  full.context.grid.spacing = {1, 4, 2};
+  full.context.volume.grid.spacing = {1, 4, 2};
   const std::string text = levels_manifest({full.context.files[1]}, {level_json(full.report.levels[1], 1)});
   EXPECT_EQ(full.json()["files"][1]["largest_rounding"], 0.5);
   EXPECT_EQ(Json::parse(text)["levels"][0]["largest_rounding"], 0.5);

@@ -29,7 +29,7 @@ std::string refusal(const std::string& spec) {
 }
 
 TEST(ParseLevel, EveryUnit) {
-  const std::vector<TypedConstraint> expected{{max_distance, 0.5, true}, {mean_distance, 2},        {min_edge, 2},
+  const std::vector<TypedConstraint> expected{{max_distance, 0.5, true}, {mean_distance, 2, false, false, LengthUnit::millimetre},        {min_edge, 2},
                                               {area_curvature, 1.1},     {normal_angle, 15},        {max_vertices, 2000},
                                               {min_aspect, 0.25},        {max_edge, 1e3, true},     {geodesic_ratio, 1.5},
                                               {min_vertices, 4},         {area_curvature_smooth, 3}};
@@ -54,7 +54,7 @@ TEST(ParseLevel, SaysWhatIsWrongWhereAndWhatWasExpected) {
                           "max-distance:0",
                           "max-distance:-1",
                           "max-distance:inf",
-                          "max-distance:1 vx",
+                          "max-distance:1 px",
                           "area-curvature:1",
                           "area-curvature:inf",
                           "geodesic-ratio:1vx",

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "volume_input.h"
+
+#include <iostream>
+
+#include "isoatlas/error.h"
+#include "text.h"
+
+namespace isoatlas::tool {
+
+VolumeFile read_volume_input(const std::filesystem::path& path, const ReadOptions& options) {
+  try {
+    return read_volume_file(path, options);
+  } catch (const ChoiceNeeded& needed) {
+    const std::string option = "--" + needed.choice().name;
+    throw ChoiceNeeded(needed.what() + ("; choose with " + option + ", for example " + option + " 0"), needed.choice(), needed.source());
+  }
+}
+
+void print_warnings(const std::filesystem::path& path, const VolumeSource& source) {
+  for (const std::string& warning : source.warnings)
+    std::cerr << one_line("isoatlas: warning: " + path.string() + ": " + warning) << "\n";
+}
+
+std::string choice_text(const FileChoice& choice) {
+  const std::string count = std::to_string(choice.entries.size());
+  if (!choice.selected) return count + ", choose one with --" + choice.name;
+  const std::string& entry = choice.entries[*choice.selected];
+  const std::string number = std::to_string(*choice.selected);
+  return number + (entry == number ? "" : " (" + entry + ")") + " of " + count;
+}
+
+}  // namespace isoatlas::tool

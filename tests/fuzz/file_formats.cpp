@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fuzz/file_formats.h"
+
+#include <malloc.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <string>
+
+#include "isoatlas/io.h"
+#include "page/page.h"
+
+namespace isoatlas::test {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::array<std::string_view, 15> kVolumes{"nrrd", "nhdr", "nii", "mha", "mhd", "tif", "dcm", "vtk",
+                                                    "vti",  "vtr",  "pvti", "npy", "mrc", "mgh", "mgz"};
+constexpr std::array<std::string_view, 8> kMeshes{"ply", "stl", "obj", "off", "vtp", "glb", "3mf", "gii"};
+
+template <class List>
+bool holds(const List& list, std::string_view format) {
+  return std::ranges::find(list, format) != list.end();
+}
+
+/// One file in memory, where the machine has such a folder; its name has the format's extension.
+class FileInMemory {
+ public:
+  FileInMemory(std::string_view format, std::span<const std::uint8_t> bytes) {
+    const fs::path folder = fs::is_directory("/dev/shm") ? "/dev/shm" : fs::temp_directory_path();
+    path_ = folder / ("isoatlas-fuzz-" + std::to_string(getpid()) + "." + std::string(format));
+    std::ofstream(path_, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  }
+  ~FileInMemory() {
+    std::error_code ignored;
+    fs::remove(path_, ignored);
+  }
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+std::string wrong_grid(const Grid& grid) {
+  const auto finite = [](const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); };
+  const bool is_sound = finite(grid.origin) && finite(grid.spacing) && grid.spacing.x > 0 && grid.spacing.y > 0 && grid.spacing.z > 0 &&
+                        std::ranges::all_of(grid.direction, finite) && std::ranges::all_of(grid.size, [](std::size_t n) { return n >= 2; });
+  return is_sound ? "" : "a grid that is not sound";
+}
+
+std::string wrong_volume(const fs::path& path, const ReadOptions& options) {
+  mallopt(M_PERTURB, 0x11);  // memory that nobody writes is not the same twice
+  const VolumeFile once = read_volume_file(path, options);
+  if (const std::string wrong = wrong_grid(once.volume.grid); !wrong.empty()) return wrong;
+  mallopt(M_PERTURB, 0x22);
+  const VolumeFile again = read_volume_file(path, options);
+  if (sample_digest(once.volume) != sample_digest(again.volume)) return "other samples when it is read again";
+  for (const std::string& warning : once.source.warnings)
+    if (warning.find('\n') != std::string::npos) return "a warning of more than one line";
+  return "";
+}
+
+void choose(ReadOptions& options, const FileChoice& choice, std::size_t entry) {
+  if (choice.name == "channel") options.channel = entry;
+  if (choice.name == "time") options.time = entry;
+  if (choice.name == "layer") options.layer = std::to_string(entry);
+  if (choice.name == "array") options.array = choice.entries[entry];
+  if (choice.name == "series") options.series = std::to_string(entry);
+}
+
+std::string wrong_volume_of_choices(const fs::path& path) {
+  ReadOptions options;
+  options.max_memory = std::uint64_t{1} << 26;
+  constexpr int kDeepest = 4;
+  for (int depth = 0; depth < kDeepest; ++depth) {
+    try {
+      return wrong_volume(path, options);
+    } catch (const ChoiceNeeded& needed) {
+      if (needed.choice().entries.size() < 2) return "a choice of fewer than two";
+      choose(options, needed.choice(), needed.choice().entries.size() - 1);
+    }
+  }
+  return "";
+}
+
+std::string wrong_mesh(const fs::path& path) {
+  const HierarchyFile file = read_levels(path);
+  for (std::size_t level = 0; level < file.hierarchy.levels.size(); ++level) {
+    const TriangleMesh mesh = file.hierarchy.mesh(level);
+    for (const auto& triangle : mesh.triangles)
+      if (std::ranges::any_of(triangle, [&](std::uint32_t v) { return v >= mesh.positions.size(); })) return "a corner that is not there";
+    for (const Vec3& p : mesh.positions)
+      if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return "a position that is not finite";
+  }
+  return "";
+}
+
+}  // namespace
+
+bool is_fuzzed_format(std::string_view format) { return holds(kVolumes, format) || holds(kMeshes, format) || format == "json"; }
+
+std::string what_is_wrong_with_file(std::string_view format, std::span<const std::uint8_t> bytes) {
+  const FileInMemory file(format, bytes);
+  try {
+    if (holds(kVolumes, format)) return wrong_volume_of_choices(file.path());
+    if (holds(kMeshes, format)) return wrong_mesh(file.path());
+    entry_of_file(file.path());
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::internal || error.code() == ErrorCode::cancelled) return error.what();
+    if (std::strpbrk(error.what(), "\n\r") != nullptr) return "a message of more than one line";
+  }
+  return "";
+}
+
+}  // namespace isoatlas::test
