@@ -85,7 +85,7 @@ Space space_of(const CheckArguments& arguments) {
   return said == "ras" ? Space::ras : said == "voxel" ? Space::voxel : Space::lps;
 }
 
-DistanceReport measure_distance(const CheckArguments& arguments, const TriangleMesh& mesh, const RunControl& control) {
+DistanceReport measure_distance(const CheckArguments& arguments, TriangleMesh mesh, const RunControl& control) {
   DistanceReport report;
   report.volume_path = arguments.volume->string();
   report.options = arguments.measure;
@@ -93,11 +93,13 @@ DistanceReport measure_distance(const CheckArguments& arguments, const TriangleM
   const VolumeFile file = read_volume_input(*arguments.volume, arguments.read);
   print_warnings(*arguments.volume, file.source);
   const Volume& volume = file.volume;
+  // Sample indices have no unit, whatever the file has to state.
+  if (report.options.space != Space::voxel) convert_unit(mesh, mesh_file_info(arguments.mesh).unit, volume.grid.unit);
   try {
     report.measured = measure(mesh, volume, report.options, control);
   } catch (const Error& error) {
     // The library does not know what the volume is called; its messages should.
-    throw Error(error.code(), report.volume_path + ": " + error.what());
+    throw Error(error.code(), volume_name(report.volume_path) + ": " + error.what());
   }
   return report;
 }

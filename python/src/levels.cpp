@@ -11,6 +11,7 @@
 #include "isoatlas/version.h"
 #include "outputs/mesh_outputs.h"
 #include "outputs/output_files.h"
+#include "outputs/stated_rounding.h"
 #include "wording/settings.h"
 
 namespace isoatlas::python {
@@ -197,7 +198,9 @@ void save_levels(const std::shared_ptr<Levels>& levels, const std::string& path,
           context.files = files;
           context.write_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
           context.peak_memory_bytes = peak_memory_bytes();
-          outputs.write(*report, [&](const fs::path& staged) { write_text_file(to_json(levels->made->report, context), staged); });
+          ExtractReport stated = levels->made->report;
+          state_rounding(stated, files, context.volume.grid, context.options.space);
+          outputs.write(*report, [&](const fs::path& staged) { write_text_file(to_json(stated, context), staged); });
         }
         control.check_cancelled();
         outputs.commit();

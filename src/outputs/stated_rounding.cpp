@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <string>
 
+#include "outputs/standard_output.h"
+
 namespace isoatlas {
 namespace {
 
@@ -45,7 +47,7 @@ void state_rounding(LevelReport& level, double rounding, const std::string& path
     const bool is_within = change >= 0 ? result.reached <= result.wanted.bound : result.reached >= result.wanted.bound;
     if (result.met && change != 0 && !is_within) {
       result.met = false;
-      result.reason = "positions are rounded to float32 in " + path + ", by up to " + number(rounding);
+      result.reason = "positions are rounded to float32 in " + (is_standard_stream(path) ? kStandardOutputName : path) + ", by up to " + number(rounding);
     }
   }
 }
