@@ -357,14 +357,32 @@ CLI::App* add_report_command(CLI::App& app, ReportArguments& arguments) {
   return command;
 }
 
+namespace {
+
+Vec3 parse_direction(const std::string& text) {
+  const auto [x, y, z] = parse_triple<double>(text, "three numbers like 0.45,-1,0.35", [](double v) { return std::isfinite(v); });
+  return Vec3{x, y, z};
+}
+
+/// Names are those of a patient in LPS: x grows to the left, y to the back, z to the head.
+Vec3 parse_view(const std::string& text) {
+  const std::string word = plain_word(text);
+  if (word.empty() || word[0] < 'a' || word[0] > 'z') return parse_direction(text);
+  if (word == "front") return {0, -1, 0};
+  if (word == "back") return {0, 1, 0};
+  if (word == "left") return {1, 0, 0};
+  if (word == "right") return {-1, 0, 0};
+  if (word == "top") return {0, 0, 1};
+  if (word == "bottom") return {0, 0, -1};
+  refuse_value("one of front, back, left, right, top, bottom, or three numbers like 0.45,-1,0.35", text);
+}
+
+}  // namespace
+
 // clang-format off
 CLI::App* add_picture_command(CLI::App& app, PictureArguments& arguments) {
-  CLI::App* command = add_command(app, "picture", "draw a mesh into a PNG file", picture_page());
+  CLI::App* command = add_command(app, "picture", "draw a mesh into a PNG or JPEG file", picture_page());
   PictureOptions& options = arguments.options;
-  const auto direction = [](const std::string& text) {
-    const auto [x, y, z] = parse_triple<double>(text, "three numbers like 0.45,-1,0.35", [](double v) { return std::isfinite(v); });
-    return Vec3{x, y, z};
-  };
   command->add_option("RESULT", arguments.mesh, "A mesh, or a file of levels. See FILES.")->required()->group(kInput);
   add_value(*command, kInput, "--level", "K", R"(
 Which level of a file of levels, from 0, the coarsest. Default: the finest.
@@ -372,12 +390,13 @@ Which level of a file of levels, from 0, the coarsest. Default: the finest.
     arguments.level = parse_whole<std::uint32_t>(text);
     if (!arguments.level) refuse_value("a level's number, 0 or more", text);
   });
-  command->add_option("-o,--output", arguments.picture, "The picture to write, a PNG file.")->type_name("FILE")->required()->group(kOutput);
+  command->add_option("-o,--output", arguments.picture, "The picture to write: .png, .jpg or .jpeg.")->type_name("FILE")->required()->group(kOutput);
   add_value(*command, kOutput, "--style", "NAME", R"(
 smooth: lit, as a solid thing. hidden-line: the edges that are seen, dark on white. Default: smooth.
 )", [&](const std::string& text) {
-    if (text != "smooth" && text != "hidden-line") refuse_value("one of smooth, hidden-line", text);
-    options.style = text == "smooth" ? PictureStyle::smooth : PictureStyle::hidden_line;
+    const std::string style = plain_word(text);
+    if (style != "smooth" && style != "hidden-line") refuse_value("one of smooth, hidden-line", text);
+    options.style = style == "smooth" ? PictureStyle::smooth : PictureStyle::hidden_line;
   });
   add_value(*command, kOutput, "--size", "WIDTH,HEIGHT", R"(
 Pixels, 16 to 8192 each. Default: 1200,900.
@@ -390,12 +409,12 @@ Pixels, 16 to 8192 each. Default: 1200,900.
     options.height = *height;
   });
   add_value(*command, kOutput, "--view", "X,Y,Z", R"(
-From where the mesh is seen: the direction from it to the eye. Default: 0.45,-1,0.35, of a patient the front from a
-little above.
-)", [&, direction](const std::string& text) { options.view = direction(text); });
+From where the mesh is seen: front, back, left, right, top or bottom of a patient in LPS, or the direction from the mesh
+to the eye. Default: 0.45,-1,0.35, the front from a little above.
+)", [&](const std::string& text) { options.view = parse_view(text); });
   add_value(*command, kOutput, "--up", "X,Y,Z", R"(
-What is up in the picture. Default: 0,0,1.
-)", [&, direction](const std::string& text) { options.up = direction(text); });
+What is up in the picture; 0,0,-1 turns one that is upside down. Default: 0,0,1; seen from top or bottom the front, 0,-1,0.
+)", [&](const std::string& text) { options.up = parse_direction(text); });
   add_value(*command, kOutput, "--zoom", "FACTOR", R"(
 How much larger than to fit into the picture. Default: 1.
 )", [&](const std::string& text) { options.zoom = parse_finite(text); });

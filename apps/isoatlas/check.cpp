@@ -15,6 +15,7 @@
 #include "isoatlas/io.h"
 #include "isoatlas/measure.h"
 #include "isoatlas/mesh.h"
+#include "mesh_place.h"
 #include "progress_bar.h"
 #include "report/report.h"
 #include "text.h"
@@ -85,7 +86,12 @@ Space space_of(const CheckArguments& arguments) {
   return said == "ras" ? Space::ras : said == "voxel" ? Space::voxel : Space::lps;
 }
 
-DistanceReport measure_distance(const CheckArguments& arguments, TriangleMesh mesh, const RunControl& control) {
+struct MeasuredDistance {
+  DistanceReport report;
+  std::string misplacement;
+};
+
+MeasuredDistance measure_distance(const CheckArguments& arguments, TriangleMesh mesh, const RunControl& control) {
   DistanceReport report;
   report.volume_path = arguments.volume->string();
   report.options = arguments.measure;
@@ -101,7 +107,8 @@ DistanceReport measure_distance(const CheckArguments& arguments, TriangleMesh me
     // The library does not know what the volume is called; its messages should.
     throw Error(error.code(), volume_name(report.volume_path) + ": " + error.what());
   }
-  return report;
+  std::string misplaced = misplacement(mesh, volume.grid, report.options.space, report.measured);
+  return {std::move(report), std::move(misplaced)};
 }
 
 std::string length_text(double length, double voxel) { return number_text(length) + " (" + ratio_text(length / voxel) + " vx)"; }
@@ -150,21 +157,24 @@ int run_check(const CheckArguments& arguments, Interruption& interruption) {
   const MeshQuality quality = mesh_quality(mesh);
   std::optional<SelfIntersectionReport> meetings;
   if (arguments.self_intersections) meetings = find_self_intersections(arguments, mesh, control);
-  std::optional<DistanceReport> distance;
+  std::optional<MeasuredDistance> distance;
   if (arguments.volume) distance = measure_distance(arguments, mesh, control);
   progress.erase();
   if (arguments.json) {
-    std::cout << to_json(arguments.mesh.string(), topology, quality, meetings ? &*meetings : nullptr, distance ? &*distance : nullptr);
+    std::cout << to_json(arguments.mesh.string(), topology, quality, meetings ? &*meetings : nullptr, distance ? &distance->report : nullptr);
   } else {
     std::cout << one_line(arguments.mesh.string()) << "\n";
     print_topology(topology);
     if (topology.triangles > 0) print_quality(quality, terminal_is_utf8());
     if (meetings) print_self_intersections(*meetings);
-    if (distance) print_distance(*distance);
+    if (distance) print_distance(distance->report);
   }
+  const bool is_misplaced = distance && !distance->misplacement.empty();
+  if (is_misplaced) std::cerr << one_line("isoatlas: " + arguments.mesh.string() + ": " + distance->misplacement) << "\n";
   const bool meets_itself = meetings && meetings->pairs > 0;
   // No triangles break no rule, but nobody who asks for a check means that by a good mesh.
-  return topology.is_manifold() && topology.is_oriented() && topology.triangles > 0 && !meets_itself ? kSuccess : kCheckFailed;
+  return topology.is_manifold() && topology.is_oriented() && topology.triangles > 0 && !meets_itself && !is_misplaced ? kSuccess
+                                                                                                                    : kCheckFailed;
 }
 
 }  // namespace isoatlas::tool

@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include "file_kinds.h"
 #include "isoatlas/error.h"
 #include "isoatlas/text_file.h"
 #include "text.h"
@@ -60,6 +61,8 @@ ExtractOutputs::ExtractOutputs(const ExtractArguments& arguments, std::size_t le
   }
   // A volume from standard input has no name that an output could have.
   meshes_.check(level_count, is_standard_stream(arguments.volume.path) ? fs::path() : arguments.volume.path, named);
+  if (arguments.report && !is_standard_stream(*arguments.report)) require_report_name(*arguments.report);
+  if (arguments.page && !is_standard_stream(*arguments.page)) require_page_name(*arguments.page);
 }
 
 std::vector<ReportFile> ExtractOutputs::write_meshes(const Hierarchy& hierarchy, const HierarchyFileInfo& info) {

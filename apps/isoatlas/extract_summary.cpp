@@ -2,6 +2,7 @@
 #include "extract_summary.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 
 #include "outputs/stated_rounding.h"
@@ -80,6 +81,12 @@ std::string certificate_of_all(const ExtractReport& report) {
          "; counted again: " + (std::all_of(report.levels.begin(), report.levels.end(), same) ? "same topology" : "OTHER TOPOLOGY");
 }
 
+/// A ratio is infinite where a cell's triangles face away from its part of the surface; then the mean is too.
+std::string metric_text(Quantity metric, const MetricSummary& summary, LengthUnit unit) {
+  if (std::isinf(summary.maximum)) return "unbounded: somewhere triangles face away from the surface";
+  return "at most " + bound_text(metric, summary.maximum, unit) + ", on average " + bound_text(metric, summary.mean, unit);
+}
+
 void print_level_details(std::ostream& out, const LevelReport& level, std::size_t number, LengthUnit unit) {
   const auto say = [&](const std::string& label, const std::string& value) { out << row("  " + label, value); };
   out << row(level_name(number), repair_text(level.certificate) + " by repair, " + counted(level.refine_rounds, "round") +
@@ -89,8 +96,7 @@ void print_level_details(std::ostream& out, const LevelReport& level, std::size_
                    number_text(level.quality.angle_max) + " degrees");
   for (std::size_t i = 0; level.metrics && i < kMetricCount; ++i) {
     const auto metric = static_cast<Quantity>(i);
-    say(std::string(name(metric)),
-        "at most " + bound_text(metric, (*level.metrics)[i].maximum, unit) + ", on average " + bound_text(metric, (*level.metrics)[i].mean, unit));
+    say(std::string(name(metric)), metric_text(metric, (*level.metrics)[i], unit));
   }
   for (const ConstraintResult& result : level.constraints)
     say(result.met                 ? "met"

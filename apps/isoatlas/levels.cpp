@@ -2,6 +2,7 @@
 // isoatlas levels: how do the levels of detail in a file compare?
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <cstring>
 #include <functional>
 #include <iostream>
@@ -104,6 +105,9 @@ class Table {
   const std::vector<LevelFacts>& levels_;
 };
 
+/// A ratio is infinite where a cell's triangles face away from its part of the surface.
+std::string metric_text(double value) { return std::isinf(value) ? "unbounded" : number_text(value); }
+
 void print_table(const std::string& path, const Levels& levels) {
   std::cout << one_line(path) << "\n";
   const Table table(levels.facts);
@@ -114,7 +118,7 @@ void print_table(const std::string& path, const Levels& levels) {
   for (std::size_t i = 0; i < kMetricCount; ++i) {
     const std::string metric(name(static_cast<Quantity>(i)));
     const auto known = [i](double MetricSummary::*part) {
-      return [i, part](const LevelFacts& l) { return l.metrics[i] ? number_text(*l.metrics[i].*part) : "-"; };
+      return [i, part](const LevelFacts& l) { return l.metrics[i] ? metric_text(*l.metrics[i].*part) : "-"; };
     };
     table.line(metric + ", maximum", known(&MetricSummary::maximum));
     table.line(std::string(metric.size(), ' ') + "  mean", known(&MetricSummary::mean));

@@ -1,18 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // The command line tool: parse, run one command, turn what was thrown into one line and an exit status.
+#include <algorithm>
 #include <CLI/CLI.hpp>
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <iostream>
 #include <new>
 #include <string>
+#include <vector>
 
 #include "arguments.h"
 #include "commands.h"
 #include "exit_status.h"
+#include "file_kinds.h"
 #include "interruption.h"
 #include "isoatlas/error.h"
 #include "text.h"
+#include "typing_help.h"
 
 namespace {
 
@@ -33,7 +38,31 @@ int interrupted(const Interruption& interruption) {
   return interruption.exit_status();
 }
 
-int run(const std::function<int()>& command, Interruption& interruption) {
+/// Names the page of the command that was typed.
+std::string see_help(const CLI::App& app, const std::vector<std::string>& words) {
+  const auto is_typed = [&](const CLI::App* command) { return !words.empty() && command->get_name() == words.front(); };
+  const auto commands = app.get_subcommands(is_typed);
+  return " (see isoatlas " + (commands.empty() ? "" : commands.front()->get_name() + " ") + "--help)";
+}
+
+/// A file that a command reads, and the command's name as advice_for_file() takes it.
+struct Input {
+  std::string command;
+  std::filesystem::path path;
+};
+
+/// Where a file is refused that is for another command: which.
+std::string advice(const Error& error, const std::vector<Input>& inputs) {
+  const std::string message = error.what();
+  for (const Input& input : inputs) {
+    if (!message.starts_with(input.path.string() + ": ")) continue;
+    const std::string text = advice_for_file(input.command, input.path);
+    return text.empty() || message.find(text) != std::string::npos ? "" : "; " + text;
+  }
+  return "";
+}
+
+int run(const std::function<int()>& command, Interruption& interruption, const std::vector<Input>& inputs) {
   // settle() first in every handler: from there on this thread alone speaks.
   try {
     const int status = command();
@@ -49,6 +78,9 @@ int run(const std::function<int()>& command, Interruption& interruption) {
         return fail_internal(error.what());
       case ErrorCode::out_of_memory:
         return fail(kOutOfMemory, std::string(error.what()) + "; nothing was written");
+      case ErrorCode::bad_file:
+      case ErrorCode::unsupported:
+        return fail(exit_status(error.code()), error.what() + advice(error, inputs));
       default:
         return fail(exit_status(error.code()), error.what());
     }
@@ -78,25 +110,40 @@ int main(int argc, char** argv) {
   PictureArguments picture_arguments;
   const CLI::App* extract_command = add_extract_command(app, extract_arguments);
   const CLI::App* info_command = add_info_command(app, info_arguments);
+  add_check_command(app, check_arguments);
   const CLI::App* levels_command = add_levels_command(app, levels_arguments);
   const CLI::App* report_command = add_report_command(app, report_arguments);
   const CLI::App* picture_command = add_picture_command(app, picture_arguments);
-  add_check_command(app, check_arguments);
 
+  std::vector<std::string> words = in_standard_form(app, {argv + 1, argv + argc});
+  if (words.empty()) {
+    std::cerr << usage(app);
+    return kBadInput;
+  }
+  if (const std::string mistake = find_mistake(app, words); !mistake.empty()) return fail(kBadInput, mistake + see_help(app, words));
   try {
-    app.parse(argc, argv);
+    std::reverse(words.begin(), words.end());  // as CLI11 takes them
+    app.parse(words);
   } catch (const CLI::Success& wish) {  // --help, --version
     return app.exit(wish);
   } catch (const CLI::ParseError& error) {
-    const auto chosen = app.get_subcommands();
-    return fail(kBadInput,
-                std::string(error.what()) + " (see isoatlas " + (chosen.empty() ? "" : chosen.front()->get_name() + " ") + "--help)");
+    return fail(kBadInput, error.what() + see_help(app, {argv + 1, argv + argc}));
   }
   extract_arguments.command = command_text({argv + 1, argv + argc});
-  if (extract_command->parsed()) return run([&] { return run_extract(extract_arguments, interruption); }, interruption);
-  if (info_command->parsed()) return run([&] { return run_info(info_arguments); }, interruption);
-  if (levels_command->parsed()) return run([&] { return run_levels(levels_arguments); }, interruption);
-  if (report_command->parsed()) return run([&] { return run_report(report_arguments, interruption); }, interruption);
-  if (picture_command->parsed()) return run([&] { return run_picture(picture_arguments, interruption); }, interruption);
-  return run([&] { return run_check(check_arguments, interruption); }, interruption);
+  const auto run_on = [&](const std::function<int()>& command, const std::vector<Input>& inputs) {
+    return run(command, interruption, inputs);
+  };
+  if (extract_command->parsed())
+    return run_on([&] { return run_extract(extract_arguments, interruption); }, {{"extract", extract_arguments.volume.path}});
+  if (info_command->parsed()) return run_on([&] { return run_info(info_arguments); }, {{"info", info_arguments.volume.path}});
+  if (levels_command->parsed()) return run_on([&] { return run_levels(levels_arguments); }, {{"levels", levels_arguments.file}});
+  if (report_command->parsed()) {
+    std::vector<Input> results;
+    for (const std::filesystem::path& result : report_arguments.results) results.push_back({"report", result});
+    return run_on([&] { return run_report(report_arguments, interruption); }, results);
+  }
+  if (picture_command->parsed())
+    return run_on([&] { return run_picture(picture_arguments, interruption); }, {{"picture", picture_arguments.mesh}});
+  return run_on([&] { return run_check(check_arguments, interruption); },
+                {{"check", check_arguments.mesh}, {"check --volume", check_arguments.volume.value_or("")}});
 }

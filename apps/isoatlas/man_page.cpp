@@ -59,6 +59,7 @@ std::string ManPage::make_help(const CLI::App* app, std::string name, CLI::AppFo
   const std::string indent(kIndent, ' ');
   std::string page = section("Name", indent + name + " - " + app->get_description() + "\n");
   page += section("Synopsis", indented(text_.synopsis));
+  if (!text_.common_options.empty()) page += section("Common options", indented(text_.common_options));
   page += section("Description", filled(text_.description, kIndent));
 
   std::string commands;

@@ -14,6 +14,7 @@ class ManPage : public CLI::FormatterBase {
  public:
   struct Text {
     std::string synopsis;                                       ///< as it stands
+    std::string common_options = {};                               ///< as it stands: what most people need, on the first screen
     std::string description;                                    ///< paragraphs with empty lines between them; filled
     std::vector<std::string> groups;                            ///< of options, in the order of the page
     std::vector<std::pair<std::string, std::string>> sections;  ///< after the options: title, lines as they stand
@@ -21,6 +22,7 @@ class ManPage : public CLI::FormatterBase {
 
   explicit ManPage(Text text) : text_(std::move(text)) {}
   std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override;
+  const Text& text() const { return text_; }
 
  private:
   Text text_;

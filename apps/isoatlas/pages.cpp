@@ -64,7 +64,7 @@ ManPage::Text tool_page() {
   return {
       .synopsis =
           "isoatlas COMMAND [options]\n"
-          "isoatlas COMMAND --help",
+          "isoatlas help COMMAND",
       .description = R"(
 Turns scalar volumes (CT, MRI, microscopy, distance fields, simulations) into triangle meshes. Every mesh that is
 written is a manifold with the topology of the full-resolution surface, component by component; that is checked, not
@@ -83,6 +83,16 @@ isoatlas check head.ply
 ManPage::Text extract_page() {
   return {
       .synopsis = "isoatlas extract VOLUME --iso X -o MESH [options]",
+      .common_options = R"(--iso X                the isovalue; `isoatlas info VOLUME` suggests some
+-o, --output MESH      its extension is the format: .ply, .stl, .glb, ...
+--max-distance LENGTH  how close to the surface: 0.5vx (voxels) or 0.2mm;
+                       larger: fewer triangles. Default: 0.5vx
+--refine SPEC          one more level of detail, like max-distance:2vx
+--report FILE          all that was counted and measured, as JSON
+--html FILE            a page that shows the mesh in 3-D, in any browser
+
+isoatlas extract head.nrrd --iso 80.5 -o head.ply --html head.html
+)",
       .description = R"(
 Reads a volume, meshes the surface on which it has the value X in nested levels of detail, checks the meshes and writes
 them. Level 0 is the coarsest mesh: few triangles where the surface is tame, more where its topology asks for them. Each
@@ -243,13 +253,14 @@ ManPage::Text picture_page() {
   return {
       .synopsis = "isoatlas picture RESULT -o FILE [options]",
       .description = R"(
-Draws a mesh into a PNG file, on white, in parallel projection.
+Draws a mesh into a PNG or JPEG file, on white, in parallel projection. The extension of the name is the format.
 
 VTK does the drawing and needs an X display; where there is none, Xvfb is started for the time that it takes (Debian:
 package xvfb).
 )",
       .groups = {kInput, kOutput, kRunning},
       .sections = {{"Examples", R"(isoatlas picture head.ply -o head.png
+isoatlas picture head.ply --view left -o left.jpg
 isoatlas picture head.glb --level 0 --style hidden-line -o coarse.png
 )"},
                    {"Exit status", kExitStatus},

@@ -31,18 +31,20 @@ TriangleMesh read_level(const fs::path& path, const std::optional<std::size_t>& 
 }  // namespace
 
 int run_picture(const PictureArguments& arguments, Interruption& interruption) {
+  PictureOptions options = arguments.options;
   if (same_file(arguments.mesh, arguments.picture))
     throw Error(ErrorCode::bad_argument, arguments.picture.string() + ": the picture would replace the mesh");
+  options.format = picture_format(arguments.picture);
   check_output_path(arguments.picture);
   OutputFiles outputs;
   const Interruption::Cleanup clean_up(interruption, [&] { outputs.discard(); });
   const TriangleMesh mesh = read_level(arguments.mesh, arguments.level);
-  const std::string png = picture_png(mesh, arguments.options);
-  outputs.write(arguments.picture, [&](const fs::path& staged) { write_text_file(png, staged); });
+  const std::string picture = picture_of(mesh, options);
+  outputs.write(arguments.picture, [&](const fs::path& staged) { write_text_file(picture, staged); });
   interruption.commit([&] { outputs.commit(); });
   if (!arguments.quiet)
     std::cout << row("wrote", arguments.picture.string() + ": " + count_text(mesh.triangles.size()) + " triangles, " +
-                                  bytes_text(static_cast<double>(png.size())));
+                                  bytes_text(static_cast<double>(picture.size())));
   return kSuccess;
 }
 

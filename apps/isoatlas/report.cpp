@@ -6,6 +6,7 @@
 
 #include "commands.h"
 #include "exit_status.h"
+#include "file_kinds.h"
 #include "isoatlas/error.h"
 #include "isoatlas/io.h"
 #include "outputs/output_files.h"
@@ -21,6 +22,7 @@ int run_report(const ReportArguments& arguments, Interruption& interruption) {
   for (const fs::path& result : arguments.results)
     if (same_file(result, arguments.page))
       throw Error(ErrorCode::bad_argument, arguments.page.string() + ": the page would replace a result");
+  require_page_name(arguments.page);
   check_output_path(arguments.page);
   OutputFiles outputs;
   const Interruption::Cleanup clean_up(interruption, [&] { outputs.discard(); });

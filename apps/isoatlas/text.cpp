@@ -88,6 +88,7 @@ std::string with_unit(double length, LengthUnit unit) {
 }
 
 std::string bound_text(Quantity quantity, double bound, LengthUnit world) {
+  if (std::isinf(bound)) return "unbounded";
   switch (unit(quantity)) {
     case Unit::count:
       return count_text(static_cast<std::uint64_t>(std::max(bound, 0.0)));

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "files/library_messages.h"
 
-#include <itkObject.h>
 #include <vtkLogger.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
@@ -45,9 +44,8 @@ class CollectingWindow : public vtkOutputWindow {
 struct LibraryMessages::Windows {
   vtkSmartPointer<CollectingWindow> collecting = vtkSmartPointer<CollectingWindow>::New();
   vtkSmartPointer<vtkOutputWindow> vtk_window = vtkOutputWindow::GetInstance();
-  bool itk_warnings = itk::Object::GetGlobalWarningDisplay();
   vtkLogger::Verbosity vtk_verbosity = vtkLogger::GetCurrentVerbosityCutoff();
-  std::ostringstream sink;  // MetaIO and GDCM write to std::cerr and std::cout
+  std::ostringstream sink;  // GDCM writes to std::cerr and std::cout
   std::streambuf* cerr_buffer = std::cerr.rdbuf();
   std::streambuf* cout_buffer = std::cout.rdbuf();
 };
@@ -55,7 +53,6 @@ struct LibraryMessages::Windows {
 LibraryMessages::LibraryMessages() : lock_(library_mutex()), windows_(std::make_unique<Windows>()) {
   vtkOutputWindow::SetInstance(windows_->collecting);
   vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);  // VTK reports twice: to the window and to its log
-  itk::Object::SetGlobalWarningDisplay(false);
   std::cerr.rdbuf(windows_->sink.rdbuf());
   std::cout.rdbuf(windows_->sink.rdbuf());
 }
@@ -63,7 +60,6 @@ LibraryMessages::LibraryMessages() : lock_(library_mutex()), windows_(std::make_
 LibraryMessages::~LibraryMessages() {
   std::cout.rdbuf(windows_->cout_buffer);
   std::cerr.rdbuf(windows_->cerr_buffer);
-  itk::Object::SetGlobalWarningDisplay(windows_->itk_warnings);
   vtkLogger::SetStderrVerbosity(windows_->vtk_verbosity);
   vtkOutputWindow::SetInstance(windows_->vtk_window);
 }

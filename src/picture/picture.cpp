@@ -5,8 +5,10 @@
 #include <vtkCamera.h>
 #include <vtkCellArray.h>
 #include <vtkFloatArray.h>
+#include <vtkImageAlgorithm.h>
 #include <vtkImageData.h>
 #include <vtkImageShrink3D.h>
+#include <vtkJPEGWriter.h>
 #include <vtkLight.h>
 #include <vtkNew.h>
 #include <vtkPNGWriter.h>
@@ -21,6 +23,7 @@
 #include <vtkWindowToImageFilter.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -36,6 +39,8 @@ namespace {
 constexpr int kFiner = 3;              // drawn so many times larger, then averaged: edges are smooth whatever the driver can do
 constexpr int kLargestWindow = 16384;  // drivers draw nothing into larger ones
 constexpr double kMargin = 1.06;
+constexpr double kLeastSine = 1e-6;  // of the angle between the view and what is up
+constexpr int kJpegQuality = 95;
 
 struct Box {
   Vec3 middle;
@@ -110,15 +115,40 @@ void require(bool good, const char* message) {
   if (!good) throw Error(ErrorCode::bad_argument, message);
 }
 
+// For people in LPS: seen from above or below, the front is up.
+Vec3 default_up(Vec3 towards) {
+  const Vec3 z{0, 0, 1};
+  return length(cross(towards, z)) > kLeastSine ? z : Vec3{0, -1, 0};
+}
+
+/// The bytes of a file.
+template <class Writer>
+std::string encoded(Writer& writer, vtkImageAlgorithm& pixels) {
+  writer.SetInputConnection(pixels.GetOutputPort());
+  writer.WriteToMemoryOn();
+  writer.Write();
+  vtkUnsignedCharArray& bytes = *writer.GetResult();
+  return {reinterpret_cast<const char*>(bytes.GetPointer(0)), static_cast<std::size_t>(bytes.GetNumberOfValues())};
+}
+
 }  // namespace
 
-std::string picture_png(const TriangleMesh& mesh, const PictureOptions& options) {
+PictureFormat picture_format(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension == ".png") return PictureFormat::png;
+  if (extension == ".jpg" || extension == ".jpeg") return PictureFormat::jpeg;
+  throw Error(ErrorCode::unsupported, path.string() + ": unknown picture format, expected a name ending in .png, .jpg or .jpeg");
+}
+
+std::string picture_of(const TriangleMesh& mesh, const PictureOptions& options) {
   require(!mesh.triangles.empty(), "the mesh has no triangles to draw");
   for (const int pixels : {options.width, options.height})
     require(pixels >= 16 && pixels <= 8192, "a picture is 16 to 8192 pixels wide and high");
   require(options.zoom > 0 && std::isfinite(options.zoom), "the zoom of a picture must be positive");
   const Vec3 towards = normalized(options.view);
-  require(length(cross(towards, normalized(options.up))) > 1e-6, "the view of a picture and what is up in it must be two directions");
+  const Vec3 upwards = options.up.value_or(default_up(towards));
+  require(length(cross(towards, normalized(upwards))) > kLeastSine, "the view of a picture and what is up in it must be two directions");
   const int finer = std::min(kFiner, kLargestWindow / std::max(options.width, options.height));
   const picture::Display display;
 
@@ -159,10 +189,10 @@ std::string picture_png(const TriangleMesh& mesh, const PictureOptions& options)
   vtkCamera& camera = *renderer->GetActiveCamera();
   camera.SetFocalPoint(0, 0, 0);
   camera.SetPosition(10 * towards.x, 10 * towards.y, 10 * towards.z);
-  camera.SetViewUp(options.up.x, options.up.y, options.up.z);
+  camera.SetViewUp(upwards.x, upwards.y, upwards.z);
   camera.SetParallelProjection(true);
   // So that every vertex is in the picture.
-  const Vec3 right = normalized(cross(options.up, towards)), up = cross(towards, right);
+  const Vec3 right = normalized(cross(upwards, towards)), up = cross(towards, right);
   double half_width = 0, half_height = 0;
   for (const Triangle& t : mesh.triangles) {
     for (const std::uint32_t v : t) {
@@ -188,13 +218,11 @@ std::string picture_png(const TriangleMesh& mesh, const PictureOptions& options)
   smaller->SetInputConnection(pixels->GetOutputPort());
   smaller->SetShrinkFactors(finer, finer, 1);
   smaller->AveragingOn();
-  vtkNew<vtkPNGWriter> writer;
-  writer->SetInputConnection(smaller->GetOutputPort());
-  writer->WriteToMemoryOn();
-  writer->Write();
-  const vtkUnsignedCharArray& png = *writer->GetResult();
-  return {reinterpret_cast<const char*>(const_cast<vtkUnsignedCharArray&>(png).GetPointer(0)),
-          static_cast<std::size_t>(png.GetNumberOfValues())};
+  vtkNew<vtkPNGWriter> png;
+  vtkNew<vtkJPEGWriter> jpeg;
+  jpeg->SetQuality(kJpegQuality);
+  jpeg->ProgressiveOff();
+  return options.format == PictureFormat::png ? encoded(*png, *smaller) : encoded(*jpeg, *smaller);
 }
 
 }  // namespace isoatlas

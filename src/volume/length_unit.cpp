@@ -20,7 +20,7 @@ struct UnitNames {
 // µ is U+00B5 (micro sign) or U+03BC (Greek mu); ImageJ writes the first as the byte B5 or as the escape \u00B5.
 constexpr std::array kUnits{
     UnitNames{LengthUnit::unknown, "", 0, {}},
-    UnitNames{LengthUnit::angstrom, "A", 1e-10, {"angstrom", "\u00e5", "\u212b", "ångström"}},
+    UnitNames{LengthUnit::angstrom, "A", 1e-10, {"angstrom", "\u00e5", "\u00c5", "\u212b", "ångström"}},
     UnitNames{LengthUnit::nanometre, "nm", 1e-9, {"nanometre", "nanometer"}},
     UnitNames{LengthUnit::micrometre, "um", 1e-6, {"micrometre", "micrometer", "micron", "\u00b5m", "\u03bcm", "\xb5m", "\\u00b5m"}},
     UnitNames{LengthUnit::millimetre, "mm", 1e-3, {"millimetre", "millimeter"}},

@@ -17,7 +17,7 @@ std::string entry_list(const FileChoice& choice) {
   std::string list;
   for (std::size_t i = 0; i < std::min(choice.entries.size(), kMostListed); ++i) {
     const std::string number = std::to_string(i);
-    list += (i > 0 ? ", " : "") + number + (choice.entries[i] == number ? "" : " (" + one_line(choice.entries[i], 80) + ")");
+    list += (i > 0 ? ", " : "") + number + (choice.entries[i] == number ? "" : " (" + one_line(choice.entries[i], 160) + ")");
   }
   if (choice.entries.size() > kMostListed) {
     list += ", ... " + std::to_string(choice.entries.size() - 1);

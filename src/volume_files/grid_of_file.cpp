@@ -92,12 +92,16 @@ std::uint64_t checked_sample_bytes(const std::filesystem::path& path, const std:
   return bytes;
 }
 
-std::shared_ptr<std::byte[]> allocate_samples(const std::filesystem::path& path, std::uint64_t bytes, const ReadOptions& options) {
+void require_within_memory_limit(const std::filesystem::path& path, std::uint64_t bytes, const ReadOptions& options) {
   const std::uint64_t limit = options.max_memory == 0 ? default_memory_limit() : options.max_memory;
   if (bytes > limit) {
     throw Error(ErrorCode::out_of_memory, one_line(path.string() + ": its samples take " + std::to_string(bytes) + " bytes, more than the limit of " +
                                                    std::to_string(limit) + (options.max_memory == 0 ? " (three quarters of the memory)" : "")));
   }
+}
+
+std::shared_ptr<std::byte[]> allocate_samples(const std::filesystem::path& path, std::uint64_t bytes, const ReadOptions& options) {
+  require_within_memory_limit(path, bytes, options);
   try {
     const std::shared_ptr<std::byte[]> samples(new std::byte[bytes]);
 #ifdef ISOATLAS_FILL_SAMPLES

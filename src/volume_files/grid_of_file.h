@@ -26,6 +26,9 @@ Grid grid_of_file(const std::filesystem::path& path, const std::array<std::size_
 /// @throws Error(bad_file) if the product does not fit in 63 bits
 std::uint64_t checked_sample_bytes(const std::filesystem::path& path, const std::array<std::size_t, 3>& size, std::size_t bytes_per_sample);
 
+/// @throws Error(out_of_memory) if `bytes` is more than `options.max_memory`
+void require_within_memory_limit(const std::filesystem::path& path, std::uint64_t bytes, const ReadOptions& options);
+
 /// Memory for samples, not initialised, aligned for any sample type.
 /// @throws Error(out_of_memory) if there is none, or `bytes` is more than `options.max_memory`
 std::shared_ptr<std::byte[]> allocate_samples(const std::filesystem::path& path, std::uint64_t bytes, const ReadOptions& options);

@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// MetaImage by ITK. MetaIO returns success with less than the promised samples, whatever the encoding: all is checked
-// here before it reads.
-#include <itkMetaImageIO.h>
-
 #include <algorithm>
-#include <map>
+#include <array>
+#include <bit>
+#include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "files/file_error.h"
-#include "volume_files/readers.h"
-#include "volume_files/itk_image.h"
-#include "files/library_messages.h"
 #include "files/stored_data.h"
-#include "files/text_scanner.h"
+#include "volume_files/choice.h"
+#include "volume_files/grid_of_file.h"
+#include "volume_files/header_text.h"
+#include "volume_files/meta_image_header.h"
+#include "volume_files/readers.h"
+#include "volume_files/stored_samples.h"
 
 namespace isoatlas::io {
 
@@ -21,83 +23,229 @@ namespace fs = std::filesystem;
 
 namespace {
 
-struct MetaFields {
-  std::map<std::string, std::string, std::less<>> values;  // the last line of the header is ElementDataFile
-  std::uint64_t header_bytes = 0;
+std::string shape_of(const std::vector<std::size_t>& sizes) {
+  std::string shape;
+  for (const std::size_t size : sizes) {
+    shape += (shape.empty() ? "" : " x ") + std::to_string(size);
+  }
+  return shape;
+}
 
-  std::string value_of(std::string_view key) const {
-    const auto found = values.find(key);
-    return found == values.end() ? std::string() : found->second;
+/// The first three axes; one sample where there are fewer, which checked_sample_bytes() refuses.
+std::array<std::size_t, 3> volume_size(const fs::path& path, const std::vector<std::size_t>& sizes) {
+  const bool is_volume = std::ranges::all_of(sizes.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(sizes.size(), 4)),
+                                             sizes.end(), [](std::size_t size) { return size == 1; });
+  if (!is_volume) {
+    throw unsupported(path, "has " + std::to_string(sizes.size()) + " dimensions (" + shape_of(sizes) + "), expected 3, or 4 with time");
   }
-  bool is_true(std::string_view key) const {
-    const std::string value = value_of(key);
-    return !value.empty() && (value[0] == 'T' || value[0] == 't' || value[0] == '1');
+  std::array<std::size_t, 3> size{1, 1, 1};
+  std::copy_n(sizes.begin(), std::min<std::size_t>(sizes.size(), 3), size.begin());
+  return size;
+}
+
+// ITK's files name the directions of a body and are in millimetres; "???" says that they are not known.
+void decide_unit(Grid& grid, const MetaImageHeader& header, VolumeSource& source) {
+  const std::string_view orientation = header.field("AnatomicalOrientation");
+  grid.unit = length_unit_named(header.field("DistanceUnits"));
+  if (grid.unit != LengthUnit::unknown) {
+    source.decisions.push_back({"unit", std::string(symbol(grid.unit))});
+  } else if (source.has_spacing && !orientation.empty() && orientation.find('?') == std::string_view::npos) {
+    grid.unit = LengthUnit::millimetre;
+    source.decisions.push_back({"unit", "mm, by convention of files with an AnatomicalOrientation"});
   }
+}
+
+/// The later name wins where MetaIO lets it overwrite the earlier one. The centre of rotation and the anatomical orientation add
+/// nothing to the matrix and the offset, as in ITK.
+Grid meta_grid(const fs::path& path, const MetaImageHeader& header, std::size_t axes, const std::array<std::size_t, 3>& size,
+               VolumeSource& source) {
+  std::vector<double> spacing(3, 1);
+  std::vector<double> offset(3, 0);
+  std::array<Vec3, 3> directions{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
+  const auto stated_spacing = meta_numbers(path, header, {"ElementSpacing", "ElementSize"}, axes);
+  source.has_spacing = stated_spacing.has_value();
+  spacing = stated_spacing.value_or(spacing);
+  offset = meta_numbers(path, header, {"ImagePosition", "Origin", "Position", "Offset"}, axes).value_or(offset);
+  if (const auto m = meta_numbers(path, header, {"TransformMatrix", "Rotation", "Orientation"}, axes * axes)) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double* const row = m->data() + axis * axes;
+      directions[axis] = {row[0], row[1], row[2]};
+      if (std::any_of(row + 3, row + axes, [](double x) { return x != 0; })) {
+        throw unsupported(path, std::string("its ") + "xyz"[axis] + " axis runs through space and time at once");
+      }
+    }
+  }
+  Grid grid = grid_of_file(path, size, {spacing[0], spacing[1], spacing[2]}, {offset[0], offset[1], offset[2]}, directions);
+  decide_unit(grid, header, source);
+  return grid;
+}
+
+/// What MetaIO and ITK have in the header and leave to others.
+void warn_of_rescale(const fs::path& path, const MetaImageHeader& header, VolumeSource& source) {
+  const double slope = meta_numbers(path, header, {"ElementToIntensityFunctionSlope"}, 1).value_or(std::vector<double>{1})[0];
+  const double intercept = meta_numbers(path, header, {"ElementToIntensityFunctionOffset"}, 1).value_or(std::vector<double>{0})[0];
+  if (slope != 1 || intercept != 0) {
+    source.warnings.push_back(
+        "states an ElementToIntensityFunction (slope " +
+        one_line(header.field("ElementToIntensityFunctionSlope").empty() ? "1" : header.field("ElementToIntensityFunctionSlope"), 20) +
+        ", offset " +
+        one_line(header.field("ElementToIntensityFunctionOffset").empty() ? "0" : header.field("ElementToIntensityFunctionOffset"), 20) +
+        "), which is not applied, as in ITK");
+  }
+}
+
+struct FileList {
+  std::vector<std::string> names;
+  std::size_t dimension = 0;  // of the part of the image in each
 };
 
-MetaFields read_fields(const fs::path& path) {
-  constexpr std::size_t kHeaderLimit = std::size_t{1} << 20;
-  const std::string text = first_bytes(path, kHeaderLimit);
-  MetaFields fields;
-  std::string_view rest = text;
-  while (!rest.empty()) {
-    const std::size_t line_end = rest.find('\n');
-    const std::string_view line = rest.substr(0, line_end);
-    rest.remove_prefix(line_end == std::string_view::npos ? rest.size() : line_end + 1);
-    const std::size_t separator = line.find_first_of("=:");
-    if (separator == std::string_view::npos) {
-      continue;
-    }
-    const std::string key = one_line(line.substr(0, separator));
-    fields.values[key] = one_line(line.substr(separator + 1), 4096);
-    if (key == "ElementDataFile") {
-      fields.header_bytes = text.size() - rest.size();
-      return fields;
-    }
+/// "LIST [<dimension>]"
+FileList listed_files(const fs::path& path, const MetaImageHeader& header, const std::vector<std::size_t>& sizes) {
+  const std::vector<std::string_view> words = words_of(header.field("ElementDataFile"));
+  const std::int64_t dimension = words.size() > 1 ? integer_of(words[1]).value_or(-1) : 0;
+  if (dimension < 0) {
+    throw bad_file(path, "its ElementDataFile is '" + one_line(header.field("ElementDataFile"), 40) + "', expected LIST and a dimension");
   }
-  throw bad_file(path, "has no ElementDataFile in its header");
+  const auto stated = static_cast<std::size_t>(dimension);
+  return {header.listed_files, stated == 0 || stated > sizes.size() ? sizes.size() - 1 : stated};  // as in MetaIO
 }
 
-// HeaderSize: what MetaIO skips of a data file of its own. -1 says that the samples are the last bytes, whatever is
-// before them.
-std::uint64_t skipped_bytes(const MetaFields& fields, const fs::path& path) {
-  const std::string value = fields.value_of("HeaderSize");
-  const std::int64_t bytes = value.empty() ? 0 : TextScanner({}, path).to_integer(value, "a number of bytes in HeaderSize");
-  return static_cast<std::uint64_t>(std::max<std::int64_t>(bytes, 0));
+/// "name%03d.raw [<first> [<last> [<step>]]]", a file for each sample of the last axis. None if `value` is not of this form.
+std::optional<FileList> numbered_files(const fs::path& path, std::string_view value, const std::vector<std::size_t>& sizes) {
+  const std::vector<std::string_view> words = words_of(value);
+  std::vector<std::int64_t> numbers;
+  std::size_t name_words = words.size();  // a name may have blanks
+  while (name_words > 1 && numbers.size() < 3 && integer_of(words[name_words - 1])) {
+    numbers.insert(numbers.begin(), *integer_of(words[--name_words]));
+  }
+  const std::string_view& last_word = words[name_words - 1];
+  const std::string_view pattern = value.substr(0, static_cast<std::size_t>(last_word.data() + last_word.size() - value.data()));
+  if (!numbered_name(pattern, 0)) {
+    return std::nullopt;
+  }
+  const auto count = static_cast<std::int64_t>(sizes.back());
+  const std::int64_t first = numbers.empty() ? 1 : numbers[0];
+  const std::int64_t range = numbers.size() > 1 ? numbers[1] - first : 0;
+  const std::int64_t step = numbers.size() > 2 ? numbers[2] : range != 0 && count > 1 ? range / (count - 1) : 1;
+  constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
+  const bool is_in_range = std::ranges::all_of(numbers, [](std::int64_t n) { return n <= kMost && n >= -kMost; });
+  if (!is_in_range || step == 0 || (numbers.size() > 1 && range / step < count - 1) || static_cast<std::uint64_t>(count) > kMostDataFiles) {
+    throw bad_file(path, "its ElementDataFile is '" + one_line(value, 80) + "', expected numbers for the " + std::to_string(count) +
+                             " samples of the last axis");
+  }
+  FileList list{{}, sizes.size() - 1};
+  for (std::int64_t i = 0; i < count; ++i) {
+    list.names.push_back(*numbered_name(pattern, first + i * step));
+  }
+  return list;
 }
 
-void check_stored_data(const fs::path& path, const ImageHeader& header) {
-  const std::uint64_t promised = header.sample_count() * bytes_per_sample(header.type);
-  const MetaFields fields = read_fields(path);
-  const std::string file_name = fields.value_of("ElementDataFile");
-  if (file_name.starts_with("LIST") || file_name.find('%') != std::string::npos) {
-    throw unsupported(path, "its samples are spread over several files (" + file_name + "), expected one file");
+void require_file_count(const fs::path& path, const FileList& list, const std::vector<std::size_t>& sizes) {
+  std::uint64_t expected = 1;
+  for (std::size_t axis = list.dimension; axis < sizes.size(); ++axis) {
+    expected *= sizes[axis];
   }
-  const bool is_local = file_name == "LOCAL" || file_name == "Local" || file_name == "local";
-  const fs::path data_file = is_local ? path : path.parent_path() / file_name;
-  check_data_file(path, data_file, [&] {
-    const std::uint64_t file_bytes = readable_file_size(data_file);
-    const std::uint64_t offset = std::min(is_local ? fields.header_bytes : skipped_bytes(fields, path), file_bytes);
-    if (fields.is_true("CompressedData")) {
-      require_possible_bytes(data_file, promised, file_bytes - offset);
-      require_inflated_bytes(data_file, offset, promised);
-    } else if (!fields.value_of("BinaryData").empty() && !fields.is_true("BinaryData")) {
-      require_possible_bytes(data_file, header.sample_count(), file_bytes - offset, 1);
-      require_stored_numbers(data_file, std::string_view(file_contents(data_file)).substr(offset), header.sample_count());
-    } else {
-      require_stored_bytes(data_file, promised, file_bytes - offset);
+  if (list.names.size() != expected) {
+    throw bad_file(path, "names " + std::to_string(list.names.size()) + " data files, expected " + std::to_string(expected) +
+                             ", each of dimension " + std::to_string(list.dimension));
+  }
+}
+
+/// A data file, under its name or with .gz after it.
+SamplePiece detached_piece(const fs::path& path, const std::string& name, bool is_packed) {
+  const fs::path file = data_file_path(path, name);
+  fs::path packed = file;
+  packed += ".gz";
+  std::error_code ignored;
+  if (!fs::exists(file, ignored) && fs::exists(packed, ignored)) {
+    return {packed, 0, Packing::deflate, 0};
+  }
+  return {file, 0, is_packed ? Packing::deflate : Packing::none, 0};
+}
+
+/// HeaderSize: bytes before the samples in each file, counted from its beginning; -1: the samples are its last bytes.
+void skip_header(SamplePiece& piece, const fs::path& path, std::int64_t header_size, std::uint64_t piece_bytes) {
+  if (header_size > 0) {
+    (piece.file == path && piece.skipped_bytes > 0 ? piece.skipped_bytes : piece.offset) = static_cast<std::uint64_t>(header_size);
+  } else if (header_size == -1 && piece.packing != Packing::none) {
+    throw unsupported(path, "has 'HeaderSize = -1' with packed samples, expected it with plain ones only");
+  } else if (header_size == -1) {
+    const std::uint64_t file_bytes = readable_file_size(piece.file);
+    piece.offset = file_bytes - std::min(piece_bytes, file_bytes);
+  }
+}
+
+/// The stream's own end counts, not the CompressedDataSize, which is often missing or wrong.
+void find_samples(StoredSamples& stored, const fs::path& path, const MetaImageHeader& header, const std::vector<std::size_t>& sizes) {
+  const std::string_view name = header.field("ElementDataFile");
+  const bool is_binary = header.is_true("BinaryData", true);
+  const bool is_packed = is_binary && header.is_true("CompressedData", false);
+  stored.format = {is_binary ? SampleEncoding::binary : SampleEncoding::text, meta_sample_type(path, header)};
+  stored.is_big_endian =
+      header.is_true("BinaryDataByteOrderMSB", header.is_true("ElementByteOrderMSB", std::endian::native == std::endian::big));
+  const std::uint64_t all_bytes = checked_sample_count(path, stored.axes, stored.format.type) * bytes_per_sample(stored.format.type);
+  if (lower_case(name) == "local") {
+    if (is_packed && header.is_gzipped) {
+      throw unsupported(path, "is gzipped as a whole and has packed samples inside, expected one packing");
     }
-  });
+    stored.pieces.push_back(header.is_gzipped ? SamplePiece{path, 0, Packing::deflate, header.bytes}
+                                              : SamplePiece{path, header.bytes, is_packed ? Packing::deflate : Packing::none, 0});
+  } else {
+    FileList list{{std::string(name)}, sizes.size()};
+    if (name.starts_with("LIST")) {
+      list = listed_files(path, header, sizes);
+    } else if (std::optional<FileList> numbered = numbered_files(path, name, sizes)) {
+      list = *numbered;
+    }
+    require_file_count(path, list, sizes);
+    for (const std::string& file_name : list.names) {
+      stored.pieces.push_back(detached_piece(path, file_name, is_packed));
+    }
+  }
+  const std::int64_t header_size = meta_integer(path, header, "HeaderSize", 0, -1);
+  for (SamplePiece& piece : stored.pieces) {
+    check_data_file(path, piece.file, [&] { skip_header(piece, path, header_size, all_bytes / stored.pieces.size()); });
+  }
+}
+
+std::vector<StoredAxis> select(const fs::path& path, const MetaImageHeader& header, const std::vector<std::size_t>& sizes,
+                               const ReadOptions& options, VolumeSource& source) {
+  std::vector<StoredAxis> axes;
+  for (const std::size_t size : sizes) {
+    axes.push_back({size, {}});
+  }
+  for (std::size_t axis = 3; axis < axes.size(); ++axis) {
+    axes[axis].selected = axes[axis].size == 1 ? 0 : take_choice(path, source, checked_choice(path, "time", axes[axis].size), options.time);
+  }
+  const std::int64_t channels = meta_integer(path, header, "ElementNumberOfChannels", 1, 1);
+  if (channels > 1) {
+    const FileChoice choice = checked_choice(path, "channel", static_cast<std::uint64_t>(channels));
+    axes.insert(axes.begin(), {static_cast<std::uint64_t>(channels), take_choice(path, source, choice, options.channel)});
+  }
+  return axes;
 }
 
 }  // namespace
 
 VolumeFile read_meta_image(const fs::path& path, const ReadOptions& options) {
-  const LibraryMessages messages;
   VolumeFile file;
   file.source.format = "MetaImage";
-  file.volume = read_itk_volume(*itk::MetaImageIO::New(), path, "MetaImage file",
-                         [&](const ImageHeader& header) { check_stored_data(path, header); }, options);
+  const MetaImageHeader header = read_meta_image_header(path);
+  if (const std::string_view type = header.field("ObjectType"); !type.empty() && lower_case(type) != "image") {
+    throw unsupported(path, "is a MetaIO file of a " + one_line(type, 40) + ", expected an Image");
+  }
+  file.volume.type = meta_sample_type(path, header);
+  const std::vector<std::size_t> sizes = meta_sizes(path, header);
+  const std::array<std::size_t, 3> size = volume_size(path, sizes);
+  checked_sample_bytes(path, size, bytes_per_sample(file.volume.type));
+  file.volume.grid = meta_grid(path, header, sizes.size(), size, file.source);
+  warn_of_rescale(path, header, file.source);
+  StoredSamples stored;
+  stored.axes = select(path, header, sizes, options, file.source);
+  find_samples(stored, path, header, sizes);
+  const std::shared_ptr<std::byte[]> samples = read_stored_samples(path, stored, options, file.source);
+  file.volume.samples = samples.get();
+  file.volume.owner = samples;
   return file;
 }
 

@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// NIfTI-1 and Analyze 7.5 by ITK. Its NIfTI library writes to stderr what it does not like in a header and fills
-// samples that are missing with zeros without a word: both are checked here first.
-#include <itkNiftiImageIO.h>
-#include <nifti1_io.h>
-#include <zlib.h>
-
+// NIfTI-1, NIfTI-2 and Analyze 7.5, in one file or as a pair of .hdr and .img.
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cctype>
 #include <cmath>
-#include <fstream>
-#include <memory>
+#include <cstdio>
+#include <limits>
+#include <optional>
 #include <string>
-#include <vector>
+#include <string_view>
+#include <type_traits>
 
 #include "files/file_error.h"
-#include "volume_files/readers.h"
-#include "volume_files/itk_image.h"
-#include "files/library_messages.h"
 #include "files/stored_data.h"
+#include "volume/sample_type.h"
+#include "volume_files/choice.h"
+#include "volume_files/grid_of_file.h"
+#include "volume_files/nifti_header.h"
+#include "volume_files/readers.h"
+#include "volume_files/stored_volumes.h"
 
 namespace isoatlas::io {
 
@@ -27,180 +27,208 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kHeaderBytes = 348;
-
-template <class Value>
-Value field(const std::string& header, std::size_t offset, bool swap) {
-  std::array<char, sizeof(Value)> bytes;
-  std::copy_n(header.begin() + static_cast<std::ptrdiff_t>(offset), bytes.size(), bytes.begin());
-  if (swap) {
-    std::reverse(bytes.begin(), bytes.end());
-  }
-  return std::bit_cast<Value>(bytes);
+std::string lower_case(std::string text) {
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
 }
 
-struct StoredSamples {
-  fs::path file;
-  std::uint64_t offset = 0;
-  std::uint64_t bytes_per_sample = 0;
-  int type = 0;
-  bool swap = false;
+/// A file name without its packing and its extension, and both in lower case: "Scan", ".img", ".gz".
+struct NameParts {
+  std::string stem, extension, packing;
 };
 
-bool has_extension(const fs::path& path, std::string_view extension) {
-  std::string found = path.extension().string();
-  std::ranges::transform(found, found.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return found == extension;
+NameParts parts_of(const fs::path& path) {
+  fs::path rest = path.filename();
+  NameParts parts;
+  if (const std::string last = lower_case(rest.extension().string()); last == ".gz" || last == ".bz2") {
+    parts.packing = last;
+    rest = rest.stem();
+  }
+  parts.extension = lower_case(rest.extension().string());
+  parts.stem = rest.stem().string();
+  return parts;
 }
 
-// The other half of a .hdr/.img pair, as it is there: plain or gzipped, in the case of the given half.
-fs::path sibling(const fs::path& path, std::string_view lower, std::string_view upper) {
-  for (const std::string_view extension : {lower, upper}) {
-    for (const std::string_view packing : {"", ".gz"}) {
-      fs::path candidate = path;
-      candidate.replace_extension(std::string(extension) + std::string(packing));
-      std::error_code ignored;
-      if (fs::is_regular_file(candidate, ignored)) {
-        return candidate;
-      }
-    }
+/// The other half of a pair: the same name with another extension, in any case, packed or not. Unpacked is preferred.
+std::optional<fs::path> sibling(const fs::path& path, std::string_view extension) {
+  const std::string stem = parts_of(path).stem;
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  std::optional<fs::path> found;
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+    const NameParts parts = parts_of(entry.path());
+    if (parts.stem != stem || parts.extension != extension || !entry.is_regular_file(ignored)) continue;
+    if (!found || std::pair(parts.packing, entry.path()) < std::pair(parts_of(*found).packing, *found)) found = entry.path();
   }
-  throw bad_file(path, "there is no " + std::string(lower) + " file beside it");
+  return found;
 }
 
-std::uint64_t bytes_of_type(int nifti_type, const fs::path& path) {
-  switch (nifti_type) {
-    case NIFTI_TYPE_INT8:
-    case NIFTI_TYPE_UINT8:
-      return 1;
-    case NIFTI_TYPE_INT16:
-    case NIFTI_TYPE_UINT16:
-      return 2;
-    case NIFTI_TYPE_INT32:
-    case NIFTI_TYPE_UINT32:
-    case NIFTI_TYPE_FLOAT32:
-      return 4;
-    case NIFTI_TYPE_INT64:
-    case NIFTI_TYPE_UINT64:
-    case NIFTI_TYPE_FLOAT64:
-      return 8;
-    default:
-      throw unsupported(path, "has samples of type " + std::to_string(nifti_type) + " (" + nifti_datatype_string(nifti_type) +
-                                  "), expected integers of 8 to 64 bits, float or double");
-  }
+fs::path required_sibling(const fs::path& path, std::string_view extension) {
+  if (const auto found = sibling(path, extension)) return *found;
+  throw bad_file(path, "there is no " + std::string(extension) + " file beside it");
 }
 
-// Checks what the NIfTI library would complain about on stderr, and finds the samples.
-StoredSamples read_stored_samples(const fs::path& path) {
-  const bool is_image_half = has_extension(path, ".img");
-  const bool is_header_half = has_extension(path, ".hdr");
-  const fs::path header_file = is_image_half ? sibling(path, ".hdr", ".HDR") : path;
-  const std::string header = first_bytes(header_file, kHeaderBytes);
-  if (header.size() < kHeaderBytes) {
-    throw bad_file(header_file, "is not a NIfTI file, or its header is cut off or damaged");
+SampleType sample_type_of(int datatype, const fs::path& file) {
+  switch (datatype) {
+    case 2: return SampleType::uint8;
+    case 4: return SampleType::int16;
+    case 8: return SampleType::int32;
+    case 16: return SampleType::float32;
+    case 64: return SampleType::float64;
+    case 256: return SampleType::int8;
+    case 512: return SampleType::uint16;
+    case 768: return SampleType::uint32;
+    case 1024: return SampleType::int64;
+    case 1280: return SampleType::uint64;
+    default: break;
   }
-  constexpr std::int32_t kSwappedHeaderBytes = 0x5C010000;
-  const auto stated_bytes = field<std::int32_t>(header, 0, false);
-  const bool swap = stated_bytes == kSwappedHeaderBytes;
-  if (stated_bytes == 540 || stated_bytes == 0x1C020000) {
-    throw unsupported(header_file, "is a NIfTI-2 file, expected NIfTI-1");
-  }
-  if (!swap && stated_bytes != static_cast<std::int32_t>(kHeaderBytes)) {
-    throw bad_file(header_file, "is not a NIfTI file");
-  }
-  const auto dimensions = field<std::int16_t>(header, 40, swap);
-  if (dimensions < 1 || dimensions > 7) {
-    throw bad_file(header_file, "has " + std::to_string(dimensions) + " dimensions, expected 3");
-  }
-  for (int axis = 1; axis <= dimensions; ++axis) {
-    const auto samples = field<std::int16_t>(header, 40 + 2 * static_cast<std::size_t>(axis), swap);
-    if (samples < 1) {
-      throw bad_file(header_file, "has " + std::to_string(samples) + " samples along axis " + std::to_string(axis));
-    }
-  }
-  for (int axis = 1; axis <= std::min<int>(dimensions, 3); ++axis) {
-    // The library takes 1 for 0 and goes on.
-    const auto spacing = field<float>(header, 76 + 4 * static_cast<std::size_t>(axis), swap);
-    if (!std::isfinite(spacing) || spacing == 0) {
-      throw bad_file(header_file,
-                     "the spacing along axis " + std::to_string(axis) + " is " + std::to_string(spacing) + ", expected a positive length");
-    }
-  }
-  StoredSamples stored;
-  stored.type = field<std::int16_t>(header, 70, swap);
-  stored.bytes_per_sample = bytes_of_type(stored.type, header_file);
-  stored.swap = swap;
-  stored.file = is_header_half ? sibling(path, ".img", ".IMG") : path;
-  const auto offset = field<float>(header, 108, swap);
-  const double least_offset = is_image_half || is_header_half ? 0 : 352;
-  stored.offset = static_cast<std::uint64_t>(std::clamp<double>(std::isfinite(offset) ? offset : 0, least_offset, 1e15));
-  return stored;
-}
-
-// By its content: the NIfTI library reads a plain file under the name .nii.gz as what it is.
-bool is_gzipped(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return file.get() == 0x1F && file.get() == 0x8B;
-}
-
-// The NIfTI library reads NaN and infinity as 0. Looks at the stored floats once more and puts them back; a header's scale leaves
-// NaN what it is and infinity infinite.
-template <class Stored, class Sample>
-void restore_non_finite(const StoredSamples& stored, std::uint64_t count, Sample* samples) {
-  const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzopen(stored.file.c_str(), "rb"), gzclose);  // plain files as well
-  std::vector<Stored> buffer(1 << 16);
-  if (!file || gzseek(file.get(), static_cast<z_off_t>(stored.offset), SEEK_SET) < 0) throw bad_file(stored.file, "cannot be read again");
-  for (std::uint64_t done = 0; done < count;) {
-    const std::uint64_t n = std::min<std::uint64_t>(buffer.size(), count - done);
-    const auto bytes = static_cast<unsigned>(n * sizeof(Stored));
-    if (gzread(file.get(), buffer.data(), bytes) != static_cast<int>(bytes)) throw bad_file(stored.file, "is cut off");
-    for (std::uint64_t i = 0; i < n; ++i) {
-      Stored value = buffer[i];
-      if (stored.swap) {
-        auto bits = std::bit_cast<std::array<char, sizeof(Stored)>>(value);
-        std::reverse(bits.begin(), bits.end());
-        value = std::bit_cast<Stored>(bits);
-      }
-      if (!std::isfinite(value)) samples[done + i] = static_cast<Sample>(value);
-    }
-    done += n;
-  }
-}
-
-void restore_non_finite(const StoredSamples& stored, Volume& volume) {
-  // The samples are ours until the volume is handed out.
-  void* const samples = const_cast<void*>(volume.samples);
-  const std::uint64_t count = volume.grid.sample_count();
-  const auto into = [&](auto* typed) {
-    if (stored.type == NIFTI_TYPE_FLOAT32) restore_non_finite<float>(stored, count, typed);
-    if (stored.type == NIFTI_TYPE_FLOAT64) restore_non_finite<double>(stored, count, typed);
+  struct OtherType {
+    int datatype;
+    std::string_view name;
   };
-  if (volume.type == SampleType::float32) into(static_cast<float*>(samples));
-  if (volume.type == SampleType::float64) into(static_cast<double*>(samples));
+  constexpr std::array kOtherTypes{OtherType{0, "unknown"},      OtherType{1, "BINARY"},      OtherType{32, "COMPLEX64"},
+                                   OtherType{128, "RGB24"},      OtherType{255, "ALL"},       OtherType{1536, "FLOAT128"},
+                                   OtherType{1792, "COMPLEX128"}, OtherType{2048, "COMPLEX256"}, OtherType{2304, "RGBA32"}};
+  const auto* const other = std::ranges::find(kOtherTypes, datatype, &OtherType::datatype);
+  throw unsupported(file, "has samples of type " + std::to_string(datatype) + " (" +
+                              std::string(other == kOtherTypes.end() ? "none that NIfTI knows" : other->name) +
+                              "), expected integers of 8 to 64 bits, float or double");
+}
+
+std::string format_name(const NiftiHeader& header) {
+  constexpr std::array<const char*, 3> kNames{"Analyze 7.5", "NIfTI-1", "NIfTI-2"};
+  return kNames[static_cast<std::size_t>(header.version)];
+}
+
+// Offset 0 means right after the header and the mark that says whether an extension follows.
+std::uint64_t samples_offset(const NiftiHeader& header, const fs::path& header_file, bool is_pair) {
+  const double offset = header.vox_offset;
+  constexpr double kLargest = 1e15;
+  if (is_pair && offset >= 0 && offset < kLargest) return static_cast<std::uint64_t>(offset);
+  const double header_bytes = header.version == NiftiVersion::nifti2 ? 540 : 348;
+  if (!is_pair && offset == 0) return static_cast<std::uint64_t>(header_bytes) + 4;
+  if (!is_pair && offset >= header_bytes && offset < kLargest) return static_cast<std::uint64_t>(offset);
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", offset);
+  throw bad_file(header_file, "its samples begin at byte " + std::string(text) + " by vox_offset, expected a place after the header");
+}
+
+std::uint64_t volume_count(const NiftiHeader& header, const fs::path& path) {
+  constexpr std::int64_t kMost = 1'000'000'000;
+  if (header.dim[6] > 1 || header.dim[7] > 1 || header.dim[4] > kMost || header.dim[5] > kMost) {
+    std::string shape;
+    for (std::size_t axis = 1; axis <= static_cast<std::size_t>(header.dim[0]); ++axis) {
+      shape += (axis > 1 ? " x " : "") + std::to_string(header.dim[axis]);
+    }
+    throw unsupported(path, "has " + std::to_string(header.dim[0]) + " dimensions (" + shape +
+                                "), expected three of space, time, and values per sample");
+  }
+  return static_cast<std::uint64_t>(header.dim[4] * header.dim[5]);
+}
+
+/// Picks a time point and, of several values per sample, one. @return the number of the volume in the file
+std::uint64_t chosen_volume(const fs::path& path, const NiftiHeader& header, const ReadOptions& options, VolumeSource& source) {
+  const auto times = static_cast<std::size_t>(header.dim[4]), channels = static_cast<std::size_t>(header.dim[5]);
+  const std::size_t time = times > 1 ? take_choice(path, source, numbered_choice("time", times), options.time) : 0;
+  const std::size_t channel = channels > 1 ? take_choice(path, source, numbered_choice("channel", channels), options.channel) : 0;
+  return std::uint64_t{channel} * times + time;
+}
+
+struct Rescale {
+  double slope = 1, intercept = 0;
+  bool is_needed() const { return slope != 1 || intercept != 0; }
+};
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.9g", value);
+  return text;
+}
+
+// A slope of 0 or NaN: the samples are not scaled, whatever the intercept.
+Rescale rescale_of(const NiftiHeader& header, VolumeSource& source) {
+  const double slope = header.scl_slope;
+  double intercept = header.scl_inter;
+  if (slope == 0 || !std::isfinite(slope)) {
+    if (intercept != 0 && std::isfinite(intercept)) {
+      source.decisions.push_back({"rescale", "none: slope " + number(slope) + ", its intercept " + number(intercept) + " is ignored"});
+    }
+    return {};
+  }
+  if (!std::isfinite(intercept)) {
+    source.warnings.push_back("its intercept scl_inter is " + number(intercept) + "; 0 is used");
+    intercept = 0;
+  }
+  const Rescale rescale{slope, intercept};
+  if (rescale.is_needed()) {
+    source.decisions.push_back({"rescale", "slope " + number(slope) + ", intercept " + number(intercept)});
+  }
+  if (rescale.is_needed() && header.version == NiftiVersion::analyze) {
+    source.warnings.push_back("its samples are multiplied by " + number(slope) +
+                              ", the factor that SPM and AFNI keep in an Analyze header");
+  }
+  return rescale;
+}
+
+// Scaled samples are computed in double precision and kept as float, or as double if they were.
+void read_scaled_samples(ByteSource& stream, const fs::path& file, bool swap, SampleType stored, const Rescale& rescale,
+                         std::uint64_t count, std::byte* samples) {
+  visit_sample_type(stored, [&](const auto* type) {
+    using Stored = std::remove_cvref_t<decltype(*type)>;
+    using Sample = std::conditional_t<std::is_same_v<Stored, double>, double, float>;
+    read_converted<Stored>(stream, file, count, swap, reinterpret_cast<Sample*>(samples), [&](Stored value) {
+      return static_cast<Sample>(static_cast<double>(value) * rescale.slope + rescale.intercept);
+    });
+  });
+}
+
+fs::path header_half(const fs::path& path) { return parts_of(path).extension == ".img" ? required_sibling(path, ".hdr") : path; }
+
+fs::path image_half(const fs::path& path, const fs::path& header_file, const NiftiHeader& header) {
+  if (header_file != path) return path;
+  if (!header.is_one_file) return required_sibling(path, ".img");
+  // Some programs write pairs that claim to be one file.
+  return parts_of(path).extension == ".hdr" ? sibling(path, ".img").value_or(path) : path;
+}
+
+void warn_of_bits(const NiftiHeader& header, SampleType type, VolumeSource& source) {
+  if (header.bitpix != 0 && header.bitpix != 8 * static_cast<int>(bytes_per_sample(type))) {
+    source.warnings.push_back("states " + std::to_string(header.bitpix) + " bits per sample, but the type " + std::string(name(type)) +
+                              "; the type is used");
+  }
 }
 
 }  // namespace
 
 VolumeFile read_nifti(const fs::path& path, const ReadOptions& options) {
-  const LibraryMessages messages;
-  nifti_set_debug_level(0);  // it writes to stderr
-  const StoredSamples stored = read_stored_samples(path);
-  Volume volume = read_itk_volume(*itk::NiftiImageIO::New(), path, "NIfTI file", [&](const ImageHeader& header) {
-    // What is on disk: a scale in the header makes floats of it later.
-    const std::uint64_t promised = header.sample_count() * stored.bytes_per_sample;
-    check_data_file(path, stored.file, [&] {
-      const std::uint64_t file_bytes = readable_file_size(stored.file);
-      if (is_gzipped(stored.file)) {
-        require_possible_bytes(stored.file, promised, file_bytes);
-        require_inflated_bytes(stored.file, 0, stored.offset + promised);
-      } else {
-        require_stored_bytes(stored.file, promised, file_bytes - std::min(stored.offset, file_bytes));
-      }
+  const fs::path header_file = header_half(path);
+  const NiftiHeader header = read_nifti_header(header_file);
+  const SampleType stored_type = sample_type_of(header.datatype, header_file);
+  const std::array size{static_cast<std::size_t>(header.dim[1]), static_cast<std::size_t>(header.dim[2]),
+                        static_cast<std::size_t>(header.dim[3])};
+  StoredVolumes stored;
+  stored.volume_bytes = checked_sample_bytes(header_file, size, bytes_per_sample(stored_type));
+  stored.count = volume_count(header, path);
+  stored.file = image_half(path, header_file, header);
+  stored.offset = samples_offset(header, header_file, stored.file != header_file);
+
+  VolumeFile file;
+  Volume& volume = file.volume;
+  VolumeSource& source = file.source;
+  source.format = format_name(header);
+  check_data_file(path, stored.file, [&] { require_stored_volumes(stored, source); });
+  const std::uint64_t index = chosen_volume(path, header, options, source);
+  volume.grid = nifti_grid(header, header_file, source);
+  const Rescale rescale = rescale_of(header, source);
+  volume.type = stored_type;
+  warn_of_bits(header, stored_type, source);
+  check_data_file(path, stored.file, [&] {
+    if (!rescale.is_needed()) return read_plain_samples(stored, index, header.swap, file, options);
+    volume.type = stored_type == SampleType::float64 ? SampleType::float64 : SampleType::float32;
+    read_stored_volume(stored, index, file, options, [&](ByteSource& stream, std::byte* samples) {
+      read_scaled_samples(stream, stored.file, header.swap, stored_type, rescale, volume.grid.sample_count(), samples);
     });
-  }, options);
-  restore_non_finite(stored, volume);
-  VolumeFile file{std::move(volume), {}};
-  file.source.format = "NIfTI-1";
+  });
   return file;
 }
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Headerless samples: the caller says what they are, the file's size must agree.
+// Headerless samples: the caller says what they are, the file's size must agree. The file may be gzipped or bzipped as a whole.
 #include <bit>
 #include <cmath>
 #include <string>
 
 #include "files/file_error.h"
+#include "files/stored_data.h"
 #include "volume_files/byte_source.h"
 #include "volume_files/grid_of_file.h"
 #include "volume_files/readers.h"
@@ -12,6 +13,42 @@
 namespace isoatlas::io {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+[[noreturn]] void refuse_size(const fs::path& path, const RawLayout& layout, std::uint64_t found, std::uint64_t expected, bool is_packed) {
+  throw bad_file(path, std::string("has ") + std::to_string(found) + " bytes" + (is_packed ? " when unpacked" : "") + ", but " +
+                           (layout.offset > 0 ? "after an offset of " + std::to_string(layout.offset) + " " : "") +
+                           std::to_string(layout.size[0]) + " x " + std::to_string(layout.size[1]) + " x " +
+                           std::to_string(layout.size[2]) + " samples of " + std::string(name(layout.type)) + " are " +
+                           std::to_string(expected) + " bytes");
+}
+
+// A file of exactly the right size is what it is said to be, whatever its first bytes.
+Packing packing_of_samples(const fs::path& path, const RawLayout& layout, std::uint64_t bytes) {
+  const std::uint64_t file_bytes = readable_file_size(path);
+  const bool is_plain = layout.offset <= file_bytes && file_bytes - layout.offset == bytes;
+  const Packing packing = is_plain ? Packing::none : packing_of(path);
+  if (!is_plain && packing == Packing::none) {
+    refuse_size(path, layout, file_bytes, bytes, false);
+  }
+  if (packing == Packing::deflate) {
+    require_possible_bytes(path, bytes, file_bytes);
+  }
+  return packing;
+}
+
+void read_packed(const fs::path& path, const RawLayout& layout, Packing packing, std::byte* samples, std::uint64_t bytes) {
+  ByteSource source(path, 0, packing);
+  source.skip(layout.offset);
+  const std::uint64_t count = source.read(samples, static_cast<std::size_t>(bytes));
+  const std::uint64_t rest = source.count_rest(bytes + 1);
+  if (count < bytes || rest > 0) {
+    refuse_size(path, layout, layout.offset + count + rest, bytes, true);
+  }
+}
+
+}  // namespace
 
 VolumeFile read_raw(const fs::path& path, const ReadOptions& options) {
   const RawLayout& layout = *options.raw;
@@ -23,16 +60,13 @@ VolumeFile read_raw(const fs::path& path, const ReadOptions& options) {
   }
   const std::size_t sample_bytes = bytes_per_sample(layout.type);
   const std::uint64_t bytes = checked_sample_bytes(path, layout.size, sample_bytes);
-  const std::uint64_t file_bytes = readable_file_size(path);
-  if (layout.offset > file_bytes || file_bytes - layout.offset != bytes) {
-    throw bad_file(path, "has " + std::to_string(file_bytes) + " bytes, but " +
-                             (layout.offset > 0 ? "after an offset of " + std::to_string(layout.offset) + " " : "") +
-                             std::to_string(layout.size[0]) + " x " + std::to_string(layout.size[1]) + " x " +
-                             std::to_string(layout.size[2]) + " samples of " + std::string(name(layout.type)) + " are " +
-                             std::to_string(bytes) + " bytes");
-  }
+  const Packing packing = packing_of_samples(path, layout, bytes);
   const std::shared_ptr<std::byte[]> samples = allocate_samples(path, bytes, options);
-  ByteSource(path, layout.offset, Packing::none).read_samples(samples.get(), bytes);
+  if (packing == Packing::none) {
+    ByteSource(path, layout.offset, Packing::none).read_samples(samples.get(), bytes);
+  } else {
+    read_packed(path, layout, packing, samples.get(), bytes);
+  }
   if (layout.big_endian != (std::endian::native == std::endian::big)) {
     swap_byte_order(samples.get(), bytes / sample_bytes, sample_bytes);
   }
@@ -43,6 +77,7 @@ VolumeFile read_raw(const fs::path& path, const ReadOptions& options) {
   file.volume.samples = samples.get();
   file.volume.owner = samples;
   file.source.format = "headerless samples";
+  file.source.reader = "isoatlas";
   return file;
 }
 

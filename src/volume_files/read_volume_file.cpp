@@ -7,6 +7,7 @@
 
 #include "files/file_error.h"
 #include "isoatlas/volume_file.h"
+#include "volume_files/image_stack.h"
 #include "volume_files/readers.h"
 #include "volume_files/standard_input.h"
 #include "volume_files/volume_format.h"
@@ -70,7 +71,7 @@ VolumeFile read_path(const fs::path& path, const ReadOptions& options) {
   }
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) {
-    return io::read_dicom(path, options);
+    return io::is_image_stack(path) ? io::read_image_stack(path, options) : io::read_dicom(path, options);
   }
   io::readable_file_size(path);  // missing, empty, not readable: said before anything about the format
   return io::format_of(path).read(path, options);

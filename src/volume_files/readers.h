@@ -16,11 +16,15 @@ namespace isoatlas::io {
 // - ignores `options.spacing`: read_volume_file() applies it.
 VolumeFile read_nrrd(const std::filesystem::path& path, const ReadOptions& options);
 VolumeFile read_nifti(const std::filesystem::path& path, const ReadOptions& options);
+VolumeFile read_mgh(const std::filesystem::path& path, const ReadOptions& options);
+VolumeFile read_mrc(const std::filesystem::path& path, const ReadOptions& options);
+VolumeFile read_npy(const std::filesystem::path& path, const ReadOptions& options);
 VolumeFile read_meta_image(const std::filesystem::path& path, const ReadOptions& options);
 VolumeFile read_tiff(const std::filesystem::path& path, const ReadOptions& options);
 VolumeFile read_legacy_vtk(const std::filesystem::path& path, const ReadOptions& options);
-VolumeFile read_vti(const std::filesystem::path& path, const ReadOptions& options);
+VolumeFile read_vtk_xml(const std::filesystem::path& path, const ReadOptions& options);
 VolumeFile read_dicom(const std::filesystem::path& folder, const ReadOptions& options);
+VolumeFile read_image_stack(const std::filesystem::path& folder, const ReadOptions& options);
 VolumeFile read_raw(const std::filesystem::path& path, const ReadOptions& options);
 
 }  // namespace isoatlas::io

@@ -21,7 +21,7 @@ bool has_at(std::string_view bytes, std::size_t position, std::string_view mark)
   return bytes.size() >= position + mark.size() && bytes.substr(position, mark.size()) == mark;
 }
 
-bool is_nrrd(std::string_view bytes) { return has_at(bytes, 0, "NRRD000"); }
+bool is_nrrd(std::string_view bytes) { return has_at(bytes, 0, "NRRD00"); }
 
 // The size of the header, as a number of either byte order, is at its start: 348, or 540 in NIfTI-2. Analyze has no mark.
 bool is_nifti(std::string_view bytes) {
@@ -46,17 +46,39 @@ bool is_tiff(std::string_view bytes) {
 
 bool is_legacy_vtk(std::string_view bytes) { return has_at(bytes, 0, "# vtk DataFile"); }
 
-bool is_vti(std::string_view bytes) {
-  return bytes.find("<VTKFile") != std::string_view::npos && bytes.find("\"ImageData\"") != std::string_view::npos;
+// Any data set: the reader says what it is where it is no volume.
+bool is_vtk_xml(std::string_view bytes) {
+  const std::size_t first = bytes.find_first_not_of("\xEF\xBB\xBF \t\r\n");
+  return first != std::string_view::npos && bytes[first] == '<' && bytes.find("<VTKFile") != std::string_view::npos;
 }
 
+// The version, of which the second byte may say more; four sizes and a type, big endian: most of their upper bytes are 0.
+bool is_mgh(std::string_view bytes) {
+  if (bytes.size() < 30 || bytes[0] != 0 || bytes[1] != 0 || bytes[3] != 1) return false;
+  for (std::size_t field = 4; field < 20; field += 4) {
+    const std::string_view size = bytes.substr(field, 4);
+    if (size[0] != 0 || size == std::string_view("\0\0\0\0", 4)) return false;
+  }
+  constexpr char kLargestType = 10;
+  return bytes.substr(20, 3) == std::string_view("\0\0\0", 3) && bytes[23] >= 0 && bytes[23] <= kLargestType;
+}
+
+bool is_mrc(std::string_view bytes) { return bytes.size() >= 1024 && has_at(bytes, 208, "MAP"); }
+
+bool is_npy(std::string_view bytes) { return has_at(bytes, 0, "\x93NUMPY"); }
+bool is_dicom(std::string_view bytes) { return has_at(bytes, 128, "DICM"); }
+
 constexpr std::array kVolumeFormats{
+    VolumeFormat{"DICOM", ".dcm .ima", is_dicom, read_dicom},
     VolumeFormat{"NRRD", ".nrrd .nhdr", is_nrrd, read_nrrd},
-    VolumeFormat{"NIfTI", ".nii .nii.gz .hdr .img", is_nifti, read_nifti},
+    VolumeFormat{"NIfTI", ".nii .nii.gz .nii.bz2 .hdr .img .img.gz", is_nifti, read_nifti},
+    VolumeFormat{"MGH", ".mgz .mgh .mgh.gz", is_mgh, read_mgh},
+    VolumeFormat{"MRC", ".mrc .map .rec .ccp4 .st .mrcs .mrc.gz .map.gz", is_mrc, read_mrc},
+    VolumeFormat{"NumPy array", ".npy", is_npy, read_npy},
     VolumeFormat{"MetaImage", ".mha .mhd", is_meta_image, read_meta_image},
     VolumeFormat{"TIFF", ".tif .tiff", is_tiff, read_tiff},
     VolumeFormat{"legacy VTK", ".vtk", is_legacy_vtk, read_legacy_vtk},
-    VolumeFormat{"VTK XML image data", ".vti", is_vti, read_vti},
+    VolumeFormat{"VTK XML", ".vti .vtr .pvti .pvtr", is_vtk_xml, read_vtk_xml},
 };
 
 std::string lower_case(std::string text) {
@@ -79,13 +101,15 @@ bool has_extension(const std::string& file_name, std::string_view extensions) {
 std::string other_kind(std::string_view bytes, const std::string& file_name) {
   if (has_extension(file_name, ".ply .stl .obj .off .vtp .glb .vtm .3mf .gii")) return "is a mesh file";
   if (has_extension(file_name, ".json")) return "is a JSON file, perhaps a report";
+  if (has_extension(file_name, ".vtkhdf")) return "is a VTKHDF file";
   if (has_at(bytes, 0, "\x89HDF")) return "is an HDF5 file";
   if (has_at(bytes, 0, "CDF")) return "is a NetCDF file";
+  if (has_extension(file_name, ".npz")) return "is an archive of NumPy arrays, expected a .npy file with one of them";
   if (has_at(bytes, 0, "PK\x03\x04")) return "is a ZIP archive";
   if (has_at(bytes, 0, "ZISRAWFILE")) return "is a Zeiss CZI file";
   if (has_at(bytes, 0, "\xDA\xCE\xBE\x0A")) return "is a Nikon ND2 file";
   if (has_at(bytes, 0, "\xFF\xD8\xFF")) return "is a JPEG image";
-  if (has_at(bytes, 0, "\x89PNG")) return "is a single PNG image";
+  if (has_at(bytes, 0, "\x89PNG")) return "is a 2-D PNG image (a folder with all slices is read)";
   if (has_at(bytes, 0, "%PDF")) return "is a PDF document";
   return "";
 }
@@ -108,7 +132,7 @@ const VolumeFormat& format_of(const fs::path& path) {
   }
   const std::string kind = other_kind(start, file_name);
   throw unsupported(path, (kind.empty() ? "unknown volume format" : kind) + ", expected a volume: one of " + volume_extensions() +
-                              ", a folder with a DICOM series, or a raw layout (size and sample type)");
+                              ", a folder with a DICOM series or a slice in each image, or a raw layout (size and sample type)");
 }
 
 std::string volume_extensions() {

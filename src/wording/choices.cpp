@@ -7,15 +7,17 @@
 #include <utility>
 
 #include "isoatlas/error.h"
+#include "wording/values.h"
 
 namespace isoatlas {
 namespace {
 
 template <class Value, std::size_t count>
 Value choose(const std::pair<std::string_view, Value> (&choices)[count], std::string_view text) {
+  const std::string word = plain_word(text);
   std::string names;
   for (const auto& [name, value] : choices) {
-    if (name == text) return value;
+    if (name == word) return value;
     names.append(names.empty() ? "" : ", ").append(name);
   }
   throw Error(ErrorCode::bad_argument, "expected one of " + names + ", got '" + std::string(text) + "'");

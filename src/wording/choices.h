@@ -8,7 +8,8 @@
 
 namespace isoatlas {
 
-// Each throws Error(bad_argument) that lists the names unless `text` is one of them.
+// Each throws Error(bad_argument) that lists the names unless `text` is one of them, whatever the case, with blanks around it or not,
+// "_" for "-" or not.
 Inside parse_inside(std::string_view text);                ///< above, below
 Topology parse_topology(std::string_view text);            ///< trilinear, faces
 Interpolation parse_interpolation(std::string_view text);  ///< trilinear, tricubic

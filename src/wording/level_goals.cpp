@@ -24,11 +24,16 @@ constexpr TypedConstraint kDefault{Quantity::max_distance, 0.5, true, true};
 std::string in_quotes(std::string_view text) { return std::string("'").append(text).append("'"); }
 
 [[noreturn]] void refuse_bound(Quantity quantity, const std::string& expected, std::string_view text) {
-  refuse(std::string(name(quantity)) + ": expected " + expected + ", got " + in_quotes(text));
+  try {
+    unit(quantity) == Unit::count ? refuse_value(expected, text) : refuse_fraction(expected, text);
+  } catch (const Error& error) {
+    refuse(std::string(name(quantity)) + ": " + error.what());
+  }
 }
 
 double parse_degrees(Quantity quantity, std::string_view text) {
-  std::string_view number = text;
+  const std::string word = plain_word(text);
+  std::string_view number = word;
   if (number.ends_with("deg")) number.remove_suffix(3);
   const auto degrees = parse_whole<double>(number);
   if (!degrees || !std::isfinite(*degrees) || *degrees <= 0) refuse_bound(quantity, "an angle above 0 like 15deg or 15", text);
@@ -51,8 +56,17 @@ double parse_count(Quantity quantity, std::string_view text) {
   return *count;
 }
 
+// "max-distance:0,5vx" would else be a bound of 0 and something else.
+void require_decimal_points(std::string_view spec) {
+  for (std::size_t comma = spec.find(','); comma != std::string_view::npos; comma = spec.find(',', comma + 1)) {
+    const std::string_view entry = spec.substr(comma + 1, spec.find(',', comma + 1) - comma - 1);
+    const bool is_number = !entry.empty() && entry[0] >= '0' && entry[0] <= '9' && entry.find(':') == std::string_view::npos;
+    if (is_number) refuse("expected a decimal point before " + in_quotes(entry) + ", not a comma, in " + in_quotes(spec));
+  }
+}
+
 Quantity parse_quantity(std::string_view text) {
-  if (const auto quantity = quantity_named(text)) return *quantity;
+  if (const auto quantity = quantity_named(plain_word(text))) return *quantity;
   std::string names;
   for (std::size_t i = 0; i < kQuantityCount; ++i) names += (i == 0 ? "" : ", ") + std::string(name(static_cast<Quantity>(i)));
   refuse("there is no " + in_quotes(text) + ", expected one of " + names);
@@ -88,6 +102,7 @@ TypedConstraint parse_bound(Quantity quantity, std::string_view text) {
 }
 
 std::vector<TypedConstraint> parse_level(std::string_view spec) {
+  require_decimal_points(spec);
   std::vector<TypedConstraint> constraints;
   for (std::string_view rest = spec;;) {
     const std::size_t comma = rest.find(',');

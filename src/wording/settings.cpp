@@ -28,7 +28,7 @@ std::size_t parse_samples(std::string_view text) {
 
 Length parse_length(std::string_view text) {
   const auto length = length_of(text);
-  if (!length) refuse_value("a length like 3vx, 2.5mm or 2.5", text);
+  if (!length) refuse_fraction("a length like 3vx, 2.5mm or 2.5", text);
   return *length;
 }
 
@@ -81,22 +81,22 @@ void set(ExtractSettings& settings, std::string_view name, std::string_view text
     options.interpolation = parse_interpolation(text);
   } else if (name == "supersample") {
     const auto factor = parse_whole<std::uint32_t>(text);
-    if (!factor || *factor == 0) refuse_value("a number above 0", text);
+    if (!factor || *factor == 0) refuse_value("a whole number, 1 or more", text);
     options.supersample = *factor;
   } else if (name == "adaptive-supersample") {
     const auto times = parse_whole<std::uint32_t>(text);
-    if (!times || *times > kMostDivisions) refuse_value("a number from 0 to 8", text);
+    if (!times || *times > kMostDivisions) refuse_value("a whole number from 0 to 8", text);
     options.adaptive_supersample = *times;
   } else if (name == "min-component-size") {
     settings.min_component_size = space_size_of(text);
-    if (!settings.min_component_size) refuse_value("a size like 10vx, 2.5mm3 or 2.5", text);
+    if (!settings.min_component_size) refuse_fraction("a size like 10vx, 2.5mm3 or 2.5", text);
   } else if (name == "keep-components") {
     const auto count = parse_whole<std::size_t>(text);
-    if (!count || *count == 0) refuse_value("a number above 0", text);
+    if (!count || *count == 0) refuse_value("a whole number, 1 or more", text);
     options.keep_components = *count;
   } else if (name == "max-radius") {
     settings.max_radius = parse_length(text);
-    if (settings.max_radius->value == 0) refuse_value("a length above 0", text);
+    if (settings.max_radius->value == 0) refuse_fraction("a length above 0", text);
   } else if (name == "covering") {
     options.covering = parse_covering(text);
   } else if (name == "event-persistence") {

@@ -13,9 +13,16 @@
 
 namespace isoatlas {
 
-/// A number that is the whole text, whatever the locale; none if it is not.
+/// Without the blanks at both ends.
+std::string_view trimmed(std::string_view text);
+
+/// In lower case, "-" for "_", without the blanks at both ends: names are compared like this.
+std::string plain_word(std::string_view text);
+
+/// A number that is the whole text but for blanks at its ends, whatever the locale; none if it is not.
 template <class Number>
 std::optional<Number> parse_whole(std::string_view text) {
+  text = trimmed(text);
   if (text.starts_with('+')) text.remove_prefix(1);
   Number number{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -25,6 +32,9 @@ std::optional<Number> parse_whole(std::string_view text) {
 
 /// Throws Error(bad_argument): "expected ..., got '...'".
 [[noreturn]] void refuse_value(std::string_view expected, std::string_view text);
+
+/// The same of a number with fractions: says what to write where a comma stands for the decimal point.
+[[noreturn]] void refuse_fraction(std::string_view expected, std::string_view text);
 
 /// A finite number. Throws Error(bad_argument).
 double parse_finite(std::string_view text);

@@ -199,13 +199,29 @@ class Help(ToolTest):
         for title in ["INPUT", "SURFACE", "MESH", "LEVELS", "OUTPUT", "RUNNING"]:
             self.assertIn(f"\n{title}\n", self.succeed("extract", "-h"))
 
+    def test_common_options_of_extract_are_on_the_first_screen(self):
+        screen = self.succeed("extract", "--help").splitlines()[:24]
+        start = screen.index("COMMON OPTIONS")
+        names = [line.split()[0].rstrip(",") for line in screen[start:] if line.startswith("    -")]
+        self.assertEqual(names, ["--iso", "-o", "--max-distance", "--refine", "--report", "--html"])
+        self.assertTrue(any(line.startswith("    isoatlas extract ") for line in screen[start:]), "an example")
+
     def test_main_page_names_the_commands(self):
         page = self.succeed("--help")
         for command in self.OPTIONS:
             self.assertRegex(page, rf"(?m)^    {command} ")
 
     def test_version(self):
-        self.assertRegex(self.succeed("--version"), r"\Aisoatlas \d+\.\d+\.\d+\n\Z")
+        for words in (["--version"], ["version"], ["-V"]):
+            self.assertRegex(self.succeed(*words), r"\Aisoatlas \d+\.\d+\.\d+\n\Z")
+
+    def test_all_ways_to_ask_for_help(self):
+        self.assertEqual(self.succeed("help"), self.succeed("--help"))
+        for command in self.OPTIONS:
+            page = self.succeed(command, "--help")
+            for words in (["help", command], ["--help", command], ["-h", command], [command, "help"], [command, "-h"],
+                          [command, "nowhere", "--frobnicate", "--help"]):
+                self.assertEqual(self.succeed(*words), page, words)
 
     def test_command_line_page_documents_every_option(self):
         text = (DOCS / "command-line.md").read_text(encoding="utf-8")
@@ -887,7 +903,6 @@ class BadArguments(ToolTest):
 
     def test_usage(self):
         self.refuse(r"see isoatlas --help", "no-such-command")
-        self.refuse(r"see isoatlas --help")
         self.refuse(r"see isoatlas extract --help", "extract")
         self.refuse(r"--iso.*see isoatlas extract --help", "extract", "sphere.nrrd", "-o", "out.ply")
         self.refuse(r"--output.*see isoatlas extract --help", "extract", "sphere.nrrd", "--iso", "0")
@@ -902,15 +917,15 @@ class BadArguments(ToolTest):
             "--keep-components": ["0", "-1", "1.5", "all", ""],
             "--max-radius": ["0", "-1", "3 furlongs", "vx", "mm", "1vxmm", "inf", "nanmm", "", "2.5 px", "1e999"],
             "--event-persistence": ["-1", "abc", "3px", "infvx"],
-            "--covering": ["bins", "", "Halving", "radius_field", "halving,radius-field"],
+            "--covering": ["bins", "", "radius field", "halving,radius-field"],
             "--threads": ["-1", "1.5", "many", "", "99999999999"],
             "--inside": ["outside", "", "0"],
-            "--topology": ["cubic", "", "Faces"],
-            "--interpolation": ["linear", "", "Tricubic", "cubic"],
+            "--topology": ["cubic", "", "face"],
+            "--interpolation": ["linear", "", "tri-cubic", "cubic"],
             "--adaptive-supersample": ["-1", "9", "1.5", "", "many"],
             "--supersample": ["0", "-2", "1.5", "2x", "", "99999999999"],
             "--nan": ["refuse", ""],
-            "--space": ["lpi", "LPS"],
+            "--space": ["lpi", "L P S"],
             "--placement": ["here", ""],
             "--measure-samples": ["0", "-1", "many"],
             "--max-distance": ["0", "-1", "0vx", "half", "1px", "inf"],
@@ -920,7 +935,7 @@ class BadArguments(ToolTest):
             "--normal-angle": ["0", "-5", "5rad", "deg"],
             "--max-vertices": ["3", "-7", "1e3", "5.5", "99999999999"],
             "--min-aspect": ["0", "1", "-0.1", "nan"],
-            "--refine": ["foo", "max-distance", "max-distance:", "max-distance:0", "max-distance:1vx,", ":1", "max_distance:1",
+            "--refine": ["foo", "max-distance", "max-distance:", "max-distance:0", "max-distance:1vx,", ":1", "max distance:1",
                          "max-distance=1", "max-vertices:3", "normal-angle:15rad"],
         }.items():
             base = self.good if option != "--iso" else ["extract", "sphere.nrrd", "-o", "out.ply"]
@@ -969,6 +984,62 @@ class BadArguments(ToolTest):
         for spacing in ("0,1,1", "1,1", "-1,1,1", "nan,1,1"):
             self.refuse("--raw-spacing", *raw, "--raw-size", "8,8,8", "--raw-type", "uint8", f"--raw-spacing={spacing}")
         self.refuse("--raw-endian", *raw, "--raw-size", "8,8,8", "--raw-type", "uint8", "--raw-endian", "middle")
+
+
+class WrongCommandLines(ToolTest):
+    """Each line of wrong_command_lines.tsv is answered by one line that says what to type instead, and nothing is written."""
+
+    LINES = [line.split("\t") for line in (pathlib.Path(__file__).parent / "wrong_command_lines.tsv").read_text(encoding="utf-8").splitlines()
+             if line and not line.startswith("#")]
+
+    def setUp(self):
+        super().setUp()
+        n = 12
+        volume = nrrd(sphere((n, n, n)), (n, n, n))
+        for name in ("scan.nrrd", "my scan.nrrd"):
+            self.put(name, volume)
+        header, samples = volume.split(b"\n\n", 1)
+        self.put("scan.nhdr", header + b"\ndata file: scan.raw\n")
+        for name in ("scan.raw", "bare.raw"):
+            self.put(name, samples)
+        for name in ("head.ply", "head.stl", "head.glb"):
+            self.succeed("extract", "scan.nrrd", "--iso", "0", "-o", name, "--report", "report.json", "-q")
+        self.put("check.json", self.succeed("check", "head.ply", "--json").encode())
+        self.put("page.html", b"<!doctype html>\n<title>a page</title>\n")
+        self.put("photo.png", b"\x89PNG\r\n\x1a\n" + bytes(100))
+        self.put("notes.txt", b"some notes\n")
+        (self.folder / "slices").mkdir()
+
+    def test_all_of_them(self):
+        self.assertGreaterEqual(len(self.LINES), 60)
+        for line, expected in self.LINES:
+            with self.subTest(line):
+                program, *arguments = shlex.split(line)
+                self.assertEqual(program, "isoatlas")
+                self.refuse(re.escape(expected), *arguments)
+
+    def test_nothing_at_all_lists_the_commands(self):
+        result = self.run_tool()
+        self.assertEqual((result.returncode, result.stdout), (2, ""))
+        self.assertTrue(result.stderr.startswith("usage: isoatlas COMMAND"))
+        for command in Help.OPTIONS:
+            self.assertRegex(result.stderr, rf"(?m)^  {command} ")
+
+    def test_right_lines_that_look_wrong(self):
+        extract = ["extract", "scan.nrrd", "-q", "--coarse"]
+        self.succeed(*extract, "--iso", "-.5", "-o", "a.ply")
+        self.succeed(*extract, "--iso=-5e-1", "-oa.ply")
+        self.succeed("extract", "scan.nrrd", "-qo", "b.ply", "--iso", " 0 ")
+        self.succeed(*extract, "--iso", "0", "--space", " LPS", "--inside", "Below", "-o", "a.ply")
+        self.succeed("extract", "scan.nrrd", "-q", "--iso", "0", "--refine", "max-distance: 0.5vx", "--refine", "MAX_DISTANCE:0.4 vx", "-o", "a.ply")
+        self.succeed(*extract, "--iso", "0", "--max-radius", "9 mm", "-o", "a.ply")
+        self.succeed("extract", "bare.raw", "--raw-size", "12, 12, 12", "--raw-type", "Float32", "--iso", "0", "-q", "-o", "a.ply", "--coarse")
+        self.put("-dash.nrrd", (self.folder / "scan.nrrd").read_bytes())
+        self.succeed("extract", "-q", "--coarse", "--iso", "0", "-o", "a.ply", "--", "-dash.nrrd")
+        self.put("check", (self.folder / "bare.raw").read_bytes())
+        self.succeed("info", "check", "--raw-size", "12,12,12", "--raw-type", "float32")
+        self.put("–scan.nrrd", (self.folder / "scan.nrrd").read_bytes())  # a file may be called so
+        self.succeed("info", "–scan.nrrd")
 
 
 class BadFiles(ToolTest):
@@ -1458,7 +1529,32 @@ class CheckDistance(ToolTest):
                 seen.add(round(found["maximum"], 3))
         self.assertEqual(len(seen), 1)
         # What the user says counts: taken for LPS, an index is far from the world.
-        self.assertGreater(self.distance("s.off", "--volume", "s.nrrd", "--iso", "0", "--space", "lps", "--samples", "10")["mean"], 100)
+        far = self.run_tool("check", "s.off", "--volume", "s.nrrd", "--iso", "0", "--space", "lps", "--samples", "10", "--json")
+        self.assertGreater(json.loads(far.stdout)["distance"]["mean"], 100)
+
+    def test_a_mesh_far_from_its_volume(self):
+        self.put("s.nrrd", nrrd(sphere((20, 20, 20)), (20, 20, 20), "float", "space: left-posterior-superior",
+                                "space directions: (2,0,0) (0,2,0) (0,0,2)", "space origin: (100,200,300)"))
+        measure = ["--volume", "s.nrrd", "--iso", "0", "--samples", "10"]
+        for written in ("lps", "ras", "voxel"):
+            self.succeed("extract", "s.nrrd", "--iso", "0", "--space", written, "-o", "s.ply", "-q")
+            for read in ("lps", "ras", "voxel"):
+                result = self.run_tool("check", "s.ply", *measure, "--space", read)
+                self.assertIn("distance", result.stdout)
+                if read == written:
+                    self.assertEqual((result.returncode, result.stderr), (0, ""))
+                    continue
+                self.assertEqual(result.returncode, 1)
+                self.assertRegex(result.stderr, r"\Aisoatlas: s.ply: is nowhere near the volume: [^\n]+; they overlap with --space " + written + "\n\\Z")
+                box = {"lps": "100..138 200..238 300..338", "ras": "-138..-100 -238..-200 300..338", "voxel": "0..19 0..19 0..19"}[read]
+                self.assertIn(f"of the volume in {read} {box};", result.stderr)
+        # Neither space: nothing to propose. And one that overlaps, but reaches far beyond.
+        self.put("m.off", off([(x - 1e4, y, z) for x, y, z in TETRAHEDRON[0]], TETRAHEDRON[1]))
+        result = self.run_tool("check", "m.off", *measure)
+        self.assertEqual(result.returncode, 1)
+        self.assertRegex(result.stderr, r"-10000..-9999 0..1 0..1, .*; --space says in which coordinates a mesh is\n\Z")
+        self.put("m.off", off([(1e4 * x, 1e4 * y, 1e4 * z) for x, y, z in TETRAHEDRON[0]], TETRAHEDRON[1]))
+        self.assertIn("nowhere near", self.run_tool("check", "m.off", *measure).stderr)
 
     def test_nothing_said_is_lps(self):
         self.put_sphere()
@@ -1500,7 +1596,7 @@ class CheckDistance(ToolTest):
         self.refuse("--raw-size requires --volume", "check", "m.off", "--raw-size", "8,8,8", "--raw-type", "uint8")
         good = ["check", "m.off", "--volume", "sphere.nrrd"]
         for option, values in {"--samples": ["0", "-1", "1.5", "many", "", "99999999999"], "--iso": ["nan", "", "x"],
-                               "--space": ["LPS", "world"], "--inside": ["out"], "--topology": ["Faces", "both"], "--nan": ["refuse"]}.items():
+                               "--space": ["LPI", "world"], "--inside": ["out"], "--topology": ["face", "both"], "--nan": ["refuse"]}.items():
             for value in values:
                 rest = [] if option == "--iso" else ["--iso", "0"]
                 self.refuse(option, *good, *rest, f"{option}={value}")
@@ -1784,7 +1880,8 @@ for k in range(blocks.GetNumberOfBlocks()):
         report = self.report()
         report["levels"][1]["metrics"]["area-curvature"]["maximum"] = None
         self.put("r.json", json.dumps(report).encode())
-        self.assertRegex(self.levels(0, "r.json"), r"(?m)^  area-curvature, maximum +[\d.]+ +inf$")
+        self.assertRegex(self.levels(0, "r.json"), r"(?m)^  area-curvature, maximum +[\d.]+ +unbounded$")
+        self.assertNotIn("inf", self.levels(0, "r.json"))
         self.assertIsNone(json.loads(self.levels(0, "r.json", "--json"))["levels"][1]["metrics"]["area-curvature"]["maximum"])
 
     def test_a_level_that_is_no_manifold(self):
@@ -1882,6 +1979,17 @@ class Picture(ToolTest):
         self.assertEqual(self.make("--size", "160,120"), seen[0], "the same again")
         self.assertEqual(self.make("--size", "160,120", "--level", "2"), seen[0], "the finest is the default")
 
+    def test_the_name_says_the_format(self):
+        for name, mark in (("p.PNG", b"\x89PNG"), ("p.jpg", b"\xff\xd8\xff"), ("p.JPEG", b"\xff\xd8\xff")):
+            self.succeed("picture", "s.glb", "-o", name, "-q", "--size", "64,48")
+            self.assertTrue((self.folder / name).read_bytes().startswith(mark), name)
+
+    def test_names_of_views(self):
+        for name, view in (("front", "0,-1,0"), ("back", "0,2,0"), (" Left", "1,0,0"), ("right", "-1,0,0"), ("top", "0,0,1"),
+                           ("bottom", "0,0,-1")):
+            up = ["--up", "0,-1,0"] if name in ("top", "bottom") else []
+            self.assertEqual(self.make("--size", "64,48", "--view", name), self.make("--size", "64,48", "--view", view, *up), name)
+
     def test_default_size_and_summary(self):
         self.assertRegex(self.succeed("picture", "s.glb", "-o", "p.png"), r"\A  wrote +p.png: [\d,]+ triangles, [\d.]+ KiB\n\Z")
         self.assertEqual(png_size((self.folder / "p.png").read_bytes()), (1200, 900))
@@ -1904,13 +2012,16 @@ class Picture(ToolTest):
 
     def test_what_cannot_be(self):
         for pattern, options in [("levels 0 to 2", ["--level", "3"]), ("--size", ["--size", "100"]), ("16 to 8192", ["--size", "8,100"]), ("two directions", ["--up", "0,0,0"]),
-                                 ("two directions", ["--view", "0,0,2"]), ("zoom", ["--zoom", "0"]), ("--style", ["--style", "wire"]), ("--level", ["--level", "-1"])]:
+                                 ("two directions", ["--view", "0,0,2", "--up", "0,0,1"]), ("two directions", ["--view", "0,0,0"]), ("front, back", ["--view", "above"]), ("zoom", ["--zoom", "0"]), ("--style", ["--style", "wire"]), ("--level", ["--level", "-1"])]:
             self.refuse(pattern, "picture", "s.glb", "-o", "q.png", *options)
         self.refuse("replace the mesh", "picture", "s.glb", "-o", "s.glb")
         self.refuse("nowhere", "picture", "s.glb", "-o", "nowhere/q.png")
         self.refuse("missing.glb", "picture", "missing.glb", "-o", "q.png")
-        for command in ("picture", "report"):
-            self.refuse("expected one of .ply .stl .obj .off .vtp .3mf .gii, or .glb or .vtm", command, "sphere.nrrd", "-o", "q.out")
+        for command, output in (("picture", "q.png"), ("report", "q.html")):
+            self.refuse("expected one of .ply .stl .obj .off .vtp .3mf .gii, or .glb or .vtm.*isoatlas extract meshes it",
+                        command, "sphere.nrrd", "-o", output)
+        for name in ("q.tif", "q.bmp", "q", "q.png.txt"):
+            self.refuse(f"{name}: .*expected a name ending in .png, .jpg or .jpeg", "picture", "s.glb", "-o", name)
 
     def test_without_a_display_or_xvfb_one_line_says_so(self):
         self.refuse("X display", "picture", "s.glb", "-o", "q.png", env={"DISPLAY": "", "PATH": "/nonexistent"})
@@ -2011,8 +2122,16 @@ class Page(ToolTest):
         self.refuse("is no report", "report", "bad.json", "-o", "p.html")
         self.refuse("missing.glb", "report", "missing.glb", "-o", "p.html")
         self.refuse("would replace a result", "report", "s.glb", "-o", "s.glb")
-        self.refuse("would replace .*s.glb", "report", "s.json", "-o", "s.glb")
-        self.refuse("would replace .*sphere.nrrd", "report", "s.json", "-o", "sphere.nrrd")
+        (self.folder / "mesh.html").symlink_to("s.glb")
+        (self.folder / "volume.html").symlink_to("sphere.nrrd")
+        self.refuse("would replace .*s.glb", "report", "s.json", "-o", "mesh.html")
+        self.refuse("would replace .*sphere.nrrd", "report", "s.json", "-o", "volume.html")
+        for name in ("p", "p.htm.txt", "p.pdf", "s.glb"):
+            self.refuse(f"{name}: .*expected a name ending in .html", "report", "s.json", "-o", name)
+            if name != "s.glb":
+                self.refuse(f"{name}: .*expected a name ending in .html", *self.EXTRACT, "-o", "s.glb", "--html", name)
+        self.refuse("p.html: a report is JSON.*--html writes a page", *self.EXTRACT, "-o", "s.glb", "--report", "p.html")
+        self.succeed("report", "s.json", "-o", "P.HTM", "-q")
         self.refuse("nowhere", "report", "s.glb", "-o", "nowhere/p.html")
         self.put("empty.off", off([(0, 0, 0), (1, 0, 0), (0, 1, 0)], []))
         self.refuse("no triangles", "report", "empty.off", "-o", "p.html")

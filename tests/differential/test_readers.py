@@ -20,11 +20,12 @@ DATA = pathlib.Path(os.environ.get("ISOATLAS_TEST_DATA") or ROOT.parent / "share
 CHOICES = {
     "t_ij_2ch.tif": [{"channel": 0}, {"channel": 1}],
     "n_4d2.nii": [{"time": 0}, {"time": 1}],
-    "v_two_none.vti": [{"array": "density"}],
+    "r_seg2.seg.nrrd": [{"layer": 0}, {"layer": 1}],
+    "v_two_none.vti": [{"array": "a"}, {"array": "b"}],
 }
-REFUSED = {"m_comp_nosize_u8.mha", "m_csize_zero.mha", "dup_newuid", "endtrunc0", "nogeom", "enh_two_vols", "ipp_only_nosp", "one.dcm"}
+REFUSED = {"dup_newuid", "endtrunc0", "nogeom", "enh_two_vols", "ipp_only_nosp", "one.dcm"}
 # The independent reader does not know what is right here: the row's own test does.
-OWN_TEST = {"t_ij_trunc.tif", "r_seg2.seg.nrrd", "m_csize_zero.mha", "r_det_longer.nhdr", "v_par_0.vti", "v_par_1.vti"}
+OWN_TEST = {"t_ij_trunc.tif", "r_det_longer.nhdr"}
 PARTS = ("r_sl", "r_det.raw", "README.md", "v_par_0.vti", "v_par_1.vti")
 VOLUMES = (".nii", ".nii.gz", ".nrrd", ".nhdr", ".mha", ".mhd", ".tif", ".tiff", ".vtk", ".vti", ".vtr", ".pvti", ".npy", ".mrc", ".mgz")
 

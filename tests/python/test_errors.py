@@ -42,7 +42,7 @@ def test_classes_are_what_one_expects(base, cls, code):
 
 
 OPTIONS = [
-    ("inside", "up"), ("topology", "x"), ("interpolation", "linear"), ("nan", "refuse"), ("space", "LPS"), ("covering", "radius_field"),
+    ("inside", "up"), ("topology", "x"), ("interpolation", "linear"), ("nan", "refuse"), ("space", "LPI"), ("covering", "radius"),
     ("placement", "up"), ("supersample", 0), ("supersample", 1.5), ("adaptive_supersample", 9), ("adaptive_supersample", -1),
     ("min_component_size", "3cm"), ("keep_components", 0), ("max_radius", 0), ("max_radius", "1e999"), ("event_persistence", "-1vx"),
     ("measure_samples", 0), ("threads", -1), ("max_distance", 0), ("max_distance", "3 px"), ("mean_distance", float("nan")),

@@ -26,8 +26,14 @@ TEST(Choices, EverySampleTypeHasItsName) {
     EXPECT_EQ(parse_sample_type(name(static_cast<SampleType>(i))), static_cast<SampleType>(i));
 }
 
+TEST(Choices, CaseBlanksAndUnderscoresDoNotCount) {
+  EXPECT_EQ(parse_space("LPS"), Space::lps);
+  EXPECT_EQ(parse_inside(" Below\n"), Inside::below);
+  EXPECT_EQ(parse_covering("Radius_Field"), CoveringStrategy::radius_field);
+}
+
 TEST(Choices, AnythingElseIsRefusedWithTheNames) {
-  for (const char* text : {"", "Above", "above ", "1"}) {
+  for (const char* text : {"", "abov", "a bove", "above,below", "1"}) {
     try {
       parse_inside(text);
       FAIL() << text;

@@ -39,6 +39,31 @@ TEST(ParseLevel, EveryUnit) {
   EXPECT_EQ(parse_bound(normal_angle, "15"), parse_bound(normal_angle, "15deg"));
 }
 
+TEST(ParseLevel, CaseBlanksAndUnderscoresDoNotCount) {
+  EXPECT_EQ(parse_level("max-distance: 0.5vx"), parse_level("max-distance:0.5vx"));
+  EXPECT_EQ(parse_level(" Max_Distance : 0.5 VX , max-vertices: 20 "), parse_level("max-distance:0.5vx,max-vertices:20"));
+  EXPECT_EQ(parse_bound(normal_angle, " 15 deg "), parse_bound(normal_angle, "15deg"));
+  EXPECT_EQ(parse_bound(max_distance, "0.5 mm"), parse_bound(max_distance, "0.5mm"));
+}
+
+TEST(ParseLevel, NamesTheDecimalPoint) {
+  EXPECT_EQ(refusal("max-distance:0,5vx"), "expected a decimal point before '5vx', not a comma, in 'max-distance:0,5vx'");
+}
+
+TEST(ParseBound, NamesTheDecimalPoint) {
+  const auto refused = [](Quantity quantity, const char* text) -> std::string {
+    try {
+      parse_bound(quantity, text);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refused(max_distance, "0,5vx"),
+            "max-distance: expected a length above 0 like 0.5vx, 2mm or 2, with a decimal point (0.5vx), got '0,5vx'");
+  EXPECT_EQ(refused(max_vertices, "5,5").find("decimal"), std::string::npos);
+}
+
 TEST(ParseLevel, SaysWhatIsWrongWhereAndWhatWasExpected) {
   EXPECT_EQ(refusal("max-distance"), "expected METRIC:BOUND[,METRIC:BOUND...] like max-distance:0.5vx, got 'max-distance'");
   EXPECT_NE(refusal("max-distance:1,oops").find("got 'oops' in 'max-distance:1,oops'"), std::string::npos);
@@ -67,7 +92,7 @@ TEST(ParseLevel, SaysWhatIsWrongWhereAndWhatWasExpected) {
                           "min-aspect:0",
                           "min-aspect:1",
                           "min-aspect:nan",
-                          "MAX-DISTANCE:1"})
+                          "max distance:1"})
     EXPECT_FALSE(refusal(bad).empty()) << bad;
 }
 

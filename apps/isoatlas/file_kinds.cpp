@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "file_kinds.h"
+
+#include <algorithm>
+#include <cctype>
+#include <system_error>
+#include <vector>
+
+#include "files/stored_data.h"
+#include "isoatlas/error.h"
+#include "isoatlas/mesh_file.h"
+#include "nearest_name.h"
+#include "volume_files/volume_format.h"
+
+namespace isoatlas::tool {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kMeshes = ".ply .stl .obj .off .vtp .3mf .gii";
+constexpr std::string_view kPictures = ".png .jpg .jpeg .bmp .gif";
+
+std::string lower_case(std::string text) {
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+bool is_volume(const fs::path& path) {
+  try {
+    io::format_of(path);
+    // A legacy VTK file may also hold a mesh, of which no reader here knows.
+    return !has_extension(path, ".vtk") || io::first_bytes(path, 1024).find("POLYDATA") == std::string::npos;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+/// The header that stands beside a file of bare samples.
+fs::path header_of(const fs::path& path) {
+  for (const char* extension : {".nhdr", ".mhd", ".hdr"}) {
+    const fs::path header = fs::path(path).replace_extension(extension);
+    std::error_code ignored;
+    if (header != path && fs::is_regular_file(header, ignored)) return header;
+  }
+  return {};
+}
+
+/// Names a file beside it whose name is nearly the same.
+std::string advice_on_missing(const fs::path& path) {
+  constexpr std::size_t kMostFiles = 10'000;
+  std::vector<std::string> names;
+  std::error_code error;
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  for (fs::directory_iterator entry(folder, error); !error && entry != fs::directory_iterator() && names.size() < kMostFiles;
+       entry.increment(error))
+    names.push_back(entry->path().filename().string());
+  std::ranges::sort(names);
+  const std::string nearest = nearest_name(path.filename().string(), names);
+  return nearest.empty() ? "" : "did you mean " + (path.parent_path() / nearest).string() + "?";
+}
+
+std::string advice_on_volume_place(FileKind kind, const fs::path& path, bool is_of_check) {
+  switch (kind) {
+    case FileKind::mesh:
+      return is_of_check ? "the mesh stands first and the volume with --volume" : "isoatlas check looks at a mesh, isoatlas picture draws it";
+    case FileKind::levels:
+      return "isoatlas levels looks at levels of detail, isoatlas report shows them";
+    case FileKind::json:
+      return "isoatlas levels and isoatlas report read the reports of isoatlas extract";
+    case FileKind::page:
+      return "a browser shows pages";
+    case FileKind::unknown: {
+      const fs::path header = header_of(path);
+      return header.empty() ? "--raw-size and --raw-type describe a file without header" : "its header seems to be " + header.string();
+    }
+    default:
+      return "";
+  }
+}
+
+std::string advice_on_mesh_place(std::string_view command, FileKind kind) {
+  const bool takes_levels = command != "check", takes_json = command == "levels" || command == "report";
+  switch (kind) {
+    case FileKind::volume:
+      return command == "check" ? "it is a volume: isoatlas extract meshes it, and a volume to measure against stands with --volume"
+                                : "it is a volume: isoatlas extract meshes it";
+    case FileKind::folder:
+      return "isoatlas extract and isoatlas info read folders of slices";
+    case FileKind::mesh:
+      return command == "levels" ? "isoatlas check looks at one mesh" : "";
+    case FileKind::levels:
+      return takes_levels ? "" : "isoatlas levels reads it";
+    case FileKind::json:
+      return takes_json ? "" : "isoatlas levels and isoatlas report read the reports of isoatlas extract";
+    case FileKind::page:
+      return "a browser shows pages";
+    default:
+      return "";
+  }
+}
+
+}  // namespace
+
+bool has_extension(const fs::path& path, std::string_view extensions) {
+  const std::string name = lower_case(path.filename().string());
+  while (!extensions.empty()) {
+    const std::string_view extension = extensions.substr(0, extensions.find(' '));
+    if (name.ends_with(extension)) return true;
+    extensions.remove_prefix(std::min(extension.size() + 1, extensions.size()));
+  }
+  return false;
+}
+
+FileKind kind_of_name(const fs::path& path) {
+  if (is_hierarchy_path(path)) return FileKind::levels;
+  if (has_extension(path, kMeshes)) return FileKind::mesh;
+  if (has_extension(path, ".json")) return FileKind::json;
+  if (has_extension(path, ".html .htm")) return FileKind::page;
+  if (has_extension(path, kPictures)) return FileKind::picture;
+  return has_extension(path, io::volume_extensions()) ? FileKind::volume : FileKind::unknown;
+}
+
+FileKind kind_of_file(const fs::path& path) {
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) return FileKind::folder;
+  const FileKind kind = kind_of_name(path);
+  if (kind == FileKind::mesh || kind == FileKind::levels || !fs::is_regular_file(path, ignored)) return kind;
+  if (is_volume(path)) return FileKind::volume;
+  return kind == FileKind::volume ? FileKind::unknown : kind;
+}
+
+std::string advice_for_file(std::string_view command, const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) return advice_on_missing(path);
+  const bool is_of_check = command == "check --volume";
+  const FileKind kind = kind_of_file(path);
+  if (command == "extract" || command == "info" || is_of_check) return advice_on_volume_place(kind, path, is_of_check);
+  return advice_on_mesh_place(command, kind);
+}
+
+void require_page_name(const fs::path& path) {
+  if (kind_of_name(path) != FileKind::page)
+    throw Error(ErrorCode::bad_argument, path.string() + ": is no name of a page, expected a name ending in .html");
+}
+
+void require_report_name(const fs::path& path) {
+  if (kind_of_name(path) == FileKind::page)
+    throw Error(ErrorCode::bad_argument, path.string() + ": a report is JSON, expected a name ending in .json; --html writes a page");
+}
+
+std::string name_without_extensions(const fs::path& path) {
+  const std::string name = path.filename().string();
+  const std::size_t dot = name.find('.', 1);
+  return name.substr(0, dot);
+}
+
+}  // namespace isoatlas::tool

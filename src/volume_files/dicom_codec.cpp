@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: Apache-2.0
+// Based on: DICOM PS3.5 annex A.4 (compressed pixel data) and annex G (RLE); ITU-T T.81 annex B (JPEG markers), T.87 (JPEG-LS),
+// T.800 annex A (JPEG 2000 codestream).
+#include "volume_files/dicom_codec.h"
+
+#include <gdcmFragment.h>
+#include <gdcmImageCodec.h>
+#include <gdcmJPEG2000Codec.h>
+#include <gdcmJPEGCodec.h>
+#include <gdcmJPEGLSCodec.h>
+#include <gdcmSequenceOfFragments.h>
+#include <gdcmVersion.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <memory>
+#include <string_view>
+
+#include "files/file_error.h"
+#include "volume_files/standard_error_capture.h"
+
+namespace isoatlas::io {
+
+namespace {
+
+enum class Family { none, jpeg, jpeg_ls, jpeg_2000, rle };
+
+struct Compression {
+  std::string_view syntax, name;
+  Family family;
+};
+
+constexpr std::array kCompressions{Compression{"1.2.840.10008.1.2.4.50", "JPEG", Family::jpeg},
+                                   Compression{"1.2.840.10008.1.2.4.51", "JPEG", Family::jpeg},
+                                   Compression{"1.2.840.10008.1.2.4.53", "JPEG", Family::jpeg},
+                                   Compression{"1.2.840.10008.1.2.4.55", "JPEG", Family::jpeg},
+                                   Compression{"1.2.840.10008.1.2.4.57", "JPEG lossless", Family::jpeg},
+                                   Compression{"1.2.840.10008.1.2.4.70", "JPEG lossless", Family::jpeg},
+                                   Compression{"1.2.840.10008.1.2.4.80", "JPEG-LS", Family::jpeg_ls},
+                                   Compression{"1.2.840.10008.1.2.4.81", "JPEG-LS, near lossless", Family::jpeg_ls},
+                                   Compression{"1.2.840.10008.1.2.4.90", "JPEG 2000 lossless", Family::jpeg_2000},
+                                   Compression{"1.2.840.10008.1.2.4.91", "JPEG 2000", Family::jpeg_2000},
+                                   Compression{"1.2.840.10008.1.2.5", "RLE", Family::rle}};
+
+const Compression* compression_of(const std::string& transfer_syntax) {
+  const auto* found = std::ranges::find(kCompressions, std::string_view(transfer_syntax), &Compression::syntax);
+  return found == kCompressions.end() ? nullptr : found;
+}
+
+Family family_of(const DicomImage& image) {
+  const Compression* compression = compression_of(image.transfer_syntax);
+  return compression == nullptr ? Family::none : compression->family;
+}
+
+constexpr std::string_view kCodestreamStart{"\xFF\x4F\xFF\x51", 4};
+
+/// What the header of a compressed stream says.
+struct StreamHeader {
+  std::size_t columns = 0, rows = 0;
+  unsigned components = 0, bits = 0;
+  bool is_signed = false;
+  bool is_lossy = false;  // JPEG
+};
+
+std::size_t big_endian(std::string_view bytes, std::size_t at, std::size_t count) {
+  std::size_t value = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    value = value << 8U | static_cast<unsigned char>(bytes[at + i]);
+  }
+  return value;
+}
+
+// JPEG and JPEG-LS: the first frame header. False if there is none.
+bool read_jpeg_header(std::string_view stream, StreamHeader& header) {
+  std::size_t at = 2;
+  if (!stream.starts_with("\xFF\xD8")) {
+    return false;
+  }
+  while (at + 4 <= stream.size() && stream[at] == '\xFF') {
+    const auto marker = static_cast<unsigned char>(stream[at + 1]);
+    const bool is_fill = marker == 0xFF;
+    const bool is_frame = (marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC) || marker == 0xF7;
+    if (is_frame && at + 10 <= stream.size()) {
+      header = {big_endian(stream, at + 7, 2), big_endian(stream, at + 5, 2), static_cast<unsigned char>(stream[at + 9]),
+                static_cast<unsigned char>(stream[at + 4]), false, marker < 0xC3};
+      return true;
+    }
+    at += is_fill ? 1 : 2 + big_endian(stream, at + 2, 2);
+  }
+  return false;
+}
+
+// JPEG 2000: the SIZ segment. Images that do not start at the reference grid's corner or leave samples out are not taken.
+bool read_codestream_header(std::string_view stream, StreamHeader& header) {
+  const std::size_t start = stream.find(kCodestreamStart);
+  if (start == std::string_view::npos || stream.size() < start + 45) {
+    return false;
+  }
+  stream.remove_prefix(start);
+  const auto field = [&](std::size_t at) { return big_endian(stream, at, 4); };
+  const bool starts_at_corner = field(16) == 0 && field(20) == 0 && field(32) == 0 && field(36) == 0;
+  const auto depth = static_cast<unsigned char>(stream[42]);
+  const bool is_full = stream[43] == 1 && stream[44] == 1;
+  header = {field(8), field(12), static_cast<unsigned>(big_endian(stream, 40, 2)), (depth & 0x7FU) + 1U, (depth & 0x80U) != 0,
+            false};
+  return starts_at_corner && is_full;
+}
+
+// Returns what is wrong; empty: nothing.
+std::string read_header(Family family, std::string_view stream, const DicomImage& image, StreamHeader& header) {
+  const bool is_read = family == Family::jpeg_2000 ? read_codestream_header(stream, header) : read_jpeg_header(stream, header);
+  if (!is_read) {
+    return "has a compressed frame that is no " + compression_name(image.transfer_syntax) + " image";
+  }
+  if (header.columns != image.columns || header.rows != image.rows || header.components != 1) {
+    return "has a compressed frame of " + std::to_string(header.columns) + " x " + std::to_string(header.rows) + " with " +
+           std::to_string(header.components) + " components, but states " + std::to_string(image.columns) + " x " +
+           std::to_string(image.rows) + " with 1";
+  }
+  return {};
+}
+
+unsigned allocated_for(unsigned bits) { return bits <= 8 ? 8 : bits <= 16 ? 16 : 32; }
+
+// One segment of run lengths into every `stride`-th byte. False if it ends before `count` bytes.
+bool decode_runs(std::string_view runs, char* to, std::size_t count, std::size_t stride) {
+  std::size_t made = 0;
+  for (std::size_t at = 0; made < count && at < runs.size();) {
+    const auto code = static_cast<signed char>(runs[at++]);
+    const std::size_t length = code >= 0 ? static_cast<std::size_t>(code) + 1 : code == -128 ? 0 : static_cast<std::size_t>(1 - code);
+    const std::size_t used = code >= 0 ? length : code == -128 ? 0 : 1;
+    if (used > runs.size() - at) {
+      return false;
+    }
+    for (std::size_t i = 0; i < std::min(length, count - made); ++i) {
+      to[(made + i) * stride] = runs[at + (code >= 0 ? i : 0)];
+    }
+    made += length;
+    at += used;
+  }
+  return made >= count;
+}
+
+// Segments hold one byte of each sample, the most significant first.
+bool decode_run_lengths(std::string_view stream, char* to, std::size_t count, std::size_t sample_bytes) {
+  constexpr std::size_t kHeader = 64;
+  std::array<std::uint32_t, 16> header{};
+  if (stream.size() < kHeader) {
+    return false;
+  }
+  std::memcpy(header.data(), stream.data(), kHeader);
+  if (header[0] != sample_bytes) {
+    return false;
+  }
+  for (std::size_t segment = 0; segment < sample_bytes; ++segment) {
+    const std::size_t start = header[1 + segment];
+    const std::size_t end = segment + 1 < sample_bytes ? header[2 + segment] : stream.size();
+    if (start < kHeader || start > end || end > stream.size() ||
+        !decode_runs(stream.substr(start, end - start), to + (sample_bytes - 1 - segment), count, sample_bytes)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+std::unique_ptr<gdcm::ImageCodec> codec_of(Family family, std::size_t frame_bytes) {
+  if (family == Family::jpeg) return std::make_unique<gdcm::JPEGCodec>();
+  if (family == Family::jpeg_2000) return std::make_unique<gdcm::JPEG2000Codec>();
+  auto codec = std::make_unique<gdcm::JPEGLSCodec>();
+  codec->SetBufferLength(frame_bytes);
+  return codec;
+}
+
+bool decode_with_library(Family family, const DicomImage& image, const StreamHeader& header, const std::string& stream, char* to,
+                         std::size_t frame_bytes) {
+  const std::unique_ptr<gdcm::ImageCodec> codec = codec_of(family, frame_bytes);
+  const DicomSampleFormat& format = image.format;
+  const std::array<unsigned, 3> size{static_cast<unsigned>(image.columns), static_cast<unsigned>(image.rows), 1};
+  const auto bits = [](unsigned value) { return static_cast<unsigned short>(value); };
+  codec->SetNumberOfDimensions(2);
+  codec->SetDimensions(size.data());
+  codec->SetPlanarConfiguration(0);
+  codec->SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);  // MONOCHROME1 is about display
+  // A lossy stream has a decoder for just its number of bits; of the wrong one it complains on the terminal.
+  const unsigned allocated = header.is_lossy ? header.bits : format.bits_allocated;
+  codec->SetPixelFormat(gdcm::PixelFormat(1, bits(allocated), bits(format.bits_stored), bits(format.high_bit),
+                                          bits(format.is_signed ? 1 : 0)));
+  codec->SetNeedOverlayCleanup(false);
+  const gdcm::SmartPointer<gdcm::SequenceOfFragments> fragments = gdcm::SequenceOfFragments::New();
+  gdcm::Fragment fragment;
+  fragment.SetByteValue(stream.data(), static_cast<std::uint32_t>(stream.size()));
+  fragments->AddFragment(fragment);
+  gdcm::DataElement in(gdcm::Tag(0x7FE0, 0x0010)), out;
+  in.SetVR(gdcm::VR::OB);
+  in.SetValue(*fragments);
+  const StandardErrorCapture messages;
+  const bool is_decoded = codec->Decode(in, out);
+  // A JPEG stream that ends too early is filled up with grey; all that tells is a message ("Corrupt JPEG data: premature end of ...").
+  if (!is_decoded || messages.text().find("Corrupt JPEG data") != std::string::npos || out.GetByteValue() == nullptr ||
+      out.GetByteValue()->GetLength() < frame_bytes) {
+    return false;
+  }
+  std::memcpy(to, out.GetByteValue()->GetPointer(), frame_bytes);
+  return true;
+}
+
+// The stream as the decoder takes it: a JPEG 2000 codestream without a file around it, up to the marker that ends it. Empty: it is cut off.
+std::string whole_stream(Family family, const std::string& stream) {
+  const std::size_t start = family == Family::jpeg_2000 ? stream.find(kCodestreamStart) : 0;
+  const std::size_t end = stream.rfind("\xFF\xD9");
+  constexpr std::size_t kMostPadding = 16;
+  if (start == std::string::npos || end == std::string::npos || end < start || stream.size() - end > kMostPadding) {
+    return {};
+  }
+  return stream.substr(start, end + 2 - start);
+}
+
+}  // namespace
+
+bool can_decode(const std::string& transfer_syntax) { return compression_of(transfer_syntax) != nullptr; }
+
+std::string compression_name(const std::string& transfer_syntax) {
+  const Compression* compression = compression_of(transfer_syntax);
+  return compression == nullptr ? transfer_syntax : std::string(compression->name);
+}
+
+std::string adapt_to_stream(DicomBytes& bytes, DicomImage& image) {
+  const Family family = family_of(image);
+  if (family == Family::rle) {
+    return {};
+  }
+  constexpr std::uint64_t kHeaderBytes = std::uint64_t{1} << 17;  // a profile or a comment may come first
+  const DicomPixels::Fragment& first = image.pixels.fragments.front();
+  StreamHeader header;
+  std::string problem =
+      read_header(family, bytes.at(first.offset, static_cast<std::size_t>(std::min(first.bytes, kHeaderBytes))), image, header);
+  DicomSampleFormat& format = image.format;
+  if (problem.empty() && (header.bits < 2 || header.bits > 32 || (family == Family::jpeg && header.bits > format.bits_allocated))) {
+    problem = "has compressed samples of " + std::to_string(header.bits) + " bits, but states " + std::to_string(format.bits_allocated);
+  }
+  if (!problem.empty()) {
+    return problem;
+  }
+  const bool is_free = family == Family::jpeg_2000 && header.is_signed == format.is_signed;
+  format.bits_allocated = allocated_for(header.bits);
+  format.bits_stored = is_free ? header.bits : std::min(format.bits_stored, header.bits);
+  format.high_bit = format.bits_stored - 1;
+  return {};
+}
+
+std::vector<std::vector<DicomPixels::Fragment>> fragments_of_frames(DicomBytes& bytes, const DicomImage& image) {
+  const std::vector<DicomPixels::Fragment>& fragments = image.pixels.fragments;
+  const std::vector<std::uint32_t>& offsets = image.pixels.frame_offsets;
+  std::vector<std::vector<DicomPixels::Fragment>> frames;
+  bool is_clear = true;
+  for (std::size_t i = 0; i < fragments.size(); ++i) {
+    const std::uint64_t place = fragments[i].offset - fragments[0].offset;
+    const std::string_view start = fragments[i].bytes >= 4 ? bytes.at(fragments[i].offset, 4) : std::string_view();
+    const bool starts_image = start.starts_with("\xFF\xD8\xFF") || start == kCodestreamStart;
+    const bool starts_frame = i == 0 || fragments.size() == image.frames ||
+                              (offsets.size() == image.frames ? std::ranges::find(offsets, place) != offsets.end() : starts_image);
+    is_clear = is_clear && (starts_frame || !starts_image);
+    if (starts_frame) {
+      frames.emplace_back();
+    }
+    frames.back().push_back(fragments[i]);
+  }
+  if (!is_clear || frames.size() != image.frames) {
+    throw bad_file(image.path, "has " + std::to_string(fragments.size()) + " compressed fragments, from which its " +
+                                   std::to_string(image.frames) + " frames cannot be told");
+  }
+  return frames;
+}
+
+void decode_frame(const DicomImage& image, std::size_t frame, const std::string& stream, void* samples) {
+  const Family family = family_of(image);
+  const std::size_t count = image.rows * image.columns, sample_bytes = image.format.bits_allocated / 8;
+  auto* to = static_cast<char*>(samples);
+  StreamHeader header;
+  bool is_decoded = false;
+  if (family == Family::rle) {
+    is_decoded = decode_run_lengths(stream, to, count, sample_bytes);
+  } else if (const std::string problem = read_header(family, stream, image, header); !problem.empty()) {
+    throw bad_file(image.path, problem);
+  } else if (allocated_for(header.bits) == image.format.bits_allocated) {
+    const std::string whole = whole_stream(family, stream);
+    is_decoded = !whole.empty() && decode_with_library(family, image, header, whole, to, count * sample_bytes);
+  }
+  if (!is_decoded) {
+    throw bad_file(image.path, "is damaged: frame " + std::to_string(frame + 1) + " of its " + compression_name(image.transfer_syntax) +
+                                   " images cannot be decoded to its end");
+  }
+}
+
+std::string decoder_name() { return std::string("GDCM ") + gdcm::Version::GetVersion(); }
+
+}  // namespace isoatlas::io

@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "volume_files/dicom_volumes.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+
+namespace isoatlas::io {
+
+namespace {
+
+// A slice may lie this fraction of the slice distance off its place: positions are written with few digits. A missing
+// slice is off by a whole one.
+constexpr double kPlaceTolerance = 0.1;
+constexpr double kSameDirectionTolerance = 1e-3;
+// Slices that are closer to each other than this fraction of a pixel are at one place.
+constexpr double kSamePlaceTolerance = 1e-2;
+
+Vec3 difference(const Vec3& a, const Vec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+double length(const Vec3& v) { return std::hypot(v.x, v.y, v.z); }
+double dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+Vec3 cross(const Vec3& a, const Vec3& b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+
+Vec3 unit(const Vec3& v) {
+  const double size = length(v);
+  return {v.x / size, v.y / size, v.z / size};
+}
+
+bool have_same_place(const DicomFrame& a, const DicomFrame& b) {
+  return length(difference(a.position, b.position)) <= kSamePlaceTolerance * std::min(a.spacing_x, a.spacing_y);
+}
+
+// Numbers by value, texts by alphabet, numbers first: "2" comes before "10".
+bool comes_before(const std::string& a, const std::string& b) {
+  const auto number = [](const std::string& text) -> std::optional<double> {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc{} && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
+  };
+  const std::optional<double> first = number(a), second = number(b);
+  if (first.has_value() != second.has_value()) {
+    return first.has_value();
+  }
+  return first && *first != *second ? *first < *second : a < b;
+}
+
+struct Before {
+  bool operator()(const std::string& a, const std::string& b) const { return comes_before(a, b); }
+};
+
+// The usual step, and the first one that is not like it.
+std::string uneven_step(const std::vector<DicomFrame>& frames) {
+  std::vector<Vec3> steps;
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    steps.push_back(difference(frames[i].position, frames[i - 1].position));
+  }
+  std::vector<Vec3> by_length = steps;
+  const auto middle = by_length.begin() + static_cast<std::ptrdiff_t>(by_length.size() / 2);
+  std::nth_element(by_length.begin(), middle, by_length.end(), [](const Vec3& a, const Vec3& b) { return length(a) < length(b); });
+  const Vec3 usual = *middle;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (length(difference(steps[i], usual)) > kPlaceTolerance * length(usual)) {
+      return "slices are not evenly spaced: " + std::to_string(length(steps[i])) + " from " + frames[i].name() + " to " +
+             frames[i + 1].name() + ", usually " + std::to_string(length(usual)) + "; is a slice missing?";
+    }
+  }
+  return {};
+}
+
+/// Volumes that some frames make when they are told apart by an attribute.
+struct Split {
+  std::vector<std::string> names;
+  std::vector<DicomStack> volumes;
+};
+
+const DicomLabel* label_named(const DicomFrame& frame, const std::string& name) {
+  const auto found = std::ranges::find(*frame.labels, name, &DicomLabel::name);
+  return found == frame.labels->end() ? nullptr : &*found;
+}
+
+// The parts that frames fall into by the values of these labels; empty if all are alike.
+std::map<std::string, std::vector<DicomFrame>, Before> parts_by(const std::vector<DicomFrame>& frames, const std::vector<std::string>& names) {
+  std::map<std::string, std::vector<DicomFrame>, Before> parts;
+  for (const DicomFrame& frame : frames) {
+    std::string value;
+    for (const std::string& name : names) {
+      const DicomLabel* label = label_named(frame, name);
+      value += (value.empty() ? "" : ", " + name + " ") + (label == nullptr ? "none" : label->value);
+    }
+    parts[value].push_back(frame);
+  }
+  if (parts.size() < 2) {
+    parts.clear();
+  }
+  return parts;
+}
+
+bool have_same_places(const DicomStack& a, const DicomStack& b) {
+  return std::ranges::equal(a.frames, b.frames, have_same_place);
+}
+
+Split stacks_of(const std::map<std::string, std::vector<DicomFrame>, Before>& parts, const std::string& name) {
+  Split split;
+  for (const auto& [value, frames] : parts) {
+    split.names.push_back(name + " " + value);
+    split.volumes.push_back(stack_of(frames));
+  }
+  return split;
+}
+
+// Volumes at the same places, each with one slice at each of them.
+bool is_split_in_time(const Split& split) {
+  return split.volumes.size() > 1 && std::ranges::all_of(split.volumes, [&](const DicomStack& volume) {
+           return volume.frames.size() > 1 && volume.problem.empty() && have_same_places(volume, split.volumes.front());
+         });
+}
+
+// Volumes that need not have anything in common; slices that are left over are entries of their own.
+bool is_split_in_space(const Split& split) {
+  return std::ranges::any_of(split.volumes, [](const DicomStack& volume) { return volume.frames.size() > 1; }) &&
+         std::ranges::all_of(split.volumes, [](const DicomStack& volume) { return volume.problem.empty(); });
+}
+
+std::vector<std::string> label_names(const std::vector<DicomFrame>& frames, bool is_time) {
+  std::vector<std::string> names;
+  for (const DicomFrame& frame : frames) {
+    for (const DicomLabel& label : *frame.labels) {
+      if (label.is_time == is_time && std::ranges::find(names, label.name) == names.end()) {
+        names.push_back(label.name);
+      }
+    }
+  }
+  return names;
+}
+
+std::optional<Split> split_by_time_labels(const std::vector<DicomFrame>& frames) {
+  const std::vector<std::string> names = label_names(frames, true);
+  for (const std::string& name : names) {
+    Split split = stacks_of(parts_by(frames, {name}), name);
+    if (is_split_in_time(split)) {
+      return split;
+    }
+  }
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    for (std::size_t k = i + 1; k < names.size(); ++k) {
+      Split split = stacks_of(parts_by(frames, {names[i], names[k]}), names[i]);
+      if (is_split_in_time(split)) {
+        return split;
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Split> split_by_other_labels(const std::vector<DicomFrame>& frames) {
+  for (const std::string& name : label_names(frames, false)) {
+    Split split = stacks_of(parts_by(frames, {name}), name);
+    if (split.volumes.size() > 1 && is_split_in_space(split)) {
+      return split;
+    }
+  }
+  return std::nullopt;
+}
+
+// Nothing tells the volumes apart, but they follow each other in the order in which frames are numbered.
+std::optional<Split> split_by_runs(std::vector<DicomFrame> frames, std::size_t places) {
+  const auto number = [](const DicomFrame& frame) { return std::pair(frame.image->instance_number, frame.number); };
+  std::ranges::sort(frames, {}, number);
+  const bool is_one_file = std::ranges::all_of(frames, [&](const DicomFrame& frame) { return frame.image == frames.front().image; });
+  if (places == 0 || frames.size() % places != 0 || std::ranges::adjacent_find(frames, {}, number) != frames.end()) {
+    return std::nullopt;
+  }
+  Split split;
+  for (std::size_t first = 0; first < frames.size(); first += places) {
+    const auto begin = frames.begin() + static_cast<std::ptrdiff_t>(first), end = begin + static_cast<std::ptrdiff_t>(places);
+    const auto shown = [&](const DicomFrame& frame) {
+      return is_one_file ? std::to_string(frame.number + 1) : std::to_string(frame.image->instance_number);
+    };
+    split.names.push_back((is_one_file ? "frames " : "images ") + shown(*begin) + " to " + shown(*(end - 1)));
+    split.volumes.push_back(stack_of({begin, end}));
+  }
+  return is_split_in_time(split) ? std::optional(split) : std::nullopt;
+}
+
+std::size_t count_places(const DicomStack& sorted) {
+  std::size_t places = 1;
+  for (std::size_t i = 1; i < sorted.frames.size(); ++i) {
+    places += have_same_place(sorted.frames[i], sorted.frames[i - 1]) ? 0 : 1;
+  }
+  return places;
+}
+
+/// Frames that may be one volume as far as their image planes say.
+struct PlaneGroup {
+  std::vector<DicomFrame> frames;
+
+  bool takes(const DicomFrame& frame) const {
+    const DicomFrame& own = frames.front();
+    return frame.image->series == own.image->series && frame.image->rows == own.image->rows && frame.image->columns == own.image->columns &&
+           frame.stack == own.stack &&
+           length(difference(unit(frame.along_row), unit(own.along_row))) <= kSameDirectionTolerance &&
+           length(difference(unit(frame.along_column), unit(own.along_column))) <= kSameDirectionTolerance;
+  }
+};
+
+std::vector<PlaneGroup> group_by_plane(std::vector<DicomFrame> frames) {
+  std::vector<PlaneGroup> groups;
+  std::size_t last = 0;  // frames of one group mostly follow each other
+  for (DicomFrame& frame : frames) {
+    if (last >= groups.size() || !groups[last].takes(frame)) {
+      const auto found = std::ranges::find_if(groups, [&](const PlaneGroup& group) { return group.takes(frame); });
+      last = static_cast<std::size_t>(found - groups.begin());
+      if (found == groups.end()) {
+        groups.emplace_back();
+      }
+    }
+    groups[last].frames.push_back(std::move(frame));
+  }
+  return groups;
+}
+
+// One series, or several if an attribute tells its frames apart.
+void add_series(std::vector<DicomFrame> frames, std::vector<DicomSeries>& all) {
+  DicomStack whole = stack_of(std::move(frames));
+  std::optional<Split> in_time, in_space;
+  if (whole.is_at_one_place) {
+    in_time = split_by_time_labels(whole.frames);
+  }
+  if (!whole.problem.empty() && !in_time) {
+    in_space = split_by_other_labels(whole.frames);
+  }
+  if (whole.is_at_one_place && !in_time && !in_space) {
+    in_time = split_by_runs(whole.frames, count_places(whole));
+  }
+  if (in_time) {
+    all.push_back({{}, std::move(in_time->volumes), std::move(in_time->names)});
+  } else if (in_space) {
+    for (std::size_t i = 0; i < in_space->volumes.size(); ++i) {
+      all.push_back({in_space->names[i], {std::move(in_space->volumes[i])}, {}});
+    }
+  } else {
+    all.push_back({{}, {std::move(whole)}, {}});
+  }
+}
+
+// What tells entries of one series apart that differ in their planes.
+void name_parts(std::vector<DicomSeries>& all) {
+  for (DicomSeries& one : all) {
+    const auto is_same = [&](const DicomSeries& other) { return &other != &one && other.image().series == one.image().series; };
+    if (one.part.empty() && std::ranges::any_of(all, is_same)) {
+      const Vec3 normal = unit(cross(one.volumes[0].frames[0].along_row, one.volumes[0].frames[0].along_column));
+      const double x = std::abs(normal.x), y = std::abs(normal.y), z = std::abs(normal.z);
+      one.part = z >= x && z >= y ? "axial" : y >= x ? "coronal" : "sagittal";
+      const std::string& stack = one.volumes[0].frames[0].stack;
+      one.part = stack.empty() ? one.part : "stack " + dicom_text(stack) + ", " + one.part;
+    }
+  }
+}
+
+}  // namespace
+
+DicomStack stack_of(std::vector<DicomFrame> frames) {
+  DicomStack stack{std::move(frames), {}, {}, false};
+  std::vector<DicomFrame>& sorted = stack.frames;
+  const Vec3 normal = cross(sorted.front().along_row, sorted.front().along_column);
+  std::ranges::stable_sort(sorted, {}, [&](const DicomFrame& frame) { return dot(normal, frame.position); });
+  for (std::size_t i = 1; i < sorted.size(); ++i) {
+    if (have_same_place(sorted[i - 1], sorted[i])) {
+      stack.problem = "has two slices at one place: " + sorted[i - 1].name() + ", " + sorted[i].name() +
+                      "; expected one slice at each place (more than one volume?)";
+      stack.is_at_one_place = true;
+      return stack;
+    }
+  }
+  if (sorted.size() > 1) {
+    stack.problem = uneven_step(sorted);
+    const auto count = static_cast<double>(sorted.size() - 1);
+    const Vec3 whole = difference(sorted.back().position, sorted.front().position);
+    stack.step = {whole.x / count, whole.y / count, whole.z / count};
+  }
+  return stack;
+}
+
+std::string DicomSeries::description() const {
+  const DicomImage& first = image();
+  const std::size_t slices = volumes.front().frames.size();
+  std::string text = first.series_number.empty() ? "" : "series " + first.series_number;
+  const auto add = [&](const std::string& more, const std::string& separator) {
+    if (!more.empty()) {
+      text += (text.empty() ? "" : separator) + more;
+    }
+  };
+  add(first.description, " ");
+  add(part, ", ");
+  add(first.modality, ", ");
+  add((volumes.size() > 1 ? std::to_string(volumes.size()) + " x " : "") + std::to_string(slices) + (slices == 1 ? " slice" : " slices") +
+          " of " + std::to_string(first.columns) + " x " + std::to_string(first.rows),
+      ", ");
+  add("UID " + first.series, ", ");
+  return text;
+}
+
+std::vector<DicomSeries> series_of(std::vector<DicomFrame> frames) {
+  // Writers that give every frame a stack of its own mean none.
+  std::set<std::string> stacks;
+  for (const DicomFrame& frame : frames) {
+    stacks.insert(frame.stack);
+  }
+  if (stacks.size() == frames.size()) {
+    for (DicomFrame& frame : frames) {
+      frame.stack.clear();
+    }
+  }
+  std::vector<DicomSeries> all;
+  for (PlaneGroup& group : group_by_plane(std::move(frames))) {
+    add_series(std::move(group.frames), all);
+  }
+  std::ranges::stable_sort(all, [](const DicomSeries& a, const DicomSeries& b) {
+    const DicomImage &first = a.image(), &second = b.image();
+    return first.series_number != second.series_number ? comes_before(first.series_number, second.series_number)
+                                                       : first.series < second.series;
+  });
+  name_parts(all);
+  return all;
+}
+
+}  // namespace isoatlas::io

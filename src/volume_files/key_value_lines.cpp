@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "volume_files/key_value_lines.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace isoatlas::io {
+
+KeyValueLines::KeyValueLines(std::string_view text) {
+  while (!text.empty()) {
+    const std::string_view line = text.substr(0, text.find_first_of("\r\n"));
+    text.remove_prefix(std::min(line.size() + 1, text.size()));
+    if (const std::size_t sign = line.find('='); sign != std::string_view::npos) {
+      values_.insert_or_assign(std::string(line.substr(0, sign)), std::string(line.substr(sign + 1)));
+    }
+  }
+}
+
+std::string KeyValueLines::text(const std::string& key) const {
+  const auto found = values_.find(key);
+  return found == values_.end() ? "" : found->second;
+}
+
+std::optional<double> finite_number(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t";
+  text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
+  text = text.substr(0, text.find_last_not_of(kBlanks) + 1);
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  const bool is_number = error == std::errc{} && end == text.data() + text.size() && std::isfinite(number);
+  return is_number ? std::optional(number) : std::nullopt;
+}
+
+std::optional<std::size_t> count_of_pages(std::string_view text) {
+  const std::optional<double> number = finite_number(text);
+  constexpr double kMost = 1e6;  // a product of three fits in 64 bits
+  return number && *number >= 1 && *number <= kMost ? std::optional(static_cast<std::size_t>(*number)) : std::nullopt;
+}
+
+}  // namespace isoatlas::io

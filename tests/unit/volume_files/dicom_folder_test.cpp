@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: Apache-2.0
+// Folders with DICOM files: what is read together, what is a choice, what is left out.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <string>
+
+#include "isoatlas/io.h"
+#include "support/file_test_support.h"
+#include "unit/volume_files/dicom_builder.h"
+
+namespace isoatlas::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Values = std::vector<double>;
+using Names = std::vector<std::string>;
+
+const auto kUnchanged = [](DicomBuilder&, int) {};
+
+FileChoice choice_needed(const fs::path& path, const ReadOptions& options = {}) {
+  try {
+    read_volume_file(path, options);
+  } catch (const ChoiceNeeded& needed) {
+    return needed.choice();
+  }
+  ADD_FAILURE() << path << ": no choice was needed";
+  return {};
+}
+
+TEST(DicomFolder, SlicesAreSortedByPlace) {
+  const TempFolder folder;
+  write_series(folder.path(), 4, kUnchanged);
+  const VolumeFile file = read_volume_file(folder.path());
+  EXPECT_EQ(slice_values(file.volume), (Values{0, 100, 200, 300}));
+  EXPECT_EQ(file.volume.grid.spacing, (Vec3{0.5, 0.75, 2}));
+  EXPECT_EQ(file.volume.grid.origin, (Vec3{-10, 20, 5}));
+  EXPECT_EQ(static_cast<const std::int16_t*>(file.volume.samples)[0], 1000);
+  EXPECT_EQ(file.source.format, "DICOM series");
+  EXPECT_EQ(file.source.choices.size(), 1U);
+  EXPECT_TRUE(file.source.warnings.empty());
+}
+
+TEST(DicomFolder, OtherFilesAreLeftOutWithAWarning) {
+  const TempFolder folder;
+  write_series(folder.path(), 3, kUnchanged);
+  write_bytes(folder / "README", "Scanned on Monday.");
+  write_bytes(folder / "notes.txt", "");
+  write_bytes(folder / ".DS_Store", "x");
+  const VolumeFile file = read_volume_file(folder.path());
+  EXPECT_EQ(slice_values(file.volume), (Values{0, 100, 200}));
+  EXPECT_EQ(file.source.warnings, (Names{"2 files are left out (no DICOM): README, notes.txt"}));
+}
+
+TEST(DicomFolder, EmptyFilesThatMayBeSlicesAreErrors) {
+  for (const std::string name : {"s9", "a.dcm", "b.IMA", "1.2.840.17"}) {
+    const TempFolder folder;
+    write_series(folder.path(), 3, kUnchanged);
+    write_bytes(folder / name, "");
+    expect_error(ErrorCode::bad_file, name + ": is empty", folder.path() / name, [&] { read_volume(folder.path()); });
+    expect_error(ErrorCode::bad_file, name + ": is empty", folder.path() / name, [&] { read_volume(folder / "s0"); });
+  }
+}
+
+TEST(DicomFolder, LinksToFoldersEndSomewhere) {
+  const TempFolder folder;
+  write_series(folder / "a", 3, kUnchanged);
+  fs::create_directory_symlink(folder.path(), folder / "a" / "up");
+  fs::create_directory_symlink("nowhere", folder / "b");
+  EXPECT_EQ(slice_values(read_volume(folder.path())), (Values{0, 100, 200}));
+  EXPECT_EQ(slice_values(read_volume(folder / "a" / "up")), (Values{0, 100, 200}));
+}
+
+TEST(DicomFolder, IndexAndObjectsWithoutImageAreLeftOut) {
+  const TempFolder folder;
+  write_series(folder.path(), 3, kUnchanged);
+  DicomBuilder index, report;
+  index.set(0x00080016, "UI", "1.2.840.10008.1.3.10").write(folder / "DICOMDIR");
+  report.set(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.88.67").set(0x00080060, "CS", "SR").set(0x0020000E, "UI", "1.9").write(folder / "sr");
+  EXPECT_EQ(read_volume_file(folder.path()).source.warnings, (Names{"1 file is left out (holds no image (SR)): sr"}));
+  expect_error(ErrorCode::unsupported, "is a DICOMDIR", folder / "DICOMDIR", [&] { read_volume(folder / "DICOMDIR"); });
+  expect_error(ErrorCode::unsupported, "holds no image (SR)", folder / "sr", [&] { read_volume(folder / "sr"); });
+  fs::remove(folder / "s0"), fs::remove(folder / "s1"), fs::remove(folder / "s2");
+  expect_error(ErrorCode::bad_file, "without DICOM images", folder.path(), [&] { read_volume(folder.path()); });
+}
+
+TEST(DicomFolder, LocalizersAreNoSlices) {
+  const TempFolder folder;
+  write_series(folder.path(), 3, kUnchanged);
+  slice_builder(-100, 7, 9).set(0x00080008, "CS", "ORIGINAL\\PRIMARY\\LOCALIZER").write(folder / "scout");
+  const VolumeFile file = read_volume_file(folder.path());
+  EXPECT_EQ(slice_values(file.volume), (Values{0, 100, 200}));
+  EXPECT_EQ(file.source.warnings, (Names{"1 file is left out (localizer): scout"}));
+}
+
+TEST(DicomFolder, AFolderOfLocalizersIsRead) {
+  const TempFolder folder;
+  write_series(folder.path(), 3, [](DicomBuilder& slice, int) { slice.set(0x00080008, "CS", "ORIGINAL\\PRIMARY\\LOCALIZER"); });
+  EXPECT_EQ(slice_values(read_volume(folder.path())), (Values{0, 100, 200}));
+}
+
+TEST(DicomFolder, SeriesAreChosenByNumberOrIdentifier) {
+  const TempFolder folder;
+  write_series(folder / "a", 3, [](DicomBuilder& slice, int) {
+    slice.set(0x0020000E, "UI", "1.2.77.1").set(0x00200011, "IS", "12").set(0x0008103E, "LO", "Head  thin").set(0x00100010, "PN", "Doe^Jane");
+  });
+  write_series(folder / "b", 4, [](DicomBuilder& slice, int) { slice.set(0x0020000E, "UI", "1.2.77.21").set(0x00200011, "IS", "2"); });
+  const FileChoice choice = choice_needed(folder.path());
+  EXPECT_EQ(choice.name, "series");
+  EXPECT_EQ(choice.entries, (Names{"series 2, CT, 4 slices of 6 x 4, UID 1.2.77.21",  // by number, not by alphabet
+                                   "series 12 Head thin, CT, 3 slices of 6 x 4, UID 1.2.77.1"}));
+  for (const std::string wanted : {"0", "1.2.77.21", "77.21", "21"}) {
+    EXPECT_EQ(read_volume(folder.path(), {.series = wanted}).grid.size[2], 4U) << wanted;
+  }
+  for (const std::string wanted : {"1", "1.2.77.1", "77.1"}) {
+    EXPECT_EQ(read_volume(folder.path(), {.series = wanted}).grid.size[2], 3U) << wanted;
+  }
+  for (const std::string wanted : {"7", "2.77", "1.2.77", ".", "x", "-1"}) {
+    expect_error(ErrorCode::bad_argument, "has no series '" + wanted + "'", folder.path(), [&] { read_volume(folder.path(), {.series = wanted}); });
+  }
+  const VolumeFile file = read_volume_file(folder.path(), {.series = "1"});
+  for (const ReadDecision& decision : file.source.decisions) {
+    EXPECT_EQ(decision.value.find("Doe"), std::string::npos) << decision.key;
+  }
+}
+
+TEST(DicomFolder, TheEndOfAnIdentifierMustNameOneSeries) {
+  const TempFolder folder;
+  for (const std::string uid : {"1.2.77.5", "1.3.77.5"}) {
+    write_series(folder / uid, 3, [&](DicomBuilder& slice, int) { slice.set(0x0020000E, "UI", uid); });
+  }
+  expect_error(ErrorCode::bad_argument, "has no series '77.5'", folder.path(), [&] { read_volume(folder.path(), {.series = "77.5"}); });
+}
+
+TEST(DicomFolder, AFileNamesItsSeries) {
+  const TempFolder folder;
+  write_series(folder.path(), 3, kUnchanged);
+  slice_builder(0, 7).set(0x0020000E, "UI", "1.2.77.9").write(folder / "other");
+  write_bytes(folder / "holiday.jpg", "\xFF\xD8");
+  DicomBuilder(slice_builder(0, 7)).set(0x0020000E, "UI", "1.2.77.8").write(folder / "sub" / "deep");
+  const VolumeFile file = read_volume_file(folder / "s1");
+  EXPECT_EQ(slice_values(file.volume), (Values{0, 100, 200}));
+  EXPECT_TRUE(file.source.warnings.empty());
+  expect_error(ErrorCode::unsupported, "a single slice", folder / "other", [&] { read_volume(folder / "other"); });
+}
+
+TEST(DicomFolder, SlicesOfDifferentSizeAreDifferentEntries) {
+  const TempFolder folder;
+  write_series(folder / "a", 3, kUnchanged);
+  write_series(folder / "b", 2, [](DicomBuilder& slice, int) { slice.set_short(0x00280010, 2); });
+  EXPECT_EQ(choice_needed(folder.path()).entries,
+            (Names{"series 3, axial, CT, 3 slices of 6 x 4, UID 1.2.826.0.1.3680043.2.1125.7",
+                   "series 3, axial, CT, 2 slices of 6 x 2, UID 1.2.826.0.1.3680043.2.1125.7"}));
+  EXPECT_EQ(read_volume(folder.path(), {.series = "1"}).grid.size, (std::array<std::size_t, 3>{6, 2, 2}));
+}
+
+TEST(DicomFolder, SlicesOfDifferentOrientationAreDifferentEntries) {
+  const TempFolder folder;
+  write_series(folder / "a", 3, kUnchanged);
+  write_series(folder / "b", 3, [](DicomBuilder& slice, int i) {
+    slice.set_decimals(0x00200037, {0, 1, 0, 0, 0, -1}).set_decimals(0x00200032, {3.0 * i, 0, 0});
+  });
+  const FileChoice choice = choice_needed(folder.path());
+  ASSERT_EQ(choice.entries.size(), 2U);
+  EXPECT_NE(choice.entries[0].find("axial"), std::string::npos);
+  EXPECT_NE(choice.entries[1].find("sagittal"), std::string::npos);
+  EXPECT_EQ(read_volume(folder.path(), {.series = "1"}).grid.direction[1], (Vec3{0, 0, -1}));
+}
+
+// Two reconstructions in one series, of which some slices are at the same place.
+TEST(DicomFolder, ThinAndThickSlicesAreDifferentEntries) {
+  const TempFolder folder;
+  write_series(folder / "thin", 5, [](DicomBuilder& slice, int) { slice.set(0x00180050, "DS", "2.0"); });
+  write_series(folder / "thick", 3, [](DicomBuilder& slice, int i) {
+    slice.set(0x00180050, "DS", i == 0 ? "4" : "4.00").set_decimals(0x00200032, {-10, 20, 5 + 4.0 * i});
+  });
+  const FileChoice choice = choice_needed(folder.path());
+  ASSERT_EQ(choice.entries.size(), 2U);
+  EXPECT_NE(choice.entries[0].find("slice thickness 2"), std::string::npos) << choice.entries[0];
+  EXPECT_EQ(read_volume(folder.path(), {.series = "0"}).grid.spacing.z, 2);
+  EXPECT_EQ(read_volume(folder.path(), {.series = "1"}).grid.spacing.z, 4);
+}
+
+struct TimeAttribute {
+  std::uint32_t tag;
+  std::string type, first, second, name;
+};
+
+TEST(DicomFolder, SlicesAtOnePlaceAreTimePoints) {
+  const std::vector<TimeAttribute> attributes{{0x00200100, "IS", "10", "9", "time point"},  // numbers are sorted as numbers
+                                              {0x00181060, "DS", "120.5", "40", "trigger time"},
+                                              {0x00180086, "IS", "2", "1", "echo"},
+                                              {0x00200012, "IS", "2", "1", "acquisition"},
+                                              {0x00080032, "TM", "101501", "101455.5", "acquisition time"},
+                                              {0x00180082, "DS", "900", "50", "inversion time"}};
+  for (const TimeAttribute& attribute : attributes) {
+    SCOPED_TRACE(attribute.name);
+    const TempFolder folder;
+    write_series(folder / "a", 3, [&](DicomBuilder& slice, int) { slice.set(attribute.tag, attribute.type, attribute.first); });
+    write_series(folder / "b", 3, [&](DicomBuilder& slice, int i) {
+      slice.set(attribute.tag, attribute.type, attribute.second).set(0x7FE00010, "OW", bytes_of(frame_samples(static_cast<std::int16_t>(7 + i))));
+    });
+    const FileChoice choice = choice_needed(folder.path());
+    EXPECT_EQ(choice.name, "time");
+    EXPECT_EQ(choice.entries, (Names{attribute.name + " " + attribute.second, attribute.name + " " + attribute.first}));
+    EXPECT_EQ(slice_values(read_volume(folder.path(), {.time = 0})), (Values{7, 8, 9}));
+    EXPECT_EQ(slice_values(read_volume(folder.path(), {.time = 1})), (Values{0, 100, 200}));
+    EXPECT_EQ(slice_values(read_volume(folder / "b" / "s1")), (Values{7, 8, 9}));
+  }
+}
+
+// Neither attribute alone tells the four volumes apart; the time of a slice tells nothing at all.
+TEST(DicomFolder, TwoAttributesTellVolumesApart) {
+  const TempFolder folder;
+  for (int volume = 0; volume < 4; ++volume) {
+    write_series(folder / std::to_string(volume), 3, [&](DicomBuilder& slice, int i) {
+      slice.set(0x00180086, "IS", std::to_string(volume % 2)).set(0x00181060, "DS", std::to_string(volume / 2 * 50));
+      slice.set(0x00080033, "TM", std::string("1015") + std::to_string(10 + i * 4 + volume));
+      slice.set(0x7FE00010, "OW", bytes_of(frame_samples(static_cast<std::int16_t>(10 * volume + i))));
+    });
+  }
+  const FileChoice choice = choice_needed(folder.path());
+  EXPECT_EQ(choice.entries, (Names{"trigger time 0, echo 0", "trigger time 0, echo 1", "trigger time 50, echo 0", "trigger time 50, echo 1"}));
+  EXPECT_EQ(slice_values(read_volume(folder.path(), {.time = 2})), (Values{20, 21, 22}));
+}
+
+TEST(DicomFolder, TheOrderOfImagesTellsVolumesApartWhereNothingElseDoes) {
+  const TempFolder folder;
+  for (int volume = 0; volume < 2; ++volume) {
+    write_series(folder / std::to_string(volume), 3, [&](DicomBuilder& slice, int i) {
+      slice.set(0x00200013, "IS", std::to_string(1 + volume * 3 + i)).set(0x7FE00010, "OW", bytes_of(frame_samples(static_cast<std::int16_t>(10 * volume + i))));
+    });
+  }
+  EXPECT_EQ(choice_needed(folder.path()).entries, (Names{"images 1 to 3", "images 4 to 6"}));
+  EXPECT_EQ(slice_values(read_volume(folder.path(), {.time = 1})), (Values{10, 11, 12}));
+}
+
+TEST(DicomFolder, VolumesWithDifferentNumbersOfSlicesAreRefused) {
+  const TempFolder folder;
+  write_series(folder / "a", 3, [](DicomBuilder& slice, int) { slice.set(0x00200100, "IS", "1"); });
+  write_series(folder / "b", 2, [](DicomBuilder& slice, int) { slice.set(0x00200100, "IS", "2").set(0x00200013, "IS", "40"); });
+  expect_error(ErrorCode::unsupported, "two slices at one place: a/s2, b/s1", folder.path(), [&] { read_volume(folder.path()); });
+}
+
+TEST(DicomFolder, CopiesOfAFileAreOneSlice) {
+  const TempFolder folder;
+  write_series(folder.path(), 3, kUnchanged);
+  fs::copy(folder / "s1", folder / "s1 (1)");
+  const VolumeFile file = read_volume_file(folder.path());
+  EXPECT_EQ(slice_values(file.volume), (Values{0, 100, 200}));
+  EXPECT_EQ(file.source.warnings, (Names{"1 file is a copy of another and left out: s1 (1)"}));
+}
+
+TEST(DicomFolder, ColourImagesOfOtherSeriesAreLeftOut) {
+  const TempFolder folder;
+  write_series(folder.path(), 3, kUnchanged);
+  DicomBuilder screenshot = slice_builder(0, 0, 50);
+  screenshot.set(0x0020000E, "UI", "1.2.77.9").set_short(0x00280002, 3).set(0x00280004, "CS", "RGB").remove(0x00200032);
+  screenshot.write(folder / "screen");
+  EXPECT_EQ(read_volume_file(folder.path()).source.warnings, (Names{"1 file is left out (is a colour image (RGB)): screen"}));
+  expect_error(ErrorCode::unsupported, "is a colour image (RGB)", folder / "screen", [&] { read_volume(folder / "screen"); });
+}
+
+TEST(DicomFolder, ASliceThatLostItsPlaceIsMissed) {
+  const TempFolder folder;
+  write_series(folder.path(), 4, [](DicomBuilder& slice, int i) {
+    if (i == 3) slice.remove(0x00200032);
+  });
+  expect_error(ErrorCode::unsupported, "no position (ImagePositionPatient)", folder / "s0", [&] { read_volume(folder.path()); });
+}
+
+TEST(DicomFolder, DamageMattersOnlyWhereItIsRead) {
+  const TempFolder folder;
+  write_series(folder / "good", 3, kUnchanged);
+  write_series(folder / "bad", 3, [](DicomBuilder& slice, int) { slice.set(0x0020000E, "UI", "1.2.77.9").set(0x00200011, "IS", "9"); });
+  const std::string whole = read_bytes(folder / "bad" / "s1");
+  write_bytes(folder / "bad" / "s1", whole.substr(0, whole.size() - 10));
+  EXPECT_EQ(slice_values(read_volume(folder.path(), {.series = "0"})), (Values{0, 100, 200}));
+  EXPECT_EQ(slice_values(read_volume(folder / "good" / "s1")), (Values{0, 100, 200}));
+  expect_error(ErrorCode::bad_file, "is cut off", folder / "bad" / "s1", [&] { read_volume(folder.path(), {.series = "1"}); });
+}
+
+TEST(DicomFolder, PixelSpacingIsTheSameEverywhere) {
+  const TempFolder folder;
+  write_series(folder.path(), 3, [](DicomBuilder& slice, int i) {
+    if (i == 1) slice.set_decimals(0x00280030, {0.75, 0.6});
+  });
+  expect_error(ErrorCode::bad_file, "differs in pixel spacing (0.6 x 0.75, not 0.5 x 0.75) from s2", folder / "s1", [&] { read_volume(folder.path()); });
+}
+
+}  // namespace
+}  // namespace isoatlas::test
