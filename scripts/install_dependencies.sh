@@ -4,7 +4,7 @@
 #                                                                      these, bench includes all; fuzz: the core library only, and clang)
 set -euo pipefail
 
-build=(g++ cmake ninja-build libtbb-dev libboost-dev libcgal-dev libvtk9-dev libtiff-dev libpng-dev libgdcm-dev libnifti-dev libpugixml-dev libexpat1-dev liblz4-dev liblzma-dev libzip-dev libssl-dev zlib1g-dev libbz2-dev libcli11-dev nlohmann-json3-dev libtinygltf-dev libmeshoptimizer-dev)
+build=(g++ cmake ninja-build libtbb-dev libboost-dev libcgal-dev libvtk9-dev libtiff-dev libpng-dev libdcmtk-dev libcharls-dev libopenjp2-7-dev libnifti-dev libpugixml-dev libexpat1-dev liblz4-dev liblzma-dev libzip-dev libssl-dev zlib1g-dev libbz2-dev libcli11-dev nlohmann-json3-dev libtinygltf-dev libmeshoptimizer-dev)
 command -v node > /dev/null || build+=(nodejs)  # for the page; any from 18 on will do, wherever it is from
 command -v npm > /dev/null || build+=(npm)
 python=("${build[@]}" pybind11-dev python3-dev python3-numpy python3-pip python3-setuptools python3-venv python3-wheel)

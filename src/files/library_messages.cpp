@@ -45,7 +45,7 @@ struct LibraryMessages::Windows {
   vtkSmartPointer<CollectingWindow> collecting = vtkSmartPointer<CollectingWindow>::New();
   vtkSmartPointer<vtkOutputWindow> vtk_window = vtkOutputWindow::GetInstance();
   vtkLogger::Verbosity vtk_verbosity = vtkLogger::GetCurrentVerbosityCutoff();
-  std::ostringstream sink;  // GDCM writes to std::cerr and std::cout
+  std::ostringstream sink;  // decoders write to std::cerr and std::cout
   std::streambuf* cerr_buffer = std::cerr.rdbuf();
   std::streambuf* cout_buffer = std::cout.rdbuf();
 };

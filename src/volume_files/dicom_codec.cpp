@@ -3,22 +3,13 @@
 // T.800 annex A (JPEG 2000 codestream).
 #include "volume_files/dicom_codec.h"
 
-#include <gdcmFragment.h>
-#include <gdcmImageCodec.h>
-#include <gdcmJPEG2000Codec.h>
-#include <gdcmJPEGCodec.h>
-#include <gdcmJPEGLSCodec.h>
-#include <gdcmSequenceOfFragments.h>
-#include <gdcmVersion.h>
-
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <memory>
 #include <string_view>
 
 #include "files/file_error.h"
-#include "volume_files/standard_error_capture.h"
+#include "volume_files/dicom_decoders.h"
 
 namespace isoatlas::io {
 
@@ -60,7 +51,6 @@ struct StreamHeader {
   std::size_t columns = 0, rows = 0;
   unsigned components = 0, bits = 0;
   bool is_signed = false;
-  bool is_lossy = false;  // JPEG
 };
 
 std::size_t big_endian(std::string_view bytes, std::size_t at, std::size_t count) {
@@ -83,7 +73,7 @@ bool read_jpeg_header(std::string_view stream, StreamHeader& header) {
     const bool is_frame = (marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC) || marker == 0xF7;
     if (is_frame && at + 10 <= stream.size()) {
       header = {big_endian(stream, at + 7, 2), big_endian(stream, at + 5, 2), static_cast<unsigned char>(stream[at + 9]),
-                static_cast<unsigned char>(stream[at + 4]), false, marker < 0xC3};
+                static_cast<unsigned char>(stream[at + 4]), false};
       return true;
     }
     at += is_fill ? 1 : 2 + big_endian(stream, at + 2, 2);
@@ -102,8 +92,7 @@ bool read_codestream_header(std::string_view stream, StreamHeader& header) {
   const bool starts_at_corner = field(16) == 0 && field(20) == 0 && field(32) == 0 && field(36) == 0;
   const auto depth = static_cast<unsigned char>(stream[42]);
   const bool is_full = stream[43] == 1 && stream[44] == 1;
-  header = {field(8), field(12), static_cast<unsigned>(big_endian(stream, 40, 2)), (depth & 0x7FU) + 1U, (depth & 0x80U) != 0,
-            false};
+  header = {field(8), field(12), static_cast<unsigned>(big_endian(stream, 40, 2)), (depth & 0x7FU) + 1U, (depth & 0x80U) != 0};
   return starts_at_corner && is_full;
 }
 
@@ -122,88 +111,6 @@ std::string read_header(Family family, std::string_view stream, const DicomImage
 }
 
 unsigned allocated_for(unsigned bits) { return bits <= 8 ? 8 : bits <= 16 ? 16 : 32; }
-
-// One segment of run lengths into every `stride`-th byte. False if it ends before `count` bytes.
-bool decode_runs(std::string_view runs, char* to, std::size_t count, std::size_t stride) {
-  std::size_t made = 0;
-  for (std::size_t at = 0; made < count && at < runs.size();) {
-    const auto code = static_cast<signed char>(runs[at++]);
-    const std::size_t length = code >= 0 ? static_cast<std::size_t>(code) + 1 : code == -128 ? 0 : static_cast<std::size_t>(1 - code);
-    const std::size_t used = code >= 0 ? length : code == -128 ? 0 : 1;
-    if (used > runs.size() - at) {
-      return false;
-    }
-    for (std::size_t i = 0; i < std::min(length, count - made); ++i) {
-      to[(made + i) * stride] = runs[at + (code >= 0 ? i : 0)];
-    }
-    made += length;
-    at += used;
-  }
-  return made >= count;
-}
-
-// Segments hold one byte of each sample, the most significant first.
-bool decode_run_lengths(std::string_view stream, char* to, std::size_t count, std::size_t sample_bytes) {
-  constexpr std::size_t kHeader = 64;
-  std::array<std::uint32_t, 16> header{};
-  if (stream.size() < kHeader) {
-    return false;
-  }
-  std::memcpy(header.data(), stream.data(), kHeader);
-  if (header[0] != sample_bytes) {
-    return false;
-  }
-  for (std::size_t segment = 0; segment < sample_bytes; ++segment) {
-    const std::size_t start = header[1 + segment];
-    const std::size_t end = segment + 1 < sample_bytes ? header[2 + segment] : stream.size();
-    if (start < kHeader || start > end || end > stream.size() ||
-        !decode_runs(stream.substr(start, end - start), to + (sample_bytes - 1 - segment), count, sample_bytes)) {
-      return false;
-    }
-  }
-  return true;
-}
-
-std::unique_ptr<gdcm::ImageCodec> codec_of(Family family, std::size_t frame_bytes) {
-  if (family == Family::jpeg) return std::make_unique<gdcm::JPEGCodec>();
-  if (family == Family::jpeg_2000) return std::make_unique<gdcm::JPEG2000Codec>();
-  auto codec = std::make_unique<gdcm::JPEGLSCodec>();
-  codec->SetBufferLength(frame_bytes);
-  return codec;
-}
-
-bool decode_with_library(Family family, const DicomImage& image, const StreamHeader& header, const std::string& stream, char* to,
-                         std::size_t frame_bytes) {
-  const std::unique_ptr<gdcm::ImageCodec> codec = codec_of(family, frame_bytes);
-  const DicomSampleFormat& format = image.format;
-  const std::array<unsigned, 3> size{static_cast<unsigned>(image.columns), static_cast<unsigned>(image.rows), 1};
-  const auto bits = [](unsigned value) { return static_cast<unsigned short>(value); };
-  codec->SetNumberOfDimensions(2);
-  codec->SetDimensions(size.data());
-  codec->SetPlanarConfiguration(0);
-  codec->SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);  // MONOCHROME1 is about display
-  // A lossy stream has a decoder for just its number of bits; of the wrong one it complains on the terminal.
-  const unsigned allocated = header.is_lossy ? header.bits : format.bits_allocated;
-  codec->SetPixelFormat(gdcm::PixelFormat(1, bits(allocated), bits(format.bits_stored), bits(format.high_bit),
-                                          bits(format.is_signed ? 1 : 0)));
-  codec->SetNeedOverlayCleanup(false);
-  const gdcm::SmartPointer<gdcm::SequenceOfFragments> fragments = gdcm::SequenceOfFragments::New();
-  gdcm::Fragment fragment;
-  fragment.SetByteValue(stream.data(), static_cast<std::uint32_t>(stream.size()));
-  fragments->AddFragment(fragment);
-  gdcm::DataElement in(gdcm::Tag(0x7FE0, 0x0010)), out;
-  in.SetVR(gdcm::VR::OB);
-  in.SetValue(*fragments);
-  const StandardErrorCapture messages;
-  const bool is_decoded = codec->Decode(in, out);
-  // A JPEG stream that ends too early is filled up with grey; all that tells is a message ("Corrupt JPEG data: premature end of ...").
-  if (!is_decoded || messages.text().find("Corrupt JPEG data") != std::string::npos || out.GetByteValue() == nullptr ||
-      out.GetByteValue()->GetLength() < frame_bytes) {
-    return false;
-  }
-  std::memcpy(to, out.GetByteValue()->GetPointer(), frame_bytes);
-  return true;
-}
 
 // The stream as the decoder takes it: a JPEG 2000 codestream without a file around it, up to the marker that ends it. Empty: it is cut off.
 std::string whole_stream(Family family, const std::string& stream) {
@@ -275,17 +182,20 @@ std::vector<std::vector<DicomPixels::Fragment>> fragments_of_frames(DicomBytes& 
 
 void decode_frame(const DicomImage& image, std::size_t frame, const std::string& stream, void* samples) {
   const Family family = family_of(image);
-  const std::size_t count = image.rows * image.columns, sample_bytes = image.format.bits_allocated / 8;
   auto* to = static_cast<char*>(samples);
-  StreamHeader header;
+  FrameSize size{image.columns, image.rows, image.format.bits_allocated, image.format.is_signed};
   bool is_decoded = false;
   if (family == Family::rle) {
-    is_decoded = decode_run_lengths(stream, to, count, sample_bytes);
-  } else if (const std::string problem = read_header(family, stream, image, header); !problem.empty()) {
-    throw bad_file(image.path, problem);
-  } else if (allocated_for(header.bits) == image.format.bits_allocated) {
+    is_decoded = decode_run_lengths(stream, size, to);
+  } else {
+    StreamHeader header;
+    if (const std::string problem = read_header(family, stream, image, header); !problem.empty()) {
+      throw bad_file(image.path, problem);
+    }
+    size.bits = header.bits;
     const std::string whole = whole_stream(family, stream);
-    is_decoded = !whole.empty() && decode_with_library(family, image, header, whole, to, count * sample_bytes);
+    const auto decode = family == Family::jpeg ? decode_jpeg : family == Family::jpeg_ls ? decode_jpeg_ls : decode_jpeg_2000;
+    is_decoded = allocated_for(header.bits) == image.format.bits_allocated && !whole.empty() && decode(whole, size, to);
   }
   if (!is_decoded) {
     throw bad_file(image.path, "is damaged: frame " + std::to_string(frame + 1) + " of its " + compression_name(image.transfer_syntax) +
@@ -293,6 +203,17 @@ void decode_frame(const DicomImage& image, std::size_t frame, const std::string&
   }
 }
 
-std::string decoder_name() { return std::string("GDCM ") + gdcm::Version::GetVersion(); }
+std::string decoder_name(const DicomImage& image) {
+  switch (image.pixels.is_compressed ? family_of(image) : Family::none) {
+    case Family::jpeg:
+      return jpeg_decoder_name();
+    case Family::jpeg_ls:
+      return jpeg_ls_decoder_name();
+    case Family::jpeg_2000:
+      return jpeg_2000_decoder_name();
+    default:
+      return "isoatlas";
+  }
+}
 
 }  // namespace isoatlas::io

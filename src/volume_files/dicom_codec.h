@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compressed frames of DICOM files, decoded by GDCM: JPEG, JPEG-LS, JPEG 2000 and run lengths (RLE).
+// Compressed frames of DICOM files: JPEG, JPEG-LS, JPEG 2000 and run lengths (RLE).
 #pragma once
 
 #include <cstddef>
@@ -27,7 +27,7 @@ std::vector<std::vector<DicomPixels::Fragment>> fragments_of_frames(DicomBytes& 
 /// @param frame  from 0, for messages  @throws Error(bad_file) if it cannot be decoded to its end
 void decode_frame(const DicomImage& image, std::size_t frame, const std::string& stream, void* samples);
 
-/// "GDCM 3.0.21"
-std::string decoder_name();
+/// The library that decodes the image's frames, with its version: "OpenJPEG 2.5.0"; "isoatlas" where it is none.
+std::string decoder_name(const DicomImage& image);
 
 }  // namespace isoatlas::io

@@ -1,38 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// Based on: DICOM PS3.5 section 7 (data elements, sequences, items) and annex A (transfer syntaxes), PS3.10 section 7
-// (preamble, file meta group).
+// Based on: DICOM PS3.5 section 6 (values), PS3.6 (data dictionary).
 #include "volume_files/dicom_data_set.h"
-
-#include <zlib.h>
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <memory>
 #include <utility>
-
-#include "files/file_error.h"
-#include "volume_files/byte_source.h"
 
 namespace isoatlas::io {
 
-static_assert(std::endian::native == std::endian::little, "values are kept little-endian");
-
-namespace fs = std::filesystem;
 using namespace dicom;
 
 namespace {
 
-constexpr std::size_t kPreamble = 128;
-constexpr std::string_view kMark = "DICM";
-constexpr std::uint32_t kUndefinedLength = 0xFFFF'FFFFU;
-constexpr DicomTag kItem = 0xFFFE'E000U, kItemEnd = 0xFFFE'E00DU, kSequenceEnd = 0xFFFE'E0DDU;
-constexpr int kDeepestNesting = 64;
-constexpr std::string_view kExplicitLittle = "1.2.840.10008.1.2.1", kExplicitBig = "1.2.840.10008.1.2.2",
-                           kDeflated = "1.2.840.10008.1.2.1.99", kGeBigEndianSamples = "1.2.840.113619.5.2";
 constexpr std::string_view kBlanks{" \0\t\r\n", 5};
 
 struct KnownAttribute {
@@ -40,62 +22,105 @@ struct KnownAttribute {
   std::string_view type;
 };
 
-constexpr std::array kKnown{
-    KnownAttribute{kTransferSyntax, "UI"}, KnownAttribute{kImageType, "CS"}, KnownAttribute{kSopClass, "UI"},
-    KnownAttribute{kSopInstance, "UI"}, KnownAttribute{kAcquisitionDateTime, "DT"}, KnownAttribute{kAcquisitionTime, "TM"},
-    KnownAttribute{kContentTime, "TM"}, KnownAttribute{kModality, "CS"}, KnownAttribute{kSeriesDescription, "LO"},
-    KnownAttribute{kFrameType, "CS"}, KnownAttribute{kComplexImageComponent, "CS"}, KnownAttribute{kSequenceName, "SH"},
-    KnownAttribute{kSliceThickness, "DS"}, KnownAttribute{kEchoTime, "DS"}, KnownAttribute{kInversionTime, "DS"},
-    KnownAttribute{kEchoNumbers, "IS"}, KnownAttribute{kSpacingBetweenSlices, "DS"}, KnownAttribute{kTriggerTime, "DS"},
-    KnownAttribute{kImagerPixelSpacing, "DS"}, KnownAttribute{kConvolutionKernel, "SH"}, KnownAttribute{kFlipAngle, "DS"},
-    KnownAttribute{kNominalScannedPixelSpacing, "DS"}, KnownAttribute{kDiffusionDirections, "SQ"},
-    KnownAttribute{kEffectiveEchoTime, "FD"}, KnownAttribute{kDiffusionBValue, "FD"}, KnownAttribute{kDiffusionOrientation, "FD"},
-    KnownAttribute{kMrEchoes, "SQ"}, KnownAttribute{kMrDiffusion, "SQ"}, KnownAttribute{kCardiacSynchronization, "SQ"},
-    KnownAttribute{kMrFrameType, "SQ"}, KnownAttribute{kCtFrameType, "SQ"}, KnownAttribute{kPetFrameType, "SQ"},
-    KnownAttribute{kPrivateCreator19, "LO"}, KnownAttribute{kMosaicImages, "US"}, KnownAttribute{kSeriesInstance, "UI"}, KnownAttribute{kSeriesNumber, "IS"},
-    KnownAttribute{kAcquisitionNumber, "IS"}, KnownAttribute{kInstanceNumber, "IS"}, KnownAttribute{kImagePosition, "DS"},
-    KnownAttribute{kImageOrientation, "DS"}, KnownAttribute{kTemporalPosition, "IS"}, KnownAttribute{kStackId, "SH"},
-    KnownAttribute{kInStackPosition, "UL"}, KnownAttribute{kFrameContent, "SQ"}, KnownAttribute{kPlanePosition, "SQ"},
-    KnownAttribute{kPlaneOrientation, "SQ"}, KnownAttribute{kTemporalPositionIndex, "UL"}, KnownAttribute{kTriggerDelay, "FD"},
-    KnownAttribute{kDimensionIndexValues, "UL"}, KnownAttribute{kDimensionIndexPointer, "AT"}, KnownAttribute{kDimensionIndices, "SQ"},
-    KnownAttribute{kImagePositionVolume, "FD"}, KnownAttribute{kImageOrientationVolume, "FD"},
-    KnownAttribute{kPlanePositionVolume, "SQ"}, KnownAttribute{kPlaneOrientationVolume, "SQ"}, KnownAttribute{kDimensionLabel, "LO"},
-    KnownAttribute{kSamplesPerPixel, "US"}, KnownAttribute{kPhotometricInterpretation, "CS"}, KnownAttribute{kNumberOfFrames, "IS"},
-    KnownAttribute{kFrameIncrementPointer, "AT"}, KnownAttribute{kRows, "US"}, KnownAttribute{kColumns, "US"},
-    KnownAttribute{kPixelSpacing, "DS"}, KnownAttribute{kBitsAllocated, "US"}, KnownAttribute{kBitsStored, "US"},
-    KnownAttribute{kHighBit, "US"}, KnownAttribute{kPixelRepresentation, "US"}, KnownAttribute{kPixelPaddingValue, "US"},
-    KnownAttribute{kRescaleIntercept, "DS"}, KnownAttribute{kRescaleSlope, "DS"}, KnownAttribute{kRescaleType, "LO"},
-    KnownAttribute{kLossyCompression, "CS"}, KnownAttribute{kModalityTable, "SQ"}, KnownAttribute{kPixelMeasures, "SQ"},
-    KnownAttribute{kPixelValueTransformation, "SQ"}, KnownAttribute{kRealWorldMapping, "SQ"}, KnownAttribute{kRealWorldTable, "FD"},
-    KnownAttribute{kRealWorldIntercept, "FD"}, KnownAttribute{kRealWorldSlope, "FD"}, KnownAttribute{kEnergyWindowVector, "US"},
-    KnownAttribute{kDetectorVector, "US"}, KnownAttribute{kDetectorInformation, "SQ"}, KnownAttribute{kPhaseVector, "US"},
-    KnownAttribute{kRotationVector, "US"}, KnownAttribute{kIntervalVector, "US"}, KnownAttribute{kTimeSlotVector, "US"},
-    KnownAttribute{kSliceVector, "US"}, KnownAttribute{kAngularViewVector, "US"}, KnownAttribute{kTimeSliceVector, "US"},
-    KnownAttribute{kSegmentationType, "CS"}, KnownAttribute{kSegments, "SQ"}, KnownAttribute{kSegmentNumber, "US"},
-    KnownAttribute{kSegmentLabel, "LO"}, KnownAttribute{kSegmentIdentification, "SQ"}, KnownAttribute{kReferencedSegment, "US"},
-    KnownAttribute{kMaximumFraction, "US"}, KnownAttribute{kDoseUnits, "CS"}, KnownAttribute{kGridFrameOffsets, "DS"},
-    KnownAttribute{kDoseGridScaling, "DS"}, KnownAttribute{kSharedGroups, "SQ"}, KnownAttribute{kPerFrameGroups, "SQ"}};
+constexpr std::array kKnown{KnownAttribute{kTransferSyntax, "UI"},
+                            KnownAttribute{kImageType, "CS"},
+                            KnownAttribute{kSopClass, "UI"},
+                            KnownAttribute{kSopInstance, "UI"},
+                            KnownAttribute{kAcquisitionDateTime, "DT"},
+                            KnownAttribute{kAcquisitionTime, "TM"},
+                            KnownAttribute{kContentTime, "TM"},
+                            KnownAttribute{kModality, "CS"},
+                            KnownAttribute{kSeriesDescription, "LO"},
+                            KnownAttribute{kFrameType, "CS"},
+                            KnownAttribute{kComplexImageComponent, "CS"},
+                            KnownAttribute{kSequenceName, "SH"},
+                            KnownAttribute{kSliceThickness, "DS"},
+                            KnownAttribute{kEchoTime, "DS"},
+                            KnownAttribute{kInversionTime, "DS"},
+                            KnownAttribute{kEchoNumbers, "IS"},
+                            KnownAttribute{kSpacingBetweenSlices, "DS"},
+                            KnownAttribute{kTriggerTime, "DS"},
+                            KnownAttribute{kImagerPixelSpacing, "DS"},
+                            KnownAttribute{kConvolutionKernel, "SH"},
+                            KnownAttribute{kFlipAngle, "DS"},
+                            KnownAttribute{kNominalScannedPixelSpacing, "DS"},
+                            KnownAttribute{kDiffusionDirections, "SQ"},
+                            KnownAttribute{kEffectiveEchoTime, "FD"},
+                            KnownAttribute{kDiffusionBValue, "FD"},
+                            KnownAttribute{kDiffusionOrientation, "FD"},
+                            KnownAttribute{kMrEchoes, "SQ"},
+                            KnownAttribute{kMrDiffusion, "SQ"},
+                            KnownAttribute{kCardiacSynchronization, "SQ"},
+                            KnownAttribute{kMrFrameType, "SQ"},
+                            KnownAttribute{kCtFrameType, "SQ"},
+                            KnownAttribute{kPetFrameType, "SQ"},
+                            KnownAttribute{kPrivateCreator19, "LO"},
+                            KnownAttribute{kMosaicImages, "US"},
+                            KnownAttribute{kSeriesInstance, "UI"},
+                            KnownAttribute{kSeriesNumber, "IS"},
+                            KnownAttribute{kAcquisitionNumber, "IS"},
+                            KnownAttribute{kInstanceNumber, "IS"},
+                            KnownAttribute{kImagePosition, "DS"},
+                            KnownAttribute{kImageOrientation, "DS"},
+                            KnownAttribute{kTemporalPosition, "IS"},
+                            KnownAttribute{kStackId, "SH"},
+                            KnownAttribute{kInStackPosition, "UL"},
+                            KnownAttribute{kFrameContent, "SQ"},
+                            KnownAttribute{kPlanePosition, "SQ"},
+                            KnownAttribute{kPlaneOrientation, "SQ"},
+                            KnownAttribute{kTemporalPositionIndex, "UL"},
+                            KnownAttribute{kTriggerDelay, "FD"},
+                            KnownAttribute{kDimensionIndexValues, "UL"},
+                            KnownAttribute{kDimensionIndexPointer, "AT"},
+                            KnownAttribute{kDimensionIndices, "SQ"},
+                            KnownAttribute{kImagePositionVolume, "FD"},
+                            KnownAttribute{kImageOrientationVolume, "FD"},
+                            KnownAttribute{kPlanePositionVolume, "SQ"},
+                            KnownAttribute{kPlaneOrientationVolume, "SQ"},
+                            KnownAttribute{kDimensionLabel, "LO"},
+                            KnownAttribute{kSamplesPerPixel, "US"},
+                            KnownAttribute{kPhotometricInterpretation, "CS"},
+                            KnownAttribute{kNumberOfFrames, "IS"},
+                            KnownAttribute{kFrameIncrementPointer, "AT"},
+                            KnownAttribute{kRows, "US"},
+                            KnownAttribute{kColumns, "US"},
+                            KnownAttribute{kPixelSpacing, "DS"},
+                            KnownAttribute{kBitsAllocated, "US"},
+                            KnownAttribute{kBitsStored, "US"},
+                            KnownAttribute{kHighBit, "US"},
+                            KnownAttribute{kPixelRepresentation, "US"},
+                            KnownAttribute{kPixelPaddingValue, "US"},
+                            KnownAttribute{kRescaleIntercept, "DS"},
+                            KnownAttribute{kRescaleSlope, "DS"},
+                            KnownAttribute{kRescaleType, "LO"},
+                            KnownAttribute{kLossyCompression, "CS"},
+                            KnownAttribute{kModalityTable, "SQ"},
+                            KnownAttribute{kPixelMeasures, "SQ"},
+                            KnownAttribute{kPixelValueTransformation, "SQ"},
+                            KnownAttribute{kRealWorldMapping, "SQ"},
+                            KnownAttribute{kRealWorldTable, "FD"},
+                            KnownAttribute{kRealWorldIntercept, "FD"},
+                            KnownAttribute{kRealWorldSlope, "FD"},
+                            KnownAttribute{kEnergyWindowVector, "US"},
+                            KnownAttribute{kDetectorVector, "US"},
+                            KnownAttribute{kDetectorInformation, "SQ"},
+                            KnownAttribute{kPhaseVector, "US"},
+                            KnownAttribute{kRotationVector, "US"},
+                            KnownAttribute{kIntervalVector, "US"},
+                            KnownAttribute{kTimeSlotVector, "US"},
+                            KnownAttribute{kSliceVector, "US"},
+                            KnownAttribute{kAngularViewVector, "US"},
+                            KnownAttribute{kTimeSliceVector, "US"},
+                            KnownAttribute{kDoseUnits, "CS"},
+                            KnownAttribute{kGridFrameOffsets, "DS"},
+                            KnownAttribute{kDoseGridScaling, "DS"},
+                            KnownAttribute{kSharedGroups, "SQ"},
+                            KnownAttribute{kPerFrameGroups, "SQ"}};
 
 static_assert(std::ranges::is_sorted(kKnown, {}, &KnownAttribute::tag));
 
-// Its type in the standard; empty: not kept.
-std::string_view known_type(DicomTag tag) {
-  const auto* known = std::ranges::lower_bound(kKnown, tag, {}, &KnownAttribute::tag);
-  return known == kKnown.end() || known->tag != tag ? std::string_view{} : known->type;
-}
-
-bool is_pixel_data(DicomTag tag) { return tag == kPixelData || tag == kFloatPixelData || tag == kDoublePixelData; }
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) {
-    return {};
-  }
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
-
 std::optional<double> number_in(std::string_view text) {
-  text = trimmed(text);
+  text = dicom_trimmed(text);
   text.remove_prefix(text.starts_with('+') ? 1 : 0);
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -116,15 +141,27 @@ std::vector<double> numbers_in(const std::string& bytes) {
   return values;
 }
 
-// Bytes of one binary value; 0: text or bytes without an order.
-std::size_t value_bytes(std::string_view type) {
+}  // namespace
+
+std::string_view dicom_type(DicomTag tag) {
+  const auto* known = std::ranges::lower_bound(kKnown, tag, {}, &KnownAttribute::tag);
+  return known == kKnown.end() || known->tag != tag ? std::string_view{} : known->type;
+}
+
+std::string_view dicom_trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(kBlanks);
+  if (first == std::string_view::npos) {
+    return {};
+  }
+  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
+}
+
+std::size_t dicom_value_bytes(std::string_view type) {
   if (type == "US" || type == "SS" || type == "AT" || type == "OW") return 2;
   if (type == "UL" || type == "SL" || type == "FL" || type == "OF" || type == "OL") return 4;
   if (type == "FD" || type == "OD" || type == "SV" || type == "UV" || type == "OV") return 8;
   return 0;
 }
-
-}  // namespace
 
 const DicomAttribute* DicomDataSet::find(DicomTag tag) const {
   const auto found = std::ranges::find(attributes_, tag, &DicomAttribute::tag);
@@ -136,12 +173,12 @@ bool DicomDataSet::has(DicomTag tag) const {
   if (attribute == nullptr || !attribute->items.empty()) {
     return attribute != nullptr;
   }
-  return value_bytes(attribute->type) > 0 ? !attribute->value.empty() : !trimmed(attribute->value).empty();
+  return dicom_value_bytes(attribute->type) > 0 ? !attribute->value.empty() : !dicom_trimmed(attribute->value).empty();
 }
 
 std::string DicomDataSet::text(DicomTag tag) const {
   const DicomAttribute* attribute = find(tag);
-  return attribute == nullptr ? std::string() : std::string(trimmed(attribute->value));
+  return attribute == nullptr ? std::string() : std::string(dicom_trimmed(attribute->value));
 }
 
 std::vector<std::string> DicomDataSet::texts(DicomTag tag) const {
@@ -149,7 +186,7 @@ std::vector<std::string> DicomDataSet::texts(DicomTag tag) const {
   const std::string all = text(tag);
   for (std::string_view rest = all; !rest.empty();) {
     const std::size_t end = std::min(rest.find('\\'), rest.size());
-    values.emplace_back(trimmed(rest.substr(0, end)));
+    values.emplace_back(dicom_trimmed(rest.substr(0, end)));
     rest.remove_prefix(std::min(end + 1, rest.size()));
   }
   return values;
@@ -212,381 +249,6 @@ const std::vector<DicomDataSet>& DicomDataSet::items(DicomTag tag) const {
 const DicomDataSet* DicomDataSet::first_item(DicomTag tag) const {
   const std::vector<DicomDataSet>& all = items(tag);
   return all.empty() ? nullptr : &all.front();
-}
-
-DicomBytes::DicomBytes(const fs::path& path)
-    : path_(path), file_(std::make_unique<std::ifstream>(path, std::ios::binary)), size_(readable_file_size(path)) {}
-
-DicomBytes::DicomBytes(std::string bytes) : window_(std::move(bytes)), size_(window_.size()) {}
-
-std::string_view DicomBytes::at(std::uint64_t offset, std::size_t count) {
-  constexpr std::uint64_t kWindow = std::uint64_t{1} << 14;
-  if (offset < window_start_ || offset + count > window_start_ + window_.size()) {
-    window_.resize(static_cast<std::size_t>(std::min(std::max<std::uint64_t>(count, kWindow), size_ - offset)));
-    window_start_ = offset;
-    read(offset, window_.data(), window_.size());
-  }
-  return std::string_view(window_).substr(static_cast<std::size_t>(offset - window_start_), count);
-}
-
-void DicomBytes::read(std::uint64_t offset, void* to, std::uint64_t count) {
-  if (file_ == nullptr) {
-    std::memcpy(to, window_.data() + offset, static_cast<std::size_t>(count));
-    return;
-  }
-  file_->clear();
-  file_->seekg(static_cast<std::streamoff>(offset));
-  file_->read(static_cast<char*>(to), static_cast<std::streamsize>(count));
-  if (static_cast<std::uint64_t>(file_->gcount()) != count) {
-    throw bad_file(path_, "cannot be read to its end");
-  }
-}
-
-namespace {
-
-struct Header {
-  DicomTag tag = 0;
-  std::string type;  // empty: the file does not state it
-  std::uint32_t length = 0;
-};
-
-// How a walk ends that does not reach the end of the pixel data. Thrown inside this file only.
-struct CutOff {};
-struct Senseless {};
-
-class Parser {
- public:
-  Parser(DicomBytes& bytes, DicomContents& contents) : bytes_(bytes), contents_(contents) {}
-
-  // The preamble and the file meta group, which are explicit and little-endian. Returns where the data set starts.
-  std::uint64_t parse_meta_group() {
-    const bool has_mark = bytes_.size() >= kPreamble + kMark.size() && bytes_.at(kPreamble, kMark.size()) == kMark;
-    position_ = has_mark ? kPreamble + kMark.size() : 0;
-    is_explicit_ = true;
-    while (position_ + 2 <= bytes_.size() && group_at(position_, false) == 0x0002) {
-      const Header header = next_header();
-      if (header.length == kUndefinedLength) {
-        throw Senseless{};
-      }
-      if (header.tag == kTransferSyntax) {
-        contents_.transfer_syntax = std::string(trimmed(value(header.length)));
-      } else {
-        skip(header.length);
-      }
-    }
-    return position_;
-  }
-
-  void parse_data_set(std::uint64_t start) {
-    position_ = start;
-    find_encoding();
-    while (position_ < bytes_.size()) {
-      const Header header = next_header();
-      if (header.tag == 0) {
-        return;  // padding
-      }
-      if (is_pixel_data(header.tag)) {
-        locate_pixels(header);
-        return;
-      }
-      parse_element(header, contents_.attributes, 0);
-    }
-  }
-
- private:
-  // What the transfer syntax says is compared with the first data element: writers mix up explicit and implicit.
-  void find_encoding() {
-    const std::string& syntax = contents_.transfer_syntax;
-    is_big_endian_ = syntax == kExplicitBig;
-    if (position_ + 8 > bytes_.size()) {
-      throw CutOff{};
-    }
-    if (syntax.empty()) {
-      is_big_endian_ = group_at(position_, false) > 0x00FF && group_at(position_, true) <= 0x00FF;
-    }
-    is_explicit_ = is_type(bytes_.at(position_ + 4, 2));
-    contents_.is_big_endian = is_big_endian_ || syntax == kGeBigEndianSamples;
-  }
-
-  static bool is_type(std::string_view text) {
-    return std::ranges::all_of(text, [](char c) { return c >= 'A' && c <= 'Z'; });
-  }
-
-  template <class Number>
-  Number number_at(std::uint64_t position, bool big_endian) {
-    if (position + sizeof(Number) > bytes_.size()) {
-      throw CutOff{};
-    }
-    Number value{};
-    std::memcpy(&value, bytes_.at(position, sizeof value).data(), sizeof value);
-    if (big_endian) {
-      swap_byte_order(&value, 1, sizeof value);
-    }
-    return value;
-  }
-
-  std::uint16_t group_at(std::uint64_t position, bool big_endian) { return number_at<std::uint16_t>(position, big_endian); }
-
-  void skip(std::uint64_t count) {
-    if (count > bytes_.size() - position_) {
-      throw CutOff{};
-    }
-    position_ += count;
-  }
-
-  std::string value(std::uint64_t count) {
-    const std::uint64_t start = position_;
-    skip(count);
-    std::string bytes(static_cast<std::size_t>(count), '\0');
-    bytes_.read(start, bytes.data(), count);
-    return bytes;
-  }
-
-  // Reads a tag, a type and a length; the position is then at the value.
-  Header next_header() {
-    const DicomTag group = number_at<std::uint16_t>(position_, is_big_endian_);
-    Header header{group << 16U | number_at<std::uint16_t>(position_ + 2, is_big_endian_), {}, 0};
-    const bool is_delimiter = group == 0xFFFE;  // has no type in any encoding
-    if (position_ + 8 > bytes_.size()) {
-      throw CutOff{};
-    }
-    const std::string type(bytes_.at(position_ + 4, 2));
-    if (is_delimiter || !is_explicit_ || !is_type(type)) {
-      header.length = number_at<std::uint32_t>(position_ + 4, is_big_endian_);
-      skip(8);
-      return header;
-    }
-    constexpr std::string_view kShortTypes = "AE AS AT CS DA DS DT FD FL IS LO LT PN SH SL SS ST TM UI UL US";
-    const bool is_short = kShortTypes.find(type) != std::string_view::npos;
-    header.type = type;
-    header.length =
-        is_short ? number_at<std::uint16_t>(position_ + 6, is_big_endian_) : number_at<std::uint32_t>(position_ + 8, is_big_endian_);
-    skip(is_short ? 8 : 12);
-    return header;
-  }
-
-  void parse_element(const Header& header, DicomDataSet& into, int depth) {
-    const std::string_view known = known_type(header.tag);
-    const bool is_sequence = header.type == "SQ" || known == "SQ" || header.length == kUndefinedLength;
-    if (known.empty() ? header.length != kUndefinedLength : !is_sequence) {
-      if (known.empty()) {
-        skip(header.length);
-        return;
-      }
-      DicomAttribute attribute{header.tag, header.type.empty() || header.type == "UN" ? std::string(known) : header.type,
-                               value(header.length), {}};
-      if (const std::size_t bytes = value_bytes(attribute.type); is_big_endian_ && bytes > 0) {
-        swap_byte_order(attribute.value.data(), attribute.value.size() / bytes, bytes);
-      }
-      into.add(std::move(attribute));
-      return;
-    }
-    // A sequence of a type that the writer did not know is implicit and little-endian inside, whatever the rest is.
-    const bool was_explicit = is_explicit_, was_big_endian = is_big_endian_;
-    if (header.type == "UN") {
-      is_explicit_ = is_big_endian_ = false;
-    }
-    DicomAttribute sequence{header.tag, "SQ", {}, {}};
-    parse_items(header.length, sequence.items, depth);
-    is_explicit_ = was_explicit;
-    is_big_endian_ = was_big_endian;
-    if (!known.empty()) {
-      into.add(std::move(sequence));
-    }
-  }
-
-  void parse_items(std::uint32_t length, std::vector<DicomDataSet>& items, int depth) {
-    if (depth > kDeepestNesting) {
-      throw Senseless{};
-    }
-    const std::uint64_t end = end_of(length);
-    while (position_ < end) {
-      const Header header = next_header();
-      if (header.tag == kSequenceEnd && length == kUndefinedLength) {
-        return;
-      }
-      if (header.tag != kItem) {
-        throw Senseless{};
-      }
-      items.emplace_back();
-      parse_item(header.length, items.back(), depth);
-    }
-    require_end(length, end);
-  }
-
-  void parse_item(std::uint32_t length, DicomDataSet& item, int depth) {
-    const std::uint64_t end = end_of(length);
-    while (position_ < end) {
-      const Header header = next_header();
-      if (header.tag == kItemEnd && length == kUndefinedLength) {
-        return;
-      }
-      parse_element(header, item, depth + 1);
-    }
-    require_end(length, end);
-  }
-
-  std::uint64_t end_of(std::uint32_t length) {
-    if (length == kUndefinedLength) {
-      return bytes_.size();
-    }
-    if (length > bytes_.size() - position_) {
-      throw CutOff{};
-    }
-    return position_ + length;
-  }
-
-  void require_end(std::uint32_t length, std::uint64_t end) {
-    if (length == kUndefinedLength) {
-      throw CutOff{};  // no delimiter
-    }
-    if (position_ != end) {
-      throw Senseless{};
-    }
-  }
-
-  void locate_pixels(const Header& header) {
-    DicomPixels& pixels = contents_.pixels.emplace();
-    pixels.tag = header.tag;
-    pixels.is_words = header.type == "OW";
-    pixels.is_compressed = header.length == kUndefinedLength;
-    pixels.offset = position_;
-    pixels.bytes = header.length;
-    if (pixels.is_compressed) {
-      pixels.bytes = 0;
-      locate_fragments(pixels);
-    } else {
-      skip(header.length);
-    }
-  }
-
-  void locate_fragments(DicomPixels& pixels) {
-    bool is_offset_table = true;
-    for (Header item = next_header(); item.tag != kSequenceEnd; item = next_header()) {
-      if (item.tag != kItem || item.length == kUndefinedLength) {
-        throw Senseless{};
-      }
-      const std::uint64_t start = position_;
-      if (is_offset_table) {
-        const std::string table = value(item.length);
-        pixels.frame_offsets.resize(table.size() / sizeof(std::uint32_t));
-        std::memcpy(pixels.frame_offsets.data(), table.data(), pixels.frame_offsets.size() * sizeof(std::uint32_t));
-      } else {
-        skip(item.length);
-        pixels.fragments.push_back({start, item.length});
-        pixels.bytes += item.length;
-      }
-      is_offset_table = false;
-    }
-  }
-
-  DicomBytes& bytes_;
-  DicomContents& contents_;
-  std::uint64_t position_ = 0;
-  bool is_explicit_ = true;
-  bool is_big_endian_ = false;
-};
-
-// What follows `start`, decompressed. A deflated data set has no header and no checksum.
-std::string inflated_rest(const fs::path& path, DicomBytes& bytes, std::uint64_t start, std::uint64_t max_memory) {
-  std::string packed(static_cast<std::size_t>(bytes.size() - start), '\0');
-  bytes.read(start, packed.data(), packed.size());
-  z_stream stream{};
-  constexpr int kNoHeader = -15;
-  if (inflateInit2(&stream, kNoHeader) != Z_OK) {
-    throw std::bad_alloc();
-  }
-  const std::unique_ptr<z_stream, int (*)(z_stream*)> end_inflation(&stream, inflateEnd);
-  std::string unpacked;
-  std::vector<char> chunk(std::size_t{1} << 18);
-  stream.next_in = reinterpret_cast<Bytef*>(packed.data());
-  stream.avail_in = static_cast<uInt>(packed.size());
-  int result = Z_OK;
-  while (result == Z_OK) {
-    stream.next_out = reinterpret_cast<Bytef*>(chunk.data());
-    stream.avail_out = static_cast<uInt>(chunk.size());
-    result = inflate(&stream, Z_NO_FLUSH);
-    unpacked.append(chunk.data(), chunk.size() - stream.avail_out);
-    if (unpacked.size() > max_memory) {
-      throw Error(ErrorCode::out_of_memory, one_line(path.string() + ": its deflated data set is larger than the limit of " +
-                                                     std::to_string(max_memory) + " bytes"));
-    }
-  }
-  if (result != Z_STREAM_END) {
-    throw bad_file(path, "its deflated data set is damaged or cut off after " + std::to_string(unpacked.size()) + " bytes");
-  }
-  return unpacked;
-}
-
-// The bytes, decompressed where they have to be, and where their data set starts.
-DicomBytes open_with_start(const fs::path& path, std::uint64_t max_memory, DicomContents& contents, std::uint64_t& start) {
-  DicomBytes bytes(path);
-  start = Parser(bytes, contents).parse_meta_group();
-  if (contents.transfer_syntax != kDeflated) {
-    return bytes;
-  }
-  std::string all(bytes.at(0, static_cast<std::size_t>(start)));
-  all += inflated_rest(path, bytes, start, max_memory);
-  return DicomBytes(std::move(all));
-}
-
-std::string start_of(const fs::path& path) {
-  std::string start(kPreamble + kMark.size(), '\0');
-  std::ifstream file(path, std::ios::binary);
-  file.read(start.data(), static_cast<std::streamsize>(start.size()));
-  start.resize(static_cast<std::size_t>(file.gcount()));
-  return start;
-}
-
-}  // namespace
-
-bool has_dicom_mark(const fs::path& path) { 
-  const std::string start = start_of(path);
-  return start.size() > kPreamble && start.substr(kPreamble) == kMark;
-}
-
-bool looks_like_dicom(const fs::path& path) {
-  const std::string start = start_of(path);
-  const std::string_view bytes = start;
-  if (bytes.size() > kPreamble && bytes.substr(kPreamble) == kMark) {
-    return true;
-  }
-  // A data set without preamble starts with the file meta group or the identifying group, whose first elements are short.
-  if (bytes.size() < 12 || (bytes[0] != 2 && bytes[0] != 8) || bytes[1] != 0 || bytes[3] != 0) {
-    return false;
-  }
-  constexpr std::string_view kFirstTypes = "UL OB UI CS LO SH AE";
-  const bool is_explicit = kFirstTypes.find(bytes.substr(4, 2)) != std::string_view::npos;
-  std::uint32_t length = 0;
-  std::memcpy(&length, bytes.data() + 4, sizeof length);
-  constexpr std::uint32_t kLongestFirst = 256;
-  return is_explicit || length <= kLongestFirst;
-}
-
-DicomBytes open_dicom(const fs::path& path, std::uint64_t max_memory) {
-  try {
-    DicomContents contents;
-    std::uint64_t start = 0;
-    return open_with_start(path, max_memory, contents, start);
-  } catch (const CutOff&) {
-  } catch (const Senseless&) {
-  }
-  throw bad_file(path, "has changed while it was read");
-}
-
-DicomContents read_dicom_contents(const fs::path& path, std::uint64_t max_memory) {
-  DicomContents contents;
-  contents.bytes = readable_file_size(path);
-  try {
-    std::uint64_t start = 0;
-    DicomBytes bytes = open_with_start(path, max_memory, contents, start);
-    Parser(bytes, contents).parse_data_set(start);
-  } catch (const CutOff&) {
-    contents.is_cut_off = true;
-  } catch (const Senseless&) {
-    throw bad_file(path, "is damaged: its data elements make no sense");
-  }
-  return contents;
 }
 
 }  // namespace isoatlas::io

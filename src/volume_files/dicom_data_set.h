@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The attributes of a DICOM file, and where its pixel data is. Nothing is decoded here.
-//
-// GDCM decodes compressed frames (dicom_codec.h). Its parser is not used: it allocates whatever length a file states, and
-// reads a file that ends in the middle of an attribute without complaint.
+// The attributes of a DICOM data set that are of use, under their names in the standard.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace isoatlas::io {
@@ -45,16 +40,14 @@ inline constexpr DicomTag kSamplesPerPixel = 0x00280002, kPhotometricInterpretat
                           kFrameIncrementPointer = 0x00280009, kRows = 0x00280010, kColumns = 0x00280011, kPixelSpacing = 0x00280030,
                           kBitsAllocated = 0x00280100, kBitsStored = 0x00280101, kHighBit = 0x00280102, kPixelRepresentation = 0x00280103,
                           kPixelPaddingValue = 0x00280120, kRescaleIntercept = 0x00281052, kRescaleSlope = 0x00281053,
-                          kRescaleType = 0x00281054, kLossyCompression = 0x00282110, kModalityTable = 0x00283000, kPixelMeasures = 0x00289110,
-                          kPixelValueTransformation = 0x00289145;
+                          kRescaleType = 0x00281054, kLossyCompression = 0x00282110, kModalityTable = 0x00283000,
+                          kPixelMeasures = 0x00289110, kPixelValueTransformation = 0x00289145;
 inline constexpr DicomTag kRealWorldMapping = 0x00409096, kRealWorldTable = 0x00409212, kRealWorldIntercept = 0x00409224,
                           kRealWorldSlope = 0x00409225;
 inline constexpr DicomTag kEnergyWindowVector = 0x00540010, kDetectorVector = 0x00540020, kDetectorInformation = 0x00540022,
                           kPhaseVector = 0x00540030, kRotationVector = 0x00540050, kIntervalVector = 0x00540060,
                           kTimeSlotVector = 0x00540070, kSliceVector = 0x00540080, kAngularViewVector = 0x00540090,
                           kTimeSliceVector = 0x00540100;
-inline constexpr DicomTag kSegmentationType = 0x00620001, kSegments = 0x00620002, kSegmentNumber = 0x00620004, kSegmentLabel = 0x00620005,
-                          kSegmentIdentification = 0x0062000A, kReferencedSegment = 0x0062000B, kMaximumFraction = 0x0062000E;
 inline constexpr DicomTag kDoseUnits = 0x30040002, kGridFrameOffsets = 0x3004000C, kDoseGridScaling = 0x3004000E;
 inline constexpr DicomTag kSharedGroups = 0x52009229, kPerFrameGroups = 0x52009230;
 inline constexpr DicomTag kFloatPixelData = 0x7FE00008, kDoublePixelData = 0x7FE00009, kPixelData = 0x7FE00010;
@@ -80,7 +73,7 @@ class DicomDataSet {
   std::vector<double> numbers(DicomTag tag) const;     ///< empty if one of the values is no number
   std::optional<double> number(DicomTag tag) const;    ///< the first
   std::optional<std::int64_t> integer(DicomTag tag) const;
-  std::vector<DicomTag> tags(DicomTag tag) const;      ///< values that are tags
+  std::vector<DicomTag> tags(DicomTag tag) const;  ///< values that are tags
   const std::vector<DicomDataSet>& items(DicomTag tag) const;
   const DicomDataSet* first_item(DicomTag tag) const;  ///< null: there is none
 
@@ -89,60 +82,13 @@ class DicomDataSet {
   std::vector<DicomAttribute> attributes_;
 };
 
-/// Random access to the bytes of a file, or to decompressed ones in memory. Lengths are checked before anything is allocated.
-class DicomBytes {
- public:
-  explicit DicomBytes(const std::filesystem::path& path);
-  explicit DicomBytes(std::string bytes);
+/// The standard's type of an attribute that is kept; empty: it is skipped.
+std::string_view dicom_type(DicomTag tag);
 
-  std::uint64_t size() const { return size_; }
-  /// Bytes [offset, offset + count), all of which there are; valid until the next call.
-  std::string_view at(std::uint64_t offset, std::size_t count);
-  /// The same into memory of the caller. @throws Error(bad_file) if the file has shrunk or cannot be read
-  void read(std::uint64_t offset, void* to, std::uint64_t count);
+/// Bytes of one value of a binary type, whose order depends on the file's; 0: text, or bytes without an order.
+std::size_t dicom_value_bytes(std::string_view type);
 
- private:
-  std::filesystem::path path_;
-  std::unique_ptr<std::ifstream> file_;  // null: all bytes are in window_
-  std::string window_;
-  std::uint64_t window_start_ = 0;
-  std::uint64_t size_ = 0;
-};
-
-struct DicomPixels {
-  DicomTag tag = 0;          ///< kPixelData, kFloatPixelData or kDoublePixelData
-  bool is_words = false;     ///< stored as 16-bit words, which matters where the file is big-endian
-  std::uint64_t offset = 0;  ///< of the samples, where they are not compressed
-  std::uint64_t bytes = 0;
-  struct Fragment {
-    std::uint64_t offset = 0, bytes = 0;
-  };
-  bool is_compressed = false;
-  std::vector<Fragment> fragments;                ///< of compressed frames
-  std::vector<std::uint32_t> frame_offsets;       ///< the basic offset table: counted from the first fragment's item
-};
-
-/// One parsed file.
-struct DicomContents {
-  DicomDataSet attributes;
-  std::string transfer_syntax;
-  bool is_big_endian = false;       ///< the samples
-  std::optional<DicomPixels> pixels;
-  bool is_cut_off = false;          ///< data elements reach beyond the file's end; what was before is there
-  std::uint64_t bytes = 0;          ///< of the file
-};
-
-/// Does the file have the mark "DICM" after a preamble?
-bool has_dicom_mark(const std::filesystem::path& path);
-
-/// Does the file look like DICOM: the mark "DICM" after a preamble, or a data set that starts at once?
-bool looks_like_dicom(const std::filesystem::path& path);
-
-/// The bytes that offsets in DicomPixels refer to: the file's, or those that its deflated data set has in memory.
-/// @throws Error(out_of_memory) if the data set is deflated and larger than `max_memory`
-DicomBytes open_dicom(const std::filesystem::path& path, std::uint64_t max_memory);
-
-/// Parses a file that looks like DICOM. @throws Error(bad_file) if its data elements make no sense
-DicomContents read_dicom_contents(const std::filesystem::path& path, std::uint64_t max_memory);
+/// Without the blanks and zeros that pad values.
+std::string_view dicom_trimmed(std::string_view text);
 
 }  // namespace isoatlas::io

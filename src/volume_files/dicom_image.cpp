@@ -366,9 +366,14 @@ class ImageReading {
 
   // The other lists that say what a frame of a nuclear medicine image is.
   void add_vector_labels(const DicomFrame& frame) {
-    constexpr std::array<std::pair<DicomTag, std::string_view>, 8> kVectors{
-        {{kEnergyWindowVector, "energy window"}, {kDetectorVector, "detector"}, {kPhaseVector, "phase"}, {kRotationVector, "rotation"},
-         {kIntervalVector, "R-R interval"}, {kTimeSlotVector, "time slot"}, {kAngularViewVector, "view"}, {kTimeSliceVector, "time slice"}}};
+    constexpr std::array<std::pair<DicomTag, std::string_view>, 8> kVectors{{{kEnergyWindowVector, "energy window"},
+                                                                             {kDetectorVector, "detector"},
+                                                                             {kPhaseVector, "phase"},
+                                                                             {kRotationVector, "rotation"},
+                                                                             {kIntervalVector, "R-R interval"},
+                                                                             {kTimeSlotVector, "time slot"},
+                                                                             {kAngularViewVector, "view"},
+                                                                             {kTimeSliceVector, "time slice"}}};
     for (const auto& [tag, name] : kVectors) {
       const std::vector<double> values = file_.numbers(tag);
       if (values.size() == image_.frames) {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "isoatlas/volume_file.h"
-#include "volume_files/dicom_data_set.h"
+#include "volume_files/dicom_contents.h"
 
 namespace isoatlas::io {
 
@@ -17,7 +17,7 @@ namespace isoatlas::io {
 struct DicomSampleFormat {
   unsigned bits_allocated = 16;  ///< 1, 8, 16 or 32; 32 or 64 if `is_float`
   unsigned bits_stored = 16;
-  unsigned high_bit = 15;        ///< place of the highest stored bit
+  unsigned high_bit = 15;  ///< place of the highest stored bit
   bool is_signed = false;
   bool is_float = false;
 
@@ -37,8 +37,8 @@ struct DicomImage {
   std::string transfer_syntax;
   bool is_big_endian = false;
   bool is_lossy = false;
-  std::string rescale_type;  ///< e.g. "HU"
-  std::string dose_units;    ///< of a dose grid; empty: it is none
+  std::string rescale_type;           ///< e.g. "HU"
+  std::string dose_units;             ///< of a dose grid; empty: it is none
   bool is_inverted_display = false;   ///< MONOCHROME1
   std::string padding;                ///< the pixel padding value, as a number; empty: there is none
   std::vector<std::string> warnings;  ///< to be given if this image is read
@@ -48,7 +48,7 @@ struct DicomImage {
 
 /// An attribute that may tell several volumes of a series apart.
 struct DicomLabel {
-  std::string name;   ///< e.g. "echo"
+  std::string name;  ///< e.g. "echo"
   std::string value;
   bool is_time = true;  ///< the volumes are at the same places: time points, echoes, b-values
 };
@@ -56,12 +56,12 @@ struct DicomLabel {
 /// One slice of a volume.
 struct DicomFrame {
   std::shared_ptr<const DicomImage> image;
-  std::size_t number = 0;  ///< in its file, from 0
-  Vec3 position;           ///< of the first sample's centre
+  std::size_t number = 0;        ///< in its file, from 0
+  Vec3 position;                 ///< of the first sample's centre
   Vec3 along_row, along_column;  ///< direction in which columns and rows are counted, as in the file
   double spacing_x = 1, spacing_y = 1;
   double slope = 1, intercept = 0;
-  std::string stack;               ///< frames of different stacks are no volume together
+  std::string stack;  ///< frames of different stacks are no volume together
   std::shared_ptr<const std::vector<DicomLabel>> labels;
 
   std::string name() const;  ///< for messages: "IM012", "frame 3 of enh.dcm" (counted from 1, as DICOM does)
@@ -70,10 +70,10 @@ struct DicomFrame {
 /// What a file is to a reader of volumes.
 struct DicomFileFrames {
   std::vector<DicomFrame> frames;
-  std::string unusable;   ///< why its frames are no slices; then `frames` is empty
-  bool is_image = true;   ///< has pixel data
+  std::string unusable;  ///< why its frames are no slices; then `frames` is empty
+  bool is_image = true;  ///< has pixel data
   bool is_directory = false;
-  std::string series;     ///< known of unusable images too
+  std::string series;  ///< known of unusable images too
   std::size_t rows = 0, columns = 0;
   std::string modality;
 };

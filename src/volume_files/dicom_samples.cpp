@@ -22,9 +22,7 @@ namespace {
 
 bool is_rescaled(const DicomFrame& frame) { return frame.slope != 1 || frame.intercept != 0; }
 
-bool is_whole(double value) {
-  return value == std::floor(value) && std::abs(value) <= std::numeric_limits<std::int32_t>::max();
-}
+bool is_whole(double value) { return value == std::floor(value) && std::abs(value) <= std::numeric_limits<std::int32_t>::max(); }
 
 SampleType stored_type(const DicomSampleFormat& format) {
   if (format.is_float) {

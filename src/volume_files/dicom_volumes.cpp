@@ -83,7 +83,8 @@ const DicomLabel* label_named(const DicomFrame& frame, const std::string& name) 
 }
 
 // The parts that frames fall into by the values of these labels; empty if all are alike.
-std::map<std::string, std::vector<DicomFrame>, Before> parts_by(const std::vector<DicomFrame>& frames, const std::vector<std::string>& names) {
+std::map<std::string, std::vector<DicomFrame>, Before> parts_by(const std::vector<DicomFrame>& frames,
+                                                                const std::vector<std::string>& names) {
   std::map<std::string, std::vector<DicomFrame>, Before> parts;
   for (const DicomFrame& frame : frames) {
     std::string value;
@@ -99,9 +100,7 @@ std::map<std::string, std::vector<DicomFrame>, Before> parts_by(const std::vecto
   return parts;
 }
 
-bool have_same_places(const DicomStack& a, const DicomStack& b) {
-  return std::ranges::equal(a.frames, b.frames, have_same_place);
-}
+bool have_same_places(const DicomStack& a, const DicomStack& b) { return std::ranges::equal(a.frames, b.frames, have_same_place); }
 
 Split stacks_of(const std::map<std::string, std::vector<DicomFrame>, Before>& parts, const std::string& name) {
   Split split;
@@ -201,8 +200,7 @@ struct PlaneGroup {
   bool takes(const DicomFrame& frame) const {
     const DicomFrame& own = frames.front();
     return frame.image->series == own.image->series && frame.image->rows == own.image->rows && frame.image->columns == own.image->columns &&
-           frame.stack == own.stack &&
-           length(difference(unit(frame.along_row), unit(own.along_row))) <= kSameDirectionTolerance &&
+           frame.stack == own.stack && length(difference(unit(frame.along_row), unit(own.along_row))) <= kSameDirectionTolerance &&
            length(difference(unit(frame.along_column), unit(own.along_column))) <= kSameDirectionTolerance;
   }
 };

@@ -13,8 +13,8 @@ namespace isoatlas::io {
 /// Frames in the order of their places along their normal.
 struct DicomStack {
   std::vector<DicomFrame> frames;
-  Vec3 step;            ///< from slice to slice; need not be perpendicular to them: a CT with a tilted gantry is a sheared grid
-  std::string problem;  ///< why the frames are no volume; empty: they are one
+  Vec3 step;                     ///< from slice to slice; need not be perpendicular to them: a CT with a tilted gantry is a sheared grid
+  std::string problem;           ///< why the frames are no volume; empty: they are one
   bool is_at_one_place = false;  ///< that is the problem: several frames at a place
 };
 
@@ -22,9 +22,9 @@ DicomStack stack_of(std::vector<DicomFrame> frames);
 
 /// One entry of the list of series: one volume, or several at the same places (time points, echoes).
 struct DicomSeries {
-  std::string part;                      ///< what tells it from another entry of the same series; empty: there is none
+  std::string part;  ///< what tells it from another entry of the same series; empty: there is none
   std::vector<DicomStack> volumes;
-  std::vector<std::string> volume_names; ///< e.g. "echo 2"
+  std::vector<std::string> volume_names;  ///< e.g. "echo 2"
 
   const DicomImage& image() const { return *volumes.front().frames.front().image; }
   std::string description() const;  ///< "series 3 Abdomen, CT, 16 slices of 512 x 512, UID 1.2.3"

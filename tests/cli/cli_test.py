@@ -77,6 +77,15 @@ def tiff(samples, n):
     return bytes(out)
 
 
+def nifti(samples, n):
+    """n x n x n bytes in NIfTI-1, sform 1 x 1 x 1 mm."""
+    header = bytearray(352)
+    for at, kind, *values in ((0, "i", 348), (40, "8h", 3, n, n, n, 1, 1, 1, 1), (70, "hh", 2, 8), (76, "8f", *[1.0] * 8), (108, "f", 352.0),
+                              (123, "b", 2), (254, "h", 1), (280, "12f", 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0), (344, "4s", b"n+1\0")):
+        struct.pack_into("<" + kind, header, at, *values)
+    return bytes(header) + samples
+
+
 def little(samples):
     if sys.byteorder == "big":
         samples = array.array(samples.typecode, samples)
@@ -87,6 +96,8 @@ def little(samples):
 def nrrd(samples, size, kind="float", *extra):
     header = ["NRRD0004", f"type: {kind}", f"dimension: {len(size)}", "sizes: " + " ".join(map(str, size)),
               "encoding: raw", "endian: little", *extra]
+    if not any(line.startswith("spac") for line in extra):  # or there is a warning
+        header.append("spacings: " + " ".join("1" for _ in size))
     return "\n".join(header).encode() + b"\n\n" + (samples if isinstance(samples, bytes) else little(samples))
 
 
@@ -851,14 +862,16 @@ class NothingHalfWritten(ToolTest):
             "a.raw": samples,
             "a.nrrd": nrrd(samples, (n, n, n), "uchar"),
             "z.nrrd": nrrd(zlib.compress(samples, 0), (n, n, n), "uchar").replace(b"encoding: raw", b"encoding: gzip"),
-            "a.mha": f"ObjectType = Image\nNDims = 3\nDimSize = {sizes}\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n".encode() + samples,
+            "a.mha": f"ObjectType = Image\nNDims = 3\nElementSpacing = 1 1 1\nDimSize = {sizes}\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n".encode() + samples,
             "a.vtk": f"# vtk DataFile Version 3.0\na\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS {sizes}\nORIGIN 0 0 0\nSPACING 1 1 1\n"
                      f"POINT_DATA {n ** 3}\nSCALARS a unsigned_char\nLOOKUP_TABLE default\n".encode() + samples,
             "a.tif": tiff(samples, n),
+            "a.nii": nifti(samples, n),
         }
         cut = 0
         for name, content in volumes.items():
             options = ["extract", name, "--iso", "128.5", "--coarse", "-q", "-o", "a.ply"]
+            options += ["--spacing", "1,1,1"] if name == "a.tif" else []
             options += ["--raw-size", f"{n},{n},{n}", "--raw-type", "uint8"] if name == "a.raw" else []
             self.put(name, content)
             self.assertEqual(self.run_tool(*options).returncode, 0, name)
@@ -874,7 +887,6 @@ class NothingHalfWritten(ToolTest):
                     self.assertIn(result.returncode, (0, 2), (name, uses, length, result.stderr))
                     self.assertRegex(result.stderr, r"\A(isoatlas: error: [^\n]+\n)?\Z")
                     self.assertEqual((self.folder / "a.ply").read_bytes(), whole if result.returncode == 0 else b"old", (name, uses, length))
-            print(name, statuses)
             self.assertIn(2, statuses, f"{name} was not cut while it was read")
 
     def test_a_folder_that_cannot_be_written(self):
@@ -1032,7 +1044,7 @@ class WrongCommandLines(ToolTest):
         self.succeed("extract", "scan.nrrd", "-qo", "b.ply", "--iso", " 0 ")
         self.succeed(*extract, "--iso", "0", "--space", " LPS", "--inside", "Below", "-o", "a.ply")
         self.succeed("extract", "scan.nrrd", "-q", "--iso", "0", "--refine", "max-distance: 0.5vx", "--refine", "MAX_DISTANCE:0.4 vx", "-o", "a.ply")
-        self.succeed(*extract, "--iso", "0", "--max-radius", "9 mm", "-o", "a.ply")
+        self.succeed(*extract, "--iso", "0", "--max-radius", "9 VX", "-o", "a.ply")
         self.succeed("extract", "bare.raw", "--raw-size", "12, 12, 12", "--raw-type", "Float32", "--iso", "0", "-q", "-o", "a.ply", "--coarse")
         self.put("-dash.nrrd", (self.folder / "scan.nrrd").read_bytes())
         self.succeed("extract", "-q", "--coarse", "--iso", "0", "-o", "a.ply", "--", "-dash.nrrd")
@@ -1054,7 +1066,7 @@ class BadFiles(ToolTest):
         self.refuse_volume("empty.nrrd", "empty.nrrd")
         self.put("text.nrrd", b"this is no volume\n" * 10)
         self.refuse_volume("text.nrrd", "text.nrrd")
-        self.put("v.jpeg2000", whole)
+        self.put("v.jpeg2000", b"no mark of any format")
         self.refuse_volume("v.jpeg2000", "v.jpeg2000")
         self.put("bad\nname.nrrd", b"")
         self.refuse_volume("bad name.nrrd", "bad\nname.nrrd")

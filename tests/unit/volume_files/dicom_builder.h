@@ -90,8 +90,10 @@ class DicomBuilder {
   }
 
   static std::string swapped(std::string value, const std::string& type) {
-    const std::size_t bytes = type == "US" || type == "SS" || type == "OW" || type == "AT" ? 2 : type == "UL" || type == "OF" ? 4
-                              : type == "FD" || type == "OD" ? 8 : 1;
+    const std::size_t bytes = type == "US" || type == "SS" || type == "OW" || type == "AT" ? 2
+                              : type == "UL" || type == "OF"                               ? 4
+                              : type == "FD" || type == "OD"                               ? 8
+                                                                                           : 1;
     for (std::size_t i = 0; i + bytes <= value.size(); i += bytes) {
       std::reverse(value.begin() + static_cast<std::ptrdiff_t>(i), value.begin() + static_cast<std::ptrdiff_t>(i + bytes));
     }
@@ -188,14 +190,29 @@ inline std::vector<double> slice_values(const Volume& volume) {
   for (std::size_t z = 0; z < volume.grid.size[2]; ++z) {
     const std::size_t i = z * slice + 1;
     switch (volume.type) {
-      case SampleType::uint8: values.push_back(static_cast<const std::uint8_t*>(volume.samples)[i]); break;
-      case SampleType::int8: values.push_back(static_cast<const std::int8_t*>(volume.samples)[i]); break;
-      case SampleType::uint16: values.push_back(static_cast<const std::uint16_t*>(volume.samples)[i]); break;
-      case SampleType::int16: values.push_back(static_cast<const std::int16_t*>(volume.samples)[i]); break;
-      case SampleType::uint32: values.push_back(static_cast<const std::uint32_t*>(volume.samples)[i]); break;
-      case SampleType::int32: values.push_back(static_cast<const std::int32_t*>(volume.samples)[i]); break;
-      case SampleType::float32: values.push_back(static_cast<double>(static_cast<const float*>(volume.samples)[i])); break;
-      default: values.push_back(static_cast<const double*>(volume.samples)[i]);
+      case SampleType::uint8:
+        values.push_back(static_cast<const std::uint8_t*>(volume.samples)[i]);
+        break;
+      case SampleType::int8:
+        values.push_back(static_cast<const std::int8_t*>(volume.samples)[i]);
+        break;
+      case SampleType::uint16:
+        values.push_back(static_cast<const std::uint16_t*>(volume.samples)[i]);
+        break;
+      case SampleType::int16:
+        values.push_back(static_cast<const std::int16_t*>(volume.samples)[i]);
+        break;
+      case SampleType::uint32:
+        values.push_back(static_cast<const std::uint32_t*>(volume.samples)[i]);
+        break;
+      case SampleType::int32:
+        values.push_back(static_cast<const std::int32_t*>(volume.samples)[i]);
+        break;
+      case SampleType::float32:
+        values.push_back(static_cast<double>(static_cast<const float*>(volume.samples)[i]));
+        break;
+      default:
+        values.push_back(static_cast<const double*>(volume.samples)[i]);
     }
   }
   return values;

@@ -61,7 +61,8 @@ TEST(DicomCodec, LosslessCompressionKeepsTheSamples) {
     const VolumeFile file = read_volume_file(kFiles / (name + ".dcm"));
     EXPECT_EQ(file.volume.type, SampleType::int16) << name;
     EXPECT_EQ(sample_digest(file.volume), kSamples) << name;
-    EXPECT_EQ(file.source.reader, name == "plain" ? "isoatlas" : "GDCM 3.0.21") << name;
+    const std::string reader = name == "plain" || name == "rle" ? "isoatlas" : name.starts_with("jpeg_ls") ? "CharLS " : "DCMTK ";
+    EXPECT_TRUE(file.source.reader.starts_with(reader)) << name << ": " << file.source.reader;
   }
 }
 

@@ -107,9 +107,7 @@ TEST(DicomField, SlicesWithoutPositionAreRefused) {
                [] { read_volume(kDicom / "nogeom"); });
 }
 
-TEST(DicomField, SubfoldersAreSearched) {
-  expect_field_volume(read_volume_file(kDicom / "nested"), SampleType::int32, kSamples);
-}
+TEST(DicomField, SubfoldersAreSearched) { expect_field_volume(read_volume_file(kDicom / "nested"), SampleType::int32, kSamples); }
 
 TEST(DicomField, AFileMeansTheSeriesInItsFolder) {
   expect_field_volume(read_volume_file(kDicom / "thk_strings" / "IM007"), SampleType::int32, kSamples);

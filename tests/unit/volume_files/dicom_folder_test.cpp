@@ -47,9 +47,10 @@ TEST(DicomFolder, OtherFilesAreLeftOutWithAWarning) {
   write_bytes(folder / "README", "Scanned on Monday.");
   write_bytes(folder / "notes.txt", "");
   write_bytes(folder / ".DS_Store", "x");
+  write_bytes(folder / "data.bin", std::string("\x08\0\x05\0\x10\0\0\0 begins like DICOM, but goes on otherwise", 50));
   const VolumeFile file = read_volume_file(folder.path());
   EXPECT_EQ(slice_values(file.volume), (Values{0, 100, 200}));
-  EXPECT_EQ(file.source.warnings, (Names{"2 files are left out (no DICOM): README, notes.txt"}));
+  EXPECT_EQ(file.source.warnings, (Names{"3 files are left out (no DICOM): README, data.bin, notes.txt"}));
 }
 
 TEST(DicomFolder, EmptyFilesThatMayBeSlicesAreErrors) {
@@ -76,7 +77,10 @@ TEST(DicomFolder, IndexAndObjectsWithoutImageAreLeftOut) {
   write_series(folder.path(), 3, kUnchanged);
   DicomBuilder index, report;
   index.set(0x00080016, "UI", "1.2.840.10008.1.3.10").write(folder / "DICOMDIR");
-  report.set(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.88.67").set(0x00080060, "CS", "SR").set(0x0020000E, "UI", "1.9").write(folder / "sr");
+  report.set(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.88.67")
+      .set(0x00080060, "CS", "SR")
+      .set(0x0020000E, "UI", "1.9")
+      .write(folder / "sr");
   EXPECT_EQ(read_volume_file(folder.path()).source.warnings, (Names{"1 file is left out (holds no image (SR)): sr"}));
   expect_error(ErrorCode::unsupported, "is a DICOMDIR", folder / "DICOMDIR", [&] { read_volume(folder / "DICOMDIR"); });
   expect_error(ErrorCode::unsupported, "holds no image (SR)", folder / "sr", [&] { read_volume(folder / "sr"); });
@@ -102,7 +106,10 @@ TEST(DicomFolder, AFolderOfLocalizersIsRead) {
 TEST(DicomFolder, SeriesAreChosenByNumberOrIdentifier) {
   const TempFolder folder;
   write_series(folder / "a", 3, [](DicomBuilder& slice, int) {
-    slice.set(0x0020000E, "UI", "1.2.77.1").set(0x00200011, "IS", "12").set(0x0008103E, "LO", "Head  thin").set(0x00100010, "PN", "Doe^Jane");
+    slice.set(0x0020000E, "UI", "1.2.77.1")
+        .set(0x00200011, "IS", "12")
+        .set(0x0008103E, "LO", "Head  thin")
+        .set(0x00100010, "PN", "Doe^Jane");
   });
   write_series(folder / "b", 4, [](DicomBuilder& slice, int) { slice.set(0x0020000E, "UI", "1.2.77.21").set(0x00200011, "IS", "2"); });
   const FileChoice choice = choice_needed(folder.path());
@@ -116,7 +123,8 @@ TEST(DicomFolder, SeriesAreChosenByNumberOrIdentifier) {
     EXPECT_EQ(read_volume(folder.path(), {.series = wanted}).grid.size[2], 3U) << wanted;
   }
   for (const std::string wanted : {"7", "2.77", "1.2.77", ".", "x", "-1"}) {
-    expect_error(ErrorCode::bad_argument, "has no series '" + wanted + "'", folder.path(), [&] { read_volume(folder.path(), {.series = wanted}); });
+    expect_error(ErrorCode::bad_argument, "has no series '" + wanted + "'", folder.path(),
+                 [&] { read_volume(folder.path(), {.series = wanted}); });
   }
   const VolumeFile file = read_volume_file(folder.path(), {.series = "1"});
   for (const ReadDecision& decision : file.source.decisions) {
@@ -148,9 +156,8 @@ TEST(DicomFolder, SlicesOfDifferentSizeAreDifferentEntries) {
   const TempFolder folder;
   write_series(folder / "a", 3, kUnchanged);
   write_series(folder / "b", 2, [](DicomBuilder& slice, int) { slice.set_short(0x00280010, 2); });
-  EXPECT_EQ(choice_needed(folder.path()).entries,
-            (Names{"series 3, axial, CT, 3 slices of 6 x 4, UID 1.2.826.0.1.3680043.2.1125.7",
-                   "series 3, axial, CT, 2 slices of 6 x 2, UID 1.2.826.0.1.3680043.2.1125.7"}));
+  EXPECT_EQ(choice_needed(folder.path()).entries, (Names{"series 3, axial, CT, 3 slices of 6 x 4, UID 1.2.826.0.1.3680043.2.1125.7",
+                                                         "series 3, axial, CT, 2 slices of 6 x 2, UID 1.2.826.0.1.3680043.2.1125.7"}));
   EXPECT_EQ(read_volume(folder.path(), {.series = "1"}).grid.size, (std::array<std::size_t, 3>{6, 2, 2}));
 }
 
@@ -187,18 +194,18 @@ struct TimeAttribute {
 };
 
 TEST(DicomFolder, SlicesAtOnePlaceAreTimePoints) {
-  const std::vector<TimeAttribute> attributes{{0x00200100, "IS", "10", "9", "time point"},  // numbers are sorted as numbers
-                                              {0x00181060, "DS", "120.5", "40", "trigger time"},
-                                              {0x00180086, "IS", "2", "1", "echo"},
-                                              {0x00200012, "IS", "2", "1", "acquisition"},
-                                              {0x00080032, "TM", "101501", "101455.5", "acquisition time"},
-                                              {0x00180082, "DS", "900", "50", "inversion time"}};
+  const std::vector<TimeAttribute> attributes{
+      {0x00200100, "IS", "10", "9", "time point"},  // numbers are sorted as numbers
+      {0x00181060, "DS", "120.5", "40", "trigger time"}, {0x00180086, "IS", "2", "1", "echo"},
+      {0x00200012, "IS", "2", "1", "acquisition"},       {0x00080032, "TM", "101501", "101455.5", "acquisition time"},
+      {0x00180082, "DS", "900", "50", "inversion time"}};
   for (const TimeAttribute& attribute : attributes) {
     SCOPED_TRACE(attribute.name);
     const TempFolder folder;
     write_series(folder / "a", 3, [&](DicomBuilder& slice, int) { slice.set(attribute.tag, attribute.type, attribute.first); });
     write_series(folder / "b", 3, [&](DicomBuilder& slice, int i) {
-      slice.set(attribute.tag, attribute.type, attribute.second).set(0x7FE00010, "OW", bytes_of(frame_samples(static_cast<std::int16_t>(7 + i))));
+      slice.set(attribute.tag, attribute.type, attribute.second)
+          .set(0x7FE00010, "OW", bytes_of(frame_samples(static_cast<std::int16_t>(7 + i))));
     });
     const FileChoice choice = choice_needed(folder.path());
     EXPECT_EQ(choice.name, "time");
@@ -220,7 +227,8 @@ TEST(DicomFolder, TwoAttributesTellVolumesApart) {
     });
   }
   const FileChoice choice = choice_needed(folder.path());
-  EXPECT_EQ(choice.entries, (Names{"trigger time 0, echo 0", "trigger time 0, echo 1", "trigger time 50, echo 0", "trigger time 50, echo 1"}));
+  EXPECT_EQ(choice.entries,
+            (Names{"trigger time 0, echo 0", "trigger time 0, echo 1", "trigger time 50, echo 0", "trigger time 50, echo 1"}));
   EXPECT_EQ(slice_values(read_volume(folder.path(), {.time = 2})), (Values{20, 21, 22}));
 }
 
@@ -228,7 +236,8 @@ TEST(DicomFolder, TheOrderOfImagesTellsVolumesApartWhereNothingElseDoes) {
   const TempFolder folder;
   for (int volume = 0; volume < 2; ++volume) {
     write_series(folder / std::to_string(volume), 3, [&](DicomBuilder& slice, int i) {
-      slice.set(0x00200013, "IS", std::to_string(1 + volume * 3 + i)).set(0x7FE00010, "OW", bytes_of(frame_samples(static_cast<std::int16_t>(10 * volume + i))));
+      slice.set(0x00200013, "IS", std::to_string(1 + volume * 3 + i))
+          .set(0x7FE00010, "OW", bytes_of(frame_samples(static_cast<std::int16_t>(10 * volume + i))));
     });
   }
   EXPECT_EQ(choice_needed(folder.path()).entries, (Names{"images 1 to 3", "images 4 to 6"}));
@@ -285,7 +294,8 @@ TEST(DicomFolder, PixelSpacingIsTheSameEverywhere) {
   write_series(folder.path(), 3, [](DicomBuilder& slice, int i) {
     if (i == 1) slice.set_decimals(0x00280030, {0.75, 0.6});
   });
-  expect_error(ErrorCode::bad_file, "differs in pixel spacing (0.6 x 0.75, not 0.5 x 0.75) from s2", folder / "s1", [&] { read_volume(folder.path()); });
+  expect_error(ErrorCode::bad_file, "differs in pixel spacing (0.6 x 0.75, not 0.5 x 0.75) from s2", folder / "s1",
+               [&] { read_volume(folder.path()); });
 }
 
 }  // namespace

@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "volume_files/dicom_collection.h"
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <system_error>
+#include <tuple>
+#include <utility>
+
+#include "files/file_error.h"
+#include "volume_files/dicom_contents.h"
+
+namespace isoatlas::io {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string name_list(const std::vector<std::string>& names) {
+  constexpr std::size_t kMost = 3;
+  std::string list;
+  for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i) {
+    list += (i > 0 ? ", " : "") + dicom_text(names[i]);
+  }
+  return list + (names.size() > kMost ? ", ..." : "");
+}
+
+std::string counted(std::size_t count, const std::string& noun) { return std::to_string(count) + " " + noun + (count == 1 ? "" : "s"); }
+
+/// All files below a folder, by name. Links to folders are followed, but no folder is entered twice.
+class FolderWalk {
+ public:
+  explicit FolderWalk(bool enters_subfolders) : enters_subfolders_(enters_subfolders) {}
+
+  std::vector<fs::path> files_of(const fs::path& folder) {
+    enter(folder);
+    std::ranges::sort(files_);
+    return std::move(files_);
+  }
+
+ private:
+  void enter(const fs::path& folder) {
+    std::error_code error;
+    const fs::path real = fs::canonical(folder, error);
+    if (error || !entered_.insert(real).second) {
+      return;
+    }
+    for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+      std::error_code ignored;
+      if (entry->path().filename().string().starts_with('.')) {
+        continue;  // hidden
+      }
+      if (entry->is_regular_file(ignored)) {
+        files_.push_back(entry->path());
+      } else if (enters_subfolders_ && entry->is_directory(ignored)) {
+        enter(entry->path());
+      }
+    }
+    if (error) {
+      throw bad_file(folder, "cannot be listed: " + error.message());
+    }
+  }
+
+  bool enters_subfolders_;
+  std::set<fs::path> entered_;
+  std::vector<fs::path> files_;
+};
+
+// Files without extension, and those whose extension is a number or one that DICOM files have: "IM012", "a.dcm", "1.2.840.7".
+bool is_named_like_dicom(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension.empty() || extension == ".dcm" || extension == ".ima" || extension == ".dicom" ||
+         extension.find_first_not_of("0123456789", 1) == std::string::npos;
+}
+
+bool have_same_bytes(const fs::path& a, const fs::path& b) {
+  std::error_code ignored;
+  return fs::file_size(a, ignored) == fs::file_size(b, ignored) && file_contents(a) == file_contents(b);
+}
+
+// A file that was copied into the folder twice is one slice.
+void leave_out_copies(std::vector<DicomFrame>& frames, std::vector<std::string>& warnings) {
+  std::ranges::stable_sort(frames, {}, [](const DicomFrame& frame) {
+    return std::tuple(frame.image->series, frame.position.x, frame.position.y, frame.position.z);
+  });
+  const auto is_copy = [](const DicomFrame& first, const DicomFrame& second) {
+    return first.image->frames == 1 && second.image->frames == 1 && first.image->series == second.image->series &&
+           first.position == second.position && first.image->instance_number == second.image->instance_number &&
+           have_same_bytes(first.image->path, second.image->path);
+  };
+  std::vector<std::string> copies;
+  std::vector<DicomFrame> kept;
+  for (DicomFrame& frame : frames) {
+    if (!kept.empty() && is_copy(kept.back(), frame)) {
+      copies.push_back(frame.image->name);
+    } else {
+      kept.push_back(std::move(frame));
+    }
+  }
+  frames = std::move(kept);
+  if (!copies.empty()) {
+    warnings.push_back(counted(copies.size(), "file") + (copies.size() == 1 ? " is a copy" : " are copies") +
+                       " of another and left out: " + name_list(copies));
+  }
+}
+
+/// What there is to read, and what is left out.
+class Collection {
+ public:
+  Collection(fs::path root, std::uint64_t max_memory) : root_(std::move(root)), max_memory_(max_memory) {}
+
+  void add_folder() {
+    for (const fs::path& file : FolderWalk(true).files_of(root_)) {
+      const std::string name = file.lexically_relative(root_).string();
+      if (is_named_like_dicom(file)) {
+        readable_file_size(file);  // an empty or unreadable one is a slice that was lost
+      }
+      if (looks_like_dicom(file)) {
+        add_file(file, name);
+      } else {
+        left_out_["no DICOM"].push_back(name);
+      }
+    }
+  }
+
+  /// One file; if it is a slice, the others of its series beside it as well.
+  void add_file_with_neighbours() {
+    if (!looks_like_dicom(root_)) {
+      throw bad_file(root_, "is not a DICOM file");
+    }
+    DicomFileFrames own = read_dicom_frames(root_, root_.filename().string(), max_memory_);
+    if (own.is_directory) {
+      throw unsupported(root_, "is a DICOMDIR, a list of files; expected the folder, or a file with an image");
+    }
+    if (!own.unusable.empty()) {
+      throw unsupported(root_, own.unusable + "; expected a DICOM image that is a slice or a volume");
+    }
+    const bool is_slice = own.frames.size() == 1;
+    if (!is_slice) {
+      frames_ = std::move(own.frames);
+      return;
+    }
+    const fs::path folder = root_.has_parent_path() ? root_.parent_path() : fs::path(".");
+    for (const fs::path& file : FolderWalk(false).files_of(folder)) {
+      const bool is_own = file.filename() == root_.filename();
+      if (!is_own && (readable_neighbour(file) && looks_like_dicom(file))) {
+        add_neighbour(file, own);
+      }
+    }
+    frames_.push_back(std::move(own.frames.front()));
+    std::ranges::sort(frames_, {}, [](const DicomFrame& frame) { return frame.image->path; });
+  }
+
+  /// The usable frames. @throws Error if there are none
+  std::vector<DicomFrame> take_frames(std::vector<std::string>& warnings) {
+    leave_out_localizers();
+    require_frames();
+    refuse_unusable_members();
+    for (const auto& [what, names] : left_out_) {
+      warnings.push_back(counted(names.size(), "file") + (names.size() == 1 ? " is " : " are ") + "left out (" + what +
+                         "): " + name_list(names));
+    }
+    leave_out_copies(frames_, warnings);
+    return std::move(frames_);
+  }
+
+ private:
+  // None: what looked like DICOM without the mark is none.
+  std::optional<DicomFileFrames> frames_in(const fs::path& file, const std::string& name) const {
+    try {
+      return read_dicom_frames(file, name, max_memory_);
+    } catch (const Error&) {
+      if (has_dicom_mark(file)) {
+        throw;
+      }
+      return std::nullopt;
+    }
+  }
+
+  void add_file(const fs::path& file, const std::string& name) {
+    const std::optional<DicomFileFrames> read = frames_in(file, name);
+    if (!read) {
+      left_out_["no DICOM"].push_back(name);
+      return;
+    }
+    const DicomFileFrames& found = *read;
+    if (found.is_directory) {
+      return;
+    }
+    if (!found.is_image) {
+      left_out_[found.unusable].push_back(name);
+      return;
+    }
+    if (!found.unusable.empty()) {
+      unusable_.emplace_back(file, found);
+      left_out_[found.unusable].push_back(name);
+    }
+    frames_.insert(frames_.end(), found.frames.begin(), found.frames.end());
+  }
+
+  static bool readable_neighbour(const fs::path& file) {
+    if (is_named_like_dicom(file)) {
+      readable_file_size(file);
+    }
+    std::error_code ignored;
+    return fs::file_size(file, ignored) > 0 && !ignored;
+  }
+
+  void add_neighbour(const fs::path& file, const DicomFileFrames& own) {
+    const std::optional<DicomFileFrames> read = frames_in(file, file.filename().string());
+    if (!read || read->series != own.series || !read->is_image) {
+      return;
+    }
+    const DicomFileFrames& found = *read;
+    if (!found.unusable.empty()) {
+      unusable_.emplace_back(file, found);
+      left_out_[found.unusable].push_back(file.filename().string());
+    }
+    frames_.insert(frames_.end(), found.frames.begin(), found.frames.end());
+  }
+
+  // Overview images lie in series with slices that they are no part of.
+  void leave_out_localizers() {
+    const auto is_localizer = [](const DicomFrame& frame) { return frame.image->is_localizer; };
+    if (std::ranges::all_of(frames_, is_localizer)) {
+      return;
+    }
+    for (const DicomFrame& frame : frames_) {
+      if (is_localizer(frame)) {
+        left_out_["localizer"].push_back(frame.name());
+      }
+    }
+    std::erase_if(frames_, is_localizer);
+  }
+
+  void require_frames() const {
+    if (!frames_.empty()) {
+      return;
+    }
+    if (!unusable_.empty()) {
+      const auto& [file, found] = unusable_.front();
+      throw unsupported(file, found.unusable + "; expected slices of a volume");
+    }
+    std::string others;
+    for (const auto& [what, names] : left_out_) {
+      others += (others.empty() ? "; it has " : ", ") + counted(names.size(), "file") + " (" + what + ")";
+    }
+    throw bad_file(root_, "is a folder without DICOM images, expected a DICOM series" + others);
+  }
+
+  // An image that looks like a slice of a series but cannot be one would be missing from it.
+  void refuse_unusable_members() const {
+    for (const auto& [file, found] : unusable_) {
+      const bool is_member = std::ranges::any_of(frames_, [&, &unusable = found](const DicomFrame& frame) {
+        return frame.image->series == unusable.series && frame.image->rows == unusable.rows && frame.image->columns == unusable.columns;
+      });
+      if (is_member) {
+        throw unsupported(file, found.unusable + ", which the other slices of its series are not; take it out of the folder to read them");
+      }
+    }
+  }
+
+  fs::path root_;
+  std::uint64_t max_memory_;
+  std::vector<DicomFrame> frames_;
+  std::vector<std::pair<fs::path, DicomFileFrames>> unusable_;
+  std::map<std::string, std::vector<std::string>> left_out_;  // by reason
+};
+
+}  // namespace
+
+std::vector<DicomFrame> frames_of_folder(const fs::path& folder, std::uint64_t max_memory, std::vector<std::string>& warnings) {
+  Collection collection(folder, max_memory);
+  collection.add_folder();
+  return collection.take_frames(warnings);
+}
+
+std::vector<DicomFrame> frames_of_file(const fs::path& file, std::uint64_t max_memory, std::vector<std::string>& warnings) {
+  Collection collection(file, max_memory);
+  collection.add_file_with_neighbours();
+  return collection.take_frames(warnings);
+}
+
+}  // namespace isoatlas::io
