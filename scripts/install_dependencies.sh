@@ -4,11 +4,11 @@
 #                                                                      these, bench includes all; fuzz: the core library only, and clang)
 set -euo pipefail
 
-build=(g++ cmake ninja-build libtbb-dev libboost-dev libcgal-dev libvtk9-dev libtiff-dev libpng-dev libdcmtk-dev libcharls-dev libopenjp2-7-dev libnifti-dev libpugixml-dev libexpat1-dev liblz4-dev liblzma-dev lib3mf-dev libssl-dev zlib1g-dev libbz2-dev libcli11-dev nlohmann-json3-dev libtinygltf-dev libmeshoptimizer-dev)
+build=(g++ cmake ninja-build libtbb-dev libboost-dev libcgal-dev libvtk9-dev libtiff-dev libpng-dev libdcmtk-dev libcharls-dev libopenjp2-7-dev libnifti-dev libpugixml-dev libexpat1-dev liblz4-dev liblzma-dev libzip-dev libssl-dev zlib1g-dev libbz2-dev libcli11-dev nlohmann-json3-dev libtinygltf-dev libmeshoptimizer-dev)
 command -v node > /dev/null || build+=(nodejs)  # for the page; any from 18 on will do, wherever it is from
 command -v npm > /dev/null || build+=(npm)
 python=("${build[@]}" pybind11-dev python3-dev python3-numpy python3-pip python3-setuptools python3-venv python3-wheel)
-test=("${python[@]}" libgtest-dev libinsighttoolkit5-dev librapidcheck-dev python3 libgmp-dev xvfb xauth chromium python3-nibabel python3-pydicom python3-pytest python3-skimage python3-tifffile python3-tqdm python3-vtk9 mypy)
+test=("${python[@]}" lib3mf-dev libgtest-dev libinsighttoolkit5-dev librapidcheck-dev python3 libgmp-dev xvfb xauth chromium python3-nibabel python3-pydicom python3-pytest python3-skimage python3-tifffile python3-tqdm python3-vtk9 mypy)
 bench=("${test[@]}" libbenchmark-dev)
 fuzz=(clang libclang-rt-dev cmake ninja-build libtbb-dev libboost-dev libcgal-dev)
 

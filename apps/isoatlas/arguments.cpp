@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "arguments.h"
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <map>
 #include <memory>
 #include <string>
@@ -90,6 +92,15 @@ void add_volume(CLI::App& app, VolumeArguments& volume) {
   add_reading(app, volume.read);
 }
 // clang-format on
+
+/// The formats that are one file: an extension in any case, with or without its dot.
+std::string stream_format(const std::string& text) {
+  constexpr std::array<std::string_view, 8> kFormats{"ply", "stl", "obj", "off", "vtp", "3mf", "gii", "glb"};
+  std::string format = text.starts_with('.') ? text.substr(1) : text;
+  std::ranges::transform(format, format.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (std::ranges::find(kFormats, format) == kFormats.end()) refuse_value("one of ply, stl, obj, off, vtp, 3mf, gii, glb", text);
+  return format;
+}
 
 struct GoalOption {
   Quantity quantity;
@@ -232,14 +243,17 @@ triangles. Default: no two triangles of a level meet.
 
   command->add_option("-o,--output", arguments.mesh, R"(
 The mesh to write; its extension is the format. A name with {level} in it is one file per level; .glb and .vtm hold all
-levels, other formats the finest. See FILES.
+levels, other formats the finest; - is standard output. See FILES.
 )")->type_name("MESH")->required()->group(kOutput);
+  add_value(*command, kOutput, "--format", "EXT", R"(
+With -o -: what is written, one of ply, stl, obj, off, vtp, 3mf, gii and glb. Default: ply.
+)", [&](const std::string& text) { arguments.format = stream_format(text); });
   command->add_flag("--glb-per-level", arguments.glb_per_level, R"(
 With -o NAME.glb: also NAME-0.glb, NAME-1.glb, ... with one level each, and NAME.json, which lists them.
 )")->group(kOutput);
   command->add_option("--report", arguments.report, R"(
 Write topology, certificates, metrics, constraints, triangle shapes, timings and memory as JSON
-(docs/reference/report.md).
+(docs/reference/report.md); - is standard output, if the mesh does not go there.
 )")->type_name("FILE")->group(kOutput);
   command->add_option("--html", arguments.page, R"(
 Write one page that shows the levels in 3-D, with what is known of them, in any browser and without a network

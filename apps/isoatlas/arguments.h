@@ -25,6 +25,7 @@ struct VolumeArguments {
 struct ExtractArguments : ExtractSettings {
   VolumeArguments volume;
   std::filesystem::path mesh;
+  std::string format;  ///< of a mesh that goes to standard output: an extension without its dot; empty: not said
   std::optional<std::filesystem::path> report, page;
   bool glb_per_level = false;  ///< besides `mesh`, which is a .glb, one for each level, and a manifest
   bool coarse = false;         ///< nothing but level 0

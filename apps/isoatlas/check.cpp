@@ -91,7 +91,7 @@ struct MeasuredDistance {
   std::string misplacement;
 };
 
-MeasuredDistance measure_distance(const CheckArguments& arguments, const TriangleMesh& mesh, const RunControl& control) {
+MeasuredDistance measure_distance(const CheckArguments& arguments, TriangleMesh mesh, const RunControl& control) {
   DistanceReport report;
   report.volume_path = arguments.volume->string();
   report.options = arguments.measure;
@@ -99,11 +99,13 @@ MeasuredDistance measure_distance(const CheckArguments& arguments, const Triangl
   const VolumeFile file = read_volume_input(*arguments.volume, arguments.read);
   print_warnings(*arguments.volume, file.source);
   const Volume& volume = file.volume;
+  // Sample indices have no unit, whatever the file has to state.
+  if (report.options.space != Space::voxel) convert_unit(mesh, mesh_file_info(arguments.mesh).unit, volume.grid.unit);
   try {
     report.measured = measure(mesh, volume, report.options, control);
   } catch (const Error& error) {
     // The library does not know what the volume is called; its messages should.
-    throw Error(error.code(), report.volume_path + ": " + error.what());
+    throw Error(error.code(), volume_name(report.volume_path) + ": " + error.what());
   }
   std::string misplaced = misplacement(mesh, volume.grid, report.options.space, report.measured);
   return {std::move(report), std::move(misplaced)};

@@ -11,12 +11,11 @@
 
 #include "commands.h"
 #include "exit_status.h"
+#include "extract_outputs.h"
 #include "extract_summary.h"
-#include "file_kinds.h"
 #include "isoatlas/error.h"
 #include "isoatlas/io.h"
-#include "outputs/mesh_outputs.h"
-#include "outputs/output_files.h"
+#include "outputs/stated_rounding.h"
 #include "page/page.h"
 #include "progress_bar.h"
 #include "report/report.h"
@@ -51,7 +50,7 @@ Extraction extract_from(const fs::path& path, const VolumeView& volume, const Ex
     warn_of_memory(require_memory_for_supersampling(volume, options, 0, control), options.supersample);
     return extract(volume, options, control);
   } catch (const Error& error) {
-    throw Error(error.code(), path.string() + ": " + error.what());
+    throw Error(error.code(), volume_name(path) + ": " + error.what());
   }
 }
 
@@ -60,29 +59,23 @@ ExtractOptions options_in_world(const ExtractArguments& arguments, const Grid& g
   try {
     return in_world(arguments, grid);
   } catch (const Error& error) {
-    throw Error(error.code(), arguments.volume.path.string() + ": " + error.what());
+    throw Error(error.code(), volume_name(arguments.volume.path) + ": " + error.what());
   }
 }
 
-/// "NAME.ply", or "NAME-0.ply and 2 more files"
-std::string files_text(const std::vector<fs::path>& paths) {
-  return paths.front().string() + (paths.size() > 1 ? " and " + counted(paths.size() - 1, "more file") : "");
+/// What was sent to standard output stays there.
+int interrupted_while_sending(const Interruption& interruption) {
+  std::cerr << "isoatlas: interrupted; standard output has got a part, no file was written" << std::endl;
+  return interruption.exit_status();
 }
 
 }  // namespace
 
 int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
-  const MeshOutputs meshes(arguments.mesh, arguments.glb_per_level);
   if (arguments.page) require_pages();
-  std::vector<MeshOutputs::Other> others;
-  if (arguments.report) others.push_back({*arguments.report, "report"});
-  if (arguments.page) others.push_back({*arguments.page, "page"});
-  meshes.check(1 + arguments.goals.refine.size(), arguments.volume.path, others);
-  if (arguments.report) require_report_name(*arguments.report);
-  if (arguments.page) require_page_name(*arguments.page);
+  ExtractOutputs outputs(arguments, 1 + arguments.goals.refine.size());
 
   ProgressBar progress(!arguments.quiet);
-  OutputFiles outputs;
   const Interruption::Cleanup clean_up(interruption, [&] {
     progress.erase();
     outputs.discard();
@@ -107,7 +100,7 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   const ExtractOptions& options = context.options;
 
   Extraction extraction = extract_from(arguments.volume.path, volume, options, control);
-  const ExtractReport& report = extraction.report;
+  ExtractReport& report = extraction.report;
   std::optional<MeshQuality> marching_cubes;  // for the page to compare with
   if (arguments.page) {
     progress.show("compare", std::nullopt);
@@ -118,24 +111,25 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   progress.show("write", std::nullopt);
   control.check_cancelled();
   const Stopwatch writing;
-  context.files = meshes.write(extraction.hierarchy, file_info(report, options), outputs);
+  context.files = outputs.write_meshes(extraction.hierarchy, file_info(report, options, context.volume.grid.unit));
+  state_rounding(report, context.files, context.volume.grid, options.space);
   context.write_seconds = writing.seconds();
   context.peak_memory_bytes = peak_memory_bytes();
   const std::string json = arguments.report || arguments.page ? to_json(report, context) : "";
-  if (arguments.report) outputs.write(*arguments.report, [&](const fs::path& staged) { write_text_file(json, staged); });
+  if (arguments.report) outputs.write_text(*arguments.report, json);
   if (arguments.page) {
     progress.show("page", std::nullopt);
     const PageEntry entry = entry_of_report(json, arguments.page->string(), std::move(extraction.hierarchy), marching_cubes);
-    const std::string page = page_html({&entry, 1}, *arguments.page);
-    outputs.write(*arguments.page, [&](const fs::path& staged) { write_text_file(page, staged); });
+    outputs.write_text(*arguments.page, page_html({&entry, 1}, *arguments.page));
   }
-  interruption.commit([&] { outputs.commit(); });
+  const bool is_complete = outputs.commit(interruption);
   progress.erase();
+  if (!is_complete) return interrupted_while_sending(interruption);
 
-  std::string written = files_text(meshes.paths(report.levels.size()));
-  for (const auto& [path, what] : others) written += ", " + what + " " + path.string();
-  if (!arguments.quiet) print_summary(report, context, written);
-  if (arguments.verbose) print_details(report, context);
+  std::ostream& out = outputs.uses_standard_output() ? std::cerr : std::cout;
+  if (!arguments.quiet) print_summary(out, report, context, outputs.names());
+  if (arguments.verbose) print_details(out, report, context);
+  print_rounding(context);
   return print_unmet(report, context.volume.grid.unit) ? kSuccess : kUnmet;
 }
 

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <iostream>
 
+#include "outputs/stated_rounding.h"
 #include "text.h"
+#include "volume_input.h"
 
 namespace isoatlas::tool {
 namespace {
@@ -27,10 +29,19 @@ std::string point_text(const Vec3& p) {
   return text + ")";
 }
 
+// Rounding below this share of an error is not worth a word of its own; it is in the error all the same.
+constexpr double kNoticeableRounding = 0.01;
+
+/// " (0.25 of it by rounding to float32)", of a length that rounding may have increased
+std::string rounding_text(const LevelReport& level, double reached, LengthUnit unit) {
+  if (level.rounding <= kNoticeableRounding * reached) return "";
+  return " (" + with_unit(level.rounding, unit) + " of it by rounding to float32)";
+}
+
 /// Samples may see what the metric does not: a bound that is met can be exceeded there.
 std::string measured_text(const LevelReport& level, LengthUnit unit) {
-  const double maximum = level.measured->maximum();
-  std::string text = "measured at most " + with_unit(maximum, unit) + " (99 % within " + with_unit(level.measured->p99(), unit) + ")";
+  const double maximum = level.measured->maximum() + level.rounding;  // measured before it was rounded
+  std::string text = "measured at most " + with_unit(maximum, unit) + " (99 % within " + with_unit(level.measured->p99() + level.rounding, unit) + ")";
   for (const ConstraintResult& result : level.constraints)
     if (result.wanted.quantity == Quantity::max_distance && maximum > result.wanted.bound)
       text += ", MORE than the bound " + with_unit(result.wanted.bound, unit);
@@ -44,6 +55,7 @@ std::string level_text(const LevelReport& level, LengthUnit unit) {
   for (const ConstraintResult& result : level.constraints) {
     const std::string quantity(name(result.wanted.quantity));
     if (is_metric(result.wanted.quantity)) text += ", " + quantity + " " + bound_text(result.wanted.quantity, result.reached, unit);
+    if (result.wanted.quantity == Quantity::max_distance) text += rounding_text(level, result.reached, unit);
     if (result.met) continue;
     unmet += (unmet.empty() ? "" : ", ") + quantity;
     if (result.wanted.is_default) unmet += " (default " + bound_text(result.wanted.quantity, result.wanted.bound, unit) + ")";
@@ -75,9 +87,9 @@ std::string metric_text(Quantity metric, const MetricSummary& summary, LengthUni
   return "at most " + bound_text(metric, summary.maximum, unit) + ", on average " + bound_text(metric, summary.mean, unit);
 }
 
-void print_level_details(const LevelReport& level, std::size_t number, LengthUnit unit) {
-  const auto say = [&](const std::string& label, const std::string& value) { std::cout << row("  " + label, value); };
-  std::cout << row(level_name(number), repair_text(level.certificate) + " by repair, " + counted(level.refine_rounds, "round") +
+void print_level_details(std::ostream& out, const LevelReport& level, std::size_t number, LengthUnit unit) {
+  const auto say = [&](const std::string& label, const std::string& value) { out << row("  " + label, value); };
+  out << row(level_name(number), repair_text(level.certificate) + " by repair, " + counted(level.refine_rounds, "round") +
                                            " of refinement, " + seconds_text(level.seconds));
   say("shape", "aspect ratio 1st percentile " + ratio_text(level.quality.aspect_p01) + ", median " +
                    ratio_text(level.quality.aspect_median) + ", angles " + number_text(level.quality.angle_min) + " to " +
@@ -104,44 +116,46 @@ void print_level_details(const LevelReport& level, std::size_t number, LengthUni
 
 }  // namespace
 
-void print_summary(const ExtractReport& report, const ReportContext& context, const std::string& outputs) {
+void print_summary(std::ostream& out, const ExtractReport& report, const ReportContext& context, const std::string& outputs) {
   const Grid& grid = context.volume.grid;
   const LengthUnit unit = grid.unit;
   const std::string spacing = number_text(grid.spacing.x) + " x " + number_text(grid.spacing.y) + " x " + with_unit(grid.spacing.z, unit);
-  std::cout << row("read", context.volume.path + ": " + size_text(grid.size) + " " + std::string(name(context.volume.sample_type)) +
+  out << row("read", volume_name(context.volume.path) + ": " + size_text(grid.size) + " " + std::string(name(context.volume.sample_type)) +
                                ", spacing " + spacing + ", " + seconds_text(context.read_seconds))
             << row("surface", "isovalue " + number_text(context.options.isovalue) + ": " + topology_text(report.levels.back().topology));
   if (!report.dropped.empty()) {
-    std::cout << row("left out", counted(report.dropped.size(), "component") + ", the largest of " +
+    out << row("left out", counted(report.dropped.size(), "component") + ", the largest of " +
                                      number_text(report.dropped.front().size) + " cubic " +
                                      (unit == LengthUnit::unknown ? "units" : std::string(symbol(unit))) + " at " +
                                      point_text(report.dropped.front().position));
   }
-  for (std::size_t k = 0; k < report.levels.size(); ++k) std::cout << row(level_name(k), level_text(report.levels[k], unit));
+  for (std::size_t k = 0; k < report.levels.size(); ++k) out << row(level_name(k), level_text(report.levels[k], unit));
   std::size_t bytes = 0;
   double rounding = 0;
   for (const ReportFile& file : context.files) {
     bytes += file.bytes;
     rounding = std::max(rounding, file.largest_rounding);
   }
-  std::cout << row("certificate", certificate_of_all(report))
+  out << row("certificate", certificate_of_all(report))
             << row("wrote", outputs + " (" + bytes_text(static_cast<double>(bytes)) + "), meshed in " + seconds_text(report.total_seconds) +
                                 (rounding > 0 ? "; rounded by at most " + number_text(rounding) + ", read back and checked" : ""));
+  if (!context.files.empty())  // the same for all
+    for (const std::string& note : context.files.front().notes) out << row("note", note);
 }
 
-void print_details(const ExtractReport& report, const ReportContext& context) {
+void print_details(std::ostream& out, const ExtractReport& report, const ReportContext& context) {
   std::string coarser;
   for (const std::size_t size : report.coarser_c_vertices) coarser += (coarser.empty() ? "" : ", ") + count_text(size);
-  std::cout << row("complex", counted(report.c_vertices, "c-vertex") + ", " + counted(report.faces, "face") + ", " +
+  out << row("complex", counted(report.c_vertices, "c-vertex") + ", " + counted(report.faces, "face") + ", " +
                                   counted(report.double_segments, "double segment") + " split" +
                                   (report.tunnels > 0 ? ", " + counted(report.tunnels, "tunnel") : ""))
             << row("coarser", coarser.empty()
                                   ? "none: disks are too small for blocks"
                                   : coarser + " c-vertices, certified in " + std::to_string(report.coarsening.repair_rounds) + " rounds")
             << row("kinds", kinds_text(report.levels.back().topology, 6));
-  for (std::size_t k = 0; k < report.levels.size(); ++k) print_level_details(report.levels[k], k, context.volume.grid.unit);
-  for (const StageTime& stage : report.seconds) std::cout << row("  " + stage.stage, seconds_text(stage.seconds));
-  std::cout << row("  write", seconds_text(context.write_seconds))
+  for (std::size_t k = 0; k < report.levels.size(); ++k) print_level_details(out, report.levels[k], k, context.volume.grid.unit);
+  for (const StageTime& stage : report.seconds) out << row("  " + stage.stage, seconds_text(stage.seconds));
+  out << row("  write", seconds_text(context.write_seconds))
             << row("memory", bytes_text(static_cast<double>(context.peak_memory_bytes)) + " at most");
 }
 
@@ -157,6 +171,21 @@ bool print_unmet(const ExtractReport& report, LengthUnit unit) {
     }
   }
   return std::all_of(report.levels.begin(), report.levels.end(), [](const LevelReport& level) { return level.all_met(); });
+}
+
+void print_rounding(const ReportContext& context) {
+  const Grid& grid = context.volume.grid;
+  const Space space = context.options.space;
+  for (const ReportFile& file : context.files) {
+    const double rounding = rounding_in_world(file, grid, space);
+    if (rounding <= kNoticeableRounding * grid.smallest_spacing()) continue;
+    const std::string name = file.path == "-" ? "standard output" : file.path;
+    std::cerr << one_line("isoatlas: " + name + ": its float32 coordinates move vertices by up to " + with_unit(rounding, grid.unit) +
+                          ", which is in the error as stated; .ply, .obj and .vtp keep all digits" +
+                          (space == Space::voxel ? "" : ", and --space voxel has coordinates near the origin"))
+              << "\n";
+    return;
+  }
 }
 
 }  // namespace isoatlas::tool

@@ -2,6 +2,7 @@
 // What `isoatlas extract` says of its work.
 #pragma once
 
+#include <iosfwd>
 #include <string>
 
 #include "isoatlas/extract.h"
@@ -9,13 +10,16 @@
 
 namespace isoatlas::tool {
 
-/// A few lines on standard output. `outputs` names what was written.
-void print_summary(const ExtractReport& report, const ReportContext& context, const std::string& outputs);
+/// A few lines. `outputs` names what was written.
+void print_summary(std::ostream& out, const ExtractReport& report, const ReportContext& context, const std::string& outputs);
 
 /// The rest of it: all metrics, complexes, repairs, timings, memory.
-void print_details(const ExtractReport& report, const ReportContext& context);
+void print_details(std::ostream& out, const ExtractReport& report, const ReportContext& context);
 
 /// One line on standard error for each constraint of each level that was asked for and is not met; true if there was none.
 bool print_unmet(const ExtractReport& report, LengthUnit unit);
+
+/// One line on standard error if a file's float coordinates are a noticeable part of the error: which file, and what to do.
+void print_rounding(const ReportContext& context);
 
 }  // namespace isoatlas::tool

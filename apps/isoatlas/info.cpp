@@ -167,7 +167,7 @@ int list_choices(const InfoArguments& arguments, const ChoiceNeeded& needed) {
   if (arguments.json) {
     std::cout << to_json(info_report(arguments.volume.path.string(), needed.source(), nullptr, nullptr, std::nullopt));
   } else {
-    std::cout << one_line(arguments.volume.path.string()) << "\n";
+    std::cout << one_line(volume_name(arguments.volume.path)) << "\n";
     print_source(needed.source());
   }
   return kSuccess;
@@ -183,7 +183,7 @@ int describe(const InfoArguments& arguments, const VolumeFile& file) {
     std::cout << to_json(info);
     return kSuccess;
   }
-  std::cout << one_line(arguments.volume.path.string()) << "\n";
+  std::cout << one_line(volume_name(arguments.volume.path)) << "\n";
   print_source(file.source);
   print_geometry(file.volume);
   print_samples(summary);

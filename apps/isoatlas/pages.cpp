@@ -133,15 +133,21 @@ isoatlas extract dragon_sdf.nii.gz --iso 0 --inside below -o dragon.stl
 isoatlas extract ct.mha --iso 300 --max-radius 20mm -o a.vtp --report r.json
     No disk larger than 20 mm; all numbers in r.json.
 
+gunzip -c ct.nrrd.gz | isoatlas extract - --iso 300 -o - --format stl | viewer
+    From standard input to standard output.
+
 isoatlas extract fuel.raw --raw-size 64,64,64 --raw-type uint8 --iso 70.5 \
     -o fuel.off
     Headerless samples.
 )"},
                    {"Exit status", kExtractExitStatus},
-                   {"Files", kVolumeFiles + R"(Meshes: .ply and .stl (binary), .obj, .off, .vtp: the finest level, or with
-{level} in the name each level in a file of its own; .glb: all levels, the
-extension MSFT_lod; .vtm: all levels, with a folder beside it. The extension
-decides. What is rounded to float (.stl, .glb) is read back and checked.
+                   {"Files", kVolumeFiles + R"(Meshes: .ply and .stl (binary), .obj, .off, .vtp, .3mf, .gii: the finest
+level, or with {level} in the name each level in a file of its own; .glb: all
+levels, the extension MSFT_lod; .vtm: all levels, with a folder beside it.
+The extension decides. What is rounded to float (.stl, .gii, .glb) is read
+back and checked, and the error as stated includes it. A .3mf states the
+volume's unit; a .gii is in RAS and millimetres, whatever --space says.
+With -o - the mesh goes to standard output and the summary to standard error.
 Outputs appear whole, all together, or not at all. They are prepared in a
 hidden folder .isoatlas-* beside the destination; one that a killed process
 left behind can be deleted.
@@ -195,8 +201,9 @@ isoatlas check head.ply --self-intersections
 isoatlas check head.ply --volume head.nrrd --iso 80.5
 )"},
                    {"Exit status", kCheckExitStatus},
-                   {"Files", R"(Meshes: .ply, .stl, .obj, .off, .vtp. Polygons are cut into triangles;
-corners of an STL file at equal positions are one vertex.
+                   {"Files", R"(Meshes: .ply, .stl, .obj, .off, .vtp, .3mf, .gii. Polygons are cut into
+triangles; corners of an STL file at equal positions are one vertex. The unit
+that a .3mf or .gii states is converted to the volume's.
 )" + kVolumeFiles}},
   };
 }
@@ -241,7 +248,7 @@ isoatlas report head.glb other.ply -o both.html
                    {"Exit status", kExitStatus},
                    {"Files", R"(.json: the report of isoatlas extract, whose meshes and volume are looked
 for where it says and then beside it. .glb, .vtm: levels of detail. .ply,
-.stl, .obj, .off, .vtp: one mesh, of any program.
+.stl, .obj, .off, .vtp, .3mf, .gii: one mesh, of any program.
 )"}},
   };
 }
@@ -261,7 +268,8 @@ isoatlas picture head.ply --view left -o left.jpg
 isoatlas picture head.glb --level 0 --style hidden-line -o coarse.png
 )"},
                    {"Exit status", kExitStatus},
-                   {"Files", R"(.glb, .vtm: levels of detail. .ply, .stl, .obj, .off, .vtp: one mesh.
+                   {"Files", R"(.glb, .vtm: levels of detail. .ply, .stl, .obj, .off, .vtp, .3mf, .gii: one
+mesh.
 )"}},
   };
 }

@@ -17,9 +17,11 @@ VolumeFile read_volume_input(const std::filesystem::path& path, const ReadOption
   }
 }
 
+std::string volume_name(const std::filesystem::path& path) { return path == "-" ? "standard input" : path.string(); }
+
 void print_warnings(const std::filesystem::path& path, const VolumeSource& source) {
   for (const std::string& warning : source.warnings)
-    std::cerr << one_line("isoatlas: warning: " + path.string() + ": " + warning) << "\n";
+    std::cerr << one_line("isoatlas: warning: " + volume_name(path) + ": " + warning) << "\n";
 }
 
 std::string choice_text(const FileChoice& choice) {

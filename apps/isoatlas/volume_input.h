@@ -12,6 +12,9 @@ namespace isoatlas::tool {
 /// read_volume_file() whose errors name the option that chooses.
 VolumeFile read_volume_input(const std::filesystem::path& path, const ReadOptions& options);
 
+/// What messages call the volume: its path, or "standard input" for "-".
+std::string volume_name(const std::filesystem::path& path);
+
 /// What the reader warns of, one line each on standard error.
 void print_warnings(const std::filesystem::path& path, const VolumeSource& source);
 

@@ -140,6 +140,9 @@ struct LevelReport {
   std::optional<std::size_t> self_intersections;
   std::size_t parting_sites = 0;        ///< sites added to take such triangles apart
   std::optional<Measurement> measured;  ///< if asked for
+  /// Largest distance in world units by which a written file rounds a position of this level; 0 from extract(). What writes files sets it
+  /// and adds it to the lengths in `metrics` and `constraints`.
+  double rounding = 0;
   double seconds = 0;
 
   bool all_met() const;  ///< all constraints but those that nobody asked for

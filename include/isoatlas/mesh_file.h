@@ -16,6 +16,7 @@ namespace isoatlas {
 struct MeshFileInfo {
   std::string space;    ///< "LPS", "RAS" or "voxel"; written into the header or comment where the format has one
   std::string comment;  ///< e.g. "isoatlas 0.1.0"
+  LengthUnit unit = LengthUnit::unknown;  ///< of the coordinates; unknown for sample indices. Only .3mf and .gii keep it
 };
 
 /// Throws Error(unsupported) if no writer knows the extension, Error(bad_file) if the folder cannot be written:
@@ -25,21 +26,36 @@ void check_mesh_path(const std::filesystem::path& path);
 /// What a file makes of the positions it was given. Where it keeps them as float32, this was found by reading the written bytes back.
 struct StoredPositions {
   bool single_precision = false;
-  double largest_rounding = 0;  ///< largest distance between a given and a stored position, in the mesh's units
+  double largest_rounding = 0;  ///< largest distance between a given and a stored position, in the given mesh's units
+  std::string space = {};       ///< of the stored coordinates
+  LengthUnit unit = LengthUnit::unknown;  ///< of the stored coordinates
+  std::vector<std::string> notes = {};    ///< for people: what the format changed or had to state; one line each
 };
 
-/// Writes .ply (binary little endian), .stl (binary), .obj, .off or .vtp by extension. The file appears whole or not at all:
-/// it is written beside its destination and renamed. What is rounded (.stl) is read back before that and must be the same mesh:
+/// Writes .ply (binary little endian), .stl (binary), .obj, .off, .vtp, .3mf or .gii by extension. The file appears whole or not at all:
+/// it is written beside its destination and renamed. What is rounded (.stl, .gii) is read back before that and must be the same mesh:
 /// the same triangles, no two vertices at one position, the same topology, no vertex moved by more than a tenth of the mean edge.
 /// (A device or a pipe is written directly and cannot be read back.)
+///
+/// A .3mf states a unit: lengths below micrometres become micrometres; without a unit it says millimetres, unchanged. A .gii is always in
+/// RAS and, if the unit is known, in millimetres: space "LPS" is converted; any space but "LPS" and "RAS" is stored as it is, marked as
+/// unknown. StoredPositions::notes says what was done.
 /// Throws Error(bad_file).
 StoredPositions write_mesh(const TriangleMesh& mesh, const std::filesystem::path& path, const MeshFileInfo& info = {});
 
 /// Reads what write_mesh writes (and ascii variants); polygons are split into triangle fans, STL corners at equal positions merged.
+/// Coordinates are those of the file: mesh_file_info() says in which space and unit.
 TriangleMesh read_mesh(const std::filesystem::path& path);
 
-/// The space that a mesh file says its coordinates are in, as MeshFileInfo has it; empty if it says nothing. Throws Error(bad_file).
+/// What a mesh file says besides its triangles; empty where it says nothing. A .gii that says nothing is in RAS and millimetres, a .3mf in
+/// millimetres. Throws Error(bad_file), Error(unsupported).
+MeshFileInfo mesh_file_info(const std::filesystem::path& path);
+
+/// Its space alone.
 std::string mesh_space(const std::filesystem::path& path);
+
+/// Positions in one unit become positions in another. Nothing changes if either is unknown.
+void convert_unit(TriangleMesh& mesh, LengthUnit from, LengthUnit to);
 
 /// What a file of levels says besides their triangles.
 struct HierarchyFileInfo {

@@ -11,6 +11,7 @@
 #include "isoatlas/version.h"
 #include "outputs/mesh_outputs.h"
 #include "outputs/output_files.h"
+#include "outputs/stated_rounding.h"
 #include "wording/settings.h"
 #include "wording/supersampling.h"
 
@@ -123,7 +124,7 @@ std::shared_ptr<Levels> extract_levels(const ArrayVolume& volume, const ExtractW
   levels->hierarchy = std::move(extraction.hierarchy);
   made.report = std::move(extraction.report);
   made.context.peak_memory_bytes = peak_memory_bytes();
-  levels->info = file_info(made.report, made.context.options);
+  levels->info = file_info(made.report, made.context.options, view.grid.unit);
   if (!volume.is_xyz && space != Space::voxel) levels->info.mesh.space.clear();  // nobody said what the array's axes are
   return levels;
 }
@@ -199,7 +200,9 @@ void save_levels(const std::shared_ptr<Levels>& levels, const std::string& path,
           context.files = files;
           context.write_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
           context.peak_memory_bytes = peak_memory_bytes();
-          outputs.write(*report, [&](const fs::path& staged) { write_text_file(to_json(levels->made->report, context), staged); });
+          ExtractReport stated = levels->made->report;
+          state_rounding(stated, files, context.volume.grid, context.options.space);
+          outputs.write(*report, [&](const fs::path& staged) { write_text_file(to_json(stated, context), staged); });
         }
         control.check_cancelled();
         outputs.commit();

@@ -50,6 +50,24 @@ bool flush_to_disk(const fs::path& path) {
   return flushed;
 }
 
+// A stream keeps no reason for a write that failed: writing once more to the file, which is lost anyway, finds it.
+std::string reason_of_failed_write(const fs::path& path) {
+  constexpr std::size_t kBytes = 65536;
+  const std::string zeros(kBytes, '\0');
+  const int descriptor = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
+  if (descriptor < 0) {
+    return system_text(errno);
+  }
+  errno = 0;
+  ssize_t count = ::write(descriptor, zeros.data(), kBytes);
+  if (count > 0 && count < static_cast<ssize_t>(kBytes)) {  // what room there was is used up
+    count = ::write(descriptor, zeros.data(), kBytes);
+  }
+  const int error = count < 0 ? errno : 0;
+  ::close(descriptor);
+  return error != 0 ? system_text(error) : "a write failed";
+}
+
 }  // namespace
 
 AtomicFile::AtomicFile(const fs::path& destination) : destination_(destination), target_(destination) {
@@ -95,19 +113,19 @@ AtomicFile::~AtomicFile() {
 }
 
 void AtomicFile::flush() {
-  errno = 0;
   stream_.flush();
   if (!stream_.good()) {
-    throw bad_file(destination_, "cannot be written: " + (errno != 0 ? system_text(errno) : "a write failed"));
+    throw bad_file(destination_, "cannot be written: " + reason_of_failed_write(written_path_));
   }
 }
 
 void AtomicFile::commit() {
-  errno = 0;
   stream_.close();  // flushes; sets failbit if that or any write before it failed
-  const bool written = stream_.good() && (!is_temporary() || flush_to_disk(written_path_));
-  if (!written) {
-    throw bad_file(destination_, "cannot be written: " + (errno != 0 ? system_text(errno) : "a write failed"));
+  if (!stream_.good()) {
+    throw bad_file(destination_, "cannot be written: " + reason_of_failed_write(written_path_));
+  }
+  if (is_temporary() && !flush_to_disk(written_path_)) {
+    throw bad_file(destination_, "cannot be written: " + system_text(errno));
   }
   if (is_temporary()) {
     std::error_code error;

@@ -12,6 +12,7 @@
 
 #include "files/file_error.h"
 #include "mesh_files/same_mesh.h"
+#include "mesh_files/stored_form.h"
 
 namespace isoatlas {
 
@@ -22,14 +23,21 @@ namespace {
 struct MeshFormat {
   std::string_view extension;
   TriangleMesh (*read)(const fs::path&);
+  MeshFileInfo (*read_info)(const fs::path&);
   void (*write)(const TriangleMesh&, const MeshFileInfo&, io::AtomicFile&);
   bool is_single_precision = false;
+  bool has_indices = true;
+  io::StoredForm (*form)(const TriangleMesh&, const MeshFileInfo&) = nullptr;  ///< none: coordinates are stored as given
 };
 
 constexpr std::array kMeshFormats{
-    MeshFormat{".ply", io::read_ply, io::write_ply}, MeshFormat{".stl", io::read_stl, io::write_stl, true},
-    MeshFormat{".obj", io::read_obj, io::write_obj}, MeshFormat{".off", io::read_off, io::write_off},
-    MeshFormat{".vtp", io::read_vtp, io::write_vtp},
+    MeshFormat{".ply", io::read_ply, io::info_in_text, io::write_ply},
+    MeshFormat{".stl", io::read_stl, io::info_in_text, io::write_stl, true, false},
+    MeshFormat{".obj", io::read_obj, io::info_in_text, io::write_obj},
+    MeshFormat{".off", io::read_off, io::info_in_text, io::write_off},
+    MeshFormat{".vtp", io::read_vtp, io::info_in_vtp, io::write_vtp},
+    MeshFormat{".3mf", io::read_3mf, io::info_in_3mf, io::write_3mf, false, true, io::form_in_3mf},
+    MeshFormat{".gii", io::read_gii, io::info_in_gii, io::write_gii, true, true, io::form_in_gifti},
 };
 
 // The format whose extension ends the file's name in any case, or null.
@@ -99,22 +107,37 @@ void check_mesh_path(const fs::path& path) {
   const io::AtomicFile probe(path);  // creates its temporary file and removes it
 }
 
+namespace {
+
+StoredPositions write_as_given(const MeshFormat& format, const TriangleMesh& mesh, const MeshFileInfo& info, const fs::path& path) {
+  io::AtomicFile file(path);
+  format.write(mesh, info, file);
+  StoredPositions stored{.single_precision = format.is_single_precision, .space = info.space, .unit = info.unit};
+  if (format.is_single_precision && file.is_temporary()) {
+    file.flush();
+    stored.largest_rounding = io::require_same_mesh(mesh, format.read(file.written_path()), !format.has_indices, path);
+  }
+  file.commit();
+  return stored;
+}
+
+}  // namespace
+
 StoredPositions write_mesh(const TriangleMesh& mesh, const fs::path& path, const MeshFileInfo& info) {
   const MeshFormat& format = format_to_write(path);
   if (const MeshCheck check = check_mesh(mesh); check.fault != MeshFault::none) {
     throw Error(ErrorCode::bad_argument, io::one_line(path.string() + ": not written: " + check.text));
   }
   // One line each: a newline would end the comment and start a line of the file's own grammar.
-  const MeshFileInfo clean_info{io::one_line(info.space), io::one_line(info.comment)};
+  const MeshFileInfo clean_info{io::one_line(info.space), io::one_line(info.comment), info.unit};
   return io::translate_exceptions(path, [&] {
-    io::AtomicFile file(path);
-    format.write(mesh, clean_info, file);
-    StoredPositions stored{.single_precision = format.is_single_precision};
-    if (format.is_single_precision && file.is_temporary()) {
-      file.flush();
-      stored.largest_rounding = io::require_same_mesh(mesh, format.read(file.written_path()), true, path);
+    if (format.form == nullptr) {
+      return write_as_given(format, mesh, clean_info, path);
     }
-    file.commit();
+    const io::StoredForm form = format.form(mesh, clean_info);
+    StoredPositions stored = write_as_given(format, form.mesh, form.info, path);
+    stored.largest_rounding = io::convert_length(stored.largest_rounding, form.info.unit, clean_info.unit);
+    stored.notes = form.notes;
     return stored;
   });
 }
@@ -133,6 +156,16 @@ TriangleMesh read_mesh(const fs::path& path) {
   });
 }
 
+MeshFileInfo mesh_file_info(const fs::path& path) {
+  return io::translate_exceptions(path, [&] {
+    io::readable_file_size(path);
+    MeshFileInfo info = mesh_format(path, is_hierarchy_path(path) ? "; isoatlas levels reads it" : "").read_info(path);
+    return MeshFileInfo{io::one_line(info.space, 32), io::one_line(info.comment), info.unit};
+  });
+}
+
+std::string mesh_space(const fs::path& path) { return mesh_file_info(path).space; }
+
 HierarchyFile read_levels(const fs::path& path) {
   if (is_hierarchy_path(path)) {
     return read_hierarchy(path);
@@ -142,7 +175,7 @@ HierarchyFile read_levels(const fs::path& path) {
     if (find_format(kMeshFormats, path) == nullptr) {
       throw io::unsupported(path, "unknown format, expected one of " + extension_list(kMeshFormats) + kOrLevels);
     }
-    return HierarchyFile{hierarchy_of({read_mesh(path)}), {{mesh_space(path), ""}, {}, {}}};
+    return HierarchyFile{hierarchy_of({read_mesh(path)}), {mesh_file_info(path), {}, {}}};
   });
 }
 

@@ -21,6 +21,15 @@ TriangleMesh read_vtp(const std::filesystem::path& path);
 /// With its text fields by name, and what it says of every vertex's distance (Hierarchy::Level::distance).
 TriangleMesh read_vtp(const std::filesystem::path& path, std::map<std::string, std::string>& fields, std::vector<float>& distance);
 
+TriangleMesh read_3mf(const std::filesystem::path& path);
+TriangleMesh read_gii(const std::filesystem::path& path);
+
+// What such a file says besides the triangles.
+MeshFileInfo info_in_text(const std::filesystem::path& path);  ///< .ply, .stl, .obj, .off: SPACE=... near the beginning
+MeshFileInfo info_in_vtp(const std::filesystem::path& path);
+MeshFileInfo info_in_3mf(const std::filesystem::path& path);
+MeshFileInfo info_in_gii(const std::filesystem::path& path);
+
 // Meshes out. The mesh has finite positions and indices in range; `info` is free of control characters. The bytes
 // depend on the arguments only. The caller commits the file.
 void write_ply(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file);
@@ -28,6 +37,8 @@ void write_stl(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& f
 void write_obj(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file);
 void write_off(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file);
 void write_vtp(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file);
+void write_3mf(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file);  ///< of form_in_3mf()
+void write_gii(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file);  ///< of form_in_gifti()
 /// With text fields by name, empty ones are left out, and distances of the vertices or none.
 void write_vtp(const TriangleMesh& mesh, const std::map<std::string, std::string>& fields, const std::vector<float>& distance,
                AtomicFile& file);

@@ -139,7 +139,7 @@ StoredPositions write_hierarchy(const Hierarchy& hierarchy, const fs::path& path
     throw Error(ErrorCode::bad_argument, io::one_line(path.string() + ": not written: " + fault));
   }
   HierarchyFileInfo clean_info = info;
-  clean_info.mesh = {io::one_line(info.mesh.space), io::one_line(info.mesh.comment)};
+  clean_info.mesh = {io::one_line(info.mesh.space), io::one_line(info.mesh.comment), info.mesh.unit};
   return io::translate_exceptions(path, [&] { return format.write(hierarchy, clean_info, path); });
 }
 

@@ -135,7 +135,7 @@ StoredPositions write_vtm(const Hierarchy& hierarchy, const HierarchyFileInfo& i
     new_folder.keep();
   }
   index.commit();
-  return {};
+  return {.single_precision = false, .space = info.mesh.space, .unit = info.mesh.unit};
 }
 
 StoredLevels read_vtm(const fs::path& path) {

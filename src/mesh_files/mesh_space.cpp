@@ -16,9 +16,9 @@
 #include "files/file_error.h"
 #include "files/library_messages.h"
 #include "files/vtk_xml_file.h"
-#include "isoatlas/mesh_file.h"
+#include "mesh_files/formats.h"
 
-namespace isoatlas {
+namespace isoatlas::io {
 namespace {
 
 constexpr std::size_t kBeginning = 4096;  // bytes; comments are at the beginning of a file
@@ -36,10 +36,10 @@ std::string space_in_text(const std::filesystem::path& path) {
 }
 
 std::string space_in_fields(const std::filesystem::path& path) {
-  const io::LibraryMessages messages;
+  const LibraryMessages messages;
   vtkNew<vtkXMLPolyDataReader> reader;
   if (reader->CanReadFile(path.c_str()) == 0) return {};
-  io::require_readable_vtk_xml(path);
+  require_readable_vtk_xml(path);
   reader->SetFileName(path.c_str());
   reader->Update();
   vtkFieldData* fields = reader->GetOutput()->GetFieldData();
@@ -49,11 +49,8 @@ std::string space_in_fields(const std::filesystem::path& path) {
 
 }  // namespace
 
-std::string mesh_space(const std::filesystem::path& path) {
-  io::readable_file_size(path);
-  std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return io::one_line(extension == ".vtp" ? space_in_fields(path) : space_in_text(path), 32);
-}
+MeshFileInfo info_in_text(const std::filesystem::path& path) { return {.space = space_in_text(path), .comment = ""}; }
 
-}  // namespace isoatlas
+MeshFileInfo info_in_vtp(const std::filesystem::path& path) { return {.space = space_in_fields(path), .comment = ""}; }
+
+}  // namespace isoatlas::io

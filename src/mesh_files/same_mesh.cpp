@@ -17,7 +17,7 @@ namespace isoatlas::io {
 namespace {
 
 constexpr std::uint32_t kUnknown = 0xFFFF'FFFFU;
-constexpr const char* kAdvice = "; write .ply, .obj, .off, .vtp or .vtm instead, which keep double precision";
+constexpr const char* kAdvice = "; write .ply, .obj, .off, .vtp, .3mf or .vtm instead, which keep double precision";
 
 // Vertices that stay apart can still end up on a line: rounding has to be small beside what the mesh is made of.
 constexpr double kMostRoundingPerEdge = 0.1;

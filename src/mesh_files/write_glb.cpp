@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// glTF 2.0, binary, with the levels as levels of detail: the extension MSFT_lod. docs/reference/files.md draws the layout.
+// glTF 2.0, binary, with the levels as levels of detail: the extension MSFT_lod; closed levels have the
+// extension EXT_mesh_manifold. docs/reference/files.md draws the layout.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -14,6 +15,7 @@
 #include "mesh_files/formats.h"
 #include "mesh_files/output_buffer.h"
 #include "mesh_files/same_mesh.h"
+#include "mesh_files/stored_form.h"
 #include "mesh/bounds.h"
 #include "mesh/vertex_normals.h"
 
@@ -122,6 +124,11 @@ Json screen_coverage(const std::vector<Hierarchy::Level>& levels) {
   return coverage;
 }
 
+// States that a mesh encloses a solid. Vertices are shared already, so the manifold has the triangles of the mesh, and nothing is merged.
+Json manifold_extension(std::size_t positions, std::size_t indices) {
+  return {{"EXT_mesh_manifold", {{"manifoldPrimitive", {{"attributes", {{"POSITION", positions}}}, {"indices", indices}, {"mode", 4}}}}}};
+}
+
 struct Glb {
   Json json;
   std::string binary;
@@ -139,6 +146,7 @@ Glb make_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const st
   std::size_t shared_view = 0;
   Json nodes = Json::array();
   Json meshes = Json::array();
+  bool any_closed = false;
   for (std::size_t k = level_count; k-- > 0;) {  // finest first
     const TriangleMesh mesh = hierarchy.mesh(k);
     // Levels share their vertices: each uses the first ones of one view.
@@ -173,6 +181,10 @@ Glb make_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const st
     Json gltf_mesh = {
         {"name", name},
         {"primitives", Json::array({{{"attributes", std::move(attributes)}, {"indices", indices}, {"material", 0}, {"mode", 4}}})}};
+    if (is_closed_manifold(mesh)) {
+      gltf_mesh["extensions"] = manifold_extension(positions, indices);
+      any_closed = true;
+    }
     if (!info.levels.empty()) {
       gltf_mesh["extras"] = {{"isoatlas", Json::parse(info.levels[k])}};
     }
@@ -200,8 +212,11 @@ Glb make_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const st
   }
   json["asset"]["extras"] = {
       {"isoatlas", {{"space", info.mesh.space}, {"placement", is_balanced ? "balanced" : "surface"}, {"levels", level_count}}}};
+  if (any_closed) {
+    json["extensionsUsed"].push_back("EXT_mesh_manifold");
+  }
   if (level_count > 1) {
-    json["extensionsUsed"] = {"MSFT_lod"};
+    json["extensionsUsed"].push_back("MSFT_lod");
   }
   json["scene"] = 0;
   json["scenes"] = Json::array({{{"nodes", {0}}}});
@@ -248,7 +263,7 @@ StoredPositions write_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& i
     file.flush();
   }
 
-  StoredPositions stored{.single_precision = true};
+  StoredPositions stored{.single_precision = true, .space = info.mesh.space, .unit = info.mesh.unit};
   if (file.is_temporary()) {
     const StoredLevels read = read_glb(file_contents(file.written_path()), path);
     if (read.meshes.size() != hierarchy.levels.size()) {

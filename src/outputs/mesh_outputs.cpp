@@ -134,7 +134,7 @@ std::vector<ReportFile> MeshOutputs::write(const Hierarchy& hierarchy, const Hie
   std::vector<ReportFile> written, one_level;
   const auto add = [&](const fs::path& path, const fs::path& staged, std::vector<std::size_t> levels, const StoredPositions& stored) {
     written.push_back({path.string(), std::move(levels), static_cast<std::size_t>(fs::file_size(staged)), stored.single_precision,
-                       stored.largest_rounding});
+                       stored.largest_rounding, stored.space, stored.unit, stored.notes});
   };
   for (const Item& item : items(level_count)) {
     outputs.write(item.path, [&](const fs::path& staged) {
@@ -172,9 +172,12 @@ std::vector<fs::path> MeshOutputs::paths(std::size_t level_count) const {
   return result;
 }
 
-HierarchyFileInfo file_info(const ExtractReport& report, const ExtractOptions& options) {
-  HierarchyFileInfo info{
-      .mesh = {.space = space_name(options.space), .comment = "isoatlas " ISOATLAS_VERSION}, .placement = options.placement, .levels = {}};
+HierarchyFileInfo file_info(const ExtractReport& report, const ExtractOptions& options, LengthUnit unit) {
+  HierarchyFileInfo info{.mesh = {.space = space_name(options.space),
+                                  .comment = "isoatlas " ISOATLAS_VERSION,
+                                  .unit = options.space == Space::voxel ? LengthUnit::unknown : unit},
+                         .placement = options.placement,
+                         .levels = {}};
   for (std::size_t k = 0; k < report.levels.size(); ++k) info.levels.push_back(level_json(report.levels[k], k));
   return info;
 }

@@ -53,7 +53,7 @@ class MeshOutputs {
   bool is_pattern_ = false;
 };
 
-/// What files of the levels of an extraction say about them.
-HierarchyFileInfo file_info(const ExtractReport& report, const ExtractOptions& options);
+/// What files of the levels of an extraction say about them. `unit` is that of the volume.
+HierarchyFileInfo file_info(const ExtractReport& report, const ExtractOptions& options, LengthUnit unit);
 
 }  // namespace isoatlas

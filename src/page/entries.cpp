@@ -26,6 +26,9 @@ using report::Json;
 
 constexpr std::size_t kMostPlaces = 20;  // of bad triangles in the page's facts
 
+// The name of standard input and output in a report: what went through them cannot be found again.
+constexpr const char* kStream = "-";
+
 [[noreturn]] void bad_report(const std::string& path, const std::string& what) { throw Error(ErrorCode::bad_file, path + ": " + what); }
 
 std::string lower_case(std::string text) {
@@ -109,6 +112,7 @@ struct FoundLevels {
 FoundLevels levels_of_report(const Json& json, const fs::path& report) {
   std::vector<std::pair<std::size_t, fs::path>> single;
   for (const Json& file : json["files"]) {
+    if (file.at("path") == kStream) continue;
     const fs::path path = found(file.at("path").get<std::string>(), report);
     const auto levels = file.at("levels").get<std::vector<std::size_t>>();
     if (is_hierarchy_path(path) && levels.size() == json["levels"].size())
@@ -130,10 +134,10 @@ FoundLevels levels_of_report(const Json& json, const fs::path& report) {
   return out;
 }
 
-// The volume that a report is about; empty if it came from memory.
+// The volume that a report is about; empty if it came from memory or from standard input.
 std::string volume_of(const Json& json) {
   const Json& path = json["input"].at("path");
-  return path.is_null() ? std::string() : path.get<std::string>();
+  return path.is_null() || path == kStream ? std::string() : path.get<std::string>();
 }
 
 // What was chosen of a file with several volumes, to read the same one again.

@@ -67,7 +67,10 @@ Json to_value(const ReportFile& file) {
           {"levels", file.levels},
           {"bytes", file.bytes},
           {"positions", file.single_precision ? "float32" : "float64"},
-          {"largest_rounding", file.largest_rounding}};
+          {"largest_rounding", file.largest_rounding},
+          {"space", file.space},
+          {"unit", file.unit == LengthUnit::unknown ? Json() : Json(symbol(file.unit))},
+          {"notes", file.notes}};
 }
 
 Json to_value(const DistanceReport& distance) {
@@ -191,6 +194,7 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
   for (std::size_t k = 0; k < report.levels.size(); ++k) {
     Json level = {{"path", path_of_level(context.files, k)}};
     level.update(to_value(report.levels[k], k));
+    level["rounding"] = report.levels[k].rounding;
     level["seconds"] = report.levels[k].seconds;
     levels.push_back(std::move(level));
   }

@@ -23,6 +23,9 @@ struct ReportFile {
   std::size_t bytes = 0;
   bool single_precision = false;  ///< it has positions in float32
   double largest_rounding = 0;    ///< of a position, in the mesh's units
+  std::string space = {};         ///< of the stored coordinates: "LPS", "RAS", "voxel"; empty: nobody said
+  LengthUnit unit = LengthUnit::unknown;  ///< of the stored coordinates
+  std::vector<std::string> notes = {};    ///< what the format changed or had to state, for people
 };
 
 /// The volume that was meshed or looked at.

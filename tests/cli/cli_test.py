@@ -28,7 +28,8 @@ import zlib
 
 TOOL = pathlib.Path(sys.argv[1]).resolve()
 DOCS = pathlib.Path(__file__).resolve().parents[2] / "docs" / "reference"
-MESH_EXTENSIONS = ["ply", "stl", "obj", "off", "vtp"]
+FIELD = pathlib.Path(__file__).resolve().parents[1] / "data" / "field"
+MESH_EXTENSIONS = ["ply", "stl", "obj", "off", "vtp", "3mf", "gii"]
 METRICS = ["max-distance", "mean-distance", "area-curvature", "area-curvature-smooth", "geodesic-ratio", "normal-angle"]
 SOFT = ["max-vertices", "min-vertices", "min-edge", "max-edge", "min-aspect"]
 
@@ -51,6 +52,38 @@ def torus(n):
     return array.array("f", (
         0.12 * n - math.hypot(math.hypot(x - c, y - c) - 0.3 * n, z - c)
         for z in range(n) for y in range(n) for x in range(n)))
+
+
+def gyroid(n):
+    """A surface of many triangles that is meshed quickly."""
+    waves = [(math.sin(i / 4), math.cos(i / 4)) for i in range(n)]
+    return bytes(int(128 + 40 * (sx * cy + sy * cz + sz * cx))
+                 for sz, cz in waves for sy, cy in waves for sx, cx in waves)
+
+
+MANY_TRIANGLES = ["--raw-type", "uint8", "--iso", "128.5", "--coarse", "--max-radius", "0.3vx", "--allow-self-intersections"]
+
+
+def tiff(samples, n):
+    """An uncompressed stack of n pages of n x n bytes, each in one strip."""
+    directory = 2 + 12 * 8 + 4
+    out = bytearray(b"II*\0" + struct.pack("<I", 8))
+    for page in range(n):
+        start = len(out)
+        entries = [(256, 4, n), (257, 4, n), (258, 3, 8), (259, 3, 1), (262, 3, 1), (273, 4, start + directory), (278, 4, n), (279, 4, n * n)]
+        out += struct.pack("<H", len(entries)) + b"".join(struct.pack("<HHII", tag, kind, 1, value) for tag, kind, value in entries)
+        end = start + directory + n * n
+        out += struct.pack("<I", end if page < n - 1 else 0) + samples[page * n * n:(page + 1) * n * n]
+    return bytes(out)
+
+
+def nifti(samples, n):
+    """n x n x n bytes in NIfTI-1, sform 1 x 1 x 1 mm."""
+    header = bytearray(352)
+    for at, kind, *values in ((0, "i", 348), (40, "8h", 3, n, n, n, 1, 1, 1, 1), (70, "hh", 2, 8), (76, "8f", *[1.0] * 8), (108, "f", 352.0),
+                              (123, "b", 2), (254, "h", 1), (280, "12f", 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0), (344, "4s", b"n+1\0")):
+        struct.pack_into("<" + kind, header, at, *values)
+    return bytes(header) + samples
 
 
 def little(samples):
@@ -152,7 +185,7 @@ READING = ("--channel --time --layer --array --series --spacing --max-memory --r
 
 class Help(ToolTest):
     OPTIONS = {
-        "extract": "--iso -o --output --report --inside --topology --coarse --max-radius --covering --event-persistence --threads --nan --space "
+        "extract": "--iso -o --output --format --report --inside --topology --coarse --max-radius --covering --event-persistence --threads --nan --space "
                    "-q --quiet -v --verbose -h --help " + READING +
                    "--refine --max-distance --mean-distance --area-curvature --area-curvature-smooth --geodesic-ratio "
                    "--normal-angle --max-vertices --min-vertices --min-edge --max-edge --min-aspect --placement "
@@ -533,6 +566,345 @@ class Outputs(ToolTest):
         self.put("t.off", off(*TETRAHEDRON))
         with open("/dev/full", "w") as full:
             self.refuse("standard output", "check", "t.off", "--json", stdout=full)
+
+
+class StandardStreams(ToolTest):
+    """- as a volume is standard input, as a mesh, a report or a page standard output."""
+
+    def put_noise(self, n):
+        self.put("noise.raw", random.Random(7).randbytes(n ** 3))
+        return ["--raw-size", f"{n},{n},{n}", "--raw-type", "uint8", "--iso", "140.5", "--coarse"]
+
+    def stream(self, *arguments, volume=None, **options):
+        """The tool with a volume on standard input: its output as bytes."""
+        with open(volume or os.devnull, "rb") as file:
+            return subprocess.run([str(TOOL), *map(str, arguments)], cwd=self.folder, stdin=file, timeout=50,
+                                  **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **options})
+
+    def test_every_format_has_the_bytes_of_a_file(self):
+        raw = self.put_noise(10)
+        for volume, options in ((self.folder / "noise.raw", raw), (FIELD / "v_far.vti", ["--iso", "0"])):
+            for extension in [*MESH_EXTENSIONS, "glb"]:
+                result = self.stream("extract", "-", *options, "-o", "-", "--format", extension, "-q", volume=volume)
+                self.assertEqual(result.returncode, 0, result.stderr)
+                self.run_tool("extract", volume, *options, "-o", f"a.{extension}", "-q")
+                self.assertEqual(result.stdout, (self.folder / f"a.{extension}").read_bytes(), (volume, extension))
+        self.assertEqual(self.stream("extract", "-", *options, "-o", "-", volume=volume).stdout, (self.folder / "a.ply").read_bytes())
+        self.assertEqual(self.stream("extract", "-", *options, "-o", "-", "--format", ".STL", volume=volume).stdout,
+                         (self.folder / "a.stl").read_bytes())
+
+    def test_the_summary_goes_to_standard_error(self):
+        options = self.put_noise(10)
+        said = self.succeed("extract", "noise.raw", *options, "-o", "a.ply")
+        result = self.stream("extract", "-", *options, "-o", "-", "--report", "r.json", volume=self.folder / "noise.raw")
+        labels = lambda text: [line.split()[0] for line in text.splitlines()]
+        self.assertEqual(labels(result.stderr.decode()), labels(said))
+        self.assertRegex(result.stderr.decode(), r"(?s)read +standard input: 10 x 10 x 10 .*wrote +standard output, report r\.json \(")
+        self.assertEqual(self.stream("extract", "noise.raw", *options, "-o", "-", "-q").stderr, b"")
+
+    def test_what_else_reads_standard_input(self):
+        self.put_noise(10)
+        volume = FIELD / "v_far.vti"
+        said = self.stream("info", "-", volume=volume)
+        self.assertEqual((said.returncode, said.stderr), (0, b""))
+        self.assertEqual(said.stdout.decode().splitlines()[0], "standard input")
+        self.assertEqual(said.stdout.decode().splitlines()[1:], self.succeed("info", volume).splitlines()[1:])
+        self.succeed("extract", volume, "--iso", "0", "-o", "a.ply", "-q")
+        measured = [json.loads(self.stream("check", "a.ply", "--volume", name, "--iso", "0", "--json", volume=volume).stdout)["distance"]
+                    for name in ("-", volume)]
+        self.assertEqual([m.pop("volume") for m in measured], ["-", str(volume)])
+        self.assertEqual(measured[0], measured[1])
+        empty = self.stream("extract", "-", "--iso", "0", "-o", "b.ply")
+        self.assertEqual((empty.returncode, empty.stderr), (2, b"isoatlas: error: standard input: is empty\n"))
+        none = self.stream("extract", "-", "--iso", "1e9", "-o", "b.ply", volume=volume)
+        self.assertRegex(none.stderr.decode(), r"\Aisoatlas: error: standard input: [^\n]+\n\Z")
+        self.assertNotIn("b.ply", self.files())
+
+    def test_reports_and_pages(self):
+        options = ["extract", "-", *self.put_noise(10), "-q"]
+        volume = self.folder / "noise.raw"
+        report = json.loads(self.stream(*options, "-o", "a.ply", "--report", "-", volume=volume).stdout)
+        self.assertEqual((report["input"]["path"], report["files"][0]["path"]), ("-", "a.ply"))
+        self.assertEqual((self.folder / "a.ply").stat().st_size, report["files"][0]["bytes"])
+        page = self.stream(*options, "-o", "a.ply", "--html", "-", volume=volume).stdout
+        self.assertTrue(page.startswith(b"<!doctype html>"))
+        for both in (["-o", "-", "--report", "-"], ["-o", "a.ply", "--report", "-", "--html", "-"]):
+            refused = self.stream(*options, *both, volume=volume)
+            self.assertEqual((refused.returncode, refused.stdout), (2, b""))
+            self.assertRegex(refused.stderr.decode(), "the (mesh|report) and the (report|page) would both go to standard output")
+        # What went through streams cannot be found again, and is not looked for: standard input would be waited for.
+        self.stream(*options, "-o", "a.ply", "--report", "r.json", volume=volume)
+        self.succeed("report", "r.json", "-o", "r.html", stdin=subprocess.PIPE)
+        self.stream(*options, "-o", "-", "--report", "r.json", volume=volume)
+        self.assertEqual(json.loads((self.folder / "r.json").read_text())["files"][0]["path"], "-")
+        self.refuse("r.json: names no file with a mesh", "report", "r.json", "-o", "s.html")
+        self.put("-", b"not a mesh")
+        self.refuse("r.json: names no file with a mesh", "report", "r.json", "-o", "s.html")
+
+    def test_what_cannot_be(self):
+        options = ["extract", "noise.raw", *self.put_noise(10)]
+        self.refuse("--format goes with -o -", *options, "-o", "a.ply", "--format", "stl")
+        self.refuse("--format: expected one of ply, .*got 'vtm'", *options, "-o", "-", "--format", "vtm")
+        self.refuse("--glb-per-level", *options, "-o", "-", "--format", "glb", "--glb-per-level")
+        with open("/dev/full", "w") as full:
+            self.refuse("standard output: cannot be written: No space left", *options, "-o", "-", "--report", "r.json", stdout=full)
+        self.refuse("no temporary folder", *options, "-o", "-", env={"TMPDIR": "/proc"})
+        terminal, other_side = pty.openpty()
+        try:
+            self.refuse("standard output is a terminal", *options, "-o", "-", stdout=other_side)
+        finally:
+            os.close(terminal), os.close(other_side)
+
+    def test_nothing_is_left_in_the_folder_of_temporary_files(self):
+        options = ["extract", "noise.raw", *self.put_noise(10), "-q", "-o", "-", "--format", "obj"]
+        environment = {"TMPDIR": str(self.folder)}
+        self.assertEqual(self.run_tool(*options, env=environment).returncode, 0)
+        self.assertEqual(self.run_tool(*options, "--report", "no/such/folder", env=environment).returncode, 2)
+        self.assertEqual(self.files(), ["noise.raw"])
+
+    def test_a_pipe_that_nobody_reads(self):
+        self.put("g.raw", gyroid(32))  # more than a pipe holds
+        options = ["extract", "g.raw", "--raw-size", "32,32,32", *MANY_TRIANGLES, "--report", "r.json", "-q", "-o", "-"]
+        process = subprocess.Popen([str(TOOL), *options], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=restore_signals)
+        self.assertEqual(process.stdout.read(3), b"ply")
+        process.stdout.close()  # in the middle
+        self.assertEqual(process.stderr.read(), b"isoatlas: error: standard output: cannot be written: Broken pipe\n")
+        process.stderr.close()
+        self.assertEqual(process.wait(timeout=20), 2)
+        self.assertEqual(self.files(), ["g.raw"])
+
+        process = subprocess.Popen([str(TOOL), *options], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=restore_signals)
+        self.assertEqual(process.stdout.read(3), b"ply")  # and no more: the tool waits
+        process.send_signal(signal.SIGINT)
+        sent = time.monotonic()
+        self.assertEqual(process.stderr.read(), b"isoatlas: interrupted; standard output has got a part, no file was written\n")
+        self.assertLess(time.monotonic() - sent, 1.0)
+        self.assertEqual(process.wait(timeout=20), 128 + signal.SIGINT)
+        process.stdout.close(), process.stderr.close()
+        self.assertEqual(self.files(), ["g.raw"])
+
+
+class Rounding(ToolTest):
+    """Far from the origin float32 has few digits: what is said of a mesh is true of its file."""
+
+    FAR = FIELD / "v_far.vti"  # voxels of 1 at (500000, 4649776, 100)
+
+    def extract(self, name, *options):
+        result = self.run_tool("extract", self.FAR, "--iso", "0", "-o", name, "--report", "r.json", *options)
+        report = json.loads((self.folder / "r.json").read_text())
+        return result, report["levels"][-1], report["files"][0]
+
+    def measured(self, name, *options):
+        return json.loads(self.succeed("check", name, "--volume", self.FAR, "--iso", "0", "--json", *options))["distance"]["maximum"]
+
+    def test_the_stated_error_includes_it(self):
+        _, exact, _ = self.extract("far.ply")
+        for name in ("far.stl", "far.gii"):
+            result, level, file = self.extract(name)
+            error = level["metrics"]["max-distance"]["maximum"]
+            self.assertGreater(file["largest_rounding"], 0.2)
+            self.assertEqual(level["rounding"], file["largest_rounding"])
+            self.assertAlmostEqual(error, exact["metrics"]["max-distance"]["maximum"] + file["largest_rounding"], places=12)
+            self.assertEqual(error, level["constraints"][0]["reached"])
+            self.assertLessEqual(self.measured(name), error)
+            self.assertGreater(self.measured(name), exact["metrics"]["max-distance"]["maximum"])  # so it matters
+            self.assertIn(f"max-distance {error:.6g} (0.249812 of it by rounding to float32)", result.stdout)
+            self.assertRegex(result.stderr, rf"\Aisoatlas: {name}: its float32 coordinates move vertices by up to 0\.249812, [^\n]*"
+                                            r"\.ply[^\n]*--space voxel[^\n]*\n\Z")
+            self.assertEqual(result.returncode, 0)  # nobody asked for the default bound
+
+    def test_a_bound_that_was_asked_for_is_judged_with_it(self):
+        result, level, _ = self.extract("far.stl", "--max-distance", "0.5", "-q")
+        self.assertEqual(result.returncode, 1)
+        self.assertRegex(result.stderr, r"(?m)^isoatlas: level 1: max-distance 0\.5: reached 0\.73\d*: positions are rounded to float32 in far\.stl")
+        self.assertFalse(level["constraints"][0]["met"])
+        result, level, _ = self.extract("far.stl", "--min-vertices", "40", "--max-distance", "2", "-q")
+        self.assertEqual(result.returncode, 0)
+        self.assertTrue(level["constraints"][1]["met"])
+        self.assertLessEqual(self.measured("far.stl"), 2)
+        for name in ("far.ply", "far.glb", "far.vtp", "far.3mf"):
+            result, level, _ = self.extract(name, "--max-distance", "0.5", "-q")
+            self.assertEqual((result.returncode, result.stderr), (0, ""), name)
+
+    def test_coordinates_near_the_origin_have_none_to_speak_of(self):
+        result, level, _ = self.extract("near.stl", "--space", "voxel", "--max-distance", "0.5", "-q")
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        self.assertTrue(0 < level["rounding"] < 1e-5)
+        self.assertAlmostEqual(self.measured("near.stl"), self.measured("near.stl", "--space", "voxel"), places=12)
+
+    def test_pages_and_streams(self):
+        result = self.run_tool("extract", self.FAR, "--iso", "0", "-o", "far.stl", "--html", "a.html", "-q")
+        self.assertRegex((self.folder / "a.html").read_text(), r'"max-distance":\{"maximum":0\.7358')
+        with open(self.folder / "s.stl", "wb") as file:
+            result = self.run_tool("extract", self.FAR, "--iso", "0", "-o", "-", "--format", "stl", "-q", "--max-distance", "0.5", stdout=file)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("isoatlas: standard output: its float32 coordinates", result.stderr)
+        self.assertIn("rounded to float32 in standard output", result.stderr)
+        self.assertEqual((self.folder / "s.stl").read_bytes(), (self.folder / "far.stl").read_bytes())
+
+
+class Formats(ToolTest):
+    def test_notes_say_what_a_format_changed(self):
+        self.put_sphere()
+        for name, note in (("s.3mf", r"\n  note +a \.3mf states a unit: millimetres, as the volume states none\n"),
+                           ("s.gii", r"\n  note +the coordinates of a \.gii are in RAS: x and y are those of LPS negated\n")):
+            said = self.succeed("extract", "sphere.nrrd", "--iso", "0", "-o", name, "--report", "r.json", "--coarse")
+            self.assertRegex(said, note)
+            file = json.loads((self.folder / "r.json").read_text())["files"][0]
+            self.assertEqual(len(file["notes"]), 1)
+            self.assertEqual((file["space"], file["unit"]), ("RAS", None) if name == "s.gii" else ("LPS", "mm"))
+        self.assertNotIn("note", self.succeed("extract", "sphere.nrrd", "--iso", "0", "-o", "s.ply", "--coarse"))
+
+    def test_an_open_mesh_in_a_3mf_is_said_to_be_open(self):
+        ramp = array.array("f", (x for z in range(8) for y in range(8) for x in range(8)))
+        self.put("half.nrrd", nrrd(ramp, (8, 8, 8)))
+        self.assertIn("the mesh is open", self.succeed("extract", "half.nrrd", "--iso", "3.5", "-o", "h.3mf"))
+
+    def test_check_measures_in_the_unit_of_the_volume(self):
+        self.put("s.nrrd", nrrd(sphere((20, 20, 20)), (20, 20, 20), "float", "space: left-posterior-superior", 'space units: "nm" "nm" "nm"',
+                                "space directions: (2,0,0) (0,2,0) (0,0,2)", "space origin: (100,200,300)"))
+        distances = {}
+        for name in ("s.ply", "s.3mf", "s.gii"):
+            self.succeed("extract", "s.nrrd", "--iso", "0", "-o", name, "-q")
+            distances[name] = json.loads(self.succeed("check", name, "--volume", "s.nrrd", "--iso", "0", "--json"))["distance"]["mean"]
+        self.assertAlmostEqual(distances["s.3mf"], distances["s.ply"], places=9)
+        self.assertAlmostEqual(distances["s.gii"], distances["s.ply"], places=3)
+        if not distances["s.ply"] > 0:
+            self.fail("nothing was measured")
+
+    def test_nibabel_reads_the_same_surface(self):
+        script = ("import json, nibabel; a = nibabel.load('s.surf.gii'); p, t = a.agg_data(('pointset', 'triangle')); c = a.darrays[0].coordsys;"
+                  "print(json.dumps([p.tolist(), t.tolist(), c.dataspace, c.xformspace, a.get_arrays_from_intent('triangle')[0].meta['TopologicalType']]))")
+        self.put_sphere()
+        self.succeed("extract", "sphere.nrrd", "--iso", "0", "-o", "s.surf.gii", "-q")
+        self.succeed("extract", "sphere.nrrd", "--iso", "0", "-o", "s.off", "-q", "--space", "ras")
+        python = next((p for p in (sys.executable, "/usr/bin/python3")
+                       if subprocess.run([p, "-c", "import nibabel"], capture_output=True).returncode == 0), None)
+        if python is None:
+            self.skipTest("nibabel is not there")
+        read = subprocess.run([python, "-c", script], cwd=self.folder, capture_output=True, check=True)
+        points, triangles, *spaces, closed = json.loads(read.stdout)
+        self.assertEqual((spaces, closed), ([1, 1], "Closed"))  # NIFTI_XFORM_SCANNER_ANAT
+        text = (self.folder / "s.off").read_text()
+        positions = off_positions(text)
+        self.assertEqual(len(points), len(positions))
+        for found, wanted in zip(points, positions):
+            for a, b in zip(found, wanted):
+                self.assertEqual(a, struct.unpack("f", struct.pack("f", b))[0])
+        self.assertEqual(triangles, [list(map(int, line.split()[1:])) for line in text.splitlines() if line.startswith("3 ")])
+
+
+class NothingHalfWritten(ToolTest):
+    def put_gyroid(self, n):
+        self.put("g.raw", gyroid(n))
+        return ["extract", "g.raw", "--raw-size", f"{n},{n},{n}", *MANY_TRIANGLES, "-q", "-o"]
+
+    def test_killed_while_writing(self):
+        arguments = self.put_gyroid(64)
+        self.assertEqual(self.run_tool(*arguments, "whole.obj").returncode, 0)
+        whole = (self.folder / "whole.obj").read_bytes()
+        killed_within, left = 0, []
+        for attempt in range(6):
+            old = self.put("a.obj", b"old")
+            process = subprocess.Popen([str(TOOL), *arguments, "a.obj"], cwd=self.folder)
+            wanted = attempt * len(whole) // 8
+            while process.poll() is None:
+                try:
+                    parts = list(self.folder.glob(".isoatlas-*/.isoatlas.*.part"))
+                    parts = [part for part in parts if part not in left]
+                    if parts and parts[0].stat().st_size >= wanted :
+                        killed_within += parts[0].stat().st_size < len(whole)
+                        process.kill()
+                        break
+                except FileNotFoundError:
+                    pass  # it was renamed
+            process.wait(timeout=20)
+            left = list(self.folder.glob(".isoatlas-*/.isoatlas.*.part"))
+            self.assertIn(old.read_bytes(), (b"old", whole))
+            # What the killed runs left disturbs nobody.
+        self.assertGreater(killed_within, 0, "no run was killed in the middle")
+        self.assertTrue(list(self.folder.glob(".isoatlas-*")))
+        self.assertEqual(self.run_tool(*arguments, "a.obj").returncode, 0)
+        self.assertEqual((self.folder / "a.obj").read_bytes(), whole)
+
+    def test_full_disk(self):
+        """Each format on a disk that has no room for it."""
+        arguments = self.put_gyroid(24)
+        disk = self.folder / "disk"
+        disk.mkdir()
+        if os.geteuid() != 0 or subprocess.run(["mount", "-t", "tmpfs", "-o", "size=16k", "tmpfs", disk], capture_output=True).returncode != 0:
+            self.skipTest("no small file system can be mounted")
+        self.addCleanup(subprocess.run, ["umount", "-l", disk], check=True)
+        (disk / "old").write_bytes(b"old")
+        for name in [*(f"a.{extension}" for extension in MESH_EXTENSIONS), "a.glb", "a.vtm", "a-{level}.ply"]:
+            result = self.run_tool(*arguments, disk / name)
+            self.assertEqual(result.returncode, 2, (name, result.stderr))
+            self.assertRegex(result.stderr, r"\Aisoatlas: error: [^\n]*disk/a[^\n]*(No space left on device|out of disk space|OutOfDiskSpace)[^\n]*\n\Z", name)
+            self.assertEqual([path.name for path in disk.iterdir()], ["old"], name)
+        result = self.run_tool(*arguments, "b.ply", "--report", disk / "r.json", "--html", disk / "r.html")
+        self.assertEqual(result.returncode, 2)
+        self.assertEqual([path.name for path in disk.iterdir()], ["old"])
+        self.assertFalse((self.folder / "b.ply").exists())
+        result = self.run_tool(*arguments, "-", env={"TMPDIR": str(disk)})
+        self.assertEqual(result.returncode, 2)
+        self.assertRegex(result.stderr, r"\Aisoatlas: error: standard output: [^\n]*No space left on device\n\Z")
+        self.assertEqual([path.name for path in disk.iterdir()], ["old"])
+
+    def test_a_volume_that_is_cut_while_it_is_read(self):
+        """After any open or read of it: an error, or the mesh of the whole file; never samples that were not there."""
+        library = os.environ.get("ISOATLAS_CUT_LIBRARY")
+        if not library:
+            self.skipTest("ISOATLAS_CUT_LIBRARY does not name the library that cuts files")
+        n = 64
+        samples = gyroid(n)
+        sizes = f"{n} {n} {n}"
+        volumes = {
+            "a.raw": samples,
+            "a.nrrd": nrrd(samples, (n, n, n), "uchar"),
+            "z.nrrd": nrrd(zlib.compress(samples, 0), (n, n, n), "uchar").replace(b"encoding: raw", b"encoding: gzip"),
+            "a.mha": f"ObjectType = Image\nNDims = 3\nElementSpacing = 1 1 1\nDimSize = {sizes}\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n".encode() + samples,
+            "a.vtk": f"# vtk DataFile Version 3.0\na\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS {sizes}\nORIGIN 0 0 0\nSPACING 1 1 1\n"
+                     f"POINT_DATA {n ** 3}\nSCALARS a unsigned_char\nLOOKUP_TABLE default\n".encode() + samples,
+            "a.tif": tiff(samples, n),
+            "a.nii": nifti(samples, n),
+        }
+        cut = 0
+        for name, content in volumes.items():
+            options = ["extract", name, "--iso", "128.5", "--coarse", "-q", "-o", "a.ply"]
+            options += ["--spacing", "1,1,1"] if name == "a.tif" else []
+            options += ["--raw-size", f"{n},{n},{n}", "--raw-type", "uint8"] if name == "a.raw" else []
+            self.put(name, content)
+            self.assertEqual(self.run_tool(*options).returncode, 0, name)
+            whole = (self.folder / "a.ply").read_bytes()
+            statuses = []
+            for uses in (1, 2, 3, 4, 5, 6, 9, 14, 20):
+                for length in (0, len(content) // 2):
+                    self.put(name, content)
+                    self.put("a.ply", b"old")
+                    result = self.run_tool(*options, env={"LD_PRELOAD": library, "CUT_FILE": str(self.folder / name), "CUT_AFTER": str(uses),
+                                                          "CUT_LENGTH": str(length)})
+                    statuses.append(result.returncode)
+                    self.assertIn(result.returncode, (0, 2), (name, uses, length, result.stderr))
+                    self.assertRegex(result.stderr, r"\A(isoatlas: error: [^\n]+\n)?\Z")
+                    self.assertEqual((self.folder / "a.ply").read_bytes(), whole if result.returncode == 0 else b"old", (name, uses, length))
+            self.assertIn(2, statuses, f"{name} was not cut while it was read")
+
+    def test_a_folder_that_cannot_be_written(self):
+        arguments = self.put_gyroid(8)
+        folder = self.folder / "folder"
+        folder.mkdir()
+        (folder / "a.ply").write_bytes(b"old")
+        if os.geteuid() == 0:
+            if subprocess.run(["mount", "--bind", "-o", "ro", folder, folder], capture_output=True).returncode != 0:
+                self.skipTest("root writes everywhere")
+            self.addCleanup(subprocess.run, ["umount", "-l", folder], check=True)
+            subprocess.run(["mount", "-o", "remount,bind,ro", folder], check=True)
+        else:
+            folder.chmod(0o500)
+        for name in ("a.ply", "b.3mf", "c.vtm"):
+            self.refuse(rf"folder/{name}: cannot be written: (Read-only file system|Permission denied)", *arguments, folder / name)
+        self.refuse("folder/r.json: cannot be written", *arguments, "d.ply", "--report", folder / "r.json")
+        self.assertEqual((folder / "a.ply").read_bytes(), b"old")
 
 
 class BadArguments(ToolTest):
@@ -1086,9 +1458,9 @@ class Check(ToolTest):
         self.put("cut.off", off(*TETRAHEDRON)[:-20])
         self.refuse("cut.off", "check", "cut.off")
         self.put("m.xyz", b"0 0 0\n")
-        self.refuse("m.xyz.*expected one of .ply .stl .obj .off .vtp$", "check", "m.xyz")
+        self.refuse("m.xyz.*expected one of .ply .stl .obj .off .vtp .3mf .gii$", "check", "m.xyz")
         self.put("m.glb", b"glTF")
-        self.refuse("m.glb: is a file of levels of detail, expected one of .ply .stl .obj .off .vtp; isoatlas levels", "check", "m.glb")
+        self.refuse("m.glb: is a file of levels of detail, expected one of .ply .stl .obj .off .vtp .3mf .gii; isoatlas levels", "check", "m.glb")
 
     def test_histogram_suits_the_locale(self):
         self.put("m.off", off(*TETRAHEDRON))
@@ -1673,7 +2045,7 @@ class Picture(ToolTest):
         self.refuse("nowhere", "picture", "s.glb", "-o", "nowhere/q.png")
         self.refuse("missing.glb", "picture", "missing.glb", "-o", "q.png")
         for command, output in (("picture", "q.png"), ("report", "q.html")):
-            self.refuse("expected one of .ply .stl .obj .off .vtp, or .glb or .vtm.*isoatlas extract meshes it",
+            self.refuse("expected one of .ply .stl .obj .off .vtp .3mf .gii, or .glb or .vtm.*isoatlas extract meshes it",
                         command, "sphere.nrrd", "-o", output)
         for name in ("q.tif", "q.bmp", "q", "q.png.txt"):
             self.refuse(f"{name}: .*expected a name ending in .png, .jpg or .jpeg", "picture", "s.glb", "-o", name)

@@ -189,7 +189,8 @@ TEST(HierarchyFiles, GlbHasTheLevelsAsLevelsOfDetail) {
     write_hierarchy(hierarchy, folder / "a.glb", info_of(shape));
     const tinygltf::Model model = load(folder / "a.glb");
     EXPECT_EQ(model.asset.version, "2.0");
-    EXPECT_EQ(model.extensionsUsed, std::vector<std::string>{"MSFT_lod"});
+    EXPECT_EQ(model.extensionsUsed, shape.is_open ? std::vector<std::string>{"MSFT_lod"}
+                                                  : (std::vector<std::string>{"EXT_mesh_manifold", "MSFT_lod"}));
     EXPECT_TRUE(model.extensionsRequired.empty());  // others show the finest level
     ASSERT_EQ(model.scenes.size(), 1U);
     EXPECT_EQ(model.scenes[0].nodes, std::vector<int>{0});
@@ -230,16 +231,39 @@ TEST(HierarchyFiles, GlbHasTheLevelsAsLevelsOfDetail) {
   }
 }
 
-TEST(HierarchyFiles, GlbOfOneLevelNeedsNoExtension) {
-  const TempFolder folder;
+// The extension's rules: the manifold primitive has the positions and nothing else, from the same accessor, and no material.
+TEST(HierarchyFiles, ClosedLevelsOfAGlbSayThatTheyAreManifolds) {
   Hierarchy hierarchy = sphere({});
+  hierarchy.levels[1].triangles.pop_back();  // open, among closed ones
+  const TempFolder folder;
+  write_hierarchy(hierarchy, folder / "a.glb");
+  const tinygltf::Model model = load(folder / "a.glb");
+  ASSERT_EQ(model.meshes.size(), 3U);
+  for (const tinygltf::Mesh& mesh : model.meshes) {
+    SCOPED_TRACE(mesh.name);
+    const auto found = mesh.extensions.find("EXT_mesh_manifold");
+    ASSERT_EQ(found != mesh.extensions.end(), mesh.name != "level 1");
+    if (found == mesh.extensions.end()) continue;
+    const tinygltf::Value& manifold = found->second.Get("manifoldPrimitive");
+    EXPECT_EQ(found->second.Keys(), std::vector<std::string>{"manifoldPrimitive"});  // nothing to merge
+    EXPECT_EQ(manifold.Keys(), (std::vector<std::string>{"attributes", "indices", "mode"}));
+    EXPECT_EQ(manifold.Get("attributes").Keys(), std::vector<std::string>{"POSITION"});
+    EXPECT_EQ(manifold.Get("attributes").Get("POSITION").GetNumberAsInt(), mesh.primitives[0].attributes.at("POSITION"));
+    EXPECT_EQ(manifold.Get("indices").GetNumberAsInt(), mesh.primitives[0].indices);
+    EXPECT_EQ(manifold.Get("mode").GetNumberAsInt(), 4);
+  }
+}
+
+TEST(HierarchyFiles, GlbOfOneOpenLevelNeedsNoExtension) {
+  const TempFolder folder;
+  Hierarchy hierarchy = sphere({.is_open = true});
   hierarchy.levels.resize(1);
   write_hierarchy(hierarchy, folder / "a.glb");
   const tinygltf::Model model = load(folder / "a.glb");
   EXPECT_TRUE(model.extensionsUsed.empty());
   EXPECT_EQ(model.nodes.size(), 1U);
   EXPECT_EQ(read_hierarchy(folder / "a.glb").info.levels.size(), 0U);
-  EXPECT_EQ(read_hierarchy(folder / "a.glb").hierarchy.positions.size(), 6U);  // no others are in it
+  EXPECT_EQ(read_hierarchy(folder / "a.glb").hierarchy.positions.size(), 5U);  // no others are in it
 }
 
 TEST(HierarchyFiles, LargeCoordinatesGetATranslation) {
@@ -414,7 +438,7 @@ TEST(HierarchyFiles, AnyFileWithMeshesIsRead) {
   EXPECT_EQ(one.info.mesh.space, "lps");
   expect_error(ErrorCode::bad_file, "no such file", folder / "none.xyz", [&] { read_levels(folder / "none.xyz"); });
   write_bytes(folder / "a.xyz", "x");
-  expect_error(ErrorCode::unsupported, "one of .ply .stl .obj .off .vtp, or .glb or .vtm", folder / "a.xyz",
+  expect_error(ErrorCode::unsupported, "one of .ply .stl .obj .off .vtp .3mf .gii, or .glb or .vtm", folder / "a.xyz",
                [&] { read_levels(folder / "a.xyz"); });
 }
 

@@ -14,8 +14,8 @@
 namespace isoatlas::test {
 namespace {
 
-constexpr std::array kFormats{".ply", ".stl", ".obj", ".off", ".vtp"};
-constexpr std::array kDoubleFormats{".ply", ".obj", ".off", ".vtp"};
+constexpr std::array kFormats{".ply", ".stl", ".obj", ".off", ".vtp", ".3mf", ".gii"};
+constexpr std::array kDoubleFormats{".ply", ".obj", ".off", ".vtp", ".3mf"};
 
 // An octahedron far from the origin, with coordinates that need all digits of a double.
 TriangleMesh octahedron() {
@@ -72,7 +72,7 @@ TEST(MeshFiles, SameMeshSameBytesAndTheSpaceIsInThem) {
     write_mesh(octahedron(), folder / (std::string("other_name") + extension), kInfo);
     const std::string bytes = read_bytes(folder / (std::string("a") + extension));
     EXPECT_EQ(bytes, read_bytes(folder / (std::string("other_name") + extension)));
-    EXPECT_NE(bytes.find(std::string(extension) == ".vtp" ? "SPACE" : "SPACE=LPS"), std::string::npos);
+    EXPECT_EQ(mesh_space(folder / (std::string("a") + extension)), std::string(extension) == ".gii" ? "RAS" : "LPS");
     EXPECT_FALSE(bytes.starts_with("solid"));
   }
 }
@@ -121,7 +121,7 @@ TEST(MeshFiles, WrongMeshesAreNotWritten) {
 
 TEST(MeshFiles, PathIsCheckedBeforeTheWork) {
   const TempFolder folder;
-  expect_error(ErrorCode::unsupported, ".ply .stl .obj .off .vtp, or .glb or .vtm", folder / "a.xyz",
+  expect_error(ErrorCode::unsupported, ".ply .stl .obj .off .vtp .3mf .gii, or .glb or .vtm", folder / "a.xyz",
                [&] { check_mesh_path(folder / "a.xyz"); });
   expect_error(ErrorCode::bad_file, "there is no folder", folder / "none/a.ply", [&] { check_mesh_path(folder / "none/a.ply"); });
   std::filesystem::create_directory(folder / "dir.ply");
@@ -141,7 +141,7 @@ TEST(MeshFiles, WhatIsRefusedIsNotWhatIsExpected) {
       ADD_FAILURE() << name;
     } catch (const Error& error) {
       const std::string what = error.what();
-      EXPECT_NE(what.find(".ply .stl .obj .off .vtp"), std::string::npos) << what;
+      EXPECT_NE(what.find(".ply .stl .obj .off .vtp .3mf .gii"), std::string::npos) << what;
       EXPECT_EQ(what.find("or .glb"), std::string::npos) << what;
     }
   }

@@ -24,7 +24,13 @@ Hierarchy two_levels() {
   return hierarchy;
 }
 
-const HierarchyFileInfo kInfo{.mesh = {}, .placement = {}, .levels = {R"({"level":0})", R"({"level":1})"}};
+HierarchyFileInfo two_infos() {
+  HierarchyFileInfo info;
+  info.levels = {R"({"level":0})", R"({"level":1})"};
+  return info;
+}
+
+const HierarchyFileInfo kInfo = two_infos();
 
 // Writes to a folder; the files by name with the levels they hold.
 std::map<std::string, std::vector<std::size_t>> written(const TempFolder& folder, const std::string& name, bool glb_per_level = false) {

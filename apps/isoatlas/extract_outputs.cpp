@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "extract_outputs.h"
+
+#include <unistd.h>
+
+#include "file_kinds.h"
+#include "isoatlas/error.h"
+#include "isoatlas/text_file.h"
+#include "text.h"
+
+namespace isoatlas::tool {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::bad_argument, message); }
+
+constexpr const char* kDefaultFormat = "ply";
+
+void require_possible_stream(const ExtractArguments& arguments) {
+  if (arguments.glb_per_level) refuse("-o -: --glb-per-level makes several files, expected a name for them");
+  if (isatty(STDOUT_FILENO) != 0) refuse("-o -: standard output is a terminal, expected a pipe or a file to put the mesh into");
+}
+
+/// The temporary file of a mesh that goes to standard output.
+std::optional<StandardOutputFile> stream_of(const ExtractArguments& arguments) {
+  const bool is_stream = is_standard_stream(arguments.mesh);
+  if (!arguments.format.empty() && !is_stream)
+    refuse("--format goes with -o -, found -o " + arguments.mesh.string() + ": the extension of a name is the format");
+  if (!is_stream) return std::nullopt;
+  require_possible_stream(arguments);
+  return std::optional<StandardOutputFile>(std::in_place, "mesh." + (arguments.format.empty() ? kDefaultFormat : arguments.format));
+}
+
+std::vector<MeshOutputs::Other> others_of(const ExtractArguments& arguments) {
+  std::vector<MeshOutputs::Other> others;
+  if (arguments.report) others.push_back({*arguments.report, "report"});
+  if (arguments.page) others.push_back({*arguments.page, "page"});
+  return others;
+}
+
+std::string shown(const fs::path& path) { return is_standard_stream(path) ? kStandardOutputName : path.string(); }
+
+}  // namespace
+
+ExtractOutputs::ExtractOutputs(const ExtractArguments& arguments, std::size_t level_count)
+    : level_count_(level_count),
+      stream_file_(stream_of(arguments)),
+      meshes_(stream_file_ ? stream_file_->path() : arguments.mesh, arguments.glb_per_level),
+      others_(others_of(arguments)) {
+  std::vector<MeshOutputs::Other> named;
+  std::string streamed = stream_file_ ? "mesh" : "";
+  for (const MeshOutputs::Other& other : others_) {
+    if (!is_standard_stream(other.path)) {
+      named.push_back(other);
+      continue;
+    }
+    if (!streamed.empty()) refuse("the " + streamed + " and the " + other.what + " would both go to standard output, expected a name for one");
+    streamed = other.what;
+    stream_text_name_ = other.path;
+  }
+  // A volume from standard input has no name that an output could have.
+  meshes_.check(level_count, is_standard_stream(arguments.volume.path) ? fs::path() : arguments.volume.path, named);
+  if (arguments.report && !is_standard_stream(*arguments.report)) require_report_name(*arguments.report);
+  if (arguments.page && !is_standard_stream(*arguments.page)) require_page_name(*arguments.page);
+}
+
+std::vector<ReportFile> ExtractOutputs::write_meshes(const Hierarchy& hierarchy, const HierarchyFileInfo& info) {
+  if (!stream_file_) return meshes_.write(hierarchy, info, files_);
+  try {
+    OutputFiles whole;
+    std::vector<ReportFile> written = meshes_.write(hierarchy, info, whole);
+    whole.commit();
+    for (ReportFile& file : written) file.path = "-";
+    return written;
+  } catch (const Error& error) {
+    throw stream_file_->renamed(error);
+  }
+}
+
+void ExtractOutputs::write_text(const fs::path& name, const std::string& text) {
+  if (is_standard_stream(name))
+    stream_text_ = text;
+  else
+    files_.write(name, [&](const fs::path& staged) { write_text_file(text, staged); });
+}
+
+bool ExtractOutputs::commit(Interruption& interruption) {
+  if (uses_standard_output()) {
+    interruption.settle();  // what was sent cannot be called back: from here on this thread looks for interruptions itself
+    const bool sent = stream_file_ ? stream_file_->send(interruption.requested())
+                                   : send_to_standard_output(stream_text_, interruption.requested());
+    if (!sent) return false;
+  }
+  interruption.commit([&] { files_.commit(); });
+  return true;
+}
+
+void ExtractOutputs::discard() noexcept {
+  files_.discard();
+  if (stream_file_) stream_file_->discard();
+}
+
+std::string ExtractOutputs::names() const {
+  std::string text = kStandardOutputName;
+  if (!stream_file_) {
+    const std::vector<fs::path> paths = meshes_.paths(level_count_);
+    text = paths.front().string() + (paths.size() > 1 ? " and " + counted(paths.size() - 1, "more file") : "");
+  }
+  for (const auto& [path, what] : others_) text += ", " + what + " " + shown(path);
+  return text;
+}
+
+}  // namespace isoatlas::tool

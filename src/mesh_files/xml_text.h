@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace isoatlas::io {
+
+/// `text` as the content of an XML element or of a quoted attribute. Bytes that are not ASCII become '?': nobody promises
+/// that they are UTF-8, and an XML file must be.
+inline std::string xml_text(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&': result += "&amp;"; break;
+      case '<': result += "&lt;"; break;
+      case '>': result += "&gt;"; break;
+      case '"': result += "&quot;"; break;
+      default: result += static_cast<unsigned char>(c) < 128 ? c : '?';
+    }
+  }
+  return result;
+}
+
+}  // namespace isoatlas::io
