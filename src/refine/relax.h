@@ -6,6 +6,7 @@
 
 #include "isoatlas/mesh.h"
 #include "isoatlas/run_control.h"
+#include "refine/level_mesh.h"
 #include "volume/interpolated_field.h"
 
 namespace isoatlas {
@@ -30,12 +31,13 @@ struct RelaxGoal {
 /// leave by 0.4 voxel at most. No triangle is turned over. Only places that need it are touched.
 ///
 /// @param points  spacing applied; lengths in voxels (smallest spacings)
+/// @param triangles_of  per vertex, the triangles with a corner there
 /// @param field   whose zero set is the surface; none: nothing draws vertices back
 /// @param fresh  per triangle, 1 if it was not there, or its corners were elsewhere, when this was done the last time; empty: all are
 /// @return the vertices that were moved, sorted
 /// @cost   O(triangles), then a few dozen looks at those concerned
-std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles, std::span<const Roam> roam,
-                                 const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal, const RunControl& control,
+std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles, const Buckets& triangles_of,
+                                 std::span<const Roam> roam, const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal, const RunControl& control,
                                  std::span<const std::uint8_t> fresh = {});
 
 }  // namespace isoatlas

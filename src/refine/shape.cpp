@@ -82,7 +82,7 @@ class Workshop {
       roam[c] = {roam[c].low + balanced, roam[c].high + balanced};
     }
     const InterpolatedField* field = ground.isosurface == nullptr ? nullptr : &ground.isosurface->field();
-    std::vector<CellId> moved = relax(points, triangles, roam, field, ground.complex.spacing, {goal_.aspect, 0}, control_);
+    std::vector<CellId> moved = relax(points, triangles, mesh.triangles_of, roam, field, ground.complex.spacing, {goal_.aspect, 0}, control_);
     if (moved.empty()) return false;
 
     if (places_.shift.empty()) places_.shift.resize(mesh.cell_count());
