@@ -17,7 +17,7 @@ namespace {
 // where they are in all levels, and the triangles of fine ones have edges of about that side in noise. Supersampled cells have no room
 // for more.
 constexpr double kSeparation = 0.4;
-constexpr int kRelaxRounds = 3;  // each with those that had to go back where they are
+constexpr int kRelaxRounds = 4;  // each around what had to go back in the last one
 // Smaller cells help as long as they leave no more than this share of the pairs of triangles that meet.
 constexpr double kHelps = 0.7;
 
@@ -150,8 +150,8 @@ std::vector<std::uint8_t> CoarseMesher::turned_now(std::span<const ComponentId> 
 }
 
 // Moves vertices that are too close to each other for later levels to have good triangles there, and for good triangles in this one. Where
-// triangles or surfels meet then, or a component is inside out, vertices go back half of the way, and then all of it; what is around tries
-// again, with those that went back where they are.
+// triangles or surfels meet then, or a component is inside out, vertices go back half of the way, and then all of it. What is around tries
+// again, every other time without pushing, which would go the same way again.
 void CoarseMesher::relax_vertices(const RunControl& control) {
   const SurfaceComplex& surface = surface_.complex();
   const Vec3 s = surface.spacing;
@@ -169,7 +169,7 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
     }
   });
   const InterpolatedField* const field = options_.vertices_on_surface ? &surface_.field() : nullptr;
-  const RelaxGoal goal{1.0 / 3, kSeparation * std::min({s.x, s.y, s.z})};
+  RelaxGoal goal{1.0 / 3, kSeparation * std::min({s.x, s.y, s.z})};
 
   std::vector<Vec3> points = start, positions = surface.positions;  // positions: per c-vertex, those that vertices are at moved
   const auto move_to = [&](std::uint32_t i, Vec3 point) {
@@ -179,6 +179,7 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
   stays_.assign(at.size(), 0);
   std::vector<std::uint8_t> fresh;
   for (int round = 0; round < kRelaxRounds; ++round) {
+    goal.push = round % 2 == 0;
     const std::vector<Vec3> before = points, positions_before = positions;
     const std::vector<std::uint32_t> moved = relax(points, mesh_.triangles, triangles_of, roam, field, s, goal, control, fresh);
     for (const std::uint32_t i : moved) move_to(i, points[i]);

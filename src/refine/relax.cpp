@@ -64,7 +64,7 @@ class Relaxation {
     seen_.assign(triangles_.size(), 0);
     facing_.resize(triangles_.size());
     is_facing_known_.assign(triangles_.size(), 0);
-    for (int step = 0; step < kSteps && !active_.empty(); ++step) {
+    for (int step = 0; goal_.push && step < kSteps && !active_.empty(); ++step) {
       control_.check_cancelled();
       for (const std::uint32_t t : active_) push_apart(t);
       move_pushed();

@@ -24,6 +24,7 @@ Roam roam_of(Vec3 position, Vec3 spacing);
 struct RelaxGoal {
   double aspect = 0;      ///< shortest over longest edge of a triangle, at least
   double separation = 0;  ///< no shorter edge, if possible; spacing applied
+  bool push = true;       ///< push vertices before better places are searched for; without it other places are found
 };
 
 /// Moves vertices a little, within their boxes, until triangles have a better shape: the ends of an edge that is too short are pushed
