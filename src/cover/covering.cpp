@@ -11,6 +11,11 @@
 #include <limits>
 
 namespace isoatlas {
+namespace {
+
+constexpr float kSlope = 1.0f / 3.0f;  // of radii along the surface, at most
+
+}  // namespace
 
 Covering::Covering(const CVertexGraph& graph, const CoveringOptions& options)
     : graph_(graph),
@@ -111,7 +116,7 @@ void Covering::spread_radii() {
     if (key_length(key) > radius_[w]) continue;
     if (partition_.cell_of[w] != kNone && !is_covered(w)) enqueue(w);
     for (const CVertexGraph::Neighbour& n : graph_.row(w)) {
-      const float r = radius_[w] + n.weight * (1.0f / 3.0f);
+      const float r = radius_[w] + n.weight * kSlope;
       if (r >= radius_[n.id]) continue;
       radius_[n.id] = r;
       front_.push(length_key(r, n.id));
@@ -119,23 +124,7 @@ void Covering::spread_radii() {
   }
 }
 
-void Covering::seed(std::span<const CVertexId> sites, std::span<const Radius> radii) {
-  front_.clear();
-  for (const Radius& r : radii) {
-    if (r.radius >= radius_[r.at]) continue;
-    radius_[r.at] = r.radius;
-    front_.push(length_key(r.radius, r.at));
-  }
-  spread_radii();
-
-  front_.clear();
-  for (const CVertexId v : sites) {
-    distance_[v] = 0;
-    partition_.cell_of[v] = site_count();
-    partition_.site.push_back(v);
-    placed_in_.push_back(kNone);
-    front_.push(length_key(0, v));
-  }
+void Covering::spread_distances() {
   while (!front_.empty()) {
     const std::uint64_t key = front_.pop();
     const CVertexId w = key_id(key);
@@ -150,11 +139,82 @@ void Covering::seed(std::span<const CVertexId> sites, std::span<const Radius> ra
       front_.push(length_key(d, n.id));
     }
   }
+}
+
+// Radii that leave something uncovered become those that cover it.
+void Covering::cover_by_radii() {
+  reached_ = 0;
   for (CVertexId v = 0; v < graph_.c_vertex_count(); ++v) {
     if (partition_.cell_of[v] == kNone) continue;
     ++reached_;
     if (!is_covered(v)) radius_[v] = distance_[v] * (1.001f / (graph_.on_boundary[v] ? kBoundaryShare : 1.0f));
   }
+}
+
+void Covering::seed(std::span<const CVertexId> sites, std::span<const Radius> radii) {
+  for (const Radius& r : radii) radius_[r.at] = std::min(radius_[r.at], r.radius);
+  front_.clear();
+  for (const Radius& r : radii) {  // most radii lower none beside them
+    const auto lowers = [&](const CVertexGraph::Neighbour& n) { return radius_[r.at] + n.weight * kSlope < radius_[n.id]; };
+    if (std::ranges::any_of(graph_.row(r.at), lowers)) front_.push(length_key(radius_[r.at], r.at));
+  }
+  spread_radii();
+
+  front_.clear();
+  for (const CVertexId v : sites) {
+    distance_[v] = 0;
+    partition_.cell_of[v] = site_count();
+    partition_.site.push_back(v);
+    placed_in_.push_back(kNone);
+    front_.push(length_key(0, v));
+  }
+  spread_distances();
+  cover_by_radii();
+}
+
+void Covering::continue_from(const Covering& other, std::span<const std::uint8_t> changed) {
+  const CVertexId n = graph_.c_vertex_count();
+  std::copy(other.radius_.begin(), other.radius_.end(), radius_.begin());
+  std::copy(other.distance_.begin(), other.distance_.end(), distance_.begin());
+  std::copy(other.partition_.cell_of.begin(), other.partition_.cell_of.end(), partition_.cell_of.begin());
+  partition_.site = other.partition_.site;
+  placed_in_ = other.placed_in_;
+
+  front_.clear();
+  for (CVertexId v = 0; v < n; ++v) {
+    if (!changed[v]) continue;
+    for (const CVertexGraph::Neighbour& w : graph_.row(v)) {
+      if (radius_[v] + w.weight * kSlope < radius_[w.id]) front_.push(length_key(radius_[v], v));
+      if (radius_[w.id] + w.weight * kSlope < radius_[v]) front_.push(length_key(radius_[w.id], w.id));
+    }
+  }
+  spread_radii();
+
+  // A cell's distances are lengths of paths in the cell. So those of cells in which no row changed are still right, unless there are
+  // shorter paths now; the others are found anew, from their sites and from the cells around.
+  std::vector<std::uint8_t> is_stale(site_count(), 0);
+  for (CVertexId v = 0; v < n; ++v) {
+    if (changed[v] && partition_.cell_of[v] != kNone) is_stale[partition_.cell_of[v]] = 1;
+  }
+  std::vector<CVertexId> stale;
+  for (CVertexId v = 0; v < n; ++v) {
+    const CellId cell = partition_.cell_of[v];
+    if (cell != kNone && (!is_stale[cell] || partition_.site[cell] == v)) continue;
+    stale.push_back(v);
+    partition_.cell_of[v] = kNone;
+    distance_[v] = std::numeric_limits<float>::infinity();
+  }
+  front_.clear();
+  for (const CVertexId v : stale) {
+    for (const CVertexGraph::Neighbour& w : graph_.row(v)) {
+      if (partition_.cell_of[w.id] != kNone) front_.push(length_key(distance_[w.id], w.id));
+    }
+  }
+  for (CellId c = 0; c < site_count(); ++c) {
+    if (is_stale[c]) front_.push(length_key(0, partition_.site[c]));
+  }
+  spread_distances();
+  cover_by_radii();
 }
 
 CVertexId Covering::farthest_uncovered() {

@@ -48,6 +48,11 @@ class Covering {
   };
   void seed(std::span<const CVertexId> sites, std::span<const Radius> radii);
 
+  /// Starts from the covering of another graph with the same c-vertices and more: sites stay, and so do radii, but where they would leave
+  /// something uncovered. As seed() with the other's sites and radii, but only what is near a changed row is looked at.
+  /// @param changed  per c-vertex, 1 if its row is not the other graph's. @pre nothing was inserted yet
+  void continue_from(const Covering& other, std::span<const std::uint8_t> changed);
+
   /// From now on new disks are not limited by topological events: once the certificate has passed there is no need to look
   /// for them, smaller disks inside certified cells have none that matter (paper, figure 8), and repair has the last word.
   void ignore_events() { watch_events_ = false; }
@@ -83,6 +88,8 @@ class Covering {
   void add_disk(CVertexId v);  ///< a site whose disk is limited by its first topological event
   void cover_reached(const RunControl& control);
   void spread_radii();
+  void spread_distances();
+  void cover_by_radii();
   CVertexId farthest_uncovered();
 
   const CVertexGraph& graph_;

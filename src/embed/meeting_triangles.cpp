@@ -21,15 +21,32 @@ std::vector<std::uint32_t> sorted_once(std::vector<std::uint32_t> ids) {
 
 }  // namespace
 
-bool MeetingTriangles::stayed(std::span<const Vec3> positions, const Triangle& t) const {
-  return std::all_of(t.begin(), t.end(), [&](std::uint32_t v) { return v < positions_.size() && positions_[v] == positions[v]; });
+MeetingTriangles::TriangleSet::TriangleSet(std::vector<Triangle> triangles, std::size_t vertices)
+    : first_(vertices + 1, 0), triangles_(triangles.size()) {
+  for (const Triangle& t : triangles) ++first_[t[0] + 1];
+  for (std::size_t v = 0; v < vertices; ++v) first_[v + 1] += first_[v];
+  std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+  for (const Triangle& t : triangles) triangles_[next[t[0]]++] = t;
+}
+
+bool MeetingTriangles::TriangleSet::contains(const Triangle& t) const {
+  if (t[0] + 1 >= first_.size()) return false;
+  return std::any_of(triangles_.begin() + first_[t[0]], triangles_.begin() + first_[t[0] + 1],
+                     [&](const Triangle& other) { return other[1] == t[1] && other[2] == t[2]; });
+}
+
+std::vector<std::uint8_t> MeetingTriangles::vertices_that_stayed(std::span<const Vec3> positions) const {
+  std::vector<std::uint8_t> out(positions.size(), 0);
+  for (std::size_t v = 0; v < std::min(positions.size(), positions_.size()); ++v) out[v] = positions_[v] == positions[v];
+  return out;
 }
 
 std::vector<std::uint8_t> MeetingTriangles::fresh(std::span<const Vec3> positions, std::span<const Triangle> triangles) const {
+  const std::vector<std::uint8_t> stayed = vertices_that_stayed(positions);
   std::vector<std::uint8_t> out(triangles.size(), 0);
   for (std::size_t i = 0; i < triangles.size(); ++i) {
-    const Triangle t = with_smallest_first(triangles[i]);
-    out[i] = !stayed(positions, t) || !std::binary_search(triangles_.begin(), triangles_.end(), t);
+    const Triangle& t = triangles[i];
+    out[i] = !stayed[t[0]] || !stayed[t[1]] || !stayed[t[2]] || !triangles_.contains(with_smallest_first(t));
   }
   return out;
 }
@@ -50,15 +67,18 @@ std::vector<std::uint32_t> MeetingTriangles::update(std::span<const Vec3> positi
   RunControl quiet = control;  // it is not the stage that tells its progress
   quiet.progress = nullptr;
   for (const auto& [a, b] : self_intersections(positions, triangles, options, quiet)) pairs.emplace_back(sorted[a], sorted[b]);
-  std::sort(sorted.begin(), sorted.end());
+  TriangleSet now(std::move(sorted), positions.size());
   if (!most) {
-    const auto is_there = [&](const Triangle& t) { return stayed(positions, t) && std::binary_search(sorted.begin(), sorted.end(), t); };
+    const std::vector<std::uint8_t> stayed = vertices_that_stayed(positions);
+    const auto is_there = [&](const Triangle& t) {
+      return std::all_of(t.begin(), t.end(), [&](std::uint32_t v) { return v < stayed.size() && stayed[v] != 0; }) && now.contains(t);
+    };
     for (const auto& [a, b] : pairs_) {
       if (is_there(a) && is_there(b)) pairs.emplace_back(a, b);
     }
   }
   pairs_ = std::move(pairs);
-  triangles_ = std::move(sorted);
+  triangles_ = std::move(now);
   positions_.assign(positions.begin(), positions.end());
 
   std::vector<std::uint32_t> corners;

@@ -25,10 +25,21 @@ class MeetingTriangles {
   std::size_t pairs() const { return pairs_.size(); }  ///< of the last mesh
 
  private:
-  bool stayed(std::span<const Vec3> positions, const Triangle& t) const;
+  // Triangles, each with its smallest corner first, to be asked whether one is there.
+  class TriangleSet {
+   public:
+    TriangleSet() = default;
+    TriangleSet(std::vector<Triangle> triangles, std::size_t vertices);
+    bool contains(const Triangle& t) const;
+
+   private:
+    std::vector<std::uint32_t> first_{0};  // per vertex, in triangles_, those with that smallest corner
+    std::vector<Triangle> triangles_;
+  };
+  std::vector<std::uint8_t> vertices_that_stayed(std::span<const Vec3> positions) const;  ///< per vertex, since the last update()
 
   std::vector<Vec3> positions_;
-  std::vector<Triangle> triangles_;  // sorted, each with its smallest corner first
+  TriangleSet triangles_;
   std::vector<std::pair<Triangle, Triangle>> pairs_;
 };
 

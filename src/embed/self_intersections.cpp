@@ -3,6 +3,7 @@
 #include "isoatlas/self_intersections.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -77,6 +78,69 @@ std::vector<Vec3> about_origin(std::span<const Vec3> positions) {
   return out;
 }
 
+// The space around some triangles in blocks, each marked if the box of a triangle reaches into it. Tells quickly of most other triangles that
+// their boxes meet none of these.
+class MarkedBlocks {
+ public:
+  /// @param positions  about the origin, see about_origin()
+  /// @param triangles  at least one
+  MarkedBlocks(std::span<const Vec3> positions, std::span<const Triangle> triangles) : marked_(kBlocks * kBlocks * kBlocks, false) {
+    Box all;
+    for (const Triangle& t : triangles) {
+      for (const std::uint32_t v : t) all.include(positions[v]);
+    }
+    const auto per_length = [](double low, double high) { return high > low ? kBlocks / (high - low) : 0; };
+    const Vec3 scale{per_length(all.low.x, all.high.x), per_length(all.low.y, all.high.y), per_length(all.low.z, all.high.z)};
+    // It never decreases with the coordinate, whatever the rounding: so boxes that meet have a block in common.
+    const auto index = [](double x, double low, double blocks) {
+      return static_cast<std::uint8_t>(std::clamp((x - low) * blocks, 0.0, kBlocks - 1.0));
+    };
+    blocks_.resize(positions.size());
+    for_each_piece(positions.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) {
+        const Vec3 p = positions[v];
+        blocks_[v] = {index(p.x, all.low.x, scale.x), index(p.y, all.low.y, scale.y), index(p.z, all.low.z, scale.z)};
+      }
+    });
+    for (const Triangle& t : triangles) {
+      any_block(t, [&](std::size_t block) {
+        marked_[block] = true;
+        return false;
+      });
+    }
+  }
+
+  /// False only if the triangle's box meets the box of none of the triangles.
+  bool may_meet(const Triangle& triangle) const {
+    return any_block(triangle, [&](std::size_t block) { return marked_[block]; });
+  }
+
+ private:
+  static constexpr std::size_t kBlocks = 64;  // along each axis
+
+  // Whether `visit` says yes to one of the blocks that a triangle's box reaches into; those after it are not asked about.
+  template <class Visit>
+  bool any_block(const Triangle& t, Visit visit) const {
+    const auto &a = blocks_[t[0]], &b = blocks_[t[1]], &c = blocks_[t[2]];
+    std::array<std::size_t, 3> low, high;
+    for (std::size_t k = 0; k < 3; ++k) {
+      low[k] = std::min({a[k], b[k], c[k]});
+      high[k] = std::max({a[k], b[k], c[k]});
+    }
+    for (std::size_t z = low[2]; z <= high[2]; ++z) {
+      for (std::size_t y = low[1]; y <= high[1]; ++y) {
+        for (std::size_t x = low[0]; x <= high[0]; ++x) {
+          if (visit((z * kBlocks + y) * kBlocks + x)) return true;
+        }
+      }
+    }
+    return false;
+  }
+
+  std::vector<std::array<std::uint8_t, 3>> blocks_;  // per vertex, the block that it is in
+  std::vector<bool> marked_;
+};
+
 class Search {
  public:
   Search(std::span<const Vec3> positions, std::span<const Triangle> triangles, const RunControl& control)
@@ -107,9 +171,11 @@ class Search {
     }
     if (list.empty()) return {};
     const TriangleTree tree(about_origin(positions_), corners);
+    const MarkedBlocks blocks(tree.positions(), corners);
     return collect(triangles_.size(), kScanGrain, [&](std::size_t begin, std::size_t end, std::vector<TrianglePair>& found) {
       std::vector<std::uint32_t> leaves;
       for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
+        if (!blocks.may_meet(triangles_[t])) continue;
         const Box scaled_box = box_of(tree.positions(), triangles_[t]), box = box_of(positions_, triangles_[t]);
         leaves.clear();
         tree.leaves_near(scaled_box.low, scaled_box.high, 0, leaves);

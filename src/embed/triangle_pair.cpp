@@ -10,7 +10,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
+
+#include "core/vector_math.h"
 
 namespace isoatlas {
 namespace {
@@ -104,16 +107,40 @@ Corners sort_corners(Triangle a, Triangle b) {
   return out;
 }
 
+double largest_coordinate(Vec3 v) { return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}); }
+
+// Whether the corners of `other` that `t` does not have are all strictly on one side of its plane, as far as doubles can tell: one normal,
+// and a determinant per corner whose error is bounded. The six products of a determinant are each below u v w, the largest coordinates of
+// three differences, and each has a relative error below 8 times 2^-53, so 48 * 2^-53 * u v w bounds the error; kError is twice that. Within
+// kTiny and kHuge nothing that counts underflows or overflows. No is always a safe answer.
+bool is_surely_on_one_side(std::span<const Vec3> positions, const Triangle& t, const Triangle& other) {
+  constexpr double kError = 1.1e-14, kTiny = 1e-97, kHuge = 1e102;
+  const auto is_moderate = [](double x) { return x > kTiny && x < kHuge; };
+  const Vec3 apex = positions[t[0]], along = positions[t[1]] - apex, across = positions[t[2]] - apex;
+  const double u = largest_coordinate(along), v = largest_coordinate(across);
+  if (!is_moderate(u) || !is_moderate(v)) return false;
+  const Vec3 normal = cross(along, across);
+  int above = 0, below = 0;
+  for (const std::uint32_t corner : other) {
+    if (corner == t[0] || corner == t[1] || corner == t[2]) continue;
+    const Vec3 to = positions[corner] - apex;
+    const double w = largest_coordinate(to), height = dot(normal, to), error = kError * u * v * w;
+    if (!is_moderate(w) || std::fabs(height) <= error) return false;
+    ++(height > 0 ? above : below);
+  }
+  return (above == 0) != (below == 0);
+}
+
 }  // namespace
 
 bool meet_beyond_shared(std::span<const Vec3> positions, const Triangle& first, const Triangle& second) {
+  if (is_surely_on_one_side(positions, first, second) || is_surely_on_one_side(positions, second, first)) return false;
   const Corners corners = sort_corners(first, second);
   const auto point = [&positions](std::uint32_t v) { return Point(positions[v].x, positions[v].y, positions[v].z); };
   const std::array a{point(corners.a[0]), point(corners.a[1]), point(corners.a[2])};
   const std::array b{point(corners.b[0]), point(corners.b[1]), point(corners.b[2])};
 
-  // Nearly always one triangle lies on one side of the other's plane. That holds whatever the triangles' areas: without one all
-  // orientations are zero.
+  // What doubles alone could not tell. That holds whatever the triangles' areas: without one all orientations are zero.
   const auto away = [&corners](const std::array<Point, 3>& t, const std::array<Point, 3>& from) {
     const auto side = [&from](const Point& p) { return CGAL::orientation(from[0], from[1], from[2], p); };
     const CGAL::Orientation last = side(t[2]);

@@ -17,17 +17,19 @@ namespace {
 // where they are in all levels, and the triangles of fine ones have edges of about that side in noise. Supersampled cells have no room
 // for more.
 constexpr double kSeparation = 0.4;
-constexpr int kRelaxRounds = 3;  // with those that must not be where they were moved to held
+constexpr int kRelaxRounds = 4;  // each around what had to go back in the last one
+// Smaller cells help as long as they leave no more than this share of the pairs of triangles that meet.
+constexpr double kHelps = 0.7;
 
 // Gives every marked component more sites, where it is farthest from the others: one, or from round 3 on all that are at least
 // half as far as the farthest, so that few rounds suffice. @return false if there was no room for any
-bool refine_components(const SurfaceComplex& complex, Covering& covering, const MeshTopology& topology,
+bool refine_components(const SurfaceComplex& complex, Covering& covering, std::span<const ComponentId> component_of_cell,
                        const std::vector<std::uint8_t>& marked, int round, CertificateReport& certificate) {
   const Partition& partition = covering.partition();
   const std::vector<float>& distance = covering.distance();
   const std::uint32_t before = covering.site_count();
-  const auto component_of = [&](CVertexId v) { return topology.component_of_vertex[partition.cell_of[v]]; };
-  std::vector<CVertexId> farthest(topology.components.size(), kNone);
+  const auto component_of = [&](CVertexId v) { return component_of_cell[partition.cell_of[v]]; };
+  std::vector<CVertexId> farthest(marked.size(), kNone);
   for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
     if (!marked[component_of(v)] || distance[v] == 0) continue;
     CVertexId& best = farthest[component_of(v)];
@@ -63,6 +65,11 @@ std::vector<Vec3> outward_of_cells(const SurfaceComplex& complex, const std::vec
 CoarseMesher::Stand::Stand(const SurfaceComplex& on, const CoveringOptions& options)
     : complex(on), graph(make_graph(on)), covering(graph, options), dual(complex, covering) {}
 
+CoarseMesher::Stand::Stand(const SurfaceComplex& on, const CoveringOptions& options, const Stand& before) : Stand(on, options) {
+  covering.continue_from(before.covering, changed_rows(before.graph, graph));
+  covering.ignore_events();
+}
+
 CoarseMesher::CoarseMesher(AdaptiveSurface& surface, Coarsened& coarser, const CoveringOptions& cover, const ExtractOptions& options)
     : surface_(surface), coarser_(coarser), cover_(cover), options_(options) {
   stand_ = std::make_unique<Stand>(is_coarser() ? coarser_.complex : surface_.complex(), cover_);
@@ -96,87 +103,137 @@ std::vector<ShapeObstacle> CoarseMesher::stays() const {
   return out;
 }
 
+void CoarseMesher::take_triangles() {
+  mesh_.triangles.clear();
+  for (const DualTriangle& t : stand_->dual.triangles()) mesh_.triangles.push_back(t.cell);
+}
+
+std::vector<ComponentId> CoarseMesher::components() const {
+  std::vector<ComponentId> out;
+  for (const CVertexId v : sites()) out.push_back(surface_.components().of_c_vertex[v]);
+  return out;
+}
+
+// In rounds only what changed is certified; everything once at the end.
 void CoarseMesher::mesh(LevelReport& report, const RunControl& told) {
   RunControl control = told;  // covers and certifies again, which is nobody's stage
   control.progress = nullptr;
   for (int round = 0;; ++round) {
     const SurfaceComplex& complex = stand_->complex;
     const Partition& partition = stand_->covering.partition();
-    mesh_.triangles.clear();
-    for (const DualTriangle& t : stand_->dual.triangles()) mesh_.triangles.push_back(t.cell);
+    take_triangles();
     mesh_.positions.clear();
-    for (const CVertexId v : partition.site) mesh_.positions.push_back(complex.positions[v]);
-    relax_vertices(control);
-    control.check_cancelled();
-    topology_ = mesh_topology(mesh_);
-    control.check_cancelled();
-    const std::vector<std::uint8_t> turned =
-        turned_components(mesh_.positions, mesh_.triangles, complex.spacing, topology_.component_of_vertex, topology_.components.size(),
-                          outward_of_cells(complex, is_coarser() ? coarser_.outward : std::vector<Vec3>(), partition), 0);
+    for (const CVertexId v : sites()) mesh_.positions.push_back(surface_.complex().positions[v]);
+    const std::vector<ComponentId> component_of = components();
+    const std::vector<std::uint8_t> turned = turned_now(component_of);
     report.turned_components = static_cast<std::size_t>(std::count(turned.begin(), turned.end(), 1));
-    bool again = report.turned_components > 0 && refine_components(complex, stand_->covering, topology_, turned, round, report.certificate);
+    bool again =
+        report.turned_components > 0 && refine_components(complex, stand_->covering, component_of, turned, round, report.certificate);
     if (!again && !options_.allow_self_intersections) again = part(report, control);
-    if (!again) break;
+    if (again) {
+      stand_->dual.update(report.certificate, control);
+      continue;
+    }
     stand_->dual.certify(report.certificate, control);
+    if (partition.cell_count() == mesh_.positions.size()) break;
   }
+  take_triangles();  // in the order in which they were certified
+  relax_vertices(control);
+  topology_ = mesh_topology(mesh_);
 }
 
-// Moves vertices that are too close to each other for later levels to have good triangles there.
+std::vector<std::uint8_t> CoarseMesher::turned_now(std::span<const ComponentId> component_of) const {
+  const SurfaceComplex& complex = stand_->complex;
+  return turned_components(
+      mesh_.positions, mesh_.triangles, complex.spacing, component_of, surface_.components().topology.size(),
+      outward_of_cells(complex, is_coarser() ? coarser_.outward : std::vector<Vec3>(), stand_->covering.partition()), 0);
+}
+
+// Moves vertices that are too close to each other for later levels to have good triangles there, and for good triangles in this one. Where
+// triangles or surfels meet then, or a component is inside out, vertices go back half of the way, and then all of it. What is around tries
+// again, every other time without pushing, which would go the same way again.
 void CoarseMesher::relax_vertices(const RunControl& control) {
   const SurfaceComplex& surface = surface_.complex();
   const Vec3 s = surface.spacing;
   const std::vector<CVertexId> at = sites();
-  std::vector<Vec3> points;
-  std::vector<Roam> roam;
+  const std::vector<ComponentId> component_of = components();
   std::vector<Vec3> start;
-  shift_.resize(at.size());
-  const double separation = kSeparation * std::min({s.x, s.y, s.z});
-  for (std::size_t i = 0; i < at.size(); ++i) {
-    start.push_back(scaled(surface.positions[at[i]], s));
-    const bool stays = !surface_.may_roam(at[i]) || (i < stays_.size() && stays_[i]);
-    points.push_back(stays ? start.back() : start.back() + shift_[i]);  // from where they were in the last round
-    roam.push_back(stays ? Roam{start.back(), start.back()} : roam_of(surface.positions[at[i]], s));
+  std::vector<Roam> roam;
+  for (const CVertexId v : at) {
+    start.push_back(scaled(surface.positions[v], s));
+    roam.push_back(surface_.may_roam(v) ? roam_of(surface.positions[v], s) : Roam{start.back(), start.back()});
   }
+  const Buckets triangles_of = make_buckets(static_cast<std::uint32_t>(at.size()), [&](auto add) {
+    for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
+      for (const std::uint32_t v : mesh_.triangles[t]) add(v, t);
+    }
+  });
   const InterpolatedField* const field = options_.vertices_on_surface ? &surface_.field() : nullptr;
-  std::vector<Vec3> positions;  // per c-vertex, those that vertices are at moved
-  std::vector<CVertexId> movers;
-  const auto move_c_vertices = [&] {
-    positions = surface.positions;
-    movers.clear();
-    for (std::size_t i = 0; i < at.size(); ++i) {
-      if (!(points[i] == start[i])) movers.push_back(at[i]);
-      mesh_.positions[i] = positions[at[i]] = displaced(surface, at[i], points[i] - start[i]);
-    }
+  RelaxGoal goal{1.0 / 3, kSeparation * std::min({s.x, s.y, s.z})};
+
+  std::vector<Vec3> points = start, positions = surface.positions;  // positions: per c-vertex, those that vertices are at moved
+  const auto move_to = [&](std::uint32_t i, Vec3 point) {
+    points[i] = point;
+    mesh_.positions[i] = positions[at[i]] = displaced(surface, at[i], point - start[i]);
   };
-  move_c_vertices();
-  std::vector<std::uint8_t> fresh = meeting_.fresh(mesh_.positions, mesh_.triangles);  // for the others this was done in the last round
-  for (int round = 1;; ++round) {
-    relax(points, mesh_.triangles, roam, field, s, {1.0 / 3, separation}, control, fresh);
-    control.check_cancelled();
-    move_c_vertices();
-    std::vector<CVertexId> back = surface_.stray(movers, positions, surface.positions);
-    if (back.empty()) break;
-    std::sort(back.begin(), back.end());
-    std::vector<std::uint8_t> is_back(at.size(), 0);
-    for (std::size_t i = 0; i < at.size(); ++i) {
-      if (!std::binary_search(back.begin(), back.end(), at[i])) continue;
-      is_back[i] = 1;
-      points[i] = start[i];
-      roam[i] = {start[i], start[i]};
-      mesh_.positions[i] = surface.positions[at[i]];
+  stays_.assign(at.size(), 0);
+  std::vector<std::uint8_t> fresh;
+  for (int round = 0; round < kRelaxRounds; ++round) {
+    goal.push = round % 2 == 0;
+    const std::vector<Vec3> before = points, positions_before = positions;
+    const std::vector<std::uint32_t> moved = relax(points, mesh_.triangles, triangles_of, roam, field, s, goal, control, fresh);
+    for (const std::uint32_t i : moved) move_to(i, points[i]);
+    std::vector<std::uint8_t> times_back(at.size(), 0);
+    std::vector<Vec3> checked = positions_before;  // nothing met there
+    for (bool any = true; any;) {
+      const std::vector<std::uint8_t> goes_back = must_go_back(moved, positions, positions_before, checked, component_of, control);
+      checked = positions;
+      any = false;
+      for (const std::uint32_t i : moved) {
+        if (goes_back[i] == 0 || points[i] == before[i]) continue;
+        any = true;
+        move_to(i, times_back[i]++ == 0 ? 0.5 * (points[i] + before[i]) : before[i]);
+      }
     }
-    if (round == kRelaxRounds) break;
-    for (std::size_t t = 0; t < fresh.size(); ++t) {
-      const Triangle& c = mesh_.triangles[t];
-      fresh[t] = is_back[c[0]] | is_back[c[1]] | is_back[c[2]];
+    fresh.assign(mesh_.triangles.size(), 0);
+    for (const std::uint32_t i : moved) {
+      stays_[i] = times_back[i] > 1;
+      if (times_back[i] == 0) continue;
+      for (const std::uint32_t t : triangles_of.of(i)) fresh[t] = 1;
     }
   }
-  for (std::size_t i = 0; i < at.size(); ++i) shift_[i] = points[i] - start[i];
+  shift_.clear();
+  for (std::size_t i = 0; i < at.size(); ++i) shift_.push_back(points[i] - start[i]);
 }
 
-// Of each two triangles that meet where they should not the largest cell is divided. (All six: 2 to 10 % more triangles, twice as many
-// bad ones, and a quarter less time in white noise.) Where cells are single c-vertices, more of these are needed: first those of the
-// surface itself, then pieces that stay in their grid cells. Such pieces do not meet, but where vertices were moved.
+// Per vertex, 1 if it must not be where it was moved to.
+// @param positions, before  per c-vertex of the surface
+// @param checked  nothing in one grid cell met there
+std::vector<std::uint8_t> CoarseMesher::must_go_back(std::span<const std::uint32_t> moved, std::span<const Vec3> positions,
+                                                     std::span<const Vec3> before, std::span<const Vec3> checked,
+                                                     std::span<const ComponentId> component_of, const RunControl& control) {
+  const std::vector<CVertexId> at = sites();
+  std::vector<std::uint8_t> out(at.size(), 0);
+  std::vector<CVertexId> movers;
+  for (const std::uint32_t i : moved) movers.push_back(at[i]);
+  bool any = false;
+  std::vector<CVertexId> back = surface_.stray(movers, positions, before, checked);
+  std::sort(back.begin(), back.end());
+  for (const std::uint32_t i : moved) out[i] = std::binary_search(back.begin(), back.end(), at[i]);
+  any = !back.empty();
+  if (!options_.allow_self_intersections) {
+    for (const std::uint32_t i : meeting_.update(mesh_.positions, mesh_.triangles, control)) out[i] = 1;
+    any = any || meeting_.pairs() > 0;
+  }
+  if (any) return out;
+  const std::vector<std::uint8_t> turned = turned_now(component_of);
+  for (const std::uint32_t i : moved) out[i] = turned[component_of[i]];
+  return out;
+}
+
+// Of each two triangles that meet where they should not the largest cell is made smaller. (All six: 2 to 10 % more triangles, twice as many
+// bad ones, and a quarter less time in white noise.) Where that does not help enough, the complex becomes finer where cells are single
+// c-vertices.
 // @return whether there is something new to look at
 bool CoarseMesher::part(LevelReport& report, const RunControl& control) {
   meeting_.update(mesh_.positions, mesh_.triangles, control);
@@ -185,57 +242,44 @@ bool CoarseMesher::part(LevelReport& report, const RunControl& control) {
   const std::vector<CellId> single = covering.shrink(meeting_.largest_corners(covering.reach()));
   covering.cover(control);  // also where components that were turned left radii too small to cover
   bool any = covering.site_count() > before;
-  if (!single.empty()) any = part_single_cells(single, any, control) || any;
+  const bool helps = any && static_cast<double>(meeting_.pairs()) <= kHelps * static_cast<double>(pairs_before_);
+  pairs_before_ = meeting_.pairs();
+  if (!single.empty() && !helps) any = make_finer(single, control) || any;
   report.parting_sites += stand_->covering.site_count() - before;
   return any;
 }
 
-// @param progress  whether other cells were made smaller
-bool CoarseMesher::part_single_cells(std::span<const CellId> cells, bool progress, const RunControl& control) {
+// For cells that are single c-vertices: regions become the c-vertices that they stand for; if there are none to cut, the faces around
+// c-vertices of the surface are divided into pieces that stay in their grid cells. Such pieces do not meet. That comes last: divided surfaces
+// have half as many c-vertices again in an edge mask, and mostly it need not be. @return whether there was anything to do
+bool CoarseMesher::make_finer(std::span<const CellId> cells, const RunControl& control) {
   const std::vector<CVertexId>& site = stand_->covering.partition().site;
-  const std::vector<CVertexId> on_surface = sites();
-  const std::vector<Fineness> fineness = surface_.fineness();
-  std::vector<std::uint8_t> stands_for_several(stand_->complex.c_vertex_count(), 0);
+  std::vector<CVertexId> to_cut, to_divide;
   if (is_coarser()) {
+    std::vector<std::uint8_t> stands_for_several(stand_->complex.c_vertex_count(), 0);
     for (CVertexId v = 0; v < coarser_.region_of.size(); ++v) {
       const CVertexId r = coarser_.region_of[v];
       stands_for_several[r] |= coarser_.representative[r] != v;
     }
-  }
-  std::vector<CVertexId> to_cut, to_divide;
-  std::vector<CellId> as_fine_as_can_be;
-  for (const CellId c : cells) {
-    if (stands_for_several[site[c]]) {
-      to_cut.push_back(site[c]);
-    } else if (fineness[on_surface[c]] == Fineness::faces) {
-      to_divide.push_back(on_surface[c]);
-    } else {
-      as_fine_as_can_be.push_back(c);
+    for (const CellId c : cells) {
+      if (stands_for_several[site[c]]) to_cut.push_back(site[c]);
     }
   }
-  if (to_cut.empty() && to_divide.empty()) {
-    if (progress) return true;
-    stays_.resize(site.size(), 0);
-    bool any = false;
-    for (const CellId c : as_fine_as_can_be) any |= std::exchange(stays_[c], std::uint8_t{1}) == 0;
-    return any;
-  }
-  if (!to_divide.empty()) {
-    for (std::size_t i = 0; i < mesh_.positions.size(); ++i) {
-      if (std::exchange(shift_[i], Vec3{}) != Vec3{}) surface_.move(on_surface[i], mesh_.positions[i]);
+  if (to_cut.empty()) {
+    const std::vector<CVertexId> on_surface = sites();
+    for (const CellId c : cells) to_divide.push_back(on_surface[c]);
+    const std::vector<Fineness> fineness = surface_.fineness(to_divide);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < to_divide.size(); ++i) {
+      if (fineness[i] == Fineness::faces) to_divide[kept++] = to_divide[i];
     }
+    to_divide.resize(kept);
+    if (to_divide.empty()) return false;
     surface_.divide(to_divide);
   }
-  // Sites stay, radii as well, unless that would leave something uncovered.
-  const std::vector<CVertexId> now = site;
-  std::vector<Covering::Radius> radii;
-  for (CVertexId v = 0; v < stand_->covering.radius().size(); ++v) radii.push_back({v, stand_->covering.radius()[v]});
   if (is_coarser()) cut_regions(surface_.complex(), to_cut, coarser_, control);
   control.check_cancelled();
-  stand_ = std::make_unique<Stand>(is_coarser() ? coarser_.complex : surface_.complex(), cover_);
-  control.check_cancelled();
-  stand_->covering.seed(now, radii);
-  stand_->covering.ignore_events();
+  stand_ = std::make_unique<Stand>(is_coarser() ? coarser_.complex : surface_.complex(), cover_, *stand_);
   stand_->covering.cover(control);
   return true;
 }

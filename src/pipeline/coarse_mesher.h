@@ -35,6 +35,7 @@ class CoarseMesher {
  private:
   struct Stand {
     Stand(const SurfaceComplex& on, const CoveringOptions& options);
+    Stand(const SurfaceComplex& on, const CoveringOptions& options, const Stand& before);  ///< the same sites on a finer complex
     const SurfaceComplex& complex;
     CVertexGraph graph;
     Covering covering;
@@ -42,8 +43,13 @@ class CoarseMesher {
   };
   bool is_coarser() const { return !coarser_.representative.empty(); }
   void relax_vertices(const RunControl& control);
+  void take_triangles();
+  std::vector<ComponentId> components() const;  ///< per vertex
+  std::vector<std::uint8_t> turned_now(std::span<const ComponentId> component_of) const;  ///< per component, 1 if it is inside out
+  std::vector<std::uint8_t> must_go_back(std::span<const std::uint32_t> moved, std::span<const Vec3> positions, std::span<const Vec3> before,
+                                         std::span<const Vec3> checked, std::span<const ComponentId> component_of, const RunControl& control);
   bool part(LevelReport& report, const RunControl& control);
-  bool part_single_cells(std::span<const CellId> cells, bool progress, const RunControl& control);
+  bool make_finer(std::span<const CellId> cells, const RunControl& control);
 
   AdaptiveSurface& surface_;
   Coarsened& coarser_;
@@ -51,6 +57,7 @@ class CoarseMesher {
   const ExtractOptions& options_;
   std::unique_ptr<Stand> stand_;
   MeetingTriangles meeting_;
+  std::size_t pairs_before_ = 0;  // that met in the last round
   TriangleMesh mesh_;
   MeshTopology topology_;
   std::vector<Vec3> shift_;

@@ -218,7 +218,7 @@ Vec3 BetweenPoints::point(FaceId f) const {
 }
 
 std::vector<Farthest> measure_between(const MeasuredSurface& surface, const BetweenPoints& between, const LevelMesh& mesh,
-                                      std::span<const CellId> cells) {
+                                      std::span<const CellId> cells, double enough) {
   std::vector<Farthest> out(cells.size());
   for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
     surface.check_cancelled();
@@ -227,7 +227,7 @@ std::vector<Farthest> measure_between(const MeasuredSurface& surface, const Betw
       ring.move_to(cells[i]);
       for (const CVertexId v : mesh.c_vertices_of.of(cells[i])) {
         between.for_each_at(v, [&](Vec3 p, const Face& face) {
-          const auto known = static_cast<double>(out[i].distance);
+          const auto known = std::max(enough, static_cast<double>(out[i].distance));
           const auto d = static_cast<float>(std::sqrt(ring.closest(p, known).second.squared_distance));
           if (d <= out[i].distance) return;
           const auto from_vertex = [&](CVertexId c) { return squared_length(surface.surfels.point[c] - mesh.point[cells[i]]); };

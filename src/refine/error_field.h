@@ -67,9 +67,10 @@ class BetweenPoints {
 };
 
 /// Per cell of `cells`, the largest distance from the points between its c-vertices to the mesh, with the corner of its face
-/// that is farthest from the cell's vertex. Parallel over cells.
+/// that is farthest from the cell's vertex; a distance up to `enough` is only known to be no larger than what is returned. Parallel over
+/// cells.
 std::vector<Farthest> measure_between(const MeasuredSurface& surface, const BetweenPoints& between, const LevelMesh& mesh,
-                                      std::span<const CellId> cells);
+                                      std::span<const CellId> cells, double enough);
 
 /// Distances from samples of the triangles of some cells to the surface: for each of these cells the largest, at samples that
 /// are nearest to a c-vertex of the cell, and that c-vertex. Other cells' entries stay. Parallel over triangles.

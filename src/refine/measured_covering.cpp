@@ -305,7 +305,7 @@ void MeasuredCovering::measure(std::vector<CellId> cells, Thoroughness thoroughn
   };
   if (ground_.between) {
     keep_good();
-    const std::vector<Farthest> between = measure_between(surface, *ground_.between, mesh_, cells);
+    const std::vector<Farthest> between = measure_between(surface, *ground_.between, mesh_, cells, distance->bound);
     for (std::size_t i = 0; i < cells.size(); ++i) add(cells[i], between[i]);
   }
   keep_good();
@@ -327,7 +327,7 @@ std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& 
   for (const ClosestPoint& p : closest) most = std::max(most, p.distance);
   measure_from_mesh(ground.measured(), mesh, covering.partition().cell_of, cells, kLookCloser * static_cast<double>(most), farthest);
   if (ground.between) {
-    const std::vector<Farthest> between = measure_between(ground.measured(), *ground.between, mesh, cells);
+    const std::vector<Farthest> between = measure_between(ground.measured(), *ground.between, mesh, cells, 0);
     for (CellId c = 0; c < n; ++c) farthest[c].distance = std::max(farthest[c].distance, between[c].distance);
   }
   std::vector<MetricValues> values(n);

@@ -310,11 +310,14 @@ bool Refiner::part(const MeetingTriangles& meeting, const RunControl& control) {
   const std::vector<CellId> corners = meeting.largest_corners(work_->covering().reach());
   const std::vector<CellId> single = work_->covering().shrink(corners);
   if (single.empty()) return !corners.empty();
-  const std::vector<Fineness> fineness = surface_.fineness();
   std::vector<CVertexId> wanted;
-  for (const CellId c : single) {
-    if (fineness[partition().site[c]] == Fineness::faces) wanted.push_back(partition().site[c]);
+  for (const CellId c : single) wanted.push_back(partition().site[c]);
+  const std::vector<Fineness> fineness = surface_.fineness(wanted);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    if (fineness[i] == Fineness::faces) wanted[kept++] = wanted[i];
   }
+  wanted.resize(kept);
   if (!wanted.empty()) divide_surface(wanted, control);
   return !wanted.empty() || single.size() < corners.size();
 }

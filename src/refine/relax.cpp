@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "core/disjoint_sets.h"
 #include "core/ids.h"
@@ -15,20 +16,21 @@
 namespace isoatlas {
 namespace {
 
-constexpr double kBeyond = 1.12;  // aims a little higher than the goal, so as to arrive
-constexpr int kSteps = 80;
-constexpr double kPush = 0.6, kPull = 0.3;                // shares of what is missing, of the shortest and the longest edge
-constexpr double kDrawBack = 0.15;                        // share of the distance from the surface
-constexpr double kFarthest = 0.25;                        // from the surface, voxels; while pushing
-constexpr double kFarthestFound = 0.4;                    // and while searching
-constexpr std::array kSearchSteps{0.2, 0.1, 0.05, 0.02};  // voxels
-constexpr int kSearchPasses = 12;
+constexpr double kBeyond = 1.12;            // aims a little higher than the goal, so as to arrive
+constexpr int kSteps = 8;                   // more do not converge either, and move vertices further, into other triangles
+constexpr double kPush = 0.6, kPull = 0.3;  // shares of what is missing, of the shortest and the longest edge
+constexpr double kDrawBack = 0.15;          // share of the distance from the surface
+constexpr double kFarthest = 0.25;          // from the surface, voxels; while pushing
+constexpr double kFarthestFound = 0.4;      // and while searching
+constexpr std::array kSearchSteps{0.2, 0.05};  // voxels
+constexpr int kSearchPasses = 4;
 constexpr double kWorthIt = 2e-3;
 constexpr double kSeparationWeight = 0.5;  // an edge as short as can be is half as bad as a triangle
 constexpr std::size_t kLook = 4096;        // vertices between looks at whether to stop
 constexpr int kNewtonSteps = 5;
 constexpr double kOnSurface = 0.02;
 constexpr double kLeastVolume = 0.25;  // share of what a component encloses that has to be left
+constexpr double kClosed = 1e-9;       // share of its area that the area vectors of a closed surface may add up to, by rounding
 
 bool can_move(const Roam& r) { return r.low.x < r.high.x || r.low.y < r.high.y || r.low.z < r.high.z; }
 
@@ -38,8 +40,8 @@ Vec3 clamped(Vec3 p, const Roam& r) {
 
 class Relaxation {
  public:
-  Relaxation(std::span<Vec3> points, std::span<const Triangle> triangles, std::span<const Roam> roam, const InterpolatedField* field,
-             Vec3 spacing, const RelaxGoal& goal, const RunControl& control, std::span<const std::uint8_t> fresh)
+  Relaxation(std::span<Vec3> points, std::span<const Triangle> triangles, const Buckets& triangles_of, std::span<const Roam> roam,
+             const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal, const RunControl& control, std::span<const std::uint8_t> fresh)
       : control_(control),
         fresh_(fresh),
         points_(points),
@@ -47,24 +49,22 @@ class Relaxation {
         roam_(roam),
         field_(field),
         spacing_(spacing),
-        goal_(goal) {}
+        goal_(goal),
+        triangles_of_(triangles_of) {}
 
   std::vector<std::uint32_t> run() {
     for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
       if (is_fresh(t) && needs_work(t)) active_.push_back(t);
     }
     if (active_.empty()) return {};
-    triangles_of_ = make_buckets(static_cast<std::uint32_t>(points_.size()), [&](auto add) {
-      for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
-        for (const std::uint32_t v : triangles_[t]) add(v, t);
-      }
-    });
-    control_.check_cancelled();
     start_.assign(points_.begin(), points_.end());
     push_.resize(points_.size());
     pushes_.assign(points_.size(), 0);
+    is_touched_.assign(points_.size(), 0);
     seen_.assign(triangles_.size(), 0);
-    for (int step = 0; step < kSteps && !active_.empty(); ++step) {
+    facing_.resize(triangles_.size());
+    is_facing_known_.assign(triangles_.size(), 0);
+    for (int step = 0; goal_.push && step < kSteps && !active_.empty(); ++step) {
       control_.check_cancelled();
       for (const std::uint32_t t : active_) push_apart(t);
       move_pushed();
@@ -73,11 +73,9 @@ class Relaxation {
     if (goal_.separation > 0) opposite_.assign(triangles_.size(), {kUnknown, kUnknown, kUnknown});
     search();
     turn_back_flattened();
-    std::vector<std::uint32_t> moved;
-    for (std::uint32_t v = 0; v < points_.size(); ++v) {
-      if (!(points_[v] == start_[v])) moved.push_back(v);
-    }
-    return moved;
+    std::erase_if(touched_, [&](std::uint32_t v) { return points_[v] == start_[v]; });
+    std::sort(touched_.begin(), touched_.end());
+    return std::move(touched_);
   }
 
  private:
@@ -96,8 +94,25 @@ class Relaxation {
     return std::any_of(triangles_[t].begin(), triangles_[t].end(), [&](std::uint32_t v) { return !(points_[v] == start_[v]); });
   }
 
+  void touch(std::uint32_t v) {
+    if (std::exchange(is_touched_[v], std::uint8_t{1}) == 0) touched_.push_back(v);
+  }
+  // The triangles with a corner that was moved, sorted.
+  std::vector<std::uint32_t> triangles_that_moved() const {
+    std::vector<std::uint32_t> out;
+    for (const std::uint32_t v : touched_) {
+      if (points_[v] == start_[v]) continue;
+      const auto around = triangles_of_.of(v);
+      out.insert(out.end(), around.begin(), around.end());
+    }
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+    return out;
+  }
+
   void push(std::uint32_t v, Vec3 by) {
     if (pushes_[v]++ == 0) {
+      touch(v);
       push_[v] = {};
       pushed_.push_back(v);
     }
@@ -169,8 +184,9 @@ class Relaxation {
     return cross(at[c[1]] - at[c[0]], at[c[2]] - at[c[0]]);
   }
 
-  Vec3 facing_at_start(std::uint32_t t) const {
-    return facing(
+  Vec3 facing_at_start(std::uint32_t t) {
+    if (std::exchange(is_facing_known_[t], std::uint8_t{1})) return facing_[t];
+    return facing_[t] = facing(
         t,
         [&](std::uint32_t i) {
           const Triangle& c = triangles_[i];
@@ -185,10 +201,11 @@ class Relaxation {
 
   // Corners of triangles that now face the other way go back to where they were, until there are none.
   void turn_back_where_turned() {
+    const std::vector<std::uint32_t> moved = triangles_that_moved();
     for (bool any = true; any;) {
       control_.check_cancelled();
       any = false;
-      for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+      for (const std::uint32_t t : moved) {
         const Triangle& c = triangles_[t];
         if (!has_moved(t)) continue;
         if (dot(facing_at_start(t), area(t, points_)) >= 0) continue;
@@ -219,9 +236,14 @@ class Relaxation {
     for (const double step : kSearchSteps) {
       control_.check_cancelled();
       std::vector<std::uint32_t> vertices;
-      const auto add_corners = [&](std::uint32_t t) { vertices.insert(vertices.end(), triangles_[t].begin(), triangles_[t].end()); };
+      const auto add_bad = [&](std::uint32_t t) {
+        if (goodness(t, kNone, {}) < 1) vertices.insert(vertices.end(), triangles_[t].begin(), triangles_[t].end());
+      };
       for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
-        if ((is_fresh(t) || has_moved(t)) && goodness(t, kNone, {}) < 1) add_corners(t);
+        if (is_fresh(t)) add_bad(t);
+      }
+      for (const std::uint32_t t : triangles_that_moved()) {
+        if (!is_fresh(t)) add_bad(t);
       }
       for (int pass = 0; pass < kSearchPasses && !vertices.empty(); ++pass) {
         std::sort(vertices.begin(), vertices.end());
@@ -256,12 +278,16 @@ class Relaxation {
     }
     return std::min({1.0, aspect, kSeparationWeight + (1 - kSeparationWeight) * std::sqrt(closest) / goal_.separation});
   }
-  double worst_around(std::uint32_t v, Vec3 p) const {
+  // @param enough  what is no better than this need not be known better
+  double worst_around(std::uint32_t v, Vec3 p, double enough) const {
     double worst = 1;
-    for (const std::uint32_t t : triangles_of_.of(v)) worst = std::min(worst, goodness(t, v, p));
+    for (const std::uint32_t t : triangles_of_.of(v)) {
+      worst = std::min(worst, goodness(t, v, p));
+      if (worst <= enough) break;
+    }
     return worst;
   }
-  bool turns(std::uint32_t v, Vec3 p) const {
+  bool turns(std::uint32_t v, Vec3 p) {
     for (const std::uint32_t t : triangles_of_.of(v)) {
       const Triangle& c = triangles_[t];
       const std::array<Vec3, 3> q{c[0] == v ? p : points_[c[0]], c[1] == v ? p : points_[c[1]], c[2] == v ? p : points_[c[2]]};
@@ -287,7 +313,7 @@ class Relaxation {
   }
   // Tries the directions to the corners, edges and faces of a cube.
   bool improve(std::uint32_t v, double step) {
-    double best = worst_around(v, points_[v]);
+    double best = worst_around(v, points_[v], 0);
     if (best >= 1) return false;
     const double farthest = std::max(kFarthestFound, off_surface(points_[v]));
     const Vec3 from = points_[v];
@@ -298,36 +324,50 @@ class Relaxation {
       if (l == 0) continue;
       const Vec3 p = clamped(from + (step / l) * d, roam_[v]);
       if (p == from) continue;
-      const double worst = worst_around(v, p);
+      const double worst = worst_around(v, p, best + kWorthIt);
       if (worst <= best + kWorthIt || turns(v, p) || off_surface(p) > farthest) continue;
       best = worst;
       found = p;
     }
+    if (found == from) return false;
+    touch(v);
     points_[v] = found;
-    return !(found == from);
+    return true;
   }
 
-  // A component that encloses hardly anything could end inside out. (Of an open one this says little, but it does no harm.)
+  // A component that encloses hardly anything could end inside out. What an open one encloses says nothing.
   void turn_back_flattened() {
     control_.check_cancelled();
+    if (std::ranges::all_of(touched_, [&](std::uint32_t v) { return points_[v] == start_[v]; })) return;
     const auto n = static_cast<std::uint32_t>(points_.size());
     DisjointSets sets(n);
     for (const Triangle& c : triangles_) {
       sets.unite(c[0], c[1]);
       sets.unite(c[0], c[2]);
     }
-    std::vector<double> before(n, 0), after(n, 0);
-    for (const Triangle& c : triangles_) {
+    struct Shape {
+      double before = 0, after = 0;  // six times the volume
+      Vec3 area;                     // sums to nothing if it is closed
+      double size = 0;
+    };
+    std::vector<Shape> shapes(n);  // per root
+    for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+      const Triangle& c = triangles_[t];
       const std::uint32_t root = sets.find(c[0]);
       const auto volume = [&](std::span<const Vec3> at) {  // seen from the first vertex, for the sake of rounding
         return dot(at[c[0]] - start_[root], cross(at[c[1]] - start_[root], at[c[2]] - start_[root]));
       };
-      before[root] += volume(start_);
-      after[root] += volume(points_);
+      Shape& shape = shapes[root];
+      const Vec3 a = area(t, start_);
+      shape.before += volume(start_);
+      shape.after += volume(points_);
+      shape.area = shape.area + a;
+      shape.size += length(a);
     }
-    for (std::uint32_t v = 0; v < n; ++v) {
-      const std::uint32_t root = sets.find(v);
-      if (after[root] * before[root] < kLeastVolume * before[root] * before[root]) points_[v] = start_[v];
+    for (const std::uint32_t v : touched_) {
+      const Shape& shape = shapes[sets.find(v)];
+      const bool is_open = length(shape.area) > kClosed * shape.size;
+      if (!is_open && shape.after * shape.before < kLeastVolume * shape.before * shape.before) points_[v] = start_[v];
     }
   }
 
@@ -339,13 +379,17 @@ class Relaxation {
   const InterpolatedField* field_;
   Vec3 spacing_;
   RelaxGoal goal_;
-  Buckets triangles_of_;
+  const Buckets& triangles_of_;
   static constexpr std::uint32_t kUnknown = kNone - 1;
   mutable std::vector<std::array<std::uint32_t, 3>> opposite_;
   std::vector<Vec3> start_;
   std::vector<std::uint32_t> active_, pushed_;  // triangles, vertices
   std::vector<Vec3> push_;                      // per vertex
   std::vector<std::uint32_t> pushes_;           // per vertex
+  std::vector<std::uint32_t> touched_;          // vertices that were moved; some may be back
+  std::vector<std::uint8_t> is_touched_;        // per vertex
+  std::vector<Vec3> facing_;                    // per triangle, at the start, if it is known
+  std::vector<std::uint8_t> is_facing_known_;   // per triangle
   std::vector<std::uint8_t> seen_;              // per triangle
 };
 
@@ -358,10 +402,10 @@ Roam roam_of(Vec3 position, Vec3 spacing) {
           scaled({high(position.x), high(position.y), high(position.z)}, spacing)};
 }
 
-std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles, std::span<const Roam> roam,
-                                 const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal, const RunControl& control,
+std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles, const Buckets& triangles_of,
+                                 std::span<const Roam> roam, const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal, const RunControl& control,
                                  std::span<const std::uint8_t> fresh) {
-  return Relaxation(points, triangles, roam, field, spacing, goal, control, fresh).run();
+  return Relaxation(points, triangles, triangles_of, roam, field, spacing, goal, control, fresh).run();
 }
 
 }  // namespace isoatlas

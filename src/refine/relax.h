@@ -6,6 +6,7 @@
 
 #include "isoatlas/mesh.h"
 #include "isoatlas/run_control.h"
+#include "refine/level_mesh.h"
 #include "volume/interpolated_field.h"
 
 namespace isoatlas {
@@ -23,6 +24,7 @@ Roam roam_of(Vec3 position, Vec3 spacing);
 struct RelaxGoal {
   double aspect = 0;      ///< shortest over longest edge of a triangle, at least
   double separation = 0;  ///< no shorter edge, if possible; spacing applied
+  bool push = true;       ///< push vertices before better places are searched for; without it other places are found
 };
 
 /// Moves vertices a little, within their boxes, until triangles have a better shape: the ends of an edge that is too short are pushed
@@ -30,12 +32,13 @@ struct RelaxGoal {
 /// leave by 0.4 voxel at most. No triangle is turned over. Only places that need it are touched.
 ///
 /// @param points  spacing applied; lengths in voxels (smallest spacings)
+/// @param triangles_of  per vertex, the triangles with a corner there
 /// @param field   whose zero set is the surface; none: nothing draws vertices back
 /// @param fresh  per triangle, 1 if it was not there, or its corners were elsewhere, when this was done the last time; empty: all are
 /// @return the vertices that were moved, sorted
 /// @cost   O(triangles), then a few dozen looks at those concerned
-std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles, std::span<const Roam> roam,
-                                 const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal, const RunControl& control,
+std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles, const Buckets& triangles_of,
+                                 std::span<const Roam> roam, const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal, const RunControl& control,
                                  std::span<const std::uint8_t> fresh = {});
 
 }  // namespace isoatlas

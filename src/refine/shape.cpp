@@ -82,7 +82,7 @@ class Workshop {
       roam[c] = {roam[c].low + balanced, roam[c].high + balanced};
     }
     const InterpolatedField* field = ground.isosurface == nullptr ? nullptr : &ground.isosurface->field();
-    std::vector<CellId> moved = relax(points, triangles, roam, field, ground.complex.spacing, {goal_.aspect, 0}, control_);
+    std::vector<CellId> moved = relax(points, triangles, mesh.triangles_of, roam, field, ground.complex.spacing, {goal_.aspect, 0}, control_);
     if (moved.empty()) return false;
 
     if (places_.shift.empty()) places_.shift.resize(mesh.cell_count());
@@ -285,9 +285,11 @@ class Workshop {
     work_.remesh(triangles_, places_, cells);
 
     std::vector<std::uint8_t> is_kept(changes.size(), 1);
+    std::vector<CellId> stale;  // around what was taken back
     const auto take_back = [&](std::size_t k) {
       const Change& c = changes[k];
       is_kept[k] = 0;
+      stale.insert(stale.end(), concerned[k].begin(), concerned[k].end());
       refused_.push_back(key(c));
       if (c.is_flip()) {
         triangles_[c.i] = old_triangles[c.i];
@@ -310,7 +312,12 @@ class Workshop {
       }
       if (worse || (purpose == Purpose::errors && most_after > most_before * (1 - kWorthIt))) take_back(k);
     }
-    if (std::count(is_kept.begin(), is_kept.end(), 0) > 0) work_.remesh(triangles_, places_, cells);
+    const auto measure_again = [&] {
+      std::sort(stale.begin(), stale.end());
+      if (!stale.empty()) work_.remesh(triangles_, places_, stale);
+      stale.clear();
+    };
+    measure_again();
     for (std::vector<CellId> corners = meeting_corners(); !corners.empty(); corners = meeting_corners()) {
       bool any = false;
       for (std::size_t k = 0; k < changes.size(); ++k) {
@@ -320,7 +327,7 @@ class Workshop {
         any = true;
       }
       if (!any) break;
-      work_.remesh(triangles_, places_, cells);
+      measure_again();
     }
     for (std::size_t k = 0; k < changes.size(); ++k) {
       if (is_kept[k]) ++(changes[k].is_flip() ? report.flips : report.moves);

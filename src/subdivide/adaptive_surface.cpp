@@ -103,11 +103,15 @@ void AdaptiveSurface::watch() {
 }
 
 std::vector<CVertexId> AdaptiveSurface::stray(std::span<const CVertexId> moved, std::span<const Vec3> positions,
-                                              std::span<const Vec3> before) const {
+                                              std::span<const Vec3> before, std::span<const Vec3> checked) const {
   std::vector<Vec3> now(positions.begin(), positions.end());
   std::vector<std::uint8_t> is_back(complex_.c_vertex_count(), 1);
   for (const CVertexId v : moved) is_back[v] = 0;
-  std::vector<CVertexId> out, look(moved.begin(), moved.end());
+  std::vector<CVertexId> out, look;
+  if (checked.empty()) look.assign(moved.begin(), moved.end());
+  for (CVertexId v = 0; v < checked.size(); ++v) {
+    if (!(now[v] == checked[v])) look.push_back(v);
+  }
   while (!look.empty()) {
     std::vector<CVertexId> back = watched_.meeting(look, now);
     for (const CVertexId v : crowded_.meeting(look, now)) {

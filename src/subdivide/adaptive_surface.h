@@ -29,6 +29,8 @@ class AdaptiveSurface {
   const RunControl& control() const { return control_; }  ///< says whether to stop; tells no progress
 
   std::vector<Fineness> fineness() const { return isoatlas::fineness(complex_, {field_, crowded_.flags()}); }  ///< per c-vertex; O(F)
+  /// Of some c-vertices, one by one. O(F) with a small constant
+  std::vector<Fineness> fineness(std::span<const CVertexId> of) const { return isoatlas::fineness(complex_, {field_, crowded_.flags()}, of); }
 
   /// See subdivide(). What was derived from the complex has to be made anew. Where smaller pieces would meet each other in a cell, they are
   /// left flat. C-vertices there that hardly keep off the walls of their cells, for good triangles, are moved a little.
@@ -43,7 +45,10 @@ class AdaptiveSurface {
   bool may_roam(CVertexId v) const { return !held_[v]; }
   /// Those of the c-vertices that must not be where they are in `positions`, per c-vertex, if some were moved there: surfels or pieces in
   /// their cells would meet. With these back where they were in `before`, none do, if none did there.
-  std::vector<CVertexId> stray(std::span<const CVertexId> moved, std::span<const Vec3> positions, std::span<const Vec3> before) const;
+  /// @param checked  positions in which none meet, found out since the surface was last divided: only cells in which something is elsewhere
+  ///                 now are looked at; empty: all with something in them that was moved
+  std::vector<CVertexId> stray(std::span<const CVertexId> moved, std::span<const Vec3> positions, std::span<const Vec3> before,
+                               std::span<const Vec3> checked = {}) const;
 
   std::size_t divided() const { return divided_; }  ///< c-vertices around which the faces were divided, every time counted
   std::size_t added() const { return added_; }      ///< c-vertices

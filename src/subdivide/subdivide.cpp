@@ -524,6 +524,20 @@ std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGri
   return out;
 }
 
+std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGrid& in, std::span<const CVertexId> of) {
+  std::vector<std::uint8_t> is_asked(complex.c_vertex_count(), 0);
+  for (const CVertexId v : of) is_asked[v] = 1;
+  std::vector<Fineness> all(complex.c_vertex_count(), Fineness::pieces), out;
+  for (const Face& face : complex.faces) {
+    const auto corners = std::span(face.corner).first(static_cast<std::size_t>(face.size()));
+    if (std::ranges::none_of(corners, [&](CVertexId v) { return is_asked[v] != 0; })) continue;
+    const Fineness f = fineness_of(complex, in, face);
+    for (const CVertexId v : corners) all[v] = std::min(all[v], f);
+  }
+  for (const CVertexId v : of) out.push_back(all[v]);
+  return out;
+}
+
 Subdivision subdivide(const SurfaceComplex& complex, std::span<const CVertexId> wanted, const SurfaceInGrid& in) {
   return Subdivider(complex, wanted, in).run();
 }

@@ -52,7 +52,9 @@ struct SurfaceInGrid {
   const RunControl* control = nullptr;    ///< looked at now and then, if there is one
 };
 
-std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGrid& in);
+std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGrid& in);  ///< per c-vertex; O(F)
+/// Of some c-vertices, one by one: cheaper, since only the faces around these are looked at closely. O(F) with a small constant
+std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGrid& in, std::span<const CVertexId> of);
 
 /// Divides all faces around some c-vertices, to the next fineness; the others stay, so the result is a subdivision, homeomorphic to the
 /// input.

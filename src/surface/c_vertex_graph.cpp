@@ -96,4 +96,11 @@ CVertexGraph make_graph(const SurfaceComplex& complex) {
   return graph;
 }
 
+std::vector<std::uint8_t> changed_rows(const CVertexGraph& before, const CVertexGraph& now) {
+  std::vector<std::uint8_t> out(now.c_vertex_count(), 1);
+  for (CVertexId v = 0; v < before.c_vertex_count(); ++v)
+    out[v] = before.on_boundary[v] != now.on_boundary[v] || !std::ranges::equal(before.row(v), now.row(v));
+  return out;
+}
+
 }  // namespace isoatlas

@@ -17,6 +17,7 @@ struct CVertexGraph {
   struct Neighbour {
     CVertexId id;
     float weight;  ///< world length
+    bool operator==(const Neighbour&) const = default;
   };
   std::vector<std::uint32_t> first;  ///< row v is [first[v], first[v + 1])
   std::vector<Neighbour> neighbours;
@@ -29,5 +30,9 @@ struct CVertexGraph {
 
 /// O(C + sum of valence log valence). 9 bytes per entry: about 6 entries per c-vertex of a triangle complex, 8 of a quad one.
 CVertexGraph make_graph(const SurfaceComplex& complex);
+
+/// Per c-vertex of `now`, 1 if its row is another one than before, or it was not there. O(entries)
+/// @pre c-vertices kept their numbers
+std::vector<std::uint8_t> changed_rows(const CVertexGraph& before, const CVertexGraph& now);
 
 }  // namespace isoatlas
