@@ -161,7 +161,8 @@ int run_check(const CheckArguments& arguments, Interruption& interruption) {
   if (arguments.volume) distance = measure_distance(arguments, mesh, control);
   progress.erase();
   if (arguments.json) {
-    std::cout << to_json(arguments.mesh.string(), topology, quality, meetings ? &*meetings : nullptr, distance ? &distance->report : nullptr);
+    std::cout << to_json(arguments.mesh.string(), topology, quality, meetings ? &*meetings : nullptr,
+                         distance ? &distance->report : nullptr);
   } else {
     std::cout << one_line(arguments.mesh.string()) << "\n";
     print_topology(topology);

@@ -3,6 +3,7 @@
 #include "isoatlas/extract.h"
 
 #include <chrono>
+#include <cstdint>
 #include <iostream>
 #include <string>
 #include <utility>
@@ -20,6 +21,7 @@
 #include "report/report.h"
 #include "text.h"
 #include "volume_input.h"
+#include "wording/supersampling.h"
 
 namespace isoatlas::tool {
 namespace {
@@ -35,9 +37,17 @@ class Stopwatch {
   Clock::time_point started_ = Clock::now();
 };
 
+/// Supersampling that is possible may still be more than somebody wanted.
+void warn_of_memory(std::uint64_t bytes, std::uint32_t factor) {
+  constexpr std::uint64_t kMuch = std::uint64_t{4} << 30;
+  if (bytes < kMuch) return;
+  std::cerr << "isoatlas: warning: --supersample " << factor << " takes about " << bytes_text(static_cast<double>(bytes)) << " of memory\n";
+}
+
 /// The library does not know what the volume is called; its messages should.
 Extraction extract_from(const fs::path& path, const VolumeView& volume, const ExtractOptions& options, const RunControl& control) {
   try {
+    warn_of_memory(require_memory_for_supersampling(volume, options, 0, control), options.supersample);
     return extract(volume, options, control);
   } catch (const Error& error) {
     throw Error(error.code(), volume_name(path) + ": " + error.what());

@@ -62,7 +62,8 @@ std::string advice_on_missing(const fs::path& path) {
 std::string advice_on_volume_place(FileKind kind, const fs::path& path, bool is_of_check) {
   switch (kind) {
     case FileKind::mesh:
-      return is_of_check ? "the mesh stands first and the volume with --volume" : "isoatlas check looks at a mesh, isoatlas picture draws it";
+      return is_of_check ? "the mesh stands first and the volume with --volume"
+                         : "isoatlas check looks at a mesh, isoatlas picture draws it";
     case FileKind::levels:
       return "isoatlas levels looks at levels of detail, isoatlas report shows them";
     case FileKind::json:

@@ -26,7 +26,8 @@ const std::string kExtractExitStatus = R"(0    done
 
 const std::string kToolExitStatus = R"(0    done
 1    isoatlas check, levels: not a consistently oriented manifold, or with
-     --self-intersections one that meets itself;
+     --self-intersections one that meets itself, or with --volume one that
+     is nowhere near it;
      isoatlas extract: a constraint that was asked for is not met,
      everything was written
 2    an argument or a file is not as it should be, or there is no surface;
@@ -38,7 +39,7 @@ const std::string kToolExitStatus = R"(0    done
 
 const std::string kCheckExitStatus = R"(0    a manifold, consistently oriented, with at least one triangle
      (and with --self-intersections: that does not meet itself)
-1    not so
+1    not so, or nowhere near the volume of --volume
 2    an argument or the file is not as it should be
 3    a bug of isoatlas
 4    out of memory
@@ -53,9 +54,11 @@ const std::string kLevelsExitStatus = R"(0    every level is a manifold, consist
 130  interrupted (Ctrl-C). 143: the same by SIGTERM
 )";
 
-const std::string kVolumeFiles = R"(Volumes: NRRD (.nrrd, .nhdr), NIfTI (.nii, .nii.gz, .hdr, .img), MetaImage
-(.mha, .mhd), TIFF stacks (.tif, .tiff), VTK (.vtk, .vti), a folder with one
-DICOM series, and headerless samples (--raw-size, --raw-type).
+const std::string kVolumeFiles = R"(Volumes: NRRD (.nrrd, .nhdr), NIfTI-1 and -2 (.nii, .nii.gz, .hdr, .img),
+MetaImage (.mha, .mhd), TIFF (.tif, .tiff; ImageJ, OME, LSM), DICOM (.dcm, or a
+folder), a folder of TIFF or PNG slices, VTK (.vtk, .vti, .vtr, .pvti, .pvtr),
+MGH (.mgh, .mgz), MRC (.mrc, .map, .rec), NumPy (.npy), and headerless samples
+(--raw-size, --raw-type). A file's format is that of its content.
 )";
 
 }  // namespace
@@ -188,7 +191,8 @@ that only are at the same place are two vertices.
 
 With a volume it also measures, both ways, how far the mesh is from the isosurface: distances from samples of
 the mesh to the surface and from samples of the surface to the mesh, and the angles between triangles and surface.
-Distances do not change the exit status.
+Distances do not change the exit status, unless the mesh is nowhere near the volume: then its coordinates are others than
+--space says.
 )",
       .groups = {kInput, kMesh, kDistance, kReading, kOutput, kRunning},
       .sections = {{"Examples", R"(isoatlas check head.ply

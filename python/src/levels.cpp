@@ -13,6 +13,7 @@
 #include "outputs/output_files.h"
 #include "outputs/stated_rounding.h"
 #include "wording/settings.h"
+#include "wording/supersampling.h"
 
 namespace isoatlas::python {
 namespace fs = std::filesystem;
@@ -109,6 +110,7 @@ std::shared_ptr<Levels> extract_levels(const ArrayVolume& volume, const ExtractW
   ExtractOptions options = made.context.options;
   options.space = volume.axes.space_in_library(space);
   const auto work = [view, options](const RunControl& control) {
+    require_memory_for_supersampling(view, options, 0, control);
     const std::string digest = sample_digest(view);
     return std::pair(extract(view, options, control), digest);
   };

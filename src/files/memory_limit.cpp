@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "files/memory_limit.h"
 
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -15,6 +16,10 @@ std::uint64_t default_memory_limit() {
     if (std::ifstream(file) >> limit && limit > 0) {
       bytes = std::min(bytes, limit);
     }
+  }
+  rlimit address_space{};
+  if (getrlimit(RLIMIT_AS, &address_space) == 0 && address_space.rlim_cur != RLIM_INFINITY) {
+    bytes = std::min<std::uint64_t>(bytes, address_space.rlim_cur);
   }
   return bytes / 4 * 3;
 }

@@ -37,23 +37,30 @@ void set_bits(std::uint64_t* bits, std::size_t begin, std::size_t end) {
 
 bool has_bit(const std::uint64_t* bits, std::size_t i) { return (bits[i >> 6] >> (i & 63)) & 1; }
 
+double upsampled_samples(std::size_t samples, std::uint32_t factor) { return static_cast<double>(samples - 1) * factor + 1; }
+
 std::array<std::size_t, 3> upsampled_size(const Grid& grid, std::uint32_t factor) {
-  std::array<std::size_t, 3> out;
-  double all = 1;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const double n = static_cast<double>(grid.size[a] - 1) * factor + 1;
-    all *= n;
-    out[a] = n < kNone - 1 ? static_cast<std::size_t>(n) : 0;
-  }
-  if (all > kMostSamples || std::min({out[0], out[1], out[2]}) == 0) {
+  if (!can_be_upsampled(grid, factor)) {
     throw Error(ErrorCode::bad_argument, std::to_string(grid.size[0]) + " x " + std::to_string(grid.size[1]) + " x " +
                                              std::to_string(grid.size[2]) + " samples are too many to supersample by " +
                                              std::to_string(factor) + ": 2^36 are possible, 2^32 - 3 along an axis");
   }
+  std::array<std::size_t, 3> out;
+  for (std::size_t a = 0; a < 3; ++a) out[a] = static_cast<std::size_t>(upsampled_samples(grid.size[a], factor));
   return out;
 }
 
 }  // namespace
+
+bool can_be_upsampled(const Grid& grid, std::uint32_t factor) {
+  double all = 1;
+  for (const std::size_t n : grid.size) {
+    const double upsampled = upsampled_samples(n, factor);
+    if (upsampled >= kNone - 1) return false;
+    all *= upsampled;
+  }
+  return all <= kMostSamples;
+}
 
 // What depends on the samples' type.
 struct UpsampledField::Samples {

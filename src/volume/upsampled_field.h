@@ -14,6 +14,9 @@
 
 namespace isoatlas {
 
+/// Are there no more than 2^36 samples in all, and fewer than 2^32 - 2 along an axis? @pre factor >= 1
+bool can_be_upsampled(const Grid& grid, std::uint32_t factor);
+
 /// The samples of a volume upsampled: its interpolant at `factor` points per step of the index, (n - 1) * factor + 1 along an axis.
 /// They are float64, computed where they are asked for, the same bits each time, and never kept. Where the volume is constant they are
 /// too, and trilinear ones lie between the samples around them, both exactly; of the volume's own, 64-bit integers are rounded.

@@ -30,8 +30,8 @@ constexpr std::string_view kMark = "DICM";
 constexpr std::uint32_t kUndefinedLength = 0xFFFF'FFFFU;
 constexpr DicomTag kItem = 0xFFFE'E000U, kItemEnd = 0xFFFE'E00DU, kSequenceEnd = 0xFFFE'E0DDU;
 constexpr int kDeepestNesting = 64;
-constexpr std::string_view kExplicitLittle = "1.2.840.10008.1.2.1", kExplicitBig = "1.2.840.10008.1.2.2",
-                           kDeflated = "1.2.840.10008.1.2.1.99", kGeBigEndianSamples = "1.2.840.113619.5.2";
+constexpr std::string_view kExplicitBig = "1.2.840.10008.1.2.2", kDeflated = "1.2.840.10008.1.2.1.99",
+                           kGeBigEndianSamples = "1.2.840.113619.5.2";
 
 bool is_pixel_data(DicomTag tag) { return tag == kPixelData || tag == kFloatPixelData || tag == kDoublePixelData; }
 

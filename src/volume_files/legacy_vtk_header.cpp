@@ -63,7 +63,8 @@ class HeaderReader {
     if (is_rectilinear_) {
       apply_coordinates();
     }
-    std::ranges::stable_partition(header_.arrays, [](const LegacyVtkArray& array) { return !array.array.is_cell_data; });
+    std::stable_partition(header_.arrays.begin(), header_.arrays.end(),
+                          [](const LegacyVtkArray& array) { return !array.array.is_cell_data; });
     return std::move(header_);
   }
 

@@ -94,10 +94,10 @@ def little(samples):
 
 
 def nrrd(samples, size, kind="float", *extra):
+    if len(size) == 3 and not any(line.startswith(("spac", "thick", "axis")) for line in extra):
+        extra = ("spacings: 1 1 1", *extra)  # without one the tool warns
     header = ["NRRD0004", f"type: {kind}", f"dimension: {len(size)}", "sizes: " + " ".join(map(str, size)),
               "encoding: raw", "endian: little", *extra]
-    if not any(line.startswith("spac") for line in extra):  # or there is a warning
-        header.append("spacings: " + " ".join("1" for _ in size))
     return "\n".join(header).encode() + b"\n\n" + (samples if isinstance(samples, bytes) else little(samples))
 
 
@@ -423,7 +423,7 @@ class Extract(ToolTest):
                                                    "--interpolation", name))["distance"]
                 self.assertLess(distance["surface_to_mesh"]["voxels"]["maximum"], 0.6)
             self.assertAlmostEqual(c_vertices[3] / c_vertices[1], 9, delta=1)
-        self.refuse("20 x 20 x 20 samples are too many to supersample by 1000", "extract", "s.nrrd", "--iso", "0", "-o", "t.off",
+        self.refuse("supersampling 1000 times makes more samples than are possible, 2.36: expected 154 times at most", "extract", "s.nrrd", "--iso", "0", "-o", "t.off",
                     "--supersample", "1000")
 
     def test_spaces(self):
@@ -1112,6 +1112,21 @@ class BadFiles(ToolTest):
         self.refuse_volume(r"\b7\b.*\b40\b", "c.nrrd", iso="3")
         self.put("same.nrrd", nrrd(bytes([7] * 512), (8, 8, 8), "uchar"))
         self.refuse_volume(r"\b7\b", "same.nrrd", iso="7")
+
+    def test_supersampling_beyond_the_memory_names_the_largest_factor(self):
+        self.put_sphere()
+        extract = ["extract", "sphere.nrrd", "--iso", "0", "-o", "out.ply"]
+        self.refuse(r"sphere.nrrd: supersampling 1000 times makes more samples than are possible, 2\^36: expected \d+ times at most",
+                    *extract, "--supersample", "1000")
+        limit = 1 << 30
+        if self.run_tool("--version", limit=limit).returncode != 0:
+            self.skipTest("the tool does not start with 1 GiB of address space (sanitizers)")
+        started = time.monotonic()
+        message = self.refuse(r"sphere.nrrd: supersampling 60 times takes about \d.* GiB of memory, of which 0.8 GiB can be used: expected \d\d times at most",
+                              *extract, "--supersample", "60", limit=limit)
+        self.assertLess(time.monotonic() - started, 5)
+        largest = int(re.search(r"expected (\d+) times", message).group(1))
+        self.refuse(f"supersampling {largest + 1} times takes", *extract, "--supersample", str(largest + 1), limit=limit)
 
     def test_out_of_memory_is_status_4(self):
         limit = 1 << 30
