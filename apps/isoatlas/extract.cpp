@@ -111,14 +111,17 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   progress.show("write", std::nullopt);
   control.check_cancelled();
   const Stopwatch writing;
-  context.files = outputs.write_meshes(extraction.hierarchy, file_info(report, options, context.volume.grid.unit));
-  state_rounding(report, context.files, context.volume.grid, options.space);
+  const Grid& grid = context.volume.grid;
+  const MeshFileInfo mesh_info = file_info(report, options, grid.unit).mesh;
+  state_rounding(report, outputs.roundings(extraction.hierarchy, mesh_info), grid, options.space);
+  context.files = outputs.write_meshes(extraction.hierarchy, file_info(report, options, grid.unit));
   context.write_seconds = writing.seconds();
   context.peak_memory_bytes = peak_memory_bytes();
   const std::string json = arguments.report || arguments.page ? to_json(report, context) : "";
   if (arguments.report) outputs.write_text(*arguments.report, json);
   if (arguments.page) {
     progress.show("page", std::nullopt);
+    add_noticeable_rounding(extraction.hierarchy, report, grid);
     const PageEntry entry = entry_of_report(json, arguments.page->string(), std::move(extraction.hierarchy), marching_cubes);
     outputs.write_text(*arguments.page, page_html({&entry, 1}, *arguments.page));
   }

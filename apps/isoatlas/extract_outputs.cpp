@@ -65,6 +65,17 @@ ExtractOutputs::ExtractOutputs(const ExtractArguments& arguments, std::size_t le
   if (arguments.page && !is_standard_stream(*arguments.page)) require_page_name(*arguments.page);
 }
 
+std::vector<FileRounding> ExtractOutputs::roundings(const Hierarchy& hierarchy, const MeshFileInfo& info) const {
+  if (!stream_file_) return meshes_.roundings(hierarchy, info);
+  try {
+    std::vector<FileRounding> result = meshes_.roundings(hierarchy, info);
+    for (FileRounding& file : result) file.path = kStandardOutputName;
+    return result;
+  } catch (const Error& error) {
+    throw stream_file_->renamed(error);
+  }
+}
+
 std::vector<ReportFile> ExtractOutputs::write_meshes(const Hierarchy& hierarchy, const HierarchyFileInfo& info) {
   if (!stream_file_) return meshes_.write(hierarchy, info, files_);
   try {

@@ -25,6 +25,9 @@ class ExtractOutputs {
   /// Then what is said to people goes to standard error.
   bool uses_standard_output() const { return stream_file_ || stream_text_name_; }
 
+  /// How much the files will round, under the names they will have.
+  std::vector<FileRounding> roundings(const Hierarchy& hierarchy, const MeshFileInfo& info) const;
+
   /// Writes the meshes to where they are staged, and says under which names they will be there.
   std::vector<ReportFile> write_meshes(const Hierarchy& hierarchy, const HierarchyFileInfo& info);
 

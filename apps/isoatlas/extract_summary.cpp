@@ -29,12 +29,10 @@ std::string point_text(const Vec3& p) {
   return text + ")";
 }
 
-// Rounding below this share of an error is not worth a word of its own; it is in the error all the same.
-constexpr double kNoticeableRounding = 0.01;
-
 /// " (0.25 of it by rounding to float32)", of a length that rounding may have increased
 std::string rounding_text(const LevelReport& level, double reached, LengthUnit unit) {
-  if (level.rounding <= kNoticeableRounding * reached) return "";
+  constexpr double kNoticeableShare = 0.01;
+  if (level.rounding <= kNoticeableShare * reached) return "";
   return " (" + with_unit(level.rounding, unit) + " of it by rounding to float32)";
 }
 
@@ -177,8 +175,8 @@ void print_rounding(const ReportContext& context) {
   const Grid& grid = context.volume.grid;
   const Space space = context.options.space;
   for (const ReportFile& file : context.files) {
-    const double rounding = rounding_in_world(file, grid, space);
-    if (rounding <= kNoticeableRounding * grid.smallest_spacing()) continue;
+    const double rounding = rounding_in_world(file.largest_rounding, grid, space);
+    if (!is_noticeable(rounding, grid)) continue;
     const std::string name = file.path == "-" ? "standard output" : file.path;
     std::cerr << one_line("isoatlas: " + name + ": its float32 coordinates move vertices by up to " + with_unit(rounding, grid.unit) +
                           ", which is in the error as stated; .ply, .obj and .vtp keep all digits" +

@@ -133,7 +133,7 @@ isoatlas extract dragon_sdf.nii.gz --iso 0 --inside below -o dragon.stl
 isoatlas extract ct.mha --iso 300 --max-radius 20mm -o a.vtp --report r.json
     No disk larger than 20 mm; all numbers in r.json.
 
-gunzip -c ct.nrrd.gz | isoatlas extract - --iso 300 -o - --format stl | viewer
+gunzip -c ct.nrrd.gz | isoatlas extract - --iso 300 -o - > ct.ply
     From standard input to standard output.
 
 isoatlas extract fuel.raw --raw-size 64,64,64 --raw-type uint8 --iso 70.5 \
@@ -142,12 +142,12 @@ isoatlas extract fuel.raw --raw-size 64,64,64 --raw-type uint8 --iso 70.5 \
 )"},
                    {"Exit status", kExtractExitStatus},
                    {"Files", kVolumeFiles + R"(Meshes: .ply and .stl (binary), .obj, .off, .vtp, .3mf, .gii: the finest
-level, or with {level} in the name each level in a file of its own; .glb: all
-levels, the extension MSFT_lod; .vtm: all levels, with a folder beside it.
-The extension decides. What is rounded to float (.stl, .gii, .glb) is read
-back and checked, and the error as stated includes it. A .3mf states the
-volume's unit; a .gii is in RAS and millimetres, whatever --space says.
-With -o - the mesh goes to standard output and the summary to standard error.
+level, or with {level} in the name each level in a file of its own; .glb:
+all levels, the extension MSFT_lod; .vtm: all levels, with a folder beside
+it. The extension decides. What is rounded to float (.stl, .gii, .glb) is
+read back and checked, and the error as stated includes it. A .3mf states
+the volume's unit; a .gii is in RAS and millimetres, whatever --space says.
+With -o - the mesh goes to standard output, the summary to standard error.
 Outputs appear whole, all together, or not at all. They are prepared in a
 hidden folder .isoatlas-* beside the destination; one that a killed process
 left behind can be deleted.
@@ -202,8 +202,8 @@ isoatlas check head.ply --volume head.nrrd --iso 80.5
 )"},
                    {"Exit status", kCheckExitStatus},
                    {"Files", R"(Meshes: .ply, .stl, .obj, .off, .vtp, .3mf, .gii. Polygons are cut into
-triangles; corners of an STL file at equal positions are one vertex. The unit
-that a .3mf or .gii states is converted to the volume's.
+triangles; corners of an STL file at equal positions are one vertex. The
+unit that a .3mf or .gii states is converted to the volume's.
 )" + kVolumeFiles}},
   };
 }

@@ -43,6 +43,10 @@ struct StoredPositions {
 /// Throws Error(bad_file).
 StoredPositions write_mesh(const TriangleMesh& mesh, const std::filesystem::path& path, const MeshFileInfo& info = {});
 
+/// The largest distance by which write_mesh rounds a position, in the mesh's units, known before it writes; 0 where all digits are kept.
+/// Throws Error(bad_file) where a position is out of the range of float32.
+double rounding_of_mesh_file(const TriangleMesh& mesh, const std::filesystem::path& path, const MeshFileInfo& info = {});
+
 /// Reads what write_mesh writes (and ascii variants); polygons are split into triangle fans, STL corners at equal positions merged.
 /// Coordinates are those of the file: mesh_file_info() says in which space and unit.
 TriangleMesh read_mesh(const std::filesystem::path& path);
@@ -84,6 +88,9 @@ void check_hierarchy_path(const std::filesystem::path& path, std::size_t level_c
 /// @throws Error(unsupported)   unknown extension; more than 4 GiB in a .glb
 /// @cost   O(vertices + triangles) for each level, some three times the size of the file in memory for a .glb
 StoredPositions write_hierarchy(const Hierarchy& hierarchy, const std::filesystem::path& path, const HierarchyFileInfo& info = {});
+
+/// As rounding_of_mesh_file, of all levels.
+double rounding_of_hierarchy_file(const Hierarchy& hierarchy, const std::filesystem::path& path);
 
 struct HierarchyFile {
   /// `parent` is empty: files do not keep it. A level whose vertices are not bit by bit the first ones of the finest level has its

@@ -111,7 +111,7 @@ class Mesh:
         Parameters
         ----------
         path : str or path
-            ``NAME.ply``, ``.stl``, ``.obj``, ``.off`` or ``.vtp``: the finest level; with ``{level}`` in the name one file for each level;
+            ``NAME.ply``, ``.stl``, ``.obj``, ``.off``, ``.vtp``, ``.3mf`` or ``.gii``: the finest level; with ``{level}`` in the name one file for each level;
             ``NAME.glb``, ``NAME.vtm``: all levels. docs/reference/files.md says what is in them.
         report : str or path, optional
             Write the report too, as ``--report`` does. Only of what `extract` made.
@@ -121,7 +121,7 @@ class Mesh:
         Raises
         ------
         BadFileError
-            An ``OSError``: it cannot be written; or float32, in ``.stl`` and ``.glb``, would merge or move vertices.
+            An ``OSError``: it cannot be written; or float32, in ``.stl``, ``.gii`` and ``.glb``, would merge or move vertices.
         UnsupportedError
             A ``ValueError``: unknown extension.
         BadArgumentError

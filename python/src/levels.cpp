@@ -194,14 +194,20 @@ void save_levels(const std::shared_ptr<Levels>& levels, const std::string& path,
       [levels, report, meshes, files_of_run](const RunControl& control) {
         OutputFiles& outputs = *files_of_run;
         const auto started = std::chrono::steady_clock::now();
-        const std::vector<ReportFile> files = meshes.write(levels->hierarchy, levels->info, outputs);
+        HierarchyFileInfo info = levels->info;
+        ExtractReport stated;
+        if (levels->made) {
+          const ReportContext& context = levels->made->context;
+          stated = levels->made->report;
+          state_rounding(stated, meshes.roundings(levels->hierarchy, info.mesh), context.volume.grid, context.options.space);
+          info.levels = file_info(stated, context.options, context.volume.grid.unit).levels;
+        }
+        const std::vector<ReportFile> files = meshes.write(levels->hierarchy, info, outputs);
         if (report) {
           ReportContext context = levels->made->context;
           context.files = files;
           context.write_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
           context.peak_memory_bytes = peak_memory_bytes();
-          ExtractReport stated = levels->made->report;
-          state_rounding(stated, files, context.volume.grid, context.options.space);
           outputs.write(*report, [&](const fs::path& staged) { write_text_file(to_json(stated, context), staged); });
         }
         control.check_cancelled();

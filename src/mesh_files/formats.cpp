@@ -116,6 +116,7 @@ StoredPositions write_as_given(const MeshFormat& format, const TriangleMesh& mes
   if (format.is_single_precision && file.is_temporary()) {
     file.flush();
     stored.largest_rounding = io::require_same_mesh(mesh, format.read(file.written_path()), !format.has_indices, path);
+    io::require_rounding_within(io::largest_rounding(mesh.positions, {}, path), stored.largest_rounding, path);
   }
   file.commit();
   return stored;
@@ -140,6 +141,18 @@ StoredPositions write_mesh(const TriangleMesh& mesh, const fs::path& path, const
     stored.notes = form.notes;
     return stored;
   });
+}
+
+double rounding_of_mesh_file(const TriangleMesh& mesh, const fs::path& path, const MeshFileInfo& info) {
+  const MeshFormat& format = format_to_write(path);
+  if (!format.is_single_precision) {
+    return 0;
+  }
+  if (format.form == nullptr) {
+    return io::largest_rounding(mesh.positions, {}, path);
+  }
+  const io::StoredForm form = format.form(mesh, info);
+  return io::convert_length(io::largest_rounding(form.mesh.positions, {}, path), form.info.unit, info.unit);
 }
 
 TriangleMesh read_mesh(const fs::path& path) {

@@ -25,10 +25,11 @@ struct HierarchyFormat {
   io::StoredLevels (*read)(const fs::path&);
   StoredPositions (*write)(const Hierarchy&, const HierarchyFileInfo&, const fs::path&);
   bool has_pieces;
+  double (*rounding)(const Hierarchy&, const fs::path&);  ///< none: all digits are kept
 };
 
-constexpr std::array kFormats{HierarchyFormat{".glb", io::read_glb, io::write_glb, false},
-                              HierarchyFormat{".vtm", io::read_vtm, io::write_vtm, true}};
+constexpr std::array kFormats{HierarchyFormat{".glb", io::read_glb, io::write_glb, false, io::rounding_in_glb},
+                              HierarchyFormat{".vtm", io::read_vtm, io::write_vtm, true, nullptr}};
 
 const HierarchyFormat* find_format(const fs::path& path) {
   std::string extension = path.extension().string();
@@ -141,6 +142,11 @@ StoredPositions write_hierarchy(const Hierarchy& hierarchy, const fs::path& path
   HierarchyFileInfo clean_info = info;
   clean_info.mesh = {io::one_line(info.mesh.space), io::one_line(info.mesh.comment), info.mesh.unit};
   return io::translate_exceptions(path, [&] { return format.write(hierarchy, clean_info, path); });
+}
+
+double rounding_of_hierarchy_file(const Hierarchy& hierarchy, const fs::path& path) {
+  const HierarchyFormat& format = format_of(path);
+  return format.rounding == nullptr || hierarchy.levels.empty() ? 0 : format.rounding(hierarchy, path);
 }
 
 HierarchyFile read_hierarchy(const fs::path& path) {

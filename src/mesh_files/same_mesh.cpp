@@ -118,6 +118,25 @@ Float3 rounded(const Vec3& position, std::size_t vertex, const std::filesystem::
   return p;
 }
 
+double largest_rounding(const std::vector<Vec3>& positions, const Vec3& translation, const std::filesystem::path& path) {
+  double largest = 0;
+  for (std::size_t v = 0; v < positions.size(); ++v) {
+    const Vec3& p = positions[v];
+    const Float3 stored = rounded(p - translation, v, path);
+    // volatile: g++ 12 drops the conversions of a double that is narrowed and widened again.
+    const volatile float x = stored[0], y = stored[1], z = stored[2];
+    largest = std::max(largest, std::hypot(p.x - (x + translation.x), p.y - (y + translation.y), p.z - (z + translation.z)));
+  }
+  return largest;
+}
+
+void require_rounding_within(double expected, double found, const std::filesystem::path& path) {
+  if (!(found <= expected)) {
+    throw Error(ErrorCode::internal, one_line(path.string() + ": not written: read back, positions are rounded by " + number(found) +
+                                              ", expected at most " + number(expected)));
+  }
+}
+
 double require_same_mesh(const TriangleMesh& written, const TriangleMesh& read, bool renumbered, const std::filesystem::path& path,
                          std::string_view what) {
   const Comparison comparison(path, what);

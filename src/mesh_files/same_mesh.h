@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <string_view>
+#include <vector>
 
 #include "isoatlas/mesh_file.h"
 #include "isoatlas/mesh.h"
@@ -17,6 +18,12 @@ using Float3 = std::array<float, 3>;
 /// The position of a vertex as a file of floats has it.
 /// @throws Error(bad_file) if it is out of their range
 Float3 rounded(const Vec3& position, std::size_t vertex, const std::filesystem::path& path);
+
+/// The largest distance of these positions from what a file of floats around `translation` has.
+double largest_rounding(const std::vector<Vec3>& positions, const Vec3& translation, const std::filesystem::path& path);
+
+/// What was said of the rounding before a file was written is true of the file. @throws Error(internal) if not
+void require_rounding_within(double expected, double found, const std::filesystem::path& path);
 
 /// Compares a mesh with what another reader made of the file it was written to.
 ///

@@ -37,7 +37,9 @@ Vec3 translation_of(const Bounds& box) {
   if (std::max({std::fabs(middle.x), std::fabs(middle.y), std::fabs(middle.z)}) <= box.longest()) {
     return {};
   }
-  return {static_cast<float>(middle.x), static_cast<float>(middle.y), static_cast<float>(middle.z)};
+  // volatile: g++ 12 drops the conversions of a double that is narrowed and widened again.
+  const volatile float x = static_cast<float>(middle.x), y = static_cast<float>(middle.y), z = static_cast<float>(middle.z);
+  return {x, y, z};
 }
 
 std::vector<Float3> stored_normals(const TriangleMesh& mesh, const Bounds& box) {
@@ -134,10 +136,13 @@ struct Glb {
   std::string binary;
 };
 
+// Of all levels, so that they fit together.
+Bounds box_of(const Hierarchy& hierarchy) { return bounds_of(hierarchy.mesh(hierarchy.levels.size() - 1).positions); }
+
 Glb make_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const std::filesystem::path& path) {
   const bool is_balanced = info.placement == Placement::balanced;
   const std::size_t level_count = hierarchy.levels.size();
-  const Bounds box = bounds_of(hierarchy.mesh(level_count - 1).positions);
+  const Bounds box = box_of(hierarchy);
   const Vec3 translation = translation_of(box);
   const bool is_moved = translation != Vec3{};
 
@@ -236,6 +241,15 @@ Glb make_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const st
 
 }  // namespace
 
+double rounding_in_glb(const Hierarchy& hierarchy, const std::filesystem::path& path) {
+  const Vec3 translation = translation_of(box_of(hierarchy));
+  double largest = 0;
+  for (std::size_t k = 0; k < hierarchy.levels.size(); ++k) {
+    largest = std::max(largest, largest_rounding(hierarchy.mesh(k).positions, translation, path));
+  }
+  return largest;
+}
+
 StoredPositions write_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const std::filesystem::path& path) {
   static_assert(std::endian::native == std::endian::little, "glTF is little endian");
   AtomicFile file(path);
@@ -273,6 +287,7 @@ StoredPositions write_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& i
       const double rounding = require_same_mesh(hierarchy.mesh(k), read.meshes[k], false, path, "level " + std::to_string(k));
       stored.largest_rounding = std::max(stored.largest_rounding, rounding);
     }
+    require_rounding_within(rounding_in_glb(hierarchy, path), stored.largest_rounding, path);
   }
   file.commit();
   return stored;

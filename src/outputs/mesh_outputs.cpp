@@ -129,6 +129,19 @@ void MeshOutputs::check(std::size_t level_count, const fs::path& volume, const s
   }
 }
 
+std::vector<FileRounding> MeshOutputs::roundings(const Hierarchy& hierarchy, const MeshFileInfo& info) const {
+  const std::size_t level_count = hierarchy.levels.size();
+  std::vector<FileRounding> result;
+  for (const Item& item : items(level_count)) {
+    const std::size_t first = item.levels.front();
+    const double rounding = !is_hierarchy_path(item.path)           ? rounding_of_mesh_file(hierarchy.mesh(first), item.path, info)
+                            : item.levels.size() < level_count ? rounding_of_hierarchy_file(only_level(hierarchy, first), item.path)
+                                                               : rounding_of_hierarchy_file(hierarchy, item.path);
+    result.push_back({item.path.string(), item.levels, rounding});
+  }
+  return result;
+}
+
 std::vector<ReportFile> MeshOutputs::write(const Hierarchy& hierarchy, const HierarchyFileInfo& info, OutputFiles& outputs) const {
   const std::size_t level_count = hierarchy.levels.size();
   std::vector<ReportFile> written, one_level;

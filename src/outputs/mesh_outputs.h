@@ -10,6 +10,7 @@
 #include "isoatlas/extract.h"
 #include "isoatlas/mesh_file.h"
 #include "outputs/output_files.h"
+#include "outputs/stated_rounding.h"
 #include "report/report.h"
 
 namespace isoatlas {
@@ -31,6 +32,9 @@ class MeshOutputs {
   /// @throws Error(bad_argument) if an output would replace the volume or another output
   /// @throws Error(bad_file), Error(unsupported) if one of them cannot be written
   void check(std::size_t level_count, const std::filesystem::path& volume, const std::vector<Other>& others) const;
+
+  /// How much each file will round positions, known before it is written: what is said of levels inside the files is true of them.
+  std::vector<FileRounding> roundings(const Hierarchy& hierarchy, const MeshFileInfo& info) const;
 
   /// Writes all files to where `outputs` stages them.
   /// @return what was written, under the names it will have

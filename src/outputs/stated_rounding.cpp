@@ -6,8 +6,6 @@
 #include <cstdio>
 #include <string>
 
-#include "outputs/standard_output.h"
-
 namespace isoatlas {
 namespace {
 
@@ -47,27 +45,38 @@ void state_rounding(LevelReport& level, double rounding, const std::string& path
     const bool is_within = change >= 0 ? result.reached <= result.wanted.bound : result.reached >= result.wanted.bound;
     if (result.met && change != 0 && !is_within) {
       result.met = false;
-      result.reason = "positions are rounded to float32 in " + (is_standard_stream(path) ? kStandardOutputName : path) + ", by up to " + number(rounding);
+      result.reason = "positions are rounded to float32 in " + path + ", by up to " + number(rounding);
     }
   }
 }
 
 }  // namespace
 
-double rounding_in_world(const ReportFile& file, const Grid& grid, Space space) {
-  const double sample = space == Space::voxel ? std::max({grid.spacing.x, grid.spacing.y, grid.spacing.z}) : 1;
-  return file.largest_rounding * sample;
+double rounding_in_world(double rounding, const Grid& grid, Space space) {
+  return rounding * (space == Space::voxel ? std::max({grid.spacing.x, grid.spacing.y, grid.spacing.z}) : 1);
 }
 
-void state_rounding(ExtractReport& report, const std::vector<ReportFile>& files, const Grid& grid, Space space) {
+bool is_noticeable(double rounding_in_world, const Grid& grid) {
+  constexpr double kShareOfAVoxel = 0.01;
+  return rounding_in_world >= kShareOfAVoxel * grid.smallest_spacing();
+}
+
+void add_noticeable_rounding(Hierarchy& hierarchy, const ExtractReport& report, const Grid& grid) {
+  for (std::size_t k = 0; k < hierarchy.levels.size(); ++k) {
+    if (!is_noticeable(report.levels[k].rounding, grid)) continue;
+    for (float& distance : hierarchy.levels[k].distance) distance += static_cast<float>(report.levels[k].rounding);
+  }
+}
+
+void state_rounding(ExtractReport& report, const std::vector<FileRounding>& files, const Grid& grid, Space space) {
   for (std::size_t k = 0; k < report.levels.size(); ++k) {
-    const ReportFile* worst = nullptr;
-    for (const ReportFile& file : files) {
+    const FileRounding* worst = nullptr;
+    for (const FileRounding& file : files) {
       const bool has_level = std::find(file.levels.begin(), file.levels.end(), k) != file.levels.end();
-      if (has_level && (worst == nullptr || file.largest_rounding > worst->largest_rounding)) worst = &file;
+      if (has_level && (worst == nullptr || file.largest > worst->largest)) worst = &file;
     }
-    if (worst != nullptr && worst->largest_rounding > 0)
-      state_rounding(report.levels[k], rounding_in_world(*worst, grid, space), worst->path);
+    if (worst != nullptr && worst->largest > 0)
+      state_rounding(report.levels[k], rounding_in_world(worst->largest, grid, space), worst->path);
   }
 }
 

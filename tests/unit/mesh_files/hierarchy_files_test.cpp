@@ -135,6 +135,7 @@ TEST(HierarchyFiles, RoundTrip) {
       EXPECT_EQ(stored.single_precision, std::string(extension) == ".glb");
       EXPECT_LT(stored.largest_rounding, 1e-6);
       EXPECT_EQ(stored.largest_rounding > 0, stored.single_precision);
+      EXPECT_EQ(stored.largest_rounding, rounding_of_hierarchy_file(hierarchy, path));
       for (const fs::path& file : files_of_hierarchy(path, 3)) EXPECT_TRUE(fs::is_regular_file(file)) << file;
       expect_same(read_hierarchy(path), hierarchy, info, stored.largest_rounding);
     }
@@ -271,6 +272,7 @@ TEST(HierarchyFiles, LargeCoordinatesGetATranslation) {
   const Shape shape{.middle = {1e6, -3e6 + 1.0 / 3, 12}, .scale = 0.001};
   const Hierarchy hierarchy = sphere(shape);
   const StoredPositions stored = write_hierarchy(hierarchy, folder / "a.glb", info_of(shape));
+  EXPECT_EQ(stored.largest_rounding, rounding_of_hierarchy_file(hierarchy, folder / "a.glb"));
   EXPECT_LT(stored.largest_rounding, 2e-8);  // the translation is a float too: up to 0.125 of it stays in the positions
   const tinygltf::Model model = load(folder / "a.glb");
   for (const tinygltf::Node& node : model.nodes) {

@@ -87,6 +87,21 @@ TEST(MeshFiles, CommentCannotAddLines) {
   }
 }
 
+// What is known of rounding before a file is written is what reading it back finds.
+TEST(MeshFiles, RoundingIsKnownBefore) {
+  const TempFolder folder;
+  for (const LengthUnit unit : {LengthUnit::unknown, LengthUnit::millimetre, LengthUnit::micrometre, LengthUnit::metre}) {
+    const MeshFileInfo info{.space = "LPS", .comment = "", .unit = unit};
+    for (const char* extension : kFormats) {
+      SCOPED_TRACE(extension + std::string(symbol(unit)));
+      const auto path = folder / (std::string("a") + extension);
+      const double expected = rounding_of_mesh_file(octahedron(), path, info);
+      EXPECT_EQ(write_mesh(octahedron(), path, info).largest_rounding, expected);
+      EXPECT_EQ(expected > 0, std::string(extension) == ".stl" || std::string(extension) == ".gii");
+    }
+  }
+}
+
 TEST(MeshFiles, StlThatWouldMergeVerticesIsNotWritten) {
   const TempFolder folder;
   TriangleMesh mesh = octahedron();

@@ -30,8 +30,8 @@ ExtractReport report_with(std::vector<ConstraintResult> constraints) {
   return report;
 }
 
-ReportFile file(const std::string& path, std::vector<std::size_t> levels, double rounding) {
-  return {.path = path, .levels = std::move(levels), .single_precision = rounding > 0, .largest_rounding = rounding};
+FileRounding file(const std::string& path, std::vector<std::size_t> levels, double rounding) {
+  return {.path = path, .levels = std::move(levels), .largest = rounding};
 }
 
 TEST(StatedRounding, LengthsIncludeItAndOtherQuantitiesDoNot) {
@@ -84,8 +84,8 @@ TEST(StatedRounding, TheWorstFileOfALevelCounts) {
 TEST(StatedRounding, OfSampleIndicesIsALengthInTheWorld) {
   Grid grid;
   grid.spacing = {0.5, 0.25, 3};
-  EXPECT_EQ(rounding_in_world(file("a.stl", {0}, 0.125), grid, Space::voxel), 0.375);
-  EXPECT_EQ(rounding_in_world(file("a.stl", {0}, 0.125), grid, Space::ras), 0.125);
+  EXPECT_EQ(rounding_in_world(0.125, grid, Space::voxel), 0.375);
+  EXPECT_EQ(rounding_in_world(0.125, grid, Space::ras), 0.125);
 }
 
 TEST(StatedRounding, AnInfiniteMetricStaysInfinite) {
