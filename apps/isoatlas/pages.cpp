@@ -55,10 +55,11 @@ const std::string kLevelsExitStatus = R"(0    every level is a manifold, consist
 )";
 
 const std::string kVolumeFiles = R"(Volumes: NRRD (.nrrd, .nhdr), NIfTI-1 and -2 (.nii, .nii.gz, .hdr, .img),
-MetaImage (.mha, .mhd), TIFF (.tif, .tiff; ImageJ, OME, LSM), DICOM (.dcm, or a
-folder), a folder of TIFF or PNG slices, VTK (.vtk, .vti, .vtr, .pvti, .pvtr),
-MGH (.mgh, .mgz), MRC (.mrc, .map, .rec), NumPy (.npy), and headerless samples
-(--raw-size, --raw-type). A file's format is that of its content.
+MetaImage (.mha, .mhd), TIFF (.tif, .tiff; ImageJ, OME, LSM), DICOM (.dcm,
+or a folder), a folder of TIFF or PNG slices, VTK (.vtk, .vti, .vtr, .pvti,
+.pvtr), MGH (.mgh, .mgz), MRC (.mrc, .map, .rec), NumPy (.npy), and
+headerless samples (--raw-size, --raw-type). A file's format is that of its
+content.
 )";
 
 }  // namespace
