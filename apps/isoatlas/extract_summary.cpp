@@ -43,9 +43,12 @@ std::string level_text(const LevelReport& level) {
   for (const ConstraintResult& result : level.constraints) {
     const std::string quantity(name(result.wanted.quantity));
     if (is_metric(result.wanted.quantity)) text += ", " + quantity + " " + bound_text(result.wanted.quantity, result.reached);
-    if (result.met) continue;
-    unmet += (unmet.empty() ? "" : ", ") + quantity;
-    if (result.wanted.is_default) unmet += " (default " + bound_text(result.wanted.quantity, result.wanted.bound) + ")";
+    const std::string bound = result.wanted.is_default ? " (default " + bound_text(result.wanted.quantity, result.wanted.bound) + ")" : "";
+    if (result.met) {
+      text += bound;
+    } else {
+      unmet += (unmet.empty() ? "" : ", ") + quantity + bound;
+    }
   }
   if (level.measured) text += ", " + measured_text(level);
   text += ", aspect ratio at least " + ratio_text(level.quality.aspect_min) + ", " + percent_text(level.quality.aspect_share_below_third) +

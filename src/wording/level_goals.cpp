@@ -18,6 +18,7 @@ constexpr std::uint32_t kLeastVertices = 4;
 
 // What one level is refined to when nobody says anything: below half a voxel a mesh follows the trilinear surface.
 constexpr TypedConstraint kDefault{Quantity::max_distance, 0.5, true, true};
+constexpr double kThickLayers = 4;  // layers count from so many smallest spacings on
 
 [[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::bad_argument, message); }
 
@@ -126,6 +127,16 @@ TypedGoals plan_levels(const std::vector<GoalArgument>& arguments, bool only_coa
     goals.refine.push_back(std::move(goal));
   }
   return goals;
+}
+
+double default_voxel(const Grid& grid) {
+  const double largest = std::max({grid.spacing.x, grid.spacing.y, grid.spacing.z});
+  return std::max(grid.smallest_spacing(), largest / kThickLayers);
+}
+
+Constraint TypedConstraint::in_world(const Grid& grid) const {
+  const double voxel = is_default ? default_voxel(grid) : grid.smallest_spacing();
+  return {quantity, in_voxels ? bound * voxel : bound, is_default};
 }
 
 LevelGoal in_world(const std::vector<TypedConstraint>& goal, const Grid& grid) {
