@@ -129,7 +129,8 @@ void add_goals(CLI::App& command, ExtractArguments& arguments) {
   const auto ignore = [](const auto&) {};
   CLI::Option* refine = command.add_option_function<std::vector<std::string>>("--refine", ignore, R"(
 One more level, refined from the last one until it meets SPEC, METRIC:BOUND[,METRIC:BOUND...]; METRIC is one of the
-options below without the dashes. May be given again and again. Without it there is one such level, at max-distance:0.5vx.
+options below without the dashes. May be given again and again. Without it there is one such level, at max-distance:0.5vx,
+or an eighth of the largest spacing where that is more.
 )");
   refine->type_name("SPEC")->expected(1)->allow_extra_args(false)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)->group(kLevels);
   std::map<const CLI::Option*, Quantity> quantity_of;

@@ -54,9 +54,13 @@ std::string level_text(const LevelReport& level, LengthUnit unit) {
     const std::string quantity(name(result.wanted.quantity));
     if (is_metric(result.wanted.quantity)) text += ", " + quantity + " " + bound_text(result.wanted.quantity, result.reached, unit);
     if (result.wanted.quantity == Quantity::max_distance) text += rounding_text(level, result.reached, unit);
-    if (result.met) continue;
-    unmet += (unmet.empty() ? "" : ", ") + quantity;
-    if (result.wanted.is_default) unmet += " (default " + bound_text(result.wanted.quantity, result.wanted.bound, unit) + ")";
+    const std::string bound =
+        result.wanted.is_default ? " (default " + bound_text(result.wanted.quantity, result.wanted.bound, unit) + ")" : "";
+    if (result.met) {
+      text += bound;
+    } else {
+      unmet += (unmet.empty() ? "" : ", ") + quantity + bound;
+    }
   }
   if (level.measured) text += ", " + measured_text(level, unit);
   text += ", aspect ratio at least " + ratio_text(level.quality.aspect_min) + ", " + percent_text(level.quality.aspect_share_below_third) +

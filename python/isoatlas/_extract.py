@@ -102,7 +102,8 @@ def extract(
     refine : str, dict or a list of them, optional
         One more level for each, refined from the last one until it is met: ``"max-distance:0.5vx,normal-angle:20deg"`` or
         ``{"max_distance": "0.5vx", "normal_angle": 20}``; what stands first is more important. Default: one level, at the bounds that
-        follow, and within half a voxel of the surface if none of them is a metric.
+        follow, and within half a voxel of the surface (or an eighth of the largest spacing, where that
+        is more) if none of them is a metric.
     max_distance, mean_distance : float or str, optional
         Bounds for all levels after level 0 (with ``coarse`` for level 0), here to ``min_aspect``. They are more important than those of ``refine``, and
         the more important the earlier they come in this list. This one: largest and mean distance of the mesh from the surface, lengths.

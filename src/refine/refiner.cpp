@@ -39,8 +39,8 @@ constexpr int kMostFailures = 24;
 constexpr double kFirstSteps = 0.7, kLastSteps = 0.85;
 constexpr double kNearEnough = 0.5;
 constexpr int kMostLastLooks = 3;
-// A few bad triangles that are left get so many more chances.
-constexpr int kMostChances = 6;
+// A few bad triangles that are left get so many more chances, but only so many in a row that leave no fewer.
+constexpr int kMostChances = 6, kMostInVain = 2;
 constexpr std::size_t kFewTriangles = 100;
 // Cells at their limit that are tried to be mended by flips and moves.
 constexpr std::size_t kMostMended = 200;
@@ -541,9 +541,13 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
   };
   improve();
   // Where neither a flip nor a move mends a triangle, smaller cells around it give another mesh, and another chance.
-  for (int chance = 0; chance < kMostChances && out.shape.bad > 0 && out.shape.bad < kFewTriangles; ++chance) {
+  std::size_t fewest = out.shape.bad;
+  int in_vain = 0;
+  for (int chance = 0; chance < kMostChances && in_vain < kMostInVain && out.shape.bad > 0 && out.shape.bad < kFewTriangles; ++chance) {
     if (task.most_sites != kNone || !work_around(*work_, task, triangles)) break;
     again();
+    in_vain = out.shape.bad < fewest ? 0 : in_vain + 1;
+    fewest = std::min(fewest, out.shape.bad);
   }
   // What nothing else can help: of the cells at their limit, the worst.
   const auto mend = [&] {

@@ -17,6 +17,7 @@ namespace isoatlas {
 namespace {
 
 constexpr int kPasses = 24;
+constexpr std::size_t kFewKept = 10;  // no more passes for the sake of errors once fewer than one change in so many helps
 constexpr double kWorthIt = 1e-3;
 constexpr int kRelaxRounds = 3;
 constexpr int kLooksBack = 4;            // after relaxing, for cells that it took over their bounds
@@ -57,7 +58,10 @@ class Workshop {
   void run(Purpose purpose, std::span<const CellId> cells, ShapeReport& report) {
     for (int k = 0; k < kPasses; ++k) {
       control_.check_cancelled();
-      if (pass(purpose, cells, report) == 0) break;
+      const std::size_t kept_before = report.flips + report.moves;
+      const std::size_t tried = pass(purpose, cells, report);
+      const std::size_t kept = report.flips + report.moves - kept_before;
+      if (tried == 0 || (purpose == Purpose::errors && kept * kFewKept < tried)) break;
     }
     report.bad = bad_triangles().size();
   }

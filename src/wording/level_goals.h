@@ -15,13 +15,18 @@ struct TypedConstraint {
   Quantity quantity;
   double bound = 0;
   bool in_voxels = false;
-  bool is_default = false;                ///< nobody typed it
+  bool is_default = false;                ///< nobody typed it; in voxels of default_voxel()
   LengthUnit unit = LengthUnit::unknown;  ///< of a length that states one
 
   /// @throws Error(bad_argument) if the volume states no unit to convert to
   Constraint in_world(const Grid& grid) const;
   friend bool operator==(const TypedConstraint&, const TypedConstraint&) = default;
 };
+
+/// The voxel that the default bound is half of: the smallest spacing, or a quarter of the largest one where that is more. Between layers
+/// that are far apart the surface is interpolated: a mesh that followed it more closely would not be nearer to what was scanned, nor could
+/// it, since the surface complex has one c-vertex per grid cell.
+double default_voxel(const Grid& grid);
 
 /// The bound of one quantity: "0.5vx", "2mm" or "2" (the world's unit); "1.1"; "15deg" or "15"; "2000".
 /// @throws Error(bad_argument) if the quantity cannot have it
@@ -44,7 +49,7 @@ struct TypedGoals {
 /// Sorts the arguments, which come in the order of the command line, into goals: for each level the options before its
 /// --refine, its own constraints, the options after it; earlier means more important.
 ///
-/// Without a --refine there is one level, within half a voxel of the surface unless the options name a metric; with
+/// Without a --refine there is one level, within half a default_voxel() of the surface unless the options name a metric; with
 /// `only_coarse` there is none, and the options are about level 0.
 /// @throws Error(bad_argument) if a level has a quantity twice, or only_coarse stands beside a --refine
 TypedGoals plan_levels(const std::vector<GoalArgument>& arguments, bool only_coarse);

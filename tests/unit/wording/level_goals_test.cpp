@@ -125,6 +125,22 @@ TEST(PlanLevels, Defaults) {
   EXPECT_EQ(plan_levels({level("max-vertices:50")}, false).refine[0], (std::vector<TypedConstraint>{{max_vertices, 50}}));
 }
 
+// Half of the smallest spacing up to layers of four times that; from there on an eighth of the layers. Never so for what was typed.
+TEST(DefaultBound, GrowsWithThickLayers) {
+  const TypedConstraint by_default = plan_levels({}, false).refine[0][0], typed{max_distance, 0.5, true};
+  const auto bounds = [&](double x, double y, double z) {
+    Grid grid;
+    grid.spacing = {x, y, z};
+    EXPECT_TRUE(by_default.in_world(grid).is_default);
+    return std::pair(by_default.in_world(grid).bound, typed.in_world(grid).bound);
+  };
+  EXPECT_EQ(bounds(0.7, 0.7, 0.7), std::pair(0.5 * 0.7, 0.5 * 0.7));
+  EXPECT_EQ(bounds(3, 1, 1), std::pair(0.5, 0.5));
+  EXPECT_EQ(bounds(1, 4, 1), std::pair(0.5, 0.5));
+  EXPECT_EQ(bounds(0.5, 0.5, 3), std::pair(0.375, 0.25));
+  EXPECT_EQ(bounds(8, 0.5, 0.5), std::pair(1.0, 0.25));
+}
+
 TEST(PlanLevels, OnlyCoarse) {
   const auto goals = plan_levels({option(max_vertices, "50"), option(max_distance, "1")}, true);
   EXPECT_EQ(goals.coarse, (std::vector<TypedConstraint>{{max_vertices, 50}, {max_distance, 1}}));
