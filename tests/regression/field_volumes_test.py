@@ -48,7 +48,7 @@ class FieldVolumes(unittest.TestCase):
         # An eighth of 3 mm, not half of 0.5 mm. That used to take 60 rounds and 1,829 vertices, and was not met.
         bound = level["constraints"][0]
         self.assertEqual((bound["quantity"], bound["wanted"], bound["default"], bound["met"]), ("max-distance", 0.375, True, True))
-        self.assertRegex(summary, r"level 1 .* max-distance 0\.37\d* \(default 0\.375\),")
+        self.assertRegex(summary, r"level 1 .* max-distance 0\.37\d* mm \(default 0\.375 mm\),")
         self.assertLess(level["refine_rounds"], 50)
         self.assertLess(level["vertices"], 1_200)
 
@@ -57,7 +57,7 @@ class FieldVolumes(unittest.TestCase):
             run = subprocess.run([TOOL, "extract", FIELD / "aniso_mask_small.nii.gz", "--iso", "0.5", "--max-distance", "0.5vx",
                                   "-o", pathlib.Path(folder) / "mesh.ply"], capture_output=True, text=True)
         self.assertEqual(run.returncode, 1)
-        self.assertRegex(run.stderr, r"\Aisoatlas: level 1: max-distance 0\.25: reached 0\.3\d+: \d+ cells are at the resolution limit; "
+        self.assertRegex(run.stderr, r"\Aisoatlas: level 1: max-distance 0\.25 mm: reached 0\.3\d+ mm: \d+ cells are at the resolution limit; "
                                      r"supersampling would help there\n\Z")
 
 
