@@ -117,7 +117,8 @@ void MeshOutputs::check(std::size_t level_count, const fs::path& volume, const s
     for (std::size_t j = 0; j < i; ++j)
       if (same_file(meshes[i], meshes[j])) refuse(meshes[i], "a level would replace another, in " + meshes[j].string());
   for (std::size_t i = 0; i < others.size(); ++i) {
-    const auto& [path, what] = others[i];
+    const fs::path& path = others[i].path;
+    const std::string& what = others[i].what;
     const auto replaces = [&](const fs::path& other, const std::string& name) {
       if (same_file(path, other)) refuse(path, "the " + what + " would replace the " + name + ", expected another name");
     };
