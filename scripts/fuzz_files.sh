@@ -1,37 +1,74 @@
 #!/usr/bin/env bash
 # Fuzzes the readers of files: one libFuzzer target for each format, under ASan and UBSan.
-#   scripts/fuzz_files.sh [SECONDS [FORMAT...]]     (default: 60 seconds for each format)
-# Seeds are the files of tests/data, samples and tests/fuzz/corpus_files. What is new stays in build/corpus/FORMAT; a crash is
-# build/corpus/FORMAT-crash-*, and the line with executions and coverage of each format is printed at the end.
+#   scripts/fuzz_files.sh [CPU_SECONDS [FORMAT...]]     (default: 60 CPU seconds for each format)
+# JOBS formats run at a time (default: 1).
+#
+# Seeds are the files of tests/data, samples and tests/fuzz/corpus_files. The corpus grows in
+# build/corpus/FORMAT over all runs; a finding is build/corpus/FORMAT-crash-*, -oom-* or -timeout-*
+# and ends that format's run. build/corpus/runs.tsv has one line for each minute: format, CPU seconds,
+# executions, covered edges, files in the corpus, findings; their sums are printed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-root=$PWD
-seconds=${1:-60}
+export ROOT=$PWD BUDGET=${1:-60}
 shift || true
 formats=("$@")
 [ ${#formats[@]} -gt 0 ] || formats=(nrrd nii mha tif dcm vtk vti vtr npy mrc mgh ply stl obj off vtp glb 3mf gii json)
 
-scripts/install_dependencies.sh test
-scripts/install_dependencies.sh fuzz
-cmake --preset fuzz-files > build/fuzz-files.log
-cmake --build --preset fuzz-files --target "${formats[@]/#/fuzz_}"
+mkdir -p build/corpus
+if [ -z "${SKIP_BUILD:-}" ]; then
+  scripts/install_dependencies.sh test
+  scripts/install_dependencies.sh fuzz
+  cmake --preset fuzz-files > build/fuzz-files.log
+  cmake --build --preset fuzz-files --target "${formats[@]/#/fuzz_}"
+fi
 
-seeds_of() {
+add_seeds() {  # FORMAT: seeds of at most 20 KB, so that mutations stay fast
   local format=$1
-  case $format in
-    dcm) find tests/data -path '*dcm*' -type f -size -70k ;;
-    *) find tests/data samples -type f -iname "*.$format" -size -70k ;;
-  esac
+  mkdir -p "build/corpus/$format"
+  if [ -f "tests/fuzz/corpus_files/$format.zip" ]; then
+    unzip -q -o -d "build/corpus/$format" "tests/fuzz/corpus_files/$format.zip"
+  fi
+  if [ "$format" = dcm ]; then
+    find tests/data -path '*dcm*' -type f -size -20k
+  else
+    find tests/data samples -type f -iname "*.$format" -size -20k
+  fi | while read -r seed; do
+    cp -f "$seed" "build/corpus/$format/seed-$(echo "$seed" | tr '/ ' '__')"
+  done
 }
 
+fuzz() {  # FORMAT: runs of a minute each until the budget of CPU time is spent or something is found
+  local format=$1 log=build/corpus/$1.log spent=0 findings=0
+  add_seeds "$format"
+  while [ "$spent" -lt "$BUDGET" ] && [ "$findings" -eq 0 ]; do
+    local seconds=$((BUDGET - spent < 60 ? BUDGET - spent : 60)) times used executions edges files
+    times=$(
+      TIMEFORMAT='%U %S'
+      { time build/fuzz-files/bin/fuzz_"$format" -max_total_time="$seconds" -timeout=20 -rss_limit_mb=4096 \
+        -malloc_limit_mb=256 -max_len=20000 -print_final_stats=1 -artifact_prefix="$ROOT/build/corpus/$format-" \
+        "build/corpus/$format" > "$log" 2>&1 || touch "$log.failed"; } 2>&1
+    )
+    if [ -e "$log.failed" ]; then
+      rm -f "$log.failed"
+      cp "$log" "$log.finding"
+      findings=1
+      echo "$format: found something, see $log.finding"
+    fi
+    used=$(echo "$times" | awk '{ print int($1 + $2 + 0.5) }')
+    spent=$((spent + used + 1))  # a run of no time counts too, or it would never end
+    executions=$(grep -o 'number_of_executed_units: [0-9]*' "$log" | grep -o '[0-9]*$' || echo 0)
+    edges=$(grep -o 'cov: [0-9]*' "$log" | tail -1 | grep -o '[0-9]*$' || echo 0)
+    files=$(find "build/corpus/$format" -type f | wc -l)
+    printf '%s\t%s\t%s\t%s\t%s\t%s\n' "$format" "$used" "$executions" "$edges" "$files" "$findings" >> build/corpus/runs.tsv
+  done
+  summary | grep "^$format	"
+}
+
+summary() {  # of all runs: a line for each format
+  awk -F '\t' '{ cpu[$1] += $2; executions[$1] += $3; if ($4 > edges[$1]) edges[$1] = $4; files[$1] = $5; findings[$1] += $6 }
+    END { for (f in cpu) printf "%s\t%d CPU s\t%d executions\t%d edges\t%d files\t%d findings\n",
+                                f, cpu[f], executions[f], edges[f], files[f], findings[f] }' build/corpus/runs.tsv | sort
+}
+export -f add_seeds fuzz summary
 export ASAN_OPTIONS=detect_leaks=0:allocator_may_return_null=1
-for format in "${formats[@]}"; do
-  corpus=build/corpus/$format
-  mkdir -p "$corpus"
-  seeds_of "$format" | while read -r seed; do cp -f "$seed" "$corpus/seed-$(echo "$seed" | tr '/ ' '__')"; done
-  found=tests/fuzz/corpus_files/$format
-  folders=("$corpus"); [ -d "$found" ] && folders+=("$found")
-  build/fuzz-files/bin/fuzz_"$format" -max_total_time="$seconds" -timeout=20 -rss_limit_mb=4096 -max_len=70000 -print_final_stats=1 \
-    -artifact_prefix="$root/build/corpus/$format-" "${folders[@]}" > "build/corpus/$format.log" 2>&1 || echo "$format: FOUND something, see build/corpus/$format.log"
-  echo "$format: $(grep -o 'stat::number_of_executed_units: .*' "build/corpus/$format.log" || true) $(grep -E '^#[0-9]+.*DONE' "build/corpus/$format.log" | tail -1 | grep -o 'cov: [0-9]*' || true)"
-done
+printf '%s\n' "${formats[@]}" | xargs -P "${JOBS:-1}" -I{} bash -c 'set -euo pipefail; fuzz {}'

@@ -1,19 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <iosfwd>
-#include <memory>
 #include <mutex>
 #include <sstream>
-#include <string>
+#include <streambuf>
 
 namespace isoatlas::io {
 
-/// While one of these lives, what ITK, VTK and the libraries below them have to say is collected here instead of
-/// reaching the terminal. A user gets our one line; the collected text tells us about trouble they do not throw for.
+/// Keeps the messages that decoding libraries write to std::cerr and std::cout away from the terminal while it lives.
 ///
-/// The state behind it (output windows, std::cerr's buffer) is global to the process, hence the lock: file reading
-/// through ITK and VTK is one at a time.
+/// Those streams, and the error handlers of libtiff, belong to the whole process, hence the lock: files that need it
+/// are read one at a time.
 class LibraryMessages {
  public:
   LibraryMessages();
@@ -21,16 +18,11 @@ class LibraryMessages {
   LibraryMessages(const LibraryMessages&) = delete;
   LibraryMessages& operator=(const LibraryMessages&) = delete;
 
-  /// The first error that VTK reported, shortened to its message; empty if there was none.
-  std::string first_vtk_error() const;
-
  private:
-  struct Windows;
   std::lock_guard<std::mutex> lock_;
-  std::unique_ptr<Windows> windows_;
+  std::ostringstream sink_;
+  std::streambuf* cerr_buffer_;
+  std::streambuf* cout_buffer_;
 };
-
-/// The message of an ITK or VTK error text without class names, addresses and source lines.
-std::string short_message(const std::string& text);
 
 }  // namespace isoatlas::io

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <fstream>
 #include <memory>
-#include <vector>
 
 #include "files/file_error.h"
 
@@ -33,65 +32,6 @@ void require_possible_bytes(const fs::path& path, std::uint64_t promised, std::u
   if (promised / most_per_stored_byte > stored) {
     throw bad_file(path, "the header promises " + std::to_string(promised) + " bytes of samples, far more than a file of " +
                              std::to_string(stored) + " bytes can hold");
-  }
-}
-
-void require_inflated_bytes(const fs::path& path, std::uint64_t offset, std::uint64_t promised) {
-  constexpr std::size_t kChunk = std::size_t{1} << 18;
-  std::ifstream file(path, std::ios::binary);
-  file.seekg(static_cast<std::streamoff>(offset));
-  std::vector<Bytef> packed(kChunk);
-  std::vector<Bytef> unpacked(kChunk);
-
-  z_stream stream{};
-  constexpr int kAnyHeader = 15 + 32;  // zlib or gzip, whichever it is
-  if (inflateInit2(&stream, kAnyHeader) != Z_OK) {
-    throw Error(ErrorCode::out_of_memory, one_line(path.string() + ": not enough memory to decompress it"));
-  }
-  const std::unique_ptr<z_stream, int (*)(z_stream*)> end_inflation(&stream, inflateEnd);
-
-  std::uint64_t total = 0;
-  bool is_between_members = true;  // a gzip file may be several, one after the other
-  for (;;) {
-    if (stream.avail_in == 0) {
-      file.read(reinterpret_cast<char*>(packed.data()), static_cast<std::streamsize>(packed.size()));
-      stream.next_in = packed.data();
-      stream.avail_in = static_cast<uInt>(file.gcount());
-    }
-    if (stream.avail_in == 0 || (is_between_members && total >= promised)) {
-      break;
-    }
-    is_between_members = false;
-    stream.next_out = unpacked.data();
-    stream.avail_out = static_cast<uInt>(unpacked.size());
-    const int result = inflate(&stream, Z_NO_FLUSH);
-    total += unpacked.size() - stream.avail_out;
-    if (result == Z_STREAM_END) {
-      is_between_members = true;
-      inflateReset(&stream);
-    } else if (result != Z_OK) {
-      throw bad_file(path,
-                     "its compressed samples are damaged after " + std::to_string(total) + " of " + std::to_string(promised) + " bytes");
-    }
-  }
-  if (!is_between_members || total < promised) {
-    throw bad_file(path,
-                   "is cut off: its compressed samples end after " + std::to_string(total) + " of " + std::to_string(promised) + " bytes");
-  }
-}
-
-void require_stored_numbers(const fs::path& path, std::string_view text, std::uint64_t promised) {
-  constexpr std::string_view kBlanks = " \t\r\n\v\f";
-  std::uint64_t found = 0;
-  std::size_t position = 0;
-  while (found < promised) {
-    position = text.find_first_not_of(kBlanks, position);
-    if (position == std::string_view::npos || std::string_view("+-.0123456789nNiI").find(text[position]) == std::string_view::npos) {
-      throw bad_file(path, "is cut off or damaged: the header promises " + std::to_string(promised) + " numbers, the file has " +
-                               std::to_string(found));
-    }
-    ++found;
-    position = std::min(text.find_first_of(kBlanks, position), text.size());
   }
 }
 

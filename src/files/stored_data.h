@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Is what a header promises really in the file? ITK and VTK often fill what is missing with zeros, or with whatever
-// was in memory, and say nothing. A surface of that would look like anatomy, so every reader asks here first.
+// Checks that a file holds the samples that its header promises. Many libraries fill what is missing with zeros, or
+// leave what was in memory. A surface of that would look like anatomy, so every reader checks here first.
 #pragma once
 
 #include <cstdint>
@@ -18,17 +18,6 @@ void require_stored_bytes(const std::filesystem::path& path, std::uint64_t promi
 /// have put `promised` bytes into `stored`. Deflate shrinks nothing below 1/1032.
 void require_possible_bytes(const std::filesystem::path& path, std::uint64_t promised, std::uint64_t stored,
                             std::uint64_t most_per_stored_byte = 1100);
-
-/// Decompresses a gzip or zlib stream that starts at `offset`, checking its checksums, keeping nothing. This costs
-/// reading a compressed file twice (some 300 MB of samples a second), where the library that reads it for good does
-/// not notice a damaged or cut stream.
-///
-/// @param promised  bytes that must come out; decompression stops soon after them
-/// @throws Error(bad_file) if the stream is damaged, cut off, or holds less than promised
-void require_inflated_bytes(const std::filesystem::path& path, std::uint64_t offset, std::uint64_t promised);
-
-/// Samples as text: throws Error(bad_file) unless `text` starts with `promised` numbers separated by blanks.
-void require_stored_numbers(const std::filesystem::path& path, std::string_view text, std::uint64_t promised);
 
 /// Throws Error(bad_file) unless the file ends with `ending`, blanks aside: a file that lost its end does not.
 void require_ending(const std::filesystem::path& path, std::string_view ending);

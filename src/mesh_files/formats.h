@@ -19,6 +19,7 @@ TriangleMesh read_obj(const std::filesystem::path& path);
 TriangleMesh read_off(const std::filesystem::path& path);
 TriangleMesh read_vtp(const std::filesystem::path& path);
 /// With its text fields by name, and what it says of every vertex's distance (Hierarchy::Level::distance).
+/// @throws Error(bad_file) if an array that the mesh needs is missing, damaged or longer than the file can hold
 TriangleMesh read_vtp(const std::filesystem::path& path, std::map<std::string, std::string>& fields, std::vector<float>& distance);
 
 TriangleMesh read_3mf(const std::filesystem::path& path);
@@ -39,6 +40,7 @@ void write_off(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& f
 void write_vtp(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file);
 void write_3mf(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file);  ///< of form_in_3mf()
 void write_gii(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file);  ///< of form_in_gifti()
+constexpr const char* kVtpDistance = "max_distance";  ///< the array of distances in .vtp
 /// With text fields by name, empty ones are left out, and distances of the vertices or none.
 void write_vtp(const TriangleMesh& mesh, const std::map<std::string, std::string>& fields, const std::vector<float>& distance,
                AtomicFile& file);

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // VTK's XML multi-block file: a list of .vtp files, one for each level, in a folder beside it, named as VTK's own writer names them.
-#include <vtkNew.h>
-#include <vtkXMLDataElement.h>
-#include <vtkXMLDataParser.h>
 
 #include <memory>
 #include <string>
@@ -11,9 +8,8 @@
 #include <vector>
 
 #include "files/file_error.h"
+#include "files/vtk_xml_header.h"
 #include "mesh_files/formats.h"
-#include "files/library_messages.h"
-#include "files/stored_data.h"
 
 namespace isoatlas::io {
 
@@ -75,23 +71,18 @@ class NewFolder {
 
 // File names of the blocks, relative to the folder of `path`, in their order.
 std::vector<fs::path> blocks_of(const fs::path& path) {
-  const LibraryMessages messages;
-  require_ending(path, "</VTKFile>");
-  vtkNew<vtkXMLDataParser> parser;
-  parser->SetFileName(path.c_str());
-  vtkXMLDataElement* root = parser->Parse() != 0 ? parser->GetRootElement() : nullptr;
-  vtkXMLDataElement* list = root == nullptr ? nullptr : root->FindNestedElementWithName("vtkMultiBlockDataSet");
+  const VtkXmlHeader header = read_vtk_xml_header(path);
+  const XmlElement* const list = header.root.child("vtkMultiBlockDataSet");
   if (list == nullptr) {
     throw bad_file(path, "is not a VTK XML multi-block file");
   }
   std::vector<fs::path> blocks;
-  for (int i = 0; i < list->GetNumberOfNestedElements(); ++i) {
-    vtkXMLDataElement& element = *list->GetNestedElement(i);
-    const char* file = element.GetAttribute("file");
-    if (std::string(element.GetName()) != "DataSet" || file == nullptr) {
+  for (const XmlElement& element : list->children) {
+    const std::string* const file = element.attribute("file");
+    if (element.name != "DataSet" || file == nullptr) {
       throw unsupported(path, "has blocks within blocks, expected one file for each level");
     }
-    blocks.emplace_back(file);
+    blocks.emplace_back(*file);
   }
   if (blocks.empty()) {
     throw bad_file(path, "has no blocks");

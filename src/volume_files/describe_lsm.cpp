@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "files/file_error.h"
-#include "volume_files/byte_source.h"
+#include "files/byte_source.h"
 #include "volume_files/tiff_stack.h"
 
 namespace isoatlas::io {

@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "files/file_error.h"
-#include "volume_files/byte_source.h"
+#include "files/byte_source.h"
 
 namespace isoatlas::io {
 

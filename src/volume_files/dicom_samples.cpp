@@ -13,7 +13,7 @@
 #include <string>
 
 #include "files/file_error.h"
-#include "volume_files/byte_source.h"
+#include "files/byte_source.h"
 #include "volume_files/dicom_codec.h"
 
 namespace isoatlas::io {

@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-#include "volume_files/byte_source.h"
+#include "files/byte_source.h"
 
 namespace isoatlas::io {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "volume_files/file_text.h"
+#include "files/file_text.h"
 #include "volume_files/vtk_array.h"
 
 namespace isoatlas::io {

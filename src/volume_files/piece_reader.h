@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "isoatlas/volume.h"
-#include "volume_files/byte_source.h"
+#include "files/byte_source.h"
 
 namespace isoatlas::io {
 

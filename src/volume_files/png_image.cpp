@@ -11,7 +11,7 @@
 #include <memory>
 
 #include "files/file_error.h"
-#include "volume_files/byte_source.h"
+#include "files/byte_source.h"
 #include "volume_files/grid_of_file.h"
 
 namespace isoatlas::io {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "files/file_error.h"
-#include "volume_files/byte_source.h"
+#include "files/byte_source.h"
 #include "volume_files/grid_of_file.h"
 #include "volume_files/legacy_vtk_header.h"
 #include "volume_files/readers.h"

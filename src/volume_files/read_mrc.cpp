@@ -39,11 +39,11 @@ std::array<double, 3> real_triple(const HeaderFields& header, std::size_t offset
   return {header.float32(offset), header.float32(offset + 4), header.float32(offset + 8)};
 }
 
-/// Which world axis (0 to 2) columns, rows and sections run along. Old programs leave the fields empty.
+/// The world axis (0 to 2) of columns, rows and sections; -1 for values that are not an axis. Old programs leave the fields empty.
 std::array<int, 3> axes_of(const HeaderFields& header) {
   std::array<int, 3> axes = triple(header, kMapC);
   if (axes == std::array{0, 0, 0}) axes = {1, 2, 3};
-  for (int& axis : axes) --axis;
+  for (int& axis : axes) axis = axis >= 1 && axis <= 3 ? axis - 1 : -1;
   return axes;
 }
 

@@ -6,7 +6,7 @@
 
 #include "files/file_error.h"
 #include "files/stored_data.h"
-#include "volume_files/byte_source.h"
+#include "files/byte_source.h"
 #include "volume_files/grid_of_file.h"
 #include "volume_files/readers.h"
 

@@ -13,7 +13,7 @@
 #include "files/file_error.h"
 #include "files/stored_data.h"
 #include "isoatlas/length_unit.h"
-#include "volume_files/byte_source.h"
+#include "files/byte_source.h"
 #include "volume_files/choice.h"
 #include "volume_files/grid_of_file.h"
 #include "volume_files/readers.h"

@@ -9,7 +9,7 @@
 
 #include "files/file_error.h"
 #include "files/stored_data.h"
-#include "volume_files/byte_source.h"
+#include "files/byte_source.h"
 #include "volume_files/choice.h"
 #include "volume_files/grid_of_file.h"
 #include "volume_files/readers.h"
@@ -17,7 +17,7 @@
 #include "volume_files/vtk_xml_assembly.h"
 #include "volume_files/vtk_xml_geometry.h"
 #include "volume_files/vtk_xml_grid.h"
-#include "volume_files/vtk_xml_values.h"
+#include "files/vtk_xml_values.h"
 
 namespace isoatlas::io {
 

@@ -13,7 +13,7 @@
 
 #include "files/stored_data.h"
 #include "isoatlas/volume_file.h"
-#include "volume_files/byte_source.h"
+#include "files/byte_source.h"
 
 namespace isoatlas::io {
 

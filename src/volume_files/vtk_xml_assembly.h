@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "isoatlas/volume_file.h"
-#include "volume_files/vtk_values.h"
+#include "files/vtk_values.h"
 
 namespace isoatlas::io {
 

@@ -11,7 +11,7 @@
 #include "files/file_error.h"
 #include "files/stored_data.h"
 #include "volume_files/grid_of_file.h"
-#include "volume_files/vtk_xml_values.h"
+#include "files/vtk_xml_values.h"
 
 namespace isoatlas::io {
 

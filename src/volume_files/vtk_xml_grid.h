@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "volume_files/vtk_xml_header.h"
+#include "files/vtk_xml_header.h"
 
 namespace isoatlas::io {
 

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::array<std::string_view, 15> kVolumes{"nrrd", "nhdr", "nii", "mha", "mhd", "tif", "dcm", "vtk",
+constexpr std::array<std::string_view, 15> kVolumes{"nrrd", "nhdr", "nii",  "mha", "mhd", "tif", "dcm", "vtk",
                                                     "vti",  "vtr",  "pvti", "npy", "mrc", "mgh", "mgz"};
 constexpr std::array<std::string_view, 8> kMeshes{"ply", "stl", "obj", "off", "vtp", "glb", "3mf", "gii"};
 
@@ -33,22 +33,29 @@ bool holds(const List& list, std::string_view format) {
   return std::ranges::find(list, format) != list.end();
 }
 
-/// One file in memory, where the machine has such a folder; its name has the format's extension.
+/// A folder with one file, in memory where the machine has such a folder. The file's name has the
+/// format's extension.
 class FileInMemory {
  public:
   FileInMemory(std::string_view format, std::span<const std::uint8_t> bytes) {
-    const fs::path folder = fs::is_directory("/dev/shm") ? "/dev/shm" : fs::temp_directory_path();
-    path_ = folder / ("isoatlas-fuzz-" + std::to_string(getpid()) + "." + std::string(format));
+    const fs::path parent = fs::is_directory("/dev/shm") ? "/dev/shm" : fs::temp_directory_path();
+    folder_ = parent / ("isoatlas-fuzz-" + std::to_string(getpid()));
+    fs::create_directory(folder_);
+    path_ = folder_ / ("file." + std::string(format));
     std::ofstream(path_, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   }
   ~FileInMemory() {
     std::error_code ignored;
-    fs::remove(path_, ignored);
+    fs::remove_all(folder_, ignored);
   }
+  FileInMemory(const FileInMemory&) = delete;
+  FileInMemory& operator=(const FileInMemory&) = delete;
+
   const fs::path& path() const { return path_; }
+  const fs::path& folder() const { return folder_; }
 
  private:
-  fs::path path_;
+  fs::path folder_, path_;
 };
 
 std::string wrong_grid(const Grid& grid) {
@@ -98,11 +105,32 @@ std::string wrong_mesh(const fs::path& path) {
   for (std::size_t level = 0; level < file.hierarchy.levels.size(); ++level) {
     const TriangleMesh mesh = file.hierarchy.mesh(level);
     for (const auto& triangle : mesh.triangles)
-      if (std::ranges::any_of(triangle, [&](std::uint32_t v) { return v >= mesh.positions.size(); })) return "a corner that is not there";
+      if (std::ranges::any_of(triangle, [&](std::uint32_t v) { return v >= mesh.positions.size(); }))
+        return "a triangle with a vertex that is not there";
     for (const Vec3& p : mesh.positions)
       if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return "a position that is not finite";
   }
+  entry_of_file(path);
   return "";
+}
+
+TriangleMesh octahedron() {
+  TriangleMesh mesh;
+  mesh.positions = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  mesh.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+  return mesh;
+}
+
+/// Reads a report about an octahedron: from memory, and as a file beside its mesh, octahedron.ply. Reports that name
+/// other folders are read from memory only: they could name the whole disk as a folder of DICOM slices.
+void read_report(const FileInMemory& file, std::span<const std::uint8_t> bytes) {
+  const std::string text(bytes.begin(), bytes.end());
+  const TriangleMesh mesh = octahedron();
+  if (text.find_first_of("/\\~") == std::string::npos && text.find("\"..") == std::string::npos) {
+    write_mesh(mesh, file.folder() / "octahedron.ply");
+    entry_of_file(file.path());
+  }
+  entry_of_report(text, "report.json", hierarchy_of({mesh}), std::nullopt);
 }
 
 }  // namespace
@@ -114,7 +142,7 @@ std::string what_is_wrong_with_file(std::string_view format, std::span<const std
   try {
     if (holds(kVolumes, format)) return wrong_volume_of_choices(file.path());
     if (holds(kMeshes, format)) return wrong_mesh(file.path());
-    entry_of_file(file.path());
+    read_report(file, bytes);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::internal || error.code() == ErrorCode::cancelled) return error.what();
     if (std::strpbrk(error.what(), "\n\r") != nullptr) return "a message of more than one line";

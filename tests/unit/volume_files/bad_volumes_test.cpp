@@ -371,7 +371,7 @@ TEST(BadVolumes, Vti) {
        {"inverse.vti", vti(noise(), "15 0 0 11 0 9"), kUnsupported, "0 x 12 x 10"},
        {"flat.vti", vti(noise(), "0 15 0 119 0 0"), kUnsupported, "16 x 120 x 1"},
        {"vector.vti", vti(noise() + noise(), "0 15 0 11 0 9", "UInt8", "NumberOfComponents=\"2\""), kUnsupported, "2 channels"},
-       {"bit.vti", vti(noise(), "0 15 0 11 0 9", "Bit"), kBad, "has 1920 bytes of samples, expected 240"},
+       {"bit.vti", vti(noise(), "0 15 0 11 0 9", "Bit"), kBad, "has 1920 bytes of values, expected 240"},
        {"string.vti", vti(noise(), "0 15 0 11 0 9", "String"), kUnsupported, "no array of numbers"},
        {"unknown.vti", vti(noise(), "0 15 0 11 0 9", "Foo"), kBad, "unknown data type 'Foo'"}});
   std::string no_blocks = whole;  // VTK 9.1 divides by the block size

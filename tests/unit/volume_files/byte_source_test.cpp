@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "volume_files/byte_source.h"
+#include "files/byte_source.h"
 
 #include <bzlib.h>
 #include <gtest/gtest.h>

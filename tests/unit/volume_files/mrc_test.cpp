@@ -225,6 +225,7 @@ TEST_F(Mrc, DamagedFilesAreRefused) {
   refuse(mrc({.size = {4, 3, 0}}), ErrorCode::bad_file, "make no sense");
   refuse(mrc({.axes = {1, 1, 2}}), ErrorCode::bad_file, "make no sense");
   refuse(mrc({.axes = {1, 2, 4}}), ErrorCode::bad_file, "make no sense");
+  refuse(mrc({.axes = {std::numeric_limits<int>::min(), 2, 3}}), ErrorCode::bad_file, "make no sense");  // fuzzing: no overflow
   refuse(mrc({.mode = -1}), ErrorCode::bad_file, "make no sense");
   refuse(mrc({.size = {4, 3, 1}}), ErrorCode::unsupported, "4 x 3 x 1 samples");
   refuse(mrc({.size = {0x7FFFFFFF, 0x7FFFFFFF, 0x7FFFFFFF}}), ErrorCode::bad_file, "more than any file can hold");

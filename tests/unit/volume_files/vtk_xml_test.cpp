@@ -412,8 +412,8 @@ TEST_F(VtkXml, InformationKeysAreNoValues) {
 TEST_F(VtkXml, AppendedValuesAreAllThereOrRefused) {
   expect_ramp(read(appended(number(96) + ramp_bytes())));
   expect_ramp(read(appended(number(96, 8) + ramp_bytes(), "header_type='UInt64'")));
-  expect_refused(appended(number(95) + ramp_bytes()), ErrorCode::bad_file, "has 95 bytes of samples, expected 96");
-  expect_refused(appended(number(97) + ramp_bytes()), ErrorCode::bad_file, "has 97 bytes of samples, expected 96");
+  expect_refused(appended(number(95) + ramp_bytes()), ErrorCode::bad_file, "has 95 bytes of values, expected 96");
+  expect_refused(appended(number(97) + ramp_bytes()), ErrorCode::bad_file, "has 97 bytes of values, expected 96");
   expect_refused(appended(number(96) + ramp_bytes(23)), ErrorCode::bad_file, "promises 96 bytes of samples, the file has 93");
   expect_refused(appended(""), ErrorCode::bad_file, "");
   std::string far = appended(number(96) + ramp_bytes());
@@ -437,13 +437,13 @@ TEST_F(VtkXml, CompressedBlocksAreAllThereOrRefused) {
   expect_ramp(read(appended(blocks(1, 96, 0, block.size()) + block, zlib)));
   expect_ramp(read(appended(blocks(1, 32768, 96, block.size()) + block, zlib)));
   expect_ramp(read(appended(blocks(1, 0xFFFFFFFF, 96, block.size()) + block, zlib)));  // never allocated
-  expect_refused(appended(blocks(1, 92, 0, block.size()) + block, zlib), ErrorCode::bad_file, "has 92 bytes of samples, expected 96");
+  expect_refused(appended(blocks(1, 92, 0, block.size()) + block, zlib), ErrorCode::bad_file, "has 92 bytes of values, expected 96");
   const std::string shorter = deflated(ramp_bytes(20)), longer = deflated(ramp_bytes(30));
   expect_refused(appended(blocks(1, 96, 0, shorter.size()) + shorter, zlib), ErrorCode::bad_file, "damaged in block 0 of 1");
   expect_refused(appended(blocks(1, 96, 0, longer.size()) + longer, zlib), ErrorCode::bad_file, "damaged in block 0 of 1");
   expect_refused(appended(blocks(1, 96, 0, block.size() - 1) + block, zlib), ErrorCode::bad_file, "damaged in block 0 of 1");
   expect_refused(appended(blocks(1, 96, 0, 100000) + block, zlib), ErrorCode::bad_file, "1 blocks of 96 bytes");
-  expect_refused(appended(blocks(0, 0, 0, 0) + block, zlib), ErrorCode::bad_file, "has 0 bytes of samples");
+  expect_refused(appended(blocks(0, 0, 0, 0) + block, zlib), ErrorCode::bad_file, "has 0 bytes of values");
   expect_refused(appended(blocks(0xFFFFFFFF, 1, 0, 1) + block, zlib), ErrorCode::bad_file, "its compressed data is damaged");
   const std::string lz4 = "header_type='UInt32' compressor='vtkLZ4DataCompressor'";
   const std::string literal = std::string("\xF0\x01", 2) + std::string(16, '\0');  // 16 zeros: fewer than 96

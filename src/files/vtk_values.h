@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <memory>
 
+#include "files/file_text.h"
 #include "isoatlas/volume.h"
-#include "volume_files/file_text.h"
 
 namespace isoatlas::io {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "volume_files/file_text.h"
+#include "files/file_text.h"
 
 #include <algorithm>
 #include <cerrno>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "volume_files/vtk_xml_header.h"
+#include "files/vtk_xml_header.h"
 
 #include <expat.h>
 
@@ -193,11 +193,10 @@ void read_encoding(VtkXmlHeader& header) {
   }
   header.is_big_endian = order == "BigEndian";
   const std::string compressor = header.root.attribute_or("compressor", "");
-  constexpr std::array<std::pair<std::string_view, VtkCompressor>, 4> kCompressors{
-      {{"", VtkCompressor::none},
-       {"vtkZLibDataCompressor", VtkCompressor::zlib},
-       {"vtkLZ4DataCompressor", VtkCompressor::lz4},
-       {"vtkLZMADataCompressor", VtkCompressor::lzma}}};
+  constexpr std::array<std::pair<std::string_view, VtkCompressor>, 4> kCompressors{{{"", VtkCompressor::none},
+                                                                                    {"vtkZLibDataCompressor", VtkCompressor::zlib},
+                                                                                    {"vtkLZ4DataCompressor", VtkCompressor::lz4},
+                                                                                    {"vtkLZMADataCompressor", VtkCompressor::lzma}}};
   const auto* const found = std::ranges::find(kCompressors, compressor, [](const auto& entry) { return entry.first; });
   if (found == kCompressors.end()) {
     throw unsupported(header.path, "is compressed by '" + one_line(compressor, 40) +

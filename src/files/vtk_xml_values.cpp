@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "volume_files/vtk_xml_values.h"
+#include "files/vtk_xml_values.h"
 
 #include <expat.h>
 #include <lz4.h>
@@ -102,6 +102,8 @@ bool decompress(VtkCompressor compressor, const std::vector<char>& from, char* t
 struct Blocks {
   std::uint64_t count = 0, bytes = 0, last_bytes = 0;  // decompressed; last_bytes 0: as long as the others
   std::vector<std::uint64_t> packed_bytes = {};
+
+  std::uint64_t total_bytes() const { return count * bytes - (count > 0 && last_bytes > 0 ? bytes - last_bytes : 0); }
 };
 
 class BlockBytes final : public ByteStream {
@@ -182,21 +184,76 @@ class ArrayOpener {
     }
     const std::uint64_t bytes = type_.stored_bytes(count_);
     require_possible_bytes(header_.path, bytes, stored, header_.compressor == VtkCompressor::none ? 1 : kMostBytesPerByte);
-    std::unique_ptr<ByteStream> stream = file_bytes(header_.path, begin_, end_);
-    if (!is_appended_ || !header_.is_appended_raw) {
-      stream = std::make_unique<Base64Bytes>(header_.path, std::move(stream));
-    }
+    std::unique_ptr<ByteStream> stream = encoded_bytes();
     if (header_.compressor == VtkCompressor::none) {
       require_bytes(next_number(*stream), bytes);
       require_stored(bytes);
     } else {
-      Blocks blocks = read_blocks(*stream, bytes);
+      Blocks blocks = read_block_table(*stream);
+      require_bytes(blocks.total_bytes(), bytes);
       stream = std::make_unique<BlockBytes>(header_.path, std::move(stream), header_.compressor, std::move(blocks));
     }
     return binary_values(header_.path, std::move(stream), type_, header_.is_big_endian);
   }
 
+  // VTK stores strings one after the other, each with a zero behind it; in text files as numbers of characters.
+  std::string first_string() {
+    if (is_text_) {
+      return first_string_in_text();
+    }
+    std::unique_ptr<ByteStream> stream = encoded_bytes();
+    const std::uint64_t stored = end_ - begin_;
+    std::uint64_t bytes = 0;
+    if (header_.compressor == VtkCompressor::none) {
+      bytes = next_number(*stream);
+      require_stored(bytes);
+    } else {
+      Blocks blocks = read_block_table(*stream);
+      bytes = blocks.total_bytes();
+      require_possible_bytes(header_.path, bytes, stored, kMostBytesPerByte);
+      stream = std::make_unique<BlockBytes>(header_.path, std::move(stream), header_.compressor, std::move(blocks));
+    }
+    require_string_length(bytes);
+    std::string text(static_cast<std::size_t>(bytes), '\0');
+    if (stream->read(text.data(), text.size()) != text.size()) {
+      throw bad_file(header_.path, "is cut off: " + name_ + " ends too early");
+    }
+    return text.substr(0, text.find('\0'));
+  }
+
  private:
+  std::unique_ptr<ByteStream> encoded_bytes() const {
+    std::unique_ptr<ByteStream> stream = file_bytes(header_.path, begin_, end_);
+    const bool is_raw = is_appended_ && header_.is_appended_raw;
+    return is_raw ? std::move(stream) : std::make_unique<Base64Bytes>(header_.path, std::move(stream));
+  }
+
+  void require_string_length(std::uint64_t bytes) const {
+    constexpr std::uint64_t kMost = std::uint64_t{1} << 26;
+    if (bytes > kMost) {
+      throw unsupported(header_.path,
+                        name_ + " has " + std::to_string(bytes) + " bytes of text, expected at most " + std::to_string(kMost));
+    }
+  }
+
+  std::string first_string_in_text() const {
+    FileText text(header_.path, begin_, end_);
+    std::string characters;
+    for (std::string_view word = text.word(); !word.empty(); word = text.word()) {
+      unsigned code = 0;
+      const auto [word_end, error] = std::from_chars(word.data(), word.data() + word.size(), code);
+      if (error != std::errc{} || word_end != word.data() + word.size() || code > 0xFF) {
+        throw bad_file(header_.path, name_ + " has '" + one_line(word, 40) + "', expected the number of a character");
+      }
+      if (code == 0) {
+        break;
+      }
+      characters += static_cast<char>(code);
+      require_string_length(characters.size());
+    }
+    return characters;
+  }
+
   void locate_appended(const std::string& offset_text) {
     std::uint64_t offset = 0;
     const char* const text_end = offset_text.data() + offset_text.size();
@@ -239,7 +296,7 @@ class ArrayOpener {
 
   void require_bytes(std::uint64_t found, std::uint64_t bytes) const {
     if (found != bytes) {
-      throw bad_file(header_.path, "is cut off or damaged: " + name_ + " has " + std::to_string(found) + " bytes of samples, expected " +
+      throw bad_file(header_.path, "is cut off or damaged: " + name_ + " has " + std::to_string(found) + " bytes of values, expected " +
                                        std::to_string(bytes) + " (" + std::to_string(count_) + " of " + std::string(type_.name()) + ")");
     }
   }
@@ -253,24 +310,15 @@ class ArrayOpener {
   }
 
   // The number of blocks, the size of a block, the size of the last one if it is smaller, and all compressed sizes.
-  Blocks read_blocks(ByteStream& stream, std::uint64_t bytes) const {
+  Blocks read_block_table(ByteStream& stream) const {
     Blocks blocks;
     blocks.count = next_number(stream);
     blocks.bytes = next_number(stream);
     blocks.last_bytes = next_number(stream);
     const std::uint64_t in_file = end_ - begin_;
-    const std::string what = std::to_string(blocks.count) + " blocks of " + std::to_string(blocks.bytes) + " bytes";
     bool is_possible = blocks.count <= in_file / header_.number_bytes && blocks.last_bytes <= blocks.bytes &&
-                       (blocks.count > 0 ? blocks.bytes > 0 : blocks.last_bytes == 0);
-    if (is_possible && blocks.count > 0) {
-      const std::uint64_t full_blocks = blocks.count - (blocks.last_bytes > 0 ? 1 : 0);
-      is_possible = full_blocks == 0 || blocks.bytes <= std::numeric_limits<std::uint64_t>::max() / 2 / full_blocks;
-      if (is_possible) {
-        require_bytes(full_blocks * blocks.bytes + blocks.last_bytes, bytes);
-      }
-    } else if (is_possible) {
-      require_bytes(0, bytes);
-    }
+                       (blocks.count > 0 ? blocks.bytes > 0 : blocks.last_bytes == 0) &&
+                       blocks.bytes <= std::numeric_limits<std::uint64_t>::max() / 2 / std::max<std::uint64_t>(blocks.count, 1);
     std::uint64_t packed_bytes = 0;
     for (std::uint64_t i = 0; is_possible && i < blocks.count; ++i) {
       blocks.packed_bytes.push_back(next_number(stream));
@@ -279,7 +327,8 @@ class ArrayOpener {
       is_possible = is_possible && packed_bytes <= in_file;
     }
     if (!is_possible) {
-      throw bad_file(header_.path, "its compressed data is damaged: " + what);
+      throw bad_file(header_.path, "its compressed data is damaged: " + std::to_string(blocks.count) + " blocks of " +
+                                       std::to_string(blocks.bytes) + " bytes");
     }
     return blocks;
   }
@@ -319,6 +368,10 @@ std::optional<VtkType> vtk_xml_type(const VtkXmlHeader& header, const XmlElement
 
 std::unique_ptr<VtkValues> open_xml_values(const VtkXmlHeader& header, const XmlElement& array, VtkType type, std::uint64_t count) {
   return ArrayOpener(header, array, type, count).open();
+}
+
+std::string first_xml_string(const VtkXmlHeader& header, const XmlElement& array) {
+  return ArrayOpener(header, array, {}, 0).first_string();
 }
 
 std::string vtk_xml_reader_name(const VtkXmlHeader& header) {

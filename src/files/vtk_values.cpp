@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "volume_files/vtk_values.h"
+#include "files/vtk_values.h"
 
 #include <algorithm>
 #include <bit>
@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
+#include "files/byte_source.h"
 #include "files/file_error.h"
 #include "volume/sample_type.h"
-#include "volume_files/byte_source.h"
 
 namespace isoatlas::io {
 
@@ -46,7 +46,9 @@ void read_exactly(const fs::path& path, ByteStream& bytes, char* to, std::uint64
 class BinaryValues final : public VtkValues {
  public:
   BinaryValues(const fs::path& path, std::unique_ptr<ByteStream> bytes, SampleType type, bool is_big_endian)
-      : path_(path), bytes_(std::move(bytes)), value_bytes_(bytes_per_sample(type)),
+      : path_(path),
+        bytes_(std::move(bytes)),
+        value_bytes_(bytes_per_sample(type)),
         swaps_(value_bytes_ > 1 && is_big_endian != (std::endian::native == std::endian::big)) {}
 
   void read(void* to, std::uint64_t count) override {

@@ -40,8 +40,8 @@ class FileText {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
   std::uint64_t end_;
   std::vector<char> buffer_;
-  std::uint64_t buffer_position_ = 0;      // in the file
-  std::size_t first_ = 0, last_ = 0;  // of the bytes in the buffer that are not used yet
+  std::uint64_t buffer_position_ = 0;  // in the file
+  std::size_t first_ = 0, last_ = 0;   // of the bytes in the buffer that are not used yet
 };
 
 }  // namespace isoatlas::io

@@ -18,9 +18,9 @@ struct XmlElement {
   std::vector<XmlElement> children = {};
   std::uint64_t text_begin = 0, text_end = 0;  ///< in the file: the longest stretch of text that is not in a child
 
-  const std::string* attribute(std::string_view name) const;              ///< null: there is none
+  const std::string* attribute(std::string_view name) const;  ///< null: there is none
   std::string attribute_or(std::string_view name, const std::string& otherwise) const;
-  const XmlElement* child(std::string_view name) const;                   ///< the first one; null: there is none
+  const XmlElement* child(std::string_view name) const;  ///< the first one; null: there is none
 };
 
 enum class VtkCompressor { none, zlib, lz4, lzma };
