@@ -21,12 +21,15 @@ std::vector<std::uint32_t> sorted_once(std::vector<std::uint32_t> ids) {
 
 }  // namespace
 
-MeetingTriangles::TriangleSet::TriangleSet(std::vector<Triangle> triangles, std::size_t vertices)
+MeetingTriangles::TriangleSet::TriangleSet(std::span<const Triangle> triangles, std::size_t vertices)
     : first_(vertices + 1, 0), triangles_(triangles.size()) {
-  for (const Triangle& t : triangles) ++first_[t[0] + 1];
+  for (const Triangle& t : triangles) ++first_[std::min({t[0], t[1], t[2]}) + 1];
   for (std::size_t v = 0; v < vertices; ++v) first_[v + 1] += first_[v];
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
-  for (const Triangle& t : triangles) triangles_[next[t[0]]++] = t;
+  for (const Triangle& t : triangles) {
+    const Triangle turned = with_smallest_first(t);
+    triangles_[next[turned[0]]++] = turned;
+  }
 }
 
 bool MeetingTriangles::TriangleSet::contains(const Triangle& t) const {
@@ -43,10 +46,11 @@ std::vector<std::uint8_t> MeetingTriangles::vertices_that_stayed(std::span<const
 
 std::vector<std::uint8_t> MeetingTriangles::fresh(std::span<const Vec3> positions, std::span<const Triangle> triangles) const {
   const std::vector<std::uint8_t> stayed = vertices_that_stayed(positions);
+  const bool same = std::ranges::equal(triangles, list_);
   std::vector<std::uint8_t> out(triangles.size(), 0);
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     const Triangle& t = triangles[i];
-    out[i] = !stayed[t[0]] || !stayed[t[1]] || !stayed[t[2]] || !triangles_.contains(with_smallest_first(t));
+    out[i] = !stayed[t[0]] || !stayed[t[1]] || !stayed[t[2]] || (!same && !triangles_.contains(with_smallest_first(t)));
   }
   return out;
 }
@@ -54,8 +58,6 @@ std::vector<std::uint8_t> MeetingTriangles::fresh(std::span<const Vec3> position
 std::vector<std::uint32_t> MeetingTriangles::update(std::span<const Vec3> positions, std::span<const Triangle> triangles,
                                                     const RunControl& control) {
   const std::vector<std::uint8_t> is_fresh = fresh(positions, triangles);
-  std::vector<Triangle> sorted(triangles.size());
-  std::transform(triangles.begin(), triangles.end(), sorted.begin(), with_smallest_first);
   std::vector<std::uint32_t> to_look_at;
   for (std::uint32_t i = 0; i < triangles.size(); ++i) {
     if (is_fresh[i]) to_look_at.push_back(i);
@@ -66,19 +68,23 @@ std::vector<std::uint32_t> MeetingTriangles::update(std::span<const Vec3> positi
   if (!most) options.involving = to_look_at;
   RunControl quiet = control;  // it is not the stage that tells its progress
   quiet.progress = nullptr;
-  for (const auto& [a, b] : self_intersections(positions, triangles, options, quiet)) pairs.emplace_back(sorted[a], sorted[b]);
-  TriangleSet now(std::move(sorted), positions.size());
+  for (const auto& [a, b] : self_intersections(positions, triangles, options, quiet))
+    pairs.emplace_back(with_smallest_first(triangles[a]), with_smallest_first(triangles[b]));
+  if (!std::ranges::equal(triangles, list_)) {
+    list_.assign(triangles.begin(), triangles.end());
+    triangles_ = TriangleSet(list_, positions.size());
+  }
   if (!most) {
     const std::vector<std::uint8_t> stayed = vertices_that_stayed(positions);
     const auto is_there = [&](const Triangle& t) {
-      return std::all_of(t.begin(), t.end(), [&](std::uint32_t v) { return v < stayed.size() && stayed[v] != 0; }) && now.contains(t);
+      return std::all_of(t.begin(), t.end(), [&](std::uint32_t v) { return v < stayed.size() && stayed[v] != 0; }) &&
+             triangles_.contains(t);
     };
     for (const auto& [a, b] : pairs_) {
       if (is_there(a) && is_there(b)) pairs.emplace_back(a, b);
     }
   }
   pairs_ = std::move(pairs);
-  triangles_ = std::move(now);
   positions_.assign(positions.begin(), positions.end());
 
   std::vector<std::uint32_t> corners;

@@ -25,11 +25,11 @@ class MeetingTriangles {
   std::size_t pairs() const { return pairs_.size(); }  ///< of the last mesh
 
  private:
-  // Triangles, each with its smallest corner first, to be asked whether one is there.
+  // To be asked whether a triangle is there, whose smallest corner has to be its first.
   class TriangleSet {
    public:
     TriangleSet() = default;
-    TriangleSet(std::vector<Triangle> triangles, std::size_t vertices);
+    TriangleSet(std::span<const Triangle> triangles, std::size_t vertices);
     bool contains(const Triangle& t) const;
 
    private:
@@ -39,6 +39,7 @@ class MeetingTriangles {
   std::vector<std::uint8_t> vertices_that_stayed(std::span<const Vec3> positions) const;  ///< per vertex, since the last update()
 
   std::vector<Vec3> positions_;
+  std::vector<Triangle> list_;  // as they were given
   TriangleSet triangles_;
   std::vector<std::pair<Triangle, Triangle>> pairs_;
 };

@@ -78,8 +78,8 @@ std::vector<Vec3> about_origin(std::span<const Vec3> positions) {
   return out;
 }
 
-// The space around some triangles in blocks, each marked if the box of a triangle reaches into it. Tells quickly of most other triangles that
-// their boxes meet none of these.
+// The space around some triangles in blocks, each marked if the box of a triangle reaches into it. Tells quickly of most other triangles
+// that their boxes meet none of these.
 class MarkedBlocks {
  public:
   /// @param positions  about the origin, see about_origin()
@@ -148,9 +148,10 @@ class Search {
 
   std::vector<TrianglePair> all() const {
     const TriangleTree tree(about_origin(positions_), triangles_);
+    const std::vector<Box> boxes = boxes_of(tree, positions_);
     return collect(tree.leaf_count(), kLeafGrain, [&](std::size_t begin, std::size_t end, std::vector<TrianglePair>& found) {
       std::vector<std::uint32_t> leaves;
-      for (auto leaf = static_cast<std::uint32_t>(begin); leaf < end; ++leaf) pairs_of_leaf(tree, leaf, leaves, found);
+      for (auto leaf = static_cast<std::uint32_t>(begin); leaf < end; ++leaf) pairs_of_leaf(tree, boxes, leaf, leaves, found);
     });
   }
 
@@ -172,6 +173,7 @@ class Search {
     if (list.empty()) return {};
     const TriangleTree tree(about_origin(positions_), corners);
     const MarkedBlocks blocks(tree.positions(), corners);
+    const std::vector<Box> boxes = boxes_of(tree, positions_);
     return collect(triangles_.size(), kScanGrain, [&](std::size_t begin, std::size_t end, std::vector<TrianglePair>& found) {
       std::vector<std::uint32_t> leaves;
       for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
@@ -181,9 +183,10 @@ class Search {
         tree.leaves_near(scaled_box.low, scaled_box.high, 0, leaves);
         for (const std::uint32_t leaf : leaves) {
           for (std::uint32_t slot = TriangleTree::kLeaf * leaf; slot < tree.leaf_end(leaf); ++slot) {
+            if (!box.meets(boxes[slot])) continue;
             const std::uint32_t other = list[tree.triangle_in(slot)];
             const bool from_the_other_side = listed[t] && other <= t;
-            if (!from_the_other_side && box.meets(box_of(positions_, triangles_[other]))) test(t, other, found);
+            if (!from_the_other_side) test(t, other, found);
           }
         }
       }
@@ -195,23 +198,29 @@ class Search {
     if (meet_beyond_shared(positions_, triangles_[t], triangles_[other])) found.push_back(std::minmax(t, other));
   }
 
+  // Per slot of the tree, the box of its triangle.
+  static std::vector<Box> boxes_of(const TriangleTree& tree, std::span<const Vec3> positions) {
+    std::vector<Box> out(tree.triangle_count());
+    for_each_piece(out.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (auto slot = static_cast<std::uint32_t>(begin); slot < end; ++slot) out[slot] = box_of(positions, tree.corners_in(slot));
+    });
+    return out;
+  }
+
   // The pairs of a leaf's triangles with those after them in the tree.
-  void pairs_of_leaf(const TriangleTree& tree, std::uint32_t leaf, std::vector<std::uint32_t>& leaves,
+  void pairs_of_leaf(const TriangleTree& tree, std::span<const Box> boxes, std::uint32_t leaf, std::vector<std::uint32_t>& leaves,
                      std::vector<TrianglePair>& found) const {
     const std::uint32_t begin = TriangleTree::kLeaf * leaf, end = tree.leaf_end(leaf);
     Box all;
-    std::array<Box, TriangleTree::kLeaf> boxes;
     for (std::uint32_t slot = begin; slot < end; ++slot) {
       for (const std::uint32_t v : tree.corners_in(slot)) all.include(tree.positions()[v]);
-      boxes[slot - begin] = box_of(positions_, tree.corners_in(slot));
     }
     leaves.clear();
     tree.leaves_near(all.low, all.high, leaf, leaves);
     for (const std::uint32_t near : leaves) {
       for (std::uint32_t other = TriangleTree::kLeaf * near; other < tree.leaf_end(near); ++other) {
-        const Box box = box_of(positions_, tree.corners_in(other));
         for (std::uint32_t slot = begin; slot < std::min(end, other); ++slot)
-          if (boxes[slot - begin].meets(box)) test(tree.triangle_in(slot), tree.triangle_in(other), found);
+          if (boxes[slot].meets(boxes[other])) test(tree.triangle_in(slot), tree.triangle_in(other), found);
       }
     }
   }

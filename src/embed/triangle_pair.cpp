@@ -2,7 +2,8 @@
 // Do two triangles of a mesh meet where they should not? The only file that knows CGAL.
 //
 // Predicates are those of CGAL's Kernel (LGPL), which filters floating-point arithmetic and is exact where that cannot decide.
-// Ours: which of them to ask about triangles that share corners, or have no area. docs/theory/06-self-intersections.md has the argument.
+// Ours: which of them to ask about triangles that share corners, or have no area, and what doubles say before they are asked.
+// docs/theory/06-self-intersections.md has the argument.
 #include "embed/triangle_pair.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -12,6 +13,9 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "core/vector_math.h"
 
@@ -109,32 +113,120 @@ Corners sort_corners(Triangle a, Triangle b) {
 
 double largest_coordinate(Vec3 v) { return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}); }
 
-// Whether the corners of `other` that `t` does not have are all strictly on one side of its plane, as far as doubles can tell: one normal,
-// and a determinant per corner whose error is bounded. The six products of a determinant are each below u v w, the largest coordinates of
-// three differences, and each has a relative error below 8 times 2^-53, so 48 * 2^-53 * u v w bounds the error; kError is twice that. Within
-// kTiny and kHuge nothing that counts underflows or overflows. No is always a safe answer.
-bool is_surely_on_one_side(std::span<const Vec3> positions, const Triangle& t, const Triangle& other) {
-  constexpr double kError = 1.1e-14, kTiny = 1e-97, kHuge = 1e102;
-  const auto is_moderate = [](double x) { return x > kTiny && x < kHuge; };
-  const Vec3 apex = positions[t[0]], along = positions[t[1]] - apex, across = positions[t[2]] - apex;
-  const double u = largest_coordinate(along), v = largest_coordinate(across);
-  if (!is_moderate(u) || !is_moderate(v)) return false;
-  const Vec3 normal = cross(along, across);
-  int above = 0, below = 0;
-  for (const std::uint32_t corner : other) {
-    if (corner == t[0] || corner == t[1] || corner == t[2]) continue;
-    const Vec3 to = positions[corner] - apex;
-    const double w = largest_coordinate(to), height = dot(normal, to), error = kError * u * v * w;
-    if (!is_moderate(w) || std::fabs(height) <= error) return false;
-    ++(height > 0 ? above : below);
+// Where the products below neither underflow nor overflow.
+bool is_moderate(double x) { return x > 1e-60 && x < 1e60; }
+
+// The plane of three points, as far as doubles can tell on which side of it something is: one normal, and a height whose error is bounded.
+// The six products of a height are each below u v w, the largest coordinates of three differences, and each has a relative error below 8
+// times 2^-53, so 48 * 2^-53 * u v w bounds the error; kError is twice that.
+class RoughPlane {
+ public:
+  RoughPlane(Vec3 p, Vec3 q, Vec3 r) : apex_(p) {
+    const Vec3 along = q - p, across = r - p;
+    const double u = largest_coordinate(along), v = largest_coordinate(across);
+    if (!is_moderate(u) || !is_moderate(v)) return;
+    normal_ = cross(along, across);
+    error_ = kError * u * v;
   }
-  return (above == 0) != (below == 0);
+  RoughPlane(std::span<const Vec3> positions, const Triangle& t) : RoughPlane(positions[t[0]], positions[t[1]], positions[t[2]]) {}
+
+  /// 1: above for sure, -1: below for sure; 0: not known.
+  int side(Vec3 p) const {
+    const Vec3 to = p - apex_;
+    const double w = largest_coordinate(to), height = dot(normal_, to);
+    if (!is_moderate(w) || !(std::fabs(height) > error_ * w)) return 0;
+    return height > 0 ? 1 : -1;
+  }
+
+ private:
+  static constexpr double kError = 1.1e-14;
+
+  Vec3 apex_, normal_;
+  double error_ = 0;  // with a normal of 0 no height is above it
+};
+
+// Whether two triangles that share an edge certainly turn more than a right angle there: then they have only the edge's line in common. The
+// twelve products are each below u u v w, with a relative error below 16 times 2^-53.
+bool is_surely_obtuse(Vec3 from, Vec3 to, Vec3 p, Vec3 q) {
+  constexpr double kError = 5e-14;
+  const Vec3 edge = to - from, to_p = p - from, to_q = q - from;
+  const double u = largest_coordinate(edge), v = largest_coordinate(to_p), w = largest_coordinate(to_q);
+  if (!is_moderate(u) || !is_moderate(v) || !is_moderate(w)) return false;
+  return dot(cross(edge, to_p), cross(edge, to_q)) < -kError * u * u * v * w;
 }
 
-}  // namespace
+// A triangle beside another: which corners they share, and on which sides of the other's plane the rest is.
+struct Beside {
+  std::array<bool, 3> is_shared{};
+  std::array<int, 3> side{};  // of corners that are not shared; 0: not known
+  int shared = 0, above = 0, below = 0;
 
-bool meet_beyond_shared(std::span<const Vec3> positions, const Triangle& first, const Triangle& second) {
-  if (is_surely_on_one_side(positions, first, second) || is_surely_on_one_side(positions, second, first)) return false;
+  template <class SideOf>
+  Beside(const Triangle& t, const Triangle& other, SideOf side_of) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      is_shared[k] = t[k] == other[0] || t[k] == other[1] || t[k] == other[2];
+      if (is_shared[k]) {
+        ++shared;
+        continue;
+      }
+      side[k] = side_of(t[k]);
+      above += side[k] > 0;
+      below += side[k] < 0;
+    }
+  }
+  bool is_known() const { return shared + above + below == 3; }
+  bool is_on_one_side() const { return is_known() && (above == 0) != (below == 0); }
+  bool is_on_both_sides() const { return is_known() && above > 0 && below > 0; }
+  std::size_t first_shared() const { return is_shared[0] ? 0 : is_shared[1] ? 1 : 2; }
+  std::size_t alone() const {  // on its side
+    const int wanted = above == 1 ? 1 : -1;
+    return side[0] == wanted ? 0 : side[1] == wanted ? 1 : 2;
+  }
+};
+
+// Two triangles without a common corner, each with corners on both sides of the other's plane: their planes meet in a line, each triangle
+// meets it in an interval, and two signs say whether these overlap ([guigue2003]). None: doubles cannot tell.
+std::optional<bool> intervals_overlap(std::span<const Vec3> positions, const Triangle& a, const Beside& sides_a, const Triangle& b,
+                                      const Beside& sides_b) {
+  const std::size_t i = sides_a.alone(), j = sides_b.alone();
+  std::array p{positions[a[i]], positions[a[(i + 1) % 3]], positions[a[(i + 2) % 3]]};
+  std::array q{positions[b[j]], positions[b[(j + 1) % 3]], positions[b[(j + 2) % 3]]};
+  if (sides_a.side[i] < 0) std::swap(q[1], q[2]);
+  if (sides_b.side[j] < 0) std::swap(p[1], p[2]);
+  const int first = RoughPlane(p[1], q[0], p[0]).side(q[1]), second = RoughPlane(p[0], q[0], p[2]).side(q[2]);
+  if (first > 0 || second > 0) return false;
+  if (first < 0 && second < 0) return true;
+  return std::nullopt;
+}
+
+// Whether two triangles meet beyond what they share, as far as doubles can tell; none: they cannot.
+// @param side_of_a, side_of_b  of a corner of the other triangle
+template <class SideOfA, class SideOfB>
+std::optional<bool> meet_roughly(std::span<const Vec3> positions, const Triangle& a, const Triangle& b, SideOfA side_of_a,
+                                 SideOfB side_of_b) {
+  const Beside sides_b(b, a, side_of_a);
+  if (sides_b.is_on_one_side()) return false;
+  const Beside sides_a(a, b, side_of_b);
+  if (sides_a.is_on_one_side()) return false;
+  if (sides_a.shared == 2 && sides_b.shared == 2) {
+    const auto rest_of = [](const Triangle& t, const Beside& sides) { return t[!sides.is_shared[0] ? 0 : !sides.is_shared[1] ? 1 : 2]; };
+    std::array<std::uint32_t, 2> edge{};
+    std::size_t n = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (sides_a.is_shared[k]) edge[n++] = a[k];
+    }
+    if (is_surely_obtuse(positions[edge[0]], positions[edge[1]], positions[rest_of(a, sides_a)], positions[rest_of(b, sides_b)]))
+      return false;
+    return std::nullopt;
+  }
+  if (!sides_a.is_on_both_sides() || !sides_b.is_on_both_sides()) return std::nullopt;
+  if (sides_a.shared == 0) return intervals_overlap(positions, a, sides_a, b, sides_b);
+  // Seen from the common corner two arcs that each cross the other's great circle: they cross, or one crosses the opposite of the other.
+  return sides_b.side[(sides_b.first_shared() + 1) % 3] != sides_a.side[(sides_a.first_shared() + 1) % 3];
+}
+
+// For pairs that doubles could not decide.
+bool meet_exactly(std::span<const Vec3> positions, const Triangle& first, const Triangle& second) {
   const Corners corners = sort_corners(first, second);
   const auto point = [&positions](std::uint32_t v) { return Point(positions[v].x, positions[v].y, positions[v].z); };
   const std::array a{point(corners.a[0]), point(corners.a[1]), point(corners.a[2])};
@@ -163,6 +255,36 @@ bool meet_beyond_shared(std::span<const Vec3> positions, const Triangle& first, 
     return CGAL::collinear_are_strictly_ordered_along_line(i, j, x);
   };
   return (beyond(from, to, p) && beyond(from, to, q)) || (beyond(to, from, p) && beyond(to, from, q));
+}
+
+}  // namespace
+
+bool meet_beyond_shared(std::span<const Vec3> positions, const Triangle& a, const Triangle& b) {
+  const RoughPlane plane_a(positions, a), plane_b(positions, b);
+  const std::optional<bool> roughly = meet_roughly(
+      positions, a, b, [&](std::uint32_t corner) { return plane_a.side(positions[corner]); },
+      [&](std::uint32_t corner) { return plane_b.side(positions[corner]); });
+  return roughly ? *roughly : meet_exactly(positions, a, b);
+}
+
+std::size_t meeting_pairs(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::size_t enough) {
+  std::vector<std::int8_t> sides;  // of every position, triangle by triangle
+  sides.reserve(triangles.size() * positions.size());
+  for (const Triangle& t : triangles) {
+    const RoughPlane plane(positions, t);
+    for (const Vec3& p : positions) sides.push_back(static_cast<std::int8_t>(plane.side(p)));
+  }
+  std::size_t out = 0;
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    for (std::size_t j = i + 1; j < triangles.size(); ++j) {
+      const auto side_of = [&](std::size_t t) {
+        return [&, t](std::uint32_t corner) -> int { return sides[t * positions.size() + corner]; };
+      };
+      const std::optional<bool> roughly = meet_roughly(positions, triangles[i], triangles[j], side_of(i), side_of(j));
+      if ((roughly ? *roughly : meet_exactly(positions, triangles[i], triangles[j])) && ++out >= enough) return out;
+    }
+  }
+  return out;
 }
 
 }  // namespace isoatlas

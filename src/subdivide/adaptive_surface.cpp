@@ -204,7 +204,7 @@ void AdaptiveSurface::divide_once(std::span<const CVertexId> wanted, const std::
   const CVertexId before = complex_.c_vertex_count();
   int deepest = 0;
   for (const CVertexId v : wanted) deepest = std::max(deepest, depth_[v] + 1);
-  Subdivision divided = subdivide(complex_, wanted, {field_, crowded_.flags(), &control_});
+  Subdivision divided = subdivide(complex_, wanted, was, {field_, crowded_.flags(), &control_});
   complex_ = std::move(divided.complex);
   for (const CVertexId from : divided.origin) {
     components_.of_c_vertex.push_back(components_.of_c_vertex[from]);

@@ -62,71 +62,57 @@ CrowdedCells::CrowdedCells(const SurfaceComplex& complex, const InterpolatedFiel
   const std::vector<Fineness> now = fineness(complex, in);
   std::vector<CVertexId> wanted;
   std::copy_if(c_vertices_.begin(), c_vertices_.end(), std::back_inserter(wanted), [&](CVertexId v) { return now[v] == Fineness::faces; });
-  const Subdivision divided = subdivide(complex, wanted, in);
+  const Subdivision divided = subdivide(complex, wanted, now, in);
   control.check_cancelled();
-  std::vector<std::uint32_t> place(divided.complex.c_vertex_count(), kNone);  // corners of pieces
-  for (std::uint32_t i = 0; i < c_vertices_.size(); ++i) place[c_vertices_[i]] = i;
   std::vector<std::pair<std::uint32_t, Triangle>> pieces;
   for (const Face& face : divided.complex.faces) {
     if (!face.is_triangle()) continue;
     const auto own = std::find_if(face.corner.begin(), face.corner.begin() + 3, [&](CVertexId v) { return contains(v); });
-    if (own == face.corner.begin() + 3) continue;
-    Triangle piece;
-    for (std::size_t k = 0; k < 3; ++k) {
-      std::uint32_t& at = place[face.corner[k]];
-      if (at == kNone) {
-        at = static_cast<std::uint32_t>(c_vertices_.size() + points_.size());
-        points_.push_back(divided.complex.positions[face.corner[k]]);
-      }
-      piece[k] = at;
-    }
-    pieces.emplace_back(cell_of_[*own], piece);
+    if (own != face.corner.begin() + 3) pieces.emplace_back(cell_of_[*own], Triangle{face.corner[0], face.corner[1], face.corner[2]});
   }
   control.check_cancelled();
   std::stable_sort(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  first_piece_.assign(first_.size(), 0);
-  for (const auto& [cell, piece] : pieces) {
-    ++first_piece_[cell + 1];
-    pieces_.push_back(piece);
+  std::vector<std::uint32_t> place(divided.complex.c_vertex_count(), kNone);  // of the corners of the last cell's pieces
+  std::vector<std::uint32_t> cell_of_place(place.size(), kNone);
+  auto piece = pieces.begin();
+  first_piece_.push_back(0);
+  first_point_.push_back(0);
+  for (std::uint32_t cell = 0; cell + 1 < first_.size(); ++cell) {
+    std::uint32_t corners = 0;
+    const auto add = [&](CVertexId v) {
+      cell_of_place[v] = cell;
+      place[v] = corners++;
+    };
+    for (const CVertexId v : c_vertices(cell)) add(v);
+    for (; piece != pieces.end() && piece->first == cell; ++piece) {
+      Triangle& t = pieces_.emplace_back();
+      for (std::size_t k = 0; k < 3; ++k) {
+        const CVertexId v = piece->second[k];
+        if (cell_of_place[v] != cell) {
+          add(v);
+          points_.push_back(divided.complex.positions[v]);
+        }
+        t[k] = place[v];
+      }
+    }
+    first_piece_.push_back(static_cast<std::uint32_t>(pieces_.size()));
+    first_point_.push_back(static_cast<std::uint32_t>(points_.size()));
   }
-  for (std::size_t c = 1; c < first_piece_.size(); ++c) first_piece_[c] += first_piece_[c - 1];
 }
 
 // The surfels of one crowded cell as triangles. Its c-vertices come first.
 class CrowdedCells::Surfels {
  public:
-  Surfels(const CrowdedCells& in, std::uint32_t cell) {
-    const auto n = static_cast<std::uint32_t>(in.c_vertices_.size());
-    std::vector<std::uint32_t> places(in.first_[cell + 1] - in.first_[cell]);
-    std::iota(places.begin(), places.end(), in.first_[cell]);
-    corners.resize(places.size());
-    for (std::uint32_t i = in.first_piece_[cell]; i < in.first_piece_[cell + 1]; ++i) {
-      Triangle& t = triangles.emplace_back();
-      for (std::size_t k = 0; k < 3; ++k) {
-        const std::uint32_t at = in.pieces_[i][k];
-        const auto known = std::find(places.begin(), places.end(), at);
-        t[k] = static_cast<std::uint32_t>(known - places.begin());
-        if (known != places.end()) continue;
-        places.push_back(at);
-        corners.push_back(in.points_[at - n]);
-      }
-    }
+  Surfels(const CrowdedCells& in, std::uint32_t cell) : corners(in.c_vertices(cell).size()), triangles(in.pieces(cell)) {
+    corners.insert(corners.end(), in.points(cell).begin(), in.points(cell).end());
   }
 
   /// How many pairs of triangles meet; where there are as many as `enough`, that.
-  std::size_t meeting_pairs(std::size_t enough) const {
-    std::size_t out = 0;
-    for (std::size_t i = 0; i < triangles.size(); ++i) {
-      for (std::size_t j = i + 1; j < triangles.size(); ++j) {
-        if (meet_beyond_shared(corners, triangles[i], triangles[j]) && ++out >= enough) return out;
-      }
-    }
-    return out;
-  }
+  std::size_t meeting_pairs(std::size_t enough) const { return isoatlas::meeting_pairs(corners, triangles, enough); }
   bool meet() const { return meeting_pairs(1) > 0; }
 
   std::vector<Vec3> corners;
-  std::vector<Triangle> triangles;
+  std::span<const Triangle> triangles;
 };
 
 bool CrowdedCells::surfels_meet(std::uint32_t cell, std::span<const Vec3> positions) const {
@@ -188,16 +174,15 @@ bool CrowdedCells::search_places(std::uint32_t cell, std::span<Vec3> places) con
 // Per c-vertex of the cell, the middle of what is around it, off the walls.
 std::vector<Vec3> CrowdedCells::middles(std::uint32_t cell) const {
   std::vector<Vec3> out;
-  const auto n = static_cast<std::uint32_t>(c_vertices_.size());
-  for (std::uint32_t own = first_[cell]; own < first_[cell + 1]; ++own) {
+  const auto n = static_cast<std::uint32_t>(c_vertices(cell).size());
+  for (std::uint32_t own = 0; own < n; ++own) {
     Vec3 sum;
     std::size_t count = 0;
-    for (std::uint32_t i = first_piece_[cell]; i < first_piece_[cell + 1]; ++i) {
-      const Triangle& t = pieces_[i];
+    for (const Triangle& t : pieces(cell)) {
       if (std::find(t.begin(), t.end(), own) == t.end()) continue;
       for (const std::uint32_t at : t) {
         if (at < n) continue;
-        sum = sum + points_[at - n];
+        sum = sum + points(cell)[at - n];
         ++count;
       }
     }

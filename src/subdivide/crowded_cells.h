@@ -38,6 +38,12 @@ class CrowdedCells {
   std::span<const CVertexId> c_vertices(std::uint32_t cell) const {
     return {c_vertices_.data() + first_[cell], c_vertices_.data() + first_[cell + 1]};
   }
+  std::span<const Triangle> pieces(std::uint32_t cell) const {
+    return {pieces_.data() + first_piece_[cell], pieces_.data() + first_piece_[cell + 1]};
+  }
+  std::span<const Vec3> points(std::uint32_t cell) const {
+    return {points_.data() + first_point_[cell], points_.data() + first_point_[cell + 1]};
+  }
   class Surfels;
   bool search_places(std::uint32_t cell, std::span<Vec3> places) const;
   bool surfels_meet(std::uint32_t cell, std::span<const Vec3> positions) const;
@@ -48,8 +54,9 @@ class CrowdedCells {
   std::vector<CVertexId> c_vertices_;       // cell by cell
   std::vector<std::uint32_t> first_;        // per cell, in c_vertices_
   std::vector<std::uint32_t> first_piece_;  // per cell, in pieces_
-  std::vector<Triangle> pieces_;            // corners: places in c_vertices_, then, after all of these, in points_
-  std::vector<Vec3> points_;                // nodes, and the points between them
+  std::vector<Triangle> pieces_;            // corners: first the cell's c-vertices, then its points, counted from 0
+  std::vector<std::uint32_t> first_point_;  // per cell, in points_
+  std::vector<Vec3> points_;                // nodes, and the points between them; one on a wall is there for both cells
 };
 
 }  // namespace isoatlas

@@ -121,9 +121,8 @@ Fineness fineness_of(const SurfaceComplex& complex, const SurfaceInGrid& in, con
 
 class Subdivider {
  public:
-  Subdivider(const SurfaceComplex& complex, std::span<const CVertexId> wanted, const SurfaceInGrid& in)
+  Subdivider(const SurfaceComplex& complex, std::span<const CVertexId> wanted, std::span<const Fineness> now, const SurfaceInGrid& in)
       : complex_(complex), in_(in), field_(in.field), wanted_(complex.c_vertex_count(), Want::nothing) {
-    const std::vector<Fineness> now = fineness(complex, in);
     for (const CVertexId v : wanted) {
       wanted_[v] = now[v] == Fineness::faces ? Want::fans : now[v] == Fineness::fans ? Want::pieces : Want::smaller_pieces;
     }
@@ -538,8 +537,9 @@ std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGri
   return out;
 }
 
-Subdivision subdivide(const SurfaceComplex& complex, std::span<const CVertexId> wanted, const SurfaceInGrid& in) {
-  return Subdivider(complex, wanted, in).run();
+Subdivision subdivide(const SurfaceComplex& complex, std::span<const CVertexId> wanted, std::span<const Fineness> now,
+                      const SurfaceInGrid& in) {
+  return Subdivider(complex, wanted, now, in).run();
 }
 
 }  // namespace isoatlas

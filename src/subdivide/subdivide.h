@@ -64,8 +64,13 @@ std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGri
 /// pieces: sides are divided at their middles, which move onto the surface but not out of their cell or wall.
 ///
 /// @param wanted  c-vertices, in any order
+/// @param now     the fineness of all, per c-vertex
 /// @cost  O(F), plus the divided faces times the logarithm of their number
-Subdivision subdivide(const SurfaceComplex& complex, std::span<const CVertexId> wanted, const SurfaceInGrid& in);
+Subdivision subdivide(const SurfaceComplex& complex, std::span<const CVertexId> wanted, std::span<const Fineness> now,
+                      const SurfaceInGrid& in);
+inline Subdivision subdivide(const SurfaceComplex& complex, std::span<const CVertexId> wanted, const SurfaceInGrid& in) {
+  return subdivide(complex, wanted, fineness(complex, in), in);
+}
 
 /// Whether the samples at the corners of a wall have alternating signs, so that two curves cross it.
 /// @param point  on the wall, but not on its edges

@@ -187,5 +187,31 @@ TEST(TrianglePairRandom, AgreesWithIntegers) {
     for (const std::size_t count : seen[shared]) EXPECT_GT(count, 5'000u) << shared;
 }
 
+// Up to eight triangles over few lattice points, as the surfels of a grid cell are.
+TEST(TrianglePairRandom, PairsAmongAFewAreThoseOfEachPair) {
+  Random random(5);
+  std::array<std::size_t, 4> seen{};  // by number of pairs, 3 or more in the last
+  for (int round = 0; round < 20'000; ++round) {
+    std::vector<Vec3> positions;
+    const std::int64_t range = std::array{2, 5, 20}[random.between(0, 2)];
+    for (int v = 0; v < 9; ++v)
+      positions.push_back({static_cast<double>(random.between(-range, range)), static_cast<double>(random.between(-range, range)),
+                           static_cast<double>(random.between(-range, range))});
+    std::vector<Triangle> triangles;
+    for (std::int64_t t = random.between(2, 8); t > 0; --t) {
+      const auto first = static_cast<std::uint32_t>(random.between(0, 6));
+      triangles.push_back(
+          {first, first + static_cast<std::uint32_t>(random.between(1, 2)), static_cast<std::uint32_t>(random.between(0, 8))});
+    }
+    std::size_t pairs = 0;
+    for (std::size_t i = 0; i < triangles.size(); ++i)
+      for (std::size_t j = i + 1; j < triangles.size(); ++j) pairs += meet_beyond_shared(positions, triangles[i], triangles[j]);
+    ++seen[std::min<std::size_t>(pairs, 3)];
+    ASSERT_EQ(meeting_pairs(positions, triangles, 100), pairs);
+    ASSERT_EQ(meeting_pairs(positions, triangles, 2), std::min<std::size_t>(pairs, 2));
+  }
+  for (const std::size_t count : seen) EXPECT_GT(count, 500u);
+}
+
 }  // namespace
 }  // namespace isoatlas
