@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # Fuzzes the readers of files: one libFuzzer target for each format, under ASan and UBSan.
 #   scripts/fuzz_files.sh [CPU_SECONDS [FORMAT...]]     (default: 60 CPU seconds for each format)
+# The time is that of all runs since build/corpus was made, so the same call again goes on.
 # JOBS formats run at a time (default: 1).
 #
 # Seeds are the files of tests/data, samples and tests/fuzz/corpus_files. The corpus grows in
 # build/corpus/FORMAT over all runs; a finding is build/corpus/FORMAT-crash-*, -oom-* or -timeout-*
-# and ends that format's run. build/corpus/runs.tsv has one line for each minute: format, CPU seconds,
+# and ends that format's run. build/corpus/runs.tsv has one line for each run: format, CPU seconds,
 # executions, covered edges, files in the corpus, findings; their sums are printed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -15,6 +16,7 @@ formats=("$@")
 [ ${#formats[@]} -gt 0 ] || formats=(nrrd nii mha tif dcm vtk vti vtr npy mrc mgh ply stl obj off vtp glb 3mf gii json)
 
 mkdir -p build/corpus
+touch build/corpus/runs.tsv
 if [ -z "${SKIP_BUILD:-}" ]; then
   scripts/install_dependencies.sh test
   scripts/install_dependencies.sh fuzz
@@ -37,11 +39,16 @@ add_seeds() {  # FORMAT: seeds of at most 20 KB, so that mutations stay fast
   done
 }
 
-fuzz() {  # FORMAT: runs of a minute each until the budget of CPU time is spent or something is found
-  local format=$1 log=build/corpus/$1.log spent=0 findings=0
+spent_on() {  # FORMAT: CPU seconds of all its runs so far
+  awk -F '\t' -v format="$1" '$1 == format { cpu += $2 } END { print cpu + 0 }' build/corpus/runs.tsv
+}
+
+fuzz() {  # FORMAT: runs of at most five minutes until the budget of CPU time is spent or something is found
+  local format=$1 log=build/corpus/$1.log spent findings=0
+  spent=$(spent_on "$format")
   add_seeds "$format"
   while [ "$spent" -lt "$BUDGET" ] && [ "$findings" -eq 0 ]; do
-    local seconds=$((BUDGET - spent < 60 ? BUDGET - spent : 60)) times used executions edges files
+    local seconds=$((BUDGET - spent < 300 ? BUDGET - spent : 300)) times used executions edges files
     times=$(
       TIMEFORMAT='%U %S'
       { time build/fuzz-files/bin/fuzz_"$format" -max_total_time="$seconds" -timeout=20 -rss_limit_mb=4096 \
@@ -55,7 +62,7 @@ fuzz() {  # FORMAT: runs of a minute each until the budget of CPU time is spent 
       echo "$format: found something, see $log.finding"
     fi
     used=$(echo "$times" | awk '{ print int($1 + $2 + 0.5) }')
-    spent=$((spent + used + 1))  # a run of no time counts too, or it would never end
+    spent=$((spent + used))
     executions=$(grep -o 'number_of_executed_units: [0-9]*' "$log" | grep -o '[0-9]*$' || echo 0)
     edges=$(grep -o 'cov: [0-9]*' "$log" | tail -1 | grep -o '[0-9]*$' || echo 0)
     files=$(find "build/corpus/$format" -type f | wc -l)
@@ -69,6 +76,6 @@ summary() {  # of all runs: a line for each format
     END { for (f in cpu) printf "%s\t%d CPU s\t%d executions\t%d edges\t%d files\t%d findings\n",
                                 f, cpu[f], executions[f], edges[f], files[f], findings[f] }' build/corpus/runs.tsv | sort
 }
-export -f add_seeds fuzz summary
+export -f add_seeds fuzz spent_on summary
 export ASAN_OPTIONS=detect_leaks=0:allocator_may_return_null=1
 printf '%s\n' "${formats[@]}" | xargs -P "${JOBS:-1}" -I{} bash -c 'set -euo pipefail; fuzz {}'

@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <map>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/file_name.h"
 #include "isoatlas/error.h"
 #include "isoatlas/version.h"
 #include "man_page.h"
@@ -96,8 +96,7 @@ void add_volume(CLI::App& app, VolumeArguments& volume) {
 /// The formats that are one file: an extension in any case, with or without its dot.
 std::string stream_format(const std::string& text) {
   constexpr std::array<std::string_view, 8> kFormats{"ply", "stl", "obj", "off", "vtp", "3mf", "gii", "glb"};
-  std::string format = text.starts_with('.') ? text.substr(1) : text;
-  std::ranges::transform(format, format.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string format = lower_case(text.starts_with('.') ? text.substr(1) : text);
   if (std::ranges::find(kFormats, format) == kFormats.end()) refuse_value("one of ply, stl, obj, off, vtp, 3mf, gii, glb", text);
   return format;
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // isoatlas check: is this mesh what a mesh should be?
 #include <algorithm>
-#include <cctype>
 #include <iostream>
 #include <optional>
 #include <string>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "core/file_name.h"
 #include "exit_status.h"
 #include "isoatlas/error.h"
 #include "isoatlas/extract.h"
@@ -81,8 +81,7 @@ void print_self_intersections(const SelfIntersectionReport& report) {
 /// What the user says, else what the file says, else lps.
 Space space_of(const CheckArguments& arguments) {
   if (arguments.space) return *arguments.space;
-  std::string said = mesh_space(arguments.mesh);
-  std::ranges::transform(said, said.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string said = lower_case(mesh_space(arguments.mesh));
   return said == "ras" ? Space::ras : said == "voxel" ? Space::voxel : Space::lps;
 }
 

@@ -2,13 +2,14 @@
 #include "file_kinds.h"
 
 #include <algorithm>
-#include <cctype>
 #include <system_error>
 #include <vector>
 
+#include "core/file_name.h"
 #include "files/stored_data.h"
 #include "isoatlas/error.h"
 #include "isoatlas/mesh_file.h"
+#include "mesh_files/formats.h"
 #include "nearest_name.h"
 #include "volume_files/volume_format.h"
 
@@ -17,13 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kMeshes = ".ply .stl .obj .off .vtp .3mf .gii";
 constexpr std::string_view kPictures = ".png .jpg .jpeg .bmp .gif";
-
-std::string lower_case(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 bool is_volume(const fs::path& path) {
   try {
@@ -102,19 +97,9 @@ std::string advice_on_mesh_place(std::string_view command, FileKind kind) {
 
 }  // namespace
 
-bool has_extension(const fs::path& path, std::string_view extensions) {
-  const std::string name = lower_case(path.filename().string());
-  while (!extensions.empty()) {
-    const std::string_view extension = extensions.substr(0, extensions.find(' '));
-    if (name.ends_with(extension)) return true;
-    extensions.remove_prefix(std::min(extension.size() + 1, extensions.size()));
-  }
-  return false;
-}
-
 FileKind kind_of_name(const fs::path& path) {
   if (is_hierarchy_path(path)) return FileKind::levels;
-  if (has_extension(path, kMeshes)) return FileKind::mesh;
+  if (has_extension(path, io::mesh_extensions())) return FileKind::mesh;
   if (has_extension(path, ".json")) return FileKind::json;
   if (has_extension(path, ".html .htm")) return FileKind::page;
   if (has_extension(path, kPictures)) return FileKind::picture;

@@ -30,9 +30,6 @@ FileKind kind_of_file(const std::filesystem::path& path);
 /// kind, or the kind is not known.
 std::string advice_for_file(std::string_view command, const std::filesystem::path& path);
 
-/// Does the name end with one of `extensions` (with dots, between blanks), in any case?
-bool has_extension(const std::filesystem::path& path, std::string_view extensions);
-
 /// Pages and reports are written under names that say what they are.
 /// @throws Error(bad_argument) unless the name ends in .html or .htm
 void require_page_name(const std::filesystem::path& path);

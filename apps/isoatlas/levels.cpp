@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // isoatlas levels: how do the levels of detail in a file compare?
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <functional>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "core/file_name.h"
 #include "exit_status.h"
 #include "isoatlas/error.h"
 #include "isoatlas/io.h"
@@ -78,10 +78,8 @@ Levels levels_of_meshes(const fs::path& path) {
 }
 
 Levels read_levels(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
   if (is_hierarchy_path(path)) return levels_of_meshes(path);
-  if (extension != ".json")
+  if (!has_extension(path, ".json"))
     throw Error(ErrorCode::unsupported, path.string() + ": unknown format for levels of detail, expected .glb, .vtm or .json");
   return {facts_of_levels(read_text_file(path), path.string()), std::nullopt, "not known: the file has no vertices"};
 }

@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <new>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 
+#include "core/file_name.h"
 #include "files/file_error.h"
 #include "mesh_files/same_mesh.h"
 #include "mesh_files/stored_form.h"
@@ -43,22 +43,8 @@ constexpr std::array kMeshFormats{
 // The format whose extension ends the file's name in any case, or null.
 template <class Formats>
 auto find_format(const Formats& formats, const fs::path& path) -> decltype(formats.data()) {
-  std::string file_name = path.filename().string();
-  std::ranges::transform(file_name, file_name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  const auto found = std::ranges::find_if(formats, [&](const auto& format) { return file_name.ends_with(format.extension); });
+  const auto found = std::ranges::find_if(formats, [&](const auto& format) { return has_extension(path, format.extension); });
   return found == formats.end() ? nullptr : &*found;
-}
-
-template <class Formats>
-std::string extension_list(const Formats& formats) {
-  std::string list;
-  for (const auto& format : formats) {
-    if (!list.empty()) {
-      list += ' ';
-    }
-    list += format.extension;
-  }
-  return list;
 }
 
 constexpr const char* kOrLevels = ", or .glb or .vtm for levels of detail";
@@ -68,7 +54,7 @@ const MeshFormat& mesh_format(const fs::path& path, const std::string& besides) 
   const MeshFormat* format = find_format(kMeshFormats, path);
   if (format == nullptr) {
     const std::string found = is_hierarchy_path(path) ? "is a file of levels of detail" : "unknown mesh format";
-    throw io::unsupported(path, found + ", expected one of " + extension_list(kMeshFormats) + besides);
+    throw io::unsupported(path, found + ", expected one of " + io::mesh_extensions() + besides);
   }
   return *format;
 }
@@ -101,6 +87,15 @@ MeshCheck check_mesh(const TriangleMesh& mesh) {
 }
 
 }  // namespace
+
+std::string io::mesh_extensions() {
+  std::string list;
+  for (const MeshFormat& format : kMeshFormats) {
+    list += list.empty() ? "" : " ";
+    list += format.extension;
+  }
+  return list;
+}
 
 void check_mesh_path(const fs::path& path) {
   format_to_write(path);
@@ -186,7 +181,7 @@ HierarchyFile read_levels(const fs::path& path) {
   return io::translate_exceptions(path, [&] {
     io::readable_file_size(path);
     if (find_format(kMeshFormats, path) == nullptr) {
-      throw io::unsupported(path, "unknown format, expected one of " + extension_list(kMeshFormats) + kOrLevels);
+      throw io::unsupported(path, "unknown format, expected one of " + io::mesh_extensions() + kOrLevels);
     }
     return HierarchyFile{hierarchy_of({read_mesh(path)}), {mesh_file_info(path), {}, {}}};
   });

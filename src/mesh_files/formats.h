@@ -12,6 +12,9 @@
 
 namespace isoatlas::io {
 
+/// The extensions of mesh files, with dots, between blanks.
+std::string mesh_extensions();
+
 // Meshes in. What comes out may still have indices out of range: read_mesh checks all formats alike.
 TriangleMesh read_ply(const std::filesystem::path& path);
 TriangleMesh read_stl(const std::filesystem::path& path);

@@ -2,7 +2,6 @@
 // Files of levels by extension.
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <new>
 #include <nlohmann/json.hpp>
@@ -11,6 +10,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "core/file_name.h"
 #include "files/file_error.h"
 #include "mesh_files/formats.h"
 
@@ -32,8 +32,7 @@ constexpr std::array kFormats{HierarchyFormat{".glb", io::read_glb, io::write_gl
                               HierarchyFormat{".vtm", io::read_vtm, io::write_vtm, true, nullptr}};
 
 const HierarchyFormat* find_format(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = lower_case_extension(path);
   const auto found = std::ranges::find(kFormats, extension, &HierarchyFormat::extension);
   return found == kFormats.end() ? nullptr : &*found;
 }

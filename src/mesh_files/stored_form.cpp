@@ -2,17 +2,13 @@
 #include "mesh_files/stored_form.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
+
+#include "core/file_name.h"
 
 namespace isoatlas {
 
 namespace {
-
-std::string lower_case(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 /// How many of the smaller unit are one of the larger; a whole number where it is one but for rounding.
 double ratio(LengthUnit larger, LengthUnit smaller) {

@@ -2,7 +2,6 @@
 // What is said of a result: from its report, from the files of its meshes, or counted.
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstdio>
 #include <string>
 #include <string_view>
@@ -10,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/file_name.h"
 #include "isoatlas/error.h"
 #include "isoatlas/extract.h"
 #include "isoatlas/mesh_file.h"
@@ -30,11 +30,6 @@ constexpr std::size_t kMostPlaces = 20;  // of bad triangles in the page's facts
 constexpr const char* kStream = "-";
 
 [[noreturn]] void bad_report(const std::string& path, const std::string& what) { throw Error(ErrorCode::bad_file, path + ": " + what); }
-
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 // Lists of places are for machines and long; times and paths change from run to run, and a page should not.
 void shorten(Json& level) {
@@ -126,7 +121,7 @@ FoundLevels levels_of_report(const Json& json, const fs::path& report) {
     if (!out.numbers.empty() && out.numbers.back() == number) continue;
     out.numbers.push_back(number);
     out.files.push_back(path);
-    out.nested = out.nested && lower_case(path.extension().string()) != ".stl";  // which has no indices
+    out.nested = out.nested && lower_case_extension(path) != ".stl";  // which has no indices
     meshes.push_back(read_levels(path).hierarchy.mesh(0));
   }
   if (meshes.empty()) bad_report(report.string(), "names no file with a mesh");
@@ -213,7 +208,7 @@ PageEntry entry_of_report(const std::string& report, const std::string& path, Hi
 }
 
 PageEntry entry_of_file(const fs::path& path) {
-  if (lower_case(path.extension().string()) == ".json") {
+  if (lower_case_extension(path) == ".json") {
     const Json json = parsed_report(read_text_file(path), path.string());
     try {
       FoundLevels levels = levels_of_report(json, path);

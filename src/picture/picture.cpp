@@ -23,11 +23,11 @@
 #include <vtkWindowToImageFilter.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <utility>
 #include <vector>
 
+#include "core/file_name.h"
 #include "core/vector_math.h"
 #include "isoatlas/error.h"
 #include "mesh/vertex_normals.h"
@@ -134,8 +134,7 @@ std::string encoded(Writer& writer, vtkImageAlgorithm& pixels) {
 }  // namespace
 
 PictureFormat picture_format(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = lower_case_extension(path);
   if (extension == ".png") return PictureFormat::png;
   if (extension == ".jpg" || extension == ".jpeg") return PictureFormat::jpeg;
   throw Error(ErrorCode::unsupported, path.string() + ": unknown picture format, expected a name ending in .png, .jpg or .jpeg");

@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <string>
+
+#include "core/file_name.h"
 
 namespace isoatlas {
 
@@ -38,19 +39,15 @@ std::string_view symbol(LengthUnit unit) { return names_of(unit).symbol; }
 double metres(LengthUnit unit) { return names_of(unit).metres; }
 
 LengthUnit length_unit_named(std::string_view name) {
-  std::string word(name);
-  std::ranges::transform(word, word.begin(), [](unsigned char c) { return c < 128 ? static_cast<char>(std::tolower(c)) : static_cast<char>(c); });
+  const std::string word = lower_case(name);
   const auto matches = [](std::string_view found, const UnitNames& names) {
     return std::ranges::any_of(names.words, [&](std::string_view w) { return !w.empty() && w == found; });
   };
-  std::string lower_symbol;
   for (const UnitNames& names : kUnits) {
-    lower_symbol.assign(names.symbol);
-    std::ranges::transform(lower_symbol, lower_symbol.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     if (names.unit == LengthUnit::unknown) continue;
     const std::string_view singular = word.size() > 3 && word.ends_with('s') ? std::string_view(word).substr(0, word.size() - 1) : word;
     // "A" is angstrom, "a" is nothing; all other symbols may be in any case.
-    const bool is_symbol = names.unit == LengthUnit::angstrom ? name == names.symbol : word == lower_symbol;
+    const bool is_symbol = names.unit == LengthUnit::angstrom ? name == names.symbol : word == lower_case(names.symbol);
     if (is_symbol || matches(word, names) || matches(singular, names) || (names.unit == LengthUnit::inch && word == "inches")) return names.unit;
   }
   return LengthUnit::unknown;

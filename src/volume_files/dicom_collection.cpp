@@ -2,7 +2,6 @@
 #include "volume_files/dicom_collection.h"
 
 #include <algorithm>
-#include <cctype>
 #include <map>
 #include <optional>
 #include <set>
@@ -11,6 +10,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/file_name.h"
 #include "files/file_error.h"
 #include "volume_files/dicom_contents.h"
 
@@ -72,8 +72,7 @@ class FolderWalk {
 
 // Files without extension, and those whose extension is a number or one that DICOM files have: "IM012", "a.dcm", "1.2.840.7".
 bool is_named_like_dicom(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = lower_case_extension(path);
   return extension.empty() || extension == ".dcm" || extension == ".ima" || extension == ".dicom" ||
          extension.find_first_not_of("0123456789", 1) == std::string::npos;
 }

@@ -2,9 +2,9 @@
 #include "volume_files/header_text.h"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 
+#include "core/file_name.h"
 #include "files/file_error.h"
 #include "files/stored_data.h"
 #include "volume_files/choice.h"
@@ -48,12 +48,6 @@ std::string padded(std::int64_t number, std::string_view flags) {
 std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(kBlanks);
   return first == std::string_view::npos ? std::string_view() : text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
-
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return lower;
 }
 
 std::vector<std::string_view> words_of(std::string_view text, std::string_view separators) {

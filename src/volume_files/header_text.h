@@ -16,8 +16,6 @@ namespace isoatlas::io {
 /// `text` without blanks at its ends.
 std::string_view trimmed(std::string_view text);
 
-std::string lower_case(std::string_view text);
-
 /// The words of `text`, which `separators` separate.
 std::vector<std::string_view> words_of(std::string_view text, std::string_view separators = " \t");
 

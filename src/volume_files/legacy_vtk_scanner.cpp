@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <charconv>
 #include <limits>
 #include <optional>
 
+#include "core/file_name.h"
 #include "files/file_error.h"
 #include "files/stored_data.h"
 
@@ -47,12 +47,6 @@ constexpr std::array<std::string_view, 23> kKeywords{
     "dimensions", "spacing",       "aspect_ratio", "origin",     "x_coordinates", "y_coordinates", "z_coordinates",       "scalars",
     "vectors",    "normals",       "tensors",      "tensors6",   "global_ids",    "pedigree_ids",  "texture_coordinates", "edge_flags",
     "field",      "color_scalars", "lookup_table", "point_data", "cell_data",     "metadata",      "dataset"};
-
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return lower;
-}
 
 template <class Number>
 std::optional<Number> parse(std::string_view word) {

@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/file_name.h"
 #include "files/file_error.h"
 #include "files/stored_data.h"
 #include "volume_files/header_text.h"

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/file_name.h"
 #include "files/file_error.h"
 #include "files/byte_source.h"
 #include "volume_files/header_text.h"

@@ -2,7 +2,6 @@
 // A folder of TIFF or PNG images, each of them a slice.
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstdint>
 #include <fstream>
 #include <memory>
@@ -11,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/file_name.h"
 #include "files/file_error.h"
 #include "files/stored_data.h"
 #include "volume_files/choice.h"
@@ -28,12 +28,6 @@ namespace isoatlas::io {
 namespace fs = std::filesystem;
 
 namespace {
-
-std::string lower_case_extension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
 
 bool is_png(const fs::path& path) { return lower_case_extension(path) == ".png"; }
 

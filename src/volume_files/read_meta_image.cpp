@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/file_name.h"
 #include "files/file_error.h"
 #include "files/stored_data.h"
 #include "volume_files/choice.h"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -12,6 +11,7 @@
 #include <string_view>
 #include <type_traits>
 
+#include "core/file_name.h"
 #include "files/file_error.h"
 #include "files/stored_data.h"
 #include "volume/sample_type.h"
@@ -26,11 +26,6 @@ namespace isoatlas::io {
 namespace fs = std::filesystem;
 
 namespace {
-
-std::string lower_case(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 /// A file name without its packing and its extension, and both in lower case: "Scan", ".img", ".gz".
 struct NameParts {

@@ -2,12 +2,12 @@
 #include "volume_files/slice_names.h"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <optional>
 #include <set>
 #include <string>
 
+#include "core/file_name.h"
 #include "files/file_error.h"
 
 namespace isoatlas::io {
@@ -40,8 +40,7 @@ SliceName parse(const fs::path& path) {
     name.text += '#';
     i = end;
   }
-  std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = lower_case_extension(path);
   name.text += extension == ".tiff" ? ".tif" : extension;
   return name;
 }

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cctype>
 #include <cstdint>
 #include <cstring>
 
+#include "core/file_name.h"
 #include "files/file_error.h"
 #include "files/stored_data.h"
 
@@ -81,30 +81,14 @@ constexpr std::array kVolumeFormats{
     VolumeFormat{"VTK XML", ".vti .vtr .pvti .pvtr", is_vtk_xml, read_vtk_xml},
 };
 
-std::string lower_case(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
-bool has_extension(const std::string& file_name, std::string_view extensions) {
-  while (!extensions.empty()) {
-    const std::string_view extension = extensions.substr(0, extensions.find(' '));
-    if (file_name.ends_with(extension)) {
-      return true;
-    }
-    extensions.remove_prefix(std::min(extension.size() + 1, extensions.size()));
-  }
-  return false;
-}
-
 // What a file is that no reader is for; empty if that is not known either.
-std::string other_kind(std::string_view bytes, const std::string& file_name) {
-  if (has_extension(file_name, ".ply .stl .obj .off .vtp .glb .vtm .3mf .gii")) return "is a mesh file";
-  if (has_extension(file_name, ".json")) return "is a JSON file, perhaps a report";
-  if (has_extension(file_name, ".vtkhdf")) return "is a VTKHDF file";
+std::string other_kind(std::string_view bytes, const fs::path& path) {
+  if (has_extension(path, ".ply .stl .obj .off .vtp .glb .vtm .3mf .gii")) return "is a mesh file";
+  if (has_extension(path, ".json")) return "is a JSON file, perhaps a report";
+  if (has_extension(path, ".vtkhdf")) return "is a VTKHDF file";
   if (has_at(bytes, 0, "\x89HDF")) return "is an HDF5 file";
   if (has_at(bytes, 0, "CDF")) return "is a NetCDF file";
-  if (has_extension(file_name, ".npz")) return "is an archive of NumPy arrays, expected a .npy file with one of them";
+  if (has_extension(path, ".npz")) return "is an archive of NumPy arrays, expected a .npy file with one of them";
   if (has_at(bytes, 0, "PK\x03\x04")) return "is a ZIP archive";
   if (has_at(bytes, 0, "ZISRAWFILE")) return "is a Zeiss CZI file";
   if (has_at(bytes, 0, "\xDA\xCE\xBE\x0A")) return "is a Nikon ND2 file";
@@ -124,13 +108,12 @@ const VolumeFormat& format_of(const fs::path& path) {
       return format;
     }
   }
-  const std::string file_name = lower_case(path.filename().string());
   for (const VolumeFormat& format : kVolumeFormats) {
-    if (has_extension(file_name, format.extensions)) {
+    if (has_extension(path, format.extensions)) {
       return format;
     }
   }
-  const std::string kind = other_kind(start, file_name);
+  const std::string kind = other_kind(start, path);
   throw unsupported(path, (kind.empty() ? "unknown volume format" : kind) + ", expected a volume: one of " + volume_extensions() +
                               ", a folder with a DICOM series or a slice in each image, or a raw layout (size and sample type)");
 }

@@ -2,11 +2,11 @@
 #include "wording/values.h"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <string>
 
+#include "core/file_name.h"
 #include "isoatlas/error.h"
 
 namespace isoatlas {
@@ -58,8 +58,8 @@ std::string_view trimmed(std::string_view text) {
 }
 
 std::string plain_word(std::string_view text) {
-  std::string word(trimmed(text));
-  std::ranges::transform(word, word.begin(), [](unsigned char c) { return c == '_' ? '-' : static_cast<char>(std::tolower(c)); });
+  std::string word = lower_case(trimmed(text));
+  std::ranges::replace(word, '_', '-');
   return word;
 }
 
