@@ -44,8 +44,9 @@ void add_reading(CLI::App& app, ReadOptions& read, CLI::Option* volume = nullptr
     if (volume != nullptr) option->needs(volume);
     return option;
   };
-  add("channel", "N", R"(
-Which of several channels, or of several values per sample, to read; the first is 0. `isoatlas info` lists them.
+  add("channel", "NAME", R"(
+Which of several channels, or of several values per sample, to read: its name, or its number from 0. `isoatlas info`
+lists them.
 )");
   add("time", "N", R"(
 Which of several time points to read; the first is 0.
@@ -360,7 +361,9 @@ CLI::App* add_report_command(CLI::App& app, ReportArguments& arguments) {
 namespace {
 
 Vec3 parse_direction(const std::string& text) {
-  const auto [x, y, z] = parse_triple<double>(text, "three numbers like 0.45,-1,0.35", [](double v) { return std::isfinite(v); });
+  constexpr const char* kExpected = "three numbers like 0.45,-1,0.35, not all 0";
+  const auto [x, y, z] = parse_triple<double>(text, kExpected, [](double v) { return std::isfinite(v); });
+  if (x == 0 && y == 0 && z == 0) refuse_value(kExpected, text);
   return Vec3{x, y, z};
 }
 
@@ -404,7 +407,8 @@ Pixels, 16 to 8192 each. Default: 1200,900.
     const std::size_t comma = text.find(',');
     const auto width = parse_whole<int>(std::string_view(text).substr(0, comma));
     const auto height = comma == std::string::npos ? std::nullopt : parse_whole<int>(std::string_view(text).substr(comma + 1));
-    if (!width || !height) refuse_value("two whole numbers like 1200,900", text);
+    const auto is_possible = [](std::optional<int> pixels) { return pixels && *pixels >= 16 && *pixels <= 8192; };
+    if (!is_possible(width) || !is_possible(height)) refuse_value("two whole numbers from 16 to 8192 like 1200,900", text);
     options.width = *width;
     options.height = *height;
   });
@@ -417,7 +421,10 @@ What is up in the picture; 0,0,-1 turns one that is upside down. Default: 0,0,1;
 )", [&](const std::string& text) { options.up = parse_direction(text); });
   add_value(*command, kOutput, "--zoom", "FACTOR", R"(
 How much larger than to fit into the picture. Default: 1.
-)", [&](const std::string& text) { options.zoom = parse_finite(text); });
+)", [&](const std::string& text) {
+    options.zoom = parse_finite(text);
+    if (!(options.zoom > 0)) refuse_value("a number above 0", text);
+  });
   command->add_flag("-q,--quiet", arguments.quiet, "Print nothing unless something is wrong.")->group(kRunning);
   return command;
 }

@@ -72,7 +72,7 @@ SelfIntersectionReport find_self_intersections(const CheckArguments& arguments, 
 }
 
 void print_self_intersections(const SelfIntersectionReport& report) {
-  std::cout << row("meets itself", report.pairs == 0 ? "no" : "yes: " + counted(report.pairs, "pair") + " of triangles");
+  std::cout << row("intersections", report.pairs == 0 ? "none" : counted(report.pairs, "pair") + " of triangles");
   for (const auto& [pair, at] : report.first)
     std::cout << row("", "triangles " + std::to_string(pair.first) + " and " + std::to_string(pair.second) + " near " + point_text(at));
   if (report.pairs > report.first.size()) std::cout << row("", "and " + counted(report.pairs - report.first.size(), "more pair"));
@@ -87,6 +87,7 @@ Space space_of(const CheckArguments& arguments) {
 
 struct MeasuredDistance {
   DistanceReport report;
+  LengthUnit unit = LengthUnit::unknown;  // of its lengths and places: the volume's
   std::string misplacement;
 };
 
@@ -107,7 +108,8 @@ MeasuredDistance measure_distance(const CheckArguments& arguments, TriangleMesh 
     throw Error(error.code(), volume_name(report.volume_path) + ": " + error.what());
   }
   std::string misplaced = misplacement(mesh, volume.grid, report.options.space, report.measured);
-  return {std::move(report), std::move(misplaced)};
+  const bool has_unit = report.options.space != Space::voxel;
+  return {std::move(report), has_unit ? volume.grid.unit : LengthUnit::unknown, std::move(misplaced)};
 }
 
 std::string length_text(double length, double voxel) { return number_text(length) + " (" + ratio_text(length / voxel) + " vx)"; }
@@ -122,7 +124,7 @@ std::string samples_text(const OneSidedDistance& d, std::size_t spread, const ch
          " to a square voxel, and at " + where;
 }
 
-void print_distance(const DistanceReport& report) {
+void print_distance(const DistanceReport& report, LengthUnit unit) {
   const Measurement& m = report.measured;
   const Space space = report.options.space;
   const std::size_t spread = report.options.samples;
@@ -132,7 +134,8 @@ void print_distance(const DistanceReport& report) {
                                    (space == Space::lps   ? "LPS"
                                     : space == Space::ras ? "RAS"
                                                           : "voxels") +
-                                   ", 1 vx = " + number_text(m.voxel))
+                                   ", 1 vx = " + with_unit(m.voxel, unit) +
+                                   (unit == LengthUnit::unknown ? "" : "; all lengths and places in " + std::string(symbol(unit))))
             << row("  to surface", one_side_text(m.mesh_to_surface, m.voxel))
             << row("", samples_text(m.mesh_to_surface, spread, "vertices, edge midpoints and centroids of the mesh"))
             << row("  to mesh", one_side_text(m.surface_to_mesh, m.voxel))
@@ -167,7 +170,7 @@ int run_check(const CheckArguments& arguments, Interruption& interruption) {
     print_topology(topology);
     if (topology.triangles > 0) print_quality(quality, terminal_is_utf8());
     if (meetings) print_self_intersections(*meetings);
-    if (distance) print_distance(distance->report);
+    if (distance) print_distance(distance->report, distance->unit);
   }
   const bool is_misplaced = distance && !distance->misplacement.empty();
   if (is_misplaced) std::cerr << one_line("isoatlas: " + arguments.mesh.string() + ": " + distance->misplacement) << "\n";

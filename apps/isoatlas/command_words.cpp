@@ -55,10 +55,11 @@ class Reader {
   }
 
   void add(const std::string& name, const CLI::Option* option, std::optional<std::string> value) {
+    const std::string& typed = words_[next_];
     const bool wants_word = option != nullptr && takes_value(*option) && !value;
     if (wants_word && next_ + 1 < words_.size() && !is_option_like(words_[next_ + 1])) value = words_[++next_];
     if (value) value_ended_at_ = next_ + 1;
-    read_.options.push_back({name, option, std::move(value)});
+    read_.options.push_back({name, option, std::move(value), typed});
   }
 
   const CLI::App& command_;

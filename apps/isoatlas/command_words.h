@@ -15,6 +15,7 @@ struct OptionWord {
   std::string name;                          ///< as typed, with its dashes
   const CLI::Option* option = nullptr;       ///< null: the command has no such option
   std::optional<std::string> value = {};     ///< none: a flag, or nothing was there
+  std::string typed = {};                    ///< the whole word that the name is in
 };
 
 struct PositionalWord {

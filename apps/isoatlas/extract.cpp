@@ -130,7 +130,11 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   if (!is_complete) return interrupted_while_sending(interruption);
 
   std::ostream& out = outputs.uses_standard_output() ? std::cerr : std::cout;
-  if (!arguments.quiet) print_summary(out, report, context, outputs.names());
+  if (!arguments.quiet) {
+    std::size_t bytes = 0;
+    for (const ReportFile& written : context.files) bytes += written.bytes;
+    print_summary(out, report, context, outputs.names(bytes));
+  }
   if (arguments.verbose) print_details(out, report, context);
   print_rounding(context);
   return print_unmet(report, context.volume.grid.unit) ? kSuccess : kUnmet;

@@ -112,14 +112,15 @@ void ExtractOutputs::discard() noexcept {
   if (stream_file_) stream_file_->discard();
 }
 
-std::string ExtractOutputs::names() const {
+std::string ExtractOutputs::names(std::size_t mesh_bytes) const {
   std::string text = kStandardOutputName;
   if (!stream_file_) {
     const std::vector<fs::path> paths = meshes_.paths(level_count_);
     text = paths.front().string() + (paths.size() > 1 ? " and " + counted(paths.size() - 1, "more file") : "");
   }
+  text += " (" + bytes_text(static_cast<double>(mesh_bytes)) + ")";
   for (const auto& [path, what] : others_) text += ", " + what + " " + shown(path);
-  return text;
+  return one_line(text);
 }
 
 }  // namespace isoatlas::tool

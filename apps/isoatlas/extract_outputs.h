@@ -41,7 +41,7 @@ class ExtractOutputs {
   void discard() noexcept;
 
   /// "NAME-0.ply and 2 more files, report NAME.json"
-  std::string names() const;
+  std::string names(std::size_t mesh_bytes) const;
 
  private:
   std::size_t level_count_;

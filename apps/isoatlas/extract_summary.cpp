@@ -132,14 +132,10 @@ void print_summary(std::ostream& out, const ExtractReport& report, const ReportC
                                      point_text(report.dropped.front().position));
   }
   for (std::size_t k = 0; k < report.levels.size(); ++k) out << row(level_name(k), level_text(report.levels[k], unit));
-  std::size_t bytes = 0;
   double rounding = 0;
-  for (const ReportFile& file : context.files) {
-    bytes += file.bytes;
-    rounding = std::max(rounding, file.largest_rounding);
-  }
+  for (const ReportFile& file : context.files) rounding = std::max(rounding, file.largest_rounding);
   out << row("certificate", certificate_of_all(report))
-            << row("wrote", outputs + " (" + bytes_text(static_cast<double>(bytes)) + "), meshed in " + seconds_text(report.total_seconds) +
+            << row("wrote", outputs + ", meshed in " + seconds_text(report.total_seconds) +
                                 (rounding > 0 ? "; rounded by at most " + number_text(rounding) + ", read back and checked" : ""));
   if (!context.files.empty())  // the same for all
     for (const std::string& note : context.files.front().notes) out << row("note", note);

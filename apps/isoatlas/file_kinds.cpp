@@ -2,6 +2,7 @@
 #include "file_kinds.h"
 
 #include <algorithm>
+#include <fstream>
 #include <system_error>
 #include <vector>
 
@@ -19,6 +20,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kPictures = ".png .jpg .jpeg .bmp .gif";
+
+/// False for what has no bytes to look at: folders, pipes, empty files, files that may not be read.
+bool has_contents(const fs::path& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error) && fs::file_size(path, error) > 0 && std::ifstream(path).good();
+}
 
 bool is_volume(const fs::path& path) {
   try {
@@ -40,8 +47,10 @@ fs::path header_of(const fs::path& path) {
   return {};
 }
 
-/// Names a file beside it whose name is nearly the same.
+/// For a link to nothing, where it leads; else a file beside it whose name is nearly the same.
 std::string advice_on_missing(const fs::path& path) {
+  std::error_code no_link;
+  if (const fs::path target = fs::read_symlink(path, no_link); !no_link) return "it is a link to " + target.string();
   constexpr std::size_t kMostFiles = 10'000;
   std::vector<std::string> names;
   std::error_code error;
@@ -66,6 +75,7 @@ std::string advice_on_volume_place(FileKind kind, const fs::path& path, bool is_
     case FileKind::page:
       return "a browser shows pages";
     case FileKind::unknown: {
+      if (!has_contents(path)) return "";
       const fs::path header = header_of(path);
       return header.empty() ? "--raw-size and --raw-type describe a file without header" : "its header seems to be " + header.string();
     }
@@ -74,7 +84,7 @@ std::string advice_on_volume_place(FileKind kind, const fs::path& path, bool is_
   }
 }
 
-std::string advice_on_mesh_place(std::string_view command, FileKind kind) {
+std::string advice_on_mesh_place(std::string_view command, FileKind kind, const fs::path& path) {
   const bool takes_levels = command != "check", takes_json = command == "levels" || command == "report";
   switch (kind) {
     case FileKind::volume:
@@ -85,11 +95,13 @@ std::string advice_on_mesh_place(std::string_view command, FileKind kind) {
     case FileKind::mesh:
       return command == "levels" ? "isoatlas check looks at one mesh" : "";
     case FileKind::levels:
-      return takes_levels ? "" : "isoatlas levels reads it";
+      return takes_levels ? "" : "isoatlas levels reads it, and isoatlas extract -o NAME-{level}.ply writes a mesh for each level";
     case FileKind::json:
       return takes_json ? "" : "isoatlas levels and isoatlas report read the reports of isoatlas extract";
     case FileKind::page:
       return "a browser shows pages";
+    case FileKind::unknown:
+      return takes_json && has_contents(path) ? "the name of a report ends in .json" : "";
     default:
       return "";
   }
@@ -121,12 +133,14 @@ std::string advice_for_file(std::string_view command, const fs::path& path) {
   const bool is_of_check = command == "check --volume";
   const FileKind kind = kind_of_file(path);
   if (command == "extract" || command == "info" || is_of_check) return advice_on_volume_place(kind, path, is_of_check);
-  return advice_on_mesh_place(command, kind);
+  return advice_on_mesh_place(command, kind, path);
 }
 
 void require_page_name(const fs::path& path) {
+  if (path == "-")
+    throw Error(ErrorCode::bad_argument, "isoatlas report writes a file and not to standard output, expected a name ending in .html");
   if (kind_of_name(path) != FileKind::page)
-    throw Error(ErrorCode::bad_argument, path.string() + ": is no name of a page, expected a name ending in .html");
+    throw Error(ErrorCode::bad_argument, path.string() + ": is no name of a page, expected one that ends in .html or .htm");
 }
 
 void require_report_name(const fs::path& path) {

@@ -62,6 +62,11 @@ std::string advice(const Error& error, const std::vector<Input>& inputs) {
   return "";
 }
 
+std::string advice_on_isovalue(const std::vector<Input>& inputs) {
+  if (inputs.size() != 1 || inputs.front().path == "-") return "";
+  return "; `isoatlas info " + inputs.front().path.string() + "` suggests isovalues";
+}
+
 int run(const std::function<int()>& command, Interruption& interruption, const std::vector<Input>& inputs) {
   // settle() first in every handler: from there on this thread alone speaks.
   try {
@@ -78,6 +83,8 @@ int run(const std::function<int()>& command, Interruption& interruption, const s
         return fail_internal(error.what());
       case ErrorCode::out_of_memory:
         return fail(kOutOfMemory, std::string(error.what()) + "; nothing was written");
+      case ErrorCode::empty_surface:
+        return fail(exit_status(error.code()), error.what() + advice_on_isovalue(inputs));
       case ErrorCode::bad_file:
       case ErrorCode::unsupported:
         return fail(exit_status(error.code()), error.what() + advice(error, inputs));
@@ -125,7 +132,9 @@ int main(int argc, char** argv) {
     std::reverse(words.begin(), words.end());  // as CLI11 takes them
     app.parse(words);
   } catch (const CLI::Success& wish) {  // --help, --version
-    return app.exit(wish);
+    const int status = app.exit(wish);
+    std::cout.flush();
+    return std::cout ? status : fail(kBadInput, "cannot write to standard output");
   } catch (const CLI::ParseError& error) {
     return fail(kBadInput, error.what() + see_help(app, {argv + 1, argv + argc}));
   }

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
+#include <system_error>
 #include <vector>
 
 #include "nearest_name.h"
@@ -61,13 +63,21 @@ std::string advice_on(const CLI::App& app, const CLI::App& command, const std::s
   for (const std::string& known : own)
     if (plain_word(known) == plain_word(name)) return did_you_mean(known);
   if (const std::string advice = advice_of_other_programs(command, name); !advice.empty()) return advice;
-  if (const std::string others = others_with(app, command, typed); !others.empty()) return ", it is one of " + others;
+  if (const std::string others = others_with(app, command, typed); !others.empty()) return ", it is an option of " + others;
   for (const std::string& part : {name, leading_name(name)})
     if (const std::string nearest = nearest_name(part, own); !nearest.empty()) return did_you_mean(nearest);
   for (const CLI::App* other : app.get_subcommands([](const CLI::App*) { return true; }))
     if (const std::string nearest = nearest_name(name, names_of_options(*other)); !nearest.empty())
       return ", did you mean --" + nearest + " of isoatlas " + other->get_name() + "?";
   return "";
+}
+
+/// A file whose name begins with a dash is taken for an option.
+std::string advice_on_file(const OptionWord& word) {
+  std::error_code ignored;
+  const bool is_file = std::filesystem::exists(word.typed, ignored);
+  const bool is_like_a_name = !word.typed.starts_with("--") && std::filesystem::path(word.typed).has_extension();
+  return is_file || is_like_a_name ? "; the file of that name is ./" + word.typed : "";
 }
 
 std::string with_value(const OptionWord& word, const std::string& value) { return word.name + " " + value; }
@@ -79,7 +89,8 @@ std::string find_unknown_option(const CLI::App& app, const CLI::App& command, co
     if (word.option != nullptr) continue;
     const bool has_one_dash = !word.name.starts_with("--");
     if (has_one_dash && has_option(command, "-" + word.name)) return word.name + " has one dash, expected two: -" + word.name;
-    return "isoatlas " + command.get_name() + " has no option " + word.name + advice_on(app, command, word.name);
+    const std::string file = advice_on_file(word);
+    return "isoatlas " + command.get_name() + " has no option " + (file.empty() ? word.name + advice_on(app, command, word.name) : word.typed + file);
   }
   return "";
 }
@@ -90,8 +101,10 @@ std::string find_missing_value(const CLI::App&, const CLI::App&, const CommandWo
     if (word.option == nullptr || !takes_value(*word.option)) continue;
     const std::string expected = "expected " + with_value(word, word.option->get_type_name());
     if (!word.value) {
-      const std::string found = i + 1 < words.options.size() ? ", found " + words.options[i + 1].name : "";
-      return word.name + " has no value, " + expected + found;
+      if (i + 1 == words.options.size()) return word.name + " has no value, " + expected;
+      const OptionWord& next = words.options[i + 1];
+      const std::string file = advice_on_file(next);
+      return word.name + " has no value, " + expected + ", found " + (file.empty() ? next.name : next.typed + file);
     }
     if (word.value->empty()) return word.name + " has an empty value, " + expected + ": is a variable of the shell not set?";
     if (!word.name.starts_with("--") && word.value->starts_with('='))

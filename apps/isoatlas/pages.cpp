@@ -7,59 +7,60 @@ namespace isoatlas::tool {
 namespace {
 
 const std::string kExitStatus = R"(0    done
-2    an argument or a file is not as it should be, or there is no surface;
-     nothing was written
+2    invalid argument or file, or there is no surface; nothing was written
 3    isoatlas' own check failed, a bug; nothing was written
-4    out of memory; nothing was written
-130  interrupted (Ctrl-C); nothing was written. 143: the same by SIGTERM
+4    out of memory, or above --max-memory; nothing was written
+129  stopped by SIGHUP, 130 by Ctrl-C (SIGINT), 143 by SIGTERM;
+     nothing was written
 )";
 
 const std::string kExtractExitStatus = R"(0    done
 1    done, but a constraint that was asked for is not met; stderr says
      which and why, everything was written
-2    an argument or a file is not as it should be, or there is no surface;
-     nothing was written
+2    invalid argument or file, or there is no surface; nothing was written
 3    isoatlas' own check failed, a bug; nothing was written
-4    out of memory; nothing was written
-130  interrupted (Ctrl-C); nothing was written. 143: the same by SIGTERM
+4    out of memory, or above --max-memory; nothing was written
+129  stopped by SIGHUP, 130 by Ctrl-C (SIGINT), 143 by SIGTERM;
+     nothing was written
 )";
 
 const std::string kToolExitStatus = R"(0    done
-1    isoatlas check, levels: not a consistently oriented manifold, or with
-     --self-intersections one that meets itself, or with --volume one that
-     is nowhere near it;
+1    isoatlas check, levels: not a consistently oriented manifold;
+     with --self-intersections: some found; with --volume: the mesh is
+     nowhere near the volume;
      isoatlas extract: a constraint that was asked for is not met,
      everything was written
-2    an argument or a file is not as it should be, or there is no surface;
-     nothing was written
+2    invalid argument or file, or there is no surface; nothing was written
 3    isoatlas' own check failed, a bug; nothing was written
-4    out of memory; nothing was written
-130  interrupted (Ctrl-C); nothing was written. 143: the same by SIGTERM
+4    out of memory, or above --max-memory; nothing was written
+129  stopped by SIGHUP, 130 by Ctrl-C (SIGINT), 143 by SIGTERM;
+     nothing was written
 )";
 
 const std::string kCheckExitStatus = R"(0    a manifold, consistently oriented, with at least one triangle
-     (and with --self-intersections: that does not meet itself)
+     (and with --self-intersections: none found)
 1    not so, or nowhere near the volume of --volume
-2    an argument or the file is not as it should be
+2    invalid argument or file
 3    a bug of isoatlas
 4    out of memory
-130  interrupted (Ctrl-C). 143: the same by SIGTERM
+129  stopped by SIGHUP, 130 by Ctrl-C (SIGINT), 143 by SIGTERM
 )";
 
 const std::string kLevelsExitStatus = R"(0    every level is a manifold, consistently oriented, with triangles
 1    not so
-2    an argument or the file is not as it should be
+2    invalid argument or file
 3    a bug of isoatlas
 4    out of memory
-130  interrupted (Ctrl-C). 143: the same by SIGTERM
+129  stopped by SIGHUP, 130 by Ctrl-C (SIGINT), 143 by SIGTERM
 )";
 
 const std::string kVolumeFiles = R"(Volumes: NRRD (.nrrd, .nhdr), NIfTI-1 and -2 (.nii, .nii.gz, .hdr, .img),
 MetaImage (.mha, .mhd), TIFF (.tif, .tiff; ImageJ, OME, LSM), DICOM (.dcm,
 or a folder), a folder of TIFF or PNG slices, VTK (.vtk, .vti, .vtr, .pvti,
 .pvtr), MGH (.mgh, .mgz), MRC (.mrc, .map, .rec), NumPy (.npy), and
-headerless samples (--raw-size, --raw-type). A file's format is that of its
-content.
+headerless samples (--raw-size, --raw-type). NIfTI, MGH and MRC files may be
+compressed by gzip, NIfTI also by bzip2. Analyze files (.hdr, .img) are read
+as well. A file's format is that of its content.
 )";
 
 }  // namespace
@@ -99,16 +100,16 @@ isoatlas extract head.nrrd --iso 80.5 -o head.ply --html head.html
 )",
       .description = R"(
 Reads a volume, meshes the surface on which it has the value X in nested levels of detail, checks the meshes and writes
-them. Level 0 is the coarsest mesh: few triangles where the surface is tame, more where its topology asks for them. Each
+them. Level 0 is the coarsest mesh: few triangles where the surface is smooth, more where its topology needs them. Each
 further level keeps the vertices of the one before and adds some until it meets its constraints. Every level is a manifold
 (with boundary where the surface leaves the volume), consistently oriented, and has component by component the topology
 of the full-resolution surface; that is checked before anything is written.
 
-What a level has to be is said with --refine for that level, or with options for all levels but level 0 (with --coarse:
-for level 0). Where constraints pull apart, the one that stands first on the command line wins; topology always wins.
+--refine sets the constraints of one level; other options set them for all levels after level 0 (with --coarse: for
+level 0). If constraints conflict, the first on the command line takes priority; topology always does.
 
-A length is a number in the volume's unit (2.5), a number with a unit (2.5mm, 0.2um; nm, um, mm, cm and m are converted to
-the volume's unit, which it must state), or voxels: 3vx is three times the volume's smallest spacing.
+A length is a number in the volume's unit (2.5), a number with a unit (2.5mm, 0.2um; nm, um, mm, cm, m, A and in are
+converted to the volume's unit, which it must state), or voxels: 3vx is three times the volume's smallest spacing.
 
 The same input gives the same bytes, whatever the number of threads.
 )",
@@ -186,9 +187,8 @@ Reads any triangle mesh and says whether it is a manifold (every edge in one or 
 vertex one fan) and consistently oriented, and if so its components, Euler characteristic, genus and boundary loops;
 then the shape of its triangles. The aspect ratio of a triangle is its shortest edge over its longest.
 
-With --self-intersections it also looks for pairs of triangles that meet where they should not, and says where the first
-of them are. Two triangles may meet in the corner or in the edge that they share as vertices of the file, nowhere else; vertices
-that only are at the same place are two vertices.
+With --self-intersections it also looks for pairs of triangles that intersect, and lists the first of them. Two triangles
+may touch in a vertex or an edge that they share by index, nowhere else; two vertices at the same place are two vertices.
 
 With a volume it also measures, both ways, how far the mesh is from the isosurface: distances from samples of
 the mesh to the surface and from samples of the surface to the mesh, and the angles between triangles and surface.

@@ -8,6 +8,7 @@
 #include <system_error>
 #include <vector>
 
+#include "core/file_name.h"
 #include "file_kinds.h"
 #include "man_page.h"
 #include "wording/values.h"
@@ -68,6 +69,18 @@ std::string name_in_pieces(const Positionals& words) {
   return "";
 }
 
+/// All slices of a folder were given, as the shell makes it of FOLDER/*.
+std::string advice_on_slices(const CLI::App& command, const Positionals& words) {
+  if (command.get_name() != "extract" && command.get_name() != "info") return "";
+  const std::filesystem::path folder = std::filesystem::path(words.front().text).parent_path();
+  const bool are_slices = std::ranges::all_of(words, [&](const PositionalWord& word) {
+    const std::filesystem::path path = word.text;
+    return path.parent_path() == folder && (has_extension(path, ".tif .tiff .png") || kind_of_file(path) == FileKind::volume);
+  });
+  if (!are_slices) return "";
+  return "; slices are read as a folder: isoatlas " + command.get_name() + " " + (folder.empty() ? "." : folder.string());
+}
+
 /// The option behind which a word without one was meant to stand.
 std::string missing_option(const CLI::App& command, const CommandWords& words, const std::string& word) {
   const auto goes_with = [&](const char* what, const std::string& option) {
@@ -108,16 +121,23 @@ std::string find_leftover_word(const CLI::App&, const CLI::App& command, const C
   const CLI::Option* positional = positional_of(command);
   const Positionals& found = words.positionals;
   if (positional == nullptr || found.empty()) return "";
+  const bool reads_streams = command.get_name() == "extract" || command.get_name() == "info";
+  if (!reads_streams && std::ranges::find(found, "-", &PositionalWord::text) != found.end())
+    return "isoatlas " + command.get_name() + " does not read standard input, expected the name of a file";
   const bool takes_many = positional->get_items_expected_max() > 1;
   if (takes_many && !(found.size() > 1 && kind_of_name(found.back().text) == FileKind::page)) return "";
   if (takes_many) return missing_option(command, words, found.back().text);
   if (found.size() == 1) return "";
+  for (const PositionalWord& word : found) {
+    const bool is_option = is_option_like(word.text) && command.get_option_no_throw(word.text) != nullptr;
+    if (is_option) return word.text + " stands behind --, which ends the options; expected -- behind all of them, before a name like -a.nii";
+  }
   if (std::string pieces = value_in_pieces(words); !pieces.empty()) return pieces;
   if (std::string pieces = name_in_pieces(found); !pieces.empty()) return pieces;
   for (std::size_t i = 1; i <= found.size(); ++i)  // the first word last: it is the most likely to be where it should be
     if (std::string mistake = missing_option(command, words, found[i % found.size()].text); !mistake.empty()) return mistake;
   return "isoatlas " + command.get_name() + " takes one " + positional->get_name(true) + ", found '" + found[0].text + "' and '" +
-         found[1].text + "'";
+         found[1].text + "'" + advice_on_slices(command, found);
 }
 
 std::string find_missing_word(const CLI::App&, const CLI::App& command, const CommandWords& words) {

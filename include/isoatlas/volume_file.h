@@ -28,7 +28,7 @@ struct RawLayout {
 /// What to read of a file that holds more than one volume, and how.
 struct ReadOptions {
   std::optional<RawLayout> raw = {};        ///< the file has no header
-  std::optional<std::size_t> channel = {};  ///< which of several channels or values per sample, from 0
+  std::string channel = {};               ///< which of several channels or values per sample: its name, or its number from 0
   std::optional<std::size_t> time = {};     ///< which of several time points, from 0
   std::string layer = {};                   ///< which of several layers of a segmentation: its number from 0, or its name
   std::string array = {};                   ///< which of several named arrays

@@ -40,7 +40,7 @@ Vec3 Axes::to_caller(Vec3 library) const {
 }
 
 Grid Axes::to_library(const Grid& caller) const {
-  Grid grid;
+  Grid grid = caller;  // and its unit
   grid.spacing = to_library(caller.spacing);
   grid.origin = to_library(caller.origin);
   for (std::size_t k = 0; k < 3; ++k) {

@@ -74,7 +74,10 @@ StoredForm form_in_gifti(const TriangleMesh& mesh, const MeshFileInfo& info) {
     }
     form.notes.push_back("the coordinates of a .gii are in RAS: x and y are those of LPS negated");
   }
-  if (info.unit != LengthUnit::unknown && info.unit != LengthUnit::millimetre) {
+  if (info.unit == LengthUnit::unknown) {
+    form.info.unit = LengthUnit::millimetre;
+    form.notes.push_back("a .gii is read as millimetres: the volume states no unit");
+  } else if (info.unit != LengthUnit::millimetre) {
     form.info.unit = LengthUnit::millimetre;
     convert_unit(form.mesh, info.unit, form.info.unit);
     form.notes.push_back("the coordinates of a .gii are in millimetres");

@@ -74,7 +74,11 @@ StandardOutputFile::StandardOutputFile(const std::string& name) {
 
 Error StandardOutputFile::renamed(const Error& error) const {
   std::string text = error.what();
-  if (const std::size_t at = text.find(path_.string()); at != std::string::npos) text.replace(at, path_.string().size(), kStandardOutputName);
+  if (const std::size_t at = text.find(path_.string()); at != std::string::npos) {
+    const bool is_full = text.find("cannot be written", at) != std::string::npos;
+    const std::string where = is_full ? ": its temporary file in " + path_.parent_path().parent_path().string() : "";
+    text.replace(at, path_.string().size(), kStandardOutputName + where);
+  }
   return {error.code(), text};
 }
 

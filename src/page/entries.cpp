@@ -95,6 +95,14 @@ fs::path found(const std::string& path, const fs::path& report) {
   return report.parent_path() / fs::path(path).filename();
 }
 
+HierarchyFile read_named_levels(const fs::path& path, const fs::path& report) {
+  try {
+    return read_levels(path);
+  } catch (const Error& error) {
+    throw Error(error.code(), report.string() + ": its file " + error.what());
+  }
+}
+
 // The levels that a report's files hold.
 struct FoundLevels {
   Hierarchy hierarchy;
@@ -111,7 +119,7 @@ FoundLevels levels_of_report(const Json& json, const fs::path& report) {
     const fs::path path = found(file.at("path").get<std::string>(), report);
     const auto levels = file.at("levels").get<std::vector<std::size_t>>();
     if (is_hierarchy_path(path) && levels.size() == json["levels"].size())
-      return {read_hierarchy(path).hierarchy, levels, files_of_hierarchy(path, levels.size())};
+      return {read_named_levels(path, report).hierarchy, levels, files_of_hierarchy(path, levels.size())};
     if (levels.size() == 1) single.emplace_back(levels.front(), path);
   }
   std::stable_sort(single.begin(), single.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -122,7 +130,7 @@ FoundLevels levels_of_report(const Json& json, const fs::path& report) {
     out.numbers.push_back(number);
     out.files.push_back(path);
     out.nested = out.nested && lower_case_extension(path) != ".stl";  // which has no indices
-    meshes.push_back(read_levels(path).hierarchy.mesh(0));
+    meshes.push_back(read_named_levels(path, report).hierarchy.mesh(0));
   }
   if (meshes.empty()) bad_report(report.string(), "names no file with a mesh");
   out.hierarchy = hierarchy_of(std::move(meshes));
@@ -142,7 +150,7 @@ ReadOptions read_options_of(const Json& json) {
     const std::string choice_name = choice.at("name").get<std::string>();
     if (!choice.at("selected").is_number_unsigned()) continue;
     const auto selected = choice.at("selected").get<std::size_t>();
-    if (choice_name == "channel") options.channel = selected;
+    if (choice_name == "channel") options.channel = std::to_string(selected);
     if (choice_name == "time") options.time = selected;
     if (choice_name == "layer") options.layer = std::to_string(selected);
     if (choice_name == "array") options.array = choice.at("entries").at(selected).get<std::string>();

@@ -249,7 +249,7 @@ class Collection {
     for (const auto& [what, names] : left_out_) {
       others += (others.empty() ? "; it has " : ", ") + counted(names.size(), "file") + " (" + what + ")";
     }
-    throw bad_file(root_, "is a folder without DICOM images, expected a DICOM series" + others);
+    throw bad_file(root_, "is a folder without DICOM images or TIFF or PNG slices, expected a series or a stack of them" + others);
   }
 
   // An image that looks like a slice of a series but cannot be one would be missing from it.

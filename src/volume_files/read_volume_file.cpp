@@ -38,11 +38,11 @@ void require_used(const ReadOptions& options, const VolumeFile& file, const fs::
     const bool is_used = std::ranges::any_of(file.source.choices, [&](const FileChoice& choice) { return choice.name == name; });
     if (is_given && !is_used) {
       const std::string list = name == "series" ? name : name == "time" ? "time points" : name + "s";
-      throw Error(ErrorCode::bad_argument, io::one_line(path.string() + ": a " + name + " was chosen, but a " + file.source.format +
+      throw Error(ErrorCode::bad_argument, io::one_line(path.string() + ": --" + name + " was given, but a " + file.source.format +
                                                         " file like this one has no " + list + " to choose from"));
     }
   };
-  check("channel", options.channel.value_or(0) > 0);  // the first of one needs no list
+  check("channel", !options.channel.empty() && options.channel != "0");  // the first of one needs no list
   check("time", options.time.value_or(0) > 0);
   check("layer", !options.layer.empty() && options.layer != "0");
   check("array", !options.array.empty());
@@ -80,6 +80,9 @@ VolumeFile read_path(const fs::path& path, const ReadOptions& options) {
 // Standard input is a file with a name that tells nobody anything: messages get the one that does.
 [[noreturn]] void rethrow_named(const Error& error, const fs::path& path) {
   std::string message = error.what();
+  if (message.find(path.parent_path().string() + "/", message.find(path.string()) + 1) != std::string::npos) {
+    throw io::bad_file(io::kStandardInputName, "is a header that names other files, expected the header by its file name");
+  }
   if (const std::size_t at = message.find(path.string()); at != std::string::npos) {
     message.replace(at, path.string().size(), io::kStandardInputName);
   }

@@ -88,7 +88,7 @@ std::string other_kind(std::string_view bytes, const fs::path& path) {
   if (has_extension(path, ".vtkhdf")) return "is a VTKHDF file";
   if (has_at(bytes, 0, "\x89HDF")) return "is an HDF5 file";
   if (has_at(bytes, 0, "CDF")) return "is a NetCDF file";
-  if (has_extension(path, ".npz")) return "is an archive of NumPy arrays, expected a .npy file with one of them";
+  if (has_extension(path, ".npz")) return "is an archive of NumPy arrays (numpy.save writes one array as .npy)";
   if (has_at(bytes, 0, "PK\x03\x04")) return "is a ZIP archive";
   if (has_at(bytes, 0, "ZISRAWFILE")) return "is a Zeiss CZI file";
   if (has_at(bytes, 0, "\xDA\xCE\xBE\x0A")) return "is a Nikon ND2 file";
@@ -96,6 +96,14 @@ std::string other_kind(std::string_view bytes, const fs::path& path) {
   if (has_at(bytes, 0, "\x89PNG")) return "is a 2-D PNG image (a folder with all slices is read)";
   if (has_at(bytes, 0, "%PDF")) return "is a PDF document";
   return "";
+}
+
+std::string format_names() {
+  std::string list;
+  for (const VolumeFormat& format : kVolumeFormats) {
+    list += (list.empty() ? "" : ", ") + std::string(format.name);
+  }
+  return list;
 }
 
 }  // namespace
@@ -114,8 +122,8 @@ const VolumeFormat& format_of(const fs::path& path) {
     }
   }
   const std::string kind = other_kind(start, path);
-  throw unsupported(path, (kind.empty() ? "unknown volume format" : kind) + ", expected a volume: one of " + volume_extensions() +
-                              ", a folder with a DICOM series or a slice in each image, or a raw layout (size and sample type)");
+  throw unsupported(path, (kind.empty() ? "unknown volume format" : kind) + ", expected a volume: " + format_names() +
+                              ", or a folder of DICOM, TIFF or PNG slices");
 }
 
 std::string volume_extensions() {

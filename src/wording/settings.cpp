@@ -39,14 +39,18 @@ int parse_threads(std::string_view text) {
 }
 
 std::pair<std::array<double, 3>, LengthUnit> parse_spacing(std::string_view text) {
-  constexpr const char* kExpected = "three positive numbers like 1,1,2.5, or with a unit like 0.2,0.2,1um";
+  constexpr const char* kExpected = "three positive numbers like 1,1,2.5, or with one unit at the end like 0.2,0.2,1um";
   const std::size_t unit_begin = std::min(text.find_last_of("0123456789."), text.size() - 1) + 1;
   std::string_view unit_text = text.substr(std::min(unit_begin, text.size()));
   while (unit_text.starts_with(' ')) unit_text.remove_prefix(1);
   const LengthUnit unit = length_unit_named(unit_text);
   if (!unit_text.empty() && unit == LengthUnit::unknown) refuse_value(kExpected, text);
   const auto accept = [](double s) { return std::isfinite(s) && s > 0; };
-  return {parse_triple<double>(text.substr(0, unit_begin), kExpected, accept), unit};
+  try {
+    return {parse_triple<double>(text.substr(0, unit_begin), kExpected, accept), unit};
+  } catch (const Error&) {
+    refuse_value(kExpected, text);  // which has the unit
+  }
 }
 
 std::uint64_t parse_bytes(std::string_view text) {
@@ -167,7 +171,7 @@ void set(ReadOptions& options, std::string_view name, std::string_view text) {
   if (name.starts_with("raw-")) {
     if (!set_raw(options.raw ? *options.raw : options.raw.emplace(), name, text)) refuse_name(name);
   } else if (name == "channel") {
-    options.channel = parse_entry(text);
+    options.channel = std::string(trimmed(text));
   } else if (name == "time") {
     options.time = parse_entry(text);
   } else if (name == "layer") {

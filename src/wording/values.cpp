@@ -84,9 +84,11 @@ std::optional<SpaceSize> space_size_of(std::string_view text) { return measure_o
 
 double world_length(double value, LengthUnit unit, const Grid& grid) {
   if (unit == LengthUnit::unknown || unit == grid.unit) return value;
-  if (grid.unit == LengthUnit::unknown)
-    throw Error(ErrorCode::bad_argument, "a length in " + std::string(symbol(unit)) +
-                                             " was given, but the volume states no unit; expected a number without a unit, or voxels like 2vx");
+  if (grid.unit == LengthUnit::unknown) {
+    throw Error(ErrorCode::bad_argument, std::string(symbol(unit)) +
+                                             " cannot be converted, the volume states no unit; expected a number without a unit, voxels "
+                                             "like 2vx, or a spacing with a unit like 0.5,0.5,2mm");
+  }
   return value * (metres(unit) / metres(grid.unit));
 }
 

@@ -78,7 +78,7 @@ std::string wrong_volume(const fs::path& path, const ReadOptions& options) {
 }
 
 void choose(ReadOptions& options, const FileChoice& choice, std::size_t entry) {
-  if (choice.name == "channel") options.channel = entry;
+  if (choice.name == "channel") options.channel = std::to_string(entry);
   if (choice.name == "time") options.time = entry;
   if (choice.name == "layer") options.layer = std::to_string(entry);
   if (choice.name == "array") options.array = choice.entries[entry];

@@ -3,6 +3,7 @@ import gc
 import inspect
 import os
 import weakref
+import zipfile
 
 import numpy as np
 import pytest
@@ -178,3 +179,16 @@ def test_reprs_say_what_it_is():
     )
     assert repr(mesh.levels[0]) == f"<isoatlas.Level 0: {len(mesh.levels[0].vertices)} vertices, {len(mesh.levels[0].faces)} faces>"
     assert repr(isoatlas.read(SAMPLES / "protein_iron.nhdr")).startswith("<isoatlas.Volume: 68 x 68 x 68 uint8, spacing 1 x 1 x 1, '")
+
+
+def test_the_volumes_unit_reaches_lengths_and_files(tmp_path):
+    samples, spacing = torus(), 0.25
+    volume = isoatlas.Volume(samples, spacing=(spacing,) * 3, unit="um")
+    in_units = isoatlas.extract(volume, 0.0, max_distance="200nm")
+    assert in_units.vertices.tobytes() == isoatlas.extract(volume, 0.0, max_distance=0.2).vertices.tobytes()
+    assert in_units.report["input"]["unit"] == "um"
+    in_units.save(tmp_path / "a.3mf")
+    with zipfile.ZipFile(tmp_path / "a.3mf") as archive:
+        assert b'unit="micron"' in archive.read("3D/3dmodel.model")
+    in_units.save(tmp_path / "a.gii")  # which is in millimetres
+    assert np.allclose(np.ptp(isoatlas.read(tmp_path / "a.gii").vertices, axis=0), 1e-3 * np.ptp(in_units.vertices, axis=0))

@@ -31,7 +31,8 @@ TEST(MeshGii, CoordinatesAreInRasAndMillimetres) {
   };
   const std::vector<Row> rows{
       {"LPS", LengthUnit::millimetre, -1, 1, "RAS", LengthUnit::millimetre, 1},
-      {"lps", LengthUnit::unknown, -1, 1, "RAS", LengthUnit::millimetre, 1},
+      {"lps", LengthUnit::unknown, -1, 1, "RAS", LengthUnit::millimetre, 2},
+      {"ras", LengthUnit::unknown, 1, 1, "RAS", LengthUnit::millimetre, 1},
       {"RAS", LengthUnit::millimetre, 1, 1, "RAS", LengthUnit::millimetre, 0},
       {"RAS", LengthUnit::micrometre, 1, 1e-3, "RAS", LengthUnit::millimetre, 1},
       {"LPS", LengthUnit::metre, -1, 1e3, "RAS", LengthUnit::millimetre, 2},

@@ -196,7 +196,7 @@ TEST_F(ImageStack, RedGreenBlue) {
     write_bytes(folder_ / name, TiffWriter().add(page).bytes());
   }
   refuse(ErrorCode::unsupported, "has 3 channels, expected a choice of one: 0 (red), 1 (green), 2 (blue)");
-  EXPECT_EQ(sample_as_double(read({.channel = 1}).volume, 13), 'g');
+  EXPECT_EQ(sample_as_double(read({.channel = "1"}).volume, 13), 'g');
 }
 
 TEST_F(ImageStack, MemoryLimit) {
@@ -246,9 +246,9 @@ TEST_F(ImageStack, PngChannelsAndAlpha) {
   };
   write_both(PNG_COLOR_TYPE_RGB, "rgbrgbrgbrgb");
   refuse(ErrorCode::unsupported, "0 (red), 1 (green), 2 (blue)");
-  EXPECT_EQ(sample_as_double(read({.channel = 2}).volume, 23), 'b');
+  EXPECT_EQ(sample_as_double(read({.channel = "2"}).volume, 23), 'b');
   write_both(PNG_COLOR_TYPE_RGB_ALPHA, "rgb\xFFrgb\xFFrgb\xFFrgb\xFF");
-  EXPECT_EQ(sample_as_double(read({.channel = 1}).volume, 23), 'g');
+  EXPECT_EQ(sample_as_double(read({.channel = "1"}).volume, 23), 'g');
   write_both(PNG_COLOR_TYPE_GRAY_ALPHA,
              "a\xFF"
              "b\xFF"

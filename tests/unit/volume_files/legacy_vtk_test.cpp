@@ -175,15 +175,15 @@ TEST_F(LegacyVtk, VtkWritesUnsignedCharAsColours) {
 TEST_F(LegacyVtk, ComponentsAreChannels) {
   const std::string colours = kGeometry + std::string("POINT_DATA 24\nCOLOR_SCALARS s 3\n") + big_endian(ramp<std::uint8_t>(3 * kPoints));
   expect_refused(start() + colours, ErrorCode::unsupported, "has 3 channels, expected a choice of one: 0, 1, 2");
-  expect_ramp(read(start() + colours, {.channel = 2}), kPoints, 2, 3);
+  expect_ramp(read(start() + colours, {.channel = "2"}), kPoints, 2, 3);
   const std::string scalars = kGeometry + std::string("POINT_DATA 24\nSCALARS s short 4\nLOOKUP_TABLE default\n");
-  expect_ramp(read(start() + scalars + big_endian(ramp<std::int16_t>(4 * kPoints)), {.channel = 1}), kPoints, 1, 4);
-  expect_ramp(read(start("ASCII") + scalars + integers(4 * kPoints), {.channel = 3}), kPoints, 3, 4);
+  expect_ramp(read(start() + scalars + big_endian(ramp<std::int16_t>(4 * kPoints)), {.channel = "1"}), kPoints, 1, 4);
+  expect_ramp(read(start("ASCII") + scalars + integers(4 * kPoints), {.channel = "3"}), kPoints, 3, 4);
   for (const auto& [keyword, components] : {std::pair{"VECTORS", 3}, {"NORMALS", 3}, {"TENSORS", 9}, {"TENSORS6", 6}}) {
     const std::string section = std::string(kGeometry) + "POINT_DATA 24\n" + keyword + " v float\n";
     const std::string values = big_endian(ramp<float>(components * kPoints));
-    expect_ramp(read(start() + section + values, {.channel = 1}), kPoints, 1, components);
-    expect_refused(start() + section + values, ErrorCode::bad_argument, "has no channel '9'", {.channel = 9});
+    expect_ramp(read(start() + section + values, {.channel = "1"}), kPoints, 1, components);
+    expect_refused(start() + section + values, ErrorCode::bad_argument, "has no channel '9'", {.channel = "9"});
   }
 }
 
@@ -193,10 +193,10 @@ TEST_F(LegacyVtk, MetadataNamesComponentsAndEndsWithAnEmptyLine) {
   const std::string file = start("ASCII") + kGeometry + "POINT_DATA 24\nVECTORS v float\n" + integers(3 * kPoints) + metadata +
                            "FIELD FieldData 2\nv%202 3 24 float\n" + integers(3 * kPoints, 5) + metadata + "last 1 24 int\n" +
                            integers(kPoints, 9) + "\n";
-  const VolumeFile vectors = read(file, {.channel = 2, .array = "v"});
+  const VolumeFile vectors = read(file, {.channel = "2", .array = "v"});
   EXPECT_EQ(vectors.source.choices[1].entries, (std::vector<std::string>{"u x", "1", "w"}));
   expect_ramp(vectors, kPoints, 2, 3);
-  expect_ramp(read(file, {.channel = 0, .array = "v 2"}), kPoints, 5, 3);
+  expect_ramp(read(file, {.channel = "0", .array = "v 2"}), kPoints, 5, 3);
   expect_ramp(read(file, {.array = "last"}), kPoints, 9);
 }
 

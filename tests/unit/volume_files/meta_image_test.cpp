@@ -120,13 +120,13 @@ TEST(MetaImageGrid, Unit) {
 TEST(MetaImageAxes, Channels) {
   const MetaFile file(small(kSpacing + "ElementNumberOfChannels = 3\n", counted(72)));
   file.expect_refused(kUnsupported, "has 3 channels, expected a choice of one: 0, 1, 2");
-  EXPECT_EQ(file.samples({.channel = 0}), counted(24, 0, 3));
-  EXPECT_EQ(file.samples({.channel = 2}), counted(24, 2, 3));
-  file.expect_refused(ErrorCode::bad_argument, "no channel '3'", {.channel = 3});
+  EXPECT_EQ(file.samples({.channel = "0"}), counted(24, 0, 3));
+  EXPECT_EQ(file.samples({.channel = "2"}), counted(24, 2, 3));
+  file.expect_refused(ErrorCode::bad_argument, "no channel '3'", {.channel = "3"});
   EXPECT_EQ(MetaFile(small(kSpacing + "ElementNumberOfChannels = 1\n")).samples(), counted(24));
   MetaFile(small(kSpacing + "ElementNumberOfChannels = 0\n")).expect_refused(kBad, "ElementNumberOfChannels is '0'");
   MetaFile(small(kSpacing + "ElementNumberOfChannels = 9000000000000000000\n"))
-      .expect_refused(kUnsupported, "has 9000000000000000000 entries to choose a channel from", {.channel = 0});
+      .expect_refused(kUnsupported, "has 9000000000000000000 entries to choose a channel from", {.channel = "0"});
 }
 
 TEST(MetaImageAxes, Time) {
@@ -136,7 +136,7 @@ TEST(MetaImageAxes, Time) {
   EXPECT_EQ(file.file({.time = 1}).volume.grid.spacing, (Vec3{1, 2, 3}));
   EXPECT_EQ(MetaFile(four_dimensional("2 3 4 1", counted(24))).samples(), counted(24));
   const MetaFile both(four_dimensional("2 3 4 2", counted(96), "ElementNumberOfChannels = 2\n"));
-  EXPECT_EQ(both.samples({.channel = 1, .time = 1}), counted(24, 49, 2));
+  EXPECT_EQ(both.samples({.channel = "1", .time = 1}), counted(24, 49, 2));
   const std::string matrix = "TransformMatrix = 0 1 0 0 -1 0 0 0 0 0 1 0 0 0 0 1\nOffset = 1 2 3 4\n";
   const Grid grid = MetaFile(four_dimensional("2 3 4 2", counted(48), matrix)).file({.time = 0}).volume.grid;
   EXPECT_EQ(grid.direction[0], (Vec3{0, 1, 0}));

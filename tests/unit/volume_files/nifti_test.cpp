@@ -342,7 +342,7 @@ TEST_F(Nifti, TimeAndChannelAreChosen) {
   header.dim[5] = 3;
   const std::string bytes = one_file(header, bytes_of(ramp<std::uint8_t>(6 * kCount)));
   for (const std::string& file : {bytes, gzipped(bytes)}) {
-    const VolumeFile chosen = read(file, {.channel = 2, .time = 1});
+    const VolumeFile chosen = read(file, {.channel = "2", .time = 1});
     EXPECT_EQ(sample_as_double(chosen.volume, 0), 5 * kCount);  // time runs faster
     EXPECT_EQ(sample_as_double(chosen.volume, 23), 6 * kCount - 1);
     ASSERT_EQ(chosen.source.choices.size(), 2u);
@@ -350,16 +350,16 @@ TEST_F(Nifti, TimeAndChannelAreChosen) {
     EXPECT_EQ(chosen.source.choices[0].selected, 1u);
     EXPECT_EQ(chosen.source.choices[1].name, "channel");
     EXPECT_EQ(chosen.source.choices[1].selected, 2u);
-    EXPECT_EQ(sample_as_double(read(file, {.channel = 0, .time = 0}).volume, 1), 1);
+    EXPECT_EQ(sample_as_double(read(file, {.channel = "0", .time = 0}).volume, 1), 1);
     refuse(file, ErrorCode::unsupported, "has 2 time points, expected a choice of one: 0, 1");
     refuse(file, ErrorCode::unsupported, "has 3 channels", {.time = 0});
-    refuse(file, ErrorCode::bad_argument, "has no channel '3'", {.channel = 3, .time = 0});
+    refuse(file, ErrorCode::bad_argument, "has no channel '3'", {.channel = "3", .time = 0});
   }
   // All volumes have to be there, whichever is read.
   refuse(bytes.substr(0, bytes.size() - 1), ErrorCode::bad_file, "promises 144 bytes of samples, the file has 143",
-         {.channel = 0, .time = 0});
+         {.channel = "0", .time = 0});
   refuse(gzipped(bytes.substr(0, bytes.size() - 1)), ErrorCode::bad_file, "promises 144 bytes of samples, the file has 143",
-         {.channel = 0, .time = 0});
+         {.channel = "0", .time = 0});
 }
 
 TEST_F(Nifti, DimensionsOfOneAreNone) {

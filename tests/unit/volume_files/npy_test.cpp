@@ -182,7 +182,7 @@ TEST_F(Npy, MoreThanPromisedIsSaid) {
 
 TEST_F(Npy, ArchivesAreRefused) {
   write_bytes(folder_ / "v.npz", "PK\x03\x04 and so on");
-  expect_error(ErrorCode::unsupported, "is an archive of NumPy arrays, expected a .npy file", folder_ / "v.npz",
+  expect_error(ErrorCode::unsupported, "is an archive of NumPy arrays (numpy.save writes one array as .npy)", folder_ / "v.npz",
                [&] { read_volume(folder_ / "v.npz"); });
 }
 

@@ -272,22 +272,22 @@ TEST(NrrdAxes, ComponentsAreChannels) {
   };
   const NrrdFile colours(components("RGB-color", 3));
   colours.expect_refused(kUnsupported, "has 3 channels, expected a choice of one: 0 (red), 1 (green), 2 (blue)");
-  EXPECT_EQ(colours.samples({.channel = 2}), counted(24, 2, 3));
-  EXPECT_EQ(NrrdFile(components("complex", 2)).samples({.channel = 1}), counted(24, 1, 2));
-  EXPECT_EQ(NrrdFile(components("vector", 5)).samples({.channel = 4}), counted(24, 4, 5));
-  EXPECT_EQ(NrrdFile(components("3D-masked-symmetric-matrix", 7)).samples({.channel = 6}), counted(24, 6, 7));
+  EXPECT_EQ(colours.samples({.channel = "2"}), counted(24, 2, 3));
+  EXPECT_EQ(NrrdFile(components("complex", 2)).samples({.channel = "1"}), counted(24, 1, 2));
+  EXPECT_EQ(NrrdFile(components("vector", 5)).samples({.channel = "4"}), counted(24, 4, 5));
+  EXPECT_EQ(NrrdFile(components("3D-masked-symmetric-matrix", 7)).samples({.channel = "6"}), counted(24, 6, 7));
   EXPECT_EQ(NrrdFile(components("stub", 1)).samples(), counted(24));
   EXPECT_EQ(NrrdFile(components("scalar", 1)).samples(), counted(24));
-  NrrdFile(components("vector", 5)).expect_refused(ErrorCode::bad_argument, "no channel '5'", {.channel = 5});
+  NrrdFile(components("vector", 5)).expect_refused(ErrorCode::bad_argument, "no channel '5'", {.channel = "5"});
 }
 
 TEST(NrrdAxes, WithoutKindsSpacingsAndDirectionsTell) {
   const NrrdFile spacings(header("dimension: 4\nsizes: 2 2 3 4\nspacings: nan 1 1 2\n\n") + counted(48));
-  EXPECT_EQ(spacings.samples({.channel = 1}), counted(24, 1, 2));
-  EXPECT_EQ(spacings.file({.channel = 1}).volume.grid.spacing, (Vec3{1, 1, 2}));
+  EXPECT_EQ(spacings.samples({.channel = "1"}), counted(24, 1, 2));
+  EXPECT_EQ(spacings.file({.channel = "1"}).volume.grid.spacing, (Vec3{1, 1, 2}));
   const NrrdFile directions(header("dimension: 4\nsizes: 2 3 4 2\nspace: LPS\nspace directions: (1,0,0) (0,1,0) (0,0,1) none\n\n") +
                             counted(48));
-  EXPECT_EQ(directions.samples({.channel = 1}), counted(24, 24));
+  EXPECT_EQ(directions.samples({.channel = "1"}), counted(24, 24));
   NrrdFile(header("dimension: 4\nsizes: 2 3 4 2\n\n") + counted(48))
       .expect_refused(kUnsupported, "has 4 dimensions (2 x 3 x 4 x 2) and does not say");
 }
@@ -306,8 +306,8 @@ TEST(NrrdAxes, ThoseOfOneSampleAreLeftOut) {
 TEST(NrrdAxes, TwoListsAtOnce) {
   const NrrdFile nrrd(header("dimension: 5\nsizes: 2 2 3 4 2\nkinds: vector domain domain domain time\n\n") + counted(96));
   nrrd.expect_refused(kUnsupported, "has 2 channels");
-  nrrd.expect_refused(kUnsupported, "has 2 time points", {.channel = 1});
-  EXPECT_EQ(nrrd.samples({.channel = 1, .time = 1}), counted(24, 49, 2));
+  nrrd.expect_refused(kUnsupported, "has 2 time points", {.channel = "1"});
+  EXPECT_EQ(nrrd.samples({.channel = "1", .time = 1}), counted(24, 49, 2));
   NrrdFile(header("dimension: 5\nsizes: 2 2 3 4 2\nkinds: list domain domain domain list\n\n") + counted(96))
       .expect_refused(kUnsupported, "several of them lists of one kind");
 }
@@ -320,7 +320,7 @@ TEST(NrrdAxes, LargeRowsOfComponents) {  // more than one buffer of them
     expected += static_cast<char>(i * 7);
   }
   const NrrdFile nrrd(header("dimension: 4\nsizes: 3 50000 2 2\nkinds: 3-vector space space space\n\n") + bytes);
-  EXPECT_EQ(nrrd.samples({.channel = 2}), expected);
+  EXPECT_EQ(nrrd.samples({.channel = "2"}), expected);
 }
 
 // ---- samples
@@ -432,7 +432,7 @@ TEST(NrrdSamples, Text) {
 }
 
 TEST(NrrdSamples, HexadecimalDigits) {
-  NrrdFile(small(kSpacing, std::string(48, 'a') + "b", "hex")).expect_refused(ErrorCode::bad_argument, "no", {.channel = 1});
+  NrrdFile(small(kSpacing, std::string(48, 'a') + "b", "hex")).expect_refused(ErrorCode::bad_argument, "no", {.channel = "1"});
   EXPECT_EQ(NrrdFile(small(kSpacing, std::string(48, 'a') + "b\n", "hex")).file().source.warnings.size(), 1u);
   NrrdFile(small(kSpacing, std::string(47, 'a') + "g", "hex")).expect_refused(kBad, "byte 23 of its samples has 'g'");
   NrrdFile(small(kSpacing, std::string(46, 'a') + "  \n", "hex")).expect_refused(kBad, "the file has 23");
@@ -493,7 +493,7 @@ TEST(NrrdSamples, SizesThatNoFileHas) {
   NrrdFile(
       "NRRD0004\ntype: uint8\nencoding: raw\ndimension: 5\nsizes: 2 2 2 4294967296 4294967296\nkinds: space space space list vector\n\n1 2 "
       "3")
-      .expect_refused(kUnsupported, "has 4294967296 entries to choose a layer from", {.channel = 0, .layer = "0"});
+      .expect_refused(kUnsupported, "has 4294967296 entries to choose a layer from", {.channel = "0", .layer = "0"});
 }
 
 // ---- data files
@@ -575,7 +575,7 @@ TEST(NrrdDataFiles, OneForEachTimePoint) {
   for (std::size_t z = 0; z < 4; ++z) {
     channels.with("s" + std::to_string(z) + ".raw", counted(12, 12 * z));
   }
-  EXPECT_EQ(channels.samples({.channel = 1}), counted(24, 1, 2));
+  EXPECT_EQ(channels.samples({.channel = "1"}), counted(24, 1, 2));
 }
 
 // ---- the header itself

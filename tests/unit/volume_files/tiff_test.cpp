@@ -80,7 +80,7 @@ TEST(TiffField, HyperstackAsksForAChannel) {
     EXPECT_EQ(needed.choice().name, "channel");
     EXPECT_EQ(needed.choice().entries.size(), 2U);
   }
-  const VolumeFile first = read_volume_file(path, {.channel = 0}), second = read_volume_file(path, {.channel = 1});
+  const VolumeFile first = read_volume_file(path, {.channel = "0"}), second = read_volume_file(path, {.channel = "1"});
   EXPECT_EQ(sample_digest(first.volume), kFieldDigest);
   EXPECT_EQ(sample_digest(second.volume), "15c272014bfb3fdbe8aaba98bf352dd36623653e759884322246d125e5d3aea8");
   for (const VolumeFile& file : {first, second}) {
@@ -90,8 +90,8 @@ TEST(TiffField, HyperstackAsksForAChannel) {
     EXPECT_EQ(file.source.warnings, kNone);
     ASSERT_EQ(file.source.choices.size(), 1U);
   }
-  expect_error(ErrorCode::bad_argument, "has no channel '2', expected one of 0, 1", path, [&] { read_volume_file(path, {.channel = 2}); });
-  expect_error(ErrorCode::bad_argument, "time", path, [&] { read_volume_file(path, {.channel = 1, .time = 1}); });
+  expect_error(ErrorCode::bad_argument, "has no channel '2', expected one of 0, 1", path, [&] { read_volume_file(path, {.channel = "2"}); });
+  expect_error(ErrorCode::bad_argument, "time", path, [&] { read_volume_file(path, {.channel = "1", .time = 1}); });
 }
 
 TEST(TiffField, ImageJWritesNoSpacingOfOne) {
@@ -215,12 +215,12 @@ TEST_F(Tiff, ResolutionWithoutImageJIsNoVoxelSize) {
 
 TEST_F(Tiff, ImageJOrderIsChannelSliceTime) {
   const std::string bytes = pages(12, "ImageJ=1.53t\nimages=12\nchannels=2\nslices=3\nframes=2\nhyperstack=true\nspacing=1.5\n");
-  EXPECT_EQ(pages_read(read(bytes, {.channel = 0, .time = 0})), (std::vector{0, 2, 4}));
-  EXPECT_EQ(pages_read(read(bytes, {.channel = 1, .time = 0})), (std::vector{1, 3, 5}));
-  EXPECT_EQ(pages_read(read(bytes, {.channel = 1, .time = 1})), (std::vector{7, 9, 11}));
+  EXPECT_EQ(pages_read(read(bytes, {.channel = "0", .time = 0})), (std::vector{0, 2, 4}));
+  EXPECT_EQ(pages_read(read(bytes, {.channel = "1", .time = 0})), (std::vector{1, 3, 5}));
+  EXPECT_EQ(pages_read(read(bytes, {.channel = "1", .time = 1})), (std::vector{7, 9, 11}));
   refuse(bytes, ErrorCode::unsupported, "has 2 channels");
-  refuse(bytes, ErrorCode::unsupported, "has 2 time points", {.channel = 1});
-  refuse(bytes, ErrorCode::bad_argument, "has no time '2'", {.channel = 1, .time = 2});
+  refuse(bytes, ErrorCode::unsupported, "has 2 time points", {.channel = "1"});
+  refuse(bytes, ErrorCode::bad_argument, "has no time '2'", {.channel = "1", .time = 2});
 }
 
 TEST_F(Tiff, ImageJPageCounts) {
@@ -292,7 +292,7 @@ TEST_F(Tiff, ImageJRedGreenBlue) {
   file.add(page).add(page);
   refuse(file.bytes(), ErrorCode::unsupported, "has 3 channels, expected a choice of one: 0 (red), 1 (green), 2 (blue)");
   for (const std::size_t channel : {0U, 1U, 2U}) {
-    const VolumeFile read_file = read(file.bytes(), {.channel = channel});
+    const VolumeFile read_file = read(file.bytes(), {.channel = std::to_string(channel)});
     EXPECT_EQ(sample_as_double(read_file.volume, 5), 15 + static_cast<double>(channel));
   }
 }
@@ -314,14 +314,14 @@ std::string big_stack(std::size_t pages_promised, std::size_t pages_there, bool 
 
 TEST_F(Tiff, ImagesBehindTheOnlyPage) {
   for (const bool is_big_endian : {false, true}) {
-    const VolumeFile file = read(big_stack(6, 6, is_big_endian), {.channel = 1});
+    const VolumeFile file = read(big_stack(6, 6, is_big_endian), {.channel = "1"});
     ASSERT_EQ(file.volume.grid.size, (std::array<std::size_t, 3>{4, 3, 3}));
     for (std::size_t i = 0; i < 36; ++i) {
       EXPECT_EQ(sample_as_double(file.volume, i), static_cast<double>((i / 12 * 2 + 1) * 256 + i % 12));
     }
   }
-  refuse(big_stack(40, 6, false), ErrorCode::bad_file, "the header promises 960 bytes of samples", {.channel = 1});
-  refuse(big_stack(1000000, 6, false), ErrorCode::bad_file, "the header promises", {.channel = 1});
+  refuse(big_stack(40, 6, false), ErrorCode::bad_file, "the header promises 960 bytes of samples", {.channel = "1"});
+  refuse(big_stack(1000000, 6, false), ErrorCode::bad_file, "the header promises", {.channel = "1"});
 }
 
 TEST_F(Tiff, ImagesBehindTheOnlyPageMustBePlain) {
@@ -361,7 +361,7 @@ TEST_F(Tiff, OmeDimensionOrders) {
     for (const int c : {0, 1}) {
       for (const int t : {0, 1}) {
         const int first = c * stride[0] + t * stride[2];
-        const ReadOptions options{.channel = static_cast<std::size_t>(c), .time = static_cast<std::size_t>(t)};
+        const ReadOptions options{.channel = std::to_string(c), .time = static_cast<std::size_t>(t)};
         EXPECT_EQ(pages_read(read(bytes, options)), (std::vector{first, first + stride[1], first + 2 * stride[1]}));
       }
     }
@@ -431,8 +431,8 @@ TEST_F(Tiff, OmeOverSeveralFiles) {
   const std::string channels = R"(<TiffData IFD="0" FirstC="1" PlaneCount="2"/>)"
                                R"(<TiffData IFD="0" PlaneCount="2"><UUID FileName="b.tif">urn:uuid:2</UUID></TiffData>)";
   const std::string bytes = pages(2, ome(R"(DimensionOrder="XYZCT" SizeZ="2" SizeC="2" SizeT="1")", channels, own));
-  EXPECT_EQ(pages_read(read(bytes, {.channel = 1})), (std::vector{0, 1}));
-  refuse(bytes, ErrorCode::unsupported, "channel 0, slice 0, time 0 is in 'b.tif'", {.channel = 0});
+  EXPECT_EQ(pages_read(read(bytes, {.channel = "1"})), (std::vector{0, 1}));
+  refuse(bytes, ErrorCode::unsupported, "channel 0, slice 0, time 0 is in 'b.tif'", {.channel = "0"});
   refuse(pages(2, R"(<?xml version="1.0"?><OME xmlns="x"><BinaryOnly MetadataFile="set.companion.ome" UUID="urn:uuid:9"/></OME>)"),
          ErrorCode::unsupported, "its OME-XML is in another file, 'set.companion.ome'");
 }
@@ -496,7 +496,7 @@ TEST_F(Tiff, OmeChannelsWithinPages) {
   TiffWriter file;
   file.add(page).add(page);
   refuse(file.bytes(), ErrorCode::unsupported, "0 (photo 0), 1 (photo 1), 2 (photo 2)");
-  EXPECT_EQ(sample_as_double(read(file.bytes(), {.channel = 2}).volume, 5), 17);
+  EXPECT_EQ(sample_as_double(read(file.bytes(), {.channel = "2"}).volume, 5), 17);
   page.description = ome(R"(DimensionOrder="XYCZT" SizeZ="2" SizeC="2" SizeT="1")", kAll);
   refuse(TiffWriter().add(page).add(page).bytes(), ErrorCode::bad_file, "promises 2 channels (SizeC), but its pages hold 3 each");
 }
@@ -507,7 +507,7 @@ TEST_F(Tiff, TifffilesShapes) {
   EXPECT_EQ(pages_read(read(pages(3, R"({"shape": [3, 3, 4]})"))), (std::vector{0, 1, 2}));
   EXPECT_EQ(pages_read(read(pages(3, R"({"shape": [1, 3, 1, 3, 4], "axes": "TZCYX"})"))), (std::vector{0, 1, 2}));
   const std::string channels = pages(6, R"({"axes": "CZYX", "shape": [2, 3, 3, 4]})");
-  EXPECT_EQ(pages_read(read(channels, {.channel = 1})), (std::vector{3, 4, 5}));
+  EXPECT_EQ(pages_read(read(channels, {.channel = "1"})), (std::vector{3, 4, 5}));
   refuse(channels, ErrorCode::unsupported, "has 2 channels");
   EXPECT_EQ(pages_read(read(pages(6, R"({"axes": "ZTYX", "shape": [3, 2, 3, 4]})"), {.time = 1})), (std::vector{1, 3, 5}));
   refuse(pages(6, R"({"shape": [2, 3, 3, 4]})"), ErrorCode::unsupported, "an array of 2 x 3 without names of its axes");
@@ -540,7 +540,7 @@ TEST_F(Tiff, TifffilesSeries) {
 TEST_F(Tiff, ScifiosAxes) {
   const VolumeFile file =
       read(pages(6, "SCIFIO=0.45\naxes=X,Y,Channel,Z\nlengths=4,3,2,3\nscales=0.5,0.5,1.0,2.0\nunits=\\u00B5m,\\u00B5m,null,\\u00B5m\n"),
-           {.channel = 1});
+           {.channel = "1"});
   EXPECT_EQ(pages_read(file), (std::vector{1, 3, 5}));
   EXPECT_EQ(file.volume.grid.spacing, (Vec3{0.5, 0.5, 2}));
   EXPECT_EQ(file.volume.grid.unit, LengthUnit::micrometre);
@@ -651,7 +651,7 @@ TEST_F(Tiff, PhotometricAndOrientation) {
 TEST_F(Tiff, AlphaIsAChannelOfItsOwn) {
   TiffPage page{.samples = samples_of(0, 24), .values = 2, .more = {{338, 3, {2}}}};
   refuse(TiffWriter().add(page).add(page).bytes(), ErrorCode::unsupported, "0, 1 (alpha)");
-  EXPECT_EQ(sample_as_double(read(TiffWriter().add(page).add(page).bytes(), {.channel = 0}).volume, 4), 8);
+  EXPECT_EQ(sample_as_double(read(TiffWriter().add(page).add(page).bytes(), {.channel = "0"}).volume, 4), 8);
 }
 
 TEST_F(Tiff, SampleTypesThatAreRefused) {
@@ -724,7 +724,7 @@ TEST_F(Tiff, CompressionsAndLayouts) {
         SCOPED_TRACE(std::to_string(compression) + (is_separate ? " separate" : "") + (is_tiled ? " tiled" : ""));
         write_with_libtiff(folder_ / "c.tif", static_cast<std::uint16_t>(compression), 8, is_separate, is_tiled);
         ReadOptions options;
-        if (is_separate) options.channel = 1;
+        if (is_separate) options.channel = "1";
         const VolumeFile file = read_volume_file(folder_ / "c.tif", options);
         ASSERT_EQ(file.volume.grid.size, (std::array<std::size_t, 3>{48, 40, 3}));
         for (std::size_t i = 0; i < file.volume.grid.sample_count(); ++i) {
@@ -791,8 +791,8 @@ TEST_F(Tiff, HostileSizes) {
     return TiffWriter().add(result).add(result).bytes();
   };
   refuse(page(100000, 100000), ErrorCode::bad_file, huge);
-  refuse(page(400000, 300000, 3), ErrorCode::bad_file, huge, {.channel = 2});
-  refuse(page(4, 3, 65535), ErrorCode::bad_file, "is cut off or damaged in page 1", {.channel = 7});
+  refuse(page(400000, 300000, 3), ErrorCode::bad_file, huge, {.channel = "2"});
+  refuse(page(4, 3, 65535), ErrorCode::bad_file, "is cut off or damaged in page 1", {.channel = "7"});
   refuse(page(0xFFFFFFFF, 0xFFFFFFFF), ErrorCode::bad_file, "");
   refuse(page(0, 3), ErrorCode::bad_file, "");
   // A fax or zstandard page of one colour may be any size: the limit of memory holds.

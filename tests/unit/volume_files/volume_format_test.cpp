@@ -21,8 +21,8 @@ TEST(VolumeFormat, IsThatOfTheContentWhateverTheName) {
 
 TEST(VolumeFormat, RefusesOptionsThatTheFileHasNoUseFor) {
   const fs::path path = field_file("r_sp_las.nrrd");
-  EXPECT_NO_THROW(read_volume(path, {.channel = 0}));
-  EXPECT_THROW(read_volume(path, {.channel = 1}), Error);
+  EXPECT_NO_THROW(read_volume(path, {.channel = "0"}));
+  EXPECT_THROW(read_volume(path, {.channel = "1"}), Error);
   EXPECT_THROW(read_volume(path, {.time = 1}), Error);
   EXPECT_THROW(read_volume(path, {.layer = "1"}), Error);
   EXPECT_THROW(read_volume(path, {.array = "density"}), Error);

@@ -178,8 +178,9 @@ TEST_F(VtkXml, ComponentsAreChannels) {
       image(point_data(array("type='Int16' Name='v' NumberOfComponents='3' ComponentName0='x' ComponentName2='z'", integers(3 * kPoints))));
   expect_refused(vectors, ErrorCode::unsupported, "has 3 channels, expected a choice of one: 0 (x), 1, 2 (z)");
   for (const int channel : {0, 1, 2}) {
-    expect_ramp(read(vectors, {.channel = static_cast<std::size_t>(channel)}), kPoints, channel, 3);
+    expect_ramp(read(vectors, {.channel = std::to_string(channel)}), kPoints, channel, 3);
   }
+    expect_ramp(read(vectors, {.channel = "z"}), kPoints, 2, 3);
   expect_refused(image(point_data(array("type='Int16' Name='v' NumberOfComponents='0'", ""))), ErrorCode::unsupported,
                  "has 0 values per sample");
   expect_refused(image(point_data(array("type='Int16' Name='v' NumberOfComponents='5000'", ""))), ErrorCode::unsupported,
