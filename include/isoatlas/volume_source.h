@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "isoatlas/volume.h"
+
 namespace isoatlas {
 
 /// A list in a file from which one entry is read.
@@ -30,6 +32,7 @@ struct VolumeSource {
   std::vector<std::string> warnings = {};    ///< one line each, without the path
   std::vector<FileChoice> choices = {};
   bool has_spacing = true;              ///< the file states the distance between samples
+  Vec3 origin_in_samples = {};          ///< the part of the origin that the file states in samples along x, y and z
 };
 
 }  // namespace isoatlas

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "core/vector_math.h"
 #include "files/file_error.h"
 #include "isoatlas/length_unit.h"
 #include "volume_files/key_value_lines.h"
@@ -86,6 +87,7 @@ void set_geometry(TiffFile& tiff, const KeyValueLines& lines, TiffStack& stack, 
   convert_axis(lines, "zunit", stack, stack.spacing[2], source);
   const Vec3 first{lines.number("xorigin").value_or(0), lines.number("yorigin").value_or(0), lines.number("zorigin").value_or(0)};
   if (first != Vec3{}) {  // in samples: the sample there is at 0
+    source.origin_in_samples = -1.0 * first;
     stack.origin = {-first.x * stack.spacing[0].value_or(1), -first.y * stack.spacing[1].value_or(1),
                     -first.z * stack.spacing[2].value_or(1)};
     source.decisions.push_back({"origin", "ImageJ's xorigin, yorigin, zorigin"});

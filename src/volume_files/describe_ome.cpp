@@ -75,6 +75,10 @@ class OmeImage {
     read_channel_names(page.values_per_sample);
     stack_.channels /= page.values_per_sample;  // of pages
     locate_planes();
+    if (children(ome_, "Image").size() == 1 && located_ < page_count_) {
+      source.warnings.push_back("has " + std::to_string(page_count_) + " pages, of which its OME-XML names " + std::to_string(located_) +
+                                "; the others are not read");
+    }
     read_lengths(source);
     warn_of_differences(page, source);
     stack_.page_of = [planes = std::make_shared<const Planes>(std::move(planes_)), path = path_](

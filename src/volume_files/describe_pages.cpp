@@ -66,7 +66,7 @@ std::string shape_text(const std::vector<std::size_t>& shape) {
 }
 
 // The axes of pages: those of the array but for y, x and the values of a sample. Nothing: the shape is not that of these pages.
-std::optional<Series> axes_of_pages(Series series, const PageFormat& page) {
+std::optional<Series> axes_of_pages(Series series, const PageFormat& page, const std::filesystem::path& path) {
   const auto drop = [&](std::size_t place) {
     series.shape.erase(series.shape.begin() + static_cast<std::ptrdiff_t>(place));
     if (place < series.axes.size()) series.axes.erase(place, 1);
@@ -82,6 +82,11 @@ std::optional<Series> axes_of_pages(Series series, const PageFormat& page) {
   const std::size_t n = series.shape.size();
   if (n < 2 || series.shape[n - 1] != page.width || series.shape[n - 2] != page.height) {
     return {};
+  }
+  const std::string in_page = series.axes.empty() ? "YX" : series.axes.substr(n - 2);
+  if (in_page != "YX" && in_page.find_first_not_of("XYZ") == std::string::npos) {
+    throw unsupported(path, "states that its axes are '" + one_line(series.axes, 20) +
+                                "', slowest first; expected rows and columns last, like 'ZYX' (numpy.transpose before it is written)");
   }
   drop(n - 1);
   drop(n - 2);
@@ -164,7 +169,7 @@ TiffStack describe_pages(TiffFile& tiff, const ReadOptions& options, VolumeSourc
     const auto begin = pages.begin() + static_cast<std::ptrdiff_t>(chosen.first_page);
     pages = {begin, begin + static_cast<std::ptrdiff_t>(chosen.page_count)};
     tiff.select(pages.front());
-    if (const auto axes = axes_of_pages(chosen, tiff.format()); axes && set_axes(*axes, tiff.path(), pages, stack)) {
+    if (const auto axes = axes_of_pages(chosen, tiff.format(), tiff.path()); axes && set_axes(*axes, tiff.path(), pages, stack)) {
       return stack;
     }
     source.warnings.push_back("its description is of an array of " + shape_text(chosen.shape) + ", which its " +

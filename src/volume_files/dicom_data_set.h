@@ -20,7 +20,7 @@ namespace dicom {
 inline constexpr DicomTag kTransferSyntax = 0x00020010, kImageType = 0x00080008, kSopClass = 0x00080016, kSopInstance = 0x00080018,
                           kAcquisitionDateTime = 0x0008002A, kAcquisitionTime = 0x00080032, kContentTime = 0x00080033,
                           kModality = 0x00080060, kSeriesDescription = 0x0008103E, kFrameType = 0x00089007,
-                          kComplexImageComponent = 0x00089208;
+                          kComplexImageComponent = 0x00089208, kPatientId = 0x00100020;
 inline constexpr DicomTag kSequenceName = 0x00180024, kSliceThickness = 0x00180050, kEchoTime = 0x00180081, kInversionTime = 0x00180082,
                           kEchoNumbers = 0x00180086, kSpacingBetweenSlices = 0x00180088, kTriggerTime = 0x00181060,
                           kImagerPixelSpacing = 0x00181164, kConvolutionKernel = 0x00181210, kFlipAngle = 0x00181314,
@@ -29,7 +29,7 @@ inline constexpr DicomTag kSequenceName = 0x00180024, kSliceThickness = 0x001800
                           kMrDiffusion = 0x00189117, kCardiacSynchronization = 0x00189118, kMrFrameType = 0x00189226,
                           kCtFrameType = 0x00189329, kPetFrameType = 0x00189751;
 inline constexpr DicomTag kPrivateCreator19 = 0x00190010, kMosaicImages = 0x0019100A;  // the second is private to Siemens
-inline constexpr DicomTag kSeriesInstance = 0x0020000E, kSeriesNumber = 0x00200011, kAcquisitionNumber = 0x00200012,
+inline constexpr DicomTag kStudyInstance = 0x0020000D, kFrameOfReference = 0x00200052, kSeriesInstance = 0x0020000E, kSeriesNumber = 0x00200011, kAcquisitionNumber = 0x00200012,
                           kInstanceNumber = 0x00200013, kImagePosition = 0x00200032, kImageOrientation = 0x00200037,
                           kTemporalPosition = 0x00200100, kStackId = 0x00209056, kFrameContent = 0x00209111, kPlanePosition = 0x00209113,
                           kPlaneOrientation = 0x00209116, kTemporalPositionIndex = 0x00209128, kTriggerDelay = 0x00209153,

@@ -22,6 +22,8 @@ using namespace dicom;
 
 namespace {
 
+using Kind = DicomLabel::Kind;
+
 constexpr std::string_view kDirectoryClass = "1.2.840.10008.1.3.10", kNuclearClass = "1.2.840.10008.5.1.4.1.1.20",
                            kSegmentationClass = "1.2.840.10008.5.1.4.1.1.66.4", kParametricMapClass = "1.2.840.10008.5.1.4.1.1.30";
 constexpr DicomTag kFrameTime = 0x00181063, kFrameTimeVector = 0x00181065;
@@ -377,7 +379,7 @@ class ImageReading {
     for (const auto& [tag, name] : kVectors) {
       const std::vector<double> values = file_.numbers(tag);
       if (values.size() == image_.frames) {
-        labels_.push_back({std::string(name), dicom_number(values[frame.number]), true});
+        labels_.push_back({std::string(name), dicom_number(values[frame.number]), Kind::volume});
       }
     }
   }
@@ -425,15 +427,16 @@ class ImageReading {
     return *value;
   }
 
-  void add_label(const DicomDataSet& holder, DicomTag tag, const std::string& name, bool is_time) {
+  void add_label(const DicomDataSet& holder, DicomTag tag, const std::string& name, Kind kind) {
     if (holder.has(tag)) {
-      const std::vector<double> numbers = holder.numbers(tag);
+      const bool is_clock = tag == kAcquisitionDateTime || tag == kAcquisitionTime || tag == kContentTime;  // "080000" is no number
+      const std::vector<double> numbers = is_clock ? std::vector<double>() : holder.numbers(tag);
       std::vector<std::string> values{dicom_text(holder.text(tag))};
       if (!numbers.empty()) {
         values.clear();
         std::ranges::transform(numbers, std::back_inserter(values), dicom_number);  // "2" and "2.0" are the same
       }
-      labels_.push_back({name, joined(values), is_time});
+      labels_.push_back({name, joined(values), kind});
     }
   }
 
@@ -442,47 +445,47 @@ class ImageReading {
       add_group_labels(attributes, frame);
     }
     add_vector_labels(frame);
-    add_label(file_, kTemporalPosition, "time point", true);
-    add_label(file_, kTriggerTime, "trigger time", true);
-    add_label(file_, kEchoNumbers, "echo", true);
-    add_label(file_, kEchoTime, "echo time", true);
-    add_label(file_, kDiffusionBValue, "b-value", true);
-    add_label(file_, kInversionTime, "inversion time", true);
-    add_label(file_, kFlipAngle, "flip angle", true);
-    add_label(file_, kAcquisitionNumber, "acquisition", true);
-    add_label(file_, kAcquisitionDateTime, "acquisition time", true);
-    add_label(file_, kAcquisitionTime, "acquisition time", true);
-    add_label(file_, kContentTime, "content time", true);
-    add_label(file_, kImageType, "image type", false);
-    add_label(file_, kSliceThickness, "slice thickness", false);
-    add_label(file_, kSequenceName, "sequence", false);
-    add_label(file_, kConvolutionKernel, "kernel", false);
+    add_label(file_, kTemporalPosition, "time point", Kind::volume);
+    add_label(file_, kTriggerTime, "trigger time", Kind::time);
+    add_label(file_, kEchoNumbers, "echo", Kind::volume);
+    add_label(file_, kEchoTime, "echo time", Kind::volume);
+    add_label(file_, kDiffusionBValue, "b-value", Kind::volume);
+    add_label(file_, kInversionTime, "inversion time", Kind::time);
+    add_label(file_, kFlipAngle, "flip angle", Kind::time);
+    add_label(file_, kAcquisitionNumber, "acquisition", Kind::time);
+    add_label(file_, kAcquisitionDateTime, "acquisition time", Kind::time);
+    add_label(file_, kAcquisitionTime, "acquisition time", Kind::time);
+    add_label(file_, kContentTime, "content time", Kind::time);
+    add_label(file_, kImageType, "image type", Kind::other);
+    add_label(file_, kSliceThickness, "slice thickness", Kind::other);
+    add_label(file_, kSequenceName, "sequence", Kind::other);
+    add_label(file_, kConvolutionKernel, "kernel", Kind::other);
     if (image_.frames > 1) {
-      labels_.push_back({"image", std::to_string(image_.instance_number), true});
+      labels_.push_back({"image", std::to_string(image_.instance_number), Kind::time});
     }
   }
 
   void add_group_labels(const FrameAttributes& attributes, DicomFrame& frame) {
-    const auto add = [&](DicomTag sequence, DicomTag tag, const std::string& name, bool is_time) {
+    const auto add = [&](DicomTag sequence, DicomTag tag, const std::string& name, Kind kind) {
       if (const DicomDataSet* group = attributes.group(sequence)) {
-        add_label(*group, tag, name, is_time);
+        add_label(*group, tag, name, kind);
       }
     };
     if (const DicomDataSet* content = attributes.group(kFrameContent)) {
       frame.stack = content->text(kStackId);
     }
-    add(kFrameContent, kTemporalPositionIndex, "time point", true);
-    add(kCardiacSynchronization, kTriggerDelay, "trigger delay", true);
-    add(kMrEchoes, kEffectiveEchoTime, "echo time", true);
-    add(kMrDiffusion, kDiffusionBValue, "b-value", true);
+    add(kFrameContent, kTemporalPositionIndex, "time point", Kind::volume);
+    add(kCardiacSynchronization, kTriggerDelay, "trigger delay", Kind::time);
+    add(kMrEchoes, kEffectiveEchoTime, "echo time", Kind::volume);
+    add(kMrDiffusion, kDiffusionBValue, "b-value", Kind::volume);
     if (const DicomDataSet* diffusion = attributes.group(kMrDiffusion)) {
       if (const DicomDataSet* direction = diffusion->first_item(kDiffusionDirections)) {
-        add_label(*direction, kDiffusionOrientation, "gradient direction", true);
+        add_label(*direction, kDiffusionOrientation, "gradient direction", Kind::volume);
       }
     }
     for (const DicomTag sequence : {kMrFrameType, kCtFrameType, kPetFrameType}) {
-      add(sequence, kFrameType, "frame type", false);
-      add(sequence, kComplexImageComponent, "complex component", false);
+      add(sequence, kFrameType, "frame type", Kind::other);
+      add(sequence, kComplexImageComponent, "complex component", Kind::other);
     }
     add_dimension_labels(attributes);
   }
@@ -500,7 +503,7 @@ class ImageReading {
       constexpr std::array kPlaces{kStackId, kInStackPosition, kImagePosition, kImagePositionVolume};
       if (!pointers.empty() && std::ranges::find(kPlaces, pointers.front()) == kPlaces.end()) {
         const std::string label = dicom_text(dimensions[i].text(kDimensionLabel));
-        labels_.push_back({label.empty() ? "dimension " + std::to_string(i) : label, dicom_number(indices[i]), true});
+        labels_.push_back({label.empty() ? "dimension " + std::to_string(i) : label, dicom_number(indices[i]), Kind::time});
       }
     }
   }
@@ -517,6 +520,7 @@ std::shared_ptr<DicomImage> image_of(const fs::path& path, const std::string& na
   image->path = path;
   image->name = name;
   image->series = dicom_text(file.text(kSeriesInstance));
+  image->world = file.text(kPatientId) + "\n" + file.text(kStudyInstance) + "\n" + file.text(kFrameOfReference);
   image->series_number = dicom_text(file.text(kSeriesNumber));
   image->description = dicom_text(file.text(kSeriesDescription));
   image->modality = dicom_text(file.text(kModality));
@@ -588,7 +592,9 @@ std::string dicom_text(const std::string& text) {
 
 std::string dicom_number(double value) {
   std::array<char, 32> text{};
-  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value);
+  const bool is_plain = value == 0 || (std::abs(value) >= 1e-5 && std::abs(value) < 1e15);  // else with an exponent
+  const auto [end, error] = is_plain ? std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed)
+                                     : std::to_chars(text.data(), text.data() + text.size(), value);
   return error == std::errc{} ? std::string(text.data(), end) : std::to_string(value);
 }
 

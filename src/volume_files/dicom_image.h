@@ -29,6 +29,7 @@ struct DicomImage {
   std::filesystem::path path;
   std::string name;  ///< of the file below the folder that is read, for messages
   std::string series, series_number, description, modality, sop_class;
+  std::string world;  ///< patient, study and frame of reference: positions in others have nothing in common
   std::int64_t instance_number = 0;
   bool is_localizer = false;
   std::size_t rows = 0, columns = 0, frames = 1;
@@ -48,9 +49,14 @@ struct DicomImage {
 
 /// An attribute that may tell several volumes of a series apart.
 struct DicomLabel {
+  enum class Kind {
+    volume,  ///< the same in all slices of a volume: time point, echo, b-value
+    time,    ///< of volumes at the same places, but slices of one volume may differ too: acquisition, trigger time
+    other,   ///< slices of one volume may differ; it is no time: kernel, thickness
+  };
   std::string name;  ///< e.g. "echo"
   std::string value;
-  bool is_time = true;  ///< the volumes are at the same places: time points, echoes, b-values
+  Kind kind = Kind::time;
 };
 
 /// One slice of a volume.

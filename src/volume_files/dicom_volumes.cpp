@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <initializer_list>
 #include <map>
 #include <optional>
 #include <set>
@@ -16,6 +17,7 @@ namespace {
 // A slice may lie this fraction of the slice distance off its place: positions are written with few digits. A missing
 // slice is off by a whole one.
 constexpr double kPlaceTolerance = 0.1;
+constexpr double kGapTolerance = 0.5;
 constexpr double kSameDirectionTolerance = 1e-3;
 // Slices that are closer to each other than this fraction of a pixel are at one place.
 constexpr double kSamePlaceTolerance = 1e-2;
@@ -52,23 +54,51 @@ struct Before {
   bool operator()(const std::string& a, const std::string& b) const { return comes_before(a, b); }
 };
 
-// The usual step, and the first one that is not like it.
-std::string uneven_step(const std::vector<DicomFrame>& frames) {
-  std::vector<Vec3> steps;
+std::string length_text(double value) { return dicom_number(std::round(value * 1e6) / 1e6); }
+
+// A gap that is like none of the others: half of the stack away, a slice may be missing, or be from elsewhere.
+std::string uneven_gap(const std::vector<DicomFrame>& frames) {
+  std::vector<double> gaps;
   for (std::size_t i = 1; i < frames.size(); ++i) {
-    steps.push_back(difference(frames[i].position, frames[i - 1].position));
+    gaps.push_back(length(difference(frames[i].position, frames[i - 1].position)));
   }
-  std::vector<Vec3> by_length = steps;
-  const auto middle = by_length.begin() + static_cast<std::ptrdiff_t>(by_length.size() / 2);
-  std::nth_element(by_length.begin(), middle, by_length.end(), [](const Vec3& a, const Vec3& b) { return length(a) < length(b); });
-  const Vec3 usual = *middle;
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    if (length(difference(steps[i], usual)) > kPlaceTolerance * length(usual)) {
-      return "slices are not evenly spaced: " + std::to_string(length(steps[i])) + " from " + frames[i].name() + " to " +
-             frames[i + 1].name() + ", usually " + std::to_string(length(usual)) + "; is a slice missing?";
+  std::vector<double> sorted = gaps;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  const double usual = *middle;
+  const auto is_uneven = [usual](double gap) { return std::abs(gap - usual) > kGapTolerance * usual; };
+  const auto found = std::ranges::find_if(gaps, is_uneven);
+  if (found == gaps.end()) {
+    return {};
+  }
+  const auto i = static_cast<std::size_t>(found - gaps.begin());
+  return "slices are not evenly spaced: " + length_text(*found) + " from " + frames[i].name() + " to " + frames[i + 1].name() + ", usually " +
+         length_text(usual) + "; is a slice missing?";
+}
+
+// Small differences that add up, and slices beside the line through the others.
+std::string misplaced_slice(const std::vector<DicomFrame>& frames, const Vec3& step) {
+  std::size_t worst = 0;
+  Vec3 offset;  // of the worst, from its place in an even stack
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const auto steps = static_cast<double>(i);
+    const Vec3 place{step.x * steps, step.y * steps, step.z * steps};
+    const Vec3 found = difference(difference(frames[i].position, frames.front().position), place);
+    if (length(found) > length(offset)) {
+      worst = i;
+      offset = found;
     }
   }
-  return {};
+  if (length(offset) <= kPlaceTolerance * length(step)) {
+    return {};
+  }
+  const double along = std::abs(dot(offset, unit(step)));
+  const double beside = std::sqrt(std::max(0.0, dot(offset, offset) - along * along));
+  const std::string name = frames[worst].name(), apart = length_text(length(step)) + " apart";
+  return along >= beside ? "slices are not evenly spaced: " + name + " is " + length_text(along) +
+                               " from its place in an even stack of slices " + apart
+                         : "slices are not in line: " + name + " lies " + length_text(beside) +
+                               " beside the line through the first and the last slice, of slices " + apart;
 }
 
 /// Volumes that some frames make when they are told apart by an attribute.
@@ -100,7 +130,14 @@ std::map<std::string, std::vector<DicomFrame>, Before> parts_by(const std::vecto
   return parts;
 }
 
-bool have_same_places(const DicomStack& a, const DicomStack& b) { return std::ranges::equal(a.frames, b.frames, have_same_place); }
+// A volume may have moved a little from one time to the next, with the patient or with the scanner's correction of it.
+bool have_near_places(const DicomStack& a, const DicomStack& b) {
+  constexpr double kNear = 0.75;  // of the slice distance
+  const auto are_near = [&](const DicomFrame& slice, const DicomFrame& other) {
+    return have_same_place(slice, other) || length(difference(slice.position, other.position)) <= kNear * length(a.step);
+  };
+  return std::ranges::equal(a.frames, b.frames, are_near);
+}
 
 Split stacks_of(const std::map<std::string, std::vector<DicomFrame>, Before>& parts, const std::string& name) {
   Split split;
@@ -111,10 +148,10 @@ Split stacks_of(const std::map<std::string, std::vector<DicomFrame>, Before>& pa
   return split;
 }
 
-// Volumes at the same places, each with one slice at each of them.
+// Volumes at the same places but for small movements, each with one slice at each of them.
 bool is_split_in_time(const Split& split) {
   return split.volumes.size() > 1 && std::ranges::all_of(split.volumes, [&](const DicomStack& volume) {
-           return volume.frames.size() > 1 && volume.problem.empty() && have_same_places(volume, split.volumes.front());
+           return volume.frames.size() > 1 && volume.problem.empty() && have_near_places(volume, split.volumes.front());
          });
 }
 
@@ -124,11 +161,13 @@ bool is_split_in_space(const Split& split) {
          std::ranges::all_of(split.volumes, [](const DicomStack& volume) { return volume.problem.empty(); });
 }
 
-std::vector<std::string> label_names(const std::vector<DicomFrame>& frames, bool is_time) {
+using Kind = DicomLabel::Kind;
+
+std::vector<std::string> label_names(const std::vector<DicomFrame>& frames, std::initializer_list<Kind> kinds) {
   std::vector<std::string> names;
   for (const DicomFrame& frame : frames) {
     for (const DicomLabel& label : *frame.labels) {
-      if (label.is_time == is_time && std::ranges::find(names, label.name) == names.end()) {
+      if (std::ranges::find(kinds, label.kind) != kinds.end() && std::ranges::find(names, label.name) == names.end()) {
         names.push_back(label.name);
       }
     }
@@ -136,8 +175,8 @@ std::vector<std::string> label_names(const std::vector<DicomFrame>& frames, bool
   return names;
 }
 
-std::optional<Split> split_by_time_labels(const std::vector<DicomFrame>& frames) {
-  const std::vector<std::string> names = label_names(frames, true);
+std::optional<Split> split_in_time(const std::vector<DicomFrame>& frames, std::initializer_list<Kind> kinds) {
+  const std::vector<std::string> names = label_names(frames, kinds);
   for (const std::string& name : names) {
     Split split = stacks_of(parts_by(frames, {name}), name);
     if (is_split_in_time(split)) {
@@ -155,8 +194,8 @@ std::optional<Split> split_by_time_labels(const std::vector<DicomFrame>& frames)
   return std::nullopt;
 }
 
-std::optional<Split> split_by_other_labels(const std::vector<DicomFrame>& frames) {
-  for (const std::string& name : label_names(frames, false)) {
+std::optional<Split> split_in_space(const std::vector<DicomFrame>& frames, std::initializer_list<Kind> kinds) {
+  for (const std::string& name : label_names(frames, kinds)) {
     Split split = stacks_of(parts_by(frames, {name}), name);
     if (split.volumes.size() > 1 && is_split_in_space(split)) {
       return split;
@@ -196,16 +235,25 @@ std::size_t count_places(const DicomStack& sorted) {
 /// Frames that may be one volume as far as their image planes say.
 struct PlaneGroup {
   std::vector<DicomFrame> frames;
+  bool ignores_world = false;
 
   bool takes(const DicomFrame& frame) const {
     const DicomFrame& own = frames.front();
-    return frame.image->series == own.image->series && frame.image->rows == own.image->rows && frame.image->columns == own.image->columns &&
+    return frame.image->series == own.image->series && (ignores_world || frame.image->world == own.image->world) && frame.image->rows == own.image->rows && frame.image->columns == own.image->columns &&
            frame.stack == own.stack && length(difference(unit(frame.along_row), unit(own.along_row))) <= kSameDirectionTolerance &&
            length(difference(unit(frame.along_column), unit(own.along_column))) <= kSameDirectionTolerance;
   }
 };
 
 std::vector<PlaneGroup> group_by_plane(std::vector<DicomFrame> frames) {
+  // Programs that make data anonymous may give every slice a frame of reference of its own.
+  std::set<std::pair<std::string, std::string>> worlds;
+  std::set<const DicomImage*> images;
+  for (const DicomFrame& frame : frames) {
+    worlds.insert({frame.image->series, frame.image->world});
+    images.insert(frame.image.get());
+  }
+  const bool ignores_world = worlds.size() == images.size();
   std::vector<PlaneGroup> groups;
   std::size_t last = 0;  // frames of one group mostly follow each other
   for (DicomFrame& frame : frames) {
@@ -213,7 +261,7 @@ std::vector<PlaneGroup> group_by_plane(std::vector<DicomFrame> frames) {
       const auto found = std::ranges::find_if(groups, [&](const PlaneGroup& group) { return group.takes(frame); });
       last = static_cast<std::size_t>(found - groups.begin());
       if (found == groups.end()) {
-        groups.emplace_back();
+        groups.push_back({{}, ignores_world});
       }
     }
     groups[last].frames.push_back(std::move(frame));
@@ -221,15 +269,18 @@ std::vector<PlaneGroup> group_by_plane(std::vector<DicomFrame> frames) {
   return groups;
 }
 
-// One series, or several if an attribute tells its frames apart.
+// One series, or several if an attribute tells its frames apart. Where all frames together are an even stack, that has to be
+// an attribute that is the same in all slices of a volume.
 void add_series(std::vector<DicomFrame> frames, std::vector<DicomSeries>& all) {
   DicomStack whole = stack_of(std::move(frames));
-  std::optional<Split> in_time, in_space;
-  if (whole.is_at_one_place) {
-    in_time = split_by_time_labels(whole.frames);
+  const bool is_even = whole.problem.empty();
+  std::optional<Split> in_time = is_even ? split_in_time(whole.frames, {Kind::volume}) : split_in_time(whole.frames, {Kind::volume, Kind::time});
+  std::optional<Split> in_space;
+  if (!in_time) {
+    in_space = is_even ? split_in_space(whole.frames, {Kind::volume}) : split_in_space(whole.frames, {Kind::other});
   }
-  if (!whole.problem.empty() && !in_time) {
-    in_space = split_by_other_labels(whole.frames);
+  if (is_even && in_space && std::ranges::any_of(in_space->volumes, [](const DicomStack& v) { return v.frames.size() < 2; })) {
+    in_space.reset();
   }
   if (whole.is_at_one_place && !in_time && !in_space) {
     in_time = split_by_runs(whole.frames, count_places(whole));
@@ -254,6 +305,10 @@ void name_parts(std::vector<DicomSeries>& all) {
       const double x = std::abs(normal.x), y = std::abs(normal.y), z = std::abs(normal.z);
       one.part = z >= x && z >= y ? "axial" : y >= x ? "coronal" : "sagittal";
       const std::string& stack = one.volumes[0].frames[0].stack;
+      const auto is_of_other_world = [&](const DicomSeries& other) { return is_same(other) && other.image().world != one.image().world; };
+      if (std::ranges::any_of(all, is_of_other_world)) {
+        one.part += ", frame of reference " + dicom_text(one.image().world.substr(one.image().world.rfind('\n') + 1));
+      }
       one.part = stack.empty() ? one.part : "stack " + dicom_text(stack) + ", " + one.part;
     }
   }
@@ -275,10 +330,13 @@ DicomStack stack_of(std::vector<DicomFrame> frames) {
     }
   }
   if (sorted.size() > 1) {
-    stack.problem = uneven_step(sorted);
     const auto count = static_cast<double>(sorted.size() - 1);
     const Vec3 whole = difference(sorted.back().position, sorted.front().position);
     stack.step = {whole.x / count, whole.y / count, whole.z / count};
+    stack.problem = uneven_gap(sorted);
+    if (stack.problem.empty()) {
+      stack.problem = misplaced_slice(sorted, stack.step);
+    }
   }
   return stack;
 }

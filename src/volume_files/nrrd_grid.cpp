@@ -102,6 +102,10 @@ LengthUnit stated_unit(const fs::path& path, const std::array<NrrdAxis, 3>& axes
       unit = named;
     }
   }
+  if (unit != LengthUnit::unknown && !unknown_name.empty()) {
+    throw unsupported(path, "its axes have units of their own (" + std::string(symbol(unit)) + " and '" + one_line(unknown_name, 40) +
+                                "'), expected one unit of length");
+  }
   return unit;
 }
 

@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
+#include <map>
 #include <memory>
+#include <set>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -138,6 +142,25 @@ void add_image_warnings(const std::vector<DicomFrame>& frames, VolumeSource& sou
   }
 }
 
+// Attributes that are mostly the same in all slices of a volume. Where they are not, the slices may be of several volumes.
+void warn_of_differences(const std::vector<DicomFrame>& frames, VolumeSource& source) {
+  constexpr std::array<std::string_view, 5> kSuspicious{"inversion time", "flip angle", "image type", "sequence", "kernel"};
+  std::map<std::string, std::set<std::string>> values;
+  for (const DicomFrame& frame : frames) {
+    for (const DicomLabel& label : *frame.labels) {
+      if (label.kind == DicomLabel::Kind::volume || std::ranges::find(kSuspicious, label.name) != kSuspicious.end()) {
+        values[label.name].insert(label.value);
+      }
+    }
+  }
+  for (const auto& [name, found] : values) {
+    if (found.size() > 1) {
+      source.warnings.push_back("its slices differ in " + name + " (" + *found.begin() + ", " + *std::next(found.begin()) +
+                                (found.size() > 2 ? ", ..." : "") + "), and are read as one volume");
+    }
+  }
+}
+
 Volume read_stack(const fs::path& path, const DicomStack& stack, const ReadOptions& options, std::uint64_t max_memory) {
   const DicomFrame& first = stack.frames.front();
   const std::array<std::size_t, 3> size{first.image->columns, first.image->rows, stack.frames.size()};
@@ -176,6 +199,7 @@ VolumeFile read_dicom(const fs::path& path, const ReadOptions& options) {
   source.reader = decoder_name(*stack.frames.front().image);
   require_readable(path, stack);
   add_image_warnings(stack.frames, source);
+  warn_of_differences(stack.frames, source);
   add_decisions(series, stack.frames, source);
   file.volume = read_stack(path, stack, options, max_memory);
   return file;

@@ -143,6 +143,7 @@ Vec3 origin_of(const HeaderFields& header, const std::array<std::size_t, 3>& wor
   const std::array starts = triple(header, kNxStart);
   if (starts == std::array{0, 0, 0}) return {};
   source.decisions.push_back({"origin", "NXSTART, NYSTART and NZSTART"});
+  source.origin_in_samples = {static_cast<double>(starts[0]), static_cast<double>(starts[1]), static_cast<double>(starts[2])};
   Vec3 origin;
   for (std::size_t i = 0; i < 3; ++i) origin = origin + (starts[i] * steps[world_axis[i]]) * axes[i];
   return origin;

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "core/vector_math.h"
 #include "files/file_error.h"
 #include "isoatlas/volume_file.h"
 #include "volume_files/image_stack.h"
@@ -53,12 +54,21 @@ void apply_spacing(const ReadOptions& options, VolumeFile& file) {
   VolumeSource& source = file.source;
   if (options.spacing) {
     Grid& grid = file.volume.grid;
+    const Vec3 before = grid.spacing;
+    const LengthUnit stated_unit = grid.unit;
     grid.spacing = *options.spacing;
     if (options.spacing_unit != LengthUnit::unknown) {
       const double scale = grid.unit == LengthUnit::unknown ? 1 : metres(grid.unit) / metres(options.spacing_unit);
       grid.origin = {grid.origin.x * scale, grid.origin.y * scale, grid.origin.z * scale};
       grid.unit = options.spacing_unit;
     }
+    const double scale = options.spacing_unit == LengthUnit::unknown || stated_unit == LengthUnit::unknown
+                             ? 1
+                             : metres(stated_unit) / metres(options.spacing_unit);
+    const Vec3 steps = source.origin_in_samples;
+    grid.origin = grid.origin + (steps.x * (grid.spacing.x - scale * before.x)) * grid.direction[0] +
+                  (steps.y * (grid.spacing.y - scale * before.y)) * grid.direction[1] +
+                  (steps.z * (grid.spacing.z - scale * before.z)) * grid.direction[2];
     source.decisions.push_back({"spacing", "given, in place of the file's"});
   } else if (!source.has_spacing) {
     source.warnings.push_back("states no voxel size, 1 x 1 x 1 is assumed");

@@ -66,14 +66,32 @@ class StructureReader {
   bool is_big_endian_ = false, is_big_tiff_ = false;
 };
 
+/// The value of the entry for the predictor; 1 if there is none. Entries are sorted by tag.
+std::uint32_t predictor_of(StructureReader& file, std::uint64_t first_entry, std::uint64_t entries) {
+  constexpr std::uint64_t kPredictor = 317, kShort = 3;
+  const std::uint64_t entry_bytes = file.is_big_tiff() ? 20 : 12, value_offset = file.is_big_tiff() ? 12 : 8;
+  for (std::uint64_t i = 0; i < entries; ++i) {
+    const std::uint64_t entry = first_entry + i * entry_bytes;
+    const std::uint64_t tag = file.number_at(entry, 2);
+    if (tag == kPredictor) {
+      const bool is_short = file.number_at(entry + 2, 2) == kShort;
+      return static_cast<std::uint32_t>(file.number_at(entry + value_offset, is_short ? 2 : 4));
+    }
+    if (tag > kPredictor) {
+      break;
+    }
+  }
+  return 1;
+}
+
 }  // namespace
 
-std::vector<std::uint64_t> tiff_directories(const fs::path& path, std::uint64_t file_size) {
+std::vector<TiffDirectory> tiff_directories(const fs::path& path, std::uint64_t file_size) {
   StructureReader file(path, file_size);
   const std::size_t offset_bytes = file.is_big_tiff() ? 8 : 4;
   const std::size_t count_bytes = file.is_big_tiff() ? 8 : 2;
   const std::uint64_t entry_bytes = file.is_big_tiff() ? 20 : 12;
-  std::vector<std::uint64_t> directories;
+  std::vector<TiffDirectory> directories;
   std::unordered_set<std::uint64_t> seen;
   std::uint64_t offset = file.number_at(offset_bytes, offset_bytes);
   while (offset != 0 || directories.empty()) {
@@ -91,7 +109,7 @@ std::vector<std::uint64_t> tiff_directories(const fs::path& path, std::uint64_t 
     if (entries > file_size / entry_bytes || !file.has(link, offset_bytes)) {
       throw cut_off;
     }
-    directories.push_back(offset);
+    directories.push_back({offset, predictor_of(file, offset + count_bytes, entries)});
     offset = file.number_at(link, offset_bytes);
   }
   return directories;

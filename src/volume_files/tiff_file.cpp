@@ -12,7 +12,6 @@
 #include "files/file_error.h"
 #include "files/stored_data.h"
 #include "volume_files/grid_of_file.h"
-#include "volume_files/tiff_directories.h"
 
 namespace isoatlas::io {
 
@@ -30,7 +29,14 @@ void keep_first(std::string& kept, const char* format, va_list arguments) {
   }
 }
 
-void keep_first_error(const char* /*module*/, const char* format, va_list arguments) { keep_first(first_tiff_error, format, arguments); }
+void keep_first_error(const char* /*module*/, const char* format, va_list arguments) {
+  std::string error;
+  keep_first(error, format, arguments);
+  // 4 and 5 are tifffile's millimetre and micrometre. libtiff refuses the value and reads on; the tag is about print.
+  if (error.find("\"ResolutionUnit\"") == std::string::npos && first_tiff_error.empty()) {
+    first_tiff_error = error;
+  }
+}
 
 void keep_first_warning(const char* /*module*/, const char* format, va_list arguments) {
   keep_first(first_tiff_warning, format, arguments);
@@ -111,6 +117,18 @@ void require_decodable(TIFF* tiff, const fs::path& path) {
     throw unsupported(path, "is compressed with scheme " + std::to_string(compression) +
                                 (codec == nullptr ? "" : std::string(" (") + codec->name + ")") +
                                 ", which this libtiff cannot decode; expected none, LZW, deflate or another that it can");
+  }
+}
+
+// libtiff takes no notice of a predictor elsewhere, and samples would be differences.
+void require_predictor_is_undone(TIFF* tiff, std::uint32_t predictor, const fs::path& path) {
+  constexpr std::array<std::uint16_t, 5> kWithPredictor{COMPRESSION_LZW, COMPRESSION_DEFLATE, COMPRESSION_ADOBE_DEFLATE, COMPRESSION_LZMA,
+                                                        COMPRESSION_ZSTD};
+  const auto compression = tag_or<std::uint16_t>(tiff, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
+  if (predictor != PREDICTOR_NONE && std::ranges::find(kWithPredictor, compression) == kWithPredictor.end()) {
+    const TIFFCodec* const codec = TIFFFindCODEC(compression);
+    throw unsupported(path, "has predictor " + std::to_string(predictor) + " with compression " + (codec == nullptr ? "" : codec->name) +
+                                ", which libtiff does not undo; expected a predictor with LZW, deflate, LZMA or zstandard, or none");
   }
 }
 
@@ -200,7 +218,7 @@ Error TiffFile::damaged(std::size_t page) const {
 }
 
 void TiffFile::select(std::size_t page) {
-  const bool is_there = TIFFSetSubDirectory(tiff_.get(), directories_[page]) != 0;
+  const bool is_there = TIFFSetSubDirectory(tiff_.get(), directories_[page].offset) != 0;
   page_ = page;
   if (!is_there || !first_tiff_error.empty()) {
     throw damaged(page);
@@ -220,6 +238,7 @@ PageFormat TiffFile::format() const {
   TIFFGetField(tiff_.get(), TIFFTAG_PHOTOMETRIC, &format.photometric);
   require_readable(format, path_);
   require_decodable(tiff_.get(), path_);
+  require_predictor_is_undone(tiff_.get(), directories_[page_].predictor, path_);
   if (const auto depth = tag_or<std::uint32_t>(tiff_.get(), TIFFTAG_IMAGEDEPTH, 1); depth > 1) {
     throw unsupported(path_, "has pages of " + std::to_string(depth) + " layers each (ImageDepth), expected one slice per page");
   }

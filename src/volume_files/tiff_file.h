@@ -15,6 +15,7 @@
 #include "files/library_messages.h"
 #include "isoatlas/error.h"
 #include "isoatlas/volume_file.h"
+#include "volume_files/tiff_directories.h"
 
 namespace isoatlas::io {
 
@@ -91,7 +92,7 @@ class TiffFile {
   LibraryMessages library_messages_;
   std::filesystem::path path_;
   std::uint64_t file_size_ = 0;
-  std::vector<std::uint64_t> directories_;  // offset of each page's directory
+  std::vector<TiffDirectory> directories_;  // of each page
   std::unique_ptr<Messages> messages_;
   std::unique_ptr<TIFF, void (*)(TIFF*)> tiff_;
   std::size_t page_ = 0;

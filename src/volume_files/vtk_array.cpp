@@ -117,12 +117,15 @@ std::array<std::size_t, 3> VtkGrid::cells() const {
 Grid sample_grid(const fs::path& path, const VtkGrid& grid, bool is_cell_data, VolumeSource& source) {
   const std::array<double, 3> steps{grid.spacing.x, grid.spacing.y, grid.spacing.z};
   std::array<double, 3> origin{grid.origin.x, grid.origin.y, grid.origin.z};
+  std::array<double, 3> first{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double offset = steps[axis] * (static_cast<double>(grid.first[axis]) + (is_cell_data ? 0.5 : 0.0));
+    first[axis] = static_cast<double>(grid.first[axis]) + (is_cell_data ? 0.5 : 0.0);
+    const double offset = steps[axis] * first[axis];
     origin[0] += grid.axes[axis].x * offset;
     origin[1] += grid.axes[axis].y * offset;
     origin[2] += grid.axes[axis].z * offset;
   }
+  source.origin_in_samples = {first[0], first[1], first[2]};
   if (is_cell_data) {
     source.decisions.push_back({"samples", "cell data, at the centres of the cells"});
   }

@@ -298,5 +298,107 @@ TEST(DicomFolder, PixelSpacingIsTheSameEverywhere) {
                [&] { read_volume(folder.path()); });
 }
 
+// Two volumes of four slices in one series, the second from `first` on. Together they may look like one even stack.
+void write_two_volumes(const fs::path& folder, double first, const std::function<void(DicomBuilder&, int)>& change) {
+  for (int volume = 0; volume < 2; ++volume) {
+    for (int i = 0; i < 4; ++i) {
+      const double z = (volume == 0 ? 5 : first) + 2.0 * i;
+      DicomBuilder slice = slice_builder(z, static_cast<std::int16_t>(100 * i + 1000 * volume), 1 + i + 4 * volume);
+      change(slice, volume);
+      slice.write(folder / (std::string("v") + std::to_string(volume) + "s" + std::to_string(i)));
+    }
+  }
+}
+
+const std::vector<std::pair<std::string, std::function<void(DicomBuilder&, int)>>> kTellVolumesApart{
+    {"time point", [](DicomBuilder& slice, int volume) { slice.set(0x00200100, "IS", std::to_string(volume + 1)); }},
+    {"echo", [](DicomBuilder& slice, int volume) { slice.set(0x00180086, "IS", std::to_string(volume + 1)); }},
+    {"echo time", [](DicomBuilder& slice, int volume) { slice.set(0x00180081, "DS", std::to_string(10 * volume + 10)); }},
+};
+
+TEST(DicomFolder, VolumesThatFitBetweenEachOtherAreToldApart) {
+  for (const auto& [name, change] : kTellVolumesApart) {
+    SCOPED_TRACE(name);
+    const TempFolder folder;
+    write_two_volumes(folder.path(), 6, change);
+    const FileChoice choice = choice_needed(folder.path());
+    EXPECT_EQ(choice.name, "time");
+    ASSERT_EQ(choice.entries.size(), 2U);
+    EXPECT_TRUE(choice.entries[0].starts_with(name + " ")) << choice.entries[0];
+    const Volume second = read_volume(folder.path(), {.time = 1});
+    EXPECT_EQ(slice_values(second), (Values{1000, 1100, 1200, 1300}));
+    EXPECT_EQ(second.grid.spacing.z, 2);
+    EXPECT_EQ(second.grid.origin.z, 6);
+  }
+}
+
+TEST(DicomFolder, VolumesThatFitEndToEndAreToldApart) {
+  for (const auto& [name, change] : kTellVolumesApart) {
+    SCOPED_TRACE(name);
+    const TempFolder folder;
+    write_two_volumes(folder.path(), 13, change);
+    EXPECT_EQ(choice_needed(folder.path()).name, "series");
+    EXPECT_EQ(slice_values(read_volume(folder.path(), {.series = "1"})), (Values{1000, 1100, 1200, 1300}));
+  }
+  const TempFolder folder;  // one long volume
+  write_two_volumes(folder.path(), 13, [](DicomBuilder& slice, int volume) { slice.set(0x00200012, "IS", std::to_string(volume)); });
+  EXPECT_EQ(read_volume(folder.path()).grid.size[2], 8U);
+}
+
+TEST(DicomFolder, PositionsOfOtherPatientsStudiesAndFramesOfReferenceHaveNothingInCommon) {
+  for (const auto& [tag, type] : {std::pair{0x00200052U, "UI"}, {0x0020000DU, "UI"}, {0x00100020U, "LO"}}) {
+    SCOPED_TRACE(tag);
+    const TempFolder folder;
+    write_two_volumes(folder.path(), 6, [&](DicomBuilder& slice, int volume) { slice.set(tag, type, std::string("1.") + std::to_string(volume)); });
+    EXPECT_EQ(choice_needed(folder.path()).name, "series");
+    EXPECT_EQ(slice_values(read_volume(folder.path(), {.series = "1"})), (Values{1000, 1100, 1200, 1300}));
+  }
+  const TempFolder folder;  // made anonymous slice by slice
+  write_series(folder.path(), 4, [](DicomBuilder& slice, int i) { slice.set(0x00200052, "UI", std::string("1.") + std::to_string(i)); });
+  EXPECT_EQ(slice_values(read_volume(folder.path())), (Values{0, 100, 200, 300}));
+}
+
+TEST(DicomFolder, VolumesThatMovedALittleAreTimePoints) {
+  const TempFolder folder;
+  write_two_volumes(folder.path(), 5.3, kTellVolumesApart[0].second);
+  EXPECT_EQ(choice_needed(folder.path()).entries, (Names{"time point 1", "time point 2"}));
+  EXPECT_EQ(read_volume(folder.path(), {.time = 0}).grid.origin.z, 5);
+  EXPECT_EQ(read_volume(folder.path(), {.time = 1}).grid.origin.z, 5.3);
+}
+
+TEST(DicomFolder, SmallDifferencesMustNotAddUp) {
+  const TempFolder folder;
+  double z = 0;
+  for (int i = 0; i <= 40; ++i) {  // each gap is near 2, but the slice in the middle is almost a step away
+    slice_builder(z, 0, i + 1).write(folder / (std::string("s") + std::to_string(100 + i)));
+    z += i < 20 ? 1.91 : 2.09;
+  }
+  expect_error(ErrorCode::bad_file, "not evenly spaced: s120 is 1.8 from its place in an even stack of slices 2 apart", folder.path(),
+               [&] { read_volume(folder.path()); });
+}
+
+TEST(DicomFolder, SlicesBesideTheLineAreNamed) {
+  const TempFolder folder;
+  write_series(folder.path(), 5, [](DicomBuilder& slice, int i) {
+    if (i == 2) slice.set_decimals(0x00200032, {-9.7, 20, 9});
+  });
+  expect_error(ErrorCode::bad_file, "not in line: s2 lies 0.3 beside the line through the first and the last slice", folder.path(),
+               [&] { read_volume(folder.path()); });
+}
+
+TEST(DicomFolder, DifferencesThatMayMeanSeveralVolumesAreWarnedOf) {
+  const TempFolder folder;
+  write_series(folder.path(), 4, [](DicomBuilder& slice, int i) {
+    slice.set(0x00181314, "DS", std::to_string(10 + 5 * (i % 2))).set(0x00080008, "CS", "ORIGINAL\\PRIMARY");
+  });
+  EXPECT_EQ(read_volume_file(folder.path()).source.warnings, (Names{"its slices differ in flip angle (10, 15), and are read as one volume"}));
+}
+
+TEST(DicomFolder, TimesOfTheClockKeepTheirDigits) {
+  const TempFolder folder;
+  write_two_volumes(folder.path(), 5, [](DicomBuilder& slice, int volume) { slice.set(0x00080033, "TM", volume == 0 ? "080000" : "100000"); });
+  EXPECT_EQ(choice_needed(folder.path()).entries, (Names{"content time 080000", "content time 100000"}));
+}
+
 }  // namespace
 }  // namespace isoatlas::test

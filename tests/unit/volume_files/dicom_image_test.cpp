@@ -356,7 +356,7 @@ TEST(DicomImage, TheFramesOwnPlaneComesBeforeTheSharedOne) {
 
 TEST(DicomImage, FramesAreSortedAndCheckedLikeSlices) {
   EXPECT_EQ(slice_values(read_image(enhanced_builder({9, 5, 7})).volume), (Values{100, 200, 0}));
-  expect_refused(enhanced_builder({5, 7, 11, 13, 15}), "not evenly spaced: 4.000000 from frame 2 of a.dcm to frame 3 of a.dcm",
+  expect_refused(enhanced_builder({5, 7, 11, 13, 15}), "not evenly spaced: 4 from frame 2 of a.dcm to frame 3 of a.dcm",
                  ErrorCode::bad_file);
   expect_refused(enhanced_builder({5, 7, 7}), "two slices at one place: frame 2 of a.dcm, frame 3 of a.dcm");
 }

@@ -215,6 +215,8 @@ TEST(NrrdUnits, OfSpaceAndAxes) {
   EXPECT_EQ(unit(kSpacing), LengthUnit::unknown);
   EXPECT_EQ(NrrdFile(small("space: LPS\n")).file().volume.grid.unit, LengthUnit::unknown);  // no length, no unit
   NrrdFile(small(kSpacing + "units: \"mm\" \"mm\" \"cm\"\n")).expect_refused(kUnsupported, "units of their own (mm and cm)");
+  for (const std::string units : {R"("mm" "mm" "s")", R"("s" "mm" "mm")", R"("mm" "mm" "ms")"})  // slices in time are no volume
+    NrrdFile(small(kSpacing + "units: " + units + "\n")).expect_refused(kUnsupported, "units of their own (mm and '");
   EXPECT_EQ(decision(NrrdFile(small(lps)).file(), "unit"), "mm, by the convention of LPS");
 }
 

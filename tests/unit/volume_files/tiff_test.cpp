@@ -199,6 +199,12 @@ TEST_F(Tiff, ImageJLengths) {
   }
 }
 
+TEST_F(Tiff, ImageJOriginIsInSamplesWhateverTheirSpacing) {
+  const std::string bytes = pages(2, "ImageJ=1.53t\nimages=2\nslices=2\nunit=um\nspacing=2\nxorigin=10\nyorigin=-4\nzorigin=0.5\n");
+  EXPECT_EQ(read(bytes, {.spacing = Vec3{1, 2, 4}}).volume.grid.origin, (Vec3{-10, 8, -2}));
+  EXPECT_EQ(read(bytes, {.spacing = Vec3{1, 2, 4}, .spacing_unit = LengthUnit::millimetre}).volume.grid.origin, (Vec3{-10, 8, -2}));
+}
+
 TEST_F(Tiff, ImageJSpacingThatIsNoNumber) {
   for (const char* spacing : {"abc", "1,5", "nan", "1.5 mm"}) {
     refuse(pages(2, std::string("ImageJ=1.53t\nimages=2\nslices=2\nspacing=") + spacing + "\n"), ErrorCode::bad_file, "is not a number");
@@ -211,6 +217,8 @@ TEST_F(Tiff, ResolutionWithoutImageJIsNoVoxelSize) {
   const VolumeFile file = read(pages(2, "", page));
   EXPECT_EQ(file.volume.grid.spacing, (Vec3{1, 1, 1}));
   EXPECT_FALSE(file.source.has_spacing);
+  page.more[2] = {296, 3, {5}};  // tifffile's micrometre, which no version of TIFF has
+  EXPECT_EQ(read(pages(2, "", page)).volume.grid.spacing, (Vec3{1, 1, 1}));
 }
 
 TEST_F(Tiff, ImageJOrderIsChannelSliceTime) {
@@ -369,6 +377,13 @@ TEST_F(Tiff, OmeDimensionOrders) {
   }
 }
 
+TEST_F(Tiff, OmePagesWithoutAPlaneAreWarnedOf) {
+  const VolumeFile file = read(pages(3, ome(R"(DimensionOrder="XYZCT" SizeZ="2" SizeC="1" SizeT="1")", R"(<TiffData IFD="0" PlaneCount="2"/>)")));
+  EXPECT_EQ(pages_read(file), (std::vector{0, 1}));
+  ASSERT_FALSE(file.source.warnings.empty());
+  EXPECT_EQ(file.source.warnings.front(), "has 3 pages, of which its OME-XML names 2; the others are not read");
+}
+
 TEST_F(Tiff, OmeLengthsAndUnits) {
   const auto lengths = [&](const std::string& attributes) { return read(pages(3, ome(kStack + (" " + attributes), kAll))); };
   const VolumeFile mixed =
@@ -512,6 +527,8 @@ TEST_F(Tiff, TifffilesShapes) {
   EXPECT_EQ(pages_read(read(pages(6, R"({"axes": "ZTYX", "shape": [3, 2, 3, 4]})"), {.time = 1})), (std::vector{1, 3, 5}));
   refuse(pages(6, R"({"shape": [2, 3, 3, 4]})"), ErrorCode::unsupported, "an array of 2 x 3 without names of its axes");
   refuse(pages(6, R"({"axes": "RZYX", "shape": [2, 3, 3, 4]})"), ErrorCode::unsupported, "with axes 'RZ'");
+  for (const std::string axes : {"XYZ", "ZXY", "YXZ"})
+    refuse(pages(3, R"({"axes": ")" + axes + R"(", "shape": [3, 3, 4]})"), ErrorCode::unsupported, "its axes are '" + axes + "', slowest first");
   // A description that was kept while pages were added.
   const VolumeFile stale = read(pages(4, R"({"shape": [3, 3, 4]})"));
   EXPECT_EQ(stale.volume.grid.size[2], 4U);
@@ -738,6 +755,22 @@ TEST_F(Tiff, CompressionsAndLayouts) {
     }
   }
   EXPECT_GE(tried, 16);
+}
+
+TEST_F(Tiff, PredictorThatLibtiffDoesNotUndoIsRefused) {
+  for (const bool is_big_tiff : {false, true}) {
+    for (const std::uint32_t compression : {COMPRESSION_NONE, COMPRESSION_PACKBITS}) {
+      TiffPage page;
+      page.samples = samples_of(0);
+      page.more = {{317, 3, {2}}, {259, 3, {compression}}};
+      const std::string bytes = TiffWriter(false, is_big_tiff).add(page).add(page).bytes();
+      refuse(bytes, ErrorCode::unsupported, "has predictor 2 with compression");
+    }
+    TiffPage page;
+    page.samples = samples_of(0);
+    page.more = {{317, 3, {1}}};
+    EXPECT_EQ(read(TiffWriter(true, is_big_tiff).add(page).add(page).bytes()).volume.grid.size[2], 2U);
+  }
 }
 
 // Fax and photograph decoders go on when their data end, and make up the rest.
