@@ -73,7 +73,8 @@ std::string unit_text(const Grid& grid) {
 
 void print_source(const VolumeSource& source) {
   std::cout << row("format", source.format + (source.reader.empty() ? "" : ", read by " + source.reader));
-  for (const ReadDecision& decision : source.decisions) std::cout << row(decision.key, one_line(decision.value));
+  for (std::size_t i = 0; i < source.decisions.size(); ++i)
+    std::cout << row(i == 0 ? "read as" : "", source.decisions[i].key + ": " + one_line(source.decisions[i].value));
   for (const FileChoice& choice : source.choices) {
     if (choice.selected && choice.entries.size() == 1) continue;
     std::cout << row(choice.name, one_line(choice_text(choice)));

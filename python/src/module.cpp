@@ -79,9 +79,22 @@ py::dict choices_of(const VolumeSource& source) {
   return choices;
 }
 
+// Before 2.12 pybind11 reads arrays as NumPy 1 lays them out. With NumPy 2 every element would be the first one.
+void require_known_numpy() {
+#if PYBIND11_VERSION_HEX < 0x020C0000
+  const auto version = py::module_::import("numpy").attr("__version__").cast<std::string>();
+  if (std::stoi(version) >= 2) {
+    throw py::import_error("isoatlas was built with pybind11 " PYBIND11_TOSTRING(PYBIND11_VERSION_MAJOR) "." PYBIND11_TOSTRING(
+                               PYBIND11_VERSION_MINOR) ", which knows NumPy 1 only, and this is NumPy " +
+                           version + "; install numpy<2, or build isoatlas with pybind11 2.12 or later (pip install . does)");
+  }
+#endif
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_core, module) {
+  require_known_numpy();
   module.attr("__version__") = ISOATLAS_VERSION;
   translate_errors();
 

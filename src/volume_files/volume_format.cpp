@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "core/file_name.h"
+#include "files/byte_source.h"
 #include "files/file_error.h"
 #include "files/stored_data.h"
 
@@ -69,14 +70,14 @@ bool is_npy(std::string_view bytes) { return has_at(bytes, 0, "\x93NUMPY"); }
 bool is_dicom(std::string_view bytes) { return has_at(bytes, 128, "DICM"); }
 
 constexpr std::array kVolumeFormats{
-    VolumeFormat{"DICOM", ".dcm .ima", is_dicom, read_dicom},
+    VolumeFormat{"DICOM", ".dcm .ima", is_dicom, read_dicom, false},
     VolumeFormat{"NRRD", ".nrrd .nhdr", is_nrrd, read_nrrd},
     VolumeFormat{"NIfTI", ".nii .nii.gz .nii.bz2 .hdr .img .img.gz", is_nifti, read_nifti},
     VolumeFormat{"MGH", ".mgz .mgh .mgh.gz", is_mgh, read_mgh},
     VolumeFormat{"MRC", ".mrc .map .rec .ccp4 .st .mrcs .mrc.gz .map.gz", is_mrc, read_mrc},
     VolumeFormat{"NumPy array", ".npy", is_npy, read_npy},
     VolumeFormat{"MetaImage", ".mha .mhd", is_meta_image, read_meta_image},
-    VolumeFormat{"TIFF", ".tif .tiff", is_tiff, read_tiff},
+    VolumeFormat{"TIFF", ".tif .tiff", is_tiff, read_tiff, false},
     VolumeFormat{"legacy VTK", ".vtk", is_legacy_vtk, read_legacy_vtk},
     VolumeFormat{"VTK XML", ".vti .vtr .pvti .pvtr", is_vtk_xml, read_vtk_xml},
 };
@@ -116,6 +117,9 @@ const VolumeFormat& format_of(const fs::path& path) {
   const std::string start = first_bytes(path, kStart);
   for (const VolumeFormat& format : kVolumeFormats) {
     if (format.has_mark != nullptr && format.has_mark(start)) {
+      if (!format.is_read_gzipped && packing_of(path) == Packing::deflate) {
+        throw unsupported(path, "is a gzipped " + std::string(format.name) + " file, expected it decompressed (gunzip)");
+      }
       return format;
     }
   }

@@ -64,3 +64,25 @@ def test_cmake(tmp_path):
     printed = run(sys.executable, "-c", TRY, ROOT / "samples/protein_iron.nhdr", cwd="/", env=environment(PYTHONPATH=str(package.parent)))
     assert str(package) in printed
     assert (package / "py.typed").is_file() and (package / "_core.pyi").is_file()
+
+
+LOAD_WITH_NUMPY_2 = """
+import importlib.util, sys, types
+numpy = sys.modules["numpy"] = types.ModuleType("numpy")
+numpy.__version__ = "2.1.0"
+specification = importlib.util.spec_from_file_location("_core", sys.argv[1])
+try:
+    importlib.util.module_from_spec(specification)
+    print("loaded")
+except ImportError as error:
+    print(error)
+"""
+
+
+def test_numpy_2_is_refused_where_it_would_be_misread():
+    import isoatlas._core
+
+    printed = run(sys.executable, "-c", LOAD_WITH_NUMPY_2, isoatlas._core.__file__)
+    if printed == "loaded\n":
+        pytest.skip("the module was built with a pybind11 that knows NumPy 2")
+    assert "knows NumPy 1 only, and this is NumPy 2.1.0; install numpy<2" in printed

@@ -203,6 +203,19 @@ TEST(BadVolumes, WholeFilesAreRead) {  // or the tests below would prove nothing
   }
 }
 
+TEST(BadVolumes, PackedFilesSayHowToUnpackThem) {
+  const TempFolder folder;
+  gzFile file = gzopen((folder / "a.tif.gz").c_str(), "wb");
+  const std::string bytes = tiff(tiff_pages());
+  gzwrite(file, bytes.data(), static_cast<unsigned>(bytes.size()));
+  gzclose(file);
+  expect_error(kUnsupported, "is a gzipped TIFF file, expected it decompressed (gunzip)", folder / "a.tif.gz",
+               [&] { read_volume(folder / "a.tif.gz"); });
+  expect_all_errors({{"a.vtk.bz2", "BZh91AY&SY.....", kUnsupported, "is compressed by bzip2 (to be decompressed first: bunzip2)"},
+                     {"a.nii.xz", std::string("\xFD" "7zXZ\0....", 10), kUnsupported, "is compressed by xz"},
+                     {"a.nii.zst", "\x28\xB5\x2F\xFD....", kUnsupported, "is compressed by zstandard"}});
+}
+
 TEST(BadVolumes, AnyFormat) {
   const TempFolder folder;
   expect_error(kBad, "no such file", folder / "none.nrrd", [&] { read_volume(folder / "none.nrrd"); });
