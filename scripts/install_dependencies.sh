@@ -10,7 +10,7 @@ command -v npm > /dev/null || build+=(npm)
 python=("${build[@]}" pybind11-dev python3-dev python3-numpy python3-pip python3-setuptools python3-venv python3-wheel)
 test=("${python[@]}" lib3mf-dev libgtest-dev libinsighttoolkit5-dev librapidcheck-dev python3 libgmp-dev xvfb xauth chromium python3-nibabel python3-pydicom python3-pytest python3-skimage python3-tifffile python3-tqdm python3-vtk9 mypy)
 bench=("${test[@]}" libbenchmark-dev)
-fuzz=(clang libclang-rt-dev cmake ninja-build libtbb-dev libboost-dev libcgal-dev)
+fuzz=(clang libclang-rt-dev unzip cmake ninja-build libtbb-dev libboost-dev libcgal-dev)
 
 case "${1:-build}" in
   build) wanted=("${build[@]}") ;;

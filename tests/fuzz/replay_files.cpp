@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads every file of a corpus without a fuzzer: replay_fuzz_files FOLDER, which has one folder for each format.
+// Reads every file of a corpus without a fuzzer: replay_fuzz_files FOLDER, with an archive for each
+// format (nrrd.zip).
+#include <zip.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
+#include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -12,32 +15,63 @@
 
 namespace fs = std::filesystem;
 
+namespace {
+
+struct Counts {
+  std::size_t files = 0, wrong = 0;
+};
+
+class Archive {
+ public:
+  explicit Archive(const fs::path& path) : zip_(zip_open(path.c_str(), ZIP_RDONLY, nullptr), zip_discard) {
+    if (!zip_) throw std::runtime_error(path.string() + ": is not a readable archive");
+  }
+
+  std::uint64_t size() const { return static_cast<std::uint64_t>(zip_get_num_entries(zip_.get(), 0)); }
+  std::string name(std::uint64_t entry) const { return zip_get_name(zip_.get(), entry, 0); }
+
+  std::vector<std::uint8_t> bytes(std::uint64_t entry) const {
+    zip_stat_t about{};
+    zip_stat_index(zip_.get(), entry, 0, &about);
+    std::vector<std::uint8_t> bytes(about.size);
+    const std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> file(zip_fopen_index(zip_.get(), entry, 0), zip_fclose);
+    if (!file || zip_fread(file.get(), bytes.data(), bytes.size()) != static_cast<zip_int64_t>(bytes.size()))
+      throw std::runtime_error(name(entry) + ": cannot be unpacked");
+    return bytes;
+  }
+
+ private:
+  std::unique_ptr<zip_t, void (*)(zip_t*)> zip_;
+};
+
+Counts replay(const fs::path& path) {
+  const std::string format = path.stem().string();
+  if (path.extension() != ".zip" || !isoatlas::test::is_fuzzed_format(format))
+    throw std::runtime_error(path.string() + ": expected the archive of a format that is fuzzed");
+  const Archive archive(path);
+  Counts counts;
+  for (std::uint64_t entry = 0; entry < archive.size(); ++entry) {
+    std::fprintf(stderr, "%s %s\n", path.filename().c_str(), archive.name(entry).c_str());  // the last one before a crash is the one
+    const std::string wrong = isoatlas::test::what_is_wrong_with_file(format, archive.bytes(entry));
+    if (!wrong.empty()) std::fprintf(stderr, "WRONG: %s\n", wrong.c_str());
+    ++counts.files;
+    counts.wrong += wrong.empty() ? 0 : 1;
+  }
+  return counts;
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
   if (argc != 2) return 2;
-  std::size_t files = 0, wrong_files = 0;
-  std::vector<fs::path> formats(fs::directory_iterator(argv[1]), {});
-  std::ranges::sort(formats);
-  for (const fs::path& folder : formats) {
-    const std::string format = folder.filename().string();
-    if (!isoatlas::test::is_fuzzed_format(format)) {
-      std::fprintf(stderr, "%s: no format that is fuzzed\n", folder.c_str());
-      return 1;
-    }
-    std::vector<fs::path> paths(fs::directory_iterator(folder), {});
-    std::ranges::sort(paths);
-    for (const fs::path& path : paths) {
-      std::fprintf(stderr, "%s\n", path.c_str());  // the last one before a crash is the one
-      std::ifstream in(path, std::ios::binary);
-      const std::vector<char> bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-      const std::string wrong =
-          isoatlas::test::what_is_wrong_with_file(format, {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
-      if (!wrong.empty()) {
-        std::fprintf(stderr, "WRONG: %s\n", wrong.c_str());
-        ++wrong_files;
-      }
-      ++files;
-    }
+  std::vector<fs::path> archives(fs::directory_iterator(argv[1]), {});
+  std::ranges::sort(archives);
+  Counts all;
+  for (const fs::path& path : archives) {
+    const Counts counts = replay(path);
+    all.files += counts.files;
+    all.wrong += counts.wrong;
   }
-  std::fprintf(stderr, "%zu files, %zu wrong\n", files, wrong_files);
-  return files == 0 || wrong_files > 0 ? 1 : 0;
+  std::fprintf(stderr, "%zu files, %zu wrong\n", all.files, all.wrong);
+  return all.files == 0 || all.wrong > 0 ? 1 : 0;
 }
