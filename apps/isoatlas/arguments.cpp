@@ -115,7 +115,7 @@ constexpr std::array<GoalOption, kQuantityCount> kGoalOptions{{
     {Quantity::area_curvature, "RATIO", "Area of a cell's part of the surface over its area as seen along the triangles' normals; above 1."},
     {Quantity::area_curvature_smooth, "RATIO", "The same with normals interpolated between the vertices; above 1."},
     {Quantity::geodesic_ratio, "RATIO", "Distance along the surface over straight distance, from a cell's site to its border; above 1."},
-    {Quantity::normal_angle, "DEGREES", "Turn of the surface's normal, summed along the way from a cell's site to its border."},
+    {Quantity::normal_angle, "DEGREES", "Total change of the surface normal along the path from a Voronoi cell's site to its boundary."},
     {Quantity::max_vertices, "N", "No more vertices than N."},
     {Quantity::min_vertices, "N", "No fewer vertices than N."},
     {Quantity::min_edge, "LENGTH", "No shorter edge."},
@@ -206,7 +206,7 @@ surface, about K*K. Default: 1.
 )", [&](const std::string& text) { set(arguments, "supersample", text); });
   add_value(*command, kSurface, "--adaptive-supersample", "N", R"(
 How often, in each refined level, the surface may be sampled more finely at places where a bound cannot be kept
-otherwise, from 0, never, to 8. Where triangles would meet is another matter. Default: 3.
+otherwise, from 0, never, to 8. Subdivision that removes self-intersections is not limited. Default: 3.
 )", [&](const std::string& text) { set(arguments, "adaptive-supersample", text); });
 
   add_value(*command, kSurface, "--min-component-size", "SIZE", R"(
@@ -218,7 +218,7 @@ Leave out all but the N largest components. Default: all are kept.
 )", [&](const std::string& text) { set(arguments, "keep-components", text); });
 
   command->add_flag("--coarse", arguments.coarse, R"(
-Only the coarsest mesh that keeps the topology: level 0. Constraints for all levels are then looked at there.
+Only the coarsest mesh that keeps the topology: level 0. Constraints are then checked on level 0, but not enforced.
 )")->group(kMesh);
   add_value(*command, kMesh, "--max-radius", "LENGTH", R"(
 Largest radius of the disks that cover the surface; smaller means more triangles. Default: half the longest side of the
@@ -395,7 +395,7 @@ Which level of a file of levels, from 0, the coarsest. Default: the finest.
   });
   command->add_option("-o,--output", arguments.picture, "The picture to write: .png, .jpg or .jpeg.")->type_name("FILE")->required()->group(kOutput);
   add_value(*command, kOutput, "--style", "NAME", R"(
-smooth: lit, as a solid thing. hidden-line: the edges that are seen, dark on white. Default: smooth.
+smooth: shaded. hidden-line: visible edges, dark on white. Default: smooth.
 )", [&](const std::string& text) {
     const std::string style = plain_word(text);
     if (style != "smooth" && style != "hidden-line") refuse_value("one of smooth, hidden-line", text);
