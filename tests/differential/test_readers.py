@@ -11,6 +11,7 @@ import pytest
 
 import independent
 import isoatlas
+import variants
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FIELD = ROOT / "tests" / "data" / "field"
@@ -47,9 +48,7 @@ def name_of(case):
     return path.name + "".join(f"-{k}{v}" for k, v in choice.items())
 
 
-@pytest.mark.parametrize("case", list(cases()), ids=name_of)
-def test_reads_what_an_independent_program_reads(case):
-    path, choice = case
+def expect_same(path, **choice):
     expected, affine = independent.read(path, **choice)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", isoatlas.FileWarning)
@@ -65,6 +64,23 @@ def test_reads_what_an_independent_program_reads(case):
         assert np.array_equal(found, expected)
     else:  # a rescale is float32 here and float64 there
         np.testing.assert_allclose(found, expected.astype(np.float64), rtol=3e-7, atol=1e-6 * np.nanmax(np.abs(expected[np.isfinite(expected)])))
+
+
+@pytest.mark.parametrize("case", list(cases()), ids=name_of)
+def test_reads_what_an_independent_program_reads(case):
+    path, choice = case
+    expect_same(path, **choice)
+
+
+@pytest.mark.parametrize("writer", variants.WRITERS, ids=lambda writer: writer.__name__)
+def test_reads_what_an_independent_program_writes(writer, tmp_path):
+    paths = list(writer(tmp_path))
+    assert len(paths) >= 4
+    for path in paths:
+        try:
+            expect_same(path)
+        except Exception as error:
+            raise AssertionError(f"{path.name}: {error}") from error
 
 
 @pytest.mark.skipif(not DATA.is_dir(), reason=f"no {DATA}; set ISOATLAS_TEST_DATA to the folder of volumes")

@@ -699,7 +699,8 @@ TEST_F(Tiff, PreviewsAndMasks) {
   refuse(pages(2, "", {.more = {{254, 4, {1}}}}), ErrorCode::unsupported, "previews and masks of other pages only");
 }
 
-void write_with_libtiff(const std::filesystem::path& path, std::uint16_t compression, std::uint16_t bits, bool is_separate, bool is_tiled) {
+void write_with_libtiff(const std::filesystem::path& path, std::uint16_t compression, std::uint16_t bits, bool is_separate, bool is_tiled,
+                        std::uint16_t predictor = PREDICTOR_NONE) {
   TIFF* tiff = TIFFOpen(path.c_str(), "w");
   ASSERT_NE(tiff, nullptr);
   const std::uint16_t values = is_separate ? 2 : 1;
@@ -710,6 +711,7 @@ void write_with_libtiff(const std::filesystem::path& path, std::uint16_t compres
     TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, values);
     TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
     TIFFSetField(tiff, TIFFTAG_COMPRESSION, compression);
+    if (predictor != PREDICTOR_NONE) TIFFSetField(tiff, TIFFTAG_PREDICTOR, predictor);
     TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, is_separate ? PLANARCONFIG_SEPARATE : PLANARCONFIG_CONTIG);
     if (is_tiled) {
       TIFFSetField(tiff, TIFFTAG_TILEWIDTH, 32);
@@ -739,7 +741,9 @@ TEST_F(Tiff, CompressionsAndLayouts) {
     for (const bool is_separate : {false, true}) {
       for (const bool is_tiled : {false, true}) {
         SCOPED_TRACE(std::to_string(compression) + (is_separate ? " separate" : "") + (is_tiled ? " tiled" : ""));
-        write_with_libtiff(folder_ / "c.tif", static_cast<std::uint16_t>(compression), 8, is_separate, is_tiled);
+        const bool has_predictor = compression != COMPRESSION_NONE && compression != COMPRESSION_PACKBITS && is_separate != is_tiled;
+        write_with_libtiff(folder_ / "c.tif", static_cast<std::uint16_t>(compression), 8, is_separate, is_tiled,
+                           has_predictor ? PREDICTOR_HORIZONTAL : PREDICTOR_NONE);
         ReadOptions options;
         if (is_separate) options.channel = "1";
         const VolumeFile file = read_volume_file(folder_ / "c.tif", options);
