@@ -13,7 +13,7 @@ cd "$(dirname "$0")/.."
 export ROOT=$PWD BUDGET=${1:-60}
 shift || true
 formats=("$@")
-[ ${#formats[@]} -gt 0 ] || formats=(nrrd nii mha tif dcm vtk vti vtr npy mrc mgh ply stl obj off vtp glb 3mf gii json)
+[ ${#formats[@]} -gt 0 ] || formats=(png nrrd nii mha tif dcm vtk vti vtr npy mrc mgh ply stl obj off vtp glb 3mf gii json)
 
 mkdir -p build/corpus
 touch build/corpus/runs.tsv

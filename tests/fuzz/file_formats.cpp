@@ -24,8 +24,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::array<std::string_view, 15> kVolumes{"nrrd", "nhdr", "nii",  "mha", "mhd", "tif", "dcm", "vtk",
-                                                    "vti",  "vtr",  "pvti", "npy", "mrc", "mgh", "mgz"};
+constexpr std::array<std::string_view, 16> kVolumes{"png", "nrrd", "nhdr", "nii",  "mha", "mhd", "tif", "dcm",
+                                                    "vtk", "vti",  "vtr",  "pvti", "npy", "mrc", "mgh", "mgz"};
 constexpr std::array<std::string_view, 8> kMeshes{"ply", "stl", "obj", "off", "vtp", "glb", "3mf", "gii"};
 
 template <class List>
@@ -33,7 +33,7 @@ bool holds(const List& list, std::string_view format) {
   return std::ranges::find(list, format) != list.end();
 }
 
-/// A folder with one file, in memory where the machine has such a folder. The file's name has the
+/// A folder with one file, or two slices, in memory where the machine has such a folder. The file's name has the
 /// format's extension.
 class FileInMemory {
  public:
@@ -42,7 +42,14 @@ class FileInMemory {
     folder_ = parent / ("isoatlas-fuzz-" + std::to_string(getpid()));
     fs::create_directory(folder_);
     path_ = folder_ / ("file." + std::string(format));
-    std::ofstream(path_, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    write(path_, bytes);
+    // A header may name this file for its samples.
+    constexpr std::string_view kSamples = "samples.raw";
+    if (std::ranges::search(bytes, kSamples).begin() != bytes.end()) write(folder_ / kSamples, bytes);
+    if (format == "png") {  // a folder of slices
+      write(folder_ / "other.png", bytes);
+      path_ = folder_;
+    }
   }
   ~FileInMemory() {
     std::error_code ignored;
@@ -55,6 +62,10 @@ class FileInMemory {
   const fs::path& folder() const { return folder_; }
 
  private:
+  static void write(const fs::path& path, std::span<const std::uint8_t> bytes) {
+    std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  }
+
   fs::path folder_, path_;
 };
 
