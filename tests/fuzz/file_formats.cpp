@@ -45,7 +45,7 @@ class FileInMemory {
     write(path_, bytes);
     // A header may name this file for its samples.
     constexpr std::string_view kSamples = "samples.raw";
-    if (std::ranges::search(bytes, kSamples).begin() != bytes.end()) write(folder_ / kSamples, bytes);
+    if (std::search(bytes.begin(), bytes.end(), kSamples.begin(), kSamples.end()) != bytes.end()) write(folder_ / kSamples, bytes);
     if (format == "png") {  // a folder of slices
       write(folder_ / "other.png", bytes);
       path_ = folder_;
