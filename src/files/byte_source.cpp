@@ -100,7 +100,7 @@ struct ByteSource::Stream {
   std::unique_ptr<Decompressor> decompressor;
   std::vector<char> packed;
   std::size_t begin = 0, end = 0;  // of the packed bytes that are not used yet
-  bool between_members = true;
+  bool between_members = true, is_first_member = true;
   std::uint64_t total = 0;  // bytes handed out
 
   std::size_t read_file(char* to, std::size_t bytes) {
@@ -126,16 +126,19 @@ struct ByteSource::Stream {
         break;
       }
       // What follows the last member need not be one more: some writers pad with zeros.
-      if (between_members && total + made > 0 && !starts_member()) {
+      if (between_members && !is_first_member && !starts_member()) {
         break;
       }
-      if (between_members && total + made > 0) {
+      if (between_members && !is_first_member) {
         decompressor->start_next_member();
       }
-      between_members = false;
+      between_members = is_first_member = false;
       try {
         const std::size_t room = std::min<std::size_t>(bytes - made, std::numeric_limits<int>::max());
         const auto step = decompressor->step(packed.data() + begin, end - begin, to + made, room);
+        if (step.used == 0 && step.made == 0 && !step.at_end) {
+          throw "stuck";
+        }
         begin += step.used;
         made += step.made;
         between_members = step.at_end;

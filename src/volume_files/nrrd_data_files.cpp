@@ -132,8 +132,11 @@ std::optional<FileList> numbered_files(const fs::path& path, std::string_view va
   if (count > kMostDataFiles) {
     throw unsupported(path, "has " + std::to_string(count) + " data files, expected at most " + std::to_string(kMostDataFiles));
   }
+  const auto name = [&](std::uint64_t i) { return *numbered_name(words[0], *first + static_cast<std::int64_t>(i) * *step); };
+  const fs::path first_file = data_file_path(path, name(0));  // before memory is allocated for all names
+  check_data_file(path, first_file, [&] { readable_file_size(first_file); });
   for (std::uint64_t i = 0; i < count; ++i) {
-    list.names.push_back(*numbered_name(words[0], *first + static_cast<std::int64_t>(i) * *step));
+    list.names.push_back(name(i));
   }
   return list;
 }

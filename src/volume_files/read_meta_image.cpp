@@ -95,6 +95,18 @@ void warn_of_rescale(const fs::path& path, const MetaImageHeader& header, Volume
   }
 }
 
+/// A data file, under its name or with .gz after it.
+SamplePiece detached_piece(const fs::path& path, const std::string& name, bool is_packed) {
+  const fs::path file = data_file_path(path, name);
+  fs::path packed = file;
+  packed += ".gz";
+  std::error_code ignored;
+  if (!fs::exists(file, ignored) && fs::exists(packed, ignored)) {
+    return {packed, 0, Packing::deflate, 0};
+  }
+  return {file, 0, is_packed ? Packing::deflate : Packing::none, 0};
+}
+
 struct FileList {
   std::vector<std::string> names;
   std::size_t dimension = 0;  // of the part of the image in each
@@ -135,8 +147,11 @@ std::optional<FileList> numbered_files(const fs::path& path, std::string_view va
                              " samples of the last axis");
   }
   FileList list{{}, sizes.size() - 1};
+  const auto name = [&](std::int64_t i) { return *numbered_name(pattern, first + i * step); };
+  const fs::path first_file = detached_piece(path, name(0), false).file;  // before memory is allocated for all names
+  check_data_file(path, first_file, [&] { readable_file_size(first_file); });
   for (std::int64_t i = 0; i < count; ++i) {
-    list.names.push_back(*numbered_name(pattern, first + i * step));
+    list.names.push_back(name(i));
   }
   return list;
 }
@@ -150,18 +165,6 @@ void require_file_count(const fs::path& path, const FileList& list, const std::v
     throw bad_file(path, "names " + std::to_string(list.names.size()) + " data files, expected " + std::to_string(expected) +
                              ", each of dimension " + std::to_string(list.dimension));
   }
-}
-
-/// A data file, under its name or with .gz after it.
-SamplePiece detached_piece(const fs::path& path, const std::string& name, bool is_packed) {
-  const fs::path file = data_file_path(path, name);
-  fs::path packed = file;
-  packed += ".gz";
-  std::error_code ignored;
-  if (!fs::exists(file, ignored) && fs::exists(packed, ignored)) {
-    return {packed, 0, Packing::deflate, 0};
-  }
-  return {file, 0, is_packed ? Packing::deflate : Packing::none, 0};
 }
 
 /// HeaderSize: bytes before the samples in each file, counted from its beginning; -1: the samples are its last bytes.

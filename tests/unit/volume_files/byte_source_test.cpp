@@ -6,6 +6,7 @@
 #include <zlib.h>
 
 #include <string>
+#include <tuple>
 
 #include "support/file_test_support.h"
 
@@ -107,6 +108,25 @@ TEST_P(Packed, SaysThatACompressedStreamIsDamaged) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Packed, testing::Range(0, 6));
+
+// Found by fuzzing: after an empty member the reader never came to the next one.
+TEST(ByteSource, EmptyMembersHaveAnEnd) {
+  const TempFolder folder;
+  for (const auto& [packing, empty, full] :
+       {std::tuple{Packing::deflate, gzipped(""), gzipped("abc")}, {Packing::bzip2, bzipped(""), bzipped("abc")}}) {
+    for (const std::string& bytes : {empty + full, empty + empty + full, full + empty, empty + full + empty}) {
+      write_bytes(folder / "a", bytes);
+      std::string read(10, '\0');
+      read.resize(ByteSource(folder / "a", 0, packing).read(read.data(), read.size()));
+      EXPECT_EQ(read, "abc");
+    }
+    write_bytes(folder / "a", empty);
+    char byte = 0;
+    EXPECT_EQ(ByteSource(folder / "a", 0, packing).read(&byte, 1), 0U);
+    write_bytes(folder / "a", empty + "garbage");
+    EXPECT_EQ(ByteSource(folder / "a", 0, packing).read(&byte, 1), 0U);
+  }
+}
 
 TEST(ByteSource, ZerosAfterAGzipMemberAreNoMember) {
   const TempFolder folder;
