@@ -100,6 +100,7 @@ struct ByteSource::Stream {
   std::unique_ptr<Decompressor> decompressor;
   std::vector<char> packed;
   std::size_t begin = 0, end = 0;  // of the packed bytes that are not used yet
+  bool is_bzip2 = false;
   bool between_members = true, is_first_member = true;
   std::uint64_t total = 0;  // bytes handed out
 
@@ -149,9 +150,16 @@ struct ByteSource::Stream {
     return made;
   }
 
-  bool starts_member() const {
-    const auto first = static_cast<unsigned char>(packed[begin]);
-    return first == 0x1F || first == 'B';
+  // Only gzip and bzip2 have members. Reads on where their mark is not wholly in the buffer.
+  bool starts_member() {
+    constexpr std::size_t kMark = 3;
+    if (end - begin < kMark) {
+      std::copy(packed.begin() + static_cast<std::ptrdiff_t>(begin), packed.begin() + static_cast<std::ptrdiff_t>(end), packed.begin());
+      end -= std::exchange(begin, 0);
+      end += read_file(packed.data() + end, packed.size() - end);
+    }
+    const std::string_view next(packed.data() + begin, end - begin);
+    return next.starts_with(is_bzip2 ? "BZh" : "\x1F\x8B");
   }
 };
 
@@ -171,6 +179,7 @@ ByteSource::ByteSource(const fs::path& path, std::uint64_t offset, Packing packi
     throw bad_file(path, "cannot be opened: " + system_text(errno));
   }
   stream_->decompressor = decompressor_for(packing);
+  stream_->is_bzip2 = packing == Packing::bzip2;
   if (stream_->decompressor) {
     stream_->packed.resize(kChunk);
   }

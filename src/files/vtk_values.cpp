@@ -90,8 +90,10 @@ class BitValues final : public VtkValues {
 
 template <class T>
 bool is_in_range(long double value) {
-  constexpr bool kIsFloat = std::is_floating_point_v<T>;
-  return kIsFloat || (value == std::floor(value) && value >= static_cast<long double>(std::numeric_limits<T>::min()) &&
+  if constexpr (std::is_floating_point_v<T>) {
+    return std::fabs(value) <= static_cast<long double>(std::numeric_limits<T>::max());
+  }
+  return (value == std::floor(value) && value >= static_cast<long double>(std::numeric_limits<T>::min()) &&
                       value <= static_cast<long double>(std::numeric_limits<T>::max()));
 }
 

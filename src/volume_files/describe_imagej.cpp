@@ -21,7 +21,13 @@ std::string without_escapes(const std::string& text) {
   std::string plain;
   for (std::size_t i = 0; i < text.size();) {
     if (text.compare(i, 2, "\\u") == 0 && i + 6 <= text.size()) {
-      const auto code = static_cast<unsigned>(std::strtoul(text.substr(i + 2, 4).c_str(), nullptr, 16));
+      auto code = static_cast<unsigned>(std::strtoul(text.substr(i + 2, 4).c_str(), nullptr, 16));
+      if (code >= 0xD800 && code < 0xE000) code = 0xFFFD;  // half of a pair: no unit of length has one
+      if (code < 0x80) {
+        plain += static_cast<char>(code);
+        i += 6;
+        continue;
+      }
       if (code >= 0x800) {
         plain += static_cast<char>(0xE0U | code >> 12);
         plain += static_cast<char>(0x80U | (code >> 6 & 0x3FU));

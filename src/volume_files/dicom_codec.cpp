@@ -151,6 +151,10 @@ std::string adapt_to_stream(DicomBytes& bytes, DicomImage& image) {
   }
   const bool is_free = family == Family::jpeg_2000 && header.is_signed == format.is_signed;
   format.bits_allocated = allocated_for(header.bits);
+  const bool is_shifted = format.high_bit + 1 > format.bits_stored && header.bits > format.high_bit;
+  if (is_shifted) {  // the stream holds whole cells, in which the stored bits are not the lowest
+    return {};
+  }
   format.bits_stored = is_free ? header.bits : std::min(format.bits_stored, header.bits);
   format.high_bit = format.bits_stored - 1;
   return {};
@@ -161,12 +165,14 @@ std::vector<std::vector<DicomPixels::Fragment>> fragments_of_frames(DicomBytes& 
   const std::vector<std::uint32_t>& offsets = image.pixels.frame_offsets;
   std::vector<std::vector<DicomPixels::Fragment>> frames;
   bool is_clear = true;
+  std::vector<std::uint32_t> sorted_offsets = offsets;
+  std::ranges::sort(sorted_offsets);
   for (std::size_t i = 0; i < fragments.size(); ++i) {
     const std::uint64_t place = fragments[i].offset - fragments[0].offset;
     const std::string_view start = fragments[i].bytes >= 4 ? bytes.at(fragments[i].offset, 4) : std::string_view();
     const bool starts_image = start.starts_with("\xFF\xD8\xFF") || start == kCodestreamStart;
     const bool starts_frame = i == 0 || fragments.size() == image.frames ||
-                              (offsets.size() == image.frames ? std::ranges::find(offsets, place) != offsets.end() : starts_image);
+                              (offsets.size() == image.frames ? std::ranges::binary_search(sorted_offsets, place) : starts_image);
     is_clear = is_clear && (starts_frame || !starts_image);
     if (starts_frame) {
       frames.emplace_back();

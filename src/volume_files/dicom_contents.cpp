@@ -189,6 +189,11 @@ class Parser {
   }
 
   void parse_element(const Header& header, DicomDataSet& into, int depth) {
+    if (header.tag == kPixelData && header.length == kUndefinedLength) {  // of an icon
+      DicomPixels not_used;
+      locate_fragments(not_used);
+      return;
+    }
     const std::string_view known = dicom_type(header.tag);
     const bool is_sequence = header.type == "SQ" || known == "SQ" || header.length == kUndefinedLength;
     if (known.empty() ? header.length != kUndefinedLength : !is_sequence) {

@@ -139,6 +139,9 @@ std::vector<double> numbers_in(const std::string& bytes) {
   for (std::size_t at = 0; at + sizeof(Number) <= bytes.size(); at += sizeof(Number)) {
     Number value{};
     std::memcpy(&value, bytes.data() + at, sizeof value);
+    if (!std::isfinite(static_cast<double>(value))) {
+      return {};
+    }
     values.push_back(static_cast<double>(value));
   }
   return values;

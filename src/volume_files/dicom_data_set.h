@@ -65,7 +65,10 @@ struct DicomAttribute {
 /// The kept attributes of a data set or of an item of a sequence. Absent and empty are the same.
 class DicomDataSet {
  public:
-  void add(DicomAttribute attribute) { attributes_.push_back(std::move(attribute)); }
+  /// The first attribute of a tag counts.
+  void add(DicomAttribute attribute) {
+    if (find(attribute.tag) == nullptr) attributes_.push_back(std::move(attribute));
+  }
 
   bool has(DicomTag tag) const;
   std::string text(DicomTag tag) const;                ///< one line without outer blanks; all values of several

@@ -155,6 +155,11 @@ class ImageReading {
     if (image_.rows == 0 || image_.columns == 0) {
       throw Unusable{"states no image size (Rows, Columns)"};
     }
+    constexpr std::size_t kMostRows = 0xFFFF;  // the standard's numbers have 16 bits
+    if (image_.rows > kMostRows || image_.columns > kMostRows) {
+      throw Unusable{"states an image size of " + std::to_string(image_.columns) + " x " + std::to_string(image_.rows) +
+                     ", expected at most 65535 x 65535"};
+    }
     const auto natural = [&](DicomTag tag, unsigned otherwise) {
       return static_cast<unsigned>(std::clamp<std::int64_t>(file_.integer(tag).value_or(otherwise), 0, 0xFFFF));
     };
@@ -376,8 +381,11 @@ class ImageReading {
                                                                              {kTimeSlotVector, "time slot"},
                                                                              {kAngularViewVector, "view"},
                                                                              {kTimeSliceVector, "time slice"}}};
-    for (const auto& [tag, name] : kVectors) {
-      const std::vector<double> values = file_.numbers(tag);
+    if (!vectors_) {
+      vectors_.emplace();
+      for (const auto& [tag, name] : kVectors) vectors_->emplace_back(name, file_.numbers(tag));
+    }
+    for (const auto& [name, values] : *vectors_) {
       if (values.size() == image_.frames) {
         labels_.push_back({std::string(name), dicom_number(values[frame.number]), Kind::volume});
       }
@@ -512,6 +520,7 @@ class ImageReading {
   const DicomDataSet& file_;
   DicomImage& image_;
   std::vector<DicomLabel> labels_;  // of the frame that is being read
+  std::optional<std::vector<std::pair<std::string_view, std::vector<double>>>> vectors_;  // see add_vector_labels
 };
 
 std::shared_ptr<DicomImage> image_of(const fs::path& path, const std::string& name, const DicomContents& contents) {

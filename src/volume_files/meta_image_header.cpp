@@ -17,9 +17,11 @@ namespace {
 
 constexpr std::string_view kLastField = "ElementDataFile";
 
+// A list of files goes on to the end of the file.
 bool has_last_field(std::string_view text) {
   const std::size_t at = text.find(kLastField);
-  return at != text.npos && text.find('\n', at) != text.npos;
+  const std::size_t end = at == text.npos ? text.npos : text.find('\n', at);
+  return end != text.npos && text.substr(at, end - at).find("LIST") == text.npos;
 }
 
 Error wrong_field(const fs::path& path, std::string_view name, std::string_view value, const std::string& expected) {

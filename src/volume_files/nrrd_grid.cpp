@@ -25,8 +25,8 @@ Vec3 as_vector(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
 
 /// From space directions.
 void place_in_space(Placement& placement, const fs::path& path, const std::array<NrrdAxis, 3>& axes, const NrrdSpace& space) {
-  if (space.dimension != 3 && space.dimension != 4) {
-    throw unsupported(path, "lies in a space of " + std::to_string(space.dimension) + " dimensions, expected 3, or 4 with time");
+  if (space.dimension == 0) {
+    throw unsupported(path, "states directions in a space without its dimension, expected 3, or 4 with time");
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::vector<double>& step = axes[axis].direction;
@@ -129,6 +129,9 @@ Grid nrrd_grid(const fs::path& path, const std::array<NrrdAxis, 3>& axes, const 
   Placement placement;
   const bool has_directions = std::ranges::any_of(axes, [](const NrrdAxis& axis) { return !axis.direction.empty(); });
   const bool has_spacings = std::ranges::any_of(axes, [](const NrrdAxis& axis) { return !std::isnan(axis.spacing); });
+  if (space.dimension != 0 && space.dimension != 3 && space.dimension != 4) {
+    throw unsupported(path, "lies in a space of " + std::to_string(space.dimension) + " dimensions, expected 3, or 4 with time");
+  }
   if (has_directions) {
     place_in_space(placement, path, axes, space);
     if (has_spacings) {

@@ -132,6 +132,11 @@ std::optional<T> sample_of(std::string_view word) {
   if (error == std::errc{} && end == word.data() + word.size()) {
     return value;
   }
+  if constexpr (std::is_floating_point_v<T>) {  // below the smallest number of the type
+    long double wide = 0;
+    const auto [wide_end, wide_error] = std::from_chars(word.data(), word.data() + word.size(), wide);
+    if (wide_error == std::errc{} && wide_end == word.data() + word.size() && std::fabs(wide) < 1) return static_cast<T>(wide);
+  }
   if constexpr (std::is_integral_v<T>) {  // "12.0" and "1e3" are integers too
     double number = 0;
     const auto [number_end, number_error] = std::from_chars(word.data(), word.data() + word.size(), number);

@@ -66,7 +66,7 @@ Grid meta_grid(const fs::path& path, const MetaImageHeader& header, std::size_t 
   const auto stated_spacing = meta_numbers(path, header, {"ElementSpacing", "ElementSize"}, axes);
   source.has_spacing = stated_spacing.has_value();
   spacing = stated_spacing.value_or(spacing);
-  offset = meta_numbers(path, header, {"ImagePosition", "Origin", "Position", "Offset"}, axes).value_or(offset);
+  offset = meta_numbers(path, header, {"ImagePosition", "Origin", "Offset", "Position"}, axes).value_or(offset);
   if (const auto m = meta_numbers(path, header, {"TransformMatrix", "Rotation", "Orientation"}, axes * axes)) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double* const row = m->data() + axis * axes;

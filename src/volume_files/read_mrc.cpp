@@ -57,6 +57,14 @@ bool is_plausible(const HeaderFields& header) {
          header.int32(kMode) < kMostModes;
 }
 
+// Where it makes sense in both, sizes read in the wrong order are enormous.
+bool is_swapped(const std::string& bytes) {
+  const HeaderFields native(bytes, false), swapped(bytes, true);
+  if (!is_plausible(native) || !is_plausible(swapped)) return !is_plausible(native);
+  const auto largest = [](const HeaderFields& header) { return std::ranges::max(triple(header, kNx)); };
+  return largest(swapped) < largest(native);
+}
+
 bool is_from_imod(const HeaderFields& header) { return header.int32(kImodStamp) == kImodMark; }
 
 /// Samples as they are stored.
@@ -187,7 +195,7 @@ std::size_t volume_count(const HeaderFields& header, const fs::path& path, Volum
 VolumeFile read_mrc(const fs::path& path, const ReadOptions& options) {
   const std::string bytes = unpacked_start(path, kHeaderBytes);
   if (bytes.size() < kHeaderBytes) throw bad_file(path, "is not an MRC file, or its header is cut off");
-  const bool swap = !is_plausible(HeaderFields(bytes, false));
+  const bool swap = is_swapped(bytes);
   const HeaderFields header(bytes, swap);
   if (!is_plausible(header)) {
     throw bad_file(path, "is not an MRC file, or its header is damaged: sizes, mode and axes make no sense in either byte order");

@@ -177,7 +177,16 @@ void read_scaled_samples(ByteSource& stream, const fs::path& file, bool swap, Sa
   });
 }
 
-fs::path header_half(const fs::path& path) { return parts_of(path).extension == ".img" ? required_sibling(path, ".hdr") : path; }
+bool is_one_file(const fs::path& path) {
+  constexpr std::size_t kMark1 = 344, kMark2 = 4;
+  const std::string start = unpacked_start(path, kMark1 + 4);
+  return start.size() == kMark1 + 4 && (start.compare(kMark1, 3, "n+1") == 0 || start.compare(kMark2, 3, "n+2") == 0);
+}
+
+fs::path header_half(const fs::path& path) {
+  const bool is_image = parts_of(path).extension == ".img" && !is_one_file(path);
+  return is_image ? required_sibling(path, ".hdr") : path;
+}
 
 fs::path image_half(const fs::path& path, const fs::path& header_file, const NiftiHeader& header) {
   if (header_file != path) return path;

@@ -83,7 +83,13 @@ void require_rising(const fs::path& folder, const std::vector<SliceName>& names,
   }
 }
 
-std::optional<std::uint64_t> difference(const std::string& from, const std::string& to) {
+// Numbers may have more digits than an integer holds; the first ones are mostly the same.
+std::optional<std::uint64_t> difference(std::string_view from, std::string_view to) {
+  const std::size_t same = static_cast<std::size_t>(std::ranges::mismatch(from, to).in1 - from.begin());
+  if (from.size() == to.size() && same < from.size()) {
+    from.remove_prefix(same);
+    to.remove_prefix(same);
+  }
   std::uint64_t low = 0, high = 0;
   const bool is_low = std::from_chars(from.data(), from.data() + from.size(), low).ec == std::errc{};
   const bool is_high = std::from_chars(to.data(), to.data() + to.size(), high).ec == std::errc{};

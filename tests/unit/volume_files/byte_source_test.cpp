@@ -138,6 +138,18 @@ TEST(ByteSource, ZerosAfterAGzipMemberAreNoMember) {
   EXPECT_EQ(source.count_rest(100), 0U);
 }
 
+TEST(ByteSource, WhatFollowsAMemberIsOneOnlyWithItsMark) {
+  const TempFolder folder;
+  for (const auto& [packing, member] : {std::pair{Packing::deflate, gzipped("abc")}, {Packing::deflate, deflated("abc", 15)}, {Packing::bzip2, bzipped("abc")}}) {
+    for (const std::string rest : {"BBBB", "\x1F", "\x1F" "x", "BZ", "x"}) {
+      write_bytes(folder / "a", member + rest);
+      std::string read(10, '\0');
+      read.resize(ByteSource(folder / "a", 0, packing).read(read.data(), read.size()));
+      EXPECT_EQ(read, "abc") << rest;
+    }
+  }
+}
+
 TEST(ByteSource, PackingIsThatOfTheContent) {
   const TempFolder folder;
   write_bytes(folder / "a.gz", "plain");

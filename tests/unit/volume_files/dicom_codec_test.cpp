@@ -66,6 +66,21 @@ TEST(DicomCodec, LosslessCompressionKeepsTheSamples) {
   }
 }
 
+// Of cells of 16 bits the upper 12, as uncompressed.
+TEST(DicomCodec, StoredBitsNeedNotBeTheLowest) {
+  const auto read_with_high_bit_15 = [](const std::string& name) {
+    std::string bytes = read_bytes(kFiles / (name + ".dcm"));
+    const std::size_t high_bit = bytes.find(std::string("\x28\0\x02\x01US", 6));
+    bytes[high_bit + 8] = 15;
+    const TempFolder folder;
+    write_bytes(folder / "a.dcm", bytes);
+    return sample_digest(read_volume(folder / "a.dcm"));
+  };
+  const std::string expected = read_with_high_bit_15("plain");
+  EXPECT_NE(expected, kSamples);
+  for (const std::string name : {"jpeg_lossless", "jpeg_ls", "rle"}) EXPECT_EQ(read_with_high_bit_15(name), expected) << name;
+}
+
 // The codestream has 16 bits per sample, so the samples could be larger than the 12 bits that the header states.
 TEST(DicomCodec, Jpeg2000SaysHowManyBitsItHas) {
   const Volume plain = read_volume(kFiles / "plain.dcm"), volume = read_volume(kFiles / "jpeg_2000_lossless.dcm");

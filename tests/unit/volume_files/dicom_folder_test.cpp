@@ -2,6 +2,8 @@
 // Folders with DICOM files: what is read together, what is a choice, what is left out.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdint>
 #include <functional>
 #include <string>
 
@@ -398,6 +400,24 @@ TEST(DicomFolder, TimesOfTheClockKeepTheirDigits) {
   const TempFolder folder;
   write_two_volumes(folder.path(), 5, [](DicomBuilder& slice, int volume) { slice.set(0x00080033, "TM", volume == 0 ? "080000" : "100000"); });
   EXPECT_EQ(choice_needed(folder.path()).entries, (Names{"content time 080000", "content time 100000"}));
+}
+
+TEST(DicomFolder, NumbersThatAreNoneAreNoPositions) {
+  const TempFolder folder;
+  write_series(folder.path(), 4, [](DicomBuilder& slice, int i) {
+    const double z = i == 2 ? std::nan("") : 5 + 2.0 * i;
+    slice.set(0x00200032, "FD", bytes_of<double>({z, 20, 9}));
+  });
+  expect_error(ErrorCode::unsupported, "no position (ImagePositionPatient)", folder / "s1", [&] { read_volume(folder.path()); });
+}
+
+// Found by review: the product of such sizes was 0, by which the length of the samples was divided.
+TEST(DicomFolder, SizesBeyondTheStandardsAreRefused) {
+  const TempFolder folder;
+  DicomBuilder slice = slice_builder(0, 0);
+  slice.set(0x00280010, "UL", bytes_of<std::uint32_t>({0x80000000U})).set(0x00280011, "UL", bytes_of<std::uint32_t>({0x80000000U}));
+  slice.write(folder / "a.dcm");
+  expect_error(ErrorCode::unsupported, "2147483648 x 2147483648, expected at most 65535", folder / "a.dcm", [&] { read_volume(folder / "a.dcm"); });
 }
 
 }  // namespace

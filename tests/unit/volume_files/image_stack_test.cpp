@@ -109,6 +109,11 @@ TEST_F(ImageStack, MissingSlice) {
   refuse(ErrorCode::bad_file, "slices are missing between 's2.tif' and 's4.tif'");
 }
 
+TEST_F(ImageStack, MissingSliceAmongLongNumbers) {
+  for (const int number : {1, 2, 9}) add("s2023110512305900000000" + std::to_string(number) + ".tif", number);
+  refuse(ErrorCode::bad_file, "slices are missing between 's20231105123059000000002.tif' and 's20231105123059000000009.tif'");
+}
+
 TEST_F(ImageStack, ANumberTwice) {
   add("s1.tif", 1);
   add("s2.tif", 2);

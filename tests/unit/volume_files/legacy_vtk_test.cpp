@@ -250,13 +250,17 @@ TEST_F(LegacyVtk, SaysWhereThereIsNoSpacing) {
 
 TEST_F(LegacyVtk, NumbersAreReadExactly) {
   const std::string section = std::string("DIMENSIONS 2 2 2\nPOINT_DATA 8\nSCALARS s ");
-  const VolumeFile doubles = read(start("ASCII") + section + "double\nLOOKUP_TABLE default\n0.1 -1e-400 nan inf 1e3 +2 1e400 4.9e-324\n");
+  const VolumeFile doubles = read(start("ASCII") + section + "double\nLOOKUP_TABLE default\n0.1 -1e-400 nan inf 1e3 +2 -inf 4.9e-324\n");
   EXPECT_EQ(sample_as_double(doubles.volume, 0), 0.1);
   EXPECT_EQ(sample_as_double(doubles.volume, 1), 0);
   EXPECT_TRUE(std::isnan(sample_as_double(doubles.volume, 2)));
   EXPECT_TRUE(std::isinf(sample_as_double(doubles.volume, 3)));
   EXPECT_TRUE(std::isinf(sample_as_double(doubles.volume, 6)));
   EXPECT_EQ(sample_as_double(doubles.volume, 7), 4.9e-324);
+  expect_refused(start("ASCII") + section + "float\nLOOKUP_TABLE default\n0 1 2 3 4 5 6 1e40\n", ErrorCode::bad_file,
+                 "after 7 numbers it has '1e40'");
+  expect_refused(start("ASCII") + section + "double\nLOOKUP_TABLE default\n0 1 2 3 4 5 6 1e400\n", ErrorCode::bad_file,
+                 "after 7 numbers it has '1e400'");
   const std::string bytes = "unsigned_char\nLOOKUP_TABLE default\n0 1.0 2e1 255 4 5 6 ";
   EXPECT_EQ(sample_as_double(read(start("ASCII") + section + bytes + "7\n").volume, 2), 20);
   for (const std::string wrong : {"256", "-1", "1.5", "nan", "1x"}) {

@@ -71,6 +71,7 @@ TEST(MetaImageGrid, NamesOfThePosition) {  // MetaIO lets the later of these ove
   EXPECT_EQ(origin("ImagePosition = 1 0 0\n"), (Vec3{1, 0, 0}));
   EXPECT_EQ(origin("Origin = 7 8 9\nPosition = 4 5 6\nOffset = 1 2 3\n"), (Vec3{7, 8, 9}));
   EXPECT_EQ(origin("ImagePosition = 1 0 0\nOrigin = 7 8 9\n"), (Vec3{1, 0, 0}));
+  EXPECT_EQ(origin("Offset = 1 2 3\nPosition = 4 5 6\n"), (Vec3{1, 2, 3}));
   EXPECT_EQ(origin(""), (Vec3{0, 0, 0}));
   MetaFile(small("Offset = 1 2\n")).expect_refused(kBad, "its Offset is '1 2', expected 3 numbers");
   MetaFile(small("Offset = 1 2 three\n")).expect_refused(kBad, "origin is not finite");
@@ -308,6 +309,15 @@ TEST(MetaImageDataFiles, ListOfPackedSlices) {
     file.with(std::string(1, static_cast<char>('a' + z)), gzipped(counted(6, 6 * z), false));
   }
   EXPECT_EQ(file.samples(), counted(24));
+}
+
+TEST(MetaImageDataFiles, ListsMayBeLong) {
+  const TempFolder folder;
+  std::string list;
+  for (int i = 0; i < 3000; ++i) list += std::string(40, 'x') + ".raw\n";
+  write_bytes(folder / (std::string(40, 'x') + ".raw"), "abcd");
+  write_bytes(folder / "a.mhd", "ObjectType = Image\nNDims = 3\nDimSize = 2 2 3000\nElementType = MET_UCHAR\nElementDataFile = LIST\n" + list);
+  EXPECT_EQ(read_volume(folder / "a.mhd").grid.size[2], 3000U);
 }
 
 TEST(MetaImageDataFiles, Pattern) {

@@ -164,6 +164,8 @@ TEST_F(Mrc, AxesInAnyOrder) {
   EXPECT_EQ(decision(file, "axes"), "columns, rows and sections along zxy");
   EXPECT_TRUE(read(mrc({.axes = {2, 1, 3}})).volume.grid.mirrored());
   EXPECT_EQ(read(mrc({.axes = {0, 0, 0}})).volume.grid.direction, Grid{}.direction);  // old programs
+  const std::string big = mrc({.mode = 0, .axes = {0, 0, 0}, .big_endian = true}, bytes_of(std::vector<std::int8_t>(kCount, 1), true));
+  EXPECT_EQ(read(big).volume.grid.size, kSize);  // its header makes sense in either byte order
 }
 
 TEST_F(Mrc, CellsNeedNotBeRight) {

@@ -622,6 +622,9 @@ TEST_F(Nifti, PairsInEachPackingAndCase) {
     write_bytes(folder_ / "g.hdr", header);
     read_volume(folder_ / "g.hdr");
   });
+  nifti_1_header single = header1();
+  write_bytes(folder_ / "single.img", one_file(single));
+  EXPECT_EQ(read_volume(folder_ / "single.img").grid.sample_count(), kCount);
   expect_error(ErrorCode::bad_file, "there is no .hdr file beside it", folder_ / "h.img", [&] {
     write_bytes(folder_ / "h.img", samples);
     read_volume(folder_ / "h.img");

@@ -140,6 +140,7 @@ TEST(NrrdSpace, DimensionAlone) {
   EXPECT_EQ(file.volume.grid.unit, LengthUnit::unknown);
   EXPECT_EQ(decision(file, "space"), "none");
   NrrdFile(small("space dimension: 2\nspace directions: (0.5,0) (0,1) (1,1)\n")).expect_refused(kUnsupported, "a space of 2 dimensions");
+  NrrdFile(small(kSpacing + "space dimension: 5\n")).expect_refused(kUnsupported, "a space of 5 dimensions");
   NrrdFile(small("space: LPS\nspace dimension: 4\n")).expect_refused(kBad, "'space dimension' is '4'");
 }
 
