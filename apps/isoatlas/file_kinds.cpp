@@ -95,7 +95,7 @@ std::string advice_on_mesh_place(std::string_view command, FileKind kind, const 
     case FileKind::mesh:
       return command == "levels" ? "isoatlas check looks at one mesh" : "";
     case FileKind::levels:
-      return takes_levels ? "" : "isoatlas levels reads it, and isoatlas extract -o NAME-{level}.ply writes a mesh for each level";
+      return takes_levels ? "" : "isoatlas levels reads it";
     case FileKind::json:
       return takes_json ? "" : "isoatlas levels and isoatlas report read the reports of isoatlas extract";
     case FileKind::page:

@@ -21,6 +21,7 @@ struct RawLayout {
   std::array<std::size_t, 3> size{};
   SampleType type = SampleType::uint8;
   std::array<double, 3> spacing{1, 1, 1};
+  LengthUnit unit = LengthUnit::unknown;  ///< of the spacing
   bool big_endian = false;
   std::uint64_t offset = 0;  ///< bytes before the first sample
 };

@@ -14,7 +14,9 @@ namespace isoatlas::io {
 /// The text outlives the scanner. Numbers are read the same in every locale.
 class TextScanner {
  public:
-  TextScanner(std::string_view text, std::filesystem::path path) : rest_(text), path_(std::move(path)) {}
+  TextScanner(std::string_view text, std::filesystem::path path) : rest_(text), path_(std::move(path)) {
+    if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);  // the mark of UTF-8 that editors on Windows put first
+  }
 
   /// Steps to the next line; false at the end of the text.
   bool next_line();

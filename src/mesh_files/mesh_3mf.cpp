@@ -14,7 +14,7 @@
 #include "files/file_error.h"
 #include "files/memory_limit.h"
 #include "mesh_files/formats.h"
-#include "mesh_files/polygon_fan.h"
+#include "mesh_files/polygons.h"
 #include "mesh_files/stored_form.h"
 #include "mesh_files/xml_text.h"
 #include "mesh_files/zip_archive.h"

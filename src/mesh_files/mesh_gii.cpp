@@ -17,7 +17,7 @@
 #include "files/stored_data.h"
 #include "mesh_files/base64.h"
 #include "mesh_files/formats.h"
-#include "mesh_files/polygon_fan.h"
+#include "mesh_files/polygons.h"
 #include "mesh_files/same_mesh.h"
 #include "mesh_files/stored_form.h"
 #include "mesh_files/xml_text.h"
@@ -64,7 +64,7 @@ std::string array_xml(const char* intent, const char* type, const std::vector<Ro
 std::string coordinate_system_xml(const MeshFileInfo& info) {
   const char* space = info.space == "RAS" ? "NIFTI_XFORM_SCANNER_ANAT" : "NIFTI_XFORM_UNKNOWN";
   return std::string("<CoordinateSystemTransformMatrix>\n<DataSpace>") + space + "</DataSpace>\n<TransformedSpace>" + space +
-         "</TransformedSpace>\n<MatrixData>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</MatrixData>\n</CoordinateSystemTransformMatrix>\n";
+         "</TransformedSpace>\n<MatrixData>\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n</MatrixData>\n</CoordinateSystemTransformMatrix>\n";
 }
 
 // -------------------------------------------------------------------------------------------------------------- in

@@ -8,7 +8,7 @@
 #include "files/file_error.h"
 #include "mesh_files/formats.h"
 #include "mesh_files/output_buffer.h"
-#include "mesh_files/polygon_fan.h"
+#include "mesh_files/polygons.h"
 #include "files/text_scanner.h"
 
 namespace isoatlas::io {
@@ -17,6 +17,7 @@ TriangleMesh read_obj(const std::filesystem::path& path) {
   const std::string text = file_contents(path);
   TextScanner scanner(text, path);
   TriangleMesh mesh;
+  PolygonCutter polygons(mesh);
   std::vector<std::uint32_t> corners;
   while (scanner.next_line()) {
     const std::string_view keyword = scanner.word();
@@ -42,9 +43,10 @@ TriangleMesh read_obj(const std::filesystem::path& path) {
       if (corners.size() < 3) {
         throw scanner.error("a face with " + std::to_string(corners.size()) + " corners, expected at least 3");
       }
-      append_polygon(mesh, corners);
+      polygons.append(corners);
     }
   }
+  polygons.cut_concave();
   return mesh;
 }
 

@@ -8,7 +8,7 @@
 #include "files/file_error.h"
 #include "mesh_files/formats.h"
 #include "mesh_files/output_buffer.h"
-#include "mesh_files/polygon_fan.h"
+#include "mesh_files/polygons.h"
 #include "files/text_scanner.h"
 
 namespace isoatlas::io {
@@ -31,7 +31,7 @@ TriangleMesh read_off(const std::filesystem::path& path) {
   const std::string text = file_contents(path);
   TextScanner scanner(text, path);
   const std::string_view keyword = first_word_of_next_line(scanner);
-  constexpr std::array<std::string_view, 8> kKnown{"OFF", "COFF", "NOFF", "STOFF", "CNOFF", "STCOFF", "STNOFF", "STCNOFF"};
+  constexpr std::array<std::string_view, 11> kKnown{"OFF", "COFF", "NOFF", "STOFF", "CNOFF", "STCOFF", "STNOFF", "STCNOFF", "NCOFF", "NSTOFF", "NCSTOFF"};
   if (std::ranges::find(kKnown, keyword) == kKnown.end()) {
     throw scanner.error("found '" + one_line(keyword, 40) + "', expected OFF");
   }
@@ -52,6 +52,7 @@ TriangleMesh read_off(const std::filesystem::path& path) {
   }
 
   TriangleMesh mesh;
+  PolygonCutter polygons(mesh);
   mesh.positions.reserve(static_cast<std::size_t>(vertices));
   mesh.triangles.reserve(static_cast<std::size_t>(faces));
   for (std::int64_t v = 0; v < vertices; ++v) {
@@ -63,12 +64,16 @@ TriangleMesh read_off(const std::filesystem::path& path) {
   std::vector<std::uint32_t> corners;
   for (std::int64_t f = 0; f < faces; ++f) {
     const std::int64_t count = scanner.to_integer(first_word_of_next_line(scanner), "the number of corners of a face");
+    if (count < 0) {
+      throw scanner.error("a face with " + std::to_string(count) + " corners");
+    }
     corners.clear();
     for (std::int64_t i = 0; i < count; ++i) {
       corners.push_back(vertex_index(scanner.integer("a vertex number")));
     }
-    append_polygon(mesh, corners);
+    polygons.append(corners);
   }
+  polygons.cut_concave();
   return mesh;
 }
 

@@ -13,7 +13,7 @@
 #include "files/file_error.h"
 #include "mesh_files/formats.h"
 #include "mesh_files/output_buffer.h"
-#include "mesh_files/polygon_fan.h"
+#include "mesh_files/polygons.h"
 #include "files/text_scanner.h"
 
 namespace isoatlas::io {
@@ -196,6 +196,7 @@ std::int64_t to_index(double value) {
 template <class Values>
 TriangleMesh read_body(Values& values, const PlyHeader& header, const std::filesystem::path& path) {
   TriangleMesh mesh;
+  PolygonCutter polygons(mesh);
   std::vector<std::uint32_t> corners;
   for (const PlyElement& element : header.elements) {
     if (element.properties.empty()) {
@@ -238,7 +239,7 @@ TriangleMesh read_body(Values& values, const PlyHeader& header, const std::files
           corners.push_back(vertex_index(to_index(values.next(property.type))));
         }
         if (is_face && is_vertex_list(property)) {
-          append_polygon(mesh, corners);
+          polygons.append(corners);
         }
       }
       if (is_vertex) {
@@ -246,6 +247,7 @@ TriangleMesh read_body(Values& values, const PlyHeader& header, const std::files
       }
     }
   }
+  polygons.cut_concave();
   return mesh;
 }
 

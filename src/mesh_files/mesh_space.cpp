@@ -20,7 +20,10 @@ std::string space_in_text(const std::filesystem::path& path) {
   std::string text(kBeginning, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(file.gcount()));
-  const std::size_t found = text.find(kKey);
+  std::size_t found = text.find(kKey);
+  while (found != std::string::npos && found > 0 && std::isalnum(static_cast<unsigned char>(text[found - 1])) != 0) {
+    found = text.find(kKey, found + 1);  // COLORSPACE=
+  }
   if (found == std::string::npos) return {};
   const auto first = text.begin() + static_cast<std::ptrdiff_t>(found + kKey.size());
   return {first, std::find_if_not(first, text.end(), [](unsigned char c) { return std::isalpha(c); })};

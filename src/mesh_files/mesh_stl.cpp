@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/file_name.h"
 #include "files/file_error.h"
 #include "mesh_files/formats.h"
 #include "mesh_files/output_buffer.h"
@@ -58,7 +59,7 @@ TriangleMesh read_ascii(const std::string& contents, const std::filesystem::path
   bool is_inside_solid = false;
   bool is_inside_loop = false;
   while (scanner.next_line()) {
-    const std::string_view keyword = scanner.word();
+    const std::string keyword = lower_case(scanner.word());
     if (keyword == "solid") {
       is_inside_solid = true;
     } else if (keyword == "endsolid") {
@@ -108,8 +109,8 @@ TriangleMesh read_stl(const std::filesystem::path& path) {
   if (contents.size() == binary_bytes) {
     return read_binary(contents, triangle_count);
   }
-  const std::size_t first = contents.find_first_not_of(" \t\r\n");
-  if (first != std::string::npos && contents.compare(first, 5, "solid") == 0) {
+  const std::size_t first = contents.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+  if (first != std::string::npos && lower_case(contents.substr(first, 5)) == "solid") {
     return read_ascii(contents, path);
   }
   if (contents.size() < kHeaderBytes + sizeof triangle_count) {

@@ -56,8 +56,26 @@ void require_container(const std::string& contents, const fs::path& path) {
   }
 }
 
+// Looks may be left out, but not what changes where vertices are or how they are stored.
+void require_known_extensions(const std::string& contents, const fs::path& path) {
+  constexpr std::size_t kJson = 20;  // after the file's and the chunk's headers
+  std::uint32_t bytes = 0;
+  if (contents.size() < kJson) return;  // said later
+  std::memcpy(&bytes, contents.data() + 12, sizeof bytes);
+  const nlohmann::json json = nlohmann::json::parse(contents.substr(kJson, bytes), nullptr, false);
+  if (!json.is_object() || !json.contains("extensionsRequired") || !json["extensionsRequired"].is_array()) return;
+  for (const nlohmann::json& extension : json["extensionsRequired"]) {
+    const std::string name = extension.is_string() ? extension.get<std::string>() : "";
+    constexpr std::array<std::string_view, 6> kKnown{"KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_", "MSFT_lod", "EXT_mesh_manifold"};
+    if (std::ranges::none_of(kKnown, [&](std::string_view known) { return name.starts_with(known); })) {
+      throw unsupported(path, "needs the glTF extension " + one_line(name, 80) + ", which is not read");
+    }
+  }
+}
+
 tinygltf::Model load(std::string contents, const fs::path& path) {
   require_container(contents, path);
+  require_known_extensions(contents, path);
   tinygltf::TinyGLTF loader;
   // Only this file: nothing it names is opened, no picture decoded.
   tinygltf::FsCallbacks files{};

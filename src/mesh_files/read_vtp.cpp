@@ -14,7 +14,7 @@
 #include "files/stored_data.h"
 #include "files/vtk_xml_values.h"
 #include "mesh_files/formats.h"
-#include "mesh_files/polygon_fan.h"
+#include "mesh_files/polygons.h"
 #include "volume/sample_type.h"
 
 namespace isoatlas::io {
@@ -189,6 +189,7 @@ TriangleMesh read_vtp(const fs::path& path, std::map<std::string, std::string>& 
   fields = text_fields(header);
   distance.clear();
   TriangleMesh mesh;
+  PolygonCutter polygons(mesh);
   for (const XmlElement& piece : header.root.child("PolyData")->children) {
     if (piece.name != "Piece") {
       continue;
@@ -196,10 +197,11 @@ TriangleMesh read_vtp(const fs::path& path, std::map<std::string, std::string>& 
     const std::uint64_t first_point = mesh.positions.size();
     const std::uint64_t count = count_of(header, piece, "NumberOfPoints", 0);
     append_points(mesh, header, piece, count);
-    append_cells(header, piece, "Polys", first_point, [&](const auto& corners) { append_polygon(mesh, corners); });
+    append_cells(header, piece, "Polys", first_point, [&](const auto& corners) { polygons.append(corners); });
     append_cells(header, piece, "Strips", first_point, [&](const auto& corners) { append_strip(mesh, corners); });
     append_distances(distance, header, piece, count);
   }
+  polygons.cut_concave();
   if (distance.size() != mesh.positions.size()) {
     distance.clear();  // not all pieces have them
   }

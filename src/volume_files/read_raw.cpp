@@ -73,6 +73,7 @@ VolumeFile read_raw(const fs::path& path, const ReadOptions& options) {
   VolumeFile file;
   file.volume.grid.size = layout.size;
   file.volume.grid.spacing = {layout.spacing[0], layout.spacing[1], layout.spacing[2]};
+  file.volume.grid.unit = layout.unit;
   file.volume.type = layout.type;
   file.volume.samples = samples.get();
   file.volume.owner = samples;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "isoatlas/error.h"
@@ -146,7 +147,7 @@ bool set_raw(RawLayout& layout, std::string_view name, std::string_view text) {
   } else if (name == "raw-type") {
     layout.type = parse_sample_type(text);
   } else if (name == "raw-spacing") {
-    layout.spacing = parse_spacing(text).first;
+    std::tie(layout.spacing, layout.unit) = parse_spacing(text);
   } else if (name == "raw-endian") {
     layout.big_endian = parse_is_big_endian(text);
   } else if (name == "raw-offset") {

@@ -456,5 +456,31 @@ TEST(HierarchyFiles, LevelsThatAreNotNestedAreRead) {
   EXPECT_TRUE(file.hierarchy.levels[2].placed.empty());
 }
 
+// A required extension may change where vertices are, or how they are stored.
+TEST(HierarchyFiles, GlbThatNeedsAnExtensionIsRefusedByItsName) {
+  const TempFolder folder;
+  write_hierarchy(sphere({}), folder / "a.glb", info_of({}));
+  const std::string whole = read_bytes(folder / "a.glb");
+  const auto number = [](std::size_t value) {
+    const auto narrow = static_cast<std::uint32_t>(value);
+    return std::string(reinterpret_cast<const char*>(&narrow), sizeof narrow);
+  };
+  const auto with_extension = [&](const std::string& name) {
+    std::uint32_t json_bytes = 0;
+    std::memcpy(&json_bytes, whole.data() + 12, sizeof json_bytes);
+    std::string json = whole.substr(20, json_bytes);
+    json.insert(1, R"("extensionsRequired":[")" + name + "\"],");
+    json.resize((json.size() + 3) / 4 * 4, ' ');
+    const std::string rest = whole.substr(20 + json_bytes);
+    return whole.substr(0, 8) + number(20 + json.size() + rest.size()) + number(json.size()) + whole.substr(16, 4) + json + rest;
+  };
+  write_bytes(folder / "b.glb", with_extension("KHR_materials_unlit"));
+  EXPECT_EQ(read_hierarchy(folder / "b.glb").hierarchy.levels.size(), 3U);
+  for (const std::string name : {"KHR_draco_mesh_compression", "EXT_mesh_gpu_instancing", "EXT_meshopt_compression"}) {
+    write_bytes(folder / "c.glb", with_extension(name));
+    expect_error(ErrorCode::unsupported, "needs the glTF extension " + name, folder / "c.glb", [&] { read_levels(folder / "c.glb"); });
+  }
+}
+
 }  // namespace
 }  // namespace isoatlas::test

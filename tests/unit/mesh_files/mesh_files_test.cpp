@@ -265,6 +265,40 @@ TEST(MeshFiles, VtpStripsAndPolygonsBecomeTriangles) {
       Error);
 }
 
+// A closed prism over an L, whose polygons start at a corner from which a fan leaves the polygon.
+TEST(MeshFiles, ConcavePolygonsAreCutInside) {
+  const std::string faces = "f 2 3 4 5 6 1\nf 8 7 12 11 10 9\nf 1 7 8 2\nf 2 8 9 3\nf 3 9 10 4\nf 4 10 11 5\nf 5 11 12 6\nf 6 12 7 1\n";
+  std::string vertices;
+  for (const std::string z : {"1", "0"})
+    for (const std::string xy : {"0 0", "2 0", "2 1", "1 1", "1 2", "0 2"}) vertices += "v " + xy + " " + z + "\n";
+  for (const std::string& text : {vertices + faces, faces + vertices}) {  // faces may come first
+    const TriangleMesh mesh = read_text("l.obj", text);
+    ASSERT_EQ(mesh.triangles.size(), 2U * 4 + 6 * 2);
+    double volume = 0, area = 0;
+    for (const Triangle& t : mesh.triangles) {
+      const Vec3 a = mesh.positions[t[0]], b = mesh.positions[t[1]], c = mesh.positions[t[2]];
+      const Vec3 n{(b.y - a.y) * (c.z - a.z) - (b.z - a.z) * (c.y - a.y), (b.z - a.z) * (c.x - a.x) - (b.x - a.x) * (c.z - a.z),
+                   (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)};
+      area += std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z) / 2;
+      volume += (a.x * n.x + a.y * n.y + a.z * n.z) / 6;
+    }
+    EXPECT_NEAR(volume, 3, 1e-12);
+    EXPECT_NEAR(area, 2 * 3 + 8, 1e-12);
+    EXPECT_TRUE(mesh_topology(mesh).is_manifold());
+  }
+}
+
+TEST(MeshFiles, WhatEditorsAndOtherProgramsWrite) {
+  const std::string bom = "\xEF\xBB\xBF", triangle = "0 0 0\n1 0 0\n0 1 0\n";
+  EXPECT_EQ(read_text("a.obj", bom + "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").positions.size(), 3U);
+  EXPECT_EQ(read_text("a.off", bom + "OFF\n3 1 0\n" + triangle + "3 0 1 2\n").triangles.size(), 1U);
+  EXPECT_EQ(read_text("b.off", "NCOFF\n3 1 0\n0 0 0 0 0 1 255 0 0 255\n1 0 0 0 0 1 255 0 0 255\n0 1 0 0 0 1 255 0 0 255\n3 0 1 2\n").positions[1], (Vec3{1, 0, 0}));
+  EXPECT_EQ(read_text("a.stl", bom + "SOLID a\nFACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 0 0 0\nVERTEX 1 0 0\nVERTEX 0 1 0\nENDLOOP\nENDFACET\nENDSOLID a\n").triangles.size(), 1U);
+  const TempFolder folder;
+  write_bytes(folder / "c.obj", "# COLORSPACE=RAS\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_EQ(mesh_space(folder / "c.obj"), "");
+}
+
 struct BadMesh {
   std::string name, text, says;
 };
@@ -303,6 +337,7 @@ TEST(MeshFiles, BadFilesGiveOneLine) {
       {"negative.off", "OFF\n-1 1 0\n0 0 0\n", "too short"},
       {"cut.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n1 1 0     \n#            ", "more lines were promised"},
       {"short.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n1 1 0\n3 0 1\n", "line 6: found '', expected a vertex number"},
+      {"count.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n1 1 0\n-4 3 2 1 0\n", "a face with -4 corners"},
       {"range.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n1 1 0\n3 0 1 3\n", "uses vertex 3"},
       {"garbage.vtp", "hello", "is not a VTK XML poly data file"},
   };

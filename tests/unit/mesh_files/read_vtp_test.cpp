@@ -63,7 +63,7 @@ vtkSmartPointer<vtkPolyData> grid_of_quadrilaterals(int side) {
   distance->SetName("max_distance");
   for (int y = 0; y < side; ++y)
     for (int x = 0; x < side; ++x) {
-      points->InsertNextPoint(x, y, static_cast<double>(random() % 1000) / 8);
+      points->InsertNextPoint(x, y, static_cast<double>(random() % 4) / 16);
       distance->InsertNextValue(static_cast<float>(x + y) / 4);
     }
   vtkNew<vtkCellArray> polygons;
