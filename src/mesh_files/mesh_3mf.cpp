@@ -139,6 +139,12 @@ bool take_number(std::string_view& text, Number& number) {
   return error == std::errc();
 }
 
+/// The only number of `text`.
+template <class Number>
+bool take_only_number(std::string_view text, Number& number) {
+  return take_number(text, number) && text.find_first_not_of(" \t\r\n") == std::string_view::npos;
+}
+
 // Affine, rows in the order of the file: p * rows[0..2] + rows[3].
 using Transform = std::array<Vec3, 4>;
 
@@ -238,9 +244,8 @@ class ModelReader {
   }
 
   double coordinate(const pugi::xml_node& vertex, const char* name) const {
-    std::string_view text = vertex.attribute(name).value();
     double value = 0;
-    if (!take_number(text, value)) {
+    if (!take_only_number(vertex.attribute(name).value(), value)) {
       throw bad_file(path_, std::string("the ") + name + " coordinate of a vertex is '" +
                                 one_line(vertex.attribute(name).value(), 40) + "', expected a number");
     }
@@ -248,9 +253,8 @@ class ModelReader {
   }
 
   std::uint32_t corner(const pugi::xml_node& triangle, const char* name, std::size_t first, std::size_t count) const {
-    std::string_view text = triangle.attribute(name).value();
     std::uint32_t value = 0;
-    if (!take_number(text, value) || value >= count) {
+    if (!take_only_number(triangle.attribute(name).value(), value) || value >= count) {
       throw bad_file(path_, std::string("a triangle has the corner ") + name + "='" + one_line(triangle.attribute(name).value(), 40) +
                                 "', expected one of " + std::to_string(count) + " vertices");
     }

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "core/vector_math.h"
 #include "files/file_error.h"
 #include "mesh_files/formats.h"
 
@@ -66,7 +67,8 @@ void require_known_extensions(const std::string& contents, const fs::path& path)
   if (!json.is_object() || !json.contains("extensionsRequired") || !json["extensionsRequired"].is_array()) return;
   for (const nlohmann::json& extension : json["extensionsRequired"]) {
     const std::string name = extension.is_string() ? extension.get<std::string>() : "";
-    constexpr std::array<std::string_view, 6> kKnown{"KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_", "MSFT_lod", "EXT_mesh_manifold"};
+    constexpr std::array<std::string_view, 6> kKnown{"KHR_materials_", "KHR_texture_", "EXT_texture_",
+                                                     "KHR_lights_",    "MSFT_lod",     "EXT_mesh_manifold"};
     if (std::ranges::none_of(kKnown, [&](std::string_view known) { return name.starts_with(known); })) {
       throw unsupported(path, "needs the glTF extension " + one_line(name, 80) + ", which is not read");
     }
@@ -103,7 +105,8 @@ class Reader {
 
   StoredLevels read() const {
     StoredLevels levels;
-    const tinygltf::Node& finest = node(finest_node());
+    const PlacedNode place = finest_node();
+    const tinygltf::Node& finest = node(place.index);
     std::vector<const tinygltf::Node*> nodes{&finest};
     if (const auto lod = finest.extensions.find("MSFT_lod"); lod != finest.extensions.end() && lod->second.Has("ids")) {
       const tinygltf::Value& ids = lod->second.Get("ids");
@@ -115,7 +118,7 @@ class Reader {
     bool any_json = false;
     for (const tinygltf::Node* n : nodes) {
       const tinygltf::Mesh& mesh = at(model_.meshes, n->mesh, "mesh");
-      levels.meshes.push_back(mesh_of(mesh, translation_of(*n)));
+      levels.meshes.push_back(mesh_of(mesh, place.parent + translation_of(*n)));
       levels.distances.push_back(distance_of(mesh));
       levels.info.levels.push_back(ours(mesh.extras_json_string).dump());
       any_json = any_json || levels.info.levels.back() != "null";
@@ -138,29 +141,69 @@ class Reader {
   template <class Item>
   const Item& at(const std::vector<Item>& items, int index, const char* missing) const {
     if (index < 0 || static_cast<std::size_t>(index) >= items.size()) {
-      throw bad_file(path_, missing);
+      throw bad_file(path_, std::string("names a ") + missing + " that is not there");
     }
     return items[static_cast<std::size_t>(index)];
   }
 
   const tinygltf::Node& node(int index) const { return at(model_.nodes, index, "node"); }
 
-  int finest_node() const {
-    const tinygltf::Scene& scene = at(model_.scenes, std::max(model_.defaultScene, 0), "scene");
-    if (scene.nodes.size() != 1 || node(scene.nodes[0]).mesh < 0) {
-      throw unsupported(path_, "expected a scene with one mesh and its levels of detail, as isoatlas writes it");
+  struct PlacedNode {
+    int index = -1;
+    Vec3 parent;  // where the node's own coordinates begin
+  };
+
+  // The only node of the scene with a mesh. Cameras, lights and empty nodes may be beside and around it.
+  PlacedNode finest_node() const {
+    std::vector<PlacedNode> open, found;
+    if (model_.scenes.empty()) {  // then no node is said to be shown: all are
+      std::vector<bool> is_child(model_.nodes.size());
+      for (const tinygltf::Node& n : model_.nodes) {
+        for (const int child : n.children) {
+          node(child);  // is there
+          is_child[static_cast<std::size_t>(child)] = true;
+        }
+      }
+      for (std::size_t i = 0; i < model_.nodes.size(); ++i) {
+        if (!is_child[i]) open.push_back({static_cast<int>(i), {}});
+      }
+    } else {
+      for (const int root : at(model_.scenes, std::max(model_.defaultScene, 0), "scene").nodes) open.push_back({root, {}});
     }
-    return scene.nodes[0];
+    std::size_t visits = 0;
+    while (!open.empty() && found.size() < 2) {
+      const PlacedNode next = open.back();
+      open.pop_back();
+      const tinygltf::Node& n = node(next.index);
+      if (++visits > model_.nodes.size()) {
+        throw bad_file(path_, "has a node that is below itself, or below two others");
+      }
+      if (n.mesh >= 0) found.push_back(next);
+      if (!n.children.empty()) {
+        const Vec3 place = next.parent + translation_of(n);
+        for (const int child : n.children) open.push_back({child, place});
+      }
+    }
+    if (found.size() != 1) {
+      throw unsupported(path_, found.empty() ? std::string("has a scene without a mesh")
+                                             : std::string("has a scene of several meshes, expected one mesh and its levels of detail"));
+    }
+    return found.front();
   }
 
   Vec3 translation_of(const tinygltf::Node& n) const {
-    if (!n.matrix.empty() || !n.rotation.empty() || !n.scale.empty() || !n.children.empty()) {
-      throw unsupported(path_, "has a node with more than a translation");
+    constexpr std::array<double, 16> kIdentity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};  // columns
+    const bool turns = !n.rotation.empty() && n.rotation != std::vector<double>{0, 0, 0, 1};
+    const bool scales = !n.scale.empty() && n.scale != std::vector<double>{1, 1, 1};
+    const bool has_matrix = n.matrix.size() == kIdentity.size();
+    bool is_plain = !turns && !scales;
+    for (std::size_t i = 0; has_matrix && i < kIdentity.size(); ++i)
+      is_plain = is_plain && ((i >= 12 && i < 15) || n.matrix[i] == kIdentity[i]);
+    if (!is_plain) {
+      throw unsupported(path_, "has a node that is turned or scaled, expected translations only");
     }
-    if (n.translation.size() != 3) {
-      return {};
-    }
-    return {n.translation[0], n.translation[1], n.translation[2]};
+    if (has_matrix) return {n.matrix[12], n.matrix[13], n.matrix[14]};
+    return n.translation.size() == 3 ? Vec3{n.translation[0], n.translation[1], n.translation[2]} : Vec3{};
   }
 
   // Our part of what an object says beyond glTF; null if there is none.
@@ -178,6 +221,9 @@ class Reader {
     const tinygltf::Accessor& accessor = at(model_.accessors, index, "accessor");
     if (accessor.type != type || accessor.sparse.isSparse || accessor.normalized) {
       throw unsupported(path_, "has an accessor of a kind that isoatlas does not write");
+    }
+    if (accessor.bufferView < 0) {
+      throw unsupported(path_, "has an accessor without a buffer view");
     }
     const tinygltf::BufferView& view = at(model_.bufferViews, accessor.bufferView, "buffer view");
     const std::vector<unsigned char>& bytes = at(model_.buffers, view.buffer, "buffer").data;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -14,6 +15,7 @@
 #include <set>
 
 #include "support/file_test_support.h"
+#include "core/vector_math.h"
 #include "isoatlas/io.h"
 
 namespace isoatlas::test {
@@ -456,23 +458,29 @@ TEST(HierarchyFiles, LevelsThatAreNotNestedAreRead) {
   EXPECT_TRUE(file.hierarchy.levels[2].placed.empty());
 }
 
+/// A .glb with its JSON changed.
+std::string with_json(const std::string& glb, const std::function<void(nlohmann::json&)>& change) {
+  const auto number = [](std::size_t value) {
+    const auto narrow = static_cast<std::uint32_t>(value);
+    return std::string(reinterpret_cast<const char*>(&narrow), sizeof narrow);
+  };
+  std::uint32_t json_bytes = 0;
+  std::memcpy(&json_bytes, glb.data() + 12, sizeof json_bytes);
+  nlohmann::json json = nlohmann::json::parse(glb.substr(20, json_bytes));
+  change(json);
+  std::string text = json.dump();
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  const std::string rest = glb.substr(20 + json_bytes);
+  return glb.substr(0, 8) + number(20 + text.size() + rest.size()) + number(text.size()) + glb.substr(16, 4) + text + rest;
+}
+
 // A required extension may change where vertices are, or how they are stored.
 TEST(HierarchyFiles, GlbThatNeedsAnExtensionIsRefusedByItsName) {
   const TempFolder folder;
   write_hierarchy(sphere({}), folder / "a.glb", info_of({}));
   const std::string whole = read_bytes(folder / "a.glb");
-  const auto number = [](std::size_t value) {
-    const auto narrow = static_cast<std::uint32_t>(value);
-    return std::string(reinterpret_cast<const char*>(&narrow), sizeof narrow);
-  };
   const auto with_extension = [&](const std::string& name) {
-    std::uint32_t json_bytes = 0;
-    std::memcpy(&json_bytes, whole.data() + 12, sizeof json_bytes);
-    std::string json = whole.substr(20, json_bytes);
-    json.insert(1, R"("extensionsRequired":[")" + name + "\"],");
-    json.resize((json.size() + 3) / 4 * 4, ' ');
-    const std::string rest = whole.substr(20 + json_bytes);
-    return whole.substr(0, 8) + number(20 + json.size() + rest.size()) + number(json.size()) + whole.substr(16, 4) + json + rest;
+    return with_json(whole, [&](nlohmann::json& json) { json["extensionsRequired"] = {name}; });
   };
   write_bytes(folder / "b.glb", with_extension("KHR_materials_unlit"));
   EXPECT_EQ(read_hierarchy(folder / "b.glb").hierarchy.levels.size(), 3U);
@@ -480,6 +488,41 @@ TEST(HierarchyFiles, GlbThatNeedsAnExtensionIsRefusedByItsName) {
     write_bytes(folder / "c.glb", with_extension(name));
     expect_error(ErrorCode::unsupported, "needs the glTF extension " + name, folder / "c.glb", [&] { read_levels(folder / "c.glb"); });
   }
+}
+
+// Other programs put a mesh under nodes of their own, beside cameras, and write transforms that change nothing.
+TEST(HierarchyFiles, GlbWithNodesAroundItsMesh) {
+  const TempFolder folder;
+  const Hierarchy hierarchy = sphere({});
+  write_hierarchy(hierarchy, folder / "a.glb", info_of({}));
+  const std::string whole = read_bytes(folder / "a.glb");
+  const Vec3 before = read_hierarchy(folder / "a.glb").hierarchy.positions[0];
+  const auto first_position = [&](const std::function<void(nlohmann::json&)>& change) {
+    write_bytes(folder / "b.glb", with_json(whole, change));
+    return read_hierarchy(folder / "b.glb").hierarchy.positions[0] - before;
+  };
+  const auto under_a_parent = [](nlohmann::json& json) {
+    const std::size_t parent = json["nodes"].size();
+    json["nodes"].push_back({{"translation", {1, 2, 3}}, {"children", json["scenes"][0]["nodes"]}});
+    json["nodes"].push_back({{"name", "camera"}});
+    json["scenes"][0]["nodes"] = {parent, parent + 1};
+  };
+  EXPECT_EQ(first_position(under_a_parent), (Vec3{1, 2, 3}));
+  const auto with_identities = [](nlohmann::json& json) {
+    for (nlohmann::json& node : json["nodes"]) node["rotation"] = {0, 0, 0, 1}, node["scale"] = {1, 1, 1};
+  };
+  EXPECT_EQ(first_position(with_identities), (Vec3{0, 0, 0}));
+  for (const std::function<void(nlohmann::json&)>& change :
+       {std::function<void(nlohmann::json&)>([](nlohmann::json& json) { json["nodes"][0]["scale"] = {1, 2, 1}; }),
+        std::function<void(nlohmann::json&)>([](nlohmann::json& json) { json["scenes"][0]["nodes"] = {0, 1}; })}) {
+    write_bytes(folder / "b.glb", with_json(whole, change));
+    EXPECT_THROW(read_hierarchy(folder / "b.glb"), Error);
+  }
+  write_bytes(folder / "b.glb", with_json(whole, [&](nlohmann::json& json) {
+                under_a_parent(json);
+                json["nodes"][json["nodes"].size() - 2]["children"] = {json["nodes"].size() - 2};
+              }));
+  expect_error(ErrorCode::bad_file, "below itself", folder / "b.glb", [&] { read_hierarchy(folder / "b.glb"); });
 }
 
 }  // namespace
