@@ -136,6 +136,7 @@ class ArrayReader {
     for (double& value : values) {
       const std::size_t first = text.find_first_not_of(" \t\r\n");
       text.remove_prefix(first == std::string_view::npos ? text.size() : first);
+      text.remove_prefix(text.starts_with('+') ? 1 : 0);
       const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
       if (failure != std::errc()) {
         throw error("has '" + one_line(text.substr(0, 20)) + "', expected " + std::to_string(count) + " numbers");

@@ -19,6 +19,15 @@ TriangleMesh read_obj(const std::filesystem::path& path) {
   TriangleMesh mesh;
   PolygonCutter polygons(mesh);
   std::vector<std::uint32_t> corners;
+  // "7", "7/1", "7/1/2" or "7//2": the position comes first
+  const auto corner_of = [&](std::string_view corner) {
+    const std::int64_t index = scanner.to_integer(corner.substr(0, corner.find('/')), "a vertex number");
+    if (index == 0) {
+      throw scanner.error("vertex number 0, but vertices are numbered from 1");
+    }
+    const auto count = static_cast<std::int64_t>(mesh.positions.size());
+    return vertex_index(index > 0 ? index - 1 : count + index);  // -1 is the last vertex so far
+  };
   while (scanner.next_line()) {
     const std::string_view keyword = scanner.word();
     if (keyword == "v") {
@@ -29,16 +38,17 @@ TriangleMesh read_obj(const std::filesystem::path& path) {
     } else if (keyword == "f") {
       corners.clear();
       for (std::string_view corner = scanner.word(); !corner.empty(); corner = scanner.word()) {
-        if (corner == "\\" && scanner.next_line()) {
-          continue;  // the face goes on in the next line
+        if (corner.starts_with('#')) {
+          break;
         }
-        // "7", "7/1", "7/1/2" or "7//2": the position comes first
-        const std::int64_t index = scanner.to_integer(corner.substr(0, corner.find('/')), "a vertex number");
-        if (index == 0) {
-          throw scanner.error("vertex number 0, but vertices are numbered from 1");
+        const bool goes_on = corner.ends_with('\\');  // in the next line
+        corner.remove_suffix(goes_on ? 1 : 0);
+        if (goes_on) {
+          if (!corner.empty()) corners.push_back(corner_of(corner));
+          scanner.next_line();
+          continue;
         }
-        const auto count = static_cast<std::int64_t>(mesh.positions.size());
-        corners.push_back(vertex_index(index > 0 ? index - 1 : count + index));  // -1 is the last vertex so far
+        corners.push_back(corner_of(corner));
       }
       if (corners.size() < 3) {
         throw scanner.error("a face with " + std::to_string(corners.size()) + " corners, expected at least 3");

@@ -184,7 +184,7 @@ class BinaryValues {
 };
 
 bool is_vertex_list(const PlyProperty& property) {
-  return property.list_count_type && (property.name == "vertex_indices" || property.name == "vertex_index");
+  return property.list_count_type && (property.name == "vertex_indices" || property.name == "vertex_index" || property.name == "vertex_indexes");
 }
 
 std::int64_t to_index(double value) {
@@ -256,10 +256,9 @@ TriangleMesh read_body(Values& values, const PlyHeader& header, const std::files
 TriangleMesh read_ply(const std::filesystem::path& path) {
   const std::string contents = file_contents(path);
   const PlyHeader header = read_header(contents, path);
-  const auto has = [&](std::string_view name) {
-    return std::ranges::any_of(header.elements, [&](const PlyElement& element) { return element.name == name; });
-  };
-  if (!has("face") && has("tristrips")) {
+  const bool has_strips =
+      std::ranges::any_of(header.elements, [](const PlyElement& element) { return element.name == "tristrips" && element.count > 0; });
+  if (has_strips) {
     throw unsupported(path, "holds triangle strips, expected faces");
   }
   const std::string_view body = std::string_view(contents).substr(header.bytes);

@@ -294,6 +294,11 @@ TEST(MeshFiles, WhatEditorsAndOtherProgramsWrite) {
   EXPECT_EQ(read_text("a.off", bom + "OFF\n3 1 0\n" + triangle + "3 0 1 2\n").triangles.size(), 1U);
   EXPECT_EQ(read_text("b.off", "NCOFF\n3 1 0\n0 0 0 0 0 1 255 0 0 255\n1 0 0 0 0 1 255 0 0 255\n0 1 0 0 0 1 255 0 0 255\n3 0 1 2\n").positions[1], (Vec3{1, 0, 0}));
   EXPECT_EQ(read_text("a.stl", bom + "SOLID a\nFACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 0 0 0\nVERTEX 1 0 0\nVERTEX 0 1 0\nENDLOOP\nENDFACET\nENDSOLID a\n").triangles.size(), 1U);
+  const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+  EXPECT_EQ(read_text("d.obj", square + "f 1 2\\\n3 4\n").triangles, kSquareFan);
+  EXPECT_EQ(read_text("d.obj", square + "f 1 2 \\\n3 4 # a square\n").triangles, kSquareFan);
+  EXPECT_EQ(read_text("d.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+                               "property list uchar int vertex_indexes\nend_header\n" + triangle + "3 0 1 2\n").triangles.size(), 1U);
   const TempFolder folder;
   write_bytes(folder / "c.obj", "# COLORSPACE=RAS\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   EXPECT_EQ(mesh_space(folder / "c.obj"), "");
@@ -348,6 +353,9 @@ TEST(MeshFiles, BadFilesGiveOneLine) {
     expect_error(ErrorCode::bad_file, file.says, folder / file.name, [&] { read_mesh(folder / file.name); });
   }
   const TempFolder folder;
+  write_bytes(folder / "strips.ply", ply + "element face 1\nproperty list uchar int vertex_indices\nelement tristrips 1\n"
+                                           "property list int int vertex_indices\nend_header\n0 0 0\n0 1 0\n1 0 0\n3 0 1 2\n3 0 1 2\n");
+  expect_error(ErrorCode::unsupported, "holds triangle strips", folder / "strips.ply", [&] { read_mesh(folder / "strips.ply"); });
   write_bytes(folder / "a.xyz", "x");
   expect_error(ErrorCode::unsupported, ".ply", folder / "a.xyz", [&] { read_mesh(folder / "a.xyz"); });
   expect_error(ErrorCode::bad_file, "no such file", folder / "a.ply", [&] { read_mesh(folder / "a.ply"); });

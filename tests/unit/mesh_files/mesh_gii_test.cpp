@@ -100,7 +100,7 @@ const std::string kFloat = "NIFTI_TYPE_FLOAT32", kInt = "NIFTI_TYPE_INT32", kGzi
 const std::string kPoints = "NIFTI_INTENT_POINTSET", kTriangles = "NIFTI_INTENT_TRIANGLE";
 const std::vector<Vec3> kCorners{{0, 1, 2}, {-3, 4.5, 6}, {7, 8, 9}};
 
-const Array kTextPoints{.intent = kPoints, .type = kFloat, .encoding = "ASCII", .data = "\n0 1 2\n -3 4.5 6e0\n7 8 9\n"};
+const Array kTextPoints{.intent = kPoints, .type = kFloat, .encoding = "ASCII", .data = "\n0 1 2\n -3 +4.5 +6e0\n7 8 9\n"};
 const Array kTextTriangle{.intent = kTriangles, .type = kInt, .encoding = "ASCII", .data = "2 1 0", .dims = "Dimensionality=\"2\" Dim0=\"1\" Dim1=\"3\""};
 
 template <class Value>
