@@ -200,6 +200,10 @@ void find_nrrd_samples(StoredSamples& stored, const NrrdHeader& header, const fs
   }
   const std::int64_t line_skip = skip_of(header, path, "lineskip", 0);
   const std::int64_t byte_skip = skip_of(header, path, "byteskip", std::numeric_limits<std::int64_t>::min() + 1);
+  if (byte_skip < 0 && stored.format.encoding != SampleEncoding::binary) {
+    throw unsupported(path, "counts the bytes of its samples from the end (byte skip " + std::to_string(byte_skip) +
+                                "), expected that with raw samples only, and these are text");
+  }
   const std::uint64_t piece_bytes = all_bytes / stored.pieces.size();
   for (SamplePiece& piece : stored.pieces) {
     check_data_file(path, piece.file, [&] {

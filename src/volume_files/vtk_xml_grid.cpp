@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <memory>
 #include <system_error>
 #include <utility>
 
@@ -90,6 +92,7 @@ fs::path piece_file(const fs::path& path, const XmlElement& piece) {
 
 void add_files(VtkXmlGrid& grid, const std::string& piece_type) {
   const fs::path& path = grid.header->path;
+  std::map<fs::path, std::shared_ptr<const VtkXmlHeader>> headers;  // several pieces may name one file
   for (const XmlElement& piece : grid.element->children) {
     const bool is_piece = piece.name == "Piece";
     const PointExtent extent = is_piece ? extent_of(*grid.header, piece, "Extent") : PointExtent{};
@@ -100,7 +103,8 @@ void add_files(VtkXmlGrid& grid, const std::string& piece_type) {
     const fs::path file = piece_file(path, piece);
     check_data_file(path, file, [&] {
       readable_file_size(file);
-      const auto header = std::make_shared<const VtkXmlHeader>(read_vtk_xml_header(file));
+      std::shared_ptr<const VtkXmlHeader>& header = headers[file];
+      if (!header) header = std::make_shared<const VtkXmlHeader>(read_vtk_xml_header(file));
       const XmlElement* const element = header->root.child(piece_type);
       if (header->root.attribute_or("type", "") != piece_type || element == nullptr) {
         throw bad_file(file, "holds '" + one_line(header->root.attribute_or("type", ""), 40) + "', expected " + piece_type);

@@ -554,6 +554,11 @@ TEST(NrrdDataFiles, List) {
             Strings{"its data file c.raw has 2 bytes after the last sample that the header promises, and 1 more files are longer too"});
 }
 
+TEST(NrrdDataFiles, TextHasNoBytesToCountFromTheEnd) {
+  for (const std::string encoding : {"text", "hex"})
+    NrrdFile(small(kSpacing + "byte skip: -1\n", "1 2 3", encoding)).expect_refused(kUnsupported, "(byte skip -1), expected that with raw samples only");
+}
+
 TEST(NrrdDataFiles, Pattern) {
   NrrdFile nrrd(small(kSpacing + "data file: s%03d.raw 9 3 -2\n", ""), "a.nhdr");
   nrrd.with("s009.raw", counted(6)).with("s007.raw", counted(6, 6)).with("s005.raw", counted(6, 12)).with("s003.raw", counted(6, 18));
