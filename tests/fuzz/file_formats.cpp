@@ -41,13 +41,13 @@ class FileInMemory {
     const fs::path parent = fs::is_directory("/dev/shm") ? "/dev/shm" : fs::temp_directory_path();
     folder_ = parent / ("isoatlas-fuzz-" + std::to_string(getpid()));
     fs::create_directory(folder_);
-    path_ = folder_ / ("file." + std::string(format));
+    path_ = folder_ / ("s1." + std::string(format));
     write(path_, bytes);
     // A header may name this file for its samples.
     constexpr std::string_view kSamples = "samples.raw";
     if (std::search(bytes.begin(), bytes.end(), kSamples.begin(), kSamples.end()) != bytes.end()) write(folder_ / kSamples, bytes);
     if (format == "png") {  // a folder of slices
-      write(folder_ / "other.png", bytes);
+      write(folder_ / "s2.png", bytes);
       path_ = folder_;
     }
   }
