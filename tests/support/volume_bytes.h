@@ -3,7 +3,6 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <array>
@@ -14,6 +13,7 @@
 #include <vector>
 
 #include "isoatlas/volume_file.h"
+#include "support/packed_bytes.h"
 
 namespace isoatlas::test {
 
@@ -46,20 +46,6 @@ template <class Value>
 void put(std::string& bytes, std::size_t offset, Value value, bool big_endian) {
   if (big_endian) value = reversed(value);
   std::memcpy(bytes.data() + offset, &value, sizeof value);
-}
-
-inline std::string gzipped(const std::string& bytes) {
-  z_stream stream{};
-  deflateInit2(&stream, 6, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY);
-  std::string packed(bytes.size() + 1000, '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-  stream.avail_in = static_cast<uInt>(bytes.size());
-  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
-  stream.avail_out = static_cast<uInt>(packed.size());
-  deflate(&stream, Z_FINISH);
-  packed.resize(stream.total_out);
-  deflateEnd(&stream);
-  return packed;
 }
 
 inline std::string decision(const VolumeFile& file, const std::string& key) {

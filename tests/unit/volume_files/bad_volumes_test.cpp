@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Volume files that are wrong: each gives one clear line, none a volume of zeros, a crash or a wait.
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include <array>
 #include <cstring>
 #include <optional>
 
 #include "support/file_test_support.h"
+#include "support/packed_bytes.h"
 #include "isoatlas/io.h"
 
 namespace isoatlas::test {
@@ -32,21 +32,6 @@ std::string as_text(const std::string& samples) {
     text += std::to_string(static_cast<unsigned char>(sample)) + " ";
   }
   return text;
-}
-
-std::string deflated(const std::string& bytes, bool gzip) {
-  z_stream stream{};
-  deflateInit2(&stream, 6, Z_DEFLATED, gzip ? 15 + 16 : 15, 8, Z_DEFAULT_STRATEGY);
-  std::string packed(bytes.size() + 1000, '\0');
-  std::string copy = bytes;
-  stream.next_in = reinterpret_cast<Bytef*>(copy.data());
-  stream.avail_in = static_cast<uInt>(copy.size());
-  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
-  stream.avail_out = static_cast<uInt>(packed.size());
-  deflate(&stream, Z_FINISH);
-  packed.resize(stream.total_out);
-  deflateEnd(&stream);
-  return packed;
 }
 
 std::string flipped(std::string bytes, std::size_t position) {
@@ -180,7 +165,7 @@ constexpr ErrorCode kUnsupported = ErrorCode::unsupported;
 
 TEST(BadVolumes, WholeFilesAreRead) {  // or the tests below would prove nothing
   const TempFolder folder;
-  const std::string gz = deflated(noise(), true), z = deflated(noise(), false);
+  const std::string gz = gzipped(noise(), true), z = gzipped(noise(), false);
   const std::vector<std::pair<std::string, std::string>> files{
       {"a.nrrd", nrrd(noise())},
       {"b.nrrd", nrrd(gz, "gzip")},
@@ -189,7 +174,7 @@ TEST(BadVolumes, WholeFilesAreRead) {  // or the tests below would prove nothing
       {"b.mha", packed_meta(z, z.size())},
       {"c.mha", meta(as_text(noise()), "BinaryData = False\n")},
       {"a.nii", nifti_header() + noise()},
-      {"a.nii.gz", deflated(nifti_header() + noise(), true)},
+      {"a.nii.gz", gzipped(nifti_header() + noise(), true)},
       {"plain.nii.gz", nifti_header() + noise()},  // a wrong name that the NIfTI library does not mind
       {"a.vtk", vtk(noise())},
       {"b.vtk", vtk(as_text(noise()), "ASCII")},
@@ -205,10 +190,7 @@ TEST(BadVolumes, WholeFilesAreRead) {  // or the tests below would prove nothing
 
 TEST(BadVolumes, PackedFilesSayHowToUnpackThem) {
   const TempFolder folder;
-  gzFile file = gzopen((folder / "a.tif.gz").c_str(), "wb");
-  const std::string bytes = tiff(tiff_pages());
-  gzwrite(file, bytes.data(), static_cast<unsigned>(bytes.size()));
-  gzclose(file);
+  write_bytes(folder / "a.tif.gz", gzipped(tiff(tiff_pages())));
   expect_error(kUnsupported, "is a gzipped TIFF file, expected it decompressed (gunzip)", folder / "a.tif.gz",
                [&] { read_volume(folder / "a.tif.gz"); });
   expect_all_errors({{"a.vtk.bz2", "BZh91AY&SY.....", kUnsupported, "is compressed by bzip2 (to be decompressed first: bunzip2)"},
@@ -239,7 +221,7 @@ TEST(BadVolumes, WithoutPermission) {
 }
 
 TEST(BadVolumes, Nrrd) {
-  const std::string gz = deflated(noise(), true);
+  const std::string gz = gzipped(noise(), true);
   const std::string vector_axis = "spacings: nan 1 1 1\n";
   expect_all_errors(
       {{"raw.nrrd", nrrd(cut(noise(), 1)), kBad, "1919"},
@@ -248,7 +230,7 @@ TEST(BadVolumes, Nrrd) {
        {"trailer.nrrd", nrrd(cut(gz, 8), "gzip"), kBad, "is cut off"},
        {"flip.nrrd", nrrd(flipped(gz, 900), "gzip"), kBad, "damaged"},
        {"crc.nrrd", nrrd(flipped(gz, gz.size() - 6), "gzip"), kBad, "damaged"},
-       {"short.nrrd", nrrd(deflated(cut(noise(), 9), true), "gzip"), kBad, "1911"},
+       {"short.nrrd", nrrd(gzipped(cut(noise(), 9), true), "gzip"), kBad, "1911"},
        {"text.nrrd", nrrd(cut(as_text(noise()), 200), "ascii"), kBad, "promises 1920 numbers"},
        {"huge.nrrd", nrrd("0123456789", "raw", "100000 100000 100000"), kBad, "promises 1000000000000000 bytes"},
        {"hugegz.nrrd", nrrd(gz, "gzip", "10000 10000 10000"), kBad, "far more than a file of"},
@@ -268,14 +250,14 @@ TEST(BadVolumes, Nrrd) {
 }
 
 TEST(BadVolumes, MetaImage) {
-  const std::string z = deflated(noise(), false);
+  const std::string z = gzipped(noise(), false);
   const std::string text = "BinaryData = False\n";
   expect_all_errors({{"raw.mha", meta(cut(noise(), 1)), kBad, "promises 1920 bytes of samples, the file has 1919"},
                      {"none.mha", meta(""), kBad, "the file has 0"},
                      {"cut.mha", packed_meta(cut(z, 100), z.size()), kBad, "is cut off"},
                      {"cut2.mha", packed_meta(cut(z, 100), z.size() - 100), kBad, "is cut off"},
                      {"flip.mha", packed_meta(flipped(z, 900), z.size()), kBad, "damaged"},
-                     {"short.mha", packed_meta(deflated(cut(noise(), 9), false), 1911), kBad, "promises 1920 bytes of samples, the file has 1911"},
+                     {"short.mha", packed_meta(gzipped(cut(noise(), 9), false), 1911), kBad, "promises 1920 bytes of samples, the file has 1911"},
                      {"text.mha", meta(cut(as_text(noise()), 300), text), kBad, "promises 1920 numbers"},
                      {"huge.mha", meta(noise(), "", "100000 100000 100000"), kBad, "promises 1000000000000000 bytes"},
                      {"hugez.mha", packed_meta(z, z.size(), "10000 10000 10000"), kBad, "far more than a file of"},
@@ -296,7 +278,7 @@ TEST(BadVolumes, DetachedDataFiles) {
   const TempFolder folder;
   write_bytes(folder / "short.raw", cut(noise(), 20));
   write_bytes(folder / "whole.raw", noise());
-  write_bytes(folder / "short.gz", cut(deflated(noise(), true), 20));
+  write_bytes(folder / "short.gz", cut(gzipped(noise(), true), 20));
   const auto expect = [&](const std::string& name, const std::string& header, const std::string& says) {
     write_bytes(folder / name, header);
     expect_error(kBad, says, folder / name, [&] { read_volume(folder / name); });
@@ -313,17 +295,17 @@ TEST(BadVolumes, DetachedDataFiles) {
 }
 
 TEST(BadVolumes, Nifti) {
-  const std::string gz = deflated(nifti_header() + noise(), true);
+  const std::string gz = gzipped(nifti_header() + noise(), true);
   expect_all_errors(
       {{"raw.nii", nifti_header() + cut(noise(), 1), kBad, "promises 1920 bytes of samples, the file has 1919"},
        {"gzip.nii.gz", cut(gz, 100), kBad, "is cut off"},
        {"trailer.nii.gz", cut(gz, 8), kBad, "is cut off"},
-       {"short.nii.gz", deflated(nifti_header() + cut(noise(), 9), true), kBad, "is cut off"},
+       {"short.nii.gz", gzipped(nifti_header() + cut(noise(), 9), true), kBad, "is cut off"},
        {"flip.nii.gz", flipped(gz, 1200), kBad, ""},
        {"crc.nii.gz", flipped(gz, gz.size() - 6), kBad, ""},
        {"header.nii", nifti_header().substr(0, 100), kBad, "not a NIfTI file"},
        {"huge.nii", nifti_header({.dimensions = {3, 32000, 32000, 32000, 1, 1, 1, 1}}) + noise(), kBad, "promises 32768000000000"},
-       {"huge.nii.gz", deflated(nifti_header({.dimensions = {3, 32000, 32000, 32000, 1, 1, 1, 1}}), true), kBad, "far more"},
+       {"huge.nii.gz", gzipped(nifti_header({.dimensions = {3, 32000, 32000, 32000, 1, 1, 1, 1}}), true), kBad, "far more"},
        {"negative.nii", nifti_header({.dimensions = {3, -16, 12, 10, 1, 1, 1, 1}}) + noise(), kBad, "-16 samples along axis 1"},
        {"dimensions.nii", nifti_header({.dimensions = {9, 16, 12, 10, 1, 1, 1, 1}}) + noise(), kBad, ""},
        {"spacing.nii", nifti_header({.spacing = {1, 1, 0, 1, 1, 1, 1, 1}}) + noise(), kBad, "spacing along axis 2 is 0"},

@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "files/byte_source.h"
 
-#include <bzlib.h>
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include <string>
 #include <tuple>
 
 #include "support/file_test_support.h"
+#include "support/packed_bytes.h"
 
 namespace isoatlas::io {
 namespace {
 
+using test::bzipped;
+using test::deflated;
+using test::gzipped;
 using test::TempFolder;
 using test::write_bytes;
 
@@ -20,30 +22,6 @@ std::string content() {
   std::string bytes;
   for (int i = 0; i < 700'000; ++i) bytes += static_cast<char>(i * 7 + i / 1000);
   return bytes;
-}
-
-std::string deflated(const std::string& bytes, int window_bits) {
-  z_stream stream{};
-  deflateInit2(&stream, 6, Z_DEFLATED, window_bits, 8, Z_DEFAULT_STRATEGY);
-  std::string packed(deflateBound(&stream, bytes.size()) + 32, '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-  stream.avail_in = static_cast<uInt>(bytes.size());
-  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
-  stream.avail_out = static_cast<uInt>(packed.size());
-  deflate(&stream, Z_FINISH);
-  packed.resize(stream.total_out);
-  deflateEnd(&stream);
-  return packed;
-}
-
-std::string gzipped(const std::string& bytes) { return deflated(bytes, 15 + 16); }
-
-std::string bzipped(const std::string& bytes) {
-  unsigned size = static_cast<unsigned>(bytes.size() + bytes.size() / 50 + 1000);
-  std::string packed(size, '\0');
-  BZ2_bzBuffToBuffCompress(packed.data(), &size, const_cast<char*>(bytes.data()), static_cast<unsigned>(bytes.size()), 9, 0, 0);
-  packed.resize(size);
-  return packed;
 }
 
 class Packed : public testing::TestWithParam<int> {

@@ -2,9 +2,7 @@
 // Files of formats that say in text what their samples are, made by hand.
 #pragma once
 
-#include <bzlib.h>
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include <filesystem>
 #include <string>
@@ -12,6 +10,7 @@
 
 #include "isoatlas/io.h"
 #include "support/file_test_support.h"
+#include "support/packed_bytes.h"
 
 namespace isoatlas::test {
 
@@ -37,30 +36,6 @@ inline std::string counted(std::size_t count, std::size_t first = 0, std::size_t
     bytes += static_cast<char>(first + i * step);
   }
   return bytes;
-}
-
-/// A gzip stream, or a zlib stream.
-inline std::string gzipped(const std::string& bytes, bool gzip = true) {
-  z_stream stream{};
-  deflateInit2(&stream, 6, Z_DEFLATED, gzip ? 15 + 16 : 15, 8, Z_DEFAULT_STRATEGY);
-  std::string packed(bytes.size() + 1000, '\0');
-  std::string copy = bytes;
-  stream.next_in = reinterpret_cast<Bytef*>(copy.data());
-  stream.avail_in = static_cast<uInt>(copy.size());
-  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
-  stream.avail_out = static_cast<uInt>(packed.size());
-  deflate(&stream, Z_FINISH);
-  packed.resize(stream.total_out);
-  deflateEnd(&stream);
-  return packed;
-}
-
-inline std::string bzipped(std::string bytes) {
-  std::string packed(bytes.size() + 1000, '\0');
-  auto size = static_cast<unsigned>(packed.size());
-  BZ2_bzBuffToBuffCompress(packed.data(), &size, bytes.data(), static_cast<unsigned>(bytes.size()), 9, 0, 0);
-  packed.resize(size);
-  return packed;
 }
 
 /// One file in a folder of its own, and what is beside it.
