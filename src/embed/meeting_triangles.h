@@ -25,7 +25,7 @@ class MeetingTriangles {
   std::size_t pairs() const { return pairs_.size(); }  ///< of the last mesh
 
  private:
-  // To be asked whether a triangle is there, whose smallest corner has to be its first.
+  // A set of triangles. contains() expects a triangle with its smallest corner first.
   class TriangleSet {
    public:
     TriangleSet() = default;

@@ -113,10 +113,10 @@ Corners sort_corners(Triangle a, Triangle b) {
 
 double largest_coordinate(Vec3 v) { return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}); }
 
-// Where the products below neither underflow nor overflow.
+// True where the products below neither underflow nor overflow.
 bool is_moderate(double x) { return x > 1e-60 && x < 1e60; }
 
-// The plane of three points, as far as doubles can tell on which side of it something is: one normal, and a height whose error is bounded.
+// Tells on which side of the plane of three points a point lies, where doubles suffice: by one normal and a height whose error is bounded.
 // The six products of a height are each below u v w, the largest coordinates of three differences, and each has a relative error below 8
 // times 2^-53, so 48 * 2^-53 * u v w bounds the error; kError is twice that.
 class RoughPlane {
@@ -155,7 +155,7 @@ bool is_surely_obtuse(Vec3 from, Vec3 to, Vec3 p, Vec3 q) {
   return dot(cross(edge, to_p), cross(edge, to_q)) < -kError * u * u * v * w;
 }
 
-// A triangle beside another: which corners they share, and on which sides of the other's plane the rest is.
+// The corners of one triangle: which of them the other triangle has too, and on which side of its plane the rest lies.
 struct Beside {
   std::array<bool, 3> is_shared{};
   std::array<int, 3> side{};  // of corners that are not shared; 0: not known
@@ -225,7 +225,7 @@ std::optional<bool> meet_roughly(std::span<const Vec3> positions, const Triangle
   return sides_b.side[(sides_b.first_shared() + 1) % 3] != sides_a.side[(sides_a.first_shared() + 1) % 3];
 }
 
-// For pairs that doubles could not decide.
+// Decides the pairs that doubles leave open.
 bool meet_exactly(std::span<const Vec3> positions, const Triangle& first, const Triangle& second) {
   const Corners corners = sort_corners(first, second);
   const auto point = [&positions](std::uint32_t v) { return Point(positions[v].x, positions[v].y, positions[v].z); };

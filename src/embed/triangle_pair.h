@@ -11,9 +11,9 @@ namespace isoatlas {
 /// Exact for all finite coordinates.
 bool meet_beyond_shared(std::span<const Vec3> positions, const Triangle& a, const Triangle& b);
 
-/// How many pairs of a few triangles meet where they should not; where there are as many as `enough`, that. The same answers, but on which
-/// side of which triangle the positions are is found out once for all pairs.
-/// @param positions  no others than the triangles' corners
+/// Counts the pairs of a few triangles for which meet_beyond_shared() is true, and stops at `enough`. Each position is compared with each
+/// triangle's plane once for all pairs.
+/// @param positions  the triangles' corners and no others
 std::size_t meeting_pairs(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::size_t enough);
 
 }  // namespace isoatlas

@@ -15,7 +15,7 @@ namespace isoatlas::io {
 class TextScanner {
  public:
   TextScanner(std::string_view text, std::filesystem::path path) : rest_(text), path_(std::move(path)) {
-    if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);  // the mark of UTF-8 that editors on Windows put first
+    if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);  // byte order mark of UTF-8
   }
 
   /// Steps to the next line; false at the end of the text.

@@ -46,7 +46,7 @@ std::vector<Point> flattened(std::span<const Vec3> positions, std::span<const st
   return points;
 }
 
-/// Cuts off ears, corners whose triangle is inside, one after the other. None: there is a corner at which none can be cut off.
+/// Cuts off one ear after the other: a corner whose triangle lies inside the polygon. None: at some step there was no ear.
 std::optional<std::vector<std::array<std::size_t, 3>>> cut_ears(std::span<const Point> points) {
   std::vector<std::size_t> left(points.size());
   for (std::size_t i = 0; i < left.size(); ++i) left[i] = i;
@@ -87,7 +87,7 @@ void PolygonCutter::cut_concave() {
   const std::vector<Vec3>& positions = mesh_.positions;
   for (const Polygon& polygon : polygons_) {
     const std::span<const std::uint32_t> corners(corners_.data() + polygon.first_corner, polygon.corner_count);
-    if (std::ranges::any_of(corners, [&](std::uint32_t v) { return v >= positions.size(); })) continue;  // refused later
+    if (std::ranges::any_of(corners, [&](std::uint32_t v) { return v >= positions.size(); })) continue;  // read_mesh refuses it
     const Vec3 normal = area_normal(positions, corners);
     bool is_sound = true;
     for (std::size_t i = 1; is_sound && i + 1 < corners.size(); ++i) {

@@ -26,8 +26,7 @@ class PolygonCutter {
   /// Adds a polygon as triangles around its first corner.
   void append(std::span<const std::uint32_t> corners);
 
-  /// Cuts those polygons anew, along diagonals inside them, of which a triangle around the first corner faces the other way. Call it when
-  /// all positions are known.
+  /// Replaces the fans of concave polygons by triangles inside them. Call it when all positions are known.
   void cut_concave();
 
  private:

@@ -57,11 +57,11 @@ void require_container(const std::string& contents, const fs::path& path) {
   }
 }
 
-// Looks may be left out, but not what changes where vertices are or how they are stored.
+// Extensions for appearance can be ignored; extensions that move vertices or store them in another way cannot.
 void require_known_extensions(const std::string& contents, const fs::path& path) {
   constexpr std::size_t kJson = 20;  // after the file's and the chunk's headers
   std::uint32_t bytes = 0;
-  if (contents.size() < kJson) return;  // said later
+  if (contents.size() < kJson) return;  // require_container has reported it
   std::memcpy(&bytes, contents.data() + 12, sizeof bytes);
   const nlohmann::json json = nlohmann::json::parse(contents.substr(kJson, bytes), nullptr, false);
   if (!json.is_object() || !json.contains("extensionsRequired") || !json["extensionsRequired"].is_array()) return;
@@ -156,11 +156,11 @@ class Reader {
   // The only node of the scene with a mesh. Cameras, lights and empty nodes may be beside and around it.
   PlacedNode finest_node() const {
     std::vector<PlacedNode> open, found;
-    if (model_.scenes.empty()) {  // then no node is said to be shown: all are
+    if (model_.scenes.empty()) {  // without scenes all nodes are shown
       std::vector<bool> is_child(model_.nodes.size());
       for (const tinygltf::Node& n : model_.nodes) {
         for (const int child : n.children) {
-          node(child);  // is there
+          node(child);  // throws if there is none
           is_child[static_cast<std::size_t>(child)] = true;
         }
       }

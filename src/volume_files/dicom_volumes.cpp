@@ -56,7 +56,7 @@ struct Before {
 
 std::string length_text(double value) { return dicom_number(std::round(value * 1e6) / 1e6); }
 
-// A gap that is like none of the others: half of the stack away, a slice may be missing, or be from elsewhere.
+// The first gap that differs from the median gap by more than kGapTolerance: a slice may be missing. Empty: there is none.
 std::string uneven_gap(const std::vector<DicomFrame>& frames) {
   std::vector<double> gaps;
   for (std::size_t i = 1; i < frames.size(); ++i) {
@@ -76,7 +76,7 @@ std::string uneven_gap(const std::vector<DicomFrame>& frames) {
          length_text(usual) + "; is a slice missing?";
 }
 
-// Small differences that add up, and slices beside the line through the others.
+// The slice farthest from its place in an even stack, if it is too far: small differences between gaps can add up.
 std::string misplaced_slice(const std::vector<DicomFrame>& frames, const Vec3& step) {
   std::size_t worst = 0;
   Vec3 offset;  // of the worst, from its place in an even stack
@@ -246,7 +246,7 @@ struct PlaneGroup {
 };
 
 std::vector<PlaneGroup> group_by_plane(std::vector<DicomFrame> frames) {
-  // Programs that make data anonymous may give every slice a frame of reference of its own.
+  // Anonymized files may have a frame of reference for each slice.
   std::set<std::pair<std::string, std::string>> worlds;
   std::set<const DicomImage*> images;
   for (const DicomFrame& frame : frames) {

@@ -57,7 +57,7 @@ bool is_plausible(const HeaderFields& header) {
          header.int32(kMode) < kMostModes;
 }
 
-// Where it makes sense in both, sizes read in the wrong order are enormous.
+// The byte order in which the header makes sense. If both do, the one with the smaller sizes: swapped sizes are enormous.
 bool is_swapped(const std::string& bytes) {
   const HeaderFields native(bytes, false), swapped(bytes, true);
   if (!is_plausible(native) || !is_plausible(swapped)) return !is_plausible(native);

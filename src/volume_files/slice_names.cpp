@@ -83,7 +83,7 @@ void require_rising(const fs::path& folder, const std::vector<SliceName>& names,
   }
 }
 
-// Numbers may have more digits than an integer holds; the first ones are mostly the same.
+// Numbers may have more digits than an integer holds, so digits that both begin with are left out.
 std::optional<std::uint64_t> difference(std::string_view from, std::string_view to) {
   const std::size_t same = static_cast<std::size_t>(std::ranges::mismatch(from, to).in1 - from.begin());
   if (from.size() == to.size() && same < from.size()) {

@@ -120,7 +120,7 @@ void require_decodable(TIFF* tiff, const fs::path& path) {
   }
 }
 
-// libtiff takes no notice of a predictor elsewhere, and samples would be differences.
+// With other compressions libtiff ignores the predictor and returns differences in place of samples.
 void require_predictor_is_undone(TIFF* tiff, std::uint32_t predictor, const fs::path& path) {
   constexpr std::array<std::uint16_t, 5> kWithPredictor{COMPRESSION_LZW, COMPRESSION_DEFLATE, COMPRESSION_ADOBE_DEFLATE, COMPRESSION_LZMA,
                                                         COMPRESSION_ZSTD};
