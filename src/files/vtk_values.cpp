@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -14,6 +13,7 @@
 
 #include "files/byte_source.h"
 #include "files/file_error.h"
+#include "files/number_text.h"
 #include "volume/sample_type.h"
 
 namespace isoatlas::io {
@@ -100,15 +100,11 @@ bool is_in_range(long double value) {
 // The same in every locale. Integers may be written like 3.0 or 1e3, and numbers below the smallest float are 0.
 template <class T>
 bool parse_value(std::string_view word, T& value) {
-  word.remove_prefix(word.starts_with('+') ? 1 : 0);
-  const char* const word_end = word.data() + word.size();
-  const auto [end, error] = std::from_chars(word.data(), word_end, value);
-  if (error == std::errc{} && end == word_end) {
+  if (parse_number(word, value)) {
     return true;
   }
   long double wide = 0;
-  const auto [wide_end, wide_error] = std::from_chars(word.data(), word_end, wide);
-  if (wide_error != std::errc{} || wide_end != word_end || !is_in_range<T>(wide)) {
+  if (!parse_number(word, wide) || !is_in_range<T>(wide)) {
     return false;
   }
   value = static_cast<T>(wide);

@@ -5,13 +5,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <exception>
 #include <fstream>
 #include <memory>
 #include <new>
 
 #include "files/file_error.h"
+#include "files/number_text.h"
 #include "files/stored_data.h"
 
 namespace isoatlas::io {
@@ -243,10 +243,7 @@ std::vector<double> numbers_of(const VtkXmlHeader& header, const XmlElement& ele
   constexpr std::string_view kBlanks = " \t\r\n";
   for (std::size_t begin = text->find_first_not_of(kBlanks); begin != std::string::npos;) {
     const std::size_t end = std::min(text->find_first_of(kBlanks, begin), text->size());
-    std::string_view word = std::string_view(*text).substr(begin, end - begin);
-    word.remove_prefix(word.starts_with('+') ? 1 : 0);
-    const auto [word_end, error] = std::from_chars(word.data(), word.data() + word.size(), numbers.emplace_back());
-    if (error != std::errc{} || word_end != word.data() + word.size()) {
+    if (!parse_number(std::string_view(*text).substr(begin, end - begin), numbers.emplace_back())) {
       numbers.clear();
       break;
     }

@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <utility>
+
+#include "files/number_text.h"
 
 namespace isoatlas::io {
 
@@ -124,13 +125,8 @@ static_assert(std::ranges::is_sorted(kKnown, {}, &KnownAttribute::tag));
 
 std::optional<double> number_in(std::string_view text) {
   text = dicom_trimmed(text);
-  text.remove_prefix(text.starts_with('+') ? 1 : 0);
   double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (text.empty() || error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) {
-    return std::nullopt;
-  }
-  return value;
+  return parse_number(text, value) && std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
 template <class Number>

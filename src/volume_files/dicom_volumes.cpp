@@ -2,13 +2,14 @@
 #include "volume_files/dicom_volumes.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <initializer_list>
 #include <map>
 #include <optional>
 #include <set>
 #include <utility>
+
+#include "files/number_text.h"
 
 namespace isoatlas::io {
 
@@ -40,8 +41,7 @@ bool have_same_place(const DicomFrame& a, const DicomFrame& b) {
 bool comes_before(const std::string& a, const std::string& b) {
   const auto number = [](const std::string& text) -> std::optional<double> {
     double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    return error == std::errc{} && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
+    return parse_number(text, value) ? std::optional(value) : std::nullopt;
   };
   const std::optional<double> first = number(a), second = number(b);
   if (first.has_value() != second.has_value()) {

@@ -2,10 +2,10 @@
 #include "volume_files/header_text.h"
 
 #include <algorithm>
-#include <charconv>
 
 #include "core/file_name.h"
 #include "files/file_error.h"
+#include "files/number_text.h"
 #include "files/stored_data.h"
 #include "volume_files/choice.h"
 
@@ -19,15 +19,8 @@ constexpr std::string_view kBlanks = " \t\r\n\v\f";
 
 template <class Number>
 std::optional<Number> parsed(std::string_view word) {
-  if (word.starts_with('+')) {
-    word.remove_prefix(1);  // from_chars takes no plus sign
-  }
   Number value{};
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc{} || end != word.data() + word.size()) {
-    return std::nullopt;
-  }
-  return value;
+  return parse_number(word, value) ? std::optional(value) : std::nullopt;
 }
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }

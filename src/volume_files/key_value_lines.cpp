@@ -2,8 +2,9 @@
 #include "volume_files/key_value_lines.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+
+#include "files/number_text.h"
 
 namespace isoatlas::io {
 
@@ -27,9 +28,7 @@ std::optional<double> finite_number(std::string_view text) {
   text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
   text = text.substr(0, text.find_last_not_of(kBlanks) + 1);
   double number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  const bool is_number = error == std::errc{} && end == text.data() + text.size() && std::isfinite(number);
-  return is_number ? std::optional(number) : std::nullopt;
+  return parse_number(text, number) && std::isfinite(number) ? std::optional(number) : std::nullopt;
 }
 
 std::optional<std::size_t> count_of_pages(std::string_view text) {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "files/file_error.h"
+#include "files/number_text.h"
 #include "files/stored_data.h"
 #include "volume/sample_type.h"
 
@@ -124,25 +125,14 @@ class WordSource {
 
 template <class T>
 std::optional<T> sample_of(std::string_view word) {
-  if (word.starts_with('+')) {
-    word.remove_prefix(1);
-  }
   T value{};
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error == std::errc{} && end == word.data() + word.size()) {
+  if (parse_number(word, value)) {
     return value;
-  }
-  if constexpr (std::is_floating_point_v<T>) {  // below the smallest number of the type
-    long double wide = 0;
-    const auto [wide_end, wide_error] = std::from_chars(word.data(), word.data() + word.size(), wide);
-    if (wide_error == std::errc{} && wide_end == word.data() + word.size() && std::fabs(wide) < 1) return static_cast<T>(wide);
   }
   if constexpr (std::is_integral_v<T>) {  // "12.0" and "1e3" are integers too
     double number = 0;
-    const auto [number_end, number_error] = std::from_chars(word.data(), word.data() + word.size(), number);
     const double beyond = std::ldexp(1.0, std::numeric_limits<T>::digits);
-    if (number_error == std::errc{} && number_end == word.data() + word.size() && number == std::trunc(number) && number < beyond &&
-        number >= (std::is_signed_v<T> ? -beyond : 0)) {
+    if (parse_number(word, number) && number == std::trunc(number) && number < beyond && number >= (std::is_signed_v<T> ? -beyond : 0)) {
       return static_cast<T>(number);
     }
   }
