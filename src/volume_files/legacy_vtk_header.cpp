@@ -62,6 +62,8 @@ class HeaderReader {
     }
     if (is_rectilinear_) {
       apply_coordinates();
+    } else {
+      move_origin_to_first_point();
     }
     std::stable_partition(header_.arrays.begin(), header_.arrays.end(),
                           [](const LegacyVtkArray& array) { return !array.array.is_cell_data; });
@@ -105,6 +107,8 @@ class HeaderReader {
   void read_section(const std::string& keyword) {
     if (keyword == "dimensions") {
       for (std::size_t& points : header_.grid.points) points = static_cast<std::size_t>(scanner_.count("a number of points"));
+    } else if (keyword == "extent") {
+      read_extent();
     } else if (keyword == "spacing" || keyword == "aspect_ratio") {
       header_.grid.spacing = scanner_.vector("a spacing");
       header_.has_spacing = true;
@@ -125,6 +129,26 @@ class HeaderReader {
     } else {
       read_values(keyword);
     }
+  }
+
+  // EXTENT x0 x1 y0 y1 z0 z1 instead of DIMENSIONS: the indices of the first and last point along each axis.
+  void read_extent() {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::int64_t first = scanner_.integer("the first index of an axis"), last = scanner_.integer("the last index of an axis");
+      if (first < std::numeric_limits<std::int32_t>::min() || last > std::numeric_limits<std::int32_t>::max() || last < first) {
+        throw bad_file(path_, "its EXTENT goes from " + std::to_string(first) + " to " + std::to_string(last) + " along " + "xyz"[axis] +
+                                  ", expected 32-bit indices, the larger one last");
+      }
+      header_.grid.points[axis] = static_cast<std::size_t>(last - first + 1);
+      first_index_[axis] = static_cast<double>(first);
+    }
+  }
+
+  // ORIGIN and SPACING may stand after EXTENT.
+  void move_origin_to_first_point() {
+    header_.grid.origin.x += first_index_[0] * header_.grid.spacing.x;
+    header_.grid.origin.y += first_index_[1] * header_.grid.spacing.y;
+    header_.grid.origin.z += first_index_[2] * header_.grid.spacing.z;
   }
 
   void begin_attributes(bool is_cell_data) {
@@ -272,6 +296,7 @@ class HeaderReader {
   LegacyVtkScanner scanner_;
   LegacyVtkHeader header_;
   bool is_rectilinear_ = false;
+  std::array<double, 3> first_index_{};  // of EXTENT
   std::array<AxisCoordinates, 3> coordinates_;
   bool has_attributes_ = false, is_cell_data_ = false;  // after POINT_DATA or CELL_DATA
   std::uint64_t tuples_ = 0;                            // of it

@@ -9,6 +9,7 @@
 
 #include "core/file_name.h"
 #include "files/file_error.h"
+#include "files/number_text.h"
 #include "files/stored_data.h"
 
 namespace isoatlas::io {
@@ -43,17 +44,15 @@ constexpr std::array kTypes{LegacyType{"bit", {SampleType::uint8, true}},
                             LegacyType{"string", {}, true},
                             LegacyType{"utf8_string", {}, true}};
 
-constexpr std::array<std::string_view, 23> kKeywords{
-    "dimensions", "spacing",       "aspect_ratio", "origin",     "x_coordinates", "y_coordinates", "z_coordinates",       "scalars",
+constexpr std::array<std::string_view, 24> kKeywords{
+    "dimensions", "extent", "spacing",       "aspect_ratio", "origin",     "x_coordinates", "y_coordinates", "z_coordinates",       "scalars",
     "vectors",    "normals",       "tensors",      "tensors6",   "global_ids",    "pedigree_ids",  "texture_coordinates", "edge_flags",
     "field",      "color_scalars", "lookup_table", "point_data", "cell_data",     "metadata",      "dataset"};
 
 template <class Number>
 std::optional<Number> parse(std::string_view word) {
-  word.remove_prefix(word.starts_with('+') ? 1 : 0);
   Number number{};
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
-  return error == std::errc{} && end == word.data() + word.size() ? std::optional(number) : std::nullopt;
+  return parse_number(word, number) ? std::optional(number) : std::nullopt;
 }
 
 template <class Number>
@@ -96,6 +95,8 @@ LegacyVtkScanner::LegacyVtkScanner(const fs::path& path) : path_(path), text_(pa
 std::string LegacyVtkScanner::keyword() { return lower_case(text_.word()); }
 
 std::uint64_t LegacyVtkScanner::count(const std::string& what) { return parsed<std::uint64_t>(path_, text_.word(), what); }
+
+std::int64_t LegacyVtkScanner::integer(const std::string& what) { return parsed<std::int64_t>(path_, text_.word(), what); }
 
 Vec3 LegacyVtkScanner::vector(const std::string& what) {
   const double x = parsed<double>(path_, text_.word(), what);

@@ -46,6 +46,7 @@ class LegacyVtkScanner {
 
   /// The next word as a number. @throws Error(bad_file) naming `what` if it is not one
   std::uint64_t count(const std::string& what);
+  std::int64_t integer(const std::string& what);
   Vec3 vector(const std::string& what);
 
   /// The rest of the line as a number; `otherwise` where it is empty.

@@ -29,7 +29,7 @@ constexpr std::size_t kNx = 0, kMode = 12, kNxStart = 16, kMx = 28, kCellA = 40,
                       kSpaceGroup = 88, kExtendedBytes = 92, kImodStamp = 152, kImodFlags = 156, kOrigin = 196;
 
 constexpr int kImodMark = 1146047817;
-constexpr int kImodSignedBytes = 1, kImodStandardOrigin = 4;  // flags
+constexpr int kImodSignedBytes = 1, kImodStandardOrigin = 4, kImodHalfBytes = 16;  // flags
 
 std::array<int, 3> triple(const HeaderFields& header, std::size_t offset) {
   return {header.int32(offset), header.int32(offset + 4), header.int32(offset + 8)};
@@ -75,12 +75,15 @@ struct StoredType {
 };
 
 // Bytes are signed since MRC2014. IMOD has a flag for it; of other files with unsigned bytes the stated range tells.
-StoredType byte_type(const HeaderFields& header, VolumeSource& source) {
+StoredType byte_type(const HeaderFields& header, const fs::path& path, VolumeSource& source) {
   constexpr double kLargestSigned = 127, kLargestUnsigned = 255;
   const double least = header.float32(kDmin), largest = header.float32(kDmax);
   bool is_unsigned = false;
   std::string reason = "MRC2014";
   if (is_from_imod(header)) {
+    if ((header.int32(kImodFlags) & kImodHalfBytes) != 0) {
+      throw unsupported(path, "has two samples of 4 bits in each byte (IMOD's flag), expected samples of 8 bits or more");
+    }
     is_unsigned = (header.int32(kImodFlags) & kImodSignedBytes) == 0;
     reason = "IMOD's flag";
   } else if (least >= 0 && largest > kLargestSigned && largest <= kLargestUnsigned) {
@@ -94,7 +97,7 @@ StoredType byte_type(const HeaderFields& header, VolumeSource& source) {
 StoredType stored_type_of(const HeaderFields& header, const fs::path& path, VolumeSource& source) {
   switch (const int mode = header.int32(kMode)) {
     case 0:
-      return byte_type(header, source);
+      return byte_type(header, path, source);
     case 1:
       return {SampleType::int16, 2};
     case 2:

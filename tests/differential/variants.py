@@ -150,6 +150,9 @@ def vtk_legacy(folder):
         writer.SetFileName(str(path))
         writer.SetInputData(image)
         writer.SetFileTypeToASCII() if is_text else writer.SetFileTypeToBinary()
+        if dtype == "i2":  # EXTENT instead of DIMENSIONS
+            image.SetExtent(-2, SHAPE[2] - 3, 3, SHAPE[1] + 2, 1, SHAPE[0])
+            writer.SetWriteExtent(True)
         writer.Write()
         yield path
 

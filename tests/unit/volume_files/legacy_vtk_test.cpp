@@ -96,6 +96,18 @@ TEST_F(LegacyVtk, FieldVolumesAreRead) {
   }
 }
 
+// As vtkStructuredPointsWriter writes it with WriteExtent.
+TEST_F(LegacyVtk, ExtentsSayWhereTheFirstPointIs) {
+  const std::string geometry = "EXTENT -2 1 3 5 1 2\nSPACING 0.5 1 2\nORIGIN 10 20 30\n";
+  const std::string values = "POINT_DATA 24\nSCALARS v float\nLOOKUP_TABLE default\n" + integers(kPoints);
+  const VolumeFile file = read(start("ASCII") + geometry + values);
+  expect_size_and_spacing(file.volume, {4, 3, 2}, {0.5, 1, 2});
+  EXPECT_EQ(file.volume.grid.origin, (Vec3{9, 23, 32}));
+  expect_ramp(file);
+  expect_refused(start("ASCII") + "EXTENT 0 3 2 0 0 1\n" + values, ErrorCode::bad_file, "goes from 2 to 0 along y");
+  expect_refused(start("ASCII") + "EXTENT 0 9999999999 0 2 0 1\n" + values, ErrorCode::bad_file, "expected 32-bit indices");
+}
+
 TEST_F(LegacyVtk, CellDataIsAtTheCentresOfCells) {
   const VolumeFile file = read_volume_file(field_file("l_both_b.vtk"), {.array = "cell:c"});
   expect_size_and_spacing(file.volume, {23, 19, 15}, {0.5, 0.5, 2});

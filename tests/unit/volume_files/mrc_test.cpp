@@ -119,6 +119,8 @@ TEST_F(Mrc, BytesAreSignedOrNot) {
   expect({.range = {0, 1000}}, -16, "signed, MRC2014");
   expect({.imod_stamp = kImod}, 240, "unsigned, IMOD's flag");
   expect({.range = {0, 240}, .imod_stamp = kImod, .imod_flags = 1}, -16, "signed, IMOD's flag");
+  EXPECT_THROW(read(mrc({.imod_stamp = kImod, .imod_flags = 16}, samples)), Error);  // 4 bits
+  expect({.imod_flags = 17}, -16, "signed, MRC2014");                                 // without IMOD's mark the field means nothing
 }
 
 TEST_F(Mrc, SpacingIsTheCellDividedByItsIntervals) {
