@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "files/text_scanner.h"
 
-#include <charconv>
-
 #include "files/file_error.h"
+#include "files/number_text.h"
 
 namespace isoatlas::io {
 
@@ -11,23 +10,26 @@ namespace {
 
 constexpr std::string_view kBlanks = " \t\r\v\f";
 
-template <class Number>
-bool parse(std::string_view word, Number& value) {
-  if (word.starts_with('+')) {
-    word.remove_prefix(1);  // from_chars takes no plus sign
-  }
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  return error == std::errc{} && end == word.data() + word.size();
+// Line ends are \n, \r\n (whose \r is a blank), or \r in files of old Macs. The first one says which.
+char line_end_of(std::string_view text) {
+  const std::size_t first = text.find_first_of("\r\n");
+  const bool is_old_mac = first < text.size() && text[first] == '\r' && !text.substr(first).starts_with("\r\n");
+  return is_old_mac ? '\r' : '\n';
 }
 
 }  // namespace
+
+TextScanner::TextScanner(std::string_view text, std::filesystem::path path, std::size_t lines_before)
+    : rest_(text), line_end_(line_end_of(text)), line_number_(lines_before), path_(std::move(path)) {
+  if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);  // byte order mark of UTF-8
+}
 
 bool TextScanner::next_line() {
   if (rest_.empty()) {
     line_ = {};
     return false;
   }
-  const std::size_t end = rest_.find('\n');
+  const std::size_t end = rest_.find(line_end_);
   line_ = rest_.substr(0, end);
   rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
   ++line_number_;
@@ -63,7 +65,7 @@ std::int64_t TextScanner::integer(std::string_view what) { return to_integer(wor
 
 double TextScanner::to_number(std::string_view word, std::string_view what) const {
   double value = 0;
-  if (!parse(word, value)) {
+  if (!parse_number(word, value)) {
     throw error("found '" + one_line(word, 40) + "', expected " + std::string(what));
   }
   return value;
@@ -71,7 +73,7 @@ double TextScanner::to_number(std::string_view word, std::string_view what) cons
 
 std::int64_t TextScanner::to_integer(std::string_view word, std::string_view what) const {
   std::int64_t value = 0;
-  if (!parse(word, value)) {
+  if (!parse_number(word, value)) {
     throw error("found '" + one_line(word, 40) + "', expected " + std::string(what));
   }
   return value;

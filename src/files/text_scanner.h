@@ -14,9 +14,8 @@ namespace isoatlas::io {
 /// The text outlives the scanner. Numbers are read the same in every locale.
 class TextScanner {
  public:
-  TextScanner(std::string_view text, std::filesystem::path path) : rest_(text), path_(std::move(path)) {
-    if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);  // byte order mark of UTF-8
-  }
+  /// `lines_before` are the lines of the file before `text`.
+  TextScanner(std::string_view text, std::filesystem::path path, std::size_t lines_before = 0);
 
   /// Steps to the next line; false at the end of the text.
   bool next_line();
@@ -37,13 +36,17 @@ class TextScanner {
   /// "<path>: line 12: <what>"
   Error error(std::string_view what) const;
 
+  /// The number of this line in the file; the first one is 1.
+  std::size_t line_number() const { return line_number_; }
+
   /// Bytes after this line.
   std::size_t remaining() const { return rest_.size(); }
 
  private:
   std::string_view rest_;  // after this line
   std::string_view line_;  // what is left of this line
-  std::size_t line_number_ = 0;
+  char line_end_;
+  std::size_t line_number_;
   std::filesystem::path path_;
 };
 

@@ -79,8 +79,11 @@ std::vector<fs::path> blocks_of(const fs::path& path) {
   std::vector<fs::path> blocks;
   for (const XmlElement& element : list->children) {
     const std::string* const file = element.attribute("file");
-    if (element.name != "DataSet" || file == nullptr) {
+    if (element.name != "DataSet") {
       throw unsupported(path, "has blocks within blocks, expected one file for each level");
+    }
+    if (file == nullptr) {
+      throw unsupported(path, "its block " + std::to_string(blocks.size()) + " is empty, expected a file for each level");
     }
     blocks.emplace_back(*file);
   }

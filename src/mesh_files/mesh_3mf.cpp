@@ -7,12 +7,14 @@
 #include <cmath>
 #include <map>
 #include <pugixml.hpp>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "files/file_error.h"
 #include "files/memory_limit.h"
+#include "files/number_text.h"
 #include "mesh_files/formats.h"
 #include "mesh_files/polygons.h"
 #include "mesh_files/stored_form.h"
@@ -29,6 +31,7 @@ constexpr const char* kContentTypes = "[Content_Types].xml";
 constexpr const char* kRelationships = "_rels/.rels";
 constexpr const char* kModel = "3D/3dmodel.model";
 constexpr const char* kModelType = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel";
+constexpr const char* kCoreNamespace = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02";
 constexpr const char* kSpaceName = "isoatlas:space";
 constexpr const char* kProgramName = "Application";
 
@@ -60,7 +63,9 @@ std::string model_xml(const TriangleMesh& mesh, const MeshFileInfo& info) {
   const auto unit = std::ranges::find(kUnits, info.unit, [](const auto& entry) { return entry.second; });
   std::string xml = R"(<?xml version="1.0" encoding="UTF-8"?>)" "\n" R"(<model unit=")";
   xml += unit == kUnits.end() ? "millimeter" : unit->first;
-  xml += R"(" xml:lang="en-US" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02" xmlns:isoatlas="urn:isoatlas:mesh">)" "\n";
+  xml += R"(" xml:lang="en-US" xmlns=")";
+  xml += kCoreNamespace;
+  xml += R"(" xmlns:isoatlas="urn:isoatlas:mesh">)" "\n";
   for (const auto& [name, value] : {std::pair{kProgramName, info.comment}, std::pair{kSpaceName, info.space}}) {
     if (!value.empty()) {
       xml += std::string("<metadata name=\"") + name + "\">" + xml_text(value) + "</metadata>\n";
@@ -112,6 +117,44 @@ pugi::xml_document parsed(std::string& xml, unsigned int options, const std::str
   return document;
 }
 
+// The root element, null if it is not a model. Its elements have no prefix afterwards, even if the core namespace has one.
+pugi::xml_node model_in(pugi::xml_document& document) {
+  const pugi::xml_node root = document.document_element();
+  const std::string name = root.name();
+  const std::size_t colon = name.find(':');
+  if (colon == std::string::npos) {
+    return document.child("model");
+  }
+  const std::string prefix = name.substr(0, colon + 1);
+  if (name.substr(colon + 1) != "model" || std::string_view(root.attribute(("xmlns:" + name.substr(0, colon)).c_str()).value()) != kCoreNamespace) {
+    return {};
+  }
+  struct Walker final : pugi::xml_tree_walker {
+    explicit Walker(const std::string& text) : prefix(text) {}
+    bool for_each(pugi::xml_node& node) override {
+      const std::string full = node.name();
+      return !full.starts_with(prefix) || node.set_name(full.c_str() + prefix.size());
+    }
+    const std::string& prefix;
+  } walker(prefix);
+  document.traverse(walker);
+  return root;
+}
+
+// Extensions for colours and identifiers can be ignored; those for slices, beams, encryption and others cannot.
+void require_known_extensions(const pugi::xml_node& model, const fs::path& path) {
+  constexpr std::array<std::string_view, 4> kKnown{kCoreNamespace, "http://schemas.microsoft.com/3dmanufacturing/material/2015/02",
+                                                   "http://schemas.microsoft.com/3dmanufacturing/production/2015/06",
+                                                   "http://schemas.microsoft.com/3dmanufacturing/trianglesets/2021/07"};
+  std::istringstream prefixes(model.attribute("requiredextensions").value());
+  for (std::string prefix; prefixes >> prefix;) {
+    const std::string name = model.attribute(("xmlns:" + prefix).c_str()).value();
+    if (std::ranges::find(kKnown, name) == kKnown.end()) {
+      throw unsupported(path, "needs the 3MF extension " + one_line(name.empty() ? prefix : name, 100) + ", which is not read");
+    }
+  }
+}
+
 // Where the package says its model is.
 std::string model_part(const ZipReader& archive, const fs::path& path) {
   constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 20;
@@ -131,10 +174,7 @@ template <class Number>
 bool take_number(std::string_view& text, Number& number) {
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   text.remove_prefix(first == std::string_view::npos ? text.size() : first);
-  if (text.starts_with('+')) {
-    text.remove_prefix(1);
-  }
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  const auto [end, error] = leading_number(text, number);
   text.remove_prefix(static_cast<std::size_t>(end - text.data()));
   return error == std::errc();
 }
@@ -282,11 +322,12 @@ TriangleMesh read_3mf(const fs::path& path) {
   const ZipReader archive(path);
   const std::string part = model_part(archive, path);
   std::string xml = archive.part(part, default_memory_limit() / kTreePerByte);
-  const pugi::xml_document document = parsed(xml, pugi::parse_minimal, part, path);
-  const pugi::xml_node model = document.child("model");
+  pugi::xml_document document = parsed(xml, pugi::parse_minimal, part, path);
+  const pugi::xml_node model = model_in(document);
   if (!model) {
     throw bad_file(path, "is no 3MF file: its part " + one_line(part, 80) + " has no model");
   }
+  require_known_extensions(model, path);
   return ModelReader(model, path).mesh();
 }
 
@@ -295,10 +336,10 @@ MeshFileInfo info_in_3mf(const fs::path& path) {
   const ZipReader archive(path);
   const std::string part = model_part(archive, path);
   std::string xml = archive.beginning_of_part(part, kBeginning);
-  xml.resize(std::min(xml.find("<resources"), xml.size()));
+  xml.resize(std::min({xml.find("<resources"), xml.find(":resources"), xml.size()}));
   pugi::xml_document document;
   document.load_buffer(xml.data(), xml.size());  // what there is of it: it ends within the model
-  const pugi::xml_node model = document.child("model");
+  const pugi::xml_node model = model_in(document);
   MeshFileInfo info;
   const std::string unit = model.attribute("unit").value();
   const auto found = std::ranges::find(kUnits, unit, [](const auto& entry) { return std::string_view(entry.first); });

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cstring>
 #include <limits>
 #include <pugixml.hpp>
@@ -14,6 +13,7 @@
 #include <vector>
 
 #include "files/file_error.h"
+#include "files/number_text.h"
 #include "files/stored_data.h"
 #include "mesh_files/base64.h"
 #include "mesh_files/formats.h"
@@ -115,8 +115,7 @@ class ArrayReader {
   std::uint64_t row_count() const {
     const std::string text = attribute("Dim0");
     std::uint64_t count = 0;
-    const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), count);
-    if (attribute("Dimensionality") != "2" || attribute("Dim1") != "3" || failure != std::errc() || end != text.data() + text.size()) {
+    if (attribute("Dimensionality") != "2" || attribute("Dim1") != "3" || !parse_number(text, count)) {
       throw error("is " + one_line(attribute("Dimensionality"), 20) + "-dimensional with Dim0=\"" + one_line(text, 20) + "\" and Dim1=\"" +
                   one_line(attribute("Dim1"), 20) + "\", expected rows of 3");
     }
@@ -136,12 +135,14 @@ class ArrayReader {
     for (double& value : values) {
       const std::size_t first = text.find_first_not_of(" \t\r\n");
       text.remove_prefix(first == std::string_view::npos ? text.size() : first);
-      text.remove_prefix(text.starts_with('+') ? 1 : 0);
-      const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+      const auto [end, failure] = leading_number(text, value);
       if (failure != std::errc()) {
         throw error("has '" + one_line(text.substr(0, 20)) + "', expected " + std::to_string(count) + " numbers");
       }
       text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+    }
+    if (const std::size_t more = text.find_first_not_of(" \t\r\n"); more != std::string_view::npos) {
+      throw error("has '" + one_line(text.substr(more, 20)) + "' behind its " + std::to_string(count) + " numbers, expected no more of them");
     }
     return values;
   }

@@ -13,6 +13,28 @@
 
 namespace isoatlas::io {
 
+namespace {
+
+// The next word of a statement, which a backslash at the end of a line continues in the next; empty at its end.
+std::string_view word_of_statement(TextScanner& scanner) {
+  for (;;) {
+    std::string_view word = scanner.word();
+    if (word.starts_with('#')) {
+      return {};
+    }
+    if (!word.ends_with('\\')) {
+      return word;
+    }
+    word.remove_suffix(1);
+    scanner.next_line();
+    if (!word.empty()) {
+      return word;
+    }
+  }
+}
+
+}  // namespace
+
 TriangleMesh read_obj(const std::filesystem::path& path) {
   const std::string text = file_contents(path);
   TextScanner scanner(text, path);
@@ -31,23 +53,13 @@ TriangleMesh read_obj(const std::filesystem::path& path) {
   while (scanner.next_line()) {
     const std::string_view keyword = scanner.word();
     if (keyword == "v") {
-      const double x = scanner.number("the x coordinate of a vertex");
-      const double y = scanner.number("the y coordinate of a vertex");
-      const double z = scanner.number("the z coordinate of a vertex");
+      const double x = scanner.to_number(word_of_statement(scanner), "the x coordinate of a vertex");
+      const double y = scanner.to_number(word_of_statement(scanner), "the y coordinate of a vertex");
+      const double z = scanner.to_number(word_of_statement(scanner), "the z coordinate of a vertex");
       mesh.positions.push_back({x, y, z});
     } else if (keyword == "f") {
       corners.clear();
-      for (std::string_view corner = scanner.word(); !corner.empty(); corner = scanner.word()) {
-        if (corner.starts_with('#')) {
-          break;
-        }
-        const bool goes_on = corner.ends_with('\\');  // in the next line
-        corner.remove_suffix(goes_on ? 1 : 0);
-        if (goes_on) {
-          if (!corner.empty()) corners.push_back(corner_of(corner));
-          scanner.next_line();
-          continue;
-        }
+      for (std::string_view corner = word_of_statement(scanner); !corner.empty(); corner = word_of_statement(scanner)) {
         corners.push_back(corner_of(corner));
       }
       if (corners.size() < 3) {

@@ -38,7 +38,7 @@ struct PlyElement {
 struct PlyHeader {
   PlyEncoding encoding = PlyEncoding::ascii;
   std::vector<PlyElement> elements;
-  std::size_t bytes = 0;  // of the header
+  std::size_t bytes = 0, lines = 0;  // of the header
 };
 
 PlyType ply_type(const TextScanner& scanner, std::string_view word) {
@@ -120,13 +120,14 @@ PlyHeader read_header(const std::string& contents, const std::filesystem::path& 
     throw scanner.error("the header has no format line");
   }
   header.bytes = contents.size() - scanner.remaining();
+  header.lines = scanner.line_number();
   return header;
 }
 
 // Values from the body, one after the other. All PLY types fit in a double exactly.
 class AsciiValues {
  public:
-  AsciiValues(std::string_view body, const std::filesystem::path& path) : scanner_(body, path) {}
+  AsciiValues(std::string_view body, const std::filesystem::path& path, std::size_t lines_before) : scanner_(body, path, lines_before) {}
   double next(PlyType) { return scanner_.to_number(scanner_.next_word(), "a number"); }
   // The end of the text will say it: nothing is allocated ahead.
   std::uint64_t most_values(PlyType) const { return std::numeric_limits<std::uint64_t>::max(); }
@@ -263,7 +264,7 @@ TriangleMesh read_ply(const std::filesystem::path& path) {
   }
   const std::string_view body = std::string_view(contents).substr(header.bytes);
   if (header.encoding == PlyEncoding::ascii) {
-    AsciiValues values(body, path);
+    AsciiValues values(body, path, header.lines);
     return read_body(values, header, path);
   }
   BinaryValues values(body, header.encoding == PlyEncoding::big_endian, path);

@@ -110,7 +110,8 @@ TriangleMesh read_stl(const std::filesystem::path& path) {
     return read_binary(contents, triangle_count);
   }
   const std::size_t first = contents.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
-  if (first != std::string::npos && lower_case(contents.substr(first, 5)) == "solid") {
+  const bool is_text = contents.find('\0') == std::string::npos;  // every triangle ends in two zero bytes
+  if (is_text && first != std::string::npos && lower_case(contents.substr(first, 5)) == "solid") {
     return read_ascii(contents, path);
   }
   if (contents.size() < kHeaderBytes + sizeof triangle_count) {

@@ -118,6 +118,7 @@ class Reader {
     bool any_json = false;
     for (const tinygltf::Node* n : nodes) {
       const tinygltf::Mesh& mesh = at(model_.meshes, n->mesh, "mesh");
+      require_stored_shape(*n, mesh);
       levels.meshes.push_back(mesh_of(mesh, place.parent + translation_of(*n)));
       levels.distances.push_back(distance_of(mesh));
       levels.info.levels.push_back(ours(mesh.extras_json_string).dump());
@@ -144,6 +145,17 @@ class Reader {
       throw bad_file(path_, std::string("names a ") + missing + " that is not there");
     }
     return items[static_cast<std::size_t>(index)];
+  }
+
+  // Morph targets and bones move vertices away from the positions that are stored.
+  void require_stored_shape(const tinygltf::Node& n, const tinygltf::Mesh& mesh) const {
+    const std::vector<double>& weights = n.weights.empty() ? mesh.weights : n.weights;
+    if (std::ranges::any_of(weights, [](double weight) { return weight != 0; })) {
+      throw unsupported(path_, "has a mesh that morph targets move, expected weights of 0");
+    }
+    if (n.skin >= 0) {
+      throw unsupported(path_, "has a mesh that a skeleton moves (skin), expected one without");
+    }
   }
 
   const tinygltf::Node& node(int index) const { return at(model_.nodes, index, "node"); }

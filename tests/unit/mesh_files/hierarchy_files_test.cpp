@@ -441,6 +441,11 @@ TEST(HierarchyFiles, AnyFileWithMeshesIsRead) {
   EXPECT_EQ(one.hierarchy.mesh(0).triangles, hierarchy.mesh(1).triangles);
   EXPECT_EQ(one.info.mesh.space, "lps");
   expect_error(ErrorCode::bad_file, "no such file", folder / "none.xyz", [&] { read_levels(folder / "none.xyz"); });
+  for (const auto& [blocks, says] : {std::pair{"<DataSet index='0'/>", "its block 0 is empty"}, {"<Block index='0'/>", "blocks within blocks"}}) {
+    write_bytes(folder / "b.vtm", std::string("<VTKFile type='vtkMultiBlockDataSet' version='1.0'><vtkMultiBlockDataSet>") + blocks +
+                                      "</vtkMultiBlockDataSet></VTKFile>");
+    expect_error(ErrorCode::unsupported, says, folder / "b.vtm", [&] { read_levels(folder / "b.vtm"); });
+  }
   write_bytes(folder / "a.xyz", "x");
   expect_error(ErrorCode::unsupported, "one of .ply .stl .obj .off .vtp .3mf .gii, or .glb or .vtm", folder / "a.xyz",
                [&] { read_levels(folder / "a.xyz"); });
@@ -512,6 +517,16 @@ TEST(HierarchyFiles, GlbWithNodesAroundItsMesh) {
     for (nlohmann::json& node : json["nodes"]) node["rotation"] = {0, 0, 0, 1}, node["scale"] = {1, 1, 1};
   };
   EXPECT_EQ(first_position(with_identities), (Vec3{0, 0, 0}));
+  const auto with_weights = [](double weight) {
+    return [weight](nlohmann::json& json) {
+      for (nlohmann::json& mesh : json["meshes"]) mesh["weights"] = {0, weight};
+    };
+  };
+  EXPECT_EQ(first_position(with_weights(0)), (Vec3{0, 0, 0}));
+  write_bytes(folder / "b.glb", with_json(whole, with_weights(0.5)));
+  expect_error(ErrorCode::unsupported, "morph targets", folder / "b.glb", [&] { read_hierarchy(folder / "b.glb"); });
+  write_bytes(folder / "b.glb", with_json(whole, [](nlohmann::json& json) { json["nodes"][0]["skin"] = 0; }));
+  expect_error(ErrorCode::unsupported, "skeleton", folder / "b.glb", [&] { read_hierarchy(folder / "b.glb"); });
   for (const std::function<void(nlohmann::json&)>& change :
        {std::function<void(nlohmann::json&)>([](nlohmann::json& json) { json["nodes"][0]["scale"] = {1, 2, 1}; }),
         std::function<void(nlohmann::json&)>([](nlohmann::json& json) { json["scenes"][0]["nodes"] = {0, 1}; })}) {

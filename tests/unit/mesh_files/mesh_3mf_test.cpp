@@ -186,6 +186,30 @@ TEST(Mesh3mf, ComponentsAndTransforms) {
   EXPECT_EQ(mesh_file_info(path).unit, LengthUnit::millimetre);  // the default of the specification
 }
 
+// The core elements have a prefix of their own, and the extensions that the file needs are about colours only.
+TEST(Mesh3mf, NamespacePrefixes) {
+  const TempFolder folder;
+  const fs::path path = folder / "a.3mf";
+  std::string model = model_of(object("1", kMesh), "<item objectid='1'/>", "unit='inch' requiredextensions='m'");
+  for (const std::string name : {"model", "metadata", "resources", "object", "mesh", "vertices", "vertex", "triangles", "triangle", "build", "item"}) {
+    for (const std::string mark : {"<", "</"}) {
+      for (const std::string end : {" ", ">"}) {
+        for (std::size_t at = model.find(mark + name + end); at != std::string::npos; at = model.find(mark + name + end, at + 1)) {
+          model.insert(at + mark.size(), "c:");
+        }
+      }
+    }
+  }
+  const std::string core = "xmlns:c='http://schemas.microsoft.com/3dmanufacturing/core/2015/02'";
+  model.replace(model.find("xmlns:m='urn:m'"), 15, core + " xmlns:m='http://schemas.microsoft.com/3dmanufacturing/material/2015/02'");
+  write_package(path, model);
+  EXPECT_EQ(read_mesh(path).positions, (std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
+  EXPECT_EQ(mesh_file_info(path).unit, LengthUnit::inch);
+  model.replace(model.find(core), core.size(), "xmlns:c='urn:other'");
+  write_package(path, model);
+  expect_error(ErrorCode::bad_file, "has no model", path, [&] { read_mesh(path); });
+}
+
 TEST(Mesh3mf, BadPackagesGiveOneLine) {
   struct Bad {
     std::string model, says;
@@ -209,6 +233,13 @@ TEST(Mesh3mf, BadPackagesGiveOneLine) {
       {model_of(object("1", vertex("abc")), item), "the x coordinate of a vertex is 'abc'"},
       {model_of(object("1", vertex("")), item), "the x coordinate of a vertex is ''"},
       {model_of(object("1", vertex("nan")), item), "not finite"},
+      {model_of(object("1", vertex("1,5")), item), "the x coordinate of a vertex is '1,5', expected a number"},
+      {model_of(object("1", vertex("1 2")), item), "the x coordinate of a vertex is '1 2', expected a number"},
+      {model_of(object("1", "<mesh><vertices><vertex x='0' y='0' z='0'/></vertices><triangles><triangle v1='0' v2='0.5' v3='0'/></triangles></mesh>"),
+                item),
+       "v2='0.5'"},
+      {model_of(object("1", kMesh), item, "requiredextensions='b' xmlns:b='urn:beams'"), "needs the 3MF extension urn:beams",
+       ErrorCode::unsupported},
       {model_of(object("1", "<mesh><vertices/><triangles><triangle v1='0' v2='1' v3='2'/></triangles></mesh>"), item), "v1='0'"},
       {model_of(object("1", "<components><component objectid='1'/></components>"), item), "nested too deeply"},
       {model_of(object("1", kMesh), "<item objectid='1' transform='1 0 0'/>"), "expected twelve numbers"},

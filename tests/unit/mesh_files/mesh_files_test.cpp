@@ -240,6 +240,8 @@ TEST(MeshFiles, BinaryStlThatStartsWithSolid) {
   bytes.replace(0, 6, "solid ");
   write_bytes(folder / "a.stl", bytes);
   EXPECT_EQ(read_mesh(folder / "a.stl").triangles.size(), 8U);
+  write_bytes(folder / "a.stl", bytes + "more");
+  expect_error(ErrorCode::bad_file, "promises 8 triangles", folder / "a.stl", [&] { read_mesh(folder / "a.stl"); });
 }
 
 TEST(MeshFiles, VtpStripsAndPolygonsBecomeTriangles) {
@@ -299,9 +301,31 @@ TEST(MeshFiles, WhatEditorsAndOtherProgramsWrite) {
   EXPECT_EQ(read_text("d.obj", square + "f 1 2 \\\n3 4 # a square\n").triangles, kSquareFan);
   EXPECT_EQ(read_text("d.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
                                "property list uchar int vertex_indexes\nend_header\n" + triangle + "3 0 1 2\n").triangles.size(), 1U);
+  EXPECT_EQ(read_text("e.obj", "v 0 0 \\\n 0\nv 1 0 0\nv 1 1 0 # corner\nv 0\\\n1 0\nf 1 2 3 4\n").triangles, kSquareFan);
   const TempFolder folder;
   write_bytes(folder / "c.obj", "# COLORSPACE=RAS\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   EXPECT_EQ(mesh_space(folder / "c.obj"), "");
+}
+
+// Line ends of old Macs, which some exporters still write.
+TEST(MeshFiles, LinesThatEndInCarriageReturns) {
+  const auto with_returns = [](std::string text) {
+    std::ranges::replace(text, '\n', '\r');
+    return text;
+  };
+  EXPECT_EQ(read_text("a.obj", with_returns("# x\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")).triangles, kSquareFan);
+  EXPECT_EQ(read_text("a.off", with_returns("OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n")).triangles, kSquareFan);
+  EXPECT_EQ(read_text("a.stl", with_returns("solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nendloop\n"
+                                            "endfacet\nendsolid\n")).triangles.size(), 1U);
+  const std::string ply = with_returns("ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty uchar x\nproperty uchar y\nproperty uchar z\n"
+                                       "element face 1\nproperty list uchar uchar vertex_indices\nend_header\n");
+  const TriangleMesh mesh = read_text("a.ply", ply + std::string("\n\r\r\1\2\3\1\2\4\3\0\1\2", 13));  // values that look like line ends
+  EXPECT_EQ(mesh.positions[0], (Vec3{10, 13, 13}));
+}
+
+TEST(MeshFiles, NumbersBelowTheSmallestDoubleAreZero) {
+  const TriangleMesh mesh = read_text("a.obj", "v 1e-400 -1e-400 +1e-320\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_EQ(mesh.positions[0], (Vec3{0, 0, 1e-320}));
 }
 
 struct BadMesh {
@@ -318,7 +342,8 @@ TEST(MeshFiles, BadFilesGiveOneLine) {
       {"word.ply", ply + "nonsense\n", "line 7: found 'nonsense'"},
       {"promise.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000000\nproperty float x\nend_header\n1234",
        "too short"},
-      {"text.ply", ply + ply_faces + "0 0 0\n0 1 x\n", "found 'x', expected a number"},
+      {"text.ply", ply + ply_faces + "0 0 0\n0 1 x\n", "line 11: found 'x', expected a number"},
+      {"large.obj", "v 0 0 1e400\n", "line 1: found '1e400'"},
       {"short.ply", ply + ply_faces + "0 0 0\n0 1 0\n1 0 0\n3 0 1\n", "more data was promised"},
       {"range.ply", ply + ply_faces + "0 0 0\n0 1 0\n1 0 0\n3 0 1 3\n", "triangle 0 uses vertex 3"},
       {"negative.ply", ply + ply_faces + "0 0 0\n0 1 0\n1 0 0\n3 0 1 -1\n", "uses vertex"},

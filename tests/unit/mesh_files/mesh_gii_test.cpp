@@ -68,6 +68,7 @@ TEST(MeshGii, CoordinatesAreInRasAndMillimetres) {
     const std::string bytes = read_bytes(path);
     EXPECT_EQ(bytes.find("NIFTI_XFORM_SCANNER_ANAT") != std::string::npos, row.read_space == "RAS");
     EXPECT_NE(bytes.find("<Value>Closed</Value>"), std::string::npos);
+    EXPECT_NE(bytes.find("<MatrixData>\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n</MatrixData>"), std::string::npos);  // nibabel wants four lines
   }
 }
 
@@ -137,6 +138,7 @@ TEST(MeshGii, EncodingsOrdersAndTypes) {
                     .order = "ColumnMajorOrder"});
   points.push_back({.intent = kPoints, .type = "NIFTI_TYPE_FLOAT64", .encoding = kGzip,
                     .data = io::to_base64(deflated(bytes_of(std::vector<double>(rows.begin(), rows.end()))))});
+  points.push_back({.intent = kPoints, .type = kFloat, .encoding = "ASCII", .data = "0 -3 7 1 4.5 8 2 6 9", .order = "ColumnMajorOrder"});
   std::string broken = io::to_base64(bytes_of(rows));
   for (std::size_t i = 8; i < broken.size(); i += 9) broken.insert(i, "\n  ");  // lines of any length
   points.push_back({.intent = kPoints, .type = kFloat, .encoding = "Base64Binary", .data = broken});
@@ -179,6 +181,7 @@ TEST(MeshGii, BadFilesGiveOneLine) {
       {with([&](Array& a) { a.encoding = kGzip, a.data = io::to_base64(deflated(rows.substr(0, 35))); }), "promised, there are 35"},
       {with([&](Array& a) { a.encoding = kGzip, a.type = "NIFTI_TYPE_RGB24"; }), "type 'NIFTI_TYPE_RGB24'"},
       {with([](Array& a) { a.data = "0 1 2 3 4 5 6 7 nan"; }), "not finite"},
+      {with([](Array& a) { a.data = "0 1 2 3 4 5 6 7 8 9"; }), "has '9' behind its 9 numbers"},
       {gifti({kTextPoints, [] { Array a = kTextTriangle; a.data = "0 1 3"; return a; }()}), "triangle 0 uses vertex 3"},
       {gifti({kTextPoints, [] { Array a = kTextTriangle; a.data = "0 1 -1"; return a; }()}), "triangle 0 uses vertex"},
       {gifti({kTextPoints, [] { Array a = kTextTriangle; a.data = "0 1 1.5"; return a; }()}), "triangle 0 uses vertex"},
