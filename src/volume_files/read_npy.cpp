@@ -4,13 +4,16 @@
 #include <array>
 #include <bit>
 #include <charconv>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "files/file_error.h"
+#include "volume/sample_type.h"
 #include "volume_files/grid_of_file.h"
 #include "volume_files/header_fields.h"
 #include "volume_files/readers.h"
@@ -191,17 +194,20 @@ std::array<std::size_t, 3> size_of(const std::vector<std::uint64_t>& shape, cons
   return {axes[2], axes[1], axes[0]};
 }
 
-/// Turns samples with z fastest into samples with x fastest, in blocks that fit into the cache.
-template <class Sample>
-void reverse_axes(const Sample* from, Sample* to, const std::array<std::size_t, 3>& size) {
+using Size = std::array<std::size_t, 3>;
+
+/// `from` has z fastest and `count` indices of x, `to` has all of the volume with x fastest and begins at the first of these.
+/// Goes in blocks that fit into the cache.
+template <class Stored, class Sample, class Convert>
+void reverse_axes(const Stored* from, std::size_t count, Sample* to, const Size& size, Convert convert) {
   constexpr std::size_t kBlock = 32;
   const auto [nx, ny, nz] = size;
   for (std::size_t y = 0; y < ny; ++y) {
     for (std::size_t first_z = 0; first_z < nz; first_z += kBlock) {
-      for (std::size_t first_x = 0; first_x < nx; first_x += kBlock) {
+      for (std::size_t first_x = 0; first_x < count; first_x += kBlock) {
         for (std::size_t z = first_z; z < std::min(first_z + kBlock, nz); ++z) {
-          for (std::size_t x = first_x; x < std::min(first_x + kBlock, nx); ++x) {
-            to[x + nx * (y + ny * z)] = from[z + nz * (y + ny * x)];
+          for (std::size_t x = first_x; x < std::min(first_x + kBlock, count); ++x) {
+            to[x + nx * (y + ny * z)] = convert(from[z + nz * (y + ny * x)]);
           }
         }
       }
@@ -209,21 +215,36 @@ void reverse_axes(const Sample* from, Sample* to, const std::array<std::size_t, 
   }
 }
 
-void reverse_axes(const std::byte* from, std::byte* to, const std::array<std::size_t, 3>& size, std::size_t sample_bytes) {
-  const auto as = [&](auto zero) {
-    using Sample = decltype(zero);
-    reverse_axes(reinterpret_cast<const Sample*>(from), reinterpret_cast<Sample*>(to), size);
-  };
-  switch (sample_bytes) {
-    case 1:
-      return as(std::uint8_t{});
-    case 2:
-      return as(std::uint16_t{});
-    case 4:
-      return as(std::uint32_t{});
-    default:
-      return as(std::uint64_t{});
+/// Reads samples of Fortran order, in which the first axis, z, is fastest. Some planes of equal x are in memory twice,
+/// never all of them.
+template <class Stored, class Sample, class Convert>
+void read_reversed(ByteSource& stream, const StoredVolumes& stored, bool swap, Sample* samples, const Size& size, Convert convert) {
+  constexpr std::size_t kBufferBytes = std::size_t{1} << 24;
+  const std::size_t plane = size[1] * size[2];
+  const std::size_t most = std::clamp<std::size_t>(kBufferBytes / (plane * sizeof(Stored)), 1, size[0]);
+  std::vector<Stored> values(most * plane);
+  for (std::size_t x = 0; x < size[0]; x += most) {
+    const std::size_t count = std::min(most, size[0] - x);
+    const std::size_t wanted = count * plane * sizeof(Stored);
+    const std::size_t found = stream.read(values.data(), wanted);
+    if (found < wanted) require_stored_bytes(stored.file, stored.volume_bytes, x * plane * sizeof(Stored) + found);
+    if (swap) swap_byte_order(values.data(), count * plane, sizeof(Stored));
+    reverse_axes(values.data(), count, samples + x, size, convert);
   }
+}
+
+void read_fortran_samples(const StoredVolumes& stored, bool is_half, bool swap, VolumeFile& file, const ReadOptions& options) {
+  const Size size = file.volume.grid.size;
+  read_stored_volume(stored, 0, file, options, [&](ByteSource& stream, std::byte* samples) {
+    if (is_half) {
+      return read_reversed<std::uint16_t>(stream, stored, swap, reinterpret_cast<float*>(samples), size, float_of_half);
+    }
+    visit_sample_type(file.volume.type, [&](auto* null) {
+      using Sample = std::remove_cvref_t<decltype(*null)>;
+      read_reversed<Sample>(stream, stored, swap, reinterpret_cast<Sample*>(samples), size, std::identity());
+    });
+  });
+  file.source.decisions.push_back({"order", "Fortran, turned into (z, y, x)"});
 }
 
 }  // namespace
@@ -244,18 +265,12 @@ VolumeFile read_npy(const fs::path& path, const ReadOptions& options) {
                              .offset = header.samples_offset,
                              .volume_bytes = checked_sample_bytes(path, volume.grid.size, type.bytes)};
   require_stored_volumes(stored, file.source);
-  if (type.is_half) {
+  if (header.is_fortran_order) {
+    read_fortran_samples(stored, type.is_half, swap, file, options);
+  } else if (type.is_half) {
     read_half_samples(stored, 0, swap, file, options);
   } else {
     read_plain_samples(stored, 0, swap, file, options);
-  }
-  if (header.is_fortran_order) {
-    const std::uint64_t bytes = checked_sample_bytes(path, volume.grid.size, bytes_per_sample(volume.type));
-    const std::shared_ptr<std::byte[]> samples = allocate_samples(path, bytes, options);
-    reverse_axes(static_cast<const std::byte*>(volume.samples), samples.get(), volume.grid.size, bytes_per_sample(volume.type));
-    volume.samples = samples.get();
-    volume.owner = samples;
-    file.source.decisions.push_back({"order", "Fortran, turned into (z, y, x)"});
   }
   return file;
 }

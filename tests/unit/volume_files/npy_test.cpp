@@ -86,6 +86,33 @@ TEST_F(Npy, EveryTypeOrderAndVersion) {
   expect_type<double>("f8", SampleType::float64);
 }
 
+// Larger than what is in memory twice.
+TEST_F(Npy, LargeArraysInFortranOrder) {
+  constexpr std::size_t kX = 259, kY = 200, kZ = 201;
+  const auto value = [](std::size_t i) { return static_cast<std::uint16_t>(i * 7919); };
+  std::vector<std::uint16_t> values(kX * kY * kZ);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = value(i);
+  const std::string header = dictionary("<u2", "(201, 200, 259)", true);
+  const VolumeFile file = read(npy(header, bytes_of(values)));
+  ASSERT_EQ(file.volume.grid.size, (std::array<std::size_t, 3>{kX, kY, kZ}));
+  const auto* const samples = static_cast<const std::uint16_t*>(file.volume.samples);
+  std::size_t wrong = 0;
+  for (std::size_t z = 0; z < kZ; ++z) {
+    for (std::size_t y = 0; y < kY; ++y) {
+      for (std::size_t x = 0; x < kX; ++x) wrong += samples[x + kX * (y + kY * z)] != value(z + kZ * (y + kY * x)) ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(wrong, 0U);
+}
+
+TEST_F(Npy, HalvesInFortranOrder) {
+  std::vector<std::uint16_t> halves(kCount, 0x3C00);
+  halves[1] = 0xC000;  // a[1][0][0]
+  const VolumeFile file = read(npy(dictionary("<f2", "(2, 3, 4)", true), bytes_of(halves)));
+  EXPECT_EQ(sample_as_double(file.volume, 12), -2);
+  EXPECT_EQ(sample_as_double(file.volume, 1), 1);
+}
+
 TEST_F(Npy, StatesNoLengths) {
   const VolumeFile file = read(npy(dictionary("|u1"), kBytes));
   EXPECT_EQ(file.source.format, "NumPy array");
