@@ -291,6 +291,18 @@ TEST(DicomImage, SequencesMayHaveNoLengthsOrAnUnknownType) {
   EXPECT_EQ(read_image(image).volume.grid.spacing, (Vec3{0.5, 0.75, 2}));
 }
 
+// An icon compressed by JPEG: its pixel data has fragments instead of a length, within a sequence.
+TEST(DicomImage, IconsMayBeCompressed) {
+  const std::string fragments = std::string("\xE0\x7F\x10\0OB\0\0\xFF\xFF\xFF\xFF", 12) + std::string("\xFE\xFF\0\xE0\0\0\0\0", 8) +
+                                std::string("\xFE\xFF\0\xE0\x04\0\0\0\xFF\xD8\xFF\xD9", 12) + std::string("\xFE\xFF\xDD\xE0\0\0\0\0", 8);
+  DicomBuilder size;
+  size.set_short(0x00280010, 1).set_short(0x00280011, 1);
+  const std::string item = std::string("\xFE\xFF\0\xE0\xFF\xFF\xFF\xFF", 8) + size.data_set() + fragments + std::string("\xFE\xFF\x0D\xE0\0\0\0\0", 8);
+  DicomBuilder image = enhanced();
+  image.set(0x00880200, "SQ", item);
+  EXPECT_EQ(slice_values(read_image(image).volume), (Values{0, 100, 200}));
+}
+
 TEST(DicomImage, FilesCutOffAnywhereAreErrors) {
   const std::string whole = enhanced().file();
   const TempFolder folder;

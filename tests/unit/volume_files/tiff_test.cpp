@@ -159,6 +159,9 @@ TEST_F(Tiff, ImageJLengths) {
   const std::vector<Lengths> cases{
       {"unit=um\nspacing=2\n", {4, 1}, 1, {0.25, 0.25, 2}, kMicro},
       {"unit=\\u00B5m\nspacing=2\n", {4, 1}, 1, {0.25, 0.25, 2}, kMicro},
+      {"unit=\\u0075m\nspacing=2\n", {4, 1}, 1, {0.25, 0.25, 2}, kMicro},
+      {"unit=\\uD83Dm\nspacing=2\n", {4, 1}, 1, {0.25, 0.25, 2}, kUnknown, true, "its unit of length '\xEF\xBF\xBDm' is not known"},
+      {"unit=\\u00\nspacing=2\n", {4, 1}, 1, {0.25, 0.25, 2}, kUnknown, true, "its unit of length '\\u00' is not known"},
       {"unit=\xB5m\nspacing=2\n", {4, 1}, 1, {0.25, 0.25, 2}, kMicro},
       {"unit=micron\nspacing=-2\n", {4, 1}, 1, {0.25, 0.25, 2}, kMicro},
       {"unit=um\nspacing=2\n", {40000, 1}, 3, {0.25, 0.25, 2}, kMicro},  // resolution per centimetre
