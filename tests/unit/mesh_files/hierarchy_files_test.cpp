@@ -495,6 +495,31 @@ TEST(HierarchyFiles, GlbThatNeedsAnExtensionIsRefusedByItsName) {
   }
 }
 
+TEST(HierarchyFiles, GlbOfOtherKindsOfMeshesIsRefused) {
+  const TempFolder folder;
+  write_hierarchy(sphere({}), folder / "a.glb", info_of({}));
+  const std::string whole = read_bytes(folder / "a.glb");
+  const auto refused = [&](const std::string& says, const std::function<void(nlohmann::json&)>& change) {
+    write_bytes(folder / "b.glb", with_json(whole, change));
+    expect_error(ErrorCode::unsupported, says, folder / "b.glb", [&] { read_levels(folder / "b.glb"); });
+  };
+  const auto primitive = [](nlohmann::json& json) -> nlohmann::json& { return json["meshes"][0]["primitives"][0]; };
+  const auto positions = [&](nlohmann::json& json) -> nlohmann::json& {
+    return json["accessors"][primitive(json)["attributes"]["POSITION"].get<std::size_t>()];
+  };
+  refused("no list of triangles", [&](nlohmann::json& json) { primitive(json)["mode"] = 5; });  // a strip
+  refused("no list of triangles", [&](nlohmann::json& json) { primitive(json).erase("indices"); });
+  refused("has a mesh of 2 primitives", [&](nlohmann::json& json) { json["meshes"][0]["primitives"].push_back(primitive(json)); });
+  refused("an accessor of a kind", [&](nlohmann::json& json) { positions(json)["normalized"] = true; });
+  refused("an accessor of a kind", [&](nlohmann::json& json) {
+    positions(json)["sparse"] = {{"count", 1}, {"indices", {{"bufferView", 0}, {"componentType", 5125}}}, {"values", {{"bufferView", 0}}}};
+  });
+  write_bytes(folder / "b.glb", "{\"asset\": {\"version\": \"2.0\"}}");  // the text form
+  expect_error(ErrorCode::bad_file, "is not a binary glTF file", folder / "b.glb", [&] { read_levels(folder / "b.glb"); });
+  write_bytes(folder / "b.glb", with_json(whole, [](nlohmann::json& json) { json["buffers"][0]["uri"] = "other.bin"; }));
+  expect_error(ErrorCode::bad_file, "is not a glTF 2.0 file", folder / "b.glb", [&] { read_levels(folder / "b.glb"); });
+}
+
 // Other programs put a mesh under nodes of their own, beside cameras, and write transforms that change nothing.
 TEST(HierarchyFiles, GlbWithNodesAroundItsMesh) {
   const TempFolder folder;

@@ -222,6 +222,9 @@ TEST(MeshFiles, OffVariants) {
   EXPECT_EQ(read_text("a.off", "# first\nOFF # x\n" + body).triangles, kSquareFan);
   EXPECT_EQ(read_text("a.off", "COFF\n3 1 0\n0 0 0 255 0 0 255\n1 0 0 1 2 3 4\n1 1 0 0 0 0 0\n3 0 1 2 0.5 0.5 0.5\n").triangles,
             (std::vector<Triangle>{{0, 1, 2}}));
+  EXPECT_THROW(read_text("a.off", "4OFF\n" + body), Error);  // four coordinates, the last of which divides the others
+  EXPECT_THROW(read_text("a.off", "nOFF\n3\n" + body), Error);
+  EXPECT_THROW(read_text("a.off", "OFF BINARY\n" + body), Error);
 }
 
 TEST(MeshFiles, StlAsciiMergesEqualCorners) {
@@ -231,6 +234,14 @@ TEST(MeshFiles, StlAsciiMergesEqualCorners) {
                                       "   vertex 0 1 0\n  endloop\n endfacet\nendsolid a name\n");
   EXPECT_EQ(mesh.positions.size(), 4U);
   EXPECT_EQ(mesh.triangles, kSquareFan);
+}
+
+TEST(MeshFiles, SeveralSolidsOfAnStlAreOneMesh) {
+  const std::string loop = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex ";
+  const std::string end = "\nendloop\nendfacet\nendsolid\n";
+  const TriangleMesh mesh = read_text("a.stl", "solid one\n" + loop + "1 1 0" + end + "solid two\n" + loop + "0 -1 0" + end);
+  EXPECT_EQ(mesh.positions.size(), 4U);
+  EXPECT_EQ(mesh.triangles.size(), 2U);
 }
 
 TEST(MeshFiles, BinaryStlThatStartsWithSolid) {

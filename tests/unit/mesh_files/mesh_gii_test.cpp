@@ -92,7 +92,8 @@ std::string gifti(const std::vector<Array>& arrays, const std::string& metadata 
                     "<LabelTable/>";
   for (const Array& a : arrays) {
     xml += "<DataArray Intent=\"" + a.intent + "\" DataType=\"" + a.type + "\" ArrayIndexingOrder=\"" + a.order + "\" " + a.dims +
-           " Encoding=\"" + a.encoding + "\" Endian=\"" + a.endian + "\"><MetaData/><Data>" + a.data + "</Data></DataArray>";
+           " Encoding=\"" + a.encoding + "\" Endian=\"" + a.endian + "\"><MetaData/><CoordinateSystemTransformMatrix><MatrixData>" +
+           "2 0 0 9 0 2 0 9 0 0 2 9 0 0 0 1</MatrixData></CoordinateSystemTransformMatrix><Data>" + a.data + "</Data></DataArray>";
   }
   return xml + "</GIFTI>";
 }
