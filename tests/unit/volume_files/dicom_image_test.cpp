@@ -549,6 +549,20 @@ TEST(DicomImage, OrientationsThatAreNone) {
   refuse({1, 0, 0, 0.5, 0.866, 0}, "not perpendicular");
 }
 
+// Scanners write cosines of six digits: axes that are neither of length 1 nor perpendicular to the last digit of a double.
+TEST(DicomImage, RoundedOrientationsAreMadeOrthonormal) {
+  DicomBuilder image = plain_multi_frame();
+  image.set_decimals(0x00180088, {2}).set_decimals(0x00200037, {0.984808, 0.173648, 0, -0.1736, 0.9848, 0.0001});
+  const std::array<Vec3, 3> axes = read_image(image).volume.grid.direction;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 a = axes[i], b = axes[k];
+      EXPECT_NEAR(a.x * b.x + a.y * b.y + a.z * b.z, i == k ? 1 : 0, 1e-15);
+    }
+  }
+  EXPECT_NEAR(axes[0].x, 0.984808, 1e-4);
+}
+
 TEST(DicomImage, PixelSpacings) {
   const auto with = [](const Edit& edit) {
     DicomBuilder image = plain_multi_frame();

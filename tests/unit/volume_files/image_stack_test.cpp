@@ -31,6 +31,7 @@ struct PngImage {
   int colours = PNG_COLOR_TYPE_GRAY;
   std::vector<std::string> rows = {};  // packed, 16 bits with the high byte first
   bool is_interlaced = false;
+  bool has_display_chunks = false;  // gamma, a transparent colour, a physical size
 };
 
 void write_png(const fs::path& path, PngImage image) {
@@ -43,6 +44,13 @@ void write_png(const fs::path& path, PngImage image) {
                image.is_interlaced ? PNG_INTERLACE_ADAM7 : PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   const std::vector<png_color> palette(std::size_t{1} << std::min(image.bits, 8), png_color{9, 9, 9});
   if (image.colours == PNG_COLOR_TYPE_PALETTE) png_set_PLTE(png, info, palette.data(), static_cast<int>(palette.size()));
+  if (image.has_display_chunks) {
+    png_set_gAMA(png, info, 0.45455);
+    png_set_pHYs(png, info, 100, 200, PNG_RESOLUTION_METER);
+    png_color_16 transparent{};
+    transparent.gray = 1;
+    png_set_tRNS(png, info, nullptr, 0, &transparent);
+  }
   png_write_info(png, info);
   std::vector<png_bytep> rows;
   for (std::string& row : image.rows) rows.push_back(reinterpret_cast<png_bytep>(row.data()));
@@ -211,6 +219,14 @@ TEST_F(ImageStack, MemoryLimit) {
 }
 
 // ---------------------------------------------------------------- PNG
+
+TEST_F(ImageStack, PngChunksAboutDisplayChangeNothing) {
+  for (const char* name : {"s1.png", "s2.png"}) write_png(folder_ / name, {.rows = {"\x01\xFF\x7F\x80", "aaaa", "bbbb"}, .has_display_chunks = true});
+  const VolumeFile file = read();
+  EXPECT_EQ(file.volume.grid.size, (std::array<std::size_t, 3>{4, 3, 2}));
+  for (const auto& [i, value] : {std::pair{0, 1}, {1, 255}, {2, 127}, {3, 128}}) EXPECT_EQ(sample_as_double(file.volume, static_cast<std::size_t>(i)), value);
+  EXPECT_FALSE(file.source.has_spacing);
+}
 
 TEST_F(ImageStack, PngOfAnyDepth) {
   struct Depth {

@@ -191,6 +191,12 @@ TEST(NrrdSpacing, FromAxisMinsAndMaxs) {
   NrrdFile(small("axis mins: 1 1\n")).expect_refused(kBad, "expected 3 numbers");
 }
 
+TEST(NrrdSpacing, ANegativeOneTurnsTheAxis) {
+  const Grid grid = NrrdFile(small("spacings: 0.5 -2 1\n")).file().volume.grid;
+  EXPECT_EQ(grid.spacing, (Vec3{0.5, 2, 1}));
+  EXPECT_EQ(grid.direction, (std::array<Vec3, 3>{Vec3{1, 0, 0}, {0, -1, 0}, {0, 0, 1}}));
+}
+
 TEST(NrrdSpacing, MissingOnes) {
   const VolumeFile none = NrrdFile(small("thicknesses: 3 3 3\n")).file();
   EXPECT_FALSE(none.source.has_spacing);

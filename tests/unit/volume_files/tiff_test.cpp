@@ -349,6 +349,20 @@ TEST_F(Tiff, TifffilesTruncatedStack) {
   refuse(TiffWriter().add(page).bytes(), ErrorCode::bad_file, "the header promises");
 }
 
+// Descriptions of other programs, places on the earth, profiles of colours, ImageJ's regions of interest.
+TEST_F(Tiff, TagsThatSayNothingOfSamplesAreNotUsed) {
+  for (const char* description : {"Aperio Image Library v11\n40x|MPP = 0.25", "<MetaData><prop id=\"spatial-calibration-x\" value=\"2\"/></MetaData>",
+                                  "SI.hRoiManager.scanZoomFactor = 2", "any text"}) {
+    SCOPED_TRACE(description);
+    TiffPage page;
+    page.more = {{33550, 4, {2, 2, 0}}, {33922, 4, {0, 0, 0, 9, 9, 0}}, {34675, 1, {1, 2, 3, 4}}, {50839, 1, {1, 2, 3, 4}}};
+    const VolumeFile file = read(pages(3, description, page));
+    EXPECT_EQ(pages_read(file), (std::vector{0, 1, 2}));
+    EXPECT_EQ(file.volume.grid.spacing, (Vec3{1, 1, 1}));
+    EXPECT_FALSE(file.source.has_spacing);
+  }
+}
+
 // ---------------------------------------------------------------- OME
 
 std::string ome(const std::string& pixels, const std::string& inside, const std::string& attributes = "") {
@@ -378,6 +392,14 @@ TEST_F(Tiff, OmeDimensionOrders) {
     }
     refuse(bytes, ErrorCode::unsupported, "has 2 channels, expected a choice of one: 0 (DAPI), 1 (GFP)");
   }
+}
+
+TEST_F(Tiff, OmePlanesOnTheStageMoveNothing) {
+  const std::string planes = R"(<TiffData/><Plane TheZ="0" TheC="0" TheT="0" PositionX="500" PositionY="20" PositionZ="3"/>)";
+  const VolumeFile file = read(pages(3, ome(std::string(kStack) + R"( PhysicalSizeX="1" PhysicalSizeY="1" PhysicalSizeZ="2")", planes)));
+  EXPECT_EQ(pages_read(file), (std::vector{0, 1, 2}));
+  EXPECT_EQ(file.volume.grid.origin, (Vec3{}));
+  EXPECT_EQ(file.source.warnings, kNone);
 }
 
 TEST_F(Tiff, OmePagesWithoutAPlaneAreWarnedOf) {
