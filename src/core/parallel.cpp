@@ -2,31 +2,45 @@
 #include "core/parallel.h"
 
 #include <tbb/blocked_range.h>
-#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/partitioner.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <thread>
 
 namespace isoatlas {
 
+namespace {
+
+thread_local tbb::task_arena* limited = nullptr;  // of the innermost ThreadLimit of this thread; none: loops use the arena they are in
+
+}  // namespace
+
 struct ThreadLimit::State {
-  tbb::global_control control;
+  tbb::task_arena arena;
 };
 
-ThreadLimit::ThreadLimit(int threads)
-    : state_(new State{
-          tbb::global_control(tbb::global_control::max_allowed_parallelism,
-                              threads > 0 ? static_cast<std::size_t>(threads) : std::max(1u, std::thread::hardware_concurrency()))}) {}
+ThreadLimit::ThreadLimit(int threads) : state_(nullptr) {
+  if (limited != nullptr) return;
+  state_ = new State{tbb::task_arena(threads > 0 ? threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency())))};
+  limited = &state_->arena;
+}
 
-ThreadLimit::~ThreadLimit() { delete state_; }
+ThreadLimit::~ThreadLimit() {
+  if (state_ == nullptr) return;
+  limited = nullptr;
+  delete state_;
+}
 
 void for_each_piece(std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body) {
   if (n == 0) return;
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, n, grain), [&](const tbb::blocked_range<std::size_t>& r) { body(r.begin(), r.end()); },
-      tbb::simple_partitioner());
+  const auto loop = [&] {
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, n, grain), [&](const tbb::blocked_range<std::size_t>& r) { body(r.begin(), r.end()); },
+        tbb::simple_partitioner());
+  };
+  limited != nullptr ? limited->execute(loop) : loop();
 }
 
 }  // namespace isoatlas

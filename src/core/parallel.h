@@ -8,7 +8,8 @@
 
 namespace isoatlas {
 
-/// Limits the threads used by parallel loops while it lives; 0 means as many as the machine has.
+/// Limits the threads that parallel loops of the calling thread use while it lives; 0 means as many as the machine has. Other
+/// threads of the program, and other users of oneTBB in it, keep theirs. Of nested limits the outermost counts.
 class ThreadLimit {
  public:
   explicit ThreadLimit(int threads);

@@ -2,6 +2,8 @@
 #include "core/parallel.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
 
 #include <atomic>
 #include <mutex>
@@ -66,6 +68,35 @@ TEST(ThreadLimit, OneThreadMeansTheCallers) {
     seen.insert(std::this_thread::get_id());
   });
   EXPECT_EQ(seen, std::set{std::this_thread::get_id()});
+}
+
+// What a host and other calls have is not touched.
+TEST(ThreadLimit, ConcernsTheCallingThreadAlone) {
+  using tbb::global_control;
+  const std::size_t allowed = global_control::active_value(global_control::max_allowed_parallelism);
+  const auto threads_in_a_loop = [] {
+    int threads = 0;
+    for_each_piece(1, 1, [&](std::size_t, std::size_t) { threads = tbb::this_task_arena::max_concurrency(); });
+    return threads;
+  };
+  const ThreadLimit one(1);
+  EXPECT_EQ(global_control::active_value(global_control::max_allowed_parallelism), allowed);
+  EXPECT_EQ(threads_in_a_loop(), 1);
+  std::thread([&] {
+    const ThreadLimit three(3);
+    EXPECT_EQ(threads_in_a_loop(), 3);
+    const ThreadLimit nested(2);
+    EXPECT_EQ(threads_in_a_loop(), 3);
+  }).join();
+  EXPECT_EQ(threads_in_a_loop(), 1);
+}
+
+TEST(ThreadLimit, EndsWithItsScope) {
+  const int before = tbb::this_task_arena::max_concurrency();
+  { const ThreadLimit limit(before + 1); }
+  int threads = 0;
+  for_each_piece(1, 1, [&](std::size_t, std::size_t) { threads = tbb::this_task_arena::max_concurrency(); });
+  EXPECT_EQ(threads, before);
 }
 
 TEST(RunControl, CancelAndProgress) {
