@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numbers>
 #include <string>
 
@@ -65,6 +66,10 @@ void check_volume(const VolumeView& volume, double isovalue) {
     require(grid.size[a] >= 2 && grid.size[a] < kNone - 1,
             std::string("the volume has ") + std::to_string(grid.size[a]) + " samples along " + "xyz"[a] + ", expected 2 to 2^32 - 3");
   }
+  const std::size_t most = std::numeric_limits<std::ptrdiff_t>::max() / sizeof(double);
+  require(grid.size[0] <= most / grid.size[1] / grid.size[2], "a volume of " + std::to_string(grid.size[0]) + " x " +
+                                                                  std::to_string(grid.size[1]) + " x " + std::to_string(grid.size[2]) +
+                                                                  " samples is larger than any memory");
   for (const double s : {grid.spacing.x, grid.spacing.y, grid.spacing.z}) {
     require(std::isfinite(s) && s > 0, "spacing " + number(s) + " is not a positive length");
   }

@@ -40,6 +40,13 @@ TEST(Refuses, OneSampleAlongAnAxis) {
   }
 }
 
+TEST(Refuses, MoreSamplesThanAnyMemoryHolds) {
+  Volume volume = ball();
+  const std::size_t large = std::size_t{1} << 31;
+  volume.grid.size = {large, large, large};  // whose product is 0 in 64 bits of which some are lost
+  expect_error(ErrorCode::bad_argument, {"2147483648 x 2147483648", "larger than any memory"}, volume, {});
+}
+
 TEST(Refuses, BadSpacing) {
   for (const double bad : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
     for (int axis = 0; axis < 3; ++axis) {
