@@ -210,11 +210,12 @@ otherwise, from 0, never, to 8. Subdivision that removes self-intersections is n
 )", [&](const std::string& text) { set(arguments, "adaptive-supersample", text); });
 
   add_value(*command, kSurface, "--min-component-size", "SIZE", R"(
-Leave out components that enclose less: 10vx is ten voxels, 2.5 or 2.5mm3 are world units cubed. One that the volume's
-border cuts open counts as a ball of its area. What is left out is listed in the report. Default: nothing.
+Leave out components that enclose less: 10vx is ten voxels, 2.5 or 2.5mm3 are world units cubed. Where the volume's border
+cuts a component open, the border is its cap; components that the cap connects count as one. Default: nothing.
 )", [&](const std::string& text) { set(arguments, "min-component-size", text); });
   add_value(*command, kSurface, "--keep-components", "N", R"(
-Leave out all but the N largest components. Default: all are kept.
+Leave out all but the N largest components; of a part that the volume's border cuts into several, all are kept. Default: all
+are kept.
 )", [&](const std::string& text) { set(arguments, "keep-components", text); });
 
   command->add_flag("--coarse", arguments.coarse, R"(

@@ -104,7 +104,7 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   std::optional<MeshQuality> marching_cubes;  // for the page to compare with
   if (arguments.page) {
     progress.show("compare", std::nullopt);
-    marching_cubes = marching_cubes_quality(volume, options.isovalue);
+    marching_cubes = marching_cubes_quality(volume, options.isovalue, points_of_kept_components(report, volume.grid, options.space));
   }
   volume = {};  // writing needs memory too
 

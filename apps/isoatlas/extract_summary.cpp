@@ -116,6 +116,16 @@ void print_level_details(std::ostream& out, const LevelReport& level, std::size_
                      number_text(level.measured->normal_maximum));
 }
 
+// "3 components, the largest of 12.5 cubic mm at ..., cut open by the volume's border"
+std::string ranked_text(const std::vector<RankedComponent>& components, LengthUnit unit) {
+  const RankedComponent& largest = components.front();
+  const std::size_t parts = components.back().part - largest.part + 1;
+  return (parts < components.size() ? counted(parts, "part") + " in " : "") + counted(components.size(), "component") +
+         (parts > 1 ? ", the largest of " : " of ") + number_text(largest.size) +
+         " cubic " + (unit == LengthUnit::unknown ? "units" : std::string(symbol(unit))) + " at " + point_text(largest.position) +
+         (largest.topology.boundary_loops > 0 ? ", cut open by the volume's border" : "");
+}
+
 }  // namespace
 
 void print_summary(std::ostream& out, const ExtractReport& report, const ReportContext& context, const std::string& outputs) {
@@ -125,12 +135,8 @@ void print_summary(std::ostream& out, const ExtractReport& report, const ReportC
   out << row("read", volume_name(context.volume.path) + ": " + size_text(grid.size) + " " + std::string(name(context.volume.sample_type)) +
                                ", spacing " + spacing + ", " + seconds_text(context.read_seconds))
             << row("surface", "isovalue " + number_text(context.options.isovalue) + ": " + topology_text(report.levels.back().topology));
-  if (!report.dropped.empty()) {
-    out << row("left out", counted(report.dropped.size(), "component") + ", the largest of " +
-                                     number_text(report.dropped.front().size) + " cubic " +
-                                     (unit == LengthUnit::unknown ? "units" : std::string(symbol(unit))) + " at " +
-                                     point_text(report.dropped.front().position));
-  }
+  if (!report.kept.empty()) out << row("kept", ranked_text(report.kept, unit));
+  if (!report.dropped.empty()) out << row("left out", ranked_text(report.dropped, unit));
   for (std::size_t k = 0; k < report.levels.size(); ++k) out << row(level_name(k), level_text(report.levels[k], unit));
   double rounding = 0;
   for (const ReportFile& file : context.files) rounding = std::max(rounding, file.largest_rounding);

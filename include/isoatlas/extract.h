@@ -43,10 +43,10 @@ struct ExtractOptions {
   std::optional<double> event_persistence;
   /// false puts c-vertices at the plain average of their nodes, as the paper has it (up to 0.2 voxel off the surface).
   bool vertices_on_surface = true;
-  /// Components that are not meshed; nothing is left out unless asked for. The size of a component is the volume it encloses, of one
-  /// that the volume's border cuts open that of a ball of the same area.
-  double min_component_size = 0;    ///< smaller ones, world units cubed
-  std::size_t keep_components = 0;  ///< all but so many largest ones (equal ones: those first in scan order); 0: none
+  /// Components that are not meshed; nothing is left out unless asked for. The size of a component is the volume it encloses, with
+  /// the volume's border as a cap where that cuts it open. Components that the cap connects count as one, a part.
+  double min_component_size = 0;    ///< drop smaller ones, world units cubed
+  std::size_t keep_components = 0;  ///< keep only so many largest parts (ties: first in scan order); 0 keeps all
   /// Level 0 is the coarse mesh of the paper's stage one; its constraints are only looked at, not worked for.
   LevelGoal coarse;
   /// One more level, refined from the one before, per entry.
@@ -148,10 +148,11 @@ struct LevelReport {
   bool all_met() const;  ///< all constraints but those that nobody asked for
 };
 
-/// A component that was left out.
-struct DroppedComponent {
-  Vec3 position;    ///< of its first c-vertex in scan order, in the mesh's space
-  double size = 0;  ///< world units cubed
+/// A component whose size was looked at, to keep it or to leave it out.
+struct RankedComponent {
+  Vec3 position;         ///< of its first c-vertex in scan order, in the mesh's space
+  std::size_t part = 0;  ///< its rank by size, from 0; components that the border's cap connects are one part
+  double size = 0;       ///< of the part, see ExtractOptions::min_component_size, world units cubed
   std::size_t c_vertices = 0;
   ComponentTopology topology;
 };
@@ -163,7 +164,7 @@ struct ExtractReport {
   std::size_t tunnels = 0;                      ///< cells with an annulus; 0 with Topology::faces
   std::vector<std::size_t> coarser_c_vertices;  ///< sizes of the certified coarser complexes
   TopologySummary reference;                    ///< counted on the reference surface complex, without what was dropped
-  std::vector<DroppedComponent> dropped;        ///< as ExtractOptions asked, largest first
+  std::vector<RankedComponent> kept, dropped;   ///< as ExtractOptions asked, largest first; both empty if all were to be kept
   /// Adaptive supersampling: more c-vertices where triangles met, or where a bound could not be kept.
   std::size_t divided_c_vertices = 0;  ///< around which all faces were divided, every time counted
   std::size_t added_c_vertices = 0;

@@ -72,7 +72,8 @@ void Axes::to_caller(Extraction& extraction, Space space) const {
     for (Vec3& p : level.placed) move(p);
     if (mirrors()) turn_over(level.triangles);
   }
-  for (DroppedComponent& component : extraction.report.dropped) move(component.position);
+  for (RankedComponent& component : extraction.report.kept) move(component.position);
+  for (RankedComponent& component : extraction.report.dropped) move(component.position);
   for (LevelReport& level : extraction.report.levels) {
     for (CellAtLimit& cell : level.at_limit) move(cell.position);
     for (BadTriangle& triangle : level.bad_triangles) move(triangle.position);

@@ -159,6 +159,16 @@ ReadOptions read_options_of(const Json& json) {
   return options;
 }
 
+std::vector<Vec3> kept_points(const Json& json, const Grid& grid) {
+  ExtractReport report;
+  for (const Json& component : json.at("kept")) {
+    const auto p = component.at("position").get<std::array<double, 3>>();
+    report.kept.emplace_back().position = {p[0], p[1], p[2]};
+  }
+  const std::string space = json["parameters"].at("space").get<std::string>();
+  return points_of_kept_components(report, grid, space == "voxel" ? Space::voxel : space == "ras" ? Space::ras : Space::lps);
+}
+
 // Of the volume at `path`, if it is still there, can be read without a raw layout and has the samples that were meshed.
 std::optional<MeshQuality> marching_cubes_of(const Json& json, const fs::path& path) {
   try {
@@ -166,7 +176,7 @@ std::optional<MeshQuality> marching_cubes_of(const Json& json, const fs::path& p
     if (volume.grid.size != json["input"].at("size").get<std::array<std::size_t, 3>>()) return std::nullopt;
     const Json digest = json["input"].value("sha256", Json());
     if (digest.is_string() && digest != sample_digest(volume)) return std::nullopt;
-    return marching_cubes_quality(volume, json["surface"].at("isovalue").get<double>());
+    return marching_cubes_quality(volume, json["surface"].at("isovalue").get<double>(), kept_points(json, volume.grid));
   } catch (const Error&) {
     return std::nullopt;
   }

@@ -8,8 +8,15 @@
 #include <vtkPolyData.h>
 #include <vtkSmartPointer.h>
 
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <vector>
 
+#include "core/disjoint_sets.h"
+#include "core/vector_math.h"
 #include "page/page.h"
 
 namespace isoatlas {
@@ -41,9 +48,61 @@ int vtk_type(SampleType type) {
   return VTK_VOID;
 }
 
+// Of each point the vertex of marching cubes that is nearest (ties: the first one). Nearly always it is in the point's grid cell.
+std::vector<std::uint32_t> nearest_vertices(std::span<const Vec3> vertices, std::span<const Vec3> points) {
+  const auto cell_of = [](Vec3 p) { return std::array<std::int64_t, 3>{std::llround(std::floor(p.x)), std::llround(std::floor(p.y)), std::llround(std::floor(p.z))}; };
+  std::map<std::array<std::int64_t, 3>, std::vector<std::size_t>> points_in;
+  for (std::size_t i = 0; i < points.size(); ++i) points_in[cell_of(points[i])].push_back(i);
+  std::vector<std::uint32_t> nearest(points.size(), 0);
+  std::vector<double> distance(points.size(), std::numeric_limits<double>::infinity());
+  const auto offer = [&](std::size_t i, std::uint32_t v) {
+    const double d = length(vertices[v] - points[i]);
+    if (d < distance[i]) distance[i] = d, nearest[i] = v;
+  };
+  for (std::uint32_t v = 0; v < vertices.size(); ++v) {
+    for (unsigned k = 0; k < 8; ++k) {  // a vertex is on an edge, and so in up to four cells
+      auto cell = cell_of(vertices[v]);
+      for (std::size_t axis = 0; axis < 3; ++axis) cell[axis] -= k >> axis & 1U;
+      const auto found = points_in.find(cell);
+      if (found == points_in.end()) continue;
+      for (const std::size_t i : found->second) offer(i, v);
+    }
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::uint32_t v = 0; distance[i] > 2 && v < vertices.size(); ++v) offer(i, v);
+  }
+  return nearest;
+}
+
+void keep_components_at(TriangleMesh& mesh, std::span<const Vec3> points, Vec3 spacing) {
+  if (mesh.positions.empty()) return;
+  DisjointSets sets(mesh.positions.size());
+  for (const Triangle& t : mesh.triangles) {
+    sets.unite(t[0], t[1]);
+    sets.unite(t[1], t[2]);
+  }
+  std::vector<Vec3> index;
+  for (const Vec3& p : mesh.positions) index.push_back({p.x / spacing.x, p.y / spacing.y, p.z / spacing.z});
+  std::vector<std::uint8_t> is_kept(mesh.positions.size(), 0);
+  for (const std::uint32_t v : nearest_vertices(index, points)) is_kept[sets.find(v)] = 1;
+  std::erase_if(mesh.triangles, [&](const Triangle& t) { return is_kept[sets.find(t[0])] == 0; });
+}
+
+Vec3 index_of(Vec3 p, const Grid& grid, Space space) {
+  if (space == Space::voxel) return p;
+  const double flip = space == Space::ras ? -1 : 1;
+  return grid.to_index({flip * p.x, flip * p.y, p.z});
+}
+
 }  // namespace
 
-std::optional<MeshQuality> marching_cubes_quality(const VolumeView& volume, double isovalue) {
+std::vector<Vec3> points_of_kept_components(const ExtractReport& report, const Grid& grid, Space space) {
+  std::vector<Vec3> points;
+  for (const RankedComponent& component : report.kept) points.push_back(index_of(component.position, grid, space));
+  return points;
+}
+
+std::optional<MeshQuality> marching_cubes_quality(const VolumeView& volume, double isovalue, std::span<const Vec3> of) {
   const auto& [nx, ny, nz] = volume.grid.size;
   const Vec3 spacing = volume.grid.spacing;
   const auto samples = vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(vtk_type(volume.type)));
@@ -80,6 +139,7 @@ std::optional<MeshQuality> marching_cubes_quality(const VolumeView& volume, doub
     for (std::size_t k = 0; k < 3; ++k) triangle[k] = static_cast<std::uint32_t>(corners[k]);
     mesh.triangles.push_back(triangle);
   }
+  if (!of.empty()) keep_components_at(mesh, of, spacing);
   if (mesh.triangles.empty()) return std::nullopt;
   return mesh_quality(mesh);
 }

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "isoatlas/hierarchy.h"
+#include "isoatlas/extract.h"
 #include "isoatlas/mesh.h"
 #include "isoatlas/volume.h"
 
@@ -35,7 +35,11 @@ PageEntry entry_of_file(const std::filesystem::path& path);
 
 /// Shape of the triangles that marching cubes (VTK's) makes of a volume. None if there are none, or samples near the surface are not
 /// finite.
-std::optional<MeshQuality> marching_cubes_quality(const VolumeView& volume, double isovalue);
+/// @param of  points of components, sample-index coordinates: only the components of marching cubes next to them count; none: all
+std::optional<MeshQuality> marching_cubes_quality(const VolumeView& volume, double isovalue, std::span<const Vec3> of = {});
+
+/// Points of the components that were kept, for marching_cubes_quality(); none if all were.
+std::vector<Vec3> points_of_kept_components(const ExtractReport& report, const Grid& grid, Space space);
 
 /// Throws Error(unsupported) if this isoatlas was built without pages (ISOATLAS_BUILD_PAGE).
 void require_pages();

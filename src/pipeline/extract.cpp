@@ -15,12 +15,13 @@
 #include "core/parallel.h"
 #include "core/vector_math.h"
 #include "partition/coarsen.h"
+#include "pipeline/choose_components.h"
 #include "pipeline/coarse_mesher.h"
 #include "pipeline/level.h"
 #include "pipeline/level_maker.h"
 #include "subdivide/adaptive_surface.h"
+#include "surface/component_sizes.h"
 #include "surface/components.h"
-#include "surface/drop_components.h"
 #include "surface/parse_surface.h"
 #include "volume/check_volume.h"
 
@@ -79,40 +80,25 @@ void check_options(const ExtractOptions& options) {
 // The paper's figure 4 knows no persistence.
 float default_persistence(CoveringStrategy strategy) { return strategy == CoveringStrategy::halving ? 0.0f : 1.5f; }
 
-// What the options ask to leave out, largest first.
-std::vector<DroppedComponent> drop_small_components(SurfaceComplex& complex, const Components& components, const ExtractOptions& options,
-                                                    const Grid& grid) {
-  const std::size_t n = components.topology.size();
-  std::vector<double> size = component_volumes(complex, components);
-  for (double& s : size) s *= std::pow(grid.smallest_spacing(), 3);
-  std::vector<std::size_t> order(n);
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return size[a] > size[b]; });
-  std::vector<std::uint8_t> goes(n, 0);
-  for (std::size_t rank = 0; rank < n; ++rank) {
-    const bool too_many = options.keep_components > 0 && rank >= options.keep_components;
-    goes[order[rank]] = too_many || size[order[rank]] < options.min_component_size;
+// Leaves out the components that are not wanted.
+void choose_components(SurfaceComplex& whole, Components& components, const VolumeView& volume_in_voxels, const ParseOptions& parse,
+                       const VolumeView& volume, const ExtractOptions& options, ExtractReport& report, const RunControl& control) {
+  ComponentSizes sizes;
+  if (whole.boundary.empty()) {
+    sizes = component_sizes(whole, components, whole);
+  } else {
+    ParseOptions capped = parse;
+    capped.closed = true;
+    sizes = component_sizes(whole, components, parse_surface(volume_in_voxels, capped, control));
   }
-  std::vector<DroppedComponent> out(n);
-  for (std::size_t c = 0; c < n; ++c) {
-    out[c].size = size[c];
-    out[c].topology = components.topology[c];
+  ChosenComponents chosen = choose_components(whole, components, sizes, options, volume.grid);
+  report.kept = std::move(chosen.kept);
+  report.dropped = std::move(chosen.dropped);
+  if (whole.faces.empty()) {
+    throw Error(ErrorCode::empty_surface, "every component is smaller than asked for: the largest has a size of " +
+                                              std::to_string(report.dropped.front().size) + " cubic units");
   }
-  TriangleMesh first;
-  first.positions.resize(n);
-  for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
-    const ComponentId c = components.of_c_vertex[v];
-    if (out[c].c_vertices++ == 0) first.positions[c] = complex.positions[v];
-  }
-  bring_out(first, grid, options);
-  std::vector<DroppedComponent> dropped;
-  for (const std::size_t c : order) {
-    if (!goes[c]) continue;
-    out[c].position = first.positions[c];
-    dropped.push_back(out[c]);
-  }
-  drop_components(complex, components, goes);
-  return dropped;
+  if (!report.dropped.empty()) components = find_components(whole);
 }
 
 }  // namespace
@@ -149,11 +135,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   Components reference = find_components(whole);
   control.check_cancelled();
   if (options.min_component_size > 0 || options.keep_components > 0) {
-    report.dropped = drop_small_components(whole, reference, options, grid);
-    if (whole.faces.empty())
-      throw Error(ErrorCode::empty_surface, "every component is smaller than asked for: the largest has a size of " +
-                                                std::to_string(report.dropped.front().size) + " cubic units");
-    if (!report.dropped.empty()) reference = find_components(whole);
+    choose_components(whole, reference, in_voxels, parse, volume, options, report, control);
   }
   report.c_vertices = whole.positions.size();
   report.faces = whole.faces.size();

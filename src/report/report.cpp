@@ -87,8 +87,9 @@ Json to_value(const DistanceReport& distance) {
   return json;
 }
 
-Json to_value(const DroppedComponent& component) {
+Json to_value(const RankedComponent& component) {
   return {{"position", to_value(component.position)},
+          {"part", component.part},
           {"size", component.size},
           {"c_vertices", component.c_vertices},
           {"genus", component.topology.genus()},
@@ -183,8 +184,10 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
   Json& reference = json["reference"] = {
       {"c_vertices", report.c_vertices}, {"faces", report.faces}, {"double_segments", report.double_segments}, {"tunnels", report.tunnels}};
   add_topology(reference, report.reference);
-  Json& dropped = json["dropped"] = Json::array();
-  for (const DroppedComponent& component : report.dropped) dropped.push_back(to_value(component));
+  for (const auto& [name, components] : {std::pair{"kept", &report.kept}, std::pair{"dropped", &report.dropped}}) {
+    Json& list = json[name] = Json::array();
+    for (const RankedComponent& component : *components) list.push_back(to_value(component));
+  }
   json["coarsening"] = {{"rounds", report.coarsening.repair_rounds},
                         {"c_vertices", report.coarser_c_vertices},
                         {"certificate", report.coarser_c_vertices.empty() ? Json() : to_value(report.coarsening)}};

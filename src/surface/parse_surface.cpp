@@ -96,7 +96,8 @@ class Parser {
         control_(control),
         signs_(signs),
         field_(samples),
-        table_(CellLoopTable::get()) {}
+        table_(CellLoopTable::get()),
+        no_bits_(options.closed ? signs.words : 0, 0) {}
 
   SurfaceComplex run() {
     find_cells();
@@ -124,6 +125,10 @@ class Parser {
   std::size_t sample_of(std::size_t extended, int axis) const {
     return extended == 0 ? 0 : std::min(extended - 1, size_[static_cast<std::size_t>(axis)] - 1);
   }
+  // A cell of the layer around the volume whose far side is outside, whatever the samples there are.
+  bool is_cap(const std::array<std::size_t, 3>& c) const {
+    return options_.closed && (in_layer(c[0], 0) || in_layer(c[1], 1) || in_layer(c[2], 2));
+  }
   bool in_layer(std::size_t c, int axis) const { return c == 0 || c == size_[static_cast<std::size_t>(axis)]; }
   std::size_t row_of(std::size_t cy, std::size_t cz) const { return cy + (size_[1] + 1) * cz; }
 
@@ -148,9 +153,13 @@ class Parser {
     }
   }
 
+  // Of extended samples.
+  const std::uint64_t* sign_row(std::size_t y, std::size_t z) const {
+    if (options_.closed && (y == 0 || y > size_[1] || z == 0 || z > size_[2])) return no_bits_.data();
+    return signs_.row(sample_of(y, 1), sample_of(z, 2));
+  }
   std::array<const std::uint64_t*, 4> sign_rows(std::size_t cy, std::size_t cz) const {
-    const std::size_t y0 = sample_of(cy, 1), y1 = sample_of(cy + 1, 1), z0 = sample_of(cz, 2), z1 = sample_of(cz + 1, 2);
-    return {signs_.row(y0, z0), signs_.row(y1, z0), signs_.row(y0, z1), signs_.row(y1, z1)};
+    return {sign_row(cy, cz), sign_row(cy + 1, cz), sign_row(cy, cz + 1), sign_row(cy + 1, cz + 1)};
   }
 
   void find_cells() {
@@ -186,7 +195,7 @@ class Parser {
   CellValues values(const std::array<std::size_t, 3>& c) const {
     const auto in_range = [](const auto& f) { return Samples::kAnyRange ? tamed(f) : f; };
     CellValues out;
-    if (options_.interpolation == Interpolation::tricubic) {
+    if (options_.interpolation == Interpolation::tricubic && !is_cap(c)) {
       // In the layer around the volume nothing changes across it.
       const std::array<double, 64> f = in_range(field_.around({sample_of(c[0], 0), sample_of(c[1], 1), sample_of(c[2], 2)},
                                                               {in_layer(c[0], 0), in_layer(c[1], 1), in_layer(c[2], 2)}));
@@ -226,8 +235,9 @@ class Parser {
   }
 
   // Which nodes on the three edges at a cell's lowest corner have a face: those on edges of the unextended grid.
-  static unsigned owned_nodes(const CellLoops& loops, std::size_t cx, std::size_t cy, std::size_t cz) {
+  unsigned owned_nodes(const CellLoops& loops, std::size_t cx, std::size_t cy, std::size_t cz) const {
     const unsigned crossed = (loops.crossed & 1u) | (loops.crossed >> 4 & 1u) << 1 | (loops.crossed >> 8 & 1u) << 2;
+    if (options_.closed) return crossed;  // those of edges across the layer, too
     const unsigned possible = (cy >= 1 && cz >= 1 ? 1u : 0) | (cz >= 1 && cx >= 1 ? 2u : 0) | (cx >= 1 && cy >= 1 ? 4u : 0);
     return crossed & possible;
   }
@@ -253,7 +263,7 @@ class Parser {
             if (table_.needs_samples(signs)) {
               const std::array<std::size_t, 8> sample = sample_indices(cx, cy, cz);
               loops = table_.index(signs, decide_faces(signs, sample));
-              if (options_.topology == Topology::trilinear && !table_.tunnels(loops).empty()) {
+              if (options_.topology == Topology::trilinear && !is_cap({cx, cy, cz}) && !table_.tunnels(loops).empty()) {
                 loops = decide_tunnel(loops, sample);
                 if (table_[loops].has_tunnel) slice.tunnel_cells.push_back({i, cy, cz});
               }
@@ -326,14 +336,14 @@ class Parser {
         }
         // Two curves on a wall of the border part as the samples have it. Splines need not, so there c-vertices stay on the chords, which
         // do.
-        const bool stays = f.cubic && layer && loops.surfels > 1;
+        const bool stays = is_cap(c) || (f.cubic && layer && loops.surfels > 1);
         for (std::size_t surfel = 0; surfel < loops.surfels; ++surfel) {
           Vec3 p = (1.0 / nodes[surfel]) * sum[surfel];
           if (loops.has_tunnel) p = off_the_walls(p);  // all nodes of a piece of an annulus may be on one wall
           if (options_.vertices_on_surface && !stays) p = f.cubic ? onto_surface(*f.cubic, p) : onto_surface(TrilinearCell(f.corner), p);
           const CVertexId id = first + cell.first_c_vertex + static_cast<CVertexId>(surfel);
           complex_.positions[id] = {low[0] + width[0] * p.x, low[1] + width[1] * p.y, low[2] + width[2] * p.z};
-          complex_.on_boundary[id] = layer;
+          complex_.on_boundary[id] = layer && !options_.closed;
         }
       }
     }
@@ -457,10 +467,12 @@ class Parser {
     const auto side = [&](int from, int to) {
       slice.boundary.push_back(outside_is_up ? BoundarySide{corner[from], corner[to]} : BoundarySide{corner[to], corner[from]});
     };
-    if (c[v] == 1) side(0, 1);
-    if (c[u] == size_[u]) side(1, 2);
-    if (c[v] == size_[v]) side(2, 3);
-    if (c[u] == 1) side(3, 0);
+    if (!options_.closed) {
+      if (c[v] == 1) side(0, 1);
+      if (c[u] == size_[u]) side(1, 2);
+      if (c[v] == size_[v]) side(2, 3);
+      if (c[u] == 1) side(3, 0);
+    }
     if (!outside_is_up) std::swap(corner[1], corner[3]);
     complex_.faces[id].corner = corner;
   }
@@ -560,7 +572,7 @@ class Parser {
 
   bool is_on_border(const Node& node, int axis) const {
     const std::size_t at = node.c[static_cast<std::size_t>(axis)];
-    return at == 1 || at == size_[static_cast<std::size_t>(axis)];
+    return !options_.closed && (at == 1 || at == size_[static_cast<std::size_t>(axis)]);
   }
   // On a face of the volume, but on none of its edges.
   bool is_on_border(const Node& node) const { return is_on_border(node, (node.axis + 1) % 3) != is_on_border(node, (node.axis + 2) % 3); }
@@ -656,6 +668,7 @@ class Parser {
   const SignBits& signs_;
   const Samples& field_;
   const CellLoopTable& table_;
+  std::vector<std::uint64_t> no_bits_;  // the signs of a row beyond the border of a closed surface
 
   std::vector<std::uint32_t> row_first_;  // per row (cy, cz), its first cell; one more at the end
   std::vector<Cell> cells_;               // crossed cells in scan order
@@ -665,21 +678,32 @@ class Parser {
   SurfaceComplex complex_;
 };
 
+// The sample that is repeated at both ends of a row becomes one outside.
+void clear_ends_of_rows(SignBits& signs, std::size_t row_samples) {
+  const std::size_t last = row_samples + 1;
+  for (std::size_t first = 0; first < signs.bits.size(); first += signs.words) {
+    signs.bits[first] &= ~std::uint64_t{1};
+    signs.bits[first + last / 64] &= ~(std::uint64_t{1} << last % 64);
+  }
+}
+
 }  // namespace
 
 SurfaceComplex parse_surface(const VolumeView& volume, const ParseOptions& options, const RunControl& control) {
   SurfaceComplex empty;
   empty.spacing = (1.0 / options.supersample) * volume.grid.spacing;
-  const auto parse = [&](const auto& samples, const SignBits& signs) {
+  const auto parse = [&](const auto& samples, SignBits& signs) {
+    if (options.closed) clear_ends_of_rows(signs, samples.size()[0]);
     return Parser(samples, empty.spacing, options, control, signs).run();
   };
+  const auto has_surface = [&](const SignBits& signs) { return signs.any_inside && (signs.any_outside || options.closed); };
   if (options.supersample > 1) {
     const UpsampledField samples(volume, options.rule, options.interpolation, options.supersample);
-    const SignBits signs = samples.classify(control);
-    return signs.any_inside && signs.any_outside ? parse(samples, signs) : empty;
+    SignBits signs = samples.classify(control);
+    return has_surface(signs) ? parse(samples, signs) : empty;
   }
-  const SignBits signs = classify(volume, options.rule, control);
-  if (!signs.any_inside || !signs.any_outside) return empty;
+  SignBits signs = classify(volume, options.rule, control);
+  if (!has_surface(signs)) return empty;
   return visit_sample_type(volume.type, [&]<class T>(const T*) { return parse(VolumeField<T>(volume, options.rule), signs); });
 }
 

@@ -14,6 +14,8 @@ struct ParseOptions {
   Topology topology = Topology::trilinear;
   Interpolation interpolation = Interpolation::trilinear;  ///< on which surface points are placed
   std::uint32_t supersample = 1;                           ///< >= 1: parses the volume upsampled that often per axis, see UpsampledField
+  /// All that is beyond the volume's border is outside: the surface is capped there, by faces that lie in it, and closed.
+  bool closed = false;
 };
 
 /// The reference surface of a volume at an isovalue, as a surface complex: one c-vertex per surfel, one face per node.

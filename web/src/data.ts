@@ -86,6 +86,8 @@ export interface Result {
   input: Record<string, unknown> | null;
   surface: Record<string, unknown> | null;
   reference: ({kinds: Kind[]; components: number; genus: number; boundary_loops: number; euler_characteristic: number} & Record<string, unknown>) | null;
+  /** How many smaller components were left out because that was asked for. */
+  dropped?: number;
   levels: LevelFacts[];
   /** false: vertices have other indices in each level. */
   nested?: boolean;

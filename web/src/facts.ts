@@ -116,6 +116,7 @@ function topology(result: Result, level: LevelFacts, shape: LevelShape): Child[]
     const most = rest[0].triangles;
     out.push(element("p", {class: "soft", id: "rest"}, `and ${count(rest.length)} more, of at most ${plural(most, "triangle")} each.`));
   }
+  if (result.dropped) out.push(element("p", {class: "soft", id: "left-out"}, `Not among them: ${plural(result.dropped, "smaller component")}, left out as asked.`));
   return out;
 }
 
@@ -207,7 +208,7 @@ export function summary(result: Result): string {
   const parts: string[] = [];
   if (Array.isArray(input?.size)) parts.push(`${input.size.join(" × ")} samples`);
   if (typeof surface?.isovalue === "number") parts.push(`isovalue ${number(surface.isovalue, 6)}`);
-  parts.push(plural(last.components, "component"));
+  parts.push(plural(last.components, "component") + (result.dropped ? ` of ${count(last.components + result.dropped)}` : ""));
   if (last.genus != null) parts.push(`genus ${count(last.genus)}`);
   return parts.join(" · ");
 }

@@ -171,6 +171,20 @@ TEST_F(PageEntries, OfAReportFileFindItsMeshes) {
   expect_error(ErrorCode::bad_file, "gone.ply", [&] { report_of({{"gone.ply", {1}, 1}}); });
 }
 
+TEST(PageMarchingCubes, AreThoseOfTheComponentsThatAreMeshed) {
+  const Volume volume = test::exact_volume({32, 12, 12}, test::unite(test::sphere({5.4, 5.5, 5.6}, 4), test::sphere({20.4, 5.5, 5.6}, 3)));
+  ExtractOptions options;
+  options.keep_components = 1;
+  options.space = Space::ras;
+  const ExtractReport report = extract(volume, options).report;
+  const Volume alone = test::exact_volume({32, 12, 12}, test::sphere({5.4, 5.5, 5.6}, 4));
+  const auto both = marching_cubes_quality(volume, 0), wanted = marching_cubes_quality(alone, 0);
+  const auto kept = marching_cubes_quality(volume, 0, points_of_kept_components(report, volume.grid, options.space));
+  ASSERT_TRUE(both && wanted && kept);
+  EXPECT_EQ(kept->triangles, wanted->triangles);
+  EXPECT_LT(kept->triangles, both->triangles);
+}
+
 TEST(PageMarchingCubes, AreNotMadeOfWhatIsNotFinite) {
   Volume volume = test::exact_volume({8, 8, 8}, test::sphere({3.4, 3.5, 3.6}, 2));
   EXPECT_FALSE(marching_cubes_quality(volume, 1e9)) << "no surface";

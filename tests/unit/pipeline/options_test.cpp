@@ -149,6 +149,25 @@ TEST(Refuses, GridsThatAreNone) {
   expect_error(ErrorCode::bad_argument, {"type"}, bad, {});
 }
 
+// A ball of volume 1437 above a slab of 770 that the border cuts into two sheets, each with more area than the ball.
+TEST(Components, ABallIsLargerThanASlabThatTheBorderCuts) {
+  Samples samples = sampled({20, 20, 40}, sphere({9.5, 9.5, 12}, 7));
+  for (std::size_t i = 0; i < 20 * 20 * 3; ++i) samples.at(i % 20, i / 20 % 20, 30 + i / 400) = 1000;
+  ExtractOptions options;
+  options.keep_components = 1;
+  const Extraction e = extract(to_volume(samples), options);
+  ASSERT_EQ(e.report.kept.size(), 1u);
+  EXPECT_EQ(e.report.kept[0].topology, (ComponentTopology{2, 0}));
+  EXPECT_EQ(e.report.kept[0].part, 0u);
+  ASSERT_EQ(e.report.dropped.size(), 2u);
+  EXPECT_EQ(e.report.dropped[0].size, e.report.dropped[1].size) << "both sides of one slab";
+  EXPECT_EQ(e.report.dropped[0].part, 1u);
+  EXPECT_EQ(e.report.dropped[1].part, 1u);
+  EXPECT_NEAR(e.report.dropped[0].size, 19 * 19 * 2.14, 10) << "samples 3 deep, nodes nearer to them than to those outside";
+  options.keep_components = 2;
+  EXPECT_TRUE(extract(to_volume(samples), options).report.dropped.empty());
+}
+
 // Balls of radius 6, 3 and 1.5, spacing 2: volumes 7238, 905 and 113.
 TEST(Components, SmallOnesAreLeftOutAsAskedAndListed) {
   const Function balls = unite(unite(sphere({8.3, 8.4, 8.6}, 6), sphere({20.4, 8.5, 8.3}, 3)), sphere({28.4, 8.5, 8.3}, 1.5));
@@ -176,6 +195,11 @@ TEST(Components, SmallOnesAreLeftOutAsAskedAndListed) {
   EXPECT_NEAR(report.dropped[0].position.x, 2 * 20.4, 2 * 4.0);
   EXPECT_EQ(report.dropped[0].topology, (ComponentTopology{2, 0}));
   EXPECT_GT(report.dropped[0].c_vertices, report.dropped[1].c_vertices);
+
+  ASSERT_EQ(report.kept.size(), 1u);
+  EXPECT_NEAR(report.kept[0].size, 7238, 300);
+  EXPECT_EQ(report.kept[0].c_vertices, report.c_vertices);
+  EXPECT_TRUE(left(0, 0).kept.empty()) << "nobody asked for sizes";
 
   ExtractOptions all;
   all.min_component_size = 1e5;

@@ -26,7 +26,8 @@ struct Full {
   Full() {
     report.coarser_c_vertices = {100};
     report.reference.kinds = {{0, 0, 1}};
-    report.dropped = {{{1, 2, 3}, 0.5, 8, {2, 0}}};
+    report.kept = {{{4, 5, 6}, 0, 9.5, 80, {2, 0}}};
+    report.dropped = {{{1, 2, 3}, 1, 0.5, 8, {2, 0}}};
     report.levels.resize(2);
     for (std::size_t k = 0; k < 2; ++k) {
       LevelReport& level = report.levels[k];

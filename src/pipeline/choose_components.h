@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "isoatlas/extract.h"
+#include "surface/component_sizes.h"
+
+namespace isoatlas {
+
+struct ChosenComponents {
+  std::vector<RankedComponent> kept, dropped;  ///< largest first
+};
+
+/// Removes the components that the options leave out from `complex`, whose components and their sizes are known.
+ChosenComponents choose_components(SurfaceComplex& complex, const Components& components, const ComponentSizes& sizes,
+                                   const ExtractOptions& options, const Grid& grid);
+
+}  // namespace isoatlas
