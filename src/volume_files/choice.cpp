@@ -87,4 +87,13 @@ FileChoice numbered_choice(const std::string& name, std::size_t count) {
   return choice;
 }
 
+FileChoice checked_choice(const std::filesystem::path& path, const std::string& name, std::uint64_t count) {
+  constexpr std::uint64_t kMost = 65536;
+  if (count > kMost) {
+    throw unsupported(path,
+                      "has " + std::to_string(count) + " entries to choose a " + name + " from, expected at most " + std::to_string(kMost));
+  }
+  return numbered_choice(name, static_cast<std::size_t>(count));
+}
+
 }  // namespace isoatlas::io

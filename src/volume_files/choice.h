@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -25,5 +26,9 @@ std::size_t take_choice(const std::filesystem::path& path, VolumeSource& source,
 
 /// A choice of `count` entries without names of their own: "0", "1", ...
 FileChoice numbered_choice(const std::string& name, std::size_t count);
+
+/// numbered_choice() of no more entries than a person could look through: a header may state any number.
+/// @throws Error(unsupported) if there are more than 65536
+FileChoice checked_choice(const std::filesystem::path& path, const std::string& name, std::uint64_t count);
 
 }  // namespace isoatlas::io

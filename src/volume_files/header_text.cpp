@@ -7,7 +7,6 @@
 #include "files/file_error.h"
 #include "files/number_text.h"
 #include "files/stored_data.h"
-#include "volume_files/choice.h"
 
 namespace isoatlas::io {
 
@@ -94,15 +93,6 @@ fs::path data_file_path(const fs::path& header_file, std::string_view name) {
   std::ranges::replace(with_slashes, '\\', '/');
   const fs::path other = header_file.parent_path() / with_slashes;
   return fs::exists(other, ignored) ? other : path;
-}
-
-FileChoice checked_choice(const fs::path& path, const std::string& name, std::uint64_t count) {
-  constexpr std::uint64_t kMost = 65536;
-  if (count > kMost) {
-    throw unsupported(path,
-                      "has " + std::to_string(count) + " entries to choose a " + name + " from, expected at most " + std::to_string(kMost));
-  }
-  return numbered_choice(name, static_cast<std::size_t>(count));
 }
 
 std::string header_text(const fs::path& path, bool (*is_whole)(std::string_view text)) {

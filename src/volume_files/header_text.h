@@ -34,10 +34,6 @@ std::filesystem::path data_file_path(const std::filesystem::path& header_file, s
 /// Most data files that one header may name.
 inline constexpr std::uint64_t kMostDataFiles = 1'000'000;
 
-/// numbered_choice() of no more entries than a person could look through: a header may state any number.
-/// @throws Error(unsupported) if there are more than 65536
-FileChoice checked_choice(const std::filesystem::path& path, const std::string& name, std::uint64_t count);
-
 /// The beginning of the file, unpacked if the file is gzipped, at least up to the end of its header.
 ///
 /// @param is_whole  does a text that begins like this have the whole header?

@@ -82,7 +82,7 @@ struct Selection {
 Selection select(const TiffStack& stack, const PageFormat& page, const std::vector<std::string>& value_names, const fs::path& path,
                  const ReadOptions& options, VolumeSource& source) {
   const std::size_t values = page.values_per_sample;
-  FileChoice channels = numbered_choice("channel", stack.channels * values);
+  FileChoice channels = checked_choice(path, "channel", stack.channels * values);
   if (stack.channel_names.size() == channels.entries.size()) {
     channels.entries = stack.channel_names;
   } else if (stack.channels == 1) {
@@ -94,7 +94,7 @@ Selection select(const TiffStack& stack, const PageFormat& page, const std::vect
     selection = {channel / values, channel % values, 0};
   }
   if (stack.times > 1) {
-    selection.time = take_choice(path, source, numbered_choice("time", stack.times), options.time);
+    selection.time = take_choice(path, source, checked_choice(path, "time", stack.times), options.time);
   }
   return selection;
 }
@@ -128,14 +128,21 @@ void require_possible_pages(const TiffFile& tiff, const PageFormat& page, std::s
   }
 }
 
+// Before anything is made for each of them: a description may promise any number.
+void require_images_behind_page(const TiffFile& tiff, const TiffStack& stack, const PageFormat& page) {
+  if (stack.is_contiguous) {
+    const std::uint64_t start = tiff.offset_of_plain_samples();
+    const std::uint64_t pages = stack.channels * stack.slices * stack.times;  // each at most a million
+    require_stored_bytes(tiff.path(), promised_bytes(page, pages), tiff.file_size() - std::min(start, tiff.file_size()));
+  }
+}
+
 class SliceReader {
  public:
   SliceReader(TiffFile& tiff, const TiffStack& stack, const PageFormat& page, const ReadOptions& options)
       : tiff_(tiff), stack_(stack), page_(page), options_(options) {
     if (stack.is_contiguous) {
       start_ = tiff.offset_of_plain_samples();
-      const std::uint64_t pages = stack.channels * stack.slices * stack.times;
-      require_stored_bytes(tiff.path(), promised_bytes(page, pages), tiff.file_size() - std::min(start_, tiff.file_size()));
     }
   }
 
@@ -216,6 +223,7 @@ VolumeFile read_tiff(const fs::path& path, const ReadOptions& options) {
   take_only_axis_as_slices(stack, source);
   const PageFormat page = tiff.format();
   require_slices(stack, page, path);
+  require_images_behind_page(tiff, stack, page);
   const Selection selection = select(stack, page, tiff.value_names(), path, options, source);
   describe_values(page, tiff, source);
   const Vec3 spacing = take_spacing(stack, source);

@@ -333,6 +333,9 @@ TEST_F(Tiff, ImagesBehindTheOnlyPage) {
   }
   refuse(big_stack(40, 6, false), ErrorCode::bad_file, "the header promises 960 bytes of samples", {.channel = "1"});
   refuse(big_stack(1000000, 6, false), ErrorCode::bad_file, "the header promises", {.channel = "1"});
+  // Found by a fuzzer: a list of a million channels was made first.
+  TiffPage page{.samples = samples_of(0), .description = "ImageJ=1.53t\nchannels=1000000\nslices=1000000\nframes=1000000\n"};
+  refuse(TiffWriter().add(page).bytes(), ErrorCode::bad_file, "the header promises");
 }
 
 TEST_F(Tiff, ImagesBehindTheOnlyPageMustBePlain) {
