@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 #include "pipeline/level.h"
 #include "surface/drop_components.h"
@@ -59,6 +60,7 @@ ChosenComponents choose_components(SurfaceComplex& complex, const Components& co
     (goes[c] ? chosen.dropped : chosen.kept).push_back(all[c]);
   }
   drop_components(complex, components, goes);
+  chosen.is_dropped = std::move(goes);
   return chosen;
 }
 

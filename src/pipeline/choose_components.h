@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "isoatlas/extract.h"
@@ -10,6 +11,7 @@ namespace isoatlas {
 
 struct ChosenComponents {
   std::vector<RankedComponent> kept, dropped;  ///< largest first
+  std::vector<std::uint8_t> is_dropped;        ///< per component of what was given
 };
 
 /// Removes the components that the options leave out from `complex`, whose components and their sizes are known.

@@ -6,9 +6,9 @@
 
 #include "core/vector_math.h"
 #include "cover/halving_covering.h"
-#include "mesh/outward.h"
+#include "embed/mesh_nesting.h"
 #include "refine/relax.h"
-#include "surface/area_vectors.h"
+#include "surface/components.h"
 
 namespace isoatlas {
 namespace {
@@ -46,18 +46,6 @@ bool refine_components(const SurfaceComplex& complex, Covering& covering, std::s
   }
   certificate.repair_sites += covering.site_count() - before;
   return covering.site_count() > before;
-}
-
-// Which way the piece of surface of each cell faces.
-// @param outward  of c-vertices that stand for several; empty: none does
-std::vector<Vec3> outward_of_cells(const SurfaceComplex& complex, const std::vector<Vec3>& outward, const Partition& partition) {
-  if (outward.empty()) return area_vectors(complex, partition.cell_of, partition.cell_count());
-  std::vector<Vec3> out(partition.cell_count());
-  for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
-    Vec3& sum = out[partition.cell_of[v]];
-    sum = sum + outward[v];
-  }
-  return out;
 }
 
 }  // namespace
@@ -125,11 +113,10 @@ void CoarseMesher::mesh(LevelReport& report, const RunControl& told) {
     mesh_.positions.clear();
     for (const CVertexId v : sites()) mesh_.positions.push_back(surface_.complex().positions[v]);
     const std::vector<ComponentId> component_of = components();
-    const std::vector<std::uint8_t> turned = turned_now(component_of);
-    report.turned_components = static_cast<std::size_t>(std::count(turned.begin(), turned.end(), 1));
-    bool again =
-        report.turned_components > 0 && refine_components(complex, stand_->covering, component_of, turned, round, report.certificate);
-    if (!again && !options_.allow_self_intersections) again = part(report, control);
+    const std::vector<std::uint8_t> turned = turned_components(component_of);
+    bool again = std::ranges::count(turned, std::uint8_t{1}) > 0 &&
+                 refine_components(complex, stand_->covering, component_of, turned, round, report.certificate);
+    if (!again && !options_.allow_self_intersections) again = part(report, control) || place_components(component_of, report, control);
     if (again) {
       stand_->dual.update(report.certificate, control);
       continue;
@@ -142,11 +129,16 @@ void CoarseMesher::mesh(LevelReport& report, const RunControl& told) {
   topology_ = mesh_topology(mesh_);
 }
 
-std::vector<std::uint8_t> CoarseMesher::turned_now(std::span<const ComponentId> component_of) const {
-  const SurfaceComplex& complex = stand_->complex;
-  return turned_components(
-      mesh_.positions, mesh_.triangles, complex.spacing, component_of, surface_.components().topology.size(),
-      outward_of_cells(complex, is_coarser() ? coarser_.outward : std::vector<Vec3>(), stand_->covering.partition()), 0);
+std::vector<std::uint8_t> CoarseMesher::turned_components(std::span<const ComponentId> component_of) const {
+  const std::vector<std::int8_t>& wanted = surface_.nesting().facing;
+  const std::vector<std::int8_t> facing = mesh_facing(mesh_.positions, mesh_.triangles, component_of, open_flags(surface_.components()));
+  std::vector<std::uint8_t> turned(wanted.size());
+  for (std::size_t c = 0; c < wanted.size(); ++c) turned[c] = facing[c] != wanted[c];
+  return turned;
+}
+
+Nesting CoarseMesher::nesting(std::span<const ComponentId> component_of) const {
+  return mesh_nesting(mesh_.positions, mesh_.triangles, component_of, open_flags(surface_.components()));
 }
 
 // Moves vertices that are too close to each other for later levels to have good triangles there, and for good triangles in this one. Where
@@ -202,6 +194,9 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
       for (const std::uint32_t t : triangles_of.of(i)) fresh[t] = 1;
     }
   }
+  if (!options_.allow_self_intersections && nesting(component_of) != surface_.nesting()) {  // hardly ever: as it was certified
+    for (std::uint32_t i = 0; i < at.size(); ++i) move_to(i, start[i]);
+  }
   shift_.clear();
   for (std::size_t i = 0; i < at.size(); ++i) shift_.push_back(points[i] - start[i]);
 }
@@ -226,7 +221,7 @@ std::vector<std::uint8_t> CoarseMesher::must_go_back(std::span<const std::uint32
     any = any || meeting_.pairs() > 0;
   }
   if (any) return out;
-  const std::vector<std::uint8_t> turned = turned_now(component_of);
+  const std::vector<std::uint8_t> turned = turned_components(component_of);
   for (const std::uint32_t i : moved) out[i] = turned[component_of[i]];
   return out;
 }
@@ -246,6 +241,21 @@ bool CoarseMesher::part(LevelReport& report, const RunControl& control) {
   pairs_before_ = meeting_.pairs();
   if (!single.empty() && !helps) any = make_finer(single, control) || any;
   report.parting_sites += stand_->covering.site_count() - before;
+  return any;
+}
+
+// Makes the mesh finer where a component faces or lies otherwise than on the surface. @pre no triangles meet where they should not
+// @return whether there is something new to look at
+bool CoarseMesher::place_components(std::span<const ComponentId> component_of, LevelReport& report, const RunControl& control) {
+  const std::vector<CellId> cells =
+      misplaced_vertices(mesh_.positions, mesh_.triangles, component_of, nesting(component_of), surface_.nesting());
+  if (cells.empty()) return false;
+  Covering& covering = stand_->covering;
+  const std::uint32_t before = covering.site_count();
+  const std::vector<CellId> single = covering.shrink(cells);
+  covering.cover(control);
+  const bool any = covering.site_count() > before || (!single.empty() && make_finer(single, control));
+  report.certificate.repair_sites += stand_->covering.site_count() - before;
   return any;
 }
 

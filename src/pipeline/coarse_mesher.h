@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cover/repair.h"
+#include "core/nesting.h"
 #include "embed/meeting_triangles.h"
 #include "isoatlas/extract.h"
 #include "partition/coarsen.h"
@@ -45,10 +46,12 @@ class CoarseMesher {
   void relax_vertices(const RunControl& control);
   void take_triangles();
   std::vector<ComponentId> components() const;  ///< per vertex
-  std::vector<std::uint8_t> turned_now(std::span<const ComponentId> component_of) const;  ///< per component, 1 if it is inside out
+  std::vector<std::uint8_t> turned_components(std::span<const ComponentId> component_of) const;     ///< per component, 1 if it is inside out
+  Nesting nesting(std::span<const ComponentId> component_of) const;
   std::vector<std::uint8_t> must_go_back(std::span<const std::uint32_t> moved, std::span<const Vec3> positions, std::span<const Vec3> before,
                                          std::span<const Vec3> checked, std::span<const ComponentId> component_of, const RunControl& control);
   bool part(LevelReport& report, const RunControl& control);
+  bool place_components(std::span<const ComponentId> component_of, LevelReport& report, const RunControl& control);
   bool make_finer(std::span<const CellId> cells, const RunControl& control);
 
   AdaptiveSurface& surface_;

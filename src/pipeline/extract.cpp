@@ -23,6 +23,7 @@
 #include "surface/component_sizes.h"
 #include "surface/components.h"
 #include "surface/parse_surface.h"
+#include "surface/surface_nesting.h"
 #include "volume/check_volume.h"
 
 namespace isoatlas {
@@ -81,8 +82,9 @@ void check_options(const ExtractOptions& options) {
 float default_persistence(CoveringStrategy strategy) { return strategy == CoveringStrategy::halving ? 0.0f : 1.5f; }
 
 // Leaves out the components that are not wanted.
-void choose_components(SurfaceComplex& whole, Components& components, const VolumeView& volume_in_voxels, const ParseOptions& parse,
-                       const VolumeView& volume, const ExtractOptions& options, ExtractReport& report, const RunControl& control) {
+void choose_components(SurfaceComplex& whole, Components& components, Nesting& nesting, const VolumeView& volume_in_voxels,
+                       const ParseOptions& parse, const VolumeView& volume, const ExtractOptions& options, ExtractReport& report,
+                       const RunControl& control) {
   ComponentSizes sizes;
   if (whole.boundary.empty()) {
     sizes = component_sizes(whole, components, whole);
@@ -98,7 +100,9 @@ void choose_components(SurfaceComplex& whole, Components& components, const Volu
     throw Error(ErrorCode::empty_surface, "every component is smaller than asked for: the largest has a size of " +
                                               std::to_string(report.dropped.front().size) + " cubic units");
   }
-  if (!report.dropped.empty()) components = find_components(whole);
+  if (report.dropped.empty()) return;
+  components = find_components(whole);
+  nesting = without(nesting, chosen.is_dropped);
 }
 
 }  // namespace
@@ -127,15 +131,18 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   parse.interpolation = options.interpolation;
   parse.supersample = options.supersample;
   parse.vertices_on_surface = options.vertices_on_surface;
-  SurfaceComplex whole = parse_surface(in_voxels, parse, control);
+  std::vector<VerticalNode> nodes;
+  SurfaceComplex whole = parse_surface(in_voxels, parse, control, &nodes);
   if (whole.faces.empty()) throw_empty_surface(volume, options.isovalue);
   clock.finished("surface");
 
   control.report("components", 0);
   Components reference = find_components(whole);
+  Nesting nesting = surface_nesting(reference, nodes);
+  nodes = {};
   control.check_cancelled();
   if (options.min_component_size > 0 || options.keep_components > 0) {
-    choose_components(whole, reference, in_voxels, parse, volume, options, report, control);
+    choose_components(whole, reference, nesting, in_voxels, parse, volume, options, report, control);
   }
   report.c_vertices = whole.positions.size();
   report.faces = whole.faces.size();
@@ -145,7 +152,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   const std::unique_ptr<const Isosurface> isosurface =
       only_coarse ? nullptr : std::make_unique<const Isosurface>(in_voxels, parse.rule, whole, options.interpolation, options.supersample);
   control.check_cancelled();
-  AdaptiveSurface surface(std::move(whole), std::move(reference),
+  AdaptiveSurface surface(std::move(whole), std::move(reference), std::move(nesting),
                           InterpolatedField(in_voxels, parse.rule, options.interpolation, options.supersample), control);
   clock.finished("components");
 
@@ -188,7 +195,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   control.report("check", 0);
   TriangleMesh& mesh = mesher.mesh();
   const std::vector<CVertexId> sites = mesher.sites();
-  finish_level(mesh, mesher.topology(), sites, surface.components(), mesher.stays(), options.coarse, grid, options, coarse, control);
+  finish_level(mesh, mesher.topology(), sites, surface, mesher.stays(), options.coarse, grid, options, coarse, control);
   clock.finished("check");
 
   Hierarchy& hierarchy = out.hierarchy;

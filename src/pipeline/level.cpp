@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/vector_math.h"
+#include "embed/mesh_nesting.h"
 #include "isoatlas/self_intersections.h"
 
 namespace isoatlas {
@@ -44,6 +45,20 @@ void check_mesh(const MeshTopology& mesh, const Components& reference, const std
   }
 }
 
+// Components of the finished mesh that face otherwise than on the isosurface or, if `nested`, lie in other components.
+std::size_t count_misplaced(const TriangleMesh& mesh, std::span<const ComponentId> component_of, const AdaptiveSurface& surface, bool nested) {
+  const std::vector<std::uint8_t> is_open = open_flags(surface.components());
+  const Nesting& wanted = surface.nesting();
+  if (nested) {
+    const auto wrong = differences(mesh_nesting(mesh.positions, mesh.triangles, component_of, is_open), wanted);
+    return static_cast<std::size_t>(std::count(wrong.begin(), wrong.end(), std::uint8_t{1}));
+  }
+  const std::vector<std::int8_t> facing = mesh_facing(mesh.positions, mesh.triangles, component_of, is_open);
+  std::size_t turned = 0;
+  for (std::size_t c = 0; c < facing.size(); ++c) turned += facing[c] != wanted.facing[c] ? 1 : 0;
+  return turned;
+}
+
 constexpr double kLeastAspect = 1.0 / 3;
 
 // @param at  of the vertices, in the output's space
@@ -72,9 +87,10 @@ std::vector<BadTriangle> bad_triangles(const TriangleMesh& world, const Triangle
 
 }  // namespace
 
-void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<const CVertexId> sites, const Components& reference,
+void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<const CVertexId> sites, const AdaptiveSurface& surface,
                   std::span<const ShapeObstacle> stays, const LevelGoal& goal, const Grid& grid, const ExtractOptions& options,
                   LevelReport& report, const RunControl& control) {
+  const Components& reference = surface.components();
   std::vector<ComponentId> component_of;
   component_of.reserve(sites.size());
   for (const CVertexId v : sites) component_of.push_back(reference.of_c_vertex[v]);
@@ -91,6 +107,7 @@ void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<co
   transform_to(measured, grid, space == Space::voxel ? Space::lps : space);
   report.quality = mesh_quality(measured);
   report.bad_triangles = bad_triangles(measured, mesh, stays, goal);
+  report.turned_components = count_misplaced(mesh, component_of, surface, !options.allow_self_intersections);
   if (!options.allow_self_intersections) report.self_intersections = self_intersections(mesh.positions, mesh.triangles, {}, control).size();
 }
 

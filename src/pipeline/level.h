@@ -5,7 +5,7 @@
 #include <span>
 
 #include "isoatlas/extract.h"
-#include "surface/components.h"
+#include "subdivide/adaptive_surface.h"
 
 namespace isoatlas {
 
@@ -18,14 +18,15 @@ inline Vec3 to_volume(Vec3 index, const ExtractOptions& options) {
 /// From there to the output's space.
 void bring_out(TriangleMesh& mesh, const Grid& grid, const ExtractOptions& options);
 
-/// The end of every level: the topology check, then into the output's space, where shape is measured and self-intersections are
-/// counted.
+/// The end of every level: the topology check, then into the output's space, where shape is measured, and self-intersections and
+/// components that face or lie otherwise than on the surface are counted.
 /// @param mesh     in sample-index coordinates; in the output's space afterwards
 /// @param sites    per vertex, a c-vertex of the surface in its cell: says which component it belongs to
 /// @param stays    per vertex, what keeps it where it is, for badly shaped triangles
 /// @param goal     says which triangles are badly shaped
+/// @param surface  the reference
 /// @throws Error(internal) if the finished triangles have not, component by component, the topology of the reference
-void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<const CVertexId> sites, const Components& reference,
+void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<const CVertexId> sites, const AdaptiveSurface& surface,
                   std::span<const ShapeObstacle> stays, const LevelGoal& goal, const Grid& grid, const ExtractOptions& options,
                   LevelReport& report, const RunControl& control);
 

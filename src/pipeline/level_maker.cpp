@@ -6,9 +6,7 @@
 
 #include "core/vector_math.h"
 #include "measure/measure_mesh.h"
-#include "mesh/outward.h"
 #include "pipeline/level.h"
-#include "surface/area_vectors.h"
 
 namespace isoatlas {
 namespace {
@@ -114,12 +112,8 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
   mesh.triangles = refined.triangles;
   for (const auto& [cell, excess] : refined.at_limit) report.at_limit.push_back({to_space(mesh.positions[cell]), excess});
   const MeshTopology topology = mesh_topology(mesh);
-  const std::vector<Vec3> outward = area_vectors(surface, partition.cell_of, partition.cell_count());
-  const std::vector<std::uint8_t> turned = turned_components(mesh.positions, mesh.triangles, surface.spacing, topology.component_of_vertex,
-                                                             topology.components.size(), outward, 0);
-  report.turned_components = static_cast<std::size_t>(std::count(turned.begin(), turned.end(), 1));
   measure_distance(mesh, report);
-  finish_level(mesh, topology, partition.site, source_.surface.components(), refiner_.stays(), goal, source_.grid, options_, report,
+  finish_level(mesh, topology, partition.site, source_.surface, refiner_.stays(), goal, source_.grid, options_, report,
                control_);
 
   // Vertices that are new; the others are there already.

@@ -13,6 +13,7 @@
 #include <numeric>
 
 #include "core/vector_math.h"
+#include "embed/mesh_nesting.h"
 
 namespace isoatlas {
 namespace {
@@ -322,7 +323,20 @@ bool Refiner::part(const MeetingTriangles& meeting, const RunControl& control) {
   return !wanted.empty() || single.size() < corners.size();
 }
 
-// Works on the task until no triangles of the dual meet where they should not.
+// Makes cells smaller where components face or lie otherwise than on the surface. @pre no triangles meet where they should not
+// @return whether there is something new to look at
+bool Refiner::refine_misplaced_components() {
+  const Nesting& wanted = surface_.nesting();
+  std::vector<ComponentId> component_of;
+  for (const CVertexId v : partition().site) component_of.push_back(surface_.components().of_c_vertex[v]);
+  const std::vector<Vec3> positions = work_->positions();
+  const std::vector<Triangle> triangles = cells_of(work_->triangles());
+  const Nesting nesting = mesh_nesting(positions, triangles, component_of, open_flags(surface_.components()));
+  const std::vector<CellId> cells = misplaced_vertices(positions, triangles, component_of, nesting, wanted);
+  return work_->covering().shrink(cells).size() < cells.size();
+}
+
+// Works on the task until no triangles of the dual meet where they should not, and components are where they are on the surface.
 void Refiner::work_apart(const Task& task, MeetingTriangles& meeting, RefinedLevel& out, const RunControl& control) {
   for (;;) {
     work(*work_, task, out, control);
@@ -331,7 +345,7 @@ void Refiner::work_apart(const Task& task, MeetingTriangles& meeting, RefinedLev
     for (;; any = true) {
       work_->update(out.certificate, control);
       meeting.update(work_->positions(), cells_of(work_->triangles()), control);
-      if (!part(meeting, control)) break;
+      if (!part(meeting, control) && !refine_misplaced_components()) break;
     }
     out.parting_sites += partition().cell_count() - sites;
     if (!any) return;

@@ -78,6 +78,7 @@ class Refiner {
   bool work_around(MeasuredCovering& work, const Task& task, const std::vector<DualTriangle>& triangles);
   Task whole_task(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control);
   bool part(const MeetingTriangles& meeting, const RunControl& control);
+  bool refine_misplaced_components();
   void work_apart(const Task& task, MeetingTriangles& meeting, RefinedLevel& out, const RunControl& control);
   void work_towards(const Task& task, MeetingTriangles& meeting, RefinedLevel& out, const RunControl& control);
   std::vector<CVertexId> places_at_limit() const;

@@ -34,9 +34,11 @@ void sort_unique(std::vector<Cell>& cells) {
 
 }  // namespace
 
-AdaptiveSurface::AdaptiveSurface(SurfaceComplex complex, Components components, InterpolatedField field, const RunControl& control)
+AdaptiveSurface::AdaptiveSurface(SurfaceComplex complex, Components components, Nesting nesting, InterpolatedField field,
+                                 const RunControl& control)
     : complex_(std::move(complex)),
       components_(std::move(components)),
+      nesting_(std::move(nesting)),
       field_(std::move(field)),
       control_{.progress = {}, .cancel = control.cancel, .threads = 0},
       crowded_(complex_, field_, control_),

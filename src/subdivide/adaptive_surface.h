@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/nesting.h"
 #include "subdivide/crowded_cells.h"
 #include "subdivide/subdivide.h"
 #include "subdivide/watched_cells.h"
@@ -19,10 +20,11 @@ class AdaptiveSurface {
  public:
   /// @pre the complex is as it was parsed. Its c-vertices are moved where several surfels of one cell would meet.
   /// @param control  only `cancel` is looked at, here and in divide()
-  AdaptiveSurface(SurfaceComplex complex, Components components, InterpolatedField field, const RunControl& control = {});
+  AdaptiveSurface(SurfaceComplex complex, Components components, Nesting nesting, InterpolatedField field, const RunControl& control = {});
 
   const SurfaceComplex& complex() const { return complex_; }
   const Components& components() const { return components_; }
+  const Nesting& nesting() const { return nesting_; }  ///< of the components
   const InterpolatedField& field() const { return field_; }
   /// Per c-vertex, the place of the surface where it was found, before it was moved; sample-index coordinates.
   std::span<const Vec3> found() const { return found_; }
@@ -63,6 +65,7 @@ class AdaptiveSurface {
 
   SurfaceComplex complex_;
   Components components_;
+  Nesting nesting_;
   InterpolatedField field_;
   RunControl control_;
   CrowdedCells crowded_;

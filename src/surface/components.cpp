@@ -5,6 +5,13 @@
 
 namespace isoatlas {
 
+std::vector<std::uint8_t> open_flags(const Components& components) {
+  std::vector<std::uint8_t> is_open;
+  is_open.reserve(components.topology.size());
+  for (const ComponentTopology& topology : components.topology) is_open.push_back(topology.boundary_loops > 0 ? 1 : 0);
+  return is_open;
+}
+
 Components find_components(const SurfaceComplex& complex) {
   const std::uint32_t n = complex.c_vertex_count();
   DisjointSets sets(n);

@@ -64,6 +64,7 @@ struct Slice {  // all cells with one cz
   FaceId first_face = 0;
   std::size_t c_vertices = 0, faces = 0;
   std::vector<BoundarySide> boundary;
+  std::vector<VerticalNode> nodes;
   std::vector<DoubleFace> double_faces;
   std::vector<TunnelCell> tunnel_cells;
 };
@@ -89,7 +90,8 @@ class VolumeField : public Field<T> {
 template <class Samples>
 class Parser {
  public:
-  Parser(const Samples& samples, Vec3 spacing, const ParseOptions& options, const RunControl& control, const SignBits& signs)
+  Parser(const Samples& samples, Vec3 spacing, const ParseOptions& options, const RunControl& control, const SignBits& signs,
+         std::vector<VerticalNode>* nodes)
       : size_(samples.size()),
         spacing_(spacing),
         options_(options),
@@ -97,6 +99,7 @@ class Parser {
         signs_(signs),
         field_(samples),
         table_(CellLoopTable::get()),
+        nodes_(nodes),
         no_bits_(options.closed ? signs.words : 0, 0) {}
 
   SurfaceComplex run() {
@@ -114,7 +117,10 @@ class Parser {
       }
     });
     control_.check_cancelled();
-    for (const Slice& s : slices_) complex_.boundary.insert(complex_.boundary.end(), s.boundary.begin(), s.boundary.end());
+    for (const Slice& s : slices_) {
+      complex_.boundary.insert(complex_.boundary.end(), s.boundary.begin(), s.boundary.end());
+      if (nodes_ != nullptr) nodes_->insert(nodes_->end(), s.nodes.begin(), s.nodes.end());
+    }
     make_fans();
     return std::move(complex_);
   }
@@ -473,6 +479,10 @@ class Parser {
       if (c[v] == size_[v]) side(2, 3);
       if (c[u] == 1) side(3, 0);
     }
+    if (axis == 2 && nodes_ != nullptr) {
+      const auto sample = [&](int a) { return static_cast<std::uint32_t>(c[static_cast<std::size_t>(a)] - 1); };
+      slice.nodes.push_back({sample(0), sample(1), sample(2), corner[0], outside_is_up});
+    }
     if (!outside_is_up) std::swap(corner[1], corner[3]);
     complex_.faces[id].corner = corner;
   }
@@ -668,6 +678,7 @@ class Parser {
   const SignBits& signs_;
   const Samples& field_;
   const CellLoopTable& table_;
+  std::vector<VerticalNode>* nodes_;    // none: nobody wants them
   std::vector<std::uint64_t> no_bits_;  // the signs of a row beyond the border of a closed surface
 
   std::vector<std::uint32_t> row_first_;  // per row (cy, cz), its first cell; one more at the end
@@ -689,12 +700,13 @@ void clear_ends_of_rows(SignBits& signs, std::size_t row_samples) {
 
 }  // namespace
 
-SurfaceComplex parse_surface(const VolumeView& volume, const ParseOptions& options, const RunControl& control) {
+SurfaceComplex parse_surface(const VolumeView& volume, const ParseOptions& options, const RunControl& control,
+                             std::vector<VerticalNode>* nodes) {
   SurfaceComplex empty;
   empty.spacing = (1.0 / options.supersample) * volume.grid.spacing;
   const auto parse = [&](const auto& samples, SignBits& signs) {
     if (options.closed) clear_ends_of_rows(signs, samples.size()[0]);
-    return Parser(samples, empty.spacing, options, control, signs).run();
+    return Parser(samples, empty.spacing, options, control, signs, nodes).run();
   };
   const auto has_surface = [&](const SignBits& signs) { return signs.any_inside && (signs.any_outside || options.closed); };
   if (options.supersample > 1) {

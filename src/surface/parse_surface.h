@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "isoatlas/run_control.h"
 #include "isoatlas/volume.h"
 #include "surface/surface_complex.h"
@@ -18,6 +21,13 @@ struct ParseOptions {
   bool closed = false;
 };
 
+/// Where the surface crosses a grid edge along z.
+struct VerticalNode {
+  std::uint32_t x, y, z;  ///< the sample at the lower end, of the upsampled samples if these were parsed
+  CVertexId c_vertex;     ///< one of those around it
+  bool outside_is_up;     ///< the lower end is inside
+};
+
 /// The reference surface of a volume at an isovalue, as a surface complex: one c-vertex per surfel, one face per node.
 ///
 /// Inside is decided by the samples alone; ambiguous faces by the asymptotic decider, exactly, ties joined inside; inside
@@ -26,12 +36,14 @@ struct ParseOptions {
 /// is said of the upsampled samples: positions are in their index and the spacing is theirs, so that cells are unit boxes whatever the
 /// factor.
 ///
+/// @param nodes  if not null, gets all nodes on edges along z. @pre not ParseOptions::closed
 /// @pre    every size >= 2, spacing > 0, isovalue finite
 /// @throws Error(unsupported) non-finite samples that the rule refuses; Error(bad_argument) too many to supersample
 /// @return an empty complex if all samples are on one side
 /// @post   same bytes for any number of threads
 /// @cost   O(N) for N samples, one pass over them; then O(C) for C c-vertices. Supersampled, N/8 bytes for N upsampled samples
 /// @source paper section 3.2; departures: docs/theory/01-surface.md
-SurfaceComplex parse_surface(const VolumeView& volume, const ParseOptions& options, const RunControl& control = {});
+SurfaceComplex parse_surface(const VolumeView& volume, const ParseOptions& options, const RunControl& control = {},
+                             std::vector<VerticalNode>* nodes = nullptr);
 
 }  // namespace isoatlas

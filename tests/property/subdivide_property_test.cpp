@@ -67,7 +67,7 @@ RC_GTEST_PROP(AnySurface, StaysItselfWhereverItIsDivided, (const RandomCase& c))
 
 // Wherever in their cells c-vertices are.
 void divided_everywhere_does_not_meet_itself(const Parsed& p, std::uint64_t seed) {
-  AdaptiveSurface surface(p.surface, find_components(p.surface), p.field);
+  AdaptiveSurface surface(p.surface, find_components(p.surface), {}, p.field);
   Random random(seed + 3);
   const auto rounds = random.between(1, 3);
   for (int round = 0; round < rounds; ++round) {

@@ -105,5 +105,7 @@ enum class Family {
 inline constexpr int kFamilies = 8;
 const char* name(Family family);
 Samples random_samples(Family family, Size size, std::uint64_t seed);
+/// 40 x 22 x 22: shells in each other, three deep, beside two others, with specks in and around them.
+Samples random_shells(std::uint64_t seed);
 
 }  // namespace isoatlas::test
