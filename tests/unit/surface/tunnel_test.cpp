@@ -545,6 +545,44 @@ TEST(TrilinearSurface, TiesAndSymmetries) {
   EXPECT_GT(tunnels, 30u);
 }
 
+// Cells in which the level set of the trilinear interpolant is no surface. What is inside is joined there, as at a level that is a
+// little lower; a little higher it is not.
+TEST(TrilinearSurface, SingularCells) {
+  struct Singular {
+    std::string name;
+    std::array<std::int64_t, 8> corner;  // x + 2 y + 4 z
+    std::size_t joined, parted;          // components of the trimmed surface at the level, and above it
+  };
+  const std::vector<Singular> cells{
+      {"two planes that cross in a line", {1, -1, -1, 1, 1, -1, -1, 1}, 2, 2},
+      {"three planes that cross in a point", {1, -1, -1, 1, -1, 1, 1, -1}, 4, 4},
+      {"two cones that meet in a point", {3, -1, -1, -1, -1, -1, -1, 3}, 1, 2},
+      {"a saddle on one face", {1, -1, -1, 1, -5, -5, -5, -5}, 1, 2},
+      {"saddles on two opposite faces", {1, -1, -1, 1, 2, -2, -2, 2}, 2, 2},
+  };
+  for (const Singular& cell : cells) {
+    SCOPED_TRACE(cell.name);
+    const auto kinds_at = [&](std::int64_t offset, Inside inside) {
+      Samples samples = constant({2, 2, 2}, 0);
+      const std::int64_t sign = inside == Inside::above ? 1 : -1;
+      for (std::size_t c = 0; c < 8; ++c) samples.values[c] = sign * (1000000 * cell.corner[c] + offset);
+      const SurfaceComplex surface = trilinear_surface_of(samples, 0, inside);
+      EXPECT_EQ(validate(surface), "");
+      return kinds_of(triangles_of(surface));
+    };
+    for (const Inside inside : {Inside::above, Inside::below}) {
+      const auto components = [](const auto& kinds) {
+        std::size_t count = 0;
+        for (const TopologySummary::Kind& kind : kinds) count += kind.count;
+        return count;
+      };
+      EXPECT_EQ(kinds_at(0, inside), kinds_at(1, inside)) << "a level that is a little lower";
+      EXPECT_EQ(components(kinds_at(0, inside)), cell.joined);
+      EXPECT_EQ(components(kinds_at(-1, inside)), cell.parted);
+    }
+  }
+}
+
 TEST(TrilinearSurface, NoTwoCVerticesCoincide) {
   for (std::uint64_t seed = 0; seed < 80; ++seed) {
     const Samples s = random_samples(static_cast<Family>(seed % kFamilies), {9, 9, 9}, seed + 900);
