@@ -58,6 +58,7 @@ void print_quality(const MeshQuality& quality, bool utf8) {
   for (const std::string& line : draw_histogram(quality.aspect_histogram, 5, 2, Scale::linear, utf8)) std::cout << row("", line);
   std::cout << row("", "0                 0.5                  1")
             << row("angles", number_text(quality.angle_min) + " to " + number_text(quality.angle_max) + " degrees")
+            << row("between triangles", number_text(quality.dihedral_min) + " to " + number_text(quality.dihedral_max) + " degrees")
             << row("edge lengths", number_text(quality.edge_min) + " to " + number_text(quality.edge_max))
             << row("zero area", counted(quality.zero_area_triangles, "triangle"));
 }

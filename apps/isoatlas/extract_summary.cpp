@@ -95,7 +95,9 @@ void print_level_details(std::ostream& out, const LevelReport& level, std::size_
                                            " of refinement, " + seconds_text(level.seconds));
   say("shape", "aspect ratio 1st percentile " + ratio_text(level.quality.aspect_p01) + ", median " +
                    ratio_text(level.quality.aspect_median) + ", angles " + number_text(level.quality.angle_min) + " to " +
-                   number_text(level.quality.angle_max) + " degrees");
+                   number_text(level.quality.angle_max) + " degrees (" + counted(level.quality.angles_above_150, "triangle") +
+                   " above 150), between triangles " + number_text(level.quality.dihedral_min) + " to " +
+                   number_text(level.quality.dihedral_max) + " degrees");
   for (std::size_t i = 0; level.metrics && i < kMetricCount; ++i) {
     const auto metric = static_cast<Quantity>(i);
     say(std::string(name(metric)), metric_text(metric, (*level.metrics)[i], unit));

@@ -121,6 +121,9 @@ void print_table(const std::string& path, const Levels& levels) {
     table.line(metric + ", maximum", known(&MetricSummary::maximum));
     table.line(std::string(metric.size(), ' ') + "  mean", known(&MetricSummary::mean));
   }
+  if (std::ranges::any_of(levels.facts, [](const LevelFacts& l) { return l.measured.has_value(); })) {
+    table.line("distance as measured, maximum", [](const LevelFacts& l) { return l.measured ? number_text(*l.measured) : "-"; });
+  }
   table.line("aspect ratio, minimum", [](const LevelFacts& l) { return ratio_text(l.quality.aspect_min); });
   table.line("              1st percentile", [](const LevelFacts& l) { return ratio_text(l.quality.aspect_p01); });
   table.line("              median", [](const LevelFacts& l) { return ratio_text(l.quality.aspect_median); });

@@ -116,10 +116,11 @@ enum class ShapeObstacle {
   crowded,            ///< other pieces of the surface are in the same grid cell
 };
 
-/// A triangle below the aspect ratio that was asked for, or below 1/3.
+/// A triangle below the aspect ratio that was asked for, or below 1/3, or with an angle above 150 degrees.
 struct BadTriangle {
   Vec3 position;  ///< its centroid, in the mesh's space
   double aspect_ratio = 0;
+  double largest_angle = 0;  ///< degrees
   ShapeObstacle obstacle = ShapeObstacle::none;
 };
 
@@ -130,7 +131,8 @@ struct LevelReport {
   std::size_t turned_components = 0;  ///< components that still do not face outward on the whole, see docs/theory/02-certificate.md
   MeshQuality quality;                ///< measured in world units, whatever the mesh's space
   std::optional<std::array<MetricSummary, kMetricCount>> metrics;  ///< none for a coarse mesh that is all that was asked for
-  std::vector<ConstraintResult> constraints;                       ///< in the order given
+  /// In the order given. Of max-distance the larger one of the metric and of what was measured, if that was asked for.
+  std::vector<ConstraintResult> constraints;
   std::vector<CellAtLimit> at_limit;                               ///< worst first; supersampling would help there
   std::size_t refine_rounds = 0;
   /// For the triangles' shape: edges flipped, vertices moved to a better c-vertex, and vertices moved within their grid cells.

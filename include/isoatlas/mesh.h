@@ -56,6 +56,10 @@ struct MeshQuality {
   double aspect_share_below_third = 0;             ///< fraction of triangles with aspect ratio < 1/3
   std::array<std::size_t, 20> aspect_histogram{};  ///< bins of width 0.05 over [0, 1]
   double angle_min = 0, angle_max = 0;
+  std::size_t angles_above_150 = 0;  ///< triangles with an angle above 150 degrees: caps, whatever their edges
+  /// Between two triangles with an edge in common, through what is on the inner side of both, in (0, 360): small where the surface has a
+  /// sharp ridge, large where it has a sharp groove. 180, 180 where no two triangles share an edge.
+  double dihedral_min = 180, dihedral_max = 180;
   double edge_min = 0, edge_max = 0;  ///< edge lengths, in the mesh's own units
   std::size_t zero_area_triangles = 0;
 };

@@ -1,13 +1,56 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
+#include <tuple>
+#include <vector>
 
 #include "core/vector_math.h"
 #include "isoatlas/mesh.h"
 
 namespace isoatlas {
+namespace {
+
+// Below that a triangle is a cap: its corners are nearly on a line, though its edges may be of about the same length.
+constexpr double kCapAngle = 150;
+
+// At an edge from p to q, with `left` and `right` the other corners of the triangles that run from p to q and from q to p.
+double interior_dihedral_angle(Vec3 p, Vec3 q, Vec3 left, Vec3 right) {
+  const Vec3 first = cross(q - p, left - p), second = cross(p - q, right - q);
+  const double between = std::atan2(length(cross(first, second)), dot(first, second)) * 180 / std::numbers::pi;
+  return dot(first, right - p) > 0 ? 180 + between : 180 - between;
+}
+
+void measure_dihedral_angles(const TriangleMesh& mesh, MeshQuality& quality) {
+  struct Side {
+    std::uint32_t low, high, opposite;
+    bool ascends;  // the triangle runs from low to high
+  };
+  std::vector<Side> sides;
+  sides.reserve(3 * mesh.triangles.size());
+  for (const Triangle& t : mesh.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t from = t[k], to = t[(k + 1) % 3];
+      sides.push_back({std::min(from, to), std::max(from, to), t[(k + 2) % 3], from < to});
+    }
+  }
+  std::ranges::sort(sides, [](const Side& a, const Side& b) {
+    return std::tie(a.low, a.high, a.opposite, a.ascends) < std::tie(b.low, b.high, b.opposite, b.ascends);
+  });
+  for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
+    const Side &a = sides[i], &b = sides[i + 1];
+    if (a.low != b.low || a.high != b.high || a.ascends == b.ascends) continue;
+    const Side &up = a.ascends ? a : b, &down = a.ascends ? b : a;
+    const Vec3 p = mesh.positions[a.low], q = mesh.positions[a.high];
+    const double angle = interior_dihedral_angle(p, q, mesh.positions[up.opposite], mesh.positions[down.opposite]);
+    quality.dihedral_min = std::min(quality.dihedral_min, angle);
+    quality.dihedral_max = std::max(quality.dihedral_max, angle);
+  }
+}
+
+}  // namespace
 
 MeshQuality mesh_quality(const TriangleMesh& mesh) {
   MeshQuality q;
@@ -29,14 +72,18 @@ MeshQuality mesh_quality(const TriangleMesh& mesh) {
     // Compared in the same arithmetic as the ratio itself, so that an exact 1/3 is not below.
     if (3 * shortest < longest || longest == 0) ++below;
     ++q.aspect_histogram[std::min<std::size_t>(19, static_cast<std::size_t>(ratio * 20))];
+    double largest = 0;
     for (int k = 0; k < 3; ++k) {
       const Vec3 u = p[(k + 1) % 3] - p[k], v = p[(k + 2) % 3] - p[k];
       const double angle = std::atan2(length(cross(u, v)), dot(u, v)) * 180 / std::numbers::pi;
       q.angle_min = std::min(q.angle_min, angle);
-      q.angle_max = std::max(q.angle_max, angle);
+      largest = std::max(largest, angle);
     }
+    q.angle_max = std::max(q.angle_max, largest);
+    if (largest > kCapAngle) ++q.angles_above_150;
     if (length(cross(p[1] - p[0], p[2] - p[0])) == 0) ++q.zero_area_triangles;
   }
+  measure_dihedral_angles(mesh, q);
   const auto quantile = [&](double share) {
     const auto k = static_cast<std::ptrdiff_t>(share * static_cast<double>(aspect.size() - 1));
     std::nth_element(aspect.begin(), aspect.begin() + k, aspect.end());

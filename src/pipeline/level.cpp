@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -60,6 +62,12 @@ std::size_t count_misplaced(const TriangleMesh& mesh, std::span<const ComponentI
 }
 
 constexpr double kLeastAspect = 1.0 / 3;
+constexpr double kLargestAngle = 150;  // degrees: of a cap no edge need be short
+
+// How bad it is: 1 where a limit is just kept, less where one is not.
+double badness(const BadTriangle& t, double least_aspect) {
+  return std::min(t.aspect_ratio / least_aspect, (180 - t.largest_angle) / (180 - kLargestAngle));
+}
 
 // @param at  of the vertices, in the output's space
 std::vector<BadTriangle> bad_triangles(const TriangleMesh& world, const TriangleMesh& at, std::span<const ShapeObstacle> stays,
@@ -68,20 +76,31 @@ std::vector<BadTriangle> bad_triangles(const TriangleMesh& world, const Triangle
   for (const Constraint& c : goal) {
     if (c.quantity == Quantity::min_aspect) least = c.bound;
   }
+  const double cap_cosine = std::cos(kLargestAngle * std::numbers::pi / 180);
   std::vector<BadTriangle> out;
   for (const Triangle& t : world.triangles) {
+    std::array<Vec3, 3> side;  // side k runs from corner k to the next one
     std::array<double, 3> edge;
-    for (std::size_t k = 0; k < 3; ++k) edge[k] = length(world.positions[t[(k + 1) % 3]] - world.positions[t[k]]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      side[k] = world.positions[t[(k + 1) % 3]] - world.positions[t[k]];
+      edge[k] = length(side[k]);
+    }
     const auto [low, high] = std::minmax_element(edge.begin(), edge.end());
     const double aspect = *high > 0 ? *low / *high : 0;
-    if (aspect >= least) continue;
+    const auto across = static_cast<std::size_t>(high - edge.begin());  // the longest side, across from the largest angle
+    const std::size_t blunt = (across + 2) % 3;
+    const Vec3 u = side[blunt], v = -1.0 * side[(blunt + 2) % 3];
+    const bool is_cap = dot(u, v) < cap_cosine * edge[blunt] * edge[(blunt + 2) % 3];
+    if (aspect >= least && !is_cap) continue;
+    // What keeps the ends of the shortest edge, or the blunt corner of a cap. An end that is free had no better place; of two that are
+    // not, what can be said of the level itself comes first.
     const auto k = static_cast<std::size_t>(low - edge.begin());
-    const ShapeObstacle a = stays[t[k]], b = stays[t[(k + 1) % 3]];
-    // An end that is free says that there was no better place; of two that are not, what can be said of the level itself comes first.
+    const ShapeObstacle a = stays[aspect < least ? t[k] : t[blunt]], b = stays[aspect < least ? t[(k + 1) % 3] : t[blunt]];
     const ShapeObstacle obstacle = a == ShapeObstacle::none || b == ShapeObstacle::none ? ShapeObstacle::none : std::max(a, b);
-    out.push_back({(1.0 / 3) * (at.positions[t[0]] + at.positions[t[1]] + at.positions[t[2]]), aspect, obstacle});
+    const double angle = std::atan2(length(cross(u, v)), dot(u, v)) * 180 / std::numbers::pi;
+    out.push_back({(1.0 / 3) * (at.positions[t[0]] + at.positions[t[1]] + at.positions[t[2]]), aspect, angle, obstacle});
   }
-  std::stable_sort(out.begin(), out.end(), [](const BadTriangle& a, const BadTriangle& b) { return a.aspect_ratio < b.aspect_ratio; });
+  std::stable_sort(out.begin(), out.end(), [&](const BadTriangle& a, const BadTriangle& b) { return badness(a, least) < badness(b, least); });
   return out;
 }
 

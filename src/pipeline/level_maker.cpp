@@ -19,6 +19,17 @@ LevelGoal in_units_of(LevelGoal goal, double length) {
   return goal;
 }
 
+// A bound on the distance is one on all that is known of it: the metric looks at some points of each cell, the measurement at others.
+void judge_by_measurement(LevelReport& report) {
+  for (ConstraintResult& result : report.constraints) {
+    if (result.wanted.quantity != Quantity::max_distance || report.measured->maximum() <= result.reached) continue;
+    const bool was_met = result.met;
+    result.reached = report.measured->maximum();
+    result.met = result.reached <= result.wanted.bound;
+    if (was_met && !result.met) result.reason = "kept at the points that refinement looks at, but not at all samples of the measurement";
+  }
+}
+
 }  // namespace
 
 LevelMaker::LevelMaker(const LevelSource& source, const ExtractOptions& options, const RunControl& control)
@@ -63,6 +74,7 @@ void LevelMaker::measure_distance(const TriangleMesh& mesh, LevelReport& report)
   for (OneSidedDistance* d : {&report.measured->mesh_to_surface, &report.measured->surface_to_mesh})
     d->farthest = to_volume(d->farthest, options_);
   transform_to(*report.measured, source_.grid, options_.space);
+  judge_by_measurement(report);
 }
 
 void LevelMaker::describe_coarse(Hierarchy& hierarchy, std::span<const CVertexId> sites, LevelReport& report) {
@@ -89,6 +101,7 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
     LevelReport same = reports.back();
     same.refine_rounds = 0;
     tell(goal, refined.figures, same);
+    if (same.measured) judge_by_measurement(same);
     same.seconds = seconds();
     reports.push_back(std::move(same));
     Hierarchy::Level again = hierarchy.levels.back();

@@ -127,7 +127,8 @@ Json to_value(const MeshQuality& quality) {
             {"median", quality.aspect_median},
             {"share_below_third", quality.aspect_share_below_third},
             {"histogram", quality.aspect_histogram}}},
-          {"angle_degrees", {{"minimum", quality.angle_min}, {"maximum", quality.angle_max}}},
+          {"angle_degrees", {{"minimum", quality.angle_min}, {"maximum", quality.angle_max}, {"above_150", quality.angles_above_150}}},
+          {"dihedral_degrees", {{"minimum", quality.dihedral_min}, {"maximum", quality.dihedral_max}}},
           {"edge_length", {{"minimum", quality.edge_min}, {"maximum", quality.edge_max}}},
           {"zero_area_triangles", quality.zero_area_triangles}};
 }
@@ -185,7 +186,7 @@ Json to_value(const LevelReport& level, std::size_t number) {
   Json bad = Json::array();
   for (std::size_t i = 0; i < std::min(level.bad_triangles.size(), kMostCellsAtLimit); ++i) {
     const BadTriangle& t = level.bad_triangles[i];
-    bad.push_back({{"position", to_value(t.position)}, {"aspect_ratio", t.aspect_ratio}, {"obstacle", text(t.obstacle)}});
+    bad.push_back({{"position", to_value(t.position)}, {"aspect_ratio", t.aspect_ratio}, {"largest_angle", t.largest_angle}, {"obstacle", text(t.obstacle)}});
   }
   json["bad_triangles"] = {{"count", level.bad_triangles.size()}, {"worst", std::move(bad)}};
   json["self_intersections"] = level.self_intersections ? Json(*level.self_intersections) : Json();

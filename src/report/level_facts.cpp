@@ -58,6 +58,7 @@ LevelFacts facts_of(const Json& json) {
   read(aspect, "median", facts.quality.aspect_median);
   read(aspect, "share_below_third", facts.quality.aspect_share_below_third);
   read(member(member(json, "quality"), "angle_degrees"), "minimum", facts.quality.angle_min);
+  if (const Json measured = member(json, "measured"); measured.is_object()) read(measured, "maximum", facts.measured.emplace());
   const Json metrics = member(json, "metrics");
   for (std::size_t i = 0; i < kMetricCount; ++i) {
     const Json metric = member(metrics, std::string(name(static_cast<Quantity>(i))).c_str());
@@ -122,6 +123,7 @@ std::string to_json(const std::string& path, const std::vector<LevelFacts>& leve
                            {"median", level.quality.aspect_median},
                            {"share_below_third", level.quality.aspect_share_below_third}};
     one["angle_degrees"] = {{"minimum", level.quality.angle_min}};
+    one["measured"] = level.measured ? Json({{"maximum", *level.measured}}) : Json();
     for (std::size_t i = 0; i < kMetricCount; ++i)
       one["metrics"][std::string(name(static_cast<Quantity>(i)))] =
           level.metrics[i] ? Json({{"maximum", level.metrics[i]->maximum}, {"mean", level.metrics[i]->mean}}) : Json();

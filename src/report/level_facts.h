@@ -16,7 +16,8 @@ namespace isoatlas {
 struct LevelFacts {
   std::size_t vertices = 0, triangles = 0;
   std::array<std::optional<MetricSummary>, kMetricCount> metrics;
-  TopologySummary topology;  ///< without kinds
+  std::optional<double> measured;  ///< the largest distance that --measure found
+  TopologySummary topology;        ///< without kinds
   MeshQuality quality;       ///< aspect ratio but for its histogram, least angle
   /// And oriented: else `topology` means nothing. None where it was not counted: then `topology` is what the file says.
   std::optional<bool> is_manifold;

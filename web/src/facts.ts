@@ -11,8 +11,8 @@ const MOST_COMPONENTS = 20;
 /** The largest distance between surface and mesh of a level; null: not known. */
 export function errorOf(level: LevelFacts): number | null {
   const metric = level.metrics?.["max-distance"];
-  if (metric) return metric.maximum ?? Infinity;
-  return level.measured?.maximum ?? null;
+  const known = [metric ? (metric.maximum ?? Infinity) : null, level.measured?.maximum ?? null].filter((error) => error !== null);
+  return known.length > 0 ? Math.max(...known) : null;
 }
 
 export function errorText(level: LevelFacts, unit: string): string {

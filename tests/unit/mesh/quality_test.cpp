@@ -61,6 +61,36 @@ TEST(MeshQuality, ExactlyAThirdIsNotBelow) {
   EXPECT_EQ(mesh_quality(mesh).aspect_share_below_third, 0.5);
 }
 
+TEST(MeshQuality, CapsAreKnownByTheirAngle) {
+  TriangleMesh mesh;  // edges of 1, 1 and nearly 2: an aspect ratio of a half
+  add_triangle(mesh, {0, 0, 0}, {1, 1e-9, 0}, {2, 0, 0});
+  add_triangle(mesh, {0, 0, 0}, {1, 0.3, 0}, {2, 0, 0});  // 146.6 degrees
+  add_triangle(mesh, {0, 0, 0}, {1, 0.2, 0}, {2, 0, 0});  // 157.4 degrees
+  const MeshQuality q = mesh_quality(mesh);
+  EXPECT_EQ(q.angles_above_150, 2u);
+  EXPECT_NEAR(q.aspect_min, 0.5, 0.03);
+  EXPECT_EQ(q.zero_area_triangles, 0u);
+  EXPECT_EQ(q.dihedral_min, 180) << "no two triangles share an edge";
+}
+
+TEST(MeshQuality, DihedralAnglesAreThoseInside) {
+  TriangleMesh cube;
+  for (int c = 0; c < 8; ++c) cube.positions.push_back({static_cast<double>(c & 1), static_cast<double>(c >> 1 & 1), static_cast<double>(c >> 2)});
+  cube.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  EXPECT_NEAR(mesh_quality(cube).dihedral_min, 90, 1e-12);
+  EXPECT_NEAR(mesh_quality(cube).dihedral_max, 180, 1e-12);
+  for (Triangle& t : cube.triangles) std::swap(t[1], t[2]);  // the border of a cavity: inside is around it
+  EXPECT_NEAR(mesh_quality(cube).dihedral_min, 180, 1e-12);
+  EXPECT_NEAR(mesh_quality(cube).dihedral_max, 270, 1e-12);
+
+  TriangleMesh roof;  // two triangles that meet at 60 degrees, seen from above
+  roof.positions = {{0, 0, 0}, {0, 1, 0}, {1, 0.5, -std::sqrt(3.0)}, {-1, 0.5, -std::sqrt(3.0)}};
+  roof.triangles = {{1, 0, 2}, {0, 1, 3}};
+  EXPECT_NEAR(mesh_quality(roof).dihedral_min, 60, 1e-12);
+  for (Triangle& t : roof.triangles) std::swap(t[1], t[2]);  // from below: a groove
+  EXPECT_NEAR(mesh_quality(roof).dihedral_max, 300, 1e-12);
+}
+
 TEST(MeshQuality, PointTriangle) {
   TriangleMesh mesh;
   add_triangle(mesh, {1, 2, 3}, {1, 2, 3}, {1, 2, 3});

@@ -75,7 +75,7 @@ TEST(MinAspect, BelowAThirdIsLessWork) {
   const auto work = [&](double aspect) {
     options.refine = {{{Quantity::max_distance, 0.5}, {Quantity::min_aspect, aspect}}};
     const LevelReport level = extract(volume, options).finest();
-    EXPECT_EQ(level.bad_triangles.empty(), level.quality.aspect_min >= aspect) << aspect;
+    EXPECT_EQ(level.bad_triangles.empty(), level.quality.aspect_min >= aspect && level.quality.angles_above_150 == 0) << aspect;
     return level.flips + level.moves + level.shifts;
   };
   const std::size_t usual = work(1.0 / 3);
@@ -89,15 +89,17 @@ TEST(Embedded, BadTrianglesAreListedWithWhatKeepsThem) {
   const Extraction e = extract(to_volume(random_samples(Family::white_noise, {12, 12, 12}, 3)), asking(false, Placement::surface));
   std::size_t listed = 0;
   for (const LevelReport& level : e.report.levels) {
-    EXPECT_EQ(static_cast<double>(level.bad_triangles.size()),
-              std::round(level.quality.aspect_share_below_third * static_cast<double>(level.triangles)));
+    const auto badness = [](const BadTriangle& t) { return std::min(3 * t.aspect_ratio, (180 - t.largest_angle) / 30); };
+    std::size_t needles = 0, caps = 0;
     for (std::size_t i = 0; i < level.bad_triangles.size(); ++i) {
-      EXPECT_LT(level.bad_triangles[i].aspect_ratio, 1.0 / 3);
-      EXPECT_GE(level.bad_triangles[i].aspect_ratio, i == 0 ? 0 : level.bad_triangles[i - 1].aspect_ratio);
+      const BadTriangle& t = level.bad_triangles[i];
+      EXPECT_LT(badness(t), 1);
+      EXPECT_GE(badness(t), i == 0 ? 0 : badness(level.bad_triangles[i - 1])) << "worst first";
+      needles += t.aspect_ratio < 1.0 / 3 ? 1 : 0;
+      caps += t.largest_angle > 150 ? 1 : 0;
     }
-    if (!level.bad_triangles.empty()) {
-      EXPECT_EQ(level.bad_triangles.front().aspect_ratio, level.quality.aspect_min);
-    }
+    EXPECT_EQ(static_cast<double>(needles), std::round(level.quality.aspect_share_below_third * static_cast<double>(level.triangles)));
+    EXPECT_EQ(caps, level.quality.angles_above_150);
     listed += level.bad_triangles.size();
     EXPECT_LT(level.quality.aspect_share_below_third, 0.03);
   }

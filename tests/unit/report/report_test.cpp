@@ -39,7 +39,7 @@ struct Full {
       level.constraints = {{{Quantity::max_vertices, 5}, 10, false, "topology needs 10"},
                            {{Quantity::max_distance, 3}, 2.5, true, "unused"}};
       level.at_limit.assign(1200, {{1, 2, 3}, 1.5});
-      level.bad_triangles.assign(1200, {{1, 2, 3}, 0.2, ShapeObstacle::earlier_level});
+      level.bad_triangles.assign(1200, {{1, 2, 3}, 0.2, 95, ShapeObstacle::earlier_level});
       level.self_intersections = 0;
       level.measured.emplace();
       level.measured->voxel = 2;
