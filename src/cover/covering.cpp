@@ -141,13 +141,28 @@ void Covering::spread_distances() {
   }
 }
 
-// Radii that leave something uncovered become those that cover it.
+// Radii that leave something uncovered become those that cover it, and those around them rise as far as the slope asks for: of all
+// radii with that slope that cover everything and are nowhere below those there were, the smallest.
 void Covering::cover_by_radii() {
   reached_ = 0;
+  FarthestFirst rising;
   for (CVertexId v = 0; v < graph_.c_vertex_count(); ++v) {
     if (partition_.cell_of[v] == kNone) continue;
     ++reached_;
-    if (!is_covered(v)) radius_[v] = distance_[v] * (1.001f / (graph_.on_boundary[v] ? kBoundaryShare : 1.0f));
+    if (is_covered(v)) continue;
+    radius_[v] = distance_[v] * (1.001f / (graph_.on_boundary[v] ? kBoundaryShare : 1.0f));
+    rising.push(length_key(radius_[v], ~v));
+  }
+  while (!rising.empty()) {
+    const std::uint64_t key = rising.pop();
+    const CVertexId v = ~key_id(key);
+    if (key_length(key) < radius_[v]) continue;  // has risen more since
+    for (const CVertexGraph::Neighbour& n : graph_.row(v)) {
+      const float r = radius_[v] - n.weight * kSlope;
+      if (r <= radius_[n.id]) continue;
+      radius_[n.id] = r;
+      rising.push(length_key(r, ~n.id));
+    }
   }
 }
 

@@ -4,10 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <set>
 
+#include "partition/coarsen.h"
 #include "support/reference_topology.h"
 #include "support/surfaces.h"
 
@@ -82,6 +85,40 @@ TEST(Covering, KeepsItsPromises) {
       for (const float r : covering.radius()) ASSERT_LE(r, radius);
     }
   }
+}
+
+// A covering of a coarser complex, carried to the complex itself, whose distances are a little longer: radii rise where they have to,
+// and keep their slope.
+TEST(Covering, KeepsItsPromisesOnAFinerComplex) {
+  std::size_t risen = 0;
+  double largest_rise = 1;
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    const Samples samples = seed % 2 == 0 ? sampled({24, 24, 24}, sphere({11.4, 11.6, 11.55}, 6 + 0.4 * static_cast<double>(seed)))
+                                          : random_samples(Family::gyroid_cut, {18, 17, 19}, seed);
+    const SurfaceComplex surface = surface_of(samples);
+    const Coarsened coarser = coarsen(surface, 3, {});
+    const CVertexGraph coarse_graph = make_graph(coarser.complex), graph = make_graph(surface);
+    Covering on_coarser(coarse_graph, options(8));
+    on_coarser.cover({});
+    std::vector<CVertexId> sites;
+    for (const CVertexId v : on_coarser.partition().site) sites.push_back(coarser.representative[v]);
+    std::vector<Covering::Radius> radii;
+    for (CVertexId v = 0; v < coarse_graph.c_vertex_count(); ++v) radii.push_back({coarser.representative[v], on_coarser.radius()[v]});
+    Covering covering(graph, options(8));
+    covering.seed(sites, radii);
+    expect_promises(graph, covering, "seed " + std::to_string(seed));
+    if (HasFatalFailure()) return;
+    for (const Covering::Radius& r : radii) {
+      risen += covering.radius()[r.at] > r.radius ? 1 : 0;
+      largest_rise = std::max(largest_rise, static_cast<double>(covering.radius()[r.at] / r.radius));
+    }
+    covering.lower_radius(sites.front(), 1);
+    covering.cover({});
+    expect_promises(graph, covering, "covered again, seed " + std::to_string(seed));
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_GT(risen, 0U);
+  std::printf("%zu radii have risen, by a factor of %.2f at most\n", risen, largest_rise);
 }
 
 // Factor two and spacing: if two disks meet, their radii differ by less than a factor of two; a later site stands at least its
