@@ -265,7 +265,6 @@ Coarsened coarsen(const SurfaceComplex& complex, double block_length, const RunC
       for (CellId& c : t.cell) c = partition.cell_of[c];  // a region was named by one of its c-vertices
     }
     out.complex = dual_complex(complex, partition, check.triangles);
-    out.outward = area_vectors(complex, partition.cell_of, partition.cell_count());
     out.representative = std::move(partition.site);
     out.region_of = std::move(partition.cell_of);
     return out;
@@ -312,7 +311,6 @@ void cut_regions(const SurfaceComplex& complex, std::span<const CVertexId> regio
       record(check, coarser.certificate);
       const Partition partition{region_of, representative};
       coarser.complex = dual_complex(complex, partition, check.triangles);
-      coarser.outward = area_vectors(complex, region_of, count);
       return;
     }
     if (check.passed()) {

@@ -14,7 +14,6 @@ struct Coarsened {
   SurfaceComplex complex;                 ///< all triangles; homeomorphic to the input
   std::vector<CVertexId> representative;  ///< per c-vertex of `complex`, the c-vertex of the input it stands on
   std::vector<CellId> region_of;          ///< per c-vertex of the input, the c-vertex of `complex` that stands for it
-  std::vector<Vec3> outward;              ///< per c-vertex of `complex`, area_vectors() of the piece of the input it stands for
   CertificateReport certificate;          ///< of the partition; `repair_rounds` are the rounds of check and cut
 };
 
