@@ -104,7 +104,9 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   std::optional<MeshQuality> marching_cubes;  // for the page to compare with
   if (arguments.page) {
     progress.show("compare", std::nullopt);
-    marching_cubes = marching_cubes_quality(volume, options.isovalue, points_of_kept_components(report, volume.grid, options.space));
+    std::vector<Vec3> kept;
+    for (const RankedComponent& component : report.kept) kept.push_back(component.position);
+    marching_cubes = marching_cubes_quality(volume, options.isovalue, to_index(std::move(kept), volume.grid, options.space));
   }
   volume = {};  // writing needs memory too
 

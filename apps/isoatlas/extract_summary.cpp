@@ -166,7 +166,13 @@ void print_details(std::ostream& out, const ExtractReport& report, const ReportC
 }
 
 bool print_unmet(const ExtractReport& report, LengthUnit unit) {
+  bool is_placed = true;
   for (std::size_t k = 0; k < report.levels.size(); ++k) {
+    if (const std::size_t wrong = report.levels[k].turned_components; wrong > 0) {
+      is_placed = false;
+      std::cerr << "isoatlas: " + level_name(k) + ": " + counted(wrong, "component") +
+                       " inverted, or inside another component than on the isosurface; a finer level or --supersample 2 may mend it\n";
+    }
     for (const ConstraintResult& result : report.levels[k].constraints) {
       if (result.met || result.wanted.is_default) continue;
       const Quantity quantity = result.wanted.quantity;
@@ -176,7 +182,7 @@ bool print_unmet(const ExtractReport& report, LengthUnit unit) {
                 << "\n";
     }
   }
-  return std::all_of(report.levels.begin(), report.levels.end(), [](const LevelReport& level) { return level.all_met(); });
+  return is_placed && std::all_of(report.levels.begin(), report.levels.end(), [](const LevelReport& level) { return level.all_met(); });
 }
 
 void print_rounding(const ReportContext& context) {

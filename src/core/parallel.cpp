@@ -13,7 +13,7 @@ namespace isoatlas {
 
 namespace {
 
-thread_local tbb::task_arena* limited = nullptr;  // of the innermost ThreadLimit of this thread; none: loops use the arena they are in
+thread_local tbb::task_arena* limited = nullptr;  // of this thread's ThreadLimit; null: loops use the arena they are in
 
 }  // namespace
 

@@ -159,14 +159,15 @@ ReadOptions read_options_of(const Json& json) {
   return options;
 }
 
+// A point of each component that was kept, in sample-index coordinates; none where all were.
 std::vector<Vec3> kept_points(const Json& json, const Grid& grid) {
-  ExtractReport report;
+  std::vector<Vec3> positions;
   for (const Json& component : json.at("kept")) {
     const auto p = component.at("position").get<std::array<double, 3>>();
-    report.kept.emplace_back().position = {p[0], p[1], p[2]};
+    positions.push_back({p[0], p[1], p[2]});
   }
   const std::string space = json["parameters"].at("space").get<std::string>();
-  return points_of_kept_components(report, grid, space == "voxel" ? Space::voxel : space == "ras" ? Space::ras : Space::lps);
+  return to_index(std::move(positions), grid, space == "voxel" ? Space::voxel : space == "ras" ? Space::ras : Space::lps);
 }
 
 // Of the volume at `path`, if it is still there, can be read without a raw layout and has the samples that were meshed.

@@ -50,7 +50,10 @@ int vtk_type(SampleType type) {
 
 // Of each point the vertex of marching cubes that is nearest (ties: the first one). Nearly always it is in the point's grid cell.
 std::vector<std::uint32_t> nearest_vertices(std::span<const Vec3> vertices, std::span<const Vec3> points) {
-  const auto cell_of = [](Vec3 p) { return std::array<std::int64_t, 3>{std::llround(std::floor(p.x)), std::llround(std::floor(p.y)), std::llround(std::floor(p.z))}; };
+  const auto cell_of = [](Vec3 p) {
+    const auto below = [](double x) { return static_cast<std::int64_t>(std::floor(x)); };
+    return std::array{below(p.x), below(p.y), below(p.z)};
+  };
   std::map<std::array<std::int64_t, 3>, std::vector<std::size_t>> points_in;
   for (std::size_t i = 0; i < points.size(); ++i) points_in[cell_of(points[i])].push_back(i);
   std::vector<std::uint32_t> nearest(points.size(), 0);
@@ -60,7 +63,7 @@ std::vector<std::uint32_t> nearest_vertices(std::span<const Vec3> vertices, std:
     if (d < distance[i]) distance[i] = d, nearest[i] = v;
   };
   for (std::uint32_t v = 0; v < vertices.size(); ++v) {
-    for (unsigned k = 0; k < 8; ++k) {  // a vertex is on an edge, and so in up to four cells
+    for (unsigned k = 0; k < 8; ++k) {  // its own cell, and those below it along any axes: a vertex is on an edge of up to four
       auto cell = cell_of(vertices[v]);
       for (std::size_t axis = 0; axis < 3; ++axis) cell[axis] -= k >> axis & 1U;
       const auto found = points_in.find(cell);
@@ -88,18 +91,13 @@ void keep_components_at(TriangleMesh& mesh, std::span<const Vec3> points, Vec3 s
   std::erase_if(mesh.triangles, [&](const Triangle& t) { return is_kept[sets.find(t[0])] == 0; });
 }
 
-Vec3 index_of(Vec3 p, const Grid& grid, Space space) {
-  if (space == Space::voxel) return p;
-  const double flip = space == Space::ras ? -1 : 1;
-  return grid.to_index({flip * p.x, flip * p.y, p.z});
-}
-
 }  // namespace
 
-std::vector<Vec3> points_of_kept_components(const ExtractReport& report, const Grid& grid, Space space) {
-  std::vector<Vec3> points;
-  for (const RankedComponent& component : report.kept) points.push_back(index_of(component.position, grid, space));
-  return points;
+std::vector<Vec3> to_index(std::vector<Vec3> positions, const Grid& grid, Space space) {
+  if (space == Space::voxel) return positions;
+  const double flip = space == Space::ras ? -1 : 1;
+  for (Vec3& p : positions) p = grid.to_index({flip * p.x, flip * p.y, p.z});
+  return positions;
 }
 
 std::optional<MeshQuality> marching_cubes_quality(const VolumeView& volume, double isovalue, std::span<const Vec3> of) {

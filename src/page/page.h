@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "isoatlas/extract.h"
+#include "isoatlas/hierarchy.h"
 #include "isoatlas/mesh.h"
 #include "isoatlas/volume.h"
 
@@ -38,8 +38,8 @@ PageEntry entry_of_file(const std::filesystem::path& path);
 /// @param of  points of components, sample-index coordinates: only the components of marching cubes next to them count; none: all
 std::optional<MeshQuality> marching_cubes_quality(const VolumeView& volume, double isovalue, std::span<const Vec3> of = {});
 
-/// Points of the components that were kept, for marching_cubes_quality(); none if all were.
-std::vector<Vec3> points_of_kept_components(const ExtractReport& report, const Grid& grid, Space space);
+/// Positions of a mesh in sample-index coordinates.
+std::vector<Vec3> to_index(std::vector<Vec3> positions, const Grid& grid, Space space);
 
 /// Throws Error(unsupported) if this isoatlas was built without pages (ISOATLAS_BUILD_PAGE).
 void require_pages();

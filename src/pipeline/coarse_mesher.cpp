@@ -244,7 +244,7 @@ bool CoarseMesher::part(LevelReport& report, const RunControl& control) {
   return any;
 }
 
-// Makes the mesh finer where a component faces or lies otherwise than on the surface. @pre no triangles meet where they should not
+// Makes the mesh finer where the orientation or nesting of a component is not that of the surface. @pre no self-intersections
 // @return whether there is something new to look at
 bool CoarseMesher::place_components(std::span<const ComponentId> component_of, LevelReport& report, const RunControl& control) {
   const std::vector<CellId> cells =

@@ -81,10 +81,10 @@ void check_options(const ExtractOptions& options) {
 // The paper's figure 4 knows no persistence.
 float default_persistence(CoveringStrategy strategy) { return strategy == CoveringStrategy::halving ? 0.0f : 1.5f; }
 
-// Leaves out the components that are not wanted.
-void choose_components(SurfaceComplex& whole, Components& components, Nesting& nesting, const VolumeView& volume_in_voxels,
-                       const ParseOptions& parse, const VolumeView& volume, const ExtractOptions& options, ExtractReport& report,
-                       const RunControl& control) {
+// Removes the components that the options leave out from the surface and from what is known of it.
+void drop_unwanted_components(SurfaceComplex& whole, Components& components, Nesting& nesting, const VolumeView& volume_in_voxels,
+                              const ParseOptions& parse, const VolumeView& volume, const ExtractOptions& options, ExtractReport& report,
+                              const RunControl& control) {
   ComponentSizes sizes;
   if (whole.boundary.empty()) {
     sizes = component_sizes(whole, components, whole);
@@ -142,7 +142,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   nodes = {};
   control.check_cancelled();
   if (options.min_component_size > 0 || options.keep_components > 0) {
-    choose_components(whole, reference, nesting, in_voxels, parse, volume, options, report, control);
+    drop_unwanted_components(whole, reference, nesting, in_voxels, parse, volume, options, report, control);
   }
   report.c_vertices = whole.positions.size();
   report.faces = whole.faces.size();

@@ -47,7 +47,7 @@ void check_mesh(const MeshTopology& mesh, const Components& reference, const std
   }
 }
 
-// Components of the finished mesh that face otherwise than on the isosurface or, if `nested`, lie in other components.
+// Components of the finished mesh whose orientation or, if `nested`, nesting is not that of the isosurface.
 std::size_t count_misplaced(const TriangleMesh& mesh, std::span<const ComponentId> component_of, const AdaptiveSurface& surface, bool nested) {
   const std::vector<std::uint8_t> is_open = open_flags(surface.components());
   const Nesting& wanted = surface.nesting();

@@ -19,7 +19,7 @@ inline Vec3 to_volume(Vec3 index, const ExtractOptions& options) {
 void bring_out(TriangleMesh& mesh, const Grid& grid, const ExtractOptions& options);
 
 /// The end of every level: the topology check, then into the output's space, where shape is measured, and self-intersections and
-/// components that face or lie otherwise than on the surface are counted.
+/// components whose orientation or nesting is not that of the surface are counted.
 /// @param mesh     in sample-index coordinates; in the output's space afterwards
 /// @param sites    per vertex, a c-vertex of the surface in its cell: says which component it belongs to
 /// @param stays    per vertex, what keeps it where it is, for badly shaped triangles

@@ -323,7 +323,7 @@ bool Refiner::part(const MeetingTriangles& meeting, const RunControl& control) {
   return !wanted.empty() || single.size() < corners.size();
 }
 
-// Makes cells smaller where components face or lie otherwise than on the surface. @pre no triangles meet where they should not
+// Makes cells smaller where the orientation or nesting of a component is not that of the surface. @pre no self-intersections
 // @return whether there is something new to look at
 bool Refiner::refine_misplaced_components() {
   const Nesting& wanted = surface_.nesting();
@@ -336,7 +336,7 @@ bool Refiner::refine_misplaced_components() {
   return work_->covering().shrink(cells).size() < cells.size();
 }
 
-// Works on the task until no triangles of the dual meet where they should not, and components are where they are on the surface.
+// Works on the task until the dual has no self-intersections and its components have the orientation and nesting of the surface.
 void Refiner::work_apart(const Task& task, MeetingTriangles& meeting, RefinedLevel& out, const RunControl& control) {
   for (;;) {
     work(*work_, task, out, control);
