@@ -242,6 +242,10 @@ Leave triangles as they are that meet others beyond the corners and edges they s
 triangles. Default: no two triangles of a level meet.
 )")->group(kMesh);
   add_goals(*command, arguments);
+  command->add_flag("--strict", arguments.strict, R"(
+Where the exit status would be 1, write nothing: a bound that was asked for is not met, triangles meet, or a component is
+inverted or inside another one than on the isosurface.
+)")->group(kOutput);
 
   command->add_option("-o,--output", arguments.mesh, R"(
 The mesh to write; its extension is the format. A name with {level} in it is one file per level; .glb and .vtm hold all

@@ -29,6 +29,7 @@ struct ExtractArguments : ExtractSettings {
   std::optional<std::filesystem::path> report, page;
   bool glb_per_level = false;  ///< besides `mesh`, which is a .glb, one for each level, and a manifest
   bool coarse = false;         ///< nothing but level 0
+  bool strict = false;         ///< write nothing where something is not as asked for or promised
   std::string command;         ///< the whole command line, for people to run again
   bool quiet = false, verbose = false;
 };

@@ -32,7 +32,6 @@ std::string verdict(std::initializer_list<std::pair<std::size_t, const char*>> f
   return text.empty() ? "yes" : text;
 }
 
-std::string point_text(Vec3 p) { return "(" + number_text(p.x) + ", " + number_text(p.y) + ", " + number_text(p.z) + ")"; }
 
 void print_topology(const MeshTopology& topology) {
   std::cout << row("vertices", count_text(topology.vertices) +

@@ -9,7 +9,9 @@ namespace isoatlas::tool {
 inline constexpr int kSuccess = 0;
 /// `isoatlas check` and `levels`: not a consistently oriented manifold, one that meets itself, or far from its volume.
 inline constexpr int kCheckFailed = 1;
-inline constexpr int kUnmet = 1;         ///< `isoatlas extract`: a constraint that was asked for is not met; everything was written
+/// `isoatlas extract`: a constraint that was asked for is not met, triangles meet or components are misplaced; everything was written, with
+/// --strict nothing.
+inline constexpr int kUnmet = 1;
 inline constexpr int kBadInput = 2;      ///< an argument or a file; nothing was written
 inline constexpr int kInternal = 3;      ///< a bug of isoatlas; nothing was written
 inline constexpr int kOutOfMemory = 4;   ///< nothing was written

@@ -116,9 +116,17 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   const Grid& grid = context.volume.grid;
   const MeshFileInfo mesh_info = file_info(report, options, grid.unit).mesh;
   state_rounding(report, outputs.roundings(extraction.hierarchy, mesh_info), grid, options.space);
-  context.files = outputs.write_meshes(extraction.hierarchy, file_info(report, options, grid.unit));
+  context.files = outputs.write_meshes(extraction.hierarchy, file_info(report, options, grid.unit),
+                                       options.allow_self_intersections ? nullptr : &control);
   context.write_seconds = writing.seconds();
   context.peak_memory_bytes = peak_memory_bytes();
+  if (arguments.strict) {
+    progress.clear_line();
+    if (!print_unmet(report, context)) {
+      std::cerr << "isoatlas: nothing was written, as --strict asks for\n";
+      return kUnmet;
+    }
+  }
   const std::string json = arguments.report || arguments.page ? to_json(report, context) : "";
   if (arguments.report) outputs.write_text(*arguments.report, json);
   if (arguments.page) {
@@ -139,7 +147,7 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   }
   if (arguments.verbose) print_details(out, report, context);
   print_rounding(context);
-  return print_unmet(report, context.volume.grid.unit) ? kSuccess : kUnmet;
+  return print_unmet(report, context) ? kSuccess : kUnmet;
 }
 
 }  // namespace isoatlas::tool

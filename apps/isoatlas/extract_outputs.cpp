@@ -76,11 +76,12 @@ std::vector<FileRounding> ExtractOutputs::roundings(const Hierarchy& hierarchy, 
   }
 }
 
-std::vector<ReportFile> ExtractOutputs::write_meshes(const Hierarchy& hierarchy, const HierarchyFileInfo& info) {
-  if (!stream_file_) return meshes_.write(hierarchy, info, files_);
+std::vector<ReportFile> ExtractOutputs::write_meshes(const Hierarchy& hierarchy, const HierarchyFileInfo& info,
+                                                     const RunControl* look) {
+  if (!stream_file_) return meshes_.write(hierarchy, info, files_, look);
   try {
     OutputFiles whole;
-    std::vector<ReportFile> written = meshes_.write(hierarchy, info, whole);
+    std::vector<ReportFile> written = meshes_.write(hierarchy, info, whole, look);
     whole.commit();
     for (ReportFile& file : written) file.path = "-";
     return written;

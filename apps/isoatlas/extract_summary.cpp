@@ -23,10 +23,12 @@ std::string repair_text(const CertificateReport& certificate) {
   return counted(certificate.repair_sites, "site") + " added in " + counted(certificate.repair_rounds, "round");
 }
 
-std::string point_text(const Vec3& p) {
+/// The first few of them.
+std::string places_text(const std::vector<Vec3>& places) {
+  constexpr std::size_t kMostShown = 3;
   std::string text;
-  for (const double x : {p.x, p.y, p.z}) text += (text.empty() ? "(" : ", ") + number_text(x);
-  return text + ")";
+  for (std::size_t i = 0; i < std::min(places.size(), kMostShown); ++i) text += (i == 0 ? "" : ", ") + point_text(places[i]);
+  return text;
 }
 
 /// " (0.25 of it by rounding to float32)", of a length that rounding may have increased
@@ -165,14 +167,33 @@ void print_details(std::ostream& out, const ExtractReport& report, const ReportC
             << row("memory", bytes_text(static_cast<double>(context.peak_memory_bytes)) + " at most");
 }
 
-bool print_unmet(const ExtractReport& report, LengthUnit unit) {
-  bool is_placed = true;
+bool print_unmet(const ExtractReport& report, const ReportContext& context) {
+  const LengthUnit unit = context.volume.grid.unit;
+  bool is_embedded = true;
+  const auto say = [&](const std::string& text) {
+    is_embedded = false;
+    std::cerr << one_line("isoatlas: " + text) << "\n";
+  };
   for (std::size_t k = 0; k < report.levels.size(); ++k) {
-    if (const std::size_t wrong = report.levels[k].turned_components; wrong > 0) {
-      is_placed = false;
-      std::cerr << "isoatlas: " + level_name(k) + ": " + counted(wrong, "component") +
-                       " inverted, or inside another component than on the isosurface; a finer level or --supersample 2 may mend it\n";
+    const LevelReport& level = report.levels[k];
+    if (level.self_intersections.value_or(0) > 0)
+      say(level_name(k) + ": " + counted(*level.self_intersections, "pair") + " of triangles meet, near " +
+          places_text(level.self_intersection_places) + ": no smaller cell takes them apart in the coordinates of this space; --supersample 2 may");
+    if (level.turned_components > 0)
+      say(level_name(k) + ": " + counted(level.turned_components, "component") +
+          " inverted, or inside another component than on the isosurface; a finer level or --supersample 2 may mend it");
+  }
+  for (const ReportFile& file : context.files) {
+    for (std::size_t i = 0; i < file.self_intersections.size(); ++i) {
+      const SelfIntersectionReport& found = file.self_intersections[i];
+      if (found.pairs <= report.levels[file.levels[i]].self_intersections.value_or(0)) continue;
+      std::vector<Vec3> places;
+      for (const SelfIntersectionReport::Place& place : found.first) places.push_back(place.position);
+      say((file.path == "-" ? "standard output" : file.path) + ": " + level_name(file.levels[i]) + ": " + counted(found.pairs, "pair") +
+          " of triangles meet where its float32 coordinates round, near " + places_text(places) + "; .ply, .obj and .vtp keep all digits");
     }
+  }
+  for (std::size_t k = 0; k < report.levels.size(); ++k) {
     for (const ConstraintResult& result : report.levels[k].constraints) {
       if (result.met || result.wanted.is_default) continue;
       const Quantity quantity = result.wanted.quantity;
@@ -182,7 +203,7 @@ bool print_unmet(const ExtractReport& report, LengthUnit unit) {
                 << "\n";
     }
   }
-  return is_placed && std::all_of(report.levels.begin(), report.levels.end(), [](const LevelReport& level) { return level.all_met(); });
+  return is_embedded && std::all_of(report.levels.begin(), report.levels.end(), [](const LevelReport& level) { return level.all_met(); });
 }
 
 void print_rounding(const ReportContext& context) {

@@ -16,9 +16,9 @@ void print_summary(std::ostream& out, const ExtractReport& report, const ReportC
 /// The rest of it: all metrics, complexes, repairs, timings, memory.
 void print_details(std::ostream& out, const ExtractReport& report, const ReportContext& context);
 
-/// One line on standard error for each constraint of each level that was asked for and is not met, and for each level with inverted or
-/// misplaced components; true if there was none.
-bool print_unmet(const ExtractReport& report, LengthUnit unit);
+/// One line on standard error for each constraint of each level that was asked for and is not met, for each level with self-intersections
+/// or with inverted or misplaced components, and for each file that rounding gives self-intersections; true if there was none.
+bool print_unmet(const ExtractReport& report, const ReportContext& context);
 
 /// One line on standard error if a file's float coordinates are a noticeable part of the error: which file, and what to do.
 void print_rounding(const ReportContext& context);

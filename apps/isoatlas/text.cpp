@@ -50,6 +50,13 @@ std::string number_text(double value) {
   return {buffer.data(), end};
 }
 
+std::string point_text(Vec3 p) {
+  constexpr double kFar = 1e4;
+  std::string text;
+  for (const double x : {p.x, p.y, p.z}) text += (text.empty() ? "(" : ", ") + (std::fabs(x) < kFar ? number_text(x) : formatted("%.2f", x));
+  return text + ")";
+}
+
 std::string ratio_text(double ratio) { return number_text(std::round(ratio * 1e3) / 1e3); }
 
 std::string count_text(std::uint64_t count) {

@@ -20,6 +20,9 @@ bool terminal_is_utf8();
 /// `text` as one line: line breaks and other control characters become spaces.
 std::string one_line(std::string_view text);
 
+/// "(1.5, 2, 3)", far from the origin with hundredths.
+std::string point_text(Vec3 p);
+
 std::string number_text(double value);                              ///< at most six significant digits
 std::string ratio_text(double ratio);                               ///< to a thousandth
 std::string count_text(std::uint64_t count);                        ///< 12,345

@@ -52,8 +52,9 @@ struct ExtractOptions {
   /// One more level, refined from the one before, per entry.
   std::vector<LevelGoal> refine;
   Placement placement = Placement::surface;
-  /// false: no triangles of a level meet beyond the corners and edges they share (docs/theory/06-self-intersections.md). Where they
-  /// would, cells are made smaller, and in the end the surface complex is divided.
+  /// false: no triangles of a level meet beyond the corners and edges they share, with positions in the output's space, and where float32
+  /// rounds them by less than a thousandth of a voxel also with these rounded (docs/theory/06-self-intersections.md). Where they would,
+  /// cells are made smaller, and in the end the surface complex is divided. What is left is in LevelReport::self_intersections.
   bool allow_self_intersections = false;
   /// Measure every level against the isosurface with that many samples in each direction; 0: do not.
   std::size_t measure_samples = 0;
@@ -138,8 +139,9 @@ struct LevelReport {
   /// For the triangles' shape: edges flipped, vertices moved to a better c-vertex, and vertices moved within their grid cells.
   std::size_t flips = 0, moves = 0, shifts = 0;
   std::vector<BadTriangle> bad_triangles;  ///< what is left, worst first
-  /// Pairs of triangles that meet where they should not, counted on the finished mesh; none: they are allowed.
+  /// Pairs of triangles that meet where they should not, counted on the finished mesh in the output's space; none: they are allowed.
   std::optional<std::size_t> self_intersections;
+  std::vector<Vec3> self_intersection_places;  ///< near the first few of them, in the mesh's space
   std::size_t parting_sites = 0;        ///< sites added to take such triangles apart
   std::optional<Measurement> measured;  ///< if asked for
   /// Largest distance in world units by which a written file rounds a position of this level; 0 from extract(). What writes files sets it

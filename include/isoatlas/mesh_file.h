@@ -47,6 +47,10 @@ StoredPositions write_mesh(const TriangleMesh& mesh, const std::filesystem::path
 /// Throws Error(bad_file) where a position is out of the range of float32.
 double rounding_of_mesh_file(const TriangleMesh& mesh, const std::filesystem::path& path, const MeshFileInfo& info = {});
 
+/// The mesh's positions as write_mesh stores them, in the file's space and unit. Throws as
+/// rounding_of_mesh_file.
+std::vector<Vec3> stored_positions(const TriangleMesh& mesh, const std::filesystem::path& path, const MeshFileInfo& info = {});
+
 /// Reads what write_mesh writes (and ascii variants); polygons are split into triangle fans, STL corners at equal positions merged.
 /// Coordinates are those of the file: mesh_file_info() says in which space and unit.
 TriangleMesh read_mesh(const std::filesystem::path& path);
@@ -91,6 +95,9 @@ StoredPositions write_hierarchy(const Hierarchy& hierarchy, const std::filesyste
 
 /// As rounding_of_mesh_file, of all levels.
 double rounding_of_hierarchy_file(const Hierarchy& hierarchy, const std::filesystem::path& path);
+
+/// As stored_positions, of one level; in a .glb without its translation.
+std::vector<Vec3> stored_positions(const Hierarchy& hierarchy, std::size_t level, const std::filesystem::path& path);
 
 struct HierarchyFile {
   /// `parent` is empty: files do not keep it. A level whose vertices are not bit by bit the first ones of the finest level has its

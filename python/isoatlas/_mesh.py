@@ -4,12 +4,14 @@ from __future__ import annotations
 import functools
 import json
 import os
+import warnings
 from typing import TYPE_CHECKING, Any, Sequence
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from .errors import FileWarning
 
 if TYPE_CHECKING:
     import pyvista
@@ -118,6 +120,11 @@ class Mesh:
         glb_per_level : bool
             With ``NAME.glb``: also ``NAME-0.glb``, ``NAME-1.glb``, ... and ``NAME.json``, which lists them.
 
+        Warns
+        -----
+        FileWarning
+            Triangles meet once ``.stl``, ``.gii`` or ``.glb`` round the positions: the volume is very far from the origin.
+
         Raises
         ------
         BadFileError
@@ -127,7 +134,8 @@ class Mesh:
         BadArgumentError
             A ``ValueError``: a file would replace the volume that was read, or another one.
         """
-        self._core.save(path, report, glb_per_level)
+        if warning := self._core.save(path, report, glb_per_level):
+            warnings.warn(warning, FileWarning, stacklevel=2)
 
     def to_vtk(self, level: int = -1) -> vtkPolyData:
         """A copy as ``vtkPolyData``, of the finest level or of another one; `Level.distance` as the point array ``max_distance``.

@@ -63,4 +63,4 @@ class InternalError(Error, RuntimeError):
 
 
 class FileWarning(UserWarning):
-    """A file was read, but something about it had to be assumed; the text says what."""
+    """Something about a file had to be assumed when it was read, or is not as promised when it is written; the text says what."""

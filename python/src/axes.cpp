@@ -68,6 +68,7 @@ void Axes::to_caller(Extraction& extraction, Space space) const {
   const auto move = [&](Vec3& place) { place = as_ras(to_caller(place), space); };
   Hierarchy& hierarchy = extraction.hierarchy;
   for (Vec3& p : hierarchy.positions) move(p);
+  if (hierarchy.float32_origin) move(*hierarchy.float32_origin);
   for (Hierarchy::Level& level : hierarchy.levels) {
     for (Vec3& p : level.placed) move(p);
     if (mirrors()) turn_over(level.triangles);
@@ -76,6 +77,7 @@ void Axes::to_caller(Extraction& extraction, Space space) const {
   for (RankedComponent& component : extraction.report.dropped) move(component.position);
   for (LevelReport& level : extraction.report.levels) {
     for (CellAtLimit& cell : level.at_limit) move(cell.position);
+    for (Vec3& place : level.self_intersection_places) move(place);
     for (BadTriangle& triangle : level.bad_triangles) move(triangle.position);
     if (level.measured) to_caller(*level.measured, space);
   }

@@ -87,6 +87,18 @@ Error error_of_samples(const Error& error, const ArrayVolume& volume, NonFinite 
                             "): say with nan='below' or nan='above' on which side of the isovalue NaN lies"};
 }
 
+/// Of the first file that rounding gives self-intersections; else empty.
+std::string warning_of(const std::vector<ReportFile>& files) {
+  for (const ReportFile& file : files) {
+    for (std::size_t i = 0; i < file.self_intersections.size(); ++i) {
+      if (const std::size_t pairs = file.self_intersections[i].pairs; pairs > 0)
+        return file.path + ": level " + std::to_string(file.levels[i]) + ": " + std::to_string(pairs) +
+               " pairs of triangles meet where its float32 coordinates round; .ply, .obj and .vtp keep all digits";
+    }
+  }
+  return "";
+}
+
 Error error_of_file(const Error& error, const std::string& path) {
   return path.empty() ? error : Error(error.code(), path + ": " + error.what());
 }
@@ -182,16 +194,17 @@ py::object distance_of(const std::shared_ptr<Levels>& levels, std::size_t level)
 
 std::string report_of(const Levels& levels) { return levels.made ? to_json(levels.made->report, levels.made->context) : std::string(); }
 
-void save_levels(const std::shared_ptr<Levels>& levels, const std::string& path, const std::optional<std::string>& report,
-                 bool glb_per_level) {
+std::string save_levels(const std::shared_ptr<Levels>& levels, const std::string& path, const std::optional<std::string>& report,
+                        bool glb_per_level) {
   if (report && !levels->made) refuse("report: these levels were read from a file, expected a result of extract()");
   const MeshOutputs meshes(path, glb_per_level);
   std::vector<MeshOutputs::Other> others;
   if (report) others.push_back({*report, "report"});
   meshes.check(levels->hierarchy.levels.size(), levels->made ? levels->made->context.volume.path : std::string(), others);
   const auto files_of_run = std::make_shared<OutputFiles>();
+  const auto meeting = std::make_shared<std::string>();
   run_interruptibly(
-      [levels, report, meshes, files_of_run](const RunControl& control) {
+      [levels, report, meshes, files_of_run, meeting](const RunControl& control) {
         OutputFiles& outputs = *files_of_run;
         const auto started = std::chrono::steady_clock::now();
         HierarchyFileInfo info = levels->info;
@@ -202,7 +215,9 @@ void save_levels(const std::shared_ptr<Levels>& levels, const std::string& path,
           state_rounding(stated, meshes.roundings(levels->hierarchy, info.mesh), context.volume.grid, context.options.space);
           info.levels = file_info(stated, context.options, context.volume.grid.unit).levels;
         }
-        const std::vector<ReportFile> files = meshes.write(levels->hierarchy, info, outputs);
+        const bool looks = levels->made && !levels->made->context.options.allow_self_intersections;
+        const std::vector<ReportFile> files = meshes.write(levels->hierarchy, info, outputs, looks ? &control : nullptr);
+        *meeting = warning_of(files);
         if (report) {
           ReportContext context = levels->made->context;
           context.files = files;
@@ -214,6 +229,7 @@ void save_levels(const std::shared_ptr<Levels>& levels, const std::string& path,
         outputs.commit();
       },
       {.discard = [files_of_run] { files_of_run->discard(); }});
+  return *meeting;
 }
 
 }  // namespace isoatlas::python

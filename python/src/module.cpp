@@ -137,7 +137,7 @@ PYBIND11_MODULE(_core, module) {
       .def(
           "save",
           [](const std::shared_ptr<Levels>& levels, const py::object& path, const py::object& report, bool glb_per_level) {
-            save_levels(levels, path_of(path), path_or_none(report), glb_per_level);
+            return save_levels(levels, path_of(path), path_or_none(report), glb_per_level);
           },
           "path"_a, "report"_a, "glb_per_level"_a);
 

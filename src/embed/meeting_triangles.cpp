@@ -5,6 +5,8 @@
 #include <array>
 #include <utility>
 
+#include "embed/triangle_pair.h"
+
 namespace isoatlas {
 namespace {
 
@@ -38,57 +40,61 @@ bool MeetingTriangles::TriangleSet::contains(const Triangle& t) const {
                      [&](const Triangle& other) { return other[1] == t[1] && other[2] == t[2]; });
 }
 
-std::vector<std::uint8_t> MeetingTriangles::vertices_that_stayed(std::span<const Vec3> positions) const {
-  std::vector<std::uint8_t> out(positions.size(), 0);
-  for (std::size_t v = 0; v < std::min(positions.size(), positions_.size()); ++v) out[v] = positions_[v] == positions[v];
+std::vector<std::uint8_t> MeetingTriangles::Form::vertices_that_stayed(std::span<const Vec3> moved) const {
+  std::vector<std::uint8_t> out(moved.size(), 0);
+  for (std::size_t v = 0; v < std::min(moved.size(), positions.size()); ++v) out[v] = positions[v] == moved[v];
   return out;
 }
 
-std::vector<std::uint8_t> MeetingTriangles::fresh(std::span<const Vec3> positions, std::span<const Triangle> triangles) const {
-  const std::vector<std::uint8_t> stayed = vertices_that_stayed(positions);
-  const bool same = std::ranges::equal(triangles, list_);
-  std::vector<std::uint8_t> out(triangles.size(), 0);
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    const Triangle& t = triangles[i];
-    out[i] = !stayed[t[0]] || !stayed[t[1]] || !stayed[t[2]] || (!same && !triangles_.contains(with_smallest_first(t)));
+// The triangles that are new since the last update() or have a corner that moved.
+std::vector<std::uint32_t> MeetingTriangles::Form::fresh(std::span<const Vec3> moved, std::span<const Triangle> given) const {
+  const std::vector<std::uint8_t> stayed = vertices_that_stayed(moved);
+  const bool same = std::ranges::equal(given, list);
+  std::vector<std::uint32_t> out;
+  for (std::uint32_t i = 0; i < given.size(); ++i) {
+    const Triangle& t = given[i];
+    if (!stayed[t[0]] || !stayed[t[1]] || !stayed[t[2]] || (!same && !triangles.contains(with_smallest_first(t)))) out.push_back(i);
   }
   return out;
 }
 
-std::vector<std::uint32_t> MeetingTriangles::update(std::span<const Vec3> positions, std::span<const Triangle> triangles,
-                                                    const RunControl& control) {
-  const std::vector<std::uint8_t> is_fresh = fresh(positions, triangles);
-  std::vector<std::uint32_t> to_look_at;
-  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-    if (is_fresh[i]) to_look_at.push_back(i);
+void MeetingTriangles::Form::update(std::vector<Vec3> moved, std::span<const Triangle> given, const RunControl& control) {
+  const std::vector<std::uint32_t> to_look_at = fresh(moved, given);
+  const bool most = 2 * to_look_at.size() > given.size();
+  std::vector<std::pair<Triangle, Triangle>> found;
+  for (const std::uint32_t i : to_look_at) {
+    const Triangle t = with_smallest_first(given[i]);
+    if (!has_area(moved, t)) found.emplace_back(t, t);
   }
-  const bool most = 2 * to_look_at.size() > triangles.size();
-  std::vector<std::pair<Triangle, Triangle>> pairs;
   SelfIntersectionOptions options;
   if (!most) options.involving = to_look_at;
   RunControl quiet = control;  // it is not the stage that tells its progress
   quiet.progress = nullptr;
-  for (const auto& [a, b] : self_intersections(positions, triangles, options, quiet))
-    pairs.emplace_back(with_smallest_first(triangles[a]), with_smallest_first(triangles[b]));
-  if (!std::ranges::equal(triangles, list_)) {
-    list_.assign(triangles.begin(), triangles.end());
-    triangles_ = TriangleSet(list_, positions.size());
+  for (const auto& [a, b] : self_intersections(moved, given, options, quiet))
+    found.emplace_back(with_smallest_first(given[a]), with_smallest_first(given[b]));
+  if (!std::ranges::equal(given, list)) {
+    list.assign(given.begin(), given.end());
+    triangles = TriangleSet(list, moved.size());
   }
-  if (!most) {
-    const std::vector<std::uint8_t> stayed = vertices_that_stayed(positions);
-    const auto is_there = [&](const Triangle& t) {
-      return std::all_of(t.begin(), t.end(), [&](std::uint32_t v) { return v < stayed.size() && stayed[v] != 0; }) &&
-             triangles_.contains(t);
-    };
-    for (const auto& [a, b] : pairs_) {
-      if (is_there(a) && is_there(b)) pairs.emplace_back(a, b);
-    }
+  const std::vector<std::uint8_t> stayed = vertices_that_stayed(moved);
+  const auto is_known = [&](const Triangle& t) {
+    return std::all_of(t.begin(), t.end(), [&](std::uint32_t v) { return v < stayed.size() && stayed[v] != 0; }) && triangles.contains(t);
+  };
+  for (const auto& [a, b] : pairs) {
+    if ((a == b || !most) && is_known(a) && is_known(b)) found.emplace_back(a, b);
   }
-  pairs_ = std::move(pairs);
-  positions_.assign(positions.begin(), positions.end());
+  pairs = std::move(found);
+  positions = std::move(moved);
+}
 
+std::vector<std::uint32_t> MeetingTriangles::update(std::span<const Vec3> positions, std::span<const Triangle> triangles,
+                                                    const RunControl& control) {
+  for (last_ = 0;; ++last_) {
+    forms_[last_].update(written_.in_form(last_, positions), triangles, control);
+    if (pairs() > 0 || last_ + 1 == forms_.size()) break;
+  }
   std::vector<std::uint32_t> corners;
-  for (const auto& [a, b] : pairs_) {
+  for (const auto& [a, b] : forms_[last_].pairs) {
     corners.insert(corners.end(), a.begin(), a.end());
     corners.insert(corners.end(), b.begin(), b.end());
   }
@@ -97,7 +103,7 @@ std::vector<std::uint32_t> MeetingTriangles::update(std::span<const Vec3> positi
 
 std::vector<std::uint32_t> MeetingTriangles::largest_corners(std::span<const float> size_of_vertex) const {
   std::vector<std::uint32_t> out;
-  for (const auto& [a, b] : pairs_) {
+  for (const auto& [a, b] : forms_[last_].pairs) {
     const std::array<std::uint32_t, 6> corner{a[0], a[1], a[2], b[0], b[1], b[2]};
     const auto largest = std::max_element(corner.begin(), corner.end(), [&](std::uint32_t v, std::uint32_t w) {
       return size_of_vertex[v] != size_of_vertex[w] ? size_of_vertex[v] < size_of_vertex[w] : v > w;

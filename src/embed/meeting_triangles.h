@@ -2,27 +2,31 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
+#include "embed/written_positions.h"
 #include "isoatlas/self_intersections.h"
 
 namespace isoatlas {
 
-/// The triangles of a mesh that meet others where they should not, mesh after mesh: only what is new is looked at again.
+/// The triangles of a mesh that meet others where they should not, or have no area, as files have them; mesh after mesh: only what is new
+/// is looked at again.
 class MeetingTriangles {
  public:
-  /// @return the corners of all such triangles, sorted
-  /// @cost   as self_intersections() the first time; then one pass over the mesh, plus what is near triangles that are new or have a
-  ///         corner that moved
-  std::vector<std::uint32_t> update(std::span<const Vec3> positions, std::span<const Triangle> triangles, const RunControl& control);
+  explicit MeetingTriangles(WrittenPositions written = {}) : written_(std::move(written)), forms_(written_.form_count()) {}
 
-  /// Per triangle, 1 if it is new since the last update() or has a corner that moved.
-  std::vector<std::uint8_t> fresh(std::span<const Vec3> positions, std::span<const Triangle> triangles) const;
+  /// Looks at one form of the positions after the other, until some triangles meet.
+  /// @param positions  in sample indices
+  /// @return the corners of all such triangles, sorted
+  /// @cost   as self_intersections() for each form the first time; then one pass over the mesh for each, plus what is near triangles that
+  ///         are new or have a corner that moved
+  std::vector<std::uint32_t> update(std::span<const Vec3> positions, std::span<const Triangle> triangles, const RunControl& control);
 
   /// Of each pair in the last mesh the largest corner, all six if the largest has no size; sorted.
   std::vector<std::uint32_t> largest_corners(std::span<const float> size_of_vertex) const;
 
-  std::size_t pairs() const { return pairs_.size(); }  ///< of the last mesh
+  std::size_t pairs() const { return forms_[last_].pairs.size(); }  ///< of the last mesh
 
  private:
   // A set of triangles. contains() expects a triangle with its smallest corner first.
@@ -36,12 +40,21 @@ class MeetingTriangles {
     std::vector<std::uint32_t> first_{0};  // per vertex, in triangles_, those with that smallest corner
     std::vector<Triangle> triangles_;
   };
-  std::vector<std::uint8_t> vertices_that_stayed(std::span<const Vec3> positions) const;  ///< per vertex, since the last update()
+  // What is known of the mesh with its positions in one form.
+  struct Form {
+    std::vector<Vec3> positions;
+    std::vector<Triangle> list;  // as they were given
+    TriangleSet triangles;
+    std::vector<std::pair<Triangle, Triangle>> pairs;  // a triangle without area is a pair with itself
 
-  std::vector<Vec3> positions_;
-  std::vector<Triangle> list_;  // as they were given
-  TriangleSet triangles_;
-  std::vector<std::pair<Triangle, Triangle>> pairs_;
+    void update(std::vector<Vec3> moved, std::span<const Triangle> given, const RunControl& control);
+    std::vector<std::uint8_t> vertices_that_stayed(std::span<const Vec3> moved) const;  // per vertex, since the last update()
+    std::vector<std::uint32_t> fresh(std::span<const Vec3> moved, std::span<const Triangle> given) const;
+  };
+
+  WrittenPositions written_;
+  std::vector<Form> forms_;
+  std::size_t last_ = 0;  // the form that was looked at last
 };
 
 }  // namespace isoatlas

@@ -267,6 +267,16 @@ bool meet_beyond_shared(std::span<const Vec3> positions, const Triangle& a, cons
   return roughly ? *roughly : meet_exactly(positions, a, b);
 }
 
+bool has_area(std::span<const Vec3> positions, const Triangle& t) {
+  const Vec3 along = positions[t[1]] - positions[t[0]], across = positions[t[2]] - positions[t[0]];
+  const double u = largest_coordinate(along), v = largest_coordinate(across);
+  // A coordinate of the normal is a difference of two products, each with a relative error below 4 times 2^-53.
+  constexpr double kError = 1e-15;
+  if (is_moderate(u) && is_moderate(v) && largest_coordinate(cross(along, across)) > kError * u * v) return true;
+  const auto point = [&positions](std::uint32_t corner) { return Point(positions[corner].x, positions[corner].y, positions[corner].z); };
+  return !CGAL::collinear(point(t[0]), point(t[1]), point(t[2]));
+}
+
 std::size_t meeting_pairs(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::size_t enough) {
   std::vector<std::int8_t> sides;  // of every position, triangle by triangle
   sides.reserve(triangles.size() * positions.size());

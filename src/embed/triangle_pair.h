@@ -11,6 +11,9 @@ namespace isoatlas {
 /// Exact for all finite coordinates.
 bool meet_beyond_shared(std::span<const Vec3> positions, const Triangle& a, const Triangle& b);
 
+/// Whether the corners of a triangle are not on one line. Exact for all finite coordinates.
+bool has_area(std::span<const Vec3> positions, const Triangle& t);
+
 /// Counts the pairs of a few triangles for which meet_beyond_shared() is true, and stops at `enough`. Each position is compared with each
 /// triangle's plane once for all pairs.
 /// @param positions  the triangles' corners and no others

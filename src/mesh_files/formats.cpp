@@ -150,6 +150,12 @@ double rounding_of_mesh_file(const TriangleMesh& mesh, const fs::path& path, con
   return io::convert_length(io::largest_rounding(form.mesh.positions, {}, path), form.info.unit, info.unit);
 }
 
+std::vector<Vec3> stored_positions(const TriangleMesh& mesh, const fs::path& path, const MeshFileInfo& info) {
+  const MeshFormat& format = format_to_write(path);
+  std::vector<Vec3> positions = format.form == nullptr ? mesh.positions : format.form(mesh, info).mesh.positions;
+  return format.is_single_precision ? io::all_rounded(positions, {}, path) : positions;
+}
+
 TriangleMesh read_mesh(const fs::path& path) {
   return io::translate_exceptions(path, [&] {
     io::readable_file_size(path);

@@ -50,6 +50,7 @@ void write_vtp(const TriangleMesh& mesh, const std::map<std::string, std::string
 
 // Levels out: checked like meshes; `info.levels` is empty or has a JSON object for each level.
 StoredPositions write_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const std::filesystem::path& path);
+std::vector<Vec3> positions_in_glb(const Hierarchy& hierarchy, std::size_t level, const std::filesystem::path& path);
 double rounding_in_glb(const Hierarchy& hierarchy, const std::filesystem::path& path);
 StoredPositions write_vtm(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const std::filesystem::path& path);
 

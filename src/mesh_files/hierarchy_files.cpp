@@ -26,10 +26,11 @@ struct HierarchyFormat {
   StoredPositions (*write)(const Hierarchy&, const HierarchyFileInfo&, const fs::path&);
   bool has_pieces;
   double (*rounding)(const Hierarchy&, const fs::path&);  ///< none: all digits are kept
+  std::vector<Vec3> (*positions)(const Hierarchy&, std::size_t, const fs::path&);  ///< likewise
 };
 
-constexpr std::array kFormats{HierarchyFormat{".glb", io::read_glb, io::write_glb, false, io::rounding_in_glb},
-                              HierarchyFormat{".vtm", io::read_vtm, io::write_vtm, true, nullptr}};
+constexpr std::array kFormats{HierarchyFormat{".glb", io::read_glb, io::write_glb, false, io::rounding_in_glb, io::positions_in_glb},
+                              HierarchyFormat{".vtm", io::read_vtm, io::write_vtm, true, nullptr, nullptr}};
 
 const HierarchyFormat* find_format(const fs::path& path) {
   const std::string extension = lower_case_extension(path);
@@ -146,6 +147,11 @@ StoredPositions write_hierarchy(const Hierarchy& hierarchy, const fs::path& path
 double rounding_of_hierarchy_file(const Hierarchy& hierarchy, const fs::path& path) {
   const HierarchyFormat& format = format_of(path);
   return format.rounding == nullptr || hierarchy.levels.empty() ? 0 : format.rounding(hierarchy, path);
+}
+
+std::vector<Vec3> stored_positions(const Hierarchy& hierarchy, std::size_t level, const fs::path& path) {
+  const HierarchyFormat& format = format_of(path);
+  return format.positions == nullptr ? hierarchy.mesh(level).positions : format.positions(hierarchy, level, path);
 }
 
 HierarchyFile read_hierarchy(const fs::path& path) {

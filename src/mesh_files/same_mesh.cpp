@@ -118,14 +118,25 @@ Float3 rounded(const Vec3& position, std::size_t vertex, const std::filesystem::
   return p;
 }
 
+std::vector<Vec3> all_rounded(const std::vector<Vec3>& positions, const Vec3& translation, const std::filesystem::path& path) {
+  std::vector<Vec3> result;
+  result.reserve(positions.size());
+  for (std::size_t v = 0; v < positions.size(); ++v) {
+    const Float3 stored = rounded(positions[v] - translation, v, path);
+    // volatile: g++ 12 drops the conversions of a double that is narrowed and widened again.
+    const volatile float x = stored[0], y = stored[1], z = stored[2];
+    result.push_back({x, y, z});
+  }
+  return result;
+}
+
 double largest_rounding(const std::vector<Vec3>& positions, const Vec3& translation, const std::filesystem::path& path) {
+  const std::vector<Vec3> stored = all_rounded(positions, translation, path);
   double largest = 0;
   for (std::size_t v = 0; v < positions.size(); ++v) {
     const Vec3& p = positions[v];
-    const Float3 stored = rounded(p - translation, v, path);
-    // volatile: g++ 12 drops the conversions of a double that is narrowed and widened again.
-    const volatile float x = stored[0], y = stored[1], z = stored[2];
-    largest = std::max(largest, std::hypot(p.x - (x + translation.x), p.y - (y + translation.y), p.z - (z + translation.z)));
+    const Vec3& q = stored[v];
+    largest = std::max(largest, std::hypot(p.x - (q.x + translation.x), p.y - (q.y + translation.y), p.z - (q.z + translation.z)));
   }
   return largest;
 }

@@ -19,6 +19,9 @@ using Float3 = std::array<float, 3>;
 /// @throws Error(bad_file) if it is out of their range
 Float3 rounded(const Vec3& position, std::size_t vertex, const std::filesystem::path& path);
 
+/// All of them, around `translation`, as doubles.
+std::vector<Vec3> all_rounded(const std::vector<Vec3>& positions, const Vec3& translation, const std::filesystem::path& path);
+
 /// The largest distance of these positions from what a file of floats around `translation` has.
 double largest_rounding(const std::vector<Vec3>& positions, const Vec3& translation, const std::filesystem::path& path);
 

@@ -32,7 +32,7 @@ constexpr int kElementArrayBuffer = 34963;
 
 // Where float has digits to lose: a mesh farther from the origin than it is long is moved to the origin, and a node
 // moves it back. The translation is a float, so that viewers who compute in floats put the mesh where we say it is.
-Vec3 translation_of(const Bounds& box) {
+Vec3 far_middle(const Bounds& box) {
   const Vec3 middle = 0.5 * box.low + 0.5 * box.high;
   if (std::max({std::fabs(middle.x), std::fabs(middle.y), std::fabs(middle.z)}) <= box.longest()) {
     return {};
@@ -103,7 +103,7 @@ void add_range(Json& accessor, const std::vector<Float3>& positions, std::size_t
   accessor["max"] = high;
 }
 
-std::vector<Float3> all_rounded(const std::vector<Vec3>& positions, Vec3 translation, const std::filesystem::path& path) {
+std::vector<Float3> all_floats(const std::vector<Vec3>& positions, Vec3 translation, const std::filesystem::path& path) {
   std::vector<Float3> result;
   result.reserve(positions.size());
   for (std::size_t v = 0; v < positions.size(); ++v) {
@@ -139,11 +139,13 @@ struct Glb {
 // Of all levels, so that they fit together.
 Bounds box_of(const Hierarchy& hierarchy) { return bounds_of(hierarchy.mesh(hierarchy.levels.size() - 1).positions); }
 
+Vec3 translation_of(const Hierarchy& hierarchy) { return hierarchy.float32_origin.value_or(far_middle(box_of(hierarchy))); }
+
 Glb make_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const std::filesystem::path& path) {
   const bool is_balanced = info.placement == Placement::balanced;
   const std::size_t level_count = hierarchy.levels.size();
   const Bounds box = box_of(hierarchy);
-  const Vec3 translation = translation_of(box);
+  const Vec3 translation = translation_of(hierarchy);
   const bool is_moved = translation != Vec3{};
 
   Buffer buffer;
@@ -159,7 +161,7 @@ Glb make_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const st
     std::vector<Float3> own;
     std::size_t position_view = shared_view;
     if (has_own || shared.empty()) {
-      own = all_rounded(mesh.positions, translation, path);
+      own = all_floats(mesh.positions, translation, path);
       position_view = buffer.add_view(own, kArrayBuffer);
       if (!has_own) {
         shared = own;
@@ -241,8 +243,12 @@ Glb make_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const st
 
 }  // namespace
 
+std::vector<Vec3> positions_in_glb(const Hierarchy& hierarchy, std::size_t level, const std::filesystem::path& path) {
+  return all_rounded(hierarchy.mesh(level).positions, translation_of(hierarchy), path);
+}
+
 double rounding_in_glb(const Hierarchy& hierarchy, const std::filesystem::path& path) {
-  const Vec3 translation = translation_of(box_of(hierarchy));
+  const Vec3 translation = translation_of(hierarchy);
   double largest = 0;
   for (std::size_t k = 0; k < hierarchy.levels.size(); ++k) {
     largest = std::max(largest, largest_rounding(hierarchy.mesh(k).positions, translation, path));

@@ -52,6 +52,7 @@ const char* space_name(Space space) {
 Hierarchy only_level(const Hierarchy& hierarchy, std::size_t level) {
   Hierarchy result;
   result.levels.push_back(hierarchy.levels[level]);
+  result.float32_origin = hierarchy.float32_origin;
   const auto count = static_cast<std::ptrdiff_t>(hierarchy.levels[level].vertex_count);
   result.positions.assign(hierarchy.positions.begin(), hierarchy.positions.begin() + count);
   return result;
@@ -143,26 +144,40 @@ std::vector<FileRounding> MeshOutputs::roundings(const Hierarchy& hierarchy, con
   return result;
 }
 
-std::vector<ReportFile> MeshOutputs::write(const Hierarchy& hierarchy, const HierarchyFileInfo& info, OutputFiles& outputs) const {
+std::vector<ReportFile> MeshOutputs::write(const Hierarchy& hierarchy, const HierarchyFileInfo& info, OutputFiles& outputs,
+                                           const RunControl* look) const {
   const std::size_t level_count = hierarchy.levels.size();
   std::vector<ReportFile> written, one_level;
   const auto add = [&](const fs::path& path, const fs::path& staged, std::vector<std::size_t> levels, const StoredPositions& stored) {
     written.push_back({path.string(), std::move(levels), static_cast<std::size_t>(fs::file_size(staged)), stored.single_precision,
-                       stored.largest_rounding, stored.space, stored.unit, stored.notes});
+                       stored.largest_rounding, stored.space, stored.unit, stored.notes, {}});
+  };
+  // @param file  holds the last one that was added
+  const auto look_at = [&](const Hierarchy& file, const fs::path& path) {
+    if (look == nullptr || !written.back().single_precision) return;
+    for (std::size_t k = 0; k < file.levels.size(); ++k) {
+      TriangleMesh mesh = file.mesh(k);
+      mesh.positions = is_hierarchy_path(path) ? stored_positions(file, k, path) : stored_positions(mesh, path, info.mesh);
+      written.back().self_intersections.push_back(find_self_intersections(mesh, *look));
+    }
   };
   for (const Item& item : items(level_count)) {
     outputs.write(item.path, [&](const fs::path& staged) {
       if (!is_hierarchy_path(item.path)) {
         const std::size_t level = item.levels.front();
-        add(item.path, staged, item.levels, write_mesh(hierarchy.mesh(level), staged, info.mesh));
+        const Hierarchy only = only_level(hierarchy, level);
+        add(item.path, staged, item.levels, write_mesh(only.mesh(0), staged, info.mesh));
+        look_at(only, staged);
         return;
       }
       const bool is_part = item.levels.size() < level_count;
       HierarchyFileInfo part = info;
       if (is_part && !info.levels.empty()) part.levels = {info.levels[item.levels.front()]};
-      const StoredPositions stored =
-          is_part ? write_hierarchy(only_level(hierarchy, item.levels.front()), staged, part) : write_hierarchy(hierarchy, staged, part);
+      const Hierarchy only = is_part ? only_level(hierarchy, item.levels.front()) : Hierarchy();
+      const Hierarchy& all = is_part ? only : hierarchy;
+      const StoredPositions stored = write_hierarchy(all, staged, part);
       add(item.path, staged, item.levels, stored);
+      look_at(all, staged);
       if (glb_per_level_ && item.path != path_) one_level.push_back(written.back());
       const std::vector<fs::path> names = files_of_hierarchy(target_of(item.path), level_count);
       const std::vector<fs::path> files = files_of_hierarchy(staged, level_count);

@@ -37,8 +37,9 @@ class MeshOutputs {
   std::vector<FileRounding> roundings(const Hierarchy& hierarchy, const MeshFileInfo& info) const;
 
   /// Writes all files to where `outputs` stages them.
+  /// @param look  look for self-intersections in what is rounded; none: they are allowed
   /// @return what was written, under the names it will have
-  std::vector<ReportFile> write(const Hierarchy& hierarchy, const HierarchyFileInfo& info, OutputFiles& outputs) const;
+  std::vector<ReportFile> write(const Hierarchy& hierarchy, const HierarchyFileInfo& info, OutputFiles& outputs, const RunControl* look) const;
 
   /// All files that will be there, the one that the name says first.
   std::vector<std::filesystem::path> paths(std::size_t level_count) const;

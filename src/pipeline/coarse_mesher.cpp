@@ -58,8 +58,9 @@ CoarseMesher::Stand::Stand(const SurfaceComplex& on, const CoveringOptions& opti
   covering.ignore_events();
 }
 
-CoarseMesher::CoarseMesher(AdaptiveSurface& surface, Coarsened& coarser, const CoveringOptions& cover, const ExtractOptions& options)
-    : surface_(surface), coarser_(coarser), cover_(cover), options_(options) {
+CoarseMesher::CoarseMesher(AdaptiveSurface& surface, Coarsened& coarser, const CoveringOptions& cover, const ExtractOptions& options,
+                           WrittenPositions written)
+    : surface_(surface), coarser_(coarser), cover_(cover), options_(options), meeting_(std::move(written)) {
   stand_ = std::make_unique<Stand>(is_coarser() ? coarser_.complex : surface_.complex(), cover_);
 }
 

@@ -18,8 +18,10 @@ namespace isoatlas {
 class CoarseMesher {
  public:
   /// @param surface  divided where nothing else helps against triangles that meet
+  /// @param written  what must not meet
   /// @param coarser  what to work on, made finer where triangles meet; without c-vertices: the surface itself
-  CoarseMesher(AdaptiveSurface& surface, Coarsened& coarser, const CoveringOptions& cover, const ExtractOptions& options);
+  CoarseMesher(AdaptiveSurface& surface, Coarsened& coarser, const CoveringOptions& cover, const ExtractOptions& options,
+               WrittenPositions written);
 
   void cover(const RunControl& control);
   void certify(LevelReport& report, const RunControl& control);

@@ -179,7 +179,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   cover.max_radius = static_cast<float>(max_radius);
   cover.event_persistence = options.event_persistence ? voxels(*options.event_persistence) : default_persistence(options.covering);
   cover.first_stage = static_cast<float>(4 * cell);
-  CoarseMesher mesher(surface, coarser, cover, options);
+  CoarseMesher mesher(surface, coarser, cover, options, WrittenPositions(grid, options.space, options.supersample));
   mesher.cover(control);
   clock.finished("cover");
 
@@ -199,6 +199,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   clock.finished("check");
 
   Hierarchy& hierarchy = out.hierarchy;
+  if (const Vec3 origin = float32_origin(grid, options.space); origin != Vec3{}) hierarchy.float32_origin = origin;
   hierarchy.positions = std::move(mesh.positions);
   hierarchy.levels.push_back({checked_id(hierarchy.positions.size(), "vertices"), std::move(mesh.triangles), {}, {}});
   hierarchy.parent.resize(hierarchy.positions.size());

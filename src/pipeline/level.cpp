@@ -12,6 +12,8 @@
 
 #include "core/vector_math.h"
 #include "embed/mesh_nesting.h"
+#include "embed/triangle_pair.h"
+#include "embed/written_positions.h"
 #include "isoatlas/self_intersections.h"
 
 namespace isoatlas {
@@ -61,6 +63,7 @@ std::size_t count_misplaced(const TriangleMesh& mesh, std::span<const ComponentI
   return turned;
 }
 
+constexpr std::size_t kMostPlaces = 10;  // of self-intersections
 constexpr double kLeastAspect = 1.0 / 3;
 constexpr double kLargestAngle = 150;  // degrees: of a cap no edge need be short
 
@@ -125,9 +128,15 @@ void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<co
   TriangleMesh& measured = space == Space::voxel ? world : mesh;
   transform_to(measured, grid, space == Space::voxel ? Space::lps : space);
   report.quality = mesh_quality(measured);
+  report.quality.zero_area_triangles = static_cast<std::size_t>(
+      std::ranges::count_if(mesh.triangles, [&](const Triangle& t) { return !has_area(mesh.positions, t); }));
   report.bad_triangles = bad_triangles(measured, mesh, stays, goal);
   report.turned_components = count_misplaced(mesh, component_of, surface, !options.allow_self_intersections);
-  if (!options.allow_self_intersections) report.self_intersections = self_intersections(mesh.positions, mesh.triangles, {}, control).size();
+  if (options.allow_self_intersections) return;
+  const std::vector<TrianglePair> pairs = self_intersections(mesh.positions, mesh.triangles, {}, control);
+  report.self_intersections = pairs.size();
+  for (const auto& [a, b] : std::span(pairs).first(std::min(pairs.size(), kMostPlaces)))
+    report.self_intersection_places.push_back(meeting_place(mesh.positions, mesh.triangles[a], mesh.triangles[b]));
 }
 
 bool LevelReport::all_met() const {
@@ -155,11 +164,7 @@ void bring_out(TriangleMesh& mesh, const Grid& grid, const ExtractOptions& optio
 
 void transform_to(TriangleMesh& mesh, const Grid& grid, Space space) {
   if (space == Space::voxel) return;
-  const double flip = space == Space::ras ? -1 : 1;
-  for (Vec3& p : mesh.positions) {
-    const Vec3 w = grid.to_world(p);
-    p = {flip * w.x, flip * w.y, w.z};
-  }
+  for (Vec3& p : mesh.positions) p = to_space(grid, space, p);
   if (grid.mirrored()) {
     for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
   }

@@ -37,7 +37,7 @@ LevelMaker::LevelMaker(const LevelSource& source, const ExtractOptions& options,
       options_(options),
       control_(control),
       refiner_(source.surface, source.isosurface, source.coarser, source.options,
-               {source.coarse.covering(), source.coarse.sites(), source.coarse.shift()}, !options.allow_self_intersections,
+               {source.coarse.covering(), source.coarse.sites(), source.coarse.shift()}, options.allow_self_intersections ? std::nullopt : std::optional(WrittenPositions(source.grid, options.space, options.supersample)),
                options.adaptive_supersample) {}
 
 Vec3 LevelMaker::to_space(Vec3 index) const {

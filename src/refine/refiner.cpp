@@ -11,6 +11,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "core/vector_math.h"
 #include "embed/mesh_nesting.h"
@@ -86,13 +87,13 @@ struct Refiner::Task {
 };
 
 Refiner::Refiner(AdaptiveSurface& surface, const Isosurface& isosurface, const Coarsened& coarser, const CoveringOptions& options,
-                 Start start, bool embedded, std::uint32_t most_divisions)
+                 Start start, std::optional<WrittenPositions> embedded, std::uint32_t most_divisions)
     : options_(options),
       surface_(surface),
       isosurface_(isosurface),
       coarser_(coarser),
       start_(std::move(start)),
-      embedded_(embedded),
+      embedded_(std::move(embedded)),
       most_divisions_(most_divisions),
       ground_(std::make_unique<Ground>(surface.complex(), &isosurface, &surface)),
       sites_before_(static_cast<std::uint32_t>(start_.site.size())) {}
@@ -517,7 +518,7 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
   const std::vector<CellId> start_placed_in = placed_in_;
   const Ground* const start_ground = ground_.get();
   Task task = whole_task(goal, placement, out, control);
-  MeetingTriangles meeting;
+  MeetingTriangles meeting(embedded_.value_or(WrittenPositions()));
   for (std::uint32_t twice = 2;; twice *= 2) {
     work_towards(task, meeting, out, control);
     if (!too_many(partition().cell_count())) break;

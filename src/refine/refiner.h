@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -50,10 +51,11 @@ class Refiner {
   };
 
   /// @param surface   divided where a bound or the shape of triangles asks for more c-vertices than there are
-  /// @param embedded        divide cells, and then the surface, where triangles meet others where they should not
+  /// @param embedded        divide cells, and then the surface, where triangles meet others where they should not as these positions have
+  ///                        it; none: they may
   /// @param most_divisions  per level, how often to divide the surface where cells at their limit are over a bound
   Refiner(AdaptiveSurface& surface, const Isosurface& isosurface, const Coarsened& coarser, const CoveringOptions& options, Start start,
-          bool embedded, std::uint32_t most_divisions);
+          std::optional<WrittenPositions> embedded, std::uint32_t most_divisions);
 
   /// What can be said of level 0. To be called once, before refine().
   /// @param sites  per vertex of the level, its c-vertex on the surface
@@ -93,7 +95,7 @@ class Refiner {
   const Isosurface& isosurface_;
   const Coarsened& coarser_;
   Start start_;
-  bool embedded_;
+  std::optional<WrittenPositions> embedded_;
   std::uint32_t most_divisions_;
   std::unique_ptr<Ground> ground_;
   std::unique_ptr<MeasuredCovering> work_;

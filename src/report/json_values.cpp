@@ -190,6 +190,8 @@ Json to_value(const LevelReport& level, std::size_t number) {
   }
   json["bad_triangles"] = {{"count", level.bad_triangles.size()}, {"worst", std::move(bad)}};
   json["self_intersections"] = level.self_intersections ? Json(*level.self_intersections) : Json();
+  Json& meeting = json["self_intersection_places"] = Json::array();
+  for (const Vec3& place : level.self_intersection_places) meeting.push_back(to_value(place));
   json["parting_sites"] = level.parting_sites;
   json["measured"] = level.measured ? to_value(*level.measured) : Json();
   return json;

@@ -62,7 +62,16 @@ Json goals_value(const std::vector<LevelGoal>& goals) {
   return list;
 }
 
+Json to_value(const SelfIntersectionReport& self_intersections) {
+  Json first = Json::array();
+  for (const SelfIntersectionReport::Place& place : self_intersections.first)
+    first.push_back({{"triangles", {place.triangles.first, place.triangles.second}}, {"position", to_value(place.position)}});
+  return {{"pairs", self_intersections.pairs}, {"first", first}};
+}
+
 Json to_value(const ReportFile& file) {
+  Json meetings = Json::array();
+  for (const SelfIntersectionReport& level : file.self_intersections) meetings.push_back(to_value(level));
   return {{"path", file.path},
           {"levels", file.levels},
           {"bytes", file.bytes},
@@ -70,7 +79,8 @@ Json to_value(const ReportFile& file) {
           {"largest_rounding", file.largest_rounding},
           {"space", file.space},
           {"unit", file.unit == LengthUnit::unknown ? Json() : Json(symbol(file.unit))},
-          {"notes", file.notes}};
+          {"notes", file.notes},
+          {"self_intersections", file.self_intersections.empty() ? Json() : meetings}};
 }
 
 Json to_value(const DistanceReport& distance) {
@@ -94,13 +104,6 @@ Json to_value(const RankedComponent& component) {
           {"c_vertices", component.c_vertices},
           {"genus", component.topology.genus()},
           {"boundary_loops", component.topology.boundary_loops}};
-}
-
-Json to_value(const SelfIntersectionReport& self_intersections) {
-  Json first = Json::array();
-  for (const SelfIntersectionReport::Place& place : self_intersections.first)
-    first.push_back({{"triangles", {place.triangles.first, place.triangles.second}}, {"position", to_value(place.position)}});
-  return {{"pairs", self_intersections.pairs}, {"first", first}};
 }
 
 Json to_value(const VolumeReport& volume) {

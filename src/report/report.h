@@ -16,6 +16,16 @@
 
 namespace isoatlas {
 
+/// Pairs of triangles of a mesh that meet where they should not.
+struct SelfIntersectionReport {
+  struct Place {
+    TrianglePair triangles;
+    Vec3 position;  ///< near where they meet
+  };
+  std::size_t pairs = 0;
+  std::vector<Place> first;  ///< the first few of them
+};
+
 /// A file of meshes that was written.
 struct ReportFile {
   std::string path;
@@ -26,6 +36,8 @@ struct ReportFile {
   std::string space = {};         ///< of the stored coordinates: "LPS", "RAS", "voxel"; empty: nobody said
   LengthUnit unit = LengthUnit::unknown;  ///< of the stored coordinates
   std::vector<std::string> notes = {};    ///< what the format changed or had to state, for people
+  /// For each level, those of the positions as the file has them; empty: not looked for, the file has all digits of the positions.
+  std::vector<SelfIntersectionReport> self_intersections = {};
 };
 
 /// The volume that was meshed or looked at.
@@ -64,16 +76,6 @@ struct DistanceReport {
   std::string volume_path;  ///< empty: the volume came from memory
   MeasureOptions options;
   Measurement measured;
-};
-
-/// Pairs of triangles of a mesh that meet where they should not.
-struct SelfIntersectionReport {
-  struct Place {
-    TrianglePair triangles;
-    Vec3 position;  ///< near where they meet
-  };
-  std::size_t pairs = 0;
-  std::vector<Place> first;  ///< the first few of them
 };
 
 /// Largest resident size of this process so far.

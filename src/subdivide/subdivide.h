@@ -24,12 +24,16 @@ struct Subdivision {
 /// How near new c-vertices are, at most, to walls of their cell that they are not on; steps of the sample index.
 inline constexpr double kWallMargin = 0.03;
 
-/// Few enough binary digits for the middle of two such points, and the middles of these, to be exact.
-/// @param position  sample-index coordinates below 2^17, of the upsampled samples if there are any
-inline Vec3 rounded(Vec3 position) {
-  constexpr double kScale = 4294967296.0;  // 2^32
-  return {std::round(position.x * kScale) / kScale, std::round(position.y * kScale) / kScale, std::round(position.z * kScale) / kScale};
+/// Few enough binary digits for the middle of two such points in one grid cell, and the middles of these, to be exact: 49, but none below
+/// 2^-32. (One more where the exponents of the two differ.)
+inline double rounded(double coordinate) {
+  constexpr double kScale = 0x1p32, kReach = 0x1p17;
+  const double scale = std::fabs(coordinate) < kReach ? kScale : std::ldexp(1.0, 48 - std::ilogb(coordinate));
+  return std::round(coordinate * scale) / scale;
 }
+
+/// @param position  sample-index coordinates, of the upsampled samples if there are any
+inline Vec3 rounded(Vec3 position) { return {rounded(position.x), rounded(position.y), rounded(position.z)}; }
 
 /// Where a c-vertex is that was moved: in sample-index coordinates, to the last bit as everything else has it.
 /// @param shift  how far it was moved, spacing applied

@@ -190,7 +190,7 @@ class Help(ToolTest):
                    "--refine --max-distance --mean-distance --area-curvature --area-curvature-smooth --geodesic-ratio "
                    "--normal-angle --max-vertices --min-vertices --min-edge --max-edge --min-aspect --placement "
                    "--glb-per-level --measure --measure-samples --min-component-size --keep-components --interpolation --supersample --adaptive-supersample "
-                   "--allow-self-intersections --html",
+                   "--allow-self-intersections --strict --html",
         "info": "--json -h --help " + READING,
         "check": "--json --self-intersections --volume --iso --inside --topology --nan --interpolation --space --samples -h --help " + READING,
         "levels": "--json -h --help",
@@ -520,6 +520,41 @@ class Outputs(ToolTest):
         old = self.put("s.ply", b"old")
         self.refuse("range", "extract", "sphere.nrrd", "--iso", "1000", "-o", "s.ply")
         self.assertEqual(old.read_bytes(), b"old")
+
+    def put_far_noise(self):
+        """As far from the origin as that float32 rounds by up to a fortieth of a voxel: .stl gets triangles that meet, .ply does not."""
+        noise = random.Random(16)
+        self.put("far.nrrd", nrrd(array.array("f", [noise.random() for _ in range(343)]), (7, 7, 7), "float", "space: LPS",
+                                   "space directions: (1,0,0) (0,1,0) (0,0,1)", "space origin: (4e5,4e5,4e5)"))
+
+    def test_triangles_that_meet_once_rounded_are_told_with_places(self):
+        self.put_far_noise()
+        extract = ("extract", "far.nrrd", "--iso", "0.5", "--coarse", "-q")
+        self.succeed(*extract, "-o", "s.ply", "--report", "r.json")
+        self.assertIsNone(json.loads((self.folder / "r.json").read_text())["files"][0]["self_intersections"])
+        result = self.run_tool(*extract, "-o", "s.stl", "--report", "r.json")
+        self.assertEqual((result.returncode, result.stdout), (1, ""))
+        line = r"isoatlas: s\.stl: level 0: (\d+) pairs of triangles meet where its float32 coordinates round, near \(40000\d\.\d\d, "
+        found = re.search(line, result.stderr)
+        self.assertTrue(found, result.stderr)
+        checked = json.loads(self.run_tool("check", "s.stl", "--self-intersections", "--json").stdout)["self_intersections"]
+        self.assertEqual(int(found[1]), checked["pairs"])
+        [file] = json.loads((self.folder / "r.json").read_text())["files"]
+        self.assertEqual(file["self_intersections"], [checked])
+
+    def test_strict_writes_nothing_that_is_not_as_promised_or_asked_for(self):
+        self.put_far_noise()
+        before = self.files()
+        extract = ("extract", "far.nrrd", "--iso", "0.5", "--coarse", "--strict", "--report", "r.json")
+        result = self.run_tool(*extract, "-o", "s.stl")
+        self.assertEqual((result.returncode, result.stdout), (1, ""))
+        self.assertIn("pairs of triangles meet", result.stderr)
+        self.assertRegex(result.stderr, r"isoatlas: nothing was written, as --strict asks for\n\Z")
+        self.assertEqual(self.files(), before)
+        bounded = ("extract", "far.nrrd", "--iso", "0.5", "--strict", "--max-vertices", "4")
+        self.assertEqual(self.run_tool(*bounded, "-o", "s.ply").returncode, 1)
+        self.assertEqual(self.files(), before)
+        self.succeed(*extract, "-o", "s.ply", "-q")
 
     def test_places_that_cannot_be_written(self):
         self.put_sphere()
@@ -1270,7 +1305,7 @@ class Report(ToolTest):
         self.assertEqual((level["path"], level["level"]), ("s.ply", 0))
         size = (self.folder / "s.ply").stat().st_size
         self.assertEqual(report["files"], [{"path": "s.ply", "levels": [0], "bytes": size, "positions": "float64", "largest_rounding": 0,
-                                            "space": "voxel", "unit": None, "notes": []}])
+                                            "space": "voxel", "unit": None, "notes": [], "self_intersections": None}])
         stages = {k: v for k, v in report["seconds"].items() if k not in ("read", "write", "total")}
         self.assertAlmostEqual(sum(stages.values()), report["seconds"]["total"], delta=0.05)
         self.assertGreater(report["peak_memory_bytes"], 1 << 20)

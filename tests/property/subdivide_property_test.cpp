@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "isoatlas/self_intersections.h"
 #include "property/random_case.h"
 #include "refine/relax.h"
@@ -32,6 +35,18 @@ Parsed parsed(RandomCase c, Interpolation interpolation = Interpolation::triline
   options.interpolation = interpolation;
   options.supersample = supersample;
   return {volume, parse_surface(volume, options), InterpolatedField(volume, options.rule, interpolation, supersample)};
+}
+
+// Middles of points in one cell, and middles of these, are exact however long the axis: long double has eleven digits more.
+TEST(Rounded, MiddlesAreExact) {
+  Random random(5);
+  for (int i = 0; i < 100000; ++i) {
+    const double start = std::ldexp(1.0 + random.unit(), static_cast<int>(random.between(-3, 31)));
+    const double a = rounded(start), b = rounded(start + random.unit()), middle = (a + b) / 2, next = (a + middle) / 2;
+    ASSERT_EQ(static_cast<long double>(middle), (static_cast<long double>(a) + b) / 2) << start;
+    ASSERT_EQ(static_cast<long double>(next), (static_cast<long double>(a) + middle) / 2) << start;
+    ASSERT_NEAR(a, start, std::max(0x1p-33, start * 0x1p-49)) << start;
+  }
 }
 
 RC_GTEST_PROP(AnySurface, StaysItselfWhereverItIsDivided, (const RandomCase& c)) {

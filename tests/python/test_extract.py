@@ -2,6 +2,8 @@
 import gc
 import inspect
 import os
+import random
+import warnings
 import weakref
 import zipfile
 
@@ -192,3 +194,15 @@ def test_the_volumes_unit_reaches_lengths_and_files(tmp_path):
         assert b'unit="micron"' in archive.read("3D/3dmodel.model")
     in_units.save(tmp_path / "a.gii")  # which is in millimetres
     assert np.allclose(np.ptp(isoatlas.read(tmp_path / "a.gii").vertices, axis=0), 1e-3 * np.ptp(in_units.vertices, axis=0))
+
+
+def test_triangles_that_meet_in_a_file_that_rounds(tmp_path):
+    """A fortieth of a voxel is what float32 rounds by so far from the origin."""
+    noise = random.Random(16)
+    array = np.array([noise.random() for _ in range(343)], np.float32).reshape(7, 7, 7).transpose(2, 1, 0)
+    mesh = isoatlas.extract(array, 0.5, origin=(4e5, 4e5, 4e5), order="xyz", coarse=True)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        mesh.save(tmp_path / "far.ply")
+    with pytest.warns(isoatlas.FileWarning, match=r"far\.stl: level 0: 3 pairs of triangles meet"):
+        mesh.save(tmp_path / "far.stl")

@@ -38,7 +38,7 @@ std::map<std::string, std::vector<std::size_t>> written(const TempFolder& folder
   meshes.check(2, folder / "volume", {});
   OutputFiles outputs;
   std::map<std::string, std::vector<std::size_t>> files;
-  for (const ReportFile& file : meshes.write(two_levels(), kInfo, outputs))
+  for (const ReportFile& file : meshes.write(two_levels(), kInfo, outputs, nullptr))
     files[fs::path(file.path).lexically_relative(folder.path()).string()] = file.levels;
   outputs.commit();
   for (const auto& [file, levels] : files) EXPECT_TRUE(fs::is_regular_file(folder / file)) << file;
@@ -72,7 +72,7 @@ TEST(MeshOutputs, LinksAreFollowed) {
   meshes.check(2, folder / "volume", {});
   {
     OutputFiles outputs;
-    meshes.write(two_levels(), kInfo, outputs);
+    meshes.write(two_levels(), kInfo, outputs, nullptr);
     outputs.commit();
   }
   EXPECT_TRUE(fs::is_symlink(folder / "a.vtm"));

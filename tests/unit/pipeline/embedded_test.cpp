@@ -50,6 +50,36 @@ TEST(Embedded, NothingIsLeftInAnyLevel) {
   EXPECT_GT(before, 0u) << "else this shows nothing";
 }
 
+// Positions in the space and precision of files: a voxel has 2^17 doubles to a side there, and 2^12 floats. Before that was looked at, the
+// first three of these had pairs.
+TEST(Embedded, AsFilesHaveIt) {
+  const double c = std::cos(0.7), s = std::sin(0.7);
+  for (const std::uint64_t seed : {14U, 21U, 28U, 35U}) {
+    SCOPED_TRACE(seed);
+    const bool is_far = seed % 2 == 0;
+    Volume volume = to_volume(random_samples(Family::white_noise, {14, 14, 14}, seed));
+    volume.grid.direction = {{{c, s, 0}, {-s * c, c * c, s}, {s * s, -s * c, c}}};
+    volume.grid.origin = is_far ? Vec3{6e10, 6e10, 6e10} : Vec3{1500, -1800, 1700};
+    ExtractOptions options;
+    options.refine = {{{Quantity::max_distance, 0.5}}};
+    const Extraction e = extract(volume, options);
+    EXPECT_EQ(e.hierarchy.float32_origin.has_value(), true);
+    for (std::size_t l = 0; l < 2; ++l) {
+      TriangleMesh mesh = e.hierarchy.mesh(l);
+      EXPECT_EQ(self_intersections(mesh.positions, mesh.triangles).size(), 0U) << l;
+      EXPECT_EQ(e.report.levels[l].self_intersections, 0U) << l;
+      for (const Vec3 origin : {is_far ? *e.hierarchy.float32_origin : Vec3{}, *e.hierarchy.float32_origin}) {
+        std::vector<Vec3> rounded;
+        for (const Vec3& p : mesh.positions) {
+          const volatile float x = static_cast<float>(p.x - origin.x), y = static_cast<float>(p.y - origin.y), z = static_cast<float>(p.z - origin.z);
+          rounded.push_back({x, y, z});
+        }
+        EXPECT_EQ(self_intersections(rounded, mesh.triangles).size(), 0U) << l;
+      }
+    }
+  }
+}
+
 // Bounds that the grid is too coarse for: the surface is divided as often as allowed, and no oftener, and comes closer to them.
 TEST(AdaptiveSupersample, AsOftenAsAllowed) {
   ExtractOptions options;

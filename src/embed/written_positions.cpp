@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "embed/written_positions.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "core/vector_math.h"
+#include "mesh/bounds.h"
+
+namespace isoatlas {
+namespace {
+
+constexpr double kMostRounding = 0.001;  // voxels
+
+Bounds box_of(const Grid& grid, Space space) {
+  std::array<Vec3, 8> corners;
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    const auto at = [&](unsigned a) { return corner >> a & 1 ? static_cast<double>(grid.size[a] - 1) : 0.0; };
+    corners[corner] = to_space(grid, space, {at(0), at(1), at(2)});
+  }
+  return bounds_of(corners);
+}
+
+double largest_coordinate(Vec3 p) { return std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}); }
+
+float as_float(double x) {
+  const volatile float y = static_cast<float>(x);  // volatile: g++ 12 drops the conversions of a double that is narrowed and widened again
+  return y;
+}
+
+Vec3 as_float(Vec3 p) { return {as_float(p.x), as_float(p.y), as_float(p.z)}; }
+
+// The largest rounding of a coordinate of the volume, in voxels.
+double rounding(const Grid& grid, Space space, Vec3 origin) {
+  const Bounds box = box_of(grid, space);
+  const double reach = std::max(largest_coordinate(box.low - origin), largest_coordinate(box.high - origin));
+  const double voxel = space == Space::voxel ? 1 : grid.smallest_spacing();
+  if (!(reach < std::numeric_limits<float>::max())) return std::numeric_limits<double>::infinity();
+  const double step = std::max(reach * std::numeric_limits<float>::epsilon(), static_cast<double>(std::numeric_limits<float>::denorm_min()));
+  return step / 2 / voxel;
+}
+
+}  // namespace
+
+Vec3 to_space(const Grid& grid, Space space, Vec3 index) {
+  if (space == Space::voxel) return index;
+  const double flip = space == Space::ras ? -1 : 1;
+  const Vec3 w = grid.to_world(index);
+  return {flip * w.x, flip * w.y, w.z};
+}
+
+Vec3 float32_origin(const Grid& grid, Space space) {
+  const Bounds box = box_of(grid, space);
+  const Vec3 middle = 0.5 * box.low + 0.5 * box.high;
+  const bool is_far = largest_coordinate(middle) > box.longest() && largest_coordinate(middle) < std::numeric_limits<float>::max();
+  return is_far ? as_float(middle) : Vec3{};
+}
+
+WrittenPositions::WrittenPositions(const Grid& grid, Space space, std::uint32_t supersample)
+    : grid_(grid), space_(space), steps_(supersample) {
+  std::vector<Vec3> origins{Vec3{}};
+  if (const Vec3 other = float32_origin(grid, space); other != Vec3{}) origins.push_back(other);
+  for (const Vec3 origin : origins) {
+    if (rounding(grid, space, origin) <= kMostRounding) float32_origins_.push_back(origin);
+  }
+}
+
+Vec3 WrittenPositions::in_space(Vec3 index) const {
+  return to_space(grid_, space_, {index.x / steps_, index.y / steps_, index.z / steps_});
+}
+
+std::vector<Vec3> WrittenPositions::in_form(std::size_t form, std::span<const Vec3> indices) const {
+  std::vector<Vec3> out;
+  out.reserve(indices.size());
+  for (const Vec3 index : indices) {
+    const Vec3 p = in_space(index);
+    out.push_back(form == 0 ? p : as_float(p - float32_origins_[form - 1]));
+  }
+  return out;
+}
+
+}  // namespace isoatlas
