@@ -48,8 +48,15 @@ std::string measured_text(const LevelReport& level, LengthUnit unit) {
   return text;
 }
 
+/// The factor of supersampling at which cells at their limit could keep their bounds: distances shrink about as samples get closer.
+std::uint32_t helpful_supersampling(const LevelReport& level, std::uint32_t factor) {
+  constexpr double kMost = 8;
+  return factor * static_cast<std::uint32_t>(std::clamp(std::ceil(level.at_limit.front().excess), 2.0, kMost));
+}
+
 /// What a level has of everything, on one line.
-std::string level_text(const LevelReport& level, LengthUnit unit) {
+/// @param supersample  the factor that it was made with
+std::string level_text(const LevelReport& level, std::uint32_t supersample, LengthUnit unit) {
   std::string text = counted(level.vertices, "vertex") + ", " + counted(level.triangles, "triangle");
   std::string unmet;
   for (const ConstraintResult& result : level.constraints) {
@@ -70,8 +77,24 @@ std::string level_text(const LevelReport& level, LengthUnit unit) {
   if (level.self_intersections)
     text += ", " + (*level.self_intersections == 0 ? "no" : count_text(*level.self_intersections)) + " self-intersections";
   if (!unmet.empty()) text += "; not met: " + unmet;
-  if (!level.at_limit.empty()) text += "; supersampling would help at " + counted(level.at_limit.size(), "place");
+  if (!level.at_limit.empty())
+    text += "; --supersample " + std::to_string(helpful_supersampling(level, supersample)) + " would help at " +
+            counted(level.at_limit.size(), "place");
   return text;
+}
+
+/// Where distances were looked at, for no bound is proved between such points. Empty: nowhere.
+std::string sampling_text(const ExtractReport& report) {
+  const LevelReport& level = report.levels.back();
+  if (!level.metrics) return "";
+  if (!level.measured)
+    return "sampled at " + count_text(report.c_vertices + report.faces) +
+           " points of the isosurface, about 2 on a voxel's face, and on every triangle; --measure looks closer";
+  const auto samples = [](const OneSidedDistance& side) {
+    return count_text(side.samples) + " points (" + number_text(std::round(10 * side.samples_per_voxel_face) / 10) + " on a voxel's face)";
+  };
+  return "sampled at " + samples(level.measured->mesh_to_surface) + " of the mesh and " + samples(level.measured->surface_to_mesh) +
+         " of the isosurface";
 }
 
 /// The finest level's certificate stands for all; a level that failed would not be here.
@@ -141,7 +164,8 @@ void print_summary(std::ostream& out, const ExtractReport& report, const ReportC
             << row("surface", "isovalue " + number_text(context.options.isovalue) + ": " + topology_text(report.levels.back().topology));
   if (!report.kept.empty()) out << row("kept", ranked_text(report.kept, unit));
   if (!report.dropped.empty()) out << row("left out", ranked_text(report.dropped, unit));
-  for (std::size_t k = 0; k < report.levels.size(); ++k) out << row(level_name(k), level_text(report.levels[k], unit));
+  for (std::size_t k = 0; k < report.levels.size(); ++k) out << row(level_name(k), level_text(report.levels[k], context.options.supersample, unit));
+  if (const std::string sampling = sampling_text(report); !sampling.empty()) out << row("distances", sampling);
   double rounding = 0;
   for (const ReportFile& file : context.files) rounding = std::max(rounding, file.largest_rounding);
   out << row("certificate", certificate_of_all(report))

@@ -77,6 +77,13 @@ class SpecialPoints {
     if (i < edges_.size()) return 0.5 * (mesh_.positions[edges_[i] >> 32] + mesh_.positions[edges_[i] & 0xFFFFFFFF]);
     return mesh_.positions[vertices_[i - edges_.size()]];
   }
+  Triangle corners(std::size_t i) const {
+    if (is_centroid(i)) return mesh_.triangles[i];
+    i -= mesh_.triangles.size();
+    const std::uint32_t low = i < edges_.size() ? static_cast<std::uint32_t>(edges_[i] >> 32) : vertices_[i - edges_.size()];
+    const std::uint32_t high = i < edges_.size() ? static_cast<std::uint32_t>(edges_[i]) : low;
+    return {low, high, high};
+  }
 
  private:
   const TriangleMesh& mesh_;
@@ -162,7 +169,7 @@ OneSidedDistance summarize(std::vector<double> distance, std::size_t by_area, do
 double angle_between(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), dot(a, b)) * 180 / std::numbers::pi; }
 
 void measure_mesh_to_surface(const TriangleMesh& mesh, const TriangleTree& tree, const Isosurface& surface, std::size_t samples,
-                             Measurement& out, const RunControl& control) {
+                             Measurement& out, FarPlaces& far, const RunControl& control) {
   const Vec3 spacing = surface.spacing();
   const std::vector<Triangle> triangles = in_order(tree);
   const AreaSamples spread(tree.positions(), triangles, samples);
@@ -182,6 +189,10 @@ void measure_mesh_to_surface(const TriangleMesh& mesh, const TriangleTree& tree,
       if (!(across == Vec3{}) && !(normal == Vec3{})) angle[i] = angle_between(across, normal);
     }
   });
+  for (std::size_t i = 0; i < distance.size(); ++i) {
+    if (distance[i] <= far.bound) continue;
+    far.corners.push_back(i < samples ? mesh.triangles[tree.triangle_in(spread.triangle(i))] : special.corners(i - samples));
+  }
   out.mesh_area = spread.area();
   out.mesh_to_surface = summarize(std::move(distance), samples, spread.area(), out.voxel, point);
 
@@ -194,8 +205,8 @@ void measure_mesh_to_surface(const TriangleMesh& mesh, const TriangleTree& tree,
   out.normal_p99 = quantile(angle, 0.99);
 }
 
-void measure_surface_to_mesh(const TriangleTree& tree, const Isosurface& surface, std::size_t samples, Measurement& out,
-                             const RunControl& control) {
+void measure_surface_to_mesh(const TriangleMesh& mesh, const TriangleTree& tree, const Isosurface& surface, std::size_t samples,
+                             Measurement& out, FarPlaces& far, const RunControl& control) {
   const Vec3 spacing = surface.spacing();
   const std::span<const Vec3> c_vertices = surface.faces().positions();
   const FineFaces fine(surface);
@@ -205,6 +216,7 @@ void measure_surface_to_mesh(const TriangleTree& tree, const Isosurface& surface
     return surface.onto_surface(index).value_or(index);
   };
   std::vector<double> distance(samples + c_vertices.size());
+  std::vector<std::uint32_t> nearest(distance.size());  // triangle
   for_each_sample(distance.size(), "surface to mesh", control, [&](std::size_t begin, std::size_t end) {
     double reach = INFINITY;  // what is closest to one sample is a bound for the next, with some slack for rounding
     Vec3 last;
@@ -214,9 +226,13 @@ void measure_surface_to_mesh(const TriangleTree& tree, const Isosurface& surface
       TriangleTree::Hit hit = tree.closest(p, reach);
       if (!hit.found()) hit = tree.closest(p);  // so far away that the slack was too little
       distance[i] = std::sqrt(hit.squared_distance);
+      nearest[i] = hit.triangle;
       last = p;
     }
   });
+  for (std::size_t i = 0; i < distance.size(); ++i) {
+    if (distance[i] > far.bound) far.corners.push_back(mesh.triangles[nearest[i]]);
+  }
   out.surface_area = spread.area();
   out.surface_to_mesh = summarize(std::move(distance), samples, spread.area(), out.voxel, point);
 }
@@ -232,6 +248,11 @@ double Measurement::p99() const { return std::max(mesh_to_surface.p99, surface_t
 double Measurement::mean() const { return std::max(mesh_to_surface.mean, surface_to_mesh.mean); }
 
 Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::size_t samples, const RunControl& control) {
+  FarPlaces none{INFINITY, {}};
+  return measure(mesh, surface, samples, none, control);
+}
+
+Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::size_t samples, FarPlaces& far, const RunControl& control) {
   require(samples > 0, "no samples are wanted");
   const Vec3 spacing = surface.spacing();
   check_mesh(mesh, spacing);
@@ -242,8 +263,8 @@ Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::si
 
   Measurement out;
   out.voxel = surface.voxel();
-  measure_mesh_to_surface(mesh, tree, surface, samples, out, control);
-  measure_surface_to_mesh(tree, surface, samples, out, control);
+  measure_mesh_to_surface(mesh, tree, surface, samples, out, far, control);
+  measure_surface_to_mesh(mesh, tree, surface, samples, out, far, control);
   return out;
 }
 

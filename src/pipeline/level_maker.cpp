@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
+#include <utility>
 
 #include "core/vector_math.h"
 #include "measure/measure_mesh.h"
@@ -10,6 +12,8 @@
 
 namespace isoatlas {
 namespace {
+
+constexpr int kMostMeasuredRounds = 8;
 
 // A goal with its lengths as multiples of `length`.
 LevelGoal in_units_of(LevelGoal goal, double length) {
@@ -28,6 +32,12 @@ void judge_by_measurement(LevelReport& report) {
     result.met = result.reached <= result.wanted.bound;
     if (was_met && !result.met) result.reason = "kept at the points that refinement looks at, but not at all samples of the measurement";
   }
+}
+
+bool keeps_distance(const RefinedLevel& level) {
+  return std::ranges::all_of(level.figures.constraints, [](const ConstraintResult& result) {
+    return result.wanted.quantity != Quantity::max_distance || result.met;
+  });
 }
 
 }  // namespace
@@ -68,9 +78,13 @@ std::vector<float> LevelMaker::world_lengths(std::vector<float> voxels) const {
   return voxels;
 }
 
-void LevelMaker::measure_distance(const TriangleMesh& mesh, LevelReport& report) const {
+void LevelMaker::measure_coarse(const TriangleMesh& mesh, LevelReport& report) const {
   if (options_.measure_samples == 0) return;
-  report.measured = measure(mesh, source_.isosurface, options_.measure_samples, control_);
+  tell_measured(measure(mesh, source_.isosurface, options_.measure_samples, control_), report);
+}
+
+void LevelMaker::tell_measured(Measurement measured, LevelReport& report) const {
+  report.measured = std::move(measured);
   for (OneSidedDistance* d : {&report.measured->mesh_to_surface, &report.measured->surface_to_mesh})
     d->farthest = to_volume(d->farthest, options_);
   transform_to(*report.measured, source_.grid, options_.space);
@@ -90,13 +104,48 @@ void LevelMaker::describe_coarse(Hierarchy& hierarchy, std::span<const CVertexId
   const LevelFigures figures = refiner_.describe_coarse(mesh.triangles, sites, in_units_of(goal, voxel), control_);
   tell(goal, figures, report);
   hierarchy.levels.front().distance = world_lengths(figures.distance);
-  measure_distance(mesh, report);
+  measure_coarse(mesh, report);
+}
+
+// In sample-index coordinates.
+TriangleMesh LevelMaker::mesh_of(const RefinedLevel& refined) const {
+  TriangleMesh mesh;
+  mesh.positions = vertex_positions(source_.surface.complex(), refiner_.surfels(), refiner_.places());
+  mesh.triangles = refined.triangles;
+  return mesh;
+}
+
+// Measures a level, and makes it finer where that finds larger distances than its bound, as long as cells there can be smaller; then the
+// level is the best of them. Not if the bound cannot even be kept at the points that refinement looks at.
+Measurement LevelMaker::refine_where_measured(const LevelGoal& goal, RefinedLevel& refined) {
+  const LevelGoal in_voxels = in_units_of(goal, source_.grid.smallest_spacing());
+  double bound = std::numeric_limits<double>::infinity();
+  for (const Constraint& c : in_voxels) {
+    if (c.quantity == Quantity::max_distance) bound = c.bound;
+  }
+  std::optional<Measurement> best;
+  RefinedLevel best_level;
+  std::shared_ptr<const Refiner::State> state_of_best;
+  for (int round = 0;; ++round) {
+    FarPlaces far{bound, {}};
+    Measurement measured = measure(mesh_of(refined), source_.isosurface, options_.measure_samples, far, control_);
+    if (far.corners.empty() || refined.vertices_ran_out || !keeps_distance(refined)) return measured;
+    if (!best || measured.maximum() < best->maximum()) {
+      best = std::move(measured);
+      best_level = refined;
+      state_of_best = refiner_.state();
+    }
+    if (round == kMostMeasuredRounds || !refiner_.refine_at(far.corners, in_voxels, options_.placement, refined, control_)) break;
+  }
+  refiner_.put(*state_of_best);
+  refined = std::move(best_level);
+  return *best;
 }
 
 void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vector<LevelReport>& reports) {
   const auto start = std::chrono::steady_clock::now();
   const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
-  const RefinedLevel refined = refiner_.refine(in_units_of(goal, source_.grid.smallest_spacing()), options_.placement, control_);
+  RefinedLevel refined = refiner_.refine(in_units_of(goal, source_.grid.smallest_spacing()), options_.placement, control_);
   if (refined.is_the_one_before) {
     LevelReport same = reports.back();
     same.refine_rounds = 0;
@@ -110,6 +159,8 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
     return;
   }
   LevelReport& report = reports.emplace_back();
+  std::optional<Measurement> measured;
+  if (options_.measure_samples > 0) measured = refine_where_measured(goal, refined);
   tell(goal, refined.figures, report);
   report.certificate = refined.certificate;
   report.refine_rounds = refined.rounds;
@@ -120,12 +171,10 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
 
   const SurfaceComplex& surface = source_.surface.complex();
   const Partition& partition = refiner_.partition();
-  TriangleMesh mesh;
-  mesh.positions = vertex_positions(surface, refiner_.surfels(), refiner_.places());
-  mesh.triangles = refined.triangles;
+  TriangleMesh mesh = mesh_of(refined);
   for (const auto& [cell, excess] : refined.at_limit) report.at_limit.push_back({to_space(mesh.positions[cell]), excess});
   const MeshTopology topology = mesh_topology(mesh);
-  measure_distance(mesh, report);
+  if (measured) tell_measured(std::move(*measured), report);
   finish_level(mesh, topology, partition.site, source_.surface, refiner_.stays(), goal, source_.grid, options_, report,
                control_);
 

@@ -32,7 +32,10 @@ class LevelMaker {
   Vec3 to_space(Vec3 index) const;
   void tell(const LevelGoal& goal, const LevelFigures& figures, LevelReport& report) const;
   std::vector<float> world_lengths(std::vector<float> voxels) const;
-  void measure_distance(const TriangleMesh& mesh, LevelReport& report) const;
+  void measure_coarse(const TriangleMesh& mesh, LevelReport& report) const;
+  void tell_measured(Measurement measured, LevelReport& report) const;
+  TriangleMesh mesh_of(const RefinedLevel& refined) const;
+  Measurement refine_where_measured(const LevelGoal& goal, RefinedLevel& refined);
 
   LevelSource source_;
   const ExtractOptions& options_;

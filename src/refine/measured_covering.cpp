@@ -299,21 +299,35 @@ void MeasuredCovering::measure(std::vector<CellId> cells, Thoroughness thoroughn
   for (const CellId c : cells) errors_[c].at_most = errors_[c].excess;
   if (distance == demands_.end()) return;
   const auto keep_good = [&] { std::erase_if(cells, [&](CellId c) { return errors_[c].excess > 1; }); };
-  const auto add = [&](CellId c, const Farthest& most) {
-    const double excess = static_cast<double>(most.distance) / distance->bound;
-    if (excess > errors_[c].excess) errors_[c] = {excess, excess, most.at};
-  };
-  if (ground_.between) {
-    keep_good();
-    const std::vector<Farthest> between = measure_between(surface, *ground_.between, mesh_, cells, distance->bound);
-    for (std::size_t i = 0; i < cells.size(); ++i) add(cells[i], between[i]);
-  }
   keep_good();
-  measure_from_mesh(surface, mesh_, partition().cell_of, cells, near_enough_ * distance->bound, from_mesh_);
-  for (const CellId c : cells) {
-    add(c, from_mesh_[c]);
-    errors_[c].at_most = std::max(errors_[c].at_most, near_enough_);
-  }
+  measure_between_c_vertices(cells, distance->bound);
+  keep_good();
+  measure_from_triangles(cells, distance->bound);
+  for (const CellId c : cells) errors_[c].at_most = std::max(errors_[c].at_most, near_enough_);
+}
+
+void MeasuredCovering::look_closer(std::span<const CellId> cells) {
+  const auto distance =
+      std::find_if(demands_.begin(), demands_.end(), [](const Constraint& c) { return c.quantity == Quantity::max_distance; });
+  if (distance == demands_.end()) return;
+  measure_between_c_vertices(cells, distance->bound);
+  measure_from_triangles(cells, distance->bound);
+}
+
+void MeasuredCovering::measure_between_c_vertices(std::span<const CellId> cells, double bound) {
+  if (!ground_.between) return;
+  const std::vector<Farthest> between = measure_between(ground_.measured(), *ground_.between, mesh_, cells, bound);
+  for (std::size_t i = 0; i < cells.size(); ++i) add_distance(cells[i], between[i], bound);
+}
+
+void MeasuredCovering::measure_from_triangles(std::span<const CellId> cells, double bound) {
+  measure_from_mesh(ground_.measured(), mesh_, partition().cell_of, cells, near_enough_ * bound, from_mesh_);
+  for (const CellId c : cells) add_distance(c, from_mesh_[c], bound);
+}
+
+void MeasuredCovering::add_distance(CellId cell, const Farthest& most, double bound) {
+  const double excess = static_cast<double>(most.distance) / bound;
+  if (excess > errors_[cell].excess) errors_[cell] = {excess, excess, most.at};
 }
 
 std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& covering, const LevelMesh& mesh) {

@@ -73,6 +73,9 @@ class MeasuredCovering {
   /// update() of everything, whatever has changed.
   void update_all(CertificateReport& report, const RunControl& control);
 
+  /// Measures of these cells also what update() leaves out where the first look says that a bound is exceeded. @pre they are up to date
+  void look_closer(std::span<const CellId> cells);
+
   /// A complete certificate. @pre update() has nothing to do
   void certify(CertificateReport& report, const RunControl& control) { dual_.certify(report, control); }
 
@@ -106,6 +109,9 @@ class MeasuredCovering {
   void move_to(CellId cell, CVertexId c_vertex);
   CVertexId free_place_near(CVertexId start, CellId cell, const std::vector<std::uint8_t>& taken) const;
   void measure(std::vector<CellId> cells, Thoroughness thoroughness);
+  void measure_between_c_vertices(std::span<const CellId> cells, double bound);
+  void measure_from_triangles(std::span<const CellId> cells, double bound);
+  void add_distance(CellId cell, const Farthest& most, double bound);
 
   const Ground& ground_;
   Covering covering_;

@@ -73,6 +73,30 @@ std::vector<float> distances(std::span<const MetricValues> values) {
 
 bool drives(Quantity q) { return is_metric(q) || q == Quantity::max_edge; }
 
+bool is_limited(const LevelGoal& goal) { return !goal.empty() && goal.front().quantity == Quantity::max_vertices; }
+
+constexpr auto kMaxDistance = static_cast<std::size_t>(Quantity::max_distance);
+constexpr double kTight = 0.5;    // voxels
+constexpr double kNextTry = 0.8;  // times the last one
+constexpr int kMostTries = 4;
+
+// The bound on the distance if somebody asked for one below kTight, and for no limit on vertices; else 0.
+double tight_distance(const LevelGoal& goal) {
+  double bound = 0;
+  for (const Constraint& c : goal) {
+    if (c.quantity == Quantity::max_vertices) return 0;
+    if (c.quantity == Quantity::max_distance && !c.is_default && c.bound < kTight) bound = c.bound;
+  }
+  return bound;
+}
+
+LevelGoal with_distance(LevelGoal goal, double bound) {
+  for (Constraint& c : goal) {
+    if (c.quantity == Quantity::max_distance) c.bound = bound;
+  }
+  return goal;
+}
+
 }  // namespace
 
 // What one stretch of work is about: the metrics to meet, within limits that come before them.
@@ -95,7 +119,7 @@ Refiner::Refiner(AdaptiveSurface& surface, const Isosurface& isosurface, const C
       start_(std::move(start)),
       embedded_(std::move(embedded)),
       most_divisions_(most_divisions),
-      ground_(std::make_unique<Ground>(surface.complex(), &isosurface, &surface)),
+      ground_(std::make_shared<Ground>(surface.complex(), &isosurface, &surface)),
       sites_before_(static_cast<std::uint32_t>(start_.site.size())) {}
 
 // Until the task is done as far as it can be, or vertices run out. If they may, bounds are first meant more generously and then less
@@ -309,9 +333,11 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
 // ones.) Where cells are single c-vertices the surface is divided into pieces that stay in their grid cells; such pieces do not meet.
 // @return whether there is something new to look at
 bool Refiner::part(const MeetingTriangles& meeting, const RunControl& control) {
-  const std::vector<CellId> corners = meeting.largest_corners(work_->covering().reach());
-  const std::vector<CellId> single = work_->covering().shrink(corners);
-  if (single.empty()) return !corners.empty();
+  return make_smaller(meeting.largest_corners(work_->covering().reach()), control);
+}
+
+// The c-vertices of cells that are single ones, where the surface can be divided into pieces that stay in their grid cells.
+std::vector<CVertexId> Refiner::to_divide(std::span<const CellId> single) const {
   std::vector<CVertexId> wanted;
   for (const CellId c : single) wanted.push_back(partition().site[c]);
   const std::vector<Fineness> fineness = surface_.fineness(wanted);
@@ -320,8 +346,25 @@ bool Refiner::part(const MeetingTriangles& meeting, const RunControl& control) {
     if (fineness[i] == Fineness::faces) wanted[kept++] = wanted[i];
   }
   wanted.resize(kept);
+  return wanted;
+}
+
+// @return whether any of the cells is divided, or the surface there
+bool Refiner::make_smaller(std::span<const CellId> cells, const RunControl& control) {
+  const std::vector<CellId> single = work_->covering().shrink(cells);
+  if (single.empty()) return !cells.empty();
+  const std::vector<CVertexId> wanted = to_divide(single);
   if (!wanted.empty()) divide_surface(wanted, control);
-  return !wanted.empty() || single.size() < corners.size();
+  return !wanted.empty() || single.size() < cells.size();
+}
+
+// Whether make_smaller() would do anything.
+bool Refiner::can_be_smaller(std::span<const CellId> cells) const {
+  std::vector<CellId> single;
+  for (const CellId c : cells) {
+    if (work_->mesh().c_vertices_of.of(c).size() == 1) single.push_back(c);
+  }
+  return single.size() < cells.size() || !to_divide(single).empty();
 }
 
 // Makes cells smaller where the orientation or nesting of a component is not that of the surface. @pre no self-intersections
@@ -379,7 +422,7 @@ void Refiner::divide_surface(std::span<const CVertexId> wanted, const RunControl
   std::vector<CVertexId> pinned;  // by vertices of earlier levels
   for (CellId c = 0; c < sites_before_; ++c) pinned.push_back(places.anchor[c]);
   surface_.divide(wanted, pinned);
-  auto ground = std::make_unique<Ground>(surface_.complex(), &isosurface_, &surface_);
+  auto ground = std::make_shared<Ground>(surface_.complex(), &isosurface_, &surface_);
   const Covering& covering = work_->covering();
   remember_placed_in();
   auto work = std::make_unique<MeasuredCovering>(*ground, *work_, options_, radii_of(covering, {}), control);
@@ -423,11 +466,12 @@ Refiner::Task Refiner::whole_task(const LevelGoal& goal, Placement placement, Re
 }
 
 // Cells over a bound with how far they are over it, the worst first.
-std::vector<std::pair<CellId, double>> Refiner::cells_over(const Task& task, std::span<const MetricValues> values) const {
+std::vector<std::pair<CellId, double>> Refiner::cells_over(const LevelGoal& asked, std::span<const MetricValues> values) const {
   std::vector<std::pair<CellId, double>> out;
   for (CellId c = 0; c < values.size(); ++c) {
     double excess = 0;
-    for (const Constraint& m : task.metrics) {
+    for (const Constraint& m : asked) {
+      if (!drives(m.quantity)) continue;
       const double value = is_metric(m.quantity) ? values[c][static_cast<std::size_t>(m.quantity)] : longest_edge(work_->mesh(), c);
       excess = std::max(excess, excess_of(m.quantity, value, m.bound));
     }
@@ -439,12 +483,8 @@ std::vector<std::pair<CellId, double>> Refiner::cells_over(const Task& task, std
 
 // Where cells are over a bound and cannot be made smaller, the worst first: their c-vertices and those around. Not too many: what is at its
 // limit nearly everywhere needs another volume.
-std::vector<CVertexId> Refiner::places_at_limit() const {
-  std::vector<std::pair<double, CellId>> cells;
-  for (CellId c = 0; c < partition().cell_count(); ++c) {
-    if (work_->errors()[c].excess > 1 && is_at_limit(c)) cells.emplace_back(-work_->errors()[c].excess, c);
-  }
-  std::sort(cells.begin(), cells.end());
+std::vector<CVertexId> Refiner::places_at_limit() {
+  const std::vector<std::pair<double, CellId>> cells = cells_at_limit();
   const std::size_t room = std::max<std::size_t>(kFewDivided, surface_.complex().c_vertex_count() / kShareDivided);
   std::vector<std::uint8_t> is_taken(surface_.complex().c_vertex_count(), 0);
   std::vector<CVertexId> out;
@@ -457,6 +497,19 @@ std::vector<CVertexId> Refiner::places_at_limit() const {
     take(v);
     for (const CVertexGraph::Neighbour& n : ground_->graph.row(v)) take(n.id);
   }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+// Cells over a bound that cannot be made smaller, with minus their excess, the worst first.
+std::vector<std::pair<double, CellId>> Refiner::cells_at_limit() {
+  std::vector<CellId> cells;
+  for (CellId c = 0; c < partition().cell_count(); ++c) {
+    if (work_->errors()[c].excess > 1 && is_at_limit(c)) cells.push_back(c);
+  }
+  work_->look_closer(cells);
+  std::vector<std::pair<double, CellId>> out;
+  for (const CellId c : cells) out.emplace_back(-work_->errors()[c].excess, c);
   std::sort(out.begin(), out.end());
   return out;
 }
@@ -491,119 +544,223 @@ void Refiner::work_towards(const Task& task, MeetingTriangles& meeting, RefinedL
   }
 }
 
-RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const RunControl& control) {
-  RefinedLevel out;
-  const bool first = work_ == nullptr;
-  divisions_ = 0;
-  const bool limited = !goal.empty() && goal.front().quantity == Quantity::max_vertices;
-  const auto too_many = [&](std::uint32_t sites) { return limited && static_cast<double>(sites) > goal.front().bound; };
-  const auto the_one_before = [&] {
-    RefinedLevel same;
-    same.is_the_one_before = true;
-    same.figures = {metrics_, judge(goal, extent_, metrics_, {&extent_, first, true, false, 0}), {}};
-    return same;
-  };
-  if (!first) sites_before_ = partition().cell_count();
-  if (limited && static_cast<double>(sites_before_) >= goal.front().bound) return the_one_before();
+struct Refiner::State {
+  AdaptiveSurface surface;
+  std::shared_ptr<Ground> ground;  // of a surface with these contents
+  std::shared_ptr<const MeasuredCovering> work;
+  std::vector<CellId> placed_in;
+  MeshExtent extent;
+  std::array<MetricSummary, kMetricCount> metrics;
+};
 
-  if (first) {
+std::shared_ptr<const Refiner::State> Refiner::state() const {
+  return std::make_shared<const State>(
+      State{surface_, ground_, work_ ? std::make_shared<const MeasuredCovering>(*work_) : nullptr, placed_in_, extent_, metrics_});
+}
+
+void Refiner::put(const State& state) {
+  surface_ = state.surface;
+  ground_ = state.ground;
+  work_ = state.work ? std::make_unique<MeasuredCovering>(*state.work) : nullptr;
+  placed_in_ = state.placed_in;
+  extent_ = state.extent;
+  metrics_ = state.metrics;
+}
+
+RefinedLevel Refiner::the_one_before(const LevelGoal& asked) const {
+  RefinedLevel same;
+  same.is_the_one_before = true;
+  same.figures = {metrics_, judge(asked, extent_, metrics_, {&extent_, is_first_, true, false, 0}), {}};
+  return same;
+}
+
+// Well below a voxel smaller cells need not be better ones: where all are as small as they can be, the largest distance is a matter of
+// chance. So if a tight bound is not met, looser ones are tried as well, as long as that gives a smaller distance. Then a bound leads about
+// as near as any looser one does, not exactly: bounds between those that are tried may be lucky.
+RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const RunControl& control) {
+  is_first_ = work_ == nullptr;
+  if (!is_first_) sites_before_ = partition().cell_count();
+  const double bound = tight_distance(goal);
+  if (bound == 0) return attempt(goal, goal, placement, control);
+
+  const auto reached = [](const RefinedLevel& level) { return level.figures.metrics[kMaxDistance].maximum; };
+  const std::shared_ptr<const State> start = state();
+  RefinedLevel best = attempt(goal, goal, placement, control);
+  if (reached(best) <= bound) return best;
+  std::shared_ptr<const State> state_of_best = state();
+  int in_vain = 0, tries = 0;
+  for (double looser = kTight; looser > bound && in_vain < kMostInVain && tries < kMostTries; looser *= kNextTry) {
+    if (looser >= reached(best)) continue;
+    ++tries;
+    put(*start);
+    RefinedLevel other = attempt(with_distance(goal, looser), goal, placement, control);
+    if (other.is_the_one_before || reached(other) >= reached(best)) {
+      ++in_vain;
+      continue;
+    }
+    in_vain = 0;
+    best = std::move(other);
+    state_of_best = state();
+  }
+  const bool was_better = !is_first_ && goal.size() == 1 && start->metrics[kMaxDistance].maximum <= reached(best);
+  put(was_better ? *start : *state_of_best);
+  return was_better ? the_one_before(goal) : best;
+}
+
+// @param goal   what to work for
+// @param asked  what the level is judged by
+RefinedLevel Refiner::attempt(const LevelGoal& goal, const LevelGoal& asked, Placement placement, const RunControl& control) {
+  RefinedLevel out;
+  divisions_ = 0;
+  if (is_limited(goal) && static_cast<double>(sites_before_) >= goal.front().bound) return the_one_before(asked);
+  if (work_ == nullptr) {
     step_down(goal, placement, out, control);
   } else {
-    work_->try_again();
-    if (work_->places().anchor != partition().site) divide_surface({}, control);  // so that cells can be as small as their vertices
+    continue_level(control);
   }
-  std::unique_ptr<const MeasuredCovering> start;
-  if (limited) start = std::make_unique<const MeasuredCovering>(*work_);
   remember_placed_in();
-  const std::vector<CellId> start_placed_in = placed_in_;
-  const Ground* const start_ground = ground_.get();
-  Task task = whole_task(goal, placement, out, control);
   MeetingTriangles meeting(embedded_.value_or(WrittenPositions()));
+  std::unique_ptr<const MeasuredCovering> start;  // before anything is done for the goal
+  if (is_limited(goal)) start = std::make_unique<const MeasuredCovering>(*work_);
+  Task task = whole_task(goal, placement, out, control);
+  if (!start) {
+    work_towards(task, meeting, out, control);
+  } else if (!work_within_limit(task, *start, goal.front().bound, meeting, out, control)) {
+    return the_one_before(asked);
+  }
+  finish(task, asked, meeting, out, control);
+  return out;
+}
+
+bool Refiner::refine_at(std::span<const Triangle> triangles, const LevelGoal& goal, Placement placement, RefinedLevel& level,
+                        const RunControl& control) {
+  std::vector<CellId> cells;
+  for (const Triangle& t : triangles) cells.insert(cells.end(), t.begin(), t.end());
+  std::ranges::sort(cells);
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  if (!can_be_smaller(cells)) return false;
+  divisions_ = 0;
+  work_->freeze_anchors(sites_before_);
+  continue_level(control);
+  make_smaller(cells, control);
+  const Task task = whole_task(goal, placement, level, control);
+  MeetingTriangles meeting(embedded_.value_or(WrittenPositions()));
+  work_towards(task, meeting, level, control);
+  level.at_limit.clear();
+  finish(task, goal, meeting, level, control);
+  return true;
+}
+
+// With all vertices and edges free to change, and cells that can be as small as their vertices.
+void Refiner::continue_level(const RunControl& control) {
+  work_->try_again();
+  if (work_->places().anchor != partition().site) divide_surface({}, control);
+}
+
+// Topology, and that triangles do not meet, may need more vertices than are left. Then back to the start, and less of what was asked for;
+// but not where the surface was divided since.
+// @return false if no level with more vertices than the one before has few enough
+bool Refiner::work_within_limit(Task& task, const MeasuredCovering& start, double most, MeetingTriangles& meeting, RefinedLevel& out,
+                                const RunControl& control) {
+  const std::vector<CellId> placed_in = placed_in_;
+  const Ground* const ground = ground_.get();
   for (std::uint32_t twice = 2;; twice *= 2) {
     work_towards(task, meeting, out, control);
-    if (!too_many(partition().cell_count())) break;
-    // Topology, and that triangles do not meet, needed more vertices than were left. Back, and less of what was asked for; but not where
-    // the surface was divided since.
-    if (ground_.get() != start_ground) break;
-    const std::uint32_t over = partition().cell_count() - static_cast<std::uint32_t>(goal.front().bound);
-    work_ = std::make_unique<MeasuredCovering>(*start);
-    placed_in_ = start_placed_in;
+    if (static_cast<double>(partition().cell_count()) <= most || ground_.get() != ground) return true;
+    const std::uint32_t over = partition().cell_count() - static_cast<std::uint32_t>(most);
+    work_ = std::make_unique<MeasuredCovering>(start);
+    placed_in_ = placed_in;
     const std::uint32_t room = task.most_sites > sites_before_ ? task.most_sites - sites_before_ : 0;
     out.vertices_ran_out = false;
     if (room / twice <= over) {
-      if (!first) return the_one_before();
+      if (!is_first_) return false;
       Task nothing;
-      nothing.placement = placement;
+      nothing.placement = task.placement;
       work_towards(nothing, meeting, out, control);
       out.vertices_ran_out = true;
-      break;
+      return true;
     }
     task.most_sites -= twice * over;
   }
-  work_->certify(out.certificate, control);
+}
 
+// The level's triangles: shape, and no self-intersections; then what can be said of them.
+void Refiner::finish(const Task& task, const LevelGoal& asked, MeetingTriangles& meeting, RefinedLevel& out, const RunControl& control) {
+  work_->certify(out.certificate, control);
   std::vector<DualTriangle> triangles;
-  const auto improve = [&] {
-    const std::size_t moves = out.shape.moves, shifts = out.shape.shifts;  // these stay, flips do not
-    out.shape = improve_shape(*work_, *task.shape, triangles, control);
-    out.shape.moves += moves;
-    out.shape.shifts += shifts;
-  };
-  const auto again = [&] {
-    work_towards(task, meeting, out, control);
-    work_->certify(out.certificate, control);
-    improve();
-  };
-  improve();
-  // Where neither a flip nor a move mends a triangle, smaller cells around it give another mesh, and another chance.
+  improve(task, triangles, out, control);
+  give_more_chances(task, meeting, triangles, out, control);
+  mend_errors(task, triangles, out, control);
+  if (embedded_) take_apart_what_shape_did(task, meeting, triangles, out, control);
+  work_->freeze_anchors(partition().cell_count());
+  out.triangles = cells_of(triangles);
+  describe(task, asked, out);
+}
+
+void Refiner::improve(const Task& task, std::vector<DualTriangle>& triangles, RefinedLevel& out, const RunControl& control) {
+  const std::size_t moves = out.shape.moves, shifts = out.shape.shifts;  // these stay, flips do not
+  out.shape = improve_shape(*work_, *task.shape, triangles, control);
+  out.shape.moves += moves;
+  out.shape.shifts += shifts;
+}
+
+void Refiner::work_and_improve(const Task& task, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
+                               const RunControl& control) {
+  work_towards(task, meeting, out, control);
+  work_->certify(out.certificate, control);
+  improve(task, triangles, out, control);
+}
+
+// Where neither a flip nor a move mends a triangle, smaller cells around it give another mesh, and another chance.
+void Refiner::give_more_chances(const Task& task, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
+                                const RunControl& control) {
   std::size_t fewest = out.shape.bad;
   int in_vain = 0;
   for (int chance = 0; chance < kMostChances && in_vain < kMostInVain && out.shape.bad > 0 && out.shape.bad < kFewTriangles; ++chance) {
     if (task.most_sites != kNone || !work_around(*work_, task, triangles)) break;
-    again();
+    work_and_improve(task, meeting, triangles, out, control);
     in_vain = out.shape.bad < fewest ? 0 : in_vain + 1;
     fewest = std::min(fewest, out.shape.bad);
   }
-  // What nothing else can help: of the cells at their limit, the worst.
-  const auto mend = [&] {
-    std::vector<std::pair<double, CellId>> worst;
-    for (CellId c = 0; c < partition().cell_count(); ++c) {
-      if (work_->errors()[c].excess > 1 && is_at_limit(c)) worst.emplace_back(-work_->errors()[c].excess, c);
-    }
-    std::sort(worst.begin(), worst.end());
-    if (worst.size() > kMostMended) worst.resize(kMostMended);
-    std::vector<CellId> to_mend;
-    for (const auto& [excess, c] : worst) to_mend.push_back(c);
-    improve_errors(*work_, *task.shape, to_mend, triangles, out.shape, control);
-  };
-  mend();
-  for (int k = 0; embedded_ && !take_back_meeting(*work_, *task.shape, meeting, triangles, control).empty(); ++k) {
+}
+
+// What nothing else can help: of the cells at their limit, the worst.
+void Refiner::mend_errors(const Task& task, std::vector<DualTriangle>& triangles, RefinedLevel& out, const RunControl& control) {
+  std::vector<std::pair<double, CellId>> worst = cells_at_limit();
+  if (worst.size() > kMostMended) worst.resize(kMostMended);
+  std::vector<CellId> to_mend;
+  for (const auto& [excess, c] : worst) to_mend.push_back(c);
+  improve_errors(*work_, *task.shape, to_mend, triangles, out.shape, control);
+}
+
+void Refiner::take_apart_what_shape_did(const Task& task, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles,
+                                        RefinedLevel& out, const RunControl& control) {
+  for (int k = 0; !take_back_meeting(*work_, *task.shape, meeting, triangles, control).empty(); ++k) {
     if (k == kMostChances) {  // the dual as it is does not meet itself
       take_back_all(*work_, *task.shape, triangles, control);
       break;
     }
-    again();
-    mend();
+    work_and_improve(task, meeting, triangles, out, control);
+    mend_errors(task, triangles, out, control);
   }
-  if (embedded_) {
-    improve_shape_carefully(*work_, *task.shape, meeting, triangles, out.shape, control);
-    // What balancing did since is not undone with a change that is taken back; nor need c-vertices do without others what they do with
-    // them.
-    do {
-      if (!take_back_meeting(*work_, *task.shape, meeting, triangles, control).empty()) {
-        take_back_all(*work_, *task.shape, triangles, control);
-        work_apart({}, meeting, out, control);
-        work_->certify(out.certificate, control);
-        triangles.assign(work_->triangles().begin(), work_->triangles().end());
-      }
-    } while (settle_vertices(*work_, *task.shape, triangles, control));
-  }
-  work_->freeze_anchors(partition().cell_count());
-  out.triangles = cells_of(triangles);
+  improve_shape_carefully(*work_, *task.shape, meeting, triangles, out.shape, control);
+  // What balancing did since is not undone with a change that is taken back; nor need c-vertices do without others what they do with
+  // them.
+  do {
+    if (!take_back_meeting(*work_, *task.shape, meeting, triangles, control).empty()) {
+      take_back_all(*work_, *task.shape, triangles, control);
+      work_apart({}, meeting, out, control);
+      work_->certify(out.certificate, control);
+      triangles.assign(work_->triangles().begin(), work_->triangles().end());
+    }
+  } while (settle_vertices(*work_, *task.shape, triangles, control));
+}
 
+// What the level reached, by what was asked for.
+void Refiner::describe(const Task& task, const LevelGoal& asked, RefinedLevel& out) {
   const std::vector<MetricValues> values = measure_metrics(*ground_, work_->covering(), work_->mesh());
-  Obstacles obstacles{&extent_, first, out.vertices_ran_out, false, 0};
-  for (const auto& [c, excess] : cells_over(task, values)) {
+  Obstacles obstacles{&extent_, is_first_, out.vertices_ran_out, false, 0};
+  for (const auto& [c, excess] : cells_over(asked, values)) {
     const float radius = work_->covering().radius()[partition().site[c]];
     if (is_at_limit(c)) {
       out.at_limit.emplace_back(c, excess);
@@ -615,10 +772,9 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
   out.figures.metrics = summarize(values);
   out.figures.distance = distances(values);
   MeshExtent extent = extent_of(work_->mesh());
-  out.figures.constraints = judge(goal, extent, out.figures.metrics, obstacles);
+  out.figures.constraints = judge(asked, extent, out.figures.metrics, obstacles);
   extent_ = std::move(extent);
   metrics_ = out.figures.metrics;
-  return out;
 }
 
 LevelFigures Refiner::describe_coarse(std::span<const Triangle> triangles, std::span<const CVertexId> sites, const LevelGoal& goal,

@@ -65,6 +65,18 @@ class Refiner {
   /// Makes the next level. Topology first, then the constraints in their order.
   RefinedLevel refine(const LevelGoal& goal, Placement placement, const RunControl& control);
 
+  /// Makes the level anew with smaller cells at the corners of these triangles, and what that asks for.
+  /// @param level  what refine() returned; what it is now
+  /// @pre   no limit on vertices ended the work on it
+  /// @return false if no cell there can be smaller: nothing has changed
+  bool refine_at(std::span<const Triangle> triangles, const LevelGoal& goal, Placement placement, RefinedLevel& level,
+                 const RunControl& control);
+
+  /// Everything that making a level changes, the surface included, so that another one can be tried.
+  struct State;
+  std::shared_ptr<const State> state() const;
+  void put(const State& state);
+
   const Partition& partition() const { return work_->partition(); }
   const Surfels& surfels() const { return ground_->surfels; }
   const Places& places() const { return work_->places(); }
@@ -79,13 +91,32 @@ class Refiner {
   std::vector<CVertexId> work_on_shape(MeasuredCovering& work, const Task& task, std::size_t room, std::span<const CVertexId> given_up);
   bool work_around(MeasuredCovering& work, const Task& task, const std::vector<DualTriangle>& triangles);
   Task whole_task(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control);
+  RefinedLevel the_one_before(const LevelGoal& asked) const;
+  RefinedLevel attempt(const LevelGoal& goal, const LevelGoal& asked, Placement placement, const RunControl& control);
+  void continue_level(const RunControl& control);
+  bool work_within_limit(Task& task, const MeasuredCovering& start, double most, MeetingTriangles& meeting, RefinedLevel& out,
+                         const RunControl& control);
+  void finish(const Task& task, const LevelGoal& asked, MeetingTriangles& meeting, RefinedLevel& out, const RunControl& control);
+  void improve(const Task& task, std::vector<DualTriangle>& triangles, RefinedLevel& out, const RunControl& control);
+  void work_and_improve(const Task& task, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
+                        const RunControl& control);
+  void give_more_chances(const Task& task, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
+                         const RunControl& control);
+  void mend_errors(const Task& task, std::vector<DualTriangle>& triangles, RefinedLevel& out, const RunControl& control);
+  void take_apart_what_shape_did(const Task& task, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
+                                 const RunControl& control);
+  void describe(const Task& task, const LevelGoal& asked, RefinedLevel& out);
+  bool make_smaller(std::span<const CellId> cells, const RunControl& control);
+  bool can_be_smaller(std::span<const CellId> cells) const;
+  std::vector<CVertexId> to_divide(std::span<const CellId> single) const;
   bool part(const MeetingTriangles& meeting, const RunControl& control);
   bool refine_misplaced_components();
   void work_apart(const Task& task, MeetingTriangles& meeting, RefinedLevel& out, const RunControl& control);
   void work_towards(const Task& task, MeetingTriangles& meeting, RefinedLevel& out, const RunControl& control);
-  std::vector<CVertexId> places_at_limit() const;
+  std::vector<CVertexId> places_at_limit();
+  std::vector<std::pair<double, CellId>> cells_at_limit();
   bool is_at_limit(CellId c) const;
-  std::vector<std::pair<CellId, double>> cells_over(const Task& task, std::span<const MetricValues> values) const;
+  std::vector<std::pair<CellId, double>> cells_over(const LevelGoal& asked, std::span<const MetricValues> values) const;
   void step_down(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control);
   void remember_placed_in();
   void divide_surface(std::span<const CVertexId> wanted, const RunControl& control);
@@ -97,10 +128,11 @@ class Refiner {
   Start start_;
   std::optional<WrittenPositions> embedded_;
   std::uint32_t most_divisions_;
-  std::unique_ptr<Ground> ground_;
+  std::shared_ptr<Ground> ground_;
   std::unique_ptr<MeasuredCovering> work_;
   std::vector<CellId> placed_in_;  // per site, as far as it was placed on another complex than work_ stands on; else kNone
   std::uint32_t sites_before_;     // of the level before
+  bool is_first_ = true;           // the level before is the coarse one
   std::uint32_t divisions_ = 0;    // of this level, for the sake of bounds
   MeshExtent extent_;              // of the last level, its metrics below
   std::array<MetricSummary, kMetricCount> metrics_{};

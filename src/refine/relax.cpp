@@ -21,7 +21,7 @@ constexpr int kSteps = 8;                   // more do not converge either, and 
 constexpr double kPush = 0.6, kPull = 0.3;  // shares of what is missing, of the shortest and the longest edge
 constexpr double kDrawBack = 0.15;          // share of the distance from the surface
 constexpr double kFarthest = 0.25;          // from the surface, voxels; while pushing
-constexpr double kFarthestFound = 0.4;      // and while searching
+constexpr double kFarthestFound = 0.4;      // at the end of it, and while searching
 constexpr std::array kSearchSteps{0.2, 0.05};  // voxels
 constexpr int kSearchPasses = 4;
 constexpr double kWorthIt = 2e-3;
@@ -69,6 +69,7 @@ class Relaxation {
       for (const std::uint32_t t : active_) push_apart(t);
       move_pushed();
     }
+    turn_back_where_far();
     turn_back_where_turned();
     if (goal_.separation > 0) opposite_.assign(triangles_.size(), {kUnknown, kUnknown, kUnknown});
     search();
@@ -197,6 +198,13 @@ class Relaxation {
             for (const std::uint32_t i : triangles_of_.of(v)) add(i);
           }
         });
+  }
+
+  // Pushing draws back only as far as a vertex's cell allows.
+  void turn_back_where_far() {
+    for (const std::uint32_t v : touched_) {
+      if (!(points_[v] == start_[v]) && off_surface(points_[v]) > std::max(kFarthestFound, off_surface(start_[v]))) points_[v] = start_[v];
+    }
   }
 
   // Corners of triangles that now face the other way go back to where they were, until there are none.

@@ -120,6 +120,67 @@ TEST(Bounds, OnEveryMetricAreReached) {
 }
 
 // Lengths are the world's, whatever the spacing.
+// Where cells are as small as they can be, smaller ones are no better. Which of several bounds that cannot be met leads nearest is a matter
+// of chance, but not by much.
+TEST(Bounds, TighterOnesLeadNoFartherAway) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    SCOPED_TRACE(seed);
+    const Volume volume = to_volume(random_samples(Family::gyroid_cut, {14, 13, 12}, seed));
+    double before = 1;
+    for (const double bound : {0.5, 0.4, 0.3, 0.2, 0.1, 0.01}) {
+      const Extraction e = extract(volume, asking({{{Quantity::max_distance, bound}}}));
+      const ConstraintResult& result = e.finest().constraints.front();
+      EXPECT_EQ(result.met, result.reached <= bound);
+      EXPECT_LE(result.reached, std::max(bound, 1.05 * before)) << bound;
+      EXPECT_EQ(e.finest().topology, e.report.reference);
+      EXPECT_EQ(e.finest().self_intersections, 0U);
+      before = result.reached;
+    }
+  }
+}
+
+// A level that no tightening improves is there again, and the next one goes on from it.
+TEST(Bounds, LevelsAfterOneThatCannotBeMet) {
+  const Volume volume = to_volume(random_samples(Family::white_noise, {9, 10, 8}, 4));
+  const Extraction e = extract(volume, asking({{{Quantity::max_distance, 0.4}}, {{Quantity::max_distance, 0.001}}, {{Quantity::normal_angle, 20}}}));
+  double before = 1;
+  for (std::size_t l = 1; l < 3; ++l) {
+    const double reached = e.report.levels[l].constraints.front().reached;
+    EXPECT_LE(reached, before);
+    before = reached;
+  }
+  for (std::size_t l = 1; l < 4; ++l) {
+    const Hierarchy::Level &coarse = e.hierarchy.levels[l - 1], &fine = e.hierarchy.levels[l];
+    EXPECT_LE(coarse.vertex_count, fine.vertex_count);
+    EXPECT_EQ(e.report.levels[l].topology, e.report.reference);
+    EXPECT_EQ(e.report.levels[l].self_intersections, 0U);
+  }
+}
+
+// What the metric does not see between the points that it looks at, the measurement does, and refinement follows it.
+TEST(Bounds, HoldAtTheSamplesOfAMeasurement) {
+  std::size_t more = 0;
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    SCOPED_TRACE(seed);
+    const Volume volume = to_volume(random_samples(Family::gyroid_cut, {24, 22, 23}, seed));
+    ExtractOptions options = asking({{{Quantity::max_distance, 0.6}}});
+    const Extraction plain = extract(volume, options);
+    options.measure_samples = 50000;
+    const Extraction measured = extract(volume, options);
+    const LevelReport& level = measured.finest();
+    EXPECT_LE(level.measured->maximum(), level.constraints.front().reached);
+    EXPECT_EQ(level.topology, measured.report.reference);
+    EXPECT_EQ(level.self_intersections, 0U);
+    EXPECT_TRUE(level.certificate.passed);
+    more += level.vertices > plain.finest().vertices;
+    MeasureOptions anew;
+    anew.samples = 50000;
+    anew.space = Space::lps;
+    EXPECT_EQ(measure(measured.mesh(), volume, anew).maximum(), level.measured->maximum()) << "of the mesh that is returned";
+  }
+  EXPECT_GT(more, 0U) << "else this shows nothing";
+}
+
 TEST(Bounds, ScaleWithTheVolume) {
   const Extraction one = extract(ball(), asking({{{Quantity::max_distance, 0.3}, {Quantity::max_edge, 6}}}));
   for (const double scale : {0.25, 1024.0}) {  // powers of two, so that nothing is rounded
