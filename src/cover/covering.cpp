@@ -8,6 +8,7 @@
 #include "cover/covering.h"
 
 #include <algorithm>
+#include <cassert>
 #include <limits>
 
 namespace isoatlas {
@@ -77,6 +78,16 @@ void Covering::insert(CVertexId v) {
   }
 }
 
+bool Covering::has_slope() const {
+  constexpr float kRounding = 1e-5f;
+  for (CVertexId v = 0; v < graph_.c_vertex_count(); ++v) {
+    for (const CVertexGraph::Neighbour& n : graph_.row(v)) {
+      if (radius_[v] > (radius_[n.id] + n.weight * kSlope) * (1 + kRounding)) return false;
+    }
+  }
+  return true;
+}
+
 std::vector<float> Covering::reach() const {
   std::vector<float> farthest(site_count(), 0);
   for (CVertexId v = 0; v < distance_.size(); ++v) {
@@ -98,6 +109,7 @@ std::vector<CellId> Covering::shrink(std::span<const CellId> cells) {
     const CVertexId site = partition_.site[c];
     lower_radius(site, std::min(0.7f * radius_[site], 0.66f * farthest[c]));
   }
+  assert(has_slope());
   return single;
 }
 
@@ -164,6 +176,7 @@ void Covering::cover_by_radii() {
       rising.push(length_key(r, ~n.id));
     }
   }
+  assert(has_slope());
 }
 
 void Covering::seed(std::span<const CVertexId> sites, std::span<const Radius> radii) {
@@ -281,6 +294,7 @@ void Covering::cover(const RunControl& control) {
   for (; next_interior_ < n; ++next_interior_) {
     if (partition_.cell_of[next_interior_] == kNone) start(next_interior_);
   }
+  assert(has_slope());
 }
 
 }  // namespace isoatlas

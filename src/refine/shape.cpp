@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <numeric>
 #include <optional>
 #include <span>
@@ -501,7 +500,7 @@ class Workshop {
 
 ShapeGoal ShapeGoal::of(double aspect) {
   const ShapeGoal usual;
-  return {aspect, usual.angle * std::min(1.0, aspect / usual.aspect)};
+  return {aspect, usual.sine * std::min(1.0, aspect / usual.aspect)};
 }
 
 double ShapeGoal::score(Vec3 a, Vec3 b, Vec3 c) const {
@@ -509,8 +508,8 @@ double ShapeGoal::score(Vec3 a, Vec3 b, Vec3 c) const {
   std::sort(squared.begin(), squared.end());
   if (!(squared[0] > 0)) return 0;
   const double ratio = std::sqrt(squared[0] / squared[2]);
-  const double sine = length(cross(b - a, c - a)) / std::sqrt(squared[1] * squared[2]);
-  return std::min(ratio / aspect, std::asin(std::min(1.0, sine)) * 180 / std::numbers::pi / angle);
+  const double smallest = length(cross(b - a, c - a)) / std::sqrt(squared[1] * squared[2]);
+  return std::min(ratio / aspect, smallest / sine);
 }
 
 ShapeReport improve_shape(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles, const RunControl& control) {

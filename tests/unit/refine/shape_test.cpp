@@ -17,7 +17,8 @@ using namespace test;
 
 TEST(ShapeGoal, ScoresAspectAndAngle) {
   const ShapeGoal goal;
-  EXPECT_NEAR(goal.score({0, 0, 0}, {1, 0, 0}, {0.5, std::sqrt(0.75), 0}), 3, 1e-12) << "equilateral: aspect 1, three times the goal";
+  EXPECT_NEAR(goal.score({0, 0, 0}, {1, 0, 0}, {0.5, std::sqrt(0.75), 0}), std::sqrt(0.75) / goal.sine, 1e-12)
+      << "equilateral: aspect 1, three times the goal, and a sine of 2.8 times the goal";
   EXPECT_NEAR(goal.score({0, 0, 0}, {3, 0, 0}, {0, 1, 0}), 3 / std::sqrt(10.0), 1e-12) << "aspect 1 / sqrt(10); the angle is 18.4 degrees";
   EXPECT_LT(goal.score({0, 0, 0}, {2, 0, 0}, {1, 0.1, 0}), 0.4) << "flat: 5.7 degrees of 18, though the aspect is a half";
   EXPECT_EQ(goal.score({0, 0, 0}, {1, 0, 0}, {2, 0, 0}), 0) << "no area";
