@@ -2,12 +2,12 @@
 #include "core/parallel.h"
 
 #include <tbb/blocked_range.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/partitioner.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <thread>
 
 namespace isoatlas {
 
@@ -23,7 +23,9 @@ struct ThreadLimit::State {
 
 ThreadLimit::ThreadLimit(int threads) : state_(nullptr) {
   if (limited != nullptr) return;
-  state_ = new State{tbb::task_arena(threads > 0 ? threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency())))};
+  // TBB has no more workers, and says so on standard error if it is asked for them.
+  const int most = tbb::info::default_concurrency();
+  state_ = new State{tbb::task_arena(threads > 0 ? std::min(threads, most) : most)};
   limited = &state_->arena;
 }
 

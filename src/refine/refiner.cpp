@@ -80,14 +80,12 @@ constexpr double kTight = 0.5;    // voxels
 constexpr double kNextTry = 0.8;  // times the last one
 constexpr int kMostTries = 4;
 
-// The bound on the distance if somebody asked for one below kTight, and for no limit on vertices; else 0.
+// The bound on the distance if somebody asked for one below kTight before all else, and for no limit on vertices; else 0.
 double tight_distance(const LevelGoal& goal) {
-  double bound = 0;
-  for (const Constraint& c : goal) {
-    if (c.quantity == Quantity::max_vertices) return 0;
-    if (c.quantity == Quantity::max_distance && !c.is_default && c.bound < kTight) bound = c.bound;
-  }
-  return bound;
+  if (std::ranges::find(goal, Quantity::max_vertices, &Constraint::quantity) != goal.end()) return 0;
+  const bool is_tight =
+      !goal.empty() && goal.front().quantity == Quantity::max_distance && !goal.front().is_default && goal.front().bound < kTight;
+  return is_tight ? goal.front().bound : 0;
 }
 
 LevelGoal with_distance(LevelGoal goal, double bound) {

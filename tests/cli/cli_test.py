@@ -527,6 +527,10 @@ class Outputs(ToolTest):
         self.put("far.nrrd", nrrd(array.array("f", [noise.random() for _ in range(343)]), (7, 7, 7), "float", "space: LPS",
                                    "space directions: (1,0,0) (0,1,0) (0,0,1)", "space origin: (4e5,4e5,4e5)"))
 
+    def test_more_threads_than_there_are_is_nothing_to_talk_about(self):
+        self.put_sphere()
+        self.succeed("extract", "sphere.nrrd", "--iso", "0", "-o", "s.ply", "--coarse", "--threads", "64")
+
     def test_triangles_that_meet_once_rounded_are_told_with_places(self):
         self.put_far_noise()
         extract = ("extract", "far.nrrd", "--iso", "0.5", "--coarse", "-q")

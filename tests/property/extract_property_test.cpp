@@ -8,6 +8,7 @@
 
 #include "partition/coarsen.h"
 #include "property/random_case.h"
+#include "support/soundness.h"
 #include "support/surfaces.h"
 #include "surface/components.h"
 #include "surface/parse_surface.h"
@@ -54,7 +55,7 @@ RC_GTEST_PROP(AnyVolume, MeshIsAManifoldWithTheReferenceTopology, (const RandomC
   const Samples samples = c.samples();
   RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
   RC_TAG(name(static_cast<Family>(c.family)));
-  const Volume volume = to_volume(samples, SampleType::int16, c.spacing);
+  const Volume volume = c.volume(SampleType::int16);
   ExtractOptions options;
   options.isovalue = c.isovalue();
   options.inside = c.inside();
@@ -77,9 +78,11 @@ RC_GTEST_PROP(AnyVolume, MeshIsAManifoldWithTheReferenceTopology, (const RandomC
 
   // In the volume, vertices all apart.
   std::vector<std::array<double, 3>> places;
+  const double rounding = c.pose() == 0 ? 0 : 8 * c.rounding() / volume.grid.smallest_spacing();
   for (const Vec3& p : first.mesh().positions) {
-    RC_ASSERT(p.x >= 0 && p.y >= 0 && p.z >= 0);
-    RC_ASSERT(p.x <= (c.nx - 1) * c.spacing.x && p.y <= (c.ny - 1) * c.spacing.y && p.z <= (c.nz - 1) * c.spacing.z);
+    const Vec3 i = volume.grid.to_index(p);
+    RC_ASSERT(i.x >= -rounding && i.y >= -rounding && i.z >= -rounding);
+    RC_ASSERT(i.x <= (c.nx - 1) + rounding && i.y <= (c.ny - 1) + rounding && i.z <= (c.nz - 1) + rounding);
     places.push_back({p.x, p.y, p.z});
   }
   std::sort(places.begin(), places.end());
@@ -91,6 +94,7 @@ RC_GTEST_PROP(AnyVolume, MeshIsAManifoldWithTheReferenceTopology, (const RandomC
   const Extraction second = extract(volume, options, control);
   RC_ASSERT(first.mesh().triangles == second.mesh().triangles);
   RC_ASSERT(first.mesh().positions.size() == second.mesh().positions.size());
+  RC_ASSERT(what_is_wrong(first, options) == "");
   RC_ASSERT(std::memcmp(first.mesh().positions.data(), second.mesh().positions.data(), sizeof(Vec3) * first.mesh().positions.size()) == 0);
 }
 
@@ -105,7 +109,7 @@ RC_GTEST_PROP(AnyVolume, ThePapersCoveringKeepsTheTopology, (const RandomCase& c
   if (c.seed % 3 != 0) options.max_radius = c.seed % 3 == 1 ? 1000 : 0.5 + static_cast<double>(c.seed % 7);
   if (c.seed % 4 == 0) options.event_persistence = static_cast<double>(c.seed % 5);
   if (c.seed % 16 == 0) options.refine = {{{Quantity::max_distance, 0.5}}};
-  const Extraction extraction = extract(to_volume(samples, SampleType::int16, c.spacing), options);
+  const Extraction extraction = extract(c.volume(SampleType::int16), options);
   const TopologySummary want = reference_topology(samples, c.isovalue(), c.inside());
   for (const LevelReport& level : extraction.report.levels) {
     RC_ASSERT(level.topology == want);
@@ -120,7 +124,7 @@ RC_GTEST_PROP(AnyVolume, ThePapersCoveringKeepsTheTopology, (const RandomCase& c
 RC_GTEST_PROP(AnyVolume, TrilinearTopologyIsKept, (const RandomCase& c)) {
   const Samples samples = c.samples();
   RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
-  const Volume volume = to_volume(samples, SampleType::int32, c.spacing);
+  const Volume volume = c.volume(SampleType::int32);
   const SurfaceComplex surface = parsed(c, volume);
   RC_CLASSIFY(surface.tunnels > 0);
   RC_ASSERT(validate(surface) == "");
@@ -134,6 +138,7 @@ RC_GTEST_PROP(AnyVolume, TrilinearTopologyIsKept, (const RandomCase& c)) {
   options.inside = c.inside();
   if (c.seed % 3 != 0) options.max_radius = c.seed % 3 == 1 ? 1000 : 0.5 + static_cast<double>(c.seed % 7);
   const Extraction extraction = extract(volume, options);
+  RC_ASSERT(what_is_wrong(extraction, options) == "");
   RC_ASSERT(extraction.report.tunnels == surface.tunnels);
   RC_ASSERT(extraction.report.reference == want);
   RC_ASSERT(extraction.finest().certificate.passed);

@@ -5,10 +5,11 @@
 
 #include <rapidcheck.h>
 
-#include <string>
-
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <ostream>
+#include <string>
 
 #include "support/reference_topology.h"
 #include "support/volumes.h"
@@ -23,6 +24,27 @@ struct RandomCase {
   bool below = false;
   Vec3 spacing{1, 1, 1};
 
+  /// The volume somewhere in the world: as it is, rotated, mirrored, far from the origin, or so far that a voxel has 2^17 numbers to a side.
+  int pose() const { return static_cast<int>(seed / 7 % 6); }
+  Volume volume(SampleType type) const {
+    Volume out = to_volume(samples(), type, spacing);
+    if (pose() == 0) return out;
+    Random random(seed);
+    const double a = 6.28 * random.unit(), b = 6.28 * random.unit();
+    const double ca = std::cos(a), sa = std::sin(a), cb = std::cos(b), sb = std::sin(b);
+    out.grid.direction = {{{ca, sa, 0}, {-sa * cb, ca * cb, sb}, {sa * sb, -ca * sb, cb}}};
+    if (pose() == 2) out.grid.direction[2] = {-sa * sb, ca * sb, -cb};
+    const double away = out.grid.smallest_spacing() * (pose() < 3 ? 10 : pose() < 5 ? 3000 : 6e9);
+    out.grid.origin = {away * (random.unit() - 0.5), -away, away * random.unit()};
+    return out;
+  }
+  /// The most by which the world's coordinates are rounded there.
+  double rounding() const {
+    const Grid grid = volume(SampleType::int32).grid;
+    return 0x1p-52 * std::max({std::fabs(grid.origin.x), std::fabs(grid.origin.y), std::fabs(grid.origin.z), 100 * grid.spacing.x,
+                               100 * grid.spacing.y, 100 * grid.spacing.z});
+  }
+
   Samples samples() const { return random_samples(static_cast<Family>(family), {nx, ny, nz}, seed); }
   double isovalue() const { return 0.5 * twice_isovalue; }
   Inside inside() const { return below ? Inside::below : Inside::above; }
@@ -30,7 +52,7 @@ struct RandomCase {
   friend std::ostream& operator<<(std::ostream& out, const RandomCase& c) {
     return out << name(static_cast<Family>(c.family)) << " (family " << c.family << ", size " << c.nx << " x " << c.ny << " x " << c.nz
                << ", seed " << c.seed << "), isovalue " << c.isovalue() << (c.below ? ", below" : ", above") << ", spacing " << c.spacing.x
-               << " " << c.spacing.y << " " << c.spacing.z;
+               << " " << c.spacing.y << " " << c.spacing.z << ", pose " << c.pose();
   }
 };
 

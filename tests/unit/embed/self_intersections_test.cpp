@@ -9,8 +9,10 @@
 #include <numbers>
 #include <numeric>
 
+#include "embed/triangle_pair.h"
 #include "exact_triangles.h"
 #include "isoatlas/error.h"
+#include "support/mesh_judge.h"
 #include "support/volumes.h"
 
 namespace isoatlas {
@@ -218,6 +220,66 @@ TEST(SelfIntersections, CanBeCancelled) {
   control.cancel = &cancel;
   const TriangleMesh mesh = ball(20, {0, 0, 0}, 1);
   EXPECT_THROW(self_intersections(mesh.positions, mesh.triangles, {}, control), Error);
+}
+
+// The tests' own judge, which shares nothing with the product, on soups in which most positions are special.
+TEST(MeshJudge, CountsWhatTheProductCounts) {
+  test::Random random(3);
+  std::size_t seen = 0, flat = 0;
+  for (int round = 0; round < 300; ++round) {
+    TriangleMesh mesh;
+    const auto at = [&] { return static_cast<double>(random.between(0, round % 2 == 0 ? 3 : 1000)); };
+    const double far = round % 3 == 0 ? 6e10 : 0;
+    for (int v = 0; v < 14; ++v) mesh.positions.push_back({far + at(), at() - far, at()});
+    std::ranges::sort(mesh.positions, {}, [](Vec3 p) { return std::array{p.x, p.y, p.z}; });
+    mesh.positions.erase(std::unique(mesh.positions.begin(), mesh.positions.end()), mesh.positions.end());
+    const auto last = static_cast<std::int64_t>(mesh.positions.size()) - 1;
+    for (int t = 0; t < 10; ++t) {
+      const auto corner = [&] { return static_cast<std::uint32_t>(random.between(0, last)); };
+      const Triangle triangle{corner(), corner(), corner()};
+      if (triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0]) continue;
+      if (!has_area(mesh.positions, triangle)) ++flat;
+      mesh.triangles.push_back(triangle);
+    }
+    std::size_t pairs = 0, without_area = 0;
+    for (const Triangle& t : mesh.triangles) without_area += has_area(mesh.positions, t) ? 0 : 1;
+    for (const auto& [a, b] : self_intersections(mesh.positions, mesh.triangles))
+      pairs += has_area(mesh.positions, mesh.triangles[a]) && has_area(mesh.positions, mesh.triangles[b]) ? 1 : 0;
+    const test::Judgement judged = test::judge_embedding(mesh);
+    ASSERT_EQ(judged.pairs, pairs) << round;
+    ASSERT_EQ(judged.without_area, without_area) << round;
+    seen += pairs;
+  }
+  EXPECT_GT(seen, 1000U);
+  EXPECT_GT(flat, 5U);
+}
+
+// A cube in a cube, turned so that there is material between them; then each of them inverted, and the inner one outside.
+TEST(MeshJudge, SeesWhatIsMisplaced) {
+  const auto cubes = [](bool outer_inverted, bool inner_inverted, double inner_at) {
+    TriangleMesh mesh;
+    const std::array<Triangle, 12> faces{{{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                                          {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}}};
+    const auto add = [&](double low, double size, bool inverted) {
+      const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+      for (unsigned k = 0; k < 8; ++k)
+        mesh.positions.push_back({low + size * (k & 1), low + size * (k >> 1 & 1), low + size * (k >> 2 & 1)});
+      for (Triangle t : faces) {
+        for (std::uint32_t& v : t) v += first;
+        if (inverted) std::swap(t[1], t[2]);
+        mesh.triangles.push_back(t);
+      }
+    };
+    add(0, 10, outer_inverted);
+    add(inner_at, 3, inner_inverted);
+    return mesh;
+  };
+  EXPECT_EQ(test::misplaced_components(cubes(false, true, 4)), 0U);
+  EXPECT_EQ(test::misplaced_components(cubes(true, false, 4)), 0U) << "what is inside surrounds it";
+  EXPECT_EQ(test::misplaced_components(cubes(false, false, 4)), 1U);
+  EXPECT_EQ(test::misplaced_components(cubes(true, true, 4)), 1U);
+  EXPECT_EQ(test::misplaced_components(cubes(false, true, 20)), 1U);
+  EXPECT_EQ(test::misplaced_components(cubes(false, false, 20)), 0U);
 }
 
 }  // namespace

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// A second opinion on meshes: where they meet themselves, and how their components lie. Slow, and shares nothing with the product.
+#pragma once
+
+#include <cstddef>
+
+#include "isoatlas/mesh.h"
+
+namespace isoatlas::test {
+
+struct Judgement {
+  std::size_t pairs = 0;         ///< of triangles that have more in common than the hull of their common corners
+  std::size_t without_area = 0;  ///< triangles with corners on one line; they are in no pair
+};
+
+/// Exact, by fractions where long doubles leave a sign open. @pre the mesh is a manifold
+Judgement judge_embedding(const TriangleMesh& mesh);
+
+/// Components beside which the mesh does not wind 0 times around the outer side and once around the inner one (or -1 and 0 for all: what is
+/// inside surrounds it), by solid angles. @pre the mesh is closed and oriented, and has no self-intersections
+std::size_t misplaced_components(const TriangleMesh& mesh);
+
+}  // namespace isoatlas::test
