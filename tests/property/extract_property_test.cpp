@@ -78,7 +78,7 @@ RC_GTEST_PROP(AnyVolume, MeshIsAManifoldWithTheReferenceTopology, (const RandomC
 
   // In the volume, vertices all apart.
   std::vector<std::array<double, 3>> places;
-  const double rounding = c.pose() == 0 ? 0 : 8 * c.rounding() / volume.grid.smallest_spacing();
+  const double rounding = 8 * c.rounding() / volume.grid.smallest_spacing();
   for (const Vec3& p : first.mesh().positions) {
     const Vec3 i = volume.grid.to_index(p);
     RC_ASSERT(i.x >= -rounding && i.y >= -rounding && i.z >= -rounding);
