@@ -243,8 +243,8 @@ triangles. Default: no two triangles of a level meet.
 )")->group(kMesh);
   add_goals(*command, arguments);
   command->add_flag("--strict", arguments.strict, R"(
-Where the exit status would be 1, write nothing: a bound that was asked for is not met, triangles meet, or a component is
-inverted or inside another one than on the isosurface.
+Write nothing where the exit status would be 1: a requested bound is not met, a mesh has self-intersections, or a
+component is inverted or inside the wrong component.
 )")->group(kOutput);
 
   command->add_option("-o,--output", arguments.mesh, R"(

@@ -77,11 +77,11 @@ std::vector<FileRounding> ExtractOutputs::roundings(const Hierarchy& hierarchy, 
 }
 
 std::vector<ReportFile> ExtractOutputs::write_meshes(const Hierarchy& hierarchy, const HierarchyFileInfo& info,
-                                                     const RunControl* look) {
-  if (!stream_file_) return meshes_.write(hierarchy, info, files_, look);
+                                                     const RunControl* intersection_control) {
+  if (!stream_file_) return meshes_.write(hierarchy, info, files_, intersection_control);
   try {
     OutputFiles whole;
-    std::vector<ReportFile> written = meshes_.write(hierarchy, info, whole, look);
+    std::vector<ReportFile> written = meshes_.write(hierarchy, info, whole, intersection_control);
     whole.commit();
     for (ReportFile& file : written) file.path = "-";
     return written;

@@ -29,8 +29,8 @@ class ExtractOutputs {
   std::vector<FileRounding> roundings(const Hierarchy& hierarchy, const MeshFileInfo& info) const;
 
   /// Writes the meshes to where they are staged, and says under which names they will be there.
-  /// @param look  as MeshOutputs::write()
-  std::vector<ReportFile> write_meshes(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const RunControl* look);
+  /// @param intersection_control  as MeshOutputs::write()
+  std::vector<ReportFile> write_meshes(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const RunControl* intersection_control);
 
   /// The same with a report or a page, whose name is one of the arguments.
   void write_text(const std::filesystem::path& name, const std::string& text);

@@ -83,15 +83,15 @@ std::string level_text(const LevelReport& level, std::uint32_t supersample, Leng
   return text;
 }
 
-/// Where distances were looked at, for no bound is proved between such points. Empty: nowhere.
+/// The sampling density of the distances, because no bound is proved between samples. Empty if no distance was computed.
 std::string sampling_text(const ExtractReport& report) {
   const LevelReport& level = report.levels.back();
   if (!level.metrics) return "";
   if (!level.measured)
     return "sampled at " + count_text(report.c_vertices + report.faces) +
-           " points of the isosurface, about 2 on a voxel's face, and on every triangle; --measure looks closer";
+           " points of the isosurface, about 2 per voxel face, and on every triangle; --measure adds 200,000 samples each way";
   const auto samples = [](const OneSidedDistance& side) {
-    return count_text(side.samples) + " points (" + number_text(std::round(10 * side.samples_per_voxel_face) / 10) + " on a voxel's face)";
+    return count_text(side.samples) + " points (" + number_text(std::round(10 * side.samples_per_voxel_face) / 10) + " per voxel face)";
   };
   return "sampled at " + samples(level.measured->mesh_to_surface) + " of the mesh and " + samples(level.measured->surface_to_mesh) +
          " of the isosurface";
@@ -201,8 +201,8 @@ bool print_unmet(const ExtractReport& report, const ReportContext& context) {
   for (std::size_t k = 0; k < report.levels.size(); ++k) {
     const LevelReport& level = report.levels[k];
     if (level.self_intersections.value_or(0) > 0)
-      say(level_name(k) + ": " + counted(*level.self_intersections, "pair") + " of triangles meet, near " +
-          places_text(level.self_intersection_places) + ": no smaller cell takes them apart in the coordinates of this space; --supersample 2 may");
+      say(level_name(k) + ": " + counted(*level.self_intersections, "self-intersection") + ", near " +
+          places_text(level.self_intersection_places) + ": the surface is too close to itself there; --supersample 2 may separate it");
     if (level.turned_components > 0)
       say(level_name(k) + ": " + counted(level.turned_components, "component") +
           " inverted, or inside another component than on the isosurface; a finer level or --supersample 2 may mend it");
@@ -213,8 +213,8 @@ bool print_unmet(const ExtractReport& report, const ReportContext& context) {
       if (found.pairs <= report.levels[file.levels[i]].self_intersections.value_or(0)) continue;
       std::vector<Vec3> places;
       for (const SelfIntersectionReport::Place& place : found.first) places.push_back(place.position);
-      say((file.path == "-" ? "standard output" : file.path) + ": " + level_name(file.levels[i]) + ": " + counted(found.pairs, "pair") +
-          " of triangles meet where its float32 coordinates round, near " + places_text(places) + "; .ply, .obj and .vtp keep all digits");
+      say((file.path == "-" ? "standard output" : file.path) + ": " + level_name(file.levels[i]) + ": " + counted(found.pairs, "self-intersection") +
+          " caused by rounding to float32, near " + places_text(places) + "; .ply, .obj and .vtp keep all digits");
     }
   }
   for (std::size_t k = 0; k < report.levels.size(); ++k) {

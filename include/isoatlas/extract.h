@@ -52,9 +52,9 @@ struct ExtractOptions {
   /// One more level, refined from the one before, per entry.
   std::vector<LevelGoal> refine;
   Placement placement = Placement::surface;
-  /// false: no triangles of a level meet beyond the corners and edges they share, with positions in the output's space, and where float32
-  /// rounds them by less than a thousandth of a voxel also with these rounded (docs/theory/06-self-intersections.md). Where they would,
-  /// cells are made smaller, and in the end the surface complex is divided. What is left is in LevelReport::self_intersections.
+  /// false: no level has self-intersections in the output space, nor after rounding to float32 if that moves positions by less than a
+  /// thousandth of a voxel (docs/theory/06-self-intersections.md). Intersecting triangles are separated by smaller cells and finally by
+  /// subdividing the surface complex. LevelReport::self_intersections counts what could not be separated.
   bool allow_self_intersections = false;
   /// Measure every level against the isosurface with that many samples in each direction; 0: do not.
   std::size_t measure_samples = 0;

@@ -24,8 +24,8 @@ struct Hierarchy {
   std::vector<Vec3> positions;        ///< V x 3, on the isosurface, the same in all levels
   std::vector<std::uint32_t> parent;  ///< per vertex, the vertex of the level before in whose cell it was placed; in level 0 itself
   std::vector<Level> levels;          ///< coarse to fine, at least one after extract()
-  /// Where files of float32 that may count positions from any place (.glb) count them from; none: from where their writer likes. Set by
-  /// extract() for volumes far from the origin, so that it is known before there is a file what it will have.
+  /// Translation of float32 positions in a .glb; none: the writer derives one from the mesh. extract() sets it for volumes far from the
+  /// origin, because it tests the rounded coordinates before a file exists.
   std::optional<Vec3> float32_origin;
 
   /// The first level that has the vertex. Throws Error(bad_argument) if none has it.

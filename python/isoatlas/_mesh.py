@@ -123,7 +123,7 @@ class Mesh:
         Warns
         -----
         FileWarning
-            Triangles meet once ``.stl``, ``.gii`` or ``.glb`` round the positions: the volume is very far from the origin.
+            Rounding to float32 in ``.stl``, ``.gii`` or ``.glb`` causes self-intersections: the volume is very far from the origin.
 
         Raises
         ------

@@ -87,13 +87,13 @@ Error error_of_samples(const Error& error, const ArrayVolume& volume, NonFinite 
                             "): say with nan='below' or nan='above' on which side of the isovalue NaN lies"};
 }
 
-/// Of the first file that rounding gives self-intersections; else empty.
+/// A warning about the first file in which rounding causes self-intersections, or empty.
 std::string warning_of(const std::vector<ReportFile>& files) {
   for (const ReportFile& file : files) {
     for (std::size_t i = 0; i < file.self_intersections.size(); ++i) {
       if (const std::size_t pairs = file.self_intersections[i].pairs; pairs > 0)
         return file.path + ": level " + std::to_string(file.levels[i]) + ": " + std::to_string(pairs) +
-               " pairs of triangles meet where its float32 coordinates round; .ply, .obj and .vtp keep all digits";
+               " self-intersections caused by rounding to float32; .ply, .obj and .vtp keep all digits";
     }
   }
   return "";

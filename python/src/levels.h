@@ -56,7 +56,7 @@ py::object distance_of(const std::shared_ptr<Levels>& levels, std::size_t level)
 std::string report_of(const Levels& levels);
 
 /// Writes what -o, --glb-per-level and --report write; all or nothing.
-/// @return what to warn of: that triangles meet in a file that rounds; else empty
+/// @return a warning if rounding causes self-intersections in a file, else empty
 std::string save_levels(const std::shared_ptr<Levels>& levels, const std::string& path, const std::optional<std::string>& report,
                         bool glb_per_level);
 

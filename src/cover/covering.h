@@ -78,7 +78,7 @@ class Covering {
   const Partition& partition() const { return partition_; }
   const std::vector<float>& distance() const { return distance_; }
   const std::vector<float>& radius() const { return radius_; }
-  /// Whether radii are 1/3-Lipschitz, but for the rounding of floats: what theory 4 rests on. Asserted wherever radii change. O(C)
+  /// Whether the radii are 1/3-Lipschitz, up to float rounding. The proof in theory 4 needs it; asserted wherever radii change. O(C)
   bool has_slope() const;
   bool is_covered(CVertexId v) const { return distance_[v] < (graph_.on_boundary[v] ? kBoundaryShare : 1.0f) * radius_[v]; }
 

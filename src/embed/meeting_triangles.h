@@ -10,13 +10,13 @@
 
 namespace isoatlas {
 
-/// The triangles of a mesh that meet others where they should not, or have no area, as files have them; mesh after mesh: only what is new
-/// is looked at again.
+/// The self-intersections of a mesh, and its triangles without area, in the coordinates that files have. Call update() for each new
+/// version of the mesh: only triangles that changed are tested again.
 class MeetingTriangles {
  public:
   explicit MeetingTriangles(WrittenPositions written = {}) : written_(std::move(written)), forms_(written_.form_count()) {}
 
-  /// Looks at one form of the positions after the other, until some triangles meet.
+  /// Tests one form of the positions after the other, and stops at the first form with self-intersections.
   /// @param positions  in sample indices
   /// @return the corners of all such triangles, sorted
   /// @cost   as self_intersections() for each form the first time; then one pass over the mesh for each, plus what is near triangles that
@@ -40,7 +40,7 @@ class MeetingTriangles {
     std::vector<std::uint32_t> first_{0};  // per vertex, in triangles_, those with that smallest corner
     std::vector<Triangle> triangles_;
   };
-  // What is known of the mesh with its positions in one form.
+  // The mesh of the last update(), with its positions in one form, and its self-intersections.
   struct Form {
     std::vector<Vec3> positions;
     std::vector<Triangle> list;  // as they were given

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <limits>
 
+#include "core/float32.h"
 #include "core/vector_math.h"
-#include "mesh/bounds.h"
+#include "mesh/float32_origin.h"
+#include "volume/to_space.h"
 
 namespace isoatlas {
 namespace {
@@ -25,13 +27,6 @@ Bounds box_of(const Grid& grid, Space space) {
 
 double largest_coordinate(Vec3 p) { return std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}); }
 
-float as_float(double x) {
-  const volatile float y = static_cast<float>(x);  // volatile: g++ 12 drops the conversions of a double that is narrowed and widened again
-  return y;
-}
-
-Vec3 as_float(Vec3 p) { return {as_float(p.x), as_float(p.y), as_float(p.z)}; }
-
 // The largest rounding of a coordinate of the volume, in voxels.
 double rounding(const Grid& grid, Space space, Vec3 origin) {
   const Bounds box = box_of(grid, space);
@@ -44,19 +39,7 @@ double rounding(const Grid& grid, Space space, Vec3 origin) {
 
 }  // namespace
 
-Vec3 to_space(const Grid& grid, Space space, Vec3 index) {
-  if (space == Space::voxel) return index;
-  const double flip = space == Space::ras ? -1 : 1;
-  const Vec3 w = grid.to_world(index);
-  return {flip * w.x, flip * w.y, w.z};
-}
-
-Vec3 float32_origin(const Grid& grid, Space space) {
-  const Bounds box = box_of(grid, space);
-  const Vec3 middle = 0.5 * box.low + 0.5 * box.high;
-  const bool is_far = largest_coordinate(middle) > box.longest() && largest_coordinate(middle) < std::numeric_limits<float>::max();
-  return is_far ? as_float(middle) : Vec3{};
-}
+Vec3 float32_origin(const Grid& grid, Space space) { return float32_origin_of(box_of(grid, space)); }
 
 WrittenPositions::WrittenPositions(const Grid& grid, Space space, std::uint32_t supersample)
     : grid_(grid), space_(space), steps_(supersample) {
@@ -76,7 +59,12 @@ std::vector<Vec3> WrittenPositions::in_form(std::size_t form, std::span<const Ve
   out.reserve(indices.size());
   for (const Vec3 index : indices) {
     const Vec3 p = in_space(index);
-    out.push_back(form == 0 ? p : as_float(p - float32_origins_[form - 1]));
+    if (form == 0) {
+      out.push_back(p);
+      continue;
+    }
+    const Vec3 q = p - float32_origins_[form - 1];
+    out.push_back({to_float32(q.x), to_float32(q.y), to_float32(q.z)});
   }
   return out;
 }

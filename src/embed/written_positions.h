@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Positions as files have them: what is promised of a mesh is promised of what is written.
+// Positions as files store them: what is promised of a mesh holds for the written coordinates.
 #pragma once
 
 #include <cstddef>
@@ -12,16 +12,13 @@
 
 namespace isoatlas {
 
-/// A position in sample indices as one in that space. The same bits wherever it is asked.
-Vec3 to_space(const Grid& grid, Space space, Vec3 index);
-
-/// Where files that keep positions as float32 count them from if they have a choice (the translation in a .glb): the middle of the volume
-/// if that is farther from the origin than the volume is long; else the origin. Its coordinates are float32 values.
+/// The translation of a .glb: the middle of the volume if the volume is farther from the origin than it is long, else 0. Its coordinates
+/// are float32 values.
 Vec3 float32_origin(const Grid& grid, Space space);
 
-/// Brings positions from sample indices into the forms in which files have them, to the last bit. Form 0 is the output's space in double
-/// precision. The others are float32 as .stl (from the origin) and .glb (from float32_origin()) have it, unless that rounds by more
-/// than a thousandth of a voxel: no refinement can help there.
+/// Converts sample indices to the coordinates that files store, bit by bit. Form 0 is the output space in double precision. The other forms
+/// are float32 as in .stl (relative to the origin) and in .glb (relative to float32_origin()). A float32 form that rounds by more than a
+/// thousandth of a voxel is left out: smaller cells would cause more self-intersections there, not fewer.
 class WrittenPositions {
  public:
   /// Sample indices as they are.

@@ -18,6 +18,7 @@
 #include "measure/measure_mesh.h"
 #include "surface/parse_surface.h"
 #include "volume/check_volume.h"
+#include "volume/to_space.h"
 
 namespace isoatlas {
 namespace {
@@ -169,7 +170,7 @@ OneSidedDistance summarize(std::vector<double> distance, std::size_t by_area, do
 double angle_between(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), dot(a, b)) * 180 / std::numbers::pi; }
 
 void measure_mesh_to_surface(const TriangleMesh& mesh, const TriangleTree& tree, const Isosurface& surface, std::size_t samples,
-                             Measurement& out, FarPlaces& far, const RunControl& control) {
+                             Measurement& out, DistantSamples& far, const RunControl& control) {
   const Vec3 spacing = surface.spacing();
   const std::vector<Triangle> triangles = in_order(tree);
   const AreaSamples spread(tree.positions(), triangles, samples);
@@ -206,7 +207,7 @@ void measure_mesh_to_surface(const TriangleMesh& mesh, const TriangleTree& tree,
 }
 
 void measure_surface_to_mesh(const TriangleMesh& mesh, const TriangleTree& tree, const Isosurface& surface, std::size_t samples,
-                             Measurement& out, FarPlaces& far, const RunControl& control) {
+                             Measurement& out, DistantSamples& far, const RunControl& control) {
   const Vec3 spacing = surface.spacing();
   const std::span<const Vec3> c_vertices = surface.faces().positions();
   const FineFaces fine(surface);
@@ -248,11 +249,11 @@ double Measurement::p99() const { return std::max(mesh_to_surface.p99, surface_t
 double Measurement::mean() const { return std::max(mesh_to_surface.mean, surface_to_mesh.mean); }
 
 Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::size_t samples, const RunControl& control) {
-  FarPlaces none{INFINITY, {}};
+  DistantSamples none{INFINITY, {}};
   return measure(mesh, surface, samples, none, control);
 }
 
-Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::size_t samples, FarPlaces& far, const RunControl& control) {
+Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::size_t samples, DistantSamples& far, const RunControl& control) {
   require(samples > 0, "no samples are wanted");
   const Vec3 spacing = surface.spacing();
   check_mesh(mesh, spacing);
@@ -269,15 +270,13 @@ Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::si
 }
 
 void transform_to(Measurement& measurement, const Grid& grid, Space space) {
-  const double voxel = grid.smallest_spacing(), flip = space == Space::ras ? -1 : 1;
+  const double voxel = grid.smallest_spacing();
   measurement.voxel = voxel;
   measurement.surface_area *= voxel * voxel;
   measurement.mesh_area *= voxel * voxel;
   for (OneSidedDistance* d : {&measurement.mesh_to_surface, &measurement.surface_to_mesh}) {
     scale(*d, voxel);
-    if (space == Space::voxel) continue;
-    const Vec3 w = grid.to_world(d->farthest);
-    d->farthest = {flip * w.x, flip * w.y, w.z};
+    d->farthest = to_space(grid, space, d->farthest);
   }
 }
 

@@ -15,14 +15,14 @@ namespace isoatlas {
 /// @throws Error(bad_argument) as measure() does for meshes, Error(cancelled)
 Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::size_t samples, const RunControl& control = {});
 
-/// Where a measurement finds too large distances.
-struct FarPlaces {
-  double bound = 0;               ///< what is larger is too large
-  std::vector<Triangle> corners;  ///< of the triangle at each such sample, in no order; of samples on edges and vertices some twice
+/// The samples of a measurement whose distance is larger than a bound.
+struct DistantSamples {
+  double bound = 0;
+  std::vector<Triangle> corners;  ///< per sample, the corners of the triangle there; on an edge or a vertex some corners are repeated
 };
 
-/// The same, which also tells where distances are larger than `far.bound`.
-Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::size_t samples, FarPlaces& far, const RunControl& control);
+/// The same; also lists the samples with a distance larger than `far.bound`.
+Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::size_t samples, DistantSamples& far, const RunControl& control);
 
 /// From voxels (smallest spacings) and sample-index coordinates to world lengths and the mesh's space.
 void transform_to(Measurement& measurement, const Grid& grid, Space space);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/float32.h"
 #include "core/vector_math.h"
 #include "files/file_error.h"
 #include "mesh_files/position_table.h"
@@ -122,10 +123,9 @@ std::vector<Vec3> all_rounded(const std::vector<Vec3>& positions, const Vec3& tr
   std::vector<Vec3> result;
   result.reserve(positions.size());
   for (std::size_t v = 0; v < positions.size(); ++v) {
-    const Float3 stored = rounded(positions[v] - translation, v, path);
-    // volatile: g++ 12 drops the conversions of a double that is narrowed and widened again.
-    const volatile float x = stored[0], y = stored[1], z = stored[2];
-    result.push_back({x, y, z});
+    const Vec3 p = positions[v] - translation;
+    rounded(p, v, path);  // throws where it is out of range
+    result.push_back({to_float32(p.x), to_float32(p.y), to_float32(p.z)});
   }
   return result;
 }

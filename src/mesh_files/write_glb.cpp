@@ -17,6 +17,7 @@
 #include "mesh_files/same_mesh.h"
 #include "mesh_files/stored_form.h"
 #include "mesh/bounds.h"
+#include "mesh/float32_origin.h"
 #include "mesh/vertex_normals.h"
 
 namespace isoatlas::io {
@@ -29,18 +30,6 @@ constexpr int kFloat = 5126;
 constexpr int kUnsignedInt = 5125;
 constexpr int kArrayBuffer = 34962;
 constexpr int kElementArrayBuffer = 34963;
-
-// Where float has digits to lose: a mesh farther from the origin than it is long is moved to the origin, and a node
-// moves it back. The translation is a float, so that viewers who compute in floats put the mesh where we say it is.
-Vec3 far_middle(const Bounds& box) {
-  const Vec3 middle = 0.5 * box.low + 0.5 * box.high;
-  if (std::max({std::fabs(middle.x), std::fabs(middle.y), std::fabs(middle.z)}) <= box.longest()) {
-    return {};
-  }
-  // volatile: g++ 12 drops the conversions of a double that is narrowed and widened again.
-  const volatile float x = static_cast<float>(middle.x), y = static_cast<float>(middle.y), z = static_cast<float>(middle.z);
-  return {x, y, z};
-}
 
 std::vector<Float3> stored_normals(const TriangleMesh& mesh, const Bounds& box) {
   std::vector<Float3> normals;
@@ -139,7 +128,8 @@ struct Glb {
 // Of all levels, so that they fit together.
 Bounds box_of(const Hierarchy& hierarchy) { return bounds_of(hierarchy.mesh(hierarchy.levels.size() - 1).positions); }
 
-Vec3 translation_of(const Hierarchy& hierarchy) { return hierarchy.float32_origin.value_or(far_middle(box_of(hierarchy))); }
+// A node adds it to the positions.
+Vec3 translation_of(const Hierarchy& hierarchy) { return hierarchy.float32_origin.value_or(float32_origin_of(box_of(hierarchy))); }
 
 Glb make_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const std::filesystem::path& path) {
   const bool is_balanced = info.placement == Placement::balanced;

@@ -145,20 +145,20 @@ std::vector<FileRounding> MeshOutputs::roundings(const Hierarchy& hierarchy, con
 }
 
 std::vector<ReportFile> MeshOutputs::write(const Hierarchy& hierarchy, const HierarchyFileInfo& info, OutputFiles& outputs,
-                                           const RunControl* look) const {
+                                           const RunControl* intersection_control) const {
   const std::size_t level_count = hierarchy.levels.size();
   std::vector<ReportFile> written, one_level;
   const auto add = [&](const fs::path& path, const fs::path& staged, std::vector<std::size_t> levels, const StoredPositions& stored) {
     written.push_back({path.string(), std::move(levels), static_cast<std::size_t>(fs::file_size(staged)), stored.single_precision,
                        stored.largest_rounding, stored.space, stored.unit, stored.notes, {}});
   };
-  // @param file  holds the last one that was added
-  const auto look_at = [&](const Hierarchy& file, const fs::path& path) {
-    if (look == nullptr || !written.back().single_precision) return;
+  // Of the file added last, whose levels are those of `file`.
+  const auto count_intersections = [&](const Hierarchy& file, const fs::path& path) {
+    if (intersection_control == nullptr || !written.back().single_precision) return;
     for (std::size_t k = 0; k < file.levels.size(); ++k) {
       TriangleMesh mesh = file.mesh(k);
       mesh.positions = is_hierarchy_path(path) ? stored_positions(file, k, path) : stored_positions(mesh, path, info.mesh);
-      written.back().self_intersections.push_back(find_self_intersections(mesh, *look));
+      written.back().self_intersections.push_back(find_self_intersections(mesh, *intersection_control));
     }
   };
   for (const Item& item : items(level_count)) {
@@ -167,7 +167,7 @@ std::vector<ReportFile> MeshOutputs::write(const Hierarchy& hierarchy, const Hie
         const std::size_t level = item.levels.front();
         const Hierarchy only = only_level(hierarchy, level);
         add(item.path, staged, item.levels, write_mesh(only.mesh(0), staged, info.mesh));
-        look_at(only, staged);
+        count_intersections(only, staged);
         return;
       }
       const bool is_part = item.levels.size() < level_count;
@@ -177,7 +177,7 @@ std::vector<ReportFile> MeshOutputs::write(const Hierarchy& hierarchy, const Hie
       const Hierarchy& all = is_part ? only : hierarchy;
       const StoredPositions stored = write_hierarchy(all, staged, part);
       add(item.path, staged, item.levels, stored);
-      look_at(all, staged);
+      count_intersections(all, staged);
       if (glb_per_level_ && item.path != path_) one_level.push_back(written.back());
       const std::vector<fs::path> names = files_of_hierarchy(target_of(item.path), level_count);
       const std::vector<fs::path> files = files_of_hierarchy(staged, level_count);

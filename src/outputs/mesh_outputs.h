@@ -37,9 +37,9 @@ class MeshOutputs {
   std::vector<FileRounding> roundings(const Hierarchy& hierarchy, const MeshFileInfo& info) const;
 
   /// Writes all files to where `outputs` stages them.
-  /// @param look  look for self-intersections in what is rounded; none: they are allowed
+  /// @param intersection_control  counts the self-intersections of files that round positions; null: does not count
   /// @return what was written, under the names it will have
-  std::vector<ReportFile> write(const Hierarchy& hierarchy, const HierarchyFileInfo& info, OutputFiles& outputs, const RunControl* look) const;
+  std::vector<ReportFile> write(const Hierarchy& hierarchy, const HierarchyFileInfo& info, OutputFiles& outputs, const RunControl* intersection_control) const;
 
   /// All files that will be there, the one that the name says first.
   std::vector<std::filesystem::path> paths(std::size_t level_count) const;

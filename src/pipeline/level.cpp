@@ -13,7 +13,7 @@
 #include "core/vector_math.h"
 #include "embed/mesh_nesting.h"
 #include "embed/triangle_pair.h"
-#include "embed/written_positions.h"
+#include "volume/to_space.h"
 #include "isoatlas/self_intersections.h"
 
 namespace isoatlas {

@@ -13,7 +13,7 @@
 namespace isoatlas {
 namespace {
 
-constexpr int kMostMeasuredRounds = 8;
+constexpr int kMeasuredRounds = 8;
 
 // A goal with its lengths as multiples of `length`.
 LevelGoal in_units_of(LevelGoal goal, double length) {
@@ -34,7 +34,7 @@ void judge_by_measurement(LevelReport& report) {
   }
 }
 
-bool keeps_distance(const RefinedLevel& level) {
+bool satisfies_distance(const RefinedLevel& level) {
   return std::ranges::all_of(level.figures.constraints, [](const ConstraintResult& result) {
     return result.wanted.quantity != Quantity::max_distance || result.met;
   });
@@ -80,10 +80,10 @@ std::vector<float> LevelMaker::world_lengths(std::vector<float> voxels) const {
 
 void LevelMaker::measure_coarse(const TriangleMesh& mesh, LevelReport& report) const {
   if (options_.measure_samples == 0) return;
-  tell_measured(measure(mesh, source_.isosurface, options_.measure_samples, control_), report);
+  fill_measurement(measure(mesh, source_.isosurface, options_.measure_samples, control_), report);
 }
 
-void LevelMaker::tell_measured(Measurement measured, LevelReport& report) const {
+void LevelMaker::fill_measurement(Measurement measured, LevelReport& report) const {
   report.measured = std::move(measured);
   for (OneSidedDistance* d : {&report.measured->mesh_to_surface, &report.measured->surface_to_mesh})
     d->farthest = to_volume(d->farthest, options_);
@@ -117,7 +117,7 @@ TriangleMesh LevelMaker::mesh_of(const RefinedLevel& refined) const {
 
 // Measures a level, and makes it finer where that finds larger distances than its bound, as long as cells there can be smaller; then the
 // level is the best of them. Not if the bound cannot even be kept at the points that refinement looks at.
-Measurement LevelMaker::refine_where_measured(const LevelGoal& goal, RefinedLevel& refined) {
+Measurement LevelMaker::refine_on_measurement(const LevelGoal& goal, RefinedLevel& refined) {
   const LevelGoal in_voxels = in_units_of(goal, source_.grid.smallest_spacing());
   double bound = std::numeric_limits<double>::infinity();
   for (const Constraint& c : in_voxels) {
@@ -127,17 +127,17 @@ Measurement LevelMaker::refine_where_measured(const LevelGoal& goal, RefinedLeve
   RefinedLevel best_level;
   std::shared_ptr<const Refiner::State> state_of_best;
   for (int round = 0;; ++round) {
-    FarPlaces far{bound, {}};
+    DistantSamples far{bound, {}};
     Measurement measured = measure(mesh_of(refined), source_.isosurface, options_.measure_samples, far, control_);
-    if (far.corners.empty() || refined.vertices_ran_out || !keeps_distance(refined)) return measured;
+    if (far.corners.empty() || refined.vertices_ran_out || !satisfies_distance(refined)) return measured;
     if (!best || measured.maximum() < best->maximum()) {
       best = std::move(measured);
       best_level = refined;
-      state_of_best = refiner_.state();
+      state_of_best = refiner_.save_state();
     }
-    if (round == kMostMeasuredRounds || !refiner_.refine_at(far.corners, in_voxels, options_.placement, refined, control_)) break;
+    if (round == kMeasuredRounds || !refiner_.refine_at(far.corners, in_voxels, options_.placement, refined, control_)) break;
   }
-  refiner_.put(*state_of_best);
+  refiner_.restore_state(*state_of_best);
   refined = std::move(best_level);
   return *best;
 }
@@ -160,7 +160,7 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
   }
   LevelReport& report = reports.emplace_back();
   std::optional<Measurement> measured;
-  if (options_.measure_samples > 0) measured = refine_where_measured(goal, refined);
+  if (options_.measure_samples > 0) measured = refine_on_measurement(goal, refined);
   tell(goal, refined.figures, report);
   report.certificate = refined.certificate;
   report.refine_rounds = refined.rounds;
@@ -174,7 +174,7 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
   TriangleMesh mesh = mesh_of(refined);
   for (const auto& [cell, excess] : refined.at_limit) report.at_limit.push_back({to_space(mesh.positions[cell]), excess});
   const MeshTopology topology = mesh_topology(mesh);
-  if (measured) tell_measured(std::move(*measured), report);
+  if (measured) fill_measurement(std::move(*measured), report);
   finish_level(mesh, topology, partition.site, source_.surface, refiner_.stays(), goal, source_.grid, options_, report,
                control_);
 

@@ -33,9 +33,9 @@ class LevelMaker {
   void tell(const LevelGoal& goal, const LevelFigures& figures, LevelReport& report) const;
   std::vector<float> world_lengths(std::vector<float> voxels) const;
   void measure_coarse(const TriangleMesh& mesh, LevelReport& report) const;
-  void tell_measured(Measurement measured, LevelReport& report) const;
+  void fill_measurement(Measurement measured, LevelReport& report) const;
   TriangleMesh mesh_of(const RefinedLevel& refined) const;
-  Measurement refine_where_measured(const LevelGoal& goal, RefinedLevel& refined);
+  Measurement refine_on_measurement(const LevelGoal& goal, RefinedLevel& refined);
 
   LevelSource source_;
   const ExtractOptions& options_;

@@ -306,7 +306,7 @@ void MeasuredCovering::measure(std::vector<CellId> cells, Thoroughness thoroughn
   for (const CellId c : cells) errors_[c].at_most = std::max(errors_[c].at_most, near_enough_);
 }
 
-void MeasuredCovering::look_closer(std::span<const CellId> cells) {
+void MeasuredCovering::measure_fully(std::span<const CellId> cells) {
   const auto distance =
       std::find_if(demands_.begin(), demands_.end(), [](const Constraint& c) { return c.quantity == Quantity::max_distance; });
   if (distance == demands_.end()) return;

@@ -73,8 +73,8 @@ class MeasuredCovering {
   /// update() of everything, whatever has changed.
   void update_all(CertificateReport& report, const RunControl& control);
 
-  /// Measures of these cells also what update() leaves out where the first look says that a bound is exceeded. @pre they are up to date
-  void look_closer(std::span<const CellId> cells);
+  /// Completes the errors of these cells: update() stops measuring a cell once a bound is violated. @pre update() has been called
+  void measure_fully(std::span<const CellId> cells);
 
   /// A complete certificate. @pre update() has nothing to do
   void certify(CertificateReport& report, const RunControl& control) { dual_.certify(report, control); }

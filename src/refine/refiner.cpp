@@ -331,11 +331,11 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
 // ones.) Where cells are single c-vertices the surface is divided into pieces that stay in their grid cells; such pieces do not meet.
 // @return whether there is something new to look at
 bool Refiner::part(const MeetingTriangles& meeting, const RunControl& control) {
-  return make_smaller(meeting.largest_corners(work_->covering().reach()), control);
+  return refine_cells(meeting.largest_corners(work_->covering().reach()), control);
 }
 
 // The c-vertices of cells that are single ones, where the surface can be divided into pieces that stay in their grid cells.
-std::vector<CVertexId> Refiner::to_divide(std::span<const CellId> single) const {
+std::vector<CVertexId> Refiner::subdividable(std::span<const CellId> single) const {
   std::vector<CVertexId> wanted;
   for (const CellId c : single) wanted.push_back(partition().site[c]);
   const std::vector<Fineness> fineness = surface_.fineness(wanted);
@@ -348,21 +348,21 @@ std::vector<CVertexId> Refiner::to_divide(std::span<const CellId> single) const 
 }
 
 // @return whether any of the cells is divided, or the surface there
-bool Refiner::make_smaller(std::span<const CellId> cells, const RunControl& control) {
+bool Refiner::refine_cells(std::span<const CellId> cells, const RunControl& control) {
   const std::vector<CellId> single = work_->covering().shrink(cells);
   if (single.empty()) return !cells.empty();
-  const std::vector<CVertexId> wanted = to_divide(single);
+  const std::vector<CVertexId> wanted = subdividable(single);
   if (!wanted.empty()) divide_surface(wanted, control);
   return !wanted.empty() || single.size() < cells.size();
 }
 
-// Whether make_smaller() would do anything.
-bool Refiner::can_be_smaller(std::span<const CellId> cells) const {
+// Whether refine_cells() would do anything.
+bool Refiner::can_refine(std::span<const CellId> cells) const {
   std::vector<CellId> single;
   for (const CellId c : cells) {
     if (work_->mesh().c_vertices_of.of(c).size() == 1) single.push_back(c);
   }
-  return single.size() < cells.size() || !to_divide(single).empty();
+  return single.size() < cells.size() || !subdividable(single).empty();
 }
 
 // Makes cells smaller where the orientation or nesting of a component is not that of the surface. @pre no self-intersections
@@ -505,7 +505,7 @@ std::vector<std::pair<double, CellId>> Refiner::cells_at_limit() {
   for (CellId c = 0; c < partition().cell_count(); ++c) {
     if (work_->errors()[c].excess > 1 && is_at_limit(c)) cells.push_back(c);
   }
-  work_->look_closer(cells);
+  work_->measure_fully(cells);
   std::vector<std::pair<double, CellId>> out;
   for (const CellId c : cells) out.emplace_back(-work_->errors()[c].excess, c);
   std::sort(out.begin(), out.end());
@@ -551,12 +551,12 @@ struct Refiner::State {
   std::array<MetricSummary, kMetricCount> metrics;
 };
 
-std::shared_ptr<const Refiner::State> Refiner::state() const {
+std::shared_ptr<const Refiner::State> Refiner::save_state() const {
   return std::make_shared<const State>(
       State{surface_, ground_, work_ ? std::make_shared<const MeasuredCovering>(*work_) : nullptr, placed_in_, extent_, metrics_});
 }
 
-void Refiner::put(const State& state) {
+void Refiner::restore_state(const State& state) {
   surface_ = state.surface;
   ground_ = state.ground;
   work_ = state.work ? std::make_unique<MeasuredCovering>(*state.work) : nullptr;
@@ -565,7 +565,7 @@ void Refiner::put(const State& state) {
   metrics_ = state.metrics;
 }
 
-RefinedLevel Refiner::the_one_before(const LevelGoal& asked) const {
+RefinedLevel Refiner::unchanged_level(const LevelGoal& asked) const {
   RefinedLevel same;
   same.is_the_one_before = true;
   same.figures = {metrics_, judge(asked, extent_, metrics_, {&extent_, is_first_, true, false, 0}), {}};
@@ -579,42 +579,42 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
   is_first_ = work_ == nullptr;
   if (!is_first_) sites_before_ = partition().cell_count();
   const double bound = tight_distance(goal);
-  if (bound == 0) return attempt(goal, goal, placement, control);
+  if (bound == 0) return refine_once(goal, goal, placement, control);
 
   const auto reached = [](const RefinedLevel& level) { return level.figures.metrics[kMaxDistance].maximum; };
-  const std::shared_ptr<const State> start = state();
-  RefinedLevel best = attempt(goal, goal, placement, control);
+  const std::shared_ptr<const State> start = save_state();
+  RefinedLevel best = refine_once(goal, goal, placement, control);
   if (reached(best) <= bound) return best;
-  std::shared_ptr<const State> state_of_best = state();
+  std::shared_ptr<const State> state_of_best = save_state();
   int in_vain = 0, tries = 0;
   for (double looser = kTight; looser > bound && in_vain < kMostInVain && tries < kMostTries; looser *= kNextTry) {
     if (looser >= reached(best)) continue;
     ++tries;
-    put(*start);
-    RefinedLevel other = attempt(with_distance(goal, looser), goal, placement, control);
+    restore_state(*start);
+    RefinedLevel other = refine_once(with_distance(goal, looser), goal, placement, control);
     if (other.is_the_one_before || reached(other) >= reached(best)) {
       ++in_vain;
       continue;
     }
     in_vain = 0;
     best = std::move(other);
-    state_of_best = state();
+    state_of_best = save_state();
   }
   const bool was_better = !is_first_ && goal.size() == 1 && start->metrics[kMaxDistance].maximum <= reached(best);
-  put(was_better ? *start : *state_of_best);
-  return was_better ? the_one_before(goal) : best;
+  restore_state(was_better ? *start : *state_of_best);
+  return was_better ? unchanged_level(goal) : best;
 }
 
 // @param goal   what to work for
 // @param asked  what the level is judged by
-RefinedLevel Refiner::attempt(const LevelGoal& goal, const LevelGoal& asked, Placement placement, const RunControl& control) {
+RefinedLevel Refiner::refine_once(const LevelGoal& goal, const LevelGoal& asked, Placement placement, const RunControl& control) {
   RefinedLevel out;
   divisions_ = 0;
-  if (is_limited(goal) && static_cast<double>(sites_before_) >= goal.front().bound) return the_one_before(asked);
+  if (is_limited(goal) && static_cast<double>(sites_before_) >= goal.front().bound) return unchanged_level(asked);
   if (work_ == nullptr) {
     step_down(goal, placement, out, control);
   } else {
-    continue_level(control);
+    restart_at_vertices(control);
   }
   remember_placed_in();
   MeetingTriangles meeting(embedded_.value_or(WrittenPositions()));
@@ -623,8 +623,8 @@ RefinedLevel Refiner::attempt(const LevelGoal& goal, const LevelGoal& asked, Pla
   Task task = whole_task(goal, placement, out, control);
   if (!start) {
     work_towards(task, meeting, out, control);
-  } else if (!work_within_limit(task, *start, goal.front().bound, meeting, out, control)) {
-    return the_one_before(asked);
+  } else if (!refine_within_budget(task, *start, goal.front().bound, meeting, out, control)) {
+    return unchanged_level(asked);
   }
   finish(task, asked, meeting, out, control);
   return out;
@@ -636,11 +636,11 @@ bool Refiner::refine_at(std::span<const Triangle> triangles, const LevelGoal& go
   for (const Triangle& t : triangles) cells.insert(cells.end(), t.begin(), t.end());
   std::ranges::sort(cells);
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-  if (!can_be_smaller(cells)) return false;
+  if (!can_refine(cells)) return false;
   divisions_ = 0;
   work_->freeze_anchors(sites_before_);
-  continue_level(control);
-  make_smaller(cells, control);
+  restart_at_vertices(control);
+  refine_cells(cells, control);
   const Task task = whole_task(goal, placement, level, control);
   MeetingTriangles meeting(embedded_.value_or(WrittenPositions()));
   work_towards(task, meeting, level, control);
@@ -650,7 +650,7 @@ bool Refiner::refine_at(std::span<const Triangle> triangles, const LevelGoal& go
 }
 
 // With all vertices and edges free to change, and cells that can be as small as their vertices.
-void Refiner::continue_level(const RunControl& control) {
+void Refiner::restart_at_vertices(const RunControl& control) {
   work_->try_again();
   if (work_->places().anchor != partition().site) divide_surface({}, control);
 }
@@ -658,7 +658,7 @@ void Refiner::continue_level(const RunControl& control) {
 // Topology, and that triangles do not meet, may need more vertices than are left. Then back to the start, and less of what was asked for;
 // but not where the surface was divided since.
 // @return false if no level with more vertices than the one before has few enough
-bool Refiner::work_within_limit(Task& task, const MeasuredCovering& start, double most, MeetingTriangles& meeting, RefinedLevel& out,
+bool Refiner::refine_within_budget(Task& task, const MeasuredCovering& start, double most, MeetingTriangles& meeting, RefinedLevel& out,
                                 const RunControl& control) {
   const std::vector<CellId> placed_in = placed_in_;
   const Ground* const ground = ground_.get();
@@ -686,44 +686,44 @@ bool Refiner::work_within_limit(Task& task, const MeasuredCovering& start, doubl
 void Refiner::finish(const Task& task, const LevelGoal& asked, MeetingTriangles& meeting, RefinedLevel& out, const RunControl& control) {
   work_->certify(out.certificate, control);
   std::vector<DualTriangle> triangles;
-  improve(task, triangles, out, control);
-  give_more_chances(task, meeting, triangles, out, control);
-  mend_errors(task, triangles, out, control);
-  if (embedded_) take_apart_what_shape_did(task, meeting, triangles, out, control);
+  improve_level_shape(task, triangles, out, control);
+  retry_bad_triangles(task, meeting, triangles, out, control);
+  repair_worst_cells(task, triangles, out, control);
+  if (embedded_) revert_intersecting_changes(task, meeting, triangles, out, control);
   work_->freeze_anchors(partition().cell_count());
   out.triangles = cells_of(triangles);
   describe(task, asked, out);
 }
 
-void Refiner::improve(const Task& task, std::vector<DualTriangle>& triangles, RefinedLevel& out, const RunControl& control) {
+void Refiner::improve_level_shape(const Task& task, std::vector<DualTriangle>& triangles, RefinedLevel& out, const RunControl& control) {
   const std::size_t moves = out.shape.moves, shifts = out.shape.shifts;  // these stay, flips do not
   out.shape = improve_shape(*work_, *task.shape, triangles, control);
   out.shape.moves += moves;
   out.shape.shifts += shifts;
 }
 
-void Refiner::work_and_improve(const Task& task, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
+void Refiner::refine_and_improve(const Task& task, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
                                const RunControl& control) {
   work_towards(task, meeting, out, control);
   work_->certify(out.certificate, control);
-  improve(task, triangles, out, control);
+  improve_level_shape(task, triangles, out, control);
 }
 
 // Where neither a flip nor a move mends a triangle, smaller cells around it give another mesh, and another chance.
-void Refiner::give_more_chances(const Task& task, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
+void Refiner::retry_bad_triangles(const Task& task, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
                                 const RunControl& control) {
   std::size_t fewest = out.shape.bad;
   int in_vain = 0;
   for (int chance = 0; chance < kMostChances && in_vain < kMostInVain && out.shape.bad > 0 && out.shape.bad < kFewTriangles; ++chance) {
     if (task.most_sites != kNone || !work_around(*work_, task, triangles)) break;
-    work_and_improve(task, meeting, triangles, out, control);
+    refine_and_improve(task, meeting, triangles, out, control);
     in_vain = out.shape.bad < fewest ? 0 : in_vain + 1;
     fewest = std::min(fewest, out.shape.bad);
   }
 }
 
 // What nothing else can help: of the cells at their limit, the worst.
-void Refiner::mend_errors(const Task& task, std::vector<DualTriangle>& triangles, RefinedLevel& out, const RunControl& control) {
+void Refiner::repair_worst_cells(const Task& task, std::vector<DualTriangle>& triangles, RefinedLevel& out, const RunControl& control) {
   std::vector<std::pair<double, CellId>> worst = cells_at_limit();
   if (worst.size() > kMostMended) worst.resize(kMostMended);
   std::vector<CellId> to_mend;
@@ -731,15 +731,15 @@ void Refiner::mend_errors(const Task& task, std::vector<DualTriangle>& triangles
   improve_errors(*work_, *task.shape, to_mend, triangles, out.shape, control);
 }
 
-void Refiner::take_apart_what_shape_did(const Task& task, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles,
+void Refiner::revert_intersecting_changes(const Task& task, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles,
                                         RefinedLevel& out, const RunControl& control) {
   for (int k = 0; !take_back_meeting(*work_, *task.shape, meeting, triangles, control).empty(); ++k) {
     if (k == kMostChances) {  // the dual as it is does not meet itself
       take_back_all(*work_, *task.shape, triangles, control);
       break;
     }
-    work_and_improve(task, meeting, triangles, out, control);
-    mend_errors(task, triangles, out, control);
+    refine_and_improve(task, meeting, triangles, out, control);
+    repair_worst_cells(task, triangles, out, control);
   }
   improve_shape_carefully(*work_, *task.shape, meeting, triangles, out.shape, control);
   // What balancing did since is not undone with a change that is taken back; nor need c-vertices do without others what they do with

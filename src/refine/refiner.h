@@ -65,17 +65,17 @@ class Refiner {
   /// Makes the next level. Topology first, then the constraints in their order.
   RefinedLevel refine(const LevelGoal& goal, Placement placement, const RunControl& control);
 
-  /// Makes the level anew with smaller cells at the corners of these triangles, and what that asks for.
-  /// @param level  what refine() returned; what it is now
-  /// @pre   no limit on vertices ended the work on it
-  /// @return false if no cell there can be smaller: nothing has changed
+  /// Makes the cells at the corners of these triangles smaller and meets the goal again.
+  /// @param level  in: the result of refine(); out: the new level
+  /// @pre   the level did not run out of vertices
+  /// @return false if none of these cells can be smaller; then nothing has changed
   bool refine_at(std::span<const Triangle> triangles, const LevelGoal& goal, Placement placement, RefinedLevel& level,
                  const RunControl& control);
 
-  /// Everything that making a level changes, the surface included, so that another one can be tried.
+  /// Everything that refine() changes, the surface included. Restore it to try another level.
   struct State;
-  std::shared_ptr<const State> state() const;
-  void put(const State& state);
+  std::shared_ptr<const State> save_state() const;
+  void restore_state(const State& state);
 
   const Partition& partition() const { return work_->partition(); }
   const Surfels& surfels() const { return ground_->surfels; }
@@ -91,24 +91,24 @@ class Refiner {
   std::vector<CVertexId> work_on_shape(MeasuredCovering& work, const Task& task, std::size_t room, std::span<const CVertexId> given_up);
   bool work_around(MeasuredCovering& work, const Task& task, const std::vector<DualTriangle>& triangles);
   Task whole_task(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control);
-  RefinedLevel the_one_before(const LevelGoal& asked) const;
-  RefinedLevel attempt(const LevelGoal& goal, const LevelGoal& asked, Placement placement, const RunControl& control);
-  void continue_level(const RunControl& control);
-  bool work_within_limit(Task& task, const MeasuredCovering& start, double most, MeetingTriangles& meeting, RefinedLevel& out,
+  RefinedLevel unchanged_level(const LevelGoal& asked) const;
+  RefinedLevel refine_once(const LevelGoal& goal, const LevelGoal& asked, Placement placement, const RunControl& control);
+  void restart_at_vertices(const RunControl& control);
+  bool refine_within_budget(Task& task, const MeasuredCovering& start, double most, MeetingTriangles& meeting, RefinedLevel& out,
                          const RunControl& control);
   void finish(const Task& task, const LevelGoal& asked, MeetingTriangles& meeting, RefinedLevel& out, const RunControl& control);
-  void improve(const Task& task, std::vector<DualTriangle>& triangles, RefinedLevel& out, const RunControl& control);
-  void work_and_improve(const Task& task, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
+  void improve_level_shape(const Task& task, std::vector<DualTriangle>& triangles, RefinedLevel& out, const RunControl& control);
+  void refine_and_improve(const Task& task, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
                         const RunControl& control);
-  void give_more_chances(const Task& task, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
+  void retry_bad_triangles(const Task& task, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
                          const RunControl& control);
-  void mend_errors(const Task& task, std::vector<DualTriangle>& triangles, RefinedLevel& out, const RunControl& control);
-  void take_apart_what_shape_did(const Task& task, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
+  void repair_worst_cells(const Task& task, std::vector<DualTriangle>& triangles, RefinedLevel& out, const RunControl& control);
+  void revert_intersecting_changes(const Task& task, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
                                  const RunControl& control);
   void describe(const Task& task, const LevelGoal& asked, RefinedLevel& out);
-  bool make_smaller(std::span<const CellId> cells, const RunControl& control);
-  bool can_be_smaller(std::span<const CellId> cells) const;
-  std::vector<CVertexId> to_divide(std::span<const CellId> single) const;
+  bool refine_cells(std::span<const CellId> cells, const RunControl& control);
+  bool can_refine(std::span<const CellId> cells) const;
+  std::vector<CVertexId> subdividable(std::span<const CellId> single) const;
   bool part(const MeetingTriangles& meeting, const RunControl& control);
   bool refine_misplaced_components();
   void work_apart(const Task& task, MeetingTriangles& meeting, RefinedLevel& out, const RunControl& control);

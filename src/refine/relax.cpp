@@ -69,7 +69,7 @@ class Relaxation {
       for (const std::uint32_t t : active_) push_apart(t);
       move_pushed();
     }
-    turn_back_where_far();
+    revert_vertices_off_surface();
     turn_back_where_turned();
     if (goal_.separation > 0) opposite_.assign(triangles_.size(), {kUnknown, kUnknown, kUnknown});
     search();
@@ -201,7 +201,7 @@ class Relaxation {
   }
 
   // Pushing draws back only as far as a vertex's cell allows.
-  void turn_back_where_far() {
+  void revert_vertices_off_surface() {
     for (const std::uint32_t v : touched_) {
       if (!(points_[v] == start_[v]) && off_surface(points_[v]) > std::max(kFarthestFound, off_surface(start_[v]))) points_[v] = start_[v];
     }

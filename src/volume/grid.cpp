@@ -3,6 +3,7 @@
 
 #include "core/vector_math.h"
 #include "isoatlas/volume.h"
+#include "volume/to_space.h"
 
 namespace isoatlas {
 
@@ -22,6 +23,13 @@ Vec3 Grid::to_index(Vec3 world) const {
   const double determinant = dot(x, cross(y, z));
   return {dot(w, cross(y, z)) / (determinant * spacing.x), dot(w, cross(z, x)) / (determinant * spacing.y),
           dot(w, cross(x, y)) / (determinant * spacing.z)};
+}
+
+Vec3 to_space(const Grid& grid, Space space, Vec3 index) {
+  if (space == Space::voxel) return index;
+  const double flip = space == Space::ras ? -1 : 1;
+  const Vec3 w = grid.to_world(index);
+  return {flip * w.x, flip * w.y, w.z};
 }
 
 }  // namespace isoatlas

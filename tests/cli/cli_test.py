@@ -538,7 +538,7 @@ class Outputs(ToolTest):
         self.assertIsNone(json.loads((self.folder / "r.json").read_text())["files"][0]["self_intersections"])
         result = self.run_tool(*extract, "-o", "s.stl", "--report", "r.json")
         self.assertEqual((result.returncode, result.stdout), (1, ""))
-        line = r"isoatlas: s\.stl: level 0: (\d+) pairs of triangles meet where its float32 coordinates round, near \(40000\d\.\d\d, "
+        line = r"isoatlas: s\.stl: level 0: (\d+) self-intersections caused by rounding to float32, near \(40000\d\.\d\d, "
         found = re.search(line, result.stderr)
         self.assertTrue(found, result.stderr)
         checked = json.loads(self.run_tool("check", "s.stl", "--self-intersections", "--json").stdout)["self_intersections"]
@@ -552,7 +552,7 @@ class Outputs(ToolTest):
         extract = ("extract", "far.nrrd", "--iso", "0.5", "--coarse", "--strict", "--report", "r.json")
         result = self.run_tool(*extract, "-o", "s.stl")
         self.assertEqual((result.returncode, result.stdout), (1, ""))
-        self.assertIn("pairs of triangles meet", result.stderr)
+        self.assertIn("self-intersections caused by rounding", result.stderr)
         self.assertRegex(result.stderr, r"isoatlas: nothing was written, as --strict asks for\n\Z")
         self.assertEqual(self.files(), before)
         bounded = ("extract", "far.nrrd", "--iso", "0.5", "--strict", "--max-vertices", "4")

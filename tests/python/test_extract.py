@@ -204,5 +204,5 @@ def test_triangles_that_meet_in_a_file_that_rounds(tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         mesh.save(tmp_path / "far.ply")
-    with pytest.warns(isoatlas.FileWarning, match=r"far\.stl: level 0: 3 pairs of triangles meet"):
+    with pytest.warns(isoatlas.FileWarning, match=r"far\.stl: level 0: 3 self-intersections caused by rounding"):
         mesh.save(tmp_path / "far.stl")

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "embed/meeting_triangles.h"
+#include "volume/to_space.h"
 
 namespace isoatlas {
 namespace {
