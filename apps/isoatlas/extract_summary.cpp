@@ -84,17 +84,13 @@ std::string level_text(const LevelReport& level, std::uint32_t supersample, Leng
 }
 
 /// The sampling density of the distances, because no bound is proved between samples. Empty if no distance was computed.
-std::string sampling_text(const ExtractReport& report) {
+std::string distance_sampling(const ExtractReport& report) {
   const LevelReport& level = report.levels.back();
   if (!level.metrics) return "";
   if (!level.measured)
     return "sampled at " + count_text(report.c_vertices + report.faces) +
            " points of the isosurface, about 2 per voxel face, and on every triangle; --measure adds 200,000 samples each way";
-  const auto samples = [](const OneSidedDistance& side) {
-    return count_text(side.samples) + " points (" + number_text(std::round(10 * side.samples_per_voxel_face) / 10) + " per voxel face)";
-  };
-  return "sampled at " + samples(level.measured->mesh_to_surface) + " of the mesh and " + samples(level.measured->surface_to_mesh) +
-         " of the isosurface";
+  return sampling_text(*level.measured);
 }
 
 /// The finest level's certificate stands for all; a level that failed would not be here.
@@ -165,7 +161,7 @@ void print_summary(std::ostream& out, const ExtractReport& report, const ReportC
   if (!report.kept.empty()) out << row("kept", ranked_text(report.kept, unit));
   if (!report.dropped.empty()) out << row("left out", ranked_text(report.dropped, unit));
   for (std::size_t k = 0; k < report.levels.size(); ++k) out << row(level_name(k), level_text(report.levels[k], context.options.supersample, unit));
-  if (const std::string sampling = sampling_text(report); !sampling.empty()) out << row("distances", sampling);
+  if (const std::string sampling = distance_sampling(report); !sampling.empty()) out << row("distances", sampling);
   double rounding = 0;
   for (const ReportFile& file : context.files) rounding = std::max(rounding, file.largest_rounding);
   out << row("certificate", certificate_of_all(report))

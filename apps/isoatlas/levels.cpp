@@ -29,10 +29,13 @@ struct Levels {
   std::string about_nesting;
 };
 
-/// Counted from the triangles; of what the file says of itself only the metrics remain.
+/// Counted from the triangles; of what the file says of itself only the distances and the other metrics remain.
 LevelFacts count_again(const TriangleMesh& mesh, const std::optional<LevelFacts>& said) {
   LevelFacts facts;
-  if (said) facts.metrics = said->metrics;
+  if (said) {
+    facts.metrics = said->metrics;
+    facts.measured = said->measured;
+  }
   const MeshTopology topology = mesh_topology(mesh);
   facts.vertices = topology.vertices;
   facts.triangles = topology.triangles;
@@ -106,6 +109,13 @@ class Table {
 /// A ratio is infinite where a cell's triangles face away from its part of the surface.
 std::string metric_text(double value) { return std::isinf(value) ? "unbounded" : number_text(value); }
 
+/// How densely the distances were sampled, because no bound is proved between samples. Empty if there are none.
+std::string distance_sampling(const LevelFacts& finest) {
+  if (finest.measured) return sampling_text(*finest.measured);
+  if (!finest.metrics[static_cast<std::size_t>(Quantity::max_distance)]) return "";
+  return "sampled at about 2 points per voxel face of the isosurface, and on every triangle";
+}
+
 void print_table(const std::string& path, const Levels& levels) {
   std::cout << one_line(path) << "\n";
   const Table table(levels.facts);
@@ -122,7 +132,7 @@ void print_table(const std::string& path, const Levels& levels) {
     table.line(std::string(metric.size(), ' ') + "  mean", known(&MetricSummary::mean));
   }
   if (std::ranges::any_of(levels.facts, [](const LevelFacts& l) { return l.measured.has_value(); })) {
-    table.line("distance as measured, maximum", [](const LevelFacts& l) { return l.measured ? number_text(*l.measured) : "-"; });
+    table.line("measured distance, maximum", [](const LevelFacts& l) { return l.measured ? number_text(l.measured->maximum()) : "-"; });
   }
   table.line("aspect ratio, minimum", [](const LevelFacts& l) { return ratio_text(l.quality.aspect_min); });
   table.line("              1st percentile", [](const LevelFacts& l) { return ratio_text(l.quality.aspect_p01); });
@@ -136,6 +146,7 @@ void print_table(const std::string& path, const Levels& levels) {
   };
   table.line("genus", defined(&TopologySummary::genus));
   table.line("boundary loops", defined(&TopologySummary::boundary_loops));
+  if (const std::string sampling = distance_sampling(levels.facts.back()); !sampling.empty()) std::cout << row("distances", sampling);
   std::cout << row("nested", levels.about_nesting);
 }
 

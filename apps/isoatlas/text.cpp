@@ -150,6 +150,13 @@ std::string kinds_text(const TopologySummary& topology, std::size_t most) {
   return text;
 }
 
+std::string sampling_text(const Measurement& measured) {
+  const auto samples = [](const OneSidedDistance& side) {
+    return count_text(side.samples) + " points (" + number_text(std::round(10 * side.samples_per_voxel_face) / 10) + " per voxel face)";
+  };
+  return "sampled at " + samples(measured.mesh_to_surface) + " of the mesh and " + samples(measured.surface_to_mesh) + " of the isosurface";
+}
+
 std::string row(const std::string& label, const std::string& value) {
   constexpr std::size_t kLabelWidth = 14;
   std::string padded = label;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "isoatlas/extract.h"
+#include "isoatlas/measure.h"
 
 namespace isoatlas::tool {
 
@@ -42,6 +43,9 @@ std::string command_text(const std::vector<std::string>& arguments);
 std::string topology_text(const TopologySummary& topology);
 /// "3 x (genus 0, closed), 1 x (genus 2, 1 boundary loop)", at most `most` kinds
 std::string kinds_text(const TopologySummary& topology, std::size_t most);
+
+/// How densely a measurement was sampled: "sampled at 209,180 points (32.7 per voxel face) of the mesh and ... of the isosurface"
+std::string sampling_text(const Measurement& measured);
 
 /// A label, padded, and what belongs to it: the lines of all reports on the terminal.
 std::string row(const std::string& label, const std::string& value);

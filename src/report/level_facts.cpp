@@ -44,6 +44,21 @@ void read_metric(const Json& object, const char* key, double& value) {
 
 Json member(const Json& object, const char* key) { return object.is_object() && object.contains(key) ? object[key] : Json(); }
 
+OneSidedDistance distance_of(const Json& json) {
+  OneSidedDistance distance;
+  read(json, "samples", distance.samples);
+  read(json, "samples_per_voxel_face", distance.samples_per_voxel_face);
+  read(member(json, "world"), "maximum", distance.maximum);
+  return distance;
+}
+
+Measurement measurement_of(const Json& json) {
+  Measurement measured;
+  measured.mesh_to_surface = distance_of(member(json, "mesh_to_surface"));
+  measured.surface_to_mesh = distance_of(member(json, "surface_to_mesh"));
+  return measured;
+}
+
 LevelFacts facts_of(const Json& json) {
   LevelFacts facts;
   read(json, "vertices", facts.vertices);
@@ -58,7 +73,7 @@ LevelFacts facts_of(const Json& json) {
   read(aspect, "median", facts.quality.aspect_median);
   read(aspect, "share_below_third", facts.quality.aspect_share_below_third);
   read(member(member(json, "quality"), "angle_degrees"), "minimum", facts.quality.angle_min);
-  if (const Json measured = member(json, "measured"); measured.is_object()) read(measured, "maximum", facts.measured.emplace());
+  if (const Json measured = member(json, "measured"); measured.is_object()) facts.measured = measurement_of(measured);
   const Json metrics = member(json, "metrics");
   for (std::size_t i = 0; i < kMetricCount; ++i) {
     const Json metric = member(metrics, std::string(name(static_cast<Quantity>(i))).c_str());
@@ -123,7 +138,13 @@ std::string to_json(const std::string& path, const std::vector<LevelFacts>& leve
                            {"median", level.quality.aspect_median},
                            {"share_below_third", level.quality.aspect_share_below_third}};
     one["angle_degrees"] = {{"minimum", level.quality.angle_min}};
-    one["measured"] = level.measured ? Json({{"maximum", *level.measured}}) : Json();
+    const auto side = [](const OneSidedDistance& distance) {
+      return Json{{"samples", distance.samples}, {"samples_per_voxel_face", distance.samples_per_voxel_face}, {"maximum", distance.maximum}};
+    };
+    one["measured"] = level.measured ? Json{{"maximum", level.measured->maximum()},
+                                            {"mesh_to_surface", side(level.measured->mesh_to_surface)},
+                                            {"surface_to_mesh", side(level.measured->surface_to_mesh)}}
+                                     : Json();
     for (std::size_t i = 0; i < kMetricCount; ++i)
       one["metrics"][std::string(name(static_cast<Quantity>(i)))] =
           level.metrics[i] ? Json({{"maximum", level.metrics[i]->maximum}, {"mean", level.metrics[i]->mean}}) : Json();

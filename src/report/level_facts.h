@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "isoatlas/extract.h"
+#include "isoatlas/measure.h"
 #include "isoatlas/mesh.h"
 
 namespace isoatlas {
@@ -16,7 +17,7 @@ namespace isoatlas {
 struct LevelFacts {
   std::size_t vertices = 0, triangles = 0;
   std::array<std::optional<MetricSummary>, kMetricCount> metrics;
-  std::optional<double> measured;  ///< the largest distance that --measure found
+  std::optional<Measurement> measured;  ///< its maxima and how densely it was sampled
   TopologySummary topology;        ///< without kinds
   MeshQuality quality;       ///< aspect ratio but for its histogram, least angle
   /// And oriented: else `topology` means nothing. None where it was not counted: then `topology` is what the file says.

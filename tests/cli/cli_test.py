@@ -474,6 +474,18 @@ class Extract(ToolTest):
         self.assertNotIn("MORE", said)
         self.assertRegex(self.run_tool(*arguments, "max-distance:0.0001vx").stdout, r"measured at most [^,]+, MORE than the bound 0\.0001, aspect")
 
+    def test_distances_are_called_sampled(self):
+        self.put_sphere()
+        arguments = ["extract", "sphere.nrrd", "--iso", "0", "-o", "s.glb", "--report", "s.json"]
+        for options, expected in (((), r"sampled at .*about 2 .*per voxel face"), (("--measure-samples", "1000"), r"sampled at 1,\d\d\d points \([\d.]+ per voxel face\) of the mesh")):
+            self.assertRegex(self.succeed(*arguments, *options), rf"(?m)^  distances +{expected}")
+            for levels in ("s.glb", "s.json"):
+                self.assertRegex(self.succeed("levels", levels), rf"(?m)^  distances +{expected}")
+        measured = json.loads(self.succeed("levels", "s.glb", "--json"))["levels"][-1]["measured"]
+        self.assertEqual(measured["maximum"], max(measured[side]["maximum"] for side in ("mesh_to_surface", "surface_to_mesh")))
+        self.succeed(*arguments, "--coarse")
+        self.assertNotIn("sampled", self.succeed("levels", "s.json"))
+
     def test_quiet_and_verbose(self):
         self.put_sphere()
         arguments = ["extract", "sphere.nrrd", "--iso", "0", "-o", "s.ply", "--coarse"]

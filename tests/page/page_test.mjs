@@ -234,6 +234,7 @@ describe("controls", () => {
       assert.equal(await state(page, "level"), level);
       const error = result.levels[level].metrics["max-distance"].maximum;
       assert.equal(await page.locator("#error").textContent(), `error ${Number(error.toPrecision(3))} mm`);
+      assert.match(await page.locator("#sampling").textContent(), /^Errors are sampled, at about 2 points per voxel face/);
       assert.ok((await page.locator("#level").getAttribute("aria-valuetext")).includes("mm"));
       assert.equal(await page.locator("#levels tr[aria-current] th").textContent(), `${level}`);
     }
@@ -444,6 +445,7 @@ test("what a file does not have is said", {timeout: 2 * SLOW}, async () => {
     assert.ok(words.includes(told), told);
   }
   assert.equal(await page.locator("#error").textContent(), "error not measured");
+  assert.equal(await page.locator("#sampling").count(), 0);
   await close();
 });
 

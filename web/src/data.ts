@@ -57,6 +57,12 @@ export interface AspectRatio {
   histogram: number[];
 }
 
+/** How densely distances in one direction were sampled. */
+export interface Sampling {
+  samples: number;
+  samples_per_voxel_face: number;
+}
+
 /** An object of the report's `levels`. What a file does not tell is absent. */
 export interface LevelFacts {
   level: number;
@@ -73,7 +79,7 @@ export interface LevelFacts {
   certificate?: {passed: boolean; cells_checked: number; arcs_checked: number; triples_checked: number; repair_sites: number} | null;
   quality?: {aspect_ratio?: Partial<AspectRatio> | null} | null;
   metrics?: Record<string, Metric | null> | null;
-  measured?: {maximum: number} | null;
+  measured?: {maximum: number; mesh_to_surface?: Sampling; surface_to_mesh?: Sampling} | null;
   constraints?: Constraint[] | null;
 }
 

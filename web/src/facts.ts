@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is known of a result, beside the mesh: tables, the certificate, how it was made.
 import {componentColour} from "./colours";
-import type {Constraint, Kind, LevelFacts, Result} from "./data";
+import type {Constraint, Kind, LevelFacts, Result, Sampling} from "./data";
 import {count, element, number, percent, plural, type Child} from "./dom";
 import {histogram} from "./histogram";
 import type {LevelShape} from "./scene";
@@ -71,6 +71,15 @@ function constraints(level: LevelFacts, unit: string): Child[] {
   const asked = level.constraints ?? [];
   if (asked.length === 0) return [];
   return [element("p", {class: "soft lead"}, `Asked of level ${level.level}, and reached:`), element("ul", {class: "plain", id: "constraints"}, ...asked.map((c) => constraintLine(c, unit)))];
+}
+
+/** How densely the error was sampled, because no bound is proved between samples. */
+function sampling(level: LevelFacts): Child[] {
+  if (errorOf(level) === null) return [];
+  const points = ({samples, samples_per_voxel_face: density}: Sampling): string => `${count(samples)} points (${number(density)} per voxel face)`;
+  const {mesh_to_surface: mesh, surface_to_mesh: surface} = level.measured ?? {};
+  const where = mesh && surface ? `${points(mesh)} of the mesh and ${points(surface)} of the isosurface` : "about 2 points per voxel face of the isosurface, and on every triangle";
+  return [element("p", {class: "soft lead", id: "sampling"}, `Errors are sampled, at ${where}; between samples they may be larger.`)];
 }
 
 const loops = (n: number): string => plural(n, "loop");
@@ -190,7 +199,7 @@ function made(result: Result): Child[] {
 export function facts(result: Result, shown: number, shapes: LevelShape[]): HTMLElement[] {
   const level = result.levels[shown];
   return [
-    section("Levels", levelTable(result, shown, shapes), ...constraints(level, result.unit)),
+    section("Levels", levelTable(result, shown, shapes), ...sampling(level), ...constraints(level, result.unit)),
     section("Aspect ratios", histogram(result, shown, shapes[shown].aspect())),
     section("Topology", ...topology(result, level, shapes[shown])),
     section("Certificate", ...certificate(level)),
