@@ -93,15 +93,23 @@ std::string distance_sampling(const ExtractReport& report) {
   return sampling_text(*level.measured);
 }
 
+/// Of all levels. Which component lies in which is compared only where triangles may not intersect.
+std::string counted_again_text(const ExtractReport& report) {
+  const auto same = [&](const LevelReport& level) { return level.topology == report.reference; };
+  const auto placed = [](const LevelReport& level) { return level.turned_components == 0; };
+  const std::string what = report.levels.back().self_intersections ? "orientation and nesting" : "orientation";
+  return std::string(std::ranges::all_of(report.levels, same) ? "same topology" : "OTHER TOPOLOGY") + ", " +
+         (std::ranges::all_of(report.levels, placed) ? what : "but NOT the same " + what);
+}
+
 /// The finest level's certificate stands for all; a level that failed would not be here.
 std::string certificate_of_all(const ExtractReport& report) {
   const auto passed = [](const LevelReport& level) { return level.certificate.passed; };
-  const auto same = [&](const LevelReport& level) { return level.topology == report.reference; };
   const std::size_t count = report.levels.size();
   const std::string where = count == 1 ? "" : " on all " + std::to_string(count) + " levels";
-  return (std::all_of(report.levels.begin(), report.levels.end(), passed) ? "passed" : "FAILED") + where + ": " +
+  return (std::ranges::all_of(report.levels, passed) ? "passed" : "FAILED") + where + ": " +
          certificate_text(report.levels.back().certificate) + (count == 1 ? "" : " on the finest") +
-         "; counted again: " + (std::all_of(report.levels.begin(), report.levels.end(), same) ? "same topology" : "OTHER TOPOLOGY");
+         "; counted again: " + counted_again_text(report);
 }
 
 /// A ratio is infinite where a cell's triangles face away from its part of the surface; then the mean is too.

@@ -135,6 +135,7 @@ export function makeResult(geometry, levels, topology, options = {}) {
     genus: topology.genus,
     boundary_loops: topology.loops,
     kinds: topology.kinds,
+    ...(options.turned_components === undefined ? {} : {turned_components: options.turned_components}),
     self_intersections: level === 0 ? 0 : options.self_intersections === undefined ? 0 : options.self_intersections,
     certificate: {passed: true, cells_checked: mesh.positions.length, arcs_checked: mesh.positions.length * 3, triples_checked: mesh.triangles.length, repair_rounds: 1, repair_sites: 4},
     quality: {aspect_ratio: aspect(mesh), angle_degrees: {minimum: 21, maximum: 110}},
@@ -219,12 +220,12 @@ function dust(count) {
 }
 
 export const pages = {
-  ring: () => page((g) => makeResult(g, ringAndBall(4), RING)),
+  ring: () => page((g) => makeResult(g, ringAndBall(4), RING, {turned_components: 0})),
   large: () => page((g) => makeResult(g, nested(torus(40, 20, [0, 0, 0], 40, 16), 4), TORUS, {title: "large.nrrd"})),  // 1,600 to 102,400 triangles
   balanced: () => page((g) => {
     const [coarse, fine] = ringAndBall(2);
     const shrunk = {positions: coarse.positions.map((p) => p.map((x) => 0.97 * x)), triangles: coarse.triangles};
-    return makeResult(g, [shrunk, fine], RING, {placed: true, title: "balanced"});
+    return makeResult(g, [shrunk, fine], RING, {placed: true, title: "balanced", turned_components: 1});
   }),
   bare: () => page((g) => makeResult(g, ringAndBall(2), RING, {title: "bare.glb", distances: false, command: null, parameters: null, input: null, surface: null, reference: null, marching_cubes: null, self_intersections: null})),
   terse: () => page((g) => terse(makeResult(g, ringAndBall(3), RING, {title: "terse.vtm"}))),

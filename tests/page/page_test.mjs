@@ -322,6 +322,7 @@ describe("controls", () => {
     assert.deepEqual(bins, result.levels[3].quality.aspect_ratio.histogram.map((n, i) => [n, result.marching_cubes.histogram[i]]));
     assert.equal(await page.locator("#command").textContent(), result.command);
     assert.ok((await page.locator("section[aria-label=Certificate]").textContent()).includes(result.levels[3].vertices.toLocaleString("en")));
+    assert.ok((await page.locator("section[aria-label=Certificate]").textContent()).includes("✓ closed components face, and lie in each other, as on the isosurface"));
     assert.equal(await page.locator("#constraints li").count(), 2);
     await page.locator("#parameters summary").click();
     for (const key of [...Object.keys(result.parameters), ...Object.keys(result.input), ...Object.keys(result.surface)]) {
@@ -465,6 +466,12 @@ test("many components: the first 20, and a word about the rest", {timeout: 2 * S
   assert.equal((await rows(page, "#components")).length, 20);
   assert.match(await page.locator("#rest").textContent(), /11 more/);
   assert.ok(await page.locator("#level").isDisabled(), "one level: nothing to slide");
+  await close();
+});
+
+test("a level with misplaced components", {timeout: 2 * SLOW}, async () => {
+  const {page, close} = await open(fileOf("balanced").path);
+  assert.ok((await page.locator("section[aria-label=Certificate]").textContent()).includes("✗ 1 component inverted, or inside another"));
   await close();
 });
 

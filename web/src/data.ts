@@ -76,6 +76,8 @@ export interface LevelFacts {
   boundary_loops: number | null;
   kinds?: Kind[] | null;
   self_intersections?: number | null;
+  /** Closed components that face another way, or lie in another component, than on the isosurface. */
+  turned_components?: number | null;
   certificate?: {passed: boolean; cells_checked: number; arcs_checked: number; triples_checked: number; repair_sites: number} | null;
   quality?: {aspect_ratio?: Partial<AspectRatio> | null} | null;
   metrics?: Record<string, Metric | null> | null;

@@ -130,7 +130,7 @@ function topology(result: Result, level: LevelFacts, shape: LevelShape): Child[]
 }
 
 function certificate(level: LevelFacts): Child[] {
-  const {certificate: c, self_intersections: pairs} = level;
+  const {certificate: c, self_intersections: pairs, turned_components: misplaced} = level;
   const lines: HTMLElement[] = [];
   const line = (good: boolean | null, text: string): void => void lines.push(element("li", {}, good === null ? "– " : check(good), ` ${text}`));
   if (c) {
@@ -138,6 +138,9 @@ function certificate(level: LevelFacts): Child[] {
     line(c.passed, `${count(c.arcs_checked)} pairs of neighbours meet in one arc each`);
     line(c.passed, `${count(c.triples_checked)} triples meet in one point each`);
   }
+  // Which component lies in which is compared only where triangles do not intersect.
+  if (misplaced === 0) line(true, pairs == null ? "closed components face as on the isosurface" : "closed components face, and lie in each other, as on the isosurface");
+  else if (misplaced != null) line(false, `${plural(misplaced, "component")} inverted, or inside another component than on the isosurface`);
   if (pairs === 0) line(true, "no two triangles meet but at corners and edges");
   else if (pairs != null) line(false, `${plural(pairs, "pair")} of triangles meet`);
   else line(null, "whether triangles meet was not looked for");
