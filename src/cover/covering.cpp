@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cassert>
 #include <limits>
+#include <utility>
 
 namespace isoatlas {
 namespace {
@@ -24,8 +25,7 @@ Covering::Covering(const CVertexGraph& graph, const CoveringOptions& options)
       events_(graph, options.event_persistence, options.first_stage),
       distance_(graph.c_vertex_count(), std::numeric_limits<float>::infinity()),
       radius_(graph.c_vertex_count(), options.max_radius),
-      queued_(graph.c_vertex_count(), 0),
-      changed_(graph.c_vertex_count(), 1) {
+      queued_(graph.c_vertex_count(), 0) {
   partition_.cell_of.assign(graph.c_vertex_count(), kNone);
 }
 
@@ -36,6 +36,10 @@ void Covering::assign(const Covering& other) {
   radius_ = other.radius_;
   queued_ = other.queued_;
   changed_ = other.changed_;
+  is_changed_ = other.is_changed_;
+  all_changed_ = other.all_changed_;
+  members_ = other.members_;
+  has_members_ = other.has_members_;
   uncovered_boundary_ = other.uncovered_boundary_;
   uncovered_interior_ = other.uncovered_interior_;
   reached_ = other.reached_;
@@ -51,15 +55,37 @@ void Covering::enqueue(CVertexId v) {
   (graph_.on_boundary[v] ? uncovered_boundary_ : uncovered_interior_).push(length_key(distance_[v], ~v));
 }
 
+void Covering::forget_changes() {
+  changed_.clear();
+  is_changed_.clear();
+  all_changed_ = false;
+}
+
+const CellMembers& Covering::members() {
+  if (!std::exchange(has_members_, true)) members_ = CellMembers(partition_.cell_of, site_count());
+  return members_;
+}
+
+void Covering::put_in_cell(CVertexId v, CellId cell) {
+  CellId& now = partition_.cell_of[v];
+  if (now == cell) return;
+  reached_ += now == kNone;
+  if (has_members_) {
+    if (now != kNone) members_.erase(v, now);
+    members_.insert(v, cell);
+  }
+  now = cell;
+  if (!all_changed_ && is_changed_.insert(v)) changed_.push_back(v);
+}
+
 void Covering::insert(CVertexId v) {
   const CellId cell = site_count();
   partition_.site.push_back(v);
   placed_in_.push_back(partition_.cell_of[v]);
   front_.clear();
   distance_[v] = 0;
-  reached_ += partition_.cell_of[v] == kNone;
-  partition_.cell_of[v] = cell;
-  changed_[v] = 1;
+  if (has_members_) members_.add_cells(1);
+  put_in_cell(v, cell);
   front_.push(length_key(0, v));
   while (!front_.empty()) {
     const std::uint64_t key = front_.pop();
@@ -70,9 +96,7 @@ void Covering::insert(CVertexId v) {
       const float d = distance_[w] + n.weight;
       if (d >= distance_[n.id]) continue;  // equal distances stay with the earlier site
       distance_[n.id] = d;
-      reached_ += partition_.cell_of[n.id] == kNone;
-      partition_.cell_of[n.id] = cell;
-      changed_[n.id] = 1;
+      put_in_cell(n.id, cell);
       front_.push(length_key(d, n.id));
     }
   }

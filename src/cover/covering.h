@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "core/distance_queue.h"
+#include "core/epoch_set.h"
 #include "cover/topological_event.h"
 #include "isoatlas/run_control.h"
+#include "partition/cell_members.h"
 #include "partition/partition.h"
 #include "surface/c_vertex_graph.h"
 
@@ -67,9 +69,14 @@ class Covering {
   /// h(x) <= radius + d(v, x) / 3 from now on.
   void lower_radius(CVertexId v, float radius);
 
-  /// Per c-vertex, 1 if it came into another cell since the last call of forget_changes().
-  std::span<const std::uint8_t> changed() const { return changed_; }
-  void forget_changes() { std::fill(changed_.begin(), changed_.end(), std::uint8_t{0}); }
+  /// The c-vertices that came into another cell since the last call of forget_changes(), each once. Before the first call: none are
+  /// listed, all changed.
+  std::span<const CVertexId> changed() const { return changed_; }
+  bool all_changed() const { return all_changed_; }
+  void forget_changes();
+
+  /// The c-vertices of each cell. O(C) the first time; from then on they are kept up to date.
+  const CellMembers& members();
 
   /// Per site, the cell its c-vertex was in when it was inserted; kNone for the first of a component and for seeds.
   const std::vector<CellId>& placed_in() const { return placed_in_; }
@@ -87,6 +94,7 @@ class Covering {
   static constexpr float kBoundaryShare = 0.55f;
 
   void enqueue(CVertexId v);
+  void put_in_cell(CVertexId v, CellId cell);
   void add_disk(CVertexId v);  ///< a site whose disk is limited by its first topological event
   void cover_reached(const RunControl& control);
   void spread_radii();
@@ -102,7 +110,11 @@ class Covering {
   std::vector<float> distance_;
   std::vector<float> radius_;
   std::vector<std::uint8_t> queued_;
-  std::vector<std::uint8_t> changed_;
+  std::vector<CVertexId> changed_;
+  EpochSet is_changed_;
+  bool all_changed_ = true;
+  CellMembers members_;
+  bool has_members_ = false;
   NearestFirst front_;
   FarthestFirst uncovered_boundary_, uncovered_interior_;
   std::size_t reached_ = 0;  // c-vertices in some cell

@@ -3,11 +3,14 @@
 #include "cover/repair.h"
 
 #include <algorithm>
-#include <iterator>
 #include <tuple>
+#include <utility>
 
 namespace isoatlas {
 namespace {
+
+// A check of everything is as fast as one of this part of it.
+constexpr std::size_t kLargePart = 5;
 
 struct Candidate {
   float distance = 0;  // from its site; larger is better
@@ -24,67 +27,71 @@ struct Fix {
   CellId a, b;
 };
 
-// For every faulty cell its farthest c-vertex, on the boundary if that is what is wrong; for two cells that meet badly the
-// farthest c-vertex on their common border. One pass over c-vertices and one over faces.
-std::vector<Fix> find_fixes(const SurfaceComplex& complex, const Covering& covering, const PartitionCheck& check) {
-  const Partition& partition = covering.partition();
-  const std::vector<float>& distance = covering.distance();
-  const std::uint32_t cells = partition.cell_count();
+class FixFinder {
+ public:
+  FixFinder(const SurfaceComplex& complex, const ComplexAdjacency& adjacency, Covering& covering)
+      : complex_(complex), adjacency_(adjacency), covering_(covering), cell_of_(covering.partition().cell_of), members_(covering.members()) {}
 
-  std::vector<std::uint8_t> in_pair(cells, 0);
-  for (const PairFault& p : check.pair_faults) in_pair[p.a] = in_pair[p.b] = 1;
-
-  std::vector<Candidate> of_cell(cells), of_boundary(cells);
-  for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
-    const CellId c = partition.cell_of[v];
-    if (check.cell_fault[c] == 0 && !in_pair[c]) continue;
-    of_cell[c].offer(distance[v], v);
-    if (complex.on_boundary[v]) of_boundary[c].offer(distance[v], v);
+  // For every faulty cell its farthest c-vertex, on the boundary if that is what is wrong; for two cells with faulty arcs the farthest
+  // c-vertex on their common border.
+  std::vector<Fix> find(const PartitionCheck& check) const {
+    std::vector<Fix> fixes;
+    const auto add = [&](const Candidate& candidate, CellId a, CellId b) {
+      if (candidate.c_vertex != kNone) fixes.push_back({candidate.distance, candidate.c_vertex, a, b});
+    };
+    for (const auto& [cell, fault] : check.faulty_cells) {
+      Candidate best;
+      if (fault & kBadBoundary) best = farthest_of(cell, true);
+      if (best.c_vertex == kNone) best = farthest_of(cell, false);
+      add(best, cell, cell);
+    }
+    for (const auto& [a, b] : check.pair_faults) {
+      Candidate best = farthest_between(a, b);
+      // The whole border may be sites already. If both cells are single c-vertices, the third cell at their two arc ends is the same;
+      // then arcs of it with one of them are faulty, too, and it has room for a site.
+      if (best.c_vertex == kNone) {
+        best = farthest_of(a, false);
+        const Candidate other = farthest_of(b, false);
+        best.offer(other.distance, other.c_vertex);
+      }
+      add(best, a, b);
+    }
+    return fixes;
   }
 
-  std::vector<Candidate> of_pair(check.pair_faults.size());
-  if (!check.pair_faults.empty()) {
-    const auto less = [](const PairFault& p, const PairFault& q) { return p.a != q.a ? p.a < q.a : p.b < q.b; };
-    for (const Face& face : complex.faces) {
-      const int size = face.size();
-      for (int i = 0; i < size; ++i) {
-        const CellId a = partition.cell_of[face.corner[i]];
-        if (!in_pair[a]) continue;
-        for (int j = i + 1; j < size; ++j) {
-          const CellId b = partition.cell_of[face.corner[j]];
-          if (a == b || !in_pair[b]) continue;
-          const PairFault pair{std::min(a, b), std::max(a, b)};
-          const auto it = std::lower_bound(check.pair_faults.begin(), check.pair_faults.end(), pair, less);
-          if (it == check.pair_faults.end() || it->a != pair.a || it->b != pair.b) continue;
-          Candidate& best = of_pair[static_cast<std::size_t>(it - check.pair_faults.begin())];
-          for (const int k : {i, j}) best.offer(distance[face.corner[k]], face.corner[k]);
+ private:
+  Candidate farthest_of(CellId cell, bool on_boundary) const {
+    Candidate best;
+    members_.for_each(cell, [&](CVertexId v) {
+      if (!on_boundary || complex_.on_boundary[v]) best.offer(covering_.distance()[v], v);
+    });
+    return best;
+  }
+
+  // Of the c-vertices of both cells on faces that have both.
+  Candidate farthest_between(CellId a, CellId b) const {
+    if (members_.count(b) < members_.count(a)) std::swap(a, b);
+    Candidate best;
+    members_.for_each(a, [&](CVertexId v) {
+      for (const FaceId f : adjacency_.faces_of(v)) {
+        const Face& face = complex_.faces[f];
+        for (int k = 0; k < face.size(); ++k) {
+          const CVertexId w = face.corner[k];
+          if (cell_of_[w] != b) continue;
+          best.offer(covering_.distance()[v], v);
+          best.offer(covering_.distance()[w], w);
         }
       }
-    }
+    });
+    return best;
   }
 
-  std::vector<Fix> fixes;
-  const auto add = [&](const Candidate& candidate, CellId a, CellId b) {
-    if (candidate.c_vertex != kNone) fixes.push_back({candidate.distance, candidate.c_vertex, a, b});
-  };
-  for (CellId c = 0; c < cells; ++c) {
-    if (check.cell_fault[c] == 0) continue;
-    const bool boundary = (check.cell_fault[c] & kBadBoundary) && of_boundary[c].c_vertex != kNone;
-    add(boundary ? of_boundary[c] : of_cell[c], c, c);
-  }
-  for (std::size_t i = 0; i < of_pair.size(); ++i) {
-    const auto [a, b] = check.pair_faults[i];
-    Candidate best = of_pair[i];
-    // The whole border may be sites already. If both cells are single c-vertices, the third cell at their two arc ends is the same;
-    // then it also meets one of them badly, and has room for a site.
-    if (best.c_vertex == kNone) {
-      best = of_cell[a];
-      best.offer(of_cell[b].distance, of_cell[b].c_vertex);
-    }
-    add(best, a, b);
-  }
-  return fixes;
-}
+  const SurfaceComplex& complex_;
+  const ComplexAdjacency& adjacency_;
+  const Covering& covering_;
+  std::span<const CellId> cell_of_;
+  const CellMembers& members_;
+};
 
 // Farthest first. Of one c-vertex, those about two cells come before those about one: they mend more.
 bool comes_before(const Fix& x, const Fix& y) {
@@ -94,54 +101,90 @@ bool comes_before(const Fix& x, const Fix& y) {
 
 // One new site often mends several faults near by, so a round only makes fixes that share no cell, those farthest from all
 // sites first. (All at once: dragon 434 coarse triangles instead of 294, white matter 7,138 instead of 6,752.)
-std::vector<CVertexId> independent(std::vector<Fix> fixes, std::uint32_t cells) {
+std::vector<CVertexId> independent(std::vector<Fix> fixes) {
   std::sort(fixes.begin(), fixes.end(), comes_before);
-  std::vector<std::uint8_t> taken(cells, 0);
+  EpochSet taken;
   std::vector<CVertexId> out;
   for (const Fix& fix : fixes) {
-    if (taken[fix.a] || taken[fix.b]) continue;
-    taken[fix.a] = taken[fix.b] = 1;
+    if (taken.contains(fix.a) || taken.contains(fix.b)) continue;
+    taken.insert(fix.a);
+    taken.insert(fix.b);
     out.push_back(fix.c_vertex);
   }
   return out;
 }
 
-// Triangles with a corner in scope are replaced by those the check found there.
-void replace_triangles(std::vector<DualTriangle>& triangles, const std::vector<std::uint8_t>& scope, std::vector<DualTriangle>& found) {
-  const auto in_scope = [&](const DualTriangle& t) { return scope[t.cell[0]] || scope[t.cell[1]] || scope[t.cell[2]]; };
-  if (scope.empty()) {
-    triangles = std::move(found);
-    return;
-  }
-  std::erase_if(triangles, in_scope);
-  std::copy_if(found.begin(), found.end(), std::back_inserter(triangles), in_scope);  // a quad's other half may lie outside
-}
-
 }  // namespace
 
+void CertifiedDual::assign(const CertifiedDual& other) {
+  adjacency_ = other.adjacency_;
+  slots_ = other.slots_;
+  triangles_ = other.triangles_;
+  is_listed_ = other.is_listed_;
+  touched_ = other.touched_;
+  fresh_ = other.fresh_;
+  complete_ = other.complete_;
+}
+
+const std::vector<DualTriangle>& CertifiedDual::triangles() const {
+  if (!std::exchange(is_listed_, true)) triangles_ = slots_.triangles();
+  return triangles_;
+}
+
+bool CertifiedDual::is_large(std::span<const CellId> scope) const { return kLargePart * scope.size() > covering_.partition().cell_count(); }
+
 // `scope` empty: everything.
-void CertifiedDual::check_and_repair(std::vector<std::uint8_t> scope, CertificateReport& report, const RunControl& control) {
+PartitionCheck CertifiedDual::check(std::span<const CellId> scope) {
+  const Partition& partition = covering_.partition();
+  if (scope.empty() || is_large(scope))
+    return check_partition(complex_, partition.cell_of, partition.cell_count(), partition.site);
+  return scoped_.run(complex_, *adjacency_, partition.cell_of, covering_.members(), partition.site, scope);
+}
+
+void CertifiedDual::take_triangles(std::span<const CellId> scope, PartitionCheck& check) {
+  const std::uint32_t cells = covering_.partition().cell_count();
+  if (scope.empty()) {
+    slots_ = TriangleSlots(std::move(check.triangles), cells);
+  } else {
+    if (is_large(scope)) {  // everything was checked; but triangles elsewhere keep their slots
+      EpochSet in_scope;
+      for (const CellId c : scope) in_scope.insert(c);
+      std::erase_if(check.triangles, [&](const DualTriangle& t) { return std::ranges::none_of(t.cell, [&](CellId c) { return in_scope.contains(c); }); });
+    }
+    slots_.replace(scope, check.triangles, cells);
+  }
+  is_listed_ = false;
+}
+
+std::vector<CellId> CertifiedDual::cells_near_changes() {
+  return cells_near(complex_, *adjacency_, covering_.partition().cell_of, covering_.changed());
+}
+
+// `scope` empty: everything.
+void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateReport& report, const RunControl& control) {
   const Partition& partition = covering_.partition();
   RunControl quiet = control;  // what is covered on the way is not the stage that tells its progress
   quiet.progress = nullptr;
   for (;;) {
     control.check_cancelled();
-    PartitionCheck check = check_partition(complex_, partition.cell_of, partition.cell_count(), partition.site, scope);
+    PartitionCheck found = check(scope);
     ++report.repair_rounds;
     touched_.resize(partition.cell_count(), 1);
-    for (CellId c = 0; c < partition.cell_count(); ++c) touched_[c] |= scope.empty() || scope[c];
-    if (check.passed() && scope.empty()) record(check, report);
-    replace_triangles(triangles_, scope, check.triangles);
-    if (check.passed()) {
+    if (scope.empty()) std::fill(touched_.begin(), touched_.end(), std::uint8_t{1});
+    for (const CellId c : scope) touched_[c] = 1;
+    if (found.passed() && scope.empty()) record(found, report);
+    take_triangles(scope, found);
+    if (found.passed()) {
       complete_ = scope.empty();
       report.passed = true;
       return;
     }
     report.passed = false;
 
+    if (!adjacency_) adjacency_ = std::make_shared<const ComplexAdjacency>(complex_);
     const std::uint32_t before = covering_.site_count();
     covering_.forget_changes();
-    for (const CVertexId v : independent(find_fixes(complex_, covering_, check), partition.cell_count())) {
+    for (const CVertexId v : independent(FixFinder(complex_, *adjacency_, covering_).find(found))) {
       if (covering_.distance()[v] == 0) continue;  // two fixes may agree on the same c-vertex
       covering_.lower_radius(v, covering_.distance()[v]);
       covering_.insert(v);
@@ -152,21 +195,30 @@ void CertifiedDual::check_and_repair(std::vector<std::uint8_t> scope, Certificat
     }
     report.repair_sites += covering_.site_count() - before;
 
-    scope = cells_near_changes(complex_, partition.cell_of, partition.cell_count(), covering_.changed());
-    for (CellId c = 0; c < before; ++c) {  // faults left for the next round
-      if (check.cell_fault[c] != 0) scope[c] = 1;
-    }
-    for (const PairFault& p : check.pair_faults) scope[p.a] = scope[p.b] = 1;
+    scope = cells_near_changes();  // and faults left for the next round
+    for (const FaultyCell& f : found.faulty_cells) scope.push_back(f.cell);
+    for (const PairFault& p : found.pair_faults) scope.insert(scope.end(), {p.a, p.b});
+    std::sort(scope.begin(), scope.end());
+    scope.erase(std::unique(scope.begin(), scope.end()), scope.end());
   }
 }
 
 void CertifiedDual::update(CertificateReport& report, const RunControl& control) {
-  const Partition& partition = covering_.partition();
-  std::vector<std::uint8_t> scope;
-  if (!fresh_) scope = cells_near_changes(complex_, partition.cell_of, partition.cell_count(), covering_.changed());
-  fresh_ = false;
-  check_and_repair(std::move(scope), report, control);
+  if (std::exchange(fresh_, false) || covering_.all_changed()) {
+    check_and_repair({}, report, control);
+  } else if (!covering_.changed().empty()) {
+    if (!adjacency_) adjacency_ = std::make_shared<const ComplexAdjacency>(complex_);
+    check_and_repair(cells_near_changes(), report, control);
+  } else {
+    report.passed = true;
+    complete_ = false;  // of this report nothing was counted yet
+  }
   covering_.forget_changes();
+}
+
+void CertifiedDual::touch_near(std::span<const CVertexId> c_vertices) {
+  if (!adjacency_) adjacency_ = std::make_shared<const ComplexAdjacency>(complex_);
+  for (const CellId c : cells_near(complex_, *adjacency_, covering_.partition().cell_of, c_vertices)) touched_[c] = 1;
 }
 
 void CertifiedDual::certify(CertificateReport& report, const RunControl& control) {

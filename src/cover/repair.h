@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "cover/covering.h"
 #include "partition/certificate.h"
+#include "partition/scoped_check.h"
+#include "partition/triangle_slots.h"
 
 namespace isoatlas {
 
@@ -14,42 +19,43 @@ class CertifiedDual {
  public:
   CertifiedDual(const SurfaceComplex& complex, Covering& covering) : complex_(complex), covering_(covering) {}
   /// A copy for a copy of the covering.
-  CertifiedDual(const CertifiedDual& other, Covering& covering)
-      : complex_(other.complex_),
-        covering_(covering),
-        triangles_(other.triangles_),
-        touched_(other.touched_),
-        fresh_(other.fresh_),
-        complete_(other.complete_) {}
+  CertifiedDual(const CertifiedDual& other, Covering& covering) : CertifiedDual(other.complex_, covering) { assign(other); }
 
   /// Takes over the other's state, whose covering this one's has taken over.
-  void assign(const CertifiedDual& other) {
-    triangles_ = other.triangles_;
-    touched_ = other.touched_;
-    fresh_ = other.fresh_;
-    complete_ = other.complete_;
-  }
+  void assign(const CertifiedDual& other);
 
-  /// Checks all that changed since the last call, and repairs. O(C) with a small constant, plus the changed cells.
+  /// Checks all that changed since the last call, and repairs.
+  /// @cost   what is around the changed c-vertices; the first time O(C)
   /// @throws Error(internal) if a round of repair adds nothing, which would be a bug
   void update(CertificateReport& report, const RunControl& control);
 
   /// update(), then a look at everything: the certificate. Triangles are in the order of the faces after it.
   void certify(CertificateReport& report, const RunControl& control);
 
-  const std::vector<DualTriangle>& triangles() const { return triangles_; }
+  /// O(triangles) the first time after a change.
+  const std::vector<DualTriangle>& triangles() const;
 
   /// Per cell, 1 if its c-vertices or triangles may be others than at the last call of forget_touched().
   const std::vector<std::uint8_t>& touched() const { return touched_; }
-  void touch(std::vector<std::uint8_t> cells) { touched_ = std::move(cells); }  ///< per cell, 1 if it is to count as touched
+  /// The cells that share a face with one of the c-vertices count as touched.
+  void touch_near(std::span<const CVertexId> c_vertices);
   void forget_touched() { touched_.assign(touched_.size(), 0); }
 
  private:
-  void check_and_repair(std::vector<std::uint8_t> scope, CertificateReport& report, const RunControl& control);
+  void check_and_repair(std::vector<CellId> scope, CertificateReport& report, const RunControl& control);
+  bool is_large(std::span<const CellId> scope) const;
+  PartitionCheck check(std::span<const CellId> scope);
+  void take_triangles(std::span<const CellId> scope, PartitionCheck& check);
+  std::vector<CVertexId> find_fixes(const PartitionCheck& check);
+  std::vector<CellId> cells_near_changes();
 
   const SurfaceComplex& complex_;
   Covering& covering_;
-  std::vector<DualTriangle> triangles_;
+  std::shared_ptr<const ComplexAdjacency> adjacency_;  // once something was checked locally
+  ScopedCheck scoped_;
+  TriangleSlots slots_;
+  mutable std::vector<DualTriangle> triangles_;  // those of slots_, one after the other
+  mutable bool is_listed_ = true;                // whether triangles_ are those of now
   std::vector<std::uint8_t> touched_;
   bool fresh_ = true;      // nothing was checked yet
   bool complete_ = false;  // the last check that passed was of everything

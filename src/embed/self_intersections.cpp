@@ -9,10 +9,12 @@
 #include <limits>
 #include <numeric>
 #include <string>
+#include <utility>
 
 #include "core/ids.h"
 #include "core/parallel.h"
 #include "core/vector_math.h"
+#include "embed/find_pairs.h"
 #include "embed/triangle_pair.h"
 #include "isoatlas/error.h"
 #include "mesh/triangle_tree.h"
@@ -30,6 +32,9 @@ struct Box {
   void include(Vec3 p) {
     low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
     high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  Box larger_by(double margin) const {
+    return {{low.x - margin, low.y - margin, low.z - margin}, {high.x + margin, high.y + margin, high.z + margin}};
   }
   bool meets(const Box& other) const {
     return low.x <= other.high.x && other.low.x <= high.x && low.y <= other.high.y && other.low.y <= high.y && low.z <= other.high.z &&
@@ -60,35 +65,45 @@ void check_input(std::span<const Vec3> positions, std::span<const Triangle> tria
   }
 }
 
-// The positions about the origin and no longer than 2, for boxes in single precision. Neither step turns an order of coordinates
-// around, so boxes that meet still do.
-std::vector<Vec3> about_origin(std::span<const Vec3> positions) {
-  double largest = 0;
-  for (const Vec3& p : positions) largest = std::max({largest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
-  const int exponent = largest > 0 ? std::ilogb(largest) + 1 : 0;
-  // In two steps: one power of two alone may not be a double.
-  const double scale = std::ldexp(1.0, -exponent / 2), rest = std::ldexp(1.0, -exponent + exponent / 2);
-  Box box;
-  for (const Vec3& p : positions) box.include(rest * (scale * p));
-  const Vec3 middle = 0.5 * (box.low + box.high);
-  std::vector<Vec3> out(positions.size());
-  for_each_piece(positions.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) out[v] = rest * (scale * positions[v]) - middle;
-  });
-  return out;
-}
+// Positions about the origin and no longer than 2, for boxes in single precision. Neither step turns an order of coordinates around, so
+// boxes that meet still do.
+struct AboutOrigin {
+  std::vector<Vec3> positions;
+  double margin;  // no less than what a margin becomes
+
+  AboutOrigin(std::span<const Vec3> at, double old_margin) {
+    double largest = 0;
+    for (const Vec3& p : at) largest = std::max({largest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+    const int exponent = largest > 0 ? std::ilogb(largest) + 1 : 0;
+    // In two steps: one power of two alone may not be a double.
+    const double scale = std::ldexp(1.0, -exponent / 2), rest = std::ldexp(1.0, -exponent + exponent / 2);
+    margin = old_margin > 0 ? rest * (scale * old_margin) + kRounding : 0;
+    Box box;
+    for (const Vec3& p : at) box.include(rest * (scale * p));
+    const Vec3 middle = 0.5 * (box.low + box.high);
+    positions.resize(at.size());
+    for_each_piece(at.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) positions[v] = rest * (scale * at[v]) - middle;
+    });
+  }
+
+ private:
+  static constexpr double kRounding = 1e-15;  // of coordinates up to 2
+};
 
 // The space around some triangles in blocks, each marked if the box of a triangle reaches into it. Tells quickly of most other triangles
 // that their boxes meet none of these.
 class MarkedBlocks {
  public:
-  /// @param positions  about the origin, see about_origin()
+  /// @param positions  about the origin, see AboutOrigin
   /// @param triangles  at least one
-  MarkedBlocks(std::span<const Vec3> positions, std::span<const Triangle> triangles) : marked_(kBlocks * kBlocks * kBlocks, false) {
+  /// @param margin     that boxes meet with
+  MarkedBlocks(std::span<const Vec3> positions, std::span<const Triangle> triangles, double margin) : marked_(kBlocks * kBlocks * kBlocks, false) {
     Box all;
     for (const Triangle& t : triangles) {
       for (const std::uint32_t v : t) all.include(positions[v]);
     }
+    all = all.larger_by(2 * margin);
     const auto per_length = [](double low, double high) { return high > low ? kBlocks / (high - low) : 0; };
     const Vec3 scale{per_length(all.low.x, all.high.x), per_length(all.low.y, all.high.y), per_length(all.low.z, all.high.z)};
     // It never decreases with the coordinate, whatever the rounding: so boxes that meet have a block in common.
@@ -99,7 +114,10 @@ class MarkedBlocks {
     for_each_piece(positions.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t v = begin; v < end; ++v) {
         const Vec3 p = positions[v];
-        blocks_[v] = {index(p.x, all.low.x, scale.x), index(p.y, all.low.y, scale.y), index(p.z, all.low.z, scale.z)};
+        const auto around = [&](double x, double low, double blocks) {
+          return std::array{index(x - margin, low, blocks), index(x + margin, low, blocks)};
+        };
+        blocks_[v] = {around(p.x, all.low.x, scale.x), around(p.y, all.low.y, scale.y), around(p.z, all.low.z, scale.z)};
       }
     });
     for (const Triangle& t : triangles) {
@@ -124,8 +142,8 @@ class MarkedBlocks {
     const auto &a = blocks_[t[0]], &b = blocks_[t[1]], &c = blocks_[t[2]];
     std::array<std::size_t, 3> low, high;
     for (std::size_t k = 0; k < 3; ++k) {
-      low[k] = std::min({a[k], b[k], c[k]});
-      high[k] = std::max({a[k], b[k], c[k]});
+      low[k] = std::min({a[k][0], b[k][0], c[k][0]});
+      high[k] = std::max({a[k][1], b[k][1], c[k][1]});
     }
     for (std::size_t z = low[2]; z <= high[2]; ++z) {
       for (std::size_t y = low[1]; y <= high[1]; ++y) {
@@ -137,21 +155,24 @@ class MarkedBlocks {
     return false;
   }
 
-  std::vector<std::array<std::uint8_t, 3>> blocks_;  // per vertex, the block that it is in
+  using Range = std::array<std::uint8_t, 2>;
+  std::vector<std::array<Range, 3>> blocks_;  // per vertex, along each axis, the blocks that it is in, within the margin
   std::vector<bool> marked_;
 };
 
 class Search {
  public:
-  Search(std::span<const Vec3> positions, std::span<const Triangle> triangles, const RunControl& control)
-      : positions_(positions), triangles_(triangles), control_(control) {}
+  Search(std::span<const Vec3> positions, std::span<const Triangle> triangles, double margin, const PairTest& is_wanted,
+         const RunControl& control)
+      : positions_(positions), triangles_(triangles), margin_(margin), is_wanted_(is_wanted), control_(control) {}
 
   std::vector<TrianglePair> all() const {
-    const TriangleTree tree(about_origin(positions_), triangles_);
+    AboutOrigin scaled(positions_, margin_);
+    const TriangleTree tree(std::move(scaled.positions), triangles_);
     const std::vector<Box> boxes = boxes_of(tree, positions_);
     return collect(tree.leaf_count(), kLeafGrain, [&](std::size_t begin, std::size_t end, std::vector<TrianglePair>& found) {
       std::vector<std::uint32_t> leaves;
-      for (auto leaf = static_cast<std::uint32_t>(begin); leaf < end; ++leaf) pairs_of_leaf(tree, boxes, leaf, leaves, found);
+      for (auto leaf = static_cast<std::uint32_t>(begin); leaf < end; ++leaf) pairs_of_leaf(tree, boxes, scaled.margin, leaf, leaves, found);
     });
   }
 
@@ -171,14 +192,16 @@ class Search {
       corners.push_back(triangles_[t]);
     }
     if (list.empty()) return {};
-    const TriangleTree tree(about_origin(positions_), corners);
-    const MarkedBlocks blocks(tree.positions(), corners);
+    AboutOrigin scaled(positions_, margin_);
+    const TriangleTree tree(std::move(scaled.positions), corners);
+    const MarkedBlocks blocks(tree.positions(), corners, scaled.margin);
     const std::vector<Box> boxes = boxes_of(tree, positions_);
     return collect(triangles_.size(), kScanGrain, [&](std::size_t begin, std::size_t end, std::vector<TrianglePair>& found) {
       std::vector<std::uint32_t> leaves;
       for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
         if (!blocks.may_meet(triangles_[t])) continue;
-        const Box scaled_box = box_of(tree.positions(), triangles_[t]), box = box_of(positions_, triangles_[t]);
+        const Box scaled_box = box_of(tree.positions(), triangles_[t]).larger_by(2 * scaled.margin);
+        const Box box = box_of(positions_, triangles_[t]).larger_by(2 * margin_);
         leaves.clear();
         tree.leaves_near(scaled_box.low, scaled_box.high, 0, leaves);
         for (const std::uint32_t leaf : leaves) {
@@ -195,7 +218,7 @@ class Search {
 
  private:
   void test(std::uint32_t t, std::uint32_t other, std::vector<TrianglePair>& found) const {
-    if (meet_beyond_shared(positions_, triangles_[t], triangles_[other])) found.push_back(std::minmax(t, other));
+    if (is_wanted_(t, other)) found.push_back(std::minmax(t, other));
   }
 
   // Per slot of the tree, the box of its triangle.
@@ -208,19 +231,20 @@ class Search {
   }
 
   // The pairs of a leaf's triangles with those after them in the tree.
-  void pairs_of_leaf(const TriangleTree& tree, std::span<const Box> boxes, std::uint32_t leaf, std::vector<std::uint32_t>& leaves,
-                     std::vector<TrianglePair>& found) const {
+  void pairs_of_leaf(const TriangleTree& tree, std::span<const Box> boxes, double scaled_margin, std::uint32_t leaf,
+                     std::vector<std::uint32_t>& leaves, std::vector<TrianglePair>& found) const {
     const std::uint32_t begin = TriangleTree::kLeaf * leaf, end = tree.leaf_end(leaf);
     Box all;
     for (std::uint32_t slot = begin; slot < end; ++slot) {
       for (const std::uint32_t v : tree.corners_in(slot)) all.include(tree.positions()[v]);
     }
+    all = all.larger_by(2 * scaled_margin);
     leaves.clear();
     tree.leaves_near(all.low, all.high, leaf, leaves);
     for (const std::uint32_t near : leaves) {
       for (std::uint32_t other = TriangleTree::kLeaf * near; other < tree.leaf_end(near); ++other) {
         for (std::uint32_t slot = begin; slot < std::min(end, other); ++slot)
-          if (boxes[slot].meets(boxes[other])) test(tree.triangle_in(slot), tree.triangle_in(other), found);
+          if (boxes[slot].larger_by(2 * margin_).meets(boxes[other])) test(tree.triangle_in(slot), tree.triangle_in(other), found);
       }
     }
   }
@@ -243,18 +267,27 @@ class Search {
 
   std::span<const Vec3> positions_;
   std::span<const Triangle> triangles_;
+  double margin_;
+  const PairTest& is_wanted_;
   const RunControl& control_;
 };
 
 }  // namespace
+
+std::vector<TrianglePair> find_pairs(std::span<const Vec3> positions, std::span<const Triangle> triangles, double margin,
+                                     std::optional<std::span<const std::uint32_t>> involving, const PairTest& is_wanted,
+                                     const RunControl& control) {
+  const Search search(positions, triangles, margin, is_wanted, control);
+  return involving ? search.involving(*involving) : search.all();
+}
 
 std::vector<TrianglePair> self_intersections(std::span<const Vec3> positions, std::span<const Triangle> triangles,
                                              const SelfIntersectionOptions& options, const RunControl& control) {
   const ThreadLimit threads(control.threads);
   control.report("intersect", 0);
   check_input(positions, triangles);
-  const Search search(positions, triangles, control);
-  return options.involving ? search.involving(*options.involving) : search.all();
+  const auto intersect = [&](std::uint32_t a, std::uint32_t b) { return meet_beyond_shared(positions, triangles[a], triangles[b]); };
+  return find_pairs(positions, triangles, 0, options.involving, intersect, control);
 }
 
 Vec3 meeting_place(std::span<const Vec3> positions, const Triangle& a, const Triangle& b) {

@@ -118,23 +118,27 @@ bool is_moderate(double x) { return x > 1e-60 && x < 1e60; }
 
 // Tells on which side of the plane of three points a point lies, where doubles suffice: by one normal and a height whose error is bounded.
 // The six products of a height are each below u v w, the largest coordinates of three differences, and each has a relative error below 8
-// times 2^-53, so 48 * 2^-53 * u v w bounds the error; kError is twice that.
+// times 2^-53, so 48 * 2^-53 * u v w bounds the error; kError is twice that. If coordinates may move by a slack, the coordinates of differences
+// move by twice that, e, and the height by up to 6 ((u + e) (v + e) (w + e) - u v w).
 class RoughPlane {
  public:
-  RoughPlane(Vec3 p, Vec3 q, Vec3 r) : apex_(p) {
+  RoughPlane(Vec3 p, Vec3 q, Vec3 r, double slack = 0) : apex_(p) {
     const Vec3 along = q - p, across = r - p;
     const double u = largest_coordinate(along), v = largest_coordinate(across);
     if (!is_moderate(u) || !is_moderate(v)) return;
     normal_ = cross(along, across);
-    error_ = kError * u * v;
+    const double e = 2 * slack, moved = (u + e) * (v + e);
+    error_ = kError * u * v + 6 * (moved - u * v);
+    least_ = 6 * moved * e;
   }
-  RoughPlane(std::span<const Vec3> positions, const Triangle& t) : RoughPlane(positions[t[0]], positions[t[1]], positions[t[2]]) {}
+  RoughPlane(std::span<const Vec3> positions, const Triangle& t, double slack = 0)
+      : RoughPlane(positions[t[0]], positions[t[1]], positions[t[2]], slack) {}
 
   /// 1: above for sure, -1: below for sure; 0: not known.
   int side(Vec3 p) const {
     const Vec3 to = p - apex_;
     const double w = largest_coordinate(to), height = dot(normal_, to);
-    if (!is_moderate(w) || !(std::fabs(height) > error_ * w)) return 0;
+    if (!is_moderate(w) || !(std::fabs(height) > error_ * w + least_)) return 0;
     return height > 0 ? 1 : -1;
   }
 
@@ -142,17 +146,19 @@ class RoughPlane {
   static constexpr double kError = 1.1e-14;
 
   Vec3 apex_, normal_;
-  double error_ = 0;  // with a normal of 0 no height is above it
+  double error_ = 0;  // times the largest coordinate of the difference; with a normal of 0 no height is above it
+  double least_ = 0;  // whatever the difference
 };
 
 // Whether two triangles that share an edge certainly turn more than a right angle there: then they have only the edge's line in common. The
 // twelve products are each below u u v w, with a relative error below 16 times 2^-53.
-bool is_surely_obtuse(Vec3 from, Vec3 to, Vec3 p, Vec3 q) {
+bool is_surely_obtuse(Vec3 from, Vec3 to, Vec3 p, Vec3 q, double slack = 0) {
   constexpr double kError = 5e-14;
   const Vec3 edge = to - from, to_p = p - from, to_q = q - from;
   const double u = largest_coordinate(edge), v = largest_coordinate(to_p), w = largest_coordinate(to_q);
   if (!is_moderate(u) || !is_moderate(v) || !is_moderate(w)) return false;
-  return dot(cross(edge, to_p), cross(edge, to_q)) < -kError * u * u * v * w;
+  const double e = 2 * slack, size = u * u * v * w, moved = (u + e) * (u + e) * (v + e) * (w + e);
+  return dot(cross(edge, to_p), cross(edge, to_q)) < -kError * size - 12 * (moved - size);
 }
 
 // The corners of one triangle: which of them the other triangle has too, and on which side of its plane the rest lies.
@@ -184,6 +190,19 @@ struct Beside {
   }
 };
 
+// The corners that two triangles with a common edge do not share, and that edge.
+struct Hinge {
+  Hinge(const Triangle& a, const Beside& sides_a, const Triangle& b, const Beside& sides_b) {
+    std::size_t n = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      (sides_a.is_shared[k] ? edge[n++] : rest_a) = a[k];
+      if (!sides_b.is_shared[k]) rest_b = b[k];
+    }
+  }
+  std::array<std::uint32_t, 2> edge{};
+  std::uint32_t rest_a = 0, rest_b = 0;
+};
+
 // Two triangles without a common corner, each with corners on both sides of the other's plane: their planes meet in a line, each triangle
 // meets it in an interval, and two signs say whether these overlap ([guigue2003]). None: doubles cannot tell.
 std::optional<bool> intervals_overlap(std::span<const Vec3> positions, const Triangle& a, const Beside& sides_a, const Triangle& b,
@@ -209,14 +228,8 @@ std::optional<bool> meet_roughly(std::span<const Vec3> positions, const Triangle
   const Beside sides_a(a, b, side_of_b);
   if (sides_a.is_on_one_side()) return false;
   if (sides_a.shared == 2 && sides_b.shared == 2) {
-    const auto rest_of = [](const Triangle& t, const Beside& sides) { return t[!sides.is_shared[0] ? 0 : !sides.is_shared[1] ? 1 : 2]; };
-    std::array<std::uint32_t, 2> edge{};
-    std::size_t n = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (sides_a.is_shared[k]) edge[n++] = a[k];
-    }
-    if (is_surely_obtuse(positions[edge[0]], positions[edge[1]], positions[rest_of(a, sides_a)], positions[rest_of(b, sides_b)]))
-      return false;
+    const Hinge hinge(a, sides_a, b, sides_b);
+    if (is_surely_obtuse(positions[hinge.edge[0]], positions[hinge.edge[1]], positions[hinge.rest_a], positions[hinge.rest_b])) return false;
     return std::nullopt;
   }
   if (!sides_a.is_on_both_sides() || !sides_b.is_on_both_sides()) return std::nullopt;
@@ -265,6 +278,17 @@ bool meet_beyond_shared(std::span<const Vec3> positions, const Triangle& a, cons
       positions, a, b, [&](std::uint32_t corner) { return plane_a.side(positions[corner]); },
       [&](std::uint32_t corner) { return plane_b.side(positions[corner]); });
   return roughly ? *roughly : meet_exactly(positions, a, b);
+}
+
+bool are_surely_apart(std::span<const Vec3> positions, const Triangle& a, const Triangle& b, double slack) {
+  const RoughPlane plane_a(positions, a, slack), plane_b(positions, b, slack);
+  const Beside sides_b(b, a, [&](std::uint32_t corner) { return plane_a.side(positions[corner]); });
+  if (sides_b.is_on_one_side()) return true;
+  const Beside sides_a(a, b, [&](std::uint32_t corner) { return plane_b.side(positions[corner]); });
+  if (sides_a.is_on_one_side()) return true;
+  if (sides_a.shared != 2 || sides_b.shared != 2) return false;
+  const Hinge hinge(a, sides_a, b, sides_b);
+  return is_surely_obtuse(positions[hinge.edge[0]], positions[hinge.edge[1]], positions[hinge.rest_a], positions[hinge.rest_b], slack);
 }
 
 bool has_area(std::span<const Vec3> positions, const Triangle& t) {

@@ -11,6 +11,10 @@ namespace isoatlas {
 /// Exact for all finite coordinates.
 bool meet_beyond_shared(std::span<const Vec3> positions, const Triangle& a, const Triangle& b);
 
+/// Whether two triangles certainly have no common point beyond what they share, wherever each coordinate of each corner is moved by up to
+/// `slack`. Quick, and false where doubles cannot tell.
+bool are_surely_apart(std::span<const Vec3> positions, const Triangle& a, const Triangle& b, double slack);
+
 /// Whether the corners of a triangle are not on one line. Exact for all finite coordinates.
 bool has_area(std::span<const Vec3> positions, const Triangle& t);
 

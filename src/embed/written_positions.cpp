@@ -27,14 +27,12 @@ Bounds box_of(const Grid& grid, Space space) {
 
 double largest_coordinate(Vec3 p) { return std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}); }
 
-// The largest rounding of a coordinate of the volume, in voxels.
-double rounding(const Grid& grid, Space space, Vec3 origin) {
-  const Bounds box = box_of(grid, space);
+// The largest rounding of a coordinate of the volume to float32.
+double rounding(const Bounds& box, Vec3 origin) {
   const double reach = std::max(largest_coordinate(box.low - origin), largest_coordinate(box.high - origin));
-  const double voxel = space == Space::voxel ? 1 : grid.smallest_spacing();
   if (!(reach < std::numeric_limits<float>::max())) return std::numeric_limits<double>::infinity();
   const double step = std::max(reach * std::numeric_limits<float>::epsilon(), static_cast<double>(std::numeric_limits<float>::denorm_min()));
-  return step / 2 / voxel;
+  return step / 2;
 }
 
 }  // namespace
@@ -45,8 +43,14 @@ WrittenPositions::WrittenPositions(const Grid& grid, Space space, std::uint32_t 
     : grid_(grid), space_(space), steps_(supersample) {
   std::vector<Vec3> origins{Vec3{}};
   if (const Vec3 other = float32_origin(grid, space); other != Vec3{}) origins.push_back(other);
+  const Bounds box = box_of(grid, space);
+  const double voxel = space == Space::voxel ? 1 : grid.smallest_spacing();
   for (const Vec3 origin : origins) {
-    if (rounding(grid, space, origin) <= kMostRounding) float32_origins_.push_back(origin);
+    const double to_float = rounding(box, origin);
+    if (!(to_float <= kMostRounding * voxel)) continue;
+    float32_origins_.push_back(origin);
+    const double to_double = std::max(largest_coordinate(box.low), largest_coordinate(box.high)) * std::numeric_limits<double>::epsilon();
+    most_rounding_ = std::max(most_rounding_, 1.01 * (to_float + to_double));  // vertices are in the box, up to rounding
   }
 }
 
@@ -54,18 +58,17 @@ Vec3 WrittenPositions::in_space(Vec3 index) const {
   return to_space(grid_, space_, {index.x / steps_, index.y / steps_, index.z / steps_});
 }
 
+Vec3 WrittenPositions::in_form(std::size_t form, Vec3 index) const {
+  const Vec3 p = in_space(index);
+  if (form == 0) return p;
+  const Vec3 q = p - float32_origins_[form - 1];
+  return {to_float32(q.x), to_float32(q.y), to_float32(q.z)};
+}
+
 std::vector<Vec3> WrittenPositions::in_form(std::size_t form, std::span<const Vec3> indices) const {
   std::vector<Vec3> out;
   out.reserve(indices.size());
-  for (const Vec3 index : indices) {
-    const Vec3 p = in_space(index);
-    if (form == 0) {
-      out.push_back(p);
-      continue;
-    }
-    const Vec3 q = p - float32_origins_[form - 1];
-    out.push_back({to_float32(q.x), to_float32(q.y), to_float32(q.z)});
-  }
+  for (const Vec3 index : indices) out.push_back(in_form(form, index));
   return out;
 }
 

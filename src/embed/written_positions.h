@@ -29,13 +29,17 @@ class WrittenPositions {
   Vec3 in_space(Vec3 index) const;  ///< form 0
   std::size_t form_count() const { return 1 + float32_origins_.size(); }
   /// @return as doubles; those of a float32 form without its origin
+  Vec3 in_form(std::size_t form, Vec3 index) const;
   std::vector<Vec3> in_form(std::size_t form, std::span<const Vec3> indices) const;
+  /// How far a coordinate in any form is from that of form 0, at most, apart from the origin.
+  double most_rounding() const { return most_rounding_; }
 
  private:
   Grid grid_;
   Space space_ = Space::voxel;
   double steps_ = 1;
   std::vector<Vec3> float32_origins_;
+  double most_rounding_ = 0;
 };
 
 }  // namespace isoatlas

@@ -17,37 +17,9 @@
 #include "core/disjoint_sets.h"
 
 namespace isoatlas {
-namespace {
-
-struct ArcEnd {
-  CellId high;   // of the two cells the one with the larger id; the other is the bucket
-  CellId third;  // the third cell of the dual triangle, kNone at the boundary
-};
-
-// Every arc must have two ends, at least one of them a triangle, and not the same third cell at both.
-template <class InScope>
-void check_arcs(const std::vector<ArcEnd>& ends, std::size_t from, std::size_t to, CellId low, InScope in_scope, PartitionCheck& check) {
-  for (std::size_t i = from; i < to;) {
-    std::size_t j = i;
-    while (j < to && ends[j].high == ends[i].high) ++j;
-    if (!in_scope(low) && !in_scope(ends[i].high)) {
-      i = j;
-      continue;
-    }
-    ++check.pairs;
-    const bool good = j - i == 2 && ends[i].third != ends[i + 1].third;  // two boundary ends have equal thirds, kNone
-    if (!good) check.pair_faults.push_back({low, ends[i].high});
-    i = j;
-  }
-}
-
-}  // namespace
-
 PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const CellId> cell_of, std::uint32_t cells,
-                               std::span<const CVertexId> site, std::span<const std::uint8_t> scope) {
+                               std::span<const CVertexId> site) {
   const std::uint32_t n = complex.c_vertex_count();
-  const bool all = scope.empty();
-  const auto in_scope = [&](CellId c) { return all || scope[c]; };
   PartitionCheck check;
 
   // Cells: connected through sides and chosen diagonals, and V - E + F = 1. Every side is counted half from each of its
@@ -58,12 +30,7 @@ PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const Ce
   for (const Face& face : complex.faces) {
     const int size = face.size();
     std::array<CellId, 4> c;
-    bool wanted = all;
-    for (int k = 0; k < size; ++k) {
-      c[k] = cell_of[face.corner[k]];
-      wanted = wanted || scope[c[k]];
-    }
-    if (!wanted) continue;
+    for (int k = 0; k < size; ++k) c[k] = cell_of[face.corner[k]];
     bool whole = true;
     for (int k = 0; k < size; ++k) {
       const int next = k + 1 == size ? 0 : k + 1;
@@ -104,8 +71,7 @@ PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const Ce
     for (const CellId c : {a, b}) boundary_ends[c] = std::min<std::uint8_t>(3, boundary_ends[c] + 1);
   }
 
-  check.cell_fault.assign(cells, 0);
-  std::vector<std::uint8_t> has_triangle(cells, 0);
+  std::vector<std::uint8_t> has_triangle(cells, 0), is_split(cells, 0);
   for (const DualTriangle& t : check.triangles) {
     for (const CellId c : t.cell) has_triangle[c] = 1;
   }
@@ -114,16 +80,16 @@ PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const Ce
     const CellId c = cell_of[v];
     const CVertexId r = pieces.find(v);
     if (root[c] == kNone) root[c] = r;
-    if (root[c] != r && in_scope(c)) check.cell_fault[c] |= kNotConnected;
+    if (root[c] != r) is_split[c] = 1;
   }
   for (CellId c = 0; c < cells; ++c) {
-    if (root[c] == kNone || !in_scope(c)) continue;
+    if (root[c] == kNone) continue;
     ++check.cells;
-    std::uint8_t& fault = check.cell_fault[c];
+    std::uint8_t fault = is_split[c] ? kNotConnected : 0;
     if (twice_euler[c] != 2) fault |= kNotADisk;
     if (!has_triangle[c]) fault |= kNoTriangle;
     if (touches_boundary[c] && (boundary_ends[c] != 2 || (!site.empty() && !complex.on_boundary[site[c]]))) fault |= kBadBoundary;
-    if (fault != 0) ++check.faulty_cells;
+    if (fault != 0) check.faulty_cells.push_back({c, fault});
   }
 
   // Pairs and triples, by arc ends in buckets.
@@ -133,33 +99,36 @@ PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const Ce
   for (const DualTriangle& t : check.triangles) {
     for (int k = 0; k < 3; ++k) {
       const CellId a = t.cell[k], b = t.cell[(k + 1) % 3];
-      ends[first[std::min(a, b)]++] = {std::max(a, b), t.cell[(k + 2) % 3]};
+      ends[first[std::min(a, b)]++] = {std::min(a, b), std::max(a, b), t.cell[(k + 2) % 3]};
     }
   }
   for (const BoundarySide& s : complex.boundary) {
     const CellId a = cell_of[s.from], b = cell_of[s.to];
-    if (a != b) ends[first[std::min(a, b)]++] = {std::max(a, b), kNone};
+    if (a != b) ends[first[std::min(a, b)]++] = {std::min(a, b), std::max(a, b), kNone};
   }
   for (CellId c = 0; c < cells; ++c) {  // filling moved first[c] to the end of bucket c
     const std::uint32_t from = c == 0 ? 0 : first[c - 1], to = first[c];
     if (from == to) continue;
     std::sort(ends.begin() + from, ends.begin() + to, [](const ArcEnd& a, const ArcEnd& b) { return a.high < b.high; });
-    check_arcs(ends, from, to, c, in_scope, check);
   }
+  judge_pairs(ends, check);
   return check;
 }
 
-std::vector<std::uint8_t> cells_near_changes(const SurfaceComplex& complex, std::span<const CellId> cell_of, std::uint32_t cells,
-                                             std::span<const std::uint8_t> changed) {
-  std::vector<std::uint8_t> near(cells, 0);
-  for (const Face& face : complex.faces) {
-    const int size = face.size();
-    bool touched = false;
-    for (int k = 0; k < size; ++k) touched = touched || changed[face.corner[k]];
-    if (!touched) continue;
-    for (int k = 0; k < size; ++k) near[cell_of[face.corner[k]]] = 1;
+std::uint8_t PartitionCheck::fault_of(CellId cell) const {
+  const auto found = std::ranges::lower_bound(faulty_cells, cell, {}, &FaultyCell::cell);
+  return found != faulty_cells.end() && found->cell == cell ? found->fault : 0;
+}
+
+// Every arc must have two ends, at least one of them a triangle, and not the same third cell at both.
+void judge_pairs(std::span<const ArcEnd> ends, PartitionCheck& check) {
+  for (std::size_t i = 0, j; i < ends.size(); i = j) {
+    j = i;
+    while (j < ends.size() && ends[j].low == ends[i].low && ends[j].high == ends[i].high) ++j;
+    ++check.pairs;
+    const bool good = j - i == 2 && ends[i].third != ends[i + 1].third;  // two boundary ends have equal thirds, kNone
+    if (!good) check.pair_faults.push_back({ends[i].low, ends[i].high});
   }
-  return near;
 }
 
 void record(const PartitionCheck& check, CertificateReport& report) {

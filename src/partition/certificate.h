@@ -22,31 +22,39 @@ struct PairFault {
   CellId a, b;  ///< a < b
 };
 
+struct FaultyCell {
+  CellId cell;
+  std::uint8_t fault;  ///< bits of CellFault
+};
+
 struct PartitionCheck {
   std::vector<DualTriangle> triangles;   ///< of the dual, in the order of the faces
-  std::vector<std::uint8_t> cell_fault;  ///< per cell, bits of CellFault
+  std::vector<FaultyCell> faulty_cells;  ///< sorted by cell
   std::vector<PairFault> pair_faults;    ///< sorted
-  std::size_t faulty_cells = 0;
-  std::size_t cells = 0, pairs = 0;  ///< how much was checked
-  bool passed() const { return faulty_cells == 0 && pair_faults.empty(); }
+  std::size_t cells = 0, pairs = 0;      ///< how much was checked
+  bool passed() const { return faulty_cells.empty() && pair_faults.empty(); }
+  std::uint8_t fault_of(CellId cell) const;  ///< bits of CellFault; O(log)
 };
+
+/// One end of an arc between two cells.
+struct ArcEnd {
+  CellId low, high;  ///< the two cells, low < high
+  CellId third;      ///< the third cell of the dual triangle there; kNone at the boundary
+};
+
+/// Adds to the check how many arcs these are, and the pairs of cells whose arcs are faulty.
+/// @param ends  those of one pair of cells are one after the other
+void judge_pairs(std::span<const ArcEnd> ends, PartitionCheck& check);
 
 /// The closed ball property of a partition, checked cell by cell, pair by pair and triple by triple. If it passes, the dual
 /// is a simplicial 2-manifold with boundary, homeomorphic to the complex; docs/theory/02-certificate.md has the proof.
 ///
 /// @param cell_of per c-vertex, < cells; cells without c-vertices are skipped
 /// @param site    per cell, its site; empty: sites are not looked at, and ABCD is split at the face's own shorter diagonal
-/// @param scope   per cell, 1 if it is to be checked; empty: all, and only that is a certificate. Pairs and triples are checked
-///                where at least one of their cells is, and `triangles` has those with such a corner.
 /// @cost  O(C α(C)); no floating point but for the diagonals of quads with four cells, which are free to choose
 /// @source Edelsbrunner and Shah 1997; paper, section 3.6
 PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const CellId> cell_of, std::uint32_t cells,
-                               std::span<const CVertexId> site, std::span<const std::uint8_t> scope = {});
-
-/// The cells a change of the partition can have made faulty or whole: all that share a face with a changed c-vertex.
-/// @param changed per c-vertex, 1 if it is in another cell than before
-std::vector<std::uint8_t> cells_near_changes(const SurfaceComplex& complex, std::span<const CellId> cell_of, std::uint32_t cells,
-                                             std::span<const std::uint8_t> changed);
+                               std::span<const CVertexId> site);
 
 /// Writes down what a check looked at and whether it passed.
 void record(const PartitionCheck& check, CertificateReport& report);

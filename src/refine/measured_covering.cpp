@@ -94,15 +94,17 @@ MeasuredCovering::MeasuredCovering(const Ground& finer, const MeasuredCovering& 
   dual_.update(report, control);
   dual_.forget_touched();
   const std::vector<CellId>& before = other.partition().cell_of;
-  std::vector<std::uint8_t> other_cell(partition().cell_of.size(), 1);
-  for (CVertexId v = 0; v < before.size(); ++v) other_cell[v] = before[v] != partition().cell_of[v];
+  std::vector<CVertexId> other_cell;
+  for (CVertexId v = 0; v < partition().cell_of.size(); ++v) {
+    if (v >= before.size() || before[v] != partition().cell_of[v]) other_cell.push_back(v);
+  }
   for (CellId c = 0; c < places_.anchor.size(); ++c) {  // went back to where it was before it was moved
     const CVertexId v = places_.anchor[c];
     const Vec3 s = finer.complex.spacing;
     const double rounding = 1e-6 * std::min({s.x, s.y, s.z});
-    if (length(finer.surfels.point[v] - other.places_.base(other.ground_.surfels, c)) > rounding) other_cell[v] = 1;
+    if (length(finer.surfels.point[v] - other.places_.base(other.ground_.surfels, c)) > rounding) other_cell.push_back(v);
   }
-  dual_.touch(cells_near_changes(finer.complex, partition().cell_of, partition().cell_count(), other_cell));
+  dual_.touch_near(other_cell);
 }
 
 MeasuredCovering::MeasuredCovering(const MeasuredCovering& other)

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/ids.h"
+
+namespace isoatlas {
+
+/// Rows of items in one array, as in compressed sparse rows, that can still change: each row has its own capacity, and a row that grows
+/// beyond it moves to the end of the array. Memory that such rows leave behind is not used again.
+template <class Item>
+class SlackRows {
+ public:
+  /// @param sizes  per row, how many items will be added to it without moving it
+  void reserve(std::span<const std::uint32_t> sizes) {
+    rows_.resize(sizes.size());
+    std::size_t total = 0;
+    for (std::size_t r = 0; r < sizes.size(); ++r) {
+      rows_[r] = {static_cast<std::uint32_t>(total), 0, sizes[r]};
+      total += sizes[r];
+    }
+    items_.resize(checked_id(total, "items of rows"));
+  }
+
+  std::uint32_t row_count() const { return static_cast<std::uint32_t>(rows_.size()); }
+  void add_rows(std::size_t count) { rows_.resize(rows_.size() + count); }  ///< empty ones
+
+  std::span<const Item> row(std::uint32_t r) const { return {items_.data() + rows_[r].first, rows_[r].size}; }
+  std::span<Item> row(std::uint32_t r) { return {items_.data() + rows_[r].first, rows_[r].size}; }
+
+  void push_back(std::uint32_t r, const Item& item) {
+    Row& row = rows_[r];
+    if (row.size == row.capacity) move_to_end(row, std::max(kLeastCapacity, 2 * row.capacity));
+    items_[row.first + row.size++] = item;
+  }
+
+  /// Replaces a row.
+  void assign(std::uint32_t r, std::span<const Item> items) {
+    Row& row = rows_[r];
+    row.size = 0;
+    if (items.size() > row.capacity) move_to_end(row, static_cast<std::uint32_t>(items.size()));
+    std::copy(items.begin(), items.end(), items_.begin() + row.first);
+    row.size = static_cast<std::uint32_t>(items.size());
+  }
+
+  /// Removes the first item equal to `item`; the others keep their order.
+  void erase(std::uint32_t r, const Item& item) {
+    const std::span<Item> items = row(r);
+    const auto found = std::find(items.begin(), items.end(), item);
+    if (found == items.end()) return;
+    std::copy(found + 1, items.end(), found);
+    --rows_[r].size;
+  }
+
+ private:
+  struct Row {
+    std::uint32_t first = 0, size = 0, capacity = 0;
+  };
+  static constexpr std::uint32_t kLeastCapacity = 8;
+
+  void move_to_end(Row& row, std::uint32_t capacity) {
+    const std::uint32_t first = checked_id(items_.size(), "items of rows");
+    items_.resize(items_.size() + capacity);
+    std::copy_n(items_.begin() + row.first, row.size, items_.begin() + first);
+    row.first = first;
+    row.capacity = capacity;
+  }
+
+  std::vector<Item> items_;
+  std::vector<Row> rows_;
+};
+
+}  // namespace isoatlas

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "surface/complex_adjacency.h"
+
+namespace isoatlas {
+
+ComplexAdjacency::ComplexAdjacency(const SurfaceComplex& complex) {
+  std::vector<std::uint32_t> count(complex.c_vertex_count(), 0);
+  for (const Face& face : complex.faces) {
+    for (int k = 0; k < face.size(); ++k) ++count[face.corner[k]];
+  }
+  faces_.reserve(count);
+  for (FaceId f = 0; f < complex.face_count(); ++f) {
+    const Face& face = complex.faces[f];
+    for (int k = 0; k < face.size(); ++k) faces_.push_back(face.corner[k], f);
+  }
+  if (complex.boundary.empty()) return;
+  next_.assign(complex.c_vertex_count(), kNone);
+  previous_.assign(complex.c_vertex_count(), kNone);
+  for (const BoundarySide& side : complex.boundary) {
+    next_[side.from] = side.to;
+    previous_[side.to] = side.from;
+  }
+}
+
+}  // namespace isoatlas
