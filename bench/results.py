@@ -15,6 +15,7 @@ import json
 import os
 import pathlib
 import platform
+import re
 import subprocess
 import sys
 import tempfile
@@ -30,7 +31,6 @@ STUDY = {
     ("flame_heptane.nii.gz", "60.5"): (5388, 1.2), ("brain_white_matter.nii.gz", "127.5"): (7842, 1.2), ("protein_iron.nhdr", "100"): (692, 1.2),
     ("embryo.nrrd", "90.5"): (161764, 1.2), ("ct_engine.nrrd", "128"): (10398, 1.2),
 }
-KEPT = ("## Pages", "## Guarantees past the paper")  # bench/pages.mjs and bench/guarantees.py write these sections
 # At most so many times vtkMarchingCubes: 2 on smooth volumes, 8 on noisy ones.
 SMOOTH = {("head_igea_sdf.nrrd", "0"), ("dragon_sdf.nrrd", "0"), ("neuron_dendrite.nrrd", "127.5"), ("ct_oblique.nii.gz", "80.5"),
           ("brain_white_matter.nii.gz", "127.5"), ("ct_engine.nrrd", "80.5")}
@@ -45,6 +45,19 @@ def must(command, **options):
     if done.returncode != 0:
         sys.exit(f"{' '.join(map(str, command))}\n{done.stdout}{done.stderr}")
     return done.stdout
+
+
+def sections(text):
+    """[(heading, text)] of a page, in order; the first is what comes before all headings of level 2."""
+    parts = re.split(r"^(?=## )", text, flags=re.MULTILINE)
+    return [(part.split("\n", 1)[0] if part.startswith("## ") else "", part.strip() + "\n") for part in parts]
+
+
+def with_new_sections(old, new):
+    """The old page with the sections of the new one in it; other scripts and people write the others."""
+    written = dict(sections(new))
+    kept = [written.pop(heading, part) for heading, part in sections(old)]
+    return "\n".join(kept + list(written.values()))
 
 
 def build(oracle_source):
@@ -379,8 +392,7 @@ At Mesh_3's triangle counts, `--placement balanced`. Mesh_3's figures are those 
 {chr(10).join(beside)}
 """
     old = options.out.read_text() if options.out.exists() else ""
-    kept = min((old.find(title) for title in KEPT if title in old), default=-1)
-    options.out.write_text(text + ("\n" + old[kept:] if kept >= 0 else ""))
+    options.out.write_text(with_new_sections(old, text))
     print(f"wrote {options.out}")
     for file in work.iterdir():
         file.unlink()

@@ -9,8 +9,10 @@
 namespace isoatlas {
 namespace {
 
-// A check of everything is as fast as one of this part of it.
-constexpr std::size_t kLargePart = 5;
+void sort_unique(std::vector<CellId>& cells) {
+  std::sort(cells.begin(), cells.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+}
 
 struct Candidate {
   float distance = 0;  // from its site; larger is better
@@ -131,13 +133,10 @@ const std::vector<DualTriangle>& CertifiedDual::triangles() const {
   return triangles_;
 }
 
-bool CertifiedDual::is_large(std::span<const CellId> scope) const { return kLargePart * scope.size() > covering_.partition().cell_count(); }
-
 // `scope` empty: everything.
 PartitionCheck CertifiedDual::check(std::span<const CellId> scope) {
   const Partition& partition = covering_.partition();
-  if (scope.empty() || is_large(scope))
-    return check_partition(complex_, partition.cell_of, partition.cell_count(), partition.site);
+  if (scope.empty()) return check_partition(complex_, partition.cell_of, partition.cell_count(), partition.site);
   return scoped_.run(complex_, *adjacency_, partition.cell_of, covering_.members(), partition.site, scope);
 }
 
@@ -146,18 +145,13 @@ void CertifiedDual::take_triangles(std::span<const CellId> scope, PartitionCheck
   if (scope.empty()) {
     slots_ = TriangleSlots(std::move(check.triangles), cells);
   } else {
-    if (is_large(scope)) {  // everything was checked; but triangles elsewhere keep their slots
-      EpochSet in_scope;
-      for (const CellId c : scope) in_scope.insert(c);
-      std::erase_if(check.triangles, [&](const DualTriangle& t) { return std::ranges::none_of(t.cell, [&](CellId c) { return in_scope.contains(c); }); });
-    }
     slots_.replace(scope, check.triangles, cells);
   }
   is_listed_ = false;
 }
 
 std::vector<CellId> CertifiedDual::cells_near_changes() {
-  return cells_near(complex_, *adjacency_, covering_.partition().cell_of, covering_.changed());
+  return scoped_.cells_near(complex_, *adjacency_, covering_.partition().cell_of, covering_.changed());
 }
 
 // `scope` empty: everything.
@@ -165,6 +159,8 @@ void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateRepor
   const Partition& partition = covering_.partition();
   RunControl quiet = control;  // what is covered on the way is not the stage that tells its progress
   quiet.progress = nullptr;
+  std::vector<CellId> checked = scope;  // in all rounds; if the first one was of everything, so is the last
+  const bool everything = scope.empty();
   for (;;) {
     control.check_cancelled();
     PartitionCheck found = check(scope);
@@ -172,10 +168,14 @@ void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateRepor
     touched_.resize(partition.cell_count(), 1);
     if (scope.empty()) std::fill(touched_.begin(), touched_.end(), std::uint8_t{1});
     for (const CellId c : scope) touched_[c] = 1;
-    if (found.passed() && scope.empty()) record(found, report);
-    take_triangles(scope, found);
     if (found.passed()) {
-      complete_ = scope.empty();
+      // One look at all that was checked on the way has the triangles there.
+      sort_unique(checked);
+      if (!everything && checked.size() > scope.size()) found = check(checked);
+      if (everything && !scope.empty()) found = check({});
+      if (everything) record(found, report);
+      take_triangles(everything ? std::span<const CellId>() : checked, found);
+      complete_ = everything;
       report.passed = true;
       return;
     }
@@ -198,8 +198,8 @@ void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateRepor
     scope = cells_near_changes();  // and faults left for the next round
     for (const FaultyCell& f : found.faulty_cells) scope.push_back(f.cell);
     for (const PairFault& p : found.pair_faults) scope.insert(scope.end(), {p.a, p.b});
-    std::sort(scope.begin(), scope.end());
-    scope.erase(std::unique(scope.begin(), scope.end()), scope.end());
+    sort_unique(scope);
+    if (!everything) checked.insert(checked.end(), scope.begin(), scope.end());
   }
 }
 
@@ -218,7 +218,7 @@ void CertifiedDual::update(CertificateReport& report, const RunControl& control)
 
 void CertifiedDual::touch_near(std::span<const CVertexId> c_vertices) {
   if (!adjacency_) adjacency_ = std::make_shared<const ComplexAdjacency>(complex_);
-  for (const CellId c : cells_near(complex_, *adjacency_, covering_.partition().cell_of, c_vertices)) touched_[c] = 1;
+  for (const CellId c : scoped_.cells_near(complex_, *adjacency_, covering_.partition().cell_of, c_vertices)) touched_[c] = 1;
 }
 
 void CertifiedDual::certify(CertificateReport& report, const RunControl& control) {

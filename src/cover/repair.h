@@ -43,7 +43,6 @@ class CertifiedDual {
 
  private:
   void check_and_repair(std::vector<CellId> scope, CertificateReport& report, const RunControl& control);
-  bool is_large(std::span<const CellId> scope) const;
   PartitionCheck check(std::span<const CellId> scope);
   void take_triangles(std::span<const CellId> scope, PartitionCheck& check);
   std::vector<CVertexId> find_fixes(const PartitionCheck& check);

@@ -98,17 +98,20 @@ class MarkedBlocks {
   /// @param positions  about the origin, see AboutOrigin
   /// @param triangles  at least one
   /// @param margin     that boxes meet with
-  MarkedBlocks(std::span<const Vec3> positions, std::span<const Triangle> triangles, double margin) : marked_(kBlocks * kBlocks * kBlocks, false) {
+  MarkedBlocks(std::span<const Vec3> positions, std::span<const Triangle> triangles, double margin)
+      : blocks_per_axis_(std::clamp<std::size_t>(static_cast<std::size_t>(2 * std::cbrt(static_cast<double>(triangles.size()))), 1, kMostBlocks)),
+        marked_(blocks_per_axis_ * blocks_per_axis_ * blocks_per_axis_, false) {
     Box all;
     for (const Triangle& t : triangles) {
       for (const std::uint32_t v : t) all.include(positions[v]);
     }
     all = all.larger_by(2 * margin);
-    const auto per_length = [](double low, double high) { return high > low ? kBlocks / (high - low) : 0; };
+    const auto n = static_cast<double>(blocks_per_axis_);
+    const auto per_length = [n](double low, double high) { return high > low ? n / (high - low) : 0; };
     const Vec3 scale{per_length(all.low.x, all.high.x), per_length(all.low.y, all.high.y), per_length(all.low.z, all.high.z)};
     // It never decreases with the coordinate, whatever the rounding: so boxes that meet have a block in common.
-    const auto index = [](double x, double low, double blocks) {
-      return static_cast<std::uint8_t>(std::clamp((x - low) * blocks, 0.0, kBlocks - 1.0));
+    const auto index = [n](double x, double low, double blocks) {
+      return static_cast<std::uint8_t>(std::clamp((x - low) * blocks, 0.0, n - 1));
     };
     blocks_.resize(positions.size());
     for_each_piece(positions.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -134,7 +137,7 @@ class MarkedBlocks {
   }
 
  private:
-  static constexpr std::size_t kBlocks = 64;  // along each axis
+  static constexpr std::size_t kMostBlocks = 64;  // along each axis
 
   // Whether `visit` says yes to one of the blocks that a triangle's box reaches into; those after it are not asked about.
   template <class Visit>
@@ -148,13 +151,14 @@ class MarkedBlocks {
     for (std::size_t z = low[2]; z <= high[2]; ++z) {
       for (std::size_t y = low[1]; y <= high[1]; ++y) {
         for (std::size_t x = low[0]; x <= high[0]; ++x) {
-          if (visit((z * kBlocks + y) * kBlocks + x)) return true;
+          if (visit((z * blocks_per_axis_ + y) * blocks_per_axis_ + x)) return true;
         }
       }
     }
     return false;
   }
 
+  std::size_t blocks_per_axis_;  // few for few triangles, of which each then reaches into few
   using Range = std::array<std::uint8_t, 2>;
   std::vector<std::array<Range, 3>> blocks_;  // per vertex, along each axis, the blocks that it is in, within the margin
   std::vector<bool> marked_;

@@ -18,8 +18,10 @@
 
 namespace isoatlas {
 PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const CellId> cell_of, std::uint32_t cells,
-                               std::span<const CVertexId> site) {
+                               std::span<const CVertexId> site, std::span<const std::uint8_t> scope) {
   const std::uint32_t n = complex.c_vertex_count();
+  const bool all = scope.empty();
+  const auto in_scope = [&](CellId c) { return all || scope[c] != 0; };
   PartitionCheck check;
 
   // Cells: connected through sides and chosen diagonals, and V - E + F = 1. Every side is counted half from each of its
@@ -30,7 +32,12 @@ PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const Ce
   for (const Face& face : complex.faces) {
     const int size = face.size();
     std::array<CellId, 4> c;
-    for (int k = 0; k < size; ++k) c[k] = cell_of[face.corner[k]];
+    bool wanted = all;
+    for (int k = 0; k < size; ++k) {
+      c[k] = cell_of[face.corner[k]];
+      wanted = wanted || scope[c[k]] != 0;
+    }
+    if (!wanted) continue;
     bool whole = true;
     for (int k = 0; k < size; ++k) {
       const int next = k + 1 == size ? 0 : k + 1;
@@ -50,7 +57,10 @@ PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const Ce
       twice_euler[cut.joined] -= 2;
       pieces.unite(face.corner[cut.joined_corner], face.corner[cut.joined_corner + 2]);
     }
-    for (int k = 0; k < cut.triangles; ++k) check.triangles.push_back(cut.triangle[k]);
+    for (int k = 0; k < cut.triangles; ++k) {
+      const DualTriangle& t = cut.triangle[k];
+      if (in_scope(t.cell[0]) || in_scope(t.cell[1]) || in_scope(t.cell[2])) check.triangles.push_back(t);
+    }
   }
 
   checked_id(3 * check.triangles.size() + complex.boundary.size(), "ends of arcs");
@@ -83,7 +93,7 @@ PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const Ce
     if (root[c] != r) is_split[c] = 1;
   }
   for (CellId c = 0; c < cells; ++c) {
-    if (root[c] == kNone) continue;
+    if (root[c] == kNone || !in_scope(c)) continue;
     ++check.cells;
     std::uint8_t fault = is_split[c] ? kNotConnected : 0;
     if (twice_euler[c] != 2) fault |= kNotADisk;
@@ -111,24 +121,13 @@ PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const Ce
     if (from == to) continue;
     std::sort(ends.begin() + from, ends.begin() + to, [](const ArcEnd& a, const ArcEnd& b) { return a.high < b.high; });
   }
-  judge_pairs(ends, check);
+  judge_pairs(ends, [&](CellId a, CellId b) { return in_scope(a) || in_scope(b); }, check);
   return check;
 }
 
 std::uint8_t PartitionCheck::fault_of(CellId cell) const {
   const auto found = std::ranges::lower_bound(faulty_cells, cell, {}, &FaultyCell::cell);
   return found != faulty_cells.end() && found->cell == cell ? found->fault : 0;
-}
-
-// Every arc must have two ends, at least one of them a triangle, and not the same third cell at both.
-void judge_pairs(std::span<const ArcEnd> ends, PartitionCheck& check) {
-  for (std::size_t i = 0, j; i < ends.size(); i = j) {
-    j = i;
-    while (j < ends.size() && ends[j].low == ends[i].low && ends[j].high == ends[i].high) ++j;
-    ++check.pairs;
-    const bool good = j - i == 2 && ends[i].third != ends[i + 1].third;  // two boundary ends have equal thirds, kNone
-    if (!good) check.pair_faults.push_back({ends[i].low, ends[i].high});
-  }
 }
 
 void record(const PartitionCheck& check, CertificateReport& report) {

@@ -8,11 +8,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "core/disjoint_sets.h"
+#include "core/epoch_set.h"
 #include "core/vector_math.h"
 #include "mesh/outward.h"
-#include "core/epoch_set.h"
 #include "partition/cell_members.h"
 #include "partition/certificate.h"
 #include "partition/scoped_check.h"
@@ -21,117 +22,101 @@
 namespace isoatlas {
 namespace {
 
-// A check of everything is as fast as one of this part of it.
-constexpr std::size_t kLargePart = 5;
-
-// Regions are named by their smallest c-vertex while they are being cut.
+// Regions are named by their smallest c-vertex while they are being cut. There are only as many rounds as halvings, and most regions are cut in
+// the first ones: so each round is a few sweeps over everything.
 class BlockRegions {
  public:
   BlockRegions(const SurfaceComplex& complex, double block_length)
       : complex_(complex),
-        adjacency_(complex),
+        sets_(complex.c_vertex_count()),
         region_(complex.c_vertex_count()),
         block_(complex.c_vertex_count()),
-        level_(complex.c_vertex_count(), 0) {
+        level_(complex.c_vertex_count(), 0),
+        members_(complex.c_vertex_count()),
+        failed_(complex.c_vertex_count(), 0),
+        cut_(complex.c_vertex_count(), 0) {
     const Vec3 s = complex.spacing;
     scale_ = {s.x / block_length, s.y / block_length, s.z / block_length};
     const double smallest = std::min({s.x, s.y, s.z});
     levels_ = 1 + std::max(0, static_cast<int>(std::ceil(std::log2(block_length / smallest))));
     for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) block_[v] = block_at(v, 0);
-    DisjointSets sets(complex.c_vertex_count());
     for (const Face& face : complex.faces) {
-      for (int k = 0; k < face.size(); ++k) {
-        const CVertexId a = face.corner[k], b = face.corner[k + 1 == face.size() ? 0 : k + 1];
-        if (block_[a] == block_[b]) sets.unite(a, b);
-      }
+      for_each_side(face, [&](CVertexId a, CVertexId b) {
+        if (block_[a] == block_[b]) sets_.unite(a, b);
+      });
     }
-    for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) region_[v] = sets.find(v);
-    members_ = CellMembers(region_, complex.c_vertex_count());
+    name_regions();
   }
 
   std::span<const CellId> region_of() const { return region_; }
 
   // Cuts what the check found wrong. Of two regions that meet badly, the one with more c-vertices.
-  // @return the regions around what was cut, sorted; empty if there was nothing left to cut
-  std::vector<CellId> cut(const PartitionCheck& check) {
-    std::vector<CellId> failed;
-    EpochSet is_failed;
-    const auto fail = [&](CellId r) {
-      if (members_.count(r) > 1 && is_failed.insert(r)) failed.push_back(r);
-    };
-    for (const FaultyCell& f : check.faulty_cells) fail(f.cell);
-    std::vector<CVertexId> single;  // whose arcs with others are faulty because of the regions around them
+  // @return false if there was nothing left to cut
+  bool cut(const PartitionCheck& check) {
+    std::fill(failed_.begin(), failed_.end(), std::uint8_t{0});
+    for (const FaultyCell& f : check.faulty_cells) failed_[f.cell] = members_[f.cell] > 1;
     for (const PairFault& p : check.pair_faults) {
-      if (is_failed.contains(p.a) || is_failed.contains(p.b)) continue;
-      const CellId larger = members_.count(p.b) > members_.count(p.a) ? p.b : p.a;
-      fail(larger);
-      if (members_.count(larger) == 1) single.insert(single.end(), {p.a, p.b});  // named by their only c-vertex
+      if (failed_[p.a] || failed_[p.b]) continue;
+      const CellId larger = members_[p.b] > members_[p.a] ? p.b : p.a;
+      if (members_[larger] > 1) {
+        failed_[larger] = 1;
+      } else {
+        cut_around_.push_back(p);
+      }
     }
-    for (const CellId r : cells_near(complex_, adjacency_, region_, single)) fail(r);
-    return cut_regions(std::move(failed), 1);
+    if (!cut_around_.empty()) cut_around_pairs();
+    if (std::find(failed_.begin(), failed_.end(), std::uint8_t{1}) == failed_.end()) return false;
+    cut_failed(1);
+    return true;
   }
 
-  // Cuts regions into single c-vertices. @return as of cut()
-  std::vector<CellId> cut_completely(std::span<const CellId> regions) {
-    std::vector<CellId> failed;
-    for (const CellId r : regions) {
-      if (members_.count(r) > 1) failed.push_back(r);
-    }
-    return cut_regions(std::move(failed), levels_);
+  // Cuts regions into single c-vertices. @return false if they all are already
+  bool cut_completely(std::span<const std::uint8_t> regions) {
+    for (CellId r = 0; r < regions.size(); ++r) failed_[r] = regions[r] && members_[r] > 1;
+    if (std::find(failed_.begin(), failed_.end(), std::uint8_t{1}) == failed_.end()) return false;
+    cut_failed(levels_);
+    return true;
   }
 
-  // Checks some regions again.
-  PartitionCheck check(std::span<const CellId> scope) {
-    std::size_t count = 0;
-    for (const CellId r : scope) count += members_.count(r);
-    if (kLargePart * count > region_.size()) return check_partition(complex_, region_, complex_.c_vertex_count(), {});
-    return scoped_.run(complex_, adjacency_, region_, members_, {}, scope);
+  // Per region, 1 if it shares a face with a c-vertex whose region the last cut cut: what can be faulty, or whole, since then.
+  std::vector<std::uint8_t> around_cut() const {
+    std::vector<std::uint8_t> out(complex_.c_vertex_count(), 0);
+    for (const Face& face : complex_.faces) {
+      const auto corners = std::span(face.corner).first(static_cast<std::size_t>(face.size()));
+      if (std::ranges::none_of(corners, [&](CVertexId v) { return cut_[v] != 0; })) continue;
+      for (const CVertexId v : corners) out[region_[v]] = 1;
+    }
+    return out;
   }
 
  private:
   // Cuts every failed region by blocks `halvings` times half the size.
-  std::vector<CellId> cut_regions(std::vector<CellId> failed, int halvings) {
-    std::sort(failed.begin(), failed.end());
-    std::vector<CVertexId> changed, own;
-    for (const CellId r : failed) {
-      own.clear();
-      members_.for_each(r, [&](CVertexId v) { own.push_back(v); });
-      std::sort(own.begin(), own.end());
-      for (const CVertexId v : own) {
-        members_.erase(v, r);
-        region_[v] = kNone;
-        level_[v] = static_cast<std::uint8_t>(std::min(level_[v] + halvings, levels_));
-        block_[v] = block_at(v, level_[v]);
-      }
-      for (const CVertexId v : own) {
-        if (region_[v] == kNone) name_region(v);
-      }
-      changed.insert(changed.end(), own.begin(), own.end());
+  void cut_failed(int halvings) {
+    for (CVertexId v = 0; v < complex_.c_vertex_count(); ++v) {
+      cut_[v] = failed_[region_[v]];
+      if (!cut_[v]) continue;
+      sets_.reset(v);
+      level_[v] = static_cast<std::uint8_t>(std::min(level_[v] + halvings, levels_));
+      block_[v] = block_at(v, level_[v]);
     }
-    return cells_near(complex_, adjacency_, region_, changed);
+    for (const Face& face : complex_.faces) {
+      if (!cut_[face.corner[0]] && !cut_[face.corner[1]] && !cut_[face.corner[2]]) continue;
+      for_each_side(face, [&](CVertexId a, CVertexId b) {
+        if (region_[a] == region_[b] && cut_[a] && level_[a] < levels_ && block_[a] == block_[b]) sets_.unite(a, b);
+      });
+    }
+    name_regions();
   }
 
-  // The region of a c-vertex of the region that is being cut, the smallest of those that have none yet: what is connected to it by sides
-  // within its block.
-  void name_region(CVertexId name) {
-    reached_.assign(1, name);
-    region_[name] = name;
-    for (std::size_t i = 0; i < reached_.size(); ++i) {
-      const CVertexId v = reached_[i];
-      members_.insert(v, name);
-      if (level_[v] >= levels_) continue;  // single
-      for (const FaceId f : adjacency_.faces_of(v)) {
-        const Face& face = complex_.faces[f];
-        const int size = face.size();
-        for (int k = 0; k < size; ++k) {
-          if (face.corner[k] != v) continue;
-          for (const CVertexId w : {face.corner[k + 1 == size ? 0 : k + 1], face.corner[k == 0 ? size - 1 : k - 1]}) {
-            if (region_[w] != kNone || block_[w] != block_[v]) continue;
-            region_[w] = name;
-            reached_.push_back(w);
-          }
-        }
-      }
+  template <class F>
+  static void for_each_side(const Face& face, F f) {
+    f(face.corner[0], face.corner[1]);
+    f(face.corner[1], face.corner[2]);
+    if (face.is_triangle()) {
+      f(face.corner[2], face.corner[0]);
+    } else {
+      f(face.corner[2], face.corner[3]);
+      f(face.corner[3], face.corner[0]);
     }
   }
 
@@ -142,14 +127,39 @@ class BlockRegions {
     return index(p.x) | index(p.y) << 21 | index(p.z) << 42;
   }
 
+  void name_regions() {
+    std::fill(members_.begin(), members_.end(), 0u);
+    for (CVertexId v = 0; v < complex_.c_vertex_count(); ++v) {
+      region_[v] = sets_.find(v);
+      ++members_[region_[v]];
+    }
+  }
+
+  // Two single c-vertices that meet badly do so because of the regions around them: cut every region they share a face with.
+  void cut_around_pairs() {
+    std::vector<std::uint8_t> involved(complex_.c_vertex_count(), 0);
+    for (const PairFault& p : cut_around_) involved[p.a] = involved[p.b] = 1;
+    for (const Face& face : complex_.faces) {
+      const int size = face.size();
+      const bool touched = std::any_of(face.corner.begin(), face.corner.begin() + size, [&](CVertexId v) { return involved[region_[v]]; });
+      if (!touched) continue;
+      for (int k = 0; k < size; ++k) {
+        const CellId r = region_[face.corner[k]];
+        if (members_[r] > 1) failed_[r] = 1;
+      }
+    }
+    cut_around_.clear();
+  }
+
   const SurfaceComplex& complex_;
-  ComplexAdjacency adjacency_;
-  std::vector<CellId> region_;         // per c-vertex
-  CellMembers members_;                // of regions
-  std::vector<std::uint64_t> block_;   // per c-vertex, its block at its region's level
-  std::vector<std::uint8_t> level_;    // per c-vertex, how often its region was halved
-  ScopedCheck scoped_;
-  std::vector<CVertexId> reached_;
+  DisjointSets sets_;
+  std::vector<CellId> region_;          // per c-vertex
+  std::vector<std::uint64_t> block_;    // per c-vertex, its block at its region's level
+  std::vector<std::uint8_t> level_;     // per c-vertex, how often its region was halved
+  std::vector<std::uint32_t> members_;  // per region
+  std::vector<std::uint8_t> failed_;    // per region
+  std::vector<std::uint8_t> cut_;       // per c-vertex, its region was cut last time
+  std::vector<PairFault> cut_around_;
   Vec3 scale_;      // blocks per index step
   int levels_ = 1;  // from this level on, regions are single c-vertices
 };
@@ -194,8 +204,8 @@ Partition with_representatives(const SurfaceComplex& complex, std::span<const Ce
 
 // A component of a few regions may come out inside out, since nothing but its topology has been looked at. Finds those; the
 // components of more regions are left alone.
-// @return the regions (named by c-vertex) that belong to one, sorted
-std::vector<CellId> turned_small_components(const SurfaceComplex& complex, std::span<const CellId> region_of,
+// @return per region (named by c-vertex), 1 if it belongs to one
+std::vector<std::uint8_t> turned_small_components(const SurfaceComplex& complex, std::span<const CellId> region_of,
                                                   std::span<const DualTriangle> triangles) {
   constexpr std::uint32_t kSmall = 32;
   constexpr double kLeastCosine = 0.5;  // well above 0, so that later stages have some room
@@ -209,7 +219,7 @@ std::vector<CellId> turned_small_components(const SurfaceComplex& complex, std::
   for (CVertexId v = 0; v < n; ++v) {
     if (region_of[v] == v) ++regions[sets.find(v)];
   }
-  std::vector<CellId> out;
+  std::vector<std::uint8_t> out(n, 0);
   const auto is_small = [&](CellId region) { return regions[sets.find(region)] <= kSmall; };
   if (std::none_of(region_of.begin(), region_of.end(), is_small)) return out;
 
@@ -228,10 +238,8 @@ std::vector<CellId> turned_small_components(const SurfaceComplex& complex, std::
       turned_components(position, small_triangles, complex.spacing, component_of, n, outward, kLeastCosine);
   for (const Triangle& t : small_triangles) {
     if (!turned[component_of[t[0]]]) continue;
-    out.insert(out.end(), t.begin(), t.end());
+    for (const CellId c : t) out[c] = 1;
   }
-  std::sort(out.begin(), out.end());
-  out.erase(std::unique(out.begin(), out.end()), out.end());
   return out;
 }
 
@@ -242,14 +250,14 @@ Coarsened coarsen(const SurfaceComplex& complex, double block_length, const RunC
   BlockRegions regions(complex, block_length);
   Coarsened out;
   bool faced = false;
-  std::vector<CellId> scope;  // after a cut, look again only around it; the last check is of everything
+  std::vector<std::uint8_t> scope;  // after a cut, look again only around it; the last check is of everything
   for (;;) {
     control.check_cancelled();
-    PartitionCheck check = scope.empty() ? check_partition(complex, regions.region_of(), n, {}) : regions.check(scope);
+    PartitionCheck check = check_partition(complex, regions.region_of(), n, {}, scope);
     ++out.certificate.repair_rounds;
     if (!check.passed()) {
-      scope = regions.cut(check);
-      if (scope.empty()) throw Error(ErrorCode::internal, "the certificate fails with every c-vertex its own region");
+      if (!regions.cut(check)) throw Error(ErrorCode::internal, "the certificate fails with every c-vertex its own region");
+      scope = regions.around_cut();
       continue;
     }
     if (!scope.empty()) {
@@ -258,8 +266,10 @@ Coarsened coarsen(const SurfaceComplex& complex, double block_length, const RunC
     }
     if (!faced) {  // once: what is inside out afterwards is so in the input
       faced = true;
-      scope = regions.cut_completely(turned_small_components(complex, regions.region_of(), check.triangles));
-      if (!scope.empty()) continue;
+      if (regions.cut_completely(turned_small_components(complex, regions.region_of(), check.triangles))) {
+        scope = regions.around_cut();
+        continue;
+      }
     }
     record(check, out.certificate);
     Partition partition = with_representatives(complex, regions.region_of());
@@ -278,6 +288,7 @@ void cut_regions(const SurfaceComplex& complex, std::span<const CVertexId> regio
   std::vector<CellId>& region_of = coarser.region_of;
   std::vector<CVertexId>& representative = coarser.representative;
   const ComplexAdjacency adjacency(complex);
+  ScopedCheck scoped;
   CellMembers members(region_of, static_cast<std::uint32_t>(representative.size()));
   std::vector<CVertexId> changed;
   const auto on_its_own = [&](CVertexId v) {
@@ -307,8 +318,7 @@ void cut_regions(const SurfaceComplex& complex, std::span<const CVertexId> regio
   std::sort(failed.begin(), failed.end());
   failed.erase(std::unique(failed.begin(), failed.end()), failed.end());
   cut(failed);
-  ScopedCheck scoped;
-  std::vector<CellId> scope = cells_near(complex, adjacency, region_of, changed);
+  std::vector<CellId> scope = scoped.cells_near(complex, adjacency, region_of, changed);
   for (;;) {
     control.check_cancelled();
     const auto count = static_cast<CellId>(representative.size());
@@ -335,12 +345,12 @@ void cut_regions(const SurfaceComplex& complex, std::span<const CVertexId> regio
     if (failed.empty()) {  // two single c-vertices whose arcs are faulty: because of the regions around them
       std::vector<CVertexId> single;
       for (const PairFault& p : check.pair_faults) single.insert(single.end(), {representative[p.a], representative[p.b]});
-      for (const CellId r : cells_near(complex, adjacency, region_of, single)) fail(r);
+      for (const CellId r : scoped.cells_near(complex, adjacency, region_of, single)) fail(r);
     }
     if (failed.empty()) throw Error(ErrorCode::internal, "the certificate fails with every c-vertex its own region");
     changed.clear();
     cut(failed);
-    scope = cells_near(complex, adjacency, region_of, changed);
+    scope = scoped.cells_near(complex, adjacency, region_of, changed);
   }
 }
 

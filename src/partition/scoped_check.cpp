@@ -6,6 +6,12 @@
 #include <utility>
 
 namespace isoatlas {
+namespace {
+
+// A sweep over everything takes as long as a look at the cells one by one with this part of the c-vertices.
+constexpr std::size_t kSweepsPerCheck = 16;
+
+}  // namespace
 
 // One check. The counting is that of check_partition(), where it is explained.
 class ScopedCheck::Run {
@@ -27,7 +33,7 @@ class ScopedCheck::Run {
     for (const CellId cell : scope) judge_cell(cell);
     std::sort(check_.faulty_cells.begin(), check_.faulty_cells.end(), [](const FaultyCell& a, const FaultyCell& b) { return a.cell < b.cell; });
     sort_ends();
-    judge_pairs(s_.sorted_ends_, check_);
+    judge_pairs(s_.sorted_ends_, [](CellId, CellId) { return true; }, check_);
     std::sort(check_.pair_faults.begin(), check_.pair_faults.end(), [](const PairFault& x, const PairFault& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; });
     return std::move(check_);
   }
@@ -163,19 +169,26 @@ class ScopedCheck::Run {
 
 PartitionCheck ScopedCheck::run(const SurfaceComplex& complex, const ComplexAdjacency& adjacency, std::span<const CellId> cell_of,
                                 const CellMembers& members, std::span<const CVertexId> site, std::span<const CellId> scope) {
+  std::size_t c_vertices = 0;
+  for (const CellId c : scope) c_vertices += members.count(c);
+  if (kSweepsPerCheck * c_vertices > cell_of.size()) {
+    std::vector<std::uint8_t> is_in_scope(members.cell_count(), 0);
+    for (const CellId c : scope) is_in_scope[c] = 1;
+    return check_partition(complex, cell_of, members.cell_count(), site, is_in_scope);
+  }
   return Run(*this, complex, adjacency, cell_of, members, site).run(scope);
 }
 
-std::vector<CellId> cells_near(const SurfaceComplex& complex, const ComplexAdjacency& adjacency, std::span<const CellId> cell_of,
-                               std::span<const CVertexId> changed) {
+std::vector<CellId> ScopedCheck::cells_near(const SurfaceComplex& complex, const ComplexAdjacency& adjacency, std::span<const CellId> cell_of,
+                                            std::span<const CVertexId> changed) {
   std::vector<CellId> cells;
-  EpochSet seen;
+  in_scope_.clear();
   for (const CVertexId v : changed) {
     for (const FaceId f : adjacency.faces_of(v)) {
       const Face& face = complex.faces[f];
       for (int k = 0; k < face.size(); ++k) {
         const CellId cell = cell_of[face.corner[k]];
-        if (seen.insert(cell)) cells.push_back(cell);
+        if (in_scope_.insert(cell)) cells.push_back(cell);
       }
     }
   }

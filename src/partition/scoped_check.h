@@ -11,14 +11,19 @@
 
 namespace isoatlas {
 
-/// check_partition() of some cells only, at a cost that depends on the faces around them and not on the size of the complex. Use one object
-/// for many checks: it keeps its scratch memory.
+/// check_partition() of some cells only. If they are few the cost depends on the faces around them and not on the size of the complex. Use
+/// one object for many checks: it keeps its scratch memory.
 class ScopedCheck {
  public:
   /// @param scope  the cells to check, each once; arcs and triples are checked where at least one of their cells is in it. `triangles` of the
   ///               result are those with such a corner.
   PartitionCheck run(const SurfaceComplex& complex, const ComplexAdjacency& adjacency, std::span<const CellId> cell_of,
                      const CellMembers& members, std::span<const CVertexId> site, std::span<const CellId> scope);
+
+  /// The cells that a change of the partition can have made faulty or whole: all that share a face with a changed c-vertex. Sorted.
+  /// @cost  the faces around the changed c-vertices
+  std::vector<CellId> cells_near(const SurfaceComplex& complex, const ComplexAdjacency& adjacency, std::span<const CellId> cell_of,
+                                 std::span<const CVertexId> changed);
 
  private:
   struct CellCount {
@@ -36,10 +41,5 @@ class ScopedCheck {
   std::vector<CVertexId> parent_;  // per c-vertex of a cell in scope, union-find
   std::vector<ArcEnd> ends_, sorted_ends_;
 };
-
-/// The cells that a change of the partition can have made faulty or whole: all that share a face with a changed c-vertex. Sorted.
-/// @cost  the faces around the changed c-vertices
-std::vector<CellId> cells_near(const SurfaceComplex& complex, const ComplexAdjacency& adjacency, std::span<const CellId> cell_of,
-                               std::span<const CVertexId> changed);
 
 }  // namespace isoatlas

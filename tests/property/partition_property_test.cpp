@@ -97,7 +97,7 @@ RC_GTEST_PROP(AnyPartition, ScopedCheckMissesNothing, (const RandomCase& c)) {
       changed.push_back(v);
     }
     const PartitionCheck after = check_partition(surface, cell_of, n, site);
-    for (const CellId cell : cells_near(surface, adjacency, cell_of, changed)) scope.push_back(cell);
+    for (const CellId cell : scoped_check.cells_near(surface, adjacency, cell_of, changed)) scope.push_back(cell);
     for (const FaultyCell& f : before.faulty_cells) scope.push_back(f.cell);
     for (const PairFault& p : before.pair_faults) scope.insert(scope.end(), {p.a, p.b});
     std::sort(scope.begin(), scope.end());
