@@ -273,7 +273,7 @@ def main():
         b = json.loads(must([bin_folder / "bench_extract", volume, iso, options.repeats]))
         study = STUDY.get((name, iso))
         bound = f"{study[0]:,} | {study[1] * study[0]:,.0f} | {m['triangles'] / study[0]:.2f} | {yes(m['triangles'] <= study[1] * study[0])}" if study else "| | |"
-        triangles.append(f"| {label} | {b['mc_triangles']:,} | {r['reference']['c_vertices']:,} | {m['triangles']:,} | {b['meeting_triangles']:,} | {bound} |")
+        triangles.append(f"| {label} | {b['mc_triangles']:,} | {r['reference']['c_vertices']:,} | {m['triangles']:,} | {b['intersection_tracker']:,} | {bound} |")
         q = m["quality"]["aspect_ratio"]
         shape.append(f"| {label} | {c['repair_sites']:,} in {c['repair_rounds']} rounds | {q['minimum']:.3g} | {q['p01']:.3f} | {q['median']:.3f} | "
                      f"{100 * q['share_below_third']:.2f} % |")

@@ -3,6 +3,7 @@
 #include "cover/repair.h"
 
 #include <algorithm>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -120,17 +121,11 @@ std::vector<CVertexId> independent(std::vector<Fix> fixes) {
 
 void CertifiedDual::assign(const CertifiedDual& other) {
   adjacency_ = other.adjacency_;
-  slots_ = other.slots_;
   triangles_ = other.triangles_;
-  is_listed_ = other.is_listed_;
   touched_ = other.touched_;
   fresh_ = other.fresh_;
+  is_known_ = other.is_known_;
   complete_ = other.complete_;
-}
-
-const std::vector<DualTriangle>& CertifiedDual::triangles() const {
-  if (!std::exchange(is_listed_, true)) triangles_ = slots_.triangles();
-  return triangles_;
 }
 
 // `scope` empty: everything.
@@ -140,14 +135,18 @@ PartitionCheck CertifiedDual::check(std::span<const CellId> scope) {
   return scoped_.run(complex_, *adjacency_, partition.cell_of, covering_.members(), partition.site, scope);
 }
 
+// Of a scope; empty: all.
 void CertifiedDual::take_triangles(std::span<const CellId> scope, PartitionCheck& check) {
   const std::uint32_t cells = covering_.partition().cell_count();
-  if (scope.empty()) {
-    slots_ = TriangleSlots(std::move(check.triangles), cells);
+  if (triangles_.list().empty()) {
+    triangles_ = DualTriangles(std::move(check.triangles), cells);
+  } else if (scope.empty()) {
+    std::vector<CellId> all(cells);
+    std::iota(all.begin(), all.end(), 0u);
+    triangles_.replace(all, check.triangles, cells);
   } else {
-    slots_.replace(scope, check.triangles, cells);
+    triangles_.replace(scope, check.triangles, cells);
   }
-  is_listed_ = false;
 }
 
 std::vector<CellId> CertifiedDual::cells_near_changes() {
@@ -161,6 +160,7 @@ void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateRepor
   quiet.progress = nullptr;
   std::vector<CellId> checked = scope;  // in all rounds; if the first one was of everything, so is the last
   const bool everything = scope.empty();
+  bool has_triangles = std::exchange(is_known_, true);
   for (;;) {
     control.check_cancelled();
     PartitionCheck found = check(scope);
@@ -174,12 +174,16 @@ void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateRepor
       if (!everything && checked.size() > scope.size()) found = check(checked);
       if (everything && !scope.empty()) found = check({});
       if (everything) record(found, report);
-      take_triangles(everything ? std::span<const CellId>() : checked, found);
+      if (!everything || !has_triangles)
+        take_triangles(everything ? std::span<const CellId>() : checked, found);
+      else if (found.triangles.size() != triangles_.list().size())
+        throw Error(ErrorCode::internal, "the certificate has other triangles than were kept; please report the volume and the options");
       complete_ = everything;
       report.passed = true;
       return;
     }
     report.passed = false;
+    has_triangles = has_triangles && !everything;
 
     if (!adjacency_) adjacency_ = std::make_shared<const ComplexAdjacency>(complex_);
     const std::uint32_t before = covering_.site_count();

@@ -9,7 +9,7 @@
 #include "cover/covering.h"
 #include "partition/certificate.h"
 #include "partition/scoped_check.h"
-#include "partition/triangle_slots.h"
+#include "partition/dual_triangles.h"
 
 namespace isoatlas {
 
@@ -21,6 +21,9 @@ class CertifiedDual {
   /// A copy for a copy of the covering.
   CertifiedDual(const CertifiedDual& other, Covering& covering) : CertifiedDual(other.complex_, covering) { assign(other); }
 
+  /// Triangles that are the same as the other's get its numbers. @pre nothing was checked yet
+  void keep_numbers_of(const CertifiedDual& other) { triangles_ = other.triangles_; }
+
   /// Takes over the other's state, whose covering this one's has taken over.
   void assign(const CertifiedDual& other);
 
@@ -29,11 +32,11 @@ class CertifiedDual {
   /// @throws Error(internal) if a round of repair adds nothing, which would be a bug
   void update(CertificateReport& report, const RunControl& control);
 
-  /// update(), then a look at everything: the certificate. Triangles are in the order of the faces after it.
+  /// update(), then a look at everything: the certificate.
   void certify(CertificateReport& report, const RunControl& control);
 
-  /// O(triangles) the first time after a change.
-  const std::vector<DualTriangle>& triangles() const;
+  /// Those of the last check; see DualTriangles for their numbers.
+  const std::vector<DualTriangle>& triangles() const { return triangles_.list(); }
 
   /// Per cell, 1 if its c-vertices or triangles may be others than at the last call of forget_touched().
   const std::vector<std::uint8_t>& touched() const { return touched_; }
@@ -52,11 +55,10 @@ class CertifiedDual {
   Covering& covering_;
   std::shared_ptr<const ComplexAdjacency> adjacency_;  // once something was checked locally
   ScopedCheck scoped_;
-  TriangleSlots slots_;
-  mutable std::vector<DualTriangle> triangles_;  // those of slots_, one after the other
-  mutable bool is_listed_ = true;                // whether triangles_ are those of now
+  DualTriangles triangles_;
   std::vector<std::uint8_t> touched_;
   bool fresh_ = true;      // nothing was checked yet
+  bool is_known_ = false;  // the triangles are those of the covering, up to its changes
   bool complete_ = false;  // the last check that passed was of everything
 };
 

@@ -54,6 +54,7 @@ CoarseMesher::Stand::Stand(const SurfaceComplex& on, const CoveringOptions& opti
     : complex(on), graph(make_graph(on)), covering(graph, options), dual(complex, covering) {}
 
 CoarseMesher::Stand::Stand(const SurfaceComplex& on, const CoveringOptions& options, const Stand& before) : Stand(on, options) {
+  dual.keep_numbers_of(before.dual);
   covering.continue_from(before.covering, changed_rows(before.graph, graph));
   covering.ignore_events();
 }
@@ -125,7 +126,7 @@ void CoarseMesher::mesh(LevelReport& report, const RunControl& told) {
     stand_->dual.certify(report.certificate, control);
     if (partition.cell_count() == mesh_.positions.size()) break;
   }
-  take_triangles();  // in the order in which they were certified
+  take_triangles();
   relax_vertices(control);
   topology_ = mesh_topology(mesh_);
 }
@@ -219,7 +220,7 @@ std::vector<std::uint8_t> CoarseMesher::must_go_back(std::span<const std::uint32
   any = !back.empty();
   if (!options_.allow_self_intersections) {
     for (const std::uint32_t i : meeting_.update(mesh_.positions, mesh_.triangles, control)) out[i] = 1;
-    any = any || meeting_.pairs() > 0;
+    any = any || meeting_.pair_count() > 0;
   }
   if (any) return out;
   const std::vector<std::uint8_t> turned = turned_components(component_of);
@@ -238,8 +239,8 @@ bool CoarseMesher::part(LevelReport& report, const RunControl& control) {
   const std::vector<CellId> single = covering.shrink(meeting_.largest_corners(covering.reach()));
   covering.cover(control);  // also where components that were turned left radii too small to cover
   bool any = covering.site_count() > before;
-  const bool helps = any && static_cast<double>(meeting_.pairs()) <= kHelps * static_cast<double>(pairs_before_);
-  pairs_before_ = meeting_.pairs();
+  const bool helps = any && static_cast<double>(meeting_.pair_count()) <= kHelps * static_cast<double>(pairs_before_);
+  pairs_before_ = meeting_.pair_count();
   if (!single.empty() && !helps) any = make_finer(single, control) || any;
   report.parting_sites += stand_->covering.site_count() - before;
   return any;

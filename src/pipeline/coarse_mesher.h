@@ -7,7 +7,7 @@
 
 #include "cover/repair.h"
 #include "core/nesting.h"
-#include "embed/meeting_triangles.h"
+#include "embed/intersection_tracker.h"
 #include "isoatlas/extract.h"
 #include "partition/coarsen.h"
 #include "subdivide/adaptive_surface.h"
@@ -61,7 +61,7 @@ class CoarseMesher {
   const CoveringOptions& cover_;
   const ExtractOptions& options_;
   std::unique_ptr<Stand> stand_;
-  MeetingTriangles meeting_;
+  IntersectionTracker meeting_;
   std::size_t pairs_before_ = 0;  // that met in the last round
   TriangleMesh mesh_;
   MeshTopology topology_;

@@ -90,6 +90,7 @@ MeasuredCovering::MeasuredCovering(const Ground& finer, const MeasuredCovering& 
   all_stale_ = other.all_stale_;
   stale_ = other.stale_;
   // What has other c-vertices than before has to be measured again.
+  dual_.keep_numbers_of(other.dual_);
   CertificateReport report;
   dual_.update(report, control);
   dual_.forget_touched();

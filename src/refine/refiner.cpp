@@ -330,7 +330,7 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
 // Of each two triangles that meet where they should not the largest cell is divided. (All six: up to 3 % more triangles, and more bad
 // ones.) Where cells are single c-vertices the surface is divided into pieces that stay in their grid cells; such pieces do not meet.
 // @return whether there is something new to look at
-bool Refiner::part(const MeetingTriangles& meeting, const RunControl& control) {
+bool Refiner::part(const IntersectionTracker& meeting, const RunControl& control) {
   return refine_cells(meeting.largest_corners(work_->covering().reach()), control);
 }
 
@@ -379,7 +379,7 @@ bool Refiner::refine_misplaced_components() {
 }
 
 // Works on the task until the dual has no self-intersections and its components have the orientation and nesting of the surface.
-void Refiner::work_apart(const Task& task, MeetingTriangles& meeting, RefinedLevel& out, const RunControl& control) {
+void Refiner::work_apart(const Task& task, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control) {
   for (;;) {
     work(*work_, task, out, control);
     const std::uint32_t sites = partition().cell_count();
@@ -518,7 +518,7 @@ bool Refiner::is_at_limit(CellId c) const {
 }
 
 // Works on the task, dividing the surface where it has too few c-vertices for that.
-void Refiner::work_towards(const Task& task, MeetingTriangles& meeting, RefinedLevel& out, const RunControl& control) {
+void Refiner::work_towards(const Task& task, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control) {
   const auto once = [&] {
     if (embedded_) {
       work_apart(task, meeting, out, control);
@@ -617,7 +617,7 @@ RefinedLevel Refiner::refine_once(const LevelGoal& goal, const LevelGoal& asked,
     restart_at_vertices(control);
   }
   remember_placed_in();
-  MeetingTriangles meeting(embedded_.value_or(WrittenPositions()));
+  IntersectionTracker meeting(embedded_.value_or(WrittenPositions()));
   std::unique_ptr<const MeasuredCovering> start;  // before anything is done for the goal
   if (is_limited(goal)) start = std::make_unique<const MeasuredCovering>(*work_);
   Task task = whole_task(goal, placement, out, control);
@@ -642,7 +642,7 @@ bool Refiner::refine_at(std::span<const Triangle> triangles, const LevelGoal& go
   restart_at_vertices(control);
   refine_cells(cells, control);
   const Task task = whole_task(goal, placement, level, control);
-  MeetingTriangles meeting(embedded_.value_or(WrittenPositions()));
+  IntersectionTracker meeting(embedded_.value_or(WrittenPositions()));
   work_towards(task, meeting, level, control);
   level.at_limit.clear();
   finish(task, goal, meeting, level, control);
@@ -658,7 +658,7 @@ void Refiner::restart_at_vertices(const RunControl& control) {
 // Topology, and that triangles do not meet, may need more vertices than are left. Then back to the start, and less of what was asked for;
 // but not where the surface was divided since.
 // @return false if no level with more vertices than the one before has few enough
-bool Refiner::refine_within_budget(Task& task, const MeasuredCovering& start, double most, MeetingTriangles& meeting, RefinedLevel& out,
+bool Refiner::refine_within_budget(Task& task, const MeasuredCovering& start, double most, IntersectionTracker& meeting, RefinedLevel& out,
                                 const RunControl& control) {
   const std::vector<CellId> placed_in = placed_in_;
   const Ground* const ground = ground_.get();
@@ -683,7 +683,7 @@ bool Refiner::refine_within_budget(Task& task, const MeasuredCovering& start, do
 }
 
 // The level's triangles: shape, and no self-intersections; then what can be said of them.
-void Refiner::finish(const Task& task, const LevelGoal& asked, MeetingTriangles& meeting, RefinedLevel& out, const RunControl& control) {
+void Refiner::finish(const Task& task, const LevelGoal& asked, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control) {
   work_->certify(out.certificate, control);
   std::vector<DualTriangle> triangles;
   improve_level_shape(task, triangles, out, control);
@@ -702,7 +702,7 @@ void Refiner::improve_level_shape(const Task& task, std::vector<DualTriangle>& t
   out.shape.shifts += shifts;
 }
 
-void Refiner::refine_and_improve(const Task& task, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
+void Refiner::refine_and_improve(const Task& task, IntersectionTracker& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
                                const RunControl& control) {
   work_towards(task, meeting, out, control);
   work_->certify(out.certificate, control);
@@ -710,7 +710,7 @@ void Refiner::refine_and_improve(const Task& task, MeetingTriangles& meeting, st
 }
 
 // Where neither a flip nor a move mends a triangle, smaller cells around it give another mesh, and another chance.
-void Refiner::retry_bad_triangles(const Task& task, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
+void Refiner::retry_bad_triangles(const Task& task, IntersectionTracker& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
                                 const RunControl& control) {
   std::size_t fewest = out.shape.bad;
   int in_vain = 0;
@@ -731,7 +731,7 @@ void Refiner::repair_worst_cells(const Task& task, std::vector<DualTriangle>& tr
   improve_errors(*work_, *task.shape, to_mend, triangles, out.shape, control);
 }
 
-void Refiner::revert_intersecting_changes(const Task& task, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles,
+void Refiner::revert_intersecting_changes(const Task& task, IntersectionTracker& meeting, std::vector<DualTriangle>& triangles,
                                         RefinedLevel& out, const RunControl& control) {
   for (int k = 0; !take_back_meeting(*work_, *task.shape, meeting, triangles, control).empty(); ++k) {
     if (k == kMostChances) {  // the dual as it is does not meet itself

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "embed/meeting_triangles.h"
+#include "embed/intersection_tracker.h"
 #include "isoatlas/extract.h"
 #include "partition/coarsen.h"
 #include "refine/judge.h"
@@ -94,25 +94,25 @@ class Refiner {
   RefinedLevel unchanged_level(const LevelGoal& asked) const;
   RefinedLevel refine_once(const LevelGoal& goal, const LevelGoal& asked, Placement placement, const RunControl& control);
   void restart_at_vertices(const RunControl& control);
-  bool refine_within_budget(Task& task, const MeasuredCovering& start, double most, MeetingTriangles& meeting, RefinedLevel& out,
+  bool refine_within_budget(Task& task, const MeasuredCovering& start, double most, IntersectionTracker& meeting, RefinedLevel& out,
                          const RunControl& control);
-  void finish(const Task& task, const LevelGoal& asked, MeetingTriangles& meeting, RefinedLevel& out, const RunControl& control);
+  void finish(const Task& task, const LevelGoal& asked, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control);
   void improve_level_shape(const Task& task, std::vector<DualTriangle>& triangles, RefinedLevel& out, const RunControl& control);
-  void refine_and_improve(const Task& task, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
+  void refine_and_improve(const Task& task, IntersectionTracker& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
                         const RunControl& control);
-  void retry_bad_triangles(const Task& task, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
+  void retry_bad_triangles(const Task& task, IntersectionTracker& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
                          const RunControl& control);
   void repair_worst_cells(const Task& task, std::vector<DualTriangle>& triangles, RefinedLevel& out, const RunControl& control);
-  void revert_intersecting_changes(const Task& task, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
+  void revert_intersecting_changes(const Task& task, IntersectionTracker& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
                                  const RunControl& control);
   void describe(const Task& task, const LevelGoal& asked, RefinedLevel& out);
   bool refine_cells(std::span<const CellId> cells, const RunControl& control);
   bool can_refine(std::span<const CellId> cells) const;
   std::vector<CVertexId> subdividable(std::span<const CellId> single) const;
-  bool part(const MeetingTriangles& meeting, const RunControl& control);
+  bool part(const IntersectionTracker& meeting, const RunControl& control);
   bool refine_misplaced_components();
-  void work_apart(const Task& task, MeetingTriangles& meeting, RefinedLevel& out, const RunControl& control);
-  void work_towards(const Task& task, MeetingTriangles& meeting, RefinedLevel& out, const RunControl& control);
+  void work_apart(const Task& task, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control);
+  void work_towards(const Task& task, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control);
   std::vector<CVertexId> places_at_limit();
   std::vector<std::pair<double, CellId>> cells_at_limit();
   bool is_at_limit(CellId c) const;

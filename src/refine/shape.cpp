@@ -42,7 +42,7 @@ class Workshop {
   /// @param meeting  careful: no change is kept that makes triangles meet, and then also vertices and edges may change that were given up;
   ///                 none: whether they do is not looked at
   Workshop(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles, const RunControl& control,
-           MeetingTriangles* meeting = nullptr)
+           IntersectionTracker* meeting = nullptr)
       : work_(work),
         goal_(goal),
         triangles_(triangles),
@@ -488,7 +488,7 @@ class Workshop {
   const ShapeGoal& goal_;
   std::vector<DualTriangle>& triangles_;
   const RunControl& control_;
-  MeetingTriangles* meeting_;           // none: triangles may meet
+  IntersectionTracker* meeting_;           // none: triangles may meet
   Places places_;                       // offsets are the work's own business
   std::vector<std::uint8_t> occupied_;  // per c-vertex, 1 if a vertex sits there
   std::vector<Key> refused_;
@@ -527,7 +527,7 @@ ShapeReport improve_shape(MeasuredCovering& work, const ShapeGoal& goal, std::ve
   return report;
 }
 
-void improve_shape_carefully(MeasuredCovering& work, const ShapeGoal& goal, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles,
+void improve_shape_carefully(MeasuredCovering& work, const ShapeGoal& goal, IntersectionTracker& meeting, std::vector<DualTriangle>& triangles,
                              ShapeReport& report, const RunControl& control) {
   Workshop workshop(work, goal, triangles, control, &meeting);
   for (int round = 0; round < kRelaxRounds && report.bad > 0 && workshop.relax_bad(report); ++round)
@@ -539,7 +539,7 @@ void improve_errors(MeasuredCovering& work, const ShapeGoal& goal, std::span<con
   Workshop(work, goal, triangles, control).run(Purpose::errors, cells, report);
 }
 
-std::vector<CellId> take_back_meeting(MeasuredCovering& work, const ShapeGoal& goal, MeetingTriangles& meeting,
+std::vector<CellId> take_back_meeting(MeasuredCovering& work, const ShapeGoal& goal, IntersectionTracker& meeting,
                                       std::vector<DualTriangle>& triangles, const RunControl& control) {
   Workshop workshop(work, goal, triangles, control);
   for (;;) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "embed/meeting_triangles.h"
+#include "embed/intersection_tracker.h"
 #include "refine/measured_covering.h"
 
 namespace isoatlas {
@@ -40,7 +40,7 @@ void improve_errors(MeasuredCovering& work, const ShapeGoal& goal, std::span<con
 /// become the dual's own again.
 /// @param meeting  may know an earlier mesh of these cells
 /// @return the corners of triangles that meet all the same, sorted
-std::vector<CellId> take_back_meeting(MeasuredCovering& work, const ShapeGoal& goal, MeetingTriangles& meeting,
+std::vector<CellId> take_back_meeting(MeasuredCovering& work, const ShapeGoal& goal, IntersectionTracker& meeting,
                                       std::vector<DualTriangle>& triangles, const RunControl& control);
 
 /// Vertices go back to their c-vertices where surfels would meet if c-vertices were where their vertices are. @return whether any did
@@ -51,7 +51,7 @@ void take_back_all(MeasuredCovering& work, const ShapeGoal& goal, std::vector<Du
 
 /// More of improve_shape(), also where something was taken back, a change at a time that makes no triangles meet. @pre none do
 /// @param meeting  may know an earlier mesh of these cells
-void improve_shape_carefully(MeasuredCovering& work, const ShapeGoal& goal, MeetingTriangles& meeting, std::vector<DualTriangle>& triangles,
+void improve_shape_carefully(MeasuredCovering& work, const ShapeGoal& goal, IntersectionTracker& meeting, std::vector<DualTriangle>& triangles,
                              ShapeReport& report, const RunControl& control);
 
 }  // namespace isoatlas

@@ -10,7 +10,7 @@
 
 #include "cover/repair.h"
 #include "partition/scoped_check.h"
-#include "partition/triangle_slots.h"
+#include "partition/dual_triangles.h"
 #include "property/random_case.h"
 #include "support/surfaces.h"
 #include "surface/components.h"
@@ -61,7 +61,7 @@ std::vector<std::array<CellId, 3>> sorted_corners(std::span<const DualTriangle> 
 }
 
 // A check of a scope finds there what a check of everything finds; after a change of some c-vertices every new fault is within the scope
-// that cells_near() gives, and the triangles kept in slots are those of a check of everything. Round after round with the same objects.
+// that cells_near() gives, and the triangles that are kept are those of a check of everything. Round after round with the same objects.
 RC_GTEST_PROP(AnyPartition, ScopedCheckMissesNothing, (const RandomCase& c)) {
   const Samples samples = c.samples();
   RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
@@ -81,7 +81,7 @@ RC_GTEST_PROP(AnyPartition, ScopedCheckMissesNothing, (const RandomCase& c)) {
   CellMembers members(cell_of, n);
   ScopedCheck scoped_check;
   PartitionCheck before = check_partition(surface, cell_of, n, site);
-  TriangleSlots slots(before.triangles, n);
+  DualTriangles kept(before.triangles, n);
   for (int round = 0; round < 4; ++round) {
     std::vector<CVertexId> changed;
     std::vector<CellId> scope;
@@ -112,9 +112,11 @@ RC_GTEST_PROP(AnyPartition, ScopedCheckMissesNothing, (const RandomCase& c)) {
     for (std::size_t i = 0; i < after.pair_faults.size(); ++i) {
       RC_ASSERT(scoped.pair_faults[i].a == after.pair_faults[i].a && scoped.pair_faults[i].b == after.pair_faults[i].b);
     }
-    slots.replace(scope, scoped.triangles, n);
-    RC_ASSERT(sorted_corners(slots.triangles()) == sorted_corners(after.triangles));
-    RC_ASSERT(slots.triangle_count() == after.triangles.size());
+    kept.replace(scope, scoped.triangles, n);
+    RC_ASSERT(sorted_corners(kept.list()) == sorted_corners(after.triangles));
+    for (CellId cell = 0; cell < n; ++cell) {
+      for (const std::uint32_t t : kept.of_cell(cell)) RC_ASSERT(std::ranges::count(kept.list()[t].cell, cell) == 1);
+    }
     before = after;
   }
 }

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "embed/meeting_triangles.h"
+#include "embed/intersection_tracker.h"
 #include "volume/to_space.h"
 
 namespace isoatlas {
@@ -65,10 +65,10 @@ TEST(WrittenPositions, TrianglesThatMeetOnlyAsFloat32) {
   const Grid grid{.size = {50, 50, 50}, .spacing = {1, 1, 1}, .origin = {}, .direction = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}};
   std::vector<Vec3> positions{{40, 10, 40}, {44, 10, 40}, {40, 14, 40}, {41, 11, 40 + 1e-9}, {44, 11, 40 + 1e-9}, {41, 14, 40 + 1e-9}};
   const std::vector<Triangle> triangles{{0, 1, 2}, {3, 4, 5}};
-  MeetingTriangles exact, written(WrittenPositions(grid, Space::lps, 1));
+  IntersectionTracker exact, written(WrittenPositions(grid, Space::lps, 1));
   EXPECT_TRUE(exact.update(positions, triangles, {}).empty());
   EXPECT_EQ(written.update(positions, triangles, {}).size(), 6U);
-  EXPECT_EQ(written.pairs(), 1U);
+  EXPECT_EQ(written.pair_count(), 1U);
   for (std::size_t v = 3; v < 6; ++v) positions[v].z += 0.001;
   EXPECT_TRUE(written.update(positions, triangles, {}).empty());
 }
@@ -77,7 +77,7 @@ TEST(WrittenPositions, TriangleThatHasNoAreaAsFloat32) {
   const Grid grid{.size = {50, 50, 50}, .spacing = {1, 1, 1}, .origin = {}, .direction = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}};
   std::vector<Vec3> positions{{40, 10, 40}, {42, 10, 40 + 1e-9}, {44, 10, 40}, {40, 30, 30}, {42, 30, 30}, {44, 30, 31}};
   const std::vector<Triangle> triangles{{0, 1, 2}, {3, 4, 5}};
-  MeetingTriangles exact, written(WrittenPositions(grid, Space::lps, 1));
+  IntersectionTracker exact, written(WrittenPositions(grid, Space::lps, 1));
   EXPECT_TRUE(exact.update(positions, triangles, {}).empty());
   EXPECT_EQ(written.update(positions, triangles, {}), (std::vector<std::uint32_t>{0, 1, 2}));
   positions[3].x = 41;  // elsewhere: what is known of the rest stays known
