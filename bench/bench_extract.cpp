@@ -322,7 +322,9 @@ struct ExtractRuns {
   }
 };
 
-void run_extract(const isoatlas::Volume& volume, const isoatlas::ExtractOptions& options, const Arguments& arguments, ExtractRuns& out) {
+// Returns the time used if the run was cancelled at its time limit.
+std::optional<Seconds> run_extract(const isoatlas::Volume& volume, const isoatlas::ExtractOptions& options, const Arguments& arguments,
+                                   ExtractRuns& out) {
   out.last.reset();
   Alarm alarm(arguments.time_limit);
   isoatlas::RunControl control;
@@ -330,10 +332,16 @@ void run_extract(const isoatlas::Volume& volume, const isoatlas::ExtractOptions&
   control.cancel = &alarm.expired;
   const PeakMemory memory;
   const Seconds start = now();
-  out.last = isoatlas::extract(volume, options, control);
+  try {
+    out.last = isoatlas::extract(volume, options, control);
+  } catch (const isoatlas::Error& error) {
+    if (error.code() != isoatlas::ErrorCode::cancelled) throw;
+    return since(start);
+  }
   out.runs.add(since(start));
   out.peak_bytes.push_back(memory.growth());
   for (const isoatlas::StageTime& stage : out.last->report.seconds) out.stages[stage.stage].push_back(stage.seconds);
+  return std::nullopt;
 }
 
 // Counted again on each finished level, by the public function, outside of what is timed.
@@ -396,18 +404,11 @@ int main(int argc, char** argv) try {
 
   ExtractRuns ours;
   FilterRuns marching_cubes, flying_edges;
-  bool over_time_limit = false;
+  std::optional<Seconds> cancelled_after;
   const double began = now().cpu;
   for (int k = 0; k < arguments.repeats && (k == 0 || now().cpu - began < kEnoughCpuSeconds); ++k) {
     // First, so that the memory figure of the first run is that of an untouched heap.
-    if (!over_time_limit) {
-      try {
-        run_extract(volume, options, arguments, ours);
-      } catch (const isoatlas::Error& error) {
-        if (error.code() != isoatlas::ErrorCode::cancelled) throw;
-        over_time_limit = true;
-      }
-    }
+    if (!cancelled_after) cancelled_after = run_extract(volume, options, arguments, ours);
     if (arguments.with_vtk) {
       run_filter<vtkMarchingCubes>(image, arguments.isovalue, marching_cubes);
       run_filter<vtkFlyingEdges3D>(image, arguments.isovalue, flying_edges);
@@ -421,9 +422,10 @@ int main(int argc, char** argv) try {
       .add("threads", static_cast<std::size_t>(arguments.threads))
       .add("refine_voxels", arguments.refine)
       .add("max_vertices", arguments.max_vertices)
-      .add("allow_self_intersections", arguments.allow_self_intersections)
-      .add("over_time_limit", over_time_limit ? arguments.time_limit : std::nullopt);
-  if (ours.last) {
+      .add("allow_self_intersections", arguments.allow_self_intersections);
+  if (cancelled_after) {
+    out.add_text("cancelled_after", JsonObject().add("cpu_s", cancelled_after->cpu).add("wall_s", cancelled_after->wall).text());
+  } else {
     out.add("c_vertices", ours.last->report.c_vertices)
         .add_text("isoatlas", ours.to_json())
         .add_text("levels", levels_json(*ours.last, volume.grid.smallest_spacing()));
