@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures isoatlas::extract, vtkMarchingCubes and vtkFlyingEdges3D on the same samples in one process, in turns, and prints one JSON
-// line. bench/compare.py builds this file against old commits as well, so it uses nothing but the public API.
+// line. bench/compare.py builds this file and vtk_image.h against old commits as well, so they use nothing but the public API.
 #include <malloc.h>
 #include <vtkFlyingEdges3D.h>
 #include <vtkImageData.h>
 #include <vtkMarchingCubes.h>
 #include <vtkNew.h>
-#include <vtkPointData.h>
 #include <vtkPolyData.h>
 
 #include <algorithm>
@@ -33,6 +32,7 @@
 #include "isoatlas/extract.h"
 #include "isoatlas/io.h"
 #include "isoatlas/self_intersections.h"
+#include "vtk_image.h"
 
 namespace {
 
@@ -234,46 +234,6 @@ class Alarm {
   std::thread thread_;
 };
 
-int vtk_type(isoatlas::SampleType type) {
-  using enum isoatlas::SampleType;
-  switch (type) {
-    case int8:
-      return VTK_SIGNED_CHAR;
-    case uint8:
-      return VTK_UNSIGNED_CHAR;
-    case int16:
-      return VTK_SHORT;
-    case uint16:
-      return VTK_UNSIGNED_SHORT;
-    case int32:
-      return VTK_INT;
-    case uint32:
-      return VTK_UNSIGNED_INT;
-    case int64:
-      return VTK_LONG_LONG;
-    case uint64:
-      return VTK_UNSIGNED_LONG_LONG;
-    case float32:
-      return VTK_FLOAT;
-    case float64:
-      return VTK_DOUBLE;
-  }
-  return VTK_VOID;
-}
-
-// The same samples for VTK, without a copy.
-vtkSmartPointer<vtkImageData> vtk_image(const isoatlas::VolumeView& volume) {
-  const auto& grid = volume.grid;
-  auto image = vtkSmartPointer<vtkImageData>::New();
-  image->SetDimensions(static_cast<int>(grid.size[0]), static_cast<int>(grid.size[1]), static_cast<int>(grid.size[2]));
-  image->SetSpacing(grid.spacing.x, grid.spacing.y, grid.spacing.z);
-  vtkSmartPointer<vtkDataArray> scalars;
-  scalars.TakeReference(vtkDataArray::CreateDataArray(vtk_type(volume.type)));
-  scalars->SetVoidArray(const_cast<void*>(volume.samples), static_cast<vtkIdType>(grid.sample_count()), 1);
-  image->GetPointData()->SetScalars(scalars);
-  return image;
-}
-
 struct FilterRuns {
   Runs runs;
   std::size_t triangles = 0;
@@ -386,7 +346,7 @@ void warm_up(const Arguments& arguments) {
   tiny.isovalue = 0;
   isoatlas::extract(volume, extract_options(tiny, volume.grid), control);
   if (!arguments.with_vtk) return;
-  const auto image = vtk_image(volume);
+  const auto image = isoatlas::bench::vtk_image(volume);
   FilterRuns ignored;
   run_filter<vtkMarchingCubes>(image, 0, ignored);
   run_filter<vtkFlyingEdges3D>(image, 0, ignored);
@@ -399,7 +359,7 @@ int main(int argc, char** argv) try {
   const Arguments arguments = parse_arguments(argc, argv);
   const isoatlas::Volume volume = isoatlas::read_volume(arguments.volume);
   const isoatlas::ExtractOptions options = extract_options(arguments, volume.grid);
-  const auto image = vtk_image(volume);
+  const auto image = isoatlas::bench::vtk_image(volume);
   warm_up(arguments);
 
   ExtractRuns ours;
