@@ -1,62 +1,250 @@
 // SPDX-License-Identifier: Apache-2.0
-// bench_extract VOLUME ISOVALUE [REPEATS] : one JSON line with the CPU time of isoatlas and of VTK's contour filters on the same
-// samples, in the same process, one thread each, best of REPEATS taken in turns.
+// Measures isoatlas::extract, vtkMarchingCubes and vtkFlyingEdges3D on the same samples in one process, in turns, and prints one JSON
+// line. bench/compare.py builds this file and vtk_image.h against old commits as well, so they use nothing but the public API.
+#include <malloc.h>
 #include <vtkFlyingEdges3D.h>
 #include <vtkImageData.h>
 #include <vtkMarchingCubes.h>
 #include <vtkNew.h>
-#include <vtkPointData.h>
 #include <vtkPolyData.h>
 
 #include <algorithm>
+#include <atomic>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <filesystem>
+#include <fstream>
 #include <map>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
 #include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
 
+#include "isoatlas/error.h"
 #include "isoatlas/extract.h"
 #include "isoatlas/io.h"
+#include "isoatlas/self_intersections.h"
+#include "vtk_image.h"
 
 namespace {
 
-double cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+constexpr const char* kUsage =
+    R"(usage: bench_extract VOLUME ISOVALUE [options]
+  --refine VOXELS             add a level that is refined to this distance, in smallest spacings; may be repeated
+                              (default: the coarse mesh alone)
+  --max-vertices N            no refined level has more vertices
+  --allow-self-intersections  leave self-intersections in the mesh
+  --threads N                 threads of isoatlas; VTK always has one (default 1, 0: all)
+  --repeats N                 runs of each program (default 1); none starts after 20 CPU seconds
+  --no-vtk                    leave VTK's filters out
+  --time-limit SECONDS        cancel an extraction that takes longer (wall time)
+)";
+constexpr double kEnoughCpuSeconds = 20;
+
+struct Arguments {
+  std::filesystem::path volume;
+  double isovalue = 0;
+  std::vector<double> refine;  // bounds in voxels
+  std::optional<std::size_t> max_vertices;
+  bool allow_self_intersections = false;
+  int threads = 1;
+  int repeats = 1;
+  bool with_vtk = true;
+  std::optional<double> time_limit;
+};
+
+template <class T>
+T parse_number(std::string_view option, std::string_view text) {
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size())
+    throw std::invalid_argument(std::string(option) + ": expected a number, got '" + std::string(text) + "'");
+  return value;
 }
 
-int vtk_type(isoatlas::SampleType type) {
-  using enum isoatlas::SampleType;
-  switch (type) {
-    case int8:
-      return VTK_SIGNED_CHAR;
-    case uint8:
-      return VTK_UNSIGNED_CHAR;
-    case int16:
-      return VTK_SHORT;
-    case uint16:
-      return VTK_UNSIGNED_SHORT;
-    case int32:
-      return VTK_INT;
-    case uint32:
-      return VTK_UNSIGNED_INT;
-    case int64:
-      return VTK_LONG_LONG;
-    case uint64:
-      return VTK_UNSIGNED_LONG_LONG;
-    case float32:
-      return VTK_FLOAT;
-    case float64:
-      return VTK_DOUBLE;
+Arguments parse_arguments(int argc, char** argv) {
+  Arguments out;
+  std::vector<std::string_view> positional;
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    const auto value = [&] {
+      if (i + 1 >= argc) throw std::invalid_argument(std::string(word) + ": expected a value");
+      return std::string_view(argv[++i]);
+    };
+    if (word == "--refine") {
+      out.refine.push_back(parse_number<double>(word, value()));
+    } else if (word == "--max-vertices") {
+      out.max_vertices = parse_number<std::size_t>(word, value());
+    } else if (word == "--allow-self-intersections") {
+      out.allow_self_intersections = true;
+    } else if (word == "--threads") {
+      out.threads = parse_number<int>(word, value());
+    } else if (word == "--repeats") {
+      out.repeats = std::max(1, parse_number<int>(word, value()));
+    } else if (word == "--no-vtk") {
+      out.with_vtk = false;
+    } else if (word == "--time-limit") {
+      out.time_limit = parse_number<double>(word, value());
+    } else if (word.starts_with("--")) {
+      throw std::invalid_argument("unknown option " + std::string(word));
+    } else {
+      positional.push_back(word);
+    }
   }
-  return VTK_VOID;
+  if (positional.size() != 2) throw std::invalid_argument("expected VOLUME and ISOVALUE");
+  if (out.max_vertices && out.refine.empty()) throw std::invalid_argument("--max-vertices: expected --refine as well");
+  out.volume = positional[0];
+  out.isovalue = parse_number<double>("ISOVALUE", positional[1]);
+  return out;
 }
+
+// Text of a JSON document.
+std::string json(double value) {
+  if (!std::isfinite(value)) return "null";
+  char text[32];
+  std::snprintf(text, sizeof text, "%.9g", value);
+  return text;
+}
+std::string json(std::size_t value) { return std::to_string(value); }
+std::string json(bool value) { return value ? "true" : "false"; }
+std::string json(const std::string& value) {  // file and stage names need no more than this
+  std::string out = "\"";
+  for (const char c : value) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out + "\"";
+}
+template <class T>
+std::string json(const std::optional<T>& value) {
+  return value ? json(*value) : "null";
+}
+template <class T>
+std::string json(const std::vector<T>& values) {
+  std::string out = "[";
+  for (std::size_t i = 0; i < values.size(); ++i) out += (i == 0 ? "" : ", ") + json(values[i]);
+  return out + "]";
+}
+
+class JsonObject {
+ public:
+  template <class T>
+  JsonObject& add(const std::string& key, const T& value) {
+    return add_text(key, json(value));
+  }
+  JsonObject& add_text(const std::string& key, const std::string& text) {
+    text_ += (text_.empty() ? "" : ", ") + json(key) + ": " + text;
+    return *this;
+  }
+  std::string text() const { return "{" + text_ + "}"; }
+
+ private:
+  std::string text_;
+};
+
+struct Seconds {
+  double cpu = 0, wall = 0;  // cpu: of all threads
+};
+
+Seconds now() {
+  timespec cpu{}, wall{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &cpu);
+  clock_gettime(CLOCK_MONOTONIC, &wall);
+  const auto seconds = [](const timespec& t) { return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec); };
+  return {seconds(cpu), seconds(wall)};
+}
+
+Seconds since(const Seconds& start) {
+  const Seconds end = now();
+  return {end.cpu - start.cpu, end.wall - start.wall};
+}
+
+// One program's runs.
+struct Runs {
+  std::vector<double> cpu, wall;
+  void add(const Seconds& seconds) {
+    cpu.push_back(seconds.cpu);
+    wall.push_back(seconds.wall);
+  }
+  JsonObject to_json() const { return JsonObject().add("cpu_s", cpu).add("wall_s", wall); }
+};
+
+// A value of /proc/self/status in bytes, such as VmRSS.
+std::optional<std::size_t> status_bytes(std::string_view key) {
+  std::ifstream file("/proc/self/status");
+  for (std::string line; std::getline(file, line);) {
+    if (!line.starts_with(key) || line[key.size()] != ':') continue;
+    return 1024 * static_cast<std::size_t>(std::strtoull(line.c_str() + key.size() + 1, nullptr, 10));
+  }
+  return std::nullopt;
+}
+
+// Growth of the resident set from construction to its peak before growth() is called. Memory that earlier runs have freed goes back to
+// the system first, so that it is not missing from the figure.
+class PeakMemory {
+ public:
+  PeakMemory() {
+    malloc_trim(0);
+    std::ofstream file("/proc/self/clear_refs");
+    file << 5 << std::flush;  // resets VmHWM
+    if (file) before_ = status_bytes("VmRSS");
+  }
+  std::optional<std::size_t> growth() const {
+    const auto peak = status_bytes("VmHWM");
+    if (!before_ || !peak) return std::nullopt;
+    return *peak - std::min(*peak, *before_);
+  }
+
+ private:
+  std::optional<std::size_t> before_;
+};
+
+// Sets `expired` after a time, unless it is destroyed first.
+class Alarm {
+ public:
+  explicit Alarm(std::optional<double> seconds) {
+    if (seconds) thread_ = std::thread([this, s = *seconds] { wait(s); });
+  }
+  ~Alarm() {
+    {
+      const std::lock_guard lock(mutex_);
+      is_over_ = true;
+    }
+    condition_.notify_one();
+    if (thread_.joinable()) thread_.join();
+  }
+  std::atomic<bool> expired = false;
+
+ private:
+  void wait(double seconds) {
+    std::unique_lock lock(mutex_);
+    if (!condition_.wait_for(lock, std::chrono::duration<double>(seconds), [this] { return is_over_; })) expired = true;
+  }
+  std::mutex mutex_;
+  std::condition_variable condition_;
+  bool is_over_ = false;
+  std::thread thread_;
+};
+
+struct FilterRuns {
+  Runs runs;
+  std::size_t triangles = 0;
+  std::string to_json() const { return runs.to_json().add("triangles", triangles).text(); }
+};
 
 // The whole job of a contour filter without normals and scalars, which isoatlas does not compute either.
 template <class Filter>
-double contour(vtkImageData* image, double isovalue, long long& triangles) {
-  const double start = cpu_seconds();
+void run_filter(vtkImageData* image, double isovalue, FilterRuns& out) {
+  malloc_trim(0);
+  const Seconds start = now();
   vtkNew<Filter> filter;
   filter->SetInputData(image);
   filter->SetValue(0, isovalue);
@@ -64,70 +252,153 @@ double contour(vtkImageData* image, double isovalue, long long& triangles) {
   filter->ComputeGradientsOff();
   filter->ComputeScalarsOff();
   filter->Update();
-  triangles = filter->GetOutput()->GetNumberOfPolys();
-  return cpu_seconds() - start;
+  out.runs.add(since(start));
+  out.triangles = static_cast<std::size_t>(filter->GetOutput()->GetNumberOfPolys());
 }
 
-constexpr double kEnoughSeconds = 20;  // no more repetitions after that
+isoatlas::ExtractOptions extract_options(const Arguments& arguments, const isoatlas::Grid& grid) {
+  isoatlas::ExtractOptions options;
+  options.isovalue = arguments.isovalue;
+  options.allow_self_intersections = arguments.allow_self_intersections;
+  for (const double bound : arguments.refine) {
+    isoatlas::LevelGoal goal;
+    if (arguments.max_vertices) goal.push_back({isoatlas::Quantity::max_vertices, static_cast<double>(*arguments.max_vertices)});
+    goal.push_back({isoatlas::Quantity::max_distance, bound * grid.smallest_spacing()});
+    options.refine.push_back(std::move(goal));
+  }
+  return options;
+}
+
+struct ExtractRuns {
+  Runs runs;
+  std::map<std::string, std::vector<double>> stages;  // wall seconds
+  std::vector<std::optional<std::size_t>> peak_bytes;
+  std::optional<isoatlas::Extraction> last;
+
+  std::string to_json() const {
+    JsonObject stage_object;
+    for (const auto& [stage, seconds] : stages) stage_object.add(stage, seconds);
+    return runs.to_json().add("peak_bytes", peak_bytes).add_text("stages_s", stage_object.text()).text();
+  }
+};
+
+// Returns the time used if the run was cancelled at its time limit.
+std::optional<Seconds> run_extract(const isoatlas::Volume& volume, const isoatlas::ExtractOptions& options, const Arguments& arguments,
+                                   ExtractRuns& out) {
+  out.last.reset();
+  Alarm alarm(arguments.time_limit);
+  isoatlas::RunControl control;
+  control.threads = arguments.threads;
+  control.cancel = &alarm.expired;
+  const PeakMemory memory;
+  const Seconds start = now();
+  try {
+    out.last = isoatlas::extract(volume, options, control);
+  } catch (const isoatlas::Error& error) {
+    if (error.code() != isoatlas::ErrorCode::cancelled) throw;
+    return since(start);
+  }
+  out.runs.add(since(start));
+  out.peak_bytes.push_back(memory.growth());
+  for (const isoatlas::StageTime& stage : out.last->report.seconds) out.stages[stage.stage].push_back(stage.seconds);
+  return std::nullopt;
+}
+
+// Counted again on each finished level, by the public function, outside of what is timed.
+std::string levels_json(const isoatlas::Extraction& result, double voxel) {
+  std::string out = "[";
+  for (std::size_t k = 0; k < result.report.levels.size(); ++k) {
+    const isoatlas::LevelReport& level = result.report.levels[k];
+    const isoatlas::TriangleMesh mesh = result.hierarchy.mesh(k);
+    JsonObject object;
+    object.add("vertices", level.vertices)
+        .add("triangles", level.triangles)
+        .add("share_below_third", level.quality.aspect_share_below_third)
+        .add("aspect_min", level.quality.aspect_min)
+        .add("self_intersections", isoatlas::self_intersections(mesh.positions, mesh.triangles).size())
+        .add("seconds", level.seconds);
+    std::optional<double> distance;
+    if (level.metrics) distance = (*level.metrics)[static_cast<std::size_t>(isoatlas::Quantity::max_distance)].maximum / voxel;
+    object.add("max_distance_voxels", distance);
+    out += (k == 0 ? "" : ", ") + object.text();
+  }
+  return out + "]";
+}
+
+// Loads libraries, starts threads and fills caches, which would else be counted for whichever program comes first.
+void warm_up(const Arguments& arguments) {
+  constexpr std::size_t kSize = 12;
+  std::vector<float> samples(kSize * kSize * kSize);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const auto squared = [](std::size_t coordinate) {
+      const float d = static_cast<float>(coordinate) - 5.5F;
+      return d * d;
+    };
+    samples[i] = 16.1F - squared(i % kSize) - squared(i / kSize % kSize) - squared(i / kSize / kSize);
+  }
+  isoatlas::Volume volume;
+  volume.grid.size = {kSize, kSize, kSize};
+  volume.type = isoatlas::SampleType::float32;
+  volume.samples = samples.data();
+  isoatlas::RunControl control;
+  control.threads = arguments.threads;
+  Arguments tiny = arguments;
+  tiny.isovalue = 0;
+  isoatlas::extract(volume, extract_options(tiny, volume.grid), control);
+  if (!arguments.with_vtk) return;
+  const auto image = isoatlas::bench::vtk_image(volume);
+  FilterRuns ignored;
+  run_filter<vtkMarchingCubes>(image, 0, ignored);
+  run_filter<vtkFlyingEdges3D>(image, 0, ignored);
+}
 
 }  // namespace
 
 int main(int argc, char** argv) try {
-  if (argc < 3) {
-    std::fprintf(stderr, "usage: bench_extract VOLUME ISOVALUE [REPEATS]\n");
-    return 2;
-  }
-  const double isovalue = std::atof(argv[2]);
-  const int repeats = argc > 3 ? std::atoi(argv[3]) : 3;
-  const isoatlas::Volume volume = isoatlas::read_volume(argv[1]);
-
   setenv("VTK_SMP_MAX_THREADS", "1", 1);  // vtkSMPTools.h of VTK 9.1 does not compile as C++20
-  const auto& grid = volume.grid;
-  vtkNew<vtkImageData> image;
-  image->SetDimensions(static_cast<int>(grid.size[0]), static_cast<int>(grid.size[1]), static_cast<int>(grid.size[2]));
-  image->SetSpacing(grid.spacing.x, grid.spacing.y, grid.spacing.z);
-  vtkSmartPointer<vtkDataArray> scalars;
-  scalars.TakeReference(vtkDataArray::CreateDataArray(vtk_type(volume.type)));
-  scalars->SetVoidArray(const_cast<void*>(volume.samples), static_cast<vtkIdType>(grid.sample_count()), 1);
-  image->GetPointData()->SetScalars(scalars);
+  const Arguments arguments = parse_arguments(argc, argv);
+  const isoatlas::Volume volume = isoatlas::read_volume(arguments.volume);
+  const isoatlas::ExtractOptions options = extract_options(arguments, volume.grid);
+  const auto image = isoatlas::bench::vtk_image(volume);
+  warm_up(arguments);
 
-  isoatlas::ExtractOptions options;
-  options.isovalue = isovalue;
-  isoatlas::RunControl control;
-  control.threads = 1;
-
-  double mc = 1e300, fe = 1e300, ours = 1e300, meeting = 1e300;
-  long long mc_triangles = 0, fe_triangles = 0;
-  isoatlas::ExtractReport report;
-  std::size_t intersection_tracker = 0;
-  const double began = cpu_seconds();
-  for (int k = 0; k < repeats && (k == 0 || cpu_seconds() - began < kEnoughSeconds); ++k) {
-    mc = std::min(mc, contour<vtkMarchingCubes>(image, isovalue, mc_triangles));
-    fe = std::min(fe, contour<vtkFlyingEdges3D>(image, isovalue, fe_triangles));
-    for (const bool allow : {true, false}) {
-      options.allow_self_intersections = allow;
-      const double start = cpu_seconds();
-      const isoatlas::Extraction result = isoatlas::extract(volume, options, control);
-      const double seconds = cpu_seconds() - start;
-      if (allow) {
-        meeting = std::min(meeting, seconds);
-        intersection_tracker = result.finest().triangles;
-      } else if (seconds < ours) {
-        ours = seconds;
-        report = result.report;
-      }
+  ExtractRuns ours;
+  FilterRuns marching_cubes, flying_edges;
+  std::optional<Seconds> cancelled_after;
+  const double began = now().cpu;
+  for (int k = 0; k < arguments.repeats && (k == 0 || now().cpu - began < kEnoughCpuSeconds); ++k) {
+    // First, so that the memory figure of the first run is that of an untouched heap.
+    if (!cancelled_after) cancelled_after = run_extract(volume, options, arguments, ours);
+    if (arguments.with_vtk) {
+      run_filter<vtkMarchingCubes>(image, arguments.isovalue, marching_cubes);
+      run_filter<vtkFlyingEdges3D>(image, arguments.isovalue, flying_edges);
     }
   }
-  std::printf(
-      "{\"mc_triangles\": %lld, \"fe_triangles\": %lld, \"mc_ms\": %.3f, \"fe_ms\": %.3f, \"isoatlas_ms\": %.3f, \"triangles\": %zu, "
-      "\"meeting_ms\": %.3f, \"intersection_tracker\": %zu, \"stages_ms\": {",
-      mc_triangles, fe_triangles, 1e3 * mc, 1e3 * fe, 1e3 * ours, report.levels.back().triangles, 1e3 * meeting, intersection_tracker);
-  for (std::size_t i = 0; i < report.seconds.size(); ++i) {
-    std::printf("%s\"%s\": %.3f", i == 0 ? "" : ", ", report.seconds[i].stage.c_str(), 1e3 * report.seconds[i].seconds);
+
+  JsonObject out;
+  out.add("volume", arguments.volume.filename().string())
+      .add("isovalue", arguments.isovalue)
+      .add("size", std::vector<std::size_t>(volume.grid.size.begin(), volume.grid.size.end()))
+      .add("threads", static_cast<std::size_t>(arguments.threads))
+      .add("refine_voxels", arguments.refine)
+      .add("max_vertices", arguments.max_vertices)
+      .add("allow_self_intersections", arguments.allow_self_intersections);
+  if (cancelled_after) {
+    out.add_text("cancelled_after", JsonObject().add("cpu_s", cancelled_after->cpu).add("wall_s", cancelled_after->wall).text());
+  } else {
+    out.add("c_vertices", ours.last->report.c_vertices)
+        .add_text("isoatlas", ours.to_json())
+        .add_text("levels", levels_json(*ours.last, volume.grid.smallest_spacing()));
   }
-  std::printf("}}\n");
+  if (arguments.with_vtk) {
+    out.add_text("marching_cubes", marching_cubes.to_json()).add_text("flying_edges", flying_edges.to_json());
+  }
+  std::printf("%s\n", out.text().c_str());
   return 0;
-} catch (const std::exception& e) {
-  std::fprintf(stderr, "bench_extract: %s\n", e.what());
+} catch (const std::invalid_argument& error) {
+  std::fprintf(stderr, "bench_extract: %s\n%s", error.what(), kUsage);
+  return 2;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "bench_extract: %s\n", error.what());
   return 1;
 }

@@ -72,6 +72,20 @@ def build(oracle_source):
     return ROOT / "build" / "bench" / "bin", oracle
 
 
+def bench(bin_folder, volume, iso, repeats):
+    """Best CPU milliseconds of VTK's filters and of isoatlas, embedded and with self-intersections allowed."""
+    embedded, allowed = (json.loads(must([bin_folder / "bench_extract", volume, iso, "--repeats", repeats, *more]))
+                         for more in ((), ("--allow-self-intersections",)))
+
+    def best(key):
+        return 1e3 * min(seconds for run in (embedded, allowed) for seconds in run[key]["cpu_s"])
+    ours = embedded["isoatlas"]
+    fastest = ours["cpu_s"].index(min(ours["cpu_s"]))
+    return {"mc_triangles": embedded["marching_cubes"]["triangles"], "mc_ms": best("marching_cubes"), "fe_ms": best("flying_edges"),
+            "isoatlas_ms": 1e3 * min(ours["cpu_s"]), "allowed_ms": 1e3 * min(allowed["isoatlas"]["cpu_s"]),
+            "allowed_triangles": allowed["levels"][-1]["triangles"], "stages_ms": {k: 1e3 * s[fastest] for k, s in ours["stages_s"].items()}}
+
+
 def cpu_name():
     try:
         for line in open("/proc/cpuinfo"):
@@ -270,17 +284,17 @@ def main():
             continue
         m = r["levels"][-1]
         c = m["certificate"]
-        b = json.loads(must([bin_folder / "bench_extract", volume, iso, options.repeats]))
+        b = bench(bin_folder, volume, iso, options.repeats)
         study = STUDY.get((name, iso))
         bound = f"{study[0]:,} | {study[1] * study[0]:,.0f} | {m['triangles'] / study[0]:.2f} | {yes(m['triangles'] <= study[1] * study[0])}" if study else "| | |"
-        triangles.append(f"| {label} | {b['mc_triangles']:,} | {r['reference']['c_vertices']:,} | {m['triangles']:,} | {b['intersection_tracker']:,} | {bound} |")
+        triangles.append(f"| {label} | {b['mc_triangles']:,} | {r['reference']['c_vertices']:,} | {m['triangles']:,} | {b['allowed_triangles']:,} | {bound} |")
         q = m["quality"]["aspect_ratio"]
         shape.append(f"| {label} | {c['repair_sites']:,} in {c['repair_rounds']} rounds | {q['minimum']:.3g} | {q['p01']:.3f} | {q['median']:.3f} | "
                      f"{100 * q['share_below_third']:.2f} % |")
-        ratio = b["meeting_ms"] / b["mc_ms"]
+        ratio = b["allowed_ms"] / b["mc_ms"]
         limit = 2 if (name, iso) in SMOOTH else 8
         s = b["stages_ms"]
-        time.append(f"| {label} | {b['mc_ms']:.0f} | {b['fe_ms']:.0f} | {b['meeting_ms']:.0f} | {ratio:.2f} | {b['meeting_ms'] / b['fe_ms']:.1f} | "
+        time.append(f"| {label} | {b['mc_ms']:.0f} | {b['fe_ms']:.0f} | {b['allowed_ms']:.0f} | {ratio:.2f} | {b['allowed_ms'] / b['fe_ms']:.1f} | "
                     f"{yes(ratio <= limit)} (≤ {limit}) | {b['isoatlas_ms']:.0f} | {b['isoatlas_ms'] / b['mc_ms']:.2f} | " + " | ".join(f"{s[k]:.0f}" for k in ("surface", "components", "coarsen", "cover", "certify", "mesh", "check")) +
                     f" | {r['peak_memory_bytes'] / 2**20:.0f} |")
 

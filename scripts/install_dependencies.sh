@@ -8,8 +8,8 @@ build=(g++ cmake ninja-build libtbb-dev libboost-dev libcgal-dev libvtk9-dev lib
 command -v node > /dev/null || build+=(nodejs)  # for the page; any from 18 on will do, wherever it is from
 command -v npm > /dev/null || build+=(npm)
 python=("${build[@]}" pybind11-dev python3-dev python3-numpy python3-pip python3-setuptools python3-venv python3-wheel)
-test=("${python[@]}" lib3mf-dev libgtest-dev libinsighttoolkit5-dev librapidcheck-dev python3 libgmp-dev xvfb xauth chromium python3-nibabel python3-pydicom python3-pytest python3-skimage python3-tifffile python3-tqdm python3-vtk9 mypy)
-bench=("${test[@]}" libbenchmark-dev)
+test=("${python[@]}" lib3mf-dev libgtest-dev libinsighttoolkit5-dev librapidcheck-dev python3 libgmp-dev xvfb xauth chromium python3-nibabel python3-pydicom python3-pytest python3-skimage python3-tifffile python3-tqdm python3-vtk9 mypy valgrind)
+bench=("${test[@]}" python3-matplotlib python3-scipy)
 fuzz=(clang libclang-rt-dev unzip cmake ninja-build libtbb-dev libboost-dev libcgal-dev)
 
 case "${1:-build}" in
