@@ -266,66 +266,86 @@ double to_isosurface(const Isosurface& isosurface, Vec3 p, double c_vertex, doub
 constexpr int kMostPieces = 8;
 constexpr double kSampleStep = 0.4;  // between samples of a triangle, in distances to farthest neighbours
 
+TriangleErrors::Error farthest_sample(const MeasuredSurface& surface, const LevelMesh& mesh, const MeshTriangle& t, double look_closer) {
+  TriangleErrors::Error worst{{}, t.cell[0]};
+  double longest = 0, reach = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    longest = std::max(longest, length(t.corner[k] - t.corner[(k + 1) % 3]));
+    reach = std::max(reach, static_cast<double>(surface.reach[mesh.c_vertices_of.of(t.cell[k])[0]]));
+  }
+  const int pieces = std::clamp(2 * static_cast<int>(std::ceil(longest / (2 * kSampleStep * reach))), 2,
+                                kMostPieces);  // even: error peaks at edge midpoints
+  CVertexId last = mesh.c_vertices_of.of(*std::min_element(t.cell.begin(), t.cell.end()))[0];
+  for (int a = 0; a <= pieces; ++a) {
+    for (int j = 0; a + j <= pieces; ++j) {
+      const int b = a % 2 == 0 ? j : pieces - a - j, c = pieces - a - b;  // to and fro
+      const Vec3 p = (1.0 / pieces) * (static_cast<double>(a) * t.corner[0] + static_cast<double>(b) * t.corner[1] +
+                                       static_cast<double>(c) * t.corner[2]);
+      NearestSurfel nearest = walk_to_nearest(surface.surfels, surface.graph, last, p);
+      last = nearest.id;
+      // The surface is no farther than that c-vertex.
+      const double known = static_cast<double>(worst.sample.distance);
+      if (nearest.squared_distance <= known * known) continue;
+      if (surface.isosurface == nullptr && nearest.squared_distance > look_closer * look_closer) {
+        for (const CellId cell : t.cell) look_through(surface.surfels, mesh.c_vertices_of.of(cell), p, nearest);
+      }
+      double d = from_surfel(surface, nearest, p);
+      // Where this says too little, the tangent plane may say too little as well.
+      if (surface.isosurface != nullptr && nearest.squared_distance > look_closer * look_closer) {
+        const Vec3 index{p.x / surface.spacing.x, p.y / surface.spacing.y, p.z / surface.spacing.z};
+        d = to_isosurface(*surface.isosurface, index, std::sqrt(nearest.squared_distance), std::max(known, look_closer));
+      }
+      if (d > known) worst = {{static_cast<float>(d), nearest.id}, t.cell[a >= b && a >= c ? 0 : b >= c ? 1 : 2]};
+    }
+  }
+  return worst;
+}
+
 }  // namespace
 
+void TriangleErrors::prepare(std::size_t triangles, double look_closer) {
+  if (look_closer != look_closer_) known_.clear();
+  look_closer_ = look_closer;
+  known_.resize(triangles);
+}
+
+const TriangleErrors::Error* TriangleErrors::find(std::uint32_t number, const MeshTriangle& triangle) const {
+  const Known& known = known_[number];
+  return known.cell == triangle.cell && known.corner == triangle.corner ? &known.error : nullptr;
+}
+
 void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cell_of,
-                       std::span<const CellId> cells, double look_closer, std::vector<Farthest>& from_mesh) {
+                       std::span<const CellId> cells, double look_closer, std::vector<Farthest>& from_mesh, TriangleErrors* known) {
   std::vector<std::uint8_t> wanted(mesh.cell_count(), 0);
   for (const CellId c : cells) wanted[c] = 1;
   from_mesh.resize(mesh.cell_count());
   std::vector<std::uint32_t> triangles;
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto& c = mesh.triangles[t].cell;
-    if (wanted[c[0]] || wanted[c[1]] || wanted[c[2]]) triangles.push_back(t);
+  for (const CellId c : cells) {
+    for (const std::uint32_t t : mesh.triangles_of.of(c)) {
+      const auto& corner = mesh.triangles[t].cell;  // listed by the first of its cells that is wanted
+      if (c == (wanted[corner[0]] ? corner[0] : wanted[corner[1]] ? corner[1] : corner[2])) triangles.push_back(t);
+    }
   }
-  struct Worst {
-    Farthest sample;
-    CellId cell;
-  };
-  std::vector<Worst> worst(triangles.size());
+  if (known != nullptr) known->prepare(mesh.triangles.size(), look_closer);
+  std::vector<TriangleErrors::Error> errors(triangles.size());
   for_each_piece(triangles.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
     surface.check_cancelled();
     for (std::size_t i = begin; i < end; ++i) {
       const MeshTriangle& t = mesh.triangles[triangles[i]];
-      worst[i] = {{}, t.cell[0]};
-      double longest = 0, reach = 0;
-      for (std::size_t k = 0; k < 3; ++k) {
-        longest = std::max(longest, length(t.corner[k] - t.corner[(k + 1) % 3]));
-        reach = std::max(reach, static_cast<double>(surface.reach[mesh.c_vertices_of.of(t.cell[k])[0]]));
-      }
-      const int pieces = std::clamp(2 * static_cast<int>(std::ceil(longest / (2 * kSampleStep * reach))), 2,
-                                    kMostPieces);  // even: error peaks at edge midpoints
-      CVertexId last = mesh.c_vertices_of.of(*std::min_element(t.cell.begin(), t.cell.end()))[0];
-      for (int a = 0; a <= pieces; ++a) {
-        for (int j = 0; a + j <= pieces; ++j) {
-          const int b = a % 2 == 0 ? j : pieces - a - j, c = pieces - a - b;  // to and fro
-          const Vec3 p = (1.0 / pieces) * (static_cast<double>(a) * t.corner[0] + static_cast<double>(b) * t.corner[1] +
-                                           static_cast<double>(c) * t.corner[2]);
-          NearestSurfel nearest = walk_to_nearest(surface.surfels, surface.graph, last, p);
-          last = nearest.id;
-          // The surface is no farther than that c-vertex.
-          const double known = static_cast<double>(worst[i].sample.distance);
-          if (nearest.squared_distance <= known * known) continue;
-          if (surface.isosurface == nullptr && nearest.squared_distance > look_closer * look_closer) {
-            for (const CellId cell : t.cell) look_through(surface.surfels, mesh.c_vertices_of.of(cell), p, nearest);
-          }
-          double d = from_surfel(surface, nearest, p);
-          // Where this says too little, the tangent plane may say too little as well.
-          if (surface.isosurface != nullptr && nearest.squared_distance > look_closer * look_closer) {
-            const Vec3 index{p.x / surface.spacing.x, p.y / surface.spacing.y, p.z / surface.spacing.z};
-            d = to_isosurface(*surface.isosurface, index, std::sqrt(nearest.squared_distance), std::max(known, look_closer));
-          }
-          if (d <= known) continue;
-          const CellId there = cell_of[nearest.id];
-          const bool own = there == t.cell[0] || there == t.cell[1] || there == t.cell[2];
-          worst[i] = {{static_cast<float>(d), nearest.id}, own ? there : t.cell[a >= b && a >= c ? 0 : b >= c ? 1 : 2]};
-        }
-      }
+      const TriangleErrors::Error* found = known != nullptr ? known->find(triangles[i], t) : nullptr;
+      errors[i] = found != nullptr ? *found : farthest_sample(surface, mesh, t, look_closer);
+      if (found == nullptr && known != nullptr) known->keep(triangles[i], t, errors[i]);
     }
   });
   for (const CellId c : cells) from_mesh[c] = {};
-  for (const Worst& w : worst) {
-    if (wanted[w.cell] && w.sample.distance > from_mesh[w.cell].distance) from_mesh[w.cell] = w.sample;
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const Farthest& sample = errors[i].sample;
+    const auto& corners = mesh.triangles[triangles[i]].cell;
+    // That of the sample's c-vertex, if the triangle has it.
+    const CellId there = sample.at == kNone ? kNone : cell_of[sample.at];
+    const CellId cell = std::ranges::find(corners, there) != corners.end() ? there : errors[i].cell;
+    Farthest& most = from_mesh[cell];
+    if (wanted[cell] && (sample.distance > most.distance || (sample.distance == most.distance && sample.at < most.at))) most = sample;
   }
 }
 

@@ -119,6 +119,7 @@ MeasuredCovering::MeasuredCovering(const MeasuredCovering& other)
       places_(other.places_),
       frozen_(other.frozen_),
       from_mesh_(other.from_mesh_),
+      triangle_errors_(other.triangle_errors_),
       errors_(other.errors_),
       stale_(other.stale_),
       all_stale_(other.all_stale_) {}
@@ -324,7 +325,7 @@ void MeasuredCovering::measure_between_c_vertices(std::span<const CellId> cells,
 }
 
 void MeasuredCovering::measure_from_triangles(std::span<const CellId> cells, double bound) {
-  measure_from_mesh(ground_.measured(), mesh_, partition().cell_of, cells, near_enough_ * bound, from_mesh_);
+  measure_from_mesh(ground_.measured(), mesh_, partition().cell_of, cells, near_enough_ * bound, from_mesh_, triangle_errors_.get());
   for (const CellId c : cells) add_distance(c, from_mesh_[c], bound);
 }
 

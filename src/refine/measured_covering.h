@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
@@ -123,6 +124,7 @@ class MeasuredCovering {
   Places places_;
   CellId frozen_ = 0;
   std::vector<Farthest> from_mesh_;
+  std::shared_ptr<TriangleErrors> triangle_errors_ = std::make_shared<TriangleErrors>();  // checked at each use, so copies share it
   std::vector<CellError> errors_;
   std::vector<std::uint8_t> stale_;  // per cell, 1 if the next update() has to measure it, whatever else it does
   bool all_stale_ = true;
