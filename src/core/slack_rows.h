@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/ids.h"
@@ -11,7 +12,7 @@
 namespace isoatlas {
 
 /// Rows of items in one array, as in compressed sparse rows, that can still change: each row has its own capacity, and a row that grows
-/// beyond it moves to the end of the array. Memory that such rows leave behind is not used again.
+/// beyond it moves to the end of the array. Memory that such rows leave behind is used again once it is half of all.
 template <class Item>
 class SlackRows {
  public:
@@ -63,6 +64,8 @@ class SlackRows {
   static constexpr std::uint32_t kLeastCapacity = 8;
 
   void move_to_end(Row& row, std::uint32_t capacity) {
+    left_behind_ += row.capacity;
+    if (left_behind_ > kLeastToCompact && 2 * left_behind_ > items_.size()) compact(row);
     const std::uint32_t first = checked_id(items_.size(), "items of rows");
     items_.resize(items_.size() + capacity);
     std::copy_n(items_.begin() + row.first, row.size, items_.begin() + first);
@@ -70,8 +73,26 @@ class SlackRows {
     row.capacity = capacity;
   }
 
+  // Keeps the capacities of all rows but `moving`, which keeps its items only.
+  void compact(Row& moving) {
+    moving.capacity = moving.size;
+    std::vector<Item> items;
+    std::size_t total = 0;
+    for (const Row& row : rows_) total += row.capacity;
+    items.resize(total);
+    std::uint32_t first = 0;
+    for (Row& row : rows_) {
+      std::copy_n(items_.begin() + row.first, row.size, items.begin() + first);
+      row.first = std::exchange(first, first + row.capacity);
+    }
+    items_ = std::move(items);
+    left_behind_ = moving.capacity;
+  }
+
+  static constexpr std::size_t kLeastToCompact = 1024;
   std::vector<Item> items_;
   std::vector<Row> rows_;
+  std::size_t left_behind_ = 0;  // items that belong to no row
 };
 
 }  // namespace isoatlas

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 
 #include "core/parallel.h"
@@ -74,36 +75,46 @@ double CloseTriangles::scaled_margin() const {
   return margin_ > 0 ? scaling_.second * (scaling_.first * margin_) + kRounding : 0;
 }
 
-void CloseTriangles::make_tree(std::span<const Vec3> positions, std::span<const Triangle> triangles) {
-  scaling_ = about_origin(positions);
-  std::vector<Vec3> scaled(positions.size());
-  for_each_piece(positions.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) scaled[v] = scaling_(positions[v]);
+std::vector<std::uint32_t> CloseTriangles::current(const Tree& tree) const {
+  std::vector<std::uint32_t> out;
+  std::ranges::copy_if(tree.numbers, std::back_inserter(out), [&](std::uint32_t t) { return t < tree_of_.size() && tree_of_[t] == tree.id; });
+  return out;
+}
+
+void CloseTriangles::add_tree(std::vector<std::uint32_t> numbers, std::span<const Vec3> positions, std::span<const Triangle> triangles) {
+  std::vector<Vec3> corners(3 * numbers.size());
+  std::vector<Triangle> local(numbers.size());
+  for_each_piece(numbers.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto first = static_cast<std::uint32_t>(3 * i);
+      local[i] = {first, first + 1, first + 2};
+      for (std::size_t k = 0; k < 3; ++k) corners[first + k] = scaling_(positions[triangles[numbers[i]][k]]);
+    }
   });
-  tree_.emplace(std::move(scaled), triangles);
-  is_in_tree_.assign(triangles.size(), 1);
-  changed_since_.clear();
-  is_changed_.clear();
+  const std::uint32_t id = next_id_++;
+  for (const std::uint32_t t : numbers) tree_of_[t] = id;
+  const std::size_t count = numbers.size();
+  trees_.push_back({id, count, std::move(numbers), TriangleTree(std::move(corners), local)});
 }
 
-TriangleTree CloseTriangles::tree_of_changed(std::span<const Vec3> positions, std::span<const Triangle> triangles) const {
-  std::vector<Vec3> corners;
-  std::vector<Triangle> local;
-  corners.reserve(3 * changed_since_.size());
-  for (const std::uint32_t t : changed_since_) {
-    const auto first = static_cast<std::uint32_t>(corners.size());
-    for (const std::uint32_t v : triangles[t]) corners.push_back(scaling_(positions[v]));
-    local.push_back({first, first + 1, first + 2});
-  }
-  return {std::move(corners), local};
+void CloseTriangles::leave_tree(std::uint32_t t) {
+  const auto tree = std::ranges::lower_bound(trees_, tree_of_[t], {}, &Tree::id);
+  if (tree != trees_.end() && tree->id == tree_of_[t]) --tree->current;
+  tree_of_[t] = kNone;
 }
 
-// @pre the tree was made just now
-std::vector<TrianglePair> CloseTriangles::all_pairs(std::span<const Vec3> positions, const PairTest& is_wanted, const RunControl& control) const {
-  const TriangleTree& tree = *tree_;
+// Of all triangles, in a tree of them all.
+std::vector<TrianglePair> CloseTriangles::all_pairs(std::span<const Vec3> positions, std::span<const Triangle> triangles,
+                                                    const PairTest& is_wanted, const RunControl& control) {
+  scaling_ = about_origin(positions);
+  trees_.clear();
+  std::vector<std::uint32_t> numbers(triangles.size());
+  std::iota(numbers.begin(), numbers.end(), 0u);
+  add_tree(std::move(numbers), positions, triangles);
+  const TriangleTree& tree = trees_.back().tree;
   std::vector<Box> boxes(tree.triangle_count());  // in the order of the tree
   for_each_piece(boxes.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (auto slot = static_cast<std::uint32_t>(begin); slot < end; ++slot) boxes[slot] = box_of(positions, tree.corners_in(slot));
+    for (auto slot = static_cast<std::uint32_t>(begin); slot < end; ++slot) boxes[slot] = box_of(positions, triangles[tree.triangle_in(slot)]);
   });
   const double reach = 2 * margin_, scaled_reach = 2 * scaled_margin();
   return collect(tree.leaf_count(), kLeafGrain, control, [&](std::size_t first, std::size_t last, std::vector<TrianglePair>& found) {
@@ -135,29 +146,24 @@ std::vector<TrianglePair> CloseTriangles::all_pairs(std::span<const Vec3> positi
 std::vector<TrianglePair> CloseTriangles::update(std::span<const Vec3> positions, std::span<const Triangle> triangles,
                                                  std::span<const std::uint32_t> changed, const PairTest& is_wanted,
                                                  const RunControl& control) {
-  if (!tree_ || 2 * changed.size() > triangles.size()) {
-    make_tree(positions, triangles);
-    std::vector<TrianglePair> pairs = all_pairs(positions, is_wanted, control);
-    if (changed.size() == triangles.size()) return pairs;
-    std::erase_if(pairs, [&](const TrianglePair& pair) {
-      return !std::binary_search(changed.begin(), changed.end(), pair.first) && !std::binary_search(changed.begin(), changed.end(), pair.second);
-    });
+  for (auto t = static_cast<std::uint32_t>(triangles.size()); t < tree_of_.size(); ++t) leave_tree(t);
+  tree_of_.resize(triangles.size(), kNone);
+  is_changed_.clear();
+  for (const std::uint32_t t : changed) is_changed_.insert(t);
+  if (trees_.empty() || 2 * changed.size() > triangles.size()) {
+    std::vector<TrianglePair> pairs = all_pairs(positions, triangles, is_wanted, control);
+    std::erase_if(pairs, [&](const TrianglePair& pair) { return !is_changed_.contains(pair.first) && !is_changed_.contains(pair.second); });
     return pairs;
   }
-  std::erase_if(changed_since_, [&](std::uint32_t t) { return t >= triangles.size(); });
-  for (std::size_t t = triangles.size(); t < is_in_tree_.size(); ++t) is_in_tree_[t] = 0;
-  is_changed_now_.clear();
-  for (const std::uint32_t t : changed) {
-    is_changed_now_.insert(t);
-    if (t < is_in_tree_.size()) is_in_tree_[t] = 0;
+  if (changed.empty()) return {};
+  std::vector<std::uint32_t> numbers(changed.begin(), changed.end());
+  for (const std::uint32_t t : changed) leave_tree(t);
+  for (; !trees_.empty() && trees_.back().current <= 2 * numbers.size(); trees_.pop_back()) {
+    const std::vector<std::uint32_t> others = current(trees_.back());
+    numbers.insert(numbers.end(), others.begin(), others.end());
   }
-  is_changed_.clear();
-  for (const std::uint32_t t : changed_since_) is_changed_.insert(t);
-  for (const std::uint32_t t : changed) {
-    if (is_changed_.insert(t)) changed_since_.push_back(t);
-  }
-  if (2 * changed_since_.size() > triangles.size()) make_tree(positions, triangles);
-  const TriangleTree latest = tree_of_changed(positions, triangles);
+  add_tree(std::move(numbers), positions, triangles);
+
   const double reach = 2 * margin_, scaled_reach = 2 * scaled_margin();
   return collect(changed.size(), kQueryGrain, control, [&](std::size_t first, std::size_t last, std::vector<TrianglePair>& found) {
     std::vector<std::uint32_t> leaves;
@@ -167,20 +173,19 @@ std::vector<TrianglePair> CloseTriangles::update(std::span<const Vec3> positions
       Box scaled;
       for (const std::uint32_t v : triangles[t]) scaled.include(scaling_(positions[v]));
       scaled = scaled.larger_by(scaled_reach);
-      const auto look_in = [&](const TriangleTree& tree, auto number_of) {
+      for (const Tree& tree : trees_) {
         leaves.clear();
-        tree.leaves_near(scaled.low, scaled.high, 0, leaves);
+        tree.tree.leaves_near(scaled.low, scaled.high, 0, leaves);
         for (const std::uint32_t leaf : leaves) {
-          for (std::uint32_t slot = TriangleTree::kLeaf * leaf; slot < tree.leaf_end(leaf); ++slot) {
-            const std::uint32_t other = number_of(tree.triangle_in(slot));
+          for (std::uint32_t slot = TriangleTree::kLeaf * leaf; slot < tree.tree.leaf_end(leaf); ++slot) {
+            const std::uint32_t other = tree.numbers[tree.tree.triangle_in(slot)];
+            if (other >= tree_of_.size() || tree_of_[other] != tree.id) continue;
             // Of two that changed now the larger one finds the pair.
-            if (other == kNone || (other >= t && is_changed_now_.contains(other)) || !box.overlaps(box_of(positions, triangles[other]))) continue;
-            if (is_wanted(t, other)) found.push_back(std::minmax(t, other));
+            if (other >= t && (other == t || is_changed_.contains(other))) continue;
+            if (box.overlaps(box_of(positions, triangles[other])) && is_wanted(t, other)) found.push_back(std::minmax(t, other));
           }
         }
-      };
-      look_in(*tree_, [&](std::uint32_t other) { return is_in_tree_[other] != 0 ? other : kNone; });
-      look_in(latest, [&](std::uint32_t other) { return changed_since_[other]; });
+      }
     }
   });
 }

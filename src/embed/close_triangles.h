@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,8 +14,8 @@
 
 namespace isoatlas {
 
-/// Finds pairs of triangles with overlapping boxes in a mesh that changes. There is a tree of the triangles as they were at some time, and
-/// a list of those that changed since; when these are half of all, the tree is made anew.
+/// Finds pairs of triangles with overlapping boxes in a mesh that changes. Triangles that change together are in a tree of their own; a tree
+/// that is not twice as large as the next one is joined with it. So there are few trees, and each triangle is sorted into a few only.
 class CloseTriangles {
  public:
   /// Whether a pair of triangles is wanted; called with their numbers, from several threads.
@@ -27,7 +26,7 @@ class CloseTriangles {
 
   /// @param changed  the numbers of the triangles that are new since the last call or have a corner that moved, sorted
   /// @return the pairs with one of these that pass the test: sorted, the smaller number first
-  /// @cost   O(T log T) where most changed; else O(changed log T), with a pass over the triangles now and then
+  /// @cost   O(T log T) where most changed; else O(changed (log T)^2), amortized, and little more than O(changed log T)
   std::vector<TrianglePair> update(std::span<const Vec3> positions, std::span<const Triangle> triangles,
                                    std::span<const std::uint32_t> changed, const PairTest& is_wanted, const RunControl& control);
 
@@ -39,18 +38,27 @@ class CloseTriangles {
     Vec3 middle;
     Vec3 operator()(Vec3 p) const { return second * (first * p) - middle; }
   };
+  // Triangles that changed at the same time or were joined since. Of those in the tree, only those whose tree_of_ it is are current.
+  struct Tree {
+    std::uint32_t id;
+    std::size_t current;                 // how many are
+    std::vector<std::uint32_t> numbers;  // per triangle of the tree
+    TriangleTree tree;
+  };
   static Scaling about_origin(std::span<const Vec3> positions);
-  std::vector<TrianglePair> all_pairs(std::span<const Vec3> positions, const PairTest& is_wanted, const RunControl& control) const;
-  void make_tree(std::span<const Vec3> positions, std::span<const Triangle> triangles);
-  TriangleTree tree_of_changed(std::span<const Vec3> positions, std::span<const Triangle> triangles) const;
   double scaled_margin() const;
+  void add_tree(std::vector<std::uint32_t> numbers, std::span<const Vec3> positions, std::span<const Triangle> triangles);
+  void leave_tree(std::uint32_t t);
+  std::vector<std::uint32_t> current(const Tree& tree) const;
+  std::vector<TrianglePair> all_pairs(std::span<const Vec3> positions, std::span<const Triangle> triangles, const PairTest& is_wanted,
+                                      const RunControl& control);
 
   double margin_;
   Scaling scaling_;
-  std::optional<TriangleTree> tree_;
-  std::vector<std::uint8_t> is_in_tree_;         // per triangle of the tree, 1 if it is still what it was
-  std::vector<std::uint32_t> changed_since_;     // the tree was made
-  EpochSet is_changed_, is_changed_now_;
+  std::vector<Tree> trees_;              // from large to small, from old to new
+  std::vector<std::uint32_t> tree_of_;   // per triangle, the id of its tree
+  std::uint32_t next_id_ = 0;
+  EpochSet is_changed_;
 };
 
 }  // namespace isoatlas

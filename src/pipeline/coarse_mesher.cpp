@@ -48,6 +48,20 @@ bool refine_components(const SurfaceComplex& complex, Covering& covering, std::s
   return covering.site_count() > before;
 }
 
+// Per vertex, the triangles with a corner there.
+SlackRows<std::uint32_t> triangles_around(std::span<const Triangle> triangles, std::size_t vertices) {
+  std::vector<std::uint32_t> count(vertices, 0);
+  for (const Triangle& t : triangles) {
+    for (const std::uint32_t v : t) ++count[v];
+  }
+  SlackRows<std::uint32_t> out;
+  out.reserve(count);
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    for (const std::uint32_t v : triangles[t]) out.push_back(v, t);
+  }
+  return out;
+}
+
 }  // namespace
 
 CoarseMesher::Stand::Stand(const SurfaceComplex& on, const CoveringOptions& options)
@@ -157,11 +171,7 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
     start.push_back(scaled(surface.positions[v], s));
     roam.push_back(surface_.may_roam(v) ? roam_of(surface.positions[v], s) : Roam{start.back(), start.back()});
   }
-  const Buckets triangles_of = make_buckets(static_cast<std::uint32_t>(at.size()), [&](auto add) {
-    for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
-      for (const std::uint32_t v : mesh_.triangles[t]) add(v, t);
-    }
-  });
+  const SlackRows<std::uint32_t> triangles_of = triangles_around(mesh_.triangles, at.size());
   const InterpolatedField* const field = options_.vertices_on_surface ? &surface_.field() : nullptr;
   RelaxGoal goal{1.0 / 3, kSeparation * std::min({s.x, s.y, s.z})};
 
@@ -193,7 +203,7 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
     for (const std::uint32_t i : moved) {
       stays_[i] = times_back[i] > 1;
       if (times_back[i] == 0) continue;
-      for (const std::uint32_t t : triangles_of.of(i)) fresh[t] = 1;
+      for (const std::uint32_t t : triangles_of.row(i)) fresh[t] = 1;
     }
   }
   if (!options_.allow_self_intersections && nesting(component_of) != surface_.nesting()) {  // hardly ever: as it was certified

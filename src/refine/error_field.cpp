@@ -27,7 +27,7 @@ class Ring {
   explicit Ring(const LevelMesh& mesh) : mesh_(mesh) {}
 
   void move_to(CellId cell) {
-    const auto own = mesh_.triangles_of.of(cell);
+    const auto own = mesh_.triangles_of.row(cell);
     cell_ = cell;
     own_ = own.size();
     guess_ = 0;
@@ -57,7 +57,7 @@ class Ring {
     for (std::size_t i = 0; i < own_; ++i) {
       for (const CellId neighbour : mesh_.triangles[triangles_[i]].cell) {
         if (neighbour == cell_) continue;
-        const auto theirs = mesh_.triangles_of.of(neighbour);
+        const auto theirs = mesh_.triangles_of.row(neighbour);
         triangles_.insert(triangles_.end(), theirs.begin(), theirs.end());
       }
     }
@@ -121,7 +121,7 @@ class Ring {
 
 void find_closest(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cells, std::vector<ClosestPoint>& out) {
   std::vector<std::size_t> first(cells.size() + 1, 0);
-  for (std::size_t i = 0; i < cells.size(); ++i) first[i + 1] = first[i] + mesh.c_vertices_of.of(cells[i]).size();
+  for (std::size_t i = 0; i < cells.size(); ++i) first[i + 1] = first[i] + mesh.c_vertices_of.row(cells[i]).size();
   out.resize(first.back());
   for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
     surface.check_cancelled();
@@ -129,7 +129,7 @@ void find_closest(const MeasuredSurface& surface, const LevelMesh& mesh, std::sp
     for (std::size_t i = begin; i < end; ++i) {
       ring.move_to(cells[i]);
       std::size_t at = first[i];
-      for (const CVertexId v : mesh.c_vertices_of.of(cells[i])) {
+      for (const CVertexId v : mesh.c_vertices_of.row(cells[i])) {
         const auto [triangle, p] = ring.closest(surface.found[v]);
         out[at++] = {triangle,
                      {static_cast<float>(p.weight[0]), static_cast<float>(p.weight[1]), static_cast<float>(p.weight[2])},
@@ -147,7 +147,7 @@ std::vector<Farthest> find_farthest(const MeasuredSurface& surface, const LevelM
     Ring ring(mesh);
     for (std::size_t i = begin; i < end; ++i) {
       ring.move_to(cells[i]);
-      const auto c_vertices = mesh.c_vertices_of.of(cells[i]);
+      const auto c_vertices = mesh.c_vertices_of.row(cells[i]);
       const auto look_at = [&](CVertexId v) {
         const auto d = static_cast<float>(std::sqrt(ring.closest(surface.found[v], enough).second.squared_distance));
         if (d > out[i].distance) out[i] = {d, v};
@@ -225,7 +225,7 @@ std::vector<Farthest> measure_between(const MeasuredSurface& surface, const Betw
     Ring ring(mesh);
     for (std::size_t i = begin; i < end; ++i) {
       ring.move_to(cells[i]);
-      for (const CVertexId v : mesh.c_vertices_of.of(cells[i])) {
+      for (const CVertexId v : mesh.c_vertices_of.row(cells[i])) {
         between.for_each_at(v, [&](Vec3 p, const Face& face) {
           const auto known = std::max(enough, static_cast<double>(out[i].distance));
           const auto d = static_cast<float>(std::sqrt(ring.closest(p, known).second.squared_distance));
@@ -271,11 +271,11 @@ TriangleErrors::Error farthest_sample(const MeasuredSurface& surface, const Leve
   double longest = 0, reach = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     longest = std::max(longest, length(t.corner[k] - t.corner[(k + 1) % 3]));
-    reach = std::max(reach, static_cast<double>(surface.reach[mesh.c_vertices_of.of(t.cell[k])[0]]));
+    reach = std::max(reach, static_cast<double>(surface.reach[mesh.c_vertices_of.row(t.cell[k])[0]]));
   }
   const int pieces = std::clamp(2 * static_cast<int>(std::ceil(longest / (2 * kSampleStep * reach))), 2,
                                 kMostPieces);  // even: error peaks at edge midpoints
-  CVertexId last = mesh.c_vertices_of.of(*std::min_element(t.cell.begin(), t.cell.end()))[0];
+  CVertexId last = mesh.c_vertices_of.row(*std::min_element(t.cell.begin(), t.cell.end()))[0];
   for (int a = 0; a <= pieces; ++a) {
     for (int j = 0; a + j <= pieces; ++j) {
       const int b = a % 2 == 0 ? j : pieces - a - j, c = pieces - a - b;  // to and fro
@@ -287,7 +287,7 @@ TriangleErrors::Error farthest_sample(const MeasuredSurface& surface, const Leve
       const double known = static_cast<double>(worst.sample.distance);
       if (nearest.squared_distance <= known * known) continue;
       if (surface.isosurface == nullptr && nearest.squared_distance > look_closer * look_closer) {
-        for (const CellId cell : t.cell) look_through(surface.surfels, mesh.c_vertices_of.of(cell), p, nearest);
+        for (const CellId cell : t.cell) look_through(surface.surfels, mesh.c_vertices_of.row(cell), p, nearest);
       }
       double d = from_surfel(surface, nearest, p);
       // Where this says too little, the tangent plane may say too little as well.
@@ -321,7 +321,7 @@ void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, st
   from_mesh.resize(mesh.cell_count());
   std::vector<std::uint32_t> triangles;
   for (const CellId c : cells) {
-    for (const std::uint32_t t : mesh.triangles_of.of(c)) {
+    for (const std::uint32_t t : mesh.triangles_of.row(c)) {
       const auto& corner = mesh.triangles[t].cell;  // listed by the first of its cells that is wanted
       if (c == (wanted[corner[0]] ? corner[0] : wanted[corner[1]] ? corner[1] : corner[2])) triangles.push_back(t);
     }

@@ -73,7 +73,7 @@ std::string reason(const Constraint& c, const MeshExtent& mesh, const Obstacles&
 MeshExtent extent_of(const LevelMesh& mesh) {
   MeshExtent out;
   out.vertices = mesh.cell_count();
-  out.c_vertices = mesh.c_vertices_of.items.size();
+  for (CellId c = 0; c < mesh.cell_count(); ++c) out.c_vertices += mesh.c_vertices_of.row(c).size();
   out.shortest_edge = std::numeric_limits<double>::infinity();
   out.aspects.reserve(mesh.triangles.size());
   for (const MeshTriangle& t : mesh.triangles) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "refine/level_mesh.h"
 
+#include <algorithm>
+
 #include "core/vector_math.h"
 #include "subdivide/subdivide.h"
 
@@ -44,30 +46,60 @@ std::vector<Triangle> cells_of(std::span<const DualTriangle> dual) {
 LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, std::span<const DualTriangle> dual, const Places& places) {
   LevelMesh mesh;
   const std::uint32_t cells = partition.cell_count();
-  mesh.c_vertices_of = make_buckets(cells, [&](auto add) {
-    for (CVertexId v = 0; v < partition.cell_of.size(); ++v) add(partition.cell_of[v], v);
-  });
-  mesh.point.resize(cells);
-  mesh.normal.resize(cells);
+  std::vector<std::uint32_t> count(cells, 0);
+  for (const CellId c : partition.cell_of) ++count[c];
+  mesh.c_vertices_of.reserve(count);
+  for (CVertexId v = 0; v < partition.cell_of.size(); ++v) mesh.c_vertices_of.push_back(partition.cell_of[v], v);
+  std::fill(count.begin(), count.end(), 0u);
+  for (const DualTriangle& t : dual) {
+    for (const CellId c : t.cell) ++count[c];
+  }
+  mesh.triangles_of.reserve(count);
   set_triangles(mesh, surfels, dual, places);
   return mesh;
 }
 
+void set_cells(LevelMesh& mesh, const CellMembers& members, std::span<const CellId> changed) {
+  mesh.c_vertices_of.add_rows(members.cell_count() - mesh.c_vertices_of.row_count());
+  mesh.triangles_of.add_rows(members.cell_count() - mesh.triangles_of.row_count());
+  std::vector<CVertexId> own;
+  for (const CellId c : changed) {
+    own.clear();
+    members.for_each(c, [&](CVertexId v) { own.push_back(v); });
+    std::sort(own.begin(), own.end());
+    mesh.c_vertices_of.assign(c, own);
+  }
+}
+
 void set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const Places& places) {
-  for (CellId c = 0; c < mesh.cell_count(); ++c) {
+  const std::uint32_t cells = mesh.c_vertices_of.row_count();
+  std::vector<std::uint8_t> moved(cells, 1);
+  const std::size_t known = mesh.point.size();
+  mesh.point.resize(cells);
+  mesh.normal.resize(cells);
+  for (CellId c = 0; c < cells; ++c) {
+    const Vec3 point = places.point(surfels, c);
+    if (c < known && point == mesh.point[c]) moved[c] = 0;
     mesh.normal[c] = surfels.normal[places.anchor[c]];
-    mesh.point[c] = places.point(surfels, c);
+    mesh.point[c] = point;
   }
+  const auto leave_rows = [&](std::uint32_t t) {
+    for (const CellId c : mesh.triangles[t].cell) mesh.triangles_of.erase(c, t);
+  };
+  for (auto t = static_cast<std::uint32_t>(dual.size()); t < mesh.triangles.size(); ++t) leave_rows(t);
+  const std::size_t before = std::min(mesh.triangles.size(), dual.size());
   mesh.triangles.resize(dual.size());
-  for (std::size_t i = 0; i < dual.size(); ++i) {
-    mesh.triangles[i].cell = dual[i].cell;
-    set_corners(mesh.triangles[i], mesh.point);
-  }
-  mesh.triangles_of = make_buckets(mesh.cell_count(), [&](auto add) {
-    for (std::uint32_t i = 0; i < dual.size(); ++i) {
-      for (const CellId c : dual[i].cell) add(c, i);
+  for (std::uint32_t t = 0; t < dual.size(); ++t) {
+    const auto& cell = dual[t].cell;
+    const bool same = t < before && mesh.triangles[t].cell == cell;
+    if (same && !moved[cell[0]] && !moved[cell[1]] && !moved[cell[2]]) continue;
+    if (!same) {
+      if (t < before) leave_rows(t);
+      mesh.triangles[t].cell = cell;
+      for (const CellId c : cell) mesh.triangles_of.push_back(c, t);
     }
-  });
+    set_corners(mesh.triangles[t], mesh.point);
+  }
 }
 
 void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const Places& places) {
@@ -76,7 +108,7 @@ void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cell
     mesh.point[c] = places.point(surfels, c);
   }
   for (const CellId c : cells) {
-    for (const std::uint32_t t : mesh.triangles_of.of(c)) set_corners(mesh.triangles[t], mesh.point);
+    for (const std::uint32_t t : mesh.triangles_of.row(c)) set_corners(mesh.triangles[t], mesh.point);
   }
 }
 

@@ -5,8 +5,10 @@
 #include <utility>
 #include <vector>
 
+#include "core/slack_rows.h"
 #include "isoatlas/mesh.h"
 #include "metrics/cell_view.h"
+#include "partition/cell_members.h"
 #include "partition/partition.h"
 
 namespace isoatlas {
@@ -36,10 +38,10 @@ Buckets make_buckets(std::uint32_t groups, ForEach for_each) {
 /// The mesh of a certified partition, with what refinement asks of it. Lengths have the spacing applied.
 struct LevelMesh {
   std::vector<MeshTriangle> triangles;
-  Buckets triangles_of;      ///< per cell, the triangles with a corner there
-  Buckets c_vertices_of;     ///< per cell, its c-vertices, increasing
-  std::vector<Vec3> point;   ///< per cell, where its vertex sits
-  std::vector<Vec3> normal;  ///< per cell, the surface's normal there
+  SlackRows<std::uint32_t> triangles_of;  ///< per cell, the triangles with a corner there
+  SlackRows<CVertexId> c_vertices_of;     ///< per cell, its c-vertices, increasing
+  std::vector<Vec3> point;                ///< per cell, where its vertex sits
+  std::vector<Vec3> normal;               ///< per cell, the surface's normal there
 
   std::uint32_t cell_count() const { return static_cast<std::uint32_t>(point.size()); }
 };
@@ -77,7 +79,11 @@ std::vector<Triangle> cells_of(std::span<const DualTriangle> dual);
 /// O(C)
 LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, std::span<const DualTriangle> dual, const Places& places);
 
-/// Gives the mesh other triangles and places; the cells stay. O(triangles)
+/// More cells, and other c-vertices of some; set_triangles() has to follow.
+/// @param changed  the cells with other c-vertices than before
+void set_cells(LevelMesh& mesh, const CellMembers& members, std::span<const CellId> changed);
+
+/// Gives the mesh other triangles and places. Only those that are not what they were are worked on; the others are compared.
 void set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const Places& places);
 
 /// Moves the vertices of `cells` and the corners of their triangles to their places.

@@ -26,7 +26,7 @@ CellView view_of(const Ground& ground, const Covering& covering, const LevelMesh
           mesh.normal,
           mesh.triangles,
           covering.partition().site[cell],
-          mesh.c_vertices_of.of(cell),
+          mesh.c_vertices_of.row(cell),
           closest,
           from_mesh};
 }
@@ -45,7 +45,7 @@ double excess_of(Quantity quantity, double value, double bound) {
 
 double longest_edge(const LevelMesh& mesh, CellId cell) {
   double squared = 0;
-  for (const std::uint32_t t : mesh.triangles_of.of(cell)) {
+  for (const std::uint32_t t : mesh.triangles_of.row(cell)) {
     for (const CellId other : mesh.triangles[t].cell) squared = std::max(squared, squared_length(mesh.point[cell] - mesh.point[other]));
   }
   return std::sqrt(squared);
@@ -168,7 +168,16 @@ void MeasuredCovering::update(CertificateReport& report, const RunControl& contr
   if (!places_.shift.empty()) places_.shift.resize(partition().cell_count());
   keep_apart();
   if (!places_.offset.empty()) places_.offset.resize(partition().cell_count(), 0);
-  mesh_ = make_level_mesh(ground_.surfels, partition(), dual_.triangles(), places_);
+  if (mesh_.point.empty()) {
+    mesh_ = make_level_mesh(ground_.surfels, partition(), dual_.triangles(), places_);
+  } else {
+    std::vector<CellId> touched;
+    for (CellId c = 0; c < partition().cell_count(); ++c) {
+      if (dual_.touched()[c]) touched.push_back(c);
+    }
+    set_cells(mesh_, covering_.members(), touched);
+    set_triangles(mesh_, ground_.surfels, dual_.triangles(), places_);
+  }
   std::vector<CellId> cells;
   if (all_stale_) {
     cells.resize(partition().cell_count());
@@ -276,7 +285,7 @@ void MeasuredCovering::measure(std::vector<CellId> cells, Thoroughness thoroughn
   }
 
   std::vector<std::size_t> first(cells.size() + 1, 0);
-  for (std::size_t i = 0; i < cells.size(); ++i) first[i + 1] = first[i] + mesh_.c_vertices_of.of(cells[i]).size();
+  for (std::size_t i = 0; i < cells.size(); ++i) first[i + 1] = first[i] + mesh_.c_vertices_of.row(cells[i]).size();
   for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const CellId c = cells[i];
@@ -349,11 +358,13 @@ std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& 
     for (CellId c = 0; c < n; ++c) farthest[c].distance = std::max(farthest[c].distance, between[c].distance);
   }
   std::vector<MetricValues> values(n);
+  std::vector<std::size_t> first(n + 1, 0);
+  for (CellId c = 0; c < n; ++c) first[c + 1] = first[c] + mesh.c_vertices_of.row(c).size();
   for_each_piece(n, kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto c = static_cast<CellId>(i);
       const std::span<const ClosestPoint> own =
-          std::span<const ClosestPoint>(closest).subspan(mesh.c_vertices_of.first[c], mesh.c_vertices_of.of(c).size());
+          std::span<const ClosestPoint>(closest).subspan(first[c], first[c + 1] - first[c]);
       const CellView cell = view_of(ground, covering, mesh, c, own, farthest[c].distance);
       for (std::size_t m = 0; m < kMetricCount; ++m) values[c][m] = evaluate(static_cast<Quantity>(m), cell);
     }

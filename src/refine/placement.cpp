@@ -26,7 +26,7 @@ void balance(const MeasuredSurface& surface, std::span<const CellId> cells, Leve
   for (const CellId c : cells) listed[c] = 1;
   for (const CellId c : cells) {
     bool inner = !surface.graph.on_boundary[places.anchor[c]] && places.may_move(c);
-    for (const std::uint32_t t : mesh.triangles_of.of(c)) {
+    for (const std::uint32_t t : mesh.triangles_of.row(c)) {
       for (const CellId n : mesh.triangles[t].cell) inner = inner && listed[n];
     }
     movable[c] = inner;
@@ -36,7 +36,7 @@ void balance(const MeasuredSurface& surface, std::span<const CellId> cells, Leve
   std::vector<float> most(all, 0);
   for (const CellId c : cells) {
     double squared = std::numeric_limits<double>::infinity();
-    for (const std::uint32_t t : mesh.triangles_of.of(c)) {
+    for (const std::uint32_t t : mesh.triangles_of.row(c)) {
       for (const CellId n : mesh.triangles[t].cell) {
         if (n != c) squared = std::min(squared, squared_length(anchor_point(c) - anchor_point(n)));
       }
@@ -49,7 +49,7 @@ void balance(const MeasuredSurface& surface, std::span<const CellId> cells, Leve
       for (const CellId c : cells) pull[c] = weight[c] = 0;
       std::size_t i = 0;
       for (const CellId cell : cells) {
-        for (const CVertexId v : mesh.c_vertices_of.of(cell)) {
+        for (const CVertexId v : mesh.c_vertices_of.row(cell)) {
           const ClosestPoint& p = closest[i++];
           const MeshTriangle& t = mesh.triangles[p.triangle];
           double residual = 0;  // corner by corner, so that the weights' rounding does not count

@@ -360,7 +360,7 @@ bool Refiner::refine_cells(std::span<const CellId> cells, const RunControl& cont
 bool Refiner::can_refine(std::span<const CellId> cells) const {
   std::vector<CellId> single;
   for (const CellId c : cells) {
-    if (work_->mesh().c_vertices_of.of(c).size() == 1) single.push_back(c);
+    if (work_->mesh().c_vertices_of.row(c).size() == 1) single.push_back(c);
   }
   return single.size() < cells.size() || !subdividable(single).empty();
 }

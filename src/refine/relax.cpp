@@ -40,7 +40,7 @@ Vec3 clamped(Vec3 p, const Roam& r) {
 
 class Relaxation {
  public:
-  Relaxation(std::span<Vec3> points, std::span<const Triangle> triangles, const Buckets& triangles_of, std::span<const Roam> roam,
+  Relaxation(std::span<Vec3> points, std::span<const Triangle> triangles, const SlackRows<std::uint32_t>& triangles_of, std::span<const Roam> roam,
              const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal, const RunControl& control, std::span<const std::uint8_t> fresh)
       : control_(control),
         fresh_(fresh),
@@ -103,7 +103,7 @@ class Relaxation {
     std::vector<std::uint32_t> out;
     for (const std::uint32_t v : touched_) {
       if (points_[v] == start_[v]) continue;
-      const auto around = triangles_of_.of(v);
+      const auto around = triangles_of_.row(v);
       out.insert(out.end(), around.begin(), around.end());
     }
     std::sort(out.begin(), out.end());
@@ -165,7 +165,7 @@ class Relaxation {
       pushes_[v] = 0;
     }
     for (const std::uint32_t v : pushed_) {
-      for (const std::uint32_t t : triangles_of_.of(v)) {
+      for (const std::uint32_t t : triangles_of_.row(v)) {
         if (seen_[t] || !is_below_aim(t)) continue;
         seen_[t] = 1;
         active_.push_back(t);
@@ -195,7 +195,7 @@ class Relaxation {
         },
         [&](auto add) {
           for (const std::uint32_t v : triangles_[t]) {
-            for (const std::uint32_t i : triangles_of_.of(v)) add(i);
+            for (const std::uint32_t i : triangles_of_.row(v)) add(i);
           }
         });
   }
@@ -229,7 +229,7 @@ class Relaxation {
     if (known != kUnknown) return known;
     known = kNone;
     const std::uint32_t a = triangles_[t][(k + 1) % 3], b = triangles_[t][(k + 2) % 3];
-    for (const std::uint32_t other : triangles_of_.of(a)) {
+    for (const std::uint32_t other : triangles_of_.row(a)) {
       const Triangle& c = triangles_[other];
       for (std::size_t m = 0; m < 3; ++m) {
         if (other != t && c[m] == b && c[(m + 1) % 3] == a) known = c[(m + 2) % 3];
@@ -262,7 +262,7 @@ class Relaxation {
           if (++looked_at % kLook == 0) control_.check_cancelled();
           if (!can_move(roam_[v]) || !improve(v, step)) continue;
           again.push_back(v);
-          for (const std::uint32_t t : triangles_of_.of(v)) {
+          for (const std::uint32_t t : triangles_of_.row(v)) {
             if (goodness(t, kNone, {}) < 1) again.insert(again.end(), triangles_[t].begin(), triangles_[t].end());
           }
         }
@@ -289,14 +289,14 @@ class Relaxation {
   // @param enough  what is no better than this need not be known better
   double worst_around(std::uint32_t v, Vec3 p, double enough) const {
     double worst = 1;
-    for (const std::uint32_t t : triangles_of_.of(v)) {
+    for (const std::uint32_t t : triangles_of_.row(v)) {
       worst = std::min(worst, goodness(t, v, p));
       if (worst <= enough) break;
     }
     return worst;
   }
   bool turns(std::uint32_t v, Vec3 p) {
-    for (const std::uint32_t t : triangles_of_.of(v)) {
+    for (const std::uint32_t t : triangles_of_.row(v)) {
       const Triangle& c = triangles_[t];
       const std::array<Vec3, 3> q{c[0] == v ? p : points_[c[0]], c[1] == v ? p : points_[c[1]], c[2] == v ? p : points_[c[2]]};
       if (dot(facing_at_start(t), cross(q[1] - q[0], q[2] - q[0])) < 0) return true;
@@ -387,7 +387,7 @@ class Relaxation {
   const InterpolatedField* field_;
   Vec3 spacing_;
   RelaxGoal goal_;
-  const Buckets& triangles_of_;
+  const SlackRows<std::uint32_t>& triangles_of_;
   static constexpr std::uint32_t kUnknown = kNone - 1;
   mutable std::vector<std::array<std::uint32_t, 3>> opposite_;
   std::vector<Vec3> start_;
@@ -410,7 +410,7 @@ Roam roam_of(Vec3 position, Vec3 spacing) {
           scaled({high(position.x), high(position.y), high(position.z)}, spacing)};
 }
 
-std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles, const Buckets& triangles_of,
+std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles, const SlackRows<std::uint32_t>& triangles_of,
                                  std::span<const Roam> roam, const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal, const RunControl& control,
                                  std::span<const std::uint8_t> fresh) {
   return Relaxation(points, triangles, triangles_of, roam, field, spacing, goal, control, fresh).run();

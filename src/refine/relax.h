@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/slack_rows.h"
 #include "isoatlas/mesh.h"
 #include "isoatlas/run_control.h"
 #include "refine/level_mesh.h"
@@ -37,7 +38,7 @@ struct RelaxGoal {
 /// @param fresh  per triangle, 1 if it was not there, or its corners were elsewhere, when this was done the last time; empty: all are
 /// @return the vertices that were moved, sorted
 /// @cost   O(triangles), then a few dozen looks at those concerned
-std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles, const Buckets& triangles_of,
+std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles, const SlackRows<std::uint32_t>& triangles_of,
                                  std::span<const Roam> roam, const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal, const RunControl& control,
                                  std::span<const std::uint8_t> fresh = {});
 

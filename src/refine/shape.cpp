@@ -203,7 +203,7 @@ class Workshop {
         i, [&](std::uint32_t t) { return mesh.triangles[t].corner; },
         [&](auto add) {
           for (const CellId c : mesh.triangles[i].cell) {
-            for (const std::uint32_t t : mesh.triangles_of.of(c)) add(t);
+            for (const std::uint32_t t : mesh.triangles_of.row(c)) add(t);
           }
         });
   }
@@ -263,9 +263,9 @@ class Workshop {
       for (const CellId cell : over_bounds(cells_to_mend)) {
         if (is_taken(cell)) continue;
         Change best;
-        for (const std::uint32_t i : mesh.triangles_of.of(cell)) consider_flips(i, std::nullopt, best);
+        for (const std::uint32_t i : mesh.triangles_of.row(cell)) consider_flips(i, std::nullopt, best);
         consider_moves(cell, std::nullopt, best);
-        take(best, best.is_flip() ? best.i : mesh.triangles_of.of(cell)[0]);
+        take(best, best.is_flip() ? best.i : mesh.triangles_of.row(cell)[0]);
       }
     } else {
       for (const std::uint32_t i : bad_triangles()) {
@@ -389,7 +389,7 @@ class Workshop {
     for (int ring = 0; ring < rings; ++ring) {
       std::vector<CellId> more;
       for (const CellId c : out) {
-        for (const std::uint32_t t : mesh.triangles_of.of(c))
+        for (const std::uint32_t t : mesh.triangles_of.row(c))
           more.insert(more.end(), mesh.triangles[t].cell.begin(), mesh.triangles[t].cell.end());
       }
       std::sort(more.begin(), more.end());
@@ -409,7 +409,7 @@ class Workshop {
       const CellId a = t.cell[k], b = t.cell[(k + 1) % 3], c = t.cell[(k + 2) % 3];
       std::uint32_t j = kNone;
       CellId d = kNone;
-      for (const std::uint32_t other : mesh.triangles_of.of(a)) {
+      for (const std::uint32_t other : mesh.triangles_of.row(a)) {
         const auto& o = mesh.triangles[other].cell;
         for (std::size_t m = 0; m < 3; ++m) {
           if (o[m] == b && o[(m + 1) % 3] == a) {
@@ -419,9 +419,9 @@ class Workshop {
         }
       }
       if (j == kNone || !may_flip(a) || !may_flip(b) || !may_flip(c) || !may_flip(d)) continue;
-      if (mesh.triangles_of.of(a).size() <= 3 || mesh.triangles_of.of(b).size() <= 3) continue;
+      if (mesh.triangles_of.row(a).size() <= 3 || mesh.triangles_of.row(b).size() <= 3) continue;
       bool exists = false;
-      for (const std::uint32_t other : mesh.triangles_of.of(c)) {
+      for (const std::uint32_t other : mesh.triangles_of.row(c)) {
         for (const CellId e : mesh.triangles[other].cell) exists = exists || e == d;
       }
       if (exists) continue;
@@ -449,12 +449,12 @@ class Workshop {
     const CVertexId from = places_.anchor[cell];
     if (work_.is_frozen(cell) || !may_move(cell) || ground.graph.on_boundary[from]) return;
     double was = std::numeric_limits<double>::infinity();
-    for (const std::uint32_t t : mesh.triangles_of.of(cell)) was = std::min(was, score(mesh.triangles[t]));
+    for (const std::uint32_t t : mesh.triangles_of.row(cell)) was = std::min(was, score(mesh.triangles[t]));
     const auto consider = [&](CVertexId to) {
       if (occupied_[to] || ground.graph.on_boundary[to] || work_.partition().cell_of[to] != cell) return;
       const Vec3 p = mesh.point[cell] + (ground.surfels.point[to] - places_.base(ground.surfels, cell));
       double now = std::numeric_limits<double>::infinity();
-      for (const std::uint32_t t : mesh.triangles_of.of(cell)) {
+      for (const std::uint32_t t : mesh.triangles_of.row(cell)) {
         std::array<Vec3, 3> q = mesh.triangles[t].corner;
         for (std::size_t k = 0; k < 3; ++k) {
           if (mesh.triangles[t].cell[k] == cell) q[k] = p;
@@ -469,7 +469,7 @@ class Workshop {
       change.to = to;
       if (!is_refused(change)) best = change;
     };
-    for (const CVertexId v : mesh.c_vertices_of.of(cell)) consider(v);
+    for (const CVertexId v : mesh.c_vertices_of.row(cell)) consider(v);
   }
 
   void apply(const Change& c) {

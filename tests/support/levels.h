@@ -53,11 +53,13 @@ class TestLevel {
   const LevelMesh& mesh() const { return mesh_; }
   const std::vector<DualTriangle>& triangles() const { return triangles_; }
   std::span<const ClosestPoint> closest(CellId c) const {
-    return std::span<const ClosestPoint>(closest_).subspan(mesh_.c_vertices_of.first[c], mesh_.c_vertices_of.of(c).size());
+    std::size_t first = 0;
+    for (CellId before = 0; before < c; ++before) first += mesh_.c_vertices_of.row(before).size();
+    return std::span<const ClosestPoint>(closest_).subspan(first, mesh_.c_vertices_of.row(c).size());
   }
   CellView cell(CellId c) const {
     return {ground_.surfels, ground_.graph,       covering_.distance(),      partition().cell_of, mesh_.normal,
-            mesh_.triangles, partition().site[c], mesh_.c_vertices_of.of(c), closest(c),          from_mesh_[c].distance};
+            mesh_.triangles, partition().site[c], mesh_.c_vertices_of.row(c), closest(c),          from_mesh_[c].distance};
   }
 
  private:

@@ -46,7 +46,7 @@ TEST(Metrics, APlaneIsPerfect) {
     for (CellId c = 0; c < level.mesh().cell_count(); ++c) {
       const CellView cell = level.cell(c);
       bool inside = true;  // at the border the mesh cuts corners, so that c-vertices there are beside it
-      for (const std::uint32_t t : level.mesh().triangles_of.of(c)) {
+      for (const std::uint32_t t : level.mesh().triangles_of.row(c)) {
         for (const CellId other : level.mesh().triangles[t].cell) {
           inside = inside && !cell.graph.on_boundary[level.partition().site[other]];
         }
@@ -79,7 +79,7 @@ class OnASphere : public ::testing::TestWithParam<double> {
     const Vec3 centre{23.4, 23.6, 23.55};
     const Vec3 site = normalized(level.ground().surfels.point[level.partition().site[c]] - centre);
     double most = 0;
-    for (const CVertexId v : level.mesh().c_vertices_of.of(c)) {
+    for (const CVertexId v : level.mesh().c_vertices_of.row(c)) {
       const Vec3 p = normalized(level.ground().surfels.point[v] - centre);
       most = std::max(most, std::atan2(length(cross(site, p)), dot(site, p)));
     }

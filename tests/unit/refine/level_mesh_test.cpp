@@ -29,12 +29,12 @@ TEST(LevelMesh, BucketsHoldEveryTriangleAndCVertexWhereItBelongs) {
   const LevelMesh& mesh = level.mesh();
   std::size_t corners = 0, c_vertices = 0;
   for (CellId c = 0; c < mesh.cell_count(); ++c) {
-    for (const std::uint32_t t : mesh.triangles_of.of(c)) {
+    for (const std::uint32_t t : mesh.triangles_of.row(c)) {
       const auto& cell = mesh.triangles[t].cell;
       EXPECT_NE(std::find(cell.begin(), cell.end(), c), cell.end());
       ++corners;
     }
-    const auto own = mesh.c_vertices_of.of(c);
+    const auto own = mesh.c_vertices_of.row(c);
     EXPECT_TRUE(std::is_sorted(own.begin(), own.end()));
     for (const CVertexId v : own) EXPECT_EQ(level.partition().cell_of[v], c);
     c_vertices += own.size();
@@ -82,10 +82,10 @@ TEST(FindClosest, IsTheClosestOfTheRing) {
     const LevelMesh& mesh = level.mesh();
     for (CellId c = 0; c < mesh.cell_count(); ++c) {
       std::set<std::uint32_t> ring;
-      for (const std::uint32_t t : mesh.triangles_of.of(c)) {
-        for (const CellId n : mesh.triangles[t].cell) ring.insert(mesh.triangles_of.of(n).begin(), mesh.triangles_of.of(n).end());
+      for (const std::uint32_t t : mesh.triangles_of.row(c)) {
+        for (const CellId n : mesh.triangles[t].cell) ring.insert(mesh.triangles_of.row(n).begin(), mesh.triangles_of.row(n).end());
       }
-      const auto own = mesh.c_vertices_of.of(c);
+      const auto own = mesh.c_vertices_of.row(c);
       for (std::size_t i = 0; i < own.size(); ++i) {
         const Vec3 p = level.ground().surfels.point[own[i]];
         double want = 1e30;

@@ -30,10 +30,11 @@ Distances distances(const TestLevel& level, const LevelMesh& mesh) {
   Distances out;
   double area = 0;
   const Surfels& surfels = level.ground().surfels;
+  std::size_t next = 0;
   for (CellId c = 0; c < mesh.cell_count(); ++c) {
-    const auto own = mesh.c_vertices_of.of(c);
+    const auto own = mesh.c_vertices_of.row(c);
     for (std::size_t i = 0; i < own.size(); ++i) {
-      const MeshTriangle& t = mesh.triangles[closest[mesh.c_vertices_of.first[c] + i].triangle];
+      const MeshTriangle& t = mesh.triangles[closest[next++].triangle];
       const double d = dot(t.normal, surfels.point[own[i]] - t.corner[0]);
       out.signed_mean += surfels.area[own[i]] * d;
       out.absolute_mean += surfels.area[own[i]] * std::abs(d);
@@ -98,7 +99,7 @@ TEST(Balance, OnlyInnerCellsOfThoseAskedForMove) {
   int moved = 0;
   for (CellId c = 0; c < mesh.cell_count(); ++c) {
     bool inner = true;
-    for (const std::uint32_t t : mesh.triangles_of.of(c)) {
+    for (const std::uint32_t t : mesh.triangles_of.row(c)) {
       for (const CellId n : mesh.triangles[t].cell) inner = inner && level.mesh().point[n].z > 23;
     }
     if (!inner) {
