@@ -139,30 +139,6 @@ void find_closest(const MeasuredSurface& surface, const LevelMesh& mesh, std::sp
   });
 }
 
-std::vector<Farthest> find_farthest(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cells, double enough,
-                                    Thoroughness thoroughness) {
-  std::vector<Farthest> out(cells.size());
-  for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
-    surface.check_cancelled();
-    Ring ring(mesh);
-    for (std::size_t i = begin; i < end; ++i) {
-      ring.move_to(cells[i]);
-      const auto c_vertices = mesh.c_vertices_of.row(cells[i]);
-      const auto look_at = [&](CVertexId v) {
-        const auto d = static_cast<float>(std::sqrt(ring.closest(surface.found[v], enough).second.squared_distance));
-        if (d > out[i].distance) out[i] = {d, v};
-      };
-      const std::size_t step = thoroughness == Thoroughness::exact ? 1 : std::max<std::size_t>(1, c_vertices.size() / kFewCVertices);
-      for (std::size_t k = 0; k < c_vertices.size(); k += step) look_at(c_vertices[k]);
-      if (out[i].distance > enough) continue;
-      for (std::size_t k = 0; k < c_vertices.size(); ++k) {
-        if (k % step != 0) look_at(c_vertices[k]);
-      }
-    }
-  });
-  return out;
-}
-
 BetweenPoints::BetweenPoints(const SurfaceComplex& complex, const Isosurface& isosurface)
     : complex_(complex),
       isosurface_(isosurface),
@@ -217,27 +193,63 @@ Vec3 BetweenPoints::point(FaceId f) const {
   return points_[f];
 }
 
-std::vector<Farthest> measure_between(const MeasuredSurface& surface, const BetweenPoints& between, const LevelMesh& mesh,
-                                      std::span<const CellId> cells, double enough) {
+namespace {
+
+// Points between the c-vertices of a cell that are farther than what is known.
+// @param ring  at the cell
+void look_between(const MeasuredSurface& surface, const BetweenPoints& between, const LevelMesh& mesh, CellId cell, double enough, Ring& ring,
+                  Farthest& most) {
+  for (const CVertexId v : mesh.c_vertices_of.row(cell)) {
+    between.for_each_at(v, [&](Vec3 p, const Face& face) {
+      const auto known = std::max(enough, static_cast<double>(most.distance));
+      const auto d = static_cast<float>(std::sqrt(ring.closest(p, known).second.squared_distance));
+      if (d <= most.distance) return;
+      const auto from_vertex = [&](CVertexId c) { return squared_length(surface.surfels.point[c] - mesh.point[cell]); };
+      const auto farther = [&](CVertexId a, CVertexId b) { return from_vertex(a) < from_vertex(b); };
+      most = {d, *std::max_element(face.corner.begin(), face.corner.begin() + face.size(), farther)};
+    });
+  }
+}
+
+}  // namespace
+
+std::vector<Farthest> find_farthest(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cells, double enough,
+                                    Thoroughness thoroughness, const BetweenPoints* between) {
   std::vector<Farthest> out(cells.size());
   for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
     surface.check_cancelled();
     Ring ring(mesh);
     for (std::size_t i = begin; i < end; ++i) {
       ring.move_to(cells[i]);
-      for (const CVertexId v : mesh.c_vertices_of.row(cells[i])) {
-        between.for_each_at(v, [&](Vec3 p, const Face& face) {
-          const auto known = std::max(enough, static_cast<double>(out[i].distance));
-          const auto d = static_cast<float>(std::sqrt(ring.closest(p, known).second.squared_distance));
-          if (d <= out[i].distance) return;
-          const auto from_vertex = [&](CVertexId c) { return squared_length(surface.surfels.point[c] - mesh.point[cells[i]]); };
-          const auto farther = [&](CVertexId a, CVertexId b) { return from_vertex(a) < from_vertex(b); };
-          out[i] = {d, *std::max_element(face.corner.begin(), face.corner.begin() + face.size(), farther)};
-        });
+      const auto c_vertices = mesh.c_vertices_of.row(cells[i]);
+      const auto look_at = [&](CVertexId v) {
+        const auto d = static_cast<float>(std::sqrt(ring.closest(surface.found[v], enough).second.squared_distance));
+        if (d > out[i].distance) out[i] = {d, v};
+      };
+      const std::size_t step = thoroughness == Thoroughness::exact ? 1 : std::max<std::size_t>(1, c_vertices.size() / kFewCVertices);
+      for (std::size_t k = 0; k < c_vertices.size(); k += step) look_at(c_vertices[k]);
+      if (out[i].distance > enough) continue;
+      for (std::size_t k = 0; k < c_vertices.size(); ++k) {
+        if (k % step != 0) look_at(c_vertices[k]);
       }
+      if (between != nullptr && !(out[i].distance > enough)) look_between(surface, *between, mesh, cells[i], enough, ring, out[i]);
     }
   });
   return out;
+}
+
+std::vector<Farthest> measure_between(const MeasuredSurface& surface, const BetweenPoints& between, const LevelMesh& mesh,
+                                      std::span<const CellId> cells, double enough, std::vector<Farthest> most) {
+  most.resize(cells.size());
+  for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
+    surface.check_cancelled();
+    Ring ring(mesh);
+    for (std::size_t i = begin; i < end; ++i) {
+      ring.move_to(cells[i]);
+      look_between(surface, between, mesh, cells[i], enough, ring, most[i]);
+    }
+  });
+  return most;
 }
 
 namespace {
@@ -266,8 +278,10 @@ double to_isosurface(const Isosurface& isosurface, Vec3 p, double c_vertex, doub
 constexpr int kMostPieces = 8;
 constexpr double kSampleStep = 0.4;  // between samples of a triangle, in distances to farthest neighbours
 
-TriangleErrors::Error farthest_sample(const MeasuredSurface& surface, const LevelMesh& mesh, const MeshTriangle& t, double look_closer) {
-  TriangleErrors::Error worst{{}, t.cell[0]};
+// @param least  a smaller distance is not looked for
+TriangleErrors::Error farthest_sample(const MeasuredSurface& surface, const LevelMesh& mesh, const MeshTriangle& t, double look_closer,
+                                      float least) {
+  TriangleErrors::Error worst{{least, kNone}, t.cell[0]};
   double longest = 0, reach = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     longest = std::max(longest, length(t.corner[k] - t.corner[(k + 1) % 3]));
@@ -333,16 +347,17 @@ void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, st
     for (std::size_t i = begin; i < end; ++i) {
       const MeshTriangle& t = mesh.triangles[triangles[i]];
       const TriangleErrors::Error* found = known != nullptr ? known->find(triangles[i], t) : nullptr;
-      errors[i] = found != nullptr ? *found : farthest_sample(surface, mesh, t, look_closer);
+      const float least = known != nullptr ? 0 : std::min({from_mesh[t.cell[0]].distance, from_mesh[t.cell[1]].distance, from_mesh[t.cell[2]].distance});
+      errors[i] = found != nullptr ? *found : farthest_sample(surface, mesh, t, look_closer, least);
       if (found == nullptr && known != nullptr) known->keep(triangles[i], t, errors[i]);
     }
   });
-  for (const CellId c : cells) from_mesh[c] = {};
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     const Farthest& sample = errors[i].sample;
+    if (sample.at == kNone) continue;
     const auto& corners = mesh.triangles[triangles[i]].cell;
     // That of the sample's c-vertex, if the triangle has it.
-    const CellId there = sample.at == kNone ? kNone : cell_of[sample.at];
+    const CellId there = cell_of[sample.at];
     const CellId cell = std::ranges::find(corners, there) != corners.end() ? there : errors[i].cell;
     Farthest& most = from_mesh[cell];
     if (wanted[cell] && (sample.distance > most.distance || (sample.distance == most.distance && sample.at < most.at))) most = sample;

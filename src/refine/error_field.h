@@ -37,14 +37,6 @@ struct Farthest {
   bool operator==(const Farthest&) const = default;
 };
 
-enum class Thoroughness { quick, exact };
-
-/// Per cell of `cells`, the farthest of its c-vertices from the mesh: cheaper than find_closest(), since a distance up to `enough`
-/// is only known to be no larger than what is returned. If quick, only some c-vertices are looked at of a cell with one that is
-/// farther than that. Parallel over cells.
-std::vector<Farthest> find_farthest(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cells, double enough,
-                                    Thoroughness thoroughness);
-
 /// Points of the surface between c-vertices, one per face: its node, where the surface meets a grid edge, which is where creases
 /// and tips stand out most. Found when first asked for.
 class BetweenPoints {
@@ -67,11 +59,21 @@ class BetweenPoints {
   mutable std::vector<std::uint8_t> known_;
 };
 
+enum class Thoroughness { quick, exact };
+
+/// Per cell of `cells`, the farthest of its c-vertices and of the points between them from the mesh: cheaper than find_closest(), since a
+/// distance up to `enough` is only known to be no larger than what is returned. If quick, only some c-vertices are looked at of a cell with
+/// one that is farther than that, and no points between. Parallel over cells.
+/// @param between  none: only c-vertices are looked at
+std::vector<Farthest> find_farthest(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cells, double enough,
+                                    Thoroughness thoroughness, const BetweenPoints* between);
+
 /// Per cell of `cells`, the largest distance from the points between its c-vertices to the mesh, with the corner of its face
 /// that is farthest from the cell's vertex; a distance up to `enough` is only known to be no larger than what is returned. Parallel over
 /// cells.
+/// @param most  per cell of `cells`, a distance that is known already: only larger ones are looked for; empty: none is
 std::vector<Farthest> measure_between(const MeasuredSurface& surface, const BetweenPoints& between, const LevelMesh& mesh,
-                                      std::span<const CellId> cells, double enough);
+                                      std::span<const CellId> cells, double enough, std::vector<Farthest> most = {});
 
 /// What measure_from_mesh() found, so that a triangle that stays is sampled once. Whoever measures another surface needs another one.
 class TriangleErrors {
@@ -98,7 +100,8 @@ class TriangleErrors {
 };
 
 /// Distances from samples of the triangles of some cells to the surface: for each of these cells the largest, at samples that
-/// are nearest to a c-vertex of the cell, and that c-vertex. Other cells' entries stay. Parallel over triangles.
+/// are nearest to a c-vertex of the cell, and that c-vertex, if it is larger than what is in `from_mesh`. Other cells' entries stay. Parallel
+/// over triangles.
 ///
 /// @param look_closer  samples with a c-vertex within this distance are judged by its tangent plane, for others the closest point
 ///                     of the isosurface is looked for

@@ -281,7 +281,7 @@ void MeasuredCovering::measure(std::vector<CellId> cells, Thoroughness thoroughn
   if (need_closest) {
     find_closest(surface, mesh_, cells, found);
   } else if (distance != demands_.end()) {
-    farthest = find_farthest(surface, mesh_, cells, distance->bound, thoroughness);
+    farthest = find_farthest(surface, mesh_, cells, distance->bound, thoroughness, ground_.between ? &*ground_.between : nullptr);
   }
 
   std::vector<std::size_t> first(cells.size() + 1, 0);
@@ -313,8 +313,10 @@ void MeasuredCovering::measure(std::vector<CellId> cells, Thoroughness thoroughn
   if (distance == demands_.end()) return;
   const auto keep_good = [&] { std::erase_if(cells, [&](CellId c) { return errors_[c].excess > 1; }); };
   keep_good();
-  measure_between_c_vertices(cells, distance->bound);
-  keep_good();
+  if (need_closest) {  // find_farthest() has looked between them
+    measure_between_c_vertices(cells, distance->bound);
+    keep_good();
+  }
   measure_from_triangles(cells, distance->bound);
   for (const CellId c : cells) errors_[c].at_most = std::max(errors_[c].at_most, near_enough_);
 }
@@ -334,6 +336,8 @@ void MeasuredCovering::measure_between_c_vertices(std::span<const CellId> cells,
 }
 
 void MeasuredCovering::measure_from_triangles(std::span<const CellId> cells, double bound) {
+  from_mesh_.resize(partition().cell_count());
+  for (const CellId c : cells) from_mesh_[c] = {};
   measure_from_mesh(ground_.measured(), mesh_, partition().cell_of, cells, near_enough_ * bound, from_mesh_, triangle_errors_.get());
   for (const CellId c : cells) add_distance(c, from_mesh_[c], bound);
 }
@@ -350,16 +354,22 @@ std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& 
   std::vector<ClosestPoint> closest;
   std::vector<Farthest> farthest;
   find_closest(ground.measured(), mesh, cells, closest);
-  float most = 0;
-  for (const ClosestPoint& p : closest) most = std::max(most, p.distance);
-  measure_from_mesh(ground.measured(), mesh, covering.partition().cell_of, cells, kLookCloser * static_cast<double>(most), farthest);
-  if (ground.between) {
-    const std::vector<Farthest> between = measure_between(ground.measured(), *ground.between, mesh, cells, 0);
-    for (CellId c = 0; c < n; ++c) farthest[c].distance = std::max(farthest[c].distance, between[c].distance);
-  }
-  std::vector<MetricValues> values(n);
   std::vector<std::size_t> first(n + 1, 0);
   for (CellId c = 0; c < n; ++c) first[c + 1] = first[c] + mesh.c_vertices_of.row(c).size();
+  // Of each cell only the largest distance counts: from its c-vertices, from the points between them, from its triangles.
+  farthest.resize(n);
+  float most = 0;
+  for (CellId c = 0; c < n; ++c) {
+    const auto c_vertices = mesh.c_vertices_of.row(c);
+    for (std::size_t k = 0; k < c_vertices.size(); ++k) {
+      const float distance = closest[first[c] + k].distance;
+      if (distance > farthest[c].distance) farthest[c] = {distance, c_vertices[k]};
+    }
+    most = std::max(most, farthest[c].distance);
+  }
+  if (ground.between) farthest = measure_between(ground.measured(), *ground.between, mesh, cells, 0, std::move(farthest));
+  measure_from_mesh(ground.measured(), mesh, covering.partition().cell_of, cells, kLookCloser * static_cast<double>(most), farthest);
+  std::vector<MetricValues> values(n);
   for_each_piece(n, kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto c = static_cast<CellId>(i);

@@ -142,11 +142,43 @@ TEST(MeasureFromMesh, LeavesOtherCellsAlone) {
   std::vector<Farthest> whole, part(mesh.cell_count(), untouched);
   measure_from_mesh(level.ground().measured(), mesh, level.partition().cell_of, all, 0, whole);
   const std::vector<CellId> some{1, 4, 9};
+  for (const CellId c : some) part[c] = {};
   measure_from_mesh(level.ground().measured(), mesh, level.partition().cell_of, some, 0, part);
   for (CellId c = 0; c < mesh.cell_count(); ++c) {
     const bool asked = std::find(some.begin(), some.end(), c) != some.end();
     EXPECT_EQ(part[c], asked ? whole[c] : untouched) << c;
   }
+  std::vector<Farthest> known = whole;  // what is known already is not found again
+  measure_from_mesh(level.ground().measured(), mesh, level.partition().cell_of, all, 0, known);
+  EXPECT_EQ(known, whole);
+  for (Farthest& most : known) most.distance /= 2;
+  measure_from_mesh(level.ground().measured(), mesh, level.partition().cell_of, all, 0, known);
+  EXPECT_EQ(known, whole);
+}
+
+// Triangles that stay are not sampled again, others are.
+TEST(MeasureFromMesh, KnownErrorsAreThoseOfTheSameTriangle) {
+  const TestLevel level(exact_surface({28, 28, 28}, bumpy()), 6);
+  LevelMesh mesh = level.mesh();
+  std::vector<CellId> all(mesh.cell_count());
+  std::iota(all.begin(), all.end(), 0u);
+  TriangleErrors errors;
+  std::vector<Farthest> once(all.size()), twice(all.size()), moved(all.size()), anew(all.size());
+  const auto measure = [&](std::vector<Farthest>& out, TriangleErrors* known) {
+    measure_from_mesh(level.ground().measured(), mesh, level.partition().cell_of, all, 0, out, known);
+  };
+  measure(once, &errors);
+  measure(twice, &errors);
+  EXPECT_EQ(once, twice);
+  for (const std::uint32_t t : mesh.triangles_of.row(3)) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (mesh.triangles[t].cell[k] == 3) mesh.triangles[t].corner[k].x += 0.5;
+    }
+  }
+  measure(moved, &errors);
+  measure(anew, nullptr);
+  EXPECT_EQ(moved, anew);
+  EXPECT_NE(moved, once);
 }
 
 }  // namespace
