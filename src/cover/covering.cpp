@@ -224,12 +224,12 @@ void Covering::seed(std::span<const CVertexId> sites, std::span<const Radius> ra
   cover_by_radii();
 }
 
-void Covering::continue_from(const Covering& other, std::span<const std::uint8_t> changed) {
+void Covering::continue_from(const Covering& other, std::span<const std::uint8_t> changed, std::span<const CVertexId> sites) {
   const CVertexId n = graph_.c_vertex_count();
   std::copy(other.radius_.begin(), other.radius_.end(), radius_.begin());
   std::copy(other.distance_.begin(), other.distance_.end(), distance_.begin());
   std::copy(other.partition_.cell_of.begin(), other.partition_.cell_of.end(), partition_.cell_of.begin());
-  partition_.site = other.partition_.site;
+  partition_.site.assign(sites.begin(), sites.end());
   placed_in_ = other.placed_in_;
 
   front_.clear();
@@ -247,6 +247,13 @@ void Covering::continue_from(const Covering& other, std::span<const std::uint8_t
   std::vector<std::uint8_t> is_stale(site_count(), 0);
   for (CVertexId v = 0; v < n; ++v) {
     if (changed[v] && partition_.cell_of[v] != kNone) is_stale[partition_.cell_of[v]] = 1;
+  }
+  for (CellId c = 0; c < site_count(); ++c) {
+    const CVertexId v = sites[c];
+    if (v == other.partition_.site[c]) continue;
+    is_stale[c] = is_stale[partition_.cell_of[v]] = 1;
+    partition_.cell_of[v] = c;
+    distance_[v] = 0;
   }
   std::vector<CVertexId> stale;
   for (CVertexId v = 0; v < n; ++v) {

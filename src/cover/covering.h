@@ -50,10 +50,12 @@ class Covering {
   };
   void seed(std::span<const CVertexId> sites, std::span<const Radius> radii);
 
-  /// Starts from the covering of another graph with the same c-vertices and more: sites stay, and so do radii, but where they would leave
-  /// something uncovered. As seed() with the other's sites and radii, but only what is near a changed row is looked at.
-  /// @param changed  per c-vertex, 1 if its row is not the other graph's. @pre nothing was inserted yet
-  void continue_from(const Covering& other, std::span<const std::uint8_t> changed);
+  /// Starts from the covering of another graph with the same c-vertices and more: radii stay, but where they would leave something
+  /// uncovered. As seed() with the other's radii, but only what is near a changed row or another site is looked at.
+  /// @param changed  per c-vertex, 1 if its row is not the other graph's
+  /// @param sites    per cell of the other, a c-vertex of the cell
+  /// @pre   nothing was inserted yet
+  void continue_from(const Covering& other, std::span<const std::uint8_t> changed, std::span<const CVertexId> sites);
 
   /// From now on new disks are not limited by topological events: once the certificate has passed there is no need to look
   /// for them, smaller disks inside certified cells have none that matter (paper, figure 8), and repair has the last word.

@@ -69,7 +69,7 @@ CoarseMesher::Stand::Stand(const SurfaceComplex& on, const CoveringOptions& opti
 
 CoarseMesher::Stand::Stand(const SurfaceComplex& on, const CoveringOptions& options, const Stand& before) : Stand(on, options) {
   dual.keep_numbers_of(before.dual);
-  covering.continue_from(before.covering, changed_rows(before.graph, graph));
+  covering.continue_from(before.covering, changed_rows(before.graph, graph), before.covering.partition().site);
   covering.ignore_events();
 }
 

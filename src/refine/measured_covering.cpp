@@ -77,8 +77,11 @@ MeasuredCovering::MeasuredCovering(const Ground& ground, const CoveringOptions& 
 }
 
 MeasuredCovering::MeasuredCovering(const Ground& finer, const MeasuredCovering& other, const CoveringOptions& options,
-                                   std::span<const Covering::Radius> radii, const RunControl& control)
-    : MeasuredCovering(finer, options, other.places_.anchor, radii, control) {
+                                   const RunControl& control)
+    : ground_(finer), covering_(finer.graph, options), dual_(finer.complex, covering_) {
+  covering_.continue_from(other.covering_, changed_rows(other.ground_.graph, finer.graph), other.places_.anchor);
+  covering_.ignore_events();
+  covering_.cover(control);
   places_ = other.places_;
   places_.shift.clear();
   frozen_ = other.frozen_;

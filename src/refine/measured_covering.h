@@ -53,8 +53,7 @@ class MeasuredCovering {
   MeasuredCovering(const MeasuredCovering& other);
   /// Goes on with another's work on a ground with more c-vertices, whose first ones are the same: vertices stay where they are,
   /// are at their c-vertices now, and become the sites.
-  MeasuredCovering(const Ground& finer, const MeasuredCovering& other, const CoveringOptions& options,
-                   std::span<const Covering::Radius> radii, const RunControl& control);
+  MeasuredCovering(const Ground& finer, const MeasuredCovering& other, const CoveringOptions& options, const RunControl& control);
   /// @pre both stand on the same ground
   MeasuredCovering& operator=(const MeasuredCovering& other);
 

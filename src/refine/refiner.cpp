@@ -421,9 +421,8 @@ void Refiner::divide_surface(std::span<const CVertexId> wanted, const RunControl
   for (CellId c = 0; c < sites_before_; ++c) pinned.push_back(places.anchor[c]);
   surface_.divide(wanted, pinned);
   auto ground = std::make_shared<Ground>(surface_.complex(), &isosurface_, &surface_);
-  const Covering& covering = work_->covering();
   remember_placed_in();
-  auto work = std::make_unique<MeasuredCovering>(*ground, *work_, options_, radii_of(covering, {}), control);
+  auto work = std::make_unique<MeasuredCovering>(*ground, *work_, options_, control);
   work_ = std::move(work);
   ground_ = std::move(ground);
 }

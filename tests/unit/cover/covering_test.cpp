@@ -147,13 +147,25 @@ TEST(Covering, KeepsItsPromisesWhereTheComplexBecomesFiner) {
     for (CVertexId v = 0; v < before.c_vertex_count(); v += 5) to_cut.push_back(v);
     cut_regions(surface, to_cut, coarser, {});
     const CVertexGraph graph = make_graph(coarser.complex);
-    Covering covering(graph, options(8));
-    covering.continue_from(start, changed_rows(before, graph));
-    expect_promises(graph, covering, "finer", Boundary::owned_from_anywhere);
-    if (HasFatalFailure()) return;
-    covering.cover({});
-    EXPECT_EQ(covering.site_count(), start.site_count()) << "all is covered already";
-    sites += covering.site_count();
+    for (const bool moves : {false, true}) {
+      std::vector<CVertexId> at = start.partition().site;
+      for (CVertexId v = 0; moves && v < before.c_vertex_count(); v += 3) {  // some sites move to another c-vertex of their cell
+        const CellId c = start.partition().cell_of[v];
+        if (before.on_boundary[v] == before.on_boundary[at[c]]) at[c] = v;
+      }
+      Covering covering(graph, options(8));
+      covering.continue_from(start, changed_rows(before, graph), at);
+      expect_promises(graph, covering, "finer", Boundary::owned_from_anywhere);
+      if (HasFatalFailure()) return;
+      std::vector<Covering::Radius> radii;
+      for (CVertexId v = 0; v < before.c_vertex_count(); ++v) radii.push_back({v, start.radius()[v]});
+      Covering anew(graph, options(8));
+      anew.seed(at, radii);
+      for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) ASSERT_NEAR(covering.distance()[v], anew.distance()[v], 1e-4) << v;
+      covering.cover({});
+      EXPECT_EQ(covering.site_count(), start.site_count()) << "all is covered already";
+      sites += covering.site_count();
+    }
   }
   EXPECT_GT(sites, 500U);
 }
