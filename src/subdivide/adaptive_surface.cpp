@@ -206,8 +206,7 @@ void AdaptiveSurface::divide_once(std::span<const CVertexId> wanted, const std::
   const CVertexId before = complex_.c_vertex_count();
   int deepest = 0;
   for (const CVertexId v : wanted) deepest = std::max(deepest, depth_[v] + 1);
-  Subdivision divided = subdivide(complex_, wanted, was, {field_, crowded_.flags(), &control_});
-  complex_ = std::move(divided.complex);
+  const Subdivision divided = subdivide_in_place(complex_, wanted, was, {field_, crowded_.flags(), &control_});
   for (const CVertexId from : divided.origin) {
     components_.of_c_vertex.push_back(components_.of_c_vertex[from]);
     depth_.push_back(static_cast<std::uint8_t>(std::min(deepest, depth_[from] + 1)));

@@ -60,20 +60,23 @@ CrowdedCells::CrowdedCells(const SurfaceComplex& complex, const InterpolatedFiel
   for (const CVertexId v : c_vertices_) flags_[v] = 1;
   const SurfaceInGrid in{field, flags_, &control};
   const std::vector<Fineness> now = fineness(complex, in);
-  std::vector<CVertexId> wanted;
-  std::copy_if(c_vertices_.begin(), c_vertices_.end(), std::back_inserter(wanted), [&](CVertexId v) { return now[v] == Fineness::faces; });
-  const Subdivision divided = subdivide(complex, wanted, now, in);
+  ComplexPart part(complex, c_vertices_, now, flags_);
+  std::erase_if(part.wanted, [&](CVertexId v) { return part.fineness[v] != Fineness::faces; });
+  const Subdivision divided = part.subdivided(in);
+  const auto number = [&](CVertexId v) { return v < part.c_vertex.size() ? part.c_vertex[v] : kNone; };
   control.check_cancelled();
   std::vector<std::pair<std::uint32_t, Triangle>> pieces;
   for (const Face& face : divided.complex.faces) {
     if (!face.is_triangle()) continue;
-    const auto own = std::find_if(face.corner.begin(), face.corner.begin() + 3, [&](CVertexId v) { return contains(v); });
-    if (own != face.corner.begin() + 3) pieces.emplace_back(cell_of_[*own], Triangle{face.corner[0], face.corner[1], face.corner[2]});
+    const auto own = std::find_if(face.corner.begin(), face.corner.begin() + 3, [&](CVertexId v) { return contains(number(v)); });
+    if (own != face.corner.begin() + 3) pieces.emplace_back(cell_of_[number(*own)], Triangle{face.corner[0], face.corner[1], face.corner[2]});
   }
   control.check_cancelled();
   std::stable_sort(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<std::uint32_t> place(divided.complex.c_vertex_count(), kNone);  // of the corners of the last cell's pieces
   std::vector<std::uint32_t> cell_of_place(place.size(), kNone);
+  std::vector<CVertexId> number_in_part(n, kNone);
+  for (CVertexId v = 0; v < part.c_vertex.size(); ++v) number_in_part[part.c_vertex[v]] = v;
   auto piece = pieces.begin();
   first_piece_.push_back(0);
   first_point_.push_back(0);
@@ -83,7 +86,7 @@ CrowdedCells::CrowdedCells(const SurfaceComplex& complex, const InterpolatedFiel
       cell_of_place[v] = cell;
       place[v] = corners++;
     };
-    for (const CVertexId v : c_vertices(cell)) add(v);
+    for (const CVertexId v : c_vertices(cell)) add(number_in_part[v]);
     for (; piece != pieces.end() && piece->first == cell; ++piece) {
       Triangle& t = pieces_.emplace_back();
       for (std::size_t k = 0; k < 3; ++k) {

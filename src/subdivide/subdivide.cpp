@@ -542,4 +542,80 @@ Subdivision subdivide(const SurfaceComplex& complex, std::span<const CVertexId> 
   return Subdivider(complex, wanted, now, in).run();
 }
 
+ComplexPart::ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId> around, std::span<const Fineness> now,
+                         std::span<const std::uint8_t> is_crowded) {
+  enum : std::uint8_t { kWanted = 1, kNear = 2, kIn = 4 };
+  std::vector<std::uint8_t> mark(whole.c_vertex_count(), 0);
+  for (const CVertexId v : around) mark[v] = kWanted;
+  const auto corners = [](const Face& f) { return std::span(f.corner).first(static_cast<std::size_t>(f.size())); };
+  const auto has = [&](const Face& f, std::uint8_t bits) { return std::ranges::any_of(corners(f), [&](CVertexId v) { return (mark[v] & bits) != 0; }); };
+  for (const Face& f : whole.faces) {
+    if (!has(f, kWanted)) continue;
+    for (const CVertexId v : corners(f)) mark[v] |= kNear;
+  }
+  for (FaceId f = 0; f < whole.face_count(); ++f) {
+    if (!has(whole.faces[f], kWanted | kNear)) continue;
+    face.push_back(f);
+    for (const CVertexId v : corners(whole.faces[f])) mark[v] |= kIn;
+  }
+  complex.spacing = whole.spacing;
+  std::vector<CVertexId> number(whole.c_vertex_count(), kNone);
+  for (CVertexId v = 0; v < whole.c_vertex_count(); ++v) {
+    if (mark[v] == 0) continue;
+    number[v] = static_cast<CVertexId>(c_vertex.size());
+    c_vertex.push_back(v);
+    complex.positions.push_back(whole.positions[v]);
+    complex.on_boundary.push_back(whole.on_boundary[v]);
+    fineness.push_back(now[v]);
+    crowded.push_back(v < is_crowded.size() ? is_crowded[v] : 0);
+  }
+  for (const CVertexId v : around) wanted.push_back(number[v]);
+  for (const FaceId f : face) {
+    Face& own = complex.faces.emplace_back(whole.faces[f]);
+    for (int k = 0; k < own.size(); ++k) own.corner[k] = number[own.corner[k]];
+  }
+  for (std::uint32_t i = 0; i < whole.boundary.size(); ++i) {
+    const BoundarySide& s = whole.boundary[i];
+    if (mark[s.from] == 0 || mark[s.to] == 0) continue;
+    side.push_back(i);
+    complex.boundary.push_back({number[s.from], number[s.to]});
+  }
+}
+
+Subdivision subdivide_in_place(SurfaceComplex& whole, std::span<const CVertexId> wanted, std::span<const Fineness> now, const SurfaceInGrid& in) {
+  if (wanted.empty()) return {};
+  const ComplexPart part(whole, wanted, now, in.crowded);
+  Subdivision out = part.subdivided(in);
+  const SurfaceComplex& divided = out.complex;
+  const CVertexId before = whole.c_vertex_count(), own = part.complex.c_vertex_count();
+  const auto number = [&](CVertexId v) { return v == kNone ? kNone : v < own ? part.c_vertex[v] : before + (v - own); };
+  whole.positions.insert(whole.positions.end(), divided.positions.begin() + own, divided.positions.end());
+  whole.on_boundary.insert(whole.on_boundary.end(), divided.on_boundary.begin() + own, divided.on_boundary.end());
+  checked_id(whole.faces.size() + divided.faces.size(), "faces");
+  for (FaceId f = 0; f < divided.face_count(); ++f) {
+    Face face = divided.faces[f];
+    for (int k = 0; k < face.size(); ++k) face.corner[k] = number(face.corner[k]);
+    if (f < part.face.size()) {
+      whole.faces[part.face[f]] = face;
+    } else {
+      whole.faces.push_back(face);
+    }
+  }
+  for (std::size_t i = 0; i < divided.boundary.size(); ++i) {
+    const BoundarySide side{number(divided.boundary[i].from), number(divided.boundary[i].to)};
+    if (i < part.side.size()) {
+      whole.boundary[part.side[i]] = side;
+    } else {
+      whole.boundary.push_back(side);
+    }
+  }
+  for (CVertexId& v : out.origin) v = number(v);
+  for (auto& [a, b] : out.between) {
+    a = number(a);
+    b = number(b);
+  }
+  out.complex = {};
+  return out;
+}
+
 }  // namespace isoatlas
