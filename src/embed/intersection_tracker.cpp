@@ -43,6 +43,8 @@ std::vector<std::uint32_t> IntersectionTracker::take_mesh(std::span<const Vec3> 
     return is_changed(pair.first) || is_changed(pair.second);
   });
   triangles_.assign(triangles.begin(), triangles.end());
+  planes_.resize(triangles.size());
+  for (const std::uint32_t t : changed) planes_[t] = RoughPlane(in_space_, triangles[t], written_.most_rounding());
   return changed;
 }
 
@@ -56,8 +58,9 @@ bool IntersectionTracker::has_area_in_all_forms(const Triangle& t) const {
   return true;
 }
 
-bool IntersectionTracker::intersect_in_any_form(const Triangle& a, const Triangle& b) const {
-  if (are_surely_apart(in_space_, a, b, written_.most_rounding())) return false;
+bool IntersectionTracker::intersect_in_any_form(std::uint32_t first, std::uint32_t second) const {
+  const Triangle &a = triangles_[first], &b = triangles_[second];
+  if (are_surely_apart(in_space_, a, planes_[first], b, planes_[second], written_.most_rounding())) return false;
   if (meet_beyond_shared(in_space_, a, b)) return true;
   Triangle local = {3, 4, 5};  // b with the numbers of a's corners where they share them
   for (std::uint32_t& v : local) {
@@ -82,7 +85,7 @@ std::vector<std::uint32_t> IntersectionTracker::update(std::span<const Vec3> pos
     if (!has_area_in_all_forms(triangles_[t])) pairs_.emplace_back(t, t);
   }
   const ThreadLimit threads(control.threads);
-  const auto intersect = [&](std::uint32_t a, std::uint32_t b) { return intersect_in_any_form(triangles_[a], triangles_[b]); };
+  const auto intersect = [&](std::uint32_t a, std::uint32_t b) { return intersect_in_any_form(a, b); };
   const std::vector<TrianglePair> found = close_.update(in_space_, triangles_, changed, intersect, control);
   pairs_.insert(pairs_.end(), found.begin(), found.end());
 

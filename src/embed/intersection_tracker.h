@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "embed/close_triangles.h"
+#include "embed/rough_plane.h"
 #include "embed/written_positions.h"
 
 namespace isoatlas {
@@ -31,7 +32,7 @@ class IntersectionTracker {
  private:
   std::vector<std::uint32_t> take_mesh(std::span<const Vec3> positions, std::span<const Triangle> triangles);
   bool has_area_in_all_forms(const Triangle& t) const;
-  bool intersect_in_any_form(const Triangle& a, const Triangle& b) const;
+  bool intersect_in_any_form(std::uint32_t first, std::uint32_t second) const;
 
   WrittenPositions written_;
   CloseTriangles close_;
@@ -39,6 +40,7 @@ class IntersectionTracker {
   std::vector<Vec3> positions_;         // in sample indices
   std::vector<Vec3> in_space_;          // form 0
   std::vector<Triangle> triangles_;
+  std::vector<RoughPlane> planes_;      // per triangle, in form 0
   std::vector<TrianglePair> pairs_;     // a triangle without area is a pair with itself
 };
 

@@ -184,18 +184,20 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
   std::vector<std::uint8_t> fresh;
   for (int round = 0; round < kRelaxRounds; ++round) {
     goal.push = round % 2 == 0;
-    const std::vector<Vec3> before = points, positions_before = positions;
+    const std::vector<Vec3> before = points;
     const std::vector<std::uint32_t> moved = relax(points, mesh_.triangles, triangles_of, roam, field, s, goal, control, fresh);
-    for (const std::uint32_t i : moved) move_to(i, points[i]);
+    std::vector<Vec3> positions_before;  // of those that moved
+    for (const std::uint32_t i : moved) {
+      positions_before.push_back(positions[at[i]]);
+      move_to(i, points[i]);
+    }
     std::vector<std::uint8_t> times_back(at.size(), 0);
-    std::vector<Vec3> checked = positions_before;  // nothing met there
-    for (bool any = true; any;) {
-      const std::vector<std::uint8_t> goes_back = must_go_back(moved, positions, positions_before, checked, component_of, control);
-      checked = positions;
-      any = false;
+    for (std::vector<std::uint32_t> look = moved; !look.empty();) {  // before these moved, nothing intersected
+      const std::vector<std::uint8_t> goes_back = must_go_back(moved, positions_before, positions, look, component_of, control);
+      look.clear();
       for (const std::uint32_t i : moved) {
         if (goes_back[i] == 0 || points[i] == before[i]) continue;
-        any = true;
+        look.push_back(i);
         move_to(i, times_back[i]++ == 0 ? 0.5 * (points[i] + before[i]) : before[i]);
       }
     }
@@ -214,17 +216,21 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
 }
 
 // Per vertex, 1 if it must not be where it was moved to.
-// @param positions, before  per c-vertex of the surface
-// @param checked  nothing in one grid cell met there
-std::vector<std::uint8_t> CoarseMesher::must_go_back(std::span<const std::uint32_t> moved, std::span<const Vec3> positions,
-                                                     std::span<const Vec3> before, std::span<const Vec3> checked,
+// @param before     where those that moved were, one by one
+// @param positions  per c-vertex of the surface
+// @param look       those that moved since no surfels intersected
+std::vector<std::uint8_t> CoarseMesher::must_go_back(std::span<const std::uint32_t> moved, std::span<const Vec3> before,
+                                                     std::span<Vec3> positions, std::span<const std::uint32_t> look,
                                                      std::span<const ComponentId> component_of, const RunControl& control) {
   const std::vector<CVertexId> at = sites();
   std::vector<std::uint8_t> out(at.size(), 0);
-  std::vector<CVertexId> movers;
-  for (const std::uint32_t i : moved) movers.push_back(at[i]);
+  const auto c_vertices = [&](std::span<const std::uint32_t> vertices) {
+    std::vector<CVertexId> of;
+    for (const std::uint32_t i : vertices) of.push_back(at[i]);
+    return of;
+  };
   bool any = false;
-  std::vector<CVertexId> back = surface_.stray(movers, positions, before, checked);
+  std::vector<CVertexId> back = surface_.stray(c_vertices(moved), before, positions, c_vertices(look));
   std::sort(back.begin(), back.end());
   for (const std::uint32_t i : moved) out[i] = std::binary_search(back.begin(), back.end(), at[i]);
   any = !back.empty();

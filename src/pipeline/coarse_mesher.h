@@ -50,8 +50,9 @@ class CoarseMesher {
   std::vector<ComponentId> components() const;  ///< per vertex
   std::vector<std::uint8_t> turned_components(std::span<const ComponentId> component_of) const;     ///< per component, 1 if it is inside out
   Nesting nesting(std::span<const ComponentId> component_of) const;
-  std::vector<std::uint8_t> must_go_back(std::span<const std::uint32_t> moved, std::span<const Vec3> positions, std::span<const Vec3> before,
-                                         std::span<const Vec3> checked, std::span<const ComponentId> component_of, const RunControl& control);
+  std::vector<std::uint8_t> must_go_back(std::span<const std::uint32_t> moved, std::span<const Vec3> before, std::span<Vec3> positions,
+                                         std::span<const std::uint32_t> look, std::span<const ComponentId> component_of,
+                                         const RunControl& control);
   bool part(LevelReport& report, const RunControl& control);
   bool place_components(std::span<const ComponentId> component_of, LevelReport& report, const RunControl& control);
   bool make_finer(std::span<const CellId> cells, const RunControl& control);

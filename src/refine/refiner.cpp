@@ -407,16 +407,18 @@ void Refiner::remember_placed_in() {
 void Refiner::divide_surface(std::span<const CVertexId> wanted, const RunControl& control) {
   const Places& places = work_->places();
   std::vector<CVertexId> movers;
-  std::vector<Vec3> positions = surface_.complex().positions, frozen = positions;
+  std::vector<Vec3> positions = surface_.complex().positions, frozen;
   for (CellId c = 0; c < places.shift.size(); ++c) {
     if (places.shift[c] == Vec3{}) continue;
     const CVertexId v = places.anchor[c];
     movers.push_back(v);
     positions[v] = base_position(surface_.complex(), places, c);
-    if (c < sites_before_) frozen[v] = positions[v];
+    frozen.push_back(c < sites_before_ ? positions[v] : surface_.complex().positions[v]);
   }
-  for (const CVertexId v : surface_.stray(movers, positions, frozen)) positions[v] = frozen[v];
-  for (const CVertexId v : movers) surface_.move(v, positions[v]);
+  std::vector<CVertexId> strays = surface_.stray(movers, frozen, positions, movers);
+  std::sort(strays.begin(), strays.end());
+  for (std::size_t i = 0; i < movers.size(); ++i)
+    surface_.move(movers[i], std::binary_search(strays.begin(), strays.end(), movers[i]) ? frozen[i] : positions[movers[i]]);
   std::vector<CVertexId> pinned;  // by vertices of earlier levels
   for (CellId c = 0; c < sites_before_; ++c) pinned.push_back(places.anchor[c]);
   surface_.divide(wanted, pinned);

@@ -345,20 +345,17 @@ class Workshop {
     if (ground.roaming == nullptr || places_.shift.empty()) return {};
     std::vector<CellId> movers;
     std::vector<CVertexId> c_vertices;
+    std::vector<Vec3> start, now = ground.complex.positions;
     for (CellId c = 0; c < places_.shift.size(); ++c) {
+      const CVertexId v = places_.anchor[c];
+      now[v] = base_position(ground.complex, places_, c);
       if (places_.shift[c] == before[c]) continue;
       movers.push_back(c);
-      c_vertices.push_back(places_.anchor[c]);
+      c_vertices.push_back(v);
+      start.push_back(displaced(ground.complex, v, before[c]));
     }
     if (movers.empty()) return {};
-    Places were = places_;
-    were.shift = before;
-    std::vector<Vec3> start = ground.complex.positions, now = start;
-    for (CellId c = 0; c < places_.shift.size(); ++c) {
-      start[places_.anchor[c]] = base_position(ground.complex, were, c);
-      now[places_.anchor[c]] = base_position(ground.complex, places_, c);
-    }
-    std::vector<CVertexId> back = ground.roaming->stray(c_vertices, now, start);
+    std::vector<CVertexId> back = ground.roaming->stray(c_vertices, start, now, c_vertices);
     std::sort(back.begin(), back.end());
     held_.resize(work_.mesh().cell_count(), 0);
     std::vector<CellId> out;

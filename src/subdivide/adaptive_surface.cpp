@@ -68,6 +68,7 @@ void AdaptiveSurface::watch() {
   }
   control_.check_cancelled();
   std::vector<Cell> cells = deep_cells_;
+  std::vector<CVertexId> inside;  // such cells
   for (const Face& face : complex_.faces) {
     const int size = face.size();
     const auto end = face.corner.begin() + size;
@@ -75,25 +76,30 @@ void AdaptiveSurface::watch() {
     for (int k = 0; k < size; ++k) {
       const CVertexId v = face.corner[k];
       if (whole_coordinates(complex_.positions[v]) > 0) continue;
-      if (in_two_curves[face.corner[(k + 1) % size]] || in_two_curves[face.corner[(k + 2) % size]] || is_watched[v])
-        cells.push_back(cell_of(complex_.positions[v]));
+      if (in_two_curves[face.corner[(k + 1) % size]] || in_two_curves[face.corner[(k + 2) % size]] || is_watched[v]) inside.push_back(v);
+    }
+  }
+  std::sort(inside.begin(), inside.end());
+  inside.erase(std::unique(inside.begin(), inside.end()), inside.end());
+  for (const CVertexId v : inside) cells.push_back(cell_of(complex_.positions[v]));
+  if (!deep_cells_.empty()) {  // only these have c-vertices that came with a subdivision
+    inside.clear();
+    for (CVertexId v = 0; v < n; ++v) {
+      if (whole_coordinates(complex_.positions[v]) == 0) inside.push_back(v);
     }
   }
   sort_unique(cells);
   control_.check_cancelled();
   // Cells with faces that are not even fans cannot be watched.
   std::vector<Cell> closed;
-  for (CVertexId v = 0; v < n; ++v) {
-    if (now[v] != Fineness::faces || whole_coordinates(complex_.positions[v]) > 0) continue;
+  for (const CVertexId v : inside) {
+    if (now[v] != Fineness::faces) continue;
     const Cell cell = cell_of(complex_.positions[v]);
     if (std::binary_search(cells.begin(), cells.end(), cell)) closed.push_back(cell);
   }
   sort_unique(closed);
   is_closed_.assign(n, 0);
-  for (CVertexId v = 0; v < n; ++v) {
-    const Vec3 p = complex_.positions[v];
-    is_closed_[v] = !closed.empty() && whole_coordinates(p) == 0 && std::binary_search(closed.begin(), closed.end(), cell_of(p));
-  }
+  for (const CVertexId v : inside) is_closed_[v] = std::binary_search(closed.begin(), closed.end(), cell_of(complex_.positions[v]));
   for (const Face& face : complex_.faces) {
     if (std::none_of(face.corner.begin(), face.corner.begin() + face.size(), [&](CVertexId v) { return is_closed_[v]; })) continue;
     for (int k = 0; k < face.size(); ++k) held_[face.corner[k]] |= whole_coordinates(complex_.positions[face.corner[k]]) > 0;
@@ -104,29 +110,34 @@ void AdaptiveSurface::watch() {
   watched_ = WatchedCells(complex_, open);
 }
 
-std::vector<CVertexId> AdaptiveSurface::stray(std::span<const CVertexId> moved, std::span<const Vec3> positions,
-                                              std::span<const Vec3> before, std::span<const Vec3> checked) const {
-  std::vector<Vec3> now(positions.begin(), positions.end());
-  std::vector<std::uint8_t> is_back(complex_.c_vertex_count(), 1);
-  for (const CVertexId v : moved) is_back[v] = 0;
-  std::vector<CVertexId> out, look;
-  if (checked.empty()) look.assign(moved.begin(), moved.end());
-  for (CVertexId v = 0; v < checked.size(); ++v) {
-    if (!(now[v] == checked[v])) look.push_back(v);
-  }
-  while (!look.empty()) {
-    std::vector<CVertexId> back = watched_.meeting(look, now);
-    for (const CVertexId v : crowded_.meeting(look, now)) {
+std::vector<CVertexId> AdaptiveSurface::stray(std::span<const CVertexId> moved, std::span<const Vec3> before, std::span<Vec3> positions,
+                                              std::span<const CVertexId> look) const {
+  struct Mover {
+    CVertexId v;
+    std::uint32_t number;  // in `moved`
+    bool is_back = false;
+  };
+  std::vector<Mover> movers;
+  movers.reserve(moved.size());
+  for (std::uint32_t i = 0; i < moved.size(); ++i) movers.push_back({moved[i], i});
+  std::ranges::sort(movers, {}, &Mover::v);
+  std::vector<std::pair<CVertexId, Vec3>> changed;  // what is to be undone
+  std::vector<CVertexId> out, next(look.begin(), look.end());
+  while (!next.empty()) {
+    std::vector<CVertexId> back = watched_.meeting(next, positions);
+    for (const CVertexId v : crowded_.meeting(next, positions)) {
       if (is_closed_[v]) back.push_back(v);
     }
-    look.clear();
+    next.clear();
     for (const CVertexId v : back) {
-      if (std::exchange(is_back[v], std::uint8_t{1})) continue;
-      now[v] = before[v];
-      look.push_back(v);
+      const auto mover = std::ranges::lower_bound(movers, v, {}, &Mover::v);
+      if (mover == movers.end() || mover->v != v || std::exchange(mover->is_back, true)) continue;
+      changed.emplace_back(v, std::exchange(positions[v], before[mover->number]));
+      next.push_back(v);
     }
-    out.insert(out.end(), look.begin(), look.end());
+    out.insert(out.end(), next.begin(), next.end());
   }
+  for (const auto& [v, position] : changed) positions[v] = position;
   return out;
 }
 

@@ -45,12 +45,15 @@ class AdaptiveSurface {
   /// Whether a vertex may leave its c-vertex, within the grid cell, or on the wall or edge that it is on. That stray() says no has to be
   /// seen to besides.
   bool may_roam(CVertexId v) const { return !held_[v]; }
-  /// Those of the c-vertices that must not be where they are in `positions`, per c-vertex, if some were moved there: surfels or pieces in
-  /// their cells would meet. With these back where they were in `before`, none do, if none did there.
-  /// @param checked  positions in which none meet, found out since the surface was last divided: only cells in which something is elsewhere
-  ///                 now are looked at; empty: all with something in them that was moved
-  std::vector<CVertexId> stray(std::span<const CVertexId> moved, std::span<const Vec3> positions, std::span<const Vec3> before,
-                               std::span<const Vec3> checked = {}) const;
+  /// Those of the moved c-vertices that must not be where they are: surfels or pieces in their cells would intersect. With these back where
+  /// they were, none do, if none did before.
+  /// @param moved      c-vertices, each once
+  /// @param before     where each of them was
+  /// @param positions  per c-vertex of the complex, where it is now; the same again at the end
+  /// @param look       the cells of these are looked at: those that have moved since no surfels intersected
+  /// @cost  the cells around what moved
+  std::vector<CVertexId> stray(std::span<const CVertexId> moved, std::span<const Vec3> before, std::span<Vec3> positions,
+                               std::span<const CVertexId> look) const;
 
   std::size_t divided() const { return divided_; }  ///< c-vertices around which the faces were divided, every time counted
   std::size_t added() const { return added_; }      ///< c-vertices

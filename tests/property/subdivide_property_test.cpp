@@ -96,7 +96,12 @@ void divided_everywhere_does_not_meet_itself(const Parsed& p, std::uint64_t seed
       positions[v] = {between(roam.low.x, roam.high.x), between(roam.low.y, roam.high.y), between(roam.low.z, roam.high.z)};
       moved.push_back(v);
     }
-    for (const CVertexId v : surface.stray(moved, positions, complex.positions)) positions[v] = complex.positions[v];
+    std::vector<Vec3> before;
+    for (const CVertexId v : moved) before.push_back(complex.positions[v]);
+    const std::vector<Vec3> as_moved = positions;
+    const std::vector<CVertexId> strays = surface.stray(moved, before, positions, moved);
+    RC_ASSERT(positions == as_moved);
+    for (const CVertexId v : strays) positions[v] = complex.positions[v];
     for (const CVertexId v : moved) surface.move(v, positions[v]);
     std::vector<CVertexId> wanted;
     const std::vector<Fineness> now = surface.fineness();
