@@ -137,6 +137,12 @@ FoundLevels levels_of_report(const Json& json, const fs::path& report) {
   return out;
 }
 
+// Of components by which some were kept: how many there are, in how many parts, and the size of the largest part.
+Json sizes_of(const Json& components) {
+  const auto first = components.front().at("part").get<std::size_t>(), last = components.back().at("part").get<std::size_t>();
+  return {{"components", components.size()}, {"parts", last - first + 1}, {"largest", components.front().at("size")}};
+}
+
 // The volume that a report is about; empty if it came from memory or from standard input.
 std::string volume_of(const Json& json) {
   const Json& path = json["input"].at("path");
@@ -196,7 +202,9 @@ PageEntry entry_of(const Json& json, const std::string& path, Hierarchy hierarch
   facts["unit"] = unit.is_string() ? unit : Json("units");
   facts["command"] = json.value("command", Json());
   for (const char* key : {"parameters", "input", "surface", "reference"}) facts[key] = json[key];
-  if (json.contains("dropped")) facts["dropped"] = json["dropped"].size();
+  for (const char* choice : {"kept", "dropped"}) {
+    if (json.contains(choice) && !json[choice].empty()) facts[choice] = sizes_of(json[choice]);
+  }
   if (hierarchy.levels.size() != numbers.size()) bad_report(path, "is about another mesh: it has another number of levels");
   Json& levels = facts["levels"] = Json::array();
   for (std::size_t i = 0; i < numbers.size(); ++i) {

@@ -153,6 +153,7 @@ export function makeResult(geometry, levels, topology, options = {}) {
     input: options.input === undefined ? {path: "ring_and_ball.nhdr", sample_type: "uint8", size: [96, 96, 64], spacing: [1, 1, 1.5], origin: [0, 0, 0], direction: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]} : options.input,
     surface: options.surface === undefined ? {isovalue: 100, inside: "above", topology: "trilinear"} : options.surface,
     reference: options.reference === undefined ? {c_vertices: 40000, components: topology.components, euler_characteristic: topology.euler, genus: topology.genus, boundary_loops: topology.loops, kinds: topology.kinds} : options.reference,
+    ...(options.kept ? {kept: options.kept, dropped: options.dropped} : {}),
     levels: facts,
     marching_cubes: options.marching_cubes === undefined
       ? {triangles: 84312, histogram: [4100, 4000, 3800, 3700, 3900, 4000, 4200, 4100, 4000, 4300, 4600, 5000, 5400, 7900, 9800, 5200, 2900, 1800, 1100, 512], share_below_third: 0.341, minimum: 0.0004}
@@ -225,7 +226,7 @@ export const pages = {
   balanced: () => page((g) => {
     const [coarse, fine] = ringAndBall(2);
     const shrunk = {positions: coarse.positions.map((p) => p.map((x) => 0.97 * x)), triangles: coarse.triangles};
-    return makeResult(g, [shrunk, fine], RING, {placed: true, title: "balanced", turned_components: 1});
+    return makeResult(g, [shrunk, fine], RING, {placed: true, title: "balanced", turned_components: 1, kept: {components: 3, parts: 1, largest: 12.5}, dropped: {components: 7, parts: 7, largest: 0.25}});
   }),
   bare: () => page((g) => makeResult(g, ringAndBall(2), RING, {title: "bare.glb", distances: false, command: null, parameters: null, input: null, surface: null, reference: null, marching_cubes: null, self_intersections: null})),
   terse: () => page((g) => terse(makeResult(g, ringAndBall(3), RING, {title: "terse.vtm"}))),

@@ -469,9 +469,11 @@ test("many components: the first 20, and a word about the rest", {timeout: 2 * S
   await close();
 });
 
-test("a level with misplaced components", {timeout: 2 * SLOW}, async () => {
+test("misplaced components, and components that were left out", {timeout: 2 * SLOW}, async () => {
   const {page, close} = await open(fileOf("balanced").path);
   assert.ok((await page.locator("section[aria-label=Certificate]").textContent()).includes("✗ 1 component inverted, or inside another"));
+  assert.equal(await page.locator("#kept").textContent(), "Kept: 1 part in 3 components of 12.5 cubic mm.");
+  assert.equal(await page.locator("#left-out").textContent(), "Left out, as asked: 7 components, the largest of 0.25 cubic mm.");
   await close();
 });
 

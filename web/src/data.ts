@@ -85,6 +85,13 @@ export interface LevelFacts {
   constraints?: Constraint[] | null;
 }
 
+/** Parts are what the volume's border connects. Sizes are volumes, in cubic units of length; `largest` is that of a part. */
+export interface RankedComponents {
+  components: number;
+  parts: number;
+  largest: number;
+}
+
 export interface Result {
   title: string;
   /** Unit of lengths, for people: mm, or voxels. */
@@ -94,8 +101,9 @@ export interface Result {
   input: Record<string, unknown> | null;
   surface: Record<string, unknown> | null;
   reference: ({kinds: Kind[]; components: number; genus: number; boundary_loops: number; euler_characteristic: number} & Record<string, unknown>) | null;
-  /** How many smaller components were left out because that was asked for. */
-  dropped?: number;
+  /** Components by whether they were kept, where smaller ones were left out because that was asked for. */
+  kept?: RankedComponents;
+  dropped?: RankedComponents;
   levels: LevelFacts[];
   /** false: vertices have other indices in each level. */
   nested?: boolean;

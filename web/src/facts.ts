@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is known of a result, beside the mesh: tables, the certificate, how it was made.
 import {componentColour} from "./colours";
-import type {Constraint, Kind, LevelFacts, Result, Sampling} from "./data";
+import type {Constraint, Kind, LevelFacts, RankedComponents, Result, Sampling} from "./data";
 import {count, element, number, percent, plural, type Child} from "./dom";
 import {histogram} from "./histogram";
 import type {LevelShape} from "./scene";
@@ -125,7 +125,12 @@ function topology(result: Result, level: LevelFacts, shape: LevelShape): Child[]
     const most = rest[0].triangles;
     out.push(element("p", {class: "soft", id: "rest"}, `and ${count(rest.length)} more, of at most ${plural(most, "triangle")} each.`));
   }
-  if (result.dropped) out.push(element("p", {class: "soft", id: "left-out"}, `Not among them: ${plural(result.dropped, "smaller component")}, left out as asked.`));
+  if (result.dropped) {
+    const sized = (of: RankedComponents): string =>
+      `${of.parts < of.components ? `${plural(of.parts, "part")} in ` : ""}${plural(of.components, "component")}${of.parts > 1 ? ", the largest" : ""} of ${number(of.largest)} cubic ${result.unit}`;
+    if (result.kept) out.push(element("p", {class: "soft", id: "kept"}, `Kept: ${sized(result.kept)}.`));
+    out.push(element("p", {class: "soft", id: "left-out"}, `Left out, as asked: ${sized(result.dropped)}.`));
+  }
   return out;
 }
 
@@ -220,7 +225,7 @@ export function summary(result: Result): string {
   const parts: string[] = [];
   if (Array.isArray(input?.size)) parts.push(`${input.size.join(" × ")} samples`);
   if (typeof surface?.isovalue === "number") parts.push(`isovalue ${number(surface.isovalue, 6)}`);
-  parts.push(plural(last.components, "component") + (result.dropped ? ` of ${count(last.components + result.dropped)}` : ""));
+  parts.push(plural(last.components, "component") + (result.dropped ? ` of ${count(last.components + result.dropped.components)}` : ""));
   if (last.genus != null) parts.push(`genus ${count(last.genus)}`);
   return parts.join(" · ");
 }
