@@ -243,6 +243,22 @@ std::vector<std::uint8_t> turned_small_components(const SurfaceComplex& complex,
   return out;
 }
 
+// Of a set of triangles, in any order and starting at any corner: different sets have different ones but for a chance of 2^-64.
+std::uint64_t fingerprint(std::span<const DualTriangle> triangles) {
+  const auto mixed = [](std::uint64_t x) {
+    x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
+    x = (x ^ (x >> 27)) * 0x94D049BB133111EBu;
+    return x ^ (x >> 31);
+  };
+  std::uint64_t sum = triangles.size();
+  for (const DualTriangle& t : triangles) {
+    auto c = t.cell;
+    std::rotate(c.begin(), std::min_element(c.begin(), c.end()), c.end());
+    sum += mixed(mixed(mixed(c[0] + 0x9E3779B97F4A7C15u) + c[1]) + c[2]);
+  }
+  return sum;
+}
+
 }  // namespace
 
 Coarsened coarsen(const SurfaceComplex& complex, double block_length, const RunControl& control) {
@@ -277,20 +293,22 @@ Coarsened coarsen(const SurfaceComplex& complex, double block_length, const RunC
       for (CellId& c : t.cell) c = partition.cell_of[c];  // a region was named by one of its c-vertices
     }
     out.complex = dual_complex(complex, partition, check.triangles);
+    out.triangles = DualTriangles(std::move(check.triangles), partition.cell_count());
     out.representative = std::move(partition.site);
     out.region_of = std::move(partition.cell_of);
     return out;
   }
 }
 
-void cut_regions(const SurfaceComplex& complex, std::span<const CVertexId> regions, Coarsened& coarser, const RunControl& control) {
+void cut_regions(const SurfaceComplex& complex, std::span<const CVertexId> regions, std::span<const CVertexId> touched, Coarsened& coarser,
+                 const RunControl& control) {
   const std::uint32_t n = complex.c_vertex_count();
   std::vector<CellId>& region_of = coarser.region_of;
   std::vector<CVertexId>& representative = coarser.representative;
   const ComplexAdjacency adjacency(complex);
   ScopedCheck scoped;
   CellMembers members(region_of, static_cast<std::uint32_t>(representative.size()));
-  std::vector<CVertexId> changed;
+  std::vector<CVertexId> changed(touched.begin(), touched.end());
   const auto on_its_own = [&](CVertexId v) {
     region_of[v] = static_cast<CellId>(representative.size());
     representative.push_back(v);
@@ -318,22 +336,18 @@ void cut_regions(const SurfaceComplex& complex, std::span<const CVertexId> regio
   std::sort(failed.begin(), failed.end());
   failed.erase(std::unique(failed.begin(), failed.end()), failed.end());
   cut(failed);
-  std::vector<CellId> scope = scoped.cells_near(complex, adjacency, region_of, changed);
+  std::vector<CellId> scope = scoped.cells_near(complex, adjacency, region_of, changed), checked = scope;
   for (;;) {
     control.check_cancelled();
-    const auto count = static_cast<CellId>(representative.size());
-    PartitionCheck check = scope.empty() ? check_partition(complex, region_of, count, {})
-                                         : scoped.run(complex, adjacency, region_of, members, {}, scope);
+    PartitionCheck check = scoped.run(complex, adjacency, region_of, members, {}, scope);
     ++coarser.certificate.repair_rounds;
-    if (check.passed() && scope.empty()) {
-      record(check, coarser.certificate);
-      const Partition partition{region_of, representative};
-      coarser.complex = dual_complex(complex, partition, check.triangles);
-      return;
-    }
     if (check.passed()) {
-      scope.clear();
-      continue;
+      std::sort(checked.begin(), checked.end());
+      checked.erase(std::unique(checked.begin(), checked.end()), checked.end());
+      if (checked.size() > scope.size()) check = scoped.run(complex, adjacency, region_of, members, {}, checked);
+      coarser.triangles.replace(checked, check.triangles, static_cast<CellId>(representative.size()));
+      coarser.complex = dual_complex(complex, {region_of, representative}, coarser.triangles.list());
+      return;
     }
     EpochSet is_failed;
     failed.clear();
@@ -351,7 +365,15 @@ void cut_regions(const SurfaceComplex& complex, std::span<const CVertexId> regio
     changed.clear();
     cut(failed);
     scope = scoped.cells_near(complex, adjacency, region_of, changed);
+    checked.insert(checked.end(), scope.begin(), scope.end());
   }
+}
+
+void certify_regions(const SurfaceComplex& complex, Coarsened& coarser) {
+  const PartitionCheck check = check_partition(complex, coarser.region_of, static_cast<CellId>(coarser.representative.size()), {});
+  if (!check.passed() || fingerprint(check.triangles) != fingerprint(coarser.triangles.list()))
+    throw Error(ErrorCode::internal, "the coarser complex is not certified; please report the volume and the options");
+  record(check, coarser.certificate);
 }
 
 }  // namespace isoatlas

@@ -6,6 +6,7 @@
 
 #include "isoatlas/extract.h"
 #include "isoatlas/run_control.h"
+#include "partition/dual_triangles.h"
 #include "surface/surface_complex.h"
 
 namespace isoatlas {
@@ -14,6 +15,7 @@ struct Coarsened {
   SurfaceComplex complex;                 ///< all triangles; homeomorphic to the input
   std::vector<CVertexId> representative;  ///< per c-vertex of `complex`, the c-vertex of the input it stands on
   std::vector<CellId> region_of;          ///< per c-vertex of the input, the c-vertex of `complex` that stands for it
+  DualTriangles triangles;                ///< the faces of `complex`
   CertificateReport certificate;          ///< of the partition; `repair_rounds` are the rounds of check and cut
 };
 
@@ -29,7 +31,15 @@ Coarsened coarsen(const SurfaceComplex& complex, double block_length, const RunC
 ///
 /// @param complex  the input, or what it became by subdivision: the same c-vertices and then new ones, which are none's region yet
 /// @param regions  c-vertices of the coarser complex that are to stand for one c-vertex of the input each, in any order
-/// @post  as of coarsen(): certified; where that asks for it, other regions are cut too
-void cut_regions(const SurfaceComplex& complex, std::span<const CVertexId> regions, Coarsened& coarser, const RunControl& control = {});
+/// @post  as of coarsen(), where that asks for it, other regions are cut too; but only what is near the changes has been checked: see
+///        certify_regions()
+/// @param touched  c-vertices of `complex` that were there before, and have other faces or another place now
+void cut_regions(const SurfaceComplex& complex, std::span<const CVertexId> regions, std::span<const CVertexId> touched, Coarsened& coarser,
+                 const RunControl& control = {});
+
+/// The complete certificate of the regions, after cut_regions().
+/// @param complex  as there
+/// @throws Error(internal) if it fails or has other faces than the coarser complex, which would be a bug
+void certify_regions(const SurfaceComplex& complex, Coarsened& coarser);
 
 }  // namespace isoatlas

@@ -140,6 +140,7 @@ void CoarseMesher::mesh(LevelReport& report, const RunControl& told) {
     stand_->dual.certify(report.certificate, control);
     if (partition.cell_count() == mesh_.positions.size()) break;
   }
+  if (were_regions_cut_) certify_regions(surface_.complex(), coarser_);
   take_triangles();
   relax_vertices(control);
   topology_ = mesh_topology(mesh_);
@@ -305,7 +306,10 @@ bool CoarseMesher::make_finer(std::span<const CellId> cells, const RunControl& c
     if (to_divide.empty()) return false;
     surface_.divide(to_divide);
   }
-  if (is_coarser()) cut_regions(surface_.complex(), to_cut, coarser_, control);
+  if (is_coarser()) {
+    cut_regions(surface_.complex(), to_cut, to_divide.empty() ? std::span<const CVertexId>() : surface_.touched(), coarser_, control);
+    were_regions_cut_ = true;
+  }
   control.check_cancelled();
   stand_ = std::make_unique<Stand>(is_coarser() ? coarser_.complex : surface_.complex(), cover_, *stand_);
   stand_->covering.cover(control);

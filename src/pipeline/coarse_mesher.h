@@ -64,6 +64,7 @@ class CoarseMesher {
   std::unique_ptr<Stand> stand_;
   IntersectionTracker meeting_;
   std::size_t pairs_before_ = 0;  // that met in the last round
+  bool were_regions_cut_ = false;
   TriangleMesh mesh_;
   MeshTopology topology_;
   std::vector<Vec3> shift_;

@@ -180,13 +180,17 @@ void AdaptiveSurface::keep_off_walls(std::span<const CVertexId> wanted, std::spa
     Vec3& p = complex_.positions[v];
     if (stays[v] || crowded_.contains(v) || whole_coordinates(p) > 0) continue;
     const auto inside = [](double x) { return std::clamp(x, std::floor(x) + kWallMargin, std::floor(x) + 1 - kWallMargin); };
-    p = rounded({inside(p.x), inside(p.y), inside(p.z)});
+    const Vec3 kept = rounded({inside(p.x), inside(p.y), inside(p.z)});
+    if (kept == p) continue;
+    p = kept;
+    touched_.push_back(v);
   }
 }
 
 // The next step for each. Where pieces become smaller, what else is in their cells has to be in pieces first, to be looked at with them.
 void AdaptiveSurface::divide(std::span<const CVertexId> wanted, std::span<const CVertexId> pinned) {
   const std::vector<Fineness> was = fineness();
+  touched_.clear();
   keep_off_walls(wanted, pinned);
   std::vector<std::uint8_t> is_wanted(complex_.c_vertex_count(), 0);
   for (const CVertexId v : wanted) is_wanted[v] = was[v] == Fineness::pieces;
@@ -218,6 +222,7 @@ void AdaptiveSurface::divide_once(std::span<const CVertexId> wanted, const std::
   int deepest = 0;
   for (const CVertexId v : wanted) deepest = std::max(deepest, depth_[v] + 1);
   const Subdivision divided = subdivide_in_place(complex_, wanted, was, {field_, crowded_.flags(), &control_});
+  touched_.insert(touched_.end(), divided.touched.begin(), divided.touched.end());
   for (const CVertexId from : divided.origin) {
     components_.of_c_vertex.push_back(components_.of_c_vertex[from]);
     depth_.push_back(static_cast<std::uint8_t>(std::min(deepest, depth_[from] + 1)));

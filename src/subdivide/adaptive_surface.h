@@ -38,6 +38,8 @@ class AdaptiveSurface {
   /// left flat. C-vertices there that hardly keep off the walls of their cells, for good triangles, are moved a little.
   /// @param pinned  these are not. O(F)
   void divide(std::span<const CVertexId> wanted, std::span<const CVertexId> pinned = {});
+  /// The c-vertices that were there before the last divide() and have other faces or another place since.
+  std::span<const CVertexId> touched() const { return touched_; }
 
   /// Gives a c-vertex another place in its grid cell; for good, if vertices are there.
   void move(CVertexId v, Vec3 position) { complex_.positions[v] = rounded(position); }
@@ -75,6 +77,7 @@ class AdaptiveSurface {
   WatchedCells watched_;
   std::vector<WatchedCells::Cell> deep_cells_;  // with pieces of pieces
   std::vector<Vec3> found_;
+  std::vector<CVertexId> touched_;
   CVertexId parsed_;                     // c-vertices before this one were parsed
   std::vector<std::uint8_t> depth_;      // per c-vertex, which division brought it
   std::vector<std::uint8_t> held_;       // per c-vertex

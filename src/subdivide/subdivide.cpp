@@ -596,7 +596,10 @@ Subdivision subdivide_in_place(SurfaceComplex& whole, std::span<const CVertexId>
     Face face = divided.faces[f];
     for (int k = 0; k < face.size(); ++k) face.corner[k] = number(face.corner[k]);
     if (f < part.face.size()) {
-      whole.faces[part.face[f]] = face;
+      Face& own_face = whole.faces[part.face[f]];
+      if (own_face.corner == face.corner) continue;
+      out.touched.insert(out.touched.end(), own_face.corner.begin(), own_face.corner.begin() + own_face.size());
+      own_face = face;
     } else {
       whole.faces.push_back(face);
     }
@@ -614,6 +617,8 @@ Subdivision subdivide_in_place(SurfaceComplex& whole, std::span<const CVertexId>
     a = number(a);
     b = number(b);
   }
+  std::sort(out.touched.begin(), out.touched.end());
+  out.touched.erase(std::unique(out.touched.begin(), out.touched.end()), out.touched.end());
   out.complex = {};
   return out;
 }

@@ -19,6 +19,8 @@ struct Subdivision {
   std::vector<CVertexId> origin;  ///< per new c-vertex, an old one of the same component
   /// Per new c-vertex that divides a side within a grid cell, the ends of that side; else kNone.
   std::vector<std::array<CVertexId, 2>> between;
+  /// The corners of the faces that were replaced, each once; only of subdivide_in_place().
+  std::vector<CVertexId> touched;
 };
 
 /// How near new c-vertices are, at most, to walls of their cell that they are not on; steps of the sample index.

@@ -145,7 +145,7 @@ TEST(Covering, KeepsItsPromisesWhereTheComplexBecomesFiner) {
 
     std::vector<CVertexId> to_cut;
     for (CVertexId v = 0; v < before.c_vertex_count(); v += 5) to_cut.push_back(v);
-    cut_regions(surface, to_cut, coarser, {});
+    cut_regions(surface, to_cut, {}, coarser);
     const CVertexGraph graph = make_graph(coarser.complex);
     for (const bool moves : {false, true}) {
       std::vector<CVertexId> at = start.partition().site;
