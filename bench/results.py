@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes docs/results.md: topology, certificate, triangles and time on the real volumes, beside VTK's contour filters; then
+"""Writes docs/results.md: topology, certificate and triangles on the real volumes, beside VTK's contour filters; then
 refined levels: the paper's table, bounds on the distance, and CGAL Mesh_3's counts.
 
     scripts/install_dependencies.sh bench
-    python3 bench/results.py [--data ../shared/data] [--oracle ../shared/oracle] [--repeats 5]
+    python3 bench/results.py [--data ../shared/data] [--oracle ../shared/oracle]
 
 Builds the bench preset and, if its source is there, the independent oracle. Standard library only.
 """
@@ -31,9 +31,6 @@ STUDY = {
     ("flame_heptane.nii.gz", "60.5"): (5388, 1.2), ("brain_white_matter.nii.gz", "127.5"): (7842, 1.2), ("protein_iron.nhdr", "100"): (692, 1.2),
     ("embryo.nrrd", "90.5"): (161764, 1.2), ("ct_engine.nrrd", "128"): (10398, 1.2),
 }
-# At most so many times vtkMarchingCubes: 2 on smooth volumes, 8 on noisy ones.
-SMOOTH = {("head_igea_sdf.nrrd", "0"), ("dragon_sdf.nrrd", "0"), ("neuron_dendrite.nrrd", "127.5"), ("ct_oblique.nii.gz", "80.5"),
-          ("brain_white_matter.nii.gz", "127.5"), ("ct_engine.nrrd", "80.5")}
 
 
 def run(command, **options):
@@ -72,18 +69,10 @@ def build(oracle_source):
     return ROOT / "build" / "bench" / "bin", oracle
 
 
-def bench(bin_folder, volume, iso, repeats):
-    """Best CPU milliseconds of VTK's filters and of isoatlas, embedded and with self-intersections allowed."""
-    embedded, allowed = (json.loads(must([bin_folder / "bench_extract", volume, iso, "--repeats", repeats, *more]))
-                         for more in ((), ("--allow-self-intersections",)))
-
-    def best(key):
-        return 1e3 * min(seconds for run in (embedded, allowed) for seconds in run[key]["cpu_s"])
-    ours = embedded["isoatlas"]
-    fastest = ours["cpu_s"].index(min(ours["cpu_s"]))
-    return {"mc_triangles": embedded["marching_cubes"]["triangles"], "mc_ms": best("marching_cubes"), "fe_ms": best("flying_edges"),
-            "isoatlas_ms": 1e3 * min(ours["cpu_s"]), "allowed_ms": 1e3 * min(allowed["isoatlas"]["cpu_s"]),
-            "allowed_triangles": allowed["levels"][-1]["triangles"], "stages_ms": {k: 1e3 * s[fastest] for k, s in ours["stages_s"].items()}}
+def triangle_counts(bin_folder, volume, iso):
+    """Of vtkMarchingCubes and of isoatlas with self-intersections allowed."""
+    b = json.loads(must([bin_folder / "bench_extract", volume, iso, "--allow-self-intersections"]))
+    return b["marching_cubes"]["triangles"], b["levels"][-1]["triangles"]
 
 
 def cpu_name():
@@ -261,7 +250,6 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--data", type=pathlib.Path, default=ROOT.parent / "shared" / "data")
     parser.add_argument("--oracle", type=pathlib.Path, default=ROOT.parent / "shared" / "oracle")
-    parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "docs" / "results.md")
     options = parser.parse_args()
     bin_folder, oracle = build(options.oracle)
@@ -269,7 +257,7 @@ def main():
     work = pathlib.Path(tempfile.mkdtemp(prefix="isoatlas-results-"))
 
     rows = list(csv.DictReader(open(options.data / "TOPOLOGY.tsv"), delimiter="\t"))
-    triangles, time, shape = [], [], []
+    triangles, shape = [], []
     faces, trilinear = TopologyTable("faces", oracle), TopologyTable("trilinear", oracle)
     for row in rows:
         name, iso = row["file"], row["isovalue"]
@@ -284,19 +272,13 @@ def main():
             continue
         m = r["levels"][-1]
         c = m["certificate"]
-        b = bench(bin_folder, volume, iso, options.repeats)
+        cubes, allowed = triangle_counts(bin_folder, volume, iso)
         study = STUDY.get((name, iso))
         bound = f"{study[0]:,} | {study[1] * study[0]:,.0f} | {m['triangles'] / study[0]:.2f} | {yes(m['triangles'] <= study[1] * study[0])}" if study else "| | |"
-        triangles.append(f"| {label} | {b['mc_triangles']:,} | {r['reference']['c_vertices']:,} | {m['triangles']:,} | {b['allowed_triangles']:,} | {bound} |")
+        triangles.append(f"| {label} | {cubes:,} | {r['reference']['c_vertices']:,} | {m['triangles']:,} | {allowed:,} | {bound} |")
         q = m["quality"]["aspect_ratio"]
         shape.append(f"| {label} | {c['repair_sites']:,} in {c['repair_rounds']} rounds | {q['minimum']:.3g} | {q['p01']:.3f} | {q['median']:.3f} | "
                      f"{100 * q['share_below_third']:.2f} % |")
-        ratio = b["allowed_ms"] / b["mc_ms"]
-        limit = 2 if (name, iso) in SMOOTH else 8
-        s = b["stages_ms"]
-        time.append(f"| {label} | {b['mc_ms']:.0f} | {b['fe_ms']:.0f} | {b['allowed_ms']:.0f} | {ratio:.2f} | {b['allowed_ms'] / b['fe_ms']:.1f} | "
-                    f"{yes(ratio <= limit)} (≤ {limit}) | {b['isoatlas_ms']:.0f} | {b['isoatlas_ms'] / b['mc_ms']:.2f} | " + " | ".join(f"{s[k]:.0f}" for k in ("surface", "components", "coarsen", "cover", "certify", "mesh", "check")) +
-                    f" | {r['peak_memory_bytes'] / 2**20:.0f} |")
 
     nan = options.data / "tmap_nan.nii.gz"
     mesh = work / "tmap.ply"
@@ -348,22 +330,6 @@ Nothing is promised here: a coarse mesh has to be right before it is nice (paper
 | volume @ isovalue | sites added by repair | aspect ratio: min | 1st percentile | median | below 1/3 |
 |---|---:|---:|---:|---:|---:|
 {chr(10).join(shape)}
-
-## Time
-
-CPU milliseconds from the volume in memory to the checked coarse mesh, best of {options.repeats} (of fewer where a run takes seconds), in one process with `vtkMarchingCubes` and
-`vtkFlyingEdges3D` (normals, gradients and scalars off) in turns on the same samples. Asked for: at most 2 times marching cubes on the
-smooth volumes, 8 times on the noisy ones; that is of meshes with `--allow-self-intersections`. "Embedded" is the default, no two triangles meeting; it has no bound of its own.
-Stages: of the embedded mesh, milliseconds of the best run by the wall clock. Memory: peak of the tool in MiB, volume and
-libraries included.
-
-Where it goes: on smooth volumes a third each into reading the samples and placing c-vertices (`surface`), into making the coarser complex certified
-(`coarsen`) and into disks (`cover`, `certify`); on noisy ones, whose complexes shrink little, into disks and repair. `certify` includes repair; `mesh` turning
-components outward and taking apart triangles that meet; `check` counting the finished triangles and measuring their shape.
-
-| volume @ isovalue | MC | FE | isoatlas | / MC | / FE | met | embedded | / MC | surface | components | coarsen | cover | certify | mesh | check | MiB |
-|---|---:|---:|---:|---:|---:|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|
-{chr(10).join(time)}
 """
     text += f"""
 ## Refined levels
