@@ -124,7 +124,6 @@ void CertifiedDual::assign(const CertifiedDual& other) {
   triangles_ = other.triangles_;
   touched_ = other.touched_;
   fresh_ = other.fresh_;
-  is_known_ = other.is_known_;
   complete_ = other.complete_;
 }
 
@@ -160,7 +159,7 @@ void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateRepor
   quiet.progress = nullptr;
   std::vector<CellId> checked = scope;  // in all rounds; if the first one was of everything, so is the last
   const bool everything = scope.empty();
-  bool has_triangles = std::exchange(is_known_, true);
+  bool has_triangles = !std::exchange(fresh_, false);
   for (;;) {
     control.check_cancelled();
     PartitionCheck found = check(scope);
@@ -208,7 +207,7 @@ void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateRepor
 }
 
 void CertifiedDual::update(CertificateReport& report, const RunControl& control) {
-  if (std::exchange(fresh_, false) || covering_.all_changed()) {
+  if (fresh_) {
     check_and_repair({}, report, control);
   } else if (!covering_.changed().empty()) {
     if (!adjacency_) adjacency_ = std::make_shared<const ComplexAdjacency>(complex_);

@@ -58,7 +58,6 @@ class CertifiedDual {
   DualTriangles triangles_;
   std::vector<std::uint8_t> touched_;
   bool fresh_ = true;      // nothing was checked yet
-  bool is_known_ = false;  // the triangles are those of the covering, up to its changes
   bool complete_ = false;  // the last check that passed was of everything
 };
 

@@ -230,11 +230,10 @@ std::vector<std::uint8_t> CoarseMesher::must_go_back(std::span<const std::uint32
     for (const std::uint32_t i : vertices) of.push_back(at[i]);
     return of;
   };
-  bool any = false;
   std::vector<CVertexId> back = surface_.stray(c_vertices(moved), before, positions, c_vertices(look));
   std::sort(back.begin(), back.end());
   for (const std::uint32_t i : moved) out[i] = std::binary_search(back.begin(), back.end(), at[i]);
-  any = !back.empty();
+  bool any = !back.empty();
   if (!options_.allow_self_intersections) {
     for (const std::uint32_t i : meeting_.update(mesh_.positions, mesh_.triangles, control)) out[i] = 1;
     any = any || meeting_.pair_count() > 0;

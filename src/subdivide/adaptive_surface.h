@@ -44,8 +44,8 @@ class AdaptiveSurface {
   /// Gives a c-vertex another place in its grid cell; for good, if vertices are there.
   void move(CVertexId v, Vec3 position) { complex_.positions[v] = rounded(position); }
 
-  /// Whether a vertex may leave its c-vertex, within the grid cell, or on the wall or edge that it is on. That stray() says no has to be
-  /// seen to besides.
+  /// Whether a vertex may leave its c-vertex, within the grid cell, or on the wall or edge that it is on. Callers must also
+  /// check the result of stray().
   bool may_roam(CVertexId v) const { return !held_[v]; }
   /// Those of the moved c-vertices that must not be where they are: surfels or pieces in their cells would intersect. With these back where
   /// they were, none do, if none did before.
