@@ -8,6 +8,7 @@
 #include "refine/refiner.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -76,15 +77,14 @@ bool drives(Quantity q) { return is_metric(q) || q == Quantity::max_edge; }
 bool is_limited(const LevelGoal& goal) { return !goal.empty() && goal.front().quantity == Quantity::max_vertices; }
 
 constexpr auto kMaxDistance = static_cast<std::size_t>(Quantity::max_distance);
-constexpr double kTight = 0.5;    // voxels
-constexpr double kNextTry = 0.8;  // times the last one
-constexpr int kMostTries = 4;
+// In voxels: the bounds that are tried as well where a tighter one cannot be met.
+constexpr std::array kLooserBounds{0.5, 0.4, 0.32, 0.256};
 
-// The bound on the distance if somebody asked for one below kTight before all else, and for no limit on vertices; else 0.
+// The bound on the distance if somebody asked for a tight one before all else, and for no limit on vertices; else 0.
 double tight_distance(const LevelGoal& goal) {
   if (std::ranges::find(goal, Quantity::max_vertices, &Constraint::quantity) != goal.end()) return 0;
-  const bool is_tight =
-      !goal.empty() && goal.front().quantity == Quantity::max_distance && !goal.front().is_default && goal.front().bound < kTight;
+  const bool is_tight = !goal.empty() && goal.front().quantity == Quantity::max_distance && !goal.front().is_default &&
+                        goal.front().bound < kLooserBounds.front();
   return is_tight ? goal.front().bound : 0;
 }
 
@@ -573,9 +573,9 @@ RefinedLevel Refiner::unchanged_level(const LevelGoal& asked) const {
   return same;
 }
 
-// Well below a voxel smaller cells need not be better ones: where all are as small as they can be, the largest distance is a matter of
-// chance. So if a tight bound is not met, looser ones are tried as well, as long as that gives a smaller distance. Then a bound leads about
-// as near as any looser one does, not exactly: bounds between those that are tried may be lucky.
+// Well below a voxel smaller cells need not be better: where all are as small as they can be, the largest distance is a matter of chance.
+// So if a tight bound is not met, all of kLooserBounds above it are tried from the same start, whatever they give: a bound then never leads
+// farther from the surface than one of these would, had it been asked for. (Two bounds between them may still differ by chance.)
 RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const RunControl& control) {
   is_first_ = work_ == nullptr;
   if (!is_first_) sites_before_ = partition().cell_count();
@@ -587,17 +587,11 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
   RefinedLevel best = refine_once(goal, goal, placement, control);
   if (reached(best) <= bound) return best;
   std::shared_ptr<const State> state_of_best = save_state();
-  int in_vain = 0, tries = 0;
-  for (double looser = kTight; looser > bound && in_vain < kMostInVain && tries < kMostTries; looser *= kNextTry) {
-    if (looser >= reached(best)) continue;
-    ++tries;
+  for (const double looser : kLooserBounds) {
+    if (looser <= bound) break;
     restore_state(*start);
     RefinedLevel other = refine_once(with_distance(goal, looser), goal, placement, control);
-    if (other.is_the_one_before || reached(other) >= reached(best)) {
-      ++in_vain;
-      continue;
-    }
-    in_vain = 0;
+    if (other.is_the_one_before || reached(other) >= reached(best)) continue;
     best = std::move(other);
     state_of_best = save_state();
   }
@@ -660,7 +654,7 @@ void Refiner::restart_at_vertices(const RunControl& control) {
 // but not where the surface was divided since.
 // @return false if no level with more vertices than the one before has few enough
 bool Refiner::refine_within_budget(Task& task, const MeasuredCovering& start, double most, IntersectionTracker& meeting, RefinedLevel& out,
-                                const RunControl& control) {
+                                   const RunControl& control) {
   const std::vector<CellId> placed_in = placed_in_;
   const Ground* const ground = ground_.get();
   for (std::uint32_t twice = 2;; twice *= 2) {
@@ -704,7 +698,7 @@ void Refiner::improve_level_shape(const Task& task, std::vector<DualTriangle>& t
 }
 
 void Refiner::refine_and_improve(const Task& task, IntersectionTracker& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
-                               const RunControl& control) {
+                                 const RunControl& control) {
   work_towards(task, meeting, out, control);
   work_->certify(out.certificate, control);
   improve_level_shape(task, triangles, out, control);
@@ -712,7 +706,7 @@ void Refiner::refine_and_improve(const Task& task, IntersectionTracker& meeting,
 
 // Where neither a flip nor a move mends a triangle, smaller cells around it give another mesh, and another chance.
 void Refiner::retry_bad_triangles(const Task& task, IntersectionTracker& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
-                                const RunControl& control) {
+                                  const RunControl& control) {
   std::size_t fewest = out.shape.bad;
   int in_vain = 0;
   for (int chance = 0; chance < kMostChances && in_vain < kMostInVain && out.shape.bad > 0 && out.shape.bad < kFewTriangles; ++chance) {
@@ -733,7 +727,7 @@ void Refiner::repair_worst_cells(const Task& task, std::vector<DualTriangle>& tr
 }
 
 void Refiner::revert_intersecting_changes(const Task& task, IntersectionTracker& meeting, std::vector<DualTriangle>& triangles,
-                                        RefinedLevel& out, const RunControl& control) {
+                                          RefinedLevel& out, const RunControl& control) {
   for (int k = 0; !take_back_meeting(*work_, *task.shape, meeting, triangles, control).empty(); ++k) {
     if (k == kMostChances) {  // the dual as it is does not meet itself
       take_back_all(*work_, *task.shape, triangles, control);
