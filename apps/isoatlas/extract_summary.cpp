@@ -83,10 +83,11 @@ std::string level_text(const LevelReport& level, std::uint32_t supersample, Leng
   return text;
 }
 
-/// The sampling density of the distances, because no bound is proved between samples. Empty if no distance was computed.
+/// What is proved of the distances, or else their sampling density. Empty if no distance was computed.
 std::string distance_sampling(const ExtractReport& report) {
   const LevelReport& level = report.levels.back();
   if (!level.metrics) return "";
+  if (level.distance_at_most) return proof_text(*level.distance_at_most) + (level.measured ? "; " + sampling_text(*level.measured) : "");
   if (!level.measured)
     return "sampled at " + count_text(report.c_vertices + report.faces) +
            " points of the isosurface, about 2 per voxel face, and on every triangle; --measure adds 200,000 samples each way";

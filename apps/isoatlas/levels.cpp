@@ -35,6 +35,7 @@ LevelFacts count_again(const TriangleMesh& mesh, const std::optional<LevelFacts>
   if (said) {
     facts.metrics = said->metrics;
     facts.measured = said->measured;
+    facts.distance_at_most = said->distance_at_most;
   }
   const MeshTopology topology = mesh_topology(mesh);
   facts.vertices = topology.vertices;
@@ -109,8 +110,9 @@ class Table {
 /// A ratio is infinite where a cell's triangles face away from its part of the surface.
 std::string metric_text(double value) { return std::isinf(value) ? "unbounded" : number_text(value); }
 
-/// How densely the distances were sampled, because no bound is proved between samples. Empty if there are none.
+/// What is proved of the distances, or else how densely they were sampled. Empty if there are none.
 std::string distance_sampling(const LevelFacts& finest) {
+  if (finest.distance_at_most) return proof_text(*finest.distance_at_most) + (finest.measured ? "; " + sampling_text(*finest.measured) : "");
   if (finest.measured) return sampling_text(*finest.measured);
   if (!finest.metrics[static_cast<std::size_t>(Quantity::max_distance)]) return "";
   return "sampled at about 2 points per voxel face of the isosurface, and on every triangle";

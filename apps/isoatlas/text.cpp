@@ -150,6 +150,11 @@ std::string kinds_text(const TopologySummary& topology, std::size_t most) {
   return text;
 }
 
+std::string proof_text(double distance_at_most) {
+  return "proved: no point of the mesh is farther than " + number_text(distance_at_most) +
+         " from the isosurface, nor of the isosurface from the mesh";
+}
+
 std::string sampling_text(const Measurement& measured) {
   const auto samples = [](const OneSidedDistance& side) {
     return count_text(side.samples) + " points (" + number_text(std::round(10 * side.samples_per_voxel_face) / 10) + " per voxel face)";

@@ -44,6 +44,9 @@ std::string topology_text(const TopologySummary& topology);
 /// "3 x (genus 0, closed), 1 x (genus 2, 1 boundary loop)", at most `most` kinds
 std::string kinds_text(const TopologySummary& topology, std::size_t most);
 
+/// "proved: no point of the mesh is farther than 0.5 from the isosurface, nor of the isosurface from the mesh"
+std::string proof_text(double distance_at_most);
+
 /// How densely a measurement was sampled: "sampled at 209,180 points (32.7 per voxel face) of the mesh and ... of the isosurface"
 std::string sampling_text(const Measurement& measured);
 

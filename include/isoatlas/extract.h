@@ -134,6 +134,9 @@ struct LevelReport {
   std::optional<std::array<MetricSummary, kMetricCount>> metrics;  ///< none for a coarse mesh that is all that was asked for
   /// In the order given. Of max-distance the larger one of the metric and of what was measured, if that was asked for.
   std::vector<ConstraintResult> constraints;
+  /// Proved: no point of the mesh is farther from the isosurface, and none of the isosurface from the mesh; world units, see
+  /// docs/theory/05-refinement.md. None: distances are only sampled.
+  std::optional<double> distance_at_most;
   std::vector<CellAtLimit> at_limit;                               ///< worst first; supersampling would help there
   std::size_t refine_rounds = 0;
   /// For the triangles' shape: edges flipped, vertices moved to a better c-vertex, and vertices moved within their grid cells.
@@ -145,7 +148,7 @@ struct LevelReport {
   std::size_t parting_sites = 0;        ///< sites added to take such triangles apart
   std::optional<Measurement> measured;  ///< if asked for
   /// Largest distance in world units by which a written file rounds a position of this level; 0 from extract(). What writes files sets it
-  /// and adds it to the lengths in `metrics` and `constraints`.
+  /// and adds it to the lengths in `metrics`, `distance_at_most` and `constraints`.
   double rounding = 0;
   double seconds = 0;
 

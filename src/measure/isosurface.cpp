@@ -17,6 +17,7 @@ constexpr double kDirectReach = 2;     // the same for the point that is asked f
 constexpr double kStuck = 0.1;         // voxels farther than the faces: there may be something nearer
 constexpr double kFaceError = 0.5;     // faces farther than this beyond `at_most` are of no use as a start
 constexpr double kCloseEnough = 1e-4;  // nearer than this, nobody looks for something nearer still
+constexpr double kOvershoot = 1.1;     // how much farther than the first-order distance a change of sign is looked for
 constexpr int kNewtonSteps = 8;
 constexpr int kBisections = 30;
 constexpr int kSlides = 12;
@@ -170,6 +171,21 @@ Isosurface::Hit Isosurface::closest(const Vec3 index, double at_most) const {
     }
   }
   return distance <= at_most ? Hit{to_index(best->point), distance} : Hit{};
+}
+
+double Isosurface::rough_distance(const Vec3 index) const {
+  const Vec3 p = to_metric(index);
+  const Look at = look(p);
+  if (!std::isfinite(at.offset)) return INFINITY;
+  const double way = kOvershoot * std::abs(at.offset) + kOnSurface * voxel_;
+  const Vec3 end = clamped(p - std::copysign(way, at.offset) * at.steepest);
+  if ((at.offset >= 0) == (field_.at(to_index(end)).value >= 0)) return INFINITY;
+  return std::max(length(end - p), length(clamped(p) - p));  // outside the volume, the field is that of the nearest point of the border
+}
+
+double Isosurface::distance(const Vec3 index, double enough) const {
+  const double near = nearby(index, enough).distance;
+  return near <= enough ? near : std::min(near, closest(index, near).distance);
 }
 
 std::optional<Vec3> Isosurface::onto_surface(Vec3 p) const {

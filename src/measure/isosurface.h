@@ -44,6 +44,13 @@ class Isosurface {
   /// at all, where p is not near.
   Hit nearby(Vec3 p, double enough = 0) const;
 
+  /// An upper bound on the distance from p to the surface, 1.1 times the first-order one, proved by a change of sign on the way along
+  /// the gradient; infinity if the sign does not change there. A tenth of a microsecond.
+  double rough_distance(Vec3 p) const;
+
+  /// The distance of the nearest point that nearby() and, beyond `enough`, closest() find.
+  double distance(Vec3 p, double enough) const;
+
   /// A point of the surface near p (within one smallest spacing), by Newton's method along the gradient.
   std::optional<Vec3> onto_surface(Vec3 p) const;
 

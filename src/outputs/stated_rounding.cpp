@@ -39,6 +39,7 @@ void state_rounding(LevelReport& level, double rounding, const std::string& path
       (*level.metrics)[i].mean += change;
     }
   }
+  if (level.distance_at_most) *level.distance_at_most += rounding;
   for (ConstraintResult& result : level.constraints) {
     const double change = rounding * change_per_rounding(result.wanted.quantity);
     result.reached = std::max(0.0, result.reached + change);

@@ -40,6 +40,10 @@ bool satisfies_distance(const RefinedLevel& level) {
   });
 }
 
+bool is_whole(const ExtractOptions& options) {
+  return options.min_component_size == 0 && options.keep_components == 0 && options.interpolation == Interpolation::trilinear;
+}
+
 }  // namespace
 
 LevelMaker::LevelMaker(const LevelSource& source, const ExtractOptions& options, const RunControl& control)
@@ -47,7 +51,7 @@ LevelMaker::LevelMaker(const LevelSource& source, const ExtractOptions& options,
       options_(options),
       control_(control),
       refiner_(source.surface, source.isosurface, source.coarser, source.options,
-               {source.coarse.covering(), source.coarse.sites(), source.coarse.shift()}, options.allow_self_intersections ? std::nullopt : std::optional(WrittenPositions(source.grid, options.space, options.supersample)),
+               {source.coarse.covering(), source.coarse.sites(), source.coarse.shift(), is_whole(options)}, options.allow_self_intersections ? std::nullopt : std::optional(WrittenPositions(source.grid, options.space, options.supersample)),
                options.adaptive_supersample) {}
 
 Vec3 LevelMaker::to_space(Vec3 index) const {
@@ -66,6 +70,7 @@ void LevelMaker::tell(const LevelGoal& goal, const LevelFigures& figures, LevelR
     (*report.metrics)[m].maximum *= voxel;
     (*report.metrics)[m].mean *= voxel;
   }
+  if (figures.distance_at_most) report.distance_at_most = *figures.distance_at_most * voxel;
   report.constraints = figures.constraints;
   for (std::size_t i = 0; i < goal.size(); ++i) {
     report.constraints[i].wanted = goal[i];
@@ -117,7 +122,7 @@ TriangleMesh LevelMaker::mesh_of(const RefinedLevel& refined) const {
 
 // Measures a level, and makes it finer where that finds larger distances than its bound, as long as cells there can be smaller; then the
 // level is the best of them. Not if the bound cannot even be kept at the points that refinement looks at.
-Measurement LevelMaker::refine_on_measurement(const LevelGoal& goal, RefinedLevel& refined) {
+Measurement LevelMaker::refine_on_measurement(const LevelGoal& goal, RefinedLevel& refined, const RunControl& control) {
   const LevelGoal in_voxels = in_units_of(goal, source_.grid.smallest_spacing());
   double bound = std::numeric_limits<double>::infinity();
   for (const Constraint& c : in_voxels) {
@@ -128,24 +133,36 @@ Measurement LevelMaker::refine_on_measurement(const LevelGoal& goal, RefinedLeve
   std::shared_ptr<const Refiner::State> state_of_best;
   for (int round = 0;; ++round) {
     DistantSamples far{bound, {}};
-    Measurement measured = measure(mesh_of(refined), source_.isosurface, options_.measure_samples, far, control_);
+    Measurement measured = measure(mesh_of(refined), source_.isosurface, options_.measure_samples, far, control);
     if (far.corners.empty() || refined.vertices_ran_out || !satisfies_distance(refined)) return measured;
     if (!best || measured.maximum() < best->maximum()) {
       best = std::move(measured);
       best_level = refined;
       state_of_best = refiner_.save_state();
     }
-    if (round == kMeasuredRounds || !refiner_.refine_at(far.corners, in_voxels, options_.placement, refined, control_)) break;
+    if (round == kMeasuredRounds || !refiner_.refine_at(far.corners, in_voxels, options_.placement, refined, control)) break;
   }
   refiner_.restore_state(*state_of_best);
   refined = std::move(best_level);
   return *best;
 }
 
+// Refined levels share the stage.
+RunControl LevelMaker::control_of_level(std::size_t refined_before) const {
+  RunControl out = control_;
+  if (!out.progress) return out;
+  const auto levels = static_cast<double>(std::max<std::size_t>(1, options_.refine.size()));
+  out.progress = [tell = control_.progress, refined_before, levels](std::string_view stage, double fraction) {
+    tell(stage, stage == "refine" ? (static_cast<double>(refined_before) + fraction) / levels : fraction);
+  };
+  return out;
+}
+
 void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vector<LevelReport>& reports) {
   const auto start = std::chrono::steady_clock::now();
   const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
-  RefinedLevel refined = refiner_.refine(in_units_of(goal, source_.grid.smallest_spacing()), options_.placement, control_);
+  const RunControl control = control_of_level(reports.size() - 1);
+  RefinedLevel refined = refiner_.refine(in_units_of(goal, source_.grid.smallest_spacing()), options_.placement, control);
   if (refined.is_the_one_before) {
     LevelReport same = reports.back();
     same.refine_rounds = 0;
@@ -160,7 +177,7 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
   }
   LevelReport& report = reports.emplace_back();
   std::optional<Measurement> measured;
-  if (options_.measure_samples > 0) measured = refine_on_measurement(goal, refined);
+  if (options_.measure_samples > 0) measured = refine_on_measurement(goal, refined, control);
   tell(goal, refined.figures, report);
   report.certificate = refined.certificate;
   report.refine_rounds = refined.rounds;

@@ -35,7 +35,8 @@ class LevelMaker {
   void measure_coarse(const TriangleMesh& mesh, LevelReport& report) const;
   void fill_measurement(Measurement measured, LevelReport& report) const;
   TriangleMesh mesh_of(const RefinedLevel& refined) const;
-  Measurement refine_on_measurement(const LevelGoal& goal, RefinedLevel& refined);
+  Measurement refine_on_measurement(const LevelGoal& goal, RefinedLevel& refined, const RunControl& control);
+  RunControl control_of_level(std::size_t refined_before) const;
 
   LevelSource source_;
   const ExtractOptions& options_;

@@ -75,38 +75,4 @@ std::vector<Farthest> find_farthest(const MeasuredSurface& surface, const LevelM
 std::vector<Farthest> measure_between(const MeasuredSurface& surface, const BetweenPoints& between, const LevelMesh& mesh,
                                       std::span<const CellId> cells, double enough, std::vector<Farthest> most = {});
 
-/// What measure_from_mesh() found, so that a triangle that stays is sampled once. Whoever measures another surface needs another one.
-class TriangleErrors {
- public:
-  /// The farthest sample of a triangle.
-  struct Error {
-    Farthest sample;
-    CellId cell = kNone;  ///< that has the corner nearest to the sample
-  };
-
-  void prepare(std::size_t triangles, double look_closer);
-  /// @return none if the triangle with this number was another one, or elsewhere
-  const Error* find(std::uint32_t number, const MeshTriangle& triangle) const;
-  void keep(std::uint32_t number, const MeshTriangle& triangle, const Error& error) { known_[number] = {triangle.corner, triangle.cell, error}; }
-
- private:
-  struct Known {
-    std::array<Vec3, 3> corner;
-    std::array<CellId, 3> cell{kNone, kNone, kNone};
-    Error error;
-  };
-  std::vector<Known> known_;  // per number of a triangle
-  double look_closer_ = 0;
-};
-
-/// Distances from samples of the triangles of some cells to the surface: for each of these cells the largest, at samples that
-/// are nearest to a c-vertex of the cell, and that c-vertex, if it is larger than what is in `from_mesh`. Other cells' entries stay. Parallel
-/// over triangles.
-///
-/// @param look_closer  samples with a c-vertex within this distance are judged by its tangent plane, for others the closest point
-///                     of the isosurface is looked for
-/// @param known        what was found of triangles before, on the same surface; none: all are sampled
-void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cell_of,
-                       std::span<const CellId> cells, double look_closer, std::vector<Farthest>& from_mesh, TriangleErrors* known = nullptr);
-
 }  // namespace isoatlas

@@ -15,7 +15,6 @@ namespace isoatlas {
 namespace {
 
 constexpr std::size_t kCellsPerPiece = 64;
-constexpr double kLookCloser = 0.6;  // share of the largest distance from which on the isosurface itself is asked
 
 CellView view_of(const Ground& ground, const Covering& covering, const LevelMesh& mesh, CellId cell, std::span<const ClosestPoint> closest,
                  float from_mesh) {
@@ -88,6 +87,7 @@ MeasuredCovering::MeasuredCovering(const Ground& finer, const MeasuredCovering& 
   demands_ = other.demands_;
   placement_ = other.placement_;
   near_enough_ = other.near_enough_;
+  proved_ = other.proved_;
   errors_ = other.errors_;
   from_mesh_ = other.from_mesh_;
   all_stale_ = other.all_stale_;
@@ -121,8 +121,10 @@ MeasuredCovering::MeasuredCovering(const MeasuredCovering& other)
       mesh_(other.mesh_),
       places_(other.places_),
       frozen_(other.frozen_),
+      proved_(other.proved_),
       from_mesh_(other.from_mesh_),
-      triangle_errors_(other.triangle_errors_),
+      sampled_triangles_(other.sampled_triangles_),
+      proved_triangles_(other.proved_triangles_),
       errors_(other.errors_),
       stale_(other.stale_),
       all_stale_(other.all_stale_) {}
@@ -136,6 +138,7 @@ MeasuredCovering& MeasuredCovering::operator=(const MeasuredCovering& other) {
   mesh_ = other.mesh_;
   places_ = other.places_;
   frozen_ = other.frozen_;
+  proved_ = other.proved_;
   from_mesh_ = other.from_mesh_;
   errors_ = other.errors_;
   stale_ = other.stale_;
@@ -153,6 +156,7 @@ void MeasuredCovering::demand(std::span<const Constraint> metrics, Placement pla
 }
 
 void MeasuredCovering::tighten(double share) {
+  forget_proofs();
   for (Constraint& c : demands_) c = scaled(c, share);
   stale_.resize(errors_.size(), 0);
   for (CellId c = 0; c < errors_.size(); ++c) {
@@ -273,9 +277,10 @@ void MeasuredCovering::remesh(std::span<const DualTriangle> triangles, const Pla
 void MeasuredCovering::measure(std::vector<CellId> cells, Thoroughness thoroughness) {
   const MeasuredSurface surface = ground_.measured();
   errors_.resize(partition().cell_count());
+  proved_.resize(partition().cell_count(), 0);
+  for (const CellId c : cells) proved_[c] = 0;
   if (placement_ == Placement::balanced) balance(surface, cells, mesh_, places_);
-  const auto distance =
-      std::find_if(demands_.begin(), demands_.end(), [](const Constraint& c) { return c.quantity == Quantity::max_distance; });
+  const std::optional<double> bound = distance_bound();
   const bool need_closest = std::any_of(demands_.begin(), demands_.end(), [](const Constraint& c) {
     return c.quantity != Quantity::max_distance && needs_closest(c.quantity);
   });
@@ -283,8 +288,8 @@ void MeasuredCovering::measure(std::vector<CellId> cells, Thoroughness thoroughn
   std::vector<Farthest> farthest;
   if (need_closest) {
     find_closest(surface, mesh_, cells, found);
-  } else if (distance != demands_.end()) {
-    farthest = find_farthest(surface, mesh_, cells, distance->bound, thoroughness, ground_.between ? &*ground_.between : nullptr);
+  } else if (bound) {
+    farthest = find_farthest(surface, mesh_, cells, *bound, thoroughness, ground_.between ? &*ground_.between : nullptr);
   }
 
   std::vector<std::size_t> first(cells.size() + 1, 0);
@@ -313,23 +318,62 @@ void MeasuredCovering::measure(std::vector<CellId> cells, Thoroughness thoroughn
   // What is between c-vertices, and the way from the mesh to the surface, which costs most, are only looked at where all else is
   // within its bounds.
   for (const CellId c : cells) errors_[c].at_most = errors_[c].excess;
-  if (distance == demands_.end()) return;
+  if (!bound) return;
   const auto keep_good = [&] { std::erase_if(cells, [&](CellId c) { return errors_[c].excess > 1; }); };
   keep_good();
   if (need_closest) {  // find_farthest() has looked between them
-    measure_between_c_vertices(cells, distance->bound);
+    measure_between_c_vertices(cells, *bound);
     keep_good();
   }
-  measure_from_triangles(cells, distance->bound);
+  measure_from_triangles(cells, *bound);
   for (const CellId c : cells) errors_[c].at_most = std::max(errors_[c].at_most, near_enough_);
 }
 
+std::size_t MeasuredCovering::prove() {
+  const std::optional<double> bound = distance_bound();
+  if (!bound || ground_.isosurface == nullptr) return 0;
+  std::vector<CellId> cells;
+  const auto keep_good = [&] { std::erase_if(cells, [&](CellId c) { return errors_[c].excess > 1; }); };
+  for (CellId c = 0; c < errors_.size(); ++c) {
+    if (!proved_[c]) cells.push_back(c);
+  }
+  keep_good();
+  const std::size_t good = cells.size();
+  measure_from_triangles(cells, *bound, Look::proof);
+  keep_good();
+  prove_surface(cells, *bound);
+  keep_good();
+  return good - cells.size();
+}
+
+bool MeasuredCovering::is_proved() const {
+  return !errors_.empty() && std::ranges::all_of(proved_, [](std::uint8_t proved) { return proved != 0; });
+}
+
+bool MeasuredCovering::is_within_bounds() const {
+  return std::ranges::all_of(errors_, [](const CellError& e) { return e.excess <= 1; });
+}
+
+std::optional<double> MeasuredCovering::distance_bound() const {
+  const auto found = std::ranges::find(demands_, Quantity::max_distance, &Constraint::quantity);
+  return found == demands_.end() ? std::nullopt : std::optional(found->bound);
+}
+
+void MeasuredCovering::prove_surface(std::span<const CellId> cells, double bound) {
+  if (cells.empty()) return;
+  if (!ground_.grid_cells) ground_.grid_cells.emplace(ground_.complex, ground_.isosurface->field().last());
+  const std::vector<Farthest> left = prove_surface_near(ground_.measured(), *ground_.grid_cells, mesh_, partition().cell_of, cells, bound);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    proved_[cells[i]] = left[i].at == kNone;
+    if (left[i].at != kNone) add_distance(cells[i], left[i], bound);
+  }
+}
+
 void MeasuredCovering::measure_fully(std::span<const CellId> cells) {
-  const auto distance =
-      std::find_if(demands_.begin(), demands_.end(), [](const Constraint& c) { return c.quantity == Quantity::max_distance; });
-  if (distance == demands_.end()) return;
-  measure_between_c_vertices(cells, distance->bound);
-  measure_from_triangles(cells, distance->bound);
+  const std::optional<double> bound = distance_bound();
+  if (!bound) return;
+  measure_between_c_vertices(cells, *bound);
+  measure_from_triangles(cells, *bound);
 }
 
 void MeasuredCovering::measure_between_c_vertices(std::span<const CellId> cells, double bound) {
@@ -338,10 +382,12 @@ void MeasuredCovering::measure_between_c_vertices(std::span<const CellId> cells,
   for (std::size_t i = 0; i < cells.size(); ++i) add_distance(cells[i], between[i], bound);
 }
 
-void MeasuredCovering::measure_from_triangles(std::span<const CellId> cells, double bound) {
+void MeasuredCovering::measure_from_triangles(std::span<const CellId> cells, double bound, Look look) {
+  if (ground_.isosurface == nullptr) return;
   from_mesh_.resize(partition().cell_count());
   for (const CellId c : cells) from_mesh_[c] = {};
-  measure_from_mesh(ground_.measured(), mesh_, partition().cell_of, cells, near_enough_ * bound, from_mesh_, triangle_errors_.get());
+  TriangleErrors* const known = look == Look::proof ? proved_triangles_.get() : sampled_triangles_.get();
+  measure_from_mesh(ground_.measured(), mesh_, partition().cell_of, cells, near_enough_ * bound, look, from_mesh_, known);
   for (const CellId c : cells) add_distance(c, from_mesh_[c], bound);
 }
 
@@ -350,7 +396,7 @@ void MeasuredCovering::add_distance(CellId cell, const Farthest& most, double bo
   if (excess > errors_[cell].excess) errors_[cell] = {excess, excess, most.at};
 }
 
-std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& covering, const LevelMesh& mesh) {
+std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& covering, const LevelMesh& mesh, bool is_proved) {
   const std::uint32_t n = mesh.cell_count();
   std::vector<CellId> cells(n);
   std::iota(cells.begin(), cells.end(), 0u);
@@ -371,7 +417,8 @@ std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& 
     most = std::max(most, farthest[c].distance);
   }
   if (ground.between) farthest = measure_between(ground.measured(), *ground.between, mesh, cells, 0, std::move(farthest));
-  measure_from_mesh(ground.measured(), mesh, covering.partition().cell_of, cells, kLookCloser * static_cast<double>(most), farthest);
+  if (ground.isosurface != nullptr && !is_proved)
+    measure_from_mesh(ground.measured(), mesh, covering.partition().cell_of, cells, static_cast<double>(most), Look::samples, farthest);
   std::vector<MetricValues> values(n);
   for_each_piece(n, kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -383,6 +430,10 @@ std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& 
     }
   });
   return values;
+}
+
+std::vector<MetricValues> MeasuredCovering::measure_metrics() const {
+  return isoatlas::measure_metrics(ground_, covering_, mesh_, is_proved());
 }
 
 std::array<MetricSummary, kMetricCount> summarize(std::span<const MetricValues> values) {

@@ -10,6 +10,8 @@
 #include "cover/repair.h"
 #include "isoatlas/extract.h"
 #include "refine/error_field.h"
+#include "refine/surface_proof.h"
+#include "refine/triangle_errors.h"
 #include "subdivide/adaptive_surface.h"
 
 namespace isoatlas {
@@ -28,6 +30,7 @@ struct Ground {
   std::vector<float> reach;  ///< per c-vertex, distance to its farthest neighbour in G
   std::optional<BetweenPoints> between;
   const AdaptiveSurface* roaming;
+  mutable std::optional<GridCells> grid_cells;  ///< made by the first proof
   const RunControl* control = nullptr;  ///< asked while distances are measured
 
   /// Whether a vertex may leave its c-vertex, within the grid cell.
@@ -43,6 +46,8 @@ struct CellError {
   double at_most = 0;       ///< the excess is no more than this, if it is not more than 1: within bounds it need not be known better
   CVertexId worst = kNone;  ///< where it is farthest from the mesh, if distance is what is wrong: a c-vertex there
 };
+
+using MetricValues = std::array<double, kMetricCount>;
 
 /// A covering with its certified dual and its errors, all kept up to date while sites are added: only what changed is looked at
 /// again. Copies are independent, so that a step can be tried.
@@ -75,6 +80,20 @@ class MeasuredCovering {
 
   /// Completes the errors of these cells: update() stops measuring a cell once a bound is violated. @pre update() has been called
   void measure_fully(std::span<const CellId> cells);
+
+  /// Proves of all cells that are within the bound on the distance, as far as their samples say, that no point of their triangles is farther
+  /// from the isosurface, and no point of their isosurface from the mesh. What was proved stays so until it is measured again. Where the proof
+  /// fails the cell has an error above the bound. @pre update() or remesh() has been called
+  /// @return in how many cells
+  std::size_t prove();
+  bool is_proved() const;
+  void forget_proofs() { proved_.assign(proved_.size(), 0); }
+  bool is_within_bounds() const;
+  /// The bound on the distance, if there is one.
+  std::optional<double> distance_bound() const;
+
+  /// All six metrics of every cell, complete. @pre update() has nothing to do
+  std::vector<MetricValues> measure_metrics() const;
 
   /// A complete certificate. @pre update() has nothing to do
   void certify(CertificateReport& report, const RunControl& control) { dual_.certify(report, control); }
@@ -110,7 +129,8 @@ class MeasuredCovering {
   CVertexId free_place_near(CVertexId start, CellId cell, const std::vector<std::uint8_t>& taken) const;
   void measure(std::vector<CellId> cells, Thoroughness thoroughness);
   void measure_between_c_vertices(std::span<const CellId> cells, double bound);
-  void measure_from_triangles(std::span<const CellId> cells, double bound);
+  void measure_from_triangles(std::span<const CellId> cells, double bound, Look look = Look::few_samples);
+  void prove_surface(std::span<const CellId> cells, double bound);
   void add_distance(CellId cell, const Farthest& most, double bound);
 
   const Ground& ground_;
@@ -122,17 +142,18 @@ class MeasuredCovering {
   LevelMesh mesh_;
   Places places_;
   CellId frozen_ = 0;
+  std::vector<std::uint8_t> proved_;  // per cell, 1 if its isosurface is proved to be within the bound
   std::vector<Farthest> from_mesh_;
-  std::shared_ptr<TriangleErrors> triangle_errors_ = std::make_shared<TriangleErrors>();  // checked at each use, so copies share it
+  // Checked at each use, so copies share them.
+  std::shared_ptr<TriangleErrors> sampled_triangles_ = std::make_shared<TriangleErrors>(), proved_triangles_ = std::make_shared<TriangleErrors>();
   std::vector<CellError> errors_;
   std::vector<std::uint8_t> stale_;  // per cell, 1 if the next update() has to measure it, whatever else it does
   bool all_stale_ = true;
 };
 
-using MetricValues = std::array<double, kMetricCount>;
-
 /// All six metrics of every cell of a mesh.
-std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& covering, const LevelMesh& mesh);
+/// @param is_proved  triangles need not be looked at, since they are known to be within the bound
+std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& covering, const LevelMesh& mesh, bool is_proved = false);
 std::array<MetricSummary, kMetricCount> summarize(std::span<const MetricValues> values);
 
 /// The bound times `by`; of a ratio, what it is more than 1.

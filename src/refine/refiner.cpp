@@ -42,6 +42,9 @@ constexpr int kMostFailures = 24;
 constexpr double kFirstSteps = 0.7, kLastSteps = 0.85;
 constexpr double kNearEnough = 0.5;
 constexpr int kMostLastLooks = 3;
+constexpr int kMostProofs = 4;
+// Of the time of a level, that goes by until bounds are met at the samples; and until its triangles' shape has been worked on.
+constexpr double kMeetShare = 0.6, kShapeShare = 0.85;
 // A few bad triangles that are left get so many more chances, but only so many in a row that leave no fewer.
 constexpr int kMostChances = 6, kMostInVain = 2;
 constexpr std::size_t kFewTriangles = 100;
@@ -193,7 +196,6 @@ void Refiner::meet(MeasuredCovering& work, const Task& task, RefinedLevel& out, 
 
     // The worst first.
     double worst = 0;
-    std::size_t over = 0;
     const bool too_few = sites < task.least_sites;
     const auto can_shrink = [&](CellId c) { return covering.radius()[partition.site[c]] > least_radius(partition.site[c]); };
     const auto can_split = [&](CellId c) {
@@ -202,10 +204,9 @@ void Refiner::meet(MeasuredCovering& work, const Task& task, RefinedLevel& out, 
     };
     const auto is_open = [&](CellId c) { return !given_up[c] && (can_shrink(c) || can_split(c)); };
     for (CellId c = 0; c < sites; ++c) {
-      over += errors[c].excess > 1;
       if ((errors[c].excess > 1 || too_few) && is_open(c)) worst = std::max(worst, errors[c].excess);
     }
-    control.report("refine", 1 - static_cast<double>(over) / sites);
+    control.report("refine", kMeetShare * done_of_meeting(worst));
     std::vector<std::pair<double, CellId>> chosen;
     const double from = worst > 1 ? std::max(1.0, kBand * worst) : too_few ? 0.8 * worst : 2.0;
     for (CellId c = 0; c < sites; ++c) {
@@ -250,6 +251,15 @@ void Refiner::meet(MeasuredCovering& work, const Task& task, RefinedLevel& out, 
       }
     }
   }
+}
+
+// The worst error becomes smaller by about the same factor in each round, and rounds become longer.
+double Refiner::done_of_meeting(double worst) {
+  if (!(worst > 1)) return 1;
+  if (!std::isfinite(worst)) return 0;
+  first_worst_ = std::max(first_worst_, worst);
+  const double share = 1 - std::log(worst) / std::log(first_worst_);
+  return share * share;
 }
 
 // Puts sites where the corners of badly shaped triangles meet, of the worst ones first. @return where
@@ -535,12 +545,25 @@ void Refiner::work_towards(const Task& task, IntersectionTracker& meeting, Refin
     once();
     if (partition().cell_count() == sites) break;
   }
-  for (; divisions_ < most_divisions_ && !out.vertices_ran_out; ++divisions_) {
-    const std::vector<CVertexId> wanted = places_at_limit();
-    if (wanted.empty()) break;
-    divide_surface(wanted, control);
+  const auto divide = [&] {
+    for (; divisions_ < most_divisions_ && !out.vertices_ran_out; ++divisions_) {
+      const std::vector<CVertexId> wanted = places_at_limit();
+      if (wanted.empty()) break;
+      divide_surface(wanted, control);
+      once();
+    }
+  };
+  divide();
+  prove(task, [&] {
     once();
-  }
+    divide();
+  });
+}
+
+// What is too far away at a sample needs no proof. Where a proof fails, cells become smaller, a few times.
+void Refiner::prove(const Task& task, const std::function<void()>& work_on) {
+  if (!start_.is_whole || task.most_sites != kNone || !work_->is_within_bounds()) return;
+  for (int attempt = 0; attempt < kMostProofs && work_->prove() > 0; ++attempt) work_on();
 }
 
 struct Refiner::State {
@@ -569,7 +592,7 @@ void Refiner::restore_state(const State& state) {
 RefinedLevel Refiner::unchanged_level(const LevelGoal& asked) const {
   RefinedLevel same;
   same.is_the_one_before = true;
-  same.figures = {metrics_, judge(asked, extent_, metrics_, {&extent_, is_first_, true, false, 0}), {}};
+  same.figures = {metrics_, judge(asked, extent_, metrics_, {&extent_, is_first_, true, false, 0}), {}, {}};
   return same;
 }
 
@@ -605,6 +628,7 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
 RefinedLevel Refiner::refine_once(const LevelGoal& goal, const LevelGoal& asked, Placement placement, const RunControl& control) {
   RefinedLevel out;
   divisions_ = 0;
+  first_worst_ = 1;
   if (is_limited(goal) && static_cast<double>(sites_before_) >= goal.front().bound) return unchanged_level(asked);
   if (work_ == nullptr) {
     step_down(goal, placement, out, control);
@@ -683,8 +707,14 @@ void Refiner::finish(const Task& task, const LevelGoal& asked, IntersectionTrack
   std::vector<DualTriangle> triangles;
   improve_level_shape(task, triangles, out, control);
   retry_bad_triangles(task, meeting, triangles, out, control);
+  control.report("refine", kShapeShare);
   repair_worst_cells(task, triangles, out, control);
   if (embedded_) revert_intersecting_changes(task, meeting, triangles, out, control);
+  if (start_.is_whole && task.most_sites == kNone && work_->is_within_bounds()) {
+    if (task.placement == Placement::balanced) work_->forget_proofs();  // vertices are moved without a look at all triangles around them
+    work_->prove();
+  }
+  out.figures.distance_at_most = work_->is_proved() ? work_->distance_bound() : std::nullopt;
   work_->freeze_anchors(partition().cell_count());
   out.triangles = cells_of(triangles);
   describe(task, asked, out);
@@ -751,7 +781,7 @@ void Refiner::revert_intersecting_changes(const Task& task, IntersectionTracker&
 
 // What the level reached, by what was asked for.
 void Refiner::describe(const Task& task, const LevelGoal& asked, RefinedLevel& out) {
-  const std::vector<MetricValues> values = measure_metrics(*ground_, work_->covering(), work_->mesh());
+  const std::vector<MetricValues> values = work_->measure_metrics();
   Obstacles obstacles{&extent_, is_first_, out.vertices_ran_out, false, 0};
   for (const auto& [c, excess] : cells_over(asked, values)) {
     const float radius = work_->covering().radius()[partition().site[c]];
@@ -782,7 +812,7 @@ LevelFigures Refiner::describe_coarse(std::span<const Triangle> triangles, std::
   extent_ = extent_of(mesh);
   const std::vector<MetricValues> values = measure_metrics(*ground_, covering, mesh);
   metrics_ = summarize(values);
-  return {metrics_, judge(goal, extent_, metrics_, {}), distances(values)};
+  return {metrics_, judge(goal, extent_, metrics_, {}), distances(values), {}};
 }
 
 std::vector<std::uint32_t> Refiner::parents() const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -20,6 +21,7 @@ struct LevelFigures {
   std::array<MetricSummary, kMetricCount> metrics{};
   std::vector<ConstraintResult> constraints;  ///< in the order given
   std::vector<float> distance;                ///< per cell, its max-distance
+  std::optional<double> distance_at_most;     ///< proved, of the mesh and of the isosurface
 };
 
 struct RefinedLevel {
@@ -48,6 +50,7 @@ class Refiner {
     const Covering& covering;     ///< of `coarser.complex`, or of the surface if there is no coarser complex
     std::vector<CVertexId> site;  ///< per vertex, on the surface
     std::vector<Vec3> shift;      ///< per vertex, how far it is from there; spacing applied
+    bool is_whole = true;         ///< no component of a trilinear isosurface is left out: then distances can be proved
   };
 
   /// @param surface   divided where a bound or the shape of triangles asks for more c-vertices than there are
@@ -113,6 +116,8 @@ class Refiner {
   bool refine_misplaced_components();
   void work_apart(const Task& task, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control);
   void work_towards(const Task& task, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control);
+  double done_of_meeting(double worst);
+  void prove(const Task& task, const std::function<void()>& work_on);
   std::vector<CVertexId> places_at_limit();
   std::vector<std::pair<double, CellId>> cells_at_limit();
   bool is_at_limit(CellId c) const;
@@ -134,6 +139,7 @@ class Refiner {
   std::uint32_t sites_before_;     // of the level before
   bool is_first_ = true;           // the level before is the coarse one
   std::uint32_t divisions_ = 0;    // of this level, for the sake of bounds
+  double first_worst_ = 1;         // of this level, the largest excess so far
   MeshExtent extent_;              // of the last level, its metrics below
   std::array<MetricSummary, kMetricCount> metrics_{};
 };

@@ -173,6 +173,7 @@ Json to_value(const LevelReport& level, std::size_t number) {
   json["certificate"] = to_value(level.certificate);
   json["quality"] = to_value(level.quality);
   json["metrics"] = metrics_value(level);
+  json["distance_at_most"] = level.distance_at_most ? Json(*level.distance_at_most) : Json();
   Json& constraints = json["constraints"] = Json::array();
   for (const ConstraintResult& result : level.constraints) constraints.push_back(constraint_value(result));
   Json worst = Json::array();

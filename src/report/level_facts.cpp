@@ -74,6 +74,7 @@ LevelFacts facts_of(const Json& json) {
   read(aspect, "share_below_third", facts.quality.aspect_share_below_third);
   read(member(member(json, "quality"), "angle_degrees"), "minimum", facts.quality.angle_min);
   if (const Json measured = member(json, "measured"); measured.is_object()) facts.measured = measurement_of(measured);
+  if (const Json at_most = member(json, "distance_at_most"); !at_most.is_null()) read_metric(json, "distance_at_most", facts.distance_at_most.emplace());
   const Json metrics = member(json, "metrics");
   for (std::size_t i = 0; i < kMetricCount; ++i) {
     const Json metric = member(metrics, std::string(name(static_cast<Quantity>(i))).c_str());
@@ -141,6 +142,7 @@ std::string to_json(const std::string& path, const std::vector<LevelFacts>& leve
     const auto side = [](const OneSidedDistance& distance) {
       return Json{{"samples", distance.samples}, {"samples_per_voxel_face", distance.samples_per_voxel_face}, {"maximum", distance.maximum}};
     };
+    one["distance_at_most"] = level.distance_at_most ? Json(*level.distance_at_most) : Json();
     one["measured"] = level.measured ? Json{{"maximum", level.measured->maximum()},
                                             {"mesh_to_surface", side(level.measured->mesh_to_surface)},
                                             {"surface_to_mesh", side(level.measured->surface_to_mesh)}}

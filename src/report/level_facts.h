@@ -17,6 +17,7 @@ namespace isoatlas {
 struct LevelFacts {
   std::size_t vertices = 0, triangles = 0;
   std::array<std::optional<MetricSummary>, kMetricCount> metrics;
+  std::optional<double> distance_at_most;  ///< proved
   std::optional<Measurement> measured;  ///< its maxima and how densely it was sampled
   TopologySummary topology;        ///< without kinds
   MeshQuality quality;       ///< aspect ratio but for its histogram, least angle

@@ -87,6 +87,20 @@ class TrilinearCell {
         cxyz_(f[7] - f[3] - f[5] - f[6] + f[1] + f[2] + f[4] - f[0]) {}
 
   double value(Vec3 p) const { return c0_ + p.x * (cx_ + p.y * (cxy_ + p.z * cxyz_) + p.z * cxz_) + p.y * (cy_ + p.z * cyz_) + p.z * cz_; }
+  /// Calls add(least, most) for each component of the gradient, of all points of the box from `low` to `high`. Each is linear in each of the two
+  /// coordinates that it depends on, so that corners have the extremes.
+  template <class Add>
+  void for_each_slope(Vec3 low, Vec3 high, Add add) const {
+    const auto range = [&](std::size_t axis, double c, double cu, double cv, double u0, double u1, double v0, double v1) {
+      const auto at = [&](double u, double v) { return c + u * (cu + v * cxyz_) + v * cv; };
+      const double a = at(u0, v0), b = at(u0, v1), d = at(u1, v0), e = at(u1, v1);
+      add(axis, std::min(std::min(a, b), std::min(d, e)), std::max(std::max(a, b), std::max(d, e)));
+    };
+    range(0, cx_, cxy_, cxz_, low.y, high.y, low.z, high.z);
+    range(1, cy_, cxy_, cyz_, low.x, high.x, low.z, high.z);
+    range(2, cz_, cxz_, cyz_, low.x, high.x, low.y, high.y);
+  }
+
   Vec3 gradient(Vec3 p) const {
     return {cx_ + p.y * (cxy_ + p.z * cxyz_) + p.z * cxz_, cy_ + p.x * (cxy_ + p.z * cxyz_) + p.z * cyz_,
             cz_ + p.x * (cxz_ + p.y * cxyz_) + p.y * cyz_};

@@ -56,10 +56,67 @@ InterpolatedField::Value InterpolatedField::at(Vec3 p) const {
     const auto [value, gradient] = TricubicCell(samples_->around(c)).at(local);
     return {value, per_step * gradient};
   }
-  const std::size_t first = c[0] + size_[0] * (c[1] + size_[1] * c[2]), y = size_[0], z = size_[0] * size_[1];
-  const TrilinearCell cell(
-      samples_->corners({first, first + 1, first + y, first + y + 1, first + z, first + z + 1, first + z + y, first + z + y + 1}));
+  const TrilinearCell cell = cell_at(c);
   return {cell.value(local), per_step * cell.gradient(local)};
+}
+
+TrilinearCell InterpolatedField::cell_at(const std::array<std::size_t, 3>& c) const {
+  const std::size_t first = c[0] + size_[0] * (c[1] + size_[1] * c[2]), y = size_[0], z = size_[0] * size_[1];
+  return TrilinearCell(
+      samples_->corners({first, first + 1, first + y, first + y + 1, first + z, first + z + 1, first + z + y, first + z + y + 1}));
+}
+
+std::optional<TrilinearCell> InterpolatedField::cell(Vec3 low) const {
+  if (interpolation_ != Interpolation::trilinear) return std::nullopt;
+  if (supersample_ == 1) return cell_at({static_cast<std::size_t>(low.x), static_cast<std::size_t>(low.y), static_cast<std::size_t>(low.z)});
+  std::array<double, 8> corner;
+  for (std::size_t k = 0; k < 8; ++k)
+    corner[k] = at(low + Vec3{static_cast<double>(k & 1), static_cast<double>(k >> 1 & 1), static_cast<double>(k >> 2)}).value;
+  return TrilinearCell(corner);
+}
+
+std::optional<InterpolatedField::Range> InterpolatedField::gradient_range(Vec3 low, Vec3 high, std::size_t most_cells) const {
+  if (interpolation_ != Interpolation::trilinear) return std::nullopt;
+  const std::array<double, 3> last{last_.x, last_.y, last_.z}, from{low.x, low.y, low.z}, to{high.x, high.y, high.z};
+  std::array<double, 3> a, b;  // the box within the volume, in its own samples
+  std::array<std::size_t, 3> first, end;
+  std::array<bool, 3> leaves;
+  std::size_t cells = 1;
+  for (std::size_t k = 0; k < 3; ++k) {
+    leaves[k] = from[k] < 0 || to[k] > last[k];
+    a[k] = std::clamp(from[k], 0.0, last[k]) / supersample_;
+    b[k] = std::clamp(to[k], 0.0, last[k]) / supersample_;
+    // A point on the wall between two cells belongs to both.
+    first[k] = std::min(static_cast<std::size_t>(std::max(0.0, std::ceil(a[k]) - 1)), size_[k] - 2);
+    end[k] = std::min(static_cast<std::size_t>(b[k]), size_[k] - 2) + 1;
+    cells *= end[k] - first[k];
+  }
+  if (cells > most_cells) return std::nullopt;
+  std::array<double, 3> least, most;
+  least.fill(INFINITY);
+  most.fill(-INFINITY);
+  bool is_finite = true;
+  for (std::size_t z = first[2]; z < end[2]; ++z) {
+    for (std::size_t y = first[1]; y < end[1]; ++y) {
+      for (std::size_t x = first[0]; x < end[0]; ++x) {
+        const auto within = [](double p, std::size_t corner) { return std::clamp(p - static_cast<double>(corner), 0.0, 1.0); };
+        const Vec3 from_here{within(a[0], x), within(a[1], y), within(a[2], z)}, to_here{within(b[0], x), within(b[1], y), within(b[2], z)};
+        cell_at({x, y, z}).for_each_slope(from_here, to_here, [&](std::size_t axis, double low_slope, double high_slope) {
+          is_finite = is_finite && std::isfinite(low_slope) && std::isfinite(high_slope);
+          least[axis] = std::min(least[axis], low_slope);
+          most[axis] = std::max(most[axis], high_slope);
+        });
+      }
+    }
+  }
+  if (!is_finite) return std::nullopt;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!leaves[k]) continue;
+    least[k] = std::min(least[k], 0.0);
+    most[k] = std::max(most[k], 0.0);
+  }
+  const double per_step = 1 / static_cast<double>(supersample_);
+  return Range{per_step * Vec3{least[0], least[1], least[2]}, per_step * Vec3{most[0], most[1], most[2]}};
 }
 
 double InterpolatedField::at_sample(Vec3 sample) const {

@@ -9,6 +9,7 @@
 
 #include "isoatlas/volume.h"
 #include "volume/classify.h"
+#include "volume/field.h"
 #include "volume/upsampled_field.h"
 
 namespace isoatlas {
@@ -32,6 +33,17 @@ class InterpolatedField {
   /// gradient are scaled, both alike.
   Value at(Vec3 p) const;
 
+  /// The field on the cell from the sample at `low` to the next ones, as a function of the way from there; nothing if it is not trilinear.
+  std::optional<TrilinearCell> cell(Vec3 low) const;
+
+  struct Range {
+    Vec3 low, high;
+  };
+  /// Bounds on the gradient, per component, at all points of the box from `low` to `high`; outside the volume that of at(), so zero across
+  /// the border. Exact but for rounding where the box is in one cell. O(cells that the box meets)
+  /// @return nothing if the box meets more than `most_cells` cells, or the field is not trilinear
+  std::optional<Range> gradient_range(Vec3 low, Vec3 high, std::size_t most_cells) const;
+
   /// What parsing saw at a sample, inside or outside; a little different, between the volume's samples, from what at() finds there.
   /// @param sample  whole coordinates
   double at_sample(Vec3 sample) const;
@@ -46,6 +58,7 @@ class InterpolatedField {
   std::uint32_t supersample() const { return supersample_; }
 
  private:
+  TrilinearCell cell_at(const std::array<std::size_t, 3>& c) const;
   struct Samples {
     virtual ~Samples() = default;
     virtual double value(std::size_t sample) const = 0;

@@ -474,10 +474,13 @@ class Extract(ToolTest):
         self.assertNotIn("MORE", said)
         self.assertRegex(self.run_tool(*arguments, "max-distance:0.0001vx").stdout, r"measured at most [^,]+, MORE than the bound 0\.0001, aspect")
 
-    def test_distances_are_called_sampled(self):
+    def test_distances_are_called_proved_or_sampled(self):
         self.put_sphere()
         arguments = ["extract", "sphere.nrrd", "--iso", "0", "-o", "s.glb", "--report", "s.json"]
-        for options, expected in (((), r"sampled at .*about 2 .*per voxel face"), (("--measure-samples", "1000"), r"sampled at 1,\d\d\d points \([\d.]+ per voxel face\) of the mesh")):
+        proved = r"proved: no point of the mesh is farther than 0\.50000\d* from the isosurface, nor of the isosurface from the mesh"
+        measured = r"sampled at 1,\d\d\d points \([\d.]+ per voxel face\) of the mesh"
+        measure, cubic = ("--measure-samples", "1000"), ("--interpolation", "tricubic")
+        for options, expected in (((), proved), (measure, rf"{proved}; {measured}"), (cubic, r"sampled at .*about 2 .*per voxel face"), (cubic + measure, measured)):
             self.assertRegex(self.succeed(*arguments, *options), rf"(?m)^  distances +{expected}")
             for levels in ("s.glb", "s.json"):
                 self.assertRegex(self.succeed("levels", levels), rf"(?m)^  distances +{expected}")
@@ -634,7 +637,7 @@ class StandardStreams(ToolTest):
 
     def test_every_format_has_the_bytes_of_a_file(self):
         raw = self.put_noise(10)
-        for volume, options in ((self.folder / "noise.raw", raw), (FIELD / "v_far.vti", ["--iso", "0"]),
+        for volume, options in ((self.folder / "noise.raw", raw), (FIELD / "v_far.vti", ["--iso", "0", "--coarse"]),
                                 (FIELD / "r_sp_las.nrrd", ["--iso", "0"]), (FIELD / "n_gz_named.nii", ["--iso", "0"])):
             for extension in [*MESH_EXTENSIONS, "glb"]:
                 result = self.stream("extract", "-", *options, "-o", "-", "--format", extension, "-q", volume=volume)
@@ -750,25 +753,27 @@ class Rounding(ToolTest):
         return json.loads(self.succeed("check", name, "--volume", self.FAR, "--iso", "0", "--json", *options))["distance"]["maximum"]
 
     def test_the_stated_error_includes_it(self):
-        _, exact, _ = self.extract("far.ply")
+        asked = ("--min-vertices", "40", "--max-distance", "2")
+        _, exact, _ = self.extract("far.ply", *asked)
         for name in ("far.stl", "far.gii"):
-            result, level, file = self.extract(name)
+            result, level, file = self.extract(name, *asked)
             error = level["metrics"]["max-distance"]["maximum"]
             self.assertGreater(file["largest_rounding"], 0.2)
             self.assertEqual(level["rounding"], file["largest_rounding"])
             self.assertAlmostEqual(error, exact["metrics"]["max-distance"]["maximum"] + file["largest_rounding"], places=12)
-            self.assertEqual(error, level["constraints"][0]["reached"])
-            self.assertLessEqual(self.measured(name), error)
+            self.assertEqual(error, level["constraints"][1]["reached"])
+            self.assertAlmostEqual(level["distance_at_most"], 2 + file["largest_rounding"], places=5)
+            self.assertLessEqual(self.measured(name), level["distance_at_most"])
             self.assertGreater(self.measured(name), exact["metrics"]["max-distance"]["maximum"])  # so it matters
             self.assertIn(f"max-distance {error:.6g} (0.249812 of it by rounding to float32)", result.stdout)
             self.assertRegex(result.stderr, rf"\Aisoatlas: {name}: its float32 coordinates move vertices by up to 0\.249812, [^\n]*"
                                             r"\.ply[^\n]*--space voxel[^\n]*\n\Z")
-            self.assertEqual(result.returncode, 0)  # nobody asked for the default bound
+            self.assertEqual(result.returncode, 0)
 
     def test_a_bound_that_was_asked_for_is_judged_with_it(self):
-        result, level, _ = self.extract("far.stl", "--max-distance", "0.5", "-q")
+        result, level, _ = self.extract("far.stl", "--max-distance", "0.55", "-q")
         self.assertEqual(result.returncode, 1)
-        self.assertRegex(result.stderr, r"(?m)^isoatlas: level 1: max-distance 0\.5: reached 0\.73\d*: positions are rounded to float32 in far\.stl")
+        self.assertRegex(result.stderr, r"(?m)^isoatlas: level 1: max-distance 0\.55: reached 0\.79\d*: positions are rounded to float32 in far\.stl")
         self.assertFalse(level["constraints"][0]["met"])
         result, level, _ = self.extract("far.stl", "--min-vertices", "40", "--max-distance", "2", "-q")
         self.assertEqual(result.returncode, 0)
@@ -785,12 +790,12 @@ class Rounding(ToolTest):
         self.assertAlmostEqual(self.measured("near.stl"), self.measured("near.stl", "--space", "voxel"), places=12)
 
     def test_pages_and_streams(self):
-        result = self.run_tool("extract", self.FAR, "--iso", "0", "-o", "far.stl", "--html", "a.html", "-q")
+        result = self.run_tool("extract", self.FAR, "--iso", "0", "-o", "far.stl", "--html", "a.html", "-q", "--max-distance", "0.55")
         page, _, _ = page_parts(self.folder / "a.html")
-        self.assertAlmostEqual(page["results"][0]["levels"][-1]["metrics"]["max-distance"]["maximum"], 0.735868, places=6)
-        self.assertAlmostEqual(page["results"][0]["geometry"]["levels"][-1]["distance"]["maximum"], 0.735868, places=6)
+        self.assertAlmostEqual(page["results"][0]["levels"][-1]["metrics"]["max-distance"]["maximum"], 0.791473, places=5)
+        self.assertAlmostEqual(page["results"][0]["geometry"]["levels"][-1]["distance"]["maximum"], 0.791473, places=5)
         with open(self.folder / "s.stl", "wb") as file:
-            result = self.run_tool("extract", self.FAR, "--iso", "0", "-o", "-", "--format", "stl", "-q", "--max-distance", "0.5", stdout=file)
+            result = self.run_tool("extract", self.FAR, "--iso", "0", "-o", "-", "--format", "stl", "-q", "--max-distance", "0.55", stdout=file)
         self.assertEqual(result.returncode, 1)
         self.assertIn("isoatlas: standard output: its float32 coordinates", result.stderr)
         self.assertIn("rounded to float32 in standard output", result.stderr)

@@ -140,6 +140,7 @@ export function makeResult(geometry, levels, topology, options = {}) {
     certificate: {passed: true, cells_checked: mesh.positions.length, arcs_checked: mesh.positions.length * 3, triples_checked: mesh.triangles.length, repair_rounds: 1, repair_sites: 4},
     quality: {aspect_ratio: aspect(mesh), angle_degrees: {minimum: 21, maximum: 110}},
     metrics: options.distances === false ? null : {"max-distance": {maximum: 1.6842 / 4 ** level, mean: 0.4 / 4 ** level, unit: "world"}},
+    ...(level === 2 ? {distance_at_most: 0.106} : {}),
     constraints: level === 0 ? [] : [
       {quantity: "max-distance", wanted: 1.7 / 4 ** level, reached: 1.6842 / 4 ** level, unit: "world", met: true, default: false, reason: null},
       {quantity: "min-aspect", wanted: 1 / 3, reached: 0.31, unit: "ratio", met: false, default: true, reason: "a vertex of an earlier level stands in the way"},

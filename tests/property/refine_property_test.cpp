@@ -208,6 +208,32 @@ RC_GTEST_PROP(AnyLevels, AreNowhereFartherThanReported, (const RandomCase& any))
   }
 }
 
+// Points spread over the isosurface, which nobody looked at before, are as near as was proved. (The other way, in noise the closest point
+// is missed now and then: see TriangleProof.)
+RC_GTEST_PROP(AnyLevels, AreAsNearAsProved, (const RandomCase& any)) {
+  auto [c, samples, volume, options] = LevelsCase(any);
+  for (LevelGoal& goal : options.refine) goal = {{Quantity::max_distance, 0.6 * volume.grid.smallest_spacing()}};
+  const Extraction e = extract(volume, options);
+  MeasureOptions measuring;
+  measuring.isovalue = options.isovalue;
+  measuring.inside = options.inside;
+  measuring.non_finite = options.non_finite;
+  measuring.topology = options.topology;
+  measuring.interpolation = options.interpolation;
+  measuring.space = options.space;
+  measuring.samples = 4000;
+  std::size_t proved = 0;
+  for (std::size_t l = 1; l < e.report.levels.size(); ++l) {
+    const LevelReport& level = e.report.levels[l];
+    if (!level.distance_at_most) continue;
+    ++proved;
+    RC_ASSERT((*level.metrics)[static_cast<std::size_t>(Quantity::max_distance)].maximum <= *level.distance_at_most * (1 + 1e-6));
+    const double rounding = 1e-6 * volume.grid.smallest_spacing() + 4 * c.rounding();
+    RC_ASSERT(measure(e.hierarchy.mesh(l), volume, measuring).surface_to_mesh.maximum <= *level.distance_at_most + rounding);
+  }
+  RC_CLASSIFY(proved > 0, "proved");
+}
+
 RC_GTEST_PROP(AnyLevels, AreTheSameBytesForAnyNumberOfThreads, (const RandomCase& any)) {
   const auto [c, samples, volume, options] = LevelsCase(any);
   RunControl one, two;

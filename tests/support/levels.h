@@ -2,6 +2,7 @@
 // A surface with a certified covering and its mesh, to test metrics and refinement with.
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <numeric>
 #include <utility>
@@ -23,6 +24,13 @@ inline CoveringOptions disks(float max_radius) {
   return out;
 }
 
+/// In 28^3 samples.
+inline Function bumpy_ball() {
+  return [](double x, double y, double z) {
+    return 9 + 1.5 * std::sin(0.7 * x) * std::cos(0.6 * y) - std::hypot(x - 13.4, y - 13.6, z - 13.55);
+  };
+}
+
 /// Of unrounded samples, so that c-vertices are as near the true surface as the trilinear field is.
 inline SurfaceComplex exact_surface(Size size, const Function& f, Vec3 spacing = {1, 1, 1}) {
   ParseOptions options;
@@ -35,18 +43,20 @@ class TestLevel {
  public:
   TestLevel(SurfaceComplex complex, float max_radius)
       : complex_(std::move(complex)), ground_(complex_), covering_(ground_.graph, disks(max_radius)) {
-    covering_.cover({});
-    CertifiedDual dual(complex_, covering_);
-    dual.certify(certificate_, {});
-    triangles_ = dual.triangles();
-    mesh_ = make_level_mesh(ground_.surfels, partition(), triangles_, {partition().site, {}});
-    std::vector<CellId> all(mesh_.cell_count());
-    std::iota(all.begin(), all.end(), 0u);
-    find_closest(ground_.measured(), mesh_, all, closest_);
-    measure_from_mesh(ground_.measured(), mesh_, partition().cell_of, all, 0, from_mesh_);
+    make();
+  }
+  /// Distances from triangles, too. The surface is where the samples are 0.
+  TestLevel(Volume volume, float max_radius)
+      : volume_(std::make_unique<Volume>(std::move(volume))),
+        complex_(parse_surface(*volume_, parse())),
+        isosurface_(std::make_unique<Isosurface>(*volume_, parse().rule, complex_)),
+        ground_(complex_, isosurface_.get()),
+        covering_(ground_.graph, disks(max_radius)) {
+    make();
   }
   TestLevel(const TestLevel&) = delete;
 
+  const Isosurface& isosurface() const { return *isosurface_; }
   const Ground& ground() const { return ground_; }
   const Covering& covering() const { return covering_; }
   const Partition& partition() const { return covering_.partition(); }
@@ -63,7 +73,28 @@ class TestLevel {
   }
 
  private:
+  static ParseOptions parse() {
+    ParseOptions options;
+    options.rule = {0, Inside::above, NonFinite::refuse};
+    return options;
+  }
+
+  void make() {
+    covering_.cover({});
+    CertifiedDual dual(complex_, covering_);
+    dual.certify(certificate_, {});
+    triangles_ = dual.triangles();
+    mesh_ = make_level_mesh(ground_.surfels, partition(), triangles_, {partition().site, {}});
+    std::vector<CellId> all(mesh_.cell_count());
+    std::iota(all.begin(), all.end(), 0u);
+    find_closest(ground_.measured(), mesh_, all, closest_);
+    from_mesh_.resize(all.size());
+    if (isosurface_) measure_from_mesh(ground_.measured(), mesh_, partition().cell_of, all, 0, Look::samples, from_mesh_);
+  }
+
+  std::unique_ptr<const Volume> volume_;
   SurfaceComplex complex_;
+  std::unique_ptr<const Isosurface> isosurface_;
   Ground ground_;
   Covering covering_;
   CertificateReport certificate_;

@@ -82,6 +82,7 @@ export interface LevelFacts {
   quality?: {aspect_ratio?: Partial<AspectRatio> | null} | null;
   metrics?: Record<string, Metric | null> | null;
   measured?: {maximum: number; mesh_to_surface?: Sampling; surface_to_mesh?: Sampling} | null;
+  distance_at_most?: number | null;
   constraints?: Constraint[] | null;
 }
 

@@ -73,9 +73,12 @@ function constraints(level: LevelFacts, unit: string): Child[] {
   return [element("p", {class: "soft lead"}, `Asked of level ${level.level}, and reached:`), element("ul", {class: "plain", id: "constraints"}, ...asked.map((c) => constraintLine(c, unit)))];
 }
 
-/** How densely the error was sampled, because no bound is proved between samples. */
-function sampling(level: LevelFacts): Child[] {
+/** What is proved of the error, or else how densely it was sampled. */
+function sampling(level: LevelFacts, unit: string): Child[] {
   if (errorOf(level) === null) return [];
+  const {distance_at_most: atMost} = level;
+  if (atMost !== null && atMost !== undefined)
+    return [element("p", {class: "soft lead", id: "sampling"}, `Proved: no point of the mesh is farther than ${number(atMost)} ${unit} from the isosurface, nor of the isosurface from the mesh.`)];
   const points = ({samples, samples_per_voxel_face: density}: Sampling): string => `${count(samples)} points (${number(density)} per voxel face)`;
   const {mesh_to_surface: mesh, surface_to_mesh: surface} = level.measured ?? {};
   const where = mesh && surface ? `${points(mesh)} of the mesh and ${points(surface)} of the isosurface` : "about 2 points per voxel face of the isosurface, and on every triangle";
@@ -207,7 +210,7 @@ function made(result: Result): Child[] {
 export function facts(result: Result, shown: number, shapes: LevelShape[]): HTMLElement[] {
   const level = result.levels[shown];
   return [
-    section("Levels", levelTable(result, shown, shapes), ...sampling(level), ...constraints(level, result.unit)),
+    section("Levels", levelTable(result, shown, shapes), ...sampling(level, result.unit), ...constraints(level, result.unit)),
     section("Aspect ratios", histogram(result, shown, shapes[shown].aspect())),
     section("Topology", ...topology(result, level, shapes[shown])),
     section("Certificate", ...certificate(level)),

@@ -71,7 +71,7 @@ class OnASphere : public ::testing::TestWithParam<double> {
   static const TestLevel& level(double disk) {
     static std::map<double, std::unique_ptr<TestLevel>> made;
     auto& one = made[disk];
-    if (!one) one = std::make_unique<TestLevel>(exact_surface({48, 48, 48}, sphere({23.4, 23.6, 23.55}, kRadius)), disk);
+    if (!one) one = std::make_unique<TestLevel>(exact_volume({48, 48, 48}, sphere({23.4, 23.6, 23.55}, kRadius)), disk);
     return *one;
   }
   // Of the c-vertex of the cell's border that is farthest from the site, by angle at the centre.

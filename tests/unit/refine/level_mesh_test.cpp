@@ -11,6 +11,7 @@
 #include "core/vector_math.h"
 #include "mesh/closest_point.h"
 #include "refine/error_field.h"
+#include "refine/triangle_errors.h"
 #include "support/levels.h"
 
 namespace isoatlas {
@@ -18,14 +19,8 @@ namespace {
 
 using namespace test;
 
-Function bumpy() {
-  return [](double x, double y, double z) {
-    return 9 + 1.5 * std::sin(0.7 * x) * std::cos(0.6 * y) - std::hypot(x - 13.4, y - 13.6, z - 13.55);
-  };
-}
-
 TEST(LevelMesh, BucketsHoldEveryTriangleAndCVertexWhereItBelongs) {
-  const TestLevel level(exact_surface({28, 28, 28}, bumpy()), 5);
+  const TestLevel level(exact_surface({28, 28, 28}, bumpy_ball()), 5);
   const LevelMesh& mesh = level.mesh();
   std::size_t corners = 0, c_vertices = 0;
   for (CellId c = 0; c < mesh.cell_count(); ++c) {
@@ -61,7 +56,7 @@ TEST(LevelMesh, BucketsOfNothingAndOfEmptyGroups) {
 }
 
 TEST(LevelMesh, PlacingMovesCornersAndNormals) {
-  const TestLevel level(exact_surface({28, 28, 28}, bumpy()), 6);
+  const TestLevel level(exact_volume({28, 28, 28}, bumpy_ball()), 6);
   LevelMesh mesh = level.mesh();
   Places places{level.partition().site, std::vector<float>(mesh.cell_count(), 0)};
   places.offset[3] = 0.5f;
@@ -78,7 +73,7 @@ TEST(LevelMesh, PlacingMovesCornersAndNormals) {
 // The triangles around a cell and around its neighbours, one by one.
 TEST(FindClosest, IsTheClosestOfTheRing) {
   for (const float disk : {3.0f, 7.0f}) {
-    const TestLevel level(exact_surface({28, 28, 28}, bumpy()), disk);
+    const TestLevel level(exact_surface({28, 28, 28}, bumpy_ball()), disk);
     const LevelMesh& mesh = level.mesh();
     for (CellId c = 0; c < mesh.cell_count(); ++c) {
       std::set<std::uint32_t> ring;
@@ -104,68 +99,73 @@ TEST(FindClosest, IsTheClosestOfTheRing) {
   }
 }
 
-// A flat square of which the middle strip is folded up into a narrow ridge: to a mesh whose triangles bridge the ridge's foot the
-// ridge is far, and a mesh with a triangle spanning between two ridges is far from the surface, though c-vertices are near it.
+// A mesh whose vertices are on the two brims of a deep, narrow valley is far from the surface, though its vertices are on it.
 TEST(MeasureFromMesh, SeesATriangleThatBridgesAFold) {
-  // A deep, narrow valley: the mesh's vertices are on its two brims and the bottom is another cell's.
-  SurfaceComplex sheet = flat_grid(21, 9);
-  for (Vec3& p : sheet.positions) {
-    const double away = std::abs(p.x - 10);
-    p.z = away < 4 ? -2 * (4 - away) : 0;
-  }
-  const Ground ground(sheet);
+  // The valley's walls have a slope of 2, its bottom is 8 below the brims.
+  const Volume volume = exact_volume({21, 9, 20}, [](double x, double, double z) { return 12 - 2 * std::max(0.0, 4 - std::abs(x - 10)) - z; });
+  ParseOptions options;
+  options.rule = {0, Inside::above, NonFinite::refuse};
+  const SurfaceComplex sheet = parse_surface(volume, options);
+  const Isosurface isosurface(volume, options.rule, sheet);
+  const Ground ground(sheet, &isosurface);
+  const auto at = [&](double x, double y) {
+    CVertexId nearest = 0;
+    const auto away = [&](CVertexId v) { return std::hypot(sheet.positions[v].x - x, sheet.positions[v].y - y); };
+    for (CVertexId v = 0; v < sheet.c_vertex_count(); ++v) nearest = away(v) < away(nearest) ? v : nearest;
+    return nearest;
+  };
   Partition partition;
-  partition.site = {4 + 21 * 2, 16 + 21 * 2, 10 + 21 * 6};
+  partition.site = {at(4, 2), at(16, 2), at(4, 6)};
   partition.cell_of.resize(sheet.c_vertex_count());
-  for (CVertexId v = 0; v < sheet.c_vertex_count(); ++v) partition.cell_of[v] = v / 21 > 4 ? 2 : v % 21 < 10 ? 0 : 1;
-  // The third vertex is lifted onto the brims' level, so that the triangle lies flat over the valley, 8 above its bottom.
-  Places places{partition.site, {0, 0, 0}};
-  places.anchor[2] = 4 + 21 * 6;
+  for (CVertexId v = 0; v < sheet.c_vertex_count(); ++v) partition.cell_of[v] = sheet.positions[v].y > 4 ? 2 : sheet.positions[v].x < 10 ? 0 : 1;
+  for (CellId c = 0; c < 3; ++c) partition.cell_of[partition.site[c]] = c;
   const std::vector<DualTriangle> dual{{{0, 1, 2}, 0}};
-  const LevelMesh mesh = make_level_mesh(ground.surfels, partition, dual, places);
-  std::vector<Farthest> from_mesh;
+  const LevelMesh mesh = make_level_mesh(ground.surfels, partition, dual, {partition.site, {}});
   const std::vector<CellId> all{0, 1, 2};
-  measure_from_mesh(ground.measured(), mesh, partition.cell_of, all, 0, from_mesh);
-  ASSERT_EQ(from_mesh.size(), 3u);
-  // Points half way over the valley are 4 / sqrt(5) * ... from its walls: the walls' slope is 2, so height 8 is at most 8 / sqrt(5).
-  const float most = std::max({from_mesh[0].distance, from_mesh[1].distance, from_mesh[2].distance});
-  EXPECT_GT(most, 2.0f);
-  EXPECT_LT(most, 8 / std::sqrt(5.0f) + 0.3f);
+  for (const Look look : {Look::few_samples, Look::samples, Look::proof}) {
+    std::vector<Farthest> from_mesh;
+    measure_from_mesh(ground.measured(), mesh, partition.cell_of, all, 0.5, look, from_mesh);
+    ASSERT_EQ(from_mesh.size(), 3u);
+    // Over the middle of the valley the walls are nearest: height 8 is 8 / sqrt(5) from them.
+    const float most = std::max({from_mesh[0].distance, from_mesh[1].distance, from_mesh[2].distance});
+    EXPECT_GT(most, 2.5f);
+    EXPECT_LT(most, 8 / std::sqrt(5.0f) + 0.1f);
+  }
 }
 
 TEST(MeasureFromMesh, LeavesOtherCellsAlone) {
-  const TestLevel level(exact_surface({28, 28, 28}, bumpy()), 6);
+  const TestLevel level(exact_volume({28, 28, 28}, bumpy_ball()), 6);
   const LevelMesh& mesh = level.mesh();
   std::vector<CellId> all(mesh.cell_count());
   std::iota(all.begin(), all.end(), 0u);
   const Farthest untouched{77, 7};
   std::vector<Farthest> whole, part(mesh.cell_count(), untouched);
-  measure_from_mesh(level.ground().measured(), mesh, level.partition().cell_of, all, 0, whole);
+  measure_from_mesh(level.ground().measured(), mesh, level.partition().cell_of, all, 0, Look::samples, whole);
   const std::vector<CellId> some{1, 4, 9};
   for (const CellId c : some) part[c] = {};
-  measure_from_mesh(level.ground().measured(), mesh, level.partition().cell_of, some, 0, part);
+  measure_from_mesh(level.ground().measured(), mesh, level.partition().cell_of, some, 0, Look::samples, part);
   for (CellId c = 0; c < mesh.cell_count(); ++c) {
     const bool asked = std::find(some.begin(), some.end(), c) != some.end();
     EXPECT_EQ(part[c], asked ? whole[c] : untouched) << c;
   }
   std::vector<Farthest> known = whole;  // what is known already is not found again
-  measure_from_mesh(level.ground().measured(), mesh, level.partition().cell_of, all, 0, known);
+  measure_from_mesh(level.ground().measured(), mesh, level.partition().cell_of, all, 0, Look::samples, known);
   EXPECT_EQ(known, whole);
   for (Farthest& most : known) most.distance /= 2;
-  measure_from_mesh(level.ground().measured(), mesh, level.partition().cell_of, all, 0, known);
+  measure_from_mesh(level.ground().measured(), mesh, level.partition().cell_of, all, 0, Look::samples, known);
   EXPECT_EQ(known, whole);
 }
 
 // Triangles that stay are not sampled again, others are.
 TEST(MeasureFromMesh, KnownErrorsAreThoseOfTheSameTriangle) {
-  const TestLevel level(exact_surface({28, 28, 28}, bumpy()), 6);
+  const TestLevel level(exact_volume({28, 28, 28}, bumpy_ball()), 6);
   LevelMesh mesh = level.mesh();
   std::vector<CellId> all(mesh.cell_count());
   std::iota(all.begin(), all.end(), 0u);
   TriangleErrors errors;
   std::vector<Farthest> once(all.size()), twice(all.size()), moved(all.size()), anew(all.size());
   const auto measure = [&](std::vector<Farthest>& out, TriangleErrors* known) {
-    measure_from_mesh(level.ground().measured(), mesh, level.partition().cell_of, all, 0, out, known);
+    measure_from_mesh(level.ground().measured(), mesh, level.partition().cell_of, all, 0, Look::samples, out, known);
   };
   measure(once, &errors);
   measure(twice, &errors);

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "refine/error_field.h"
+#include "refine/level_mesh.h"
+
+namespace isoatlas {
+
+/// How a triangle is looked at: samples, about 0.8 or 0.6 voxels apart, or all its points, by proof.
+enum class Look { few_samples, samples, proof };
+
+/// How far a triangle is from the isosurface.
+struct TriangleError {
+  Farthest sample;      ///< of the farthest point found, and a c-vertex near it; none: all points are proved to be near enough
+  CellId cell = kNone;  ///< of the triangle's corner nearest to that point
+};
+
+/// Errors of triangles, kept for as long as a triangle stays where it is. Whoever measures another surface needs another one.
+class TriangleErrors {
+ public:
+  void prepare(std::size_t triangles, double enough, Look look);
+  /// @return none if the triangle with this number was another one, or elsewhere
+  const TriangleError* find(std::uint32_t number, const MeshTriangle& triangle) const;
+  void keep(std::uint32_t number, const MeshTriangle& triangle, const TriangleError& error) { known_[number] = {triangle.corner, triangle.cell, error}; }
+
+ private:
+  struct Known {
+    std::array<Vec3, 3> corner;
+    std::array<CellId, 3> cell{kNone, kNone, kNone};
+    TriangleError error;
+  };
+  std::vector<Known> known_;  // per number of a triangle
+  double enough_ = 0;
+  Look look_ = Look::few_samples;
+};
+
+/// Distances from the triangles of some cells to the isosurface: for each of these cells the largest that is found at points nearest to its
+/// vertex, if it is larger than what is in `from_mesh`. Other cells' entries stay. Parallel over triangles.
+///
+/// A triangle is divided into patches until each is proved near enough: the distance to the isosurface changes by no more than the way, so
+/// no point of a patch is farther than its centroid is plus the patch's radius.
+///
+/// @pre   surface.isosurface is not none
+/// @param enough  errors up to this one need not be known, only that they are no larger
+/// @param known   what was found of triangles before, with the same `enough` and on the same surface; none: all are looked at
+void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cell_of, std::span<const CellId> cells,
+                        double enough, Look look, std::vector<Farthest>& from_mesh, TriangleErrors* known = nullptr);
+
+}  // namespace isoatlas
