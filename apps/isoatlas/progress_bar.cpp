@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
@@ -15,6 +16,7 @@ namespace isoatlas::tool {
 namespace {
 
 constexpr std::chrono::milliseconds kRedrawInterval{67};  // 15 times a second
+constexpr std::chrono::milliseconds kTick{500};           // at least so often
 
 bool can_redraw_stderr() {
   const char* terminal = std::getenv("TERM");
@@ -42,16 +44,29 @@ std::string bar(double fraction, int width, bool utf8) {
 
 }  // namespace
 
-ProgressBar::ProgressBar(bool wanted) : active_(wanted && can_redraw_stderr()), utf8_(terminal_is_utf8()) {}
+ProgressBar::ProgressBar(bool wanted) : active_(wanted && can_redraw_stderr()), utf8_(terminal_is_utf8()) {
+  if (!active_) return;
+  clock_ = std::jthread([this](const std::stop_token& stop) {
+    std::unique_lock lock(mutex_);
+    while (!erased_.wait_for(lock, stop, kTick, [this] { return !active_; }) && !stop.stop_requested()) {
+      if (!stage_.empty()) draw(Clock::now());
+    }
+  });
+}
 
 void ProgressBar::show(std::string_view stage, std::optional<double> fraction) {
   const std::lock_guard lock(mutex_);
   if (!active_) return;
   const auto now = Clock::now();
-  if (stage == stage_ && now - drawn_ < kRedrawInterval) return;
+  const bool is_new = stage != stage_;
   stage_ = stage;
+  fraction_ = fraction;
+  if (is_new || now - drawn_ >= kRedrawInterval) draw(now);
+}
+
+void ProgressBar::draw(Clock::time_point now) {
   drawn_ = now;
-  std::fprintf(stderr, "\r%s\x1b[K", line(stage, fraction, now).c_str());
+  std::fprintf(stderr, "\r%s\x1b[K", line(now).c_str());
   std::fflush(stderr);
 }
 
@@ -66,21 +81,26 @@ void ProgressBar::erase() {
   clear_line();
   const std::lock_guard lock(mutex_);
   active_ = false;
+  erased_.notify_all();
 }
 
-std::string ProgressBar::line(std::string_view stage, std::optional<double> fraction, Clock::time_point now) const {
-  constexpr int kStageWidth = 10, kNumbersWidth = 18, kWidestBar = 40;
-  std::string result(stage.substr(0, kStageWidth));
+// The time left is told once there is something to judge it by.
+std::string ProgressBar::line(Clock::time_point now) const {
+  constexpr int kStageWidth = 10, kNumbersWidth = 40, kWidestBar = 40;
+  constexpr double kLeastSeconds = 2, kLeastShare = 0.05;
+  std::string result(stage_.substr(0, kStageWidth));
   result.resize(kStageWidth + 1, ' ');
-  if (fraction) {
-    const double share = std::clamp(*fraction, 0.0, 1.0);
+  const double seconds = std::chrono::duration<double>(now - started_).count(), share = std::clamp(fraction_.value_or(0), 0.0, 1.0);
+  if (fraction_) {
     const int width = std::min(terminal_columns() - kStageWidth - kNumbersWidth, kWidestBar);
     if (width > 4) result += bar(share, width, utf8_) + " ";
     std::array<char, 8> percent{};
     std::snprintf(percent.data(), percent.size(), "%3d %%  ", static_cast<int>(share * 100));
     result += percent.data();
   }
-  return result + seconds_text(std::chrono::duration<double>(now - started_).count());
+  result += seconds_text(seconds);
+  if (seconds >= kLeastSeconds && share >= kLeastShare) result += ", about " + seconds_text(std::ceil(seconds * (1 - share) / share)) + " left";
+  return result;
 }
 
 }  // namespace isoatlas::tool

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <chrono>
+#include <condition_variable>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <thread>
 
 namespace isoatlas::tool {
 
@@ -17,14 +19,15 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// `fraction` of the stage in [0, 1]; none: it is not known.
+  /// `fraction` of the whole in [0, 1]; none: it is not known. Redrawn now and then without being called, as time goes on.
   void show(std::string_view stage, std::optional<double> fraction);
   void clear_line();  ///< makes room for a message
   void erase();       ///< nothing is drawn after it
 
  private:
   using Clock = std::chrono::steady_clock;
-  std::string line(std::string_view stage, std::optional<double> fraction, Clock::time_point now) const;
+  void draw(Clock::time_point now);
+  std::string line(Clock::time_point now) const;
 
   bool active_;
   bool utf8_;
@@ -32,6 +35,9 @@ class ProgressBar {
   std::mutex mutex_;  // erase() may come from another thread
   Clock::time_point drawn_{};
   std::string stage_;
+  std::optional<double> fraction_;
+  std::condition_variable_any erased_;
+  std::jthread clock_;  // the last one, as it uses the others
 };
 
 }  // namespace isoatlas::tool

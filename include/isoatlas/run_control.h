@@ -9,7 +9,8 @@ namespace isoatlas {
 
 /// How a long computation may be watched and stopped. All members are optional.
 struct RunControl {
-  /// Called from the computing thread now and then: the stage's name and the fraction of that stage done, in [0, 1].
+  /// Called from the computing thread now and then: the stage's name and the fraction of the whole computation that is done, in [0, 1].
+  /// The fraction is an estimate; it never falls.
   std::function<void(std::string_view stage, double fraction)> progress;
   /// Set it (from any thread, or from a signal handler) to stop: the computation throws Error(cancelled)
   /// at its next step, which for surfaces of up to some millions of c-vertices takes a second or two, in noise perhaps some more.

@@ -134,7 +134,7 @@ def extract(
     measure_samples : int, optional
         The same with so many samples.
     progress : function of (stage: str, fraction: float), or bool, optional
-        Called on this thread, some 20 times a second, with the name of a stage and how much of it is done, 0 to 1. What it raises
+        Called on this thread, some 20 times a second, with the name of a stage and how much of the whole is done, 0 to 1, which never falls. What it raises
         stops the work and comes out of here. ``True``: a bar of tqdm.
     threads : int, optional
         Default: as many as the machine has. The result does not depend on it.

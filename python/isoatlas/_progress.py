@@ -9,14 +9,14 @@ ProgressLike = Union[Progress, bool, None]
 
 
 class _Bar:
-    """One bar of tqdm that starts again with each stage."""
+    """One bar of tqdm, with the time left."""
 
     def __init__(self) -> None:
         try:
             from tqdm.auto import tqdm
         except ImportError:
             raise ImportError("progress=True needs the package tqdm; or pass a function: progress(stage, fraction)") from None
-        self._bar = tqdm(total=1.0, bar_format="{desc} {percentage:3.0f}%|{bar}| {elapsed}", leave=False)
+        self._bar = tqdm(total=1.0, bar_format="{desc} {percentage:3.0f}%|{bar}| {elapsed}<{remaining}", leave=False)
 
     def __call__(self, stage: str, fraction: float) -> None:
         self._bar.set_description_str(stage, refresh=False)

@@ -3,6 +3,7 @@
 #include "isoatlas/measure.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <new>
@@ -14,6 +15,7 @@
 
 #include "core/parallel.h"
 #include "core/vector_math.h"
+#include "core/whole_progress.h"
 #include "measure/area_samples.h"
 #include "measure/measure_mesh.h"
 #include "surface/parse_surface.h"
@@ -280,7 +282,9 @@ void transform_to(Measurement& measurement, const Grid& grid, Space space) {
   }
 }
 
-Measurement measure(const TriangleMesh& mesh, const VolumeView& volume, const MeasureOptions& options, const RunControl& control) try {
+Measurement measure(const TriangleMesh& mesh, const VolumeView& volume, const MeasureOptions& options, const RunControl& callers_control) try {
+  constexpr std::array<StageShare, 3> kStages{{{"surface", 1}, {"mesh to surface", 5}, {"surface to mesh", 3}}};
+  const RunControl control = with_whole_progress(callers_control, kStages);
   check_volume(volume, options.isovalue);
   require_orthonormal(volume.grid);
   require(options.samples > 0, "no samples are wanted");

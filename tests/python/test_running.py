@@ -57,6 +57,8 @@ def test_progress_is_told_on_this_thread():
     stages = list(dict.fromkeys(stage for stage, _, _ in seen))
     assert stages == ["surface", "components", "coarsen", "cover", "certify", "mesh", "check"]
     assert all(0 <= fraction <= 1 and thread == threading.get_ident() for _, fraction, thread in seen)
+    fractions = [fraction for _, fraction, _ in seen]
+    assert fractions == sorted(fractions)
     assert len(seen) < 2000  # however often the library tells
 
 
