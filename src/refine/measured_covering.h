@@ -129,7 +129,7 @@ class MeasuredCovering {
   CVertexId free_place_near(CVertexId start, CellId cell, const std::vector<std::uint8_t>& taken) const;
   void measure(std::vector<CellId> cells, Thoroughness thoroughness);
   void measure_between_c_vertices(std::span<const CellId> cells, double bound);
-  void measure_from_triangles(std::span<const CellId> cells, double bound, Look look = Look::few_samples);
+  void measure_from_triangles(std::span<const CellId> cells, double bound, Look look = Look::samples);
   void prove_surface(std::span<const CellId> cells, double bound);
   void add_distance(CellId cell, const Farthest& most, double bound);
 

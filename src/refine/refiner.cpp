@@ -42,7 +42,7 @@ constexpr int kMostFailures = 24;
 constexpr double kFirstSteps = 0.7, kLastSteps = 0.85;
 constexpr double kNearEnough = 0.5;
 constexpr int kMostLastLooks = 3;
-constexpr int kMostProofs = 4;
+constexpr int kMostProofs = 10;
 // Of the time of a level, that goes by until bounds are met at the samples; and until its triangles' shape has been worked on.
 constexpr double kMeetShare = 0.6, kShapeShare = 0.85;
 // A few bad triangles that are left get so many more chances, but only so many in a row that leave no fewer.
@@ -560,10 +560,16 @@ void Refiner::work_towards(const Task& task, IntersectionTracker& meeting, Refin
   });
 }
 
-// What is too far away at a sample needs no proof. Where a proof fails, cells become smaller, a few times.
+// What is too far away at a sample needs no proof. Where a proof fails, cells become smaller, some times in a level.
 void Refiner::prove(const Task& task, const std::function<void()>& work_on) {
-  if (!start_.is_whole || task.most_sites != kNone || !work_->is_within_bounds()) return;
-  for (int attempt = 0; attempt < kMostProofs && work_->prove() > 0; ++attempt) work_on();
+  if (!is_provable(task) || !work_->is_within_bounds()) return;
+  for (; proofs_ < kMostProofs && work_->prove() > 0; ++proofs_) work_on();
+}
+
+// A bound that nobody asked for is not worth the time.
+bool Refiner::is_provable(const Task& task) const {
+  const auto is_asked = [](const Constraint& c) { return c.quantity == Quantity::max_distance && !c.is_default; };
+  return start_.is_whole && task.most_sites == kNone && std::ranges::any_of(task.metrics, is_asked);
 }
 
 struct Refiner::State {
@@ -629,6 +635,7 @@ RefinedLevel Refiner::refine_once(const LevelGoal& goal, const LevelGoal& asked,
   RefinedLevel out;
   divisions_ = 0;
   first_worst_ = 1;
+  proofs_ = 0;
   if (is_limited(goal) && static_cast<double>(sites_before_) >= goal.front().bound) return unchanged_level(asked);
   if (work_ == nullptr) {
     step_down(goal, placement, out, control);
@@ -710,11 +717,11 @@ void Refiner::finish(const Task& task, const LevelGoal& asked, IntersectionTrack
   control.report("refine", kShapeShare);
   repair_worst_cells(task, triangles, out, control);
   if (embedded_) revert_intersecting_changes(task, meeting, triangles, out, control);
-  if (start_.is_whole && task.most_sites == kNone && work_->is_within_bounds()) {
+  if (is_provable(task) && work_->is_within_bounds()) {
     if (task.placement == Placement::balanced) work_->forget_proofs();  // vertices are moved without a look at all triangles around them
     work_->prove();
   }
-  out.figures.distance_at_most = work_->is_proved() ? work_->distance_bound() : std::nullopt;
+  out.figures.distance_at_most = is_provable(task) && work_->is_proved() ? work_->distance_bound() : std::nullopt;
   work_->freeze_anchors(partition().cell_count());
   out.triangles = cells_of(triangles);
   describe(task, asked, out);

@@ -116,6 +116,7 @@ class Refiner {
   bool refine_misplaced_components();
   void work_apart(const Task& task, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control);
   void work_towards(const Task& task, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control);
+  bool is_provable(const Task& task) const;
   double done_of_meeting(double worst);
   void prove(const Task& task, const std::function<void()>& work_on);
   std::vector<CVertexId> places_at_limit();
@@ -139,6 +140,7 @@ class Refiner {
   std::uint32_t sites_before_;     // of the level before
   bool is_first_ = true;           // the level before is the coarse one
   std::uint32_t divisions_ = 0;    // of this level, for the sake of bounds
+  int proofs_ = 0;                 // of this level, that failed
   double first_worst_ = 1;         // of this level, the largest excess so far
   MeshExtent extent_;              // of the last level, its metrics below
   std::array<MetricSummary, kMetricCount> metrics_{};

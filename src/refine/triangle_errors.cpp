@@ -15,7 +15,7 @@ namespace isoatlas {
 namespace {
 
 constexpr std::size_t kTrianglesPerPiece = 32;
-constexpr std::array kFirstRadius{0.45, 0.35, 1.0};  // of patches that are looked at, in voxels, per Look
+constexpr std::array kFirstRadius{0.45, 1.0};  // of patches that are looked at, in voxels, per Look
 constexpr double kSmallRadius = 0.05;     // of those for which the closest point is worth a search
 constexpr double kLeastRadius = 5e-3;
 constexpr double kFar = 2;               // a distance, in voxels, beyond which the field along the way says nothing

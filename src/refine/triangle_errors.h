@@ -10,8 +10,8 @@
 
 namespace isoatlas {
 
-/// How a triangle is looked at: samples, about 0.8 or 0.6 voxels apart, or all its points, by proof.
-enum class Look { few_samples, samples, proof };
+/// How a triangle is looked at: at samples about 0.8 voxels apart, or at all its points, by proof.
+enum class Look { samples, proof };
 
 /// How far a triangle is from the isosurface.
 struct TriangleError {
@@ -35,7 +35,7 @@ class TriangleErrors {
   };
   std::vector<Known> known_;  // per number of a triangle
   double enough_ = 0;
-  Look look_ = Look::few_samples;
+  Look look_ = Look::samples;
 };
 
 /// Distances from the triangles of some cells to the isosurface: for each of these cells the largest that is found at points nearest to its

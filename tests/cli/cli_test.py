@@ -479,8 +479,9 @@ class Extract(ToolTest):
         arguments = ["extract", "sphere.nrrd", "--iso", "0", "-o", "s.glb", "--report", "s.json"]
         proved = r"proved: no point of the mesh is farther than 0\.50000\d* from the isosurface, nor of the isosurface from the mesh"
         measured = r"sampled at 1,\d\d\d points \([\d.]+ per voxel face\) of the mesh"
-        measure, cubic = ("--measure-samples", "1000"), ("--interpolation", "tricubic")
-        for options, expected in (((), proved), (measure, rf"{proved}; {measured}"), (cubic, r"sampled at .*about 2 .*per voxel face"), (cubic + measure, measured)):
+        sampled = r"sampled at .*about 2 .*per voxel face"
+        measure, asked, cubic = ("--measure-samples", "1000"), ("--max-distance", "0.5"), ("--interpolation", "tricubic")
+        for options, expected in (((), sampled), (measure, measured), (asked, proved), (asked + cubic, sampled), (asked + measure, rf"{proved}; {measured}")):
             self.assertRegex(self.succeed(*arguments, *options), rf"(?m)^  distances +{expected}")
             for levels in ("s.glb", "s.json"):
                 self.assertRegex(self.succeed("levels", levels), rf"(?m)^  distances +{expected}")

@@ -122,7 +122,7 @@ TEST(MeasureFromMesh, SeesATriangleThatBridgesAFold) {
   const std::vector<DualTriangle> dual{{{0, 1, 2}, 0}};
   const LevelMesh mesh = make_level_mesh(ground.surfels, partition, dual, {partition.site, {}});
   const std::vector<CellId> all{0, 1, 2};
-  for (const Look look : {Look::few_samples, Look::samples, Look::proof}) {
+  for (const Look look : {Look::samples, Look::proof}) {
     std::vector<Farthest> from_mesh;
     measure_from_mesh(ground.measured(), mesh, partition.cell_of, all, 0.5, look, from_mesh);
     ASSERT_EQ(from_mesh.size(), 3u);
