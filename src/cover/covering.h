@@ -74,7 +74,6 @@ class Covering {
   /// The c-vertices that came into another cell since the last call of forget_changes(), each once. Before the first call: none are
   /// listed, all changed.
   std::span<const CVertexId> changed() const { return changed_; }
-  bool all_changed() const { return all_changed_; }
   void forget_changes();
 
   /// The c-vertices of each cell. O(C) the first time; from then on they are kept up to date.

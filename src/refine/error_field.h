@@ -17,7 +17,6 @@ struct MeasuredSurface {
   const Surfels& surfels;
   std::span<const Vec3> found;  ///< per c-vertex, the point that it was found at, whatever was moved since; spacing applied
   const CVertexGraph& graph;
-  std::span<const float> reach;  ///< per c-vertex, distance to its farthest neighbour in G
   Vec3 spacing;
   const Isosurface* isosurface;  ///< none: the c-vertices are all that is known
   const RunControl* control;     ///< asked now and then whether to stop; none: nobody is

@@ -36,7 +36,7 @@ struct Ground {
   /// Whether a vertex may leave its c-vertex, within the grid cell.
   bool may_roam(CVertexId v) const { return roaming != nullptr ? roaming->may_roam(v) : !graph.on_boundary[v]; }
   MeasuredSurface measured() const {
-    return {surfels, moved_from.empty() ? surfels.point : moved_from, graph, reach, complex.spacing, isosurface, control};
+    return {surfels, moved_from.empty() ? surfels.point : moved_from, graph, complex.spacing, isosurface, control};
   }
 };
 

@@ -15,7 +15,7 @@ enum class Look { samples, proof };
 
 /// How far a triangle is from the isosurface.
 struct TriangleError {
-  Farthest sample;      ///< of the farthest point found, and a c-vertex near it; none: all points are proved to be near enough
+  Farthest sample;      ///< the farthest point found and a c-vertex near it; none: no point farther than `enough` was found
   CellId cell = kNone;  ///< of the triangle's corner nearest to that point
 };
 
@@ -41,8 +41,8 @@ class TriangleErrors {
 /// Distances from the triangles of some cells to the isosurface: for each of these cells the largest that is found at points nearest to its
 /// vertex, if it is larger than what is in `from_mesh`. Other cells' entries stay. Parallel over triangles.
 ///
-/// A triangle is divided into patches until each is proved near enough: the distance to the isosurface changes by no more than the way, so
-/// no point of a patch is farther than its centroid is plus the patch's radius.
+/// Look::samples looks at the centroids of patches of a triangle. Look::proof divides the patches until the isosurface is proved to be within
+/// `enough` of all their points, or a point is found that is farther (docs/theory/05-refinement.md).
 ///
 /// @pre   surface.isosurface is not none
 /// @param enough  errors up to this one need not be known, only that they are no larger
