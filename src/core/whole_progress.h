@@ -14,8 +14,8 @@ struct StageShare {
   double share;
 };
 
-/// The same control, which tells the fraction of the whole computation instead of that of a stage. What it tells never falls, also where a
-/// stage reports less than before, or is none of `stages`: these are part of the stage that comes before.
+/// The same control, but it reports the fraction of the whole computation instead of that of a stage. The fraction never falls, even if a stage
+/// reports less than before. A stage that is not in `stages` counts as part of the stage before it.
 RunControl with_whole_progress(const RunControl& control, std::span<const StageShare> stages);
 
 }  // namespace isoatlas
