@@ -57,7 +57,12 @@ Vec3 Isosurface::clamped(Vec3 p) const {
 }
 
 Isosurface::Look Isosurface::look(Vec3 p) const {
-  const InterpolatedField::Value f = field_.at(to_index(p));
+  InterpolatedField::Cursor cursor;
+  return look(p, cursor);
+}
+
+Isosurface::Look Isosurface::look(Vec3 p, InterpolatedField::Cursor& cursor) const {
+  const InterpolatedField::Value f = field_.at(to_index(p), cursor);
   const Vec3 g = to_index(f.gradient);
   const double slope = length(g);
   if (!(slope > 0)) return {f.value == 0 ? 0 : std::copysign(INFINITY, f.value), {}};
@@ -173,13 +178,13 @@ Isosurface::Hit Isosurface::closest(const Vec3 index, double at_most) const {
   return distance <= at_most ? Hit{to_index(best->point), distance} : Hit{};
 }
 
-double Isosurface::rough_distance(const Vec3 index) const {
+double Isosurface::rough_distance(const Vec3 index, InterpolatedField::Cursor& cursor) const {
   const Vec3 p = to_metric(index);
-  const Look at = look(p);
+  const Look at = look(p, cursor);
   if (!std::isfinite(at.offset)) return INFINITY;
   const double way = kOvershoot * std::abs(at.offset) + kOnSurface * voxel_;
   const Vec3 end = clamped(p - std::copysign(way, at.offset) * at.steepest);
-  if ((at.offset >= 0) == (field_.at(to_index(end)).value >= 0)) return INFINITY;
+  if ((at.offset >= 0) == (field_.at(to_index(end), cursor).value >= 0)) return INFINITY;
   return std::max(length(end - p), length(clamped(p) - p));  // outside the volume, the field is that of the nearest point of the border
 }
 

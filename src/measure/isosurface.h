@@ -46,7 +46,8 @@ class Isosurface {
 
   /// An upper bound on the distance from p to the surface, 1.1 times the first-order one, proved by a change of sign on the way along
   /// the gradient; infinity if the sign does not change there. A tenth of a microsecond.
-  double rough_distance(Vec3 p) const;
+  /// @param cursor  for field(); points that follow each other are best near each other
+  double rough_distance(Vec3 p, InterpolatedField::Cursor& cursor) const;
 
   /// The distance of the nearest point that nearby() and, beyond `enough`, closest() find.
   double distance(Vec3 p, double enough) const;
@@ -76,6 +77,7 @@ class Isosurface {
     Vec3 point, steepest;
   };
   Look look(Vec3 p) const;
+  Look look(Vec3 p, InterpolatedField::Cursor& cursor) const;
   std::optional<Foot> project(Vec3 p, double reach) const;
   std::optional<Foot> between(Vec3 inside, Vec3 outside) const;
   Foot slide_towards(Vec3 p, Foot foot) const;

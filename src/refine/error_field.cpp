@@ -114,26 +114,29 @@ void look_between(const MeasuredSurface& surface, const BetweenPoints& between, 
 
 }  // namespace
 
-std::vector<Farthest> find_farthest(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cells, double enough,
-                                    Thoroughness thoroughness, const BetweenPoints* between) {
-  std::vector<Farthest> out(cells.size());
+std::vector<CellDistance> find_farthest(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cells, double enough,
+                                        Thoroughness thoroughness, const BetweenPoints* between) {
+  std::vector<CellDistance> out(cells.size());
   for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
     surface.check_cancelled();
     Ring ring(mesh);
     for (std::size_t i = begin; i < end; ++i) {
       ring.move_to(cells[i]);
+      Farthest most;
       const auto c_vertices = mesh.c_vertices_of.row(cells[i]);
       const auto look_at = [&](CVertexId v) {
         const auto d = static_cast<float>(std::sqrt(ring.closest(surface.found[v], enough).second.squared_distance));
-        if (d > out[i].distance) out[i] = {d, v};
+        if (d > most.distance) most = {d, v};
       };
       const std::size_t step = thoroughness == Thoroughness::exact ? 1 : std::max<std::size_t>(1, c_vertices.size() / kFewCVertices);
       for (std::size_t k = 0; k < c_vertices.size(); k += step) look_at(c_vertices[k]);
-      if (out[i].distance > enough) continue;
-      for (std::size_t k = 0; k < c_vertices.size(); ++k) {
-        if (k % step != 0) look_at(c_vertices[k]);
+      if (!(most.distance > enough)) {
+        for (std::size_t k = 0; k < c_vertices.size(); ++k) {
+          if (k % step != 0) look_at(c_vertices[k]);
+        }
       }
-      if (between != nullptr && !(out[i].distance > enough)) look_between(surface, *between, mesh, cells[i], enough, ring, out[i]);
+      if (between != nullptr && !(most.distance > enough)) look_between(surface, *between, mesh, cells[i], enough, ring, most);
+      out[i] = {most, !ring.has_neighbours()};
     }
   });
   return out;

@@ -60,12 +60,17 @@ class BetweenPoints {
 
 enum class Thoroughness { quick, exact };
 
+struct CellDistance {
+  Farthest farthest;
+  bool is_from_own = false;  ///< found from the triangles around the cell's vertex alone: those around its neighbours do not matter
+};
+
 /// Per cell of `cells`, the farthest of its c-vertices and of the points between them from the mesh: cheaper than find_closest(), since a
 /// distance up to `enough` is only known to be no larger than what is returned. If quick, only some c-vertices are looked at of a cell with
 /// one that is farther than that, and no points between. Parallel over cells.
 /// @param between  none: only c-vertices are looked at
-std::vector<Farthest> find_farthest(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cells, double enough,
-                                    Thoroughness thoroughness, const BetweenPoints* between);
+std::vector<CellDistance> find_farthest(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cells, double enough,
+                                        Thoroughness thoroughness, const BetweenPoints* between);
 
 /// Per cell of `cells`, the largest distance from the points between its c-vertices to the mesh, with the corner of its face
 /// that is farthest from the cell's vertex; a distance up to `enough` is only known to be no larger than what is returned. Parallel over

@@ -71,35 +71,48 @@ void set_cells(LevelMesh& mesh, const CellMembers& members, std::span<const Cell
   }
 }
 
-void set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const Places& places) {
+std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const Places& places) {
   const std::uint32_t cells = mesh.c_vertices_of.row_count();
-  std::vector<std::uint8_t> moved(cells, 1);
+  std::vector<std::uint8_t> renewed(cells, 0);
+  std::vector<CellId> moved;
   const std::size_t known = mesh.point.size();
   mesh.point.resize(cells);
   mesh.normal.resize(cells);
   for (CellId c = 0; c < cells; ++c) {
     const Vec3 point = places.point(surfels, c);
-    if (c < known && point == mesh.point[c]) moved[c] = 0;
     mesh.normal[c] = surfels.normal[places.anchor[c]];
+    if (c < known && point == mesh.point[c]) continue;
     mesh.point[c] = point;
+    moved.push_back(c);
   }
+  const auto renew = [&](std::uint32_t t) {
+    set_corners(mesh.triangles[t], mesh.point);
+    for (const CellId c : mesh.triangles[t].cell) renewed[c] = 1;
+  };
   const auto leave_rows = [&](std::uint32_t t) {
-    for (const CellId c : mesh.triangles[t].cell) mesh.triangles_of.erase(c, t);
+    for (const CellId c : mesh.cells_of_triangle[t]) {
+      mesh.triangles_of.erase(c, t);
+      renewed[c] = 1;
+    }
   };
   for (auto t = static_cast<std::uint32_t>(dual.size()); t < mesh.triangles.size(); ++t) leave_rows(t);
   const std::size_t before = std::min(mesh.triangles.size(), dual.size());
   mesh.triangles.resize(dual.size());
+  mesh.cells_of_triangle.resize(dual.size());
   for (std::uint32_t t = 0; t < dual.size(); ++t) {
     const auto& cell = dual[t].cell;
-    const bool same = t < before && mesh.triangles[t].cell == cell;
-    if (same && !moved[cell[0]] && !moved[cell[1]] && !moved[cell[2]]) continue;
-    if (!same) {
-      if (t < before) leave_rows(t);
-      mesh.triangles[t].cell = cell;
-      for (const CellId c : cell) mesh.triangles_of.push_back(c, t);
+    if (t < before) {
+      if (mesh.cells_of_triangle[t] == cell) continue;
+      leave_rows(t);
     }
-    set_corners(mesh.triangles[t], mesh.point);
+    mesh.triangles[t].cell = mesh.cells_of_triangle[t] = cell;
+    for (const CellId c : cell) mesh.triangles_of.push_back(c, t);
+    renew(t);
   }
+  for (const CellId c : moved) {
+    for (const std::uint32_t t : mesh.triangles_of.row(c)) renew(t);
+  }
+  return renewed;
 }
 
 void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const Places& places) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <span>
 #include <utility>
 #include <vector>
@@ -38,6 +39,7 @@ Buckets make_buckets(std::uint32_t groups, ForEach for_each) {
 /// The mesh of a certified partition, with what refinement asks of it. Lengths have the spacing applied.
 struct LevelMesh {
   std::vector<MeshTriangle> triangles;
+  std::vector<std::array<CellId, 3>> cells_of_triangle;  ///< the same as triangles[].cell, to be compared quickly
   SlackRows<std::uint32_t> triangles_of;  ///< per cell, the triangles with a corner there
   SlackRows<CVertexId> c_vertices_of;     ///< per cell, its c-vertices, increasing
   std::vector<Vec3> point;                ///< per cell, where its vertex sits
@@ -84,7 +86,8 @@ LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, st
 void set_cells(LevelMesh& mesh, const CellMembers& members, std::span<const CellId> changed);
 
 /// Gives the mesh other triangles and places. Only those that are not what they were are worked on; the others are compared.
-void set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const Places& places);
+/// @return per cell, 1 if a triangle there is new, gone or elsewhere
+std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const Places& places);
 
 /// Moves the vertices of `cells` and the corners of their triangles to their places.
 void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const Places& places);

@@ -90,6 +90,9 @@ MeasuredCovering::MeasuredCovering(const Ground& finer, const MeasuredCovering& 
   proved_ = other.proved_;
   errors_ = other.errors_;
   from_mesh_ = other.from_mesh_;
+  sampled_triangles_ = other.sampled_triangles_;
+  proved_triangles_ = other.proved_triangles_;
+  stands_alone_ = other.stands_alone_;
   all_stale_ = other.all_stale_;
   stale_ = other.stale_;
   // What has other c-vertices than before has to be measured again.
@@ -126,6 +129,7 @@ MeasuredCovering::MeasuredCovering(const MeasuredCovering& other)
       sampled_triangles_(other.sampled_triangles_),
       proved_triangles_(other.proved_triangles_),
       errors_(other.errors_),
+      stands_alone_(other.stands_alone_),
       stale_(other.stale_),
       all_stale_(other.all_stale_) {}
 
@@ -141,6 +145,7 @@ MeasuredCovering& MeasuredCovering::operator=(const MeasuredCovering& other) {
   proved_ = other.proved_;
   from_mesh_ = other.from_mesh_;
   errors_ = other.errors_;
+  stands_alone_ = other.stands_alone_;
   stale_ = other.stale_;
   all_stale_ = other.all_stale_;
   return *this;
@@ -175,37 +180,43 @@ void MeasuredCovering::update(CertificateReport& report, const RunControl& contr
   if (!places_.shift.empty()) places_.shift.resize(partition().cell_count());
   keep_apart();
   if (!places_.offset.empty()) places_.offset.resize(partition().cell_count(), 0);
+  std::vector<std::uint8_t> renewed;  // per cell, 1 if its triangles are not what they were
   if (mesh_.point.empty()) {
     mesh_ = make_level_mesh(ground_.surfels, partition(), dual_.triangles(), places_);
+    renewed = dual_.touched();
+    stands_alone_.clear();
   } else {
     std::vector<CellId> touched;
     for (CellId c = 0; c < partition().cell_count(); ++c) {
       if (dual_.touched()[c]) touched.push_back(c);
     }
     set_cells(mesh_, covering_.members(), touched);
-    set_triangles(mesh_, ground_.surfels, dual_.triangles(), places_);
+    renewed = set_triangles(mesh_, ground_.surfels, dual_.triangles(), places_);
   }
+  measure(cells_to_measure(renewed), Thoroughness::quick);
+}
+
+// A cell's metrics look at its c-vertices and triangles, and, unless it stands alone, at the triangles around its neighbours.
+std::vector<CellId> MeasuredCovering::cells_to_measure(std::span<const std::uint8_t> renewed) {
   std::vector<CellId> cells;
-  if (all_stale_) {
+  if (std::exchange(all_stale_, false)) {
     cells.resize(partition().cell_count());
     std::iota(cells.begin(), cells.end(), 0u);
   } else {
-    // A cell's metrics look at the triangles around it and around its neighbours.
-    std::vector<std::uint8_t>& stale = stale_;
-    stale.resize(partition().cell_count(), 0);
-    for (CellId c = 0; c < stale.size(); ++c) stale[c] |= dual_.touched()[c];
+    stale_.resize(partition().cell_count(), 0);
+    for (CellId c = 0; c < stale_.size(); ++c) stale_[c] |= static_cast<std::uint8_t>(dual_.touched()[c] | renewed[c]);
+    const auto stands_alone = [&](CellId c) { return c < stands_alone_.size() && stands_alone_[c] && errors_[c].excess <= 1; };
     for (const MeshTriangle& t : mesh_.triangles) {
-      if (!dual_.touched()[t.cell[0]] && !dual_.touched()[t.cell[1]] && !dual_.touched()[t.cell[2]]) continue;
-      for (const CellId c : t.cell) stale[c] = 1;
+      if (!renewed[t.cell[0]] && !renewed[t.cell[1]] && !renewed[t.cell[2]]) continue;
+      for (const CellId c : t.cell) stale_[c] |= static_cast<std::uint8_t>(!stands_alone(c));
     }
-    for (CellId c = 0; c < stale.size(); ++c) {
-      if (stale[c]) cells.push_back(c);
+    for (CellId c = 0; c < stale_.size(); ++c) {
+      if (stale_[c]) cells.push_back(c);
     }
   }
   dual_.forget_touched();
   stale_.clear();
-  all_stale_ = false;
-  measure(std::move(cells), Thoroughness::quick);
+  return cells;
 }
 
 // Where a vertex was moved to may be in another cell by now, or a site itself: no two vertices may be at one c-vertex.
@@ -278,14 +289,18 @@ void MeasuredCovering::measure(std::vector<CellId> cells, Thoroughness thoroughn
   const MeasuredSurface surface = ground_.measured();
   errors_.resize(partition().cell_count());
   proved_.resize(partition().cell_count(), 0);
+  stands_alone_.resize(partition().cell_count(), 0);
   for (const CellId c : cells) proved_[c] = 0;
   if (placement_ == Placement::balanced) balance(surface, cells, mesh_, places_);
   const std::optional<double> bound = distance_bound();
+  const bool need_own_only = placement_ == Placement::surface && std::ranges::all_of(demands_, [](const Constraint& c) {
+    return c.quantity == Quantity::max_distance || c.quantity == Quantity::max_edge;
+  });
   const bool need_closest = std::any_of(demands_.begin(), demands_.end(), [](const Constraint& c) {
     return c.quantity != Quantity::max_distance && needs_closest(c.quantity);
   });
   std::vector<ClosestPoint> found;
-  std::vector<Farthest> farthest;
+  std::vector<CellDistance> farthest;
   if (need_closest) {
     find_closest(surface, mesh_, cells, found);
   } else if (bound) {
@@ -303,15 +318,16 @@ void MeasuredCovering::measure(std::vector<CellId> cells, Thoroughness thoroughn
       CellError& error = errors_[c] = {};
       for (const Constraint& d : demands_) {
         const double value = d.quantity == Quantity::max_edge                        ? longest_edge(mesh_, c)
-                             : d.quantity == Quantity::max_distance && !need_closest ? static_cast<double>(farthest[i].distance)
+                             : d.quantity == Quantity::max_distance && !need_closest ? static_cast<double>(farthest[i].farthest.distance)
                                                                                      : evaluate(d.quantity, cell);
         error.excess = std::max(error.excess, excess_of(d.quantity, value, d.bound));
       }
-      Farthest most = farthest.empty() ? Farthest{} : farthest[i];
+      Farthest most = farthest.empty() ? Farthest{} : farthest[i].farthest;
       for (std::size_t k = 0; k < closest.size(); ++k) {
         if (closest[k].distance > most.distance) most = {closest[k].distance, cell.c_vertices[k]};
       }
       error.worst = most.at;
+      stands_alone_[c] = need_own_only && (farthest.empty() || farthest[i].is_from_own);
     }
   });
 
@@ -396,7 +412,7 @@ void MeasuredCovering::add_distance(CellId cell, const Farthest& most, double bo
   if (excess > errors_[cell].excess) errors_[cell] = {excess, excess, most.at};
 }
 
-std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& covering, const LevelMesh& mesh, bool is_proved) {
+std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& covering, const LevelMesh& mesh, TriangleErrors* known, bool is_proved) {
   const std::uint32_t n = mesh.cell_count();
   std::vector<CellId> cells(n);
   std::iota(cells.begin(), cells.end(), 0u);
@@ -418,7 +434,7 @@ std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& 
   }
   if (ground.between) farthest = measure_between(ground.measured(), *ground.between, mesh, cells, 0, std::move(farthest));
   if (ground.isosurface != nullptr && !is_proved)
-    measure_from_mesh(ground.measured(), mesh, covering.partition().cell_of, cells, static_cast<double>(most), Look::samples, farthest);
+    measure_from_mesh(ground.measured(), mesh, covering.partition().cell_of, cells, static_cast<double>(most), Look::samples, farthest, known);
   std::vector<MetricValues> values(n);
   for_each_piece(n, kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -433,7 +449,7 @@ std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& 
 }
 
 std::vector<MetricValues> MeasuredCovering::measure_metrics() const {
-  return isoatlas::measure_metrics(ground_, covering_, mesh_, is_proved());
+  return isoatlas::measure_metrics(ground_, covering_, mesh_, sampled_triangles_.get(), is_proved());
 }
 
 std::array<MetricSummary, kMetricCount> summarize(std::span<const MetricValues> values) {

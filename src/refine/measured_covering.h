@@ -127,6 +127,7 @@ class MeasuredCovering {
   void keep_apart();
   void move_to(CellId cell, CVertexId c_vertex);
   CVertexId free_place_near(CVertexId start, CellId cell, const std::vector<std::uint8_t>& taken) const;
+  std::vector<CellId> cells_to_measure(std::span<const std::uint8_t> renewed);
   void measure(std::vector<CellId> cells, Thoroughness thoroughness);
   void measure_between_c_vertices(std::span<const CellId> cells, double bound);
   void measure_from_triangles(std::span<const CellId> cells, double bound, Look look = Look::samples);
@@ -147,13 +148,16 @@ class MeasuredCovering {
   // Checked at each use, so copies share them.
   std::shared_ptr<TriangleErrors> sampled_triangles_ = std::make_shared<TriangleErrors>(), proved_triangles_ = std::make_shared<TriangleErrors>();
   std::vector<CellError> errors_;
+  std::vector<std::uint8_t> stands_alone_;  // per cell, 1 if nothing but its c-vertices and triangles can put it over its bounds
   std::vector<std::uint8_t> stale_;  // per cell, 1 if the next update() has to measure it, whatever else it does
   bool all_stale_ = true;
 };
 
 /// All six metrics of every cell of a mesh.
+/// @param known      what was found of the mesh's triangles before; none: nothing
 /// @param is_proved  triangles need not be looked at, since they are known to be within the bound
-std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& covering, const LevelMesh& mesh, bool is_proved = false);
+std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& covering, const LevelMesh& mesh, TriangleErrors* known = nullptr,
+                                          bool is_proved = false);
 std::array<MetricSummary, kMetricCount> summarize(std::span<const MetricValues> values);
 
 /// The bound times `by`; of a ratio, what it is more than 1.

@@ -44,6 +44,9 @@ class Ring {
     return {triangles_[guess_], found};
   }
 
+  /// Whether a point was farther than it had to be from the triangles of the cell itself.
+  bool has_neighbours() const { return triangles_.size() > own_; }
+
  private:
   static constexpr double kRounding = 1e-6;  // of float, with room to spare
 

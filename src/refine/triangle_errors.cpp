@@ -44,7 +44,7 @@ class PatchSearch {
       : isosurface_(isosurface), spacing_(isosurface.spacing()), voxel_(isosurface.voxel()), enough_(enough), look_(look) {}
 
   void search(const MeshTriangle& t) {
-    farthest_ = 0;
+    farthest_ = at_most_ = 0;
     patches_.assign(1, whole(t));
     while (!patches_.empty()) {
       const Patch patch = patches_.back();
@@ -55,6 +55,11 @@ class PatchSearch {
 
   double distance() const { return farthest_; }
   Vec3 point() const { return point_; }
+  // No point that was looked at is farther. A proof ends where it fails.
+  double at_most() const {
+    if (look_ == Look::samples) return at_most_;
+    return farthest_ > enough_ ? INFINITY : enough_;
+  }
 
  private:
   // @return into how many pieces each side of a patch has to be cut; 1 if nothing more is to be known of it
@@ -70,10 +75,15 @@ class PatchSearch {
       const double lacking = lacking_across(patch, most);
       if (lacking <= 1) return 1;
       if (std::isfinite(lacking) && patch.radius > kSmallRadius * voxel_) return pieces_of(lacking, kMostPiecesAgain);
-    } else if (!is_far && isosurface_.rough_distance(index) <= most) {
-      return 1;
+    } else if (!is_far) {
+      const double rough = isosurface_.rough_distance(index, cursor_);
+      if (rough <= most) {
+        at_most_ = std::max(at_most_, rough);
+        return 1;
+      }
     }
     const double d = isosurface_.distance(index, to_be_proved ? most - patch.radius : most);
+    at_most_ = std::max(at_most_, d);
     if (d > farthest_) {
       farthest_ = d;
       point_ = patch.centroid();
@@ -167,15 +177,17 @@ class PatchSearch {
 
   const Isosurface& isosurface_;
   Vec3 spacing_;
-  double voxel_, enough_, farthest_ = 0;
+  double voxel_, enough_, farthest_ = 0, at_most_ = 0;
   Look look_;
   Vec3 point_;
+  InterpolatedField::Cursor cursor_;
   std::vector<Patch> patches_;
 };
 
 TriangleError error_of(const MeasuredSurface& surface, const LevelMesh& mesh, const MeshTriangle& t, double enough, PatchSearch& search) {
   search.search(t);
   TriangleError out;
+  out.at_most = search.at_most();
   if (search.distance() <= enough) return out;
   std::size_t nearest = 0;
   for (std::size_t k = 1; k < 3; ++k) {
@@ -189,16 +201,11 @@ TriangleError error_of(const MeasuredSurface& surface, const LevelMesh& mesh, co
 
 }  // namespace
 
-void TriangleErrors::prepare(std::size_t triangles, double enough, Look look) {
-  if (enough != enough_ || look != look_) known_.clear();
-  enough_ = enough;
-  look_ = look;
-  known_.resize(triangles);
-}
-
-const TriangleError* TriangleErrors::find(std::uint32_t number, const MeshTriangle& triangle) const {
+const TriangleError* TriangleErrors::find(std::uint32_t number, const MeshTriangle& triangle, double enough) const {
   const Known& known = known_[number];
-  return known.cell == triangle.cell && known.corner == triangle.corner ? &known.error : nullptr;
+  if (known.cell != triangle.cell || known.corner != triangle.corner) return nullptr;
+  const TriangleError& error = known.error;
+  return error.at_most <= enough || (error.sample.at != kNone && static_cast<double>(error.sample.distance) > enough) ? &error : nullptr;
 }
 
 void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cell_of, std::span<const CellId> cells,
@@ -213,14 +220,14 @@ void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, st
       if (c == (wanted[corner[0]] ? corner[0] : wanted[corner[1]] ? corner[1] : corner[2])) triangles.push_back(t);
     }
   }
-  if (known != nullptr) known->prepare(mesh.triangles.size(), enough, look);
+  if (known != nullptr) known->make_room(mesh.triangles.size());
   std::vector<TriangleError> errors(triangles.size());
   for_each_piece(triangles.size(), kTrianglesPerPiece, [&](std::size_t begin, std::size_t end) {
     surface.check_cancelled();
     PatchSearch search(*surface.isosurface, enough, look);
     for (std::size_t i = begin; i < end; ++i) {
       const MeshTriangle& t = mesh.triangles[triangles[i]];
-      const TriangleError* found = known != nullptr ? known->find(triangles[i], t) : nullptr;
+      const TriangleError* found = known != nullptr ? known->find(triangles[i], t, enough) : nullptr;
       errors[i] = found != nullptr ? *found : error_of(surface, mesh, t, enough, search);
       if (found == nullptr && known != nullptr) known->keep(triangles[i], t, errors[i]);
     }

@@ -15,16 +15,18 @@ enum class Look { samples, proof };
 
 /// How far a triangle is from the isosurface.
 struct TriangleError {
-  Farthest sample;      ///< the farthest point found and a c-vertex near it; none: no point farther than `enough` was found
+  Farthest sample;      ///< the farthest point found and a c-vertex near it; none: no point farther than `at_most` was found
   CellId cell = kNone;  ///< of the triangle's corner nearest to that point
+  double at_most = 0;   ///< no point that was looked at is farther than this
 };
 
 /// Errors of triangles, kept for as long as a triangle stays where it is. Whoever measures another surface needs another one.
 class TriangleErrors {
  public:
-  void prepare(std::size_t triangles, double enough, Look look);
-  /// @return none if the triangle with this number was another one, or elsewhere
-  const TriangleError* find(std::uint32_t number, const MeshTriangle& triangle) const;
+  void make_room(std::size_t triangles) { known_.resize(triangles); }
+  /// @param enough  errors up to this one need not be known, only that they are no larger
+  /// @return none if the triangle with this number was another one, or elsewhere, or not looked at well enough
+  const TriangleError* find(std::uint32_t number, const MeshTriangle& triangle, double enough) const;
   void keep(std::uint32_t number, const MeshTriangle& triangle, const TriangleError& error) { known_[number] = {triangle.corner, triangle.cell, error}; }
 
  private:
@@ -34,8 +36,6 @@ class TriangleErrors {
     TriangleError error;
   };
   std::vector<Known> known_;  // per number of a triangle
-  double enough_ = 0;
-  Look look_ = Look::samples;
 };
 
 /// Distances from the triangles of some cells to the isosurface: for each of these cells the largest that is found at points nearest to its
@@ -46,7 +46,7 @@ class TriangleErrors {
 ///
 /// @pre   surface.isosurface is not none
 /// @param enough  errors up to this one need not be known, only that they are no larger
-/// @param known   what was found of triangles before, with the same `enough` and on the same surface; none: all are looked at
+/// @param known   what was found of triangles before, by the same kind of look and on the same surface; none: all are looked at
 void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cell_of, std::span<const CellId> cells,
                         double enough, Look look, std::vector<Farthest>& from_mesh, TriangleErrors* known = nullptr);
 

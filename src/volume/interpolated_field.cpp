@@ -15,9 +15,10 @@ template <class T>
 struct InterpolatedField::SamplesOf : Samples {
   SamplesOf(const VolumeView& volume, const InsideRule& rule) : size(volume.grid.size), field(volume, rule) {}
   double value(std::size_t sample) const override { return field[sample]; }
-  std::array<double, 8> corners(const std::array<std::size_t, 8>& sample) const override {
+  std::array<double, 8> corners(std::size_t first) const override {
+    const std::size_t y = size[0], z = size[0] * size[1];
     std::array<double, 8> f;
-    for (std::size_t k = 0; k < 8; ++k) f[k] = field[sample[k]];
+    for (std::size_t k = 0; k < 8; ++k) f[k] = field[first + (k & 1) + (k >> 1 & 1) * y + (k >> 2) * z];
     return std::is_same_v<T, double> ? tamed(f) : f;
   }
   std::array<double, 64> around(const std::array<std::size_t, 3>& cell) const override {
@@ -45,9 +46,14 @@ Vec3 InterpolatedField::clamped(Vec3 p) const {
 }
 
 InterpolatedField::Value InterpolatedField::at(Vec3 p) const {
+  Cursor cursor;
+  return at(p, cursor);
+}
+
+InterpolatedField::Value InterpolatedField::at(Vec3 p, Cursor& cursor) const {
   p = clamped(p);
   const double steps = supersample_, per_step = 1 / steps;
-  p = {p.x / steps, p.y / steps, p.z / steps};  // division finds the volume's samples exactly
+  if (supersample_ > 1) p = {p.x / steps, p.y / steps, p.z / steps};  // division finds the volume's samples exactly
   const std::array<std::size_t, 3> c{std::min(static_cast<std::size_t>(p.x), size_[0] - 2),
                                      std::min(static_cast<std::size_t>(p.y), size_[1] - 2),
                                      std::min(static_cast<std::size_t>(p.z), size_[2] - 2)};
@@ -56,14 +62,10 @@ InterpolatedField::Value InterpolatedField::at(Vec3 p) const {
     const auto [value, gradient] = TricubicCell(samples_->around(c)).at(local);
     return {value, per_step * gradient};
   }
-  const TrilinearCell cell = cell_at(c);
-  return {cell.value(local), per_step * cell.gradient(local)};
-}
-
-TrilinearCell InterpolatedField::cell_at(const std::array<std::size_t, 3>& c) const {
-  const std::size_t first = c[0] + size_[0] * (c[1] + size_[1] * c[2]), y = size_[0], z = size_[0] * size_[1];
-  return TrilinearCell(
-      samples_->corners({first, first + 1, first + y, first + y + 1, first + z, first + z + 1, first + z + y, first + z + y + 1}));
+  const std::size_t first = first_sample(c);
+  if (first != cursor.first) cursor.cell = TrilinearCell(samples_->corners(first));
+  cursor.first = first;
+  return {cursor.cell.value(local), per_step * cursor.cell.gradient(local)};
 }
 
 std::optional<TrilinearCell> InterpolatedField::cell(Vec3 low) const {

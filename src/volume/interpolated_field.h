@@ -33,6 +33,15 @@ class InterpolatedField {
   /// gradient are scaled, both alike.
   Value at(Vec3 p) const;
 
+  /// The cell that was asked for last: many points in a row are in the same one. Of one field.
+  class Cursor {
+    friend InterpolatedField;
+    std::size_t first = static_cast<std::size_t>(-1);  // its first sample; none: no cell yet
+    TrilinearCell cell{{}};
+  };
+  /// The same, faster where `cursor` was in the cell of `p` before.
+  Value at(Vec3 p, Cursor& cursor) const;
+
   /// The field on the cell from the sample at `low` to the next ones, as a function of the way from there; nothing if it is not trilinear.
   std::optional<TrilinearCell> cell(Vec3 low) const;
 
@@ -58,11 +67,12 @@ class InterpolatedField {
   std::uint32_t supersample() const { return supersample_; }
 
  private:
-  TrilinearCell cell_at(const std::array<std::size_t, 3>& c) const;
+  TrilinearCell cell_at(const std::array<std::size_t, 3>& c) const { return TrilinearCell(samples_->corners(first_sample(c))); }
+  std::size_t first_sample(const std::array<std::size_t, 3>& c) const { return c[0] + size_[0] * (c[1] + size_[1] * c[2]); }
   struct Samples {
     virtual ~Samples() = default;
     virtual double value(std::size_t sample) const = 0;
-    virtual std::array<double, 8> corners(const std::array<std::size_t, 8>& sample) const = 0;
+    virtual std::array<double, 8> corners(std::size_t first) const = 0;
     virtual std::array<double, 64> around(const std::array<std::size_t, 3>& cell) const = 0;
   };
   template <class T>

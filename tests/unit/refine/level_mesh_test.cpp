@@ -181,5 +181,39 @@ TEST(MeasureFromMesh, KnownErrorsAreThoseOfTheSameTriangle) {
   EXPECT_NE(moved, once);
 }
 
+// What was found with one bound counts for another one, as far as it says enough.
+TEST(MeasureFromMesh, KnownErrorsCountForOtherBounds) {
+  const TestLevel level(exact_volume({28, 28, 28}, bumpy_ball()), 6);
+  const LevelMesh& mesh = level.mesh();
+  std::vector<CellId> all(mesh.cell_count());
+  std::iota(all.begin(), all.end(), 0u);
+  TriangleErrors sampled, proved;
+  Random random(4);
+  std::size_t kinds[2] = {0, 0};
+  for (int k = 0; k < 30; ++k) {
+    const double enough = 0.05 + 1e-4 * static_cast<double>(random.bits() % 10000);
+    for (const Look look : {Look::samples, Look::proof}) {
+      std::vector<Farthest> known(all.size()), anew(all.size());
+      const auto measure = [&](std::vector<Farthest>& out, TriangleErrors* errors) {
+        measure_from_mesh(level.ground().measured(), mesh, level.partition().cell_of, all, enough, look, out, errors);
+      };
+      measure(known, look == Look::proof ? &proved : &sampled);
+      measure(anew, nullptr);
+      const auto farther = [](const Farthest& x, const Farthest& y) { return x.distance < y.distance; };
+      const auto is_over = [&](const Farthest& f) { return static_cast<double>(f.distance) > enough; };
+      // A proof of a tighter bound may have found what one of this bound does not find.
+      ASSERT_LE(is_over(*std::ranges::max_element(known, farther)), is_over(*std::ranges::max_element(anew, farther))) << "bound " << enough;
+      for (const CellId c : all) {
+        if (look == Look::proof) break;  // which cell has the farthest point is a matter of how a triangle is divided
+        ++kinds[is_over(anew[c])];
+        ASSERT_EQ(is_over(known[c]), is_over(anew[c])) << "bound " << enough << ", cell " << c;
+        ASSERT_EQ(known[c], is_over(anew[c]) ? anew[c] : known[c]) << "bound " << enough << ", cell " << c;
+      }
+    }
+  }
+  EXPECT_GT(kinds[0], 100u);
+  EXPECT_GT(kinds[1], 100u);
+}
+
 }  // namespace
 }  // namespace isoatlas
