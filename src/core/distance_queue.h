@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <functional>
@@ -38,6 +39,47 @@ class KeyHeap {
 
  private:
   std::vector<std::uint64_t> keys_;
+};
+
+/// A radix heap: pops the smallest length, ties in an order that depends on the pushes alone. For searches whose lengths never fall: nothing
+/// may be shorter than what was popped last. Cheaper than a binary heap where much is in it.
+/// @source Ahuja, Mehlhorn, Orlin, Tarjan, Faster algorithms for the shortest path problem, 1990
+class MonotoneQueue {
+ public:
+  bool empty() const { return size_ == 0; }
+  void clear() {
+    for (std::vector<std::uint64_t>& keys : buckets_) keys.clear();
+    size_ = 0;
+    last_ = 0;
+  }
+  void push(std::uint64_t key) {
+    buckets_[bucket_of(key)].push_back(key);
+    ++size_;
+  }
+  std::uint64_t pop() {
+    std::vector<std::uint64_t>& shortest = buckets_[0];
+    if (shortest.empty()) refill();
+    const std::uint64_t key = shortest.back();
+    shortest.pop_back();
+    --size_;
+    return key;
+  }
+
+ private:
+  static std::uint32_t bits_of(std::uint64_t key) { return static_cast<std::uint32_t>(key >> 32); }
+  // By the highest bit in which a length differs from the last one: those of a bucket are shorter than those of the next.
+  std::size_t bucket_of(std::uint64_t key) const { return static_cast<std::size_t>(std::bit_width(bits_of(key) ^ last_)); }
+
+  void refill() {
+    const auto next = std::find_if(buckets_.begin() + 1, buckets_.end(), [](const auto& keys) { return !keys.empty(); });
+    last_ = bits_of(*std::min_element(next->begin(), next->end()));
+    for (const std::uint64_t key : *next) buckets_[bucket_of(key)].push_back(key);  // into earlier ones
+    next->clear();
+  }
+
+  std::array<std::vector<std::uint64_t>, 33> buckets_;
+  std::size_t size_ = 0;
+  std::uint32_t last_ = 0;  // bits of the length that was popped last
 };
 
 using NearestFirst = KeyHeap<std::greater<>>;  ///< pops the smallest length, ties by the smaller id

@@ -124,6 +124,7 @@ std::vector<float> Covering::reach() const {
 std::vector<CellId> Covering::shrink(std::span<const CellId> cells) {
   const std::vector<float> farthest = reach();
   std::vector<CellId> single;
+  std::vector<Radius> lower;
   for (const CellId c : cells) {
     if (farthest[c] == 0) {
       single.push_back(c);
@@ -131,8 +132,9 @@ std::vector<CellId> Covering::shrink(std::span<const CellId> cells) {
     }
     // Radii rise by a third of the distance: with two thirds of it at the site the farthest c-vertex is not covered any more.
     const CVertexId site = partition_.site[c];
-    lower_radius(site, std::min(0.7f * radius_[site], 0.66f * farthest[c]));
+    lower.push_back({site, std::min(0.7f * radius_[site], 0.66f * farthest[c])});
   }
+  lower_radii(lower);
   assert(has_slope());
   return single;
 }
@@ -142,12 +144,23 @@ void Covering::lower_radius(CVertexId v, float radius) {
   front_.clear();
   radius_[v] = radius;
   front_.push(length_key(radius, v));
-  spread_radii();
+  spread_radii(front_);
 }
 
-void Covering::spread_radii() {
-  while (!front_.empty()) {
-    const std::uint64_t key = front_.pop();
+void Covering::lower_radii(std::span<const Radius> radii) {
+  MonotoneQueue front;
+  for (const Radius& r : radii) {
+    if (r.radius >= radius_[r.at]) continue;
+    radius_[r.at] = r.radius;
+    front.push(length_key(r.radius, r.at));
+  }
+  spread_radii(front);
+}
+
+template <class Queue>
+void Covering::spread_radii(Queue& front) {
+  while (!front.empty()) {
+    const std::uint64_t key = front.pop();
     const CVertexId w = key_id(key);
     if (key_length(key) > radius_[w]) continue;
     if (partition_.cell_of[w] != kNone && !is_covered(w)) enqueue(w);
@@ -155,14 +168,14 @@ void Covering::spread_radii() {
       const float r = radius_[w] + n.weight * kSlope;
       if (r >= radius_[n.id]) continue;
       radius_[n.id] = r;
-      front_.push(length_key(r, n.id));
+      front.push(length_key(r, n.id));
     }
   }
 }
 
-void Covering::spread_distances() {
-  while (!front_.empty()) {
-    const std::uint64_t key = front_.pop();
+void Covering::spread_distances(MonotoneQueue& front) {
+  while (!front.empty()) {
+    const std::uint64_t key = front.pop();
     const CVertexId w = key_id(key);
     if (key_length(key) > distance_[w]) continue;
     for (const CVertexGraph::Neighbour& n : graph_.row(w)) {
@@ -172,7 +185,7 @@ void Covering::spread_distances() {
       if (d > distance_[n.id] || (d == distance_[n.id] && partition_.cell_of[w] >= cell)) continue;
       distance_[n.id] = d;
       cell = partition_.cell_of[w];
-      front_.push(length_key(d, n.id));
+      front.push(length_key(d, n.id));
     }
   }
 }
@@ -205,22 +218,22 @@ void Covering::cover_by_radii() {
 
 void Covering::seed(std::span<const CVertexId> sites, std::span<const Radius> radii) {
   for (const Radius& r : radii) radius_[r.at] = std::min(radius_[r.at], r.radius);
-  front_.clear();
+  MonotoneQueue front;
   for (const Radius& r : radii) {  // most radii lower none beside them
     const auto lowers = [&](const CVertexGraph::Neighbour& n) { return radius_[r.at] + n.weight * kSlope < radius_[n.id]; };
-    if (std::ranges::any_of(graph_.row(r.at), lowers)) front_.push(length_key(radius_[r.at], r.at));
+    if (std::ranges::any_of(graph_.row(r.at), lowers)) front.push(length_key(radius_[r.at], r.at));
   }
-  spread_radii();
+  spread_radii(front);
 
-  front_.clear();
+  front.clear();
   for (const CVertexId v : sites) {
     distance_[v] = 0;
     partition_.cell_of[v] = site_count();
     partition_.site.push_back(v);
     placed_in_.push_back(kNone);
-    front_.push(length_key(0, v));
+    front.push(length_key(0, v));
   }
-  spread_distances();
+  spread_distances(front);
   cover_by_radii();
 }
 
@@ -232,15 +245,15 @@ void Covering::continue_from(const Covering& other, std::span<const std::uint8_t
   partition_.site.assign(sites.begin(), sites.end());
   placed_in_ = other.placed_in_;
 
-  front_.clear();
+  MonotoneQueue front;
   for (CVertexId v = 0; v < n; ++v) {
     if (!changed[v]) continue;
     for (const CVertexGraph::Neighbour& w : graph_.row(v)) {
-      if (radius_[v] + w.weight * kSlope < radius_[w.id]) front_.push(length_key(radius_[v], v));
-      if (radius_[w.id] + w.weight * kSlope < radius_[v]) front_.push(length_key(radius_[w.id], w.id));
+      if (radius_[v] + w.weight * kSlope < radius_[w.id]) front.push(length_key(radius_[v], v));
+      if (radius_[w.id] + w.weight * kSlope < radius_[v]) front.push(length_key(radius_[w.id], w.id));
     }
   }
-  spread_radii();
+  spread_radii(front);
 
   // A cell's distances are lengths of paths in the cell. So those of cells in which no row changed are still right, unless there are
   // shorter paths now; the others are found anew, from their sites and from the cells around.
@@ -263,16 +276,16 @@ void Covering::continue_from(const Covering& other, std::span<const std::uint8_t
     partition_.cell_of[v] = kNone;
     distance_[v] = std::numeric_limits<float>::infinity();
   }
-  front_.clear();
+  front.clear();
   for (const CVertexId v : stale) {
     for (const CVertexGraph::Neighbour& w : graph_.row(v)) {
-      if (partition_.cell_of[w.id] != kNone) front_.push(length_key(distance_[w.id], w.id));
+      if (partition_.cell_of[w.id] != kNone) front.push(length_key(distance_[w.id], w.id));
     }
   }
   for (CellId c = 0; c < site_count(); ++c) {
-    if (is_stale[c]) front_.push(length_key(0, partition_.site[c]));
+    if (is_stale[c]) front.push(length_key(0, partition_.site[c]));
   }
-  spread_distances();
+  spread_distances(front);
   cover_by_radii();
 }
 

@@ -70,6 +70,8 @@ class Covering {
   std::vector<CellId> shrink(std::span<const CellId> cells);
   /// h(x) <= radius + d(v, x) / 3 from now on.
   void lower_radius(CVertexId v, float radius);
+  /// The same of many, in one search: where they are near each other, much cheaper than one by one.
+  void lower_radii(std::span<const Radius> radii);
 
   /// The c-vertices that came into another cell since the last call of forget_changes(), each once. Before the first call: none are
   /// listed, all changed.
@@ -98,8 +100,9 @@ class Covering {
   void put_in_cell(CVertexId v, CellId cell);
   void add_disk(CVertexId v);  ///< a site whose disk is limited by its first topological event
   void cover_reached(const RunControl& control);
-  void spread_radii();
-  void spread_distances();
+  template <class Queue>
+  void spread_radii(Queue& front);
+  void spread_distances(MonotoneQueue& front);
   void cover_by_radii();
   CVertexId farthest_uncovered();
 
@@ -116,7 +119,7 @@ class Covering {
   bool all_changed_ = true;
   CellMembers members_;
   bool has_members_ = false;
-  NearestFirst front_;
+  NearestFirst front_;  // of one disk
   FarthestFirst uncovered_boundary_, uncovered_interior_;
   std::size_t reached_ = 0;  // c-vertices in some cell
   double progress_ = 0;

@@ -88,6 +88,33 @@ TEST(KeyHeap, PopsInOrderWithTiesByTheSmallerId) {
   }
 }
 
+// As Dijkstra's algorithm uses it: what is pushed is never shorter than what was popped last.
+TEST(MonotoneQueue, PopsTheShortestAndNothingIsLost) {
+  Random random(3);
+  MonotoneQueue queue;
+  for (int run = 0; run < 20; ++run) {
+    std::multiset<std::uint64_t> all;
+    float last = 0;
+    const auto push = [&] {
+      const float length = last + (random.bits() % 3 ? 1e-3f * static_cast<float>(random.bits() % 5000) : 0);
+      const std::uint64_t key = length_key(random.bits() % 50 ? length : std::max(last, 1e6f * length), static_cast<std::uint32_t>(random.bits()));
+      queue.push(key);
+      all.insert(key);
+    };
+    for (int k = 0; k < 50; ++k) push();
+    for (int k = 0; k < 2000 && !queue.empty(); ++k) {
+      const std::uint64_t key = queue.pop();
+      ASSERT_EQ(key_length(key), key_length(*all.begin()));
+      ASSERT_EQ(all.erase(key), 1u);
+      last = key_length(key);
+      for (std::uint64_t n = random.bits() % 3; n > 0 && k < 1500; --n) push();
+    }
+    EXPECT_EQ(queue.empty(), all.empty());
+    queue.clear();
+    EXPECT_TRUE(queue.empty());
+  }
+}
+
 TEST(CheckedId, RefusesWhatDoesNotFit) {
   EXPECT_EQ(checked_id(kNone - 1, "things"), kNone - 1);
   try {

@@ -246,6 +246,22 @@ TEST(Covering, LoweringARadiusReachesAsFarAsItMust) {
   for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) ASSERT_NEAR(covering.radius()[v], std::min(6.0, 1.5 + d[v] / 3), 1e-4);
 }
 
+TEST(Covering, LoweringManyRadiiAtOnceIsLoweringEach) {
+  const SurfaceComplex surface = surface_of(sampled({20, 20, 20}, gyroid(11.3, 0.1)));
+  const CVertexGraph graph = make_graph(surface);
+  Covering one_by_one(graph, options(6)), at_once(graph, options(6));
+  Random random(5);
+  std::vector<Covering::Radius> radii;
+  for (int k = 0; k < 60; ++k) radii.push_back({static_cast<CVertexId>(random.bits() % graph.c_vertex_count()), 0.5f + 0.01f * static_cast<float>(random.bits() % 700)});
+  for (const Covering::Radius& r : radii) one_by_one.lower_radius(r.at, r.radius);
+  at_once.lower_radii(radii);
+  EXPECT_EQ(at_once.radius(), one_by_one.radius());
+  EXPECT_TRUE(at_once.has_slope());
+  one_by_one.cover({});
+  at_once.cover({});
+  EXPECT_EQ(at_once.partition().site, one_by_one.partition().site);
+}
+
 TEST(Covering, OneSiteForATinyClosedComponent) {
   const SurfaceComplex t = tetrahedron();
   const CVertexGraph graph = make_graph(t);
