@@ -16,6 +16,7 @@
 
 #include "core/vector_math.h"
 #include "embed/mesh_nesting.h"
+#include "refine/predict_radii.h"
 
 namespace isoatlas {
 namespace {
@@ -149,6 +150,11 @@ void Refiner::work(MeasuredCovering& work, const Task& task, RefinedLevel& out, 
     if (generosity > 1) meet(work, part, out, control);
   }
   if (!out.vertices_ran_out) meet(work, task, out, control);
+}
+
+// On the surface that work_ stands on.
+float Refiner::least_radius(const Task& task, CVertexId v) const {
+  return std::max(kLimitShare * ground_->reach[v], kChordSlack * task.shortest_edge);
 }
 
 // Until all demands are met as far as they can be, or vertices run out.
@@ -302,7 +308,7 @@ bool Refiner::work_around(MeasuredCovering& work, const Task& task, const std::v
     if (task.shape->score(t.corner[0], t.corner[1], t.corner[2]) >= 1) continue;
     for (const CellId c : t.cell) {
       const CVertexId v = work.partition().site[c];
-      const float radius = covering.radius()[v], least = std::max(kLimitShare * ground_->reach[v], kChordSlack * task.shortest_edge);
+      const float radius = covering.radius()[v], least = least_radius(task, v);
       if (radius <= least) continue;
       lower.push_back({v, std::max(least, 0.8f * radius)});
     }
@@ -655,12 +661,33 @@ RefinedLevel Refiner::refine_once(const LevelGoal& goal, const LevelGoal& asked,
   if (is_limited(goal)) start = std::make_unique<const MeasuredCovering>(*work_);
   Task task = whole_task(goal, placement, out, control);
   if (!start) {
+    make_predicted_cells(task, out, control);
     work_towards(task, meeting, out, control);
   } else if (!refine_within_budget(task, *start, goal.front().bound, meeting, out, control)) {
     return unchanged_level(asked);
   }
   finish(task, asked, meeting, out, control);
   return out;
+}
+
+// Most of what a bound on the distance asks for at once, where the cells are over it: in rounds, each of twice as many cells, all of them would be
+// covered and measured several times. Not where vertices may run out, since they belong where the mesh is farthest.
+void Refiner::make_predicted_cells(const Task& task, RefinedLevel& out, const RunControl& control) {
+  const auto bound = std::ranges::find(task.metrics, Quantity::max_distance, &Constraint::quantity);
+  if (task.most_sites != kNone || bound == task.metrics.end()) return;
+  work_->demand(demands_of(task.metrics), task.placement);
+  work_->update(out.certificate, control);
+  std::vector<CVertexId> at;
+  const auto add = [&](CVertexId v) {
+    if (work_->errors()[partition().cell_of[v]].excess > 1) at.push_back(v);
+  };
+  std::ranges::for_each(coarser_.representative, add);
+  if (coarser_.representative.empty()) {
+    for (CVertexId v = 0; v < partition().cell_of.size(); ++v) add(v);
+  }
+  std::vector<Covering::Radius> radii = predict_radii(*ground_, at, bound->bound);
+  for (Covering::Radius& r : radii) r.radius = std::max(r.radius, least_radius(task, r.at));
+  work_->covering().lower_radii(radii);
 }
 
 bool Refiner::refine_at(std::span<const Triangle> triangles, const LevelGoal& goal, Placement placement, RefinedLevel& level,

@@ -97,6 +97,8 @@ class Refiner {
   RefinedLevel unchanged_level(const LevelGoal& asked) const;
   RefinedLevel refine_once(const LevelGoal& goal, const LevelGoal& asked, Placement placement, const RunControl& control);
   void restart_at_vertices(const RunControl& control);
+  void make_predicted_cells(const Task& task, RefinedLevel& out, const RunControl& control);
+  float least_radius(const Task& task, CVertexId v) const;
   bool refine_within_budget(Task& task, const MeasuredCovering& start, double most, IntersectionTracker& meeting, RefinedLevel& out,
                          const RunControl& control);
   void finish(const Task& task, const LevelGoal& asked, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control);
