@@ -22,7 +22,7 @@ constexpr float kSlope = 1.0f / 3.0f;  // of radii along the surface, at most
 Covering::Covering(const CVertexGraph& graph, const CoveringOptions& options)
     : graph_(graph),
       options_(options),
-      events_(graph, options.event_persistence, options.first_stage),
+      events_(std::in_place, graph, options.event_persistence, options.first_stage),
       distance_(graph.c_vertex_count(), std::numeric_limits<float>::infinity()),
       radius_(graph.c_vertex_count(), options.max_radius),
       queued_(graph.c_vertex_count(), 0) {
@@ -44,7 +44,7 @@ void Covering::assign(const Covering& other) {
   uncovered_interior_ = other.uncovered_interior_;
   reached_ = other.reached_;
   progress_ = other.progress_;
-  watch_events_ = other.watch_events_;
+  if (!other.events_) events_.reset();
   next_boundary_ = other.next_boundary_;
   next_interior_ = other.next_interior_;
 }
@@ -237,13 +237,16 @@ void Covering::seed(std::span<const CVertexId> sites, std::span<const Radius> ra
   cover_by_radii();
 }
 
-void Covering::continue_from(const Covering& other, std::span<const std::uint8_t> changed, std::span<const CVertexId> sites) {
+void Covering::continue_on(std::span<const std::uint8_t> changed, std::span<const CVertexId> sites) {
   const CVertexId n = graph_.c_vertex_count();
-  std::copy(other.radius_.begin(), other.radius_.end(), radius_.begin());
-  std::copy(other.distance_.begin(), other.distance_.end(), distance_.begin());
-  std::copy(other.partition_.cell_of.begin(), other.partition_.cell_of.end(), partition_.cell_of.begin());
-  partition_.site.assign(sites.begin(), sites.end());
-  placed_in_ = other.placed_in_;
+  const std::vector<CellId> cell_before = partition_.cell_of;
+  const std::vector<CVertexId> site_before = std::exchange(partition_.site, {sites.begin(), sites.end()});
+  radius_.resize(n, options_.max_radius);
+  distance_.resize(n, std::numeric_limits<float>::infinity());
+  partition_.cell_of.resize(n, kNone);
+  queued_.resize(n, 0);
+  has_members_ = false;
+  next_boundary_ = next_interior_ = 0;  // there may be new components
 
   MonotoneQueue front;
   for (CVertexId v = 0; v < n; ++v) {
@@ -263,7 +266,7 @@ void Covering::continue_from(const Covering& other, std::span<const std::uint8_t
   }
   for (CellId c = 0; c < site_count(); ++c) {
     const CVertexId v = sites[c];
-    if (v == other.partition_.site[c]) continue;
+    if (v == site_before[c]) continue;
     is_stale[c] = is_stale[partition_.cell_of[v]] = 1;
     partition_.cell_of[v] = c;
     distance_[v] = 0;
@@ -287,6 +290,11 @@ void Covering::continue_from(const Covering& other, std::span<const std::uint8_t
   }
   spread_distances(front);
   cover_by_radii();
+
+  for (CVertexId v = 0; v < n && !all_changed_; ++v) {
+    const bool is_other = v >= cell_before.size() || partition_.cell_of[v] != cell_before[v];
+    if (is_other && is_changed_.insert(v)) changed_.push_back(v);
+  }
 }
 
 CVertexId Covering::farthest_uncovered() {
@@ -321,7 +329,7 @@ void Covering::cover_reached(const RunControl& control) {
 }
 
 void Covering::add_disk(CVertexId v) {
-  if (watch_events_) lower_radius(v, events_.event_radius(v, radius_[v]));
+  if (events_) lower_radius(v, events_->event_radius(v, radius_[v]));
   insert(v);
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -50,16 +51,16 @@ class Covering {
   };
   void seed(std::span<const CVertexId> sites, std::span<const Radius> radii);
 
-  /// Starts from the covering of another graph with the same c-vertices and more: radii stay, but where they would leave something
-  /// uncovered. As seed() with the other's radii, but only what is near a changed row or another site is looked at.
-  /// @param changed  per c-vertex, 1 if its row is not the other graph's
-  /// @param sites    per cell of the other, a c-vertex of the cell
-  /// @pre   nothing was inserted yet
-  void continue_from(const Covering& other, std::span<const std::uint8_t> changed, std::span<const CVertexId> sites);
+  /// Goes on where the graph has the same c-vertices and more: radii stay, but where they would leave something uncovered. As seed() with these
+  /// radii, but only what is near a changed row or another site is looked at.
+  /// @param changed  per c-vertex of the graph as it is now, 1 if its row is not what it was
+  /// @param sites    per cell, a c-vertex of the cell, its site from now on
+  /// @pre   everything is covered
+  void continue_on(std::span<const std::uint8_t> changed, std::span<const CVertexId> sites);
 
   /// From now on new disks are not limited by topological events: once the certificate has passed there is no need to look
   /// for them, smaller disks inside certified cells have none that matter (paper, figure 8), and repair has the last word.
-  void ignore_events() { watch_events_ = false; }
+  void ignore_events() { events_.reset(); }
 
   /// Makes v a site and gives it every c-vertex that is nearer to it than to any other.
   void insert(CVertexId v);
@@ -108,7 +109,7 @@ class Covering {
 
   const CVertexGraph& graph_;
   CoveringOptions options_;
-  EventFinder events_;
+  std::optional<EventFinder> events_;  // none: not watched for
   Partition partition_;
   std::vector<CellId> placed_in_;
   std::vector<float> distance_;
@@ -123,7 +124,6 @@ class Covering {
   FarthestFirst uncovered_boundary_, uncovered_interior_;
   std::size_t reached_ = 0;  // c-vertices in some cell
   double progress_ = 0;
-  bool watch_events_ = true;
   CVertexId next_boundary_ = 0, next_interior_ = 0;  // where to look for components without a site
 };
 

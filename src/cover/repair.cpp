@@ -3,6 +3,8 @@
 #include "cover/repair.h"
 
 #include <algorithm>
+#include <array>
+#include <cassert>
 #include <numeric>
 #include <tuple>
 #include <utility>
@@ -121,6 +123,8 @@ std::vector<CVertexId> independent(std::vector<Fix> fixes) {
 
 void CertifiedDual::assign(const CertifiedDual& other) {
   adjacency_ = other.adjacency_;
+  other_faces_ = other.other_faces_;
+  site_points_ = other.site_points_;
   triangles_ = other.triangles_;
   touched_ = other.touched_;
   fresh_ = other.fresh_;
@@ -131,7 +135,7 @@ void CertifiedDual::assign(const CertifiedDual& other) {
 PartitionCheck CertifiedDual::check(std::span<const CellId> scope) {
   const Partition& partition = covering_.partition();
   if (scope.empty()) return check_partition(complex_, partition.cell_of, partition.cell_count(), partition.site);
-  return scoped_.run(complex_, *adjacency_, partition.cell_of, covering_.members(), partition.site, scope);
+  return scoped_.run(complex_, adjacency(), partition.cell_of, covering_.members(), partition.site, scope);
 }
 
 // Of a scope; empty: all.
@@ -148,8 +152,30 @@ void CertifiedDual::take_triangles(std::span<const CellId> scope, PartitionCheck
   }
 }
 
+const ComplexAdjacency& CertifiedDual::adjacency() {
+  if (!adjacency_) adjacency_ = std::make_shared<const ComplexAdjacency>(complex_);
+  return *adjacency_;
+}
+
 std::vector<CellId> CertifiedDual::cells_near_changes() {
-  return scoped_.cells_near(complex_, *adjacency_, covering_.partition().cell_of, covering_.changed());
+  std::vector<CVertexId> c_vertices(covering_.changed().begin(), covering_.changed().end());
+  c_vertices.insert(c_vertices.end(), other_faces_.begin(), other_faces_.end());
+  other_faces_.clear();
+  return scoped_.cells_near(complex_, adjacency(), covering_.partition().cell_of, c_vertices);
+}
+
+void CertifiedDual::continue_on(std::span<const std::uint8_t> changed) {
+  adjacency_.reset();
+  for (CVertexId v = 0; v < changed.size(); ++v) {
+    if (changed[v]) other_faces_.push_back(v);
+  }
+  const std::vector<CVertexId>& site = covering_.partition().site;
+  for (CellId c = 0; c < site_points_.size(); ++c) {
+    const Vec3 p = complex_.positions[site[c]];
+    if (std::exchange(site_points_[c], p) == p) continue;
+    // Where three others meet at a quad with this cell, they may not any more.
+    covering_.members().for_each(c, [&](CVertexId v) { other_faces_.push_back(v); });
+  }
 }
 
 // `scope` empty: everything.
@@ -184,10 +210,9 @@ void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateRepor
     report.passed = false;
     has_triangles = has_triangles && !everything;
 
-    if (!adjacency_) adjacency_ = std::make_shared<const ComplexAdjacency>(complex_);
     const std::uint32_t before = covering_.site_count();
     covering_.forget_changes();
-    for (const CVertexId v : independent(FixFinder(complex_, *adjacency_, covering_).find(found))) {
+    for (const CVertexId v : independent(FixFinder(complex_, adjacency(), covering_).find(found))) {
       if (covering_.distance()[v] == 0) continue;  // two fixes may agree on the same c-vertex
       covering_.lower_radius(v, covering_.distance()[v]);
       covering_.insert(v);
@@ -208,20 +233,40 @@ void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateRepor
 
 void CertifiedDual::update(CertificateReport& report, const RunControl& control) {
   if (fresh_) {
+    other_faces_.clear();
     check_and_repair({}, report, control);
-  } else if (!covering_.changed().empty()) {
-    if (!adjacency_) adjacency_ = std::make_shared<const ComplexAdjacency>(complex_);
+  } else if (!covering_.changed().empty() || !other_faces_.empty()) {
     check_and_repair(cells_near_changes(), report, control);
   } else {
     report.passed = true;
     complete_ = false;  // of this report nothing was counted yet
   }
   covering_.forget_changes();
+  const std::vector<CVertexId>& site = covering_.partition().site;
+  for (auto c = static_cast<CellId>(site_points_.size()); c < site.size(); ++c) site_points_.push_back(complex_.positions[site[c]]);
+  assert(is_what_a_full_check_finds());
+}
+
+// For debug builds.
+bool CertifiedDual::is_what_a_full_check_finds() {
+  constexpr CVertexId kMost = 20000;  // c-vertices; of more it would take too long
+  if (complex_.c_vertex_count() > kMost) return true;
+  const auto corners = [](const std::vector<DualTriangle>& triangles) {
+    std::vector<std::array<CellId, 3>> out;
+    for (DualTriangle t : triangles) {
+      std::rotate(t.cell.begin(), std::min_element(t.cell.begin(), t.cell.end()), t.cell.end());
+      out.push_back(t.cell);
+    }
+    std::sort(out.begin(), out.end());
+    return out;
+  };
+  const PartitionCheck found = check({});
+  return found.passed() && corners(found.triangles) == corners(triangles());
 }
 
 void CertifiedDual::touch_near(std::span<const CVertexId> c_vertices) {
-  if (!adjacency_) adjacency_ = std::make_shared<const ComplexAdjacency>(complex_);
-  for (const CellId c : scoped_.cells_near(complex_, *adjacency_, covering_.partition().cell_of, c_vertices)) touched_[c] = 1;
+  touched_.resize(std::max<std::size_t>(touched_.size(), covering_.site_count()), 1);
+  for (const CellId c : scoped_.cells_near(complex_, adjacency(), covering_.partition().cell_of, c_vertices)) touched_[c] = 1;
 }
 
 void CertifiedDual::certify(CertificateReport& report, const RunControl& control) {

@@ -21,8 +21,9 @@ class CertifiedDual {
   /// A copy for a copy of the covering.
   CertifiedDual(const CertifiedDual& other, Covering& covering) : CertifiedDual(other.complex_, covering) { assign(other); }
 
-  /// Triangles that are the same as the other's get its numbers. @pre nothing was checked yet
-  void keep_numbers_of(const CertifiedDual& other) { triangles_ = other.triangles_; }
+  /// The complex has more c-vertices, faces are others at some, and sites may be elsewhere: the next update() looks there, too.
+  /// @param changed  per c-vertex of the complex as it is now, 1 if it is elsewhere or its row in G is not what it was
+  void continue_on(std::span<const std::uint8_t> changed);
 
   /// Takes over the other's state, whose covering this one's has taken over.
   void assign(const CertifiedDual& other);
@@ -50,10 +51,14 @@ class CertifiedDual {
   void take_triangles(std::span<const CellId> scope, PartitionCheck& check);
   std::vector<CVertexId> find_fixes(const PartitionCheck& check);
   std::vector<CellId> cells_near_changes();
+  const ComplexAdjacency& adjacency();
+  bool is_what_a_full_check_finds();
 
   const SurfaceComplex& complex_;
   Covering& covering_;
   std::shared_ptr<const ComplexAdjacency> adjacency_;  // once something was checked locally
+  std::vector<CVertexId> other_faces_;                 // c-vertices whose faces are others than those that were checked
+  std::vector<Vec3> site_points_;                      // between which quads with four cells were split at the shorter diagonal
   ScopedCheck scoped_;
   DualTriangles triangles_;
   std::vector<std::uint8_t> touched_;

@@ -65,12 +65,16 @@ SlackRows<std::uint32_t> triangles_around(std::span<const Triangle> triangles, s
 }  // namespace
 
 CoarseMesher::Stand::Stand(const SurfaceComplex& on, const CoveringOptions& options)
-    : complex(on), graph(make_graph(on)), covering(graph, options), dual(complex, covering) {}
+    : complex(on), positions(on.positions), graph(make_graph(on)), covering(graph, options), dual(complex, covering) {}
 
-CoarseMesher::Stand::Stand(const SurfaceComplex& on, const CoveringOptions& options, const Stand& before) : Stand(on, options) {
-  dual.keep_numbers_of(before.dual);
-  covering.continue_from(before.covering, changed_rows(before.graph, graph), before.covering.partition().site);
+// The complex is finer now.
+void CoarseMesher::Stand::continue_on() {
+  std::vector<std::uint8_t> changed = remake_graph(graph, complex);
+  for (CVertexId v = 0; v < positions.size(); ++v) changed[v] |= !(positions[v] == complex.positions[v]);
+  positions = complex.positions;
+  covering.continue_on(changed, std::vector<CVertexId>(covering.partition().site));
   covering.ignore_events();
+  dual.continue_on(changed);
 }
 
 CoarseMesher::CoarseMesher(AdaptiveSurface& surface, Coarsened& coarser, const CoveringOptions& cover, const ExtractOptions& options,
@@ -80,7 +84,7 @@ CoarseMesher::CoarseMesher(AdaptiveSurface& surface, Coarsened& coarser, const C
 }
 
 void CoarseMesher::cover(const RunControl& control) {
-  auto& [complex, graph, covering, dual] = *stand_;
+  auto& [complex, positions, graph, covering, dual] = *stand_;
   if (options_.covering == CoveringStrategy::halving) {
     cover_from(cover_by_halving(graph, cover_, control), graph, covering, control);
   } else {
@@ -310,7 +314,7 @@ bool CoarseMesher::make_finer(std::span<const CellId> cells, const RunControl& c
     were_regions_cut_ = true;
   }
   control.check_cancelled();
-  stand_ = std::make_unique<Stand>(is_coarser() ? coarser_.complex : surface_.complex(), cover_, *stand_);
+  stand_->continue_on();
   stand_->covering.cover(control);
   return true;
 }

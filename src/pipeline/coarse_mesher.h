@@ -38,8 +38,9 @@ class CoarseMesher {
  private:
   struct Stand {
     Stand(const SurfaceComplex& on, const CoveringOptions& options);
-    Stand(const SurfaceComplex& on, const CoveringOptions& options, const Stand& before);  ///< the same sites on a finer complex
+    void continue_on();
     const SurfaceComplex& complex;
+    std::vector<Vec3> positions;  // of its c-vertices when the graph was made
     CVertexGraph graph;
     Covering covering;
     CertifiedDual dual;

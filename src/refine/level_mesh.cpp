@@ -2,6 +2,7 @@
 #include "refine/level_mesh.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "core/vector_math.h"
 #include "subdivide/subdivide.h"
@@ -72,13 +73,20 @@ void set_cells(LevelMesh& mesh, const CellMembers& members, std::span<const Cell
 }
 
 std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const Places& places) {
+  std::vector<CellId> all(mesh.c_vertices_of.row_count());
+  std::iota(all.begin(), all.end(), 0u);
+  return set_triangles(mesh, surfels, dual, places, all);
+}
+
+std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const Places& places,
+                                        std::span<const CellId> may_have_moved) {
   const std::uint32_t cells = mesh.c_vertices_of.row_count();
   std::vector<std::uint8_t> renewed(cells, 0);
   std::vector<CellId> moved;
   const std::size_t known = mesh.point.size();
   mesh.point.resize(cells);
   mesh.normal.resize(cells);
-  for (CellId c = 0; c < cells; ++c) {
+  for (const CellId c : may_have_moved) {
     const Vec3 point = places.point(surfels, c);
     mesh.normal[c] = surfels.normal[places.anchor[c]];
     if (c < known && point == mesh.point[c]) continue;

@@ -86,7 +86,10 @@ LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, st
 void set_cells(LevelMesh& mesh, const CellMembers& members, std::span<const CellId> changed);
 
 /// Gives the mesh other triangles and places. Only those that are not what they were are worked on; the others are compared.
+/// @param may_have_moved  the cells whose vertices may be elsewhere than in the mesh, and all new ones; the other form looks at all
 /// @return per cell, 1 if a triangle there is new, gone or elsewhere
+std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const Places& places,
+                                        std::span<const CellId> may_have_moved);
 std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const Places& places);
 
 /// Moves the vertices of `cells` and the corners of their triangles to their places.

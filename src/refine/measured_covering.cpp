@@ -51,20 +51,32 @@ double longest_edge(const LevelMesh& mesh, CellId cell) {
 }
 
 Ground::Ground(const SurfaceComplex& surface, const Isosurface* trilinear, const AdaptiveSurface* who_may_roam)
-    : complex(surface),
-      isosurface(trilinear),
-      surfels(make_surfels(surface)),
-      graph(make_graph(surface)),
-      reach(surface.c_vertex_count(), 0),
-      roaming(who_may_roam) {
+    : complex(surface), isosurface(trilinear), roaming(who_may_roam) {
+  graph.first.assign(1, 0);
+  remake();
+  if (roaming != nullptr) control = &roaming->control();
+}
+
+std::vector<std::uint8_t> Ground::remake() {
+  moved_from = {};  // each goes before it is made anew: two of each would be the most memory of a run
+  between.reset();
+  grid_cells.reset();
+  std::vector<std::uint8_t> changed = remake_graph(graph, complex);
+  for (CVertexId v = 0; v < std::min(surfels.point.size(), changed.size()); ++v) {
+    if (!(surfels.point[v] == scaled(complex.positions[v], complex.spacing))) changed[v] = 1;
+  }
+  surfels = {};
+  surfels = make_surfels(complex);
+  reach.assign(graph.c_vertex_count(), 0);
   for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
     for (const CVertexGraph::Neighbour& n : graph.row(v)) reach[v] = std::max(reach[v], n.weight);
   }
-  if (roaming != nullptr && !std::ranges::equal(roaming->found(), surface.positions)) {
-    for (const Vec3& p : roaming->found()) moved_from.push_back(scaled(p, surface.spacing));
+  if (roaming != nullptr && !std::ranges::equal(roaming->found(), complex.positions)) {
+    moved_from.reserve(complex.positions.size());
+    for (const Vec3& p : roaming->found()) moved_from.push_back(scaled(p, complex.spacing));
   }
-  if (roaming != nullptr) control = &roaming->control();
-  if (isosurface != nullptr) between.emplace(surface, *isosurface);
+  if (isosurface != nullptr) between.emplace(complex, *isosurface);
+  return changed;
 }
 
 MeasuredCovering::MeasuredCovering(const Ground& ground, const CoveringOptions& options, std::span<const CVertexId> sites,
@@ -75,43 +87,31 @@ MeasuredCovering::MeasuredCovering(const Ground& ground, const CoveringOptions& 
   covering_.cover(control);
 }
 
-MeasuredCovering::MeasuredCovering(const Ground& finer, const MeasuredCovering& other, const CoveringOptions& options,
-                                   const RunControl& control)
-    : ground_(finer), covering_(finer.graph, options), dual_(finer.complex, covering_) {
-  covering_.continue_from(other.covering_, changed_rows(other.ground_.graph, finer.graph), other.places_.anchor);
-  covering_.ignore_events();
-  covering_.cover(control);
-  places_ = other.places_;
+std::vector<Vec3> MeasuredCovering::base_points() const {
+  std::vector<Vec3> out;
+  out.reserve(places_.anchor.size());
+  for (CellId c = 0; c < places_.anchor.size(); ++c) out.push_back(places_.base(ground_.surfels, c));
+  return out;
+}
+
+void MeasuredCovering::continue_on(std::span<const std::uint8_t> changed, std::span<const Vec3> before, const RunControl& control) {
   places_.shift.clear();
-  frozen_ = other.frozen_;
-  demands_ = other.demands_;
-  placement_ = other.placement_;
-  near_enough_ = other.near_enough_;
-  proved_ = other.proved_;
-  errors_ = other.errors_;
-  from_mesh_ = other.from_mesh_;
-  sampled_triangles_ = other.sampled_triangles_;
-  proved_triangles_ = other.proved_triangles_;
-  stands_alone_ = other.stands_alone_;
-  all_stale_ = other.all_stale_;
-  stale_ = other.stale_;
-  // What has other c-vertices than before has to be measured again.
-  dual_.keep_numbers_of(other.dual_);
-  CertificateReport report;
-  dual_.update(report, control);
-  dual_.forget_touched();
-  const std::vector<CellId>& before = other.partition().cell_of;
-  std::vector<CVertexId> other_cell;
-  for (CVertexId v = 0; v < partition().cell_of.size(); ++v) {
-    if (v >= before.size() || before[v] != partition().cell_of[v]) other_cell.push_back(v);
+  std::vector<CVertexId> back;  // c-vertices of vertices that went back to where they were before they were moved
+  const Vec3 s = ground_.complex.spacing;
+  const double rounding = 1e-6 * std::min({s.x, s.y, s.z});
+  for (CellId c = 0; c < places_.anchor.size(); ++c) {
+    if (length(ground_.surfels.point[places_.anchor[c]] - before[c]) > rounding) back.push_back(places_.anchor[c]);
   }
-  for (CellId c = 0; c < places_.anchor.size(); ++c) {  // went back to where it was before it was moved
-    const CVertexId v = places_.anchor[c];
-    const Vec3 s = finer.complex.spacing;
-    const double rounding = 1e-6 * std::min({s.x, s.y, s.z});
-    if (length(finer.surfels.point[v] - other.places_.base(other.ground_.surfels, c)) > rounding) other_cell.push_back(v);
+  if (!mesh_.point.empty()) {
+    std::vector<CellId> all(places_.anchor.size());
+    std::iota(all.begin(), all.end(), 0u);
+    place(mesh_, ground_.surfels, all, places_);
   }
-  dual_.touch_near(other_cell);
+  covering_.continue_on(changed, places_.anchor);
+  covering_.ignore_events();
+  dual_.continue_on(changed);
+  dual_.touch_near(back);
+  covering_.cover(control);
 }
 
 MeasuredCovering::MeasuredCovering(const MeasuredCovering& other)
@@ -130,6 +130,8 @@ MeasuredCovering::MeasuredCovering(const MeasuredCovering& other)
       proved_triangles_(other.proved_triangles_),
       errors_(other.errors_),
       stands_alone_(other.stands_alone_),
+      moved_(other.moved_),
+      all_moved_(other.all_moved_),
       stale_(other.stale_),
       all_stale_(other.all_stale_) {}
 
@@ -146,6 +148,8 @@ MeasuredCovering& MeasuredCovering::operator=(const MeasuredCovering& other) {
   from_mesh_ = other.from_mesh_;
   errors_ = other.errors_;
   stands_alone_ = other.stands_alone_;
+  moved_ = other.moved_;
+  all_moved_ = other.all_moved_;
   stale_ = other.stale_;
   all_stale_ = other.all_stale_;
   return *this;
@@ -156,6 +160,7 @@ void MeasuredCovering::demand(std::span<const Constraint> metrics, Placement pla
   near_enough_ = near_enough;
   demands_.assign(metrics.begin(), metrics.end());
   if (placement == Placement::surface) places_.offset.clear();
+  all_moved_ = true;
   placement_ = placement;
   all_stale_ = true;
 }
@@ -183,16 +188,19 @@ void MeasuredCovering::update(CertificateReport& report, const RunControl& contr
   std::vector<std::uint8_t> renewed;  // per cell, 1 if its triangles are not what they were
   if (mesh_.point.empty()) {
     mesh_ = make_level_mesh(ground_.surfels, partition(), dual_.triangles(), places_);
-    renewed = dual_.touched();
-    stands_alone_.clear();
+    renewed.assign(partition().cell_count(), 1);
   } else {
-    std::vector<CellId> touched;
+    std::vector<CellId> touched;  // among them all new ones
     for (CellId c = 0; c < partition().cell_count(); ++c) {
       if (dual_.touched()[c]) touched.push_back(c);
     }
     set_cells(mesh_, covering_.members(), touched);
-    renewed = set_triangles(mesh_, ground_.surfels, dual_.triangles(), places_);
+    moved_.insert(moved_.end(), touched.begin(), touched.end());
+    renewed = all_moved_ ? set_triangles(mesh_, ground_.surfels, dual_.triangles(), places_)
+                         : set_triangles(mesh_, ground_.surfels, dual_.triangles(), places_, moved_);
   }
+  moved_.clear();
+  all_moved_ = false;
   measure(cells_to_measure(renewed), Thoroughness::quick);
 }
 
@@ -245,6 +253,7 @@ void MeasuredCovering::keep_apart() {
 }
 
 void MeasuredCovering::move_to(CellId cell, CVertexId c_vertex) {
+  moved_.push_back(cell);
   places_.anchor[cell] = c_vertex;
   if (!places_.shift.empty()) places_.shift[cell] = {};
 }

@@ -22,6 +22,10 @@ struct Ground {
   /// @param roaming  says which vertices may leave their c-vertices; none: all but those on the boundary
   explicit Ground(const SurfaceComplex& surface, const Isosurface* isosurface = nullptr, const AdaptiveSurface* roaming = nullptr);
 
+  /// The complex has more c-vertices, or they are elsewhere. What stands on the ground has to continue_on() it.
+  /// @return per c-vertex, 1 if it is elsewhere or its row in G is not what it was
+  std::vector<std::uint8_t> remake();
+
   const SurfaceComplex& complex;
   const Isosurface* isosurface;
   Surfels surfels;
@@ -56,11 +60,16 @@ class MeasuredCovering {
   MeasuredCovering(const Ground& ground, const CoveringOptions& options, std::span<const CVertexId> sites,
                    std::span<const Covering::Radius> radii, const RunControl& control);
   MeasuredCovering(const MeasuredCovering& other);
-  /// Goes on with another's work on a ground with more c-vertices, whose first ones are the same: vertices stay where they are,
-  /// are at their c-vertices now, and become the sites.
-  MeasuredCovering(const Ground& finer, const MeasuredCovering& other, const CoveringOptions& options, const RunControl& control);
-  /// @pre both stand on the same ground
+  /// @pre both stand on the same ground, as it is now
   MeasuredCovering& operator=(const MeasuredCovering& other);
+
+  /// Where the vertices are, but for what balancing does; spacing applied.
+  std::vector<Vec3> base_points() const;
+  /// Goes on where the ground was made anew, after the surface was divided: vertices stay where they are, are at their c-vertices now, and become
+  /// the sites.
+  /// @param changed  what Ground::remake() has returned
+  /// @param before   base_points() before that
+  void continue_on(std::span<const std::uint8_t> changed, std::span<const Vec3> before, const RunControl& control);
 
   /// Which metrics count from now on, with their bounds; everything will be measured anew,
   /// unless they are what they were.
@@ -149,6 +158,8 @@ class MeasuredCovering {
   std::shared_ptr<TriangleErrors> sampled_triangles_ = std::make_shared<TriangleErrors>(), proved_triangles_ = std::make_shared<TriangleErrors>();
   std::vector<CellError> errors_;
   std::vector<std::uint8_t> stands_alone_;  // per cell, 1 if nothing but its c-vertices and triangles can put it over its bounds
+  std::vector<CellId> moved_;        // whose vertices may be elsewhere than in mesh_
+  bool all_moved_ = true;
   std::vector<std::uint8_t> stale_;  // per cell, 1 if the next update() has to measure it, whatever else it does
   bool all_stale_ = true;
 };

@@ -122,7 +122,7 @@ Refiner::Refiner(AdaptiveSurface& surface, const Isosurface& isosurface, const C
       start_(std::move(start)),
       embedded_(std::move(embedded)),
       most_divisions_(most_divisions),
-      ground_(std::make_shared<Ground>(surface.complex(), &isosurface, &surface)),
+      ground_(std::make_unique<Ground>(surface.complex(), &isosurface, &surface)),
       sites_before_(static_cast<std::uint32_t>(start_.site.size())) {}
 
 // Until the task is done as far as it can be, or vertices run out. If they may, bounds are first meant more generously and then less
@@ -445,11 +445,9 @@ void Refiner::divide_surface(std::span<const CVertexId> wanted, const RunControl
   std::vector<CVertexId> pinned;  // by vertices of earlier levels
   for (CellId c = 0; c < sites_before_; ++c) pinned.push_back(places.anchor[c]);
   surface_.divide(wanted, pinned);
-  auto ground = std::make_shared<Ground>(surface_.complex(), &isosurface_, &surface_);
-  remember_placed_in();
-  auto work = std::make_unique<MeasuredCovering>(*ground, *work_, options_, control);
-  work_ = std::move(work);
-  ground_ = std::move(ground);
+  const std::vector<Vec3> before = work_->base_points();
+  work_->continue_on(ground_->remake(), before, control);
+  ++grounds_;
 }
 
 // The constraints in their order: works on what there is so far before a limit comes into force.
@@ -587,8 +585,7 @@ bool Refiner::is_provable(const Task& task) const {
 
 struct Refiner::State {
   AdaptiveSurface surface;
-  std::shared_ptr<Ground> ground;  // of a surface with these contents
-  std::shared_ptr<const MeasuredCovering> work;
+  std::shared_ptr<const MeasuredCovering> work;  // on the ground of this surface
   std::vector<CellId> placed_in;
   MeshExtent extent;
   std::array<MetricSummary, kMetricCount> metrics;
@@ -596,12 +593,12 @@ struct Refiner::State {
 
 std::shared_ptr<const Refiner::State> Refiner::save_state() const {
   return std::make_shared<const State>(
-      State{surface_, ground_, work_ ? std::make_shared<const MeasuredCovering>(*work_) : nullptr, placed_in_, extent_, metrics_});
+      State{surface_, work_ ? std::make_shared<const MeasuredCovering>(*work_) : nullptr, placed_in_, extent_, metrics_});
 }
 
 void Refiner::restore_state(const State& state) {
   surface_ = state.surface;
-  ground_ = state.ground;
+  ground_->remake();
   work_ = state.work ? std::make_unique<MeasuredCovering>(*state.work) : nullptr;
   placed_in_ = state.placed_in;
   extent_ = state.extent;
@@ -721,10 +718,10 @@ void Refiner::restart_at_vertices(const RunControl& control) {
 bool Refiner::refine_within_budget(Task& task, const MeasuredCovering& start, double most, IntersectionTracker& meeting, RefinedLevel& out,
                                    const RunControl& control) {
   const std::vector<CellId> placed_in = placed_in_;
-  const Ground* const ground = ground_.get();
+  const std::uint32_t grounds = grounds_;
   for (std::uint32_t twice = 2;; twice *= 2) {
     work_towards(task, meeting, out, control);
-    if (static_cast<double>(partition().cell_count()) <= most || ground_.get() != ground) return true;
+    if (static_cast<double>(partition().cell_count()) <= most || grounds_ != grounds) return true;
     const std::uint32_t over = partition().cell_count() - static_cast<std::uint32_t>(most);
     work_ = std::make_unique<MeasuredCovering>(start);
     placed_in_ = placed_in;

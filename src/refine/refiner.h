@@ -136,12 +136,13 @@ class Refiner {
   Start start_;
   std::optional<WrittenPositions> embedded_;
   std::uint32_t most_divisions_;
-  std::shared_ptr<Ground> ground_;
+  std::unique_ptr<Ground> ground_;  // of the surface as it is
   std::unique_ptr<MeasuredCovering> work_;
   std::vector<CellId> placed_in_;  // per site, as far as it was placed on another complex than work_ stands on; else kNone
   std::uint32_t sites_before_;     // of the level before
   bool is_first_ = true;           // the level before is the coarse one
   std::uint32_t divisions_ = 0;    // of this level, for the sake of bounds
+  std::uint32_t grounds_ = 0;      // how often the ground was made anew
   int proofs_ = 0;                 // of this level, that failed
   double first_worst_ = 1;         // of this level, the largest excess so far
   MeshExtent extent_;              // of the last level, its metrics below

@@ -2,6 +2,7 @@
 #include "surface/c_vertex_graph.h"
 
 #include <algorithm>
+#include <utility>
 #include <cmath>
 
 #include "core/vector_math.h"
@@ -96,10 +97,11 @@ CVertexGraph make_graph(const SurfaceComplex& complex) {
   return graph;
 }
 
-std::vector<std::uint8_t> changed_rows(const CVertexGraph& before, const CVertexGraph& now) {
-  std::vector<std::uint8_t> out(now.c_vertex_count(), 1);
-  for (CVertexId v = 0; v < before.c_vertex_count(); ++v)
-    out[v] = before.on_boundary[v] != now.on_boundary[v] || !std::ranges::equal(before.row(v), now.row(v));
+std::vector<std::uint8_t> remake_graph(CVertexGraph& graph, const SurfaceComplex& complex) {
+  const CVertexGraph before = std::exchange(graph, make_graph(complex));
+  std::vector<std::uint8_t> out(graph.c_vertex_count(), 1);
+  for (CVertexId v = 0; v < std::min(before.c_vertex_count(), graph.c_vertex_count()); ++v)
+    out[v] = before.on_boundary[v] != graph.on_boundary[v] || !std::ranges::equal(before.row(v), graph.row(v));
   return out;
 }
 

@@ -31,8 +31,9 @@ struct CVertexGraph {
 /// O(C + sum of valence log valence). 9 bytes per entry: about 6 entries per c-vertex of a triangle complex, 8 of a quad one.
 CVertexGraph make_graph(const SurfaceComplex& complex);
 
-/// Per c-vertex of `now`, 1 if its row is another one than before, or it was not there. O(entries)
-/// @pre c-vertices kept their numbers
-std::vector<std::uint8_t> changed_rows(const CVertexGraph& before, const CVertexGraph& now);
+/// Makes the graph of a complex that has changed. @pre c-vertices kept their numbers
+/// @return per c-vertex, 1 if its row is another one than before, or it was not there
+/// @cost   as make_graph(); needs room for both graphs
+std::vector<std::uint8_t> remake_graph(CVertexGraph& graph, const SurfaceComplex& complex);
 
 }  // namespace isoatlas

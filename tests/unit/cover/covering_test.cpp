@@ -132,33 +132,42 @@ TEST(Covering, KeepsItsPromisesWhereTheComplexBecomesFiner) {
     SCOPED_TRACE(seed);
     const SurfaceComplex surface = surface_of(random_samples(seed % 2 == 0 ? Family::gyroid_cut : Family::smooth_blobs, {18, 17, 19}, seed));
     Coarsened coarser = coarsen(surface, 3, {});
-    const CVertexGraph before = make_graph(coarser.complex);
-    Covering start(before, options(8));
+    CVertexGraph graph = make_graph(coarser.complex);
+    Covering start(graph, options(8));
     start.cover({});
     std::vector<CellId> cells;
     for (CellId c = 0; c < start.site_count(); c += 3) cells.push_back(c);
     const std::vector<CellId> single = start.shrink(cells);
     EXPECT_TRUE(start.has_slope());
     start.cover({});
-    expect_promises(before, start, "made smaller");
+    expect_promises(graph, start, "made smaller");
     if (HasFatalFailure()) return;
 
+    const std::vector<std::uint8_t> was_on_boundary = graph.on_boundary;
+    const auto c_vertices = static_cast<CVertexId>(was_on_boundary.size());
     std::vector<CVertexId> to_cut;
-    for (CVertexId v = 0; v < before.c_vertex_count(); v += 5) to_cut.push_back(v);
+    for (CVertexId v = 0; v < c_vertices; v += 5) to_cut.push_back(v);
     cut_regions(surface, to_cut, {}, coarser);
-    const CVertexGraph graph = make_graph(coarser.complex);
+    const std::vector<std::uint8_t> changed = remake_graph(graph, coarser.complex);
     for (const bool moves : {false, true}) {
       std::vector<CVertexId> at = start.partition().site;
-      for (CVertexId v = 0; moves && v < before.c_vertex_count(); v += 3) {  // some sites move to another c-vertex of their cell
+      for (CVertexId v = 0; moves && v < c_vertices; v += 3) {  // some sites move to another c-vertex of their cell
         const CellId c = start.partition().cell_of[v];
-        if (before.on_boundary[v] == before.on_boundary[at[c]]) at[c] = v;
+        if (was_on_boundary[v] == was_on_boundary[at[c]]) at[c] = v;
       }
       Covering covering(graph, options(8));
-      covering.continue_from(start, changed_rows(before, graph), at);
+      covering.assign(start);
+      covering.forget_changes();
+      covering.continue_on(changed, at);
+      std::vector<CVertexId> other_cell;
+      for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
+        if (v >= c_vertices || covering.partition().cell_of[v] != start.partition().cell_of[v]) other_cell.push_back(v);
+      }
+      EXPECT_EQ(std::vector<CVertexId>(covering.changed().begin(), covering.changed().end()), other_cell);
       expect_promises(graph, covering, "finer", Boundary::owned_from_anywhere);
       if (HasFatalFailure()) return;
       std::vector<Covering::Radius> radii;
-      for (CVertexId v = 0; v < before.c_vertex_count(); ++v) radii.push_back({v, start.radius()[v]});
+      for (CVertexId v = 0; v < c_vertices; ++v) radii.push_back({v, start.radius()[v]});
       Covering anew(graph, options(8));
       anew.seed(at, radii);
       for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) ASSERT_NEAR(covering.distance()[v], anew.distance()[v], 1e-4) << v;

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 
+#include "partition/coarsen.h"
 #include "support/levels.h"
 #include "support/reference_topology.h"
 
@@ -214,6 +215,52 @@ TEST(CertifiedDual, UpdatesFindWhatAFullCheckFinds) {
     EXPECT_EQ(covering.site_count(), before) << "the full check has nothing to repair";
     EXPECT_EQ(report.cells_checked, before);
   }
+}
+
+// The same where the complex becomes finer and sites move, between which the diagonals of quads with four cells are measured.
+TEST(CertifiedDual, ContinuesWhereTheComplexBecomesFiner) {
+  Random random(11);
+  std::size_t moved = 0, finer = 0;
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    SCOPED_TRACE(seed);
+    const SurfaceComplex surface = surface_of(random_samples(seed % 2 == 0 ? Family::gyroid_cut : Family::white_noise, {14, 13, 15}, seed));
+    Coarsened coarser = coarsen(surface, 2, {});
+    CVertexGraph graph = make_graph(coarser.complex);
+    Covering covering(graph, disks(5));
+    covering.cover({});
+    covering.ignore_events();
+    CertifiedDual dual(coarser.complex, covering);
+    CertificateReport report;
+    dual.update(report, {});
+    for (int round = 0; round < 5; ++round) {
+      const std::vector<std::uint8_t> was_on_boundary = graph.on_boundary;
+      std::vector<CVertexId> to_cut;
+      for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
+        if (random.bits() % 40 == 0) to_cut.push_back(v);
+      }
+      std::vector<CVertexId> sites = covering.partition().site;
+      for (CVertexId v = 0; v < was_on_boundary.size(); ++v) {
+        CVertexId& site = sites[covering.partition().cell_of[v]];
+        if (site == v || random.bits() % 60 != 0 || was_on_boundary[v] != was_on_boundary[site]) continue;
+        site = v;
+        ++moved;
+      }
+      cut_regions(surface, to_cut, {}, coarser);
+      const std::vector<std::uint8_t> changed = remake_graph(graph, coarser.complex);
+      finer += changed.size() - was_on_boundary.size();
+      covering.continue_on(changed, sites);
+      dual.continue_on(changed);
+      covering.cover({});
+      dual.update(report, {});
+      ASSERT_TRUE(report.passed);
+      const Partition& p = covering.partition();
+      const PartitionCheck full = check_partition(coarser.complex, p.cell_of, p.cell_count(), p.site);
+      ASSERT_TRUE(full.passed());
+      ASSERT_EQ(set_of(dual.triangles()), set_of(full.triangles));
+    }
+  }
+  EXPECT_GT(moved, 100U);
+  EXPECT_GT(finer, 100U);
 }
 
 TEST(Covering, SeedsAreAsInsertedOneByOne) {
