@@ -217,16 +217,65 @@ TEST(CertifiedDual, UpdatesFindWhatAFullCheckFinds) {
   }
 }
 
-// The same where the complex becomes finer and sites move, between which the diagonals of quads with four cells are measured.
+void expect_full_check(const SurfaceComplex& complex, const Covering& covering, const CertifiedDual& dual) {
+  const Partition& p = covering.partition();
+  const PartitionCheck full = check_partition(complex, p.cell_of, p.cell_count(), p.site);
+  ASSERT_TRUE(full.passed());
+  ASSERT_EQ(set_of(dual.triangles()), set_of(full.triangles));
+}
+
+// Sites to other c-vertices of their cells, one in `share`. @return how many
+std::size_t move_some(std::vector<CVertexId>& sites, const std::vector<CellId>& cell_of, const std::vector<std::uint8_t>& on_boundary, unsigned share,
+                      Random& random) {
+  std::size_t moved = 0;
+  for (CVertexId v = 0; v < cell_of.size(); ++v) {
+    CVertexId& site = sites[cell_of[v]];
+    if (site == v || random.bits() % share != 0 || on_boundary[v] != on_boundary[site]) continue;
+    site = v;
+    ++moved;
+  }
+  return moved;
+}
+
+// The same where sites move, between which the diagonals of quads with four cells are measured.
+TEST(CertifiedDual, ContinuesWhereSitesMove) {
+  Random random(12);
+  std::size_t moved = 0;
+  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    SCOPED_TRACE(seed);
+    const SurfaceComplex surface = surface_of(random_samples(seed % 2 == 0 ? Family::smooth_blobs : Family::gyroid_cut, {13, 14, 12}, seed));
+    const CVertexGraph graph = make_graph(surface);
+    Covering covering(graph, disks(1.8f));
+    covering.cover({});
+    covering.ignore_events();
+    CertifiedDual dual(surface, covering);
+    CertificateReport report;
+    dual.update(report, {});
+    for (int round = 0; round < 10; ++round) {
+      std::vector<CVertexId> sites = covering.partition().site;
+      moved += move_some(sites, covering.partition().cell_of, graph.on_boundary, 40, random);
+      const std::vector<std::uint8_t> changed(graph.c_vertex_count(), 0);
+      covering.continue_on(changed, sites);
+      dual.continue_on(changed);
+      covering.cover({});
+      dual.update(report, {});
+      expect_full_check(surface, covering, dual);
+      if (HasFatalFailure()) return;
+    }
+  }
+  EXPECT_GT(moved, 500U);
+}
+
+// The same where the complex becomes finer.
 TEST(CertifiedDual, ContinuesWhereTheComplexBecomesFiner) {
   Random random(11);
   std::size_t moved = 0, finer = 0;
-  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+  for (std::uint64_t seed = 0; seed < 16; ++seed) {
     SCOPED_TRACE(seed);
     const SurfaceComplex surface = surface_of(random_samples(seed % 2 == 0 ? Family::gyroid_cut : Family::white_noise, {14, 13, 15}, seed));
     Coarsened coarser = coarsen(surface, 2, {});
     CVertexGraph graph = make_graph(coarser.complex);
-    Covering covering(graph, disks(5));
+    Covering covering(graph, disks(seed % 4 < 2 ? 2 : 5));
     covering.cover({});
     covering.ignore_events();
     CertifiedDual dual(coarser.complex, covering);
@@ -236,15 +285,10 @@ TEST(CertifiedDual, ContinuesWhereTheComplexBecomesFiner) {
       const std::vector<std::uint8_t> was_on_boundary = graph.on_boundary;
       std::vector<CVertexId> to_cut;
       for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
-        if (random.bits() % 40 == 0) to_cut.push_back(v);
+        if (random.bits() % (round % 2 ? 40 : 400) == 0) to_cut.push_back(v);
       }
       std::vector<CVertexId> sites = covering.partition().site;
-      for (CVertexId v = 0; v < was_on_boundary.size(); ++v) {
-        CVertexId& site = sites[covering.partition().cell_of[v]];
-        if (site == v || random.bits() % 60 != 0 || was_on_boundary[v] != was_on_boundary[site]) continue;
-        site = v;
-        ++moved;
-      }
+      moved += move_some(sites, covering.partition().cell_of, was_on_boundary, 30, random);
       cut_regions(surface, to_cut, {}, coarser);
       const std::vector<std::uint8_t> changed = remake_graph(graph, coarser.complex);
       finer += changed.size() - was_on_boundary.size();
@@ -252,11 +296,8 @@ TEST(CertifiedDual, ContinuesWhereTheComplexBecomesFiner) {
       dual.continue_on(changed);
       covering.cover({});
       dual.update(report, {});
-      ASSERT_TRUE(report.passed);
-      const Partition& p = covering.partition();
-      const PartitionCheck full = check_partition(coarser.complex, p.cell_of, p.cell_count(), p.site);
-      ASSERT_TRUE(full.passed());
-      ASSERT_EQ(set_of(dual.triangles()), set_of(full.triangles));
+      expect_full_check(coarser.complex, covering, dual);
+      if (HasFatalFailure()) return;
     }
   }
   EXPECT_GT(moved, 100U);
