@@ -21,32 +21,13 @@
 namespace isoatlas {
 namespace {
 
-// A cell is at the resolution limit when its radius is this share of the distance to its site's farthest neighbour: then its disk
-// holds hardly more than its site. (The paper stops at 1, where it can promise the aspect ratio; here every triangle is looked at.)
-constexpr float kLimitShare = 0.35f;
 // On the coarser complex, whose c-vertices are few, stop well above its own limit: the surface itself places sites better.
 constexpr float kCoarserLimitShare = 2;
 
-// In one round: the cells with more than this share of the worst excess. (A band of 0.5 instead needs 1.8 times the rounds and measures 1.4 times
-// the cells, for as many triangles.)
-constexpr double kBand = 0.1;
-// A cell's radius becomes smaller by the square root of its excess, but in steps between these.
-constexpr double kLeastStep = 0.25, kLargestStep = 0.9;
-// The c-vertex farthest from the mesh becomes a site if it is at least this share of its radius away from all sites: nearer ones
-// would ask for smaller disks than the error does.
-constexpr float kFarEnough = 0.55f;
-
-// min-edge is asked of chords, radii are geodesic.
-constexpr float kChordSlack = 1.25f;
-// Under a limit on vertices: how often in a row a step may fail before it is over.
-constexpr int kMostFailures = 24;
-// How much less generous bounds become: while fewer than half of the vertices are used, and then.
-constexpr double kFirstSteps = 0.7, kLastSteps = 0.85;
-constexpr double kNearEnough = 0.5;
 constexpr int kMostLastLooks = 3;
 constexpr int kMostProofs = 10;
-// Of the time of a level, that goes by until bounds are met at the samples; and until its triangles' shape has been worked on.
-constexpr double kMeetShare = 0.6, kShapeShare = 0.85;
+// Of the time of a level, that goes by until its triangles' shape has been worked on.
+constexpr double kShapeShare = 0.85;
 // A few bad triangles that are left get so many more chances, but only so many in a row that leave no fewer.
 constexpr int kMostChances = 6, kMostInVain = 2;
 constexpr std::size_t kFewTriangles = 100;
@@ -59,14 +40,6 @@ std::vector<Covering::Radius> radii_of(const Covering& covering, const std::vect
   std::vector<Covering::Radius> out;
   out.reserve(covering.radius().size());
   for (CVertexId v = 0; v < covering.radius().size(); ++v) out.push_back({to.empty() ? v : to[v], covering.radius()[v]});
-  return out;
-}
-
-// What is asked for, bounds so many times as generous.
-std::vector<Constraint> demands_of(const std::vector<Constraint>& metrics, double generosity = 1) {
-  std::vector<Constraint> out;
-  for (const Constraint& c : metrics) out.push_back(scaled(c, generosity));
-  if (out.empty()) out.push_back({Quantity::max_distance, std::numeric_limits<double>::max()});  // only says which cells are worst
   return out;
 }
 
@@ -102,17 +75,6 @@ LevelGoal with_distance(LevelGoal goal, double bound) {
 
 }  // namespace
 
-// What one stretch of work is about: the metrics to meet, within limits that come before them.
-struct Refiner::Task {
-  std::vector<Constraint> metrics;
-  Placement placement = Placement::surface;
-  std::uint32_t most_sites = kNone;
-  std::uint32_t least_sites = 0;
-  float shortest_edge = 0;
-  std::optional<ShapeGoal> shape;
-  float limit_share = kLimitShare;
-};
-
 Refiner::Refiner(AdaptiveSurface& surface, const Isosurface& isosurface, const Coarsened& coarser, const CoveringOptions& options,
                  Start start, std::optional<WrittenPositions> embedded, std::uint32_t most_divisions)
     : options_(options),
@@ -124,198 +86,6 @@ Refiner::Refiner(AdaptiveSurface& surface, const Isosurface& isosurface, const C
       most_divisions_(most_divisions),
       ground_(std::make_unique<Ground>(surface.complex(), &isosurface, &surface)),
       sites_before_(static_cast<std::uint32_t>(start_.site.size())) {}
-
-// Until the task is done as far as it can be, or vertices run out. If they may, bounds are first meant more generously and then less
-// and less so: what vertices there are then go where they lower the largest error, looked at from all sides.
-void Refiner::work(MeasuredCovering& work, const Task& task, RefinedLevel& out, const RunControl& control) {
-  work.demand(demands_of(task.metrics), task.placement);
-  if (task.most_sites == kNone || task.metrics.empty()) {
-    meet(work, task, out, control);
-    return;
-  }
-  work.update(out.certificate, control);
-  double generosity = 1;
-  for (const CellError& e : work.errors()) {
-    if (std::isfinite(e.excess)) generosity = std::max(generosity, e.excess);
-  }
-  work.demand(demands_of(task.metrics, generosity), task.placement, kNearEnough);
-  work.update(out.certificate, control);
-  Task part = task;
-  part.least_sites = 0;
-  while (generosity > 1 && !out.vertices_ran_out) {
-    const bool many_left = 2 * std::size_t{work.covering().site_count()} < task.most_sites;
-    const double step = std::max(many_left ? kFirstSteps : kLastSteps, 1 / generosity);
-    generosity *= step;
-    work.tighten(step);
-    if (generosity > 1) meet(work, part, out, control);
-  }
-  if (!out.vertices_ran_out) meet(work, task, out, control);
-}
-
-// On the surface that work_ stands on.
-float Refiner::least_radius(const Task& task, CVertexId v) const {
-  return std::max(kLimitShare * ground_->reach[v], kChordSlack * task.shortest_edge);
-}
-
-// Until all demands are met as far as they can be, or vertices run out.
-void Refiner::meet(MeasuredCovering& work, const Task& task, RefinedLevel& out, const RunControl& control) {
-  std::unique_ptr<MeasuredCovering> before;  // the last step, while steps may have to be taken back
-  CertificateReport certificate_before;
-  const auto remember = [&] {
-    before = std::make_unique<MeasuredCovering>(work);
-    certificate_before = out.certificate;
-  };
-  std::vector<CVertexId> shape_step, shape_given_up;  // where the last step put sites for the sake of shape; where that led too far
-  const auto least_radius = [&](CVertexId v) {
-    return std::max(task.limit_share * work.ground().reach[v], kChordSlack * task.shortest_edge);
-  };
-  std::vector<std::uint8_t> given_up;  // per cell, 1 if a step there led over the limit on vertices
-  std::size_t batch = kNone;
-  int failures = 0;
-  for (;; ++out.rounds) {
-    control.check_cancelled();
-    work.update(out.certificate, control);
-    Covering& covering = work.covering();
-    const bool too_many = before && covering.site_count() > task.most_sites;
-    if (too_many) {
-      // Too many: back, and try less at once. A single cell that needs too much is left as it is.
-      if (batch == 1) {
-        ++failures;
-      }
-      batch = std::max<std::size_t>(1, batch / 2);
-      if (shape_step.size() == 1) shape_given_up.push_back(shape_step.front());
-      work = *before;
-      out.certificate = certificate_before;
-      work.update(out.certificate, control);
-    } else {
-      failures = 0;
-    }
-    shape_step.clear();
-    const std::uint32_t sites = covering.site_count();
-    if (sites >= task.most_sites || failures > kMostFailures) {
-      out.vertices_ran_out = true;
-      return;
-    }
-
-    const std::vector<CellError>& errors = work.errors();
-    const Partition& partition = work.partition();
-    given_up.resize(sites, 0);
-
-    // The worst first.
-    double worst = 0;
-    const bool too_few = sites < task.least_sites;
-    const auto can_shrink = [&](CellId c) { return covering.radius()[partition.site[c]] > least_radius(partition.site[c]); };
-    const auto can_split = [&](CellId c) {
-      const CVertexId x = errors[c].worst;
-      return x != kNone && covering.distance()[x] >= least_radius(x);
-    };
-    const auto is_open = [&](CellId c) { return !given_up[c] && (can_shrink(c) || can_split(c)); };
-    for (CellId c = 0; c < sites; ++c) {
-      if ((errors[c].excess > 1 || too_few) && is_open(c)) worst = std::max(worst, errors[c].excess);
-    }
-    control.report("refine", kMeetShare * done_of_meeting(worst));
-    std::vector<std::pair<double, CellId>> chosen;
-    const bool fills = too_few && worst <= 1;  // evenly: cells become smaller, none gets a site beside its own
-    const double from = worst > 1 ? std::max(1.0, kBand * worst) : too_few ? 0.8 * worst : 2.0;
-    for (CellId c = 0; c < sites; ++c) {
-      if (errors[c].excess >= from && (errors[c].excess > 1 || fills) && is_open(c))
-        chosen.emplace_back(-errors[c].excess, c);
-    }
-    std::sort(chosen.begin(), chosen.end());
-
-    if (chosen.empty()) {
-      if (!task.shape) return;
-      const bool limited = task.most_sites != kNone;
-      if (limited) remember();
-      const std::size_t room = !limited ? kNone : too_many ? batch : std::max<std::size_t>(1, (task.most_sites - sites) / 6);
-      batch = room;
-      shape_step = work_on_shape(work, task, room, shape_given_up);
-      if (shape_step.empty()) return;
-      continue;
-    }
-    if (task.most_sites != kNone || too_few) {
-      // A new site brings a few more with it.
-      const std::size_t room = (fills ? std::min(task.least_sites, task.most_sites) : task.most_sites) - sites;
-      const std::size_t wanted = batch == kNone ? room : too_many ? batch : 2 * batch;
-      batch = std::min({wanted, std::max<std::size_t>(1, room / 3), chosen.size()});
-      if (failures > 0) {
-        given_up[chosen.front().second] = 1;
-        chosen.erase(chosen.begin());
-        batch = 1;
-        if (chosen.empty()) continue;
-      }
-      chosen.resize(std::min(chosen.size(), batch));
-      if (task.most_sites != kNone) remember();
-    }
-    std::vector<Covering::Radius> lower;
-    for (const auto& [excess, c] : chosen) {
-      const CVertexId v = partition.site[c], x = errors[c].worst;
-      const float radius = covering.radius()[v];
-      const auto is_far = [&] { return !fills && covering.distance()[x] >= kFarEnough * covering.radius()[x]; };
-      if (can_split(c) && (!can_shrink(c) || is_far())) {
-        lower.push_back({x, covering.distance()[x]});
-        covering.insert(x);
-      } else {
-        const double step = std::clamp(1 / std::sqrt(-excess), kLeastStep, kLargestStep);
-        lower.push_back({v, std::max(least_radius(v), static_cast<float>(step) * radius)});
-      }
-    }
-    covering.lower_radii(lower);
-  }
-}
-
-// The worst error becomes smaller by about the same factor in each round, and rounds become longer.
-double Refiner::done_of_meeting(double worst) {
-  if (!(worst > 1)) return 1;
-  if (!std::isfinite(worst)) return 0;
-  first_worst_ = std::max(first_worst_, worst);
-  const double share = 1 - std::log(worst) / std::log(first_worst_);
-  return share * share;
-}
-
-// Puts sites where the corners of badly shaped triangles meet, of the worst ones first. @return where
-std::vector<CVertexId> Refiner::work_on_shape(MeasuredCovering& work, const Task& task, std::size_t room,
-                                              std::span<const CVertexId> given_up) {
-  Covering& covering = work.covering();
-  std::vector<std::pair<double, CVertexId>> bad;
-  for (std::size_t i = 0; i < work.mesh().triangles.size(); ++i) {
-    const MeshTriangle& t = work.mesh().triangles[i];
-    const double score = task.shape->score(t.corner[0], t.corner[1], t.corner[2]);
-    if (score >= 1) continue;
-    const CVertexId v = work.triangles()[i].at;
-    const float d = covering.distance()[v];
-    if (!covering.is_covered(v) || d < kLimitShare * work.ground().reach[v] || d < kChordSlack * task.shortest_edge) continue;
-    if (std::find(given_up.begin(), given_up.end(), v) == given_up.end()) bad.emplace_back(score, v);
-  }
-  std::sort(bad.begin(), bad.end());
-  if (bad.size() > room) bad.resize(room);
-  std::vector<CVertexId> out;
-  std::vector<Covering::Radius> lower;
-  for (const auto& [score, v] : bad) {
-    lower.push_back({v, covering.distance()[v]});
-    out.push_back(v);
-  }
-  covering.lower_radii(lower);
-  return out;
-}
-
-// Makes the cells at badly shaped triangles smaller. @return whether any could be
-bool Refiner::work_around(MeasuredCovering& work, const Task& task, const std::vector<DualTriangle>& triangles) {
-  const Covering& covering = work.covering();
-  std::vector<Covering::Radius> lower;
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    const MeshTriangle& t = work.mesh().triangles[i];
-    if (task.shape->score(t.corner[0], t.corner[1], t.corner[2]) >= 1) continue;
-    for (const CellId c : t.cell) {
-      const CVertexId v = work.partition().site[c];
-      const float radius = covering.radius()[v], least = least_radius(task, v);
-      if (radius <= least) continue;
-      lower.push_back({v, std::max(least, 0.8f * radius)});
-    }
-  }
-  work.covering().lower_radii(lower);
-  return !lower.empty();
-}
 
 void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control) {
   const std::vector<CVertexId>& on = coarser_.representative;
@@ -337,7 +107,7 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
       if (c.quantity == Quantity::min_edge) task.shortest_edge = static_cast<float>(c.bound);
     }
     if (!task.metrics.empty() && rough.covering().site_count() < task.most_sites) {
-      work(rough, task, out, control);
+      rounds_.work(rough, task, out, control);
       out.vertices_ran_out = false;  // only its share of them
     }
     placed_in_ = rough.covering().placed_in();
@@ -404,7 +174,7 @@ bool Refiner::refine_misplaced_components() {
 // Works on the task until the dual has no self-intersections and its components have the orientation and nesting of the surface.
 void Refiner::work_apart(const Task& task, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control) {
   for (;;) {
-    work(*work_, task, out, control);
+    rounds_.work(*work_, task, out, control);
     const std::uint32_t sites = partition().cell_count();
     bool any = false;
     for (;; any = true) {
@@ -460,7 +230,7 @@ Refiner::Task Refiner::whole_task(const LevelGoal& goal, Placement placement, Re
   for (const Constraint& c : goal) {
     const bool limit = c.quantity == Quantity::max_vertices || c.quantity == Quantity::min_edge;
     if (limit && new_aims) {
-      work(*work_, task, out, control);
+      rounds_.work(*work_, task, out, control);
     }
     new_aims = !limit;
     switch (c.quantity) {
@@ -545,7 +315,7 @@ void Refiner::work_towards(const Task& task, IntersectionTracker& meeting, Refin
     if (embedded_) {
       work_apart(task, meeting, out, control);
     } else {
-      work(*work_, task, out, control);
+      rounds_.work(*work_, task, out, control);
     }
   };
   once();
@@ -644,7 +414,7 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
 RefinedLevel Refiner::refine_once(const LevelGoal& goal, const LevelGoal& asked, Placement placement, const RunControl& control) {
   RefinedLevel out;
   divisions_ = 0;
-  first_worst_ = 1;
+  rounds_ = {};
   proofs_ = 0;
   if (is_limited(goal) && static_cast<double>(sites_before_) >= goal.front().bound) return unchanged_level(asked);
   if (work_ == nullptr) {
@@ -683,7 +453,7 @@ void Refiner::make_predicted_cells(const Task& task, RefinedLevel& out, const Ru
     for (CVertexId v = 0; v < partition().cell_of.size(); ++v) add(v);
   }
   std::vector<Covering::Radius> radii = predict_radii(*ground_, at, bound->bound);
-  for (Covering::Radius& r : radii) r.radius = std::max(r.radius, least_radius(task, r.at));
+  for (Covering::Radius& r : radii) r.radius = std::max(r.radius, least_radius(task, *ground_, r.at));
   work_->covering().lower_radii(radii);
 }
 
@@ -778,7 +548,7 @@ void Refiner::retry_bad_triangles(const Task& task, IntersectionTracker& meeting
   std::size_t fewest = out.shape.bad;
   int in_vain = 0;
   for (int chance = 0; chance < kMostChances && in_vain < kMostInVain && out.shape.bad > 0 && out.shape.bad < kFewTriangles; ++chance) {
-    if (task.most_sites != kNone || !work_around(*work_, task, triangles)) break;
+    if (task.most_sites != kNone || !make_smaller_at_bad_triangles(*work_, task, triangles)) break;
     refine_and_improve(task, meeting, triangles, out, control);
     in_vain = out.shape.bad < fewest ? 0 : in_vain + 1;
     fewest = std::min(fewest, out.shape.bad);

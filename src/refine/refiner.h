@@ -12,31 +12,12 @@
 #include "partition/coarsen.h"
 #include "refine/judge.h"
 #include "refine/measured_covering.h"
+#include "refine/refined_level.h"
+#include "refine/rounds.h"
 #include "refine/shape.h"
 #include "subdivide/adaptive_surface.h"
 
 namespace isoatlas {
-
-struct LevelFigures {
-  std::array<MetricSummary, kMetricCount> metrics{};
-  std::vector<ConstraintResult> constraints;  ///< in the order given
-  std::vector<float> distance;                ///< per cell, its max-distance
-  std::optional<double> distance_at_most;     ///< proved, of the mesh and of the isosurface
-};
-
-struct RefinedLevel {
-  /// max-vertices comes first and no level with more vertices than the one before has few enough: it is that one again, and only
-  /// `figures` say anything new.
-  bool is_the_one_before = false;
-  std::vector<Triangle> triangles;
-  CertificateReport certificate;
-  LevelFigures figures;
-  std::vector<std::pair<CellId, double>> at_limit;  ///< cells over a bound that cannot be made smaller, and by how much; worst first
-  ShapeReport shape;
-  std::size_t rounds = 0;
-  std::size_t parting_sites = 0;  ///< added where triangles met others
-  bool vertices_ran_out = false;  ///< a limit on vertices ended the work
-};
 
 /// Stage two: makes a covering finer where metrics ask for it, level by level (paper, 3.4 and figure 8). Lengths are in voxels.
 ///
@@ -88,17 +69,12 @@ class Refiner {
   std::vector<ShapeObstacle> stays() const;  ///< per vertex, what keeps it where it is; of the last level
 
  private:
-  struct Task;
-  void work(MeasuredCovering& work, const Task& task, RefinedLevel& out, const RunControl& control);
-  void meet(MeasuredCovering& work, const Task& task, RefinedLevel& out, const RunControl& control);
-  std::vector<CVertexId> work_on_shape(MeasuredCovering& work, const Task& task, std::size_t room, std::span<const CVertexId> given_up);
-  bool work_around(MeasuredCovering& work, const Task& task, const std::vector<DualTriangle>& triangles);
+  using Task = RefinementTask;
   Task whole_task(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control);
   RefinedLevel unchanged_level(const LevelGoal& asked) const;
   RefinedLevel refine_once(const LevelGoal& goal, const LevelGoal& asked, Placement placement, const RunControl& control);
   void restart_at_vertices(const RunControl& control);
   void make_predicted_cells(const Task& task, RefinedLevel& out, const RunControl& control);
-  float least_radius(const Task& task, CVertexId v) const;
   bool refine_within_budget(Task& task, const MeasuredCovering& start, double most, IntersectionTracker& meeting, RefinedLevel& out,
                          const RunControl& control);
   void finish(const Task& task, const LevelGoal& asked, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control);
@@ -119,7 +95,6 @@ class Refiner {
   void work_apart(const Task& task, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control);
   void work_towards(const Task& task, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control);
   bool is_provable(const Task& task) const;
-  double done_of_meeting(double worst);
   void prove(const Task& task, const std::function<void()>& work_on);
   std::vector<CVertexId> places_at_limit();
   std::vector<std::pair<double, CellId>> cells_at_limit();
@@ -138,13 +113,13 @@ class Refiner {
   std::uint32_t most_divisions_;
   std::unique_ptr<Ground> ground_;  // of the surface as it is
   std::unique_ptr<MeasuredCovering> work_;
+  RefinementRounds rounds_;
   std::vector<CellId> placed_in_;  // per site, as far as it was placed on another complex than work_ stands on; else kNone
   std::uint32_t sites_before_;     // of the level before
   bool is_first_ = true;           // the level before is the coarse one
   std::uint32_t divisions_ = 0;    // of this level, for the sake of bounds
   std::uint32_t grounds_ = 0;      // how often the ground was made anew
   int proofs_ = 0;                 // of this level, that failed
-  double first_worst_ = 1;         // of this level, the largest excess so far
   MeshExtent extent_;              // of the last level, its metrics below
   std::array<MetricSummary, kMetricCount> metrics_{};
 };
