@@ -33,30 +33,165 @@ constexpr double kNearEnough = 0.5;
 // Of the time of a level, that goes by until bounds are met at the samples.
 constexpr double kMeetShare = 0.6;
 
-// Puts sites where the corners of badly shaped triangles meet, of the worst ones first. @return where
-std::vector<CVertexId> work_on_shape(MeasuredCovering& work, const RefinementTask& task, std::size_t room, std::span<const CVertexId> given_up) {
-  Covering& covering = work.covering();
-  std::vector<std::pair<double, CVertexId>> bad;
-  for (std::size_t i = 0; i < work.mesh().triangles.size(); ++i) {
-    const MeshTriangle& t = work.mesh().triangles[i];
-    const double score = task.shape->score(t.corner[0], t.corner[1], t.corner[2]);
-    if (score >= 1) continue;
-    const CVertexId v = work.triangles()[i].at;
-    const float d = covering.distance()[v];
-    if (!covering.is_covered(v) || d < least_radius(task, work.ground(), v)) continue;
-    if (std::find(given_up.begin(), given_up.end(), v) == given_up.end()) bad.emplace_back(score, v);
+// Until all demands are met as far as they can be, or vertices run out.
+class Stretch {
+ public:
+  Stretch(MeasuredCovering& work, const RefinementTask& task, RefinedLevel& out) : work_(work), covering_(work.covering()), task_(task), out_(out) {}
+
+  /// @param report  is told the worst excess of each round that can be helped
+  template <class Report>
+  void run(const RunControl& control, Report report) {
+    for (;; ++out_.rounds) {
+      control.check_cancelled();
+      work_.update(out_.certificate, control);
+      take_back_if_too_many(control);
+      if (sites() >= task_.most_sites || failures_ > kMostFailures) {
+        out_.vertices_ran_out = true;
+        return;
+      }
+      given_up_.resize(sites(), 0);
+      const double worst = worst_of_open();
+      report(worst);
+      Cells chosen = choose(worst);
+      if (chosen.empty()) {
+        if (!improve_shape()) return;
+        continue;
+      }
+      keep_to_limits(chosen, worst);
+      make_smaller(chosen, fills(worst));
+    }
   }
-  std::sort(bad.begin(), bad.end());
-  if (bad.size() > room) bad.resize(room);
-  std::vector<CVertexId> out;
-  std::vector<Covering::Radius> lower;
-  for (const auto& [score, v] : bad) {
-    lower.push_back({v, covering.distance()[v]});
-    out.push_back(v);
+
+ private:
+  using Cells = std::vector<std::pair<double, CellId>>;  // with minus their excess, so that the worst are first
+
+  std::uint32_t sites() const { return covering_.site_count(); }
+  bool is_limited() const { return task_.most_sites != kNone; }
+  bool has_too_few() const { return sites() < task_.least_sites; }
+  // Vertices that nothing but their number asks for. Evenly: cells become smaller, none gets a site beside its own.
+  bool fills(double worst) const { return has_too_few() && worst <= 1; }
+  CVertexId site(CellId c) const { return covering_.partition().site[c]; }
+  double excess(CellId c) const { return work_.errors()[c].excess; }
+  float least(CVertexId v) const { return least_radius(task_, work_.ground(), v); }
+  bool can_shrink(CellId c) const { return covering_.radius()[site(c)] > least(site(c)); }
+  bool can_split(CellId c) const {
+    const CVertexId x = work_.errors()[c].worst;
+    return x != kNone && covering_.distance()[x] >= least(x);
   }
-  covering.lower_radii(lower);
-  return out;
-}
+  bool is_open(CellId c) const { return !given_up_[c] && (can_shrink(c) || can_split(c)); }
+
+  // Back, to try less at once. A single cell that needs too much is left as it is.
+  void take_back_if_too_many(const RunControl& control) {
+    took_back_ = before_ && sites() > task_.most_sites;
+    if (!took_back_) {
+      failures_ = 0;
+    } else {
+      if (batch_ == 1) ++failures_;
+      batch_ = std::max<std::size_t>(1, batch_ / 2);
+      if (shape_step_.size() == 1) shape_given_up_.push_back(shape_step_.front());
+      work_ = *before_;
+      out_.certificate = certificate_before_;
+      work_.update(out_.certificate, control);
+    }
+    shape_step_.clear();
+  }
+
+  void remember() {
+    if (!is_limited()) return;
+    before_ = std::make_unique<MeasuredCovering>(work_);
+    certificate_before_ = out_.certificate;
+  }
+
+  double worst_of_open() const {
+    double worst = 0;
+    for (CellId c = 0; c < sites(); ++c) {
+      if ((excess(c) > 1 || has_too_few()) && is_open(c)) worst = std::max(worst, excess(c));
+    }
+    return worst;
+  }
+
+  Cells choose(double worst) const {
+    Cells out;
+    if (worst <= 1 && !has_too_few()) return out;
+    const double from = worst > 1 ? std::max(1.0, kBand * worst) : 0.8 * worst;
+    for (CellId c = 0; c < sites(); ++c) {
+      if (excess(c) >= from && (excess(c) > 1 || fills(worst)) && is_open(c)) out.emplace_back(-excess(c), c);
+    }
+    std::sort(out.begin(), out.end());
+    return out;
+  }
+
+  // Puts sites where the corners of badly shaped triangles meet, of the worst ones first. @return whether there are any
+  bool improve_shape() {
+    if (!task_.shape) return false;
+    remember();
+    if (is_limited() && !took_back_) batch_ = std::max<std::size_t>(1, (task_.most_sites - sites()) / 6);
+    if (!is_limited()) batch_ = kNone;
+    std::vector<std::pair<double, CVertexId>> bad;
+    for (std::size_t i = 0; i < work_.mesh().triangles.size(); ++i) {
+      const MeshTriangle& t = work_.mesh().triangles[i];
+      const double score = task_.shape->score(t.corner[0], t.corner[1], t.corner[2]);
+      if (score >= 1) continue;
+      const CVertexId v = work_.triangles()[i].at;
+      if (!covering_.is_covered(v) || covering_.distance()[v] < least(v)) continue;
+      if (std::ranges::find(shape_given_up_, v) == shape_given_up_.end()) bad.emplace_back(score, v);
+    }
+    std::sort(bad.begin(), bad.end());
+    if (bad.size() > batch_) bad.resize(batch_);
+    std::vector<Covering::Radius> lower;
+    for (const auto& [score, v] : bad) {
+      lower.push_back({v, covering_.distance()[v]});
+      shape_step_.push_back(v);
+    }
+    covering_.lower_radii(lower);
+    return !bad.empty();
+  }
+
+  // As many of the worst as there is room for.
+  void keep_to_limits(Cells& chosen, double worst) {
+    if (!is_limited() && !has_too_few()) return;
+    // A new site brings a few more with it.
+    const std::size_t room = (fills(worst) ? std::min(task_.least_sites, task_.most_sites) : task_.most_sites) - sites();
+    const std::size_t wanted = batch_ == kNone ? room : took_back_ ? batch_ : 2 * batch_;
+    batch_ = std::min({wanted, std::max<std::size_t>(1, room / 3), chosen.size()});
+    if (failures_ > 0) {
+      given_up_[chosen.front().second] = 1;
+      chosen.erase(chosen.begin());
+      batch_ = 1;
+      if (chosen.empty()) return;
+    }
+    chosen.resize(std::min(chosen.size(), batch_));
+    remember();
+  }
+
+  void make_smaller(const Cells& chosen, bool evenly) {
+    std::vector<Covering::Radius> lower;
+    for (const auto& [minus_excess, c] : chosen) {
+      const CVertexId v = site(c), x = work_.errors()[c].worst;
+      const auto is_far = [&] { return !evenly && covering_.distance()[x] >= kFarEnough * covering_.radius()[x]; };
+      if (can_split(c) && (!can_shrink(c) || is_far())) {
+        lower.push_back({x, covering_.distance()[x]});
+        covering_.insert(x);
+      } else {
+        const double step = std::clamp(1 / std::sqrt(-minus_excess), kLeastStep, kLargestStep);
+        lower.push_back({v, std::max(least(v), static_cast<float>(step) * covering_.radius()[v])});
+      }
+    }
+    covering_.lower_radii(lower);
+  }
+
+  MeasuredCovering& work_;
+  Covering& covering_;
+  const RefinementTask& task_;
+  RefinedLevel& out_;
+  std::unique_ptr<MeasuredCovering> before_;  // the last step, while steps may have to be taken back
+  CertificateReport certificate_before_;
+  bool took_back_ = false;
+  std::vector<CVertexId> shape_step_, shape_given_up_;  // where the last step put sites for the sake of shape; where that led too far
+  std::vector<std::uint8_t> given_up_;                  // per cell, 1 if a step there led over the limit on vertices
+  std::size_t batch_ = kNone;                           // how many cells at once
+  int failures_ = 0;                                    // in a row, of single cells
+};
 
 }  // namespace
 
@@ -111,109 +246,8 @@ void RefinementRounds::work(MeasuredCovering& work, const RefinementTask& task, 
   if (!out.vertices_ran_out) meet(work, task, out, control);
 }
 
-// Until all demands are met as far as they can be, or vertices run out.
 void RefinementRounds::meet(MeasuredCovering& work, const RefinementTask& task, RefinedLevel& out, const RunControl& control) {
-  std::unique_ptr<MeasuredCovering> before;  // the last step, while steps may have to be taken back
-  CertificateReport certificate_before;
-  const auto remember = [&] {
-    before = std::make_unique<MeasuredCovering>(work);
-    certificate_before = out.certificate;
-  };
-  std::vector<CVertexId> shape_step, shape_given_up;  // where the last step put sites for the sake of shape; where that led too far
-  const auto least = [&](CVertexId v) { return least_radius(task, work.ground(), v); };
-  std::vector<std::uint8_t> given_up;  // per cell, 1 if a step there led over the limit on vertices
-  std::size_t batch = kNone;
-  int failures = 0;
-  for (;; ++out.rounds) {
-    control.check_cancelled();
-    work.update(out.certificate, control);
-    Covering& covering = work.covering();
-    const bool too_many = before && covering.site_count() > task.most_sites;
-    if (too_many) {
-      // Too many: back, and try less at once. A single cell that needs too much is left as it is.
-      if (batch == 1) {
-        ++failures;
-      }
-      batch = std::max<std::size_t>(1, batch / 2);
-      if (shape_step.size() == 1) shape_given_up.push_back(shape_step.front());
-      work = *before;
-      out.certificate = certificate_before;
-      work.update(out.certificate, control);
-    } else {
-      failures = 0;
-    }
-    shape_step.clear();
-    const std::uint32_t sites = covering.site_count();
-    if (sites >= task.most_sites || failures > kMostFailures) {
-      out.vertices_ran_out = true;
-      return;
-    }
-
-    const std::vector<CellError>& errors = work.errors();
-    const Partition& partition = work.partition();
-    given_up.resize(sites, 0);
-
-    // The worst first.
-    double worst = 0;
-    const bool too_few = sites < task.least_sites;
-    const auto can_shrink = [&](CellId c) { return covering.radius()[partition.site[c]] > least(partition.site[c]); };
-    const auto can_split = [&](CellId c) {
-      const CVertexId x = errors[c].worst;
-      return x != kNone && covering.distance()[x] >= least(x);
-    };
-    const auto is_open = [&](CellId c) { return !given_up[c] && (can_shrink(c) || can_split(c)); };
-    for (CellId c = 0; c < sites; ++c) {
-      if ((errors[c].excess > 1 || too_few) && is_open(c)) worst = std::max(worst, errors[c].excess);
-    }
-    control.report("refine", kMeetShare * done_of_meeting(worst));
-    std::vector<std::pair<double, CellId>> chosen;
-    const bool fills = too_few && worst <= 1;  // evenly: cells become smaller, none gets a site beside its own
-    const double from = worst > 1 ? std::max(1.0, kBand * worst) : too_few ? 0.8 * worst : 2.0;
-    for (CellId c = 0; c < sites; ++c) {
-      if (errors[c].excess >= from && (errors[c].excess > 1 || fills) && is_open(c))
-        chosen.emplace_back(-errors[c].excess, c);
-    }
-    std::sort(chosen.begin(), chosen.end());
-
-    if (chosen.empty()) {
-      if (!task.shape) return;
-      const bool limited = task.most_sites != kNone;
-      if (limited) remember();
-      const std::size_t room = !limited ? kNone : too_many ? batch : std::max<std::size_t>(1, (task.most_sites - sites) / 6);
-      batch = room;
-      shape_step = work_on_shape(work, task, room, shape_given_up);
-      if (shape_step.empty()) return;
-      continue;
-    }
-    if (task.most_sites != kNone || too_few) {
-      // A new site brings a few more with it.
-      const std::size_t room = (fills ? std::min(task.least_sites, task.most_sites) : task.most_sites) - sites;
-      const std::size_t wanted = batch == kNone ? room : too_many ? batch : 2 * batch;
-      batch = std::min({wanted, std::max<std::size_t>(1, room / 3), chosen.size()});
-      if (failures > 0) {
-        given_up[chosen.front().second] = 1;
-        chosen.erase(chosen.begin());
-        batch = 1;
-        if (chosen.empty()) continue;
-      }
-      chosen.resize(std::min(chosen.size(), batch));
-      if (task.most_sites != kNone) remember();
-    }
-    std::vector<Covering::Radius> lower;
-    for (const auto& [excess, c] : chosen) {
-      const CVertexId v = partition.site[c], x = errors[c].worst;
-      const float radius = covering.radius()[v];
-      const auto is_far = [&] { return !fills && covering.distance()[x] >= kFarEnough * covering.radius()[x]; };
-      if (can_split(c) && (!can_shrink(c) || is_far())) {
-        lower.push_back({x, covering.distance()[x]});
-        covering.insert(x);
-      } else {
-        const double step = std::clamp(1 / std::sqrt(-excess), kLeastStep, kLargestStep);
-        lower.push_back({v, std::max(least(v), static_cast<float>(step) * radius)});
-      }
-    }
-    covering.lower_radii(lower);
-  }
+  Stretch(work, task, out).run(control, [&](double worst) { control.report("refine", kMeetShare * done_of_meeting(worst)); });
 }
 
 // The worst error becomes smaller by about the same factor in each round, and rounds become longer.
