@@ -173,7 +173,7 @@ void CertifiedDual::continue_on(std::span<const std::uint8_t> changed) {
   for (CellId c = 0; c < site_points_.size(); ++c) {
     const Vec3 p = complex_.positions[site[c]];
     if (std::exchange(site_points_[c], p) == p) continue;
-    // Where three others meet at a quad with this cell, they may not any more.
+    // Three other cells that meet at a quad with this one may meet no more: its diagonal depends on the site. So all cells around are checked.
     covering_.members().for_each(c, [&](CVertexId v) { other_faces_.push_back(v); });
   }
 }

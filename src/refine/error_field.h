@@ -62,7 +62,7 @@ enum class Thoroughness { quick, exact };
 
 struct CellDistance {
   Farthest farthest;
-  bool is_from_own = false;  ///< found from the triangles around the cell's vertex alone: those around its neighbours do not matter
+  bool is_from_own = false;  ///< the triangles around the cell's own vertex were enough; those around its neighbours were not looked at
 };
 
 /// Per cell of `cells`, the farthest of its c-vertices and of the points between them from the mesh: cheaper than find_closest(), since a

@@ -58,7 +58,7 @@ Ground::Ground(const SurfaceComplex& surface, const Isosurface* trilinear, const
 }
 
 std::vector<std::uint8_t> Ground::remake() {
-  moved_from = {};  // each goes before it is made anew: two of each would be the most memory of a run
+  moved_from = {};  // what is made anew is freed first, but for the graph: two of each would be the peak of memory
   between.reset();
   grid_cells.reset();
   std::vector<std::uint8_t> changed = remake_graph(graph, complex);

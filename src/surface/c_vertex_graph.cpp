@@ -2,8 +2,8 @@
 #include "surface/c_vertex_graph.h"
 
 #include <algorithm>
-#include <utility>
 #include <cmath>
+#include <utility>
 
 #include "core/vector_math.h"
 

@@ -49,7 +49,7 @@ class FieldVolumes(unittest.TestCase):
         bound = level["constraints"][0]
         self.assertEqual((bound["quantity"], bound["wanted"], bound["default"], bound["met"]), ("max-distance", 0.375, True, True))
         self.assertRegex(summary, r"level 1 .* max-distance 0\.37\d* mm \(default 0\.375 mm\),")
-        self.assertLess(level["refine_rounds"], 80)
+        self.assertLess(level["refine_rounds"], 60)
         self.assertLess(level["vertices"], 1_200)
 
     def test_bound_that_cannot_be_met_is_given_up_in_one_line(self):
