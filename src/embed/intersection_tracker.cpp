@@ -29,8 +29,7 @@ std::vector<std::uint32_t> IntersectionTracker::take_mesh(std::span<const Vec3> 
     if (v < known && positions_[v] == positions[v]) {
       moved[v] = 0;
     } else {
-      positions_[v] = positions[v];
-      in_space_[v] = written_.in_form(0, positions[v]);
+      move(static_cast<std::uint32_t>(v), positions[v]);
     }
   }
   std::vector<std::uint32_t> changed;
@@ -38,14 +37,14 @@ std::vector<std::uint32_t> IntersectionTracker::take_mesh(std::span<const Vec3> 
     const Triangle& t = triangles[i];
     if (i >= triangles_.size() || triangles_[i] != t || moved[t[0]] || moved[t[1]] || moved[t[2]]) changed.push_back(i);
   }
-  std::erase_if(pairs_, [&](const TrianglePair& pair) {
-    const auto is_changed = [&](std::uint32_t t) { return t >= triangles.size() || std::binary_search(changed.begin(), changed.end(), t); };
-    return is_changed(pair.first) || is_changed(pair.second);
-  });
   triangles_.assign(triangles.begin(), triangles.end());
   planes_.resize(triangles.size());
-  for (const std::uint32_t t : changed) planes_[t] = RoughPlane(in_space_, triangles[t], written_.most_rounding());
   return changed;
+}
+
+void IntersectionTracker::move(std::uint32_t vertex, Vec3 to) {
+  positions_[vertex] = to;
+  in_space_[vertex] = written_.in_form(0, to);
 }
 
 bool IntersectionTracker::has_area_in_all_forms(const Triangle& t) const {
@@ -80,7 +79,24 @@ bool IntersectionTracker::intersect_in_any_form(std::uint32_t first, std::uint32
 
 std::vector<std::uint32_t> IntersectionTracker::update(std::span<const Vec3> positions, std::span<const Triangle> triangles,
                                                        const RunControl& control) {
-  const std::vector<std::uint32_t> changed = take_mesh(positions, triangles);
+  return test(take_mesh(positions, triangles), control);
+}
+
+std::vector<std::uint32_t> IntersectionTracker::update(std::span<const std::uint32_t> vertices, std::span<const Vec3> at,
+                                                       std::span<const std::uint32_t> changed, std::span<const Triangle> corners,
+                                                       const RunControl& control) {
+  for (std::size_t i = 0; i < vertices.size(); ++i) move(vertices[i], at[i]);
+  for (std::size_t i = 0; i < changed.size(); ++i) triangles_[changed[i]] = corners[i];
+  return test(changed, control);
+}
+
+// @return the corners of all pairs, with those of triangles that have changed
+std::vector<std::uint32_t> IntersectionTracker::test(std::span<const std::uint32_t> changed, const RunControl& control) {
+  std::erase_if(pairs_, [&](const TrianglePair& pair) {
+    const auto is_changed = [&](std::uint32_t t) { return t >= triangles_.size() || std::binary_search(changed.begin(), changed.end(), t); };
+    return is_changed(pair.first) || is_changed(pair.second);
+  });
+  for (const std::uint32_t t : changed) planes_[t] = RoughPlane(in_space_, triangles_[t], written_.most_rounding());
   for (const std::uint32_t t : changed) {
     if (!has_area_in_all_forms(triangles_[t])) pairs_.emplace_back(t, t);
   }

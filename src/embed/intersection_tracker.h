@@ -24,6 +24,14 @@ class IntersectionTracker {
   /// @cost   as self_intersections() the first time; then what is near triangles that changed, and a comparison with the last mesh
   std::vector<std::uint32_t> update(std::span<const Vec3> positions, std::span<const Triangle> triangles, const RunControl& control);
 
+  /// The same where only these vertices have moved since the last mesh.
+  /// @param at       where they are, one by one
+  /// @param changed  the triangles with other corners or a corner that moved, sorted
+  /// @param corners  of these, one by one
+  /// @cost   what is near triangles that changed
+  std::vector<std::uint32_t> update(std::span<const std::uint32_t> vertices, std::span<const Vec3> at, std::span<const std::uint32_t> changed,
+                                    std::span<const Triangle> corners, const RunControl& control);
+
   /// Of each pair in the last mesh the largest corner, all six if the largest has no size; sorted.
   std::vector<std::uint32_t> largest_corners(std::span<const float> size_of_vertex) const;
 
@@ -31,6 +39,8 @@ class IntersectionTracker {
 
  private:
   std::vector<std::uint32_t> take_mesh(std::span<const Vec3> positions, std::span<const Triangle> triangles);
+  void move(std::uint32_t vertex, Vec3 to);
+  std::vector<std::uint32_t> test(std::span<const std::uint32_t> changed, const RunControl& control);
   bool has_area_in_all_forms(const Triangle& t) const;
   bool intersect_in_any_form(std::uint32_t first, std::uint32_t second) const;
 

@@ -2,6 +2,7 @@
 #include "pipeline/coarse_mesher.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "core/vector_math.h"
@@ -186,32 +187,35 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
     mesh_.positions[i] = positions[at[i]] = displaced(surface, at[i], point - start[i]);
   };
   stays_.assign(at.size(), 0);
-  std::vector<std::uint8_t> fresh;
+  std::vector<std::uint32_t> look(mesh_.triangles.size());
+  std::iota(look.begin(), look.end(), 0u);
   for (int round = 0; round < kRelaxRounds; ++round) {
     goal.push = round % 2 == 0;
     const std::vector<Vec3> before = points;
-    const std::vector<std::uint32_t> moved = relax(points, mesh_.triangles, triangles_of, roam, field, s, goal, control, fresh);
+    const std::vector<std::uint32_t> moved =
+        relax(points, mesh_.triangles, triangles_of, [&](std::uint32_t i) { return roam[i]; }, field, s, goal, control, look);
     std::vector<Vec3> positions_before;  // of those that moved
     for (const std::uint32_t i : moved) {
       positions_before.push_back(positions[at[i]]);
       move_to(i, points[i]);
     }
     std::vector<std::uint8_t> times_back(at.size(), 0);
-    for (std::vector<std::uint32_t> look = moved; !look.empty();) {  // before these moved, nothing intersected
-      const std::vector<std::uint8_t> goes_back = must_go_back(moved, positions_before, positions, look, component_of, control);
-      look.clear();
+    for (std::vector<std::uint32_t> last = moved; !last.empty();) {  // before these moved, nothing intersected
+      const std::vector<std::uint8_t> goes_back = must_go_back(moved, positions_before, positions, last, component_of, control);
+      last.clear();
       for (const std::uint32_t i : moved) {
         if (goes_back[i] == 0 || points[i] == before[i]) continue;
-        look.push_back(i);
+        last.push_back(i);
         move_to(i, times_back[i]++ == 0 ? 0.5 * (points[i] + before[i]) : before[i]);
       }
     }
-    fresh.assign(mesh_.triangles.size(), 0);
+    look.clear();
     for (const std::uint32_t i : moved) {
       stays_[i] = times_back[i] > 1;
-      if (times_back[i] == 0) continue;
-      for (const std::uint32_t t : triangles_of.row(i)) fresh[t] = 1;
+      if (times_back[i] > 0) look.insert(look.end(), triangles_of.row(i).begin(), triangles_of.row(i).end());
     }
+    std::ranges::sort(look);
+    look.erase(std::unique(look.begin(), look.end()), look.end());
   }
   if (!options_.allow_self_intersections && nesting(component_of) != surface_.nesting()) {  // hardly ever: as it was certified
     for (std::uint32_t i = 0; i < at.size(); ++i) move_to(i, start[i]);

@@ -21,19 +21,18 @@ Vec3 base_position(const SurfaceComplex& complex, const Places& places, CellId c
   return displaced(complex, places.anchor[c], places.shift.empty() ? Vec3{} : places.shift[c]);
 }
 
+Vec3 vertex_position(const SurfaceComplex& complex, const Surfels& surfels, const Places& places, CellId c) {
+  const Vec3 p = base_position(complex, places, c);
+  if (places.offset.empty()) return p;
+  const Vec3 s = complex.spacing, n = surfels.normal[places.anchor[c]];
+  const auto d = static_cast<double>(places.offset[c]);
+  return p + Vec3{d * n.x / s.x, d * n.y / s.y, d * n.z / s.z};
+}
+
 std::vector<Vec3> vertex_positions(const SurfaceComplex& complex, const Surfels& surfels, const Places& places) {
-  const Vec3 s = complex.spacing;
   std::vector<Vec3> out;
   out.reserve(places.anchor.size());
-  for (CellId c = 0; c < places.anchor.size(); ++c) {
-    Vec3 p = base_position(complex, places, c);
-    if (!places.offset.empty()) {
-      const Vec3 n = surfels.normal[places.anchor[c]];
-      const auto d = static_cast<double>(places.offset[c]);
-      p = p + Vec3{d * n.x / s.x, d * n.y / s.y, d * n.z / s.z};
-    }
-    out.push_back(p);
-  }
+  for (CellId c = 0; c < places.anchor.size(); ++c) out.push_back(vertex_position(complex, surfels, places, c));
   return out;
 }
 
@@ -121,6 +120,22 @@ std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels,
     for (const std::uint32_t t : mesh.triangles_of.row(c)) renew(t);
   }
   return renewed;
+}
+
+void edit_mesh(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> triangles, const Places& places, const MeshEdit& edit) {
+  for (const CellId c : edit.vertices) {
+    mesh.normal[c] = surfels.normal[places.anchor[c]];
+    mesh.point[c] = places.point(surfels, c);
+  }
+  for (const std::uint32_t t : edit.triangles) {
+    for (const CellId c : mesh.cells_of_triangle[t]) mesh.triangles_of.erase(c, t);
+    mesh.triangles[t].cell = mesh.cells_of_triangle[t] = triangles[t].cell;
+    for (const CellId c : triangles[t].cell) mesh.triangles_of.push_back(c, t);
+    set_corners(mesh.triangles[t], mesh.point);
+  }
+  for (const CellId c : edit.vertices) {
+    for (const std::uint32_t t : mesh.triangles_of.row(c)) set_corners(mesh.triangles[t], mesh.point);
+  }
 }
 
 void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const Places& places) {

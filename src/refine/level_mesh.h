@@ -73,6 +73,7 @@ struct Places {
 
 /// The same in sample-index coordinates, to the last bit as it is written: what triangles meet is asked of these.
 Vec3 base_position(const SurfaceComplex& complex, const Places& places, CellId c);
+Vec3 vertex_position(const SurfaceComplex& complex, const Surfels& surfels, const Places& places, CellId c);  ///< balanced
 std::vector<Vec3> vertex_positions(const SurfaceComplex& complex, const Surfels& surfels, const Places& places);
 
 /// The corners of each.
@@ -91,6 +92,15 @@ void set_cells(LevelMesh& mesh, const CellMembers& members, std::span<const Cell
 std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const Places& places,
                                         std::span<const CellId> may_have_moved);
 std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const Places& places);
+
+/// What was changed of a mesh: the numbers of triangles with other corners, and the cells whose vertices are elsewhere; sorted.
+struct MeshEdit {
+  std::vector<std::uint32_t> triangles;
+  std::vector<CellId> vertices;
+};
+
+/// set_triangles() where only this has changed.
+void edit_mesh(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> triangles, const Places& places, const MeshEdit& edit);
 
 /// Moves the vertices of `cells` and the corners of their triangles to their places.
 void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const Places& places);

@@ -281,16 +281,13 @@ void MeasuredCovering::update_all(CertificateReport& report, const RunControl& c
   update(report, control);
 }
 
-void MeasuredCovering::remesh(std::span<const DualTriangle> triangles, const Places& places, std::span<const CellId> concerned) {
-  places_.anchor = places.anchor;
-  places_.shift = places.shift;
-  places_.given_up = places.given_up;
-  for (CellId c = 0; c < places_.offset.size(); ++c) {
-    if (!places_.may_move(c)) places_.offset[c] = 0;
+void MeasuredCovering::remesh(std::span<const DualTriangle> triangles, const MeshEdit& edit, std::span<const CellId> concerned) {
+  for (const CellId c : edit.vertices) {
+    if (c < places_.offset.size() && !places_.may_move(c)) places_.offset[c] = 0;
   }
   stale_.resize(partition().cell_count(), 0);
   for (const CellId c : concerned) stale_[c] = 1;  // the next update() takes the dual's triangles again
-  set_triangles(mesh_, ground_.surfels, triangles, places_);
+  edit_mesh(mesh_, ground_.surfels, triangles, places_, edit);
   measure({concerned.begin(), concerned.end()}, Thoroughness::exact);  // to be compared
 }
 

@@ -125,9 +125,12 @@ class MeasuredCovering {
   /// All vertices may be moved again, all edges flipped.
   void try_again() { places_.given_up.clear(); }
 
-  /// Replaces the mesh's triangles, until the next update(), and where its vertices sit, but for balancing; measures the cells again
+  /// Where vertices sit, to be changed; remesh() has to follow and be told.
+  Places& edit_places() { return places_; }
+  /// Changes the mesh's triangles, until the next update(), and takes the places of its vertices, but for balancing; measures the cells again
   /// that this may concern.
-  void remesh(std::span<const DualTriangle> triangles, const Places& places, std::span<const CellId> concerned);
+  /// @param triangles  all of them; what is not in `edit` is as it was
+  void remesh(std::span<const DualTriangle> triangles, const MeshEdit& edit, std::span<const CellId> concerned);
 
   /// How far the first vertices are from their c-vertices. @pre nothing was updated yet
   void displace(std::vector<Vec3> shift) { places_.shift = std::move(shift); }

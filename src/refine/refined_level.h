@@ -8,7 +8,7 @@
 
 #include "isoatlas/extract.h"
 #include "metrics/metrics.h"
-#include "refine/shape.h"
+#include "refine/shape_optimizer.h"
 
 namespace isoatlas {
 

@@ -33,6 +33,9 @@ constexpr int kMostChances = 6, kMostInVain = 2;
 constexpr std::size_t kFewTriangles = 100;
 // Cells at their limit that are tried to be mended by flips and moves.
 constexpr std::size_t kMostMended = 200;
+// A cell with a radius of this share of a bound on the distance lies within the bound, but for what vertices are away from the surface: what is
+// farther there, smaller cells do not mend.
+constexpr double kUsefulShare = 0.4;
 // Each time that the surface is divided for a bound, the faces around so many c-vertices, or around this part of them all.
 constexpr std::size_t kFewDivided = 6, kShareDivided = 20;
 
@@ -252,6 +255,8 @@ Refiner::Task Refiner::whole_task(const LevelGoal& goal, Placement placement, Re
     }
   }
   task.shape = shape;
+  const auto bound = std::ranges::find(task.metrics, Quantity::max_distance, &Constraint::quantity);
+  if (bound != task.metrics.end() && task.metrics.size() == 1) task.useful_radius = static_cast<float>(kUsefulShare * bound->bound);
   return task;
 }
 
@@ -273,8 +278,8 @@ std::vector<std::pair<CellId, double>> Refiner::cells_over(const LevelGoal& aske
 
 // Where cells are over a bound and cannot be made smaller, the worst first: their c-vertices and those around. Not too many: what is at its
 // limit nearly everywhere needs another volume.
-std::vector<CVertexId> Refiner::places_at_limit() {
-  const std::vector<std::pair<double, CellId>> cells = cells_at_limit();
+std::vector<CVertexId> Refiner::places_at_limit(const Task& task) {
+  const std::vector<std::pair<double, CellId>> cells = cells_at_limit(task);
   const std::size_t room = std::max<std::size_t>(kFewDivided, surface_.complex().c_vertex_count() / kShareDivided);
   std::vector<std::uint8_t> is_taken(surface_.complex().c_vertex_count(), 0);
   std::vector<CVertexId> out;
@@ -292,10 +297,10 @@ std::vector<CVertexId> Refiner::places_at_limit() {
 }
 
 // Cells over a bound that cannot be made smaller, with minus their excess, the worst first.
-std::vector<std::pair<double, CellId>> Refiner::cells_at_limit() {
+std::vector<std::pair<double, CellId>> Refiner::cells_at_limit(const Task& task) {
   std::vector<CellId> cells;
   for (CellId c = 0; c < partition().cell_count(); ++c) {
-    if (work_->errors()[c].excess > 1 && is_at_limit(c)) cells.push_back(c);
+    if (work_->errors()[c].excess > 1 && is_at_limit(task, c)) cells.push_back(c);
   }
   work_->measure_fully(cells);
   std::vector<std::pair<double, CellId>> out;
@@ -304,9 +309,9 @@ std::vector<std::pair<double, CellId>> Refiner::cells_at_limit() {
   return out;
 }
 
-bool Refiner::is_at_limit(CellId c) const {
+bool Refiner::is_at_limit(const Task& task, CellId c) const {
   const CVertexId v = partition().site[c];
-  return work_->covering().radius()[v] <= kLimitShare * ground_->reach[v] * 1.0001f;
+  return work_->covering().radius()[v] <= std::max(kLimitShare * ground_->reach[v], task.useful_radius) * 1.0001f;
 }
 
 // Works on the task, dividing the surface where it has too few c-vertices for that.
@@ -328,7 +333,7 @@ void Refiner::work_towards(const Task& task, IntersectionTracker& meeting, Refin
   }
   const auto divide = [&] {
     for (; divisions_ < most_divisions_ && !out.vertices_ran_out; ++divisions_) {
-      const std::vector<CVertexId> wanted = places_at_limit();
+      const std::vector<CVertexId> wanted = places_at_limit(task);
       if (wanted.empty()) break;
       divide_surface(wanted, control);
       once();
@@ -453,7 +458,7 @@ void Refiner::make_predicted_cells(const Task& task, RefinedLevel& out, const Ru
     for (CVertexId v = 0; v < partition().cell_of.size(); ++v) add(v);
   }
   std::vector<Covering::Radius> radii = predict_radii(*ground_, at, bound->bound);
-  for (Covering::Radius& r : radii) r.radius = std::max(r.radius, least_radius(task, *ground_, r.at));
+  for (Covering::Radius& r : radii) r.radius = std::max(r.radius, least_useful_radius(task, *ground_, r.at));
   work_->covering().lower_radii(radii);
 }
 
@@ -557,7 +562,7 @@ void Refiner::retry_bad_triangles(const Task& task, IntersectionTracker& meeting
 
 // What nothing else can help: of the cells at their limit, the worst.
 void Refiner::repair_worst_cells(const Task& task, std::vector<DualTriangle>& triangles, RefinedLevel& out, const RunControl& control) {
-  std::vector<std::pair<double, CellId>> worst = cells_at_limit();
+  std::vector<std::pair<double, CellId>> worst = cells_at_limit(task);
   if (worst.size() > kMostMended) worst.resize(kMostMended);
   std::vector<CellId> to_mend;
   for (const auto& [excess, c] : worst) to_mend.push_back(c);
@@ -566,9 +571,9 @@ void Refiner::repair_worst_cells(const Task& task, std::vector<DualTriangle>& tr
 
 void Refiner::revert_intersecting_changes(const Task& task, IntersectionTracker& meeting, std::vector<DualTriangle>& triangles,
                                           RefinedLevel& out, const RunControl& control) {
-  for (int k = 0; !take_back_meeting(*work_, *task.shape, meeting, triangles, control).empty(); ++k) {
+  for (int k = 0; !take_back_meeting(*work_, meeting, triangles, control).empty(); ++k) {
     if (k == kMostChances) {  // the dual as it is does not meet itself
-      take_back_all(*work_, *task.shape, triangles, control);
+      take_back_all(*work_, triangles, control);
       break;
     }
     refine_and_improve(task, meeting, triangles, out, control);
@@ -578,13 +583,13 @@ void Refiner::revert_intersecting_changes(const Task& task, IntersectionTracker&
   // What balancing did since is not undone with a change that is taken back; nor need c-vertices do without others what they do with
   // them.
   do {
-    if (!take_back_meeting(*work_, *task.shape, meeting, triangles, control).empty()) {
-      take_back_all(*work_, *task.shape, triangles, control);
+    if (!take_back_meeting(*work_, meeting, triangles, control).empty()) {
+      take_back_all(*work_, triangles, control);
       work_apart({}, meeting, out, control);
       work_->certify(out.certificate, control);
       triangles.assign(work_->triangles().begin(), work_->triangles().end());
     }
-  } while (settle_vertices(*work_, *task.shape, triangles, control));
+  } while (settle_vertices(*work_, triangles, control));
 }
 
 // What the level reached, by what was asked for.
@@ -593,7 +598,7 @@ void Refiner::describe(const Task& task, const LevelGoal& asked, RefinedLevel& o
   Obstacles obstacles{&extent_, is_first_, out.vertices_ran_out, false, 0};
   for (const auto& [c, excess] : cells_over(asked, values)) {
     const float radius = work_->covering().radius()[partition().site[c]];
-    if (is_at_limit(c)) {
+    if (is_at_limit(task, c)) {
       out.at_limit.emplace_back(c, excess);
     } else if (radius <= kChordSlack * task.shortest_edge * 1.0001f) {
       obstacles.edges_in_the_way = true;

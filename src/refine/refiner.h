@@ -14,7 +14,7 @@
 #include "refine/measured_covering.h"
 #include "refine/refined_level.h"
 #include "refine/rounds.h"
-#include "refine/shape.h"
+#include "refine/shape_optimizer.h"
 #include "subdivide/adaptive_surface.h"
 
 namespace isoatlas {
@@ -96,9 +96,9 @@ class Refiner {
   void work_towards(const Task& task, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control);
   bool is_provable(const Task& task) const;
   void prove(const Task& task, const std::function<void()>& work_on);
-  std::vector<CVertexId> places_at_limit();
-  std::vector<std::pair<double, CellId>> cells_at_limit();
-  bool is_at_limit(CellId c) const;
+  std::vector<CVertexId> places_at_limit(const Task& task);
+  std::vector<std::pair<double, CellId>> cells_at_limit(const Task& task);
+  bool is_at_limit(const Task& task, CellId c) const;
   std::vector<std::pair<CellId, double>> cells_over(const LevelGoal& asked, std::span<const MetricValues> values) const;
   void step_down(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control);
   void remember_placed_in();

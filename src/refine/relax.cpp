@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "core/disjoint_sets.h"
@@ -40,10 +41,10 @@ Vec3 clamped(Vec3 p, const Roam& r) {
 
 class Relaxation {
  public:
-  Relaxation(std::span<Vec3> points, std::span<const Triangle> triangles, const SlackRows<std::uint32_t>& triangles_of, std::span<const Roam> roam,
-             const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal, const RunControl& control, std::span<const std::uint8_t> fresh)
+  Relaxation(std::span<Vec3> points, std::span<const Triangle> triangles, const SlackRows<std::uint32_t>& triangles_of, const std::function<Roam(std::uint32_t)>& roam,
+             const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal, const RunControl& control, std::span<const std::uint32_t> look)
       : control_(control),
-        fresh_(fresh),
+        look_(look),
         points_(points),
         triangles_(triangles),
         roam_(roam),
@@ -53,9 +54,7 @@ class Relaxation {
         triangles_of_(triangles_of) {}
 
   std::vector<std::uint32_t> run() {
-    for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
-      if (is_fresh(t) && needs_work(t)) active_.push_back(t);
-    }
+    std::ranges::copy_if(look_, std::back_inserter(active_), [&](std::uint32_t t) { return needs_work(t); });
     if (active_.empty()) return {};
     start_.assign(points_.begin(), points_.end());
     push_.resize(points_.size());
@@ -90,7 +89,6 @@ class Relaxation {
     return *low < goal_.aspect * *high || *low < goal_.separation;
   }
 
-  bool is_fresh(std::uint32_t t) const { return fresh_.empty() || fresh_[t] != 0; }
   bool has_moved(std::uint32_t t) const {
     return std::any_of(triangles_[t].begin(), triangles_[t].end(), [&](std::uint32_t v) { return !(points_[v] == start_[v]); });
   }
@@ -122,7 +120,7 @@ class Relaxation {
 
   // Shares a change of the length of an edge between its ends, as far as these can move.
   void lengthen(std::uint32_t a, std::uint32_t b, double by) {
-    const bool a_moves = can_move(roam_[a]), b_moves = can_move(roam_[b]);
+    const bool a_moves = can_move(roam_(a)), b_moves = can_move(roam_(b));
     Vec3 direction = normalized(points_[b] - points_[a]);
     if (direction == Vec3{}) direction = {a < b ? 1.0 : -1.0, 0, 0};
     const double each = a_moves && b_moves ? 0.5 * by : by;
@@ -161,7 +159,8 @@ class Relaxation {
     active_.clear();
     for (const std::uint32_t v : pushed_) {
       const Vec3 p = points_[v] + (1.0 / pushes_[v]) * push_[v];
-      points_[v] = clamped(drawn_back(clamped(p, roam_[v])), roam_[v]);
+      const Roam roam = roam_(v);
+      points_[v] = clamped(drawn_back(clamped(p, roam)), roam);
       pushes_[v] = 0;
     }
     for (const std::uint32_t v : pushed_) {
@@ -247,12 +246,8 @@ class Relaxation {
       const auto add_bad = [&](std::uint32_t t) {
         if (goodness(t, kNone, {}) < 1) vertices.insert(vertices.end(), triangles_[t].begin(), triangles_[t].end());
       };
-      for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
-        if (is_fresh(t)) add_bad(t);
-      }
-      for (const std::uint32_t t : triangles_that_moved()) {
-        if (!is_fresh(t)) add_bad(t);
-      }
+      std::ranges::for_each(look_, add_bad);
+      std::ranges::for_each(triangles_that_moved(), add_bad);
       for (int pass = 0; pass < kSearchPasses && !vertices.empty(); ++pass) {
         std::sort(vertices.begin(), vertices.end());
         vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
@@ -260,7 +255,7 @@ class Relaxation {
         std::size_t looked_at = 0;
         for (const std::uint32_t v : vertices) {
           if (++looked_at % kLook == 0) control_.check_cancelled();
-          if (!can_move(roam_[v]) || !improve(v, step)) continue;
+          if (!can_move(roam_(v)) || !improve(v, step)) continue;
           again.push_back(v);
           for (const std::uint32_t t : triangles_of_.row(v)) {
             if (goodness(t, kNone, {}) < 1) again.insert(again.end(), triangles_[t].begin(), triangles_[t].end());
@@ -324,13 +319,14 @@ class Relaxation {
     double best = worst_around(v, points_[v], 0);
     if (best >= 1) return false;
     const double farthest = std::max(kFarthestFound, off_surface(points_[v]));
+    const Roam roam = roam_(v);
     const Vec3 from = points_[v];
     Vec3 found = from;
     for (int k = 0; k < 27; ++k) {
       const Vec3 d{k % 3 - 1.0, k / 3 % 3 - 1.0, k / 9 - 1.0};
       const double l = length(d);
       if (l == 0) continue;
-      const Vec3 p = clamped(from + (step / l) * d, roam_[v]);
+      const Vec3 p = clamped(from + (step / l) * d, roam);
       if (p == from) continue;
       const double worst = worst_around(v, p, best + kWorthIt);
       if (worst <= best + kWorthIt || turns(v, p) || off_surface(p) > farthest) continue;
@@ -380,10 +376,10 @@ class Relaxation {
   }
 
   const RunControl& control_;
-  std::span<const std::uint8_t> fresh_;
+  std::span<const std::uint32_t> look_;
   std::span<Vec3> points_;
   std::span<const Triangle> triangles_;
-  std::span<const Roam> roam_;
+  const std::function<Roam(std::uint32_t)>& roam_;
   const InterpolatedField* field_;
   Vec3 spacing_;
   RelaxGoal goal_;
@@ -411,9 +407,9 @@ Roam roam_of(Vec3 position, Vec3 spacing) {
 }
 
 std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles, const SlackRows<std::uint32_t>& triangles_of,
-                                 std::span<const Roam> roam, const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal, const RunControl& control,
-                                 std::span<const std::uint8_t> fresh) {
-  return Relaxation(points, triangles, triangles_of, roam, field, spacing, goal, control, fresh).run();
+                                 const std::function<Roam(std::uint32_t)>& roam, const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal,
+                                 const RunControl& control, std::span<const std::uint32_t> look) {
+  return Relaxation(points, triangles, triangles_of, roam, field, spacing, goal, control, look).run();
 }
 
 }  // namespace isoatlas

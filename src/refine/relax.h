@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -35,11 +36,12 @@ struct RelaxGoal {
 /// @param points  spacing applied; lengths in voxels (smallest spacings)
 /// @param triangles_of  per vertex, the triangles with a corner there
 /// @param field   whose zero set is the surface; none: nothing draws vertices back
-/// @param fresh  per triangle, 1 if it was not there, or its corners were elsewhere, when this was done the last time; empty: all are
+/// @param roam    of a vertex
+/// @param look    the triangles that may need it, sorted
 /// @return the vertices that were moved, sorted
-/// @cost   O(triangles), then a few dozen looks at those concerned
+/// @cost   O(triangles) if any needs it, then a few dozen looks at those concerned
 std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles, const SlackRows<std::uint32_t>& triangles_of,
-                                 std::span<const Roam> roam, const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal, const RunControl& control,
-                                 std::span<const std::uint8_t> fresh = {});
+                                 const std::function<Roam(std::uint32_t)>& roam, const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal,
+                                 const RunControl& control, std::span<const std::uint32_t> look);
 
 }  // namespace isoatlas

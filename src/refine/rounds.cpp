@@ -72,7 +72,7 @@ class Stretch {
   bool fills(double worst) const { return has_too_few() && worst <= 1; }
   CVertexId site(CellId c) const { return covering_.partition().site[c]; }
   double excess(CellId c) const { return work_.errors()[c].excess; }
-  float least(CVertexId v) const { return least_radius(task_, work_.ground(), v); }
+  float least(CVertexId v) const { return least_useful_radius(task_, work_.ground(), v); }
   bool can_shrink(CellId c) const { return covering_.radius()[site(c)] > least(site(c)); }
   bool can_split(CellId c) const {
     const CVertexId x = work_.errors()[c].worst;
@@ -133,7 +133,7 @@ class Stretch {
       const double score = task_.shape->score(t.corner[0], t.corner[1], t.corner[2]);
       if (score >= 1) continue;
       const CVertexId v = work_.triangles()[i].at;
-      if (!covering_.is_covered(v) || covering_.distance()[v] < least(v)) continue;
+      if (!covering_.is_covered(v) || covering_.distance()[v] < least_radius(task_, work_.ground(), v)) continue;
       if (std::ranges::find(shape_given_up_, v) == shape_given_up_.end()) bad.emplace_back(score, v);
     }
     std::sort(bad.begin(), bad.end());

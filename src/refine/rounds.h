@@ -9,7 +9,7 @@
 #include "isoatlas/extract.h"
 #include "refine/measured_covering.h"
 #include "refine/refined_level.h"
-#include "refine/shape.h"
+#include "refine/shape_optimizer.h"
 
 namespace isoatlas {
 
@@ -29,11 +29,17 @@ struct RefinementTask {
   float shortest_edge = 0;
   std::optional<ShapeGoal> shape;
   float limit_share = kLimitShare;
+  float useful_radius = 0;  ///< disks smaller than this bring no cell nearer to its bounds
 };
 
 /// The smallest radius that a disk may get.
 inline float least_radius(const RefinementTask& task, const Ground& ground, CVertexId v) {
   return std::max(task.limit_share * ground.reach[v], kChordSlack * task.shortest_edge);
+}
+
+/// The smallest radius that a disk may get for the sake of bounds.
+inline float least_useful_radius(const RefinementTask& task, const Ground& ground, CVertexId v) {
+  return std::max(least_radius(task, ground, v), task.useful_radius);
 }
 
 /// What is asked for, bounds so many times as generous.

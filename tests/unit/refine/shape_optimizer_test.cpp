@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "refine/shape.h"
+#include "refine/shape_optimizer.h"
 
 #include <gtest/gtest.h>
 
@@ -53,7 +53,7 @@ TEST(ImproveShape, KeepsTheManifoldAndTheBounds) {
       work.freeze_anchors(frozen);
       std::vector<CellId> all(work.partition().cell_count());
       std::iota(all.begin(), all.end(), 0u);
-      work.remesh(work.triangles(), work.places(), all);  // exactly, of cells over their bounds, too
+      work.remesh(work.triangles(), {}, all);  // exactly, of cells over their bounds, too
       const std::vector<CellError> before = work.errors();
       ShapeGoal goal;
       goal.aspect = 0.5;

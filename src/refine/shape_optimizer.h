@@ -3,19 +3,9 @@
 
 #include "embed/intersection_tracker.h"
 #include "refine/measured_covering.h"
+#include "refine/shape_goal.h"
 
 namespace isoatlas {
-
-/// What counts as a badly shaped triangle.
-struct ShapeGoal {
-  double aspect = 1.0 / 3;            ///< shortest over longest edge, at least
-  double sine = 0.30901699437494742;  ///< of the smallest angle, at least; of 18 degrees: (sqrt(5) - 1) / 4
-
-  /// The sine becomes smaller with an aspect ratio below 1/3.
-  static ShapeGoal of(double aspect);
-  /// 1 where both are just met, less where one is not.
-  double score(Vec3 a, Vec3 b, Vec3 c) const;
-};
 
 struct ShapeReport {
   std::size_t bad = 0;     ///< triangles below the goal at the end
@@ -40,14 +30,14 @@ void improve_errors(MeasuredCovering& work, const ShapeGoal& goal, std::span<con
 /// become the dual's own again.
 /// @param meeting  may know an earlier mesh of these cells
 /// @return the corners of triangles that meet all the same, sorted
-std::vector<CellId> take_back_meeting(MeasuredCovering& work, const ShapeGoal& goal, IntersectionTracker& meeting,
-                                      std::vector<DualTriangle>& triangles, const RunControl& control);
+std::vector<CellId> take_back_meeting(MeasuredCovering& work, IntersectionTracker& meeting, std::vector<DualTriangle>& triangles,
+                                      const RunControl& control);
 
 /// Vertices go back to their c-vertices where surfels would meet if c-vertices were where their vertices are. @return whether any did
-bool settle_vertices(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles, const RunControl& control);
+bool settle_vertices(MeasuredCovering& work, std::vector<DualTriangle>& triangles, const RunControl& control);
 
 /// All changes.
-void take_back_all(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles, const RunControl& control);
+void take_back_all(MeasuredCovering& work, std::vector<DualTriangle>& triangles, const RunControl& control);
 
 /// More of improve_shape(), also where something was taken back, a change at a time that makes no triangles meet. @pre none do
 /// @param meeting  may know an earlier mesh of these cells
