@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -54,5 +55,26 @@ using LevelGoal = std::vector<Constraint>;
 /// Where a level's vertices sit. surface: on the isosurface, the same in all levels. balanced: per level, moved along the
 /// surface's normal so that the mesh lies evenly on both sides of the surface; boundary vertices stay.
 enum class Placement { surface, balanced };
+
+/// One metric over the cells of a level.
+struct MetricSummary {
+  double maximum = 0, mean = 0;  ///< unit as the quantity says
+};
+
+/// A constraint, and what became of it.
+struct ConstraintResult {
+  Constraint wanted;
+  double reached = 0;
+  bool met = false;
+  std::string reason;  ///< if not met: what stood in its way, with figures
+};
+
+/// Why a badly shaped triangle could not be mended: what keeps the ends of its shortest edge where they are.
+enum class ShapeObstacle {
+  none,               ///< nothing in particular: no place within reach is better and within the bounds
+  earlier_level,      ///< they are vertices of an earlier level
+  self_intersection,  ///< elsewhere triangles would meet
+  crowded,            ///< other pieces of the surface are in the same grid cell
+};
 
 }  // namespace isoatlas

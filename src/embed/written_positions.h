@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "isoatlas/extract.h"
+#include "isoatlas/volume.h"
 
 namespace isoatlas {
 

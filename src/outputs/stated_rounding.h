@@ -6,7 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "isoatlas/extract.h"
+#include "isoatlas/hierarchy.h"
+#include "isoatlas/report.h"
 #include "isoatlas/volume.h"
 
 namespace isoatlas {

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "isoatlas/extract.h"
+#include "isoatlas/certificate.h"
 #include "partition/partition.h"
 
 namespace isoatlas {

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "isoatlas/extract.h"
+#include "isoatlas/certificate.h"
 #include "isoatlas/run_control.h"
 #include "partition/dual_triangles.h"
 #include "surface/surface_complex.h"

@@ -4,7 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "isoatlas/extract.h"
+#include "isoatlas/options.h"
+#include "isoatlas/report.h"
 #include "surface/component_sizes.h"
 
 namespace isoatlas {

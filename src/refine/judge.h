@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "isoatlas/extract.h"
+#include "isoatlas/refine.h"
 #include "refine/level_mesh.h"
 
 namespace isoatlas {

@@ -214,9 +214,11 @@ std::vector<CellId> MeasuredCovering::cells_to_measure(std::span<const std::uint
     stale_.resize(partition().cell_count(), 0);
     for (CellId c = 0; c < stale_.size(); ++c) stale_[c] |= static_cast<std::uint8_t>(dual_.touched()[c] | renewed[c]);
     const auto stands_alone = [&](CellId c) { return c < stands_alone_.size() && stands_alone_[c] && errors_[c].excess <= 1; };
-    for (const MeshTriangle& t : mesh_.triangles) {
-      if (!renewed[t.cell[0]] && !renewed[t.cell[1]] && !renewed[t.cell[2]]) continue;
-      for (const CellId c : t.cell) stale_[c] |= static_cast<std::uint8_t>(!stands_alone(c));
+    for (CellId near = 0; near < renewed.size(); ++near) {
+      if (!renewed[near]) continue;
+      for (const std::uint32_t t : mesh_.triangles_of.row(near)) {
+        for (const CellId c : mesh_.cells_of_triangle[t]) stale_[c] |= static_cast<std::uint8_t>(!stands_alone(c));
+      }
     }
     for (CellId c = 0; c < stale_.size(); ++c) {
       if (stale_[c]) cells.push_back(c);

@@ -8,7 +8,8 @@
 #include <vector>
 
 #include "cover/repair.h"
-#include "isoatlas/extract.h"
+#include "isoatlas/certificate.h"
+#include "isoatlas/refine.h"
 #include "refine/error_field.h"
 #include "refine/surface_proof.h"
 #include "refine/triangle_errors.h"

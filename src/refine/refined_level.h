@@ -6,7 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "isoatlas/extract.h"
+#include "isoatlas/certificate.h"
+#include "isoatlas/refine.h"
 #include "metrics/metrics.h"
 #include "refine/shape_optimizer.h"
 

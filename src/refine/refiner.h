@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "embed/intersection_tracker.h"
-#include "isoatlas/extract.h"
+#include "isoatlas/refine.h"
 #include "partition/coarsen.h"
 #include "refine/judge.h"
 #include "refine/measured_covering.h"

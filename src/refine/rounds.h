@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "isoatlas/extract.h"
+#include "isoatlas/refine.h"
 #include "refine/measured_covering.h"
 #include "refine/refined_level.h"
 #include "refine/shape_optimizer.h"

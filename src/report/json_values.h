@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "isoatlas/extract.h"
+#include "isoatlas/report.h"
 #include "isoatlas/measure.h"
 #include "isoatlas/mesh.h"
 #include "report/report.h"

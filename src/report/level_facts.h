@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "isoatlas/extract.h"
+#include "isoatlas/report.h"
 #include "isoatlas/measure.h"
 #include "isoatlas/mesh.h"
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "isoatlas/extract.h"
+#include "isoatlas/volume.h"
 #include "isoatlas/run_control.h"
 #include "isoatlas/volume.h"
 

@@ -4,7 +4,7 @@
 
 #include <string_view>
 
-#include "isoatlas/extract.h"
+#include "isoatlas/options.h"
 
 namespace isoatlas {
 

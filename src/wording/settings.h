@@ -8,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "isoatlas/extract.h"
+#include "isoatlas/options.h"
 #include "isoatlas/volume_file.h"
 #include "isoatlas/measure.h"
 #include "isoatlas/volume.h"

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "isoatlas/extract.h"
+#include "isoatlas/options.h"
 #include "isoatlas/run_control.h"
 #include "isoatlas/volume.h"
 
