@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 
+#include "core/parallel.h"
 #include "core/vector_math.h"
 #include "refine/facing.h"
 #include "refine/relax.h"
@@ -18,6 +19,8 @@ namespace {
 constexpr int kPasses = 24;
 constexpr std::size_t kFewKept = 10;  // no more passes for the sake of errors once fewer than one change in so many helps
 constexpr double kWorthIt = 1e-3;
+constexpr std::size_t kPerPiece = 4096;  // triangles, of a parallel loop
+constexpr std::size_t kTogether = 64;    // changes that are looked for before the first of them is taken
 constexpr int kRelaxRounds = 3;
 constexpr int kLooksBack = 4;            // after relaxing, for cells that it took over their bounds
 constexpr double kLeastAgreement = 0.3;  // cosine between normals before and after a flip
@@ -220,11 +223,13 @@ class Workshop {
   double score(const MeshTriangle& t) const { return goal_.score(t.corner[0], t.corner[1], t.corner[2]); }
 
   std::vector<std::uint32_t> bad_triangles() const {
-    std::vector<std::pair<double, std::uint32_t>> found;
-    for (std::uint32_t i = 0; i < triangles_.size(); ++i) {
-      const double s = score(work_.mesh().triangles[i]);
-      if (s < 1) found.emplace_back(s, i);
-    }
+    using Found = std::pair<double, std::uint32_t>;
+    auto found = collect_pieces<Found>(triangles_.size(), kPerPiece, [&](std::size_t begin, std::size_t end, std::vector<Found>& out) {
+      for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
+        const double s = score(work_.mesh().triangles[i]);
+        if (s < 1) out.emplace_back(s, i);
+      }
+    });
     std::sort(found.begin(), found.end());
     std::vector<std::uint32_t> out;
     for (const auto& [s, i] : found) out.push_back(i);
@@ -268,13 +273,21 @@ class Workshop {
         take(best, best.is_flip() ? best.i : mesh.triangles_of.row(cell)[0]);
       }
     } else {
+      const auto is_near_taken = [&](std::uint32_t i) { return std::ranges::any_of(mesh.triangles[i].cell, is_taken); };
+      std::vector<std::uint32_t> next;
+      const auto take_next = [&] {
+        const std::vector<Change> best = best_changes(next);
+        for (std::size_t k = 0; k < next.size(); ++k) {
+          if (!is_near_taken(next[k])) take(best[k], next[k]);
+        }
+        next.clear();
+      };
       for (const std::uint32_t i : bad_triangles()) {
-        if (std::any_of(mesh.triangles[i].cell.begin(), mesh.triangles[i].cell.end(), is_taken)) continue;  // most end here
-        Change best;
-        consider_flips(i, kWorthIt, best);
-        for (const CellId cell : mesh.triangles[i].cell) consider_moves(cell, kWorthIt, best);
-        take(best, i);
+        if (is_near_taken(i)) continue;  // most end here
+        next.push_back(i);
+        if (next.size() == kTogether) take_next();
       }
+      take_next();
     }
     if (changes.empty()) return 0;
 
@@ -394,6 +407,16 @@ class Workshop {
       out = std::move(more);
     }
     return out;
+  }
+
+  // Per triangle, the change that makes it better most.
+  std::vector<Change> best_changes(std::span<const std::uint32_t> triangles) const {
+    std::vector<Change> best(triangles.size());
+    for_each_index(triangles.size(), 1, [&](std::size_t k) {
+      consider_flips(triangles[k], kWorthIt, best[k]);
+      for (const CellId cell : work_.mesh().triangles[triangles[k]].cell) consider_moves(cell, kWorthIt, best[k]);
+    });
+    return best;
   }
 
   // What a score has to be after a change: better by `gain`; without it, good enough or no worse.
