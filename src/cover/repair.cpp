@@ -138,7 +138,12 @@ void CertifiedDual::assign(const CertifiedDual& other) {
 // `scope` empty: everything.
 PartitionCheck CertifiedDual::check(std::span<const CellId> scope) {
   const Partition& partition = covering_.partition();
-  if (scope.empty()) return check_partition(complex_, partition.cell_of, partition.cell_count(), partition.site);
+  if (scope.empty()) {
+    PartitionCheck found;
+    run_both([&] { found = check_partition(complex_, partition.cell_of, partition.cell_count(), partition.site); },
+             [&] { adjacency(); });  // for repair and later checks
+    return found;
+  }
   return scoped_.run(complex_, adjacency(), partition.cell_of, covering_.members(), partition.site, scope);
 }
 
