@@ -560,13 +560,18 @@ ComplexPart::ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId>
   for (const CVertexId v : around) mark[v] = kWanted;
   const auto corners = [](const Face& f) { return std::span(f.corner).first(static_cast<std::size_t>(f.size())); };
   const auto has = [&](const Face& f, std::uint8_t bits) { return std::ranges::any_of(corners(f), [&](CVertexId v) { return (mark[v] & bits) != 0; }); };
-  for (const Face& f : whole.faces) {
-    if (!has(f, kWanted)) continue;
-    for (const CVertexId v : corners(f)) mark[v] |= kNear;
+  const auto faces_with = [&](std::uint8_t bits) {
+    return collect_pieces<FaceId>(whole.face_count(), kFaces, [&](std::size_t begin, std::size_t end, std::vector<FaceId>& found) {
+      for (auto f = static_cast<FaceId>(begin); f < end; ++f) {
+        if (has(whole.faces[f], bits)) found.push_back(f);
+      }
+    });
+  };
+  for (const FaceId f : faces_with(kWanted)) {
+    for (const CVertexId v : corners(whole.faces[f])) mark[v] |= kNear;
   }
-  for (FaceId f = 0; f < whole.face_count(); ++f) {
-    if (!has(whole.faces[f], kWanted | kNear)) continue;
-    face.push_back(f);
+  face = faces_with(kWanted | kNear);
+  for (const FaceId f : face) {
     for (const CVertexId v : corners(whole.faces[f])) mark[v] |= kIn;
   }
   complex.spacing = whole.spacing;
