@@ -1,39 +1,55 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <cstdint>
-#include <numeric>
 #include <utility>
 #include <vector>
 
 namespace isoatlas {
 
-/// Union-find whose roots are the smallest members, so that they do not depend on the order of unions.
+/// Union-find whose roots are the smallest members, so that they do not depend on the order of unions. Several threads may call unite() and
+/// find() at the same time; what find() returns is final once all calls of unite() have returned.
+///
+/// @source Anderson and Woll, Wait-free parallel algorithms for the union-find problem, 1991: parents only ever become smaller members of the
+///         same set, and only a root gets a set joined to it, by compare and swap
 class DisjointSets {
  public:
-  explicit DisjointSets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
+  explicit DisjointSets(std::size_t n) : parent_(n) {
+    for (std::uint32_t i = 0; i < n; ++i) put(i, i);
+  }
 
   std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) {
-      parent_[i] = parent_[parent_[i]];
-      i = parent_[i];
+    for (std::uint32_t parent = get(i); parent != i; parent = get(i)) {
+      const std::uint32_t above = get(parent);
+      if (above == parent) return parent;
+      put(i, above);
+      i = above;
     }
     return i;
   }
 
   void unite(std::uint32_t a, std::uint32_t b) {
-    a = find(a);
-    b = find(b);
-    if (a == b) return;
-    if (b < a) std::swap(a, b);
-    parent_[b] = a;
+    while (get(a) != get(b)) {
+      a = find(a);
+      b = find(b);
+      if (a == b) return;
+      if (b < a) std::swap(a, b);
+      std::uint32_t root = b;
+      if (parent_[b].compare_exchange_strong(root, a, std::memory_order_relaxed)) return;
+    }
   }
 
+  bool is_root(std::uint32_t i) const { return get(i) == i; }
+
   /// Makes i a set of its own; only valid when every member of its set is reset.
-  void reset(std::uint32_t i) { parent_[i] = i; }
+  void reset(std::uint32_t i) { put(i, i); }
 
  private:
-  std::vector<std::uint32_t> parent_;
+  std::uint32_t get(std::uint32_t i) const { return parent_[i].load(std::memory_order_relaxed); }
+  void put(std::uint32_t i, std::uint32_t parent) { parent_[i].store(parent, std::memory_order_relaxed); }
+
+  std::vector<std::atomic<std::uint32_t>> parent_;
 };
 
 }  // namespace isoatlas

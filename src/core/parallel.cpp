@@ -8,12 +8,25 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace isoatlas {
 
 namespace {
 
 thread_local tbb::task_arena* limited = nullptr;  // of this thread's ThreadLimit; null: loops use the arena they are in
+
+// The limit of the thread that started a loop is that of all threads that work on it.
+class InheritedLimit {
+ public:
+  explicit InheritedLimit(tbb::task_arena* of_loop) : own_(std::exchange(limited, of_loop)) {}
+  ~InheritedLimit() { limited = own_; }
+  InheritedLimit(const InheritedLimit&) = delete;
+  InheritedLimit& operator=(const InheritedLimit&) = delete;
+
+ private:
+  tbb::task_arena* own_;
+};
 
 }  // namespace
 
@@ -37,12 +50,23 @@ ThreadLimit::~ThreadLimit() {
 
 void for_each_piece(std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body) {
   if (n == 0) return;
-  const auto loop = [&] {
+  const auto loop = [&, limit = limited] {
     tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, n, grain), [&](const tbb::blocked_range<std::size_t>& r) { body(r.begin(), r.end()); },
+        tbb::blocked_range<std::size_t>(0, n, grain),
+        [&](const tbb::blocked_range<std::size_t>& r) {
+          const InheritedLimit inherited(limit);
+          body(r.begin(), r.end());
+        },
         tbb::simple_partitioner());
   };
   limited != nullptr ? limited->execute(loop) : loop();
+}
+
+void run_both(const std::function<void()>& first, const std::function<void()>& second) {
+  for_each_piece(2, 1, [&](std::size_t begin, std::size_t end) {
+    if (begin == 0) first();
+    if (end == 2) second();
+  });
 }
 
 }  // namespace isoatlas

@@ -3,8 +3,10 @@
 // The only file that knows TBB.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
+#include <vector>
 
 namespace isoatlas {
 
@@ -24,5 +26,32 @@ class ThreadLimit {
 
 /// Calls body(begin, end) on pieces of [0, n) of at most `grain` items. Exceptions thrown by a piece reach the caller.
 void for_each_piece(std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body);
+
+/// Calls both, beside each other where a thread is free. Neither may depend on the other.
+void run_both(const std::function<void()>& first, const std::function<void()>& second);
+
+/// Calls body(i) for each i in [0, n), in pieces of at most `grain`.
+template <class Body>
+void for_each_index(std::size_t n, std::size_t grain, const Body& body) {
+  for_each_piece(n, grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) body(i);
+  });
+}
+
+/// What collect(begin, end, out) appends to `out` for pieces of [0, n), in the order of the pieces: for any number of threads the same.
+template <class Item, class Collect>
+std::vector<Item> collect_pieces(std::size_t n, std::size_t grain, const Collect& collect) {
+  std::vector<std::vector<Item>> found((n + grain - 1) / grain);
+  for_each_index(found.size(), 1, [&](std::size_t piece) { collect(piece * grain, std::min(n, (piece + 1) * grain), found[piece]); });
+  std::size_t count = 0;
+  for (const auto& part : found) count += part.size();
+  std::vector<Item> out;
+  out.reserve(count);
+  for (auto& part : found) {
+    out.insert(out.end(), part.begin(), part.end());
+    part = {};
+  }
+  return out;
+}
 
 }  // namespace isoatlas

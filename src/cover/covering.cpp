@@ -8,9 +8,14 @@
 #include "cover/covering.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cassert>
 #include <limits>
+#include <thread>
 #include <utility>
+
+#include "core/parallel.h"
+#include "cover/component_graphs.h"
 
 namespace isoatlas {
 namespace {
@@ -334,8 +339,15 @@ void Covering::add_disk(CVertexId v) {
 }
 
 void Covering::cover(const RunControl& control) {
-  cover_reached(control);
+  if (site_count() == 0) {
+    if (const ComponentGraphs groups(graph_); groups.count() > 1) return cover_apart(groups, control);
+  }
+  cover_all(control);
+}
+
+void Covering::cover_all(const RunControl& control) {
   const CVertexId n = graph_.c_vertex_count();
+  cover_reached(control);
   const auto start = [&](CVertexId v) {
     add_disk(v);
     cover_reached(control);
@@ -347,6 +359,43 @@ void Covering::cover(const RunControl& control) {
     if (partition_.cell_of[next_interior_] == kNone) start(next_interior_);
   }
   assert(has_slope());
+}
+
+// Each group by a covering of its own; then their sites one group after the other. @pre there are no sites
+void Covering::cover_apart(const ComponentGraphs& groups, const RunControl& control) {
+  std::vector<Partition> parts(groups.count());  // their cell_of stays empty
+  std::vector<std::vector<CellId>> placed_in(groups.count());
+  std::atomic<std::size_t> covered = 0;
+  const std::thread::id caller = std::this_thread::get_id();
+  RunControl quiet = control;
+  quiet.progress = nullptr;
+  for_each_index(groups.count(), 1, [&](std::size_t i) {
+    const std::uint32_t group = groups.by_size()[i];
+    const std::span<const CVertexId> own = groups.c_vertices(group);
+    const CVertexGraph graph = groups.graph_of(group);
+    Covering part(graph, options_);
+    if (!events_) part.ignore_events();
+    for (std::size_t k = 0; k < own.size(); ++k) part.radius_[k] = radius_[own[k]];
+    part.cover_all(quiet);
+    for (std::size_t k = 0; k < own.size(); ++k) {
+      distance_[own[k]] = part.distance_[k];
+      radius_[own[k]] = part.radius_[k];
+      partition_.cell_of[own[k]] = part.partition_.cell_of[k];
+    }
+    for (CVertexId& v : part.partition_.site) v = own[v];
+    parts[group].site = std::move(part.partition_.site);
+    placed_in[group] = std::move(part.placed_in_);
+    covered += own.size();
+    if (std::this_thread::get_id() == caller) control.report("cover", static_cast<double>(covered) / graph_.c_vertex_count());
+  });
+  for (std::uint32_t group = 0; group < groups.count(); ++group) {
+    const CellId first = site_count();
+    for (const CVertexId v : groups.c_vertices(group)) partition_.cell_of[v] += first;
+    partition_.site.insert(partition_.site.end(), parts[group].site.begin(), parts[group].site.end());
+    for (const CellId cell : placed_in[group]) placed_in_.push_back(cell == kNone ? kNone : first + cell);
+  }
+  reached_ = graph_.c_vertex_count();
+  next_boundary_ = next_interior_ = graph_.c_vertex_count();
 }
 
 }  // namespace isoatlas

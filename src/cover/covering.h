@@ -17,6 +17,8 @@
 
 namespace isoatlas {
 
+class ComponentGraphs;
+
 struct CoveringOptions {
   float max_radius = 0;         ///< R_g, world length, > 0
   float event_persistence = 0;  ///< world length, >= 0
@@ -38,7 +40,8 @@ class Covering {
   void assign(const Covering& other);
 
   /// Stage one: adds the c-vertex farthest from all sites, its disk limited by topological events, until all are covered.
-  /// Components without a site get one first, on their boundary if they have one.
+  /// Components without a site get one first, on their boundary if they have one. The first time components are covered in parallel, with
+  /// the result that they have one after the other.
   void cover(const RunControl& control);
 
   /// Starts from sites and radii found on a coarser complex. @pre nothing was inserted yet
@@ -101,6 +104,8 @@ class Covering {
   void put_in_cell(CVertexId v, CellId cell);
   void add_disk(CVertexId v);  ///< a site whose disk is limited by its first topological event
   void cover_reached(const RunControl& control);
+  void cover_all(const RunControl& control);
+  void cover_apart(const ComponentGraphs& groups, const RunControl& control);
   template <class Queue>
   void spread_radii(Queue& front);
   void spread_distances(MonotoneQueue& front);

@@ -9,6 +9,8 @@
 #include <tuple>
 #include <utility>
 
+#include "core/parallel.h"
+
 namespace isoatlas {
 namespace {
 
@@ -25,6 +27,8 @@ struct Candidate {
   }
 };
 
+constexpr std::size_t kFaults = 64;  // per piece of a parallel loop
+
 // A new site that can mend one fault, and the cells the fault is about.
 struct Fix {
   float distance;
@@ -40,17 +44,16 @@ class FixFinder {
   // For every faulty cell its farthest c-vertex, on the boundary if that is what is wrong; for two cells with faulty arcs the farthest
   // c-vertex on their common border.
   std::vector<Fix> find(const PartitionCheck& check) const {
-    std::vector<Fix> fixes;
-    const auto add = [&](const Candidate& candidate, CellId a, CellId b) {
-      if (candidate.c_vertex != kNone) fixes.push_back({candidate.distance, candidate.c_vertex, a, b});
-    };
-    for (const auto& [cell, fault] : check.faulty_cells) {
+    std::vector<Fix> fixes(check.faulty_cells.size() + check.pair_faults.size());
+    for_each_index(check.faulty_cells.size(), kFaults, [&](std::size_t i) {
+      const auto& [cell, fault] = check.faulty_cells[i];
       Candidate best;
       if (fault & kBadBoundary) best = farthest_of(cell, true);
       if (best.c_vertex == kNone) best = farthest_of(cell, false);
-      add(best, cell, cell);
-    }
-    for (const auto& [a, b] : check.pair_faults) {
+      fixes[i] = {best.distance, best.c_vertex, cell, cell};
+    });
+    for_each_index(check.pair_faults.size(), kFaults, [&](std::size_t i) {
+      const auto& [a, b] = check.pair_faults[i];
       Candidate best = farthest_between(a, b);
       // The whole border may be sites already. If both cells are single c-vertices, the third cell at their two arc ends is the same;
       // then arcs of it with one of them are faulty, too, and it has room for a site.
@@ -59,8 +62,9 @@ class FixFinder {
         const Candidate other = farthest_of(b, false);
         best.offer(other.distance, other.c_vertex);
       }
-      add(best, a, b);
-    }
+      fixes[check.faulty_cells.size() + i] = {best.distance, best.c_vertex, a, b};
+    });
+    std::erase_if(fixes, [](const Fix& fix) { return fix.c_vertex == kNone; });
     return fixes;
   }
 
@@ -134,7 +138,12 @@ void CertifiedDual::assign(const CertifiedDual& other) {
 // `scope` empty: everything.
 PartitionCheck CertifiedDual::check(std::span<const CellId> scope) {
   const Partition& partition = covering_.partition();
-  if (scope.empty()) return check_partition(complex_, partition.cell_of, partition.cell_count(), partition.site);
+  if (scope.empty()) {
+    PartitionCheck found;
+    run_both([&] { found = check_partition(complex_, partition.cell_of, partition.cell_count(), partition.site); },
+             [&] { adjacency(); });  // for repair and later checks
+    return found;
+  }
   return scoped_.run(complex_, adjacency(), partition.cell_of, covering_.members(), partition.site, scope);
 }
 

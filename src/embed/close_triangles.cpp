@@ -42,16 +42,10 @@ Box box_of(std::span<const Vec3> positions, const Triangle& triangle) {
 // Calls find(begin, end, found) for pieces of [0, n), in parallel.
 template <class Find>
 std::vector<TrianglePair> collect(std::size_t n, std::size_t grain, const RunControl& control, const Find& find) {
-  const std::size_t pieces = (n + grain - 1) / grain;
-  std::vector<std::vector<TrianglePair>> found(pieces);
-  for_each_piece(pieces, 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t piece = begin; piece < end; ++piece) {
-      control.check_cancelled();
-      find(piece * grain, std::min(n, (piece + 1) * grain), found[piece]);
-    }
+  std::vector<TrianglePair> out = collect_pieces<TrianglePair>(n, grain, [&](std::size_t begin, std::size_t end, auto& found) {
+    control.check_cancelled();
+    find(begin, end, found);
   });
-  std::vector<TrianglePair> out;
-  for (const auto& part : found) out.insert(out.end(), part.begin(), part.end());
   std::sort(out.begin(), out.end());
   return out;
 }

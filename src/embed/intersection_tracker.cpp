@@ -11,6 +11,8 @@
 namespace isoatlas {
 namespace {
 
+constexpr std::size_t kPerPiece = 2048;  // vertices or triangles, of a parallel loop
+
 std::vector<std::uint32_t> sorted_once(std::vector<std::uint32_t> ids) {
   std::sort(ids.begin(), ids.end());
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
@@ -25,18 +27,19 @@ std::vector<std::uint32_t> IntersectionTracker::take_mesh(std::span<const Vec3> 
   std::vector<std::uint8_t> moved(positions.size(), 1);
   positions_.resize(positions.size());
   in_space_.resize(positions.size());
-  for (std::size_t v = 0; v < positions.size(); ++v) {
+  for_each_index(positions.size(), kPerPiece, [&](std::size_t v) {
     if (v < known && positions_[v] == positions[v]) {
       moved[v] = 0;
     } else {
       move(static_cast<std::uint32_t>(v), positions[v]);
     }
-  }
-  std::vector<std::uint32_t> changed;
-  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-    const Triangle& t = triangles[i];
-    if (i >= triangles_.size() || triangles_[i] != t || moved[t[0]] || moved[t[1]] || moved[t[2]]) changed.push_back(i);
-  }
+  });
+  std::vector<std::uint32_t> changed = collect_pieces<std::uint32_t>(triangles.size(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+    for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
+      const Triangle& t = triangles[i];
+      if (i >= triangles_.size() || triangles_[i] != t || moved[t[0]] || moved[t[1]] || moved[t[2]]) found.push_back(i);
+    }
+  });
   triangles_.assign(triangles.begin(), triangles.end());
   planes_.resize(triangles.size());
   return changed;
@@ -79,12 +82,14 @@ bool IntersectionTracker::intersect_in_any_form(std::uint32_t first, std::uint32
 
 std::vector<std::uint32_t> IntersectionTracker::update(std::span<const Vec3> positions, std::span<const Triangle> triangles,
                                                        const RunControl& control) {
+  const ThreadLimit threads(control.threads);
   return test(take_mesh(positions, triangles), control);
 }
 
 std::vector<std::uint32_t> IntersectionTracker::update(std::span<const std::uint32_t> vertices, std::span<const Vec3> at,
                                                        std::span<const std::uint32_t> changed, std::span<const Triangle> corners,
                                                        const RunControl& control) {
+  const ThreadLimit threads(control.threads);
   for (std::size_t i = 0; i < vertices.size(); ++i) move(vertices[i], at[i]);
   for (std::size_t i = 0; i < changed.size(); ++i) triangles_[changed[i]] = corners[i];
   return test(changed, control);
@@ -96,11 +101,15 @@ std::vector<std::uint32_t> IntersectionTracker::test(std::span<const std::uint32
     const auto is_changed = [&](std::uint32_t t) { return t >= triangles_.size() || std::binary_search(changed.begin(), changed.end(), t); };
     return is_changed(pair.first) || is_changed(pair.second);
   });
-  for (const std::uint32_t t : changed) planes_[t] = RoughPlane(in_space_, triangles_[t], written_.most_rounding());
-  for (const std::uint32_t t : changed) {
-    if (!has_area_in_all_forms(triangles_[t])) pairs_.emplace_back(t, t);
-  }
-  const ThreadLimit threads(control.threads);
+  for_each_index(changed.size(), kPerPiece, [&](std::size_t i) {
+    planes_[changed[i]] = RoughPlane(in_space_, triangles_[changed[i]], written_.most_rounding());
+  });
+  const auto flat = collect_pieces<TrianglePair>(changed.size(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+    for (const std::uint32_t t : changed.subspan(begin, end - begin)) {
+      if (!has_area_in_all_forms(triangles_[t])) found.emplace_back(t, t);
+    }
+  });
+  pairs_.insert(pairs_.end(), flat.begin(), flat.end());
   const auto intersect = [&](std::uint32_t a, std::uint32_t b) { return intersect_in_any_form(a, b); };
   const std::vector<TrianglePair> found = close_.update(in_space_, triangles_, changed, intersect, control);
   pairs_.insert(pairs_.end(), found.begin(), found.end());

@@ -12,6 +12,7 @@
 #include <map>
 #include <vector>
 
+#include "core/parallel.h"
 #include "core/vector_math.h"
 #include "mesh/closest_point.h"
 #include "mesh/triangle_tree.h"
@@ -23,6 +24,8 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Exact = CGAL::Exact_rational;
 
 int sign_of(double x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
+
+constexpr std::size_t kRays = 16;  // per piece of a parallel loop
 
 // -------------------------------------------------------------------------------------------------- signs of volumes
 
@@ -95,14 +98,12 @@ std::vector<std::vector<std::uint32_t>> around_components(std::span<const Vec3> 
   std::vector<std::vector<std::uint32_t>> around(components);
   if (std::ranges::count(is_open, std::uint8_t{0}) < 2) return around;
   const TriangleTree tree({positions.begin(), positions.end()}, triangles);
-  std::vector<std::uint32_t> leaves;
-  std::map<std::uint32_t, int> winding;
-  for (std::uint32_t c = 0; c < components; ++c) {
-    if (is_open[c] != 0 || lowest[c] == kNone) continue;
+  for_each_index(components, kRays, [&](std::size_t c) {
+    if (is_open[c] != 0 || lowest[c] == kNone) return;
     const Vec3 p = positions[lowest[c]];
-    leaves.clear();
+    std::vector<std::uint32_t> leaves;
+    std::map<std::uint32_t, int> winding;
     tree.leaves_near({-1e18, p.y, p.z}, p, 0, leaves);
-    winding.clear();
     for (const std::uint32_t leaf : leaves) {
       for (std::uint32_t slot = TriangleTree::kLeaf * leaf; slot < tree.leaf_end(leaf); ++slot) {
         const Triangle& t = tree.corners_in(slot);
@@ -113,7 +114,7 @@ std::vector<std::vector<std::uint32_t>> around_components(std::span<const Vec3> 
     for (const auto& [other, times] : winding) {
       if (times != 0) around[c].push_back(other);
     }
-  }
+  });
   return around;
 }
 
@@ -173,8 +174,10 @@ std::vector<std::uint32_t> misplaced_vertices(std::span<const Vec3> positions, s
 
 Nesting mesh_nesting(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::span<const std::uint32_t> component_of,
                      std::span<const std::uint8_t> is_open) {
-  return {mesh_facing(positions, triangles, component_of, is_open),
-          parents_of(around_components(positions, triangles, component_of, is_open))};
+  Nesting nesting;
+  run_both([&] { nesting.facing = mesh_facing(positions, triangles, component_of, is_open); },
+           [&] { nesting.parent = parents_of(around_components(positions, triangles, component_of, is_open)); });
+  return nesting;
 }
 
 }  // namespace isoatlas

@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "metrics/surfels.h"
 
+#include "core/parallel.h"
 #include "core/vector_math.h"
 
 namespace isoatlas {
+namespace {
+
+constexpr std::size_t kPerPiece = 8192;  // c-vertices, of a parallel loop
+
+}  // namespace
 
 Surfels make_surfels(const SurfaceComplex& complex) {
   const std::uint32_t n = complex.c_vertex_count();
@@ -11,7 +17,7 @@ Surfels make_surfels(const SurfaceComplex& complex) {
   out.point.resize(n);
   out.normal.resize(n);
   out.area.assign(n, 0);
-  for (CVertexId v = 0; v < n; ++v) out.point[v] = scaled(complex.positions[v], complex.spacing);
+  for_each_index(n, kPerPiece, [&](std::size_t v) { out.point[v] = scaled(complex.positions[v], complex.spacing); });
   for (const Face& face : complex.faces) {
     const int size = face.size();
     const auto at = [&](int k) { return out.point[face.corner[k]]; };
@@ -24,7 +30,7 @@ Surfels make_surfels(const SurfaceComplex& complex) {
       out.area[face.corner[k]] += share;
     }
   }
-  for (Vec3& normal : out.normal) normal = normalized(normal);
+  for_each_index(n, kPerPiece, [&](std::size_t v) { out.normal[v] = normalized(out.normal[v]); });
   return out;
 }
 

@@ -12,117 +12,218 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <utility>
 
 #include "core/disjoint_sets.h"
+#include "core/parallel.h"
 
 namespace isoatlas {
-PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const CellId> cell_of, std::uint32_t cells,
-                               std::span<const CVertexId> site, std::span<const std::uint8_t> scope) {
-  const std::uint32_t n = complex.c_vertex_count();
-  const bool all = scope.empty();
-  const auto in_scope = [&](CellId c) { return all || scope[c] != 0; };
-  PartitionCheck check;
+namespace {
 
-  // Cells: connected through sides and chosen diagonals, and V - E + F = 1. Every side is counted half from each of its
-  // faces, boundary sides get their other half below; so all counts are doubled.
-  std::vector<std::int64_t> twice_euler(cells, 0);
-  DisjointSets pieces(n);
-  for (CVertexId v = 0; v < n; ++v) twice_euler[cell_of[v]] += 2;
-  for (const Face& face : complex.faces) {
+constexpr std::size_t kFaces = 8192, kCells = 16384;  // per piece of a parallel loop
+constexpr std::int64_t kPiece = std::int64_t{1} << 36;  // more than twice all c-vertices, sides or faces
+
+// A count per cell that several threads may add to. Neighbours are mostly in the same cell: what is added to one is put together first.
+class CellCounts {
+ public:
+  explicit CellCounts(std::uint32_t cells) : count_(cells) {}
+  std::int64_t operator[](CellId cell) const { return count_[cell].load(std::memory_order_relaxed); }
+
+  class Adder {  // of one thread
+   public:
+    explicit Adder(CellCounts& to) : to_(to) {}
+    ~Adder() { flush(); }
+    Adder(const Adder&) = delete;
+    Adder& operator=(const Adder&) = delete;
+    void add(CellId cell, std::int64_t amount) {
+      if (cell != cell_) {
+        flush();
+        cell_ = cell;
+      }
+      sum_ += amount;
+    }
+
+   private:
+    void flush() {
+      if (sum_ != 0) to_.count_[cell_].fetch_add(std::exchange(sum_, 0), std::memory_order_relaxed);
+    }
+    CellCounts& to_;
+    CellId cell_ = kNone;
+    std::int64_t sum_ = 0;
+  };
+
+ private:
+  std::vector<std::atomic<std::int64_t>> count_;
+};
+
+class CompleteCheck {
+ public:
+  CompleteCheck(const SurfaceComplex& complex, std::span<const CellId> cell_of, std::uint32_t cells, std::span<const CVertexId> site,
+                std::span<const std::uint8_t> scope)
+      : complex_(complex),
+        cell_of_(cell_of),
+        cells_(cells),
+        site_(site),
+        scope_(scope),
+        counts_(cells),
+        pieces_(complex.c_vertex_count()),
+        boundary_ends_(cells, 0),
+        touches_boundary_(cells, 0),
+        first_(cells + 1, 0) {}
+
+  PartitionCheck run() {
+    check_.triangles = collect_pieces<DualTriangle>(complex_.faces.size(), kFaces, [&](std::size_t begin, std::size_t end, auto& triangles) {
+      CellCounts::Adder counts(counts_);
+      for (std::size_t f = begin; f < end; ++f) count_face(complex_.faces[f], counts, triangles);
+    });
+    checked_id(3 * check_.triangles.size() + complex_.boundary.size(), "ends of arcs");
+    for_each_piece(cell_of_.size(), kCells, [&](std::size_t begin, std::size_t end) {
+      CellCounts::Adder counts(counts_);
+      for (auto v = static_cast<CVertexId>(begin); v < end; ++v) counts.add(cell_of_[v], pieces_.is_root(v) ? kPiece + 2 : 2);
+    });
+    count_boundary();
+    run_both([&] { judge_all_pairs(); }, [&] { judge_cells(); });
+    return std::move(check_);
+  }
+
+ private:
+  bool in_scope(CellId c) const { return scope_.empty() || scope_[c] != 0; }
+
+  // Cells: connected through sides and chosen diagonals, and V - E + F = 1. Every side is counted half from each of its faces, boundary
+  // sides get their other half in count_boundary(); so all counts are doubled.
+  void count_face(const Face& face, CellCounts::Adder& counts, std::vector<DualTriangle>& triangles) {
     const int size = face.size();
     std::array<CellId, 4> c;
-    bool wanted = all;
+    bool wanted = scope_.empty(), whole = true;
     for (int k = 0; k < size; ++k) {
-      c[k] = cell_of[face.corner[k]];
-      wanted = wanted || scope[c[k]] != 0;
+      c[k] = cell_of_[face.corner[k]];
+      wanted = wanted || scope_[c[k]] != 0;
+      whole = whole && c[k] == c[0];
     }
-    if (!wanted) continue;
-    bool whole = true;
+    if (!wanted) return;
+    if (whole) {
+      for (int k = 1; k < size; ++k) pieces_.unite(face.corner[k - 1], face.corner[k]);
+      counts.add(c[0], 2 - size);
+      return;
+    }
     for (int k = 0; k < size; ++k) {
       const int next = k + 1 == size ? 0 : k + 1;
-      if (c[k] != c[next]) {
-        whole = false;
-        continue;
-      }
-      twice_euler[c[k]] -= 1;
-      pieces.unite(face.corner[k], face.corner[next]);
+      if (c[k] != c[next]) continue;
+      counts.add(c[k], -1);
+      pieces_.unite(face.corner[k], face.corner[next]);
     }
-    if (whole) {
-      twice_euler[c[0]] += 2;
-      continue;
-    }
-    const FaceCut cut = cut_face(complex, face, c, site);
+    const FaceCut cut = cut_face(complex_, face, c, site_);
     if (cut.joined != kNone) {
-      twice_euler[cut.joined] -= 2;
-      pieces.unite(face.corner[cut.joined_corner], face.corner[cut.joined_corner + 2]);
+      counts.add(cut.joined, -2);
+      pieces_.unite(face.corner[cut.joined_corner], face.corner[cut.joined_corner + 2]);
     }
     for (int k = 0; k < cut.triangles; ++k) {
       const DualTriangle& t = cut.triangle[k];
-      if (in_scope(t.cell[0]) || in_scope(t.cell[1]) || in_scope(t.cell[2])) check.triangles.push_back(t);
+      if (in_scope(t.cell[0]) || in_scope(t.cell[1]) || in_scope(t.cell[2])) triangles.push_back(t);
     }
   }
 
-  checked_id(3 * check.triangles.size() + complex.boundary.size(), "ends of arcs");
-  std::vector<std::uint8_t> boundary_ends(cells, 0);  // boundary sides that leave the cell, up to 3 (= too many)
-  std::vector<std::uint8_t> touches_boundary(cells, 0);
-  std::vector<std::uint32_t> first(cells + 1, 0);  // buckets of arc ends by the smaller cell
-  for (const DualTriangle& t : check.triangles) {
-    for (int k = 0; k < 3; ++k) ++first[std::min(t.cell[k], t.cell[(k + 1) % 3])];
-  }
-  for (const BoundarySide& s : complex.boundary) {
-    const CellId a = cell_of[s.from], b = cell_of[s.to];
-    touches_boundary[a] = touches_boundary[b] = 1;
-    if (a == b) {
-      twice_euler[a] -= 1;
-      continue;
+  // Counts the ends of arcs, too, by the smaller cell.
+  void count_boundary() {
+    for (const DualTriangle& t : check_.triangles) {
+      for (int k = 0; k < 3; ++k) ++first_[std::min(t.cell[k], t.cell[(k + 1) % 3])];
     }
-    ++first[std::min(a, b)];
-    for (const CellId c : {a, b}) boundary_ends[c] = std::min<std::uint8_t>(3, boundary_ends[c] + 1);
-  }
-
-  std::vector<std::uint8_t> has_triangle(cells, 0), is_split(cells, 0);
-  for (const DualTriangle& t : check.triangles) {
-    for (const CellId c : t.cell) has_triangle[c] = 1;
-  }
-  std::vector<CVertexId> root(cells, kNone);
-  for (CVertexId v = 0; v < n; ++v) {
-    const CellId c = cell_of[v];
-    const CVertexId r = pieces.find(v);
-    if (root[c] == kNone) root[c] = r;
-    if (root[c] != r) is_split[c] = 1;
-  }
-  for (CellId c = 0; c < cells; ++c) {
-    if (root[c] == kNone || !in_scope(c)) continue;
-    ++check.cells;
-    std::uint8_t fault = is_split[c] ? kNotConnected : 0;
-    if (twice_euler[c] != 2) fault |= kNotADisk;
-    if (!has_triangle[c]) fault |= kNoTriangle;
-    if (touches_boundary[c] && (boundary_ends[c] != 2 || (!site.empty() && !complex.on_boundary[site[c]]))) fault |= kBadBoundary;
-    if (fault != 0) check.faulty_cells.push_back({c, fault});
-  }
-
-  // Pairs and triples, by arc ends in buckets.
-  std::uint32_t total = 0;
-  for (std::uint32_t& f : first) total += std::exchange(f, total);
-  std::vector<ArcEnd> ends(total);
-  for (const DualTriangle& t : check.triangles) {
-    for (int k = 0; k < 3; ++k) {
-      const CellId a = t.cell[k], b = t.cell[(k + 1) % 3];
-      ends[first[std::min(a, b)]++] = {std::min(a, b), std::max(a, b), t.cell[(k + 2) % 3]};
+    CellCounts::Adder counts(counts_);
+    for (const BoundarySide& s : complex_.boundary) {
+      const CellId a = cell_of_[s.from], b = cell_of_[s.to];
+      touches_boundary_[a] = touches_boundary_[b] = 1;
+      if (a == b) {
+        counts.add(a, -1);
+        continue;
+      }
+      ++first_[std::min(a, b)];
+      for (const CellId c : {a, b}) boundary_ends_[c] = std::min<std::uint8_t>(3, boundary_ends_[c] + 1);
     }
   }
-  for (const BoundarySide& s : complex.boundary) {
-    const CellId a = cell_of[s.from], b = cell_of[s.to];
-    if (a != b) ends[first[std::min(a, b)]++] = {std::min(a, b), std::max(a, b), kNone};
+
+  void judge_cells() {
+    std::vector<std::uint8_t> has_triangle(cells_, 0);
+    for (const DualTriangle& t : check_.triangles) {
+      for (const CellId c : t.cell) has_triangle[c] = 1;
+    }
+    std::atomic<std::size_t> checked = 0;
+    check_.faulty_cells = collect_pieces<FaultyCell>(cells_, kCells, [&](std::size_t begin, std::size_t end, auto& faulty) {
+      std::size_t here = 0;
+      for (auto c = static_cast<CellId>(begin); c < end; ++c) {
+        const std::int64_t count = counts_[c];
+        if (count == 0 || !in_scope(c)) continue;  // no c-vertices
+        ++here;
+        std::uint8_t fault = 0;
+        if (count != kPiece + 2) {
+          const std::int64_t pieces = (count + kPiece / 2) / kPiece;
+          if (pieces != 1) fault |= kNotConnected;
+          if (count != pieces * kPiece + 2) fault |= kNotADisk;
+        }
+        if (!has_triangle[c]) fault |= kNoTriangle;
+        if (touches_boundary_[c] && (boundary_ends_[c] != 2 || (!site_.empty() && !complex_.on_boundary[site_[c]]))) fault |= kBadBoundary;
+        if (fault != 0) faulty.push_back({c, fault});
+      }
+      checked += here;
+    });
+    check_.cells = checked;
   }
-  for (CellId c = 0; c < cells; ++c) {  // filling moved first[c] to the end of bucket c
-    const std::uint32_t from = c == 0 ? 0 : first[c - 1], to = first[c];
-    if (from == to) continue;
-    std::sort(ends.begin() + from, ends.begin() + to, [](const ArcEnd& a, const ArcEnd& b) { return a.high < b.high; });
+
+  // Into buckets by the smaller cell. Filling moves first_[c] to the end of bucket c.
+  void sort_ends() {
+    std::uint32_t total = 0;
+    for (std::uint32_t& f : first_) total += std::exchange(f, total);
+    ends_.resize(total);
+    for (const DualTriangle& t : check_.triangles) {
+      for (int k = 0; k < 3; ++k) {
+        const CellId a = t.cell[k], b = t.cell[(k + 1) % 3];
+        ends_[first_[std::min(a, b)]++] = {std::min(a, b), std::max(a, b), t.cell[(k + 2) % 3]};
+      }
+    }
+    for (const BoundarySide& s : complex_.boundary) {
+      const CellId a = cell_of_[s.from], b = cell_of_[s.to];
+      if (a != b) ends_[first_[std::min(a, b)]++] = {std::min(a, b), std::max(a, b), kNone};
+    }
   }
-  judge_pairs(ends, [&](CellId a, CellId b) { return in_scope(a) || in_scope(b); }, check);
-  return check;
+
+  // Pairs and triples.
+  void judge_all_pairs() {
+    sort_ends();
+    std::vector<PartitionCheck> parts((cells_ + kCells - 1) / kCells);
+    for_each_index(parts.size(), 1, [&](std::size_t i) {
+      const std::size_t last = std::min<std::size_t>(cells_, (i + 1) * kCells);
+      const std::uint32_t start = i == 0 ? 0 : first_[i * kCells - 1];
+      std::uint32_t from = start;
+      for (std::size_t c = i * kCells; c < last; from = first_[c++]) {
+        if (from != first_[c]) std::sort(ends_.begin() + from, ends_.begin() + first_[c], [](const ArcEnd& a, const ArcEnd& b) { return a.high < b.high; });
+      }
+      judge_pairs(std::span(ends_).subspan(start, from - start), [&](CellId a, CellId b) { return in_scope(a) || in_scope(b); }, parts[i]);
+    });
+    for (const PartitionCheck& part : parts) {
+      check_.pairs += part.pairs;
+      check_.pair_faults.insert(check_.pair_faults.end(), part.pair_faults.begin(), part.pair_faults.end());
+    }
+  }
+
+  const SurfaceComplex& complex_;
+  std::span<const CellId> cell_of_;
+  std::uint32_t cells_;
+  std::span<const CVertexId> site_;
+  std::span<const std::uint8_t> scope_;
+  CellCounts counts_;    // per cell, twice V - E + F, plus kPiece times the pieces that it is in
+  DisjointSets pieces_;  // of cells, whose c-vertices it joins
+  std::vector<std::uint8_t> boundary_ends_;  // per cell, boundary sides that leave it, up to 3 (= too many)
+  std::vector<std::uint8_t> touches_boundary_;
+  std::vector<std::uint32_t> first_;  // per cell, where its ends of arcs are
+  std::vector<ArcEnd> ends_;
+  PartitionCheck check_;
+};
+
+}  // namespace
+
+PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const CellId> cell_of, std::uint32_t cells,
+                               std::span<const CVertexId> site, std::span<const std::uint8_t> scope) {
+  return CompleteCheck(complex, cell_of, cells, site, scope).run();
 }
 
 std::uint8_t PartitionCheck::fault_of(CellId cell) const {

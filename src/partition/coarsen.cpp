@@ -7,11 +7,13 @@
 #include "partition/coarsen.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <span>
 
 #include "core/disjoint_sets.h"
 #include "core/epoch_set.h"
+#include "core/parallel.h"
 #include "core/vector_math.h"
 #include "mesh/outward.h"
 #include "partition/cell_members.h"
@@ -21,6 +23,8 @@
 
 namespace isoatlas {
 namespace {
+
+constexpr std::size_t kPerPiece = 16384;  // c-vertices or faces, of a parallel loop
 
 // Regions are named by their smallest c-vertex while they are being cut. There are only as many rounds as halvings, and most regions are cut in
 // the first ones: so each round is a few sweeps over everything.
@@ -39,12 +43,12 @@ class BlockRegions {
     scale_ = {s.x / block_length, s.y / block_length, s.z / block_length};
     const double smallest = std::min({s.x, s.y, s.z});
     levels_ = 1 + std::max(0, static_cast<int>(std::ceil(std::log2(block_length / smallest))));
-    for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) block_[v] = block_at(v, 0);
-    for (const Face& face : complex.faces) {
-      for_each_side(face, [&](CVertexId a, CVertexId b) {
+    for_each_index(complex.c_vertex_count(), kPerPiece, [&](std::size_t v) { block_[v] = block_at(static_cast<CVertexId>(v), 0); });
+    for_each_index(complex.faces.size(), kPerPiece, [&](std::size_t f) {
+      for_each_side(complex.faces[f], [&](CVertexId a, CVertexId b) {
         if (block_[a] == block_[b]) sets_.unite(a, b);
       });
-    }
+    });
     name_regions();
   }
 
@@ -80,31 +84,34 @@ class BlockRegions {
 
   // Per region, 1 if it shares a face with a c-vertex whose region the last cut cut: what can be faulty, or whole, since then.
   std::vector<std::uint8_t> around_cut() const {
-    std::vector<std::uint8_t> out(complex_.c_vertex_count(), 0);
-    for (const Face& face : complex_.faces) {
+    std::vector<std::atomic<std::uint8_t>> is_near(complex_.c_vertex_count());
+    for_each_index(complex_.faces.size(), kPerPiece, [&](std::size_t f) {
+      const Face& face = complex_.faces[f];
       const auto corners = std::span(face.corner).first(static_cast<std::size_t>(face.size()));
-      if (std::ranges::none_of(corners, [&](CVertexId v) { return cut_[v] != 0; })) continue;
-      for (const CVertexId v : corners) out[region_[v]] = 1;
-    }
-    return out;
+      if (std::ranges::none_of(corners, [&](CVertexId v) { return cut_[v] != 0; })) return;
+      for (const CVertexId v : corners) is_near[region_[v]].store(1, std::memory_order_relaxed);
+    });
+    return {is_near.begin(), is_near.end()};
   }
 
  private:
   // Cuts every failed region by blocks `halvings` times half the size.
   void cut_failed(int halvings) {
-    for (CVertexId v = 0; v < complex_.c_vertex_count(); ++v) {
+    for_each_index(complex_.c_vertex_count(), kPerPiece, [&](std::size_t i) {
+      const auto v = static_cast<CVertexId>(i);
       cut_[v] = failed_[region_[v]];
-      if (!cut_[v]) continue;
+      if (!cut_[v]) return;
       sets_.reset(v);
       level_[v] = static_cast<std::uint8_t>(std::min(level_[v] + halvings, levels_));
       block_[v] = block_at(v, level_[v]);
-    }
-    for (const Face& face : complex_.faces) {
-      if (!cut_[face.corner[0]] && !cut_[face.corner[1]] && !cut_[face.corner[2]]) continue;
+    });
+    for_each_index(complex_.faces.size(), kPerPiece, [&](std::size_t f) {
+      const Face& face = complex_.faces[f];
+      if (!cut_[face.corner[0]] && !cut_[face.corner[1]] && !cut_[face.corner[2]]) return;
       for_each_side(face, [&](CVertexId a, CVertexId b) {
         if (region_[a] == region_[b] && cut_[a] && level_[a] < levels_ && block_[a] == block_[b]) sets_.unite(a, b);
       });
-    }
+    });
     name_regions();
   }
 
@@ -128,11 +135,9 @@ class BlockRegions {
   }
 
   void name_regions() {
+    for_each_index(complex_.c_vertex_count(), kPerPiece, [&](std::size_t v) { region_[v] = sets_.find(static_cast<CVertexId>(v)); });
     std::fill(members_.begin(), members_.end(), 0u);
-    for (CVertexId v = 0; v < complex_.c_vertex_count(); ++v) {
-      region_[v] = sets_.find(v);
-      ++members_[region_[v]];
-    }
+    for (const CellId r : region_) ++members_[r];
   }
 
   // Two single c-vertices that meet badly do so because of the regions around them: cut every region they share a face with.
@@ -211,10 +216,11 @@ std::vector<std::uint8_t> turned_small_components(const SurfaceComplex& complex,
   constexpr double kLeastCosine = 0.5;  // well above 0, so that later stages have some room
   const std::uint32_t n = complex.c_vertex_count();
   DisjointSets sets(n);
-  for (const DualTriangle& t : triangles) {
+  for_each_index(triangles.size(), kPerPiece, [&](std::size_t i) {
+    const DualTriangle& t = triangles[i];
     sets.unite(t.cell[0], t.cell[1]);
     sets.unite(t.cell[1], t.cell[2]);
-  }
+  });
   std::vector<std::uint32_t> regions(n, 0);  // per component, named by region
   for (CVertexId v = 0; v < n; ++v) {
     if (region_of[v] == v) ++regions[sets.find(v)];
@@ -305,9 +311,11 @@ void cut_regions(const SurfaceComplex& complex, std::span<const CVertexId> regio
   const std::uint32_t n = complex.c_vertex_count();
   std::vector<CellId>& region_of = coarser.region_of;
   std::vector<CVertexId>& representative = coarser.representative;
-  const ComplexAdjacency adjacency(complex);
+  ComplexAdjacency adjacency;
+  CellMembers members;
+  run_both([&] { adjacency = ComplexAdjacency(complex); },
+           [&] { members = CellMembers(region_of, static_cast<std::uint32_t>(representative.size())); });
   ScopedCheck scoped;
-  CellMembers members(region_of, static_cast<std::uint32_t>(representative.size()));
   std::vector<CVertexId> changed(touched.begin(), touched.end());
   const auto on_its_own = [&](CVertexId v) {
     region_of[v] = static_cast<CellId>(representative.size());

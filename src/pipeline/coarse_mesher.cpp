@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/parallel.h"
 #include "core/vector_math.h"
 #include "cover/halving_covering.h"
 #include "embed/mesh_nesting.h"
@@ -145,10 +146,12 @@ void CoarseMesher::mesh(LevelReport& report, const RunControl& told) {
     stand_->dual.certify(report.certificate, control);
     if (partition.cell_count() == mesh_.positions.size()) break;
   }
-  if (were_regions_cut_) certify_regions(surface_.complex(), coarser_);
   take_triangles();
-  relax_vertices(control);
-  topology_ = mesh_topology(mesh_);
+  run_both([&] { relax_vertices(control); },
+           [&] {  // what does not depend on where vertices are
+             topology_ = mesh_topology(mesh_);
+             if (were_regions_cut_) certify_regions(surface_.complex(), coarser_);
+           });
 }
 
 std::vector<std::uint8_t> CoarseMesher::turned_components(std::span<const ComponentId> component_of) const {

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/parallel.h"
 #include "core/vector_math.h"
 #include "embed/mesh_nesting.h"
 #include "embed/triangle_pair.h"
@@ -107,6 +108,13 @@ std::vector<BadTriangle> bad_triangles(const TriangleMesh& world, const Triangle
   return out;
 }
 
+void report_self_intersections(const TriangleMesh& mesh, LevelReport& report, const RunControl& control) {
+  const std::vector<TrianglePair> pairs = self_intersections(mesh.positions, mesh.triangles, {}, control);
+  report.self_intersections = pairs.size();
+  for (const auto& [a, b] : std::span(pairs).first(std::min(pairs.size(), kMostPlaces)))
+    report.self_intersection_places.push_back(meeting_place(mesh.positions, mesh.triangles[a], mesh.triangles[b]));
+}
+
 }  // namespace
 
 void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<const CVertexId> sites, const AdaptiveSurface& surface,
@@ -127,16 +135,19 @@ void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<co
   TriangleMesh world = space == Space::voxel ? mesh : TriangleMesh{};
   TriangleMesh& measured = space == Space::voxel ? world : mesh;
   transform_to(measured, grid, space == Space::voxel ? Space::lps : space);
-  report.quality = mesh_quality(measured);
-  report.quality.zero_area_triangles = static_cast<std::size_t>(
-      std::ranges::count_if(mesh.triangles, [&](const Triangle& t) { return !has_area(mesh.positions, t); }));
-  report.bad_triangles = bad_triangles(measured, mesh, stays, goal);
-  report.turned_components = count_misplaced(mesh, component_of, surface, !options.allow_self_intersections);
-  if (options.allow_self_intersections) return;
-  const std::vector<TrianglePair> pairs = self_intersections(mesh.positions, mesh.triangles, {}, control);
-  report.self_intersections = pairs.size();
-  for (const auto& [a, b] : std::span(pairs).first(std::min(pairs.size(), kMostPlaces)))
-    report.self_intersection_places.push_back(meeting_place(mesh.positions, mesh.triangles[a], mesh.triangles[b]));
+  RunControl quiet = control;  // runs beside other checks
+  quiet.progress = nullptr;
+  run_both(
+      [&] {
+        if (!options.allow_self_intersections) report_self_intersections(mesh, report, quiet);
+        report.bad_triangles = bad_triangles(measured, mesh, stays, goal);
+      },
+      [&] {
+        report.quality = mesh_quality(measured);
+        report.quality.zero_area_triangles = static_cast<std::size_t>(
+            std::ranges::count_if(mesh.triangles, [&](const Triangle& t) { return !has_area(mesh.positions, t); }));
+        report.turned_components = count_misplaced(mesh, component_of, surface, !options.allow_self_intersections);
+      });
 }
 
 bool LevelReport::all_met() const {

@@ -3,16 +3,27 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
+#include "core/parallel.h"
 #include "core/vector_math.h"
 #include "subdivide/subdivide.h"
 
 namespace isoatlas {
 namespace {
 
+constexpr std::size_t kPerPiece = 2048;  // vertices or triangles, of a parallel loop
+
 void set_corners(MeshTriangle& t, const std::vector<Vec3>& point) {
   for (std::size_t k = 0; k < 3; ++k) t.corner[k] = point[t.cell[k]];
   t.normal = normalized(cross(t.corner[1] - t.corner[0], t.corner[2] - t.corner[0]));
+}
+
+// Of these triangles, in any order; some may be there several times.
+void set_corners(LevelMesh& mesh, std::vector<std::uint32_t> triangles) {
+  std::sort(triangles.begin(), triangles.end());
+  triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
+  for_each_index(triangles.size(), kPerPiece, [&](std::size_t i) { set_corners(mesh.triangles[triangles[i]], mesh.point); });
 }
 
 }  // namespace
@@ -30,9 +41,8 @@ Vec3 vertex_position(const SurfaceComplex& complex, const Surfels& surfels, cons
 }
 
 std::vector<Vec3> vertex_positions(const SurfaceComplex& complex, const Surfels& surfels, const Places& places) {
-  std::vector<Vec3> out;
-  out.reserve(places.anchor.size());
-  for (CellId c = 0; c < places.anchor.size(); ++c) out.push_back(vertex_position(complex, surfels, places, c));
+  std::vector<Vec3> out(places.anchor.size());
+  for_each_index(out.size(), kPerPiece, [&](std::size_t c) { out[c] = vertex_position(complex, surfels, places, static_cast<CellId>(c)); });
   return out;
 }
 
@@ -81,19 +91,22 @@ std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels,
                                         std::span<const CellId> may_have_moved) {
   const std::uint32_t cells = mesh.c_vertices_of.row_count();
   std::vector<std::uint8_t> renewed(cells, 0);
-  std::vector<CellId> moved;
   const std::size_t known = mesh.point.size();
   mesh.point.resize(cells);
   mesh.normal.resize(cells);
-  for (const CellId c : may_have_moved) {
-    const Vec3 point = places.point(surfels, c);
+  std::vector<std::uint32_t> to_renew;
+  std::vector<Vec3> points(may_have_moved.size());
+  for_each_index(points.size(), kPerPiece, [&](std::size_t i) { points[i] = places.point(surfels, may_have_moved[i]); });
+  std::vector<CellId> moved;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const CellId c = may_have_moved[i];
     mesh.normal[c] = surfels.normal[places.anchor[c]];
-    if (c < known && point == mesh.point[c]) continue;
-    mesh.point[c] = point;
+    if (c < known && points[i] == mesh.point[c]) continue;
+    mesh.point[c] = points[i];
     moved.push_back(c);
   }
   const auto renew = [&](std::uint32_t t) {
-    set_corners(mesh.triangles[t], mesh.point);
+    to_renew.push_back(t);
     for (const CellId c : mesh.triangles[t].cell) renewed[c] = 1;
   };
   const auto leave_rows = [&](std::uint32_t t) {
@@ -119,6 +132,7 @@ std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels,
   for (const CellId c : moved) {
     for (const std::uint32_t t : mesh.triangles_of.row(c)) renew(t);
   }
+  set_corners(mesh, std::move(to_renew));
   return renewed;
 }
 
@@ -139,13 +153,14 @@ void edit_mesh(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTria
 }
 
 void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const Places& places) {
+  std::vector<std::uint32_t> triangles;
   for (const CellId c : cells) {
     mesh.normal[c] = surfels.normal[places.anchor[c]];
     mesh.point[c] = places.point(surfels, c);
+    const auto own = mesh.triangles_of.row(c);
+    triangles.insert(triangles.end(), own.begin(), own.end());
   }
-  for (const CellId c : cells) {
-    for (const std::uint32_t t : mesh.triangles_of.row(c)) set_corners(mesh.triangles[t], mesh.point);
-  }
+  set_corners(mesh, std::move(triangles));
 }
 
 }  // namespace isoatlas

@@ -9,6 +9,7 @@
 
 #include "core/disjoint_sets.h"
 #include "core/ids.h"
+#include "core/parallel.h"
 #include "core/vector_math.h"
 #include "refine/facing.h"
 #include "refine/level_mesh.h"
@@ -27,7 +28,8 @@ constexpr std::array kSearchSteps{0.2, 0.05};  // voxels
 constexpr int kSearchPasses = 4;
 constexpr double kWorthIt = 2e-3;
 constexpr double kSeparationWeight = 0.5;  // an edge as short as can be is half as bad as a triangle
-constexpr std::size_t kLook = 4096;        // vertices between looks at whether to stop
+constexpr std::size_t kPerPiece = 4096;    // triangles, of a parallel loop
+constexpr std::size_t kFewPerPiece = 64;   // vertices or triangles, each with what is around it
 constexpr int kNewtonSteps = 5;
 constexpr double kOnSurface = 0.02;
 constexpr double kLeastVolume = 0.25;  // share of what a component encloses that has to be left
@@ -54,12 +56,15 @@ class Relaxation {
         triangles_of_(triangles_of) {}
 
   std::vector<std::uint32_t> run() {
-    std::ranges::copy_if(look_, std::back_inserter(active_), [&](std::uint32_t t) { return needs_work(t); });
+    active_ = collect_pieces<std::uint32_t>(look_.size(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+      std::ranges::copy_if(look_.subspan(begin, end - begin), std::back_inserter(found), [&](std::uint32_t t) { return needs_work(t); });
+    });
     if (active_.empty()) return {};
     start_.assign(points_.begin(), points_.end());
     push_.resize(points_.size());
     pushes_.assign(points_.size(), 0);
     is_touched_.assign(points_.size(), 0);
+    turn_.assign(points_.size(), 0);
     seen_.assign(triangles_.size(), 0);
     facing_.resize(triangles_.size());
     is_facing_known_.assign(triangles_.size(), 0);
@@ -155,22 +160,26 @@ class Relaxation {
   }
 
   void move_pushed() {
-    for (const std::uint32_t t : active_) seen_[t] = 0;
-    active_.clear();
-    for (const std::uint32_t v : pushed_) {
+    for_each_index(pushed_.size(), kFewPerPiece, [&](std::size_t i) {
+      const std::uint32_t v = pushed_[i];
       const Vec3 p = points_[v] + (1.0 / pushes_[v]) * push_[v];
       const Roam roam = roam_(v);
       points_[v] = clamped(drawn_back(clamped(p, roam)), roam);
       pushes_[v] = 0;
-    }
+    });
+    std::vector<std::uint32_t> around;
     for (const std::uint32_t v : pushed_) {
       for (const std::uint32_t t : triangles_of_.row(v)) {
-        if (seen_[t] || !is_below_aim(t)) continue;
-        seen_[t] = 1;
-        active_.push_back(t);
+        if (std::exchange(seen_[t], std::uint8_t{1}) == 0) around.push_back(t);
       }
     }
+    for (const std::uint32_t t : around) seen_[t] = 0;
     pushed_.clear();
+    active_ = collect_pieces<std::uint32_t>(around.size(), kFewPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+      for (std::size_t i = begin; i < end; ++i) {
+        if (is_below_aim(around[i])) found.push_back(around[i]);
+      }
+    });
     std::sort(active_.begin(), active_.end());
   }
   bool is_below_aim(std::uint32_t t) const {
@@ -242,26 +251,63 @@ class Relaxation {
   void search() {
     for (const double step : kSearchSteps) {
       control_.check_cancelled();
-      std::vector<std::uint32_t> vertices;
-      const auto add_bad = [&](std::uint32_t t) {
-        if (goodness(t, kNone, {}) < 1) vertices.insert(vertices.end(), triangles_[t].begin(), triangles_[t].end());
-      };
-      std::ranges::for_each(look_, add_bad);
-      std::ranges::for_each(triangles_that_moved(), add_bad);
-      for (int pass = 0; pass < kSearchPasses && !vertices.empty(); ++pass) {
-        std::sort(vertices.begin(), vertices.end());
-        vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-        std::vector<std::uint32_t> again;
-        std::size_t looked_at = 0;
-        for (const std::uint32_t v : vertices) {
-          if (++looked_at % kLook == 0) control_.check_cancelled();
-          if (!can_move(roam_(v)) || !improve(v, step)) continue;
-          again.push_back(v);
-          for (const std::uint32_t t : triangles_of_.row(v)) {
-            if (goodness(t, kNone, {}) < 1) again.insert(again.end(), triangles_[t].begin(), triangles_[t].end());
-          }
+      std::vector<std::uint32_t> vertices =
+          collect_pieces<std::uint32_t>(look_.size(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+            for (const std::uint32_t t : look_.subspan(begin, end - begin)) add_corners_if_bad(t, found);
+          });
+      for (const std::uint32_t t : triangles_that_moved()) add_corners_if_bad(t, vertices);
+      for (int pass = 0; pass < kSearchPasses && !vertices.empty(); ++pass) vertices = improve_in_turns(std::move(vertices), step);
+    }
+  }
+  void add_corners_if_bad(std::uint32_t t, std::vector<std::uint32_t>& out) const {
+    if (goodness(t, kNone, {}) < 1) out.insert(out.end(), triangles_[t].begin(), triangles_[t].end());
+  }
+
+  // Improves vertices with the result that they have one after the other, in increasing order: each has its turn after the turns of all
+  // before it whose place it looks at. Those whose turn is the same do not look at each other, so they move at the same time.
+  // @return where to look again
+  std::vector<std::uint32_t> improve_in_turns(std::vector<std::uint32_t> vertices, double step) {
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    std::erase_if(vertices, [&](std::uint32_t v) { return !can_move(roam_(v)); });
+    std::vector<std::uint32_t> first{0, 0};  // turns count from 1; filling `ordered` moves each to the end of its turn
+    for (const std::uint32_t v : vertices) {
+      std::uint32_t last = 0;
+      for_each_in_sight(v, [&](std::uint32_t w) { last = std::max(last, turn_[w]); });
+      turn_[v] = last + 1;
+      if (first.size() < last + 3) first.push_back(0);
+      ++first[last + 2];
+    }
+    for (std::size_t turn = 1; turn < first.size(); ++turn) first[turn] += first[turn - 1];
+    std::vector<std::uint32_t> ordered(vertices.size());
+    for (const std::uint32_t v : vertices) ordered[first[std::exchange(turn_[v], 0u)]++] = v;
+    std::vector<std::uint32_t> again;
+    for (std::size_t turn = 0; turn + 2 < first.size(); ++turn) {
+      control_.check_cancelled();
+      const auto own = std::span(ordered).subspan(first[turn], first[turn + 1] - first[turn]);
+      const std::vector<std::uint32_t> found = collect_pieces<std::uint32_t>(own.size(), kFewPerPiece, [&](std::size_t begin, std::size_t end, auto& out) {
+        for (const std::uint32_t v : own.subspan(begin, end - begin)) {
+          if (!improve(v, step)) continue;
+          out.push_back(v);
+          for (const std::uint32_t t : triangles_of_.row(v)) add_corners_if_bad(t, out);
         }
-        vertices = std::move(again);
+      });
+      again.insert(again.end(), found.begin(), found.end());
+    }
+    for (const std::uint32_t v : vertices) {
+      if (!(points_[v] == start_[v])) touch(v);
+    }
+    return again;
+  }
+
+  // All vertices at whose place improve() of v looks.
+  template <class Visit>
+  void for_each_in_sight(std::uint32_t v, Visit visit) const {
+    for (const std::uint32_t t : triangles_of_.row(v)) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        visit(triangles_[t][k]);
+        if (goal_.separation == 0) continue;
+        if (const std::uint32_t o = opposite(t, k); o != kNone) visit(o);
       }
     }
   }
@@ -334,7 +380,6 @@ class Relaxation {
       found = p;
     }
     if (found == from) return false;
-    touch(v);
     points_[v] = found;
     return true;
   }
@@ -345,10 +390,10 @@ class Relaxation {
     if (std::ranges::all_of(touched_, [&](std::uint32_t v) { return points_[v] == start_[v]; })) return;
     const auto n = static_cast<std::uint32_t>(points_.size());
     DisjointSets sets(n);
-    for (const Triangle& c : triangles_) {
-      sets.unite(c[0], c[1]);
-      sets.unite(c[0], c[2]);
-    }
+    for_each_index(triangles_.size(), kPerPiece, [&](std::size_t t) {
+      sets.unite(triangles_[t][0], triangles_[t][1]);
+      sets.unite(triangles_[t][0], triangles_[t][2]);
+    });
     struct Shape {
       double before = 0, after = 0;  // six times the volume
       Vec3 area;                     // sums to nothing if it is closed
@@ -395,6 +440,7 @@ class Relaxation {
   std::vector<Vec3> facing_;                    // per triangle, at the start, if it is known
   std::vector<std::uint8_t> is_facing_known_;   // per triangle
   std::vector<std::uint8_t> seen_;              // per triangle
+  std::vector<std::uint32_t> turn_;             // per vertex that is to be improved; 0: it is not, or was not given one yet
 };
 
 }  // namespace

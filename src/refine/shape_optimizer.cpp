@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/epoch_set.h"
+#include "core/parallel.h"
 #include "core/vector_math.h"
 #include "refine/mesh_editor.h"
 #include "refine/relax.h"
@@ -18,6 +19,8 @@ namespace {
 constexpr int kPasses = 24;
 constexpr std::size_t kFewKept = 10;  // no more passes for the sake of errors once fewer than one change in so many helps
 constexpr double kWorthIt = 1e-3;
+constexpr std::size_t kPerPiece = 4096;  // triangles, of a parallel loop
+constexpr std::size_t kTogether = 64;    // changes that are looked for before the first of them is taken
 constexpr int kRelaxRounds = 3;
 constexpr int kLooksBack = 4;  // after relaxing, for cells that it took over their bounds
 
@@ -133,10 +136,14 @@ class ShapeOptimizer {
     } else {
       std::erase_if(bad_, [&](const auto& scored) { return std::ranges::binary_search(changed, scored.second); });
     }
-    for (const std::uint32_t t : changed) {
-      const double score = changes_.score(t);
-      if (score < 1) bad_.emplace_back(score, t);
-    }
+    using Scored = std::pair<double, std::uint32_t>;
+    const auto found = collect_pieces<Scored>(changed.size(), kPerPiece, [&](std::size_t begin, std::size_t end, std::vector<Scored>& out) {
+      for (const std::uint32_t t : std::span(changed).subspan(begin, end - begin)) {
+        const double score = changes_.score(t);
+        if (score < 1) out.emplace_back(score, t);
+      }
+    });
+    bad_.insert(bad_.end(), found.begin(), found.end());
     std::sort(bad_.begin(), bad_.end());
     std::vector<std::uint32_t> out;
     for (const auto& [score, t] : bad_) out.push_back(t);
@@ -202,15 +209,34 @@ class ShapeOptimizer {
   std::vector<Trial> trials_at_bad_triangles() {
     std::vector<Trial> out;
     taken_.clear();
-    const LevelMesh& mesh = mesh_.mesh();
+    const auto is_taken = [&](std::uint32_t t) {
+      return std::ranges::any_of(mesh_.mesh().triangles[t].cell, [&](CellId c) { return taken_.contains(c); });
+    };
+    std::vector<std::uint32_t> next;
+    const auto take_next = [&] {
+      const std::vector<ShapeChange> best = best_changes(next);
+      for (std::size_t k = 0; k < next.size(); ++k) {
+        if (!is_taken(next[k])) add_trial(best[k], next[k], out);
+      }
+      next.clear();
+    };
     for (const std::uint32_t t : bad_triangles()) {
-      if (std::ranges::any_of(mesh.triangles[t].cell, [&](CellId c) { return taken_.contains(c); })) continue;  // most end here
-      ShapeChange best;
-      changes_.consider_flips(t, kWorthIt, best);
-      for (const CellId c : mesh.triangles[t].cell) changes_.consider_moves(c, kWorthIt, best);
-      add_trial(best, t, out);
+      if (is_taken(t)) continue;  // most end here
+      next.push_back(t);
+      if (next.size() == kTogether) take_next();
     }
+    take_next();
     return out;
+  }
+
+  // Per triangle, the change that makes it better most.
+  std::vector<ShapeChange> best_changes(std::span<const std::uint32_t> triangles) const {
+    std::vector<ShapeChange> best(triangles.size());
+    for_each_index(triangles.size(), 1, [&](std::size_t k) {
+      changes_.consider_flips(triangles[k], kWorthIt, best[k]);
+      for (const CellId c : mesh_.mesh().triangles[triangles[k]].cell) changes_.consider_moves(c, kWorthIt, best[k]);
+    });
+    return best;
   }
 
   std::vector<Trial> trials_at(std::span<const CellId> cells) {

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <utility>
 
+#include "core/parallel.h"
 #include "core/vector_math.h"
 #include "embed/triangle_pair.h"
 
@@ -17,7 +18,7 @@ namespace {
 int whole_coordinates(Vec3 p) { return (p.x == std::floor(p.x)) + (p.y == std::floor(p.y)) + (p.z == std::floor(p.z)); }
 
 using Cell = WatchedCells::Cell;
-constexpr CVertexId kLook = 65536;  // c-vertices between looks at whether to stop
+constexpr std::size_t kPerPiece = 8192;  // c-vertices or faces, of a parallel loop
 
 Cell cell_of(Vec3 p) { return {std::floor(p.x), std::floor(p.y), std::floor(p.z)}; }
 // Of a face that lies in one cell.
@@ -44,7 +45,7 @@ AdaptiveSurface::AdaptiveSurface(SurfaceComplex complex, Components components, 
       crowded_(complex_, field_, control_),
       parsed_(complex_.c_vertex_count()),
       depth_(parsed_, 0) {
-  for (Vec3& p : complex_.positions) p = rounded(p);
+  for_each_index(parsed_, kPerPiece, [&](std::size_t v) { complex_.positions[v] = rounded(complex_.positions[v]); });
   found_ = complex_.positions;
   crowded_.separate(complex_, control_);
   watch();
@@ -58,27 +59,29 @@ void AdaptiveSurface::watch() {
   std::vector<std::uint8_t> is_watched(n, 0);  // in a cell that will be, if inside a cell
   std::vector<std::uint8_t> in_two_curves(n, 0);
   held_.assign(n, 0);
-  for (CVertexId v = 0; v < n; ++v) {
-    if (v % kLook == 0) control_.check_cancelled();
+  for_each_index(n, kPerPiece, [&](std::size_t i) {
+    const auto v = static_cast<CVertexId>(i);
     const int whole = whole_coordinates(complex_.positions[v]);
     in_two_curves[v] = whole == 1 && has_two_curves(field_, complex_.positions[v]);
     const bool parsed_on_border = v < parsed_ && whole == 1 && !in_two_curves[v];
     held_[v] = whole > 0 && now[v] == Fineness::faces && !parsed_on_border;
     is_watched[v] = whole == 0 && crowded_.contains(v);
-  }
+  });
   control_.check_cancelled();
   std::vector<Cell> cells = deep_cells_;
-  std::vector<CVertexId> inside;  // such cells
-  for (const Face& face : complex_.faces) {
+  const auto add_inside = [&](const Face& face, std::vector<CVertexId>& found) {  // such cells
     const int size = face.size();
     const auto end = face.corner.begin() + size;
-    if (std::none_of(face.corner.begin(), end, [&](CVertexId v) { return in_two_curves[v] || is_watched[v]; })) continue;
+    if (std::none_of(face.corner.begin(), end, [&](CVertexId v) { return in_two_curves[v] || is_watched[v]; })) return;
     for (int k = 0; k < size; ++k) {
       const CVertexId v = face.corner[k];
       if (whole_coordinates(complex_.positions[v]) > 0) continue;
-      if (in_two_curves[face.corner[(k + 1) % size]] || in_two_curves[face.corner[(k + 2) % size]] || is_watched[v]) inside.push_back(v);
+      if (in_two_curves[face.corner[(k + 1) % size]] || in_two_curves[face.corner[(k + 2) % size]] || is_watched[v]) found.push_back(v);
     }
-  }
+  };
+  std::vector<CVertexId> inside = collect_pieces<CVertexId>(complex_.face_count(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+    for (std::size_t f = begin; f < end; ++f) add_inside(complex_.faces[f], found);
+  });
   std::sort(inside.begin(), inside.end());
   inside.erase(std::unique(inside.begin(), inside.end()), inside.end());
   for (const CVertexId v : inside) cells.push_back(cell_of(complex_.positions[v]));
@@ -99,7 +102,9 @@ void AdaptiveSurface::watch() {
   }
   sort_unique(closed);
   is_closed_.assign(n, 0);
-  for (const CVertexId v : inside) is_closed_[v] = std::binary_search(closed.begin(), closed.end(), cell_of(complex_.positions[v]));
+  for_each_index(inside.size(), kPerPiece, [&](std::size_t i) {
+    is_closed_[inside[i]] = std::binary_search(closed.begin(), closed.end(), cell_of(complex_.positions[inside[i]]));
+  });
   for (const Face& face : complex_.faces) {
     if (std::none_of(face.corner.begin(), face.corner.begin() + face.size(), [&](CVertexId v) { return is_closed_[v]; })) continue;
     for (int k = 0; k < face.size(); ++k) held_[face.corner[k]] |= whole_coordinates(complex_.positions[face.corner[k]]) > 0;

@@ -16,7 +16,7 @@
 namespace isoatlas {
 namespace {
 
-constexpr std::size_t kCellsPerPiece = 64;
+constexpr std::size_t kCellsPerPiece = 64, kCVerticesPerPiece = 16384;  // of parallel loops
 // Where else they are looked for, in a cell, and from how many places.
 constexpr std::array kLattice{kWallMargin, 0.1, 0.25, 0.5, 0.75, 0.9, 1 - kWallMargin};
 constexpr int kAttempts = 12;
@@ -46,11 +46,14 @@ bool is_crowded(const SurfaceComplex& complex, CVertexId v) {
 CrowdedCells::CrowdedCells(const SurfaceComplex& complex, const InterpolatedField& field, const RunControl& control) {
   const std::uint32_t n = complex.c_vertex_count();
   cell_of_.assign(n, kNone);
-  for (CVertexId v = 0; v < n; ++v) {
-    if (!is_crowded(complex, v)) continue;
-    if (c_vertices_.empty() || !same_cell(complex, c_vertices_.back(), v)) first_.push_back(static_cast<std::uint32_t>(c_vertices_.size()));
-    cell_of_[v] = static_cast<std::uint32_t>(first_.size() - 1);
-    c_vertices_.push_back(v);
+  c_vertices_ = collect_pieces<CVertexId>(n, kCVerticesPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+    for (auto v = static_cast<CVertexId>(begin); v < end; ++v) {
+      if (is_crowded(complex, v)) found.push_back(v);
+    }
+  });
+  for (std::uint32_t i = 0; i < c_vertices_.size(); ++i) {
+    if (i == 0 || !same_cell(complex, c_vertices_[i - 1], c_vertices_[i])) first_.push_back(i);
+    cell_of_[c_vertices_[i]] = static_cast<std::uint32_t>(first_.size() - 1);
   }
   if (c_vertices_.empty()) return;
   first_.push_back(static_cast<std::uint32_t>(c_vertices_.size()));
@@ -230,13 +233,13 @@ std::vector<CVertexId> CrowdedCells::meeting(std::span<const CVertexId> moved, s
   }
   std::sort(cells.begin(), cells.end());
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-  std::vector<CVertexId> out;
-  for (const std::uint32_t cell : cells) {
-    if (!surfels_meet(cell, positions)) continue;
-    const std::span<const CVertexId> own = c_vertices(cell);
-    out.insert(out.end(), own.begin(), own.end());
-  }
-  return out;
+  return collect_pieces<CVertexId>(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end, auto& out) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!surfels_meet(cells[i], positions)) continue;
+      const std::span<const CVertexId> own = c_vertices(cells[i]);
+      out.insert(out.end(), own.begin(), own.end());
+    }
+  });
 }
 
 }  // namespace isoatlas

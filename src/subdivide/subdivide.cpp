@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/parallel.h"
 #include "core/vector_math.h"
 #include "volume/field.h"
 
@@ -18,6 +19,7 @@ constexpr double kNodeMargin = 2 * kWallMargin;
 constexpr int kNewtonSteps = 3;
 constexpr double kShortest = 0.02;  // a side within a cell, steps of the sample index
 constexpr double kTowardsCurve = 0.75;
+constexpr std::size_t kFaces = 4096;  // or sides, per piece of a parallel loop
 
 using Point = std::array<double, 3>;
 Point as_array(Vec3 p) { return {p.x, p.y, p.z}; }
@@ -143,10 +145,14 @@ class Subdivider {
   Subdivision run() {
     out_.complex = complex_;
     find_sides();
-    for (const DividedSide& s : sides_) {
-      check_cancelled(out_.origin.size());
-      add_c_vertex(middle(s), s.a, s.is_boundary);
-      if (!s.crosses) out_.between.back() = {s.a, s.b};
+    std::vector<Vec3> middles(sides_.size());
+    for_each_piece(sides_.size(), kFaces, [&](std::size_t begin, std::size_t end) {
+      check_cancelled(0);
+      for (std::size_t i = begin; i < end; ++i) middles[i] = middle(sides_[i]);
+    });
+    for (std::size_t i = 0; i < sides_.size(); ++i) {
+      add_c_vertex(middles[i], sides_[i].a, sides_[i].is_boundary);
+      if (!sides_[i].crosses) out_.between.back() = {sides_[i].a, sides_[i].b};
     }
     for (FaceId f = 0; f < complex_.face_count(); ++f) {
       check_cancelled(f);
@@ -199,22 +205,25 @@ class Subdivider {
     return id;
   }
 
+  void add_sides(const Face& face, std::vector<Side>& found) const {
+    const int size = face.size();
+    const bool crosses = !box_of(complex_, face).is_in_one_cell();
+    const Vec3 node = crosses ? node_of(face) : Vec3{};
+    for (int k = 0; k < size; ++k) {
+      const CVertexId a = face.corner[k], b = face.corner[(k + 1) % size];
+      if (!is_marked(a, b) || (crosses && is_border(a, b))) continue;
+      found.push_back({std::min(a, b), std::max(a, b), node});
+    }
+  }
+
   // Every marked side once, with the nodes of its one or two faces.
   void find_sides() {
-    std::vector<Side> found;
-    for (FaceId f = 0; f < complex_.face_count(); ++f) {
-      check_cancelled(f);
-      const Face& face = complex_.faces[f];
-      if (!is_divided(face)) continue;
-      const int size = face.size();
-      const bool crosses = !box_of(complex_, face).is_in_one_cell();
-      const Vec3 node = crosses ? node_of(face) : Vec3{};
-      for (int k = 0; k < size; ++k) {
-        const CVertexId a = face.corner[k], b = face.corner[(k + 1) % size];
-        if (!is_marked(a, b) || (crosses && is_border(a, b))) continue;
-        found.push_back({std::min(a, b), std::max(a, b), node});
+    std::vector<Side> found = collect_pieces<Side>(complex_.face_count(), kFaces, [&](std::size_t begin, std::size_t end, auto& sides) {
+      check_cancelled(0);
+      for (std::size_t f = begin; f < end; ++f) {
+        if (is_divided(complex_.faces[f])) add_sides(complex_.faces[f], sides);
       }
-    }
+    });
     const auto order = [](const Side& x, const Side& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); };
     std::stable_sort(found.begin(), found.end(), order);
     for (std::size_t i = 0; i < found.size();) {
@@ -516,9 +525,11 @@ bool has_two_curves(const InterpolatedField& field, Vec3 point) { return Bilinea
 
 std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGrid& in) {
   std::vector<Fineness> out(complex.c_vertex_count(), Fineness::pieces);
-  for (const Face& face : complex.faces) {
-    const Fineness f = fineness_of(complex, in, face);
-    for (int k = 0; k < face.size(); ++k) out[face.corner[k]] = std::min(out[face.corner[k]], f);
+  std::vector<Fineness> of_face(complex.face_count());
+  for_each_index(complex.face_count(), kFaces, [&](std::size_t f) { of_face[f] = fineness_of(complex, in, complex.faces[f]); });
+  for (FaceId f = 0; f < complex.face_count(); ++f) {
+    const Face& face = complex.faces[f];
+    for (int k = 0; k < face.size(); ++k) out[face.corner[k]] = std::min(out[face.corner[k]], of_face[f]);
   }
   return out;
 }
@@ -549,13 +560,18 @@ ComplexPart::ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId>
   for (const CVertexId v : around) mark[v] = kWanted;
   const auto corners = [](const Face& f) { return std::span(f.corner).first(static_cast<std::size_t>(f.size())); };
   const auto has = [&](const Face& f, std::uint8_t bits) { return std::ranges::any_of(corners(f), [&](CVertexId v) { return (mark[v] & bits) != 0; }); };
-  for (const Face& f : whole.faces) {
-    if (!has(f, kWanted)) continue;
-    for (const CVertexId v : corners(f)) mark[v] |= kNear;
+  const auto faces_with = [&](std::uint8_t bits) {
+    return collect_pieces<FaceId>(whole.face_count(), kFaces, [&](std::size_t begin, std::size_t end, std::vector<FaceId>& found) {
+      for (auto f = static_cast<FaceId>(begin); f < end; ++f) {
+        if (has(whole.faces[f], bits)) found.push_back(f);
+      }
+    });
+  };
+  for (const FaceId f : faces_with(kWanted)) {
+    for (const CVertexId v : corners(whole.faces[f])) mark[v] |= kNear;
   }
-  for (FaceId f = 0; f < whole.face_count(); ++f) {
-    if (!has(whole.faces[f], kWanted | kNear)) continue;
-    face.push_back(f);
+  face = faces_with(kWanted | kNear);
+  for (const FaceId f : face) {
     for (const CVertexId v : corners(whole.faces[f])) mark[v] |= kIn;
   }
   complex.spacing = whole.spacing;

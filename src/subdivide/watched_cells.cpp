@@ -12,7 +12,7 @@
 namespace isoatlas {
 namespace {
 
-constexpr std::size_t kCellsPerPiece = 64;
+constexpr std::size_t kCellsPerPiece = 64, kFacesPerPiece = 8192;  // of parallel loops
 
 bool meet_anywhere(std::span<const Triangle> triangles, std::span<const Vec3> positions) {
   for (std::size_t i = 0; i < triangles.size(); ++i) {
@@ -26,8 +26,8 @@ bool meet_anywhere(std::span<const Triangle> triangles, std::span<const Vec3> po
 }  // namespace
 
 WatchedCells::WatchedCells(const SurfaceComplex& complex, std::span<const Cell> cells) : complex_size_(complex.c_vertex_count()) {
-  std::vector<std::pair<std::uint32_t, Triangle>> found;
-  const auto add = [&](Vec3 p, const Triangle& t) {
+  using Found = std::pair<std::uint32_t, Triangle>;
+  const auto add = [&](Vec3 p, const Triangle& t, std::vector<Found>& found) {
     const Cell cell{std::floor(p.x), std::floor(p.y), std::floor(p.z)};
     const auto at = std::lower_bound(cells.begin(), cells.end(), cell);
     if (at == cells.end() || *at != cell) return;
@@ -35,18 +35,20 @@ WatchedCells::WatchedCells(const SurfaceComplex& complex, std::span<const Cell> 
     if (found.empty() || found.back() != std::pair(c, t)) found.emplace_back(c, t);
   };
   const auto is_inside = [](Vec3 p) { return p.x != std::floor(p.x) && p.y != std::floor(p.y) && p.z != std::floor(p.z); };
-  for (const Face& face : complex.faces) {
-    if (cells.empty()) break;
-    if (!face.is_triangle()) continue;
-    const Triangle t{face.corner[0], face.corner[1], face.corner[2]};
-    bool any_inside = false;
-    for (const CVertexId v : t) {
-      if (!is_inside(complex.positions[v])) continue;
-      add(complex.positions[v], t);
-      any_inside = true;
+  const std::size_t faces = cells.empty() ? 0 : complex.face_count();
+  auto found = collect_pieces<Found>(faces, kFacesPerPiece, [&](std::size_t begin, std::size_t end, std::vector<Found>& out) {
+    for (const Face& face : std::span(complex.faces).subspan(begin, end - begin)) {
+      if (!face.is_triangle()) continue;
+      const Triangle t{face.corner[0], face.corner[1], face.corner[2]};
+      bool any_inside = false;
+      for (const CVertexId v : t) {
+        if (!is_inside(complex.positions[v])) continue;
+        add(complex.positions[v], t, out);
+        any_inside = true;
+      }
+      if (!any_inside) add((1.0 / 3) * (complex.positions[t[0]] + complex.positions[t[1]] + complex.positions[t[2]]), t, out);
     }
-    if (!any_inside) add((1.0 / 3) * (complex.positions[t[0]] + complex.positions[t[1]] + complex.positions[t[2]]), t);
-  }
+  });
   std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   found.erase(std::unique(found.begin(), found.end()), found.end());
   first_.assign(cells.size() + 1, 0);

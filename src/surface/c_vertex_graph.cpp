@@ -5,10 +5,13 @@
 #include <cmath>
 #include <utility>
 
+#include "core/parallel.h"
 #include "core/vector_math.h"
 
 namespace isoatlas {
 namespace {
+
+constexpr std::size_t kRows = 4096;  // per piece of a parallel loop
 
 struct Wedge {  // one face at a c-vertex: the neighbours before and after it, and the diagonal between
   CVertexId next, diagonal, previous;
@@ -54,7 +57,8 @@ CVertexGraph make_graph(const SurfaceComplex& complex) {
 
   // Chain the wedges of each c-vertex: counter-clockwise, the wedge that starts where the last one ended.
   constexpr std::uint32_t kFew = 24;
-  for (CVertexId v = 0; v < n; ++v) {
+  for_each_index(n, kRows, [&](std::size_t row) {
+    const auto v = static_cast<CVertexId>(row);
     Wedge* const begin = wedges.data() + first_wedge[v];
     const std::uint32_t count = first_wedge[v + 1] - first_wedge[v];
     Wedge* const end = begin + count;
@@ -93,15 +97,17 @@ CVertexGraph make_graph(const SurfaceComplex& complex) {
         at = starting_at(at->previous);
       }
     }
-  }
+  });
   return graph;
 }
 
 std::vector<std::uint8_t> remake_graph(CVertexGraph& graph, const SurfaceComplex& complex) {
   const CVertexGraph before = std::exchange(graph, make_graph(complex));
   std::vector<std::uint8_t> out(graph.c_vertex_count(), 1);
-  for (CVertexId v = 0; v < std::min(before.c_vertex_count(), graph.c_vertex_count()); ++v)
+  for_each_index(std::min(before.c_vertex_count(), graph.c_vertex_count()), kRows, [&](std::size_t row) {
+    const auto v = static_cast<CVertexId>(row);
     out[v] = before.on_boundary[v] != graph.on_boundary[v] || !std::ranges::equal(before.row(v), graph.row(v));
+  });
   return out;
 }
 

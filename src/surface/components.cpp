@@ -2,8 +2,14 @@
 #include "surface/components.h"
 
 #include "core/disjoint_sets.h"
+#include "core/parallel.h"
 
 namespace isoatlas {
+namespace {
+
+constexpr std::size_t kFaces = 16384;  // per piece of a parallel loop
+
+}  // namespace
 
 std::vector<std::uint8_t> open_flags(const Components& components) {
   std::vector<std::uint8_t> is_open;
@@ -15,11 +21,12 @@ std::vector<std::uint8_t> open_flags(const Components& components) {
 Components find_components(const SurfaceComplex& complex) {
   const std::uint32_t n = complex.c_vertex_count();
   DisjointSets sets(n);
-  for (const Face& face : complex.faces) {
+  for_each_index(complex.faces.size(), kFaces, [&](std::size_t f) {
+    const Face& face = complex.faces[f];
     sets.unite(face.corner[0], face.corner[1]);
     sets.unite(face.corner[1], face.corner[2]);
     if (!face.is_triangle()) sets.unite(face.corner[2], face.corner[3]);
-  }
+  });
   Components out;
   out.of_c_vertex.resize(n);
   std::vector<std::int64_t> twice_euler;  // every side is counted from each of its faces: halves

@@ -9,6 +9,7 @@
 #include "core/disjoint_sets.h"
 #include "core/distance_queue.h"
 #include "core/ids.h"
+#include "core/parallel.h"
 #include "support/volumes.h"
 
 namespace isoatlas {
@@ -29,6 +30,25 @@ TEST(DisjointSets, RootIsTheSmallestMemberWhateverTheOrder) {
       const std::uint32_t to = std::min(label[a], label[b]), from = std::max(label[a], label[b]);
       std::replace(label.begin(), label.end(), from, to);
       for (std::uint32_t i = 0; i < n; ++i) ASSERT_EQ(sets.find(i), label[i]);
+    }
+  }
+}
+
+TEST(DisjointSets, ThreadsThatUniteAtTheSameTimeGetTheSameSets) {
+  constexpr std::uint32_t n = 50000;
+  for (std::uint32_t seed = 0; seed < 5; ++seed) {
+    Random random(seed);
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs(n / 10 * (8 + seed));  // small sets, then a large one
+    for (auto& [a, b] : pairs) {
+      a = static_cast<std::uint32_t>(random.bits() % n);
+      b = static_cast<std::uint32_t>(seed % 2 ? random.bits() % n : std::min<std::uint64_t>(n - 1, a + random.bits() % 8));
+    }
+    DisjointSets alone(n), together(n);
+    for (const auto& [a, b] : pairs) alone.unite(a, b);
+    for_each_index(pairs.size(), 1, [&](std::size_t i) { together.unite(pairs[i].first, pairs[i].second); });
+    for (std::uint32_t i = 0; i < n; ++i) {
+      ASSERT_EQ(together.find(i), alone.find(i)) << "seed " << seed;
+      ASSERT_EQ(together.is_root(i), together.find(i) == i);
     }
   }
 }

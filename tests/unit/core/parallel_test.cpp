@@ -49,6 +49,46 @@ TEST(ForEachPiece, PiecesAreNotLargerThanTheGrain) {
   }
 }
 
+TEST(CollectPieces, KeepsTheOrderOfThePieces) {
+  for (const int threads : {1, 2, 0}) {
+    const ThreadLimit limit(threads);
+    for (const std::size_t grain : {1u, 7u, 100000u}) {
+      const auto found = collect_pieces<std::size_t>(5000, grain, [](std::size_t begin, std::size_t end, std::vector<std::size_t>& out) {
+        for (std::size_t i = begin; i < end; ++i) out.insert(out.end(), i % 3, i);
+      });
+      std::vector<std::size_t> wanted;
+      for (std::size_t i = 0; i < 5000; ++i) wanted.insert(wanted.end(), i % 3, i);
+      EXPECT_EQ(found, wanted);
+    }
+  }
+}
+
+TEST(RunBoth, CallsBothAndTellsWhatEitherThrows) {
+  for (const int threads : {1, 2}) {
+    const ThreadLimit limit(threads);
+    std::atomic<int> calls = 0;
+    run_both([&] { calls += 1; }, [&] { calls += 10; });
+    EXPECT_EQ(calls, 11);
+    const auto fail = [] { throw Error(ErrorCode::bad_file, "this one"); };
+    EXPECT_THROW(run_both(fail, [] {}), Error);
+    EXPECT_THROW(run_both([] {}, fail), Error);
+  }
+}
+
+TEST(ThreadLimit, HoldsInLoopsWithinLoops) {
+  const ThreadLimit limit(2);
+  std::mutex mutex;
+  std::set<std::thread::id> seen;
+  for_each_index(64, 1, [&](std::size_t) {
+    const ThreadLimit more(0);  // does not count: the outer one does
+    for_each_index(64, 1, [&](std::size_t) {
+      const std::lock_guard lock(mutex);
+      seen.insert(std::this_thread::get_id());
+    });
+  });
+  EXPECT_LE(seen.size(), 2u);
+}
+
 TEST(ForEachPiece, ExceptionsReachTheCaller) {
   for (const int threads : {1, 2}) {
     const ThreadLimit limit(threads);

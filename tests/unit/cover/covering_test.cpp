@@ -10,6 +10,7 @@
 #include <limits>
 #include <set>
 
+#include "cover/component_graphs.h"
 #include "partition/coarsen.h"
 #include "support/reference_topology.h"
 #include "support/surfaces.h"
@@ -76,6 +77,53 @@ void expect_promises(const CVertexGraph& graph, const Covering& covering, const 
   for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
     ASSERT_TRUE(!graph.on_boundary[v] || graph.on_boundary[p.site[p.cell_of[v]]]) << what << ": boundary owned from inside";
   }
+}
+
+TEST(Covering, ComponentsAtTheSameTimeAreCoveredAsOneAfterTheOther) {
+  for (std::uint64_t seed = 0; seed < kFamilies; ++seed) {
+    const Samples s = random_samples(static_cast<Family>(seed), {30, 34, 32}, seed);
+    if (!has_surface(s, 0)) continue;
+    const CVertexGraph graph = make_graph(surface_of(s, 0));
+    const std::string what = name(static_cast<Family>(seed));
+    Covering apart(graph, options(6));
+    apart.ignore_events();
+    apart.cover({});
+    Covering in_turn(graph, options(6));  // with a site already, components follow each other
+    in_turn.ignore_events();
+    const auto on_boundary = std::ranges::find(graph.on_boundary, std::uint8_t{1});
+    in_turn.insert(on_boundary == graph.on_boundary.end() ? 0 : static_cast<CVertexId>(on_boundary - graph.on_boundary.begin()));
+    in_turn.cover({});
+    EXPECT_EQ(apart.partition().site, in_turn.partition().site) << what;
+    EXPECT_EQ(apart.partition().cell_of, in_turn.partition().cell_of) << what;
+    EXPECT_EQ(apart.distance(), in_turn.distance()) << what;
+    EXPECT_EQ(apart.radius(), in_turn.radius()) << what;
+    EXPECT_EQ(apart.placed_in(), in_turn.placed_in()) << what;
+  }
+}
+
+TEST(ComponentGraphs, AreTheWholeGraphInPieces) {
+  const CVertexGraph graph = make_graph(surface_of(random_samples(Family{}, {30, 34, 32}, 1), 0));
+  const ComponentGraphs groups(graph);
+  EXPECT_GT(groups.count(), 1u);
+  std::vector<int> times(graph.c_vertex_count(), 0);
+  for (std::uint32_t group = 0; group < groups.count(); ++group) {
+    const auto own = groups.c_vertices(group);
+    EXPECT_TRUE(std::ranges::is_sorted(own));
+    const CVertexGraph part = groups.graph_of(group);
+    ASSERT_EQ(part.c_vertex_count(), own.size());
+    for (std::size_t k = 0; k < own.size(); ++k) {
+      ++times[own[k]];
+      EXPECT_EQ(part.on_boundary[k], graph.on_boundary[own[k]]);
+      const auto row = part.row(static_cast<CVertexId>(k)), whole = graph.row(own[k]);
+      ASSERT_EQ(row.size(), whole.size());
+      for (std::size_t i = 0; i < row.size(); ++i) {
+        EXPECT_EQ(own[row[i].id], whole[i].id);
+        EXPECT_EQ(row[i].weight, whole[i].weight);
+        EXPECT_EQ(part.is_diagonal[part.first[k] + i], graph.is_diagonal[graph.first[own[k]] + i]);
+      }
+    }
+  }
+  EXPECT_TRUE(std::ranges::all_of(times, [](int n) { return n == 1; }));
 }
 
 TEST(Covering, KeepsItsPromises) {
