@@ -28,7 +28,7 @@ class CoarseMesher {
   /// Turns components outward, moves vertices away from each other and takes triangles apart that meet where they should not.
   void mesh(LevelReport& report, const RunControl& control);
 
-  TriangleMesh& mesh() { return mesh_; }  ///< in sample-index coordinates
+  const TriangleMesh& mesh() const { return mesh_; }  ///< in sample-index coordinates
   const MeshTopology& topology() const { return topology_; }
   const std::vector<Vec3>& shift() const { return shift_; }      ///< per vertex, how far it is from its c-vertex; spacing applied
   std::vector<CVertexId> sites() const;                          ///< per vertex, its c-vertex on the surface

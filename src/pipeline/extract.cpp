@@ -201,9 +201,8 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   clock.finished("mesh");
 
   control.report("check", 0);
-  TriangleMesh& mesh = mesher.mesh();
-  const std::vector<CVertexId> sites = mesher.sites();
-  finish_level(mesh, mesher.topology(), sites, surface, mesher.stays(), options.coarse, grid, options, coarse, control);
+  TriangleMesh mesh = mesher.mesh();
+  finish_level(mesh, mesher.topology(), mesher.sites(), surface, mesher.stays(), options.coarse, grid, options, coarse, control);
   clock.finished("check");
 
   Hierarchy& hierarchy = out.hierarchy;
@@ -222,7 +221,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
 
   control.report("refine", 0);
   LevelMaker maker({grid, surface, *isosurface, coarser, cover, mesher}, options, control);
-  maker.describe_coarse(hierarchy, sites, report.levels.front());
+  maker.describe_coarse(hierarchy, report.levels.front());
   for (const LevelGoal& goal : options.refine) maker.add_level(goal, hierarchy, report.levels);
   tell_of_divisions();
   clock.finished("refine");

@@ -83,11 +83,6 @@ std::vector<float> LevelMaker::world_lengths(std::vector<float> voxels) const {
   return voxels;
 }
 
-void LevelMaker::measure_coarse(const TriangleMesh& mesh, LevelReport& report) const {
-  if (options_.measure_samples == 0) return;
-  fill_measurement(measure(mesh, source_.isosurface, options_.measure_samples, control_), report);
-}
-
 void LevelMaker::fill_measurement(Measurement measured, LevelReport& report) const {
   report.measured = std::move(measured);
   for (OneSidedDistance* d : {&report.measured->mesh_to_surface, &report.measured->surface_to_mesh})
@@ -96,20 +91,14 @@ void LevelMaker::fill_measurement(Measurement measured, LevelReport& report) con
   judge_by_measurement(report);
 }
 
-void LevelMaker::describe_coarse(Hierarchy& hierarchy, std::span<const CVertexId> sites, LevelReport& report) {
-  TriangleMesh mesh;  // in index coordinates again
-  mesh.triangles = hierarchy.levels.front().triangles;
-  if (options_.space != Space::voxel && source_.grid.mirrored()) {
-    for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
-  }
-  for (std::size_t v = 0; v < sites.size(); ++v)
-    mesh.positions.push_back(displaced(source_.surface.complex(), sites[v], source_.coarse.shift()[v]));
-  const double voxel = source_.grid.smallest_spacing();
+void LevelMaker::describe_coarse(Hierarchy& hierarchy, LevelReport& report) {
+  const TriangleMesh& mesh = source_.coarse.mesh();
   const LevelGoal& goal = options_.coarse;
-  const LevelFigures figures = refiner_.describe_coarse(mesh.triangles, sites, in_units_of(goal, voxel), control_);
+  const LevelFigures figures =
+      refiner_.describe_coarse(mesh.triangles, source_.coarse.sites(), in_units_of(goal, source_.grid.smallest_spacing()), control_);
   tell(goal, figures, report);
   hierarchy.levels.front().distance = world_lengths(figures.distance);
-  measure_coarse(mesh, report);
+  if (options_.measure_samples > 0) fill_measurement(measure(mesh, source_.isosurface, options_.measure_samples, control_), report);
 }
 
 // In sample-index coordinates.

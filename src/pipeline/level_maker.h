@@ -23,8 +23,7 @@ class LevelMaker {
   LevelMaker(const LevelSource& source, const ExtractOptions& options, const RunControl& control);
 
   /// Metrics, constraints and distances of level 0. To be called first.
-  /// @param sites  per vertex of level 0, its c-vertex on the surface
-  void describe_coarse(Hierarchy& hierarchy, std::span<const CVertexId> sites, LevelReport& report);
+  void describe_coarse(Hierarchy& hierarchy, LevelReport& report);
 
   void add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vector<LevelReport>& reports);
 
@@ -32,7 +31,6 @@ class LevelMaker {
   Vec3 to_space(Vec3 index) const;
   void tell(const LevelGoal& goal, const LevelFigures& figures, LevelReport& report) const;
   std::vector<float> world_lengths(std::vector<float> voxels) const;
-  void measure_coarse(const TriangleMesh& mesh, LevelReport& report) const;
   void fill_measurement(Measurement measured, LevelReport& report) const;
   TriangleMesh mesh_of(const RefinedLevel& refined) const;
   Measurement refine_on_measurement(const LevelGoal& goal, RefinedLevel& refined, const RunControl& control);
