@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <utility>
 
 #include "core/vector_math.h"
@@ -80,16 +79,17 @@ class Stretch {
   }
   bool is_open(CellId c) const { return !given_up_[c] && (can_shrink(c) || can_split(c)); }
 
-  // Back, to try less at once. A single cell that needs too much is left as it is.
+  // Removes the sites of the last step, to try less at once. A single cell that needs too much is left as it is.
   void take_back_if_too_many(const RunControl& control) {
-    took_back_ = before_ && sites() > task_.most_sites;
+    took_back_ = sites_before_ != kNone && sites() > task_.most_sites;
     if (!took_back_) {
       failures_ = 0;
     } else {
       if (batch_ == 1) ++failures_;
+      if (batch_ == 1 && tried_ != kNone) given_up_[tried_] = 1;
       batch_ = std::max<std::size_t>(1, batch_ / 2);
       if (shape_step_.size() == 1) shape_given_up_.push_back(shape_step_.front());
-      work_ = *before_;
+      work_.remove_sites(sites_before_);
       out_.certificate = certificate_before_;
       work_.update(out_.certificate, control);
     }
@@ -98,8 +98,9 @@ class Stretch {
 
   void remember() {
     if (!is_limited()) return;
-    before_ = std::make_unique<MeasuredCovering>(work_);
+    sites_before_ = sites();
     certificate_before_ = out_.certificate;
+    tried_ = kNone;
   }
 
   double worst_of_open() const {
@@ -154,14 +155,9 @@ class Stretch {
     const std::size_t room = (fills(worst) ? std::min(task_.least_sites, task_.most_sites) : task_.most_sites) - sites();
     const std::size_t wanted = batch_ == kNone ? room : took_back_ ? batch_ : 2 * batch_;
     batch_ = std::min({wanted, std::max<std::size_t>(1, room / 3), chosen.size()});
-    if (failures_ > 0) {
-      given_up_[chosen.front().second] = 1;
-      chosen.erase(chosen.begin());
-      batch_ = 1;
-      if (chosen.empty()) return;
-    }
-    chosen.resize(std::min(chosen.size(), batch_));
+    chosen.resize(batch_);
     remember();
+    tried_ = chosen.front().second;
   }
 
   void make_smaller(const Cells& chosen, bool evenly) {
@@ -184,8 +180,9 @@ class Stretch {
   Covering& covering_;
   const RefinementTask& task_;
   RefinedLevel& out_;
-  std::unique_ptr<MeasuredCovering> before_;  // the last step, while steps may have to be taken back
+  std::uint32_t sites_before_ = kNone;  // the last step, if it may have to be taken back
   CertificateReport certificate_before_;
+  CellId tried_ = kNone;  // the worst cell of that step, if it was about cells
   bool took_back_ = false;
   std::vector<CVertexId> shape_step_, shape_given_up_;  // where the last step put sites for the sake of shape; where that led too far
   std::vector<std::uint8_t> given_up_;                  // per cell, 1 if a step there led over the limit on vertices
