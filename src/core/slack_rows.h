@@ -29,6 +29,11 @@ class SlackRows {
 
   std::uint32_t row_count() const { return static_cast<std::uint32_t>(rows_.size()); }
   void add_rows(std::size_t count) { rows_.resize(rows_.size() + count); }  ///< empty ones
+  /// Removes the last rows, or adds empty ones.
+  void resize_rows(std::size_t count) {
+    for (std::size_t r = count; r < rows_.size(); ++r) left_behind_ += rows_[r].capacity;
+    rows_.resize(count);
+  }
 
   std::span<const Item> row(std::uint32_t r) const { return {items_.data() + rows_[r].first, rows_[r].size}; }
   std::span<Item> row(std::uint32_t r) { return {items_.data() + rows_[r].first, rows_[r].size}; }

@@ -34,26 +34,6 @@ Covering::Covering(const CVertexGraph& graph, const CoveringOptions& options)
   partition_.cell_of.assign(graph.c_vertex_count(), kNone);
 }
 
-void Covering::assign(const Covering& other) {
-  partition_ = other.partition_;
-  placed_in_ = other.placed_in_;
-  distance_ = other.distance_;
-  radius_ = other.radius_;
-  queued_ = other.queued_;
-  changed_ = other.changed_;
-  is_changed_ = other.is_changed_;
-  all_changed_ = other.all_changed_;
-  members_ = other.members_;
-  has_members_ = other.has_members_;
-  uncovered_boundary_ = other.uncovered_boundary_;
-  uncovered_interior_ = other.uncovered_interior_;
-  reached_ = other.reached_;
-  progress_ = other.progress_;
-  if (!other.events_) events_.reset();
-  next_boundary_ = other.next_boundary_;
-  next_interior_ = other.next_interior_;
-}
-
 void Covering::enqueue(CVertexId v) {
   if (queued_[v]) return;
   queued_[v] = 1;
@@ -115,6 +95,33 @@ bool Covering::has_slope() const {
     }
   }
   return true;
+}
+
+// Distances and cells of the c-vertices that stay in their cells do not depend on later sites. (Nor does it matter in which order sites come:
+// distances are the smallest over all paths, and of equal ones the earliest site has the c-vertex.)
+void Covering::remove_sites(std::uint32_t count) {
+  std::vector<CVertexId> freed;
+  for (CellId c = count; c < site_count(); ++c) members().for_each(c, [&](CVertexId v) { freed.push_back(v); });
+  for (const CVertexId v : freed) {
+    members_.erase(v, std::exchange(partition_.cell_of[v], kNone));
+    distance_[v] = std::numeric_limits<float>::infinity();
+  }
+  reached_ -= freed.size();
+  partition_.site.resize(count);
+  placed_in_.resize(count);
+  if (has_members_) members_.remove_cells(count);
+
+  MonotoneQueue front;
+  for (const CVertexId v : freed) {
+    for (const CVertexGraph::Neighbour& w : graph_.row(v)) {
+      if (partition_.cell_of[w.id] != kNone) front.push(length_key(distance_[w.id], w.id));
+    }
+  }
+  spread_distances(front);
+  for (const CVertexId v : freed) put_in_cell(v, std::exchange(partition_.cell_of[v], kNone));
+  std::erase_if(freed, [&](CVertexId v) { return is_covered(v); });
+  raise_radii(freed);
+  assert(has_slope());
 }
 
 std::vector<float> Covering::reach() const {
@@ -195,15 +202,23 @@ void Covering::spread_distances(MonotoneQueue& front) {
   }
 }
 
-// Radii that leave something uncovered become those that cover it, and those around them rise as far as the slope asks for: of all
-// radii with that slope that cover everything and are nowhere below those there were, the smallest.
 void Covering::cover_by_radii() {
   reached_ = 0;
-  FarthestFirst rising;
+  std::vector<CVertexId> uncovered;
   for (CVertexId v = 0; v < graph_.c_vertex_count(); ++v) {
     if (partition_.cell_of[v] == kNone) continue;
     ++reached_;
-    if (is_covered(v)) continue;
+    if (!is_covered(v)) uncovered.push_back(v);
+  }
+  raise_radii(uncovered);
+  assert(has_slope());
+}
+
+// Radii that leave something uncovered become those that cover it, and those around them rise as far as the slope asks for: of all
+// radii with that slope that cover everything and are nowhere below those there were, the smallest.
+void Covering::raise_radii(std::span<const CVertexId> uncovered) {
+  FarthestFirst rising;
+  for (const CVertexId v : uncovered) {
     radius_[v] = distance_[v] * (1.001f / (graph_.on_boundary[v] ? kBoundaryShare : 1.0f));
     rising.push(length_key(radius_[v], ~v));
   }
@@ -218,7 +233,6 @@ void Covering::cover_by_radii() {
       rising.push(length_key(r, ~n.id));
     }
   }
-  assert(has_slope());
 }
 
 void Covering::seed(std::span<const CVertexId> sites, std::span<const Radius> radii) {

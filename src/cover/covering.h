@@ -29,15 +29,12 @@ struct CoveringOptions {
 ///
 /// Every c-vertex x holds a radius h(x), 1/3-Lipschitz in geodesic distance, and (distance, cell) of its nearest site, ties to
 /// the earlier site. A site v has the disk of radius h(v). x is covered iff its nearest site is closer than h(x), boundary
-/// c-vertices iff closer than 0.55 h(x). Distances and radii only ever decrease, sites are never removed: levels nest.
+/// c-vertices iff closer than 0.55 h(x). Sites are only added at the end, so levels nest, and removed from the end.
 ///
 /// @source paper, sections 3.2 and 3.3, figures 3 to 7; the radius field replaces bins and cascades (docs/theory/04-covering.md)
 class Covering {
  public:
   Covering(const CVertexGraph& graph, const CoveringOptions& options);
-
-  /// Takes over the other's state. @pre both are of the same graph, with the same options
-  void assign(const Covering& other);
 
   /// Stage one: adds the c-vertex farthest from all sites, its disk limited by topological events, until all are covered.
   /// Components without a site get one first, on their boundary if they have one. The first time components are covered in parallel, with
@@ -67,6 +64,11 @@ class Covering {
 
   /// Makes v a site and gives it every c-vertex that is nearer to it than to any other.
   void insert(CVertexId v);
+  /// Removes all sites but the first `count`. The partition is then what it was with these, if the graph is what it was. Radii stay, but where
+  /// they would leave something uncovered.
+  /// @pre   everything is covered, and every component keeps a site
+  /// @cost  what is in the cells that are removed
+  void remove_sites(std::uint32_t count);
   /// Per cell, the distance of its farthest c-vertex; 0 where the site is the only one. O(C)
   std::vector<float> reach() const;
   /// Makes the radii at the sites of cells smaller, each by so much that the next cover() has to divide the cell. O(C)
@@ -110,6 +112,7 @@ class Covering {
   void spread_radii(Queue& front);
   void spread_distances(MonotoneQueue& front);
   void cover_by_radii();
+  void raise_radii(std::span<const CVertexId> uncovered);
   CVertexId farthest_uncovered();
 
   const CVertexGraph& graph_;

@@ -125,15 +125,16 @@ std::vector<CVertexId> independent(std::vector<Fix> fixes) {
 
 }  // namespace
 
-void CertifiedDual::assign(const CertifiedDual& other) {
-  adjacency_ = other.adjacency_;
-  other_faces_ = other.other_faces_;
-  site_points_ = other.site_points_;
-  triangles_ = other.triangles_;
-  touched_ = other.touched_;
-  fresh_ = other.fresh_;
-  complete_ = other.complete_;
-}
+CertifiedDual::CertifiedDual(const CertifiedDual& other, Covering& covering)
+    : complex_(other.complex_),
+      covering_(covering),
+      adjacency_(other.adjacency_),
+      other_faces_(other.other_faces_),
+      site_points_(other.site_points_),
+      triangles_(other.triangles_),
+      touched_(other.touched_),
+      fresh_(other.fresh_),
+      complete_(other.complete_) {}
 
 // `scope` empty: everything.
 PartitionCheck CertifiedDual::check(std::span<const CellId> scope) {
@@ -171,6 +172,11 @@ std::vector<CellId> CertifiedDual::cells_near_changes() {
   c_vertices.insert(c_vertices.end(), other_faces_.begin(), other_faces_.end());
   other_faces_.clear();
   return scoped_.cells_near(complex_, adjacency(), covering_.partition().cell_of, c_vertices);
+}
+
+void CertifiedDual::remove_cells(std::uint32_t count) {
+  site_points_.resize(std::min<std::size_t>(site_points_.size(), count));
+  touched_.resize(std::min<std::size_t>(touched_.size(), count));
 }
 
 void CertifiedDual::continue_on(std::span<const std::uint8_t> changed) {

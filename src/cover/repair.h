@@ -19,14 +19,14 @@ class CertifiedDual {
  public:
   CertifiedDual(const SurfaceComplex& complex, Covering& covering) : complex_(complex), covering_(covering) {}
   /// A copy for a copy of the covering.
-  CertifiedDual(const CertifiedDual& other, Covering& covering) : CertifiedDual(other.complex_, covering) { assign(other); }
+  CertifiedDual(const CertifiedDual& other, Covering& covering);
 
   /// The complex has more c-vertices, faces are others at some, and sites may be elsewhere: the next update() looks there, too.
   /// @param changed  per c-vertex of the complex as it is now, 1 if it is elsewhere or its row in G is not what it was
   void continue_on(std::span<const std::uint8_t> changed);
 
-  /// Takes over the other's state, whose covering this one's has taken over.
-  void assign(const CertifiedDual& other);
+  /// The covering has no more than these sites: the last ones were removed.
+  void remove_cells(std::uint32_t count);
 
   /// Checks all that changed since the last call, and repairs.
   /// @cost   what is around the changed c-vertices; the first time O(C)

@@ -28,12 +28,11 @@ DualTriangles::DualTriangles(std::vector<DualTriangle> triangles, std::uint32_t 
 }
 
 void DualTriangles::replace(std::span<const CellId> scope, std::span<const DualTriangle> triangles, std::uint32_t cells) {
-  if (cells > of_cell_.row_count()) of_cell_.add_rows(cells - of_cell_.row_count());
+  if (cells > of_cell_.row_count()) of_cell_.resize_rows(cells);
   std::vector<std::uint32_t> old;
-  for (const CellId c : scope) {
-    const auto row = of_cell_.row(c);
-    old.insert(old.end(), row.begin(), row.end());
-  }
+  const auto add_row = [&](CellId c) { old.insert(old.end(), of_cell_.row(c).begin(), of_cell_.row(c).end()); };
+  std::ranges::for_each(scope, add_row);
+  for (CellId c = cells; c < of_cell_.row_count(); ++c) add_row(c);
   std::sort(old.begin(), old.end());
   old.erase(std::unique(old.begin(), old.end()), old.end());
   std::vector<std::uint8_t> stays(old.size(), 0);
@@ -62,6 +61,7 @@ void DualTriangles::replace(std::span<const CellId> scope, std::span<const DualT
     }
   }
   for (; taken < added.size(); ++taken) add(added[taken]);
+  of_cell_.resize_rows(cells);
 }
 
 void DualTriangles::add(const DualTriangle& triangle) {

@@ -20,7 +20,7 @@ class DualTriangles {
   std::span<const std::uint32_t> of_cell(CellId cell) const { return of_cell_.row(cell); }
 
   /// Replaces all triangles with a corner in a cell of `scope` by `triangles`. Those that are the same stay.
-  /// @param cells  how many cells there are now
+  /// @param cells  how many cells there are now; triangles with a corner in a cell beyond are replaced as well
   /// @cost  the triangles that are removed or added, times the logarithm of their number
   void replace(std::span<const CellId> scope, std::span<const DualTriangle> triangles, std::uint32_t cells);
 

@@ -70,8 +70,8 @@ LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, st
 }
 
 void set_cells(LevelMesh& mesh, const CellMembers& members, std::span<const CellId> changed) {
-  mesh.c_vertices_of.add_rows(members.cell_count() - mesh.c_vertices_of.row_count());
-  mesh.triangles_of.add_rows(members.cell_count() - mesh.triangles_of.row_count());
+  mesh.c_vertices_of.resize_rows(members.cell_count());
+  mesh.triangles_of.resize_rows(std::max(members.cell_count(), mesh.triangles_of.row_count()));  // those that triangles leave stay until then
   std::vector<CVertexId> own;
   for (const CellId c : changed) {
     own.clear();
@@ -90,7 +90,7 @@ std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels,
 std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const Places& places,
                                         std::span<const CellId> may_have_moved) {
   const std::uint32_t cells = mesh.c_vertices_of.row_count();
-  std::vector<std::uint8_t> renewed(cells, 0);
+  std::vector<std::uint8_t> renewed(mesh.triangles_of.row_count(), 0);
   const std::size_t known = mesh.point.size();
   mesh.point.resize(cells);
   mesh.normal.resize(cells);
@@ -133,6 +133,8 @@ std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels,
     for (const std::uint32_t t : mesh.triangles_of.row(c)) renew(t);
   }
   set_corners(mesh, std::move(to_renew));
+  mesh.triangles_of.resize_rows(cells);
+  renewed.resize(cells);
   return renewed;
 }
 

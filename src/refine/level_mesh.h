@@ -82,7 +82,7 @@ std::vector<Triangle> cells_of(std::span<const DualTriangle> dual);
 /// O(C)
 LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, std::span<const DualTriangle> dual, const Places& places);
 
-/// More cells, and other c-vertices of some; set_triangles() has to follow.
+/// More or fewer cells, and other c-vertices of some; set_triangles() has to follow.
 /// @param changed  the cells with other c-vertices than before
 void set_cells(LevelMesh& mesh, const CellMembers& members, std::span<const CellId> changed);
 

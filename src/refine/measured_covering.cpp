@@ -135,24 +135,17 @@ MeasuredCovering::MeasuredCovering(const MeasuredCovering& other)
       stale_(other.stale_),
       all_stale_(other.all_stale_) {}
 
-MeasuredCovering& MeasuredCovering::operator=(const MeasuredCovering& other) {
-  covering_.assign(other.covering_);
-  dual_.assign(other.dual_);
-  demands_ = other.demands_;
-  placement_ = other.placement_;
-  near_enough_ = other.near_enough_;
-  mesh_ = other.mesh_;
-  places_ = other.places_;
-  frozen_ = other.frozen_;
-  proved_ = other.proved_;
-  from_mesh_ = other.from_mesh_;
-  errors_ = other.errors_;
-  stands_alone_ = other.stands_alone_;
-  moved_ = other.moved_;
-  all_moved_ = other.all_moved_;
-  stale_ = other.stale_;
-  all_stale_ = other.all_stale_;
-  return *this;
+void MeasuredCovering::remove_sites(std::uint32_t count) {
+  covering_.remove_sites(count);
+  dual_.remove_cells(count);
+  const auto shorten = [&](auto& of_cell) { of_cell.resize(std::min<std::size_t>(of_cell.size(), count)); };
+  shorten(places_.anchor);
+  shorten(places_.offset);
+  shorten(places_.shift);
+  shorten(places_.given_up);
+  shorten(errors_);
+  shorten(stale_);
+  std::erase_if(moved_, [&](CellId c) { return c >= count; });
 }
 
 void MeasuredCovering::demand(std::span<const Constraint> metrics, Placement placement, double near_enough) {

@@ -55,14 +55,12 @@ struct CellError {
 using MetricValues = std::array<double, kMetricCount>;
 
 /// A covering with its certified dual and its errors, all kept up to date while sites are added: only what changed is looked at
-/// again. Copies are independent, so that a step can be tried.
+/// again. Copies are independent.
 class MeasuredCovering {
  public:
   MeasuredCovering(const Ground& ground, const CoveringOptions& options, std::span<const CVertexId> sites,
                    std::span<const Covering::Radius> radii, const RunControl& control);
   MeasuredCovering(const MeasuredCovering& other);
-  /// @pre both stand on the same ground, as it is now
-  MeasuredCovering& operator=(const MeasuredCovering& other);
 
   /// Where the vertices are, but for what balancing does; spacing applied.
   std::vector<Vec3> base_points() const;
@@ -71,6 +69,9 @@ class MeasuredCovering {
   /// @param changed  what Ground::remake() has returned
   /// @param before   base_points() before that
   void continue_on(std::span<const std::uint8_t> changed, std::span<const Vec3> before, const RunControl& control);
+
+  /// Removes all sites but the first `count`, to take back what was done since there were so many. @pre update() has been called
+  void remove_sites(std::uint32_t count);
 
   /// Which metrics count from now on, with their bounds; everything will be measured anew,
   /// unless they are what they were.

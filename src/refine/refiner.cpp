@@ -174,20 +174,24 @@ bool Refiner::refine_misplaced_components() {
   return work_->covering().shrink(cells).size() < cells.size();
 }
 
-// Works on the task until the dual has no self-intersections and its components have the orientation and nesting of the surface.
-void Refiner::work_apart(const Task& task, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control) {
-  for (;;) {
-    rounds_.work(*work_, task, out, control);
-    const std::uint32_t sites = partition().cell_count();
-    bool any = false;
-    for (;; any = true) {
-      work_->update(out.certificate, control);
-      meeting.update(work_->positions(), cells_of(work_->triangles()), control);
-      if (!part(meeting, control) && !refine_misplaced_components()) break;
-    }
+// Makes cells smaller until the dual has no self-intersections and its components have the orientation and nesting of the surface.
+// @return whether any had to be
+bool Refiner::separate_intersections(IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control) {
+  const std::uint32_t sites = partition().cell_count();
+  for (bool any = false;; any = true) {
+    work_->update(out.certificate, control);
+    meeting.update(work_->positions(), cells_of(work_->triangles()), control);
+    if (part(meeting, control) || refine_misplaced_components()) continue;
     out.parting_sites += partition().cell_count() - sites;
-    if (!any) return;
+    return any;
   }
+}
+
+// Works on the task until there are no self-intersections either.
+void Refiner::work_apart(const Task& task, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control) {
+  do {
+    rounds_.work(*work_, task, out, control);
+  } while (separate_intersections(meeting, out, control));
 }
 
 // Which a covering that is made anew does not know.
@@ -220,7 +224,6 @@ void Refiner::divide_surface(std::span<const CVertexId> wanted, const RunControl
   surface_.divide(wanted, pinned);
   const std::vector<Vec3> before = work_->base_points();
   work_->continue_on(ground_->remake(), before, control);
-  ++grounds_;
 }
 
 // The constraints in their order: works on what there is so far before a limit comes into force.
@@ -429,13 +432,11 @@ RefinedLevel Refiner::refine_once(const LevelGoal& goal, const LevelGoal& asked,
   }
   remember_placed_in();
   IntersectionTracker meeting(embedded_.value_or(WrittenPositions()));
-  std::unique_ptr<const MeasuredCovering> start;  // before anything is done for the goal
-  if (is_limited(goal)) start = std::make_unique<const MeasuredCovering>(*work_);
   Task task = whole_task(goal, placement, out, control);
-  if (!start) {
+  if (!is_limited(goal)) {
     make_predicted_cells(task, out, control);
     work_towards(task, meeting, out, control);
-  } else if (!refine_within_budget(task, *start, goal.front().bound, meeting, out, control)) {
+  } else if (!refine_within_budget(task, goal.front().bound, meeting, out, control)) {
     return unchanged_level(asked);
   }
   finish(task, asked, meeting, out, control);
@@ -487,31 +488,29 @@ void Refiner::restart_at_vertices(const RunControl& control) {
   if (work_->places().anchor != partition().site) divide_surface({}, control);
 }
 
-// Topology, and that triangles do not meet, may need more vertices than are left. Then back to the start, and less of what was asked for;
-// but not where the surface was divided since.
+// Topology, and that triangles do not intersect, may need more vertices than are left. Then the last ones are removed, until there is room.
 // @return false if no level with more vertices than the one before has few enough
-bool Refiner::refine_within_budget(Task& task, const MeasuredCovering& start, double most, IntersectionTracker& meeting, RefinedLevel& out,
-                                   const RunControl& control) {
-  const std::vector<CellId> placed_in = placed_in_;
-  const std::uint32_t grounds = grounds_;
-  for (std::uint32_t twice = 2;; twice *= 2) {
-    work_towards(task, meeting, out, control);
-    if (static_cast<double>(partition().cell_count()) <= most || grounds_ != grounds) return true;
-    const std::uint32_t over = partition().cell_count() - static_cast<std::uint32_t>(most);
-    work_ = std::make_unique<MeasuredCovering>(start);
-    placed_in_ = placed_in;
-    const std::uint32_t room = task.most_sites > sites_before_ ? task.most_sites - sites_before_ : 0;
-    out.vertices_ran_out = false;
-    if (room / twice <= over) {
-      if (!is_first_) return false;
-      Task nothing;
-      nothing.placement = task.placement;
-      work_towards(nothing, meeting, out, control);
-      out.vertices_ran_out = true;
-      return true;
-    }
-    task.most_sites -= twice * over;
+bool Refiner::refine_within_budget(Task& task, double most, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control) {
+  const std::uint32_t start = partition().cell_count();
+  work_towards(task, meeting, out, control);
+  double kept = most;
+  for (double times = 1; partition().cell_count() > most; times *= 2) {
+    kept = std::floor(kept - times * (partition().cell_count() - most));
+    const bool has_room = kept > start;
+    remove_sites(has_room ? static_cast<std::uint32_t>(kept) : start);
+    if (!has_room && !is_first_) return false;
+    task.most_sites = partition().cell_count();
+    out.vertices_ran_out = true;
+    work_->update(out.certificate, control);
+    if (embedded_) separate_intersections(meeting, out, control);
+    if (!has_room) break;
   }
+  return true;
+}
+
+void Refiner::remove_sites(std::uint32_t count) {
+  work_->remove_sites(count);
+  placed_in_.resize(std::min<std::size_t>(placed_in_.size(), count));
 }
 
 // The level's triangles: shape, and no self-intersections; then what can be said of them.

@@ -75,8 +75,8 @@ class Refiner {
   RefinedLevel refine_once(const LevelGoal& goal, const LevelGoal& asked, Placement placement, const RunControl& control);
   void restart_at_vertices(const RunControl& control);
   void make_predicted_cells(const Task& task, RefinedLevel& out, const RunControl& control);
-  bool refine_within_budget(Task& task, const MeasuredCovering& start, double most, IntersectionTracker& meeting, RefinedLevel& out,
-                         const RunControl& control);
+  bool refine_within_budget(Task& task, double most, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control);
+  void remove_sites(std::uint32_t count);
   void finish(const Task& task, const LevelGoal& asked, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control);
   void improve_level_shape(const Task& task, std::vector<DualTriangle>& triangles, RefinedLevel& out, const RunControl& control);
   void refine_and_improve(const Task& task, IntersectionTracker& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
@@ -92,6 +92,7 @@ class Refiner {
   std::vector<CVertexId> subdividable(std::span<const CellId> single) const;
   bool part(const IntersectionTracker& meeting, const RunControl& control);
   bool refine_misplaced_components();
+  bool separate_intersections(IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control);
   void work_apart(const Task& task, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control);
   void work_towards(const Task& task, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control);
   bool is_provable(const Task& task) const;
@@ -118,7 +119,6 @@ class Refiner {
   std::uint32_t sites_before_;     // of the level before
   bool is_first_ = true;           // the level before is the coarse one
   std::uint32_t divisions_ = 0;    // of this level, for the sake of bounds
-  std::uint32_t grounds_ = 0;      // how often the ground was made anew
   int proofs_ = 0;                 // of this level, that failed
   MeshExtent extent_;              // of the last level, its metrics below
   std::array<MetricSummary, kMetricCount> metrics_{};

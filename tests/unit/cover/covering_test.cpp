@@ -203,8 +203,7 @@ TEST(Covering, KeepsItsPromisesWhereTheComplexBecomesFiner) {
         const CellId c = start.partition().cell_of[v];
         if (was_on_boundary[v] == was_on_boundary[at[c]]) at[c] = v;
       }
-      Covering covering(graph, options(8));
-      covering.assign(start);
+      Covering covering(start);
       covering.forget_changes();
       covering.continue_on(changed, at);
       std::vector<CVertexId> other_cell;
@@ -289,6 +288,41 @@ TEST(Covering, InsertOnlyEverLowersDistances) {
     }
     before = covering.distance();
     ASSERT_EQ(covering.partition().site, sites);
+  }
+}
+
+TEST(Covering, WithoutTheLastSitesThePartitionIsWhatItWas) {
+  Random random(5);
+  for (const auto& [what, surface] : surfaces()) {
+    const CVertexGraph graph = make_graph(surface);
+    Covering covering(graph, options(5));
+    covering.cover({});
+    for (int round = 0; round < 4; ++round) {
+      const Covering before = covering;
+      covering.forget_changes();
+      for (int k = 0; k < 8; ++k) {
+        const auto v = static_cast<CVertexId>(random.bits() % graph.c_vertex_count());
+        covering.lower_radius(v, 0.7f * covering.radius()[v]);
+        if (covering.distance()[v] > 0 && random.bits() % 2) covering.insert(v);
+      }
+      covering.cover({});
+      const Partition finer = covering.partition();
+      covering.remove_sites(before.site_count());
+      ASSERT_EQ(covering.partition().site, before.partition().site) << what;
+      ASSERT_EQ(covering.partition().cell_of, before.partition().cell_of) << what;
+      ASSERT_EQ(covering.distance(), before.distance()) << what;
+      ASSERT_EQ(covering.placed_in(), before.placed_in()) << what;
+      expect_promises(graph, covering, what, Boundary::owned_from_anywhere);
+      const std::set<CVertexId> changed(covering.changed().begin(), covering.changed().end());
+      for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
+        ASSERT_TRUE(finer.cell_of[v] == before.partition().cell_of[v] || changed.contains(v)) << what << ": " << v << " has changed its cell";
+        ASSERT_TRUE(covering.radius()[v] <= before.radius()[v]) << what << ": radii rise only as far as something was uncovered";
+      }
+      const CellMembers& members = covering.members();
+      ASSERT_EQ(members.cell_count(), covering.site_count());
+      for (CellId c = 0; c < members.cell_count(); ++c) members.for_each(c, [&](CVertexId v) { EXPECT_EQ(covering.partition().cell_of[v], c); });
+      if (HasFatalFailure()) return;
+    }
   }
 }
 
