@@ -104,15 +104,6 @@ std::vector<CVertexId> CoarseMesher::sites() const {
   return out;
 }
 
-std::vector<ShapeObstacle> CoarseMesher::stays() const {
-  std::vector<ShapeObstacle> out;
-  for (const CVertexId v : sites()) {
-    const bool met = out.size() < stays_.size() && stays_[out.size()] != 0;
-    out.push_back(met ? ShapeObstacle::self_intersection : surface_.may_roam(v) ? ShapeObstacle::none : ShapeObstacle::crowded);
-  }
-  return out;
-}
-
 void CoarseMesher::take_triangles() {
   mesh_.triangles.clear();
   for (const DualTriangle& t : stand_->dual.triangles()) mesh_.triangles.push_back(t.cell);
@@ -189,7 +180,7 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
     points[i] = point;
     mesh_.positions[i] = positions[at[i]] = displaced(surface, at[i], point - start[i]);
   };
-  stays_.assign(at.size(), 0);
+  placement_.given_up.assign(at.size(), 0);
   std::vector<std::uint32_t> look(mesh_.triangles.size());
   std::iota(look.begin(), look.end(), 0u);
   for (int round = 0; round < kRelaxRounds; ++round) {
@@ -214,7 +205,7 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
     }
     look.clear();
     for (const std::uint32_t i : moved) {
-      stays_[i] = times_back[i] > 1;
+      placement_.given_up[i] = times_back[i] > 1 ? 3 : 0;
       if (times_back[i] > 0) look.insert(look.end(), triangles_of.row(i).begin(), triangles_of.row(i).end());
     }
     std::ranges::sort(look);
@@ -223,8 +214,9 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
   if (!options_.allow_self_intersections && nesting(component_of) != surface_.nesting()) {  // hardly ever: as it was certified
     for (std::uint32_t i = 0; i < at.size(); ++i) move_to(i, start[i]);
   }
-  shift_.clear();
-  for (std::size_t i = 0; i < at.size(); ++i) shift_.push_back(points[i] - start[i]);
+  placement_.anchor = at;
+  placement_.shift.clear();
+  for (std::size_t i = 0; i < at.size(); ++i) placement_.shift.push_back(points[i] - start[i]);
 }
 
 // Per vertex, 1 if it must not be where it was moved to.

@@ -10,6 +10,7 @@
 #include "embed/intersection_tracker.h"
 #include "isoatlas/extract.h"
 #include "partition/coarsen.h"
+#include "refine/vertex_placement.h"
 #include "subdivide/adaptive_surface.h"
 
 namespace isoatlas {
@@ -30,9 +31,7 @@ class CoarseMesher {
 
   const TriangleMesh& mesh() const { return mesh_; }  ///< in sample-index coordinates
   const MeshTopology& topology() const { return topology_; }
-  const std::vector<Vec3>& shift() const { return shift_; }      ///< per vertex, how far it is from its c-vertex; spacing applied
-  std::vector<CVertexId> sites() const;                          ///< per vertex, its c-vertex on the surface
-  std::vector<ShapeObstacle> stays() const;                      ///< per vertex, what keeps it there
+  const VertexPlacement& placement() const { return placement_; }  ///< on the surface
   const Covering& covering() const { return stand_->covering; }  ///< of the coarser complex, if there is one
 
  private:
@@ -45,6 +44,7 @@ class CoarseMesher {
     Covering covering;
     CertifiedDual dual;
   };
+  std::vector<CVertexId> sites() const;  ///< per vertex, its c-vertex on the surface
   bool is_coarser() const { return !coarser_.representative.empty(); }
   void relax_vertices(const RunControl& control);
   void take_triangles();
@@ -68,8 +68,7 @@ class CoarseMesher {
   bool were_regions_cut_ = false;
   TriangleMesh mesh_;
   MeshTopology topology_;
-  std::vector<Vec3> shift_;
-  std::vector<std::uint8_t> stays_;  // per vertex, 1 if it must not be moved
+  VertexPlacement placement_;
 };
 
 }  // namespace isoatlas

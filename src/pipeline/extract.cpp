@@ -202,7 +202,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
 
   control.report("check", 0);
   TriangleMesh mesh = mesher.mesh();
-  finish_level(mesh, mesher.topology(), mesher.sites(), surface, mesher.stays(), options.coarse, grid, options, coarse, control);
+  finish_level(mesh, mesher.topology(), mesher.placement().anchor, surface, obstacles(mesher.placement(), surface, 0), options.coarse, grid, options, coarse, control);
   clock.finished("check");
 
   Hierarchy& hierarchy = out.hierarchy;

@@ -51,7 +51,7 @@ LevelMaker::LevelMaker(const LevelSource& source, const ExtractOptions& options,
       options_(options),
       control_(control),
       refiner_(source.surface, source.isosurface, source.coarser, source.options,
-               {source.coarse.covering(), source.coarse.sites(), source.coarse.shift(), is_whole(options)}, options.allow_self_intersections ? std::nullopt : std::optional(WrittenPositions(source.grid, options.space, options.supersample)),
+               {source.coarse.covering(), source.coarse.placement(), is_whole(options)}, options.allow_self_intersections ? std::nullopt : std::optional(WrittenPositions(source.grid, options.space, options.supersample)),
                options.adaptive_supersample) {}
 
 Vec3 LevelMaker::to_space(Vec3 index) const {
@@ -95,7 +95,7 @@ void LevelMaker::describe_coarse(Hierarchy& hierarchy, LevelReport& report) {
   const TriangleMesh& mesh = source_.coarse.mesh();
   const LevelGoal& goal = options_.coarse;
   const LevelFigures figures =
-      refiner_.describe_coarse(mesh.triangles, source_.coarse.sites(), in_units_of(goal, source_.grid.smallest_spacing()), control_);
+      refiner_.describe_coarse(mesh.triangles, in_units_of(goal, source_.grid.smallest_spacing()), control_);
   tell(goal, figures, report);
   hierarchy.levels.front().distance = world_lengths(figures.distance);
   if (options_.measure_samples > 0) fill_measurement(measure(mesh, source_.isosurface, options_.measure_samples, control_), report);
@@ -181,7 +181,7 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
   for (const auto& [cell, excess] : refined.at_limit) report.at_limit.push_back({to_space(mesh.positions[cell]), excess});
   const MeshTopology topology = mesh_topology(mesh);
   if (measured) fill_measurement(std::move(*measured), report);
-  finish_level(mesh, topology, partition.site, source_.surface, refiner_.stays(), goal, source_.grid, options_, report,
+  finish_level(mesh, topology, partition.site, source_.surface, refiner_.obstacles(), goal, source_.grid, options_, report,
                control_);
 
   // Vertices that are new; the others are there already.

@@ -7,7 +7,6 @@
 
 #include "core/parallel.h"
 #include "core/vector_math.h"
-#include "subdivide/subdivide.h"
 
 namespace isoatlas {
 namespace {
@@ -28,24 +27,6 @@ void set_corners(LevelMesh& mesh, std::vector<std::uint32_t> triangles) {
 
 }  // namespace
 
-Vec3 base_position(const SurfaceComplex& complex, const Places& places, CellId c) {
-  return displaced(complex, places.anchor[c], places.shift.empty() ? Vec3{} : places.shift[c]);
-}
-
-Vec3 vertex_position(const SurfaceComplex& complex, const Surfels& surfels, const Places& places, CellId c) {
-  const Vec3 p = base_position(complex, places, c);
-  if (places.offset.empty()) return p;
-  const Vec3 s = complex.spacing, n = surfels.normal[places.anchor[c]];
-  const auto d = static_cast<double>(places.offset[c]);
-  return p + Vec3{d * n.x / s.x, d * n.y / s.y, d * n.z / s.z};
-}
-
-std::vector<Vec3> vertex_positions(const SurfaceComplex& complex, const Surfels& surfels, const Places& places) {
-  std::vector<Vec3> out(places.anchor.size());
-  for_each_index(out.size(), kPerPiece, [&](std::size_t c) { out[c] = vertex_position(complex, surfels, places, static_cast<CellId>(c)); });
-  return out;
-}
-
 std::vector<Triangle> cells_of(std::span<const DualTriangle> dual) {
   std::vector<Triangle> out;
   out.reserve(dual.size());
@@ -53,7 +34,7 @@ std::vector<Triangle> cells_of(std::span<const DualTriangle> dual) {
   return out;
 }
 
-LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, std::span<const DualTriangle> dual, const Places& places) {
+LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, std::span<const DualTriangle> dual, const VertexPlacement& places) {
   LevelMesh mesh;
   const std::uint32_t cells = partition.cell_count();
   std::vector<std::uint32_t> count(cells, 0);
@@ -81,13 +62,13 @@ void set_cells(LevelMesh& mesh, const CellMembers& members, std::span<const Cell
   }
 }
 
-std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const Places& places) {
+std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const VertexPlacement& places) {
   std::vector<CellId> all(mesh.c_vertices_of.row_count());
   std::iota(all.begin(), all.end(), 0u);
   return set_triangles(mesh, surfels, dual, places, all);
 }
 
-std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const Places& places,
+std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const VertexPlacement& places,
                                         std::span<const CellId> may_have_moved) {
   const std::uint32_t cells = mesh.c_vertices_of.row_count();
   std::vector<std::uint8_t> renewed(mesh.triangles_of.row_count(), 0);
@@ -138,7 +119,7 @@ std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels,
   return renewed;
 }
 
-void edit_mesh(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> triangles, const Places& places, const MeshEdit& edit) {
+void edit_mesh(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> triangles, const VertexPlacement& places, const MeshEdit& edit) {
   for (const CellId c : edit.vertices) {
     mesh.normal[c] = surfels.normal[places.anchor[c]];
     mesh.point[c] = places.point(surfels, c);
@@ -154,7 +135,7 @@ void edit_mesh(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTria
   }
 }
 
-void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const Places& places) {
+void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const VertexPlacement& places) {
   std::vector<std::uint32_t> triangles;
   for (const CellId c : cells) {
     mesh.normal[c] = surfels.normal[places.anchor[c]];

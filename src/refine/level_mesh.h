@@ -11,6 +11,7 @@
 #include "metrics/cell_view.h"
 #include "partition/cell_members.h"
 #include "partition/partition.h"
+#include "refine/vertex_placement.h"
 
 namespace isoatlas {
 
@@ -48,39 +49,11 @@ struct LevelMesh {
   std::uint32_t cell_count() const { return static_cast<std::uint32_t>(point.size()); }
 };
 
-/// Where the vertices of a level sit.
-struct Places {
-  std::vector<CVertexId> anchor;         ///< per cell, the c-vertex at whose point it sits: its site, or a better one near by
-  std::vector<float> offset{};           ///< per cell, how far from there along the surface's normal, in this level; empty: not at all
-  std::vector<Vec3> shift{};             ///< per cell, how far from its c-vertex, in all levels; empty: not at all
-  std::vector<std::uint8_t> given_up{};  ///< per cell, 1 if its triangles stay the dual's, 3 if it stays at its site, too; missing: 0
-
-  bool may_move(CellId c) const { return c >= given_up.size() || given_up[c] < 3; }
-  bool may_flip(CellId c) const { return c >= given_up.size() || given_up[c] == 0; }
-  /// Where it sits in all levels, but for what balancing does in one.
-  Vec3 base(const Surfels& surfels, CellId c) const {
-    const Vec3 p = surfels.point[anchor[c]];
-    return shift.empty() ? p : Vec3{p.x + shift[c].x, p.y + shift[c].y, p.z + shift[c].z};
-  }
-  Vec3 point(const Surfels& surfels, CellId c) const {
-    const Vec3 p = base(surfels, c);
-    if (offset.empty()) return p;
-    const auto d = static_cast<double>(offset[c]);
-    const Vec3 n = surfels.normal[anchor[c]];
-    return {p.x + d * n.x, p.y + d * n.y, p.z + d * n.z};
-  }
-};
-
-/// The same in sample-index coordinates, to the last bit as it is written: what triangles meet is asked of these.
-Vec3 base_position(const SurfaceComplex& complex, const Places& places, CellId c);
-Vec3 vertex_position(const SurfaceComplex& complex, const Surfels& surfels, const Places& places, CellId c);  ///< balanced
-std::vector<Vec3> vertex_positions(const SurfaceComplex& complex, const Surfels& surfels, const Places& places);
-
 /// The corners of each.
 std::vector<Triangle> cells_of(std::span<const DualTriangle> dual);
 
 /// O(C)
-LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, std::span<const DualTriangle> dual, const Places& places);
+LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, std::span<const DualTriangle> dual, const VertexPlacement& places);
 
 /// More or fewer cells, and other c-vertices of some; set_triangles() has to follow.
 /// @param changed  the cells with other c-vertices than before
@@ -89,9 +62,9 @@ void set_cells(LevelMesh& mesh, const CellMembers& members, std::span<const Cell
 /// Gives the mesh other triangles and places. Only those that are not what they were are worked on; the others are compared.
 /// @param may_have_moved  the cells whose vertices may be elsewhere than in the mesh, and all new ones; the other form looks at all
 /// @return per cell, 1 if a triangle there is new, gone or elsewhere
-std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const Places& places,
+std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const VertexPlacement& places,
                                         std::span<const CellId> may_have_moved);
-std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const Places& places);
+std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const VertexPlacement& places);
 
 /// What was changed of a mesh: the numbers of triangles with other corners, and the cells whose vertices are elsewhere; sorted.
 struct MeshEdit {
@@ -100,9 +73,9 @@ struct MeshEdit {
 };
 
 /// set_triangles() where only this has changed.
-void edit_mesh(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> triangles, const Places& places, const MeshEdit& edit);
+void edit_mesh(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> triangles, const VertexPlacement& places, const MeshEdit& edit);
 
 /// Moves the vertices of `cells` and the corners of their triangles to their places.
-void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const Places& places);
+void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const VertexPlacement& places);
 
 }  // namespace isoatlas

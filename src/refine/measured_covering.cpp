@@ -9,7 +9,7 @@
 
 #include "core/parallel.h"
 #include "core/vector_math.h"
-#include "refine/placement.h"
+#include "refine/balance.h"
 
 namespace isoatlas {
 namespace {

@@ -116,7 +116,7 @@ class MeasuredCovering {
   const LevelMesh& mesh() const { return mesh_; }
   const std::vector<DualTriangle>& triangles() const { return dual_.triangles(); }
   const std::vector<CellError>& errors() const { return errors_; }
-  const Places& places() const { return places_; }
+  const VertexPlacement& places() const { return places_; }
   /// Of vertices, in sample-index coordinates.
   std::vector<Vec3> positions() const { return vertex_positions(ground_.complex, ground_.surfels, places_); }
 
@@ -128,7 +128,7 @@ class MeasuredCovering {
   void try_again() { places_.given_up.clear(); }
 
   /// Where vertices sit, to be changed; remesh() has to follow and be told.
-  Places& edit_places() { return places_; }
+  VertexPlacement& edit_places() { return places_; }
   /// Changes the mesh's triangles, until the next update(), and takes the places of its vertices, but for balancing; measures the cells again
   /// that this may concern.
   /// @param triangles  all of them; what is not in `edit` is as it was
@@ -155,7 +155,7 @@ class MeasuredCovering {
   Placement placement_ = Placement::surface;
   double near_enough_ = 1;
   LevelMesh mesh_;
-  Places places_;
+  VertexPlacement places_;
   CellId frozen_ = 0;
   std::vector<std::uint8_t> proved_;  // per cell, 1 if its isosurface is proved to be within the bound
   std::vector<Farthest> from_mesh_;

@@ -28,7 +28,7 @@ void MeshEditor::set_triangle(std::uint32_t t, const DualTriangle& to) {
 }
 
 void MeshEditor::move(CellId c, CVertexId anchor, Vec3 shift) {
-  Places& places = work_.edit_places();
+  VertexPlacement& places = work_.edit_places();
   const CVertexId from = std::exchange(places.anchor[c], anchor);
   occupied_[from] = 0;
   occupied_[anchor] = 1;

@@ -20,7 +20,7 @@ class MeshEditor {
 
   const MeasuredCovering& work() const { return work_; }
   const LevelMesh& mesh() const { return work_.mesh(); }
-  const Places& places() const { return work_.places(); }
+  const VertexPlacement& places() const { return work_.places(); }
   const Ground& ground() const { return work_.ground(); }
   double excess(CellId c) const { return work_.errors()[c].excess; }
   const DualTriangle& triangle(std::uint32_t t) const { return triangles_[t]; }
@@ -30,7 +30,7 @@ class MeshEditor {
   void set_triangle(std::uint32_t t, const DualTriangle& to);
   void move(CellId c, CVertexId anchor, Vec3 shift);
   void shift(CellId c, Vec3 shift) { move(c, places().anchor[c], shift); }
-  void give_up(CellId c, std::uint8_t what);  ///< Places::given_up is at least this from now on
+  void give_up(CellId c, std::uint8_t what);  ///< VertexPlacement::given_up is at least this from now on
 
   /// Changes the mesh and measures the cells again that this may concern.
   void measure(std::span<const CellId> concerned);

@@ -88,11 +88,11 @@ Refiner::Refiner(AdaptiveSurface& surface, const Isosurface& isosurface, const C
       embedded_(std::move(embedded)),
       most_divisions_(most_divisions),
       ground_(std::make_unique<Ground>(surface.complex(), &isosurface, &surface)),
-      sites_before_(static_cast<std::uint32_t>(start_.site.size())) {}
+      sites_before_(static_cast<std::uint32_t>(start_.placement.anchor.size())) {}
 
 void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control) {
   const std::vector<CVertexId>& on = coarser_.representative;
-  std::vector<CVertexId> sites = start_.site;
+  std::vector<CVertexId> sites = start_.placement.anchor;
   std::vector<Covering::Radius> radii;
   if (on.empty()) {
     radii = radii_of(start_.covering, {});
@@ -119,7 +119,7 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
     radii = radii_of(rough.covering(), on);
   }
   work_ = std::make_unique<MeasuredCovering>(*ground_, options_, sites, radii, control);
-  work_->displace(start_.shift);
+  work_->displace(start_.placement.shift);
   work_->freeze_anchors(sites_before_);
 }
 
@@ -205,7 +205,7 @@ void Refiner::remember_placed_in() {
 
 // More c-vertices, on which the same work goes on. Vertices stay where they are: there are their c-vertices from now on.
 void Refiner::divide_surface(std::span<const CVertexId> wanted, const RunControl& control) {
-  const Places& places = work_->places();
+  const VertexPlacement& places = work_->places();
   std::vector<CVertexId> movers;
   std::vector<Vec3> positions = surface_.complex().positions, frozen;
   for (CellId c = 0; c < places.shift.size(); ++c) {
@@ -612,15 +612,14 @@ void Refiner::describe(const Task& task, const LevelGoal& asked, RefinedLevel& o
   metrics_ = out.figures.metrics;
 }
 
-LevelFigures Refiner::describe_coarse(std::span<const Triangle> triangles, std::span<const CVertexId> sites, const LevelGoal& goal,
-                                      const RunControl& control) {
+LevelFigures Refiner::describe_coarse(std::span<const Triangle> triangles, const LevelGoal& goal, const RunControl& control) {
   control.check_cancelled();
   Covering covering(ground_->graph, options_);
-  covering.seed(sites, {});
+  covering.seed(start_.placement.anchor, {});
   std::vector<DualTriangle> dual;
   dual.reserve(triangles.size());
   for (const Triangle& t : triangles) dual.push_back({t, kNone});
-  const LevelMesh mesh = make_level_mesh(ground_->surfels, covering.partition(), dual, {{sites.begin(), sites.end()}, {}, start_.shift});
+  const LevelMesh mesh = make_level_mesh(ground_->surfels, covering.partition(), dual, start_.placement);
   extent_ = extent_of(mesh);
   const std::vector<MetricValues> values = measure_metrics(*ground_, covering, mesh);
   metrics_ = summarize(values);
@@ -636,18 +635,6 @@ std::vector<std::uint32_t> Refiner::parents() const {
     } else {
       while (out[c] >= sites_before_) out[c] = out[out[c]];  // placed in the cell of a vertex that is new as well
     }
-  }
-  return out;
-}
-
-std::vector<ShapeObstacle> Refiner::stays() const {
-  const Places& places = work_->places();
-  std::vector<ShapeObstacle> out;
-  for (CellId c = 0; c < places.anchor.size(); ++c) {
-    out.push_back(c < sites_before_                      ? ShapeObstacle::earlier_level
-                  : !places.may_move(c)                  ? ShapeObstacle::self_intersection
-                  : !surface_.may_roam(places.anchor[c]) ? ShapeObstacle::crowded
-                                                         : ShapeObstacle::none);
   }
   return out;
 }

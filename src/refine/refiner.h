@@ -29,9 +29,8 @@ class Refiner {
   /// What level 0 is.
   struct Start {
     const Covering& covering;     ///< of `coarser.complex`, or of the surface if there is no coarser complex
-    std::vector<CVertexId> site;  ///< per vertex, on the surface
-    std::vector<Vec3> shift;      ///< per vertex, how far it is from there; spacing applied
-    bool is_whole = true;         ///< no component of a trilinear isosurface is left out: then distances can be proved
+    const VertexPlacement& placement;  ///< on the surface
+    bool is_whole = true;              ///< no component of a trilinear isosurface is left out: then distances can be proved
   };
 
   /// @param surface   divided where a bound or the shape of triangles asks for more c-vertices than there are
@@ -42,9 +41,7 @@ class Refiner {
           std::optional<WrittenPositions> embedded, std::uint32_t most_divisions);
 
   /// What can be said of level 0. To be called once, before refine().
-  /// @param sites  per vertex of the level, its c-vertex on the surface
-  LevelFigures describe_coarse(std::span<const Triangle> triangles, std::span<const CVertexId> sites, const LevelGoal& goal,
-                               const RunControl& control);
+  LevelFigures describe_coarse(std::span<const Triangle> triangles, const LevelGoal& goal, const RunControl& control);
 
   /// Makes the next level. Topology first, then the constraints in their order.
   RefinedLevel refine(const LevelGoal& goal, Placement placement, const RunControl& control);
@@ -63,10 +60,10 @@ class Refiner {
 
   const Partition& partition() const { return work_->partition(); }
   const Surfels& surfels() const { return ground_->surfels; }
-  const Places& places() const { return work_->places(); }
+  const VertexPlacement& places() const { return work_->places(); }
   /// Per vertex, the vertex of the level before in whose cell it was placed. @pre refine() was called
   std::vector<std::uint32_t> parents() const;
-  std::vector<ShapeObstacle> stays() const;  ///< per vertex, what keeps it where it is; of the last level
+  std::vector<ShapeObstacle> obstacles() const { return isoatlas::obstacles(places(), surface_, sites_before_); }  ///< per vertex, what keeps it where it is; of the last level
 
  private:
   using Task = RefinementTask;

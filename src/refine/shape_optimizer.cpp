@@ -112,7 +112,7 @@ class ShapeOptimizer {
   std::vector<CellId> relaxed(std::vector<Vec3>& points) {
     const Ground& ground = mesh_.ground();
     const LevelMesh& mesh = mesh_.mesh();
-    const Places& places = mesh_.places();
+    const VertexPlacement& places = mesh_.places();
     const auto roam = [&](CellId c) -> Roam {
       const CVertexId v = places.anchor[c];
       const Vec3 p = mesh.point[c];

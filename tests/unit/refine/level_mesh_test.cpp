@@ -58,7 +58,7 @@ TEST(LevelMesh, BucketsOfNothingAndOfEmptyGroups) {
 TEST(LevelMesh, PlacingMovesCornersAndNormals) {
   const TestLevel level(exact_volume({28, 28, 28}, bumpy_ball()), 6);
   LevelMesh mesh = level.mesh();
-  Places places{level.partition().site, std::vector<float>(mesh.cell_count(), 0)};
+  VertexPlacement places{level.partition().site, std::vector<float>(mesh.cell_count(), 0)};
   places.offset[3] = 0.5f;
   const std::vector<CellId> moved{3};
   place(mesh, level.ground().surfels, moved, places);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "refine/placement.h"
+#include "refine/balance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@ constexpr double kLeastLean = 0.25;  // where triangles stand steeply on the nor
 
 }  // namespace
 
-void balance(const MeasuredSurface& surface, std::span<const CellId> cells, LevelMesh& mesh, Places& places) {
+void balance(const MeasuredSurface& surface, std::span<const CellId> cells, LevelMesh& mesh, VertexPlacement& places) {
   const std::uint32_t all = mesh.cell_count();
   std::vector<float>& offset = places.offset;
   offset.resize(all, 0);

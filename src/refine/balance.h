@@ -13,6 +13,6 @@ namespace isoatlas {
 /// sweeps. Vertices on the boundary, and those with a neighbour outside `cells`, stay where they are.
 ///
 /// @param places offsets are the start and the result; anchors stay
-void balance(const MeasuredSurface& surface, std::span<const CellId> cells, LevelMesh& mesh, Places& places);
+void balance(const MeasuredSurface& surface, std::span<const CellId> cells, LevelMesh& mesh, VertexPlacement& places);
 
 }  // namespace isoatlas

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "refine/placement.h"
+#include "refine/balance.h"
 
 #include <gtest/gtest.h>
 
@@ -49,7 +49,7 @@ TEST(Balance, ASphereLiesEvenlyOnBothSides) {
   for (const float disk : {4.0f, 8.0f}) {
     const TestLevel level(exact_surface({48, 48, 48}, sphere({23.4, 23.6, 23.55}, 20)), disk);
     LevelMesh mesh = level.mesh();
-    Places places{level.partition().site, {}};
+    VertexPlacement places{level.partition().site, {}};
     const Distances before = distances(level, mesh);
     EXPECT_GT(before.signed_mean, 0.9 * before.absolute_mean) << "inscribed";
     balance(level.ground().measured(), all_of(mesh), mesh, places);
@@ -63,7 +63,7 @@ TEST(Balance, ASphereLiesEvenlyOnBothSides) {
 TEST(Balance, APlaneAndBoundaryVerticesStay) {
   const TestLevel flat(flat_grid(31, 27), 5);
   LevelMesh mesh = flat.mesh();
-  Places places{flat.partition().site, {}};
+  VertexPlacement places{flat.partition().site, {}};
   balance(flat.ground().measured(), all_of(mesh), mesh, places);
   for (CellId c = 0; c < mesh.cell_count(); ++c) {
     EXPECT_EQ(places.offset[c], 0);
@@ -72,7 +72,7 @@ TEST(Balance, APlaneAndBoundaryVerticesStay) {
 
   const TestLevel cut(exact_surface({24, 24, 24}, sphere({11.4, 11.6, 2.55}, 9.5)), 4);
   LevelMesh cut_mesh = cut.mesh();
-  Places cut_places{cut.partition().site, {}};
+  VertexPlacement cut_places{cut.partition().site, {}};
   balance(cut.ground().measured(), all_of(cut_mesh), cut_mesh, cut_places);
   int on_boundary = 0, moved = 0;
   for (CellId c = 0; c < cut_mesh.cell_count(); ++c) {
@@ -90,7 +90,7 @@ TEST(Balance, APlaneAndBoundaryVerticesStay) {
 TEST(Balance, OnlyInnerCellsOfThoseAskedForMove) {
   const TestLevel level(exact_surface({48, 48, 48}, sphere({23.4, 23.6, 23.55}, 20)), 6);
   LevelMesh mesh = level.mesh();
-  Places places{level.partition().site, {}};
+  VertexPlacement places{level.partition().site, {}};
   std::vector<CellId> some;
   for (CellId c = 0; c < mesh.cell_count(); ++c) {
     if (mesh.point[c].z > 23) some.push_back(c);
