@@ -9,7 +9,9 @@
 #include "core/vector_math.h"
 #include "cover/halving_covering.h"
 #include "embed/mesh_nesting.h"
+#include "refine/level_mesh.h"
 #include "refine/relax.h"
+#include "refine/resolve_intersections.h"
 #include "surface/components.h"
 
 namespace isoatlas {
@@ -20,8 +22,6 @@ namespace {
 // for more.
 constexpr double kSeparation = 0.4;
 constexpr int kRelaxRounds = 4;  // each around what had to go back in the last one
-// Smaller cells help as long as they leave no more than this share of the pairs of triangles that meet.
-constexpr double kHelps = 0.7;
 
 // Gives every marked component more sites, where it is farthest from the others: one, or from round 3 on all that are at least
 // half as far as the farthest, so that few rounds suffice. @return false if there was no room for any
@@ -104,9 +104,11 @@ std::vector<CVertexId> CoarseMesher::sites() const {
   return out;
 }
 
-void CoarseMesher::take_triangles() {
-  mesh_.triangles.clear();
-  for (const DualTriangle& t : stand_->dual.triangles()) mesh_.triangles.push_back(t.cell);
+// What the dual is now, before its vertices are moved.
+void CoarseMesher::take_mesh() {
+  mesh_.triangles = cells_of(stand_->dual.triangles());
+  mesh_.positions.clear();
+  for (const CVertexId v : sites()) mesh_.positions.push_back(surface_.complex().positions[v]);
 }
 
 std::vector<ComponentId> CoarseMesher::components() const {
@@ -115,29 +117,47 @@ std::vector<ComponentId> CoarseMesher::components() const {
   return out;
 }
 
+// Level 0 while its self-intersections are resolved.
+class CoarseMesher::Dual : public GrowingDual {
+ public:
+  Dual(CoarseMesher& mesher, CertificateReport& certificate, const RunControl& control)
+      : mesher_(mesher), certificate_(certificate), control_(control) {}
+
+  Covering& covering() override { return mesher_.stand_->covering; }
+  void update() override {
+    mesher_.stand_->dual.update(certificate_, control_);
+    mesher_.take_mesh();
+  }
+  std::vector<Vec3> positions() const override { return mesher_.mesh_.positions; }
+  std::vector<Triangle> triangles() const override { return mesher_.mesh_.triangles; }
+  std::vector<CVertexId> sites_on_surface() const override { return mesher_.sites(); }
+  bool mend_first() override { return mesher_.mend_turned_components(round_++, certificate_); }
+  bool subdivide(std::span<const CellId> single) override { return mesher_.make_finer(single, control_); }
+
+ private:
+  CoarseMesher& mesher_;
+  CertificateReport& certificate_;
+  const RunControl& control_;
+  int round_ = 0;
+};
+
 // In rounds only what changed is certified; everything once at the end.
 void CoarseMesher::mesh(LevelReport& report, const RunControl& told) {
   RunControl control = told;  // covers and certifies again, which is nobody's stage
   control.progress = nullptr;
-  for (int round = 0;; ++round) {
-    const SurfaceComplex& complex = stand_->complex;
-    const Partition& partition = stand_->covering.partition();
-    take_triangles();
-    mesh_.positions.clear();
-    for (const CVertexId v : sites()) mesh_.positions.push_back(surface_.complex().positions[v]);
-    const std::vector<ComponentId> component_of = components();
-    const std::vector<std::uint8_t> turned = turned_components(component_of);
-    bool again = std::ranges::count(turned, std::uint8_t{1}) > 0 &&
-                 refine_components(complex, stand_->covering, component_of, turned, round, report.certificate);
-    if (!again && !options_.allow_self_intersections) again = part(report, control) || place_components(component_of, report, control);
-    if (again) {
-      stand_->dual.update(report.certificate, control);
-      continue;
+  Dual dual(*this, report.certificate, control);
+  do {
+    if (options_.allow_self_intersections) {
+      do dual.update();
+      while (dual.mend_first());
+    } else {
+      const ResolvedIntersections resolved = resolve_intersections(dual, surface_, meeting_, control);
+      report.parting_sites += resolved.for_intersections;
+      report.certificate.repair_sites += resolved.for_nesting;
     }
     stand_->dual.certify(report.certificate, control);
-    if (partition.cell_count() == mesh_.positions.size()) break;
-  }
-  take_triangles();
+  } while (stand_->covering.site_count() > mesh_.positions.size());
+  take_mesh();
   run_both([&] { relax_vertices(control); },
            [&] {  // what does not depend on where vertices are
              topology_ = mesh_topology(mesh_);
@@ -247,64 +267,39 @@ std::vector<std::uint8_t> CoarseMesher::must_go_back(std::span<const std::uint32
   return out;
 }
 
-// Of each two triangles that meet where they should not the largest cell is made smaller. (All six: 2 to 10 % more triangles, twice as many
-// bad ones, and a quarter less time in white noise.) Where that does not help enough, the complex becomes finer where cells are single
-// c-vertices.
 // @return whether there is something new to look at
-bool CoarseMesher::part(LevelReport& report, const RunControl& control) {
-  meeting_.update(mesh_.positions, mesh_.triangles, control);
-  Covering& covering = stand_->covering;
-  const std::uint32_t before = covering.site_count();
-  const std::vector<CellId> single = covering.shrink(meeting_.largest_corners(covering.reach()));
-  covering.cover(control);  // also where components that were turned left radii too small to cover
-  bool any = covering.site_count() > before;
-  const bool helps = any && static_cast<double>(meeting_.pair_count()) <= kHelps * static_cast<double>(pairs_before_);
-  pairs_before_ = meeting_.pair_count();
-  if (!single.empty() && !helps) any = make_finer(single, control) || any;
-  report.parting_sites += stand_->covering.site_count() - before;
-  return any;
+bool CoarseMesher::mend_turned_components(int round, CertificateReport& certificate) {
+  const std::vector<ComponentId> component_of = components();
+  const std::vector<std::uint8_t> turned = turned_components(component_of);
+  return std::ranges::count(turned, std::uint8_t{1}) > 0 &&
+         refine_components(stand_->complex, stand_->covering, component_of, turned, round, certificate);
 }
 
-// Makes the mesh finer where the orientation or nesting of a component is not that of the surface. @pre no self-intersections
-// @return whether there is something new to look at
-bool CoarseMesher::place_components(std::span<const ComponentId> component_of, LevelReport& report, const RunControl& control) {
-  const std::vector<CellId> cells =
-      misplaced_vertices(mesh_.positions, mesh_.triangles, component_of, nesting(component_of), surface_.nesting());
-  if (cells.empty()) return false;
-  Covering& covering = stand_->covering;
-  const std::uint32_t before = covering.site_count();
-  const std::vector<CellId> single = covering.shrink(cells);
-  covering.cover(control);
-  const bool any = covering.site_count() > before || (!single.empty() && make_finer(single, control));
-  report.certificate.repair_sites += stand_->covering.site_count() - before;
-  return any;
+// The regions at the sites of cells that stand for several c-vertices.
+std::vector<CVertexId> CoarseMesher::regions_to_cut(std::span<const CellId> cells) const {
+  if (!is_coarser()) return {};
+  std::vector<std::uint8_t> stands_for_several(stand_->complex.c_vertex_count(), 0);
+  for (CVertexId v = 0; v < coarser_.region_of.size(); ++v) {
+    const CVertexId r = coarser_.region_of[v];
+    stands_for_several[r] |= coarser_.representative[r] != v;
+  }
+  std::vector<CVertexId> out;
+  for (const CellId c : cells) {
+    const CVertexId r = stand_->covering.partition().site[c];
+    if (stands_for_several[r]) out.push_back(r);
+  }
+  return out;
 }
 
 // For cells that are single c-vertices: regions become the c-vertices that they stand for; if there are none to cut, the faces around
-// c-vertices of the surface are divided into pieces that stay in their grid cells. Such pieces do not meet. That comes last: divided surfaces
-// have half as many c-vertices again in an edge mask, and mostly it need not be. @return whether there was anything to do
+// c-vertices of the surface are subdivided. @return whether there was anything to do
 bool CoarseMesher::make_finer(std::span<const CellId> cells, const RunControl& control) {
-  const std::vector<CVertexId>& site = stand_->covering.partition().site;
-  std::vector<CVertexId> to_cut, to_divide;
-  if (is_coarser()) {
-    std::vector<std::uint8_t> stands_for_several(stand_->complex.c_vertex_count(), 0);
-    for (CVertexId v = 0; v < coarser_.region_of.size(); ++v) {
-      const CVertexId r = coarser_.region_of[v];
-      stands_for_several[r] |= coarser_.representative[r] != v;
-    }
-    for (const CellId c : cells) {
-      if (stands_for_several[site[c]]) to_cut.push_back(site[c]);
-    }
-  }
+  const std::vector<CVertexId> to_cut = regions_to_cut(cells);
+  std::vector<CVertexId> to_divide;
   if (to_cut.empty()) {
     const std::vector<CVertexId> on_surface = sites();
     for (const CellId c : cells) to_divide.push_back(on_surface[c]);
-    const std::vector<Fineness> fineness = surface_.fineness(to_divide);
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < to_divide.size(); ++i) {
-      if (fineness[i] == Fineness::faces) to_divide[kept++] = to_divide[i];
-    }
-    to_divide.resize(kept);
+    to_divide = subdividable(surface_, std::move(to_divide));
     if (to_divide.empty()) return false;
     surface_.divide(to_divide);
   }

@@ -46,16 +46,17 @@ class CoarseMesher {
   };
   std::vector<CVertexId> sites() const;  ///< per vertex, its c-vertex on the surface
   bool is_coarser() const { return !coarser_.representative.empty(); }
+  class Dual;
   void relax_vertices(const RunControl& control);
-  void take_triangles();
+  void take_mesh();
   std::vector<ComponentId> components() const;  ///< per vertex
   std::vector<std::uint8_t> turned_components(std::span<const ComponentId> component_of) const;     ///< per component, 1 if it is inside out
   Nesting nesting(std::span<const ComponentId> component_of) const;
   std::vector<std::uint8_t> must_go_back(std::span<const std::uint32_t> moved, std::span<const Vec3> before, std::span<Vec3> positions,
                                          std::span<const std::uint32_t> look, std::span<const ComponentId> component_of,
                                          const RunControl& control);
-  bool part(LevelReport& report, const RunControl& control);
-  bool place_components(std::span<const ComponentId> component_of, LevelReport& report, const RunControl& control);
+  bool mend_turned_components(int round, CertificateReport& certificate);
+  std::vector<CVertexId> regions_to_cut(std::span<const CellId> cells) const;
   bool make_finer(std::span<const CellId> cells, const RunControl& control);
 
   AdaptiveSurface& surface_;
@@ -64,7 +65,6 @@ class CoarseMesher {
   const ExtractOptions& options_;
   std::unique_ptr<Stand> stand_;
   IntersectionTracker meeting_;
-  std::size_t pairs_before_ = 0;  // that met in the last round
   bool were_regions_cut_ = false;
   TriangleMesh mesh_;
   MeshTopology topology_;

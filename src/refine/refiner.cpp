@@ -15,8 +15,8 @@
 #include <utility>
 
 #include "core/vector_math.h"
-#include "embed/mesh_nesting.h"
 #include "refine/predict_radii.h"
+#include "refine/resolve_intersections.h"
 
 namespace isoatlas {
 namespace {
@@ -123,33 +123,24 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
   work_->freeze_anchors(sites_before_);
 }
 
-// Of each two triangles that meet where they should not the largest cell is divided. (All six: up to 3 % more triangles, and more bad
-// ones.) Where cells are single c-vertices the surface is divided into pieces that stay in their grid cells; such pieces do not meet.
-// @return whether there is something new to look at
-bool Refiner::part(const IntersectionTracker& meeting, const RunControl& control) {
-  return refine_cells(meeting.largest_corners(work_->covering().reach()), control);
-}
-
-// The c-vertices of cells that are single ones, where the surface can be divided into pieces that stay in their grid cells.
-std::vector<CVertexId> Refiner::subdividable(std::span<const CellId> single) const {
-  std::vector<CVertexId> wanted;
-  for (const CellId c : single) wanted.push_back(partition().site[c]);
-  const std::vector<Fineness> fineness = surface_.fineness(wanted);
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
-    if (fineness[i] == Fineness::faces) wanted[kept++] = wanted[i];
-  }
-  wanted.resize(kept);
-  return wanted;
-}
-
 // @return whether any of the cells is divided, or the surface there
 bool Refiner::refine_cells(std::span<const CellId> cells, const RunControl& control) {
   const std::vector<CellId> single = work_->covering().shrink(cells);
   if (single.size() < cells.size()) return true;  // the surface only where nothing else helps
-  const std::vector<CVertexId> wanted = subdividable(single);
+  return subdivide(single, control);
+}
+
+// The surface at cells that are single c-vertices. @return whether that could be done
+bool Refiner::subdivide(std::span<const CellId> single, const RunControl& control) {
+  const std::vector<CVertexId> wanted = subdividable(surface_, sites_of(single));
   if (!wanted.empty()) divide_surface(wanted, control);
   return !wanted.empty();
+}
+
+std::vector<CVertexId> Refiner::sites_of(std::span<const CellId> cells) const {
+  std::vector<CVertexId> out;
+  for (const CellId c : cells) out.push_back(partition().site[c]);
+  return out;
 }
 
 // Whether refine_cells() would do anything.
@@ -158,33 +149,38 @@ bool Refiner::can_refine(std::span<const CellId> cells) const {
   for (const CellId c : cells) {
     if (work_->mesh().c_vertices_of.row(c).size() == 1) single.push_back(c);
   }
-  return single.size() < cells.size() || !subdividable(single).empty();
+  return single.size() < cells.size() || !subdividable(surface_, sites_of(single)).empty();
 }
 
-// Makes cells smaller where the orientation or nesting of a component is not that of the surface. @pre no self-intersections
-// @return whether there is something new to look at
-bool Refiner::refine_misplaced_components() {
-  const Nesting& wanted = surface_.nesting();
-  std::vector<ComponentId> component_of;
-  for (const CVertexId v : partition().site) component_of.push_back(surface_.components().of_c_vertex[v]);
-  const std::vector<Vec3> positions = work_->positions();
-  const std::vector<Triangle> triangles = cells_of(work_->triangles());
-  const Nesting nesting = mesh_nesting(positions, triangles, component_of, open_flags(surface_.components()));
-  const std::vector<CellId> cells = misplaced_vertices(positions, triangles, component_of, nesting, wanted);
-  return work_->covering().shrink(cells).size() < cells.size();
-}
+// A refined level while its self-intersections are resolved.
+class Refiner::Dual : public GrowingDual {
+ public:
+  Dual(Refiner& refiner, CertificateReport& certificate, const RunControl& control)
+      : refiner_(refiner), certificate_(certificate), control_(control) {}
 
-// Makes cells smaller until the dual has no self-intersections and its components have the orientation and nesting of the surface.
-// @return whether any had to be
+  Covering& covering() override { return refiner_.work_->covering(); }
+  void update() override { refiner_.work_->update(certificate_, control_); }
+  std::vector<Vec3> positions() const override { return refiner_.work_->positions(); }
+  std::vector<Triangle> triangles() const override { return cells_of(refiner_.work_->triangles()); }
+  std::vector<CVertexId> sites_on_surface() const override { return refiner_.partition().site; }
+  bool subdivide(std::span<const CellId> single) override {
+    update();  // cells that are not single ones have become smaller
+    return refiner_.subdivide(single, control_);
+  }
+
+ private:
+  Refiner& refiner_;
+  CertificateReport& certificate_;
+  const RunControl& control_;
+};
+
+// @return whether anything has changed
 bool Refiner::separate_intersections(IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control) {
   const std::uint32_t sites = partition().cell_count();
-  for (bool any = false;; any = true) {
-    work_->update(out.certificate, control);
-    meeting.update(work_->positions(), cells_of(work_->triangles()), control);
-    if (part(meeting, control) || refine_misplaced_components()) continue;
-    out.parting_sites += partition().cell_count() - sites;
-    return any;
-  }
+  Dual dual(*this, out.certificate, control);
+  const bool any = resolve_intersections(dual, surface_, meeting, control).any;
+  out.parting_sites += partition().cell_count() - sites;
+  return any;
 }
 
 // Works on the task until there are no self-intersections either.

@@ -67,6 +67,7 @@ class Refiner {
 
  private:
   using Task = RefinementTask;
+  class Dual;
   Task whole_task(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control);
   RefinedLevel unchanged_level(const LevelGoal& asked) const;
   RefinedLevel refine_once(const LevelGoal& goal, const LevelGoal& asked, Placement placement, const RunControl& control);
@@ -86,9 +87,8 @@ class Refiner {
   void describe(const Task& task, const LevelGoal& asked, RefinedLevel& out);
   bool refine_cells(std::span<const CellId> cells, const RunControl& control);
   bool can_refine(std::span<const CellId> cells) const;
-  std::vector<CVertexId> subdividable(std::span<const CellId> single) const;
-  bool part(const IntersectionTracker& meeting, const RunControl& control);
-  bool refine_misplaced_components();
+  bool subdivide(std::span<const CellId> single, const RunControl& control);
+  std::vector<CVertexId> sites_of(std::span<const CellId> cells) const;
   bool separate_intersections(IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control);
   void work_apart(const Task& task, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control);
   void work_towards(const Task& task, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control);
