@@ -14,8 +14,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <optional>
-#include <tuple>
 #include <type_traits>
 #include <utility>
 
@@ -23,16 +21,14 @@
 #include "core/saddle_sign.h"
 #include "core/vector_math.h"
 #include "surface/cell_loops.h"
+#include "surface/cell_points.h"
+#include "surface/split_faces.h"
 #include "surface/tunnel_is_there.h"
 #include "volume/field.h"
 #include "volume/upsampled_field.h"
 
 namespace isoatlas {
 namespace {
-
-// Nodes are kept this far from the ends of their grid edge and c-vertices this far from the walls of their cell, so that no
-// two c-vertices coincide where samples equal the isovalue. Moves points, never topology.
-constexpr double kMargin = 1e-3;
 
 struct Cell {                // a cell crossed by the surface
   std::uint32_t x;           // position in its row
@@ -51,12 +47,6 @@ struct DoubleFace {  // an ambiguous grid face whose two segments both join the 
 struct TunnelCell {
   std::uint32_t cell;
   std::size_t cy, cz;
-};
-
-// What places points in a cell.
-struct CellValues {
-  std::array<double, 8> corner;
-  std::optional<TricubicCell> cubic;
 };
 
 struct Slice {  // all cells with one cz
@@ -121,7 +111,7 @@ class Parser {
       complex_.boundary.insert(complex_.boundary.end(), s.boundary.begin(), s.boundary.end());
       if (nodes_ != nullptr) nodes_->insert(nodes_->end(), s.nodes.begin(), s.nodes.end());
     }
-    make_fans();
+    split_some_faces();
     return std::move(complex_);
   }
 
@@ -294,20 +284,6 @@ class Parser {
     faces_ = checked_id(faces, "faces");
   }
 
-  // Where the surface crosses a grid edge, as a fraction of it.
-  static double node_parameter(double low, double high) {
-    const double t = low / (low - high);
-    return t > kMargin ? std::min(t, 1 - kMargin) : kMargin;  // also for a NaN of 0/0
-  }
-  // The same for the spline through four values, two of them at the ends.
-  static double node_parameter(const std::array<double, 4>& f, double start) {
-    const double t = zero_between(f[1] >= f[2], start, [&](double s) {
-      const CubicWeights w(s);
-      return std::pair(weighted(w.value, f.data()), weighted(w.slope, f.data()));
-    });
-    return std::clamp(t, kMargin, 1 - kMargin);
-  }
-
   void place_c_vertices(std::size_t cz) {
     const CVertexId first = slices_[cz].first_c_vertex;
     for (std::size_t cy = 0; cy <= size_[1]; ++cy) {
@@ -346,58 +322,13 @@ class Parser {
         for (std::size_t surfel = 0; surfel < loops.surfels; ++surfel) {
           Vec3 p = (1.0 / nodes[surfel]) * sum[surfel];
           if (loops.has_tunnel) p = off_the_walls(p);  // all nodes of a piece of an annulus may be on one wall
-          if (options_.vertices_on_surface && !stays) p = f.cubic ? onto_surface(*f.cubic, p) : onto_surface(TrilinearCell(f.corner), p);
+          if (options_.vertices_on_surface && !stays) p = onto_surface(f, p, spacing_);
           const CVertexId id = first + cell.first_c_vertex + static_cast<CVertexId>(surfel);
           complex_.positions[id] = {low[0] + width[0] * p.x, low[1] + width[1] * p.y, low[2] + width[2] * p.z};
           complex_.on_boundary[id] = layer && !options_.closed;
         }
       }
     }
-  }
-
-  // The edges at whose nodes an annulus is cut.
-  static unsigned cut_edges(const CellLoops& loops) {
-    unsigned out = 0;
-    for (unsigned e = 0; e < 12; ++e) {
-      if (loops.surfel_of_edge[e] != loops.other_surfel_of_edge[e]) out |= 1u << e;
-    }
-    return out;
-  }
-
-  static Vec3 node_in_cell(const CellValues& f, int edge) {
-    const auto [low, high] = edge_corners(edge);
-    const int axis = edge / 4;
-    double t = node_parameter(f.corner[low], f.corner[high]);
-    if (f.cubic) t = node_parameter(f.cubic->along(low, axis), t);
-    Vec3 p{static_cast<double>(low & 1), static_cast<double>(low >> 1 & 1), static_cast<double>(low >> 2 & 1)};
-    (axis == 0 ? p.x : axis == 1 ? p.y : p.z) = t;
-    return p;
-  }
-
-  static Vec3 off_the_walls(Vec3 p) {
-    const auto clamp = [](double x) { return std::clamp(x, kMargin, 1 - kMargin); };
-    return {clamp(p.x), clamp(p.y), clamp(p.z)};
-  }
-
-  // Two Newton steps along the gradient onto the isosurface, never out of the cell, never farther from it.
-  template <class Cell>
-  Vec3 onto_surface(const Cell& cell, const Vec3 start) const {
-    Vec3 best = start, p = start;
-    double best_value = std::abs(cell.value(start));
-    double value = cell.value(start);
-    for (int step = 0; step < 2 && best_value > 0; ++step) {
-      const Vec3 g = cell.gradient(p);
-      const Vec3 direction{g.x / (spacing_.x * spacing_.x), g.y / (spacing_.y * spacing_.y), g.z / (spacing_.z * spacing_.z)};
-      const double slope = dot(g, direction);
-      if (!(slope > 0)) break;
-      const double s = value / slope;
-      p = off_the_walls(p - s * direction);
-      value = cell.value(p);
-      if (!(std::abs(value) < best_value)) break;
-      best_value = std::abs(value);
-      best = p;
-    }
-    return best;
   }
 
   CVertexId c_vertex(const Cell& cell, std::size_t cz, int edge) const {
@@ -492,26 +423,9 @@ class Parser {
     return *std::lower_bound(first, last, cx, [](const Cell& cell, std::size_t x) { return cell.x < x; });
   }
 
-  struct Node {  // on the grid edge along `axis` at the lower corner of cell c
-    FaceId face;
-    bool is_cut;  // an annulus is cut there
-    int axis;
-    std::array<std::size_t, 3> c;
-    Vec3 position;
-    bool operator<(const Node& o) const { return face != o.face ? face < o.face : is_cut > o.is_cut; }
-  };
-  struct Middle {  // a c-vertex between the corners a and b of a face
-    FaceId face;
-    CVertexId a, b, id;
-    bool operator<(const Middle& o) const { return std::tie(face, id) < std::tie(o.face, o.id); }
-  };
-
-  // Two surfels in neighbouring cells can share both segments of an ambiguous face. Their dual edge would be there twice; so
-  // a c-vertex goes on the middle of each such segment, one on each node at its ends, and the faces of those nodes become
-  // fans about the node. So do those of the nodes at which an annulus is cut, since they have more than four corners.
-  void make_fans() {
-    std::vector<Node> nodes;
-    std::vector<Middle> middles;
+  void split_some_faces() {
+    std::vector<SplitNode> nodes;
+    std::vector<SegmentMiddle> middles;
     for (const Slice& slice : slices_) {
       for (const DoubleFace& d : slice.double_faces) split_double_segments(d, nodes, middles);
       for (const TunnelCell& t : slice.tunnel_cells) {
@@ -523,83 +437,10 @@ class Parser {
         ++complex_.tunnels;
       }
     }
-    std::sort(nodes.begin(), nodes.end());
-    const auto same_face = [](const Node& a, const Node& b) { return a.face == b.face; };
-    nodes.erase(std::unique(nodes.begin(), nodes.end(), same_face), nodes.end());
-    std::sort(middles.begin(), middles.end());
-    std::vector<CVertexId> corners, polygon;
-    std::vector<std::array<CVertexId, 3>> border_nodes;  // ends of a boundary side, and the node between them
-    auto middle = middles.cbegin();
-    for (const Node& node : nodes) {
-      const auto& quad = complex_.faces[node.face].corner;
-      corners.assign(quad.begin(), quad.end());
-      if (node.is_cut) corners = corners_around(node);
-      const auto first = middle;
-      while (middle != middles.cend() && middle->face == node.face) ++middle;
-      polygon.clear();
-      for (std::size_t k = 0; k < corners.size(); ++k) {
-        const CVertexId from = corners[k], to = corners[(k + 1) % corners.size()];
-        polygon.push_back(from);
-        for (auto m = first; m != middle; ++m) {
-          if ((m->a == from && m->b == to) || (m->b == from && m->a == to)) polygon.push_back(m->id);
-        }
-      }
-      const CVertexId centre = centre_of_fan(node, polygon);
-      bool first_triangle = true;
-      for (std::size_t k = 0; k < polygon.size(); ++k) {
-        const CVertexId from = polygon[k], to = polygon[(k + 1) % polygon.size()];
-        if (from == centre || to == centre) continue;
-        if (is_on_border(node) && complex_.on_boundary[from] && complex_.on_boundary[to]) {  // along the border, through the node
-          complex_.on_boundary[centre] = 1;
-          border_nodes.push_back({from, to, centre});
-          continue;
-        }
-        const Face triangle{{centre, from, to, kNone}};
-        if (std::exchange(first_triangle, false)) {
-          complex_.faces[node.face] = triangle;
-        } else {
-          complex_.faces.push_back(triangle);
-        }
-      }
-    }
-    lead_through(std::move(border_nodes));
-    checked_id(complex_.faces.size(), "faces");
+    split_faces(complex_, std::move(nodes), std::move(middles));
   }
 
-  // Divides boundary sides at nodes.
-  void lead_through(std::vector<std::array<CVertexId, 3>> border_nodes) {
-    if (border_nodes.empty()) return;
-    std::sort(border_nodes.begin(), border_nodes.end());
-    const std::size_t sides = complex_.boundary.size();
-    for (std::size_t i = 0; i < sides; ++i) {
-      const BoundarySide side = complex_.boundary[i];
-      const auto at = std::lower_bound(border_nodes.begin(), border_nodes.end(), std::array<CVertexId, 3>{side.from, side.to, 0});
-      if (at == border_nodes.end() || (*at)[0] != side.from || (*at)[1] != side.to) continue;
-      complex_.boundary[i].to = (*at)[2];
-      complex_.boundary.push_back({(*at)[2], side.to});
-    }
-  }
-
-  bool is_on_border(const Node& node, int axis) const {
-    const std::size_t at = node.c[static_cast<std::size_t>(axis)];
-    return !options_.closed && (at == 1 || at == size_[static_cast<std::size_t>(axis)]);
-  }
-  // On a face of the volume, but on none of its edges.
-  bool is_on_border(const Node& node) const { return is_on_border(node, (node.axis + 1) % 3) != is_on_border(node, (node.axis + 2) % 3); }
-
-  // The node. On an edge of the volume a boundary c-vertex is there already.
-  CVertexId centre_of_fan(const Node& node, const std::vector<CVertexId>& polygon) {
-    const int u = (node.axis + 1) % 3, v = (node.axis + 2) % 3;
-    if (!is_on_border(node, u) || !is_on_border(node, v)) return add_c_vertex(node.position);
-    const auto coordinate = [](Vec3 p, int axis) { return axis == 0 ? p.x : axis == 1 ? p.y : p.z; };
-    const auto is_there = [&](CVertexId id) {
-      const Vec3 p = complex_.positions[id];
-      return coordinate(p, u) == coordinate(node.position, u) && coordinate(p, v) == coordinate(node.position, v);
-    };
-    return *std::find_if(polygon.begin(), polygon.end(), is_there);
-  }
-
-  void split_double_segments(const DoubleFace& d, std::vector<Node>& nodes, std::vector<Middle>& middles) {
+  void split_double_segments(const DoubleFace& d, std::vector<SplitNode>& nodes, std::vector<SegmentMiddle>& middles) {
     const Cell& cell = cells_[d.cell];
     const CellLoops& loops = table_[cell.loops];
     const int axis = d.axis;
@@ -611,9 +452,9 @@ class Parser {
     for (int bu = 0; bu < 2; ++bu) {
       for (int bv = 0; bv < 2; ++bv) {
         if (((loops.corners >> face_corner(axis, 0, bu, bv)) & 1) != (around_inside ? 1 : 0)) continue;
-        const Node on_u = node_on(c, f, face_edge_along_u(axis, 0, bv), false), on_v = node_on(c, f, face_edge_along_v(axis, 0, bu), false);
-        const CVertexId id = add_c_vertex(0.5 * (on_u.position + on_v.position));
-        for (const Node& node : {on_u, on_v}) {
+        const SplitNode on_u = node_on(c, f, face_edge_along_u(axis, 0, bv), false), on_v = node_on(c, f, face_edge_along_v(axis, 0, bu), false);
+        const CVertexId id = add_c_vertex(complex_, 0.5 * (on_u.position + on_v.position));
+        for (const SplitNode& node : {on_u, on_v}) {
           nodes.push_back(node);
           middles.push_back({node.face, a, b, id});
         }
@@ -623,7 +464,7 @@ class Parser {
   }
 
   // The node on an edge of cell c, whose values are f.
-  Node node_on(std::array<std::size_t, 3> c, const CellValues& f, int edge, bool is_cut) const {
+  SplitNode node_on(std::array<std::size_t, 3> c, const CellValues& f, int edge, bool is_cut) const {
     const Vec3 p = node_in_cell(f, edge);
     const auto along = [&](int axis, double x) {
       const std::size_t at = c[static_cast<std::size_t>(axis)];
@@ -637,22 +478,24 @@ class Parser {
     const Cell& cell = find_cell(c[0], c[1], c[2]);
     const unsigned owned = owned_nodes(table_[cell.loops], c[0], c[1], c[2]);
     const auto before = static_cast<FaceId>(std::popcount(owned & ((1u << axis) - 1)));
-    return {slices_[c[2]].first_face + cell.first_face + before, is_cut, axis, c, position};
+    const auto border = [&](std::size_t a) { return static_cast<std::uint8_t>(!options_.closed && (c[a] == 1 || c[a] == size_[a])); };
+    const std::vector<CVertexId> corners = is_cut ? corners_around(axis, c) : std::vector<CVertexId>();
+    return {slices_[c[2]].first_face + cell.first_face + before, is_cut, {border(0), border(1), border(2)}, axis, position, corners};
   }
 
-  // The c-vertices around a node, counter-clockwise seen from outside: those of the four cells in the order of make_face(), two in
+  // The c-vertices around the node on the grid edge along `axis` at the lower corner of cell `at`, counter-clockwise seen from outside: those of the four cells in the order of make_face(), two in
   // a cell whose annulus is cut at the node.
-  std::vector<CVertexId> corners_around(const Node& node) const {
-    const auto u = static_cast<std::size_t>((node.axis + 1) % 3), v = static_cast<std::size_t>((node.axis + 2) % 3);
+  std::vector<CVertexId> corners_around(int axis, const std::array<std::size_t, 3>& at) const {
+    const auto u = static_cast<std::size_t>((axis + 1) % 3), v = static_cast<std::size_t>((axis + 2) % 3);
     std::vector<CVertexId> corners;
     bool outside_is_up = false;
     for (const int k : {0, 1, 2, 3}) {
       const std::size_t du = k == 0 || k == 3, dv = k == 0 || k == 1;
-      std::array<std::size_t, 3> c = node.c;
+      std::array<std::size_t, 3> c = at;
       c[u] -= du;
       c[v] -= dv;
       const Cell& cell = find_cell(c[0], c[1], c[2]);
-      const int edge = 4 * node.axis + static_cast<int>(du + 2 * dv);
+      const int edge = 4 * axis + static_cast<int>(du + 2 * dv);
       outside_is_up = (table_[cell.loops].corners >> edge_corners(edge)[0]) & 1;
       // From cell 0 to cell 1 across the face normal to u, on across the one normal to v, and so on.
       const auto into = static_cast<int>(k % 2 == 0 ? v : u), out_of = static_cast<int>(k % 2 == 0 ? u : v);
@@ -662,13 +505,6 @@ class Parser {
     }
     if (!outside_is_up) std::reverse(corners.begin() + 1, corners.end());
     return corners;
-  }
-
-  CVertexId add_c_vertex(Vec3 position) {
-    const CVertexId id = checked_id(complex_.positions.size(), "c-vertices");
-    complex_.positions.push_back(position);
-    complex_.on_boundary.push_back(0);
-    return id;
   }
 
   std::array<std::size_t, 3> size_;
