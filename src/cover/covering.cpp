@@ -12,6 +12,8 @@
 #include <limits>
 #include <utility>
 
+#include "core/cancel_poll.h"
+
 namespace isoatlas {
 namespace {
 
@@ -78,7 +80,8 @@ void Covering::put_in_cell(CVertexId v, CellId cell) {
   if (!all_changed_ && is_changed_.insert(v)) changed_.push_back(v);
 }
 
-void Covering::insert(CVertexId v) {
+void Covering::insert(CVertexId v, const RunControl& control) {
+  CancelPoll poll(control);
   const CellId cell = site_count();
   partition_.site.push_back(v);
   placed_in_.push_back(partition_.cell_of[v]);
@@ -88,6 +91,7 @@ void Covering::insert(CVertexId v) {
   put_in_cell(v, cell);
   front_.push(length_key(0, v));
   while (!front_.empty()) {
+    poll.step();
     const std::uint64_t key = front_.pop();
     const CVertexId w = key_id(key);
     if (key_length(key) > distance_[w]) continue;
@@ -139,27 +143,29 @@ std::vector<CellId> Covering::shrink(std::span<const CellId> cells) {
   return single;
 }
 
-void Covering::lower_radius(CVertexId v, float radius) {
+void Covering::lower_radius(CVertexId v, float radius, const RunControl& control) {
   if (radius >= radius_[v]) return;
   front_.clear();
   radius_[v] = radius;
   front_.push(length_key(radius, v));
-  spread_radii(front_);
+  spread_radii(front_, control);
 }
 
-void Covering::lower_radii(std::span<const Radius> radii) {
+void Covering::lower_radii(std::span<const Radius> radii, const RunControl& control) {
   MonotoneQueue front;
   for (const Radius& r : radii) {
     if (r.radius >= radius_[r.at]) continue;
     radius_[r.at] = r.radius;
     front.push(length_key(r.radius, r.at));
   }
-  spread_radii(front);
+  spread_radii(front, control);
 }
 
 template <class Queue>
-void Covering::spread_radii(Queue& front) {
+void Covering::spread_radii(Queue& front, const RunControl& control) {
+  CancelPoll poll(control);
   while (!front.empty()) {
+    poll.step();
     const std::uint64_t key = front.pop();
     const CVertexId w = key_id(key);
     if (key_length(key) > radius_[w]) continue;
@@ -173,8 +179,10 @@ void Covering::spread_radii(Queue& front) {
   }
 }
 
-void Covering::spread_distances(MonotoneQueue& front) {
+void Covering::spread_distances(MonotoneQueue& front, const RunControl& control) {
+  CancelPoll poll(control);
   while (!front.empty()) {
+    poll.step();
     const std::uint64_t key = front.pop();
     const CVertexId w = key_id(key);
     if (key_length(key) > distance_[w]) continue;
@@ -192,7 +200,8 @@ void Covering::spread_distances(MonotoneQueue& front) {
 
 // Radii that leave something uncovered become those that cover it, and those around them rise as far as the slope asks for: of all
 // radii with that slope that cover everything and are nowhere below those there were, the smallest.
-void Covering::cover_by_radii() {
+void Covering::cover_by_radii(const RunControl& control) {
+  CancelPoll poll(control);
   reached_ = 0;
   FarthestFirst rising;
   for (CVertexId v = 0; v < graph_.c_vertex_count(); ++v) {
@@ -203,6 +212,7 @@ void Covering::cover_by_radii() {
     rising.push(length_key(radius_[v], ~v));
   }
   while (!rising.empty()) {
+    poll.step();
     const std::uint64_t key = rising.pop();
     const CVertexId v = ~key_id(key);
     if (key_length(key) < radius_[v]) continue;  // has risen more since
@@ -216,14 +226,14 @@ void Covering::cover_by_radii() {
   assert(has_slope());
 }
 
-void Covering::seed(std::span<const CVertexId> sites, std::span<const Radius> radii) {
+void Covering::seed(std::span<const CVertexId> sites, std::span<const Radius> radii, const RunControl& control) {
   for (const Radius& r : radii) radius_[r.at] = std::min(radius_[r.at], r.radius);
   MonotoneQueue front;
   for (const Radius& r : radii) {  // most radii lower none beside them
     const auto lowers = [&](const CVertexGraph::Neighbour& n) { return radius_[r.at] + n.weight * kSlope < radius_[n.id]; };
     if (std::ranges::any_of(graph_.row(r.at), lowers)) front.push(length_key(radius_[r.at], r.at));
   }
-  spread_radii(front);
+  spread_radii(front, control);
 
   front.clear();
   for (const CVertexId v : sites) {
@@ -233,11 +243,11 @@ void Covering::seed(std::span<const CVertexId> sites, std::span<const Radius> ra
     placed_in_.push_back(kNone);
     front.push(length_key(0, v));
   }
-  spread_distances(front);
-  cover_by_radii();
+  spread_distances(front, control);
+  cover_by_radii(control);
 }
 
-void Covering::continue_on(std::span<const std::uint8_t> changed, std::span<const CVertexId> sites) {
+void Covering::continue_on(std::span<const std::uint8_t> changed, std::span<const CVertexId> sites, const RunControl& control) {
   const CVertexId n = graph_.c_vertex_count();
   const std::vector<CellId> cell_before = partition_.cell_of;
   const std::vector<CVertexId> site_before = std::exchange(partition_.site, {sites.begin(), sites.end()});
@@ -249,14 +259,16 @@ void Covering::continue_on(std::span<const std::uint8_t> changed, std::span<cons
   next_boundary_ = next_interior_ = 0;  // there may be new components
 
   MonotoneQueue front;
+  CancelPoll poll(control);
   for (CVertexId v = 0; v < n; ++v) {
     if (!changed[v]) continue;
+    poll.step();
     for (const CVertexGraph::Neighbour& w : graph_.row(v)) {
       if (radius_[v] + w.weight * kSlope < radius_[w.id]) front.push(length_key(radius_[v], v));
       if (radius_[w.id] + w.weight * kSlope < radius_[v]) front.push(length_key(radius_[w.id], w.id));
     }
   }
-  spread_radii(front);
+  spread_radii(front, control);
 
   // A cell's distances are lengths of paths in the cell. So those of cells in which no row changed are still right, unless there are
   // shorter paths now; the others are found anew, from their sites and from the cells around.
@@ -281,6 +293,7 @@ void Covering::continue_on(std::span<const std::uint8_t> changed, std::span<cons
   }
   front.clear();
   for (const CVertexId v : stale) {
+    poll.step();
     for (const CVertexGraph::Neighbour& w : graph_.row(v)) {
       if (partition_.cell_of[w.id] != kNone) front.push(length_key(distance_[w.id], w.id));
     }
@@ -288,8 +301,8 @@ void Covering::continue_on(std::span<const std::uint8_t> changed, std::span<cons
   for (CellId c = 0; c < site_count(); ++c) {
     if (is_stale[c]) front.push(length_key(0, partition_.site[c]));
   }
-  spread_distances(front);
-  cover_by_radii();
+  spread_distances(front, control);
+  cover_by_radii(control);
 
   for (CVertexId v = 0; v < n && !all_changed_; ++v) {
     const bool is_other = v >= cell_before.size() || partition_.cell_of[v] != cell_before[v];
@@ -316,28 +329,27 @@ CVertexId Covering::farthest_uncovered() {
 
 void Covering::cover_reached(const RunControl& control) {
   for (std::size_t inserted = 0;; ++inserted) {
-    control.check_cancelled();
-    if (inserted % 64 == 0) {
+    if (inserted % 16 == 0) {  // large disks ask whether to stop while they look for events
       const std::size_t uncovered = uncovered_boundary_.size() + uncovered_interior_.size();  // some are covered by now
       progress_ = std::max(progress_, static_cast<double>(reached_ - std::min(reached_, uncovered)) / graph_.c_vertex_count());
       control.report("cover", progress_);
     }
     const CVertexId v = farthest_uncovered();
     if (v == kNone) return;
-    add_disk(v);
+    add_disk(v, control);
   }
 }
 
-void Covering::add_disk(CVertexId v) {
-  if (events_) lower_radius(v, events_->event_radius(v, radius_[v]));
-  insert(v);
+void Covering::add_disk(CVertexId v, const RunControl& control) {
+  if (events_) lower_radius(v, events_->event_radius(v, radius_[v], control), control);
+  insert(v, control);
 }
 
 void Covering::cover(const RunControl& control) {
   cover_reached(control);
   const CVertexId n = graph_.c_vertex_count();
   const auto start = [&](CVertexId v) {
-    add_disk(v);
+    add_disk(v, control);
     cover_reached(control);
   };
   for (; next_boundary_ < n; ++next_boundary_) {

@@ -9,6 +9,8 @@
 #include <tuple>
 #include <utility>
 
+#include "core/cancel_poll.h"
+
 namespace isoatlas {
 namespace {
 
@@ -132,36 +134,36 @@ void CertifiedDual::assign(const CertifiedDual& other) {
 }
 
 // `scope` empty: everything.
-PartitionCheck CertifiedDual::check(std::span<const CellId> scope) {
+PartitionCheck CertifiedDual::check(std::span<const CellId> scope, const RunControl& control) {
   const Partition& partition = covering_.partition();
-  if (scope.empty()) return check_partition(complex_, partition.cell_of, partition.cell_count(), partition.site);
-  return scoped_.run(complex_, adjacency(), partition.cell_of, covering_.members(), partition.site, scope);
+  if (scope.empty()) return check_partition(complex_, partition.cell_of, partition.cell_count(), partition.site, {}, control);
+  return scoped_.run(complex_, adjacency(control), partition.cell_of, covering_.members(), partition.site, scope, control);
 }
 
 // Of a scope; empty: all.
-void CertifiedDual::take_triangles(std::span<const CellId> scope, PartitionCheck& check) {
+void CertifiedDual::take_triangles(std::span<const CellId> scope, PartitionCheck& check, const RunControl& control) {
   const std::uint32_t cells = covering_.partition().cell_count();
   if (triangles_.list().empty()) {
     triangles_ = DualTriangles(std::move(check.triangles), cells);
   } else if (scope.empty()) {
     std::vector<CellId> all(cells);
     std::iota(all.begin(), all.end(), 0u);
-    triangles_.replace(all, check.triangles, cells);
+    triangles_.replace(all, check.triangles, cells, control);
   } else {
-    triangles_.replace(scope, check.triangles, cells);
+    triangles_.replace(scope, check.triangles, cells, control);
   }
 }
 
-const ComplexAdjacency& CertifiedDual::adjacency() {
-  if (!adjacency_) adjacency_ = std::make_shared<const ComplexAdjacency>(complex_);
+const ComplexAdjacency& CertifiedDual::adjacency(const RunControl& control) {
+  if (!adjacency_) adjacency_ = std::make_shared<const ComplexAdjacency>(complex_, control);
   return *adjacency_;
 }
 
-std::vector<CellId> CertifiedDual::cells_near_changes() {
+std::vector<CellId> CertifiedDual::cells_near_changes(const RunControl& control) {
   std::vector<CVertexId> c_vertices(covering_.changed().begin(), covering_.changed().end());
   c_vertices.insert(c_vertices.end(), other_faces_.begin(), other_faces_.end());
   other_faces_.clear();
-  return scoped_.cells_near(complex_, adjacency(), covering_.partition().cell_of, c_vertices);
+  return scoped_.cells_near(complex_, adjacency(control), covering_.partition().cell_of, c_vertices, control);
 }
 
 void CertifiedDual::continue_on(std::span<const std::uint8_t> changed) {
@@ -188,7 +190,7 @@ void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateRepor
   bool has_triangles = !std::exchange(fresh_, false);
   for (;;) {
     control.check_cancelled();
-    PartitionCheck found = check(scope);
+    PartitionCheck found = check(scope, control);
     ++report.repair_rounds;
     touched_.resize(partition.cell_count(), 1);
     if (scope.empty()) std::fill(touched_.begin(), touched_.end(), std::uint8_t{1});
@@ -196,11 +198,12 @@ void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateRepor
     if (found.passed()) {
       // One look at all that was checked on the way has the triangles there.
       sort_unique(checked);
-      if (!everything && checked.size() > scope.size()) found = check(checked);
-      if (everything && !scope.empty()) found = check({});
+      if (!everything && checked.size() > scope.size()) found = check(checked, control);
+      if (everything && !scope.empty()) found = check({}, control);
+      control.check_cancelled();
       if (everything) record(found, report);
       if (!everything || !has_triangles)
-        take_triangles(everything ? std::span<const CellId>() : checked, found);
+        take_triangles(everything ? std::span<const CellId>() : checked, found, control);
       else if (found.triangles.size() != triangles_.list().size())
         throw Error(ErrorCode::internal, "the certificate has other triangles than were kept; please report the volume and the options");
       complete_ = everything;
@@ -212,10 +215,13 @@ void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateRepor
 
     const std::uint32_t before = covering_.site_count();
     covering_.forget_changes();
-    for (const CVertexId v : independent(FixFinder(complex_, adjacency(), covering_).find(found))) {
+    control.check_cancelled();
+    CancelPoll poll(control);
+    for (const CVertexId v : independent(FixFinder(complex_, adjacency(control), covering_).find(found))) {
+      poll.step();
       if (covering_.distance()[v] == 0) continue;  // two fixes may agree on the same c-vertex
-      covering_.lower_radius(v, covering_.distance()[v]);
-      covering_.insert(v);
+      covering_.lower_radius(v, covering_.distance()[v], control);
+      covering_.insert(v, control);
     }
     covering_.cover(quiet);
     if (covering_.site_count() == before) {
@@ -223,7 +229,7 @@ void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateRepor
     }
     report.repair_sites += covering_.site_count() - before;
 
-    scope = cells_near_changes();  // and faults left for the next round
+    scope = cells_near_changes(control);  // and faults left for the next round
     for (const FaultyCell& f : found.faulty_cells) scope.push_back(f.cell);
     for (const PairFault& p : found.pair_faults) scope.insert(scope.end(), {p.a, p.b});
     sort_unique(scope);
@@ -236,7 +242,7 @@ void CertifiedDual::update(CertificateReport& report, const RunControl& control)
     other_faces_.clear();
     check_and_repair({}, report, control);
   } else if (!covering_.changed().empty() || !other_faces_.empty()) {
-    check_and_repair(cells_near_changes(), report, control);
+    check_and_repair(cells_near_changes(control), report, control);
   } else {
     report.passed = true;
     complete_ = false;  // of this report nothing was counted yet
@@ -260,13 +266,13 @@ bool CertifiedDual::is_what_a_full_check_finds() {
     std::sort(out.begin(), out.end());
     return out;
   };
-  const PartitionCheck found = check({});
+  const PartitionCheck found = check({}, {});
   return found.passed() && corners(found.triangles) == corners(triangles());
 }
 
-void CertifiedDual::touch_near(std::span<const CVertexId> c_vertices) {
+void CertifiedDual::touch_near(std::span<const CVertexId> c_vertices, const RunControl& control) {
   touched_.resize(std::max<std::size_t>(touched_.size(), covering_.site_count()), 1);
-  for (const CellId c : scoped_.cells_near(complex_, adjacency(), covering_.partition().cell_of, c_vertices)) touched_[c] = 1;
+  for (const CellId c : scoped_.cells_near(complex_, adjacency(control), covering_.partition().cell_of, c_vertices, control)) touched_[c] = 1;
 }
 
 void CertifiedDual::certify(CertificateReport& report, const RunControl& control) {

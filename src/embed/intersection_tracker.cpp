@@ -5,6 +5,7 @@
 #include <array>
 #include <utility>
 
+#include "core/cancel_poll.h"
 #include "core/parallel.h"
 #include "embed/triangle_pair.h"
 
@@ -81,7 +82,9 @@ bool IntersectionTracker::intersect_in_any_form(std::uint32_t first, std::uint32
 std::vector<std::uint32_t> IntersectionTracker::update(std::span<const Vec3> positions, std::span<const Triangle> triangles,
                                                        const RunControl& control) {
   const std::vector<std::uint32_t> changed = take_mesh(positions, triangles);
+  CancelPoll poll(control);
   for (const std::uint32_t t : changed) {
+    poll.step();
     if (!has_area_in_all_forms(triangles_[t])) pairs_.emplace_back(t, t);
   }
   const ThreadLimit threads(control.threads);

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "core/vector_math.h"
@@ -21,6 +22,8 @@ namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Exact = CGAL::Exact_rational;
+
+constexpr std::uint32_t kFewComponents = 16;  // between looks at whether to stop
 
 int sign_of(double x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
 
@@ -84,7 +87,8 @@ int crossing(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
 
 // Per component, the closed ones around its lowest vertex.
 std::vector<std::vector<std::uint32_t>> around_components(std::span<const Vec3> positions, std::span<const Triangle> triangles,
-                                                          std::span<const std::uint32_t> component_of, std::span<const std::uint8_t> is_open) {
+                                                          std::span<const std::uint32_t> component_of, std::span<const std::uint8_t> is_open,
+                                                          const RunControl& control) {
   const std::size_t components = is_open.size();
   std::vector<std::uint32_t> lowest(components, kNone);
   for (std::uint32_t v = 0; v < positions.size(); ++v) {
@@ -94,11 +98,12 @@ std::vector<std::vector<std::uint32_t>> around_components(std::span<const Vec3> 
   }
   std::vector<std::vector<std::uint32_t>> around(components);
   if (std::ranges::count(is_open, std::uint8_t{0}) < 2) return around;
-  const TriangleTree tree({positions.begin(), positions.end()}, triangles);
+  const TriangleTree tree({positions.begin(), positions.end()}, triangles, control);
   std::vector<std::uint32_t> leaves;
   std::map<std::uint32_t, int> winding;
   for (std::uint32_t c = 0; c < components; ++c) {
     if (is_open[c] != 0 || lowest[c] == kNone) continue;
+    if (c % kFewComponents == 0) control.check_cancelled();
     const Vec3 p = positions[lowest[c]];
     leaves.clear();
     tree.leaves_near({-1e18, p.y, p.z}, p, 0, leaves);
@@ -144,7 +149,8 @@ std::vector<std::int8_t> mesh_facing(std::span<const Vec3> positions, std::span<
 }
 
 std::vector<std::uint32_t> misplaced_vertices(std::span<const Vec3> positions, std::span<const Triangle> triangles,
-                                              std::span<const std::uint32_t> component_of, const Nesting& nesting, const Nesting& wanted) {
+                                              std::span<const std::uint32_t> component_of, const Nesting& nesting, const Nesting& wanted,
+                                              const RunControl& control) {
   const std::vector<std::uint8_t> is_wrong = differences(nesting, wanted);
   std::vector<std::uint32_t> first(is_wrong.size(), kNone), out;
   for (std::uint32_t v = 0; v < positions.size(); ++v) {
@@ -158,6 +164,7 @@ std::vector<std::uint32_t> misplaced_vertices(std::span<const Vec3> positions, s
     for (const std::uint32_t other : {nesting.parent[c], wanted.parent[c]}) {
       const Triangle* nearest = nullptr;
       double least = std::numeric_limits<double>::infinity();
+      control.check_cancelled();
       for (const Triangle& t : triangles) {
         if (component_of[t[0]] != other) continue;
         const double d = closest_on_triangle(positions[first[c]], positions[t[0]], positions[t[1]], positions[t[2]]).squared_distance;
@@ -172,9 +179,10 @@ std::vector<std::uint32_t> misplaced_vertices(std::span<const Vec3> positions, s
 }
 
 Nesting mesh_nesting(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::span<const std::uint32_t> component_of,
-                     std::span<const std::uint8_t> is_open) {
-  return {mesh_facing(positions, triangles, component_of, is_open),
-          parents_of(around_components(positions, triangles, component_of, is_open))};
+                     std::span<const std::uint8_t> is_open, const RunControl& control) {
+  std::vector<std::int8_t> facing = mesh_facing(positions, triangles, component_of, is_open);
+  control.check_cancelled();
+  return {std::move(facing), parents_of(around_components(positions, triangles, component_of, is_open, control))};
 }
 
 }  // namespace isoatlas

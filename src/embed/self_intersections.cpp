@@ -56,6 +56,7 @@ std::vector<TrianglePair> self_intersections(std::span<const Vec3> positions, st
   std::vector<RoughPlane> planes;
   planes.reserve(triangles.size());
   for (const Triangle& t : triangles) planes.emplace_back(positions, t);
+  control.check_cancelled();
   const auto intersect = [&](std::uint32_t a, std::uint32_t b) {
     return !are_surely_apart(positions, triangles[a], planes[a], triangles[b], planes[b], 0) &&
            meet_beyond_shared(positions, triangles[a], triangles[b]);

@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "metrics/surfels.h"
 
+#include "core/cancel_poll.h"
 #include "core/vector_math.h"
 
 namespace isoatlas {
 
-Surfels make_surfels(const SurfaceComplex& complex) {
+Surfels make_surfels(const SurfaceComplex& complex, const RunControl* control) {
   const std::uint32_t n = complex.c_vertex_count();
   Surfels out;
   out.point.resize(n);
   out.normal.resize(n);
   out.area.assign(n, 0);
   for (CVertexId v = 0; v < n; ++v) out.point[v] = scaled(complex.positions[v], complex.spacing);
+  CancelPoll poll(control);
   for (const Face& face : complex.faces) {
+    poll.step();
     const int size = face.size();
     const auto at = [&](int k) { return out.point[face.corner[k]]; };
     // Twice the area vector: of a quad the cross product of its diagonals, of a triangle that of two sides.

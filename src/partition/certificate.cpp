@@ -14,11 +14,12 @@
 #include <array>
 #include <utility>
 
+#include "core/cancel_poll.h"
 #include "core/disjoint_sets.h"
 
 namespace isoatlas {
 PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const CellId> cell_of, std::uint32_t cells,
-                               std::span<const CVertexId> site, std::span<const std::uint8_t> scope) {
+                               std::span<const CVertexId> site, std::span<const std::uint8_t> scope, const RunControl& control) {
   const std::uint32_t n = complex.c_vertex_count();
   const bool all = scope.empty();
   const auto in_scope = [&](CellId c) { return all || scope[c] != 0; };
@@ -29,7 +30,9 @@ PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const Ce
   std::vector<std::int64_t> twice_euler(cells, 0);
   DisjointSets pieces(n);
   for (CVertexId v = 0; v < n; ++v) twice_euler[cell_of[v]] += 2;
+  CancelPoll poll(control);
   for (const Face& face : complex.faces) {
+    poll.step();
     const int size = face.size();
     std::array<CellId, 4> c;
     bool wanted = all;
@@ -63,6 +66,7 @@ PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const Ce
     }
   }
 
+  control.check_cancelled();
   checked_id(3 * check.triangles.size() + complex.boundary.size(), "ends of arcs");
   std::vector<std::uint8_t> boundary_ends(cells, 0);  // boundary sides that leave the cell, up to 3 (= too many)
   std::vector<std::uint8_t> touches_boundary(cells, 0);
@@ -87,6 +91,7 @@ PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const Ce
   }
   std::vector<CVertexId> root(cells, kNone);
   for (CVertexId v = 0; v < n; ++v) {
+    poll.step();
     const CellId c = cell_of[v];
     const CVertexId r = pieces.find(v);
     if (root[c] == kNone) root[c] = r;
@@ -103,10 +108,12 @@ PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const Ce
   }
 
   // Pairs and triples, by arc ends in buckets.
+  control.check_cancelled();
   std::uint32_t total = 0;
   for (std::uint32_t& f : first) total += std::exchange(f, total);
   std::vector<ArcEnd> ends(total);
   for (const DualTriangle& t : check.triangles) {
+    poll.step();
     for (int k = 0; k < 3; ++k) {
       const CellId a = t.cell[k], b = t.cell[(k + 1) % 3];
       ends[first[std::min(a, b)]++] = {std::min(a, b), std::max(a, b), t.cell[(k + 2) % 3]};
@@ -117,6 +124,7 @@ PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const Ce
     if (a != b) ends[first[std::min(a, b)]++] = {std::min(a, b), std::max(a, b), kNone};
   }
   for (CellId c = 0; c < cells; ++c) {  // filling moved first[c] to the end of bucket c
+    poll.step();
     const std::uint32_t from = c == 0 ? 0 : first[c - 1], to = first[c];
     if (from == to) continue;
     std::sort(ends.begin() + from, ends.begin() + to, [](const ArcEnd& a, const ArcEnd& b) { return a.high < b.high; });

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/cancel_poll.h"
+
 namespace isoatlas {
 namespace {
 
@@ -27,18 +29,23 @@ DualTriangles::DualTriangles(std::vector<DualTriangle> triangles, std::uint32_t 
   }
 }
 
-void DualTriangles::replace(std::span<const CellId> scope, std::span<const DualTriangle> triangles, std::uint32_t cells) {
+void DualTriangles::replace(std::span<const CellId> scope, std::span<const DualTriangle> triangles, std::uint32_t cells,
+                            const RunControl& control) {
+  CancelPoll poll(control);
   if (cells > of_cell_.row_count()) of_cell_.add_rows(cells - of_cell_.row_count());
   std::vector<std::uint32_t> old;
   for (const CellId c : scope) {
+    poll.step();
     const auto row = of_cell_.row(c);
     old.insert(old.end(), row.begin(), row.end());
   }
   std::sort(old.begin(), old.end());
   old.erase(std::unique(old.begin(), old.end()), old.end());
+  control.check_cancelled();
   std::vector<std::uint8_t> stays(old.size(), 0);
   std::vector<DualTriangle> added;
   for (const DualTriangle& t : triangles) {
+    poll.step();
     bool found = false;
     for (const std::uint32_t i : of_cell_.row(t.cell[0])) {
       if (!same_corners(list_[i].cell, t.cell)) continue;
@@ -53,6 +60,7 @@ void DualTriangles::replace(std::span<const CellId> scope, std::span<const DualT
   std::size_t taken = 0;  // of those that were added, how many have the number of one that was removed
   for (std::size_t k = old.size(); k-- > 0;) {  // the last one first, so that the numbers of those before stay
     if (stays[k]) continue;
+    poll.step();
     if (taken < added.size()) {
       for (const CellId c : list_[old[k]].cell) of_cell_.erase(c, old[k]);
       list_[old[k]] = added[taken++];
@@ -61,7 +69,10 @@ void DualTriangles::replace(std::span<const CellId> scope, std::span<const DualT
       remove(old[k]);
     }
   }
-  for (; taken < added.size(); ++taken) add(added[taken]);
+  for (; taken < added.size(); ++taken) {
+    poll.step();
+    add(added[taken]);
+  }
 }
 
 void DualTriangles::add(const DualTriangle& triangle) {

@@ -64,15 +64,15 @@ SlackRows<std::uint32_t> triangles_around(std::span<const Triangle> triangles, s
 
 }  // namespace
 
-CoarseMesher::Stand::Stand(const SurfaceComplex& on, const CoveringOptions& options)
-    : complex(on), positions(on.positions), graph(make_graph(on)), covering(graph, options), dual(complex, covering) {}
+CoarseMesher::Stand::Stand(const SurfaceComplex& on, const CoveringOptions& options, const RunControl& control)
+    : complex(on), positions(on.positions), graph(make_graph(on, &control)), covering(graph, options), dual(complex, covering) {}
 
 // The complex is finer now.
-void CoarseMesher::Stand::continue_on() {
-  std::vector<std::uint8_t> changed = remake_graph(graph, complex);
+void CoarseMesher::Stand::continue_on(const RunControl& control) {
+  std::vector<std::uint8_t> changed = remake_graph(graph, complex, &control);
   for (CVertexId v = 0; v < positions.size(); ++v) changed[v] |= !(positions[v] == complex.positions[v]);
   positions = complex.positions;
-  covering.continue_on(changed, std::vector<CVertexId>(covering.partition().site));
+  covering.continue_on(changed, std::vector<CVertexId>(covering.partition().site), control);
   covering.ignore_events();
   dual.continue_on(changed);
 }
@@ -80,7 +80,7 @@ void CoarseMesher::Stand::continue_on() {
 CoarseMesher::CoarseMesher(AdaptiveSurface& surface, Coarsened& coarser, const CoveringOptions& cover, const ExtractOptions& options,
                            WrittenPositions written)
     : surface_(surface), coarser_(coarser), cover_(cover), options_(options), meeting_(std::move(written)) {
-  stand_ = std::make_unique<Stand>(is_coarser() ? coarser_.complex : surface_.complex(), cover_);
+  stand_ = std::make_unique<Stand>(is_coarser() ? coarser_.complex : surface_.complex(), cover_, surface_.control());
 }
 
 void CoarseMesher::cover(const RunControl& control) {
@@ -130,9 +130,11 @@ void CoarseMesher::mesh(LevelReport& report, const RunControl& told) {
     const SurfaceComplex& complex = stand_->complex;
     const Partition& partition = stand_->covering.partition();
     take_triangles();
+    control.check_cancelled();
     mesh_.positions.clear();
     for (const CVertexId v : sites()) mesh_.positions.push_back(surface_.complex().positions[v]);
     const std::vector<ComponentId> component_of = components();
+    control.check_cancelled();
     const std::vector<std::uint8_t> turned = turned_components(component_of);
     bool again = std::ranges::count(turned, std::uint8_t{1}) > 0 &&
                  refine_components(complex, stand_->covering, component_of, turned, round, report.certificate);
@@ -144,10 +146,10 @@ void CoarseMesher::mesh(LevelReport& report, const RunControl& told) {
     stand_->dual.certify(report.certificate, control);
     if (partition.cell_count() == mesh_.positions.size()) break;
   }
-  if (were_regions_cut_) certify_regions(surface_.complex(), coarser_);
+  if (were_regions_cut_) certify_regions(surface_.complex(), coarser_, control);
   take_triangles();
   relax_vertices(control);
-  topology_ = mesh_topology(mesh_);
+  topology_ = mesh_topology(mesh_, control);
 }
 
 std::vector<std::uint8_t> CoarseMesher::turned_components(std::span<const ComponentId> component_of) const {
@@ -159,7 +161,7 @@ std::vector<std::uint8_t> CoarseMesher::turned_components(std::span<const Compon
 }
 
 Nesting CoarseMesher::nesting(std::span<const ComponentId> component_of) const {
-  return mesh_nesting(mesh_.positions, mesh_.triangles, component_of, open_flags(surface_.components()));
+  return mesh_nesting(mesh_.positions, mesh_.triangles, component_of, open_flags(surface_.components()), surface_.control());
 }
 
 // Moves vertices that are too close to each other for later levels to have good triangles there, and for good triangles in this one. Where
@@ -176,6 +178,7 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
     start.push_back(scaled(surface.positions[v], s));
     roam.push_back(surface_.may_roam(v) ? roam_of(surface.positions[v], s) : Roam{start.back(), start.back()});
   }
+  control.check_cancelled();
   const SlackRows<std::uint32_t> triangles_of = triangles_around(mesh_.triangles, at.size());
   const InterpolatedField* const field = options_.vertices_on_surface ? &surface_.field() : nullptr;
   RelaxGoal goal{1.0 / 3, kSeparation * std::min({s.x, s.y, s.z})};
@@ -189,6 +192,7 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
   std::vector<std::uint8_t> fresh;
   for (int round = 0; round < kRelaxRounds; ++round) {
     goal.push = round % 2 == 0;
+    control.check_cancelled();
     const std::vector<Vec3> before = points;
     const std::vector<std::uint32_t> moved = relax(points, mesh_.triangles, triangles_of, roam, field, s, goal, control, fresh);
     std::vector<Vec3> positions_before;  // of those that moved
@@ -200,6 +204,7 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
     for (std::vector<std::uint32_t> look = moved; !look.empty();) {  // before these moved, nothing intersected
       const std::vector<std::uint8_t> goes_back = must_go_back(moved, positions_before, positions, look, component_of, control);
       look.clear();
+      control.check_cancelled();
       for (const std::uint32_t i : moved) {
         if (goes_back[i] == 0 || points[i] == before[i]) continue;
         look.push_back(i);
@@ -243,6 +248,7 @@ std::vector<std::uint8_t> CoarseMesher::must_go_back(std::span<const std::uint32
     any = any || meeting_.pair_count() > 0;
   }
   if (any) return out;
+  control.check_cancelled();
   const std::vector<std::uint8_t> turned = turned_components(component_of);
   for (const std::uint32_t i : moved) out[i] = turned[component_of[i]];
   return out;
@@ -270,7 +276,7 @@ bool CoarseMesher::part(LevelReport& report, const RunControl& control) {
 // @return whether there is something new to look at
 bool CoarseMesher::place_components(std::span<const ComponentId> component_of, LevelReport& report, const RunControl& control) {
   const std::vector<CellId> cells =
-      misplaced_vertices(mesh_.positions, mesh_.triangles, component_of, nesting(component_of), surface_.nesting());
+      misplaced_vertices(mesh_.positions, mesh_.triangles, component_of, nesting(component_of), surface_.nesting(), control);
   if (cells.empty()) return false;
   Covering& covering = stand_->covering;
   const std::uint32_t before = covering.site_count();
@@ -314,7 +320,7 @@ bool CoarseMesher::make_finer(std::span<const CellId> cells, const RunControl& c
     were_regions_cut_ = true;
   }
   control.check_cancelled();
-  stand_->continue_on();
+  stand_->continue_on(control);
   stand_->covering.cover(control);
   return true;
 }

@@ -190,7 +190,7 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
   const Partition& partition = refiner_.partition();
   TriangleMesh mesh = mesh_of(refined);
   for (const auto& [cell, excess] : refined.at_limit) report.at_limit.push_back({to_space(mesh.positions[cell]), excess});
-  const MeshTopology topology = mesh_topology(mesh);
+  const MeshTopology topology = mesh_topology(mesh, control);
   if (measured) fill_measurement(std::move(*measured), report);
   finish_level(mesh, topology, partition.site, source_.surface, refiner_.stays(), goal, source_.grid, options_, report,
                control_);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/cancel_poll.h"
 #include "core/vector_math.h"
 #include "subdivide/subdivide.h"
 
@@ -44,19 +45,25 @@ std::vector<Triangle> cells_of(std::span<const DualTriangle> dual) {
   return out;
 }
 
-LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, std::span<const DualTriangle> dual, const Places& places) {
+LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, std::span<const DualTriangle> dual, const Places& places,
+                          const RunControl* control) {
+  CancelPoll poll(control);
   LevelMesh mesh;
   const std::uint32_t cells = partition.cell_count();
   std::vector<std::uint32_t> count(cells, 0);
   for (const CellId c : partition.cell_of) ++count[c];
   mesh.c_vertices_of.reserve(count);
-  for (CVertexId v = 0; v < partition.cell_of.size(); ++v) mesh.c_vertices_of.push_back(partition.cell_of[v], v);
+  for (CVertexId v = 0; v < partition.cell_of.size(); ++v) {
+    poll.step();
+    mesh.c_vertices_of.push_back(partition.cell_of[v], v);
+  }
   std::fill(count.begin(), count.end(), 0u);
   for (const DualTriangle& t : dual) {
+    poll.step();
     for (const CellId c : t.cell) ++count[c];
   }
   mesh.triangles_of.reserve(count);
-  set_triangles(mesh, surfels, dual, places);
+  set_triangles(mesh, surfels, dual, places, control);
   return mesh;
 }
 
@@ -72,14 +79,16 @@ void set_cells(LevelMesh& mesh, const CellMembers& members, std::span<const Cell
   }
 }
 
-std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const Places& places) {
+std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const Places& places,
+                                        const RunControl* control) {
   std::vector<CellId> all(mesh.c_vertices_of.row_count());
   std::iota(all.begin(), all.end(), 0u);
-  return set_triangles(mesh, surfels, dual, places, all);
+  return set_triangles(mesh, surfels, dual, places, all, control);
 }
 
 std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const Places& places,
-                                        std::span<const CellId> may_have_moved) {
+                                        std::span<const CellId> may_have_moved, const RunControl* control) {
+  CancelPoll poll(control);
   const std::uint32_t cells = mesh.c_vertices_of.row_count();
   std::vector<std::uint8_t> renewed(cells, 0);
   std::vector<CellId> moved;
@@ -90,6 +99,7 @@ std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels,
     const Vec3 point = places.point(surfels, c);
     mesh.normal[c] = surfels.normal[places.anchor[c]];
     if (c < known && point == mesh.point[c]) continue;
+    poll.step();
     mesh.point[c] = point;
     moved.push_back(c);
   }
@@ -113,11 +123,13 @@ std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels,
       if (mesh.cells_of_triangle[t] == cell) continue;
       leave_rows(t);
     }
+    poll.step();
     mesh.triangles[t].cell = mesh.cells_of_triangle[t] = cell;
     for (const CellId c : cell) mesh.triangles_of.push_back(c, t);
     renew(t);
   }
   for (const CellId c : moved) {
+    poll.step();
     for (const std::uint32_t t : mesh.triangles_of.row(c)) renew(t);
   }
   return renewed;

@@ -79,7 +79,8 @@ std::vector<Vec3> vertex_positions(const SurfaceComplex& complex, const Surfels&
 std::vector<Triangle> cells_of(std::span<const DualTriangle> dual);
 
 /// O(C)
-LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, std::span<const DualTriangle> dual, const Places& places);
+LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, std::span<const DualTriangle> dual, const Places& places,
+                          const RunControl* control = nullptr);
 
 /// More cells, and other c-vertices of some; set_triangles() has to follow.
 /// @param changed  the cells with other c-vertices than before
@@ -89,8 +90,9 @@ void set_cells(LevelMesh& mesh, const CellMembers& members, std::span<const Cell
 /// @param may_have_moved  the cells whose vertices may be elsewhere than in the mesh, and all new ones; the other form looks at all
 /// @return per cell, 1 if a triangle there is new, gone or elsewhere
 std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const Places& places,
-                                        std::span<const CellId> may_have_moved);
-std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const Places& places);
+                                        std::span<const CellId> may_have_moved, const RunControl* control = nullptr);
+std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const Places& places,
+                                        const RunControl* control = nullptr);
 
 /// Moves the vertices of `cells` and the corners of their triangles to their places.
 void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const Places& places);

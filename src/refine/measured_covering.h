@@ -20,7 +20,9 @@ namespace isoatlas {
 struct Ground {
   /// @param isosurface  what the complex stands for, to look between its c-vertices; none: only they count
   /// @param roaming  says which vertices may leave their c-vertices; none: all but those on the boundary
-  explicit Ground(const SurfaceComplex& surface, const Isosurface* isosurface = nullptr, const AdaptiveSurface* roaming = nullptr);
+  /// @param control  asked now and then whether to stop; none: that of `roaming`, if there is one
+  explicit Ground(const SurfaceComplex& surface, const Isosurface* isosurface = nullptr, const AdaptiveSurface* roaming = nullptr,
+                  const RunControl* control = nullptr);
 
   /// The complex has more c-vertices, or they are elsewhere. What stands on the ground has to continue_on() it.
   /// @return per c-vertex, 1 if it is elsewhere or its row in G is not what it was
@@ -35,10 +37,11 @@ struct Ground {
   std::optional<BetweenPoints> between;
   const AdaptiveSurface* roaming;
   mutable std::optional<GridCells> grid_cells;  ///< made by the first proof
-  const RunControl* control = nullptr;  ///< asked while distances are measured
+  const RunControl* control;  ///< asked now and then whether to stop; none: nobody is
 
   /// Whether a vertex may leave its c-vertex, within the grid cell.
   bool may_roam(CVertexId v) const { return roaming != nullptr ? roaming->may_roam(v) : !graph.on_boundary[v]; }
+  void check_cancelled() const { measured().check_cancelled(); }
   MeasuredSurface measured() const {
     return {surfels, moved_from.empty() ? surfels.point : moved_from, graph, complex.spacing, isosurface, control};
   }

@@ -94,8 +94,7 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
   if (on.empty()) {
     radii = radii_of(start_.covering, {});
   } else {
-    Ground ground(coarser_.complex);
-    ground.control = &control;
+    const Ground ground(coarser_.complex, nullptr, nullptr, &control);
     MeasuredCovering rough(ground, options_, start_.covering.partition().site, radii_of(start_.covering, {}), control);
     Task task;
     task.placement = placement;
@@ -160,14 +159,14 @@ bool Refiner::can_refine(std::span<const CellId> cells) const {
 
 // Makes cells smaller where the orientation or nesting of a component is not that of the surface. @pre no self-intersections
 // @return whether there is something new to look at
-bool Refiner::refine_misplaced_components() {
+bool Refiner::refine_misplaced_components(const RunControl& control) {
   const Nesting& wanted = surface_.nesting();
   std::vector<ComponentId> component_of;
   for (const CVertexId v : partition().site) component_of.push_back(surface_.components().of_c_vertex[v]);
   const std::vector<Vec3> positions = work_->positions();
   const std::vector<Triangle> triangles = cells_of(work_->triangles());
-  const Nesting nesting = mesh_nesting(positions, triangles, component_of, open_flags(surface_.components()));
-  const std::vector<CellId> cells = misplaced_vertices(positions, triangles, component_of, nesting, wanted);
+  const Nesting nesting = mesh_nesting(positions, triangles, component_of, open_flags(surface_.components()), control);
+  const std::vector<CellId> cells = misplaced_vertices(positions, triangles, component_of, nesting, wanted, control);
   return work_->covering().shrink(cells).size() < cells.size();
 }
 
@@ -180,7 +179,8 @@ void Refiner::work_apart(const Task& task, IntersectionTracker& meeting, Refined
     for (;; any = true) {
       work_->update(out.certificate, control);
       meeting.update(work_->positions(), cells_of(work_->triangles()), control);
-      if (!part(meeting, control) && !refine_misplaced_components()) break;
+      control.check_cancelled();
+      if (!part(meeting, control) && !refine_misplaced_components(control)) break;
     }
     out.parting_sites += partition().cell_count() - sites;
     if (!any) return;
@@ -208,6 +208,7 @@ void Refiner::divide_surface(std::span<const CVertexId> wanted, const RunControl
     positions[v] = base_position(surface_.complex(), places, c);
     frozen.push_back(c < sites_before_ ? positions[v] : surface_.complex().positions[v]);
   }
+  control.check_cancelled();
   std::vector<CVertexId> strays = surface_.stray(movers, frozen, positions, movers);
   std::sort(strays.begin(), strays.end());
   for (std::size_t i = 0; i < movers.size(); ++i)
@@ -215,6 +216,7 @@ void Refiner::divide_surface(std::span<const CVertexId> wanted, const RunControl
   std::vector<CVertexId> pinned;  // by vertices of earlier levels
   for (CellId c = 0; c < sites_before_; ++c) pinned.push_back(places.anchor[c]);
   surface_.divide(wanted, pinned);
+  control.check_cancelled();
   const std::vector<Vec3> before = work_->base_points();
   work_->continue_on(ground_->remake(), before, control);
   ++grounds_;
@@ -454,7 +456,7 @@ void Refiner::make_predicted_cells(const Task& task, RefinedLevel& out, const Ru
   }
   std::vector<Covering::Radius> radii = predict_radii(*ground_, at, bound->bound);
   for (Covering::Radius& r : radii) r.radius = std::max(r.radius, least_radius(task, *ground_, r.at));
-  work_->covering().lower_radii(radii);
+  work_->covering().lower_radii(radii, control);
 }
 
 bool Refiner::refine_at(std::span<const Triangle> triangles, const LevelGoal& goal, Placement placement, RefinedLevel& level,
@@ -602,6 +604,7 @@ void Refiner::describe(const Task& task, const LevelGoal& asked, RefinedLevel& o
   obstacles.cells_at_limit = out.at_limit.size();
   out.figures.metrics = summarize(values);
   out.figures.distance = distances(values);
+  ground_->check_cancelled();
   MeshExtent extent = extent_of(work_->mesh());
   out.figures.constraints = judge(asked, extent, out.figures.metrics, obstacles);
   extent_ = std::move(extent);
@@ -612,11 +615,13 @@ LevelFigures Refiner::describe_coarse(std::span<const Triangle> triangles, std::
                                       const RunControl& control) {
   control.check_cancelled();
   Covering covering(ground_->graph, options_);
-  covering.seed(sites, {});
+  covering.seed(sites, {}, control);
   std::vector<DualTriangle> dual;
   dual.reserve(triangles.size());
   for (const Triangle& t : triangles) dual.push_back({t, kNone});
-  const LevelMesh mesh = make_level_mesh(ground_->surfels, covering.partition(), dual, {{sites.begin(), sites.end()}, {}, start_.shift});
+  control.check_cancelled();
+  const LevelMesh mesh = make_level_mesh(ground_->surfels, covering.partition(), dual, {{sites.begin(), sites.end()}, {}, start_.shift}, &control);
+  control.check_cancelled();
   extent_ = extent_of(mesh);
   const std::vector<MetricValues> values = measure_metrics(*ground_, covering, mesh);
   metrics_ = summarize(values);

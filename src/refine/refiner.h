@@ -91,7 +91,7 @@ class Refiner {
   bool can_refine(std::span<const CellId> cells) const;
   std::vector<CVertexId> subdividable(std::span<const CellId> single) const;
   bool part(const IntersectionTracker& meeting, const RunControl& control);
-  bool refine_misplaced_components();
+  bool refine_misplaced_components(const RunControl& control);
   void work_apart(const Task& task, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control);
   void work_towards(const Task& task, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control);
   bool is_provable(const Task& task) const;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/cancel_poll.h"
 #include "core/disjoint_sets.h"
 #include "core/ids.h"
 #include "core/vector_math.h"
@@ -26,7 +27,6 @@ constexpr std::array kSearchSteps{0.2, 0.05};  // voxels
 constexpr int kSearchPasses = 4;
 constexpr double kWorthIt = 2e-3;
 constexpr double kSeparationWeight = 0.5;  // an edge as short as can be is half as bad as a triangle
-constexpr std::size_t kLook = 4096;        // vertices between looks at whether to stop
 constexpr int kNewtonSteps = 5;
 constexpr double kOnSurface = 0.02;
 constexpr double kLeastVolume = 0.25;  // share of what a component encloses that has to be left
@@ -43,6 +43,7 @@ class Relaxation {
   Relaxation(std::span<Vec3> points, std::span<const Triangle> triangles, const SlackRows<std::uint32_t>& triangles_of, std::span<const Roam> roam,
              const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal, const RunControl& control, std::span<const std::uint8_t> fresh)
       : control_(control),
+        poll_(control),
         fresh_(fresh),
         points_(points),
         triangles_(triangles),
@@ -65,8 +66,10 @@ class Relaxation {
     facing_.resize(triangles_.size());
     is_facing_known_.assign(triangles_.size(), 0);
     for (int step = 0; goal_.push && step < kSteps && !active_.empty(); ++step) {
-      control_.check_cancelled();
-      for (const std::uint32_t t : active_) push_apart(t);
+      for (const std::uint32_t t : active_) {
+        poll_.step();
+        push_apart(t);
+      }
       move_pushed();
     }
     revert_vertices_off_surface();
@@ -160,11 +163,13 @@ class Relaxation {
     for (const std::uint32_t t : active_) seen_[t] = 0;
     active_.clear();
     for (const std::uint32_t v : pushed_) {
+      poll_.step();
       const Vec3 p = points_[v] + (1.0 / pushes_[v]) * push_[v];
       points_[v] = clamped(drawn_back(clamped(p, roam_[v])), roam_[v]);
       pushes_[v] = 0;
     }
     for (const std::uint32_t v : pushed_) {
+      poll_.step();
       for (const std::uint32_t t : triangles_of_.row(v)) {
         if (seen_[t] || !is_below_aim(t)) continue;
         seen_[t] = 1;
@@ -203,6 +208,7 @@ class Relaxation {
   // Pushing draws back only as far as a vertex's cell allows.
   void revert_vertices_off_surface() {
     for (const std::uint32_t v : touched_) {
+      poll_.step();
       if (!(points_[v] == start_[v]) && off_surface(points_[v]) > std::max(kFarthestFound, off_surface(start_[v]))) points_[v] = start_[v];
     }
   }
@@ -211,9 +217,9 @@ class Relaxation {
   void turn_back_where_turned() {
     const std::vector<std::uint32_t> moved = triangles_that_moved();
     for (bool any = true; any;) {
-      control_.check_cancelled();
       any = false;
       for (const std::uint32_t t : moved) {
+        poll_.step();
         const Triangle& c = triangles_[t];
         if (!has_moved(t)) continue;
         if (dot(facing_at_start(t), area(t, points_)) >= 0) continue;
@@ -245,6 +251,7 @@ class Relaxation {
       control_.check_cancelled();
       std::vector<std::uint32_t> vertices;
       const auto add_bad = [&](std::uint32_t t) {
+        poll_.step();
         if (goodness(t, kNone, {}) < 1) vertices.insert(vertices.end(), triangles_[t].begin(), triangles_[t].end());
       };
       for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
@@ -257,9 +264,8 @@ class Relaxation {
         std::sort(vertices.begin(), vertices.end());
         vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
         std::vector<std::uint32_t> again;
-        std::size_t looked_at = 0;
         for (const std::uint32_t v : vertices) {
-          if (++looked_at % kLook == 0) control_.check_cancelled();
+          poll_.step();
           if (!can_move(roam_[v]) || !improve(v, step)) continue;
           again.push_back(v);
           for (const std::uint32_t t : triangles_of_.row(v)) {
@@ -350,6 +356,7 @@ class Relaxation {
     const auto n = static_cast<std::uint32_t>(points_.size());
     DisjointSets sets(n);
     for (const Triangle& c : triangles_) {
+      poll_.step();
       sets.unite(c[0], c[1]);
       sets.unite(c[0], c[2]);
     }
@@ -360,6 +367,7 @@ class Relaxation {
     };
     std::vector<Shape> shapes(n);  // per root
     for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+      poll_.step();
       const Triangle& c = triangles_[t];
       const std::uint32_t root = sets.find(c[0]);
       const auto volume = [&](std::span<const Vec3> at) {  // seen from the first vertex, for the sake of rounding
@@ -380,6 +388,7 @@ class Relaxation {
   }
 
   const RunControl& control_;
+  CancelPoll poll_;
   std::span<const std::uint8_t> fresh_;
   std::span<Vec3> points_;
   std::span<const Triangle> triangles_;

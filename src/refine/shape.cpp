@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 
+#include "core/cancel_poll.h"
 #include "core/vector_math.h"
 #include "refine/facing.h"
 #include "refine/relax.h"
@@ -87,6 +88,7 @@ class Workshop {
     const InterpolatedField* field = ground.isosurface == nullptr ? nullptr : &ground.isosurface->field();
     std::vector<CellId> moved = relax(points, triangles, mesh.triangles_of, roam, field, ground.complex.spacing, {goal_.aspect, 0}, control_);
     if (moved.empty()) return false;
+    control_.check_cancelled();
 
     if (places_.shift.empty()) places_.shift.resize(mesh.cell_count());
     const std::vector<CellError> before = work_.errors();
@@ -225,6 +227,7 @@ class Workshop {
       const double s = score(work_.mesh().triangles[i]);
       if (s < 1) found.emplace_back(s, i);
     }
+    control_.check_cancelled();
     std::sort(found.begin(), found.end());
     std::vector<std::uint32_t> out;
     for (const auto& [s, i] : found) out.push_back(i);
@@ -268,7 +271,10 @@ class Workshop {
         take(best, best.is_flip() ? best.i : mesh.triangles_of.row(cell)[0]);
       }
     } else {
+      control_.check_cancelled();
+      CancelPoll poll(control_);
       for (const std::uint32_t i : bad_triangles()) {
+        poll.step();
         if (std::any_of(mesh.triangles[i].cell.begin(), mesh.triangles[i].cell.end(), is_taken)) continue;  // most end here
         Change best;
         consider_flips(i, kWorthIt, best);
@@ -277,6 +283,7 @@ class Workshop {
       }
     }
     if (changes.empty()) return 0;
+    control_.check_cancelled();
 
     const std::vector<CellError> before = work_.errors();
     const std::vector<DualTriangle> old_triangles = triangles_;

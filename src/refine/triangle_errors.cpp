@@ -227,6 +227,7 @@ void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, st
     PatchSearch search(*surface.isosurface, enough, look);
     for (std::size_t i = begin; i < end; ++i) {
       const MeshTriangle& t = mesh.triangles[triangles[i]];
+      if (look == Look::proof) surface.check_cancelled();  // one triangle takes as long as a piece of samples
       const TriangleError* found = known != nullptr ? known->find(triangles[i], t, enough) : nullptr;
       errors[i] = found != nullptr ? *found : error_of(surface, mesh, t, enough, search);
       if (found == nullptr && known != nullptr) known->keep(triangles[i], t, errors[i]);

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <utility>
 
+#include "core/cancel_poll.h"
 #include "core/vector_math.h"
 #include "embed/triangle_pair.h"
 
@@ -17,8 +18,6 @@ namespace {
 int whole_coordinates(Vec3 p) { return (p.x == std::floor(p.x)) + (p.y == std::floor(p.y)) + (p.z == std::floor(p.z)); }
 
 using Cell = WatchedCells::Cell;
-constexpr CVertexId kLook = 65536;  // c-vertices between looks at whether to stop
-
 Cell cell_of(Vec3 p) { return {std::floor(p.x), std::floor(p.y), std::floor(p.z)}; }
 // Of a face that lies in one cell.
 Cell cell_of(const SurfaceComplex& complex, const Face& face) {
@@ -58,18 +57,19 @@ void AdaptiveSurface::watch() {
   std::vector<std::uint8_t> is_watched(n, 0);  // in a cell that will be, if inside a cell
   std::vector<std::uint8_t> in_two_curves(n, 0);
   held_.assign(n, 0);
+  CancelPoll poll(control_);
   for (CVertexId v = 0; v < n; ++v) {
-    if (v % kLook == 0) control_.check_cancelled();
+    poll.step();
     const int whole = whole_coordinates(complex_.positions[v]);
     in_two_curves[v] = whole == 1 && has_two_curves(field_, complex_.positions[v]);
     const bool parsed_on_border = v < parsed_ && whole == 1 && !in_two_curves[v];
     held_[v] = whole > 0 && now[v] == Fineness::faces && !parsed_on_border;
     is_watched[v] = whole == 0 && crowded_.contains(v);
   }
-  control_.check_cancelled();
   std::vector<Cell> cells = deep_cells_;
   std::vector<CVertexId> inside;  // such cells
   for (const Face& face : complex_.faces) {
+    poll.step();
     const int size = face.size();
     const auto end = face.corner.begin() + size;
     if (std::none_of(face.corner.begin(), end, [&](CVertexId v) { return in_two_curves[v] || is_watched[v]; })) continue;
@@ -79,6 +79,7 @@ void AdaptiveSurface::watch() {
       if (in_two_curves[face.corner[(k + 1) % size]] || in_two_curves[face.corner[(k + 2) % size]] || is_watched[v]) inside.push_back(v);
     }
   }
+  control_.check_cancelled();
   std::sort(inside.begin(), inside.end());
   inside.erase(std::unique(inside.begin(), inside.end()), inside.end());
   for (const CVertexId v : inside) cells.push_back(cell_of(complex_.positions[v]));
@@ -88,18 +89,23 @@ void AdaptiveSurface::watch() {
       if (whole_coordinates(complex_.positions[v]) == 0) inside.push_back(v);
     }
   }
+  control_.check_cancelled();
   sort_unique(cells);
   control_.check_cancelled();
   // Cells with faces that are not even fans cannot be watched.
   std::vector<Cell> closed;
   for (const CVertexId v : inside) {
+    poll.step();
     if (now[v] != Fineness::faces) continue;
     const Cell cell = cell_of(complex_.positions[v]);
     if (std::binary_search(cells.begin(), cells.end(), cell)) closed.push_back(cell);
   }
   sort_unique(closed);
   is_closed_.assign(n, 0);
-  for (const CVertexId v : inside) is_closed_[v] = std::binary_search(closed.begin(), closed.end(), cell_of(complex_.positions[v]));
+  for (const CVertexId v : inside) {
+    poll.step();
+    is_closed_[v] = std::binary_search(closed.begin(), closed.end(), cell_of(complex_.positions[v]));
+  }
   for (const Face& face : complex_.faces) {
     if (std::none_of(face.corner.begin(), face.corner.begin() + face.size(), [&](CVertexId v) { return is_closed_[v]; })) continue;
     for (int k = 0; k < face.size(); ++k) held_[face.corner[k]] |= whole_coordinates(complex_.positions[face.corner[k]]) > 0;
@@ -107,7 +113,7 @@ void AdaptiveSurface::watch() {
   control_.check_cancelled();
   std::vector<Cell> open;
   std::set_difference(cells.begin(), cells.end(), closed.begin(), closed.end(), std::back_inserter(open));
-  watched_ = WatchedCells(complex_, open);
+  watched_ = WatchedCells(complex_, open, control_);
 }
 
 std::vector<CVertexId> AdaptiveSurface::stray(std::span<const CVertexId> moved, std::span<const Vec3> before, std::span<Vec3> positions,
@@ -124,8 +130,8 @@ std::vector<CVertexId> AdaptiveSurface::stray(std::span<const CVertexId> moved, 
   std::vector<std::pair<CVertexId, Vec3>> changed;  // what is to be undone
   std::vector<CVertexId> out, next(look.begin(), look.end());
   while (!next.empty()) {
-    std::vector<CVertexId> back = watched_.meeting(next, positions);
-    for (const CVertexId v : crowded_.meeting(next, positions)) {
+    std::vector<CVertexId> back = watched_.meeting(next, positions, control_);
+    for (const CVertexId v : crowded_.meeting(next, positions, control_)) {
       if (is_closed_[v]) back.push_back(v);
     }
     next.clear();
@@ -156,6 +162,7 @@ std::vector<CVertexId> AdaptiveSurface::with_crowded_cells(std::span<const CVert
   }
   for (std::size_t before = 0; before != out.size();) {
     before = out.size();
+    control_.check_cancelled();
     for (const Face& face : complex_.faces) {
       if (face.is_triangle()) continue;
       const auto end = face.corner.begin() + face.size();
@@ -199,6 +206,7 @@ void AdaptiveSurface::divide(std::span<const CVertexId> wanted, std::span<const 
     const auto end = face.corner.begin() + face.size();
     if (std::any_of(face.corner.begin(), end, [&](CVertexId v) { return is_wanted[v]; })) cells.push_back(cell_of(complex_, face));
   }
+  control_.check_cancelled();
   sort_unique(cells);
   std::vector<Fineness> now = was;
   for (;; now = fineness()) {
@@ -208,6 +216,7 @@ void AdaptiveSurface::divide(std::span<const CVertexId> wanted, std::span<const 
       if (now[v] == Fineness::pieces || whole_coordinates(p) > 0) continue;
       if (std::binary_search(cells.begin(), cells.end(), cell_of(p))) coarser.push_back(v);
     }
+    control_.check_cancelled();
     if (coarser.empty()) break;
     divide_once(with_crowded_cells(coarser), now);
   }
@@ -240,9 +249,11 @@ void AdaptiveSurface::divide_once(std::span<const CVertexId> wanted, const std::
 void AdaptiveSurface::flatten_where_pieces_meet(const Subdivision& divided, CVertexId first_new) {
   const auto is_middle = [&](CVertexId v) { return v >= first_new && divided.between[v - first_new][0] != kNone; };
   std::vector<std::pair<Cell, Triangle>> pieces;  // of the cells with such points
+  CancelPoll poll(control_);
   const auto has_middle = [&](const Face& face) { return std::any_of(face.corner.begin(), face.corner.begin() + 3, is_middle); };
   std::vector<Cell> cells;
   for (const Face& face : complex_.faces) {
+    poll.step();
     if (!face.is_triangle() || !has_middle(face)) continue;
     cells.push_back(cell_of(complex_, face));
   }
@@ -250,16 +261,19 @@ void AdaptiveSurface::flatten_where_pieces_meet(const Subdivision& divided, CVer
   deep_cells_.insert(deep_cells_.end(), cells.begin(), cells.end());
   sort_unique(deep_cells_);
   for (const Face& face : complex_.faces) {
+    poll.step();
     if (!face.is_triangle()) continue;
     const Cell cell = cell_of(complex_, face);
     if (!std::binary_search(cells.begin(), cells.end(), cell)) continue;
     pieces.emplace_back(cell, Triangle{face.corner[0], face.corner[1], face.corner[2]});
   }
+  control_.check_cancelled();
   std::stable_sort(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   for (bool again = true; again;) {  // a point on a wall is in two cells
     again = false;
     for (std::size_t from = 0, to; from < pieces.size(); from = to) {
       to = from;
+      poll.step();
       while (to < pieces.size() && pieces[to].first == pieces[from].first) ++to;
       bool meet = false;
       for (std::size_t i = from; i < to && !meet; ++i) {

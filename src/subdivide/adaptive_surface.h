@@ -30,9 +30,9 @@ class AdaptiveSurface {
   std::span<const Vec3> found() const { return found_; }
   const RunControl& control() const { return control_; }  ///< says whether to stop; tells no progress
 
-  std::vector<Fineness> fineness() const { return isoatlas::fineness(complex_, {field_, crowded_.flags()}); }  ///< per c-vertex; O(F)
+  std::vector<Fineness> fineness() const { return isoatlas::fineness(complex_, {field_, crowded_.flags(), &control_}); }  ///< per c-vertex; O(F)
   /// Of some c-vertices, one by one. O(F) with a small constant
-  std::vector<Fineness> fineness(std::span<const CVertexId> of) const { return isoatlas::fineness(complex_, {field_, crowded_.flags()}, of); }
+  std::vector<Fineness> fineness(std::span<const CVertexId> of) const { return isoatlas::fineness(complex_, {field_, crowded_.flags(), &control_}, of); }
 
   /// See subdivide(). What was derived from the complex has to be made anew. Where smaller pieces would meet each other in a cell, they are
   /// left flat. C-vertices there that hardly keep off the walls of their cells, for good triangles, are moved a little.

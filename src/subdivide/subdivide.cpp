@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/cancel_poll.h"
 #include "core/vector_math.h"
 #include "volume/field.h"
 
@@ -122,13 +123,14 @@ Fineness fineness_of(const SurfaceComplex& complex, const SurfaceInGrid& in, con
 class Subdivider {
  public:
   Subdivider(const SurfaceComplex& complex, std::span<const CVertexId> wanted, std::span<const Fineness> now, const SurfaceInGrid& in)
-      : complex_(complex), in_(in), field_(in.field), wanted_(complex.c_vertex_count(), Want::nothing) {
+      : complex_(complex), in_(in), field_(in.field), poll_(in.control), wanted_(complex.c_vertex_count(), Want::nothing) {
     for (const CVertexId v : wanted) {
       wanted_[v] = now[v] == Fineness::faces ? Want::fans : now[v] == Fineness::fans ? Want::pieces : Want::smaller_pieces;
     }
     // At a node it is the sides opposite to it that cross walls.
     std::vector<std::pair<CVertexId, Want>> opposite;
     for (const Face& face : complex.faces) {
+      poll_.step();
       if (!face.is_triangle()) continue;
       const auto& c = face.corner;
       for (std::size_t k = 0; k < 3; ++k) {
@@ -144,12 +146,12 @@ class Subdivider {
     out_.complex = complex_;
     find_sides();
     for (const DividedSide& s : sides_) {
-      check_cancelled(out_.origin.size());
+      poll_.step();
       add_c_vertex(middle(s), s.a, s.is_boundary);
       if (!s.crosses) out_.between.back() = {s.a, s.b};
     }
     for (FaceId f = 0; f < complex_.face_count(); ++f) {
-      check_cancelled(f);
+      poll_.step();
       if (is_divided(complex_.faces[f])) divide(f);
     }
     divide_boundary();
@@ -165,11 +167,6 @@ class Subdivider {
     Vec3 first_node, second_node;
     bool crosses, is_boundary;
   };
-
-  void check_cancelled(std::size_t item) const {
-    constexpr std::size_t kItems = 4096;  // take some milliseconds
-    if (in_.control != nullptr && item % kItems == 0) in_.control->check_cancelled();
-  }
 
   bool is_divided(const Face& face) const {
     bool any = false;
@@ -203,7 +200,7 @@ class Subdivider {
   void find_sides() {
     std::vector<Side> found;
     for (FaceId f = 0; f < complex_.face_count(); ++f) {
-      check_cancelled(f);
+      poll_.step();
       const Face& face = complex_.faces[f];
       if (!is_divided(face)) continue;
       const int size = face.size();
@@ -504,6 +501,7 @@ class Subdivider {
   const SurfaceComplex& complex_;
   const SurfaceInGrid& in_;
   const InterpolatedField& field_;
+  CancelPoll poll_;
   std::vector<Want> wanted_;                            // per c-vertex
   std::vector<DividedSide> sides_;                      // sorted by their ends; the i-th has the i-th new c-vertex
   std::vector<std::array<CVertexId, 3>> border_nodes_;  // ends of a border side and the node between them
@@ -516,7 +514,9 @@ bool has_two_curves(const InterpolatedField& field, Vec3 point) { return Bilinea
 
 std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGrid& in) {
   std::vector<Fineness> out(complex.c_vertex_count(), Fineness::pieces);
+  CancelPoll poll(in.control);
   for (const Face& face : complex.faces) {
+    poll.step();
     const Fineness f = fineness_of(complex, in, face);
     for (int k = 0; k < face.size(); ++k) out[face.corner[k]] = std::min(out[face.corner[k]], f);
   }
@@ -524,12 +524,14 @@ std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGri
 }
 
 std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGrid& in, std::span<const CVertexId> of) {
+  CancelPoll poll(in.control);
   std::vector<std::uint8_t> is_asked(complex.c_vertex_count(), 0);
   for (const CVertexId v : of) is_asked[v] = 1;
   std::vector<Fineness> all(complex.c_vertex_count(), Fineness::pieces), out;
   for (const Face& face : complex.faces) {
     const auto corners = std::span(face.corner).first(static_cast<std::size_t>(face.size()));
     if (std::ranges::none_of(corners, [&](CVertexId v) { return is_asked[v] != 0; })) continue;
+    poll.step();
     const Fineness f = fineness_of(complex, in, face);
     for (const CVertexId v : corners) all[v] = std::min(all[v], f);
   }
@@ -543,17 +545,20 @@ Subdivision subdivide(const SurfaceComplex& complex, std::span<const CVertexId> 
 }
 
 ComplexPart::ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId> around, std::span<const Fineness> now,
-                         std::span<const std::uint8_t> is_crowded) {
+                         std::span<const std::uint8_t> is_crowded, const RunControl* control) {
+  CancelPoll poll(control);
   enum : std::uint8_t { kWanted = 1, kNear = 2, kIn = 4 };
   std::vector<std::uint8_t> mark(whole.c_vertex_count(), 0);
   for (const CVertexId v : around) mark[v] = kWanted;
   const auto corners = [](const Face& f) { return std::span(f.corner).first(static_cast<std::size_t>(f.size())); };
   const auto has = [&](const Face& f, std::uint8_t bits) { return std::ranges::any_of(corners(f), [&](CVertexId v) { return (mark[v] & bits) != 0; }); };
   for (const Face& f : whole.faces) {
+    poll.step();
     if (!has(f, kWanted)) continue;
     for (const CVertexId v : corners(f)) mark[v] |= kNear;
   }
   for (FaceId f = 0; f < whole.face_count(); ++f) {
+    poll.step();
     if (!has(whole.faces[f], kWanted | kNear)) continue;
     face.push_back(f);
     for (const CVertexId v : corners(whole.faces[f])) mark[v] |= kIn;
@@ -562,6 +567,7 @@ ComplexPart::ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId>
   std::vector<CVertexId> number(whole.c_vertex_count(), kNone);
   for (CVertexId v = 0; v < whole.c_vertex_count(); ++v) {
     if (mark[v] == 0) continue;
+    poll.step();
     number[v] = static_cast<CVertexId>(c_vertex.size());
     c_vertex.push_back(v);
     complex.positions.push_back(whole.positions[v]);
@@ -584,7 +590,7 @@ ComplexPart::ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId>
 
 Subdivision subdivide_in_place(SurfaceComplex& whole, std::span<const CVertexId> wanted, std::span<const Fineness> now, const SurfaceInGrid& in) {
   if (wanted.empty()) return {};
-  const ComplexPart part(whole, wanted, now, in.crowded);
+  const ComplexPart part(whole, wanted, now, in.crowded, in.control);
   Subdivision out = part.subdivided(in);
   const SurfaceComplex& divided = out.complex;
   const CVertexId before = whole.c_vertex_count(), own = part.complex.c_vertex_count();
@@ -592,7 +598,9 @@ Subdivision subdivide_in_place(SurfaceComplex& whole, std::span<const CVertexId>
   whole.positions.insert(whole.positions.end(), divided.positions.begin() + own, divided.positions.end());
   whole.on_boundary.insert(whole.on_boundary.end(), divided.on_boundary.begin() + own, divided.on_boundary.end());
   checked_id(whole.faces.size() + divided.faces.size(), "faces");
+  CancelPoll poll(in.control);
   for (FaceId f = 0; f < divided.face_count(); ++f) {
+    poll.step();
     Face face = divided.faces[f];
     for (int k = 0; k < face.size(); ++k) face.corner[k] = number(face.corner[k]);
     if (f < part.face.size()) {

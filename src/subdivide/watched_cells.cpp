@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/cancel_poll.h"
 #include "core/parallel.h"
 #include "core/vector_math.h"
 #include "embed/triangle_pair.h"
@@ -25,7 +26,8 @@ bool meet_anywhere(std::span<const Triangle> triangles, std::span<const Vec3> po
 
 }  // namespace
 
-WatchedCells::WatchedCells(const SurfaceComplex& complex, std::span<const Cell> cells) : complex_size_(complex.c_vertex_count()) {
+WatchedCells::WatchedCells(const SurfaceComplex& complex, std::span<const Cell> cells, const RunControl& control)
+    : complex_size_(complex.c_vertex_count()) {
   std::vector<std::pair<std::uint32_t, Triangle>> found;
   const auto add = [&](Vec3 p, const Triangle& t) {
     const Cell cell{std::floor(p.x), std::floor(p.y), std::floor(p.z)};
@@ -35,7 +37,9 @@ WatchedCells::WatchedCells(const SurfaceComplex& complex, std::span<const Cell> 
     if (found.empty() || found.back() != std::pair(c, t)) found.emplace_back(c, t);
   };
   const auto is_inside = [](Vec3 p) { return p.x != std::floor(p.x) && p.y != std::floor(p.y) && p.z != std::floor(p.z); };
+  CancelPoll poll(control);
   for (const Face& face : complex.faces) {
+    poll.step();
     if (cells.empty()) break;
     if (!face.is_triangle()) continue;
     const Triangle t{face.corner[0], face.corner[1], face.corner[2]};
@@ -47,7 +51,9 @@ WatchedCells::WatchedCells(const SurfaceComplex& complex, std::span<const Cell> 
     }
     if (!any_inside) add((1.0 / 3) * (complex.positions[t[0]] + complex.positions[t[1]] + complex.positions[t[2]]), t);
   }
+  control.check_cancelled();
   std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  control.check_cancelled();
   found.erase(std::unique(found.begin(), found.end()), found.end());
   first_.assign(cells.size() + 1, 0);
   first_cell_.assign(complex_size_ + 1, 0);
@@ -65,7 +71,7 @@ WatchedCells::WatchedCells(const SurfaceComplex& complex, std::span<const Cell> 
   }
 }
 
-std::vector<CVertexId> WatchedCells::meeting(std::span<const CVertexId> moved, std::span<const Vec3> positions) const {
+std::vector<CVertexId> WatchedCells::meeting(std::span<const CVertexId> moved, std::span<const Vec3> positions, const RunControl& control) const {
   std::vector<std::uint32_t> cells;
   for (const CVertexId v : moved) {
     if (contains(v)) cells.insert(cells.end(), cells_of_.begin() + first_cell_[v], cells_of_.begin() + first_cell_[v + 1]);
@@ -74,6 +80,7 @@ std::vector<CVertexId> WatchedCells::meeting(std::span<const CVertexId> moved, s
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
   std::vector<std::uint8_t> meet(cells.size(), 0);
   for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
+    control.check_cancelled();
     for (std::size_t i = begin; i < end; ++i) meet[i] = meet_anywhere(triangles(cells[i]), positions);
   });
   std::vector<CVertexId> out;
