@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/cancel_poll.h"
+#include "core/whole_progress.h"
 
 namespace isoatlas {
 namespace {
@@ -183,13 +184,12 @@ void CertifiedDual::continue_on(std::span<const std::uint8_t> changed) {
 // `scope` empty: everything.
 void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateReport& report, const RunControl& control) {
   const Partition& partition = covering_.partition();
-  RunControl quiet = control;  // what is covered on the way is not the stage that tells its progress
-  quiet.progress = nullptr;
+  const RunControl quiet = without_stages(control);  // what is covered on the way is not the stage that tells its progress
   std::vector<CellId> checked = scope;  // in all rounds; if the first one was of everything, so is the last
   const bool everything = scope.empty();
   bool has_triangles = !std::exchange(fresh_, false);
   for (;;) {
-    control.check_cancelled();
+    report_going_on(control);
     PartitionCheck found = check(scope, control);
     ++report.repair_rounds;
     touched_.resize(partition.cell_count(), 1);

@@ -14,6 +14,7 @@
 #include "core/disjoint_sets.h"
 #include "core/epoch_set.h"
 #include "core/vector_math.h"
+#include "core/whole_progress.h"
 #include "mesh/outward.h"
 #include "partition/cell_members.h"
 #include "partition/certificate.h"
@@ -269,7 +270,7 @@ Coarsened coarsen(const SurfaceComplex& complex, double block_length, const RunC
   bool faced = false;
   std::vector<std::uint8_t> scope;  // after a cut, look again only around it; the last check is of everything
   for (;;) {
-    control.check_cancelled();
+    report_going_on(control);
     PartitionCheck check = check_partition(complex, regions.region_of(), n, {}, scope, control);
     ++out.certificate.repair_rounds;
     if (!check.passed()) {
@@ -345,7 +346,7 @@ void cut_regions(const SurfaceComplex& complex, std::span<const CVertexId> regio
   cut(failed);
   std::vector<CellId> scope = scoped.cells_near(complex, adjacency, region_of, changed, control), checked = scope;
   for (;;) {
-    control.check_cancelled();
+    report_going_on(control);
     PartitionCheck check = scoped.run(complex, adjacency, region_of, members, {}, scope, control);
     ++coarser.certificate.repair_rounds;
     if (check.passed()) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/vector_math.h"
+#include "core/whole_progress.h"
 #include "cover/halving_covering.h"
 #include "embed/mesh_nesting.h"
 #include "refine/relax.h"
@@ -124,9 +125,9 @@ std::vector<ComponentId> CoarseMesher::components() const {
 
 // In rounds only what changed is certified; everything once at the end.
 void CoarseMesher::mesh(LevelReport& report, const RunControl& told) {
-  RunControl control = told;  // covers and certifies again, which is nobody's stage
-  control.progress = nullptr;
+  const RunControl control = without_stages(told);  // covers and certifies again
   for (int round = 0;; ++round) {
+    report_going_on(control);
     const SurfaceComplex& complex = stand_->complex;
     const Partition& partition = stand_->covering.partition();
     take_triangles();
@@ -140,6 +141,7 @@ void CoarseMesher::mesh(LevelReport& report, const RunControl& told) {
                  refine_components(complex, stand_->covering, component_of, turned, round, report.certificate);
     if (!again && !options_.allow_self_intersections) again = part(report, control) || place_components(component_of, report, control);
     if (again) {
+      report_going_on(control);
       stand_->dual.update(report.certificate, control);
       continue;
     }
@@ -192,7 +194,7 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
   std::vector<std::uint8_t> fresh;
   for (int round = 0; round < kRelaxRounds; ++round) {
     goal.push = round % 2 == 0;
-    control.check_cancelled();
+    report_going_on(control);
     const std::vector<Vec3> before = points;
     const std::vector<std::uint32_t> moved = relax(points, mesh_.triangles, triangles_of, roam, field, s, goal, control, fresh);
     std::vector<Vec3> positions_before;  // of those that moved
@@ -204,7 +206,7 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
     for (std::vector<std::uint32_t> look = moved; !look.empty();) {  // before these moved, nothing intersected
       const std::vector<std::uint8_t> goes_back = must_go_back(moved, positions_before, positions, look, component_of, control);
       look.clear();
-      control.check_cancelled();
+      report_going_on(control);
       for (const std::uint32_t i : moved) {
         if (goes_back[i] == 0 || points[i] == before[i]) continue;
         look.push_back(i);
@@ -260,6 +262,7 @@ std::vector<std::uint8_t> CoarseMesher::must_go_back(std::span<const std::uint32
 // @return whether there is something new to look at
 bool CoarseMesher::part(LevelReport& report, const RunControl& control) {
   meeting_.update(mesh_.positions, mesh_.triangles, control);
+  report_going_on(control);
   Covering& covering = stand_->covering;
   const std::uint32_t before = covering.site_count();
   const std::vector<CellId> single = covering.shrink(meeting_.largest_corners(covering.reach()));
@@ -315,11 +318,12 @@ bool CoarseMesher::make_finer(std::span<const CellId> cells, const RunControl& c
     if (to_divide.empty()) return false;
     surface_.divide(to_divide);
   }
+  report_going_on(control);
   if (is_coarser()) {
     cut_regions(surface_.complex(), to_cut, to_divide.empty() ? std::span<const CVertexId>() : surface_.touched(), coarser_, control);
     were_regions_cut_ = true;
   }
-  control.check_cancelled();
+  report_going_on(control);
   stand_->continue_on(control);
   stand_->covering.cover(control);
   return true;

@@ -148,7 +148,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
 
   control.report("components", 0);
   Components reference = find_components(whole);
-  control.check_cancelled();
+  report_going_on(control);
   Nesting nesting = surface_nesting(reference, nodes);
   nodes = {};
   control.check_cancelled();
@@ -162,7 +162,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   report.reference = summarize(reference.topology);
   const std::unique_ptr<const Isosurface> isosurface =
       only_coarse ? nullptr : std::make_unique<const Isosurface>(in_voxels, parse.rule, whole, options.interpolation, options.supersample, control);
-  control.check_cancelled();
+  report_going_on(control);
   AdaptiveSurface surface(std::move(whole), std::move(reference), std::move(nesting),
                           InterpolatedField(in_voxels, parse.rule, options.interpolation, options.supersample), control);
   clock.finished("components");

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/vector_math.h"
+#include "core/whole_progress.h"
 #include "embed/mesh_nesting.h"
 #include "embed/triangle_pair.h"
 #include "volume/to_space.h"
@@ -115,7 +116,7 @@ void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<co
   component_of.reserve(sites.size());
   for (const CVertexId v : sites) component_of.push_back(reference.of_c_vertex[v]);
   check_mesh(topology, reference, component_of);
-  control.check_cancelled();
+  report_going_on(control);
   report.topology = summarize(topology.components);
   report.vertices = mesh.positions.size();
   report.triangles = mesh.triangles.size();
@@ -129,9 +130,9 @@ void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<co
   report.quality = mesh_quality(measured, control);
   report.quality.zero_area_triangles = static_cast<std::size_t>(
       std::ranges::count_if(mesh.triangles, [&](const Triangle& t) { return !has_area(mesh.positions, t); }));
-  control.check_cancelled();
+  report_going_on(control);
   report.bad_triangles = bad_triangles(measured, mesh, stays, goal);
-  control.check_cancelled();
+  report_going_on(control);
   report.turned_components = count_misplaced(mesh, component_of, surface, !options.allow_self_intersections);
   if (options.allow_self_intersections) return;
   const std::vector<TrianglePair> pairs = self_intersections(mesh.positions, mesh.triangles, {}, control);

@@ -135,12 +135,14 @@ std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels,
   return renewed;
 }
 
-void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const Places& places) {
+void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const Places& places, const RunControl* control) {
+  CancelPoll poll(control);
   for (const CellId c : cells) {
     mesh.normal[c] = surfels.normal[places.anchor[c]];
     mesh.point[c] = places.point(surfels, c);
   }
   for (const CellId c : cells) {
+    poll.step();
     for (const std::uint32_t t : mesh.triangles_of.row(c)) set_corners(mesh.triangles[t], mesh.point);
   }
 }

@@ -95,6 +95,6 @@ std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels,
                                         const RunControl* control = nullptr);
 
 /// Moves the vertices of `cells` and the corners of their triangles to their places.
-void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const Places& places);
+void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const Places& places, const RunControl* control = nullptr);
 
 }  // namespace isoatlas

@@ -109,7 +109,7 @@ void MeasuredCovering::continue_on(std::span<const std::uint8_t> changed, std::s
   if (!mesh_.point.empty()) {
     std::vector<CellId> all(places_.anchor.size());
     std::iota(all.begin(), all.end(), 0u);
-    place(mesh_, ground_.surfels, all, places_);
+    place(mesh_, ground_.surfels, all, places_, &control);
     control.check_cancelled();
   }
   covering_.continue_on(changed, places_.anchor, control);
@@ -441,6 +441,7 @@ std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& 
   std::vector<ClosestPoint> closest;
   std::vector<Farthest> farthest;
   find_closest(ground.measured(), mesh, cells, closest);
+  ground.report_going_on();
   std::vector<std::size_t> first(n + 1, 0);
   for (CellId c = 0; c < n; ++c) first[c + 1] = first[c] + mesh.c_vertices_of.row(c).size();
   // Of each cell only the largest distance counts: from its c-vertices, from the points between them, from its triangles.
@@ -457,8 +458,9 @@ std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& 
   if (ground.between) farthest = measure_between(ground.measured(), *ground.between, mesh, cells, 0, std::move(farthest));
   if (ground.isosurface != nullptr && !is_proved)
     measure_from_mesh(ground.measured(), mesh, covering.partition().cell_of, cells, static_cast<double>(most), Look::samples, farthest, known);
+  ground.report_going_on();
   std::vector<MetricValues> values(n);
-  for_each_piece(n, kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
+  for_each_piece_going_on(n, kCellsPerPiece, ground.control, [&](std::size_t begin, std::size_t end) {
     ground.check_cancelled();
     for (std::size_t i = begin; i < end; ++i) {
       const auto c = static_cast<CellId>(i);

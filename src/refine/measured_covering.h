@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/whole_progress.h"
 #include "cover/repair.h"
 #include "isoatlas/extract.h"
 #include "refine/error_field.h"
@@ -42,6 +43,9 @@ struct Ground {
   /// Whether a vertex may leave its c-vertex, within the grid cell.
   bool may_roam(CVertexId v) const { return roaming != nullptr ? roaming->may_roam(v) : !graph.on_boundary[v]; }
   void check_cancelled() const { measured().check_cancelled(); }
+  void report_going_on() const {
+    if (control != nullptr) isoatlas::report_going_on(*control);
+  }
   MeasuredSurface measured() const {
     return {surfels, moved_from.empty() ? surfels.point : moved_from, graph, complex.spacing, isosurface, control};
   }

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "core/vector_math.h"
+#include "core/whole_progress.h"
 #include "embed/mesh_nesting.h"
 #include "refine/predict_radii.h"
 
@@ -179,7 +180,7 @@ void Refiner::work_apart(const Task& task, IntersectionTracker& meeting, Refined
     for (;; any = true) {
       work_->update(out.certificate, control);
       meeting.update(work_->positions(), cells_of(work_->triangles()), control);
-      control.check_cancelled();
+      report_going_on(control);
       if (!part(meeting, control) && !refine_misplaced_components(control)) break;
     }
     out.parting_sites += partition().cell_count() - sites;
@@ -208,7 +209,7 @@ void Refiner::divide_surface(std::span<const CVertexId> wanted, const RunControl
     positions[v] = base_position(surface_.complex(), places, c);
     frozen.push_back(c < sites_before_ ? positions[v] : surface_.complex().positions[v]);
   }
-  control.check_cancelled();
+  report_going_on(control);
   std::vector<CVertexId> strays = surface_.stray(movers, frozen, positions, movers);
   std::sort(strays.begin(), strays.end());
   for (std::size_t i = 0; i < movers.size(); ++i)
@@ -216,7 +217,7 @@ void Refiner::divide_surface(std::span<const CVertexId> wanted, const RunControl
   std::vector<CVertexId> pinned;  // by vertices of earlier levels
   for (CellId c = 0; c < sites_before_; ++c) pinned.push_back(places.anchor[c]);
   surface_.divide(wanted, pinned);
-  control.check_cancelled();
+  report_going_on(control);
   const std::vector<Vec3> before = work_->base_points();
   work_->continue_on(ground_->remake(), before, control);
   ++grounds_;
@@ -527,6 +528,7 @@ void Refiner::finish(const Task& task, const LevelGoal& asked, IntersectionTrack
   out.figures.distance_at_most = is_provable(task) && work_->is_proved() ? work_->distance_bound() : std::nullopt;
   work_->freeze_anchors(partition().cell_count());
   out.triangles = cells_of(triangles);
+  report_going_on(control);
   describe(task, asked, out);
 }
 

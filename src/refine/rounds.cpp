@@ -30,8 +30,8 @@ constexpr int kMostFailures = 24;
 // How much less generous bounds become: while fewer than half of the vertices are used, and then.
 constexpr double kFirstSteps = 0.7, kLastSteps = 0.85;
 constexpr double kNearEnough = 0.5;
-// Of the time of a level, that goes by until bounds are met at the samples.
-constexpr double kMeetShare = 0.6;
+// Of the time of a level, that goes by until bounds are met at the samples for the first time.
+constexpr double kMeetShare = 0.25;
 
 // Until all demands are met as far as they can be, or vertices run out.
 class Stretch {

@@ -10,6 +10,7 @@
 
 #include "core/cancel_poll.h"
 #include "core/vector_math.h"
+#include "core/whole_progress.h"
 #include "refine/facing.h"
 #include "refine/relax.h"
 
@@ -57,7 +58,7 @@ class Workshop {
 
   void run(Purpose purpose, std::span<const CellId> cells, ShapeReport& report) {
     for (int k = 0; k < kPasses; ++k) {
-      control_.check_cancelled();
+      report_going_on(control_);
       const std::size_t kept_before = report.flips + report.moves;
       const std::size_t tried = pass(purpose, cells, report);
       const std::size_t kept = report.flips + report.moves - kept_before;
@@ -88,7 +89,7 @@ class Workshop {
     const InterpolatedField* field = ground.isosurface == nullptr ? nullptr : &ground.isosurface->field();
     std::vector<CellId> moved = relax(points, triangles, mesh.triangles_of, roam, field, ground.complex.spacing, {goal_.aspect, 0}, control_);
     if (moved.empty()) return false;
-    control_.check_cancelled();
+    report_going_on(control_);
 
     if (places_.shift.empty()) places_.shift.resize(mesh.cell_count());
     const std::vector<CellError> before = work_.errors();
@@ -100,6 +101,7 @@ class Workshop {
     work_.remesh(triangles_, places_, concerned);
     const int looks = meeting_ == nullptr ? kLooksBack : kLooksBack + 1;
     for (int look = 0; look < looks; ++look) {
+      report_going_on(control_);
       std::vector<CellId> worse = meeting_corners();
       for (const CellId c : concerned) {
         if (work_.errors()[c].excess > std::max(1.0, before[c].excess * (1 + kWorthIt))) worse.push_back(c);

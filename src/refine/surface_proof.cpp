@@ -7,8 +7,8 @@
 #include <numeric>
 
 #include "core/cancel_poll.h"
-#include "core/parallel.h"
 #include "core/vector_math.h"
+#include "core/whole_progress.h"
 #include "mesh/closest_point.h"
 #include "refine/ring.h"
 
@@ -256,7 +256,7 @@ Vec3 GridCells::low(Key cell) const {
 std::vector<Farthest> prove_surface_near(const MeasuredSurface& surface, const GridCells& grid_cells, const LevelMesh& mesh,
                                          std::span<const CellId> cell_of, std::span<const CellId> cells, double bound) {
   std::vector<Farthest> out(cells.size());
-  for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
+  for_each_piece_going_on(cells.size(), kCellsPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
     SurfaceSearch search(surface, grid_cells, mesh, cell_of, bound);
     for (std::size_t i = begin; i < end; ++i) {
       surface.check_cancelled();

@@ -9,6 +9,7 @@
 
 #include "core/cancel_poll.h"
 #include "core/vector_math.h"
+#include "core/whole_progress.h"
 #include "embed/triangle_pair.h"
 
 namespace isoatlas {
@@ -39,13 +40,15 @@ AdaptiveSurface::AdaptiveSurface(SurfaceComplex complex, Components components, 
       components_(std::move(components)),
       nesting_(std::move(nesting)),
       field_(std::move(field)),
-      control_{.progress = {}, .cancel = control.cancel, .threads = 0},
+      control_(without_stages(control)),
       crowded_(complex_, field_, control_),
       parsed_(complex_.c_vertex_count()),
       depth_(parsed_, 0) {
   for (Vec3& p : complex_.positions) p = rounded(p);
   found_ = complex_.positions;
+  report_going_on(control_);
   crowded_.separate(complex_, control_);
+  report_going_on(control_);
   watch();
 }
 
@@ -110,7 +113,7 @@ void AdaptiveSurface::watch() {
     if (std::none_of(face.corner.begin(), face.corner.begin() + face.size(), [&](CVertexId v) { return is_closed_[v]; })) continue;
     for (int k = 0; k < face.size(); ++k) held_[face.corner[k]] |= whole_coordinates(complex_.positions[face.corner[k]]) > 0;
   }
-  control_.check_cancelled();
+  report_going_on(control_);
   std::vector<Cell> open;
   std::set_difference(cells.begin(), cells.end(), closed.begin(), closed.end(), std::back_inserter(open));
   watched_ = WatchedCells(complex_, open, control_);
@@ -218,11 +221,13 @@ void AdaptiveSurface::divide(std::span<const CVertexId> wanted, std::span<const 
     }
     control_.check_cancelled();
     if (coarser.empty()) break;
+    report_going_on(control_);
     divide_once(with_crowded_cells(coarser), now);
   }
   std::vector<CVertexId> left;
   std::copy_if(wanted.begin(), wanted.end(), std::back_inserter(left), [&](CVertexId v) { return now[v] == was[v]; });
   divide_once(with_crowded_cells(left), now);
+  report_going_on(control_);
   watch();
 }
 
@@ -231,6 +236,7 @@ void AdaptiveSurface::divide_once(std::span<const CVertexId> wanted, const std::
   int deepest = 0;
   for (const CVertexId v : wanted) deepest = std::max(deepest, depth_[v] + 1);
   const Subdivision divided = subdivide_in_place(complex_, wanted, was, {field_, crowded_.flags(), &control_});
+  report_going_on(control_);
   touched_.insert(touched_.end(), divided.touched.begin(), divided.touched.end());
   for (const CVertexId from : divided.origin) {
     components_.of_c_vertex.push_back(components_.of_c_vertex[from]);
