@@ -7,6 +7,7 @@
 
 #include "core/parallel.h"
 #include "core/vector_math.h"
+#include "core/whole_progress.h"
 #include "cover/halving_covering.h"
 #include "embed/mesh_nesting.h"
 #include "refine/relax.h"
@@ -66,15 +67,15 @@ SlackRows<std::uint32_t> triangles_around(std::span<const Triangle> triangles, s
 
 }  // namespace
 
-CoarseMesher::Stand::Stand(const SurfaceComplex& on, const CoveringOptions& options)
-    : complex(on), positions(on.positions), graph(make_graph(on)), covering(graph, options), dual(complex, covering) {}
+CoarseMesher::Stand::Stand(const SurfaceComplex& on, const CoveringOptions& options, const RunControl& control)
+    : complex(on), positions(on.positions), graph(make_graph(on, &control)), covering(graph, options), dual(complex, covering) {}
 
 // The complex is finer now.
-void CoarseMesher::Stand::continue_on() {
-  std::vector<std::uint8_t> changed = remake_graph(graph, complex);
+void CoarseMesher::Stand::continue_on(const RunControl& control) {
+  std::vector<std::uint8_t> changed = remake_graph(graph, complex, &control);
   for (CVertexId v = 0; v < positions.size(); ++v) changed[v] |= !(positions[v] == complex.positions[v]);
   positions = complex.positions;
-  covering.continue_on(changed, std::vector<CVertexId>(covering.partition().site));
+  covering.continue_on(changed, std::vector<CVertexId>(covering.partition().site), control);
   covering.ignore_events();
   dual.continue_on(changed);
 }
@@ -82,7 +83,7 @@ void CoarseMesher::Stand::continue_on() {
 CoarseMesher::CoarseMesher(AdaptiveSurface& surface, Coarsened& coarser, const CoveringOptions& cover, const ExtractOptions& options,
                            WrittenPositions written)
     : surface_(surface), coarser_(coarser), cover_(cover), options_(options), meeting_(std::move(written)) {
-  stand_ = std::make_unique<Stand>(is_coarser() ? coarser_.complex : surface_.complex(), cover_);
+  stand_ = std::make_unique<Stand>(is_coarser() ? coarser_.complex : surface_.complex(), cover_, surface_.control());
 }
 
 void CoarseMesher::cover(const RunControl& control) {
@@ -117,20 +118,23 @@ std::vector<ComponentId> CoarseMesher::components() const {
 
 // In rounds only what changed is certified; everything once at the end.
 void CoarseMesher::mesh(LevelReport& report, const RunControl& told) {
-  RunControl control = told;  // covers and certifies again, which is nobody's stage
-  control.progress = nullptr;
+  const RunControl control = without_stages(told);  // covers and certifies again
   for (int round = 0;; ++round) {
+    report_going_on(control);
     const SurfaceComplex& complex = stand_->complex;
     const Partition& partition = stand_->covering.partition();
     take_triangles();
+    control.check_cancelled();
     mesh_.positions.clear();
     for (const CVertexId v : sites()) mesh_.positions.push_back(surface_.complex().positions[v]);
     const std::vector<ComponentId> component_of = components();
+    control.check_cancelled();
     const std::vector<std::uint8_t> turned = turned_components(component_of);
     bool again = std::ranges::count(turned, std::uint8_t{1}) > 0 &&
                  refine_components(complex, stand_->covering, component_of, turned, round, report.certificate);
     if (!again && !options_.allow_self_intersections) again = part(report, control) || place_components(component_of, report, control);
     if (again) {
+      report_going_on(control);
       stand_->dual.update(report.certificate, control);
       continue;
     }
@@ -138,10 +142,12 @@ void CoarseMesher::mesh(LevelReport& report, const RunControl& told) {
     if (partition.cell_count() == mesh_.positions.size()) break;
   }
   take_triangles();
-  run_both([&] { relax_vertices(control); },
+  RunControl quiet = control;  // what runs beside something else tells nobody
+  quiet.progress = nullptr;
+  run_both([&] { relax_vertices(quiet); },
            [&] {  // what does not depend on where vertices are
-             topology_ = mesh_topology(mesh_);
-             if (were_regions_cut_) certify_regions(surface_.complex(), coarser_);
+             topology_ = mesh_topology(mesh_, quiet);
+             if (were_regions_cut_) certify_regions(surface_.complex(), coarser_, quiet);
            });
 }
 
@@ -154,7 +160,7 @@ std::vector<std::uint8_t> CoarseMesher::turned_components(std::span<const Compon
 }
 
 Nesting CoarseMesher::nesting(std::span<const ComponentId> component_of) const {
-  return mesh_nesting(mesh_.positions, mesh_.triangles, component_of, open_flags(surface_.components()));
+  return mesh_nesting(mesh_.positions, mesh_.triangles, component_of, open_flags(surface_.components()), surface_.control());
 }
 
 // Moves vertices that are too close to each other for later levels to have good triangles there, and for good triangles in this one. Where
@@ -171,6 +177,7 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
     start.push_back(scaled(surface.positions[v], s));
     roam.push_back(surface_.may_roam(v) ? roam_of(surface.positions[v], s) : Roam{start.back(), start.back()});
   }
+  control.check_cancelled();
   const SlackRows<std::uint32_t> triangles_of = triangles_around(mesh_.triangles, at.size());
   const InterpolatedField* const field = options_.vertices_on_surface ? &surface_.field() : nullptr;
   RelaxGoal goal{1.0 / 3, kSeparation * std::min({s.x, s.y, s.z})};
@@ -185,6 +192,7 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
   std::iota(look.begin(), look.end(), 0u);
   for (int round = 0; round < kRelaxRounds; ++round) {
     goal.push = round % 2 == 0;
+    control.check_cancelled();
     const std::vector<Vec3> before = points;
     const std::vector<std::uint32_t> moved =
         relax(points, mesh_.triangles, triangles_of, [&](std::uint32_t i) { return roam[i]; }, field, s, goal, control, look);
@@ -242,6 +250,7 @@ std::vector<std::uint8_t> CoarseMesher::must_go_back(std::span<const std::uint32
     any = any || meeting_.pair_count() > 0;
   }
   if (any) return out;
+  control.check_cancelled();
   const std::vector<std::uint8_t> turned = turned_components(component_of);
   for (const std::uint32_t i : moved) out[i] = turned[component_of[i]];
   return out;
@@ -253,6 +262,7 @@ std::vector<std::uint8_t> CoarseMesher::must_go_back(std::span<const std::uint32
 // @return whether there is something new to look at
 bool CoarseMesher::part(LevelReport& report, const RunControl& control) {
   meeting_.update(mesh_.positions, mesh_.triangles, control);
+  report_going_on(control);
   Covering& covering = stand_->covering;
   const std::uint32_t before = covering.site_count();
   const std::vector<CellId> single = covering.shrink(meeting_.largest_corners(covering.reach()));
@@ -269,7 +279,7 @@ bool CoarseMesher::part(LevelReport& report, const RunControl& control) {
 // @return whether there is something new to look at
 bool CoarseMesher::place_components(std::span<const ComponentId> component_of, LevelReport& report, const RunControl& control) {
   const std::vector<CellId> cells =
-      misplaced_vertices(mesh_.positions, mesh_.triangles, component_of, nesting(component_of), surface_.nesting());
+      misplaced_vertices(mesh_.positions, mesh_.triangles, component_of, nesting(component_of), surface_.nesting(), control);
   if (cells.empty()) return false;
   Covering& covering = stand_->covering;
   const std::uint32_t before = covering.site_count();
@@ -308,12 +318,13 @@ bool CoarseMesher::make_finer(std::span<const CellId> cells, const RunControl& c
     if (to_divide.empty()) return false;
     surface_.divide(to_divide);
   }
+  report_going_on(control);
   if (is_coarser()) {
     cut_regions(surface_.complex(), to_cut, to_divide.empty() ? std::span<const CVertexId>() : surface_.touched(), coarser_, control);
     were_regions_cut_ = true;
   }
-  control.check_cancelled();
-  stand_->continue_on();
+  report_going_on(control);
+  stand_->continue_on(control);
   stand_->covering.cover(control);
   return true;
 }

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "core/vector_math.h"
+#include "core/whole_progress.h"
 #include "embed/mesh_nesting.h"
 #include "refine/predict_radii.h"
 
@@ -97,8 +98,7 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
   if (on.empty()) {
     radii = radii_of(start_.covering, {});
   } else {
-    Ground ground(coarser_.complex);
-    ground.control = &control;
+    const Ground ground(coarser_.complex, nullptr, nullptr, &control);
     MeasuredCovering rough(ground, options_, start_.covering.partition().site, radii_of(start_.covering, {}), control);
     Task task;
     task.placement = placement;
@@ -163,14 +163,14 @@ bool Refiner::can_refine(std::span<const CellId> cells) const {
 
 // Makes cells smaller where the orientation or nesting of a component is not that of the surface. @pre no self-intersections
 // @return whether there is something new to look at
-bool Refiner::refine_misplaced_components() {
+bool Refiner::refine_misplaced_components(const RunControl& control) {
   const Nesting& wanted = surface_.nesting();
   std::vector<ComponentId> component_of;
   for (const CVertexId v : partition().site) component_of.push_back(surface_.components().of_c_vertex[v]);
   const std::vector<Vec3> positions = work_->positions();
   const std::vector<Triangle> triangles = cells_of(work_->triangles());
-  const Nesting nesting = mesh_nesting(positions, triangles, component_of, open_flags(surface_.components()));
-  const std::vector<CellId> cells = misplaced_vertices(positions, triangles, component_of, nesting, wanted);
+  const Nesting nesting = mesh_nesting(positions, triangles, component_of, open_flags(surface_.components()), control);
+  const std::vector<CellId> cells = misplaced_vertices(positions, triangles, component_of, nesting, wanted, control);
   return work_->covering().shrink(cells).size() < cells.size();
 }
 
@@ -181,7 +181,8 @@ bool Refiner::separate_intersections(IntersectionTracker& meeting, RefinedLevel&
   for (bool any = false;; any = true) {
     work_->update(out.certificate, control);
     meeting.update(work_->positions(), cells_of(work_->triangles()), control);
-    if (part(meeting, control) || refine_misplaced_components()) continue;
+    report_going_on(control);
+    if (part(meeting, control) || refine_misplaced_components(control)) continue;
     out.parting_sites += partition().cell_count() - sites;
     return any;
   }
@@ -215,6 +216,7 @@ void Refiner::divide_surface(std::span<const CVertexId> wanted, const RunControl
     positions[v] = base_position(surface_.complex(), places, c);
     frozen.push_back(c < sites_before_ ? positions[v] : surface_.complex().positions[v]);
   }
+  report_going_on(control);
   std::vector<CVertexId> strays = surface_.stray(movers, frozen, positions, movers);
   std::sort(strays.begin(), strays.end());
   for (std::size_t i = 0; i < movers.size(); ++i)
@@ -222,6 +224,7 @@ void Refiner::divide_surface(std::span<const CVertexId> wanted, const RunControl
   std::vector<CVertexId> pinned;  // by vertices of earlier levels
   for (CellId c = 0; c < sites_before_; ++c) pinned.push_back(places.anchor[c]);
   surface_.divide(wanted, pinned);
+  report_going_on(control);
   const std::vector<Vec3> before = work_->base_points();
   work_->continue_on(ground_->remake(), before, control);
 }
@@ -460,7 +463,7 @@ void Refiner::make_predicted_cells(const Task& task, RefinedLevel& out, const Ru
   }
   std::vector<Covering::Radius> radii = predict_radii(*ground_, at, bound->bound);
   for (Covering::Radius& r : radii) r.radius = std::max(r.radius, least_useful_radius(task, *ground_, r.at));
-  work_->covering().lower_radii(radii);
+  work_->covering().lower_radii(radii, control);
 }
 
 bool Refiner::refine_at(std::span<const Triangle> triangles, const LevelGoal& goal, Placement placement, RefinedLevel& level,
@@ -497,7 +500,7 @@ bool Refiner::refine_within_budget(Task& task, double most, IntersectionTracker&
   for (double times = 1; partition().cell_count() > most; times *= 2) {
     kept = std::floor(kept - times * (partition().cell_count() - most));
     const bool has_room = kept > start;
-    remove_sites(has_room ? static_cast<std::uint32_t>(kept) : start);
+    remove_sites(has_room ? static_cast<std::uint32_t>(kept) : start, control);
     if (!has_room && !is_first_) return false;
     task.most_sites = partition().cell_count();
     out.vertices_ran_out = true;
@@ -508,8 +511,8 @@ bool Refiner::refine_within_budget(Task& task, double most, IntersectionTracker&
   return true;
 }
 
-void Refiner::remove_sites(std::uint32_t count) {
-  work_->remove_sites(count);
+void Refiner::remove_sites(std::uint32_t count, const RunControl& control) {
+  work_->remove_sites(count, control);
   placed_in_.resize(std::min<std::size_t>(placed_in_.size(), count));
 }
 
@@ -529,6 +532,7 @@ void Refiner::finish(const Task& task, const LevelGoal& asked, IntersectionTrack
   out.figures.distance_at_most = is_provable(task) && work_->is_proved() ? work_->distance_bound() : std::nullopt;
   work_->freeze_anchors(partition().cell_count());
   out.triangles = cells_of(triangles);
+  report_going_on(control);
   describe(task, asked, out);
 }
 
@@ -606,6 +610,7 @@ void Refiner::describe(const Task& task, const LevelGoal& asked, RefinedLevel& o
   obstacles.cells_at_limit = out.at_limit.size();
   out.figures.metrics = summarize(values);
   out.figures.distance = distances(values);
+  ground_->check_cancelled();
   MeshExtent extent = extent_of(work_->mesh());
   out.figures.constraints = judge(asked, extent, out.figures.metrics, obstacles);
   extent_ = std::move(extent);
@@ -615,11 +620,13 @@ void Refiner::describe(const Task& task, const LevelGoal& asked, RefinedLevel& o
 LevelFigures Refiner::describe_coarse(std::span<const Triangle> triangles, const LevelGoal& goal, const RunControl& control) {
   control.check_cancelled();
   Covering covering(ground_->graph, options_);
-  covering.seed(start_.placement.anchor, {});
+  covering.seed(start_.placement.anchor, {}, control);
   std::vector<DualTriangle> dual;
   dual.reserve(triangles.size());
   for (const Triangle& t : triangles) dual.push_back({t, kNone});
-  const LevelMesh mesh = make_level_mesh(ground_->surfels, covering.partition(), dual, start_.placement);
+  control.check_cancelled();
+  const LevelMesh mesh = make_level_mesh(ground_->surfels, covering.partition(), dual, start_.placement, &control);
+  control.check_cancelled();
   extent_ = extent_of(mesh);
   const std::vector<MetricValues> values = measure_metrics(*ground_, covering, mesh);
   metrics_ = summarize(values);

@@ -19,6 +19,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "core/cancel_poll.h"
 #include "core/parallel.h"
 #include "core/saddle_sign.h"
 #include "core/vector_math.h"
@@ -111,7 +112,7 @@ class Parser {
     complex_.faces.resize(faces_);
     for_each_piece(slices_.size(), 1, [&](std::size_t z0, std::size_t z1) {
       for (std::size_t cz = z0; cz < z1; ++cz) {
-        if (cancelled()) return;
+        control_.check_cancelled();
         place_c_vertices(cz);
         make_faces(cz);
       }
@@ -126,8 +127,6 @@ class Parser {
   }
 
  private:
-  bool cancelled() const { return control_.cancel && control_.cancel->load(std::memory_order_relaxed); }
-
   std::size_t sample_of(std::size_t extended, int axis) const {
     return extended == 0 ? 0 : std::min(extended - 1, size_[static_cast<std::size_t>(axis)] - 1);
   }
@@ -173,6 +172,7 @@ class Parser {
     row_first_.assign(rows_y * slices + 1, 0);
     for_each_piece(slices, 1, [&](std::size_t z0, std::size_t z1) {
       for (std::size_t cz = z0; cz < z1; ++cz) {
+        control_.check_cancelled();
         for (std::size_t cy = 0; cy < rows_y; ++cy) {
           std::uint32_t n = 0;
           for_each_crossed_cell(cy, cz, [&](std::size_t) { ++n; });
@@ -251,7 +251,7 @@ class Parser {
   void classify_cells() {
     for_each_piece(slices_.size(), 1, [&](std::size_t z0, std::size_t z1) {
       for (std::size_t cz = z0; cz < z1; ++cz) {
-        if (cancelled()) return;
+        control_.check_cancelled();
         Slice& slice = slices_[cz];
         for (std::size_t cy = 0; cy <= size_[1]; ++cy) {
           std::uint32_t i = row_first_[row_of(cy, cz)];
@@ -513,6 +513,7 @@ class Parser {
     std::vector<Node> nodes;
     std::vector<Middle> middles;
     for (const Slice& slice : slices_) {
+      control_.check_cancelled();
       for (const DoubleFace& d : slice.double_faces) split_double_segments(d, nodes, middles);
       for (const TunnelCell& t : slice.tunnel_cells) {
         const std::array<std::size_t, 3> c{cells_[t.cell].x, t.cy, t.cz};
@@ -523,6 +524,7 @@ class Parser {
         ++complex_.tunnels;
       }
     }
+    control_.check_cancelled();
     std::sort(nodes.begin(), nodes.end());
     const auto same_face = [](const Node& a, const Node& b) { return a.face == b.face; };
     nodes.erase(std::unique(nodes.begin(), nodes.end(), same_face), nodes.end());
@@ -530,7 +532,9 @@ class Parser {
     std::vector<CVertexId> corners, polygon;
     std::vector<std::array<CVertexId, 3>> border_nodes;  // ends of a boundary side, and the node between them
     auto middle = middles.cbegin();
+    CancelPoll poll(control_);
     for (const Node& node : nodes) {
+      poll.step();
       const auto& quad = complex_.faces[node.face].corner;
       corners.assign(quad.begin(), quad.end());
       if (node.is_cut) corners = corners_around(node);
