@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Extracts one of three small generated volumes with one thread, for bench/instructions.py, which counts the instructions of
-// extract_case() under valgrind.
+// Extracts one of some small generated volumes with one thread, for bench/instructions.py and bench/stop_gaps.py, which count the
+// instructions of extract_case() under valgrind.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -21,6 +21,8 @@ struct Case {
   isoatlas::Vec3 spacing;
   std::function<double(double x, double y, double z)> value;  // at a sample index; the isovalue is 0
   double refine_voxels;                                       // 0: coarse mesh only
+  bool is_proved = true;                                      // or it is a default bound, which is not
+  std::size_t measure_samples = 0;
 };
 
 double square(double x) { return x * x; }
@@ -53,6 +55,8 @@ const std::vector<Case>& cases() {
   static const std::vector<Case> list{
       {"smooth_32_refined", {32, 32, 32}, {1, 1, 1}, torus_and_ball, 0.5},
       {"noise_16_coarse", {16, 16, 16}, {1, 1, 1}, noise, 0},
+      {"noise_16_refined", {16, 16, 16}, {1, 1, 1}, noise, 0.5, false},
+      {"noise_16_measured", {16, 16, 16}, {1, 1, 1}, noise, 0, false, 20000},
       {"anisotropic_24_refined", {24, 24, 24}, {0.7, 0.7, 1.75}, cut_by_border, 1},
   };
   return list;
@@ -83,7 +87,8 @@ int main(int argc, char** argv) try {
     volume.samples = samples.data();
     isoatlas::ExtractOptions options;
     if (one.refine_voxels > 0)
-      options.refine.push_back({{isoatlas::Quantity::max_distance, one.refine_voxels * volume.grid.smallest_spacing()}});
+      options.refine.push_back({{isoatlas::Quantity::max_distance, one.refine_voxels * volume.grid.smallest_spacing(), !one.is_proved}});
+    options.measure_samples = one.measure_samples;
     std::printf("%zu triangles\n", extract_case(&volume, &options));
     return 0;
   }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "isoatlas/run_control.h"
 #include "isoatlas/volume.h"
 
 namespace isoatlas {
@@ -47,7 +48,7 @@ struct MeshTopology {
 
 /// Counts edges, fans, components and loops. O(T log T). Never throws on malformed input other than Error(bad_argument) for
 /// a corner index out of range.
-MeshTopology mesh_topology(const TriangleMesh& mesh);
+MeshTopology mesh_topology(const TriangleMesh& mesh, const RunControl& control = {});
 
 /// Shape of the triangles of a mesh. Aspect ratio = shortest edge / longest edge (paper, section 1), angles in degrees.
 struct MeshQuality {
@@ -64,6 +65,6 @@ struct MeshQuality {
   std::size_t zero_area_triangles = 0;
 };
 
-MeshQuality mesh_quality(const TriangleMesh& mesh);
+MeshQuality mesh_quality(const TriangleMesh& mesh, const RunControl& control = {});
 
 }  // namespace isoatlas

@@ -12,8 +12,8 @@ struct RunControl {
   /// Called from the computing thread now and then: the stage's name and the fraction of the whole computation that is done, in [0, 1].
   /// The fraction is an estimate; it never falls.
   std::function<void(std::string_view stage, double fraction)> progress;
-  /// Set it (from any thread, or from a signal handler) to stop: the computation throws Error(cancelled)
-  /// at its next step, which for surfaces of up to some millions of c-vertices takes a second or two, in noise perhaps some more.
+  /// Set it (from any thread, or from a signal handler) to stop: the computation throws Error(cancelled) the next time it looks. In white noise
+  /// of 96^3 it looks at least every 1.5e9 instructions of a thread, in all stages: that is half a second, on a slow machine one. A test counts them.
   const std::atomic<bool>* cancel = nullptr;
   /// Number of threads, 0 = as many as the machine has. Results do not depend on it.
   int threads = 0;

@@ -8,6 +8,8 @@
 #include <functional>
 #include <vector>
 
+#include "isoatlas/run_control.h"
+
 namespace isoatlas {
 
 /// Limits the threads that parallel loops of the calling thread use while it lives; 0 means as many as the machine has. Other
@@ -34,6 +36,15 @@ void run_both(const std::function<void()>& first, const std::function<void()>& s
 template <class Body>
 void for_each_index(std::size_t n, std::size_t grain, const Body& body) {
   for_each_piece(n, grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) body(i);
+  });
+}
+
+/// The same; each piece asks before it begins whether to stop. @param control  none: it goes on
+template <class Body>
+void for_each_index(std::size_t n, std::size_t grain, const RunControl* control, const Body& body) {
+  for_each_piece(n, grain, [&](std::size_t begin, std::size_t end) {
+    if (control != nullptr) control->check_cancelled();
     for (std::size_t i = begin; i < end; ++i) body(i);
   });
 }

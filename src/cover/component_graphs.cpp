@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/cancel_poll.h"
+
 namespace isoatlas {
 namespace {
 
@@ -11,7 +13,8 @@ constexpr std::uint32_t kLeast = 1024;  // c-vertices of a group, but for the la
 
 }  // namespace
 
-ComponentGraphs::ComponentGraphs(const CVertexGraph& graph) : whole_(graph), first_{0} {
+ComponentGraphs::ComponentGraphs(const CVertexGraph& graph, const RunControl& control) : whole_(graph), first_{0} {
+  CancelPoll poll(control);
   const CVertexId n = graph.c_vertex_count();
   std::vector<std::uint32_t> group_of(n, kNone), size;
   std::vector<CVertexId> front;
@@ -22,6 +25,7 @@ ComponentGraphs::ComponentGraphs(const CVertexGraph& graph) : whole_(graph), fir
     front.push_back(start);
     group_of[start] = group;
     while (!front.empty()) {
+      poll.step();
       const CVertexId v = front.back();
       front.pop_back();
       ++size[group];
@@ -42,6 +46,7 @@ ComponentGraphs::ComponentGraphs(const CVertexGraph& graph) : whole_(graph), fir
   number_.resize(n);
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
   for (CVertexId v = 0; v < n; ++v) {
+    poll.step();
     const std::uint32_t group = group_of[v];
     number_[v] = next[group] - first_[group];
     c_vertices_[next[group]++] = v;
@@ -51,7 +56,8 @@ ComponentGraphs::ComponentGraphs(const CVertexGraph& graph) : whole_(graph), fir
   std::ranges::stable_sort(by_size_, std::ranges::greater{}, [&](std::uint32_t group) { return size[group]; });
 }
 
-CVertexGraph ComponentGraphs::graph_of(std::uint32_t group) const {
+CVertexGraph ComponentGraphs::graph_of(std::uint32_t group, const RunControl& control) const {
+  CancelPoll poll(control);
   const std::span<const CVertexId> own = c_vertices(group);
   CVertexGraph out;
   out.first.resize(own.size() + 1);
@@ -60,6 +66,7 @@ CVertexGraph ComponentGraphs::graph_of(std::uint32_t group) const {
   out.neighbours.resize(out.first.back());
   out.is_diagonal.resize(out.first.back());
   for (std::size_t k = 0; k < own.size(); ++k) {
+    poll.step();
     const CVertexId v = own[k];
     std::ranges::transform(whole_.row(v), out.neighbours.begin() + out.first[k],
                            [&](const CVertexGraph::Neighbour& w) { return CVertexGraph::Neighbour{number_[w.id], w.weight}; });

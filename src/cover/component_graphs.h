@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "isoatlas/run_control.h"
 #include "surface/c_vertex_graph.h"
 
 namespace isoatlas {
@@ -15,12 +16,12 @@ namespace isoatlas {
 class ComponentGraphs {
  public:
   /// @cost O(entries of the graph); 12 bytes per c-vertex
-  explicit ComponentGraphs(const CVertexGraph& graph);
+  explicit ComponentGraphs(const CVertexGraph& graph, const RunControl& control = {});
 
   std::uint32_t count() const { return static_cast<std::uint32_t>(first_.size() - 1); }
   /// The c-vertices of the whole graph that are those of the group, one by one.
   std::span<const CVertexId> c_vertices(std::uint32_t group) const { return std::span(c_vertices_).subspan(first_[group], first_[group + 1] - first_[group]); }
-  CVertexGraph graph_of(std::uint32_t group) const;
+  CVertexGraph graph_of(std::uint32_t group, const RunControl& control = {}) const;
   /// All groups, the largest first.
   std::span<const std::uint32_t> by_size() const { return by_size_; }
 

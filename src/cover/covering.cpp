@@ -14,6 +14,7 @@
 #include <thread>
 #include <utility>
 
+#include "core/cancel_poll.h"
 #include "core/parallel.h"
 #include "cover/component_graphs.h"
 
@@ -63,7 +64,8 @@ void Covering::put_in_cell(CVertexId v, CellId cell) {
   if (!all_changed_ && is_changed_.insert(v)) changed_.push_back(v);
 }
 
-void Covering::insert(CVertexId v) {
+void Covering::insert(CVertexId v, const RunControl& control) {
+  CancelPoll poll(control);
   const CellId cell = site_count();
   partition_.site.push_back(v);
   placed_in_.push_back(partition_.cell_of[v]);
@@ -73,6 +75,7 @@ void Covering::insert(CVertexId v) {
   put_in_cell(v, cell);
   front_.push(length_key(0, v));
   while (!front_.empty()) {
+    poll.step();
     const std::uint64_t key = front_.pop();
     const CVertexId w = key_id(key);
     if (key_length(key) > distance_[w]) continue;
@@ -99,10 +102,12 @@ bool Covering::has_slope() const {
 
 // Distances and cells of the c-vertices that stay in their cells do not depend on later sites. (Nor does it matter in which order sites come:
 // distances are the smallest over all paths, and of equal ones the earliest site has the c-vertex.)
-void Covering::remove_sites(std::uint32_t count) {
+void Covering::remove_sites(std::uint32_t count, const RunControl& control) {
+  CancelPoll poll(control);
   std::vector<CVertexId> freed;
   for (CellId c = count; c < site_count(); ++c) members().for_each(c, [&](CVertexId v) { freed.push_back(v); });
   for (const CVertexId v : freed) {
+    poll.step();
     members_.erase(v, std::exchange(partition_.cell_of[v], kNone));
     distance_[v] = std::numeric_limits<float>::infinity();
   }
@@ -113,14 +118,18 @@ void Covering::remove_sites(std::uint32_t count) {
 
   MonotoneQueue front;
   for (const CVertexId v : freed) {
+    poll.step();
     for (const CVertexGraph::Neighbour& w : graph_.row(v)) {
       if (partition_.cell_of[w.id] != kNone) front.push(length_key(distance_[w.id], w.id));
     }
   }
-  spread_distances(front);
-  for (const CVertexId v : freed) put_in_cell(v, std::exchange(partition_.cell_of[v], kNone));
+  spread_distances(front, control);
+  for (const CVertexId v : freed) {
+    poll.step();
+    put_in_cell(v, std::exchange(partition_.cell_of[v], kNone));
+  }
   std::erase_if(freed, [&](CVertexId v) { return is_covered(v); });
-  raise_radii(freed);
+  raise_radii(freed, control);
   assert(has_slope());
 }
 
@@ -151,27 +160,29 @@ std::vector<CellId> Covering::shrink(std::span<const CellId> cells) {
   return single;
 }
 
-void Covering::lower_radius(CVertexId v, float radius) {
+void Covering::lower_radius(CVertexId v, float radius, const RunControl& control) {
   if (radius >= radius_[v]) return;
   front_.clear();
   radius_[v] = radius;
   front_.push(length_key(radius, v));
-  spread_radii(front_);
+  spread_radii(front_, control);
 }
 
-void Covering::lower_radii(std::span<const Radius> radii) {
+void Covering::lower_radii(std::span<const Radius> radii, const RunControl& control) {
   MonotoneQueue front;
   for (const Radius& r : radii) {
     if (r.radius >= radius_[r.at]) continue;
     radius_[r.at] = r.radius;
     front.push(length_key(r.radius, r.at));
   }
-  spread_radii(front);
+  spread_radii(front, control);
 }
 
 template <class Queue>
-void Covering::spread_radii(Queue& front) {
+void Covering::spread_radii(Queue& front, const RunControl& control) {
+  CancelPoll poll(control);
   while (!front.empty()) {
+    poll.step();
     const std::uint64_t key = front.pop();
     const CVertexId w = key_id(key);
     if (key_length(key) > radius_[w]) continue;
@@ -185,8 +196,10 @@ void Covering::spread_radii(Queue& front) {
   }
 }
 
-void Covering::spread_distances(MonotoneQueue& front) {
+void Covering::spread_distances(MonotoneQueue& front, const RunControl& control) {
+  CancelPoll poll(control);
   while (!front.empty()) {
+    poll.step();
     const std::uint64_t key = front.pop();
     const CVertexId w = key_id(key);
     if (key_length(key) > distance_[w]) continue;
@@ -202,7 +215,7 @@ void Covering::spread_distances(MonotoneQueue& front) {
   }
 }
 
-void Covering::cover_by_radii() {
+void Covering::cover_by_radii(const RunControl& control) {
   reached_ = 0;
   std::vector<CVertexId> uncovered;
   for (CVertexId v = 0; v < graph_.c_vertex_count(); ++v) {
@@ -210,19 +223,21 @@ void Covering::cover_by_radii() {
     ++reached_;
     if (!is_covered(v)) uncovered.push_back(v);
   }
-  raise_radii(uncovered);
+  raise_radii(uncovered, control);
   assert(has_slope());
 }
 
 // Radii that leave something uncovered become those that cover it, and those around them rise as far as the slope asks for: of all
 // radii with that slope that cover everything and are nowhere below those there were, the smallest.
-void Covering::raise_radii(std::span<const CVertexId> uncovered) {
+void Covering::raise_radii(std::span<const CVertexId> uncovered, const RunControl& control) {
+  CancelPoll poll(control);
   FarthestFirst rising;
   for (const CVertexId v : uncovered) {
     radius_[v] = distance_[v] * (1.001f / (graph_.on_boundary[v] ? kBoundaryShare : 1.0f));
     rising.push(length_key(radius_[v], ~v));
   }
   while (!rising.empty()) {
+    poll.step();
     const std::uint64_t key = rising.pop();
     const CVertexId v = ~key_id(key);
     if (key_length(key) < radius_[v]) continue;  // has risen more since
@@ -235,14 +250,14 @@ void Covering::raise_radii(std::span<const CVertexId> uncovered) {
   }
 }
 
-void Covering::seed(std::span<const CVertexId> sites, std::span<const Radius> radii) {
+void Covering::seed(std::span<const CVertexId> sites, std::span<const Radius> radii, const RunControl& control) {
   for (const Radius& r : radii) radius_[r.at] = std::min(radius_[r.at], r.radius);
   MonotoneQueue front;
   for (const Radius& r : radii) {  // most radii lower none beside them
     const auto lowers = [&](const CVertexGraph::Neighbour& n) { return radius_[r.at] + n.weight * kSlope < radius_[n.id]; };
     if (std::ranges::any_of(graph_.row(r.at), lowers)) front.push(length_key(radius_[r.at], r.at));
   }
-  spread_radii(front);
+  spread_radii(front, control);
 
   front.clear();
   for (const CVertexId v : sites) {
@@ -252,11 +267,11 @@ void Covering::seed(std::span<const CVertexId> sites, std::span<const Radius> ra
     placed_in_.push_back(kNone);
     front.push(length_key(0, v));
   }
-  spread_distances(front);
-  cover_by_radii();
+  spread_distances(front, control);
+  cover_by_radii(control);
 }
 
-void Covering::continue_on(std::span<const std::uint8_t> changed, std::span<const CVertexId> sites) {
+void Covering::continue_on(std::span<const std::uint8_t> changed, std::span<const CVertexId> sites, const RunControl& control) {
   const CVertexId n = graph_.c_vertex_count();
   const std::vector<CellId> cell_before = partition_.cell_of;
   const std::vector<CVertexId> site_before = std::exchange(partition_.site, {sites.begin(), sites.end()});
@@ -268,14 +283,16 @@ void Covering::continue_on(std::span<const std::uint8_t> changed, std::span<cons
   next_boundary_ = next_interior_ = 0;  // there may be new components
 
   MonotoneQueue front;
+  CancelPoll poll(control);
   for (CVertexId v = 0; v < n; ++v) {
     if (!changed[v]) continue;
+    poll.step();
     for (const CVertexGraph::Neighbour& w : graph_.row(v)) {
       if (radius_[v] + w.weight * kSlope < radius_[w.id]) front.push(length_key(radius_[v], v));
       if (radius_[w.id] + w.weight * kSlope < radius_[v]) front.push(length_key(radius_[w.id], w.id));
     }
   }
-  spread_radii(front);
+  spread_radii(front, control);
 
   // A cell's distances are lengths of paths in the cell. So those of cells in which no row changed are still right, unless there are
   // shorter paths now; the others are found anew, from their sites and from the cells around.
@@ -300,6 +317,7 @@ void Covering::continue_on(std::span<const std::uint8_t> changed, std::span<cons
   }
   front.clear();
   for (const CVertexId v : stale) {
+    poll.step();
     for (const CVertexGraph::Neighbour& w : graph_.row(v)) {
       if (partition_.cell_of[w.id] != kNone) front.push(length_key(distance_[w.id], w.id));
     }
@@ -307,8 +325,8 @@ void Covering::continue_on(std::span<const std::uint8_t> changed, std::span<cons
   for (CellId c = 0; c < site_count(); ++c) {
     if (is_stale[c]) front.push(length_key(0, partition_.site[c]));
   }
-  spread_distances(front);
-  cover_by_radii();
+  spread_distances(front, control);
+  cover_by_radii(control);
 
   for (CVertexId v = 0; v < n && !all_changed_; ++v) {
     const bool is_other = v >= cell_before.size() || partition_.cell_of[v] != cell_before[v];
@@ -335,26 +353,25 @@ CVertexId Covering::farthest_uncovered() {
 
 void Covering::cover_reached(const RunControl& control) {
   for (std::size_t inserted = 0;; ++inserted) {
-    control.check_cancelled();
-    if (inserted % 64 == 0) {
+    if (inserted % 16 == 0) {  // large disks ask whether to stop while they look for events
       const std::size_t uncovered = uncovered_boundary_.size() + uncovered_interior_.size();  // some are covered by now
       progress_ = std::max(progress_, static_cast<double>(reached_ - std::min(reached_, uncovered)) / graph_.c_vertex_count());
       control.report("cover", progress_);
     }
     const CVertexId v = farthest_uncovered();
     if (v == kNone) return;
-    add_disk(v);
+    add_disk(v, control);
   }
 }
 
-void Covering::add_disk(CVertexId v) {
-  if (events_) lower_radius(v, events_->event_radius(v, radius_[v]));
-  insert(v);
+void Covering::add_disk(CVertexId v, const RunControl& control) {
+  if (events_) lower_radius(v, events_->event_radius(v, radius_[v], control), control);
+  insert(v, control);
 }
 
 void Covering::cover(const RunControl& control) {
   if (site_count() == 0) {
-    if (const ComponentGraphs groups(graph_); groups.count() > 1) return cover_apart(groups, control);
+    if (const ComponentGraphs groups(graph_, control); groups.count() > 1) return cover_apart(groups, control);
   }
   cover_all(control);
 }
@@ -363,7 +380,7 @@ void Covering::cover_all(const RunControl& control) {
   const CVertexId n = graph_.c_vertex_count();
   cover_reached(control);
   const auto start = [&](CVertexId v) {
-    add_disk(v);
+    add_disk(v, control);
     cover_reached(control);
   };
   for (; next_boundary_ < n; ++next_boundary_) {
@@ -386,7 +403,8 @@ void Covering::cover_apart(const ComponentGraphs& groups, const RunControl& cont
   for_each_index(groups.count(), 1, [&](std::size_t i) {
     const std::uint32_t group = groups.by_size()[i];
     const std::span<const CVertexId> own = groups.c_vertices(group);
-    const CVertexGraph graph = groups.graph_of(group);
+    control.check_cancelled();
+    const CVertexGraph graph = groups.graph_of(group, control);
     Covering part(graph, options_);
     if (!events_) part.ignore_events();
     for (std::size_t k = 0; k < own.size(); ++k) part.radius_[k] = radius_[own[k]];
@@ -404,6 +422,7 @@ void Covering::cover_apart(const ComponentGraphs& groups, const RunControl& cont
   });
   for (std::uint32_t group = 0; group < groups.count(); ++group) {
     const CellId first = site_count();
+    control.check_cancelled();
     for (const CVertexId v : groups.c_vertices(group)) partition_.cell_of[v] += first;
     partition_.site.insert(partition_.site.end(), parts[group].site.begin(), parts[group].site.end());
     for (const CellId cell : placed_in[group]) placed_in_.push_back(cell == kNone ? kNone : first + cell);

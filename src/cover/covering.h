@@ -49,35 +49,35 @@ class Covering {
     CVertexId at;
     float radius;
   };
-  void seed(std::span<const CVertexId> sites, std::span<const Radius> radii);
+  void seed(std::span<const CVertexId> sites, std::span<const Radius> radii, const RunControl& control = {});
 
   /// Goes on where the graph has the same c-vertices and more: radii stay, but where they would leave something uncovered. As seed() with these
   /// radii, but only what is near a changed row or another site is looked at.
   /// @param changed  per c-vertex of the graph as it is now, 1 if its row is not what it was
   /// @param sites    per cell, a c-vertex of the cell, its site from now on
   /// @pre   everything is covered
-  void continue_on(std::span<const std::uint8_t> changed, std::span<const CVertexId> sites);
+  void continue_on(std::span<const std::uint8_t> changed, std::span<const CVertexId> sites, const RunControl& control = {});
 
   /// From now on new disks are not limited by topological events: once the certificate has passed there is no need to look
   /// for them, smaller disks inside certified cells have none that matter (paper, figure 8), and repair has the last word.
   void ignore_events() { events_.reset(); }
 
   /// Makes v a site and gives it every c-vertex that is nearer to it than to any other.
-  void insert(CVertexId v);
+  void insert(CVertexId v, const RunControl& control = {});
   /// Removes all sites but the first `count`. The partition is then what it was with these, if the graph is what it was. Radii stay, but where
   /// they would leave something uncovered.
   /// @pre   everything is covered, and every component keeps a site
   /// @cost  what is in the cells that are removed
-  void remove_sites(std::uint32_t count);
+  void remove_sites(std::uint32_t count, const RunControl& control = {});
   /// Per cell, the distance of its farthest c-vertex; 0 where the site is the only one. O(C)
   std::vector<float> reach() const;
   /// Makes the radii at the sites of cells smaller, each by so much that the next cover() has to divide the cell. O(C)
   /// @return those of `cells` that have no c-vertex besides their site
   std::vector<CellId> shrink(std::span<const CellId> cells);
   /// h(x) <= radius + d(v, x) / 3 from now on.
-  void lower_radius(CVertexId v, float radius);
+  void lower_radius(CVertexId v, float radius, const RunControl& control = {});
   /// The same of many, in one search: where they are near each other, much cheaper than one by one.
-  void lower_radii(std::span<const Radius> radii);
+  void lower_radii(std::span<const Radius> radii, const RunControl& control = {});
 
   /// The c-vertices that came into another cell since the last call of forget_changes(), each once. Before the first call: none are
   /// listed, all changed.
@@ -104,15 +104,15 @@ class Covering {
 
   void enqueue(CVertexId v);
   void put_in_cell(CVertexId v, CellId cell);
-  void add_disk(CVertexId v);  ///< a site whose disk is limited by its first topological event
+  void add_disk(CVertexId v, const RunControl& control);  ///< a site whose disk is limited by its first topological event
   void cover_reached(const RunControl& control);
   void cover_all(const RunControl& control);
   void cover_apart(const ComponentGraphs& groups, const RunControl& control);
   template <class Queue>
-  void spread_radii(Queue& front);
-  void spread_distances(MonotoneQueue& front);
-  void cover_by_radii();
-  void raise_radii(std::span<const CVertexId> uncovered);
+  void spread_radii(Queue& front, const RunControl& control);
+  void spread_distances(MonotoneQueue& front, const RunControl& control);
+  void cover_by_radii(const RunControl& control);
+  void raise_radii(std::span<const CVertexId> uncovered, const RunControl& control);
   CVertexId farthest_uncovered();
 
   const CVertexGraph& graph_;

@@ -232,7 +232,7 @@ void cover_from(const DiskCovering& disks, const CVertexGraph& graph, Covering& 
   std::vector<Covering::Radius> radii;
   radii.reserve(disks.sites.size());
   for (std::size_t k = 0; k < disks.sites.size(); ++k) radii.push_back({disks.sites[k], disks.radii[k]});
-  covering.seed(disks.sites, radii);
+  covering.seed(disks.sites, radii, control);
 
   const Partition& partition = covering.partition();
   for (bool again = true; again;) {  // ends: whatever is uncovered here brings a site

@@ -9,7 +9,9 @@
 #include <tuple>
 #include <utility>
 
+#include "core/cancel_poll.h"
 #include "core/parallel.h"
+#include "core/whole_progress.h"
 
 namespace isoatlas {
 namespace {
@@ -43,16 +45,16 @@ class FixFinder {
 
   // For every faulty cell its farthest c-vertex, on the boundary if that is what is wrong; for two cells with faulty arcs the farthest
   // c-vertex on their common border.
-  std::vector<Fix> find(const PartitionCheck& check) const {
+  std::vector<Fix> find(const PartitionCheck& check, const RunControl& control) const {
     std::vector<Fix> fixes(check.faulty_cells.size() + check.pair_faults.size());
-    for_each_index(check.faulty_cells.size(), kFaults, [&](std::size_t i) {
+    for_each_index(check.faulty_cells.size(), kFaults, &control, [&](std::size_t i) {
       const auto& [cell, fault] = check.faulty_cells[i];
       Candidate best;
       if (fault & kBadBoundary) best = farthest_of(cell, true);
       if (best.c_vertex == kNone) best = farthest_of(cell, false);
       fixes[i] = {best.distance, best.c_vertex, cell, cell};
     });
-    for_each_index(check.pair_faults.size(), kFaults, [&](std::size_t i) {
+    for_each_index(check.pair_faults.size(), kFaults, &control, [&](std::size_t i) {
       const auto& [a, b] = check.pair_faults[i];
       Candidate best = farthest_between(a, b);
       // The whole border may be sites already. If both cells are single c-vertices, the third cell at their two arc ends is the same;
@@ -137,41 +139,41 @@ CertifiedDual::CertifiedDual(const CertifiedDual& other, Covering& covering)
       complete_(other.complete_) {}
 
 // `scope` empty: everything.
-PartitionCheck CertifiedDual::check(std::span<const CellId> scope) {
+PartitionCheck CertifiedDual::check(std::span<const CellId> scope, const RunControl& control) {
   const Partition& partition = covering_.partition();
   if (scope.empty()) {
     PartitionCheck found;
-    run_both([&] { found = check_partition(complex_, partition.cell_of, partition.cell_count(), partition.site); },
-             [&] { adjacency(); });  // for repair and later checks
+    run_both([&] { found = check_partition(complex_, partition.cell_of, partition.cell_count(), partition.site, {}, control); },
+             [&] { adjacency(control); });  // for repair and later checks
     return found;
   }
-  return scoped_.run(complex_, adjacency(), partition.cell_of, covering_.members(), partition.site, scope);
+  return scoped_.run(complex_, adjacency(control), partition.cell_of, covering_.members(), partition.site, scope, control);
 }
 
 // Of a scope; empty: all.
-void CertifiedDual::take_triangles(std::span<const CellId> scope, PartitionCheck& check) {
+void CertifiedDual::take_triangles(std::span<const CellId> scope, PartitionCheck& check, const RunControl& control) {
   const std::uint32_t cells = covering_.partition().cell_count();
   if (triangles_.list().empty()) {
     triangles_ = DualTriangles(std::move(check.triangles), cells);
   } else if (scope.empty()) {
     std::vector<CellId> all(cells);
     std::iota(all.begin(), all.end(), 0u);
-    triangles_.replace(all, check.triangles, cells);
+    triangles_.replace(all, check.triangles, cells, control);
   } else {
-    triangles_.replace(scope, check.triangles, cells);
+    triangles_.replace(scope, check.triangles, cells, control);
   }
 }
 
-const ComplexAdjacency& CertifiedDual::adjacency() {
-  if (!adjacency_) adjacency_ = std::make_shared<const ComplexAdjacency>(complex_);
+const ComplexAdjacency& CertifiedDual::adjacency(const RunControl& control) {
+  if (!adjacency_) adjacency_ = std::make_shared<const ComplexAdjacency>(complex_, control);
   return *adjacency_;
 }
 
-std::vector<CellId> CertifiedDual::cells_near_changes() {
+std::vector<CellId> CertifiedDual::cells_near_changes(const RunControl& control) {
   std::vector<CVertexId> c_vertices(covering_.changed().begin(), covering_.changed().end());
   c_vertices.insert(c_vertices.end(), other_faces_.begin(), other_faces_.end());
   other_faces_.clear();
-  return scoped_.cells_near(complex_, adjacency(), covering_.partition().cell_of, c_vertices);
+  return scoped_.cells_near(complex_, adjacency(control), covering_.partition().cell_of, c_vertices, control);
 }
 
 void CertifiedDual::remove_cells(std::uint32_t count) {
@@ -196,14 +198,13 @@ void CertifiedDual::continue_on(std::span<const std::uint8_t> changed) {
 // `scope` empty: everything.
 void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateReport& report, const RunControl& control) {
   const Partition& partition = covering_.partition();
-  RunControl quiet = control;  // what is covered on the way is not the stage that tells its progress
-  quiet.progress = nullptr;
+  const RunControl quiet = without_stages(control);  // what is covered on the way is not the stage that tells its progress
   std::vector<CellId> checked = scope;  // in all rounds; if the first one was of everything, so is the last
   const bool everything = scope.empty();
   bool has_triangles = !std::exchange(fresh_, false);
   for (;;) {
-    control.check_cancelled();
-    PartitionCheck found = check(scope);
+    report_going_on(control);
+    PartitionCheck found = check(scope, control);
     ++report.repair_rounds;
     touched_.resize(partition.cell_count(), 1);
     if (scope.empty()) std::fill(touched_.begin(), touched_.end(), std::uint8_t{1});
@@ -211,11 +212,12 @@ void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateRepor
     if (found.passed()) {
       // One look at all that was checked on the way has the triangles there.
       sort_unique(checked);
-      if (!everything && checked.size() > scope.size()) found = check(checked);
-      if (everything && !scope.empty()) found = check({});
+      if (!everything && checked.size() > scope.size()) found = check(checked, control);
+      if (everything && !scope.empty()) found = check({}, control);
+      control.check_cancelled();
       if (everything) record(found, report);
       if (!everything || !has_triangles)
-        take_triangles(everything ? std::span<const CellId>() : checked, found);
+        take_triangles(everything ? std::span<const CellId>() : checked, found, control);
       else if (found.triangles.size() != triangles_.list().size())
         throw Error(ErrorCode::internal, "the certificate has other triangles than were kept; please report the volume and the options");
       complete_ = everything;
@@ -227,10 +229,13 @@ void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateRepor
 
     const std::uint32_t before = covering_.site_count();
     covering_.forget_changes();
-    for (const CVertexId v : independent(FixFinder(complex_, adjacency(), covering_).find(found))) {
+    control.check_cancelled();
+    CancelPoll poll(control);
+    for (const CVertexId v : independent(FixFinder(complex_, adjacency(control), covering_).find(found, control))) {
+      poll.step();
       if (covering_.distance()[v] == 0) continue;  // two fixes may agree on the same c-vertex
-      covering_.lower_radius(v, covering_.distance()[v]);
-      covering_.insert(v);
+      covering_.lower_radius(v, covering_.distance()[v], control);
+      covering_.insert(v, control);
     }
     covering_.cover(quiet);
     if (covering_.site_count() == before) {
@@ -238,7 +243,7 @@ void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateRepor
     }
     report.repair_sites += covering_.site_count() - before;
 
-    scope = cells_near_changes();  // and faults left for the next round
+    scope = cells_near_changes(control);  // and faults left for the next round
     for (const FaultyCell& f : found.faulty_cells) scope.push_back(f.cell);
     for (const PairFault& p : found.pair_faults) scope.insert(scope.end(), {p.a, p.b});
     sort_unique(scope);
@@ -251,7 +256,7 @@ void CertifiedDual::update(CertificateReport& report, const RunControl& control)
     other_faces_.clear();
     check_and_repair({}, report, control);
   } else if (!covering_.changed().empty() || !other_faces_.empty()) {
-    check_and_repair(cells_near_changes(), report, control);
+    check_and_repair(cells_near_changes(control), report, control);
   } else {
     report.passed = true;
     complete_ = false;  // of this report nothing was counted yet
@@ -275,13 +280,13 @@ bool CertifiedDual::is_what_a_full_check_finds() {
     std::sort(out.begin(), out.end());
     return out;
   };
-  const PartitionCheck found = check({});
+  const PartitionCheck found = check({}, {});
   return found.passed() && corners(found.triangles) == corners(triangles());
 }
 
-void CertifiedDual::touch_near(std::span<const CVertexId> c_vertices) {
+void CertifiedDual::touch_near(std::span<const CVertexId> c_vertices, const RunControl& control) {
   touched_.resize(std::max<std::size_t>(touched_.size(), covering_.site_count()), 1);
-  for (const CellId c : scoped_.cells_near(complex_, adjacency(), covering_.partition().cell_of, c_vertices)) touched_[c] = 1;
+  for (const CellId c : scoped_.cells_near(complex_, adjacency(control), covering_.partition().cell_of, c_vertices, control)) touched_[c] = 1;
 }
 
 void CertifiedDual::certify(CertificateReport& report, const RunControl& control) {

@@ -42,16 +42,16 @@ class CertifiedDual {
   /// Per cell, 1 if its c-vertices or triangles may be others than at the last call of forget_touched().
   const std::vector<std::uint8_t>& touched() const { return touched_; }
   /// The cells that share a face with one of the c-vertices count as touched.
-  void touch_near(std::span<const CVertexId> c_vertices);
+  void touch_near(std::span<const CVertexId> c_vertices, const RunControl& control);
   void forget_touched() { touched_.assign(touched_.size(), 0); }
 
  private:
   void check_and_repair(std::vector<CellId> scope, CertificateReport& report, const RunControl& control);
-  PartitionCheck check(std::span<const CellId> scope);
-  void take_triangles(std::span<const CellId> scope, PartitionCheck& check);
+  PartitionCheck check(std::span<const CellId> scope, const RunControl& control);
+  void take_triangles(std::span<const CellId> scope, PartitionCheck& check, const RunControl& control);
   std::vector<CVertexId> find_fixes(const PartitionCheck& check);
-  std::vector<CellId> cells_near_changes();
-  const ComplexAdjacency& adjacency();
+  std::vector<CellId> cells_near_changes(const RunControl& control);
+  const ComplexAdjacency& adjacency(const RunControl& control);
   bool is_what_a_full_check_finds();
 
   const SurfaceComplex& complex_;

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "core/cancel_poll.h"
+
 namespace isoatlas {
 namespace {
 
@@ -20,7 +22,7 @@ EventFinder::EventFinder(const CVertexGraph& graph, float persistence, float fir
       distance_(graph.c_vertex_count()),
       step_(graph.c_vertex_count()) {}
 
-float EventFinder::event_radius(CVertexId v, float limit) {
+float EventFinder::event_radius(CVertexId v, float limit, const RunControl& control) {
   if (++round_ > (std::numeric_limits<std::uint32_t>::max() - 1) / 2) {
     std::fill(stamp_.begin(), stamp_.end(), 0u);
     round_ = 1;
@@ -38,10 +40,10 @@ float EventFinder::event_radius(CVertexId v, float limit) {
   for (float radius = first_stage_;; radius *= 2) {
     const float last = pending ? limit + persistence_ : limit;
     const float reach = std::min(radius, last);
-    settle_up_to(reach);
+    settle_up_to(reach, control);
     const bool swallowed = front_.empty();
     Finding found{kNever, kNever};
-    if (splits_ > 0) found = judge_splits(reach, swallowed);
+    if (splits_ > 0) found = judge_splits(reach, swallowed, control);
     if (swallowed) found.event = std::min(found.event, distance_[settled_.back()]);
     if (found.event < limit && found.event <= found.pending) return found.event;
     pending = found.pending < limit;
@@ -49,8 +51,10 @@ float EventFinder::event_radius(CVertexId v, float limit) {
   }
 }
 
-void EventFinder::settle_up_to(float radius) {
+void EventFinder::settle_up_to(float radius, const RunControl& control) {
+  CancelPoll poll(control);
   while (!front_.empty() && key_length(front_.top()) <= radius) {
+    poll.step();
     const std::uint64_t key = front_.pop();
     const CVertexId w = key_id(key);
     if (stamp_[w] == 2 * round_ + 1 || key_length(key) > distance_[w]) continue;
@@ -105,7 +109,7 @@ std::uint32_t EventFinder::find(std::uint32_t i) {
 // Which splits are events: undoes the growth from the far end, joining the pieces of what is not settled, and sees which of
 // them meet at a split and how high the lower one is. What is beyond reach hangs together with the outside for now, so an
 // infinite persistence is only believed from splits that lie deeper than the persistence asked for.
-EventFinder::Finding EventFinder::judge_splits(float reach, bool swallowed) {
+EventFinder::Finding EventFinder::judge_splits(float reach, bool swallowed, const RunControl& control) {
   const auto steps = static_cast<std::uint32_t>(settled_.size());
   const std::uint32_t outside = steps;
   parent_.resize(steps + 1);
@@ -119,7 +123,9 @@ EventFinder::Finding EventFinder::judge_splits(float reach, bool swallowed) {
     parent_[b] = a;
     return a;
   };
+  CancelPoll poll(control);
   for (std::uint32_t step = steps; step-- > 0;) {
+    poll.step();
     const CVertexId w = settled_[step];
     const float d = distance_[w];
     peak_[step] = d;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/distance_queue.h"
+#include "isoatlas/run_control.h"
 #include "surface/c_vertex_graph.h"
 
 namespace isoatlas {
@@ -22,16 +23,16 @@ class EventFinder {
   EventFinder(const CVertexGraph& graph, float persistence, float first_stage);
 
   /// The radius of the largest open disk around v without an event, or `limit` if there is none below it.
-  float event_radius(CVertexId v, float limit);
+  float event_radius(CVertexId v, float limit, const RunControl& control = {});
 
  private:
   struct Finding {
     float event;    // smallest distance of an event
     float pending;  // smallest distance of a split that may be one, or may close yet
   };
-  void settle_up_to(float radius);
+  void settle_up_to(float radius, const RunControl& control);
   int settled_arcs(CVertexId v) const;
-  Finding judge_splits(float reach, bool swallowed);
+  Finding judge_splits(float reach, bool swallowed, const RunControl& control);
   bool settled_before(CVertexId v, std::uint32_t step) const { return stamp_[v] == 2 * round_ + 1 && step_[v] < step; }
   std::uint32_t find(std::uint32_t i);
 

@@ -14,8 +14,8 @@ namespace isoatlas {
 namespace {
 
 constexpr std::size_t kGrain = 4096;      // items per piece of a parallel loop
-constexpr std::size_t kLeafGrain = 256;   // leaves of the tree, each with its candidates
-constexpr std::size_t kQueryGrain = 256;  // triangles, each with its candidates
+constexpr std::size_t kLeafGrain = 64;    // leaves of the tree, each with its candidates
+constexpr std::size_t kQueryGrain = 64;   // triangles, each with its candidates
 
 struct Box {
   Vec3 low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
@@ -75,10 +75,12 @@ std::vector<std::uint32_t> CloseTriangles::current(const Tree& tree) const {
   return out;
 }
 
-void CloseTriangles::add_tree(std::vector<std::uint32_t> numbers, std::span<const Vec3> positions, std::span<const Triangle> triangles) {
+void CloseTriangles::add_tree(std::vector<std::uint32_t> numbers, std::span<const Vec3> positions, std::span<const Triangle> triangles,
+                              const RunControl& control) {
   std::vector<Vec3> corners(3 * numbers.size());
   std::vector<Triangle> local(numbers.size());
   for_each_piece(numbers.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    control.check_cancelled();
     for (std::size_t i = begin; i < end; ++i) {
       const auto first = static_cast<std::uint32_t>(3 * i);
       local[i] = {first, first + 1, first + 2};
@@ -88,7 +90,7 @@ void CloseTriangles::add_tree(std::vector<std::uint32_t> numbers, std::span<cons
   const std::uint32_t id = next_id_++;
   for (const std::uint32_t t : numbers) tree_of_[t] = id;
   const std::size_t count = numbers.size();
-  trees_.push_back({id, count, std::move(numbers), TriangleTree(std::move(corners), local)});
+  trees_.push_back({id, count, std::move(numbers), TriangleTree(std::move(corners), local, control)});
 }
 
 void CloseTriangles::leave_tree(std::uint32_t t) {
@@ -104,10 +106,11 @@ std::vector<TrianglePair> CloseTriangles::all_pairs(std::span<const Vec3> positi
   trees_.clear();
   std::vector<std::uint32_t> numbers(triangles.size());
   std::iota(numbers.begin(), numbers.end(), 0u);
-  add_tree(std::move(numbers), positions, triangles);
+  add_tree(std::move(numbers), positions, triangles, control);
   const TriangleTree& tree = trees_.back().tree;
   std::vector<Box> boxes(tree.triangle_count());  // in the order of the tree
   for_each_piece(boxes.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    control.check_cancelled();
     for (auto slot = static_cast<std::uint32_t>(begin); slot < end; ++slot) boxes[slot] = box_of(positions, triangles[tree.triangle_in(slot)]);
   });
   const double reach = 2 * margin_, scaled_reach = 2 * scaled_margin();
@@ -156,7 +159,7 @@ std::vector<TrianglePair> CloseTriangles::update(std::span<const Vec3> positions
     const std::vector<std::uint32_t> others = current(trees_.back());
     numbers.insert(numbers.end(), others.begin(), others.end());
   }
-  add_tree(std::move(numbers), positions, triangles);
+  add_tree(std::move(numbers), positions, triangles, control);
 
   const double reach = 2 * margin_, scaled_reach = 2 * scaled_margin();
   return collect(changed.size(), kQueryGrain, control, [&](std::size_t first, std::size_t last, std::vector<TrianglePair>& found) {

@@ -47,7 +47,8 @@ class CloseTriangles {
   };
   static Scaling about_origin(std::span<const Vec3> positions);
   double scaled_margin() const;
-  void add_tree(std::vector<std::uint32_t> numbers, std::span<const Vec3> positions, std::span<const Triangle> triangles);
+  void add_tree(std::vector<std::uint32_t> numbers, std::span<const Vec3> positions, std::span<const Triangle> triangles,
+                const RunControl& control);
   void leave_tree(std::uint32_t t);
   std::vector<std::uint32_t> current(const Tree& tree) const;
   std::vector<TrianglePair> all_pairs(std::span<const Vec3> positions, std::span<const Triangle> triangles, const PairTest& is_wanted,

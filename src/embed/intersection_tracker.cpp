@@ -5,6 +5,7 @@
 #include <array>
 #include <utility>
 
+#include "core/cancel_poll.h"
 #include "core/parallel.h"
 #include "embed/triangle_pair.h"
 
@@ -101,10 +102,11 @@ std::vector<std::uint32_t> IntersectionTracker::test(std::span<const std::uint32
     const auto is_changed = [&](std::uint32_t t) { return t >= triangles_.size() || std::binary_search(changed.begin(), changed.end(), t); };
     return is_changed(pair.first) || is_changed(pair.second);
   });
-  for_each_index(changed.size(), kPerPiece, [&](std::size_t i) {
+  for_each_index(changed.size(), kPerPiece, &control, [&](std::size_t i) {
     planes_[changed[i]] = RoughPlane(in_space_, triangles_[changed[i]], written_.most_rounding());
   });
   const auto flat = collect_pieces<TrianglePair>(changed.size(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+    control.check_cancelled();
     for (const std::uint32_t t : changed.subspan(begin, end - begin)) {
       if (!has_area_in_all_forms(triangles_[t])) found.emplace_back(t, t);
     }

@@ -87,7 +87,8 @@ int crossing(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
 
 // Per component, the closed ones around its lowest vertex.
 std::vector<std::vector<std::uint32_t>> around_components(std::span<const Vec3> positions, std::span<const Triangle> triangles,
-                                                          std::span<const std::uint32_t> component_of, std::span<const std::uint8_t> is_open) {
+                                                          std::span<const std::uint32_t> component_of, std::span<const std::uint8_t> is_open,
+                                                          const RunControl& control) {
   const std::size_t components = is_open.size();
   std::vector<std::uint32_t> lowest(components, kNone);
   for (std::uint32_t v = 0; v < positions.size(); ++v) {
@@ -97,8 +98,8 @@ std::vector<std::vector<std::uint32_t>> around_components(std::span<const Vec3> 
   }
   std::vector<std::vector<std::uint32_t>> around(components);
   if (std::ranges::count(is_open, std::uint8_t{0}) < 2) return around;
-  const TriangleTree tree({positions.begin(), positions.end()}, triangles);
-  for_each_index(components, kRays, [&](std::size_t c) {
+  const TriangleTree tree({positions.begin(), positions.end()}, triangles, control);
+  for_each_index(components, kRays, &control, [&](std::size_t c) {
     if (is_open[c] != 0 || lowest[c] == kNone) return;
     const Vec3 p = positions[lowest[c]];
     std::vector<std::uint32_t> leaves;
@@ -145,7 +146,8 @@ std::vector<std::int8_t> mesh_facing(std::span<const Vec3> positions, std::span<
 }
 
 std::vector<std::uint32_t> misplaced_vertices(std::span<const Vec3> positions, std::span<const Triangle> triangles,
-                                              std::span<const std::uint32_t> component_of, const Nesting& nesting, const Nesting& wanted) {
+                                              std::span<const std::uint32_t> component_of, const Nesting& nesting, const Nesting& wanted,
+                                              const RunControl& control) {
   const std::vector<std::uint8_t> is_wrong = differences(nesting, wanted);
   std::vector<std::uint32_t> first(is_wrong.size(), kNone), out;
   for (std::uint32_t v = 0; v < positions.size(); ++v) {
@@ -159,6 +161,7 @@ std::vector<std::uint32_t> misplaced_vertices(std::span<const Vec3> positions, s
     for (const std::uint32_t other : {nesting.parent[c], wanted.parent[c]}) {
       const Triangle* nearest = nullptr;
       double least = std::numeric_limits<double>::infinity();
+      control.check_cancelled();
       for (const Triangle& t : triangles) {
         if (component_of[t[0]] != other) continue;
         const double d = closest_on_triangle(positions[first[c]], positions[t[0]], positions[t[1]], positions[t[2]]).squared_distance;
@@ -173,10 +176,10 @@ std::vector<std::uint32_t> misplaced_vertices(std::span<const Vec3> positions, s
 }
 
 Nesting mesh_nesting(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::span<const std::uint32_t> component_of,
-                     std::span<const std::uint8_t> is_open) {
+                     std::span<const std::uint8_t> is_open, const RunControl& control) {
   Nesting nesting;
   run_both([&] { nesting.facing = mesh_facing(positions, triangles, component_of, is_open); },
-           [&] { nesting.parent = parents_of(around_components(positions, triangles, component_of, is_open)); });
+           [&] { nesting.parent = parents_of(around_components(positions, triangles, component_of, is_open, control)); });
   return nesting;
 }
 

@@ -23,7 +23,7 @@ constexpr int kBisections = 30;
 constexpr int kSlides = 12;
 constexpr double kSlideDone = 1e-3;  // sine of the angle between the surface's normal and the way to p
 
-TriangleTree tree_of(const SurfaceComplex& complex) {
+TriangleTree tree_of(const SurfaceComplex& complex, const RunControl& control) {
   std::vector<Vec3> positions;
   positions.reserve(complex.positions.size());
   for (const Vec3& p : complex.positions) positions.push_back(scaled(p, complex.spacing));
@@ -39,17 +39,17 @@ TriangleTree tree_of(const SurfaceComplex& complex) {
     triangles.push_back(first ? Triangle{c[2], c[0], c[1]} : Triangle{c[1], c[3], c[0]});
     triangles.push_back(first ? Triangle{c[0], c[2], c[3]} : Triangle{c[3], c[1], c[2]});
   }
-  return {std::move(positions), triangles};
+  return {std::move(positions), triangles, control};
 }
 
 }  // namespace
 
 Isosurface::Isosurface(const VolumeView& volume, const InsideRule& rule, const SurfaceComplex& complex, Interpolation interpolation,
-                       std::uint32_t supersample)
+                       std::uint32_t supersample, const RunControl& control)
     : spacing_(complex.spacing),
       voxel_(supersample * std::min({spacing_.x, spacing_.y, spacing_.z})),
       field_(volume, rule, interpolation, supersample),
-      faces_(tree_of(complex)) {}
+      faces_(tree_of(complex, control)) {}
 
 Vec3 Isosurface::clamped(Vec3 p) const {
   const Vec3 last = to_metric(field_.last());

@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 
+#include "isoatlas/run_control.h"
 #include "isoatlas/volume.h"
 #include "mesh/triangle_tree.h"
 #include "surface/surface_complex.h"
@@ -21,7 +22,7 @@ class Isosurface {
   /// @param complex  the volume's surface, as parse_surface() makes it with the same rule, interpolation and factor
   /// @cost  O(F log F); for samples that may be NaN one pass over the volume besides
   Isosurface(const VolumeView& volume, const InsideRule& rule, const SurfaceComplex& complex,
-             Interpolation interpolation = Interpolation::trilinear, std::uint32_t supersample = 1);
+             Interpolation interpolation = Interpolation::trilinear, std::uint32_t supersample = 1, const RunControl& control = {});
 
   struct Hit {
     Vec3 point{};

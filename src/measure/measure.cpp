@@ -27,7 +27,7 @@ namespace {
 
 constexpr double kFarthestVoxels = 1e15;      // what the triangle tree's single precision can square, and to spare
 constexpr std::size_t kGrain = 512;           // samples per piece of a parallel loop
-constexpr std::size_t kBetweenLooks = 65536;  // samples between two looks at RunControl
+constexpr std::size_t kBetweenReports = 65536;  // samples between two reports of progress
 
 void require(bool good, const std::string& message) {
   if (!good) throw Error(ErrorCode::bad_argument, message);
@@ -37,15 +37,16 @@ void check_mesh(const TriangleMesh& mesh, Vec3 spacing) {
   require(!mesh.triangles.empty(), "the mesh has no triangles");
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (const std::uint32_t v : mesh.triangles[t]) {
-      require(v < mesh.positions.size(), "triangle " + std::to_string(t) + " uses vertex " + std::to_string(v) + ", but there are only " +
-                                             std::to_string(mesh.positions.size()));
+      if (v < mesh.positions.size()) continue;
+      throw Error(ErrorCode::bad_argument, "triangle " + std::to_string(t) + " uses vertex " + std::to_string(v) + ", but there are only " +
+                                               std::to_string(mesh.positions.size()));
     }
   }
   const double farthest = kFarthestVoxels * std::min({spacing.x, spacing.y, spacing.z});
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
     const Vec3 p = scaled(mesh.positions[v], spacing);
-    require(std::abs(p.x) <= farthest && std::abs(p.y) <= farthest && std::abs(p.z) <= farthest,  // false for NaN too
-            "vertex " + std::to_string(v) + " of the mesh is not finite or more than 1e15 voxels away from the volume");
+    if (std::abs(p.x) <= farthest && std::abs(p.y) <= farthest && std::abs(p.z) <= farthest) continue;  // not so for NaN
+    throw Error(ErrorCode::bad_argument, "vertex " + std::to_string(v) + " of the mesh is not finite or more than 1e15 voxels away from the volume");
   }
 }
 
@@ -105,7 +106,7 @@ std::vector<Triangle> in_order(const TriangleTree& tree) {
 // The faces of the isosurface with the middles of the quads' diagonals moved onto it, for samples by area: quads cut corners, and
 // where the surface bends most they would have the fewest samples.
 struct FineFaces {
-  explicit FineFaces(const Isosurface& surface) {
+  FineFaces(const Isosurface& surface, const RunControl& control) {
     const TriangleTree& faces = surface.faces();
     const std::size_t c_vertices = faces.positions().size();
     positions.assign(faces.positions().begin(), faces.positions().end());
@@ -113,6 +114,7 @@ struct FineFaces {
     triangles.resize(2 * faces.triangle_count());
     checked_id(positions.size(), "samples' triangles");
     for_each_piece(faces.triangle_count(), kGrain, [&](std::size_t begin, std::size_t end) {
+      control.check_cancelled();
       for (std::size_t s = begin; s < end; ++s) {
         const auto [a, b, c] = faces.corners_in(static_cast<std::uint32_t>(s));
         const Vec3 middle = 0.5 * (positions[a] + positions[b]);
@@ -133,9 +135,12 @@ struct FineFaces {
 // Calls body(begin, end) on pieces of [0, n), with looks at `control` in between; `stage` names what is done.
 void for_each_sample(std::size_t n, const char* stage, const RunControl& control,
                      const std::function<void(std::size_t, std::size_t)>& body) {
-  for (std::size_t done = 0; done < n; done += kBetweenLooks) {
+  for (std::size_t done = 0; done < n; done += kBetweenReports) {
     control.report(stage, static_cast<double>(done) / static_cast<double>(n));
-    for_each_piece(std::min(kBetweenLooks, n - done), kGrain, [&](std::size_t begin, std::size_t end) { body(done + begin, done + end); });
+    for_each_piece(std::min(kBetweenReports, n - done), kGrain, [&](std::size_t begin, std::size_t end) {
+      control.check_cancelled();
+      body(done + begin, done + end);
+    });
   }
 }
 
@@ -176,6 +181,7 @@ void measure_mesh_to_surface(const TriangleMesh& mesh, const TriangleTree& tree,
   const Vec3 spacing = surface.spacing();
   const std::vector<Triangle> triangles = in_order(tree);
   const AreaSamples spread(tree.positions(), triangles, samples);
+  control.check_cancelled();
   const SpecialPoints special(mesh);
   const auto point = [&](std::size_t i) { return i < samples ? divided(spread.point(i), spacing) : special.point(i - samples); };
   const std::size_t inside_triangles = samples + mesh.triangles.size();
@@ -196,6 +202,7 @@ void measure_mesh_to_surface(const TriangleMesh& mesh, const TriangleTree& tree,
     if (distance[i] <= far.bound) continue;
     far.corners.push_back(i < samples ? mesh.triangles[tree.triangle_in(spread.triangle(i))] : special.corners(i - samples));
   }
+  control.check_cancelled();
   out.mesh_area = spread.area();
   out.mesh_to_surface = summarize(std::move(distance), samples, spread.area(), out.voxel, point);
 
@@ -212,7 +219,8 @@ void measure_surface_to_mesh(const TriangleMesh& mesh, const TriangleTree& tree,
                              Measurement& out, DistantSamples& far, const RunControl& control) {
   const Vec3 spacing = surface.spacing();
   const std::span<const Vec3> c_vertices = surface.faces().positions();
-  const FineFaces fine(surface);
+  const FineFaces fine(surface, control);
+  control.check_cancelled();
   const AreaSamples spread(fine.positions, fine.triangles, samples);
   const auto point = [&](std::size_t i) {
     const Vec3 index = divided(i < samples ? spread.point(i) : c_vertices[i - samples], spacing);
@@ -236,6 +244,7 @@ void measure_surface_to_mesh(const TriangleMesh& mesh, const TriangleTree& tree,
   for (std::size_t i = 0; i < distance.size(); ++i) {
     if (distance[i] > far.bound) far.corners.push_back(mesh.triangles[nearest[i]]);
   }
+  control.check_cancelled();
   out.surface_area = spread.area();
   out.surface_to_mesh = summarize(std::move(distance), samples, spread.area(), out.voxel, point);
 }
@@ -259,10 +268,11 @@ Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::si
   require(samples > 0, "no samples are wanted");
   const Vec3 spacing = surface.spacing();
   check_mesh(mesh, spacing);
+  control.check_cancelled();
   std::vector<Vec3> positions;
   positions.reserve(mesh.positions.size());
   for (const Vec3& p : mesh.positions) positions.push_back(scaled(p, spacing));
-  const TriangleTree tree(std::move(positions), mesh.triangles);
+  const TriangleTree tree(std::move(positions), mesh.triangles, control);
 
   Measurement out;
   out.voxel = surface.voxel();
@@ -311,7 +321,7 @@ Measurement measure(const TriangleMesh& mesh, const VolumeView& volume, const Me
   parse.interpolation = options.interpolation;
   SurfaceComplex complex = parse_surface(in_voxels, parse, control);
   if (complex.faces.empty()) throw_empty_surface(volume, options.isovalue);
-  const Isosurface surface(in_voxels, parse.rule, complex, options.interpolation);
+  const Isosurface surface(in_voxels, parse.rule, complex, options.interpolation, 1, control);
   complex = {};
 
   Measurement out = measure(index, surface, options.samples, control);

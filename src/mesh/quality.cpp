@@ -7,6 +7,7 @@
 #include <tuple>
 #include <vector>
 
+#include "core/cancel_poll.h"
 #include "core/vector_math.h"
 #include "isoatlas/mesh.h"
 
@@ -23,7 +24,7 @@ double interior_dihedral_angle(Vec3 p, Vec3 q, Vec3 left, Vec3 right) {
   return dot(first, right - p) > 0 ? 180 + between : 180 - between;
 }
 
-void measure_dihedral_angles(const TriangleMesh& mesh, MeshQuality& quality) {
+void measure_dihedral_angles(const TriangleMesh& mesh, MeshQuality& quality, const RunControl& control) {
   struct Side {
     std::uint32_t low, high, opposite;
     bool ascends;  // the triangle runs from low to high
@@ -36,10 +37,13 @@ void measure_dihedral_angles(const TriangleMesh& mesh, MeshQuality& quality) {
       sides.push_back({std::min(from, to), std::max(from, to), t[(k + 2) % 3], from < to});
     }
   }
+  control.check_cancelled();
   std::ranges::sort(sides, [](const Side& a, const Side& b) {
     return std::tie(a.low, a.high, a.opposite, a.ascends) < std::tie(b.low, b.high, b.opposite, b.ascends);
   });
+  CancelPoll poll(control);
   for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
+    poll.step();
     const Side &a = sides[i], &b = sides[i + 1];
     if (a.low != b.low || a.high != b.high || a.ascends == b.ascends) continue;
     const Side &up = a.ascends ? a : b, &down = a.ascends ? b : a;
@@ -52,7 +56,7 @@ void measure_dihedral_angles(const TriangleMesh& mesh, MeshQuality& quality) {
 
 }  // namespace
 
-MeshQuality mesh_quality(const TriangleMesh& mesh) {
+MeshQuality mesh_quality(const TriangleMesh& mesh, const RunControl& control) {
   MeshQuality q;
   q.triangles = mesh.triangles.size();
   if (mesh.triangles.empty()) return q;
@@ -61,7 +65,9 @@ MeshQuality mesh_quality(const TriangleMesh& mesh) {
   q.angle_min = 180;
   q.edge_min = std::numeric_limits<double>::infinity();
   std::size_t below = 0;
+  CancelPoll poll(control);
   for (const Triangle& t : mesh.triangles) {
+    poll.step();
     const Vec3 p[3] = {mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]};
     const double edge[3] = {length(p[1] - p[0]), length(p[2] - p[1]), length(p[0] - p[2])};
     const auto [shortest, longest] = std::minmax({edge[0], edge[1], edge[2]});
@@ -83,7 +89,7 @@ MeshQuality mesh_quality(const TriangleMesh& mesh) {
     if (largest > kCapAngle) ++q.angles_above_150;
     if (length(cross(p[1] - p[0], p[2] - p[0])) == 0) ++q.zero_area_triangles;
   }
-  measure_dihedral_angles(mesh, q);
+  measure_dihedral_angles(mesh, q, control);
   const auto quantile = [&](double share) {
     const auto k = static_cast<std::ptrdiff_t>(share * static_cast<double>(aspect.size() - 1));
     std::nth_element(aspect.begin(), aspect.begin() + k, aspect.end());

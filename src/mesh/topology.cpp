@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "core/cancel_poll.h"
 #include "core/disjoint_sets.h"
 #include "core/ids.h"
 #include "isoatlas/mesh.h"
@@ -44,7 +45,7 @@ std::int64_t MeshTopology::boundary_loops() const {
   return sum;
 }
 
-MeshTopology mesh_topology(const TriangleMesh& mesh) {
+MeshTopology mesh_topology(const TriangleMesh& mesh, const RunControl& control) {
   MeshTopology out;
   const std::uint32_t n = checked_id(mesh.positions.size(), "vertices");
   checked_id(3 * mesh.triangles.size(), "triangle corners");
@@ -55,7 +56,9 @@ MeshTopology mesh_topology(const TriangleMesh& mesh) {
   half_edges.reserve(3 * mesh.triangles.size());
   DisjointSets sets(n);
   std::vector<std::uint32_t> corners(n, 0);  // triangles at each vertex
+  CancelPoll poll(control);
   for (const Triangle& t : mesh.triangles) {
+    poll.step();
     for (const std::uint32_t v : t) {
       if (v >= n) {
         throw Error(ErrorCode::bad_argument, "triangle corner " + std::to_string(v) + " is not one of " + std::to_string(n) + " vertices");
@@ -97,11 +100,14 @@ MeshTopology mesh_topology(const TriangleMesh& mesh) {
   for (const Triangle& t : mesh.triangles) out.components[out.component_of_vertex[t[0]]].euler_characteristic += 1;
 
   // Edges, sorted by (low, high).
+  control.check_cancelled();
   half_edges = sorted_by(half_edges, n, [](const HalfEdge& h) { return h.high; });
+  control.check_cancelled();
   half_edges = sorted_by(half_edges, n, [](const HalfEdge& h) { return h.low; });
   DisjointSets loops(n);  // boundary vertices joined along boundary edges
   std::vector<std::uint32_t> degree(n, 0), boundary_degree(n, 0);
   for (std::size_t i = 0; i < half_edges.size();) {
+    poll.step();
     std::size_t j = i;
     std::uint32_t forward = 0;
     while (j < half_edges.size() && half_edges[j].low == half_edges[i].low && half_edges[j].high == half_edges[i].high) {
@@ -144,6 +150,7 @@ MeshTopology mesh_topology(const TriangleMesh& mesh) {
   std::vector<std::uint32_t> local(n, kNone);  // position of a neighbour in the current link
   for (std::uint32_t v = 0; v < n; ++v) {
     if (corners[v] == 0) continue;
+    poll.step();
     DisjointSets pieces(degree[v]);
     std::uint32_t count = 0;
     std::uint32_t joined = 0;

@@ -32,7 +32,7 @@ struct Item {
 // both parts; where a part is one block or less, with blocks of its parts, down to `leaf`.
 class Cutter {
  public:
-  Cutter(std::size_t leaf, std::size_t children) : leaf_(leaf), children_(children) {}
+  Cutter(std::size_t leaf, std::size_t children, const RunControl& control) : leaf_(leaf), children_(children), control_(control) {}
 
   void cut(Item* first, Item* last, std::size_t block) const {
     const auto count = static_cast<std::size_t>(last - first);
@@ -49,6 +49,7 @@ class Cutter {
       return;
     }
     for_each_piece(2, 1, [&](std::size_t begin, std::size_t end) {
+      control_.check_cancelled();
       if (begin == 0) cut(first, middle, block);
       if (end == 2) cut(middle, last, block);
     });
@@ -71,21 +72,24 @@ class Cutter {
   }
 
   std::size_t leaf_, children_;
+  const RunControl& control_;
 };
 
 double axis(Vec3 p, int a) { return a == 0 ? p.x : a == 1 ? p.y : p.z; }
 
 }  // namespace
 
-TriangleTree::TriangleTree(std::vector<Vec3> positions, std::span<const Triangle> triangles) : positions_(std::move(positions)) {
+TriangleTree::TriangleTree(std::vector<Vec3> positions, std::span<const Triangle> triangles, const RunControl& control)
+    : positions_(std::move(positions)) {
   checked_id(triangles.size(), "triangles");
-  order(triangles);
-  make_boxes();
+  order(triangles, control);
+  make_boxes(control);
 }
 
-void TriangleTree::order(std::span<const Triangle> triangles) {
+void TriangleTree::order(std::span<const Triangle> triangles, const RunControl& control) {
   std::vector<Item> items(triangles.size());
   for_each_piece(triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    control.check_cancelled();
     for (std::size_t t = begin; t < end; ++t) {
       const auto [a, b, c] = triangles[t];
       const Vec3 sum = positions_[a] + positions_[b] + positions_[c];
@@ -94,14 +98,15 @@ void TriangleTree::order(std::span<const Triangle> triangles) {
   });
   std::size_t block = kLeaf;
   while (block < items.size()) block *= kChildren;
-  Cutter(kLeaf, kChildren).cut(items.data(), items.data() + items.size(), block);
+  Cutter(kLeaf, kChildren, control).cut(items.data(), items.data() + items.size(), block);
+  control.check_cancelled();
   slots_.resize(triangles.size());
   for_each_piece(triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s) slots_[s] = {triangles[items[s].triangle], items[s].triangle};
   });
 }
 
-void TriangleTree::make_boxes() {
+void TriangleTree::make_boxes(const RunControl& control) {
   if (slots_.empty()) return;
   const std::size_t leaves = (slots_.size() + kLeaf - 1) / kLeaf;
   std::size_t total = 0;
@@ -138,6 +143,7 @@ void TriangleTree::make_boxes() {
   for (std::size_t level = 0; level < levels_.size(); ++level) {
     const std::size_t boxes = level == 0 ? leaves : levels_[level - 1].nodes;
     for_each_piece(levels_[level].nodes, kGrain / 16, [&](std::size_t begin, std::size_t end) {
+      control.check_cancelled();
       for (std::size_t i = begin; i < end; ++i) {
         Node& node = nodes_[levels_[level].first + i];
         for (std::size_t k = 0; k < kChildren; ++k) {

@@ -9,6 +9,7 @@
 
 #include "core/ids.h"
 #include "isoatlas/mesh.h"
+#include "isoatlas/run_control.h"
 #include "mesh/closest_point.h"
 
 namespace isoatlas {
@@ -31,7 +32,7 @@ class TriangleTree {
   /// @param triangles  corners < positions.size(); may be degenerate
   /// @cost  O(T log T)
   /// @post  the same tree for any number of threads
-  TriangleTree(std::vector<Vec3> positions, std::span<const Triangle> triangles);
+  TriangleTree(std::vector<Vec3> positions, std::span<const Triangle> triangles, const RunControl& control = {});
 
   /// The closest point of all triangles, if it is no farther than `at_most`. Of triangles at equal distance the smallest id.
   /// O(log T) for points near the triangles; a tight `at_most` saves half of it.
@@ -67,8 +68,8 @@ class TriangleTree {
     std::size_t first = 0, nodes = 0;
   };
 
-  void order(std::span<const Triangle> triangles);
-  void make_boxes();
+  void order(std::span<const Triangle> triangles, const RunControl& control);
+  void make_boxes(const RunControl& control);
 
   std::vector<Vec3> positions_;
   std::vector<Slot> slots_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "metrics/surfels.h"
 
+#include "core/cancel_poll.h"
 #include "core/parallel.h"
 #include "core/vector_math.h"
 
@@ -11,14 +12,16 @@ constexpr std::size_t kPerPiece = 8192;  // c-vertices, of a parallel loop
 
 }  // namespace
 
-Surfels make_surfels(const SurfaceComplex& complex) {
+Surfels make_surfels(const SurfaceComplex& complex, const RunControl* control) {
   const std::uint32_t n = complex.c_vertex_count();
   Surfels out;
   out.point.resize(n);
   out.normal.resize(n);
   out.area.assign(n, 0);
-  for_each_index(n, kPerPiece, [&](std::size_t v) { out.point[v] = scaled(complex.positions[v], complex.spacing); });
+  for_each_index(n, kPerPiece, control, [&](std::size_t v) { out.point[v] = scaled(complex.positions[v], complex.spacing); });
+  CancelPoll poll(control);
   for (const Face& face : complex.faces) {
+    poll.step();
     const int size = face.size();
     const auto at = [&](int k) { return out.point[face.corner[k]]; };
     // Twice the area vector: of a quad the cross product of its diagonals, of a triangle that of two sides.
@@ -30,7 +33,7 @@ Surfels make_surfels(const SurfaceComplex& complex) {
       out.area[face.corner[k]] += share;
     }
   }
-  for_each_index(n, kPerPiece, [&](std::size_t v) { out.normal[v] = normalized(out.normal[v]); });
+  for_each_index(n, kPerPiece, control, [&](std::size_t v) { out.normal[v] = normalized(out.normal[v]); });
   return out;
 }
 

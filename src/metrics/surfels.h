@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "isoatlas/run_control.h"
 #include "surface/surface_complex.h"
 
 namespace isoatlas {
@@ -16,6 +17,6 @@ struct Surfels {
 };
 
 /// O(F). 52 bytes per c-vertex.
-Surfels make_surfels(const SurfaceComplex& complex);
+Surfels make_surfels(const SurfaceComplex& complex, const RunControl* control = nullptr);
 
 }  // namespace isoatlas

@@ -15,6 +15,7 @@
 #include <atomic>
 #include <utility>
 
+#include "core/cancel_poll.h"
 #include "core/disjoint_sets.h"
 #include "core/parallel.h"
 
@@ -60,12 +61,13 @@ class CellCounts {
 class CompleteCheck {
  public:
   CompleteCheck(const SurfaceComplex& complex, std::span<const CellId> cell_of, std::uint32_t cells, std::span<const CVertexId> site,
-                std::span<const std::uint8_t> scope)
+                std::span<const std::uint8_t> scope, const RunControl& control)
       : complex_(complex),
         cell_of_(cell_of),
         cells_(cells),
         site_(site),
         scope_(scope),
+        control_(control),
         counts_(cells),
         pieces_(complex.c_vertex_count()),
         boundary_ends_(cells, 0),
@@ -74,15 +76,18 @@ class CompleteCheck {
 
   PartitionCheck run() {
     check_.triangles = collect_pieces<DualTriangle>(complex_.faces.size(), kFaces, [&](std::size_t begin, std::size_t end, auto& triangles) {
+      control_.check_cancelled();
       CellCounts::Adder counts(counts_);
       for (std::size_t f = begin; f < end; ++f) count_face(complex_.faces[f], counts, triangles);
     });
     checked_id(3 * check_.triangles.size() + complex_.boundary.size(), "ends of arcs");
     for_each_piece(cell_of_.size(), kCells, [&](std::size_t begin, std::size_t end) {
+      control_.check_cancelled();
       CellCounts::Adder counts(counts_);
       for (auto v = static_cast<CVertexId>(begin); v < end; ++v) counts.add(cell_of_[v], pieces_.is_root(v) ? kPiece + 2 : 2);
     });
     count_boundary();
+    control_.check_cancelled();
     run_both([&] { judge_all_pairs(); }, [&] { judge_cells(); });
     return std::move(check_);
   }
@@ -149,6 +154,7 @@ class CompleteCheck {
     }
     std::atomic<std::size_t> checked = 0;
     check_.faulty_cells = collect_pieces<FaultyCell>(cells_, kCells, [&](std::size_t begin, std::size_t end, auto& faulty) {
+      control_.check_cancelled();
       std::size_t here = 0;
       for (auto c = static_cast<CellId>(begin); c < end; ++c) {
         const std::int64_t count = counts_[c];
@@ -171,10 +177,12 @@ class CompleteCheck {
 
   // Into buckets by the smaller cell. Filling moves first_[c] to the end of bucket c.
   void sort_ends() {
+    CancelPoll poll(control_);
     std::uint32_t total = 0;
     for (std::uint32_t& f : first_) total += std::exchange(f, total);
     ends_.resize(total);
     for (const DualTriangle& t : check_.triangles) {
+      poll.step();
       for (int k = 0; k < 3; ++k) {
         const CellId a = t.cell[k], b = t.cell[(k + 1) % 3];
         ends_[first_[std::min(a, b)]++] = {std::min(a, b), std::max(a, b), t.cell[(k + 2) % 3]};
@@ -190,7 +198,7 @@ class CompleteCheck {
   void judge_all_pairs() {
     sort_ends();
     std::vector<PartitionCheck> parts((cells_ + kCells - 1) / kCells);
-    for_each_index(parts.size(), 1, [&](std::size_t i) {
+    for_each_index(parts.size(), 1, &control_, [&](std::size_t i) {
       const std::size_t last = std::min<std::size_t>(cells_, (i + 1) * kCells);
       const std::uint32_t start = i == 0 ? 0 : first_[i * kCells - 1];
       std::uint32_t from = start;
@@ -210,6 +218,7 @@ class CompleteCheck {
   std::uint32_t cells_;
   std::span<const CVertexId> site_;
   std::span<const std::uint8_t> scope_;
+  const RunControl& control_;
   CellCounts counts_;    // per cell, twice V - E + F, plus kPiece times the pieces that it is in
   DisjointSets pieces_;  // of cells, whose c-vertices it joins
   std::vector<std::uint8_t> boundary_ends_;  // per cell, boundary sides that leave it, up to 3 (= too many)
@@ -222,8 +231,8 @@ class CompleteCheck {
 }  // namespace
 
 PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const CellId> cell_of, std::uint32_t cells,
-                               std::span<const CVertexId> site, std::span<const std::uint8_t> scope) {
-  return CompleteCheck(complex, cell_of, cells, site, scope).run();
+                               std::span<const CVertexId> site, std::span<const std::uint8_t> scope, const RunControl& control) {
+  return CompleteCheck(complex, cell_of, cells, site, scope, control).run();
 }
 
 std::uint8_t PartitionCheck::fault_of(CellId cell) const {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "isoatlas/certificate.h"
+#include "isoatlas/run_control.h"
 #include "partition/partition.h"
 
 namespace isoatlas {
@@ -68,7 +69,7 @@ void judge_pairs(std::span<const ArcEnd> ends, IsWanted is_wanted, PartitionChec
 /// @cost  O(C α(C)); no floating point but for the diagonals of quads with four cells, which are free to choose
 /// @source Edelsbrunner and Shah 1997; paper, section 3.6
 PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const CellId> cell_of, std::uint32_t cells,
-                               std::span<const CVertexId> site, std::span<const std::uint8_t> scope = {});
+                               std::span<const CVertexId> site, std::span<const std::uint8_t> scope = {}, const RunControl& control = {});
 
 /// Writes down what a check looked at and whether it passed.
 void record(const PartitionCheck& check, CertificateReport& report);

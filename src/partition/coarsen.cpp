@@ -11,10 +11,12 @@
 #include <cmath>
 #include <span>
 
+#include "core/cancel_poll.h"
 #include "core/disjoint_sets.h"
 #include "core/epoch_set.h"
 #include "core/parallel.h"
 #include "core/vector_math.h"
+#include "core/whole_progress.h"
 #include "mesh/outward.h"
 #include "partition/cell_members.h"
 #include "partition/certificate.h"
@@ -274,10 +276,11 @@ Coarsened coarsen(const SurfaceComplex& complex, double block_length, const RunC
   bool faced = false;
   std::vector<std::uint8_t> scope;  // after a cut, look again only around it; the last check is of everything
   for (;;) {
-    control.check_cancelled();
-    PartitionCheck check = check_partition(complex, regions.region_of(), n, {}, scope);
+    report_going_on(control);
+    PartitionCheck check = check_partition(complex, regions.region_of(), n, {}, scope, control);
     ++out.certificate.repair_rounds;
     if (!check.passed()) {
+      control.check_cancelled();
       if (!regions.cut(check)) throw Error(ErrorCode::internal, "the certificate fails with every c-vertex its own region");
       scope = regions.around_cut();
       continue;
@@ -286,6 +289,7 @@ Coarsened coarsen(const SurfaceComplex& complex, double block_length, const RunC
       scope.clear();
       continue;
     }
+    control.check_cancelled();
     if (!faced) {  // once: what is inside out afterwards is so in the input
       faced = true;
       if (regions.cut_completely(turned_small_components(complex, regions.region_of(), check.triangles))) {
@@ -294,10 +298,12 @@ Coarsened coarsen(const SurfaceComplex& complex, double block_length, const RunC
       }
     }
     record(check, out.certificate);
+    control.check_cancelled();
     Partition partition = with_representatives(complex, regions.region_of());
     for (DualTriangle& t : check.triangles) {
       for (CellId& c : t.cell) c = partition.cell_of[c];  // a region was named by one of its c-vertices
     }
+    control.check_cancelled();
     out.complex = dual_complex(complex, partition, check.triangles);
     out.triangles = DualTriangles(std::move(check.triangles), partition.cell_count());
     out.representative = std::move(partition.site);
@@ -313,7 +319,7 @@ void cut_regions(const SurfaceComplex& complex, std::span<const CVertexId> regio
   std::vector<CVertexId>& representative = coarser.representative;
   ComplexAdjacency adjacency;
   CellMembers members;
-  run_both([&] { adjacency = ComplexAdjacency(complex); },
+  run_both([&] { adjacency = ComplexAdjacency(complex, control); },
            [&] { members = CellMembers(region_of, static_cast<std::uint32_t>(representative.size())); });
   ScopedCheck scoped;
   std::vector<CVertexId> changed(touched.begin(), touched.end());
@@ -329,11 +335,13 @@ void cut_regions(const SurfaceComplex& complex, std::span<const CVertexId> regio
     on_its_own(v);
     changed.push_back(v);
   }
+  CancelPoll poll(control);
   const auto cut = [&](std::vector<CellId>& failed) {
     std::vector<CVertexId> own;
     for (const CellId r : failed) members.for_each(r, [&](CVertexId v) { own.push_back(v); });
     std::sort(own.begin(), own.end());
     for (const CVertexId v : own) {
+      poll.step();
       if (representative[region_of[v]] == v) continue;
       members.erase(v, region_of[v]);
       on_its_own(v);
@@ -344,16 +352,19 @@ void cut_regions(const SurfaceComplex& complex, std::span<const CVertexId> regio
   std::sort(failed.begin(), failed.end());
   failed.erase(std::unique(failed.begin(), failed.end()), failed.end());
   cut(failed);
-  std::vector<CellId> scope = scoped.cells_near(complex, adjacency, region_of, changed), checked = scope;
+  std::vector<CellId> scope = scoped.cells_near(complex, adjacency, region_of, changed, control), checked = scope;
   for (;;) {
-    control.check_cancelled();
-    PartitionCheck check = scoped.run(complex, adjacency, region_of, members, {}, scope);
+    report_going_on(control);
+    PartitionCheck check = scoped.run(complex, adjacency, region_of, members, {}, scope, control);
     ++coarser.certificate.repair_rounds;
     if (check.passed()) {
+      control.check_cancelled();
       std::sort(checked.begin(), checked.end());
       checked.erase(std::unique(checked.begin(), checked.end()), checked.end());
-      if (checked.size() > scope.size()) check = scoped.run(complex, adjacency, region_of, members, {}, checked);
-      coarser.triangles.replace(checked, check.triangles, static_cast<CellId>(representative.size()));
+      if (checked.size() > scope.size()) check = scoped.run(complex, adjacency, region_of, members, {}, checked, control);
+      control.check_cancelled();
+      coarser.triangles.replace(checked, check.triangles, static_cast<CellId>(representative.size()), control);
+      control.check_cancelled();
       coarser.complex = dual_complex(complex, {region_of, representative}, coarser.triangles.list());
       return;
     }
@@ -367,18 +378,18 @@ void cut_regions(const SurfaceComplex& complex, std::span<const CVertexId> regio
     if (failed.empty()) {  // two single c-vertices whose arcs are faulty: because of the regions around them
       std::vector<CVertexId> single;
       for (const PairFault& p : check.pair_faults) single.insert(single.end(), {representative[p.a], representative[p.b]});
-      for (const CellId r : scoped.cells_near(complex, adjacency, region_of, single)) fail(r);
+      for (const CellId r : scoped.cells_near(complex, adjacency, region_of, single, control)) fail(r);
     }
     if (failed.empty()) throw Error(ErrorCode::internal, "the certificate fails with every c-vertex its own region");
     changed.clear();
     cut(failed);
-    scope = scoped.cells_near(complex, adjacency, region_of, changed);
+    scope = scoped.cells_near(complex, adjacency, region_of, changed, control);
     checked.insert(checked.end(), scope.begin(), scope.end());
   }
 }
 
-void certify_regions(const SurfaceComplex& complex, Coarsened& coarser) {
-  const PartitionCheck check = check_partition(complex, coarser.region_of, static_cast<CellId>(coarser.representative.size()), {});
+void certify_regions(const SurfaceComplex& complex, Coarsened& coarser, const RunControl& control) {
+  const PartitionCheck check = check_partition(complex, coarser.region_of, static_cast<CellId>(coarser.representative.size()), {}, {}, control);
   if (!check.passed() || fingerprint(check.triangles) != fingerprint(coarser.triangles.list()))
     throw Error(ErrorCode::internal, "the coarser complex is not certified; please report the volume and the options");
   record(check, coarser.certificate);

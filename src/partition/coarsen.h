@@ -40,6 +40,6 @@ void cut_regions(const SurfaceComplex& complex, std::span<const CVertexId> regio
 /// The complete certificate of the regions, after cut_regions().
 /// @param complex  as there
 /// @throws Error(internal) if it fails or has other faces than the coarser complex, which would be a bug
-void certify_regions(const SurfaceComplex& complex, Coarsened& coarser);
+void certify_regions(const SurfaceComplex& complex, Coarsened& coarser, const RunControl& control = {});
 
 }  // namespace isoatlas

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/cancel_poll.h"
+
 namespace isoatlas {
 namespace {
 
@@ -27,17 +29,24 @@ DualTriangles::DualTriangles(std::vector<DualTriangle> triangles, std::uint32_t 
   }
 }
 
-void DualTriangles::replace(std::span<const CellId> scope, std::span<const DualTriangle> triangles, std::uint32_t cells) {
+void DualTriangles::replace(std::span<const CellId> scope, std::span<const DualTriangle> triangles, std::uint32_t cells,
+                            const RunControl& control) {
+  CancelPoll poll(control);
   if (cells > of_cell_.row_count()) of_cell_.resize_rows(cells);
   std::vector<std::uint32_t> old;
-  const auto add_row = [&](CellId c) { old.insert(old.end(), of_cell_.row(c).begin(), of_cell_.row(c).end()); };
+  const auto add_row = [&](CellId c) {
+    poll.step();
+    old.insert(old.end(), of_cell_.row(c).begin(), of_cell_.row(c).end());
+  };
   std::ranges::for_each(scope, add_row);
   for (CellId c = cells; c < of_cell_.row_count(); ++c) add_row(c);
   std::sort(old.begin(), old.end());
   old.erase(std::unique(old.begin(), old.end()), old.end());
+  control.check_cancelled();
   std::vector<std::uint8_t> stays(old.size(), 0);
   std::vector<DualTriangle> added;
   for (const DualTriangle& t : triangles) {
+    poll.step();
     bool found = false;
     for (const std::uint32_t i : of_cell_.row(t.cell[0])) {
       if (!same_corners(list_[i].cell, t.cell)) continue;
@@ -52,6 +61,7 @@ void DualTriangles::replace(std::span<const CellId> scope, std::span<const DualT
   std::size_t taken = 0;  // of those that were added, how many have the number of one that was removed
   for (std::size_t k = old.size(); k-- > 0;) {  // the last one first, so that the numbers of those before stay
     if (stays[k]) continue;
+    poll.step();
     if (taken < added.size()) {
       for (const CellId c : list_[old[k]].cell) of_cell_.erase(c, old[k]);
       list_[old[k]] = added[taken++];
@@ -60,7 +70,10 @@ void DualTriangles::replace(std::span<const CellId> scope, std::span<const DualT
       remove(old[k]);
     }
   }
-  for (; taken < added.size(); ++taken) add(added[taken]);
+  for (; taken < added.size(); ++taken) {
+    poll.step();
+    add(added[taken]);
+  }
   of_cell_.resize_rows(cells);
 }
 

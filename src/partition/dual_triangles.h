@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/slack_rows.h"
+#include "isoatlas/run_control.h"
 #include "partition/partition.h"
 
 namespace isoatlas {
@@ -22,7 +23,8 @@ class DualTriangles {
   /// Replaces all triangles with a corner in a cell of `scope` by `triangles`. Those that are the same stay.
   /// @param cells  how many cells there are now; triangles with a corner in a cell beyond are replaced as well
   /// @cost  the triangles that are removed or added, times the logarithm of their number
-  void replace(std::span<const CellId> scope, std::span<const DualTriangle> triangles, std::uint32_t cells);
+  void replace(std::span<const CellId> scope, std::span<const DualTriangle> triangles, std::uint32_t cells,
+               const RunControl& control = {});
 
  private:
   void add(const DualTriangle& triangle);

@@ -5,6 +5,8 @@
 #include <array>
 #include <utility>
 
+#include "core/cancel_poll.h"
+
 namespace isoatlas {
 namespace {
 
@@ -17,13 +19,14 @@ constexpr std::size_t kSweepsPerCheck = 16;
 class ScopedCheck::Run {
  public:
   Run(ScopedCheck& scratch, const SurfaceComplex& complex, const ComplexAdjacency& adjacency, std::span<const CellId> cell_of,
-      const CellMembers& members, std::span<const CVertexId> site)
-      : s_(scratch), complex_(complex), adjacency_(adjacency), cell_of_(cell_of), members_(members), site_(site) {}
+      const CellMembers& members, std::span<const CVertexId> site, const RunControl& control)
+      : s_(scratch), complex_(complex), adjacency_(adjacency), cell_of_(cell_of), members_(members), site_(site), poll_(control) {}
 
   PartitionCheck run(std::span<const CellId> scope) {
     start(scope);
     for (const CellId cell : scope) {
       members_.for_each(cell, [&](CVertexId v) {
+        poll_.step();
         for (const FaceId f : adjacency_.faces_of(v)) {
           if (s_.seen_.insert(f)) count_face(complex_.faces[f]);
         }
@@ -164,26 +167,30 @@ class ScopedCheck::Run {
   std::span<const CellId> cell_of_;
   const CellMembers& members_;
   std::span<const CVertexId> site_;
+  CancelPoll poll_;
   PartitionCheck check_;
 };
 
 PartitionCheck ScopedCheck::run(const SurfaceComplex& complex, const ComplexAdjacency& adjacency, std::span<const CellId> cell_of,
-                                const CellMembers& members, std::span<const CVertexId> site, std::span<const CellId> scope) {
+                                const CellMembers& members, std::span<const CVertexId> site, std::span<const CellId> scope,
+                                const RunControl& control) {
   std::size_t c_vertices = 0;
   for (const CellId c : scope) c_vertices += members.count(c);
   if (kSweepsPerCheck * c_vertices > cell_of.size()) {
     std::vector<std::uint8_t> is_in_scope(members.cell_count(), 0);
     for (const CellId c : scope) is_in_scope[c] = 1;
-    return check_partition(complex, cell_of, members.cell_count(), site, is_in_scope);
+    return check_partition(complex, cell_of, members.cell_count(), site, is_in_scope, control);
   }
-  return Run(*this, complex, adjacency, cell_of, members, site).run(scope);
+  return Run(*this, complex, adjacency, cell_of, members, site, control).run(scope);
 }
 
 std::vector<CellId> ScopedCheck::cells_near(const SurfaceComplex& complex, const ComplexAdjacency& adjacency, std::span<const CellId> cell_of,
-                                            std::span<const CVertexId> changed) {
+                                            std::span<const CVertexId> changed, const RunControl& control) {
   std::vector<CellId> cells;
   in_scope_.clear();
+  CancelPoll poll(control);
   for (const CVertexId v : changed) {
+    poll.step();
     for (const FaceId f : adjacency.faces_of(v)) {
       const Face& face = complex.faces[f];
       for (int k = 0; k < face.size(); ++k) {

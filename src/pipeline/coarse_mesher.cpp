@@ -7,6 +7,7 @@
 
 #include "core/parallel.h"
 #include "core/vector_math.h"
+#include "core/whole_progress.h"
 #include "cover/halving_covering.h"
 #include "embed/mesh_nesting.h"
 #include "refine/level_mesh.h"
@@ -66,15 +67,15 @@ SlackRows<std::uint32_t> triangles_around(std::span<const Triangle> triangles, s
 
 }  // namespace
 
-CoarseMesher::Stand::Stand(const SurfaceComplex& on, const CoveringOptions& options)
-    : complex(on), positions(on.positions), graph(make_graph(on)), covering(graph, options), dual(complex, covering) {}
+CoarseMesher::Stand::Stand(const SurfaceComplex& on, const CoveringOptions& options, const RunControl& control)
+    : complex(on), positions(on.positions), graph(make_graph(on, &control)), covering(graph, options), dual(complex, covering) {}
 
 // The complex is finer now.
-void CoarseMesher::Stand::continue_on() {
-  std::vector<std::uint8_t> changed = remake_graph(graph, complex);
+void CoarseMesher::Stand::continue_on(const RunControl& control) {
+  std::vector<std::uint8_t> changed = remake_graph(graph, complex, &control);
   for (CVertexId v = 0; v < positions.size(); ++v) changed[v] |= !(positions[v] == complex.positions[v]);
   positions = complex.positions;
-  covering.continue_on(changed, std::vector<CVertexId>(covering.partition().site));
+  covering.continue_on(changed, std::vector<CVertexId>(covering.partition().site), control);
   covering.ignore_events();
   dual.continue_on(changed);
 }
@@ -82,7 +83,7 @@ void CoarseMesher::Stand::continue_on() {
 CoarseMesher::CoarseMesher(AdaptiveSurface& surface, Coarsened& coarser, const CoveringOptions& cover, const ExtractOptions& options,
                            WrittenPositions written)
     : surface_(surface), coarser_(coarser), cover_(cover), options_(options), meeting_(std::move(written)) {
-  stand_ = std::make_unique<Stand>(is_coarser() ? coarser_.complex : surface_.complex(), cover_);
+  stand_ = std::make_unique<Stand>(is_coarser() ? coarser_.complex : surface_.complex(), cover_, surface_.control());
 }
 
 void CoarseMesher::cover(const RunControl& control) {
@@ -125,8 +126,10 @@ class CoarseMesher::Dual : public GrowingDual {
 
   Covering& covering() override { return mesher_.stand_->covering; }
   void update() override {
+    report_going_on(control_);
     mesher_.stand_->dual.update(certificate_, control_);
     mesher_.take_mesh();
+    control_.check_cancelled();
   }
   std::vector<Vec3> positions() const override { return mesher_.mesh_.positions; }
   std::vector<Triangle> triangles() const override { return mesher_.mesh_.triangles; }
@@ -143,8 +146,7 @@ class CoarseMesher::Dual : public GrowingDual {
 
 // In rounds only what changed is certified; everything once at the end.
 void CoarseMesher::mesh(LevelReport& report, const RunControl& told) {
-  RunControl control = told;  // covers and certifies again, which is nobody's stage
-  control.progress = nullptr;
+  const RunControl control = without_stages(told);  // covers and certifies again
   Dual dual(*this, report.certificate, control);
   do {
     if (options_.allow_self_intersections) {
@@ -158,10 +160,12 @@ void CoarseMesher::mesh(LevelReport& report, const RunControl& told) {
     stand_->dual.certify(report.certificate, control);
   } while (stand_->covering.site_count() > mesh_.positions.size());
   take_mesh();
-  run_both([&] { relax_vertices(control); },
+  RunControl quiet = control;  // what runs beside something else tells nobody
+  quiet.progress = nullptr;
+  run_both([&] { relax_vertices(quiet); },
            [&] {  // what does not depend on where vertices are
-             topology_ = mesh_topology(mesh_);
-             if (were_regions_cut_) certify_regions(surface_.complex(), coarser_);
+             topology_ = mesh_topology(mesh_, quiet);
+             if (were_regions_cut_) certify_regions(surface_.complex(), coarser_, quiet);
            });
 }
 
@@ -174,7 +178,7 @@ std::vector<std::uint8_t> CoarseMesher::turned_components(std::span<const Compon
 }
 
 Nesting CoarseMesher::nesting(std::span<const ComponentId> component_of) const {
-  return mesh_nesting(mesh_.positions, mesh_.triangles, component_of, open_flags(surface_.components()));
+  return mesh_nesting(mesh_.positions, mesh_.triangles, component_of, open_flags(surface_.components()), surface_.control());
 }
 
 // Moves vertices that are too close to each other for later levels to have good triangles there, and for good triangles in this one. Where
@@ -191,6 +195,7 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
     start.push_back(scaled(surface.positions[v], s));
     roam.push_back(surface_.may_roam(v) ? roam_of(surface.positions[v], s) : Roam{start.back(), start.back()});
   }
+  control.check_cancelled();
   const SlackRows<std::uint32_t> triangles_of = triangles_around(mesh_.triangles, at.size());
   const InterpolatedField* const field = options_.vertices_on_surface ? &surface_.field() : nullptr;
   RelaxGoal goal{1.0 / 3, kSeparation * std::min({s.x, s.y, s.z})};
@@ -205,6 +210,7 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
   std::iota(look.begin(), look.end(), 0u);
   for (int round = 0; round < kRelaxRounds; ++round) {
     goal.push = round % 2 == 0;
+    control.check_cancelled();
     const std::vector<Vec3> before = points;
     const std::vector<std::uint32_t> moved =
         relax(points, mesh_.triangles, triangles_of, [&](std::uint32_t i) { return roam[i]; }, field, s, goal, control, look);
@@ -262,6 +268,7 @@ std::vector<std::uint8_t> CoarseMesher::must_go_back(std::span<const std::uint32
     any = any || meeting_.pair_count() > 0;
   }
   if (any) return out;
+  control.check_cancelled();
   const std::vector<std::uint8_t> turned = turned_components(component_of);
   for (const std::uint32_t i : moved) out[i] = turned[component_of[i]];
   return out;
@@ -303,12 +310,13 @@ bool CoarseMesher::make_finer(std::span<const CellId> cells, const RunControl& c
     if (to_divide.empty()) return false;
     surface_.divide(to_divide);
   }
+  report_going_on(control);
   if (is_coarser()) {
     cut_regions(surface_.complex(), to_cut, to_divide.empty() ? std::span<const CVertexId>() : surface_.touched(), coarser_, control);
     were_regions_cut_ = true;
   }
-  control.check_cancelled();
-  stand_->continue_on();
+  report_going_on(control);
+  stand_->continue_on(control);
   stand_->covering.cover(control);
   return true;
 }

@@ -36,8 +36,8 @@ class CoarseMesher {
 
  private:
   struct Stand {
-    Stand(const SurfaceComplex& on, const CoveringOptions& options);
-    void continue_on();
+    Stand(const SurfaceComplex& on, const CoveringOptions& options, const RunControl& control);
+    void continue_on(const RunControl& control);
     const SurfaceComplex& complex;
     std::vector<Vec3> positions;  // of its c-vertices when the graph was made
     CVertexGraph graph;

@@ -94,6 +94,7 @@ void drop_unwanted_components(SurfaceComplex& whole, Components& components, Nes
     capped.closed = true;
     sizes = component_sizes(whole, components, parse_surface(volume_in_voxels, capped, control));
   }
+  control.check_cancelled();
   ChosenComponents chosen = choose_components(whole, components, sizes, options, volume.grid);
   report.kept = std::move(chosen.kept);
   report.dropped = std::move(chosen.dropped);
@@ -102,6 +103,7 @@ void drop_unwanted_components(SurfaceComplex& whole, Components& components, Nes
                                               std::to_string(report.dropped.front().size) + " cubic units");
   }
   if (report.dropped.empty()) return;
+  control.check_cancelled();
   components = find_components(whole);
   nesting = without(nesting, chosen.is_dropped);
 }
@@ -146,6 +148,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
 
   control.report("components", 0);
   Components reference = find_components(whole);
+  report_going_on(control);
   Nesting nesting = surface_nesting(reference, nodes);
   nodes = {};
   control.check_cancelled();
@@ -158,8 +161,8 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   report.tunnels = whole.tunnels;
   report.reference = summarize(reference.topology);
   const std::unique_ptr<const Isosurface> isosurface =
-      only_coarse ? nullptr : std::make_unique<const Isosurface>(in_voxels, parse.rule, whole, options.interpolation, options.supersample);
-  control.check_cancelled();
+      only_coarse ? nullptr : std::make_unique<const Isosurface>(in_voxels, parse.rule, whole, options.interpolation, options.supersample, control);
+  report_going_on(control);
   AdaptiveSurface surface(std::move(whole), std::move(reference), std::move(nesting),
                           InterpolatedField(in_voxels, parse.rule, options.interpolation, options.supersample), control);
   clock.finished("components");

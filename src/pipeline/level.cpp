@@ -12,6 +12,7 @@
 
 #include "core/parallel.h"
 #include "core/vector_math.h"
+#include "core/whole_progress.h"
 #include "embed/mesh_nesting.h"
 #include "embed/triangle_pair.h"
 #include "volume/to_space.h"
@@ -23,30 +24,28 @@ namespace {
 // Per component, the topology counted on the finished triangles must be that of the reference. `component_of` says which
 // reference component each mesh vertex stands on.
 void check_mesh(const MeshTopology& mesh, const Components& reference, const std::vector<ComponentId>& component_of) {
-  const auto require_internal = [](bool good, const std::string& what) {
-    if (!good) throw Error(ErrorCode::internal, "the finished mesh failed its check: " + what);
-  };
-  require_internal(mesh.unused_vertices == 0, std::to_string(mesh.unused_vertices) + " vertices without a triangle");
-  require_internal(mesh.is_manifold(), std::to_string(mesh.non_manifold_edges) + " edges and " +
-                                           std::to_string(mesh.non_manifold_vertices) + " vertices are not manifold, " +
-                                           std::to_string(mesh.degenerate_triangles) + " triangles repeat a vertex");
-  require_internal(mesh.is_oriented(), std::to_string(mesh.inconsistent_edges) + " edges between triangles of opposite orientation");
-  require_internal(mesh.components.size() == reference.topology.size(),
-                   std::to_string(mesh.components.size()) + " components instead of " + std::to_string(reference.topology.size()));
+  const auto fail = [](const std::string& what) { throw Error(ErrorCode::internal, "the finished mesh failed its check: " + what); };
+  if (mesh.unused_vertices != 0) fail(std::to_string(mesh.unused_vertices) + " vertices without a triangle");
+  if (!mesh.is_manifold())
+    fail(std::to_string(mesh.non_manifold_edges) + " edges and " + std::to_string(mesh.non_manifold_vertices) +
+         " vertices are not manifold, " + std::to_string(mesh.degenerate_triangles) + " triangles repeat a vertex");
+  if (!mesh.is_oriented()) fail(std::to_string(mesh.inconsistent_edges) + " edges between triangles of opposite orientation");
+  if (mesh.components.size() != reference.topology.size())
+    fail(std::to_string(mesh.components.size()) + " components instead of " + std::to_string(reference.topology.size()));
   std::vector<std::uint32_t> counterpart(reference.topology.size(), kNone);
   for (std::size_t v = 0; v < component_of.size(); ++v) {
     std::uint32_t& c = counterpart[component_of[v]];
     if (c == kNone) c = mesh.component_of_vertex[v];
-    require_internal(c == mesh.component_of_vertex[v], "vertex " + std::to_string(v) + " hangs together with the wrong component");
+    if (c != mesh.component_of_vertex[v]) fail("vertex " + std::to_string(v) + " is connected to the wrong component");
   }
   for (std::size_t c = 0; c < counterpart.size(); ++c) {
-    require_internal(counterpart[c] != kNone, "component " + std::to_string(c) + " is missing");
+    if (counterpart[c] == kNone) fail("component " + std::to_string(c) + " is missing");
     const ComponentTopology& want = reference.topology[c];
     const ComponentTopology& got = mesh.components[counterpart[c]];
-    require_internal(want == got, "component " + std::to_string(c) + " has Euler characteristic " +
-                                      std::to_string(got.euler_characteristic) + " and " + std::to_string(got.boundary_loops) +
-                                      " boundary loops instead of " + std::to_string(want.euler_characteristic) + " and " +
-                                      std::to_string(want.boundary_loops));
+    if (want == got) continue;
+    fail("component " + std::to_string(c) + " has Euler characteristic " + std::to_string(got.euler_characteristic) + " and " +
+         std::to_string(got.boundary_loops) + " boundary loops instead of " + std::to_string(want.euler_characteristic) + " and " +
+         std::to_string(want.boundary_loops));
   }
 }
 
@@ -55,7 +54,7 @@ std::size_t count_misplaced(const TriangleMesh& mesh, std::span<const ComponentI
   const std::vector<std::uint8_t> is_open = open_flags(surface.components());
   const Nesting& wanted = surface.nesting();
   if (nested) {
-    const auto wrong = differences(mesh_nesting(mesh.positions, mesh.triangles, component_of, is_open), wanted);
+    const auto wrong = differences(mesh_nesting(mesh.positions, mesh.triangles, component_of, is_open, surface.control()), wanted);
     return static_cast<std::size_t>(std::count(wrong.begin(), wrong.end(), std::uint8_t{1}));
   }
   const std::vector<std::int8_t> facing = mesh_facing(mesh.positions, mesh.triangles, component_of, is_open);
@@ -125,6 +124,7 @@ void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<co
   component_of.reserve(sites.size());
   for (const CVertexId v : sites) component_of.push_back(reference.of_c_vertex[v]);
   check_mesh(topology, reference, component_of);
+  report_going_on(control);
   report.topology = summarize(topology.components);
   report.vertices = mesh.positions.size();
   report.triangles = mesh.triangles.size();
@@ -140,14 +140,17 @@ void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<co
   run_both(
       [&] {
         if (!options.allow_self_intersections) report_self_intersections(mesh, report, quiet);
+        quiet.check_cancelled();
         report.bad_triangles = bad_triangles(measured, mesh, stays, goal);
       },
       [&] {
-        report.quality = mesh_quality(measured);
+        report.quality = mesh_quality(measured, quiet);
         report.quality.zero_area_triangles = static_cast<std::size_t>(
             std::ranges::count_if(mesh.triangles, [&](const Triangle& t) { return !has_area(mesh.positions, t); }));
+        quiet.check_cancelled();
         report.turned_components = count_misplaced(mesh, component_of, surface, !options.allow_self_intersections);
       });
+  report_going_on(control);
 }
 
 bool LevelReport::all_met() const {

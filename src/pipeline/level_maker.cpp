@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/vector_math.h"
+#include "core/whole_progress.h"
 #include "measure/measure_mesh.h"
 #include "pipeline/level.h"
 
@@ -179,7 +180,8 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
   const Partition& partition = refiner_.partition();
   TriangleMesh mesh = mesh_of(refined);
   for (const auto& [cell, excess] : refined.at_limit) report.at_limit.push_back({to_space(mesh.positions[cell]), excess});
-  const MeshTopology topology = mesh_topology(mesh);
+  const MeshTopology topology = mesh_topology(mesh, control);
+  report_going_on(control);
   if (measured) fill_measurement(std::move(*measured), report);
   finish_level(mesh, topology, partition.site, source_.surface, refiner_.obstacles(), goal, source_.grid, options_, report,
                control_);

@@ -8,8 +8,8 @@
 #include <optional>
 #include <utility>
 
-#include "core/parallel.h"
 #include "core/vector_math.h"
+#include "core/whole_progress.h"
 #include "refine/ring.h"
 
 namespace isoatlas {
@@ -24,7 +24,7 @@ void find_closest(const MeasuredSurface& surface, const LevelMesh& mesh, std::sp
   std::vector<std::size_t> first(cells.size() + 1, 0);
   for (std::size_t i = 0; i < cells.size(); ++i) first[i + 1] = first[i] + mesh.c_vertices_of.row(cells[i]).size();
   out.resize(first.back());
-  for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
+  for_each_piece_going_on(cells.size(), kCellsPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
     surface.check_cancelled();
     Ring ring(mesh);
     for (std::size_t i = begin; i < end; ++i) {
@@ -117,7 +117,7 @@ void look_between(const MeasuredSurface& surface, const BetweenPoints& between, 
 std::vector<CellDistance> find_farthest(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cells, double enough,
                                         Thoroughness thoroughness, const BetweenPoints* between) {
   std::vector<CellDistance> out(cells.size());
-  for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
+  for_each_piece_going_on(cells.size(), kCellsPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
     surface.check_cancelled();
     Ring ring(mesh);
     for (std::size_t i = begin; i < end; ++i) {
@@ -145,7 +145,7 @@ std::vector<CellDistance> find_farthest(const MeasuredSurface& surface, const Le
 std::vector<Farthest> measure_between(const MeasuredSurface& surface, const BetweenPoints& between, const LevelMesh& mesh,
                                       std::span<const CellId> cells, double enough, std::vector<Farthest> most) {
   most.resize(cells.size());
-  for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
+  for_each_piece_going_on(cells.size(), kCellsPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
     surface.check_cancelled();
     Ring ring(mesh);
     for (std::size_t i = begin; i < end; ++i) {

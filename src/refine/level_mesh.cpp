@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/cancel_poll.h"
 #include "core/parallel.h"
 #include "core/vector_math.h"
 
@@ -34,19 +35,25 @@ std::vector<Triangle> cells_of(std::span<const DualTriangle> dual) {
   return out;
 }
 
-LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, std::span<const DualTriangle> dual, const VertexPlacement& places) {
+LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, std::span<const DualTriangle> dual, const VertexPlacement& places,
+                          const RunControl* control) {
+  CancelPoll poll(control);
   LevelMesh mesh;
   const std::uint32_t cells = partition.cell_count();
   std::vector<std::uint32_t> count(cells, 0);
   for (const CellId c : partition.cell_of) ++count[c];
   mesh.c_vertices_of.reserve(count);
-  for (CVertexId v = 0; v < partition.cell_of.size(); ++v) mesh.c_vertices_of.push_back(partition.cell_of[v], v);
+  for (CVertexId v = 0; v < partition.cell_of.size(); ++v) {
+    poll.step();
+    mesh.c_vertices_of.push_back(partition.cell_of[v], v);
+  }
   std::fill(count.begin(), count.end(), 0u);
   for (const DualTriangle& t : dual) {
+    poll.step();
     for (const CellId c : t.cell) ++count[c];
   }
   mesh.triangles_of.reserve(count);
-  set_triangles(mesh, surfels, dual, places);
+  set_triangles(mesh, surfels, dual, places, control);
   return mesh;
 }
 
@@ -62,14 +69,16 @@ void set_cells(LevelMesh& mesh, const CellMembers& members, std::span<const Cell
   }
 }
 
-std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const VertexPlacement& places) {
+std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const VertexPlacement& places,
+                                        const RunControl* control) {
   std::vector<CellId> all(mesh.c_vertices_of.row_count());
   std::iota(all.begin(), all.end(), 0u);
-  return set_triangles(mesh, surfels, dual, places, all);
+  return set_triangles(mesh, surfels, dual, places, all, control);
 }
 
 std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const VertexPlacement& places,
-                                        std::span<const CellId> may_have_moved) {
+                                        std::span<const CellId> may_have_moved, const RunControl* control) {
+  CancelPoll poll(control);
   const std::uint32_t cells = mesh.c_vertices_of.row_count();
   std::vector<std::uint8_t> renewed(mesh.triangles_of.row_count(), 0);
   const std::size_t known = mesh.point.size();
@@ -77,12 +86,13 @@ std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels,
   mesh.normal.resize(cells);
   std::vector<std::uint32_t> to_renew;
   std::vector<Vec3> points(may_have_moved.size());
-  for_each_index(points.size(), kPerPiece, [&](std::size_t i) { points[i] = places.point(surfels, may_have_moved[i]); });
+  for_each_index(points.size(), kPerPiece, control, [&](std::size_t i) { points[i] = places.point(surfels, may_have_moved[i]); });
   std::vector<CellId> moved;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const CellId c = may_have_moved[i];
     mesh.normal[c] = surfels.normal[places.anchor[c]];
     if (c < known && points[i] == mesh.point[c]) continue;
+    poll.step();
     mesh.point[c] = points[i];
     moved.push_back(c);
   }
@@ -106,11 +116,13 @@ std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels,
       if (mesh.cells_of_triangle[t] == cell) continue;
       leave_rows(t);
     }
+    poll.step();
     mesh.triangles[t].cell = mesh.cells_of_triangle[t] = cell;
     for (const CellId c : cell) mesh.triangles_of.push_back(c, t);
     renew(t);
   }
   for (const CellId c : moved) {
+    poll.step();
     for (const std::uint32_t t : mesh.triangles_of.row(c)) renew(t);
   }
   set_corners(mesh, std::move(to_renew));
@@ -119,25 +131,31 @@ std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels,
   return renewed;
 }
 
-void edit_mesh(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> triangles, const VertexPlacement& places, const MeshEdit& edit) {
+void edit_mesh(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> triangles, const VertexPlacement& places, const MeshEdit& edit,
+               const RunControl* control) {
+  CancelPoll poll(control);
   for (const CellId c : edit.vertices) {
     mesh.normal[c] = surfels.normal[places.anchor[c]];
     mesh.point[c] = places.point(surfels, c);
   }
   for (const std::uint32_t t : edit.triangles) {
+    poll.step();
     for (const CellId c : mesh.cells_of_triangle[t]) mesh.triangles_of.erase(c, t);
     mesh.triangles[t].cell = mesh.cells_of_triangle[t] = triangles[t].cell;
     for (const CellId c : triangles[t].cell) mesh.triangles_of.push_back(c, t);
     set_corners(mesh.triangles[t], mesh.point);
   }
   for (const CellId c : edit.vertices) {
+    poll.step();
     for (const std::uint32_t t : mesh.triangles_of.row(c)) set_corners(mesh.triangles[t], mesh.point);
   }
 }
 
-void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const VertexPlacement& places) {
+void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const VertexPlacement& places, const RunControl* control) {
+  CancelPoll poll(control);
   std::vector<std::uint32_t> triangles;
   for (const CellId c : cells) {
+    poll.step();
     mesh.normal[c] = surfels.normal[places.anchor[c]];
     mesh.point[c] = places.point(surfels, c);
     const auto own = mesh.triangles_of.row(c);

@@ -50,23 +50,25 @@ double longest_edge(const LevelMesh& mesh, CellId cell) {
   return std::sqrt(squared);
 }
 
-Ground::Ground(const SurfaceComplex& surface, const Isosurface* trilinear, const AdaptiveSurface* who_may_roam)
-    : complex(surface), isosurface(trilinear), roaming(who_may_roam) {
+Ground::Ground(const SurfaceComplex& surface, const Isosurface* trilinear, const AdaptiveSurface* who_may_roam, const RunControl* who_stops)
+    : complex(surface),
+      isosurface(trilinear),
+      roaming(who_may_roam),
+      control(who_stops == nullptr && roaming != nullptr ? &roaming->control() : who_stops) {
   graph.first.assign(1, 0);
   remake();
-  if (roaming != nullptr) control = &roaming->control();
 }
 
 std::vector<std::uint8_t> Ground::remake() {
   moved_from = {};  // what is made anew is freed first, but for the graph: two of each would be the peak of memory
   between.reset();
   grid_cells.reset();
-  std::vector<std::uint8_t> changed = remake_graph(graph, complex);
+  std::vector<std::uint8_t> changed = remake_graph(graph, complex, control);
   for (CVertexId v = 0; v < std::min(surfels.point.size(), changed.size()); ++v) {
     if (!(surfels.point[v] == scaled(complex.positions[v], complex.spacing))) changed[v] = 1;
   }
   surfels = {};
-  surfels = make_surfels(complex);
+  surfels = make_surfels(complex, control);
   reach.assign(graph.c_vertex_count(), 0);
   for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
     for (const CVertexGraph::Neighbour& n : graph.row(v)) reach[v] = std::max(reach[v], n.weight);
@@ -75,14 +77,16 @@ std::vector<std::uint8_t> Ground::remake() {
     moved_from.reserve(complex.positions.size());
     for (const Vec3& p : roaming->found()) moved_from.push_back(scaled(p, complex.spacing));
   }
+  check_cancelled();
   if (isosurface != nullptr) between.emplace(complex, *isosurface);
+  check_cancelled();
   return changed;
 }
 
 MeasuredCovering::MeasuredCovering(const Ground& ground, const CoveringOptions& options, std::span<const CVertexId> sites,
                                    std::span<const Covering::Radius> radii, const RunControl& control)
     : ground_(ground), covering_(ground.graph, options), dual_(ground.complex, covering_) {
-  covering_.seed(sites, radii);
+  covering_.seed(sites, radii, control);
   covering_.ignore_events();
   covering_.cover(control);
 }
@@ -105,12 +109,16 @@ void MeasuredCovering::continue_on(std::span<const std::uint8_t> changed, std::s
   if (!mesh_.point.empty()) {
     std::vector<CellId> all(places_.anchor.size());
     std::iota(all.begin(), all.end(), 0u);
-    place(mesh_, ground_.surfels, all, places_);
+    place(mesh_, ground_.surfels, all, places_, &control);
+    control.check_cancelled();
   }
-  covering_.continue_on(changed, places_.anchor);
+  covering_.continue_on(changed, places_.anchor, control);
   covering_.ignore_events();
+  control.check_cancelled();
   dual_.continue_on(changed);
-  dual_.touch_near(back);
+  control.check_cancelled();
+  dual_.touch_near(back, control);
+  control.check_cancelled();
   covering_.cover(control);
 }
 
@@ -135,8 +143,8 @@ MeasuredCovering::MeasuredCovering(const MeasuredCovering& other)
       stale_(other.stale_),
       all_stale_(other.all_stale_) {}
 
-void MeasuredCovering::remove_sites(std::uint32_t count) {
-  covering_.remove_sites(count);
+void MeasuredCovering::remove_sites(std::uint32_t count, const RunControl& control) {
+  covering_.remove_sites(count, control);
   dual_.remove_cells(count);
   const auto shorten = [&](auto& of_cell) { of_cell.resize(std::min<std::size_t>(of_cell.size(), count)); };
   shorten(places_.anchor);
@@ -178,9 +186,10 @@ void MeasuredCovering::update(CertificateReport& report, const RunControl& contr
   if (!places_.shift.empty()) places_.shift.resize(partition().cell_count());
   keep_apart();
   if (!places_.offset.empty()) places_.offset.resize(partition().cell_count(), 0);
+  control.check_cancelled();
   std::vector<std::uint8_t> renewed;  // per cell, 1 if its triangles are not what they were
   if (mesh_.point.empty()) {
-    mesh_ = make_level_mesh(ground_.surfels, partition(), dual_.triangles(), places_);
+    mesh_ = make_level_mesh(ground_.surfels, partition(), dual_.triangles(), places_, &control);
     renewed.assign(partition().cell_count(), 1);
   } else {
     std::vector<CellId> touched;  // among them all new ones
@@ -189,11 +198,13 @@ void MeasuredCovering::update(CertificateReport& report, const RunControl& contr
     }
     set_cells(mesh_, covering_.members(), touched);
     moved_.insert(moved_.end(), touched.begin(), touched.end());
-    renewed = all_moved_ ? set_triangles(mesh_, ground_.surfels, dual_.triangles(), places_)
-                         : set_triangles(mesh_, ground_.surfels, dual_.triangles(), places_, moved_);
+    control.check_cancelled();
+    renewed = all_moved_ ? set_triangles(mesh_, ground_.surfels, dual_.triangles(), places_, &control)
+                         : set_triangles(mesh_, ground_.surfels, dual_.triangles(), places_, moved_, &control);
   }
   moved_.clear();
   all_moved_ = false;
+  control.check_cancelled();
   measure(cells_to_measure(renewed), Thoroughness::quick);
 }
 
@@ -282,7 +293,8 @@ void MeasuredCovering::remesh(std::span<const DualTriangle> triangles, const Mes
   }
   stale_.resize(partition().cell_count(), 0);
   for (const CellId c : concerned) stale_[c] = 1;  // the next update() takes the dual's triangles again
-  edit_mesh(mesh_, ground_.surfels, triangles, places_, edit);
+  ground_.check_cancelled();
+  edit_mesh(mesh_, ground_.surfels, triangles, places_, edit, ground_.control);
   measure({concerned.begin(), concerned.end()}, Thoroughness::exact);  // to be compared
 }
 
@@ -311,6 +323,7 @@ void MeasuredCovering::measure(std::vector<CellId> cells, Thoroughness thoroughn
   std::vector<std::size_t> first(cells.size() + 1, 0);
   for (std::size_t i = 0; i < cells.size(); ++i) first[i + 1] = first[i] + mesh_.c_vertices_of.row(cells[i]).size();
   for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
+    surface.check_cancelled();
     for (std::size_t i = begin; i < end; ++i) {
       const CellId c = cells[i];
       const std::span<const ClosestPoint> closest =
@@ -378,7 +391,7 @@ std::optional<double> MeasuredCovering::distance_bound() const {
 
 void MeasuredCovering::prove_surface(std::span<const CellId> cells, double bound) {
   if (cells.empty()) return;
-  if (!ground_.grid_cells) ground_.grid_cells.emplace(ground_.complex, ground_.isosurface->field().last());
+  if (!ground_.grid_cells) ground_.grid_cells.emplace(ground_.complex, ground_.isosurface->field().last(), ground_.control);
   const std::vector<Farthest> left = prove_surface_near(ground_.measured(), *ground_.grid_cells, mesh_, partition().cell_of, cells, bound);
   for (std::size_t i = 0; i < cells.size(); ++i) {
     proved_[cells[i]] = left[i].at == kNone;
@@ -420,6 +433,7 @@ std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& 
   std::vector<ClosestPoint> closest;
   std::vector<Farthest> farthest;
   find_closest(ground.measured(), mesh, cells, closest);
+  ground.report_going_on();
   std::vector<std::size_t> first(n + 1, 0);
   for (CellId c = 0; c < n; ++c) first[c + 1] = first[c] + mesh.c_vertices_of.row(c).size();
   // Of each cell only the largest distance counts: from its c-vertices, from the points between them, from its triangles.
@@ -436,8 +450,10 @@ std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& 
   if (ground.between) farthest = measure_between(ground.measured(), *ground.between, mesh, cells, 0, std::move(farthest));
   if (ground.isosurface != nullptr && !is_proved)
     measure_from_mesh(ground.measured(), mesh, covering.partition().cell_of, cells, static_cast<double>(most), Look::samples, farthest, known);
+  ground.report_going_on();
   std::vector<MetricValues> values(n);
-  for_each_piece(n, kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
+  for_each_piece_going_on(n, kCellsPerPiece, ground.control, [&](std::size_t begin, std::size_t end) {
+    ground.check_cancelled();
     for (std::size_t i = begin; i < end; ++i) {
       const auto c = static_cast<CellId>(i);
       const std::span<const ClosestPoint> own =

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/whole_progress.h"
 #include "cover/repair.h"
 #include "isoatlas/certificate.h"
 #include "isoatlas/refine.h"
@@ -21,7 +22,9 @@ namespace isoatlas {
 struct Ground {
   /// @param isosurface  what the complex stands for, to look between its c-vertices; none: only they count
   /// @param roaming  says which vertices may leave their c-vertices; none: all but those on the boundary
-  explicit Ground(const SurfaceComplex& surface, const Isosurface* isosurface = nullptr, const AdaptiveSurface* roaming = nullptr);
+  /// @param control  asked now and then whether to stop; none: that of `roaming`, if there is one
+  explicit Ground(const SurfaceComplex& surface, const Isosurface* isosurface = nullptr, const AdaptiveSurface* roaming = nullptr,
+                  const RunControl* control = nullptr);
 
   /// The complex has more c-vertices, or they are elsewhere. What stands on the ground has to continue_on() it.
   /// @return per c-vertex, 1 if it is elsewhere or its row in G is not what it was
@@ -36,10 +39,14 @@ struct Ground {
   std::optional<BetweenPoints> between;
   const AdaptiveSurface* roaming;
   mutable std::optional<GridCells> grid_cells;  ///< made by the first proof
-  const RunControl* control = nullptr;  ///< asked while distances are measured
+  const RunControl* control;  ///< asked now and then whether to stop; none: nobody is
 
   /// Whether a vertex may leave its c-vertex, within the grid cell.
   bool may_roam(CVertexId v) const { return roaming != nullptr ? roaming->may_roam(v) : !graph.on_boundary[v]; }
+  void check_cancelled() const { measured().check_cancelled(); }
+  void report_going_on() const {
+    if (control != nullptr) isoatlas::report_going_on(*control);
+  }
   MeasuredSurface measured() const {
     return {surfels, moved_from.empty() ? surfels.point : moved_from, graph, complex.spacing, isosurface, control};
   }
@@ -71,7 +78,7 @@ class MeasuredCovering {
   void continue_on(std::span<const std::uint8_t> changed, std::span<const Vec3> before, const RunControl& control);
 
   /// Removes all sites but the first `count`, to take back what was done since there were so many. @pre update() has been called
-  void remove_sites(std::uint32_t count);
+  void remove_sites(std::uint32_t count, const RunControl& control = {});
 
   /// Which metrics count from now on, with their bounds; everything will be measured anew,
   /// unless they are what they were.

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/cancel_poll.h"
+
 namespace isoatlas {
 namespace {
 
@@ -54,6 +56,7 @@ void MeshEditor::measure(std::span<const CellId> concerned) {
   sort_once(edit_.triangles);
   sort_once(edit_.vertices);
   work_.remesh(triangles_, edit_, concerned);
+  control_.check_cancelled();
   if (!places().offset.empty()) append(edit_.vertices, concerned);  // balanced
   append(changed_, edit_.triangles);
   for (const CellId c : edit_.vertices) append(changed_, mesh().triangles_of.row(c));
@@ -63,10 +66,12 @@ void MeshEditor::measure(std::span<const CellId> concerned) {
 }
 
 std::vector<CellId> MeshEditor::around(std::span<const CellId> cells, int rings) const {
+  CancelPoll poll(control_);
   std::vector<CellId> out(cells.begin(), cells.end());
   for (int ring = 0; ring < rings; ++ring) {
     std::vector<CellId> more;
     for (const CellId c : out) {
+      poll.step();
       for (const std::uint32_t t : mesh().triangles_of.row(c)) append(more, mesh().cells_of_triangle[t]);
     }
     sort_once(more);
@@ -84,10 +89,13 @@ std::vector<CellId> MeshEditor::meeting_corners() {
   }
   sort_once(moved_);
   std::vector<Vec3> at;
+  CancelPoll poll(control_);
   for (const CellId c : moved_) {
+    poll.step();
     at.push_back(vertex_position(ground().complex, ground().surfels, places(), c));
     append(remade_, mesh().triangles_of.row(c));
   }
+  control_.check_cancelled();
   sort_once(remade_);
   std::vector<Triangle> corners;
   for (const std::uint32_t t : remade_) corners.push_back(triangles_[t].cell);
@@ -119,6 +127,7 @@ std::vector<CellId> MeshEditor::keep_from_straying(std::span<const CellId> cells
     start.push_back(displaced(ground().complex, v, before[i]));
   }
   if (movers.empty()) return {};
+  control_.check_cancelled();
   std::vector<CVertexId> back = ground().roaming->stray(c_vertices, start, positions_, c_vertices);
   std::sort(back.begin(), back.end());
   std::vector<CellId> out;

@@ -13,7 +13,7 @@
 namespace isoatlas {
 namespace {
 
-constexpr std::size_t kGrain = 2048;
+constexpr std::size_t kGrain = 2048, kLook = 32;  // c-vertices in a piece; between looks at whether to stop
 // How far it is looked, in distances to the farthest neighbour in G: far enough for noise of less than a voxel not to look like curvature.
 constexpr double kReach = 2.5;
 constexpr std::size_t kFewest = 6;  // c-vertices that say something about curvature
@@ -65,6 +65,7 @@ std::vector<Covering::Radius> predict_radii(const Ground& ground, std::span<cons
   for_each_piece(at.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     Surroundings surroundings(ground);
     for (std::size_t i = begin; i < end; ++i) {
+      if (i % kLook == 0) ground.check_cancelled();
       const double reach = kReach * static_cast<double>(ground.reach[at[i]]);
       const double height = surroundings.height(at[i], reach);
       const double times = height < 0 ? INFINITY : std::min(kFarthest, kOptimism * std::sqrt(bound / height));

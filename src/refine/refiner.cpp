@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "core/vector_math.h"
+#include "core/whole_progress.h"
 #include "refine/predict_radii.h"
 #include "refine/resolve_intersections.h"
 
@@ -97,8 +98,7 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
   if (on.empty()) {
     radii = radii_of(start_.covering, {});
   } else {
-    Ground ground(coarser_.complex);
-    ground.control = &control;
+    const Ground ground(coarser_.complex, nullptr, nullptr, &control);
     MeasuredCovering rough(ground, options_, start_.covering.partition().site, radii_of(start_.covering, {}), control);
     Task task;
     task.placement = placement;
@@ -211,6 +211,7 @@ void Refiner::divide_surface(std::span<const CVertexId> wanted, const RunControl
     positions[v] = base_position(surface_.complex(), places, c);
     frozen.push_back(c < sites_before_ ? positions[v] : surface_.complex().positions[v]);
   }
+  report_going_on(control);
   std::vector<CVertexId> strays = surface_.stray(movers, frozen, positions, movers);
   std::sort(strays.begin(), strays.end());
   for (std::size_t i = 0; i < movers.size(); ++i)
@@ -218,6 +219,7 @@ void Refiner::divide_surface(std::span<const CVertexId> wanted, const RunControl
   std::vector<CVertexId> pinned;  // by vertices of earlier levels
   for (CellId c = 0; c < sites_before_; ++c) pinned.push_back(places.anchor[c]);
   surface_.divide(wanted, pinned);
+  report_going_on(control);
   const std::vector<Vec3> before = work_->base_points();
   work_->continue_on(ground_->remake(), before, control);
 }
@@ -456,7 +458,7 @@ void Refiner::make_predicted_cells(const Task& task, RefinedLevel& out, const Ru
   }
   std::vector<Covering::Radius> radii = predict_radii(*ground_, at, bound->bound);
   for (Covering::Radius& r : radii) r.radius = std::max(r.radius, least_useful_radius(task, *ground_, r.at));
-  work_->covering().lower_radii(radii);
+  work_->covering().lower_radii(radii, control);
 }
 
 bool Refiner::refine_at(std::span<const Triangle> triangles, const LevelGoal& goal, Placement placement, RefinedLevel& level,
@@ -493,7 +495,7 @@ bool Refiner::refine_within_budget(Task& task, double most, IntersectionTracker&
   for (double times = 1; partition().cell_count() > most; times *= 2) {
     kept = std::floor(kept - times * (partition().cell_count() - most));
     const bool has_room = kept > start;
-    remove_sites(has_room ? static_cast<std::uint32_t>(kept) : start);
+    remove_sites(has_room ? static_cast<std::uint32_t>(kept) : start, control);
     if (!has_room && !is_first_) return false;
     task.most_sites = partition().cell_count();
     out.vertices_ran_out = true;
@@ -504,8 +506,8 @@ bool Refiner::refine_within_budget(Task& task, double most, IntersectionTracker&
   return true;
 }
 
-void Refiner::remove_sites(std::uint32_t count) {
-  work_->remove_sites(count);
+void Refiner::remove_sites(std::uint32_t count, const RunControl& control) {
+  work_->remove_sites(count, control);
   placed_in_.resize(std::min<std::size_t>(placed_in_.size(), count));
 }
 
@@ -525,6 +527,7 @@ void Refiner::finish(const Task& task, const LevelGoal& asked, IntersectionTrack
   out.figures.distance_at_most = is_provable(task) && work_->is_proved() ? work_->distance_bound() : std::nullopt;
   work_->freeze_anchors(partition().cell_count());
   out.triangles = cells_of(triangles);
+  report_going_on(control);
   describe(task, asked, out);
 }
 
@@ -602,6 +605,7 @@ void Refiner::describe(const Task& task, const LevelGoal& asked, RefinedLevel& o
   obstacles.cells_at_limit = out.at_limit.size();
   out.figures.metrics = summarize(values);
   out.figures.distance = distances(values);
+  ground_->check_cancelled();
   MeshExtent extent = extent_of(work_->mesh());
   out.figures.constraints = judge(asked, extent, out.figures.metrics, obstacles);
   extent_ = std::move(extent);
@@ -611,11 +615,13 @@ void Refiner::describe(const Task& task, const LevelGoal& asked, RefinedLevel& o
 LevelFigures Refiner::describe_coarse(std::span<const Triangle> triangles, const LevelGoal& goal, const RunControl& control) {
   control.check_cancelled();
   Covering covering(ground_->graph, options_);
-  covering.seed(start_.placement.anchor, {});
+  covering.seed(start_.placement.anchor, {}, control);
   std::vector<DualTriangle> dual;
   dual.reserve(triangles.size());
   for (const Triangle& t : triangles) dual.push_back({t, kNone});
-  const LevelMesh mesh = make_level_mesh(ground_->surfels, covering.partition(), dual, start_.placement);
+  control.check_cancelled();
+  const LevelMesh mesh = make_level_mesh(ground_->surfels, covering.partition(), dual, start_.placement, &control);
+  control.check_cancelled();
   extent_ = extent_of(mesh);
   const std::vector<MetricValues> values = measure_metrics(*ground_, covering, mesh);
   metrics_ = summarize(values);

@@ -74,7 +74,7 @@ class Refiner {
   void restart_at_vertices(const RunControl& control);
   void make_predicted_cells(const Task& task, RefinedLevel& out, const RunControl& control);
   bool refine_within_budget(Task& task, double most, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control);
-  void remove_sites(std::uint32_t count);
+  void remove_sites(std::uint32_t count, const RunControl& control);
   void finish(const Task& task, const LevelGoal& asked, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control);
   void improve_level_shape(const Task& task, std::vector<DualTriangle>& triangles, RefinedLevel& out, const RunControl& control);
   void refine_and_improve(const Task& task, IntersectionTracker& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <utility>
 
+#include "core/cancel_poll.h"
 #include "core/disjoint_sets.h"
 #include "core/ids.h"
 #include "core/parallel.h"
@@ -46,6 +47,7 @@ class Relaxation {
   Relaxation(std::span<Vec3> points, std::span<const Triangle> triangles, const SlackRows<std::uint32_t>& triangles_of, const std::function<Roam(std::uint32_t)>& roam,
              const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal, const RunControl& control, std::span<const std::uint32_t> look)
       : control_(control),
+        poll_(control),
         look_(look),
         points_(points),
         triangles_(triangles),
@@ -57,6 +59,7 @@ class Relaxation {
 
   std::vector<std::uint32_t> run() {
     active_ = collect_pieces<std::uint32_t>(look_.size(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+      control_.check_cancelled();
       std::ranges::copy_if(look_.subspan(begin, end - begin), std::back_inserter(found), [&](std::uint32_t t) { return needs_work(t); });
     });
     if (active_.empty()) return {};
@@ -69,8 +72,10 @@ class Relaxation {
     facing_.resize(triangles_.size());
     is_facing_known_.assign(triangles_.size(), 0);
     for (int step = 0; goal_.push && step < kSteps && !active_.empty(); ++step) {
-      control_.check_cancelled();
-      for (const std::uint32_t t : active_) push_apart(t);
+      for (const std::uint32_t t : active_) {
+        poll_.step();
+        push_apart(t);
+      }
       move_pushed();
     }
     revert_vertices_off_surface();
@@ -160,7 +165,7 @@ class Relaxation {
   }
 
   void move_pushed() {
-    for_each_index(pushed_.size(), kFewPerPiece, [&](std::size_t i) {
+    for_each_index(pushed_.size(), kFewPerPiece, &control_, [&](std::size_t i) {
       const std::uint32_t v = pushed_[i];
       const Vec3 p = points_[v] + (1.0 / pushes_[v]) * push_[v];
       const Roam roam = roam_(v);
@@ -169,6 +174,7 @@ class Relaxation {
     });
     std::vector<std::uint32_t> around;
     for (const std::uint32_t v : pushed_) {
+      poll_.step();
       for (const std::uint32_t t : triangles_of_.row(v)) {
         if (std::exchange(seen_[t], std::uint8_t{1}) == 0) around.push_back(t);
       }
@@ -176,6 +182,7 @@ class Relaxation {
     for (const std::uint32_t t : around) seen_[t] = 0;
     pushed_.clear();
     active_ = collect_pieces<std::uint32_t>(around.size(), kFewPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+      control_.check_cancelled();
       for (std::size_t i = begin; i < end; ++i) {
         if (is_below_aim(around[i])) found.push_back(around[i]);
       }
@@ -211,6 +218,7 @@ class Relaxation {
   // Pushing draws back only as far as a vertex's cell allows.
   void revert_vertices_off_surface() {
     for (const std::uint32_t v : touched_) {
+      poll_.step();
       if (!(points_[v] == start_[v]) && off_surface(points_[v]) > std::max(kFarthestFound, off_surface(start_[v]))) points_[v] = start_[v];
     }
   }
@@ -219,9 +227,9 @@ class Relaxation {
   void turn_back_where_turned() {
     const std::vector<std::uint32_t> moved = triangles_that_moved();
     for (bool any = true; any;) {
-      control_.check_cancelled();
       any = false;
       for (const std::uint32_t t : moved) {
+        poll_.step();
         const Triangle& c = triangles_[t];
         if (!has_moved(t)) continue;
         if (dot(facing_at_start(t), area(t, points_)) >= 0) continue;
@@ -253,9 +261,13 @@ class Relaxation {
       control_.check_cancelled();
       std::vector<std::uint32_t> vertices =
           collect_pieces<std::uint32_t>(look_.size(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+            control_.check_cancelled();
             for (const std::uint32_t t : look_.subspan(begin, end - begin)) add_corners_if_bad(t, found);
           });
-      for (const std::uint32_t t : triangles_that_moved()) add_corners_if_bad(t, vertices);
+      for (const std::uint32_t t : triangles_that_moved()) {
+        poll_.step();
+        add_corners_if_bad(t, vertices);
+      }
       for (int pass = 0; pass < kSearchPasses && !vertices.empty(); ++pass) vertices = improve_in_turns(std::move(vertices), step);
     }
   }
@@ -272,6 +284,7 @@ class Relaxation {
     std::erase_if(vertices, [&](std::uint32_t v) { return !can_move(roam_(v)); });
     std::vector<std::uint32_t> first{0, 0};  // turns count from 1; filling `ordered` moves each to the end of its turn
     for (const std::uint32_t v : vertices) {
+      poll_.step();
       std::uint32_t last = 0;
       for_each_in_sight(v, [&](std::uint32_t w) { last = std::max(last, turn_[w]); });
       turn_[v] = last + 1;
@@ -283,9 +296,9 @@ class Relaxation {
     for (const std::uint32_t v : vertices) ordered[first[std::exchange(turn_[v], 0u)]++] = v;
     std::vector<std::uint32_t> again;
     for (std::size_t turn = 0; turn + 2 < first.size(); ++turn) {
-      control_.check_cancelled();
       const auto own = std::span(ordered).subspan(first[turn], first[turn + 1] - first[turn]);
       const std::vector<std::uint32_t> found = collect_pieces<std::uint32_t>(own.size(), kFewPerPiece, [&](std::size_t begin, std::size_t end, auto& out) {
+        control_.check_cancelled();
         for (const std::uint32_t v : own.subspan(begin, end - begin)) {
           if (!improve(v, step)) continue;
           out.push_back(v);
@@ -390,7 +403,7 @@ class Relaxation {
     if (std::ranges::all_of(touched_, [&](std::uint32_t v) { return points_[v] == start_[v]; })) return;
     const auto n = static_cast<std::uint32_t>(points_.size());
     DisjointSets sets(n);
-    for_each_index(triangles_.size(), kPerPiece, [&](std::size_t t) {
+    for_each_index(triangles_.size(), kPerPiece, &control_, [&](std::size_t t) {
       sets.unite(triangles_[t][0], triangles_[t][1]);
       sets.unite(triangles_[t][0], triangles_[t][2]);
     });
@@ -401,6 +414,7 @@ class Relaxation {
     };
     std::vector<Shape> shapes(n);  // per root
     for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+      poll_.step();
       const Triangle& c = triangles_[t];
       const std::uint32_t root = sets.find(c[0]);
       const auto volume = [&](std::span<const Vec3> at) {  // seen from the first vertex, for the sake of rounding
@@ -421,6 +435,7 @@ class Relaxation {
   }
 
   const RunControl& control_;
+  CancelPoll poll_;  // of loops that are not parallel
   std::span<const std::uint32_t> look_;
   std::span<Vec3> points_;
   std::span<const Triangle> triangles_;

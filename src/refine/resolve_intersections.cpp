@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "refine/resolve_intersections.h"
 
+#include "core/whole_progress.h"
 #include "embed/mesh_nesting.h"
 #include "surface/components.h"
 
@@ -12,11 +13,11 @@ constexpr double kHelps = 0.7;
 
 // Vertices around which the mesh has to be finer for the components' orientation and nesting. @pre no self-intersections
 std::vector<CellId> misplaced(const GrowingDual& dual, const AdaptiveSurface& surface, std::span<const Vec3> positions,
-                              std::span<const Triangle> triangles) {
+                              std::span<const Triangle> triangles, const RunControl& control) {
   std::vector<ComponentId> component_of;
   for (const CVertexId v : dual.sites_on_surface()) component_of.push_back(surface.components().of_c_vertex[v]);
-  const Nesting nesting = mesh_nesting(positions, triangles, component_of, open_flags(surface.components()));
-  return misplaced_vertices(positions, triangles, component_of, nesting, surface.nesting());
+  const Nesting nesting = mesh_nesting(positions, triangles, component_of, open_flags(surface.components()), control);
+  return misplaced_vertices(positions, triangles, component_of, nesting, surface.nesting(), control);
 }
 
 }  // namespace
@@ -30,11 +31,12 @@ ResolvedIntersections resolve_intersections(GrowingDual& dual, const AdaptiveSur
     const std::vector<Vec3> positions = dual.positions();
     const std::vector<Triangle> triangles = dual.triangles();
     tracker.update(positions, triangles, control);
+    report_going_on(control);
     Covering& covering = dual.covering();
     const std::uint32_t before = covering.site_count();
     std::vector<CellId> cells = tracker.largest_corners(covering.reach());
     const bool is_embedded = cells.empty();
-    if (is_embedded) cells = misplaced(dual, surface, positions, triangles);
+    if (is_embedded) cells = misplaced(dual, surface, positions, triangles, control);
     const std::vector<CellId> single = covering.shrink(cells);
     covering.cover(control);  // also where what was mended first left radii too small to cover
     bool any = covering.site_count() > before;

@@ -30,8 +30,8 @@ constexpr int kMostFailures = 24;
 // errors that are 1 % smaller on average.)
 constexpr double kFirstShare = 0.3;
 constexpr double kNearEnough = 0.5;
-// Of the time of a level, that goes by until bounds are met at the samples.
-constexpr double kMeetShare = 0.6;
+// Of the time of a level, that goes by until bounds are met at the samples for the first time.
+constexpr double kMeetShare = 0.25;
 
 // Until all demands are met as far as they can be, or vertices run out.
 class Stretch {
@@ -92,7 +92,7 @@ class Stretch {
       if (batch_ == 1 && tried_ != kNone) given_up_[tried_] = 1;
       batch_ = std::max<std::size_t>(1, batch_ / 2);
       if (shape_step_.size() == 1) shape_given_up_.push_back(shape_step_.front());
-      work_.remove_sites(sites_before_);
+      work_.remove_sites(sites_before_, control);
       given_up_.resize(sites_before_);
       out_.certificate = certificate_before_;
       work_.update(out_.certificate, control);

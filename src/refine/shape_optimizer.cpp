@@ -6,9 +6,11 @@
 #include <numeric>
 #include <utility>
 
+#include "core/cancel_poll.h"
 #include "core/epoch_set.h"
 #include "core/parallel.h"
 #include "core/vector_math.h"
+#include "core/whole_progress.h"
 #include "refine/mesh_editor.h"
 #include "refine/relax.h"
 #include "refine/shape_change.h"
@@ -54,7 +56,7 @@ class ShapeOptimizer {
 
   void run(Purpose purpose, std::span<const CellId> cells, ShapeReport& report) {
     for (int k = 0; k < kPasses; ++k) {
-      control_.check_cancelled();
+      report_going_on(control_);
       const std::size_t kept_before = report.flips + report.moves;
       const std::size_t tried = pass(purpose, cells, report);
       const std::size_t kept = report.flips + report.moves - kept_before;
@@ -69,6 +71,7 @@ class ShapeOptimizer {
     std::vector<Vec3> points = from;
     const std::vector<CellId> moved = relaxed(points);
     if (moved.empty()) return false;
+    report_going_on(control_);
     std::vector<Vec3> old_shift;
     for (const CellId c : moved) {
       old_shift.push_back(shift_of(c));
@@ -81,6 +84,7 @@ class ShapeOptimizer {
     mesh_.measure(concerned);
     const int looks = is_careful_ ? kLooksBack + 1 : kLooksBack;
     for (int look = 0; look < looks; ++look) {
+      report_going_on(control_);
       std::vector<CellId> worse = mesh_.meeting_corners();
       std::ranges::copy_if(concerned, std::back_inserter(worse), [&](CellId c) { return is_worse(mesh_.excess(c), before[c].excess); });
       if (worse.empty()) break;
@@ -138,11 +142,13 @@ class ShapeOptimizer {
     }
     using Scored = std::pair<double, std::uint32_t>;
     const auto found = collect_pieces<Scored>(changed.size(), kPerPiece, [&](std::size_t begin, std::size_t end, std::vector<Scored>& out) {
+      control_.check_cancelled();
       for (const std::uint32_t t : std::span(changed).subspan(begin, end - begin)) {
         const double score = changes_.score(t);
         if (score < 1) out.emplace_back(score, t);
       }
     });
+    control_.check_cancelled();
     bad_.insert(bad_.end(), found.begin(), found.end());
     std::sort(bad_.begin(), bad_.end());
     std::vector<std::uint32_t> out;
@@ -179,6 +185,7 @@ class ShapeOptimizer {
   std::size_t pass(Purpose purpose, std::span<const CellId> cells_to_mend, ShapeReport& report) {
     std::vector<Trial> trials = purpose == Purpose::errors ? trials_at(cells_to_mend) : trials_at_bad_triangles();
     if (trials.empty()) return 0;
+    control_.check_cancelled();
     std::vector<CellId> cells;
     for (Trial& trial : trials) {
       cells.insert(cells.end(), trial.concerned.begin(), trial.concerned.end());
@@ -232,7 +239,7 @@ class ShapeOptimizer {
   // Per triangle, the change that makes it better most.
   std::vector<ShapeChange> best_changes(std::span<const std::uint32_t> triangles) const {
     std::vector<ShapeChange> best(triangles.size());
-    for_each_index(triangles.size(), 1, [&](std::size_t k) {
+    for_each_index(triangles.size(), 1, &control_, [&](std::size_t k) {
       changes_.consider_flips(triangles[k], kWorthIt, best[k]);
       for (const CellId c : mesh_.mesh().triangles[triangles[k]].cell) changes_.consider_moves(c, kWorthIt, best[k]);
     });
@@ -243,7 +250,9 @@ class ShapeOptimizer {
     std::vector<Trial> out;
     taken_.clear();
     const LevelMesh& mesh = mesh_.mesh();
+    CancelPoll poll(control_);
     for (const CellId c : over_bounds(cells)) {
+      poll.step();
       if (taken_.contains(c)) continue;
       ShapeChange best;
       for (const std::uint32_t t : mesh.triangles_of.row(c)) changes_.consider_flips(t, std::nullopt, best);
@@ -322,7 +331,7 @@ class ShapeOptimizer {
 class ChangesBack {
  public:
   ChangesBack(MeasuredCovering& work, std::vector<DualTriangle>& triangles, IntersectionTracker* meeting, const RunControl& control)
-      : mesh_(work, triangles, meeting, control) {
+      : mesh_(work, triangles, meeting, control), control_(control) {
     for (std::uint32_t t = 0; t < triangles.size(); ++t) {
       if (triangles[t].cell != work.triangles()[t].cell) flipped_.push_back(t);
     }
@@ -335,6 +344,7 @@ class ChangesBack {
     const std::vector<CellError> before = mesh_.work().errors();
     bool any = false;
     for (int look = 0; !cells.empty(); ++look) {
+      report_going_on(control_);
       const std::vector<CellId> at_flips = take_back_flips(cells);
       std::vector<CellId> changed = at_flips;
       for (const CellId c : cells) {
@@ -378,6 +388,7 @@ class ChangesBack {
     for (const CellId c : cells) near_.insert(c);
     std::vector<CellId> changed;
     for (std::size_t before = kNone; before != flipped_.size();) {
+      control_.check_cancelled();
       before = flipped_.size();
       std::erase_if(flipped_, [&](std::uint32_t t) {
         std::array<CellId, 6> corners;
@@ -406,6 +417,7 @@ class ChangesBack {
   }
 
   MeshEditor mesh_;
+  const RunControl& control_;
   std::vector<std::uint32_t> flipped_;  // triangles that are not the dual's
   EpochSet near_;                       // cells
 };

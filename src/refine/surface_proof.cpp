@@ -6,8 +6,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/parallel.h"
+#include "core/cancel_poll.h"
 #include "core/vector_math.h"
+#include "core/whole_progress.h"
 #include "mesh/closest_point.h"
 #include "refine/ring.h"
 
@@ -205,17 +206,20 @@ class SurfaceSearch {
 
 }  // namespace
 
-GridCells::GridCells(const SurfaceComplex& complex, Vec3 last)
+GridCells::GridCells(const SurfaceComplex& complex, Vec3 last, const RunControl* control)
     : complex_(complex), size_x_(static_cast<Key>(last.x)), size_y_(static_cast<Key>(last.y)), size_z_(static_cast<Key>(last.z)) {
   std::vector<std::pair<Key, CVertexId>> all;
   all.reserve(complex.c_vertex_count());
+  CancelPoll poll(control);
   for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
+    poll.step();
     for_each_at(v, [&](Key key) { all.emplace_back(key, v); });
   }
   std::ranges::sort(all);
   keys_.reserve(all.size());
   items_.reserve(all.size());
   for (const auto& [key, v] : all) {
+    poll.step();
     keys_.push_back(key);
     items_.push_back(v);
   }
@@ -252,10 +256,12 @@ Vec3 GridCells::low(Key cell) const {
 std::vector<Farthest> prove_surface_near(const MeasuredSurface& surface, const GridCells& grid_cells, const LevelMesh& mesh,
                                          std::span<const CellId> cell_of, std::span<const CellId> cells, double bound) {
   std::vector<Farthest> out(cells.size());
-  for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
-    surface.check_cancelled();
+  for_each_piece_going_on(cells.size(), kCellsPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
     SurfaceSearch search(surface, grid_cells, mesh, cell_of, bound);
-    for (std::size_t i = begin; i < end; ++i) out[i] = search.search(cells[i]);
+    for (std::size_t i = begin; i < end; ++i) {
+      surface.check_cancelled();
+      out[i] = search.search(cells[i]);
+    }
   });
   return out;
 }

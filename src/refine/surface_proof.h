@@ -17,7 +17,7 @@ class GridCells {
   using Key = std::uint64_t;
 
   /// @param last  the index of the volume's last sample
-  GridCells(const SurfaceComplex& complex, Vec3 last);
+  GridCells(const SurfaceComplex& complex, Vec3 last, const RunControl* control = nullptr);
 
   /// Calls visit(key) for the grid cells that a c-vertex is in.
   template <class Visit>

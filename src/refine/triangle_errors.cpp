@@ -7,8 +7,8 @@
 #include <limits>
 #include <utility>
 
-#include "core/parallel.h"
 #include "core/vector_math.h"
+#include "core/whole_progress.h"
 #include "metrics/nearest_surfel.h"
 
 namespace isoatlas {
@@ -222,11 +222,12 @@ void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, st
   }
   if (known != nullptr) known->make_room(mesh.triangles.size());
   std::vector<TriangleError> errors(triangles.size());
-  for_each_piece(triangles.size(), kTrianglesPerPiece, [&](std::size_t begin, std::size_t end) {
+  for_each_piece_going_on(triangles.size(), kTrianglesPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
     surface.check_cancelled();
     PatchSearch search(*surface.isosurface, enough, look);
     for (std::size_t i = begin; i < end; ++i) {
       const MeshTriangle& t = mesh.triangles[triangles[i]];
+      if (look == Look::proof) surface.check_cancelled();  // one triangle takes as long as a piece of samples
       const TriangleError* found = known != nullptr ? known->find(triangles[i], t, enough) : nullptr;
       errors[i] = found != nullptr ? *found : error_of(surface, mesh, t, enough, search);
       if (found == nullptr && known != nullptr) known->keep(triangles[i], t, errors[i]);

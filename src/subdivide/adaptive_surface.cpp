@@ -7,8 +7,10 @@
 #include <iterator>
 #include <utility>
 
+#include "core/cancel_poll.h"
 #include "core/parallel.h"
 #include "core/vector_math.h"
+#include "core/whole_progress.h"
 #include "embed/triangle_pair.h"
 
 namespace isoatlas {
@@ -41,13 +43,15 @@ AdaptiveSurface::AdaptiveSurface(SurfaceComplex complex, Components components, 
       components_(std::move(components)),
       nesting_(std::move(nesting)),
       field_(std::move(field)),
-      control_{.progress = {}, .cancel = control.cancel, .threads = 0},
+      control_(without_stages(control)),
       crowded_(complex_, field_, control_),
       parsed_(complex_.c_vertex_count()),
       depth_(parsed_, 0) {
   for_each_index(parsed_, kPerPiece, [&](std::size_t v) { complex_.positions[v] = rounded(complex_.positions[v]); });
   found_ = complex_.positions;
+  report_going_on(control_);
   crowded_.separate(complex_, control_);
+  report_going_on(control_);
   watch();
 }
 
@@ -59,7 +63,8 @@ void AdaptiveSurface::watch() {
   std::vector<std::uint8_t> is_watched(n, 0);  // in a cell that will be, if inside a cell
   std::vector<std::uint8_t> in_two_curves(n, 0);
   held_.assign(n, 0);
-  for_each_index(n, kPerPiece, [&](std::size_t i) {
+  CancelPoll poll(control_);
+  for_each_index(n, kPerPiece, &control_, [&](std::size_t i) {
     const auto v = static_cast<CVertexId>(i);
     const int whole = whole_coordinates(complex_.positions[v]);
     in_two_curves[v] = whole == 1 && has_two_curves(field_, complex_.positions[v]);
@@ -80,8 +85,10 @@ void AdaptiveSurface::watch() {
     }
   };
   std::vector<CVertexId> inside = collect_pieces<CVertexId>(complex_.face_count(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+    control_.check_cancelled();
     for (std::size_t f = begin; f < end; ++f) add_inside(complex_.faces[f], found);
   });
+  control_.check_cancelled();
   std::sort(inside.begin(), inside.end());
   inside.erase(std::unique(inside.begin(), inside.end()), inside.end());
   for (const CVertexId v : inside) cells.push_back(cell_of(complex_.positions[v]));
@@ -91,28 +98,30 @@ void AdaptiveSurface::watch() {
       if (whole_coordinates(complex_.positions[v]) == 0) inside.push_back(v);
     }
   }
+  control_.check_cancelled();
   sort_unique(cells);
   control_.check_cancelled();
   // Cells with faces that are not even fans cannot be watched.
   std::vector<Cell> closed;
   for (const CVertexId v : inside) {
+    poll.step();
     if (now[v] != Fineness::faces) continue;
     const Cell cell = cell_of(complex_.positions[v]);
     if (std::binary_search(cells.begin(), cells.end(), cell)) closed.push_back(cell);
   }
   sort_unique(closed);
   is_closed_.assign(n, 0);
-  for_each_index(inside.size(), kPerPiece, [&](std::size_t i) {
+  for_each_index(inside.size(), kPerPiece, &control_, [&](std::size_t i) {
     is_closed_[inside[i]] = std::binary_search(closed.begin(), closed.end(), cell_of(complex_.positions[inside[i]]));
   });
   for (const Face& face : complex_.faces) {
     if (std::none_of(face.corner.begin(), face.corner.begin() + face.size(), [&](CVertexId v) { return is_closed_[v]; })) continue;
     for (int k = 0; k < face.size(); ++k) held_[face.corner[k]] |= whole_coordinates(complex_.positions[face.corner[k]]) > 0;
   }
-  control_.check_cancelled();
+  report_going_on(control_);
   std::vector<Cell> open;
   std::set_difference(cells.begin(), cells.end(), closed.begin(), closed.end(), std::back_inserter(open));
-  watched_ = WatchedCells(complex_, open);
+  watched_ = WatchedCells(complex_, open, control_);
 }
 
 std::vector<CVertexId> AdaptiveSurface::stray(std::span<const CVertexId> moved, std::span<const Vec3> before, std::span<Vec3> positions,
@@ -129,8 +138,8 @@ std::vector<CVertexId> AdaptiveSurface::stray(std::span<const CVertexId> moved, 
   std::vector<std::pair<CVertexId, Vec3>> changed;  // what is to be undone
   std::vector<CVertexId> out, next(look.begin(), look.end());
   while (!next.empty()) {
-    std::vector<CVertexId> back = watched_.meeting(next, positions);
-    for (const CVertexId v : crowded_.meeting(next, positions)) {
+    std::vector<CVertexId> back = watched_.meeting(next, positions, control_);
+    for (const CVertexId v : crowded_.meeting(next, positions, control_)) {
       if (is_closed_[v]) back.push_back(v);
     }
     next.clear();
@@ -161,6 +170,7 @@ std::vector<CVertexId> AdaptiveSurface::with_crowded_cells(std::span<const CVert
   }
   for (std::size_t before = 0; before != out.size();) {
     before = out.size();
+    control_.check_cancelled();
     for (const Face& face : complex_.faces) {
       if (face.is_triangle()) continue;
       const auto end = face.corner.begin() + face.size();
@@ -204,6 +214,7 @@ void AdaptiveSurface::divide(std::span<const CVertexId> wanted, std::span<const 
     const auto end = face.corner.begin() + face.size();
     if (std::any_of(face.corner.begin(), end, [&](CVertexId v) { return is_wanted[v]; })) cells.push_back(cell_of(complex_, face));
   }
+  control_.check_cancelled();
   sort_unique(cells);
   std::vector<Fineness> now = was;
   for (;; now = fineness()) {
@@ -213,12 +224,15 @@ void AdaptiveSurface::divide(std::span<const CVertexId> wanted, std::span<const 
       if (now[v] == Fineness::pieces || whole_coordinates(p) > 0) continue;
       if (std::binary_search(cells.begin(), cells.end(), cell_of(p))) coarser.push_back(v);
     }
+    control_.check_cancelled();
     if (coarser.empty()) break;
+    report_going_on(control_);
     divide_once(with_crowded_cells(coarser), now);
   }
   std::vector<CVertexId> left;
   std::copy_if(wanted.begin(), wanted.end(), std::back_inserter(left), [&](CVertexId v) { return now[v] == was[v]; });
   divide_once(with_crowded_cells(left), now);
+  report_going_on(control_);
   watch();
 }
 
@@ -227,6 +241,7 @@ void AdaptiveSurface::divide_once(std::span<const CVertexId> wanted, const std::
   int deepest = 0;
   for (const CVertexId v : wanted) deepest = std::max(deepest, depth_[v] + 1);
   const Subdivision divided = subdivide_in_place(complex_, wanted, was, {field_, crowded_.flags(), &control_});
+  report_going_on(control_);
   touched_.insert(touched_.end(), divided.touched.begin(), divided.touched.end());
   for (const CVertexId from : divided.origin) {
     components_.of_c_vertex.push_back(components_.of_c_vertex[from]);
@@ -245,9 +260,11 @@ void AdaptiveSurface::divide_once(std::span<const CVertexId> wanted, const std::
 void AdaptiveSurface::flatten_where_pieces_meet(const Subdivision& divided, CVertexId first_new) {
   const auto is_middle = [&](CVertexId v) { return v >= first_new && divided.between[v - first_new][0] != kNone; };
   std::vector<std::pair<Cell, Triangle>> pieces;  // of the cells with such points
+  CancelPoll poll(control_);
   const auto has_middle = [&](const Face& face) { return std::any_of(face.corner.begin(), face.corner.begin() + 3, is_middle); };
   std::vector<Cell> cells;
   for (const Face& face : complex_.faces) {
+    poll.step();
     if (!face.is_triangle() || !has_middle(face)) continue;
     cells.push_back(cell_of(complex_, face));
   }
@@ -255,16 +272,19 @@ void AdaptiveSurface::flatten_where_pieces_meet(const Subdivision& divided, CVer
   deep_cells_.insert(deep_cells_.end(), cells.begin(), cells.end());
   sort_unique(deep_cells_);
   for (const Face& face : complex_.faces) {
+    poll.step();
     if (!face.is_triangle()) continue;
     const Cell cell = cell_of(complex_, face);
     if (!std::binary_search(cells.begin(), cells.end(), cell)) continue;
     pieces.emplace_back(cell, Triangle{face.corner[0], face.corner[1], face.corner[2]});
   }
+  control_.check_cancelled();
   std::stable_sort(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   for (bool again = true; again;) {  // a point on a wall is in two cells
     again = false;
     for (std::size_t from = 0, to; from < pieces.size(); from = to) {
       to = from;
+      poll.step();
       while (to < pieces.size() && pieces[to].first == pieces[from].first) ++to;
       bool meet = false;
       for (std::size_t i = from; i < to && !meet; ++i) {

@@ -19,7 +19,7 @@ namespace isoatlas {
 class AdaptiveSurface {
  public:
   /// @pre the complex is as it was parsed. Its c-vertices are moved where several surfels of one cell would meet.
-  /// @param control  only `cancel` is looked at, here and in divide()
+  /// @param control  asked whether to stop, and told that the work goes on, here and in divide()
   AdaptiveSurface(SurfaceComplex complex, Components components, Nesting nesting, InterpolatedField field, const RunControl& control = {});
 
   const SurfaceComplex& complex() const { return complex_; }
@@ -28,11 +28,11 @@ class AdaptiveSurface {
   const InterpolatedField& field() const { return field_; }
   /// Per c-vertex, the place of the surface where it was found, before it was moved; sample-index coordinates.
   std::span<const Vec3> found() const { return found_; }
-  const RunControl& control() const { return control_; }  ///< says whether to stop; tells no progress
+  const RunControl& control() const { return control_; }  ///< for work that is part of a stage
 
-  std::vector<Fineness> fineness() const { return isoatlas::fineness(complex_, {field_, crowded_.flags()}); }  ///< per c-vertex; O(F)
+  std::vector<Fineness> fineness() const { return isoatlas::fineness(complex_, {field_, crowded_.flags(), &control_}); }  ///< per c-vertex; O(F)
   /// Of some c-vertices, one by one. O(F) with a small constant
-  std::vector<Fineness> fineness(std::span<const CVertexId> of) const { return isoatlas::fineness(complex_, {field_, crowded_.flags()}, of); }
+  std::vector<Fineness> fineness(std::span<const CVertexId> of) const { return isoatlas::fineness(complex_, {field_, crowded_.flags(), &control_}, of); }
 
   /// See subdivide(). What was derived from the complex has to be made anew. Where smaller pieces would meet each other in a cell, they are
   /// left flat. C-vertices there that hardly keep off the walls of their cells, for good triangles, are moved a little.

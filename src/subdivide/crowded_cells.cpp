@@ -9,6 +9,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/cancel_poll.h"
 #include "core/parallel.h"
 #include "core/vector_math.h"
 #include "embed/triangle_pair.h"
@@ -47,10 +48,12 @@ CrowdedCells::CrowdedCells(const SurfaceComplex& complex, const InterpolatedFiel
   const std::uint32_t n = complex.c_vertex_count();
   cell_of_.assign(n, kNone);
   c_vertices_ = collect_pieces<CVertexId>(n, kCVerticesPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+    control.check_cancelled();
     for (auto v = static_cast<CVertexId>(begin); v < end; ++v) {
       if (is_crowded(complex, v)) found.push_back(v);
     }
   });
+  control.check_cancelled();
   for (std::uint32_t i = 0; i < c_vertices_.size(); ++i) {
     if (i == 0 || !same_cell(complex, c_vertices_[i - 1], c_vertices_[i])) first_.push_back(i);
     cell_of_[c_vertices_[i]] = static_cast<std::uint32_t>(first_.size() - 1);
@@ -63,19 +66,21 @@ CrowdedCells::CrowdedCells(const SurfaceComplex& complex, const InterpolatedFiel
   for (const CVertexId v : c_vertices_) flags_[v] = 1;
   const SurfaceInGrid in{field, flags_, &control};
   const std::vector<Fineness> now = fineness(complex, in);
-  ComplexPart part(complex, c_vertices_, now, flags_);
+  ComplexPart part(complex, c_vertices_, now, flags_, &control);
   std::erase_if(part.wanted, [&](CVertexId v) { return part.fineness[v] != Fineness::faces; });
   const Subdivision divided = part.subdivided(in);
   const auto number = [&](CVertexId v) { return v < part.c_vertex.size() ? part.c_vertex[v] : kNone; };
-  control.check_cancelled();
+  CancelPoll poll(control);
   std::vector<std::pair<std::uint32_t, Triangle>> pieces;
   for (const Face& face : divided.complex.faces) {
+    poll.step();
     if (!face.is_triangle()) continue;
     const auto own = std::find_if(face.corner.begin(), face.corner.begin() + 3, [&](CVertexId v) { return contains(number(v)); });
     if (own != face.corner.begin() + 3) pieces.emplace_back(cell_of_[number(*own)], Triangle{face.corner[0], face.corner[1], face.corner[2]});
   }
   control.check_cancelled();
   std::stable_sort(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  control.check_cancelled();
   std::vector<std::uint32_t> place(divided.complex.c_vertex_count(), kNone);  // of the corners of the last cell's pieces
   std::vector<std::uint32_t> cell_of_place(place.size(), kNone);
   std::vector<CVertexId> number_in_part(n, kNone);
@@ -84,6 +89,7 @@ CrowdedCells::CrowdedCells(const SurfaceComplex& complex, const InterpolatedFiel
   first_piece_.push_back(0);
   first_point_.push_back(0);
   for (std::uint32_t cell = 0; cell + 1 < first_.size(); ++cell) {
+    poll.step();
     std::uint32_t corners = 0;
     const auto add = [&](CVertexId v) {
       cell_of_place[v] = cell;
@@ -130,7 +136,7 @@ bool CrowdedCells::surfels_meet(std::uint32_t cell, std::span<const Vec3> positi
 
 // One c-vertex after the other goes where on a lattice the fewest triangles meet, the nearest such place, until none do; where that ends
 // too early, once more from other places. @return whether it was found
-bool CrowdedCells::search_places(std::uint32_t cell, std::span<Vec3> places) const {
+bool CrowdedCells::search_places(std::uint32_t cell, std::span<Vec3> places, const RunControl& control) const {
   Surfels surfels(*this, cell);
   const Cell low = cell_of(places[0]);
   const std::vector<Vec3> start(places.begin(), places.end());
@@ -145,6 +151,7 @@ bool CrowdedCells::search_places(std::uint32_t cell, std::span<Vec3> places) con
   };
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     for (std::size_t v = 0; v < places.size(); ++v) surfels.corners[v] = attempt == 0 ? start[v] : any();
+    control.check_cancelled();
     std::size_t least = surfels.meeting_pairs(kNone);
     for (bool better = true; better && least > 0;) {
       better = false;
@@ -217,7 +224,7 @@ std::size_t CrowdedCells::separate(SurfaceComplex& complex, const RunControl& co
       for (std::size_t i = 0; i < kShares.size() && !good; ++i)
         good = fits([&](std::size_t k) { return off_walls(k, start[k] + kShares[i] * (middle[k] - start[k])); });
       if (!good) {
-        good = search_places(cell, start);
+        good = search_places(cell, start, control);
         for (std::size_t k = 0; k < own.size(); ++k) complex.positions[own[k]] = start[k];
       }
       left += !good;
@@ -226,7 +233,7 @@ std::size_t CrowdedCells::separate(SurfaceComplex& complex, const RunControl& co
   return left;
 }
 
-std::vector<CVertexId> CrowdedCells::meeting(std::span<const CVertexId> moved, std::span<const Vec3> positions) const {
+std::vector<CVertexId> CrowdedCells::meeting(std::span<const CVertexId> moved, std::span<const Vec3> positions, const RunControl& control) const {
   std::vector<std::uint32_t> cells;
   for (const CVertexId v : moved) {
     if (contains(v)) cells.push_back(cell_of_[v]);
@@ -234,6 +241,7 @@ std::vector<CVertexId> CrowdedCells::meeting(std::span<const CVertexId> moved, s
   std::sort(cells.begin(), cells.end());
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
   return collect_pieces<CVertexId>(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end, auto& out) {
+    control.check_cancelled();
     for (std::size_t i = begin; i < end; ++i) {
       if (!surfels_meet(cells[i], positions)) continue;
       const std::span<const CVertexId> own = c_vertices(cells[i]);

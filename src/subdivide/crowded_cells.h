@@ -32,7 +32,7 @@ class CrowdedCells {
 
   /// The c-vertices of those cells, with one of `moved` in them, whose surfels meet where the c-vertices are now.
   /// @param positions  per c-vertex
-  std::vector<CVertexId> meeting(std::span<const CVertexId> moved, std::span<const Vec3> positions) const;
+  std::vector<CVertexId> meeting(std::span<const CVertexId> moved, std::span<const Vec3> positions, const RunControl& control = {}) const;
 
  private:
   std::span<const CVertexId> c_vertices(std::uint32_t cell) const {
@@ -45,7 +45,7 @@ class CrowdedCells {
     return {points_.data() + first_point_[cell], points_.data() + first_point_[cell + 1]};
   }
   class Surfels;
-  bool search_places(std::uint32_t cell, std::span<Vec3> places) const;
+  bool search_places(std::uint32_t cell, std::span<Vec3> places, const RunControl& control) const;
   bool surfels_meet(std::uint32_t cell, std::span<const Vec3> positions) const;
   std::vector<Vec3> middles(std::uint32_t cell) const;
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/cancel_poll.h"
 #include "core/parallel.h"
 #include "core/vector_math.h"
 #include "volume/field.h"
@@ -124,13 +125,14 @@ Fineness fineness_of(const SurfaceComplex& complex, const SurfaceInGrid& in, con
 class Subdivider {
  public:
   Subdivider(const SurfaceComplex& complex, std::span<const CVertexId> wanted, std::span<const Fineness> now, const SurfaceInGrid& in)
-      : complex_(complex), in_(in), field_(in.field), wanted_(complex.c_vertex_count(), Want::nothing) {
+      : complex_(complex), in_(in), field_(in.field), poll_(in.control), wanted_(complex.c_vertex_count(), Want::nothing) {
     for (const CVertexId v : wanted) {
       wanted_[v] = now[v] == Fineness::faces ? Want::fans : now[v] == Fineness::fans ? Want::pieces : Want::smaller_pieces;
     }
     // At a node it is the sides opposite to it that cross walls.
     std::vector<std::pair<CVertexId, Want>> opposite;
     for (const Face& face : complex.faces) {
+      poll_.step();
       if (!face.is_triangle()) continue;
       const auto& c = face.corner;
       for (std::size_t k = 0; k < 3; ++k) {
@@ -146,16 +148,14 @@ class Subdivider {
     out_.complex = complex_;
     find_sides();
     std::vector<Vec3> middles(sides_.size());
-    for_each_piece(sides_.size(), kFaces, [&](std::size_t begin, std::size_t end) {
-      check_cancelled(0);
-      for (std::size_t i = begin; i < end; ++i) middles[i] = middle(sides_[i]);
-    });
+    for_each_index(sides_.size(), kFaces, in_.control, [&](std::size_t i) { middles[i] = middle(sides_[i]); });
     for (std::size_t i = 0; i < sides_.size(); ++i) {
+      poll_.step();
       add_c_vertex(middles[i], sides_[i].a, sides_[i].is_boundary);
       if (!sides_[i].crosses) out_.between.back() = {sides_[i].a, sides_[i].b};
     }
     for (FaceId f = 0; f < complex_.face_count(); ++f) {
-      check_cancelled(f);
+      poll_.step();
       if (is_divided(complex_.faces[f])) divide(f);
     }
     divide_boundary();
@@ -171,11 +171,6 @@ class Subdivider {
     Vec3 first_node, second_node;
     bool crosses, is_boundary;
   };
-
-  void check_cancelled(std::size_t item) const {
-    constexpr std::size_t kItems = 4096;  // take some milliseconds
-    if (in_.control != nullptr && item % kItems == 0) in_.control->check_cancelled();
-  }
 
   bool is_divided(const Face& face) const {
     bool any = false;
@@ -219,7 +214,7 @@ class Subdivider {
   // Every marked side once, with the nodes of its one or two faces.
   void find_sides() {
     std::vector<Side> found = collect_pieces<Side>(complex_.face_count(), kFaces, [&](std::size_t begin, std::size_t end, auto& sides) {
-      check_cancelled(0);
+      if (in_.control != nullptr) in_.control->check_cancelled();
       for (std::size_t f = begin; f < end; ++f) {
         if (is_divided(complex_.faces[f])) add_sides(complex_.faces[f], sides);
       }
@@ -513,6 +508,7 @@ class Subdivider {
   const SurfaceComplex& complex_;
   const SurfaceInGrid& in_;
   const InterpolatedField& field_;
+  CancelPoll poll_;
   std::vector<Want> wanted_;                            // per c-vertex
   std::vector<DividedSide> sides_;                      // sorted by their ends; the i-th has the i-th new c-vertex
   std::vector<std::array<CVertexId, 3>> border_nodes_;  // ends of a border side and the node between them
@@ -526,8 +522,10 @@ bool has_two_curves(const InterpolatedField& field, Vec3 point) { return Bilinea
 std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGrid& in) {
   std::vector<Fineness> out(complex.c_vertex_count(), Fineness::pieces);
   std::vector<Fineness> of_face(complex.face_count());
-  for_each_index(complex.face_count(), kFaces, [&](std::size_t f) { of_face[f] = fineness_of(complex, in, complex.faces[f]); });
+  for_each_index(complex.face_count(), kFaces, in.control, [&](std::size_t f) { of_face[f] = fineness_of(complex, in, complex.faces[f]); });
+  CancelPoll poll(in.control);
   for (FaceId f = 0; f < complex.face_count(); ++f) {
+    poll.step();
     const Face& face = complex.faces[f];
     for (int k = 0; k < face.size(); ++k) out[face.corner[k]] = std::min(out[face.corner[k]], of_face[f]);
   }
@@ -535,12 +533,14 @@ std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGri
 }
 
 std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGrid& in, std::span<const CVertexId> of) {
+  CancelPoll poll(in.control);
   std::vector<std::uint8_t> is_asked(complex.c_vertex_count(), 0);
   for (const CVertexId v : of) is_asked[v] = 1;
   std::vector<Fineness> all(complex.c_vertex_count(), Fineness::pieces), out;
   for (const Face& face : complex.faces) {
     const auto corners = std::span(face.corner).first(static_cast<std::size_t>(face.size()));
     if (std::ranges::none_of(corners, [&](CVertexId v) { return is_asked[v] != 0; })) continue;
+    poll.step();
     const Fineness f = fineness_of(complex, in, face);
     for (const CVertexId v : corners) all[v] = std::min(all[v], f);
   }
@@ -554,7 +554,8 @@ Subdivision subdivide(const SurfaceComplex& complex, std::span<const CVertexId> 
 }
 
 ComplexPart::ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId> around, std::span<const Fineness> now,
-                         std::span<const std::uint8_t> is_crowded) {
+                         std::span<const std::uint8_t> is_crowded, const RunControl* control) {
+  CancelPoll poll(control);
   enum : std::uint8_t { kWanted = 1, kNear = 2, kIn = 4 };
   std::vector<std::uint8_t> mark(whole.c_vertex_count(), 0);
   for (const CVertexId v : around) mark[v] = kWanted;
@@ -562,22 +563,26 @@ ComplexPart::ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId>
   const auto has = [&](const Face& f, std::uint8_t bits) { return std::ranges::any_of(corners(f), [&](CVertexId v) { return (mark[v] & bits) != 0; }); };
   const auto faces_with = [&](std::uint8_t bits) {
     return collect_pieces<FaceId>(whole.face_count(), kFaces, [&](std::size_t begin, std::size_t end, std::vector<FaceId>& found) {
+      if (control != nullptr) control->check_cancelled();
       for (auto f = static_cast<FaceId>(begin); f < end; ++f) {
         if (has(whole.faces[f], bits)) found.push_back(f);
       }
     });
   };
   for (const FaceId f : faces_with(kWanted)) {
+    poll.step();
     for (const CVertexId v : corners(whole.faces[f])) mark[v] |= kNear;
   }
   face = faces_with(kWanted | kNear);
   for (const FaceId f : face) {
+    poll.step();
     for (const CVertexId v : corners(whole.faces[f])) mark[v] |= kIn;
   }
   complex.spacing = whole.spacing;
   std::vector<CVertexId> number(whole.c_vertex_count(), kNone);
   for (CVertexId v = 0; v < whole.c_vertex_count(); ++v) {
     if (mark[v] == 0) continue;
+    poll.step();
     number[v] = static_cast<CVertexId>(c_vertex.size());
     c_vertex.push_back(v);
     complex.positions.push_back(whole.positions[v]);
@@ -600,7 +605,7 @@ ComplexPart::ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId>
 
 Subdivision subdivide_in_place(SurfaceComplex& whole, std::span<const CVertexId> wanted, std::span<const Fineness> now, const SurfaceInGrid& in) {
   if (wanted.empty()) return {};
-  const ComplexPart part(whole, wanted, now, in.crowded);
+  const ComplexPart part(whole, wanted, now, in.crowded, in.control);
   Subdivision out = part.subdivided(in);
   const SurfaceComplex& divided = out.complex;
   const CVertexId before = whole.c_vertex_count(), own = part.complex.c_vertex_count();
@@ -608,7 +613,9 @@ Subdivision subdivide_in_place(SurfaceComplex& whole, std::span<const CVertexId>
   whole.positions.insert(whole.positions.end(), divided.positions.begin() + own, divided.positions.end());
   whole.on_boundary.insert(whole.on_boundary.end(), divided.on_boundary.begin() + own, divided.on_boundary.end());
   checked_id(whole.faces.size() + divided.faces.size(), "faces");
+  CancelPoll poll(in.control);
   for (FaceId f = 0; f < divided.face_count(); ++f) {
+    poll.step();
     Face face = divided.faces[f];
     for (int k = 0; k < face.size(); ++k) face.corner[k] = number(face.corner[k]);
     if (f < part.face.size()) {

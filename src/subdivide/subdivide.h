@@ -89,7 +89,8 @@ struct ComplexPart {
   std::vector<std::uint8_t> crowded; ///< per c-vertex of the part
 
   /// @cost  O(F) with a small constant
-  ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId> around, std::span<const Fineness> now, std::span<const std::uint8_t> is_crowded);
+  ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId> around, std::span<const Fineness> now, std::span<const std::uint8_t> is_crowded,
+              const RunControl* control = nullptr);
   /// subdivide() of the part, around the c-vertices. The same as of the whole, but for the numbers.
   Subdivision subdivided(const SurfaceInGrid& in) const { return subdivide(complex, wanted, fineness, {in.field, crowded, in.control}); }
 };

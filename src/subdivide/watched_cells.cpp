@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/cancel_poll.h"
 #include "core/parallel.h"
 #include "core/vector_math.h"
 #include "embed/triangle_pair.h"
@@ -25,7 +26,8 @@ bool meet_anywhere(std::span<const Triangle> triangles, std::span<const Vec3> po
 
 }  // namespace
 
-WatchedCells::WatchedCells(const SurfaceComplex& complex, std::span<const Cell> cells) : complex_size_(complex.c_vertex_count()) {
+WatchedCells::WatchedCells(const SurfaceComplex& complex, std::span<const Cell> cells, const RunControl& control)
+    : complex_size_(complex.c_vertex_count()) {
   using Found = std::pair<std::uint32_t, Triangle>;
   const auto add = [&](Vec3 p, const Triangle& t, std::vector<Found>& found) {
     const Cell cell{std::floor(p.x), std::floor(p.y), std::floor(p.z)};
@@ -37,6 +39,7 @@ WatchedCells::WatchedCells(const SurfaceComplex& complex, std::span<const Cell> 
   const auto is_inside = [](Vec3 p) { return p.x != std::floor(p.x) && p.y != std::floor(p.y) && p.z != std::floor(p.z); };
   const std::size_t faces = cells.empty() ? 0 : complex.face_count();
   auto found = collect_pieces<Found>(faces, kFacesPerPiece, [&](std::size_t begin, std::size_t end, std::vector<Found>& out) {
+    control.check_cancelled();
     for (const Face& face : std::span(complex.faces).subspan(begin, end - begin)) {
       if (!face.is_triangle()) continue;
       const Triangle t{face.corner[0], face.corner[1], face.corner[2]};
@@ -49,7 +52,9 @@ WatchedCells::WatchedCells(const SurfaceComplex& complex, std::span<const Cell> 
       if (!any_inside) add((1.0 / 3) * (complex.positions[t[0]] + complex.positions[t[1]] + complex.positions[t[2]]), t, out);
     }
   });
+  control.check_cancelled();
   std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  control.check_cancelled();
   found.erase(std::unique(found.begin(), found.end()), found.end());
   first_.assign(cells.size() + 1, 0);
   first_cell_.assign(complex_size_ + 1, 0);
@@ -67,7 +72,7 @@ WatchedCells::WatchedCells(const SurfaceComplex& complex, std::span<const Cell> 
   }
 }
 
-std::vector<CVertexId> WatchedCells::meeting(std::span<const CVertexId> moved, std::span<const Vec3> positions) const {
+std::vector<CVertexId> WatchedCells::meeting(std::span<const CVertexId> moved, std::span<const Vec3> positions, const RunControl& control) const {
   std::vector<std::uint32_t> cells;
   for (const CVertexId v : moved) {
     if (contains(v)) cells.insert(cells.end(), cells_of_.begin() + first_cell_[v], cells_of_.begin() + first_cell_[v + 1]);
@@ -76,6 +81,7 @@ std::vector<CVertexId> WatchedCells::meeting(std::span<const CVertexId> moved, s
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
   std::vector<std::uint8_t> meet(cells.size(), 0);
   for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
+    control.check_cancelled();
     for (std::size_t i = begin; i < end; ++i) meet[i] = meet_anywhere(triangles(cells[i]), positions);
   });
   std::vector<CVertexId> out;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "isoatlas/mesh.h"
+#include "isoatlas/run_control.h"
 #include "surface/surface_complex.h"
 
 namespace isoatlas {
@@ -20,7 +21,7 @@ class WatchedCells {
   WatchedCells() = default;
   /// @param cells  sorted, each once; around c-vertices inside them there are triangles only
   /// @cost  O(F log cells)
-  WatchedCells(const SurfaceComplex& complex, std::span<const Cell> cells);
+  WatchedCells(const SurfaceComplex& complex, std::span<const Cell> cells, const RunControl& control = {});
 
   /// In such a cell, or on its walls.
   bool contains(CVertexId v) const { return v < complex_size_ && first_cell_[v] != first_cell_[v + 1]; }
@@ -29,7 +30,7 @@ class WatchedCells {
   /// several times.
   /// @param positions  per c-vertex
   /// @cost  an exact look at these cells; parallel
-  std::vector<CVertexId> meeting(std::span<const CVertexId> moved, std::span<const Vec3> positions) const;
+  std::vector<CVertexId> meeting(std::span<const CVertexId> moved, std::span<const Vec3> positions, const RunControl& control = {}) const;
 
  private:
   std::span<const Triangle> triangles(std::uint32_t cell) const {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/cancel_poll.h"
 #include "core/parallel.h"
 #include "core/vector_math.h"
 
@@ -19,12 +20,13 @@ struct Wedge {  // one face at a c-vertex: the neighbours before and after it, a
 
 }  // namespace
 
-CVertexGraph make_graph(const SurfaceComplex& complex) {
+CVertexGraph make_graph(const SurfaceComplex& complex, const RunControl* control) {
   const std::uint32_t n = complex.c_vertex_count();
   checked_id(8 * complex.faces.size() + complex.boundary.size(), "edges of the graph");
   CVertexGraph graph;
   graph.on_boundary = complex.on_boundary;
 
+  CancelPoll poll(control);
   std::vector<std::uint32_t> first_wedge(n + 1, 0);
   std::vector<std::uint32_t> diagonals(n, 0);
   for (const Face& face : complex.faces) {
@@ -38,6 +40,7 @@ CVertexGraph make_graph(const SurfaceComplex& complex) {
   {
     std::vector<std::uint32_t> fill(first_wedge.begin(), first_wedge.end() - 1);
     for (const Face& face : complex.faces) {
+      poll.step();
       const int size = face.size();
       for (int k = 0; k < size; ++k) {
         wedges[fill[face.corner[k]]++] = {face.corner[(k + 1) % size], size == 4 ? face.corner[(k + 2) % 4] : kNone,
@@ -57,7 +60,7 @@ CVertexGraph make_graph(const SurfaceComplex& complex) {
 
   // Chain the wedges of each c-vertex: counter-clockwise, the wedge that starts where the last one ended.
   constexpr std::uint32_t kFew = 24;
-  for_each_index(n, kRows, [&](std::size_t row) {
+  for_each_index(n, kRows, control, [&](std::size_t row) {
     const auto v = static_cast<CVertexId>(row);
     Wedge* const begin = wedges.data() + first_wedge[v];
     const std::uint32_t count = first_wedge[v + 1] - first_wedge[v];
@@ -101,8 +104,8 @@ CVertexGraph make_graph(const SurfaceComplex& complex) {
   return graph;
 }
 
-std::vector<std::uint8_t> remake_graph(CVertexGraph& graph, const SurfaceComplex& complex) {
-  const CVertexGraph before = std::exchange(graph, make_graph(complex));
+std::vector<std::uint8_t> remake_graph(CVertexGraph& graph, const SurfaceComplex& complex, const RunControl* control) {
+  const CVertexGraph before = std::exchange(graph, make_graph(complex, control));
   std::vector<std::uint8_t> out(graph.c_vertex_count(), 1);
   for_each_index(std::min(before.c_vertex_count(), graph.c_vertex_count()), kRows, [&](std::size_t row) {
     const auto v = static_cast<CVertexId>(row);

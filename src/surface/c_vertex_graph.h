@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "isoatlas/run_control.h"
 #include "surface/surface_complex.h"
 
 namespace isoatlas {
@@ -29,11 +30,11 @@ struct CVertexGraph {
 };
 
 /// O(C + sum of valence log valence). 9 bytes per entry: about 6 entries per c-vertex of a triangle complex, 8 of a quad one.
-CVertexGraph make_graph(const SurfaceComplex& complex);
+CVertexGraph make_graph(const SurfaceComplex& complex, const RunControl* control = nullptr);
 
 /// Makes the graph of a complex that has changed. @pre c-vertices kept their numbers
 /// @return per c-vertex, 1 if its row is another one than before, or it was not there
 /// @cost   as make_graph(); needs room for both graphs
-std::vector<std::uint8_t> remake_graph(CVertexGraph& graph, const SurfaceComplex& complex);
+std::vector<std::uint8_t> remake_graph(CVertexGraph& graph, const SurfaceComplex& complex, const RunControl* control = nullptr);
 
 }  // namespace isoatlas

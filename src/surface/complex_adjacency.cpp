@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "surface/complex_adjacency.h"
 
+#include "core/cancel_poll.h"
+
 namespace isoatlas {
 
-ComplexAdjacency::ComplexAdjacency(const SurfaceComplex& complex) {
+ComplexAdjacency::ComplexAdjacency(const SurfaceComplex& complex, const RunControl& control) {
   std::vector<std::uint32_t> count(complex.c_vertex_count(), 0);
   for (const Face& face : complex.faces) {
     for (int k = 0; k < face.size(); ++k) ++count[face.corner[k]];
   }
   faces_.reserve(count);
+  CancelPoll poll(control);
   for (FaceId f = 0; f < complex.face_count(); ++f) {
+    poll.step();
     const Face& face = complex.faces[f];
     for (int k = 0; k < face.size(); ++k) faces_.push_back(face.corner[k], f);
   }

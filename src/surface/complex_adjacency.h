@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/slack_rows.h"
+#include "isoatlas/run_control.h"
 #include "surface/surface_complex.h"
 
 namespace isoatlas {
@@ -15,7 +16,7 @@ class ComplexAdjacency {
  public:
   ComplexAdjacency() = default;
   /// O(F). 12 bytes per c-vertex and 4 per corner of a face, 8 more per c-vertex if there is a boundary.
-  explicit ComplexAdjacency(const SurfaceComplex& complex);
+  explicit ComplexAdjacency(const SurfaceComplex& complex, const RunControl& control = {});
 
   std::span<const FaceId> faces_of(CVertexId v) const { return faces_.row(v); }
   /// The c-vertex after v on its boundary loop, in the direction of the boundary sides; kNone inside the surface.

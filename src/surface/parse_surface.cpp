@@ -17,6 +17,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "core/cancel_poll.h"
 #include "core/parallel.h"
 #include "core/saddle_sign.h"
 #include "core/vector_math.h"
@@ -101,7 +102,7 @@ class Parser {
     complex_.faces.resize(faces_);
     for_each_piece(slices_.size(), 1, [&](std::size_t z0, std::size_t z1) {
       for (std::size_t cz = z0; cz < z1; ++cz) {
-        if (cancelled()) return;
+        control_.check_cancelled();
         place_c_vertices(cz);
         make_faces(cz);
       }
@@ -116,8 +117,6 @@ class Parser {
   }
 
  private:
-  bool cancelled() const { return control_.cancel && control_.cancel->load(std::memory_order_relaxed); }
-
   std::size_t sample_of(std::size_t extended, int axis) const {
     return extended == 0 ? 0 : std::min(extended - 1, size_[static_cast<std::size_t>(axis)] - 1);
   }
@@ -163,6 +162,7 @@ class Parser {
     row_first_.assign(rows_y * slices + 1, 0);
     for_each_piece(slices, 1, [&](std::size_t z0, std::size_t z1) {
       for (std::size_t cz = z0; cz < z1; ++cz) {
+        control_.check_cancelled();
         for (std::size_t cy = 0; cy < rows_y; ++cy) {
           std::uint32_t n = 0;
           for_each_crossed_cell(cy, cz, [&](std::size_t) { ++n; });
@@ -241,7 +241,7 @@ class Parser {
   void classify_cells() {
     for_each_piece(slices_.size(), 1, [&](std::size_t z0, std::size_t z1) {
       for (std::size_t cz = z0; cz < z1; ++cz) {
-        if (cancelled()) return;
+        control_.check_cancelled();
         Slice& slice = slices_[cz];
         for (std::size_t cy = 0; cy <= size_[1]; ++cy) {
           std::uint32_t i = row_first_[row_of(cy, cz)];
@@ -427,6 +427,7 @@ class Parser {
     std::vector<SplitNode> nodes;
     std::vector<SegmentMiddle> middles;
     for (const Slice& slice : slices_) {
+      control_.check_cancelled();
       for (const DoubleFace& d : slice.double_faces) split_double_segments(d, nodes, middles);
       for (const TunnelCell& t : slice.tunnel_cells) {
         const std::array<std::size_t, 3> c{cells_[t.cell].x, t.cy, t.cz};
@@ -437,7 +438,7 @@ class Parser {
         ++complex_.tunnels;
       }
     }
-    split_faces(complex_, std::move(nodes), std::move(middles));
+    split_faces(complex_, std::move(nodes), std::move(middles), control_);
   }
 
   void split_double_segments(const DoubleFace& d, std::vector<SplitNode>& nodes, std::vector<SegmentMiddle>& middles) {

@@ -5,6 +5,8 @@
 #include <span>
 #include <utility>
 
+#include "core/cancel_poll.h"
+
 namespace isoatlas {
 namespace {
 
@@ -86,12 +88,14 @@ CVertexId add_c_vertex(SurfaceComplex& complex, Vec3 position) {
   return id;
 }
 
-void split_faces(SurfaceComplex& complex, std::vector<SplitNode> nodes, std::vector<SegmentMiddle> middles) {
+void split_faces(SurfaceComplex& complex, std::vector<SplitNode> nodes, std::vector<SegmentMiddle> middles, const RunControl& control) {
   std::ranges::sort(nodes, [](const SplitNode& a, const SplitNode& b) { return a.face != b.face ? a.face < b.face : a.is_cut > b.is_cut; });
   nodes.erase(std::ranges::unique(nodes, {}, &SplitNode::face).begin(), nodes.end());
   std::ranges::sort(middles, [](const SegmentMiddle& a, const SegmentMiddle& b) { return std::tie(a.face, a.id) < std::tie(b.face, b.id); });
   std::vector<BorderNode> border_nodes;
+  CancelPoll poll(control);
   for (const SplitNode& node : nodes) {
+    poll.step();
     const auto [first, last] = std::ranges::equal_range(middles, node.face, {}, &SegmentMiddle::face);
     make_fan(complex, node, {first, last}, border_nodes);
   }

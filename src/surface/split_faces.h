@@ -5,6 +5,7 @@
 #include <tuple>
 #include <vector>
 
+#include "isoatlas/run_control.h"
 #include "surface/surface_complex.h"
 
 namespace isoatlas {
@@ -32,6 +33,6 @@ CVertexId add_c_vertex(SurfaceComplex& complex, Vec3 position);
 /// at which an annulus is cut, since they have more than four corners.
 /// @param nodes    in any order; one may be there several times
 /// @param middles  in any order
-void split_faces(SurfaceComplex& complex, std::vector<SplitNode> nodes, std::vector<SegmentMiddle> middles);
+void split_faces(SurfaceComplex& complex, std::vector<SplitNode> nodes, std::vector<SegmentMiddle> middles, const RunControl& control);
 
 }  // namespace isoatlas

@@ -83,7 +83,7 @@ void classify_rows(const VolumeView& volume, const T* samples, IsInside is_insid
     std::vector<std::uint8_t> flags(out.words * 64, 0);
     std::uint64_t seen_here = 0;
     for (std::size_t z = z0; z < z1; ++z) {
-      if (control.cancel && control.cancel->load(std::memory_order_relaxed)) return;
+      control.check_cancelled();
       for (std::size_t y = 0; y < ny; ++y) {
         const T* row = samples + nx * (y + ny * z);
         if constexpr (std::is_floating_point_v<T>) {

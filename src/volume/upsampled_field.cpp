@@ -253,7 +253,7 @@ SignBits UpsampledField::classify(const RunControl& control) const {
       }
     };
     for (std::size_t cz = z0; cz < z1; ++cz) {
-      if (control.cancel && control.cancel->load(std::memory_order_relaxed)) return;
+      control.check_cancelled();
       std::fill(low.begin(), low.end(), kInfinity);
       std::fill(high.begin(), high.end(), -kInfinity);
       for_each_around(cz, nz, [&](std::size_t z) {

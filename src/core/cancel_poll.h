@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "isoatlas/run_control.h"
+
+namespace isoatlas {
+
+/// For loops of short steps, up to some thousand instructions each: asks once in so many steps whether to stop.
+class CancelPoll {
+ public:
+  explicit CancelPoll(const RunControl& control) : control_(&control) {}
+  explicit CancelPoll(const RunControl* control) : control_(control) {}  ///< none: never stops
+
+  /// To be called in each step. @throws Error(cancelled)
+  void step() {
+    if (++steps_ % kSteps == 0 && control_ != nullptr) control_->check_cancelled();
+  }
+
+ private:
+  static constexpr std::uint32_t kSteps = 512;
+  const RunControl* control_;
+  std::uint32_t steps_ = 0;
+};
+
+}  // namespace isoatlas
