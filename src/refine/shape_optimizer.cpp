@@ -238,8 +238,9 @@ class ShapeOptimizer {
 
   // Per triangle, the change that makes it better most.
   std::vector<ShapeChange> best_changes(std::span<const std::uint32_t> triangles) const {
+    control_.check_cancelled();
     std::vector<ShapeChange> best(triangles.size());
-    for_each_index(triangles.size(), 1, &control_, [&](std::size_t k) {
+    for_each_index(triangles.size(), 1, [&](std::size_t k) {
       changes_.consider_flips(triangles[k], kWorthIt, best[k]);
       for (const CellId c : mesh_.mesh().triangles[triangles[k]].cell) changes_.consider_moves(c, kWorthIt, best[k]);
     });

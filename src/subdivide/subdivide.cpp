@@ -219,6 +219,7 @@ class Subdivider {
         if (is_divided(complex_.faces[f])) add_sides(complex_.faces[f], sides);
       }
     });
+    if (in_.control != nullptr) in_.control->check_cancelled();
     const auto order = [](const Side& x, const Side& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); };
     std::stable_sort(found.begin(), found.end(), order);
     for (std::size_t i = 0; i < found.size();) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "embed/intersection_tracker.h"
+#include "isoatlas/extract.h"
 #include "volume/to_space.h"
 
 namespace isoatlas {
