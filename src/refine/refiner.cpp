@@ -29,8 +29,9 @@ constexpr int kMostLastLooks = 3;
 constexpr int kMostProofs = 10;
 // Of the time of a level, that goes by until its triangles' shape has been worked on.
 constexpr double kShapeShare = 0.85;
-// A few bad triangles that are left get so many more chances, but only so many in a row that leave no fewer.
+// A few bad triangles that are left get so many more chances, but only so many in a row that mend less than this share of them.
 constexpr int kMostChances = 6, kMostInVain = 2;
+constexpr double kWorthAChance = 0.05;
 constexpr std::size_t kFewTriangles = 100;
 // Cells at their limit that are tried to be mended by flips and moves.
 constexpr std::size_t kMostMended = 200;
@@ -553,7 +554,8 @@ void Refiner::retry_bad_triangles(const Task& task, IntersectionTracker& meeting
   for (int chance = 0; chance < kMostChances && in_vain < kMostInVain && out.shape.bad > 0 && out.shape.bad < kFewTriangles; ++chance) {
     if (task.most_sites != kNone || !make_smaller_at_bad_triangles(*work_, task, triangles)) break;
     refine_and_improve(task, meeting, triangles, out, control);
-    in_vain = out.shape.bad < fewest ? 0 : in_vain + 1;
+    const bool helps = static_cast<double>(out.shape.bad) <= (1 - kWorthAChance) * static_cast<double>(fewest);
+    in_vain = helps ? 0 : in_vain + 1;
     fewest = std::min(fewest, out.shape.bad);
   }
 }
