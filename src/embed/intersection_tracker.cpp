@@ -7,18 +7,13 @@
 
 #include "core/cancel_poll.h"
 #include "core/parallel.h"
+#include "core/sort_once.h"
 #include "embed/triangle_pair.h"
 
 namespace isoatlas {
 namespace {
 
 constexpr std::size_t kPerPiece = 2048;  // vertices or triangles, of a parallel loop
-
-std::vector<std::uint32_t> sorted_once(std::vector<std::uint32_t> ids) {
-  std::sort(ids.begin(), ids.end());
-  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-  return ids;
-}
 
 }  // namespace
 
@@ -121,7 +116,8 @@ std::vector<std::uint32_t> IntersectionTracker::test(std::span<const std::uint32
     corners.insert(corners.end(), triangles_[a].begin(), triangles_[a].end());
     corners.insert(corners.end(), triangles_[b].begin(), triangles_[b].end());
   }
-  return sorted_once(std::move(corners));
+  sort_once(corners);
+  return corners;
 }
 
 std::vector<std::uint32_t> IntersectionTracker::largest_corners(std::span<const float> size_of_vertex) const {
@@ -138,7 +134,8 @@ std::vector<std::uint32_t> IntersectionTracker::largest_corners(std::span<const 
       out.insert(out.end(), corner.begin(), corner.end());
     }
   }
-  return sorted_once(std::move(out));
+  sort_once(out);
+  return out;
 }
 
 }  // namespace isoatlas

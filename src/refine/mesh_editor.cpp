@@ -4,15 +4,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/sort_once.h"
 #include "core/cancel_poll.h"
 
 namespace isoatlas {
 namespace {
-
-void sort_once(std::vector<std::uint32_t>& ids) {
-  std::sort(ids.begin(), ids.end());
-  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-}
 
 void append(std::vector<std::uint32_t>& to, std::span<const std::uint32_t> from) { to.insert(to.end(), from.begin(), from.end()); }
 

@@ -9,6 +9,7 @@
 #include "core/cancel_poll.h"
 #include "core/epoch_set.h"
 #include "core/parallel.h"
+#include "core/sort_once.h"
 #include "core/vector_math.h"
 #include "core/whole_progress.h"
 #include "refine/mesh_editor.h"
@@ -401,8 +402,7 @@ class ChangesBack {
         return true;
       });
     }
-    std::sort(changed.begin(), changed.end());
-    changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
+    sort_once(changed);
     for (const CellId c : changed) mesh_.give_up(c, 1);
     return changed;
   }
