@@ -337,7 +337,7 @@ class Subdivider {
     const double c = f0, b = -3 * f0 + 4 * f1 - f2, a = 2 * f0 - 4 * f1 + 2 * f2;
     double best = INFINITY;
     const auto offer = [&](double t) {
-      if (t > 0 && t < 1) best = std::min(best, t);
+      if (t >= 0 && t <= 1) best = std::min(best, t);  // at the ends, samples that are equal to the isovalue
     };
     const double discriminant = b * b - 4 * a * c;
     if (discriminant >= 0) {
@@ -561,7 +561,9 @@ ComplexPart::ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId>
   std::vector<std::uint8_t> mark(whole.c_vertex_count(), 0);
   for (const CVertexId v : around) mark[v] = kWanted;
   const auto corners = [](const Face& f) { return std::span(f.corner).first(static_cast<std::size_t>(f.size())); };
-  const auto has = [&](const Face& f, std::uint8_t bits) { return std::ranges::any_of(corners(f), [&](CVertexId v) { return (mark[v] & bits) != 0; }); };
+  const auto has = [&](const Face& f, std::uint8_t bits) {
+    return std::ranges::any_of(corners(f), [&](CVertexId v) { return (mark[v] & bits) != 0; });
+  };
   const auto faces_with = [&](std::uint8_t bits) {
     return collect_pieces<FaceId>(whole.face_count(), kFaces, [&](std::size_t begin, std::size_t end, std::vector<FaceId>& found) {
       if (control != nullptr) control->check_cancelled();
@@ -604,7 +606,8 @@ ComplexPart::ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId>
   }
 }
 
-Subdivision subdivide_in_place(SurfaceComplex& whole, std::span<const CVertexId> wanted, std::span<const Fineness> now, const SurfaceInGrid& in) {
+Subdivision subdivide_in_place(SurfaceComplex& whole, std::span<const CVertexId> wanted, std::span<const Fineness> now,
+                               const SurfaceInGrid& in) {
   if (wanted.empty()) return {};
   const ComplexPart part(whole, wanted, now, in.crowded, in.control);
   Subdivision out = part.subdivided(in);

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "isoatlas/self_intersections.h"
+#include "measure/isosurface.h"
 #include "property/random_case.h"
 #include "refine/relax.h"
 #include "subdivide/adaptive_surface.h"
@@ -21,6 +23,7 @@ using namespace test;
 
 struct Parsed {
   Volume volume;
+  InsideRule rule;
   SurfaceComplex surface;
   InterpolatedField field;
 };
@@ -34,7 +37,7 @@ Parsed parsed(RandomCase c, Interpolation interpolation = Interpolation::triline
   options.topology = c.seed % 2 ? Topology::trilinear : Topology::faces;
   options.interpolation = interpolation;
   options.supersample = supersample;
-  return {volume, parse_surface(volume, options), InterpolatedField(volume, options.rule, interpolation, supersample)};
+  return {volume, options.rule, parse_surface(volume, options), InterpolatedField(volume, options.rule, interpolation, supersample)};
 }
 
 // Middles of points in one cell, and middles of these, are exact however long the axis: long double has eleven digits more.
@@ -77,6 +80,50 @@ RC_GTEST_PROP(AnySurface, StaysItselfWhereverItIsDivided, (const RandomCase& c))
     for (const CVertexId v : wanted) RC_ASSERT(is[v] > was[v] || is[v] == Fineness::pieces);
     for (CVertexId v = 0; v < before; ++v) RC_ASSERT(is[v] >= was[v]);
     complex = divided.complex;
+  }
+}
+
+// Of the c-vertices that a first subdivision has put on walls of grid cells, in steps of the sample index.
+double largest_distance_on_walls(const Parsed& p) {
+  AdaptiveSurface surface(p.surface, find_components(p.surface), {}, p.field);
+  const Isosurface isosurface(p.volume, p.rule, p.surface);
+  const CVertexId parsed = p.surface.c_vertex_count();
+  double largest = 0;
+  std::vector<CVertexId> all(parsed);
+  std::iota(all.begin(), all.end(), 0);
+  surface.divide(all);
+  for (CVertexId v = parsed; v < surface.complex().c_vertex_count(); ++v) {
+    const Vec3 q = surface.complex().positions[v];
+    const int whole = (q.x == std::floor(q.x)) + (q.y == std::floor(q.y)) + (q.z == std::floor(q.z));
+    if (whole == 1) largest = std::max(largest, isosurface.distance(q, 0));
+  }
+  return largest;
+}
+
+// A sample equal to the isovalue at a corner that a curve cuts off: the curve is at that corner, and not the other one on this wall.
+TEST(Subdivide, PointOnAWallIsNearTheCurveOfItsNodesWhereASampleEqualsTheIsovalue) {
+  const Volume volume = to_volume({{2, 2, 3}, {0, -15, -24, 6, 0, -15, -24, 6, 0, -15, -24, 6}});
+  const InsideRule rule{0, Inside::above, NonFinite::refuse};
+  ParseOptions options;
+  options.rule = rule;
+  EXPECT_LT(largest_distance_on_walls({volume, rule, parse_surface(volume, options), InterpolatedField(volume, rule)}), 0.25);
+}
+
+// Noise with samples equal to the isovalue, at most one to a wall: plateaus have a surface at no certain place.
+TEST(Subdivide, PointsOnWallsAreNearTheIsosurface) {
+  Random random(14);
+  const InsideRule rule{0, Inside::above, NonFinite::refuse};
+  ParseOptions options;
+  options.rule = rule;
+  for (int i = 0; i < 300; ++i) {
+    Samples noise = random_samples(Family::white_noise, {4, 4, 4}, random.between(0, 1 << 20));
+    for (std::size_t z = 0; z < 4; z += 2) {
+      for (std::size_t y = 0; y < 4; y += 2) {
+        for (std::size_t x = 0; x < 4; x += 2) noise.at(x, y, z) *= random.between(0, 1);
+      }
+    }
+    const Volume volume = to_volume(noise);
+    ASSERT_LT(largest_distance_on_walls({volume, rule, parse_surface(volume, options), InterpolatedField(volume, rule)}), 0.3) << i;
   }
 }
 
