@@ -169,6 +169,12 @@ void CoarseMesher::mesh(LevelReport& report, const RunControl& told) {
            });
 }
 
+CoarseLevel CoarseMesher::take_level() {
+  coarser_.region_of = {};
+  coarser_.triangles = {};
+  return {std::move(mesh_), std::move(topology_), std::move(placement_), stand_->covering.partition().site, stand_->covering.radius()};
+}
+
 std::vector<std::uint8_t> CoarseMesher::turned_components(std::span<const ComponentId> component_of) const {
   const std::vector<std::int8_t>& wanted = surface_.nesting().facing;
   const std::vector<std::int8_t> facing = mesh_facing(mesh_.positions, mesh_.triangles, component_of, open_flags(surface_.components()));

@@ -15,6 +15,15 @@
 
 namespace isoatlas {
 
+/// Level 0.
+struct CoarseLevel {
+  TriangleMesh mesh;  ///< in sample-index coordinates
+  MeshTopology topology;
+  VertexPlacement placement;     ///< on the surface
+  std::vector<CVertexId> site;   ///< per cell, on the coarser complex, if there is one
+  std::vector<float> radius;     ///< per c-vertex there, of a disk about it
+};
+
 /// Stage one: a covering, certified, and the mesh of level 0. Lengths are in voxels. To be called in the order below.
 class CoarseMesher {
  public:
@@ -29,10 +38,8 @@ class CoarseMesher {
   /// Turns components outward, moves vertices away from each other and takes triangles apart that meet where they should not.
   void mesh(LevelReport& report, const RunControl& control);
 
-  const TriangleMesh& mesh() const { return mesh_; }  ///< in sample-index coordinates
-  const MeshTopology& topology() const { return topology_; }
-  const VertexPlacement& placement() const { return placement_; }  ///< on the surface
-  const Covering& covering() const { return stand_->covering; }  ///< of the coarser complex, if there is one
+  /// The end: nothing else may be called afterwards. Of the coarser complex only what finer levels need is left.
+  CoarseLevel take_level();
 
  private:
   struct Stand {

@@ -190,22 +190,25 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   cover.max_radius = static_cast<float>(max_radius);
   cover.event_persistence = options.event_persistence ? voxels(*options.event_persistence) : default_persistence(options.covering);
   cover.first_stage = static_cast<float>(4 * cell);
-  CoarseMesher mesher(surface, coarser, cover, options, WrittenPositions(grid, options.space, options.supersample));
-  mesher.cover(control);
+  auto mesher = std::make_unique<CoarseMesher>(surface, coarser, cover, options, WrittenPositions(grid, options.space, options.supersample));
+  mesher->cover(control);
   clock.finished("cover");
 
   control.report("certify", 0);
   LevelReport& coarse = report.levels.emplace_back();  // the only one until the refinement starts
-  mesher.certify(coarse, control);
+  mesher->certify(coarse, control);
   clock.finished("certify");
 
   control.report("mesh", 0);
-  mesher.mesh(coarse, control);
+  mesher->mesh(coarse, control);
+  const CoarseLevel level = mesher->take_level();
+  mesher.reset();
   clock.finished("mesh");
 
   control.report("check", 0);
-  TriangleMesh mesh = mesher.mesh();
-  finish_level(mesh, mesher.topology(), mesher.placement().anchor, surface, obstacles(mesher.placement(), surface, 0), options.coarse, grid, options, coarse, control);
+  TriangleMesh mesh = level.mesh;
+  const std::vector<ShapeObstacle> in_the_way = obstacles(level.placement, surface, 0);
+  finish_level(mesh, level.topology, level.placement.anchor, surface, in_the_way, options.coarse, grid, options, coarse, control);
   clock.finished("check");
 
   Hierarchy& hierarchy = out.hierarchy;
@@ -223,7 +226,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   if (only_coarse) return out;
 
   control.report("refine", 0);
-  LevelMaker maker({grid, surface, *isosurface, coarser, cover, mesher}, options, control);
+  LevelMaker maker({grid, surface, *isosurface, coarser, cover, level}, options, control);
   maker.describe_coarse(hierarchy, report.levels.front());
   for (const LevelGoal& goal : options.refine) maker.add_level(goal, hierarchy, report.levels);
   tell_of_divisions();

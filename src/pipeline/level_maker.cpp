@@ -52,7 +52,7 @@ LevelMaker::LevelMaker(const LevelSource& source, const ExtractOptions& options,
       options_(options),
       control_(control),
       refiner_(source.surface, source.isosurface, source.coarser, source.options,
-               {source.coarse.covering(), source.coarse.placement(), is_whole(options)}, options.allow_self_intersections ? std::nullopt : std::optional(WrittenPositions(source.grid, options.space, options.supersample)),
+               {source.coarse.site, source.coarse.radius, source.coarse.placement, is_whole(options)}, options.allow_self_intersections ? std::nullopt : std::optional(WrittenPositions(source.grid, options.space, options.supersample)),
                options.adaptive_supersample) {}
 
 Vec3 LevelMaker::to_space(Vec3 index) const {
@@ -93,7 +93,7 @@ void LevelMaker::fill_measurement(Measurement measured, LevelReport& report) con
 }
 
 void LevelMaker::describe_coarse(Hierarchy& hierarchy, LevelReport& report) {
-  const TriangleMesh& mesh = source_.coarse.mesh();
+  const TriangleMesh& mesh = source_.coarse.mesh;
   const LevelGoal& goal = options_.coarse;
   const LevelFigures figures =
       refiner_.describe_coarse(mesh.triangles, in_units_of(goal, source_.grid.smallest_spacing()), control_);

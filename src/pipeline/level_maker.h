@@ -14,7 +14,7 @@ struct LevelSource {
   const Isosurface& isosurface;
   const Coarsened& coarser;
   const CoveringOptions& options;
-  const CoarseMesher& coarse;
+  const CoarseLevel& coarse;
 };
 
 /// Describes the coarse level and adds the refined ones, each checked, measured where asked for, and in the output's space.

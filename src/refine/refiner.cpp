@@ -41,10 +41,11 @@ constexpr double kUsefulShare = 0.4;
 // Each time that the surface is divided for a bound, the faces around so many c-vertices, or around this part of them all.
 constexpr std::size_t kFewDivided = 6, kShareDivided = 20;
 
-std::vector<Covering::Radius> radii_of(const Covering& covering, const std::vector<CVertexId>& to) {
+// @param to  what each c-vertex is on another complex; empty: on the same one
+std::vector<Covering::Radius> radii_of(std::span<const float> radius, std::span<const CVertexId> to) {
   std::vector<Covering::Radius> out;
-  out.reserve(covering.radius().size());
-  for (CVertexId v = 0; v < covering.radius().size(); ++v) out.push_back({to.empty() ? v : to[v], covering.radius()[v]});
+  out.reserve(radius.size());
+  for (CVertexId v = 0; v < radius.size(); ++v) out.push_back({to.empty() ? v : to[v], radius[v]});
   return out;
 }
 
@@ -97,10 +98,10 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
   std::vector<CVertexId> sites = start_.placement.anchor;
   std::vector<Covering::Radius> radii;
   if (on.empty()) {
-    radii = radii_of(start_.covering, {});
+    radii = radii_of(start_.radius, {});
   } else {
     const Ground ground(coarser_.complex, nullptr, nullptr, &control);
-    MeasuredCovering rough(ground, options_, start_.covering.partition().site, radii_of(start_.covering, {}), control);
+    MeasuredCovering rough(ground, options_, start_.site, radii_of(start_.radius, {}), control);
     Task task;
     task.placement = placement;
     task.limit_share = kCoarserLimitShare;
@@ -117,7 +118,7 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
     placed_in_ = rough.covering().placed_in();
     sites.clear();
     for (const CVertexId v : rough.partition().site) sites.push_back(on[v]);
-    radii = radii_of(rough.covering(), on);
+    radii = radii_of(rough.covering().radius(), on);
   }
   work_ = std::make_unique<MeasuredCovering>(*ground_, options_, sites, radii, control);
   work_->displace(start_.placement.shift);

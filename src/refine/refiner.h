@@ -28,7 +28,8 @@ class Refiner {
  public:
   /// What level 0 is.
   struct Start {
-    const Covering& covering;     ///< of `coarser.complex`, or of the surface if there is no coarser complex
+    std::span<const CVertexId> site;   ///< per cell, on `coarser.complex`, or on the surface if there is no coarser complex
+    std::span<const float> radius;     ///< per c-vertex there, of a disk about it
     const VertexPlacement& placement;  ///< on the surface
     bool is_whole = true;              ///< no component of a trilinear isosurface is left out: then distances can be proved
   };

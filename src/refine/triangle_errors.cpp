@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -201,9 +202,23 @@ TriangleError error_of(const MeasuredSurface& surface, const LevelMesh& mesh, co
 
 }  // namespace
 
+// Of the corners and their cells. Two of one number are the same by chance once in 2^64.
+std::uint64_t TriangleErrors::fingerprint(const MeshTriangle& triangle) {
+  std::uint64_t out = 0;
+  const auto add = [&](std::uint64_t bits) {
+    out = (out ^ bits) * 0x9e3779b97f4a7c15u;
+    out ^= out >> 32;
+  };
+  for (std::size_t k = 0; k < 3; ++k) {
+    add(triangle.cell[k] + 1ull);
+    for (const double x : {triangle.corner[k].x, triangle.corner[k].y, triangle.corner[k].z}) add(std::bit_cast<std::uint64_t>(x));
+  }
+  return out;
+}
+
 const TriangleError* TriangleErrors::find(std::uint32_t number, const MeshTriangle& triangle, double enough) const {
   const Known& known = known_[number];
-  if (known.cell != triangle.cell || known.corner != triangle.corner) return nullptr;
+  if (known.fingerprint != fingerprint(triangle)) return nullptr;
   const TriangleError& error = known.error;
   return error.at_most <= enough || (error.sample.at != kNone && static_cast<double>(error.sample.distance) > enough) ? &error : nullptr;
 }

@@ -27,14 +27,15 @@ class TriangleErrors {
   /// @param enough  errors up to this one need not be known, only that they are no larger
   /// @return none if the triangle with this number was another one, or elsewhere, or not looked at well enough
   const TriangleError* find(std::uint32_t number, const MeshTriangle& triangle, double enough) const;
-  void keep(std::uint32_t number, const MeshTriangle& triangle, const TriangleError& error) { known_[number] = {triangle.corner, triangle.cell, error}; }
+  void keep(std::uint32_t number, const MeshTriangle& triangle, const TriangleError& error) { known_[number] = {fingerprint(triangle), error}; }
 
  private:
   struct Known {
-    std::array<Vec3, 3> corner;
-    std::array<CellId, 3> cell{kNone, kNone, kNone};
+    std::uint64_t fingerprint = 0;
     TriangleError error;
   };
+  static std::uint64_t fingerprint(const MeshTriangle& triangle);
+
   std::vector<Known> known_;  // per number of a triangle
 };
 

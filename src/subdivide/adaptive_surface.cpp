@@ -7,6 +7,7 @@
 #include <iterator>
 #include <utility>
 
+#include "core/append.h"
 #include "core/cancel_poll.h"
 #include "core/parallel.h"
 #include "core/vector_math.h"
@@ -243,11 +244,15 @@ void AdaptiveSurface::divide_once(std::span<const CVertexId> wanted, const std::
   const Subdivision divided = subdivide_in_place(complex_, wanted, was, {field_, crowded_.flags(), &control_});
   report_going_on(control_);
   touched_.insert(touched_.end(), divided.touched.begin(), divided.touched.end());
+  std::vector<ComponentId> component;
+  std::vector<std::uint8_t> depth;
   for (const CVertexId from : divided.origin) {
-    components_.of_c_vertex.push_back(components_.of_c_vertex[from]);
-    depth_.push_back(static_cast<std::uint8_t>(std::min(deepest, depth_[from] + 1)));
+    component.push_back(components_.of_c_vertex[from]);
+    depth.push_back(static_cast<std::uint8_t>(std::min(deepest, depth_[from] + 1)));
   }
-  found_.insert(found_.end(), complex_.positions.begin() + before, complex_.positions.end());
+  append(components_.of_c_vertex, component.begin(), component.end());
+  append(depth_, depth.begin(), depth.end());
+  append(found_, complex_.positions.begin() + before, complex_.positions.end());
   divided_ += wanted.size();
   added_ += divided.origin.size();
   if (!divided.origin.empty()) deepest_ = std::max(deepest_, deepest);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/append.h"
 #include "core/cancel_poll.h"
 #include "core/parallel.h"
 #include "core/vector_math.h"
@@ -614,8 +615,9 @@ Subdivision subdivide_in_place(SurfaceComplex& whole, std::span<const CVertexId>
   const SurfaceComplex& divided = out.complex;
   const CVertexId before = whole.c_vertex_count(), own = part.complex.c_vertex_count();
   const auto number = [&](CVertexId v) { return v == kNone ? kNone : v < own ? part.c_vertex[v] : before + (v - own); };
-  whole.positions.insert(whole.positions.end(), divided.positions.begin() + own, divided.positions.end());
-  whole.on_boundary.insert(whole.on_boundary.end(), divided.on_boundary.begin() + own, divided.on_boundary.end());
+  append(whole.positions, divided.positions.begin() + own, divided.positions.end());
+  append(whole.on_boundary, divided.on_boundary.begin() + own, divided.on_boundary.end());
+  std::vector<Face> more_faces;
   checked_id(whole.faces.size() + divided.faces.size(), "faces");
   CancelPoll poll(in.control);
   for (FaceId f = 0; f < divided.face_count(); ++f) {
@@ -628,9 +630,10 @@ Subdivision subdivide_in_place(SurfaceComplex& whole, std::span<const CVertexId>
       out.touched.insert(out.touched.end(), own_face.corner.begin(), own_face.corner.begin() + own_face.size());
       own_face = face;
     } else {
-      whole.faces.push_back(face);
+      more_faces.push_back(face);
     }
   }
+  append(whole.faces, more_faces.begin(), more_faces.end());
   for (std::size_t i = 0; i < divided.boundary.size(); ++i) {
     const BoundarySide side{number(divided.boundary[i].from), number(divided.boundary[i].to)};
     if (i < part.side.size()) {

@@ -2,6 +2,7 @@
 #include "surface/c_vertex_graph.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -14,9 +15,19 @@ namespace {
 
 constexpr std::size_t kRows = 4096;  // per piece of a parallel loop
 
-struct Wedge {  // one face at a c-vertex: the neighbours before and after it, and the diagonal between
+// One face at a c-vertex, as the number of this corner of it.
+using Wedge = std::uint32_t;
+
+struct Corner {  // of a face: the neighbours before and after it, and the diagonal between
   CVertexId next, diagonal, previous;
 };
+
+Corner corner_of(const SurfaceComplex& complex, Wedge wedge) {
+  const Face& face = complex.faces[wedge / 4];
+  const auto k = static_cast<int>(wedge % 4);
+  const int size = face.size();
+  return {face.corner[(k + 1) % size], size == 4 ? face.corner[(k + 2) % 4] : kNone, face.corner[(k + size - 1) % size]};
+}
 
 }  // namespace
 
@@ -39,13 +50,10 @@ CVertexGraph make_graph(const SurfaceComplex& complex, const RunControl* control
   std::vector<Wedge> wedges(first_wedge[n]);
   {
     std::vector<std::uint32_t> fill(first_wedge.begin(), first_wedge.end() - 1);
-    for (const Face& face : complex.faces) {
+    for (FaceId f = 0; f < complex.face_count(); ++f) {
       poll.step();
-      const int size = face.size();
-      for (int k = 0; k < size; ++k) {
-        wedges[fill[face.corner[k]]++] = {face.corner[(k + 1) % size], size == 4 ? face.corner[(k + 2) % 4] : kNone,
-                                          face.corner[(k + size - 1) % size]};
-      }
+      const Face& face = complex.faces[f];
+      for (int k = 0; k < face.size(); ++k) wedges[fill[face.corner[k]]++] = 4 * f + static_cast<Wedge>(k);
     }
   }
 
@@ -62,26 +70,30 @@ CVertexGraph make_graph(const SurfaceComplex& complex, const RunControl* control
   constexpr std::uint32_t kFew = 24;
   for_each_index(n, kRows, control, [&](std::size_t row) {
     const auto v = static_cast<CVertexId>(row);
-    Wedge* const begin = wedges.data() + first_wedge[v];
     const std::uint32_t count = first_wedge[v + 1] - first_wedge[v];
-    Wedge* const end = begin + count;
-    const auto by_next = [](const Wedge& w, CVertexId id) { return w.next < id; };
+    std::array<Corner, kFew> few;
+    std::vector<Corner> many;
+    if (count > kFew) many.resize(count);
+    Corner* const begin = count > kFew ? many.data() : few.data();
+    Corner* const end = begin + count;
+    for (std::uint32_t k = 0; k < count; ++k) begin[k] = corner_of(complex, wedges[first_wedge[v] + k]);
+    const auto by_next = [](const Corner& w, CVertexId id) { return w.next < id; };
     const bool sorted = count > kFew;
-    if (sorted) std::sort(begin, end, [](const Wedge& a, const Wedge& b) { return a.next < b.next; });
-    const auto starting_at = [&](CVertexId id) -> Wedge* {
+    if (sorted) std::sort(begin, end, [](const Corner& a, const Corner& b) { return a.next < b.next; });
+    const auto starting_at = [&](CVertexId id) -> Corner* {
       if (sorted) {
-        Wedge* w = std::lower_bound(begin, end, id, by_next);
+        Corner* w = std::lower_bound(begin, end, id, by_next);
         return w != end && w->next == id ? w : nullptr;
       }
-      for (Wedge* w = begin; w != end; ++w) {
+      for (Corner* w = begin; w != end; ++w) {
         if (w->next == id) return w;
       }
       return nullptr;
     };
-    const Wedge* at = begin;
+    const Corner* at = begin;
     if (complex.on_boundary[v]) {  // start with the wedge that no other wedge leads to
       std::vector<CVertexId> ends;
-      for (const Wedge* w = begin; w != end; ++w) ends.push_back(w->previous);
+      for (const Corner* w = begin; w != end; ++w) ends.push_back(w->previous);
       std::sort(ends.begin(), ends.end());
       while (std::binary_search(ends.begin(), ends.end(), at->next)) ++at;
     }

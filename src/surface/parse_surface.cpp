@@ -113,6 +113,9 @@ class Parser {
       if (nodes_ != nullptr) nodes_->insert(nodes_->end(), s.nodes.begin(), s.nodes.end());
     }
     split_some_faces();
+    complex_.positions.shrink_to_fit();
+    complex_.on_boundary.shrink_to_fit();
+    complex_.faces.shrink_to_fit();
     return std::move(complex_);
   }
 
