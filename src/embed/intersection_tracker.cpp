@@ -37,7 +37,6 @@ std::vector<std::uint32_t> IntersectionTracker::take_mesh(std::span<const Vec3> 
     }
   });
   triangles_.assign(triangles.begin(), triangles.end());
-  planes_.resize(triangles.size());
   return changed;
 }
 
@@ -58,7 +57,7 @@ bool IntersectionTracker::has_area_in_all_forms(const Triangle& t) const {
 
 bool IntersectionTracker::intersect_in_any_form(std::uint32_t first, std::uint32_t second) const {
   const Triangle &a = triangles_[first], &b = triangles_[second];
-  if (are_surely_apart(in_space_, a, planes_[first], b, planes_[second], written_.most_rounding())) return false;
+  if (are_surely_apart(in_space_, a, b, written_.most_rounding())) return false;
   if (meet_beyond_shared(in_space_, a, b)) return true;
   Triangle local = {3, 4, 5};  // b with the numbers of a's corners where they share them
   for (std::uint32_t& v : local) {
@@ -96,9 +95,6 @@ std::vector<std::uint32_t> IntersectionTracker::test(std::span<const std::uint32
   std::erase_if(pairs_, [&](const TrianglePair& pair) {
     const auto is_changed = [&](std::uint32_t t) { return t >= triangles_.size() || std::binary_search(changed.begin(), changed.end(), t); };
     return is_changed(pair.first) || is_changed(pair.second);
-  });
-  for_each_index(changed.size(), kPerPiece, &control, [&](std::size_t i) {
-    planes_[changed[i]] = RoughPlane(in_space_, triangles_[changed[i]], written_.most_rounding());
   });
   const auto flat = collect_pieces<TrianglePair>(changed.size(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
     control.check_cancelled();

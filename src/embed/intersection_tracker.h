@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "embed/close_triangles.h"
-#include "embed/rough_plane.h"
 #include "embed/written_positions.h"
 
 namespace isoatlas {
@@ -50,7 +49,6 @@ class IntersectionTracker {
   std::vector<Vec3> positions_;         // in sample indices
   std::vector<Vec3> in_space_;          // form 0
   std::vector<Triangle> triangles_;
-  std::vector<RoughPlane> planes_;      // per triangle, in form 0
   std::vector<TrianglePair> pairs_;     // a triangle without area is a pair with itself
 };
 

@@ -53,10 +53,8 @@ std::vector<TrianglePair> self_intersections(std::span<const Vec3> positions, st
     wanted.resize(triangles.size());
     std::iota(wanted.begin(), wanted.end(), 0u);
   }
-  std::vector<RoughPlane> planes(triangles.size());
-  for_each_index(triangles.size(), 4096, &control, [&](std::size_t t) { planes[t] = RoughPlane(positions, triangles[t]); });
   const auto intersect = [&](std::uint32_t a, std::uint32_t b) {
-    return !are_surely_apart(positions, triangles[a], planes[a], triangles[b], planes[b], 0) &&
+    return !are_surely_apart(positions, triangles[a], triangles[b], 0) &&
            meet_beyond_shared(positions, triangles[a], triangles[b]);
   };
   return CloseTriangles().update(positions, triangles, wanted, intersect, control);

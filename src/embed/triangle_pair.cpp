@@ -242,10 +242,11 @@ bool meet_beyond_shared(std::span<const Vec3> positions, const Triangle& a, cons
   return roughly ? *roughly : meet_exactly(positions, a, b);
 }
 
-bool are_surely_apart(std::span<const Vec3> positions, const Triangle& a, const RoughPlane& plane_a, const Triangle& b,
-                      const RoughPlane& plane_b, double slack) {
+bool are_surely_apart(std::span<const Vec3> positions, const Triangle& a, const Triangle& b, double slack) {
+  const RoughPlane plane_a(positions, a, slack);
   const Beside sides_b(b, a, [&](std::uint32_t corner) { return plane_a.side(positions[corner]); });
   if (sides_b.is_on_one_side()) return true;
+  const RoughPlane plane_b(positions, b, slack);
   const Beside sides_a(a, b, [&](std::uint32_t corner) { return plane_b.side(positions[corner]); });
   if (sides_a.is_on_one_side()) return true;
   if (sides_a.shared != 2 || sides_b.shared != 2) return false;

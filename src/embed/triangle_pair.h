@@ -14,9 +14,7 @@ bool meet_beyond_shared(std::span<const Vec3> positions, const Triangle& a, cons
 
 /// Whether two triangles certainly have no common point beyond what they share, wherever each coordinate of each corner is moved by up to
 /// `slack`. Quick, and false where doubles cannot tell.
-/// @param plane_a, plane_b  those of the triangles, with the same slack
-bool are_surely_apart(std::span<const Vec3> positions, const Triangle& a, const RoughPlane& plane_a, const Triangle& b,
-                      const RoughPlane& plane_b, double slack);
+bool are_surely_apart(std::span<const Vec3> positions, const Triangle& a, const Triangle& b, double slack);
 
 /// Whether the corners of a triangle are not on one line. Exact for all finite coordinates.
 bool has_area(std::span<const Vec3> positions, const Triangle& t);

@@ -7,7 +7,7 @@
 namespace isoatlas {
 
 double area_curvature(const CellView& cell) {
-  return area_ratio(cell, [&](const ClosestPoint& p) { return cell.triangles[p.triangle].normal; });
+  return area_ratio(cell, [&](const ClosestPoint& p) { return cell.triangle_normal[p.triangle]; });
 }
 
 }  // namespace isoatlas

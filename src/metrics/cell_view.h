@@ -4,17 +4,11 @@
 #include <array>
 #include <span>
 
+#include "isoatlas/mesh.h"
 #include "metrics/surfels.h"
 #include "surface/c_vertex_graph.h"
 
 namespace isoatlas {
-
-/// A triangle of the mesh as metrics see it, with the spacing applied.
-struct MeshTriangle {
-  std::array<CellId, 3> cell;
-  std::array<Vec3, 3> corner;
-  Vec3 normal;  ///< unit, outward; zero for a triangle without area
-};
 
 /// Where on the mesh a c-vertex finds itself: the closest point of the triangles that have a corner at its cell's site or at
 /// a neighbour of it (paper, 3.5).
@@ -31,7 +25,8 @@ struct CellView {
   std::span<const float> geodesic;          ///< per c-vertex of the surface, distance to its site in G
   std::span<const CellId> cell_of;          ///< per c-vertex of the surface
   std::span<const Vec3> vertex_normal;      ///< per cell, unit normal of the isosurface at its site
-  std::span<const MeshTriangle> triangles;  ///< of the mesh
+  std::span<const Triangle> triangles;      ///< of the mesh, by their cells
+  std::span<const Vec3> triangle_normal;    ///< per triangle, unit, outward; zero for one without area
   CVertexId site;
   std::span<const CVertexId> c_vertices;  ///< of the cell
   std::span<const ClosestPoint> closest;  ///< per c-vertex of the cell; only where needs_closest() of the metric

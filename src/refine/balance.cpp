@@ -27,7 +27,7 @@ void balance(const MeasuredSurface& surface, std::span<const CellId> cells, Leve
   for (const CellId c : cells) {
     bool inner = !surface.graph.on_boundary[places.anchor[c]] && places.may_move(c);
     for (const std::uint32_t t : mesh.triangles_of.row(c)) {
-      for (const CellId n : mesh.triangles[t].cell) inner = inner && listed[n];
+      for (const CellId n : mesh.triangles[t]) inner = inner && listed[n];
     }
     movable[c] = inner;
   }
@@ -37,7 +37,7 @@ void balance(const MeasuredSurface& surface, std::span<const CellId> cells, Leve
   for (const CellId c : cells) {
     double squared = std::numeric_limits<double>::infinity();
     for (const std::uint32_t t : mesh.triangles_of.row(c)) {
-      for (const CellId n : mesh.triangles[t].cell) {
+      for (const CellId n : mesh.triangles[t]) {
         if (n != c) squared = std::min(squared, squared_length(anchor_point(c) - anchor_point(n)));
       }
     }
@@ -51,16 +51,17 @@ void balance(const MeasuredSurface& surface, std::span<const CellId> cells, Leve
       for (const CellId cell : cells) {
         for (const CVertexId v : mesh.c_vertices_of.row(cell)) {
           const ClosestPoint& p = closest[i++];
-          const MeshTriangle& t = mesh.triangles[p.triangle];
+          const Triangle& t = mesh.triangles[p.triangle];
+          const Vec3 normal = mesh.triangle_normal[p.triangle];
           double residual = 0;  // corner by corner, so that the weights' rounding does not count
           for (std::size_t k = 0; k < 3; ++k) {
-            const Vec3 from = places.point(surface.surfels, t.cell[k]);
-            residual += static_cast<double>(p.weight[k]) * dot(t.normal, surface.surfels.point[v] - from);
+            const Vec3 from = places.point(surface.surfels, t[k]);
+            residual += static_cast<double>(p.weight[k]) * dot(normal, surface.surfels.point[v] - from);
           }
           for (std::size_t k = 0; k < 3; ++k) {
-            const CellId c = t.cell[k];
+            const CellId c = t[k];
             if (!listed[c]) continue;
-            const double lean = dot(t.normal, mesh.normal[c]);
+            const double lean = dot(normal, mesh.normal[c]);
             const double w = static_cast<double>(surface.surfels.area[v] * p.weight[k]);
             pull[c] += w * lean * residual;
             weight[c] += w * std::max(kLeastLean, lean * lean);

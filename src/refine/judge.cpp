@@ -76,9 +76,9 @@ MeshExtent extent_of(const LevelMesh& mesh) {
   for (CellId c = 0; c < mesh.cell_count(); ++c) out.c_vertices += mesh.c_vertices_of.row(c).size();
   out.shortest_edge = std::numeric_limits<double>::infinity();
   out.aspects.reserve(mesh.triangles.size());
-  for (const MeshTriangle& t : mesh.triangles) {
+  for (const Triangle& t : mesh.triangles) {
     std::array<double, 3> edge;
-    for (std::size_t k = 0; k < 3; ++k) edge[k] = length(t.corner[k] - t.corner[(k + 1) % 3]);
+    for (std::size_t k = 0; k < 3; ++k) edge[k] = length(mesh.point[t[k]] - mesh.point[t[(k + 1) % 3]]);
     const auto [low, high] = std::minmax_element(edge.begin(), edge.end());
     out.shortest_edge = std::min(out.shortest_edge, *low);
     out.longest_edge = std::max(out.longest_edge, *high);

@@ -14,16 +14,16 @@ namespace {
 
 constexpr std::size_t kPerPiece = 2048;  // vertices or triangles, of a parallel loop
 
-void set_corners(MeshTriangle& t, const std::vector<Vec3>& point) {
-  for (std::size_t k = 0; k < 3; ++k) t.corner[k] = point[t.cell[k]];
-  t.normal = normalized(cross(t.corner[1] - t.corner[0], t.corner[2] - t.corner[0]));
+void set_normal(LevelMesh& mesh, std::uint32_t triangle) {
+  const auto [a, b, c] = mesh.corners(triangle);
+  mesh.triangle_normal[triangle] = normalized(cross(b - a, c - a));
 }
 
 // Of these triangles, in any order; some may be there several times.
-void set_corners(LevelMesh& mesh, std::vector<std::uint32_t> triangles) {
+void set_normals(LevelMesh& mesh, std::vector<std::uint32_t> triangles) {
   std::sort(triangles.begin(), triangles.end());
   triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
-  for_each_index(triangles.size(), kPerPiece, [&](std::size_t i) { set_corners(mesh.triangles[triangles[i]], mesh.point); });
+  for_each_index(triangles.size(), kPerPiece, [&](std::size_t i) { set_normal(mesh, triangles[i]); });
 }
 
 }  // namespace
@@ -98,10 +98,10 @@ std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels,
   }
   const auto renew = [&](std::uint32_t t) {
     to_renew.push_back(t);
-    for (const CellId c : mesh.triangles[t].cell) renewed[c] = 1;
+    for (const CellId c : mesh.triangles[t]) renewed[c] = 1;
   };
   const auto leave_rows = [&](std::uint32_t t) {
-    for (const CellId c : mesh.cells_of_triangle[t]) {
+    for (const CellId c : mesh.triangles[t]) {
       mesh.triangles_of.erase(c, t);
       renewed[c] = 1;
     }
@@ -109,15 +109,15 @@ std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels,
   for (auto t = static_cast<std::uint32_t>(dual.size()); t < mesh.triangles.size(); ++t) leave_rows(t);
   const std::size_t before = std::min(mesh.triangles.size(), dual.size());
   mesh.triangles.resize(dual.size());
-  mesh.cells_of_triangle.resize(dual.size());
+  mesh.triangle_normal.resize(dual.size());
   for (std::uint32_t t = 0; t < dual.size(); ++t) {
     const auto& cell = dual[t].cell;
     if (t < before) {
-      if (mesh.cells_of_triangle[t] == cell) continue;
+      if (mesh.triangles[t] == cell) continue;
       leave_rows(t);
     }
     poll.step();
-    mesh.triangles[t].cell = mesh.cells_of_triangle[t] = cell;
+    mesh.triangles[t] = cell;
     for (const CellId c : cell) mesh.triangles_of.push_back(c, t);
     renew(t);
   }
@@ -125,7 +125,7 @@ std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels,
     poll.step();
     for (const std::uint32_t t : mesh.triangles_of.row(c)) renew(t);
   }
-  set_corners(mesh, std::move(to_renew));
+  set_normals(mesh, std::move(to_renew));
   mesh.triangles_of.resize_rows(cells);
   renewed.resize(cells);
   return renewed;
@@ -140,14 +140,14 @@ void edit_mesh(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTria
   }
   for (const std::uint32_t t : edit.triangles) {
     poll.step();
-    for (const CellId c : mesh.cells_of_triangle[t]) mesh.triangles_of.erase(c, t);
-    mesh.triangles[t].cell = mesh.cells_of_triangle[t] = triangles[t].cell;
+    for (const CellId c : mesh.triangles[t]) mesh.triangles_of.erase(c, t);
+    mesh.triangles[t] = triangles[t].cell;
     for (const CellId c : triangles[t].cell) mesh.triangles_of.push_back(c, t);
-    set_corners(mesh.triangles[t], mesh.point);
+    set_normal(mesh, t);
   }
   for (const CellId c : edit.vertices) {
     poll.step();
-    for (const std::uint32_t t : mesh.triangles_of.row(c)) set_corners(mesh.triangles[t], mesh.point);
+    for (const std::uint32_t t : mesh.triangles_of.row(c)) set_normal(mesh, t);
   }
 }
 
@@ -161,7 +161,7 @@ void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cell
     const auto own = mesh.triangles_of.row(c);
     triangles.insert(triangles.end(), own.begin(), own.end());
   }
-  set_corners(mesh, std::move(triangles));
+  set_normals(mesh, std::move(triangles));
 }
 
 }  // namespace isoatlas

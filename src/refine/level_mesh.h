@@ -39,14 +39,18 @@ Buckets make_buckets(std::uint32_t groups, ForEach for_each) {
 
 /// The mesh of a certified partition, with what refinement asks of it. Lengths have the spacing applied.
 struct LevelMesh {
-  std::vector<MeshTriangle> triangles;
-  std::vector<std::array<CellId, 3>> cells_of_triangle;  ///< the same as triangles[].cell, to be compared quickly
+  std::vector<Triangle> triangles;        ///< by their cells
+  std::vector<Vec3> triangle_normal;      ///< per triangle, unit, outward; zero for one without area
   SlackRows<std::uint32_t> triangles_of;  ///< per cell, the triangles with a corner there
   SlackRows<CVertexId> c_vertices_of;     ///< per cell, its c-vertices, increasing
   std::vector<Vec3> point;                ///< per cell, where its vertex sits
   std::vector<Vec3> normal;               ///< per cell, the surface's normal there
 
   std::uint32_t cell_count() const { return static_cast<std::uint32_t>(point.size()); }
+  std::array<Vec3, 3> corners(std::uint32_t triangle) const {
+    const Triangle& t = triangles[triangle];
+    return {point[t[0]], point[t[1]], point[t[2]]};
+  }
 };
 
 /// The corners of each.

@@ -24,6 +24,7 @@ CellView view_of(const Ground& ground, const Covering& covering, const LevelMesh
           covering.partition().cell_of,
           mesh.normal,
           mesh.triangles,
+          mesh.triangle_normal,
           covering.partition().site[cell],
           mesh.c_vertices_of.row(cell),
           closest,
@@ -45,7 +46,7 @@ double excess_of(Quantity quantity, double value, double bound) {
 double longest_edge(const LevelMesh& mesh, CellId cell) {
   double squared = 0;
   for (const std::uint32_t t : mesh.triangles_of.row(cell)) {
-    for (const CellId other : mesh.triangles[t].cell) squared = std::max(squared, squared_length(mesh.point[cell] - mesh.point[other]));
+    for (const CellId other : mesh.triangles[t]) squared = std::max(squared, squared_length(mesh.point[cell] - mesh.point[other]));
   }
   return std::sqrt(squared);
 }
@@ -221,7 +222,7 @@ std::vector<CellId> MeasuredCovering::cells_to_measure(std::span<const std::uint
     for (CellId near = 0; near < renewed.size(); ++near) {
       if (!renewed[near]) continue;
       for (const std::uint32_t t : mesh_.triangles_of.row(near)) {
-        for (const CellId c : mesh_.cells_of_triangle[t]) stale_[c] |= static_cast<std::uint8_t>(!stands_alone(c));
+        for (const CellId c : mesh_.triangles[t]) stale_[c] |= static_cast<std::uint8_t>(!stands_alone(c));
       }
     }
     for (CellId c = 0; c < stale_.size(); ++c) {

@@ -68,7 +68,7 @@ std::vector<CellId> MeshEditor::around(std::span<const CellId> cells, int rings)
     std::vector<CellId> more;
     for (const CellId c : out) {
       poll.step();
-      for (const std::uint32_t t : mesh().triangles_of.row(c)) append(more, mesh().cells_of_triangle[t]);
+      for (const std::uint32_t t : mesh().triangles_of.row(c)) append(more, mesh().triangles[t]);
     }
     sort_once(more);
     out = std::move(more);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -52,7 +53,7 @@ class Ring {
 
   void add_neighbours() {
     for (std::size_t i = 0; i < own_; ++i) {
-      for (const CellId neighbour : mesh_.triangles[triangles_[i]].cell) {
+      for (const CellId neighbour : mesh_.triangles[triangles_[i]]) {
         if (neighbour == cell_) continue;
         const auto theirs = mesh_.triangles_of.row(neighbour);
         triangles_.insert(triangles_.end(), theirs.begin(), theirs.end());
@@ -69,10 +70,10 @@ class Ring {
     const std::size_t n = triangles_.size();
     for (auto* v : {&x_, &y_, &z_, &radius_, &gap_}) v->resize(n);
     for (std::size_t k = from; k < n; ++k) {
-      const MeshTriangle& t = mesh_.triangles[triangles_[k]];
-      const Vec3 centre = (1.0 / 3.0) * (t.corner[0] + t.corner[1] + t.corner[2]), seen = centre - mesh_.point[cell_];
+      const std::array<Vec3, 3> corners = mesh_.corners(triangles_[k]);
+      const Vec3 centre = (1.0 / 3.0) * (corners[0] + corners[1] + corners[2]), seen = centre - mesh_.point[cell_];
       double squared = 0;
-      for (const Vec3& p : t.corner) squared = std::max(squared, squared_length(p - centre));
+      for (const Vec3& p : corners) squared = std::max(squared, squared_length(p - centre));
       x_[k] = static_cast<float>(seen.x);
       y_[k] = static_cast<float>(seen.y);
       z_[k] = static_cast<float>(seen.z);
@@ -103,8 +104,8 @@ class Ring {
   }
 
   TrianglePoint look_at(std::size_t k, Vec3 p) const {
-    const MeshTriangle& t = mesh_.triangles[triangles_[k]];
-    return closest_on_triangle(p, t.corner[0], t.corner[1], t.corner[2]);
+    const auto [a, b, c] = mesh_.corners(triangles_[k]);
+    return closest_on_triangle(p, a, b, c);
   }
 
   const LevelMesh& mesh_;

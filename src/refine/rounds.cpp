@@ -6,6 +6,7 @@
 #include "refine/rounds.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -135,8 +136,8 @@ class Stretch {
     if (!is_limited()) batch_ = kNone;
     std::vector<std::pair<double, CVertexId>> bad;
     for (std::size_t i = 0; i < work_.mesh().triangles.size(); ++i) {
-      const MeshTriangle& t = work_.mesh().triangles[i];
-      const double score = task_.shape->score(t.corner[0], t.corner[1], t.corner[2]);
+      const auto [a, b, c] = work_.mesh().corners(static_cast<std::uint32_t>(i));
+      const double score = task_.shape->score(a, b, c);
       if (score >= 1) continue;
       const CVertexId v = work_.triangles()[i].at;
       if (!covering_.is_covered(v) || covering_.distance()[v] < least_radius(task_, work_.ground(), v)) continue;
@@ -227,9 +228,9 @@ bool make_smaller_at_bad_triangles(MeasuredCovering& work, const RefinementTask&
   const Covering& covering = work.covering();
   std::vector<Covering::Radius> lower;
   for (std::size_t i = 0; i < triangles.size(); ++i) {
-    const MeshTriangle& t = work.mesh().triangles[i];
-    if (task.shape->score(t.corner[0], t.corner[1], t.corner[2]) >= 1) continue;
-    for (const CellId c : t.cell) {
+    const std::array<Vec3, 3> corner = work.mesh().corners(static_cast<std::uint32_t>(i));
+    if (task.shape->score(corner[0], corner[1], corner[2]) >= 1) continue;
+    for (const CellId c : work.mesh().triangles[i]) {
       const CVertexId v = work.partition().site[c];
       const float radius = covering.radius()[v], least = least_radius(task, work.ground(), v);
       if (radius <= least) continue;

@@ -21,16 +21,16 @@ Vec3 normal_of(Vec3 a, Vec3 b, Vec3 c) { return normalized(cross(b - a, c - a));
 }  // namespace
 
 double ShapeChanges::score(std::uint32_t triangle) const {
-  const MeshTriangle& t = mesh_.mesh().triangles[triangle];
-  return goal_.score(t.corner[0], t.corner[1], t.corner[2]);
+  const auto [a, b, c] = mesh_.mesh().corners(triangle);
+  return goal_.score(a, b, c);
 }
 
 Vec3 ShapeChanges::facing_of(std::uint32_t triangle) const {
   const LevelMesh& mesh = mesh_.mesh();
   return facing(
-      triangle, [&](std::uint32_t t) { return mesh.triangles[t].corner; },
+      triangle, [&](std::uint32_t t) { return mesh.corners(t); },
       [&](auto add) {
-        for (const CellId c : mesh.triangles[triangle].cell) {
+        for (const CellId c : mesh.triangles[triangle]) {
           for (const std::uint32_t t : mesh.triangles_of.row(c)) add(t);
         }
       });
@@ -40,7 +40,7 @@ Vec3 ShapeChanges::facing_of(std::uint32_t triangle) const {
 std::pair<std::uint32_t, CellId> ShapeChanges::across(CellId a, CellId b) const {
   std::pair<std::uint32_t, CellId> out{kNone, kNone};
   for (const std::uint32_t t : mesh_.mesh().triangles_of.row(a)) {
-    const auto& cell = mesh_.mesh().triangles[t].cell;
+    const auto& cell = mesh_.mesh().triangles[t];
     for (std::size_t k = 0; k < 3; ++k) {
       if (cell[k] == b && cell[(k + 1) % 3] == a) out = {t, cell[(k + 2) % 3]};
     }
@@ -50,16 +50,16 @@ std::pair<std::uint32_t, CellId> ShapeChanges::across(CellId a, CellId b) const 
 
 bool ShapeChanges::are_neighbours(CellId a, CellId b) const {
   return std::ranges::any_of(mesh_.mesh().triangles_of.row(a), [&](std::uint32_t t) {
-    const auto& cell = mesh_.mesh().triangles[t].cell;
+    const auto& cell = mesh_.mesh().triangles[t];
     return cell[0] == b || cell[1] == b || cell[2] == b;
   });
 }
 
 void ShapeChanges::consider_flips(std::uint32_t i, std::optional<double> gain, ShapeChange& best) const {
   const LevelMesh& mesh = mesh_.mesh();
-  const MeshTriangle& t = mesh.triangles[i];
+  const Triangle& t = mesh.triangles[i];
   for (std::size_t k = 0; k < 3; ++k) {
-    const CellId a = t.cell[k], b = t.cell[(k + 1) % 3], c = t.cell[(k + 2) % 3];
+    const CellId a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3];
     const auto [j, d] = across(a, b);
     if (j == kNone || !may_flip(a) || !may_flip(b) || !may_flip(c) || !may_flip(d)) continue;
     if (mesh.triangles_of.row(a).size() <= 3 || mesh.triangles_of.row(b).size() <= 3 || are_neighbours(c, d)) continue;
@@ -90,9 +90,9 @@ void ShapeChanges::consider_moves(CellId cell, std::optional<double> gain, Shape
     const Vec3 p = mesh.point[cell] + (ground.surfels.point[to] - mesh_.places().base(ground.surfels, cell));
     double now = std::numeric_limits<double>::infinity();
     for (const std::uint32_t t : mesh.triangles_of.row(cell)) {
-      std::array<Vec3, 3> q = mesh.triangles[t].corner;
+      std::array<Vec3, 3> q = mesh.corners(t);
       for (std::size_t k = 0; k < 3; ++k) {
-        if (mesh.triangles[t].cell[k] == cell) q[k] = p;
+        if (mesh.triangles[t][k] == cell) q[k] = p;
       }
       if (dot(normal_of(q[0], q[1], q[2]), normalized(facing_of(t))) < kLeastAgreement) return;
       now = std::min(now, goal_.score(q[0], q[1], q[2]));

@@ -129,7 +129,7 @@ class ShapeOptimizer {
     const InterpolatedField* field = ground.isosurface == nullptr ? nullptr : &ground.isosurface->field();
     std::vector<std::uint32_t> bad = bad_triangles();
     std::ranges::sort(bad);
-    return relax(points, mesh.cells_of_triangle, mesh.triangles_of, roam, field, ground.complex.spacing, {goal_.aspect, 0}, control_, bad);
+    return relax(points, mesh.triangles, mesh.triangles_of, roam, field, ground.complex.spacing, {goal_.aspect, 0}, control_, bad);
   }
 
   // The worst first.
@@ -218,7 +218,7 @@ class ShapeOptimizer {
     std::vector<Trial> out;
     taken_.clear();
     const auto is_taken = [&](std::uint32_t t) {
-      return std::ranges::any_of(mesh_.mesh().triangles[t].cell, [&](CellId c) { return taken_.contains(c); });
+      return std::ranges::any_of(mesh_.mesh().triangles[t], [&](CellId c) { return taken_.contains(c); });
     };
     std::vector<std::uint32_t> next;
     const auto take_next = [&] {
@@ -243,7 +243,7 @@ class ShapeOptimizer {
     std::vector<ShapeChange> best(triangles.size());
     for_each_index(triangles.size(), 1, [&](std::size_t k) {
       changes_.consider_flips(triangles[k], kWorthIt, best[k]);
-      for (const CellId c : mesh_.mesh().triangles[triangles[k]].cell) changes_.consider_moves(c, kWorthIt, best[k]);
+      for (const CellId c : mesh_.mesh().triangles[triangles[k]]) changes_.consider_moves(c, kWorthIt, best[k]);
     });
     return best;
   }
@@ -267,7 +267,7 @@ class ShapeOptimizer {
   // Unless it concerns a cell that another one does.
   void add_trial(const ShapeChange& change, std::uint32_t triangle, std::vector<Trial>& out) {
     if (change.score == 0) return;
-    std::vector<CellId> near = mesh_.concerned_by(mesh_.mesh().triangles[triangle].cell);
+    std::vector<CellId> near = mesh_.concerned_by(mesh_.mesh().triangles[triangle]);
     if (std::ranges::any_of(near, [&](CellId c) { return taken_.contains(c); })) return;
     for (const CellId c : near) taken_.insert(c);
     std::vector<double> before = excess_of_each(mesh_.work(), near);

@@ -159,10 +159,10 @@ class SurfaceSearch {
   }
 
   double farthest_from(std::uint32_t triangle) const {
-    const MeshTriangle& t = mesh_.triangles[triangle];
+    const auto [a, b, c] = mesh_.corners(triangle);
     double squared = 0;
     for (const Vec3& p : piece_.corners()) {
-      squared = std::max(squared, closest_on_triangle(p, t.corner[0], t.corner[1], t.corner[2]).squared_distance);
+      squared = std::max(squared, closest_on_triangle(p, a, b, c).squared_distance);
     }
     return std::sqrt(squared);
   }

@@ -32,9 +32,9 @@ struct Patch {
   Vec3 centroid() const { return a + (1.0 / 3) * (u + v); }
 };
 
-Patch whole(const MeshTriangle& t) {
-  Patch out{t.corner[0], t.corner[1] - t.corner[0], t.corner[2] - t.corner[0], 0};
-  for (const Vec3& corner : t.corner) out.radius = std::max(out.radius, length(corner - out.centroid()));
+Patch whole(const std::array<Vec3, 3>& corners) {
+  Patch out{corners[0], corners[1] - corners[0], corners[2] - corners[0], 0};
+  for (const Vec3& corner : corners) out.radius = std::max(out.radius, length(corner - out.centroid()));
   return out;
 }
 
@@ -44,9 +44,9 @@ class PatchSearch {
   PatchSearch(const Isosurface& isosurface, double enough, Look look)
       : isosurface_(isosurface), spacing_(isosurface.spacing()), voxel_(isosurface.voxel()), enough_(enough), look_(look) {}
 
-  void search(const MeshTriangle& t) {
+  void search(const std::array<Vec3, 3>& corners) {
     farthest_ = at_most_ = 0;
-    patches_.assign(1, whole(t));
+    patches_.assign(1, whole(corners));
     while (!patches_.empty()) {
       const Patch patch = patches_.back();
       patches_.pop_back();
@@ -185,16 +185,17 @@ class PatchSearch {
   std::vector<Patch> patches_;
 };
 
-TriangleError error_of(const MeasuredSurface& surface, const LevelMesh& mesh, const MeshTriangle& t, double enough, PatchSearch& search) {
-  search.search(t);
+TriangleError error_of(const MeasuredSurface& surface, const LevelMesh& mesh, std::uint32_t triangle, double enough, PatchSearch& search) {
+  const std::array<Vec3, 3> corners = mesh.corners(triangle);
+  search.search(corners);
   TriangleError out;
   out.at_most = search.at_most();
   if (search.distance() <= enough) return out;
   std::size_t nearest = 0;
   for (std::size_t k = 1; k < 3; ++k) {
-    if (squared_length(search.point() - t.corner[k]) < squared_length(search.point() - t.corner[nearest])) nearest = k;
+    if (squared_length(search.point() - corners[k]) < squared_length(search.point() - corners[nearest])) nearest = k;
   }
-  out.cell = t.cell[nearest];
+  out.cell = mesh.triangles[triangle][nearest];
   const CVertexId start = mesh.c_vertices_of.row(out.cell)[0];
   out.sample = {std::nextafter(static_cast<float>(search.distance()), INFINITY), walk_to_nearest(surface.surfels, surface.graph, start, search.point()).id};
   return out;
@@ -203,22 +204,23 @@ TriangleError error_of(const MeasuredSurface& surface, const LevelMesh& mesh, co
 }  // namespace
 
 // Of the corners and their cells. Two of one number are the same by chance once in 2^64.
-std::uint64_t TriangleErrors::fingerprint(const MeshTriangle& triangle) {
+std::uint64_t TriangleErrors::fingerprint(const LevelMesh& mesh, std::uint32_t triangle) {
   std::uint64_t out = 0;
   const auto add = [&](std::uint64_t bits) {
     out = (out ^ bits) * 0x9e3779b97f4a7c15u;
     out ^= out >> 32;
   };
   for (std::size_t k = 0; k < 3; ++k) {
-    add(triangle.cell[k] + 1ull);
-    for (const double x : {triangle.corner[k].x, triangle.corner[k].y, triangle.corner[k].z}) add(std::bit_cast<std::uint64_t>(x));
+    const CellId c = mesh.triangles[triangle][k];
+    add(c + 1ull);
+    for (const double x : {mesh.point[c].x, mesh.point[c].y, mesh.point[c].z}) add(std::bit_cast<std::uint64_t>(x));
   }
   return out;
 }
 
-const TriangleError* TriangleErrors::find(std::uint32_t number, const MeshTriangle& triangle, double enough) const {
-  const Known& known = known_[number];
-  if (known.fingerprint != fingerprint(triangle)) return nullptr;
+const TriangleError* TriangleErrors::find(const LevelMesh& mesh, std::uint32_t triangle, double enough) const {
+  const Known& known = known_[triangle];
+  if (known.fingerprint != fingerprint(mesh, triangle)) return nullptr;
   const TriangleError& error = known.error;
   return error.at_most <= enough || (error.sample.at != kNone && static_cast<double>(error.sample.distance) > enough) ? &error : nullptr;
 }
@@ -231,7 +233,7 @@ void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, st
   std::vector<std::uint32_t> triangles;
   for (const CellId c : cells) {
     for (const std::uint32_t t : mesh.triangles_of.row(c)) {
-      const auto& corner = mesh.triangles[t].cell;  // listed by the first of its cells that is wanted
+      const auto& corner = mesh.triangles[t];  // listed by the first of its cells that is wanted
       if (c == (wanted[corner[0]] ? corner[0] : wanted[corner[1]] ? corner[1] : corner[2])) triangles.push_back(t);
     }
   }
@@ -241,17 +243,17 @@ void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, st
     surface.check_cancelled();
     PatchSearch search(*surface.isosurface, enough, look);
     for (std::size_t i = begin; i < end; ++i) {
-      const MeshTriangle& t = mesh.triangles[triangles[i]];
+      const std::uint32_t t = triangles[i];
       if (look == Look::proof) surface.check_cancelled();  // one triangle takes as long as a piece of samples
-      const TriangleError* found = known != nullptr ? known->find(triangles[i], t, enough) : nullptr;
+      const TriangleError* found = known != nullptr ? known->find(mesh, t, enough) : nullptr;
       errors[i] = found != nullptr ? *found : error_of(surface, mesh, t, enough, search);
-      if (found == nullptr && known != nullptr) known->keep(triangles[i], t, errors[i]);
+      if (found == nullptr && known != nullptr) known->keep(mesh, t, errors[i]);
     }
   });
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     const Farthest& sample = errors[i].sample;
     if (sample.at == kNone) continue;
-    const auto& corners = mesh.triangles[triangles[i]].cell;
+    const auto& corners = mesh.triangles[triangles[i]];
     // That of the sample's c-vertex, if the triangle has it.
     const CellId there = cell_of[sample.at];
     const CellId cell = std::ranges::find(corners, there) != corners.end() ? there : errors[i].cell;

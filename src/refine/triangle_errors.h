@@ -26,15 +26,15 @@ class TriangleErrors {
   void make_room(std::size_t triangles) { known_.resize(triangles); }
   /// @param enough  errors up to this one need not be known, only that they are no larger
   /// @return none if the triangle with this number was another one, or elsewhere, or not looked at well enough
-  const TriangleError* find(std::uint32_t number, const MeshTriangle& triangle, double enough) const;
-  void keep(std::uint32_t number, const MeshTriangle& triangle, const TriangleError& error) { known_[number] = {fingerprint(triangle), error}; }
+  const TriangleError* find(const LevelMesh& mesh, std::uint32_t triangle, double enough) const;
+  void keep(const LevelMesh& mesh, std::uint32_t triangle, const TriangleError& error) { known_[triangle] = {fingerprint(mesh, triangle), error}; }
 
  private:
   struct Known {
     std::uint64_t fingerprint = 0;
     TriangleError error;
   };
-  static std::uint64_t fingerprint(const MeshTriangle& triangle);
+  static std::uint64_t fingerprint(const LevelMesh& mesh, std::uint32_t triangle);
 
   std::vector<Known> known_;  // per number of a triangle
 };

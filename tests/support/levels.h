@@ -69,7 +69,7 @@ class TestLevel {
   }
   CellView cell(CellId c) const {
     return {ground_.surfels, ground_.graph,       covering_.distance(),      partition().cell_of, mesh_.normal,
-            mesh_.triangles, partition().site[c], mesh_.c_vertices_of.row(c), closest(c),          from_mesh_[c].distance};
+            mesh_.triangles, mesh_.triangle_normal, partition().site[c], mesh_.c_vertices_of.row(c), closest(c),          from_mesh_[c].distance};
   }
 
  private:

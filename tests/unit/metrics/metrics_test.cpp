@@ -47,7 +47,7 @@ TEST(Metrics, APlaneIsPerfect) {
       const CellView cell = level.cell(c);
       bool inside = true;  // at the border the mesh cuts corners, so that c-vertices there are beside it
       for (const std::uint32_t t : level.mesh().triangles_of.row(c)) {
-        for (const CellId other : level.mesh().triangles[t].cell) {
+        for (const CellId other : level.mesh().triangles[t]) {
           inside = inside && !cell.graph.on_boundary[level.partition().site[other]];
         }
       }
@@ -101,9 +101,10 @@ TEST_P(OnASphere, DistancesAreSagittas) {
     from_mesh = std::max<double>(from_mesh, cell.from_mesh);
     mean = std::max(mean, mean_distance(cell));
   }
-  for (const MeshTriangle& t : level.mesh().triangles) {
-    const double a = length(t.corner[1] - t.corner[0]), b = length(t.corner[2] - t.corner[1]), c = length(t.corner[0] - t.corner[2]);
-    const double area = 0.5 * length(cross(t.corner[1] - t.corner[0], t.corner[2] - t.corner[0]));
+  for (std::uint32_t t = 0; t < level.mesh().triangles.size(); ++t) {
+    const auto [p, q, r] = level.mesh().corners(t);
+    const double a = length(q - p), b = length(r - q), c = length(p - r);
+    const double area = 0.5 * length(cross(q - p, r - p));
     const double longest = std::max({a, b, c});
     const bool acute = 2 * longest * longest < a * a + b * b + c * c;
     circle = std::max(circle, acute ? a * b * c / (4 * area) : longest / 2);
@@ -128,7 +129,7 @@ TEST_P(OnASphere, AreaRatiosGoWithTheAngle) {
       const Vec3 radial = normalized(cell.surfels.point[v] - Vec3{23.4, 23.6, 23.55});
       EXPECT_GT(dot(radial, cell.surfels.normal[v]), 0.995) << "surfels face outwards";
       area += cell.surfels.area[v];
-      seen += cell.surfels.area[v] * dot(radial, cell.triangles[cell.closest[i].triangle].normal);
+      seen += cell.surfels.area[v] * dot(radial, cell.triangle_normal[cell.closest[i].triangle]);
     }
     EXPECT_NEAR(area_curvature(cell), area / seen, 0.003);
     EXPECT_GE(area_curvature(cell), 1);
@@ -192,10 +193,11 @@ TEST(Metrics, AMeshThatFacesAwayHasInfiniteAreaCurvature) {
   std::vector<float> geodesic(25, 1);
   std::vector<CellId> cell_of(25, 0);
   const std::vector<Vec3> vertex_normal{{0, 0, 1}};
-  const std::vector<MeshTriangle> triangles{{{0, 0, 0}, {Vec3{0, 0, 0}, Vec3{0, 4, 0}, Vec3{4, 0, 0}}, {0, 0, -1}}};
+  const std::vector<Triangle> triangles{{0, 0, 0}};
+  const std::vector<Vec3> triangle_normal{{0, 0, -1}};
   const std::vector<CVertexId> own{12};
   const std::vector<ClosestPoint> closest{{0, {1, 0, 0}, 0.5f}};
-  const CellView cell{ground.surfels, ground.graph, geodesic, cell_of, vertex_normal, triangles, 12, own, closest, 0.75f};
+  const CellView cell{ground.surfels, ground.graph, geodesic, cell_of, vertex_normal, triangles, triangle_normal, 12, own, closest, 0.75f};
   EXPECT_TRUE(std::isinf(area_curvature(cell)));
   EXPECT_NEAR(area_curvature_smooth(cell), 1, 1e-12) << "the vertices' normals are right";
   EXPECT_EQ(max_distance(cell), 0.75) << "the way from the mesh counts";

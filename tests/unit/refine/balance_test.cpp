@@ -34,8 +34,8 @@ Distances distances(const TestLevel& level, const LevelMesh& mesh) {
   for (CellId c = 0; c < mesh.cell_count(); ++c) {
     const auto own = mesh.c_vertices_of.row(c);
     for (std::size_t i = 0; i < own.size(); ++i) {
-      const MeshTriangle& t = mesh.triangles[closest[next++].triangle];
-      const double d = dot(t.normal, surfels.point[own[i]] - t.corner[0]);
+      const std::uint32_t t = closest[next++].triangle;
+      const double d = dot(mesh.triangle_normal[t], surfels.point[own[i]] - mesh.corners(t)[0]);
       out.signed_mean += surfels.area[own[i]] * d;
       out.absolute_mean += surfels.area[own[i]] * std::abs(d);
       area += surfels.area[own[i]];
@@ -100,7 +100,7 @@ TEST(Balance, OnlyInnerCellsOfThoseAskedForMove) {
   for (CellId c = 0; c < mesh.cell_count(); ++c) {
     bool inner = true;
     for (const std::uint32_t t : mesh.triangles_of.row(c)) {
-      for (const CellId n : mesh.triangles[t].cell) inner = inner && level.mesh().point[n].z > 23;
+      for (const CellId n : mesh.triangles[t]) inner = inner && level.mesh().point[n].z > 23;
     }
     if (!inner) {
       EXPECT_EQ(mesh.point[c], level.mesh().point[c]);

@@ -25,7 +25,7 @@ TEST(LevelMesh, BucketsHoldEveryTriangleAndCVertexWhereItBelongs) {
   std::size_t corners = 0, c_vertices = 0;
   for (CellId c = 0; c < mesh.cell_count(); ++c) {
     for (const std::uint32_t t : mesh.triangles_of.row(c)) {
-      const auto& cell = mesh.triangles[t].cell;
+      const auto& cell = mesh.triangles[t];
       EXPECT_NE(std::find(cell.begin(), cell.end(), c), cell.end());
       ++corners;
     }
@@ -37,7 +37,7 @@ TEST(LevelMesh, BucketsHoldEveryTriangleAndCVertexWhereItBelongs) {
   }
   EXPECT_EQ(corners, 3 * mesh.triangles.size());
   EXPECT_EQ(c_vertices, level.ground().complex.c_vertex_count());
-  for (const MeshTriangle& t : mesh.triangles) EXPECT_NEAR(length(t.normal), 1, 1e-12);
+  for (const Vec3 normal : mesh.triangle_normal) EXPECT_NEAR(length(normal), 1, 1e-12);
 }
 
 TEST(LevelMesh, BucketsOfNothingAndOfEmptyGroups) {
@@ -64,9 +64,9 @@ TEST(LevelMesh, PlacingMovesCornersAndNormals) {
   place(mesh, level.ground().surfels, moved, places);
   EXPECT_NEAR(length(mesh.point[3] - level.mesh().point[3]), 0.5, 1e-6);
   const LevelMesh again = make_level_mesh(level.ground().surfels, level.partition(), level.triangles(), places);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    EXPECT_EQ(mesh.triangles[t].corner, again.triangles[t].corner);
-    EXPECT_EQ(mesh.triangles[t].normal, again.triangles[t].normal);
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    EXPECT_EQ(mesh.corners(t), again.corners(t));
+    EXPECT_EQ(mesh.triangle_normal[t], again.triangle_normal[t]);
   }
 }
 
@@ -78,21 +78,21 @@ TEST(FindClosest, IsTheClosestOfTheRing) {
     for (CellId c = 0; c < mesh.cell_count(); ++c) {
       std::set<std::uint32_t> ring;
       for (const std::uint32_t t : mesh.triangles_of.row(c)) {
-        for (const CellId n : mesh.triangles[t].cell) ring.insert(mesh.triangles_of.row(n).begin(), mesh.triangles_of.row(n).end());
+        for (const CellId n : mesh.triangles[t]) ring.insert(mesh.triangles_of.row(n).begin(), mesh.triangles_of.row(n).end());
       }
       const auto own = mesh.c_vertices_of.row(c);
       for (std::size_t i = 0; i < own.size(); ++i) {
         const Vec3 p = level.ground().surfels.point[own[i]];
         double want = 1e30;
         for (const std::uint32_t t : ring) {
-          const auto& q = mesh.triangles[t].corner;
+          const std::array<Vec3, 3> q = mesh.corners(t);
           want = std::min(want, closest_on_triangle(p, q[0], q[1], q[2]).squared_distance);
         }
         const ClosestPoint& got = level.closest(c)[i];
         ASSERT_NEAR(got.distance, std::sqrt(want), 1e-6);
         ASSERT_TRUE(ring.contains(got.triangle));
         Vec3 at;
-        for (std::size_t k = 0; k < 3; ++k) at = at + static_cast<double>(got.weight[k]) * mesh.triangles[got.triangle].corner[k];
+        for (std::size_t k = 0; k < 3; ++k) at = at + static_cast<double>(got.weight[k]) * mesh.corners(got.triangle)[k];
         ASSERT_NEAR(length(p - at), got.distance, 1e-5) << "weights and distance are of one point";
       }
     }
@@ -170,11 +170,7 @@ TEST(MeasureFromMesh, KnownErrorsAreThoseOfTheSameTriangle) {
   measure(once, &errors);
   measure(twice, &errors);
   EXPECT_EQ(once, twice);
-  for (const std::uint32_t t : mesh.triangles_of.row(3)) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (mesh.triangles[t].cell[k] == 3) mesh.triangles[t].corner[k].x += 0.5;
-    }
-  }
+  mesh.point[3].x += 0.5;
   measure(moved, &errors);
   measure(anew, nullptr);
   EXPECT_EQ(moved, anew);

@@ -106,13 +106,14 @@ double distance(const TestLevel& level, Vec3 p, double enough) {
   return found;
 }
 
-double farthest_sample(const TestLevel& level, const MeshTriangle& t, double enough) {
+double farthest_sample(const TestLevel& level, std::uint32_t triangle, double enough) {
+  const std::array<Vec3, 3> t = level.mesh().corners(triangle);
   constexpr int kSteps = 24;
   double most = 0;
   for (int a = 0; a <= kSteps; ++a) {
     for (int b = 0; a + b <= kSteps; ++b) {
-      const Vec3 p = (1.0 / kSteps) * (static_cast<double>(a) * t.corner[0] + static_cast<double>(b) * t.corner[1] +
-                                       static_cast<double>(kSteps - a - b) * t.corner[2]);
+      const Vec3 p = (1.0 / kSteps) * (static_cast<double>(a) * t[0] + static_cast<double>(b) * t[1] +
+                                       static_cast<double>(kSteps - a - b) * t[2]);
       most = std::max(most, distance(level, p, enough));
     }
   }
@@ -130,11 +131,11 @@ TEST(TriangleProof, HoldsAtAllSamplesAndFailsOnlyNearTheBound) {
         double most = 0;
         std::vector<Farthest> from_mesh;
         measure_from_mesh(level.ground().measured(), mesh, level.partition().cell_of, all_cells(mesh), bound, Look::proof, from_mesh);
-        for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-          const auto& cell = mesh.triangles[i].cell;
+        for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+          const auto& cell = mesh.triangles[i];
           const bool is_proved = std::ranges::all_of(cell, [&](CellId c) { return from_mesh[c].at == kNone; });
           // Others are only looked at to know whether all could have been proved.
-          const double farthest = is_proved ? farthest_sample(level, mesh.triangles[i], bound) : farthest_sample(level, mesh.triangles[i], 0);
+          const double farthest = is_proved ? farthest_sample(level, i, bound) : farthest_sample(level, i, 0);
           if (is_proved) {
             ASSERT_LE(farthest, bound * (1 + 1e-6));
           }
@@ -177,8 +178,8 @@ TEST(SurfaceProof, HoldsAtAllPointsAndFailsOnlyNearTheBound) {
           }
           const Vec3 p = scaled(a, complex.spacing);
           double squared = INFINITY;
-          for (const MeshTriangle& t : mesh.triangles)
-            squared = std::min(squared, closest_on_triangle(p, t.corner[0], t.corner[1], t.corner[2]).squared_distance);
+          for (const Triangle& t : mesh.triangles)
+            squared = std::min(squared, closest_on_triangle(p, mesh.point[t[0]], mesh.point[t[1]], mesh.point[t[2]]).squared_distance);
           most = std::max(most, std::sqrt(squared));
         }
       }
