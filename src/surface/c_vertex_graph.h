@@ -34,7 +34,7 @@ CVertexGraph make_graph(const SurfaceComplex& complex, const RunControl* control
 
 /// Makes the graph of a complex that has changed. @pre c-vertices kept their numbers
 /// @return per c-vertex, 1 if its row is another one than before, or it was not there
-/// @cost   as make_graph(); needs room for both graphs
+/// @cost   as make_graph()
 std::vector<std::uint8_t> remake_graph(CVertexGraph& graph, const SurfaceComplex& complex, const RunControl* control = nullptr);
 
 }  // namespace isoatlas

@@ -111,5 +111,42 @@ TEST(Graph, CVertexWithManyFaces) {
   }
 }
 
+// Rows that become longer and shorter, move to the left and to the right, or only have other weights.
+TEST(Graph, RemakingIsMakingAnewAndTellsWhatChanged) {
+  const auto same_row = [](const CVertexGraph& a, const CVertexGraph& b, CVertexId v) {
+    return std::ranges::equal(a.row(v), b.row(v)) && a.on_boundary[v] == b.on_boundary[v] &&
+           std::equal(a.is_diagonal.begin() + a.first[v], a.is_diagonal.begin() + a.first[v + 1], b.is_diagonal.begin() + b.first[v]);
+  };
+  Random random(9);
+  for (int round = 0; round < 60; ++round) {
+    const Samples s = random_samples(Family::white_noise, {5, 4, 5}, random.between(0, 1 << 20));
+    if (!has_surface(s, 0)) continue;
+    // Quads on the same c-vertices, some of them cut in two along either diagonal.
+    const SurfaceComplex quads = surface_of(s, 0);
+    const auto some_cut = [&] {
+      SurfaceComplex out = quads;
+      for (FaceId f = 0; f < quads.face_count(); ++f) {
+        const std::array<CVertexId, 4> c = quads.faces[f].corner;
+        if (quads.faces[f].is_triangle() || random.between(0, 3) > 0) continue;
+        const auto k = static_cast<std::size_t>(random.between(0, 1));
+        out.faces[f] = {{c[k], c[k + 1], c[k + 2], kNone}};
+        out.faces.push_back({{c[k], c[k + 2], c[(k + 3) % 4], kNone}});
+      }
+      for (Vec3& p : out.positions) p.x += random.between(0, 20) == 0 ? 0.125 : 0;
+      return out;
+    };
+    CVertexGraph graph = make_graph(some_cut());
+    for (int again = 0; again < 4; ++again) {
+      const SurfaceComplex next = some_cut();
+      const CVertexGraph before = graph, anew = make_graph(next);
+      const std::vector<std::uint8_t> changed = remake_graph(graph, next);
+      ASSERT_EQ(graph.first, anew.first);
+      ASSERT_EQ(graph.neighbours, anew.neighbours);
+      ASSERT_EQ(graph.is_diagonal, anew.is_diagonal);
+      for (CVertexId v = 0; v < changed.size(); ++v) ASSERT_EQ(changed[v] != 0, !same_row(before, graph, v)) << v;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace isoatlas
