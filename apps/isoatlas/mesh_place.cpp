@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/vector_math.h"
-#include "mesh/bounds.h"
+#include "geometry/bounds.h"
 #include "text.h"
 
 namespace isoatlas::tool {

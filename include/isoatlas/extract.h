@@ -34,7 +34,4 @@ struct Extraction {
 /// @source Gavriliu, Carranza, Breen, Barr, IEEE Visualization 2001, sections 3.2 to 3.6, with the departures in docs/theory/
 Extraction extract(const VolumeView& volume, const ExtractOptions& options, const RunControl& control = {});
 
-/// Moves a mesh from sample-index coordinates into another space, turning triangles over where the map mirrors.
-void transform_to(TriangleMesh& mesh, const Grid& grid, Space space);
-
 }  // namespace isoatlas

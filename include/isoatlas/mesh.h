@@ -19,6 +19,9 @@ struct TriangleMesh {
   std::vector<Triangle> triangles;
 };
 
+/// Moves a mesh from sample-index coordinates into another space, turning triangles over where the map mirrors.
+void transform_to(TriangleMesh& mesh, const Grid& grid, Space space);
+
 /// Topology of one connected component of a 2-manifold (with boundary).
 struct ComponentTopology {
   std::int64_t euler_characteristic = 0;

@@ -14,7 +14,7 @@
 #include "files/byte_source.h"
 #include "files/file_error.h"
 #include "files/number_text.h"
-#include "volume/sample_type.h"
+#include "field/sample_type.h"
 
 namespace isoatlas::io {
 

@@ -15,7 +15,7 @@
 #include "files/vtk_xml_values.h"
 #include "mesh_files/formats.h"
 #include "mesh_files/polygons.h"
-#include "volume/sample_type.h"
+#include "field/sample_type.h"
 
 namespace isoatlas::io {
 

@@ -16,9 +16,9 @@
 #include "mesh_files/output_buffer.h"
 #include "mesh_files/same_mesh.h"
 #include "mesh_files/stored_form.h"
-#include "mesh/bounds.h"
-#include "mesh/float32_origin.h"
-#include "mesh/vertex_normals.h"
+#include "geometry/bounds.h"
+#include "geometry/float32_origin.h"
+#include "geometry/vertex_normals.h"
 
 namespace isoatlas::io {
 

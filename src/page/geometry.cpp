@@ -15,7 +15,7 @@
 #include "mesh_files/same_mesh.h"
 #include "isoatlas/error.h"
 #include "isoatlas/mesh.h"
-#include "mesh/bounds.h"
+#include "geometry/bounds.h"
 
 namespace isoatlas::page {
 namespace {

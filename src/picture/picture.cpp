@@ -30,7 +30,7 @@
 #include "core/file_name.h"
 #include "core/vector_math.h"
 #include "isoatlas/error.h"
-#include "mesh/vertex_normals.h"
+#include "geometry/vertex_normals.h"
 #include "picture/display.h"
 
 namespace isoatlas {

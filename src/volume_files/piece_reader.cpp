@@ -16,7 +16,7 @@
 #include "files/file_error.h"
 #include "files/number_text.h"
 #include "files/stored_data.h"
-#include "volume/sample_type.h"
+#include "field/sample_type.h"
 
 namespace isoatlas::io {
 

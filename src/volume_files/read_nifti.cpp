@@ -14,7 +14,7 @@
 #include "core/file_name.h"
 #include "files/file_error.h"
 #include "files/stored_data.h"
-#include "volume/sample_type.h"
+#include "field/sample_type.h"
 #include "volume_files/choice.h"
 #include "volume_files/grid_of_file.h"
 #include "volume_files/nifti_header.h"

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "files/file_error.h"
-#include "volume/sample_type.h"
+#include "field/sample_type.h"
 #include "volume_files/grid_of_file.h"
 #include "volume_files/header_fields.h"
 #include "volume_files/readers.h"

@@ -9,7 +9,7 @@
 #include <type_traits>
 
 #include "files/file_error.h"
-#include "volume/sample_type.h"
+#include "field/sample_type.h"
 #include "volume_files/choice.h"
 #include "volume_files/grid_of_file.h"
 

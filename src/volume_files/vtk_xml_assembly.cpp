@@ -8,7 +8,7 @@
 #include <type_traits>
 
 #include "files/file_error.h"
-#include "volume/sample_type.h"
+#include "field/sample_type.h"
 
 namespace isoatlas::io {
 

@@ -7,8 +7,8 @@
 
 #include "files/memory_limit.h"
 #include "isoatlas/error.h"
-#include "volume/classify.h"
-#include "volume/upsampled_field.h"
+#include "field/classify.h"
+#include "field/upsampled_field.h"
 
 namespace isoatlas {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "adversarial/sound_levels.h"
-#include "volume/sample_type.h"
+#include "field/sample_type.h"
 
 namespace isoatlas {
 namespace {

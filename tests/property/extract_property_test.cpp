@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <cstring>
 
-#include "partition/coarsen.h"
+#include "complex/coarsen.h"
 #include "property/random_case.h"
 #include "support/soundness.h"
 #include "support/surfaces.h"
-#include "surface/components.h"
-#include "surface/parse_surface.h"
+#include "complex/components.h"
+#include "isosurface/parse_surface.h"
 
 namespace isoatlas {
 namespace {

@@ -8,12 +8,12 @@
 #include <span>
 #include <vector>
 
-#include "cover/repair.h"
-#include "partition/scoped_check.h"
-#include "partition/dual_triangles.h"
+#include "voronoi/repair.h"
+#include "complex/scoped_check.h"
+#include "complex/dual_triangles.h"
 #include "property/random_case.h"
 #include "support/surfaces.h"
-#include "surface/components.h"
+#include "complex/components.h"
 
 namespace isoatlas {
 namespace {

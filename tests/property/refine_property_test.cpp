@@ -8,12 +8,12 @@
 #include <set>
 
 #include "core/vector_math.h"
-#include "mesh/triangle_tree.h"
+#include "geometry/triangle_tree.h"
 #include "property/random_goals.h"
 #include "support/soundness.h"
 #include "support/surfaces.h"
-#include "surface/components.h"
-#include "surface/parse_surface.h"
+#include "complex/components.h"
+#include "isosurface/parse_surface.h"
 
 namespace isoatlas {
 namespace {

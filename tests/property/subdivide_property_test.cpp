@@ -8,13 +8,13 @@
 #include <numeric>
 
 #include "isoatlas/self_intersections.h"
-#include "measure/isosurface.h"
+#include "isosurface/isosurface.h"
 #include "property/random_case.h"
-#include "refine/relax.h"
-#include "subdivide/adaptive_surface.h"
+#include "optimize/relax.h"
+#include "embedding/adaptive_surface.h"
 #include "support/surfaces.h"
-#include "surface/components.h"
-#include "surface/parse_surface.h"
+#include "complex/components.h"
+#include "isosurface/parse_surface.h"
 
 namespace isoatlas {
 namespace {

@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "cover/repair.h"
-#include "refine/measured_covering.h"
+#include "voronoi/repair.h"
+#include "error/measured_covering.h"
 #include "support/exact_volume.h"
 #include "support/surfaces.h"
-#include "surface/parse_surface.h"
+#include "isosurface/parse_surface.h"
 
 namespace isoatlas::test {
 

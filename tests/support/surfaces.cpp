@@ -9,7 +9,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "surface/parse_surface.h"
+#include "isosurface/parse_surface.h"
 
 namespace isoatlas::test {
 namespace {

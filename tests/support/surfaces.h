@@ -8,8 +8,8 @@
 
 #include "isoatlas/mesh.h"
 #include "support/volumes.h"
-#include "surface/c_vertex_graph.h"
-#include "surface/surface_complex.h"
+#include "complex/c_vertex_graph.h"
+#include "complex/surface_complex.h"
 
 namespace isoatlas::test {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "support/volumes.h"
-#include "volume/interpolated_field.h"
+#include "field/interpolated_field.h"
 
 namespace isoatlas::test {
 

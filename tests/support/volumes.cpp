@@ -6,7 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "volume/sample_type.h"
+#include "field/sample_type.h"
 
 namespace isoatlas::test {
 namespace {

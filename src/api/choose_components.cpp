@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "api/choose_components.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include "levels/level.h"
+#include "complex/drop_components.h"
+
+namespace isoatlas {
+namespace {
+
+std::vector<RankedComponent> describe(const SurfaceComplex& complex, const Components& components, const ComponentSizes& sizes,
+                                      const ExtractOptions& options, const Grid& grid) {
+  const std::size_t n = components.topology.size();
+  const double cubic_voxel = std::pow(grid.smallest_spacing(), 3);
+  std::vector<RankedComponent> out(n);
+  for (std::size_t c = 0; c < n; ++c) {
+    out[c].size = sizes.enclosed[sizes.part_of[c]] * cubic_voxel;
+    out[c].topology = components.topology[c];
+  }
+  TriangleMesh first;
+  first.positions.resize(n);
+  for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
+    const ComponentId c = components.of_c_vertex[v];
+    if (out[c].c_vertices++ == 0) first.positions[c] = complex.positions[v];
+  }
+  bring_out(first, grid, options);
+  for (std::size_t c = 0; c < n; ++c) out[c].position = first.positions[c];
+  return out;
+}
+
+}  // namespace
+
+ChosenComponents choose_components(SurfaceComplex& complex, const Components& components, const ComponentSizes& sizes,
+                                   const ExtractOptions& options, const Grid& grid) {
+  std::vector<RankedComponent> all = describe(complex, components, sizes, options, grid);
+  // Components of one part side by side; equal parts in the order of their first components, which is that of the scan.
+  std::vector<ComponentId> first_of_part(sizes.enclosed.size(), kNone);
+  for (ComponentId c = static_cast<ComponentId>(all.size()); c-- > 0;) first_of_part[sizes.part_of[c]] = c;
+  std::vector<ComponentId> order(all.size());
+  for (ComponentId c = 0; c < order.size(); ++c) order[c] = c;
+  std::ranges::sort(order, [&](ComponentId a, ComponentId b) {
+    if (all[a].size != all[b].size) return all[a].size > all[b].size;
+    const ComponentId first_a = first_of_part[sizes.part_of[a]], first_b = first_of_part[sizes.part_of[b]];
+    return first_a != first_b ? first_a < first_b : a < b;
+  });
+
+  ChosenComponents chosen;
+  std::vector<std::uint8_t> goes(all.size(), 0);
+  std::size_t part = 0;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const ComponentId c = order[i];
+    part += i > 0 && sizes.part_of[order[i - 1]] != sizes.part_of[c] ? 1 : 0;
+    all[c].part = part;
+    const bool too_many = options.keep_components > 0 && part >= options.keep_components;
+    goes[c] = too_many || all[c].size < options.min_component_size;
+    (goes[c] ? chosen.dropped : chosen.kept).push_back(all[c]);
+  }
+  drop_components(complex, components, goes);
+  chosen.is_dropped = std::move(goes);
+  return chosen;
+}
+
+}  // namespace isoatlas

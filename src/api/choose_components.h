@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "isoatlas/options.h"
+#include "isoatlas/report.h"
+#include "complex/component_sizes.h"
+
+namespace isoatlas {
+
+struct ChosenComponents {
+  std::vector<RankedComponent> kept, dropped;  ///< largest first
+  std::vector<std::uint8_t> is_dropped;        ///< per component of what was given
+};
+
+/// Removes the components that the options leave out from `complex`, whose components and their sizes are known.
+ChosenComponents choose_components(SurfaceComplex& complex, const Components& components, const ComponentSizes& sizes,
+                                   const ExtractOptions& options, const Grid& grid);
+
+}  // namespace isoatlas

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+// The place to start reading: volume -> surface complex -> coarser complex -> covering -> certified dual -> checked mesh -> finer levels.
+#include "isoatlas/extract.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <new>
+#include <numeric>
+#include <span>
+#include <stdexcept>
+#include <utility>
+
+#include "core/whole_progress.h"
+#include "core/parallel.h"
+#include "core/vector_math.h"
+#include "complex/coarsen.h"
+#include "api/choose_components.h"
+#include "levels/coarse_mesher.h"
+#include "levels/level.h"
+#include "levels/level_maker.h"
+#include "embedding/adaptive_surface.h"
+#include "complex/component_sizes.h"
+#include "complex/components.h"
+#include "isosurface/parse_surface.h"
+#include "isosurface/surface_nesting.h"
+#include "field/check_volume.h"
+
+namespace isoatlas {
+namespace {
+
+// The coarser complex: blocks of four voxels, but well below the largest radius, so that its c-vertices leave the covering a
+// choice; below one and a half voxels blocks gain nothing and the covering works on the full complex.
+constexpr double kBlockVoxels = 4;
+constexpr double kBlocksPerRadius = 4;
+constexpr double kLeastBlockVoxels = 1.5;
+
+class StageClock {
+ public:
+  explicit StageClock(ExtractReport& report) : report_(report), start_(Clock::now()), last_(start_) {}
+  void finished(const char* stage) {
+    const auto now = Clock::now();
+    report_.seconds.push_back({stage, std::chrono::duration<double>(now - last_).count()});
+    report_.total_seconds = std::chrono::duration<double>(now - start_).count();
+    last_ = now;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  ExtractReport& report_;
+  Clock::time_point start_, last_;
+};
+
+void require(bool good, const std::string& message) {
+  if (!good) throw Error(ErrorCode::bad_argument, message);
+}
+
+void check_options(const ExtractOptions& options) {
+  require(!options.max_radius || (std::isfinite(*options.max_radius) && *options.max_radius > 0),
+          "the largest radius must be a positive length");
+  require(!options.event_persistence || (std::isfinite(*options.event_persistence) && *options.event_persistence >= 0),
+          "the event persistence must be a length >= 0");
+  require(std::isfinite(options.min_component_size) && options.min_component_size >= 0, "the smallest component must have a size >= 0");
+  require(options.supersample >= 1, "the factor of supersampling must be at least 1");
+  require(options.adaptive_supersample <= kMostDivisions, "adaptive supersampling may divide the surface at most 8 times");
+  std::vector<const LevelGoal*> goals{&options.coarse};
+  for (const LevelGoal& goal : options.refine) goals.push_back(&goal);
+  for (const LevelGoal* goal : goals) {
+    std::array<bool, kQuantityCount> seen{};
+    for (const Constraint& c : *goal) {
+      const std::string what(name(c.quantity));
+      const bool is_ratio = is_metric(c.quantity) && unit(c.quantity) == Unit::ratio;
+      require(std::isfinite(c.bound) && c.bound > 0, what + " needs a bound above 0");
+      require(!is_ratio || c.bound > 1, what + " needs a bound above 1: it is a ratio that is 1 at best");
+      require(c.quantity != Quantity::min_aspect || c.bound < 1, what + " needs a bound below 1");
+      require(!std::exchange(seen[static_cast<std::size_t>(c.quantity)], true), what + " is given twice for one level");
+    }
+  }
+}
+
+// The paper's figure 4 knows no persistence.
+float default_persistence(CoveringStrategy strategy) { return strategy == CoveringStrategy::halving ? 0.0f : 1.5f; }
+
+// Removes the components that the options leave out from the surface and from what is known of it.
+void drop_unwanted_components(SurfaceComplex& whole, Components& components, Nesting& nesting, const VolumeView& volume_in_voxels,
+                              const ParseOptions& parse, const VolumeView& volume, const ExtractOptions& options, ExtractReport& report,
+                              const RunControl& control) {
+  ComponentSizes sizes;
+  if (whole.boundary.empty()) {
+    sizes = component_sizes(whole, components, whole);
+  } else {
+    ParseOptions capped = parse;
+    capped.closed = true;
+    sizes = component_sizes(whole, components, parse_surface(volume_in_voxels, capped, control));
+  }
+  control.check_cancelled();
+  ChosenComponents chosen = choose_components(whole, components, sizes, options, volume.grid);
+  report.kept = std::move(chosen.kept);
+  report.dropped = std::move(chosen.dropped);
+  if (whole.faces.empty()) {
+    throw Error(ErrorCode::empty_surface, "every component is smaller than asked for: the largest has a size of " +
+                                              std::to_string(report.dropped.front().size) + " cubic units");
+  }
+  if (report.dropped.empty()) return;
+  control.check_cancelled();
+  components = find_components(whole);
+  nesting = without(nesting, chosen.is_dropped);
+}
+
+// Measured on medical scans: all stages up to the coarse mesh take about a third of the time of a refined level.
+std::vector<StageShare> stage_shares(const ExtractOptions& options) {
+  return {{"surface", 2}, {"components", 2}, {"coarsen", 2}, {"cover", 2}, {"certify", 2}, {"mesh", 9}, {"check", 1},
+          {"refine", 60.0 * static_cast<double>(options.refine.size())}};
+}
+
+}  // namespace
+
+Extraction extract(const VolumeView& volume, const ExtractOptions& options, const RunControl& callers_control) try {
+  const RunControl control = with_whole_progress(callers_control, stage_shares(options));
+  check_volume(volume, options.isovalue);
+  check_options(options);
+  // Bounds and distances are world lengths; the coarse mesh by itself has none.
+  const bool only_coarse = options.refine.empty() && options.measure_samples == 0 && options.coarse.empty();
+  if (!only_coarse) require_orthonormal(volume.grid);
+  const ThreadLimit threads(control.threads);
+  Extraction out;
+  ExtractReport& report = out.report;
+  StageClock clock(report);
+  // All work is done with the smallest spacing as unit of length, so that no length leaves the range of float.
+  const Grid& grid = volume.grid;
+  const double voxel = grid.smallest_spacing();
+  VolumeView in_voxels = volume;
+  in_voxels.grid.spacing = {grid.spacing.x / voxel, grid.spacing.y / voxel, grid.spacing.z / voxel};
+  const auto voxels = [&](double world) { return static_cast<float>(std::min(world / voxel, 1e30)); };
+
+  control.report("surface", 0);
+  ParseOptions parse;
+  parse.rule = {options.isovalue, options.inside, options.non_finite};
+  parse.topology = options.topology;
+  parse.interpolation = options.interpolation;
+  parse.supersample = options.supersample;
+  parse.vertices_on_surface = options.vertices_on_surface;
+  std::vector<VerticalNode> nodes;
+  SurfaceComplex whole = parse_surface(in_voxels, parse, control, &nodes);
+  if (whole.faces.empty()) throw_empty_surface(volume, options.isovalue);
+  clock.finished("surface");
+
+  control.report("components", 0);
+  Components reference = find_components(whole);
+  report_going_on(control);
+  Nesting nesting = surface_nesting(reference, nodes);
+  nodes = {};
+  control.check_cancelled();
+  if (options.min_component_size > 0 || options.keep_components > 0) {
+    drop_unwanted_components(whole, reference, nesting, in_voxels, parse, volume, options, report, control);
+  }
+  report.c_vertices = whole.positions.size();
+  report.faces = whole.faces.size();
+  report.double_segments = whole.double_segments;
+  report.tunnels = whole.tunnels;
+  report.reference = summarize(reference.topology);
+  const std::unique_ptr<const Isosurface> isosurface =
+      only_coarse ? nullptr : std::make_unique<const Isosurface>(in_voxels, parse.rule, whole, options.interpolation, options.supersample, control);
+  report_going_on(control);
+  AdaptiveSurface surface(std::move(whole), std::move(reference), std::move(nesting),
+                          InterpolatedField(in_voxels, parse.rule, options.interpolation, options.supersample), control);
+  clock.finished("components");
+
+  double longest = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const Vec3 s = in_voxels.grid.spacing;
+    longest = std::max(longest, static_cast<double>(grid.size[a] - 1) * (a == 0 ? s.x : a == 1 ? s.y : s.z));
+  }
+  const double max_radius = options.max_radius ? std::max(1e-4f, voxels(*options.max_radius)) : longest / 2;
+
+  control.report("coarsen", 0);
+  const double cell = 1.0 / options.supersample;  // of the grid that was parsed, voxels
+  const double block = std::min(kBlockVoxels * cell, max_radius / kBlocksPerRadius);
+  Coarsened coarser;
+  if (block >= kLeastBlockVoxels * cell) {
+    coarser = coarsen(surface.complex(), block, control);
+    report.coarsening = coarser.certificate;
+    report.coarser_c_vertices.push_back(coarser.complex.positions.size());
+  }
+  clock.finished("coarsen");
+
+  control.report("cover", 0);
+  CoveringOptions cover;
+  cover.max_radius = static_cast<float>(max_radius);
+  cover.event_persistence = options.event_persistence ? voxels(*options.event_persistence) : default_persistence(options.covering);
+  cover.first_stage = static_cast<float>(4 * cell);
+  auto mesher = std::make_unique<CoarseMesher>(surface, coarser, cover, options, WrittenPositions(grid, options.space, options.supersample));
+  mesher->cover(control);
+  clock.finished("cover");
+
+  control.report("certify", 0);
+  LevelReport& coarse = report.levels.emplace_back();  // the only one until the refinement starts
+  mesher->certify(coarse, control);
+  clock.finished("certify");
+
+  control.report("mesh", 0);
+  mesher->mesh(coarse, control);
+  const CoarseLevel level = mesher->take_level();
+  mesher.reset();
+  clock.finished("mesh");
+
+  control.report("check", 0);
+  TriangleMesh mesh = level.mesh;
+  const std::vector<ShapeObstacle> in_the_way = obstacles(level.placement, surface, 0);
+  finish_level(mesh, level.topology, level.placement.anchor, surface, in_the_way, options.coarse, grid, options, coarse, control);
+  clock.finished("check");
+
+  Hierarchy& hierarchy = out.hierarchy;
+  if (const Vec3 origin = float32_origin(grid, options.space); origin != Vec3{}) hierarchy.float32_origin = origin;
+  hierarchy.positions = std::move(mesh.positions);
+  hierarchy.levels.push_back({checked_id(hierarchy.positions.size(), "vertices"), std::move(mesh.triangles), {}, {}});
+  hierarchy.parent.resize(hierarchy.positions.size());
+  std::iota(hierarchy.parent.begin(), hierarchy.parent.end(), 0u);
+  const auto tell_of_divisions = [&] {
+    report.divided_c_vertices = surface.divided();
+    report.added_c_vertices = surface.added();
+    report.deepest_division = surface.deepest();
+  };
+  tell_of_divisions();
+  if (only_coarse) return out;
+
+  control.report("refine", 0);
+  LevelMaker maker({grid, surface, *isosurface, coarser, cover, level}, options, control);
+  maker.describe_coarse(hierarchy, report.levels.front());
+  for (const LevelGoal& goal : options.refine) maker.add_level(goal, hierarchy, report.levels);
+  tell_of_divisions();
+  clock.finished("refine");
+  return out;
+} catch (const std::bad_alloc&) {
+  throw Error(ErrorCode::out_of_memory, "not enough memory for this surface");
+} catch (const std::length_error&) {
+  throw Error(ErrorCode::out_of_memory, "this surface is too large for memory");
+}
+
+}  // namespace isoatlas

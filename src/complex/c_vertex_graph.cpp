@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "complex/c_vertex_graph.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "core/cancel_poll.h"
+#include "core/parallel.h"
+#include "core/vector_math.h"
+
+namespace isoatlas {
+namespace {
+
+constexpr std::size_t kRows = 4096;  // per piece of a parallel loop
+
+// One face at a c-vertex, as the number of this corner of it.
+using Wedge = std::uint32_t;
+
+struct Corner {  // of a face: the neighbours before and after it, and the diagonal between
+  CVertexId next, diagonal, previous;
+};
+
+Corner corner_of(const SurfaceComplex& complex, Wedge wedge) {
+  const Face& face = complex.faces[wedge / 4];
+  const auto k = static_cast<int>(wedge % 4);
+  const int size = face.size();
+  return {face.corner[(k + 1) % size], size == 4 ? face.corner[(k + 2) % 4] : kNone, face.corner[(k + size - 1) % size]};
+}
+
+// The rows of a complex's graph, to be made one by one, from the faces around each c-vertex.
+class RowMaker {
+ public:
+  RowMaker(const SurfaceComplex& complex, const RunControl* control) : complex_(complex), first_(complex.c_vertex_count() + 1, 0) {
+    CancelPoll poll(control);
+    for (const Face& face : complex.faces) {
+      for (int k = 0; k < face.size(); ++k) ++first_[face.corner[k] + 1];
+    }
+    for (std::size_t v = 1; v < first_.size(); ++v) first_[v] += first_[v - 1];
+    wedges_.resize(first_.back());
+    for (FaceId f = 0; f < complex.face_count(); ++f) {
+      poll.step();
+      const Face& face = complex.faces[f];
+      for (int k = 0; k < face.size(); ++k) wedges_[first_[face.corner[k]]++] = 4 * f + static_cast<Wedge>(k);
+    }
+    for (std::size_t v = first_.size() - 1; v > 0; --v) first_[v] = first_[v - 1];  // filling moved each to its end
+    first_[0] = 0;
+  }
+
+  std::uint32_t size(CVertexId v) const {
+    std::uint32_t out = complex_.on_boundary[v] ? 1 : 0;
+    for (std::uint32_t k = first_[v]; k < first_[v + 1]; ++k) out += complex_.faces[wedges_[k] / 4].is_triangle() ? 1 : 2;
+    return out;
+  }
+
+  struct Row {
+    std::vector<CVertexGraph::Neighbour> neighbours;
+    std::vector<std::uint8_t> is_diagonal;
+  };
+
+  // The wedges of a c-vertex, chained counter-clockwise: the next one starts where the last one ended.
+  void make(CVertexId v, Row& row) const {
+    row.neighbours.clear();
+    row.is_diagonal.clear();
+    const std::uint32_t count = first_[v + 1] - first_[v];
+    std::array<Corner, kFew> few;
+    std::vector<Corner> many;
+    if (count > kFew) many.resize(count);
+    const std::span<Corner> corners = count > kFew ? std::span(many) : std::span(few).first(count);
+    for (std::uint32_t k = 0; k < count; ++k) corners[k] = corner_of(complex_, wedges_[first_[v] + k]);
+    if (count > kFew) std::ranges::sort(corners, {}, &Corner::next);
+    const auto starting_at = [&](CVertexId id) {
+      return count > kFew ? std::ranges::lower_bound(corners, id, {}, &Corner::next) : std::ranges::find(corners, id, &Corner::next);
+    };
+    auto at = corners.begin();
+    if (complex_.on_boundary[v]) {  // start with the wedge that no other wedge leads to
+      std::vector<CVertexId> ends;
+      for (const Corner& c : corners) ends.push_back(c.previous);
+      std::sort(ends.begin(), ends.end());
+      while (std::binary_search(ends.begin(), ends.end(), at->next)) ++at;
+    }
+    const auto push = [&](CVertexId id, bool diagonal) {
+      const double d = std::sqrt(squared_distance(complex_.positions[v], complex_.positions[id], complex_.spacing));
+      row.neighbours.push_back({id, static_cast<float>(d)});
+      row.is_diagonal.push_back(diagonal);
+    };
+    for (std::uint32_t k = 0; k < count; ++k) {
+      push(at->next, false);
+      if (at->diagonal != kNone) push(at->diagonal, true);
+      if (k + 1 < count) {
+        at = starting_at(at->previous);
+      } else if (complex_.on_boundary[v]) {
+        push(at->previous, false);
+      }
+    }
+  }
+
+ private:
+  static constexpr std::uint32_t kFew = 24;
+  const SurfaceComplex& complex_;
+  std::vector<std::uint32_t> first_;  // per c-vertex, in wedges_
+  std::vector<Wedge> wedges_;
+};
+
+// Makes room where rows are given other sizes: rows that stay are moved, those that change are left to be written.
+template <class Item>
+void move_rows(std::vector<Item>& items, std::span<const std::uint32_t> from, std::span<const std::uint32_t> to, std::span<const std::uint8_t> changed) {
+  const std::size_t known = from.size() - 1, total = to.back();
+  if (total > items.capacity()) items.reserve(total + total / 8);
+  items.resize(std::max<std::size_t>(items.size(), total));
+  const auto begin = items.begin();
+  // Those to the left first: they are to the right of all that a row on its way to the right still has to be taken from.
+  for (std::size_t v = 0; v < known; ++v) {
+    if (!changed[v] && to[v] < from[v]) std::copy(begin + from[v], begin + from[v + 1], begin + to[v]);
+  }
+  for (std::size_t v = known; v-- > 0;) {
+    if (!changed[v] && to[v] > from[v]) std::copy_backward(begin + from[v], begin + from[v + 1], begin + to[v + 1]);
+  }
+  items.resize(total);
+}
+
+}  // namespace
+
+CVertexGraph make_graph(const SurfaceComplex& complex, const RunControl* control) {
+  CVertexGraph graph;
+  graph.first.assign(1, 0);
+  remake_graph(graph, complex, control);
+  return graph;
+}
+
+std::vector<std::uint8_t> remake_graph(CVertexGraph& graph, const SurfaceComplex& complex, const RunControl* control) {
+  const std::uint32_t n = complex.c_vertex_count(), known = graph.c_vertex_count();
+  checked_id(8 * complex.faces.size() + complex.boundary.size(), "edges of the graph");
+  const RowMaker rows(complex, control);
+  std::vector<std::uint8_t> changed(n, 1);
+  std::vector<std::uint32_t> first(n + 1, 0);
+  const auto is_known = [&](CVertexId v, const RowMaker::Row& row) {
+    return graph.on_boundary[v] == complex.on_boundary[v] && std::ranges::equal(graph.row(v), row.neighbours) &&
+           std::equal(row.is_diagonal.begin(), row.is_diagonal.end(), graph.is_diagonal.begin() + graph.first[v]);
+  };
+  for_each_piece(n, kRows, [&](std::size_t begin, std::size_t end) {
+    if (control != nullptr) control->check_cancelled();
+    RowMaker::Row row;
+    for (auto v = static_cast<CVertexId>(begin); v < end; ++v) {
+      first[v + 1] = rows.size(v);
+      if (v >= known) continue;
+      rows.make(v, row);
+      changed[v] = !is_known(v, row);
+    }
+  });
+  for (CVertexId v = 0; v < n; ++v) first[v + 1] += first[v];
+  move_rows(graph.neighbours, graph.first, first, changed);
+  move_rows(graph.is_diagonal, graph.first, first, changed);
+  graph.first = std::move(first);
+  graph.on_boundary = complex.on_boundary;
+  for_each_piece(n, kRows, [&](std::size_t begin, std::size_t end) {
+    if (control != nullptr) control->check_cancelled();
+    RowMaker::Row row;
+    for (auto v = static_cast<CVertexId>(begin); v < end; ++v) {
+      if (!changed[v]) continue;
+      rows.make(v, row);
+      std::ranges::copy(row.neighbours, graph.neighbours.begin() + graph.first[v]);
+      std::ranges::copy(row.is_diagonal, graph.is_diagonal.begin() + graph.first[v]);
+    }
+  });
+  return changed;
+}
+
+}  // namespace isoatlas

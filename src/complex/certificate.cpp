@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: Apache-2.0
+// The certificate of a partition, and the dual of a certified one.
+//
+// Based on:
+//   [edelsbrunner1997]  Triangulating topological spaces: the closed ball property.
+//   [gavriliu2001]      sections 3.2 and 3.6.
+// Ours: the property is checked by counting, so that a passed check is a proof. A cell is a disk iff it is connected and
+// V - E + F = 1 for the part of the complex spanned by its c-vertices. Given that, all borders of a cell form one circle, and
+// pairs and triples are counted by the ends of arcs: every dual triangle is an end of three arcs, every boundary side between
+// two cells an end of one.
+#include "complex/certificate.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <utility>
+
+#include "core/cancel_poll.h"
+#include "core/disjoint_sets.h"
+#include "core/parallel.h"
+
+namespace isoatlas {
+namespace {
+
+constexpr std::size_t kFaces = 8192, kCells = 16384;  // per piece of a parallel loop
+constexpr std::int64_t kPiece = std::int64_t{1} << 36;  // more than twice all c-vertices, sides or faces
+
+// A count per cell that several threads may add to. Neighbours are mostly in the same cell: what is added to one is put together first.
+class CellCounts {
+ public:
+  explicit CellCounts(std::uint32_t cells) : count_(cells) {}
+  std::int64_t operator[](CellId cell) const { return count_[cell].load(std::memory_order_relaxed); }
+
+  class Adder {  // of one thread
+   public:
+    explicit Adder(CellCounts& to) : to_(to) {}
+    ~Adder() { flush(); }
+    Adder(const Adder&) = delete;
+    Adder& operator=(const Adder&) = delete;
+    void add(CellId cell, std::int64_t amount) {
+      if (cell != cell_) {
+        flush();
+        cell_ = cell;
+      }
+      sum_ += amount;
+    }
+
+   private:
+    void flush() {
+      if (sum_ != 0) to_.count_[cell_].fetch_add(std::exchange(sum_, 0), std::memory_order_relaxed);
+    }
+    CellCounts& to_;
+    CellId cell_ = kNone;
+    std::int64_t sum_ = 0;
+  };
+
+ private:
+  std::vector<std::atomic<std::int64_t>> count_;
+};
+
+class CompleteCheck {
+ public:
+  CompleteCheck(const SurfaceComplex& complex, std::span<const CellId> cell_of, std::uint32_t cells, std::span<const CVertexId> site,
+                std::span<const std::uint8_t> scope, const RunControl& control)
+      : complex_(complex),
+        cell_of_(cell_of),
+        cells_(cells),
+        site_(site),
+        scope_(scope),
+        control_(control),
+        counts_(cells),
+        pieces_(complex.c_vertex_count()),
+        boundary_ends_(cells, 0),
+        touches_boundary_(cells, 0),
+        first_(cells + 1, 0) {}
+
+  PartitionCheck run() {
+    check_.triangles = collect_pieces<DualTriangle>(complex_.faces.size(), kFaces, [&](std::size_t begin, std::size_t end, auto& triangles) {
+      control_.check_cancelled();
+      CellCounts::Adder counts(counts_);
+      for (std::size_t f = begin; f < end; ++f) count_face(complex_.faces[f], counts, triangles);
+    });
+    checked_id(3 * check_.triangles.size() + complex_.boundary.size(), "ends of arcs");
+    for_each_piece(cell_of_.size(), kCells, [&](std::size_t begin, std::size_t end) {
+      control_.check_cancelled();
+      CellCounts::Adder counts(counts_);
+      for (auto v = static_cast<CVertexId>(begin); v < end; ++v) counts.add(cell_of_[v], pieces_.is_root(v) ? kPiece + 2 : 2);
+    });
+    count_boundary();
+    control_.check_cancelled();
+    run_both([&] { judge_all_pairs(); }, [&] { judge_cells(); });
+    return std::move(check_);
+  }
+
+ private:
+  bool in_scope(CellId c) const { return scope_.empty() || scope_[c] != 0; }
+
+  // Cells: connected through sides and chosen diagonals, and V - E + F = 1. Every side is counted half from each of its faces, boundary
+  // sides get their other half in count_boundary(); so all counts are doubled.
+  void count_face(const Face& face, CellCounts::Adder& counts, std::vector<DualTriangle>& triangles) {
+    const int size = face.size();
+    std::array<CellId, 4> c;
+    bool wanted = scope_.empty(), whole = true;
+    for (int k = 0; k < size; ++k) {
+      c[k] = cell_of_[face.corner[k]];
+      wanted = wanted || scope_[c[k]] != 0;
+      whole = whole && c[k] == c[0];
+    }
+    if (!wanted) return;
+    if (whole) {
+      for (int k = 1; k < size; ++k) pieces_.unite(face.corner[k - 1], face.corner[k]);
+      counts.add(c[0], 2 - size);
+      return;
+    }
+    for (int k = 0; k < size; ++k) {
+      const int next = k + 1 == size ? 0 : k + 1;
+      if (c[k] != c[next]) continue;
+      counts.add(c[k], -1);
+      pieces_.unite(face.corner[k], face.corner[next]);
+    }
+    const FaceCut cut = cut_face(complex_, face, c, site_);
+    if (cut.joined != kNone) {
+      counts.add(cut.joined, -2);
+      pieces_.unite(face.corner[cut.joined_corner], face.corner[cut.joined_corner + 2]);
+    }
+    for (int k = 0; k < cut.triangles; ++k) {
+      const DualTriangle& t = cut.triangle[k];
+      if (in_scope(t.cell[0]) || in_scope(t.cell[1]) || in_scope(t.cell[2])) triangles.push_back(t);
+    }
+  }
+
+  // Counts the ends of arcs, too, by the smaller cell.
+  void count_boundary() {
+    for (const DualTriangle& t : check_.triangles) {
+      for (int k = 0; k < 3; ++k) ++first_[std::min(t.cell[k], t.cell[(k + 1) % 3])];
+    }
+    CellCounts::Adder counts(counts_);
+    for (const BoundarySide& s : complex_.boundary) {
+      const CellId a = cell_of_[s.from], b = cell_of_[s.to];
+      touches_boundary_[a] = touches_boundary_[b] = 1;
+      if (a == b) {
+        counts.add(a, -1);
+        continue;
+      }
+      ++first_[std::min(a, b)];
+      for (const CellId c : {a, b}) boundary_ends_[c] = std::min<std::uint8_t>(3, boundary_ends_[c] + 1);
+    }
+  }
+
+  void judge_cells() {
+    std::vector<std::uint8_t> has_triangle(cells_, 0);
+    for (const DualTriangle& t : check_.triangles) {
+      for (const CellId c : t.cell) has_triangle[c] = 1;
+    }
+    std::atomic<std::size_t> checked = 0;
+    check_.faulty_cells = collect_pieces<FaultyCell>(cells_, kCells, [&](std::size_t begin, std::size_t end, auto& faulty) {
+      control_.check_cancelled();
+      std::size_t here = 0;
+      for (auto c = static_cast<CellId>(begin); c < end; ++c) {
+        const std::int64_t count = counts_[c];
+        if (count == 0 || !in_scope(c)) continue;  // no c-vertices
+        ++here;
+        std::uint8_t fault = 0;
+        if (count != kPiece + 2) {
+          const std::int64_t pieces = (count + kPiece / 2) / kPiece;
+          if (pieces != 1) fault |= kNotConnected;
+          if (count != pieces * kPiece + 2) fault |= kNotADisk;
+        }
+        if (!has_triangle[c]) fault |= kNoTriangle;
+        if (touches_boundary_[c] && (boundary_ends_[c] != 2 || (!site_.empty() && !complex_.on_boundary[site_[c]]))) fault |= kBadBoundary;
+        if (fault != 0) faulty.push_back({c, fault});
+      }
+      checked += here;
+    });
+    check_.cells = checked;
+  }
+
+  // Into buckets by the smaller cell. Filling moves first_[c] to the end of bucket c.
+  void sort_ends() {
+    CancelPoll poll(control_);
+    std::uint32_t total = 0;
+    for (std::uint32_t& f : first_) total += std::exchange(f, total);
+    ends_.resize(total);
+    for (const DualTriangle& t : check_.triangles) {
+      poll.step();
+      for (int k = 0; k < 3; ++k) {
+        const CellId a = t.cell[k], b = t.cell[(k + 1) % 3];
+        ends_[first_[std::min(a, b)]++] = {std::min(a, b), std::max(a, b), t.cell[(k + 2) % 3]};
+      }
+    }
+    for (const BoundarySide& s : complex_.boundary) {
+      const CellId a = cell_of_[s.from], b = cell_of_[s.to];
+      if (a != b) ends_[first_[std::min(a, b)]++] = {std::min(a, b), std::max(a, b), kNone};
+    }
+  }
+
+  // Pairs and triples.
+  void judge_all_pairs() {
+    sort_ends();
+    std::vector<PartitionCheck> parts((cells_ + kCells - 1) / kCells);
+    for_each_index(parts.size(), 1, &control_, [&](std::size_t i) {
+      const std::size_t last = std::min<std::size_t>(cells_, (i + 1) * kCells);
+      const std::uint32_t start = i == 0 ? 0 : first_[i * kCells - 1];
+      std::uint32_t from = start;
+      for (std::size_t c = i * kCells; c < last; from = first_[c++]) {
+        if (from != first_[c]) std::sort(ends_.begin() + from, ends_.begin() + first_[c], [](const ArcEnd& a, const ArcEnd& b) { return a.high < b.high; });
+      }
+      judge_pairs(std::span(ends_).subspan(start, from - start), [&](CellId a, CellId b) { return in_scope(a) || in_scope(b); }, parts[i]);
+    });
+    for (const PartitionCheck& part : parts) {
+      check_.pairs += part.pairs;
+      check_.pair_faults.insert(check_.pair_faults.end(), part.pair_faults.begin(), part.pair_faults.end());
+    }
+  }
+
+  const SurfaceComplex& complex_;
+  std::span<const CellId> cell_of_;
+  std::uint32_t cells_;
+  std::span<const CVertexId> site_;
+  std::span<const std::uint8_t> scope_;
+  const RunControl& control_;
+  CellCounts counts_;    // per cell, twice V - E + F, plus kPiece times the pieces that it is in
+  DisjointSets pieces_;  // of cells, whose c-vertices it joins
+  std::vector<std::uint8_t> boundary_ends_;  // per cell, boundary sides that leave it, up to 3 (= too many)
+  std::vector<std::uint8_t> touches_boundary_;
+  std::vector<std::uint32_t> first_;  // per cell, where its ends of arcs are
+  std::vector<ArcEnd> ends_;
+  PartitionCheck check_;
+};
+
+}  // namespace
+
+PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const CellId> cell_of, std::uint32_t cells,
+                               std::span<const CVertexId> site, std::span<const std::uint8_t> scope, const RunControl& control) {
+  return CompleteCheck(complex, cell_of, cells, site, scope, control).run();
+}
+
+std::uint8_t PartitionCheck::fault_of(CellId cell) const {
+  const auto found = std::ranges::lower_bound(faulty_cells, cell, {}, &FaultyCell::cell);
+  return found != faulty_cells.end() && found->cell == cell ? found->fault : 0;
+}
+
+void record(const PartitionCheck& check, CertificateReport& report) {
+  report.passed = check.passed();
+  report.cells_checked = check.cells;
+  report.arcs_checked = check.pairs;
+  report.triples_checked = check.triangles.size();
+}
+
+SurfaceComplex dual_complex(const SurfaceComplex& complex, const Partition& partition, std::span<const DualTriangle> triangles) {
+  SurfaceComplex out;
+  const std::uint32_t n = partition.cell_count();
+  out.spacing = complex.spacing;
+  out.positions.resize(n);
+  out.on_boundary.assign(n, 0);
+  for (CellId c = 0; c < n; ++c) out.positions[c] = complex.positions[partition.site[c]];
+  out.faces.resize(triangles.size());
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const auto& c = triangles[i].cell;
+    out.faces[i].corner = {c[0], c[1], c[2], kNone};
+  }
+  for (const BoundarySide& s : complex.boundary) {
+    const CellId a = partition.cell_of[s.from], b = partition.cell_of[s.to];
+    if (a == b) continue;
+    out.boundary.push_back({a, b});
+    out.on_boundary[a] = out.on_boundary[b] = 1;
+  }
+  return out;
+}
+
+}  // namespace isoatlas

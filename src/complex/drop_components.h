@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "complex/components.h"
+
+namespace isoatlas {
+
+/// Removes whole components; c-vertices and faces that stay keep their order. O(F).
+/// @param dropped  per component, 1 if it goes
+void drop_components(SurfaceComplex& complex, const Components& components, const std::vector<std::uint8_t>& dropped);
+
+}  // namespace isoatlas

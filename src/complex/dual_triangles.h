@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/slack_rows.h"
+#include "isoatlas/run_control.h"
+#include "complex/partition.h"
+
+namespace isoatlas {
+
+/// The triangles of a dual that changes locally. A triangle that stays keeps its number, unless it was the last one and filled a gap.
+class DualTriangles {
+ public:
+  DualTriangles() = default;
+  DualTriangles(std::vector<DualTriangle> triangles, std::uint32_t cells);
+
+  const std::vector<DualTriangle>& list() const { return list_; }
+  /// The numbers of the triangles with a corner in a cell.
+  std::span<const std::uint32_t> of_cell(CellId cell) const { return of_cell_.row(cell); }
+
+  /// Replaces all triangles with a corner in a cell of `scope` by `triangles`. Those that are the same stay.
+  /// @param cells  how many cells there are now; triangles with a corner in a cell beyond are replaced as well
+  /// @cost  the triangles that are removed or added, times the logarithm of their number
+  void replace(std::span<const CellId> scope, std::span<const DualTriangle> triangles, std::uint32_t cells,
+               const RunControl& control = {});
+
+ private:
+  void add(const DualTriangle& triangle);
+  void remove(std::uint32_t number);
+
+  std::vector<DualTriangle> list_;
+  SlackRows<std::uint32_t> of_cell_;
+};
+
+}  // namespace isoatlas

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "embedding/watched_cells.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/cancel_poll.h"
+#include "core/parallel.h"
+#include "core/vector_math.h"
+#include "geometry/triangle_pair.h"
+
+namespace isoatlas {
+namespace {
+
+constexpr std::size_t kCellsPerPiece = 64, kFacesPerPiece = 8192;  // of parallel loops
+
+bool meet_anywhere(std::span<const Triangle> triangles, std::span<const Vec3> positions) {
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    for (std::size_t j = i + 1; j < triangles.size(); ++j) {
+      if (meet_beyond_shared(positions, triangles[i], triangles[j])) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+WatchedCells::WatchedCells(const SurfaceComplex& complex, std::span<const Cell> cells, const RunControl& control)
+    : complex_size_(complex.c_vertex_count()) {
+  using Found = std::pair<std::uint32_t, Triangle>;
+  const auto add = [&](Vec3 p, const Triangle& t, std::vector<Found>& found) {
+    const Cell cell{std::floor(p.x), std::floor(p.y), std::floor(p.z)};
+    const auto at = std::lower_bound(cells.begin(), cells.end(), cell);
+    if (at == cells.end() || *at != cell) return;
+    const auto c = static_cast<std::uint32_t>(at - cells.begin());
+    if (found.empty() || found.back() != std::pair(c, t)) found.emplace_back(c, t);
+  };
+  const auto is_inside = [](Vec3 p) { return p.x != std::floor(p.x) && p.y != std::floor(p.y) && p.z != std::floor(p.z); };
+  const std::size_t faces = cells.empty() ? 0 : complex.face_count();
+  auto found = collect_pieces<Found>(faces, kFacesPerPiece, [&](std::size_t begin, std::size_t end, std::vector<Found>& out) {
+    control.check_cancelled();
+    for (const Face& face : std::span(complex.faces).subspan(begin, end - begin)) {
+      if (!face.is_triangle()) continue;
+      const Triangle t{face.corner[0], face.corner[1], face.corner[2]};
+      bool any_inside = false;
+      for (const CVertexId v : t) {
+        if (!is_inside(complex.positions[v])) continue;
+        add(complex.positions[v], t, out);
+        any_inside = true;
+      }
+      if (!any_inside) add((1.0 / 3) * (complex.positions[t[0]] + complex.positions[t[1]] + complex.positions[t[2]]), t, out);
+    }
+  });
+  control.check_cancelled();
+  std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  control.check_cancelled();
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  first_.assign(cells.size() + 1, 0);
+  first_cell_.assign(complex_size_ + 1, 0);
+  for (const auto& [cell, t] : found) {
+    ++first_[cell + 1];
+    triangles_.push_back(t);
+    for (const CVertexId v : t) ++first_cell_[v + 1];
+  }
+  for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
+  for (std::size_t v = 1; v < first_cell_.size(); ++v) first_cell_[v] += first_cell_[v - 1];
+  cells_of_.resize(3 * found.size());
+  std::vector<std::uint32_t> next(first_cell_.begin(), first_cell_.end() - 1);
+  for (const auto& [cell, t] : found) {
+    for (const CVertexId v : t) cells_of_[next[v]++] = cell;
+  }
+}
+
+std::vector<CVertexId> WatchedCells::meeting(std::span<const CVertexId> moved, std::span<const Vec3> positions, const RunControl& control) const {
+  std::vector<std::uint32_t> cells;
+  for (const CVertexId v : moved) {
+    if (contains(v)) cells.insert(cells.end(), cells_of_.begin() + first_cell_[v], cells_of_.begin() + first_cell_[v + 1]);
+  }
+  std::sort(cells.begin(), cells.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  std::vector<std::uint8_t> meet(cells.size(), 0);
+  for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
+    control.check_cancelled();
+    for (std::size_t i = begin; i < end; ++i) meet[i] = meet_anywhere(triangles(cells[i]), positions);
+  });
+  std::vector<CVertexId> out;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (!meet[i]) continue;
+    for (const Triangle& t : triangles(cells[i])) out.insert(out.end(), t.begin(), t.end());
+  }
+  return out;
+}
+
+}  // namespace isoatlas

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "error/error_field.h"
+
+namespace isoatlas {
+
+/// Moves the vertices of some cells along the surface's normals at their sites, so that the mesh lies evenly on both sides of
+/// the surface: least squares over the distances of c-vertices from the planes of their closest triangles, by damped Jacobi
+/// sweeps. Vertices on the boundary, and those with a neighbour outside `cells`, stay where they are.
+///
+/// @param places offsets are the start and the result; anchors stay
+void balance(const MeasuredSurface& surface, std::span<const CellId> cells, LevelMesh& mesh, VertexPlacement& places);
+
+}  // namespace isoatlas

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "error/level_mesh.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "core/cancel_poll.h"
+#include "core/parallel.h"
+#include "core/vector_math.h"
+
+namespace isoatlas {
+namespace {
+
+constexpr std::size_t kPerPiece = 2048;  // vertices or triangles, of a parallel loop
+
+void set_normal(LevelMesh& mesh, std::uint32_t triangle) {
+  const auto [a, b, c] = mesh.corners(triangle);
+  mesh.triangle_normal[triangle] = normalized(cross(b - a, c - a));
+}
+
+// Of these triangles, in any order; some may be there several times.
+void set_normals(LevelMesh& mesh, std::vector<std::uint32_t> triangles) {
+  std::sort(triangles.begin(), triangles.end());
+  triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
+  for_each_index(triangles.size(), kPerPiece, [&](std::size_t i) { set_normal(mesh, triangles[i]); });
+}
+
+}  // namespace
+
+std::vector<Triangle> cells_of(std::span<const DualTriangle> dual) {
+  std::vector<Triangle> out;
+  out.reserve(dual.size());
+  for (const DualTriangle& t : dual) out.push_back(t.cell);
+  return out;
+}
+
+LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, std::span<const DualTriangle> dual, const VertexPlacement& places,
+                          const RunControl* control) {
+  CancelPoll poll(control);
+  LevelMesh mesh;
+  const std::uint32_t cells = partition.cell_count();
+  std::vector<std::uint32_t> count(cells, 0);
+  for (const CellId c : partition.cell_of) ++count[c];
+  mesh.c_vertices_of.reserve(count);
+  for (CVertexId v = 0; v < partition.cell_of.size(); ++v) {
+    poll.step();
+    mesh.c_vertices_of.push_back(partition.cell_of[v], v);
+  }
+  std::fill(count.begin(), count.end(), 0u);
+  for (const DualTriangle& t : dual) {
+    poll.step();
+    for (const CellId c : t.cell) ++count[c];
+  }
+  mesh.triangles_of.reserve(count);
+  set_triangles(mesh, surfels, dual, places, control);
+  return mesh;
+}
+
+void set_cells(LevelMesh& mesh, const CellMembers& members, std::span<const CellId> changed) {
+  mesh.c_vertices_of.resize_rows(members.cell_count());
+  mesh.triangles_of.resize_rows(std::max(members.cell_count(), mesh.triangles_of.row_count()));  // those that triangles leave stay until then
+  std::vector<CVertexId> own;
+  for (const CellId c : changed) {
+    own.clear();
+    members.for_each(c, [&](CVertexId v) { own.push_back(v); });
+    std::sort(own.begin(), own.end());
+    mesh.c_vertices_of.assign(c, own);
+  }
+}
+
+std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const VertexPlacement& places,
+                                        const RunControl* control) {
+  std::vector<CellId> all(mesh.c_vertices_of.row_count());
+  std::iota(all.begin(), all.end(), 0u);
+  return set_triangles(mesh, surfels, dual, places, all, control);
+}
+
+std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const VertexPlacement& places,
+                                        std::span<const CellId> may_have_moved, const RunControl* control) {
+  CancelPoll poll(control);
+  const std::uint32_t cells = mesh.c_vertices_of.row_count();
+  std::vector<std::uint8_t> renewed(mesh.triangles_of.row_count(), 0);
+  const std::size_t known = mesh.point.size();
+  mesh.point.resize(cells);
+  mesh.normal.resize(cells);
+  std::vector<std::uint32_t> to_renew;
+  std::vector<Vec3> points(may_have_moved.size());
+  for_each_index(points.size(), kPerPiece, control, [&](std::size_t i) { points[i] = places.point(surfels, may_have_moved[i]); });
+  std::vector<CellId> moved;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const CellId c = may_have_moved[i];
+    mesh.normal[c] = surfels.normal[places.anchor[c]];
+    if (c < known && points[i] == mesh.point[c]) continue;
+    poll.step();
+    mesh.point[c] = points[i];
+    moved.push_back(c);
+  }
+  const auto renew = [&](std::uint32_t t) {
+    to_renew.push_back(t);
+    for (const CellId c : mesh.triangles[t]) renewed[c] = 1;
+  };
+  const auto leave_rows = [&](std::uint32_t t) {
+    for (const CellId c : mesh.triangles[t]) {
+      mesh.triangles_of.erase(c, t);
+      renewed[c] = 1;
+    }
+  };
+  for (auto t = static_cast<std::uint32_t>(dual.size()); t < mesh.triangles.size(); ++t) leave_rows(t);
+  const std::size_t before = std::min(mesh.triangles.size(), dual.size());
+  mesh.triangles.resize(dual.size());
+  mesh.triangle_normal.resize(dual.size());
+  for (std::uint32_t t = 0; t < dual.size(); ++t) {
+    const auto& cell = dual[t].cell;
+    if (t < before) {
+      if (mesh.triangles[t] == cell) continue;
+      leave_rows(t);
+    }
+    poll.step();
+    mesh.triangles[t] = cell;
+    for (const CellId c : cell) mesh.triangles_of.push_back(c, t);
+    renew(t);
+  }
+  for (const CellId c : moved) {
+    poll.step();
+    for (const std::uint32_t t : mesh.triangles_of.row(c)) renew(t);
+  }
+  set_normals(mesh, std::move(to_renew));
+  mesh.triangles_of.resize_rows(cells);
+  renewed.resize(cells);
+  return renewed;
+}
+
+void edit_mesh(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> triangles, const VertexPlacement& places, const MeshEdit& edit,
+               const RunControl* control) {
+  CancelPoll poll(control);
+  for (const CellId c : edit.vertices) {
+    mesh.normal[c] = surfels.normal[places.anchor[c]];
+    mesh.point[c] = places.point(surfels, c);
+  }
+  for (const std::uint32_t t : edit.triangles) {
+    poll.step();
+    for (const CellId c : mesh.triangles[t]) mesh.triangles_of.erase(c, t);
+    mesh.triangles[t] = triangles[t].cell;
+    for (const CellId c : triangles[t].cell) mesh.triangles_of.push_back(c, t);
+    set_normal(mesh, t);
+  }
+  for (const CellId c : edit.vertices) {
+    poll.step();
+    for (const std::uint32_t t : mesh.triangles_of.row(c)) set_normal(mesh, t);
+  }
+}
+
+void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const VertexPlacement& places, const RunControl* control) {
+  CancelPoll poll(control);
+  std::vector<std::uint32_t> triangles;
+  for (const CellId c : cells) {
+    poll.step();
+    mesh.normal[c] = surfels.normal[places.anchor[c]];
+    mesh.point[c] = places.point(surfels, c);
+    const auto own = mesh.triangles_of.row(c);
+    triangles.insert(triangles.end(), own.begin(), own.end());
+  }
+  set_normals(mesh, std::move(triangles));
+}
+
+}  // namespace isoatlas

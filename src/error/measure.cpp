@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: Apache-2.0
+// Samples of the mesh are moved to the isosurface, samples of the isosurface to the mesh.
+#include "isoatlas/measure.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <new>
+#include <numbers>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "core/parallel.h"
+#include "core/vector_math.h"
+#include "core/whole_progress.h"
+#include "error/area_samples.h"
+#include "error/measure_mesh.h"
+#include "isosurface/parse_surface.h"
+#include "field/check_volume.h"
+#include "field/to_space.h"
+
+namespace isoatlas {
+namespace {
+
+constexpr double kFarthestVoxels = 1e15;      // what the triangle tree's single precision can square, and to spare
+constexpr std::size_t kGrain = 512;           // samples per piece of a parallel loop
+constexpr std::size_t kBetweenReports = 65536;  // samples between two reports of progress
+
+void require(bool good, const std::string& message) {
+  if (!good) throw Error(ErrorCode::bad_argument, message);
+}
+
+void check_mesh(const TriangleMesh& mesh, Vec3 spacing) {
+  require(!mesh.triangles.empty(), "the mesh has no triangles");
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (const std::uint32_t v : mesh.triangles[t]) {
+      if (v < mesh.positions.size()) continue;
+      throw Error(ErrorCode::bad_argument, "triangle " + std::to_string(t) + " uses vertex " + std::to_string(v) + ", but there are only " +
+                                               std::to_string(mesh.positions.size()));
+    }
+  }
+  const double farthest = kFarthestVoxels * std::min({spacing.x, spacing.y, spacing.z});
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const Vec3 p = scaled(mesh.positions[v], spacing);
+    if (std::abs(p.x) <= farthest && std::abs(p.y) <= farthest && std::abs(p.z) <= farthest) continue;  // not so for NaN
+    throw Error(ErrorCode::bad_argument, "vertex " + std::to_string(v) + " of the mesh is not finite or more than 1e15 voxels away from the volume");
+  }
+}
+
+// Where distances are measured besides the samples spread by area, in the mesh's index coordinates.
+class SpecialPoints {
+ public:
+  explicit SpecialPoints(const TriangleMesh& mesh) : mesh_(mesh) {
+    std::vector<std::uint8_t> used(mesh.positions.size(), 0);
+    edges_.reserve(3 * mesh.triangles.size());
+    for (const Triangle& t : mesh.triangles) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto [low, high] = std::minmax(t[k], t[(k + 1) % 3]);
+        edges_.push_back(static_cast<std::uint64_t>(low) << 32 | high);
+        used[t[k]] = 1;
+      }
+    }
+    std::sort(edges_.begin(), edges_.end());
+    edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
+    for (std::uint32_t v = 0; v < used.size(); ++v) {
+      if (used[v]) vertices_.push_back(v);
+    }
+  }
+  std::size_t size() const { return mesh_.triangles.size() + edges_.size() + vertices_.size(); }
+  /// Triangles' centroids first, so that i is the triangle; then edge midpoints and vertices.
+  bool is_centroid(std::size_t i) const { return i < mesh_.triangles.size(); }
+  Vec3 point(std::size_t i) const {
+    if (is_centroid(i)) {
+      const auto [a, b, c] = mesh_.triangles[i];
+      return (1.0 / 3) * (mesh_.positions[a] + mesh_.positions[b] + mesh_.positions[c]);
+    }
+    i -= mesh_.triangles.size();
+    if (i < edges_.size()) return 0.5 * (mesh_.positions[edges_[i] >> 32] + mesh_.positions[edges_[i] & 0xFFFFFFFF]);
+    return mesh_.positions[vertices_[i - edges_.size()]];
+  }
+  Triangle corners(std::size_t i) const {
+    if (is_centroid(i)) return mesh_.triangles[i];
+    i -= mesh_.triangles.size();
+    const std::uint32_t low = i < edges_.size() ? static_cast<std::uint32_t>(edges_[i] >> 32) : vertices_[i - edges_.size()];
+    const std::uint32_t high = i < edges_.size() ? static_cast<std::uint32_t>(edges_[i]) : low;
+    return {low, high, high};
+  }
+
+ private:
+  const TriangleMesh& mesh_;
+  std::vector<std::uint64_t> edges_;
+  std::vector<std::uint32_t> vertices_;
+};
+
+Vec3 divided(Vec3 a, Vec3 b) { return {a.x / b.x, a.y / b.y, a.z / b.z}; }
+
+std::vector<Triangle> in_order(const TriangleTree& tree) {
+  std::vector<Triangle> out(tree.triangle_count());
+  for (std::uint32_t s = 0; s < out.size(); ++s) out[s] = tree.corners_in(s);
+  return out;
+}
+
+// The faces of the isosurface with the middles of the quads' diagonals moved onto it, for samples by area: quads cut corners, and
+// where the surface bends most they would have the fewest samples.
+struct FineFaces {
+  FineFaces(const Isosurface& surface, const RunControl& control) {
+    const TriangleTree& faces = surface.faces();
+    const std::size_t c_vertices = faces.positions().size();
+    positions.assign(faces.positions().begin(), faces.positions().end());
+    positions.resize(c_vertices + faces.triangle_count());
+    triangles.resize(2 * faces.triangle_count());
+    checked_id(positions.size(), "samples' triangles");
+    for_each_piece(faces.triangle_count(), kGrain, [&](std::size_t begin, std::size_t end) {
+      control.check_cancelled();
+      for (std::size_t s = begin; s < end; ++s) {
+        const auto [a, b, c] = faces.corners_in(static_cast<std::uint32_t>(s));
+        const Vec3 middle = 0.5 * (positions[a] + positions[b]);
+        const auto moved = surface.onto_surface(divided(middle, surface.spacing()));
+        const auto m = static_cast<std::uint32_t>(c_vertices + s);
+        positions[m] = moved ? scaled(*moved, surface.spacing()) : middle;
+        // A field that vanishes nearby can send it anywhere.
+        if (squared_length(positions[m] - middle) > 0.25 * squared_length(positions[b] - positions[a])) positions[m] = middle;
+        triangles[2 * s] = {a, m, c};
+        triangles[2 * s + 1] = {m, b, c};
+      }
+    });
+  }
+  std::vector<Vec3> positions;  // in the metric
+  std::vector<Triangle> triangles;
+};
+
+// Calls body(begin, end) on pieces of [0, n), with looks at `control` in between; `stage` names what is done.
+void for_each_sample(std::size_t n, const char* stage, const RunControl& control,
+                     const std::function<void(std::size_t, std::size_t)>& body) {
+  for (std::size_t done = 0; done < n; done += kBetweenReports) {
+    control.report(stage, static_cast<double>(done) / static_cast<double>(n));
+    for_each_piece(std::min(kBetweenReports, n - done), kGrain, [&](std::size_t begin, std::size_t end) {
+      control.check_cancelled();
+      body(done + begin, done + end);
+    });
+  }
+}
+
+double quantile(std::vector<double>& values, double share) {
+  if (values.empty()) return 0;
+  const auto k = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + k, values.end());
+  return values[static_cast<std::size_t>(k)];
+}
+
+// @param distance  of all samples, those spread by area first
+OneSidedDistance summarize(std::vector<double> distance, std::size_t by_area, double area, double voxel,
+                           const std::function<Vec3(std::size_t)>& point) {
+  OneSidedDistance out;
+  out.samples = distance.size();
+  const double faces = area / (voxel * voxel);
+  out.samples_per_voxel_face = faces > 0 ? static_cast<double>(by_area) / faces : 0;
+  const auto farthest = std::max_element(distance.begin(), distance.end());
+  out.maximum = *farthest;
+  out.farthest = point(static_cast<std::size_t>(farthest - distance.begin()));
+  distance.resize(by_area);
+  double sum = 0, squares = 0;
+  for (const double d : distance) {
+    sum += d;
+    squares += d * d;
+  }
+  out.mean = sum / static_cast<double>(by_area);
+  out.root_mean_square = std::sqrt(squares / static_cast<double>(by_area));
+  out.p50 = quantile(distance, 0.5);
+  out.p99 = quantile(distance, 0.99);
+  return out;
+}
+
+double angle_between(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), dot(a, b)) * 180 / std::numbers::pi; }
+
+void measure_mesh_to_surface(const TriangleMesh& mesh, const TriangleTree& tree, const Isosurface& surface, std::size_t samples,
+                             Measurement& out, DistantSamples& far, const RunControl& control) {
+  const Vec3 spacing = surface.spacing();
+  const std::vector<Triangle> triangles = in_order(tree);
+  const AreaSamples spread(tree.positions(), triangles, samples);
+  control.check_cancelled();
+  const SpecialPoints special(mesh);
+  const auto point = [&](std::size_t i) { return i < samples ? divided(spread.point(i), spacing) : special.point(i - samples); };
+  const std::size_t inside_triangles = samples + mesh.triangles.size();
+  std::vector<double> distance(samples + special.size());
+  std::vector<double> angle(inside_triangles, -1);  // -1: there is no normal
+  for_each_sample(distance.size(), "mesh to surface", control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Isosurface::Hit hit = surface.closest(point(i));
+      distance[i] = hit.distance;
+      if (i >= inside_triangles) continue;
+      const auto [a, b, c] = mesh.triangles[i < samples ? tree.triangle_in(spread.triangle(i)) : i - samples];
+      const Vec3 p = tree.positions()[a], across = normalized(cross(tree.positions()[b] - p, tree.positions()[c] - p));
+      const Vec3 normal = surface.normal(hit.point);
+      if (!(across == Vec3{}) && !(normal == Vec3{})) angle[i] = angle_between(across, normal);
+    }
+  });
+  for (std::size_t i = 0; i < distance.size(); ++i) {
+    if (distance[i] <= far.bound) continue;
+    far.corners.push_back(i < samples ? mesh.triangles[tree.triangle_in(spread.triangle(i))] : special.corners(i - samples));
+  }
+  control.check_cancelled();
+  out.mesh_area = spread.area();
+  out.mesh_to_surface = summarize(std::move(distance), samples, spread.area(), out.voxel, point);
+
+  out.normal_maximum = std::max(0.0, *std::max_element(angle.begin(), angle.end()));
+  angle.resize(samples);
+  std::erase_if(angle, [](double a) { return a < 0; });
+  double sum = 0;
+  for (const double a : angle) sum += a;
+  out.normal_mean = angle.empty() ? 0 : sum / static_cast<double>(angle.size());
+  out.normal_p99 = quantile(angle, 0.99);
+}
+
+void measure_surface_to_mesh(const TriangleMesh& mesh, const TriangleTree& tree, const Isosurface& surface, std::size_t samples,
+                             Measurement& out, DistantSamples& far, const RunControl& control) {
+  const Vec3 spacing = surface.spacing();
+  const std::span<const Vec3> c_vertices = surface.faces().positions();
+  const FineFaces fine(surface, control);
+  control.check_cancelled();
+  const AreaSamples spread(fine.positions, fine.triangles, samples);
+  const auto point = [&](std::size_t i) {
+    const Vec3 index = divided(i < samples ? spread.point(i) : c_vertices[i - samples], spacing);
+    return surface.onto_surface(index).value_or(index);
+  };
+  std::vector<double> distance(samples + c_vertices.size());
+  std::vector<std::uint32_t> nearest(distance.size());  // triangle
+  for_each_sample(distance.size(), "surface to mesh", control, [&](std::size_t begin, std::size_t end) {
+    double reach = INFINITY;  // what is closest to one sample is a bound for the next, with some slack for rounding
+    Vec3 last;
+    for (std::size_t i = begin; i < end; ++i) {
+      const Vec3 p = scaled(point(i), spacing);
+      if (i > begin) reach = (1 + 1e-9) * (distance[i - 1] + length(p - last)) + 1e-6 * out.voxel;
+      TriangleTree::Hit hit = tree.closest(p, reach);
+      if (!hit.found()) hit = tree.closest(p);  // so far away that the slack was too little
+      distance[i] = std::sqrt(hit.squared_distance);
+      nearest[i] = hit.triangle;
+      last = p;
+    }
+  });
+  for (std::size_t i = 0; i < distance.size(); ++i) {
+    if (distance[i] > far.bound) far.corners.push_back(mesh.triangles[nearest[i]]);
+  }
+  control.check_cancelled();
+  out.surface_area = spread.area();
+  out.surface_to_mesh = summarize(std::move(distance), samples, spread.area(), out.voxel, point);
+}
+
+void scale(OneSidedDistance& d, double unit) {
+  for (double* x : {&d.maximum, &d.mean, &d.root_mean_square, &d.p50, &d.p99}) *x *= unit;
+}
+
+}  // namespace
+
+double Measurement::maximum() const { return std::max(mesh_to_surface.maximum, surface_to_mesh.maximum); }
+double Measurement::p99() const { return std::max(mesh_to_surface.p99, surface_to_mesh.p99); }
+double Measurement::mean() const { return std::max(mesh_to_surface.mean, surface_to_mesh.mean); }
+
+Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::size_t samples, const RunControl& control) {
+  DistantSamples none{INFINITY, {}};
+  return measure(mesh, surface, samples, none, control);
+}
+
+Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::size_t samples, DistantSamples& far, const RunControl& control) {
+  require(samples > 0, "no samples are wanted");
+  const Vec3 spacing = surface.spacing();
+  check_mesh(mesh, spacing);
+  control.check_cancelled();
+  std::vector<Vec3> positions;
+  positions.reserve(mesh.positions.size());
+  for (const Vec3& p : mesh.positions) positions.push_back(scaled(p, spacing));
+  const TriangleTree tree(std::move(positions), mesh.triangles, control);
+
+  Measurement out;
+  out.voxel = surface.voxel();
+  measure_mesh_to_surface(mesh, tree, surface, samples, out, far, control);
+  measure_surface_to_mesh(mesh, tree, surface, samples, out, far, control);
+  return out;
+}
+
+void transform_to(Measurement& measurement, const Grid& grid, Space space) {
+  const double voxel = grid.smallest_spacing();
+  measurement.voxel = voxel;
+  measurement.surface_area *= voxel * voxel;
+  measurement.mesh_area *= voxel * voxel;
+  for (OneSidedDistance* d : {&measurement.mesh_to_surface, &measurement.surface_to_mesh}) {
+    scale(*d, voxel);
+    d->farthest = to_space(grid, space, d->farthest);
+  }
+}
+
+Measurement measure(const TriangleMesh& mesh, const VolumeView& volume, const MeasureOptions& options, const RunControl& callers_control) try {
+  constexpr std::array<StageShare, 3> kStages{{{"surface", 1}, {"mesh to surface", 5}, {"surface to mesh", 3}}};
+  const RunControl control = with_whole_progress(callers_control, kStages);
+  check_volume(volume, options.isovalue);
+  require_orthonormal(volume.grid);
+  require(options.samples > 0, "no samples are wanted");
+  const ThreadLimit threads(control.threads);
+  const Grid& grid = volume.grid;
+  const double voxel = grid.smallest_spacing(), flip = options.space == Space::ras ? -1 : 1;
+
+  // To index coordinates; as in extract(), the smallest spacing is the unit of length inside.
+  TriangleMesh index = mesh;
+  if (options.space != Space::voxel) {
+    for (Vec3& p : index.positions) p = grid.to_index({flip * p.x, flip * p.y, p.z});
+    if (grid.mirrored()) {
+      for (Triangle& t : index.triangles) std::swap(t[1], t[2]);
+    }
+  }
+  VolumeView in_voxels = volume;
+  in_voxels.grid.spacing = {grid.spacing.x / voxel, grid.spacing.y / voxel, grid.spacing.z / voxel};
+  check_mesh(index, in_voxels.grid.spacing);  // before anybody waits for the surface
+
+  control.report("surface", 0);
+  ParseOptions parse;
+  parse.rule = {options.isovalue, options.inside, options.non_finite};
+  parse.topology = options.topology;
+  parse.interpolation = options.interpolation;
+  SurfaceComplex complex = parse_surface(in_voxels, parse, control);
+  if (complex.faces.empty()) throw_empty_surface(volume, options.isovalue);
+  const Isosurface surface(in_voxels, parse.rule, complex, options.interpolation, 1, control);
+  complex = {};
+
+  Measurement out = measure(index, surface, options.samples, control);
+  transform_to(out, grid, options.space);
+  return out;
+} catch (const std::bad_alloc&) {
+  throw Error(ErrorCode::out_of_memory, "not enough memory to measure this mesh");
+} catch (const std::length_error&) {
+  throw Error(ErrorCode::out_of_memory, "this mesh is too large for memory");
+}
+
+}  // namespace isoatlas

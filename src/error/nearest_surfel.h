@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/vector_math.h"
+#include "error/surfels.h"
+#include "complex/c_vertex_graph.h"
+
+namespace isoatlas {
+
+struct NearestSurfel {
+  CVertexId id;
+  double squared_distance;
+};
+
+/// Walks downhill on G from `start` to a c-vertex none of whose neighbours is nearer to p: on the sheet of `start`, the nearest
+/// one where p is near the surface. O(length of the way).
+inline NearestSurfel walk_to_nearest(const Surfels& surfels, const CVertexGraph& graph, CVertexId start, Vec3 p) {
+  NearestSurfel at{start, squared_length(surfels.point[start] - p)};
+  for (CVertexId from = kNone; from != at.id;) {
+    from = at.id;
+    for (const CVertexGraph::Neighbour& n : graph.row(from)) {
+      const double d = squared_length(surfels.point[n.id] - p);
+      if (d < at.squared_distance) at = {n.id, d};
+    }
+  }
+  return at;
+}
+
+}  // namespace isoatlas

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// Directional curvature 2 (paper, 3.5): the angles between the normals of consecutive c-vertices, summed along the geodesic
+// from the site to a c-vertex of the cell's border, the largest sum. Degrees.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "core/vector_math.h"
+#include "error/border.h"
+#include "error/metrics.h"
+
+namespace isoatlas {
+namespace {
+
+// By the tangent of the half angle, which is exact for small angles, too.
+double angle_between(Vec3 a, Vec3 b) { return 2 * std::atan2(length(a - b), length(a + b)); }
+
+}  // namespace
+
+double normal_angle(const CellView& cell) {
+  // Nearest first, so that the c-vertex before on the geodesic has its sum already.
+  std::vector<CVertexId> order(cell.c_vertices.begin(), cell.c_vertices.end());
+  const auto nearer = [&](CVertexId a, CVertexId b) {
+    return cell.geodesic[a] != cell.geodesic[b] ? cell.geodesic[a] < cell.geodesic[b] : a < b;
+  };
+  std::sort(order.begin(), order.end(), nearer);
+  std::vector<std::pair<CVertexId, double>> sums;  // sorted by c-vertex: cells list theirs in increasing order
+  sums.reserve(order.size());
+  for (const CVertexId v : cell.c_vertices) sums.emplace_back(v, 0.0);
+  const auto sum_of = [&](CVertexId v) -> double& {
+    return std::lower_bound(sums.begin(), sums.end(), v, [](const auto& s, CVertexId id) { return s.first < id; })->second;
+  };
+  double largest = 0;
+  for (const CVertexId v : order) {
+    if (v == cell.site) continue;
+    CVertexId before = kNone;
+    float reached = 0;
+    for (const CVertexGraph::Neighbour& n : cell.graph.row(v)) {
+      if (cell.cell_of[n.id] != cell.cell_of[v] || !nearer(n.id, v)) continue;
+      const float d = cell.geodesic[n.id] + n.weight;
+      if (before == kNone || d < reached) {
+        before = n.id;
+        reached = d;
+      }
+    }
+    if (before == kNone) continue;  // its geodesic ran through what another site has taken since
+    const double sum = sum_of(before) + angle_between(cell.surfels.normal[before], cell.surfels.normal[v]);
+    sum_of(v) = sum;
+    if (sum > largest && is_on_border(cell, v)) largest = sum;
+  }
+  return largest * 180 / std::numbers::pi;
+}
+
+}  // namespace isoatlas

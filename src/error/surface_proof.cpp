@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "error/surface_proof.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "core/cancel_poll.h"
+#include "core/vector_math.h"
+#include "core/whole_progress.h"
+#include "geometry/closest_point.h"
+#include "error/ring.h"
+
+namespace isoatlas {
+namespace {
+
+constexpr std::size_t kCellsPerPiece = 16;
+constexpr double kLeastSize = 1.0 / 16;  // of a box, in grid cells
+constexpr double kRounding = 1e-9;       // of the field's values in a box, with room to spare
+
+// A cube in a grid cell, in coordinates from 0 to 1 there.
+struct Box {
+  Vec3 low;
+  double size;
+  Vec3 corner(std::size_t k) const {
+    return low + size * Vec3{static_cast<double>(k & 1), static_cast<double>(k >> 1 & 1), static_cast<double>(k >> 2)};
+  }
+};
+
+// What the two planes leave of a box: its corners, at most the box's and two on each of its edges.
+class Piece {
+ public:
+  // @return false if there is no isosurface in the box
+  bool cut(const TrilinearCell& field, const Box& box) {
+    count_ = 0;
+    std::array<double, 8> value;
+    bool inside = false, outside = false;
+    double mean = 0;
+    for (std::size_t k = 0; k < 8; ++k) {
+      value[k] = field.value(box.corner(k));
+      (value[k] >= 0 ? inside : outside) = true;
+      mean += value[k] / 8;
+    }
+    if (!std::isfinite(mean)) {
+      take_all(box);
+      return true;
+    }
+    if (!inside || !outside) return false;
+    // A linear function between the field's values, and how far it is off at most.
+    Vec3 slope;
+    for (std::size_t k = 0; k < 8; ++k) slope = slope + (0.25 * value[k]) * Vec3{k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0, k & 4 ? 1.0 : -1.0};
+    std::array<double, 8> linear;
+    double least = INFINITY, most = -INFINITY, largest = 0;
+    for (std::size_t k = 0; k < 8; ++k) {
+      linear[k] = mean + 0.5 * dot(slope, Vec3{k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0, k & 4 ? 1.0 : -1.0});
+      least = std::min(least, linear[k] - value[k]);
+      most = std::max(most, linear[k] - value[k]);
+      largest = std::max(largest, std::abs(value[k]));
+    }
+    least -= kRounding * largest;
+    most += kRounding * largest;
+    for (std::size_t k = 0; k < 8; ++k) {
+      if (linear[k] >= least && linear[k] <= most) add(box.corner(k));
+    }
+    for (std::size_t axis = 1; axis < 8; axis *= 2) {
+      for (std::size_t k = 0; k < 8; ++k) {
+        if (k & axis) continue;
+        const double from = linear[k], to = linear[k | axis];
+        for (const double plane : {least, most}) {
+          if ((from < plane) == (to < plane)) continue;
+          const double t = (plane - from) / (to - from);
+          const Vec3 a = box.corner(k), b = box.corner(k | axis);
+          add(a + t * (b - a));
+        }
+      }
+    }
+    if (count_ == 0) take_all(box);  // by rounding
+    return true;
+  }
+
+  // To the metric.
+  void place(Vec3 low, Vec3 spacing) {
+    for (std::size_t i = 0; i < count_; ++i) corner_[i] = scaled(low + corner_[i], spacing);
+  }
+  Vec3 centre() const {
+    Vec3 sum;
+    for (const Vec3& p : corners()) sum = sum + p;
+    return (1.0 / static_cast<double>(count_)) * sum;
+  }
+  double radius(Vec3 centre) const {
+    double squared = 0;
+    for (const Vec3& p : corners()) squared = std::max(squared, squared_length(p - centre));
+    return std::sqrt(squared);
+  }
+  std::span<const Vec3> corners() const { return {corner_.data(), count_}; }
+
+ private:
+  void add(Vec3 p) { corner_[count_++] = p; }
+  void take_all(const Box& box) {
+    for (std::size_t k = 0; k < 8; ++k) add(box.corner(k));
+  }
+
+  std::array<Vec3, 32> corner_;
+  std::size_t count_ = 0;
+};
+
+class SurfaceSearch {
+ public:
+  SurfaceSearch(const MeasuredSurface& surface, const GridCells& grid_cells, const LevelMesh& mesh, std::span<const CellId> cell_of, double bound)
+      : surface_(surface), grid_cells_(grid_cells), mesh_(mesh), cell_of_(cell_of), bound_(bound), ring_(mesh) {}
+
+  Farthest search(CellId cell) {
+    ring_.move_to(cell);
+    cell_ = cell;
+    most_ = {};
+    keys_.clear();
+    for (const CVertexId v : mesh_.c_vertices_of.row(cell)) {
+      grid_cells_.for_each_at(v, [&](GridCells::Key key) { keys_.push_back(key); });
+    }
+    std::ranges::sort(keys_);
+    keys_.erase(std::unique(keys_.begin(), keys_.end()), keys_.end());
+    for (std::size_t i = 0; i < keys_.size() && most_.at == kNone; ++i) look_into(keys_[i]);
+    return most_;
+  }
+
+ private:
+  // Until something is found that is not near enough.
+  void look_into(GridCells::Key key) {
+    const Vec3 low = grid_cells_.low(key);
+    const auto field = surface_.isosurface->field().cell(low);
+    if (!field) {
+      most_ = {INFINITY, mesh_.c_vertices_of.row(cell_)[0]};
+      return;
+    }
+    boxes_.assign(1, {{}, 1});
+    while (!boxes_.empty()) {
+      const Box box = boxes_.back();
+      boxes_.pop_back();
+      if (!piece_.cut(*field, box)) continue;
+      piece_.place(low, surface_.spacing);
+      const Vec3 centre = piece_.centre();
+      if (farthest_from(ring_.closest(centre, 0.5 * bound_).first) <= bound_) continue;
+      const auto [triangle, point] = ring_.closest(centre);
+      const double far = farthest_from(triangle), near = std::sqrt(point.squared_distance) - piece_.radius(centre);
+      if (far <= bound_) continue;
+      // Other sheets in the grid cell are the concern of the cells that they belong to: those of the nearest c-vertices.
+      if (belongs_to_others(key)) continue;
+      const CVertexId nearest = nearest_c_vertex(key, centre);
+      const bool is_own = cell_of_[nearest] == cell_;
+      if (box.size > kLeastSize && (near <= bound_ || !is_own)) {
+        for (std::size_t k = 0; k < 8; ++k) boxes_.push_back({Box{box.low, 0.5 * box.size}.corner(k), 0.5 * box.size});
+        continue;
+      }
+      if (!is_own) continue;
+      most_ = {static_cast<float>(near > bound_ ? near : far), nearest};
+      return;
+    }
+  }
+
+  double farthest_from(std::uint32_t triangle) const {
+    const auto [a, b, c] = mesh_.corners(triangle);
+    double squared = 0;
+    for (const Vec3& p : piece_.corners()) {
+      squared = std::max(squared, closest_on_triangle(p, a, b, c).squared_distance);
+    }
+    return std::sqrt(squared);
+  }
+
+  // Whether to all points of the piece another cell's c-vertex is nearer than any of this cell's. The piece is on one side of the plane
+  // between two c-vertices if its corners are.
+  bool belongs_to_others(GridCells::Key key) const {
+    const std::span<const CVertexId> c_vertices = grid_cells_.c_vertices(key);
+    const auto is_nearer = [&](CVertexId a, CVertexId b) {
+      const Vec3 p = surface_.surfels.point[a], q = surface_.surfels.point[b];
+      return std::ranges::all_of(piece_.corners(), [&](Vec3 x) { return squared_length(x - p) < squared_length(x - q); });
+    };
+    return std::ranges::all_of(c_vertices, [&](CVertexId own) {
+      return cell_of_[own] != cell_ ||
+             std::ranges::any_of(c_vertices, [&](CVertexId other) { return cell_of_[other] != cell_ && is_nearer(other, own); });
+    });
+  }
+
+  CVertexId nearest_c_vertex(GridCells::Key key, Vec3 p) const {
+    CVertexId nearest = kNone;
+    double squared = INFINITY;
+    for (const CVertexId v : grid_cells_.c_vertices(key)) {
+      const double d = squared_length(surface_.surfels.point[v] - p);
+      if (d < squared) squared = d, nearest = v;
+    }
+    return nearest;
+  }
+
+  const MeasuredSurface& surface_;
+  const GridCells& grid_cells_;
+  const LevelMesh& mesh_;
+  std::span<const CellId> cell_of_;
+  double bound_;
+  Ring ring_;
+  CellId cell_ = 0;
+  Farthest most_;
+  std::vector<GridCells::Key> keys_;
+  std::vector<Box> boxes_;
+  Piece piece_;
+};
+
+}  // namespace
+
+GridCells::GridCells(const SurfaceComplex& complex, Vec3 last, const RunControl* control)
+    : complex_(complex), size_x_(static_cast<Key>(last.x)), size_y_(static_cast<Key>(last.y)), size_z_(static_cast<Key>(last.z)) {
+  std::vector<std::pair<Key, CVertexId>> all;
+  all.reserve(complex.c_vertex_count());
+  CancelPoll poll(control);
+  for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
+    poll.step();
+    for_each_at(v, [&](Key key) { all.emplace_back(key, v); });
+  }
+  std::ranges::sort(all);
+  keys_.reserve(all.size());
+  items_.reserve(all.size());
+  for (const auto& [key, v] : all) {
+    poll.step();
+    keys_.push_back(key);
+    items_.push_back(v);
+  }
+}
+
+template <class Visit>
+void GridCells::visit_cells(Vec3 p, Visit visit) const {
+  // Along an axis: the last cell that the coordinate is in, and the one before it if it is on the wall between them.
+  const auto cells = [](double x, Key size) {
+    const double clamped = std::clamp(x, 0.0, static_cast<double>(size));
+    const auto last = std::min(static_cast<Key>(clamped), size - 1);
+    const bool on_wall = clamped == static_cast<double>(last) && last > 0;
+    return std::pair(on_wall ? last - 1 : last, last);
+  };
+  const auto [x0, x1] = cells(p.x, size_x_);
+  const auto [y0, y1] = cells(p.y, size_y_);
+  const auto [z0, z1] = cells(p.z, size_z_);
+  for (Key z = z0; z <= z1; ++z) {
+    for (Key y = y0; y <= y1; ++y) {
+      for (Key x = x0; x <= x1; ++x) visit(x + size_x_ * (y + size_y_ * z));
+    }
+  }
+}
+
+std::span<const CVertexId> GridCells::c_vertices(Key cell) const {
+  const auto [from, to] = std::equal_range(keys_.begin(), keys_.end(), cell);
+  return {items_.data() + (from - keys_.begin()), static_cast<std::size_t>(to - from)};
+}
+
+Vec3 GridCells::low(Key cell) const {
+  return {static_cast<double>(cell % size_x_), static_cast<double>(cell / size_x_ % size_y_), static_cast<double>(cell / size_x_ / size_y_)};
+}
+
+std::vector<Farthest> prove_surface_near(const MeasuredSurface& surface, const GridCells& grid_cells, const LevelMesh& mesh,
+                                         std::span<const CellId> cell_of, std::span<const CellId> cells, double bound) {
+  std::vector<Farthest> out(cells.size());
+  for_each_piece_going_on(cells.size(), kCellsPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
+    SurfaceSearch search(surface, grid_cells, mesh, cell_of, bound);
+    for (std::size_t i = begin; i < end; ++i) {
+      surface.check_cancelled();
+      out[i] = search.search(cells[i]);
+    }
+  });
+  return out;
+}
+
+}  // namespace isoatlas

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "geometry/intersection_tracker.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "core/cancel_poll.h"
+#include "core/parallel.h"
+#include "core/sort_once.h"
+#include "geometry/triangle_pair.h"
+
+namespace isoatlas {
+namespace {
+
+constexpr std::size_t kPerPiece = 2048;  // vertices or triangles, of a parallel loop
+
+}  // namespace
+
+// @return the numbers of the triangles that changed, sorted
+std::vector<std::uint32_t> IntersectionTracker::take_mesh(std::span<const Vec3> positions, std::span<const Triangle> triangles) {
+  const std::size_t known = std::min(positions.size(), positions_.size());
+  std::vector<std::uint8_t> moved(positions.size(), 1);
+  positions_.resize(positions.size());
+  in_space_.resize(positions.size());
+  for_each_index(positions.size(), kPerPiece, [&](std::size_t v) {
+    if (v < known && positions_[v] == positions[v]) {
+      moved[v] = 0;
+    } else {
+      move(static_cast<std::uint32_t>(v), positions[v]);
+    }
+  });
+  std::vector<std::uint32_t> changed = collect_pieces<std::uint32_t>(triangles.size(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+    for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
+      const Triangle& t = triangles[i];
+      if (i >= triangles_.size() || triangles_[i] != t || moved[t[0]] || moved[t[1]] || moved[t[2]]) found.push_back(i);
+    }
+  });
+  triangles_.assign(triangles.begin(), triangles.end());
+  return changed;
+}
+
+void IntersectionTracker::move(std::uint32_t vertex, Vec3 to) {
+  positions_[vertex] = to;
+  in_space_[vertex] = written_.in_form(0, to);
+}
+
+bool IntersectionTracker::has_area_in_all_forms(const Triangle& t) const {
+  if (!has_area(in_space_, t)) return false;
+  for (std::size_t form = 1; form < written_.form_count(); ++form) {
+    const std::array corners{written_.in_form(form, positions_[t[0]]), written_.in_form(form, positions_[t[1]]),
+                             written_.in_form(form, positions_[t[2]])};
+    if (!has_area(corners, {0, 1, 2})) return false;
+  }
+  return true;
+}
+
+bool IntersectionTracker::intersect_in_any_form(std::uint32_t first, std::uint32_t second) const {
+  const Triangle &a = triangles_[first], &b = triangles_[second];
+  if (are_surely_apart(in_space_, a, b, written_.most_rounding())) return false;
+  if (meet_beyond_shared(in_space_, a, b)) return true;
+  Triangle local = {3, 4, 5};  // b with the numbers of a's corners where they share them
+  for (std::uint32_t& v : local) {
+    const auto at = std::find(a.begin(), a.end(), b[v - 3]);
+    if (at != a.end()) v = static_cast<std::uint32_t>(at - a.begin());
+  }
+  for (std::size_t form = 1; form < written_.form_count(); ++form) {
+    std::array<Vec3, 6> corners;
+    for (std::size_t k = 0; k < 3; ++k) {
+      corners[k] = written_.in_form(form, positions_[a[k]]);
+      corners[3 + k] = written_.in_form(form, positions_[b[k]]);
+    }
+    if (meet_beyond_shared(corners, {0, 1, 2}, local)) return true;
+  }
+  return false;
+}
+
+std::vector<std::uint32_t> IntersectionTracker::update(std::span<const Vec3> positions, std::span<const Triangle> triangles,
+                                                       const RunControl& control) {
+  const ThreadLimit threads(control.threads);
+  return test(take_mesh(positions, triangles), control);
+}
+
+std::vector<std::uint32_t> IntersectionTracker::update(std::span<const std::uint32_t> vertices, std::span<const Vec3> at,
+                                                       std::span<const std::uint32_t> changed, std::span<const Triangle> corners,
+                                                       const RunControl& control) {
+  const ThreadLimit threads(control.threads);
+  for (std::size_t i = 0; i < vertices.size(); ++i) move(vertices[i], at[i]);
+  for (std::size_t i = 0; i < changed.size(); ++i) triangles_[changed[i]] = corners[i];
+  return test(changed, control);
+}
+
+// @return the corners of all pairs, with those of triangles that have changed
+std::vector<std::uint32_t> IntersectionTracker::test(std::span<const std::uint32_t> changed, const RunControl& control) {
+  std::erase_if(pairs_, [&](const TrianglePair& pair) {
+    const auto is_changed = [&](std::uint32_t t) { return t >= triangles_.size() || std::binary_search(changed.begin(), changed.end(), t); };
+    return is_changed(pair.first) || is_changed(pair.second);
+  });
+  const auto flat = collect_pieces<TrianglePair>(changed.size(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+    control.check_cancelled();
+    for (const std::uint32_t t : changed.subspan(begin, end - begin)) {
+      if (!has_area_in_all_forms(triangles_[t])) found.emplace_back(t, t);
+    }
+  });
+  pairs_.insert(pairs_.end(), flat.begin(), flat.end());
+  const auto intersect = [&](std::uint32_t a, std::uint32_t b) { return intersect_in_any_form(a, b); };
+  const std::vector<TrianglePair> found = close_.update(in_space_, triangles_, changed, intersect, control);
+  pairs_.insert(pairs_.end(), found.begin(), found.end());
+
+  std::vector<std::uint32_t> corners;
+  for (const auto& [a, b] : pairs_) {
+    corners.insert(corners.end(), triangles_[a].begin(), triangles_[a].end());
+    corners.insert(corners.end(), triangles_[b].begin(), triangles_[b].end());
+  }
+  sort_once(corners);
+  return corners;
+}
+
+std::vector<std::uint32_t> IntersectionTracker::largest_corners(std::span<const float> size_of_vertex) const {
+  std::vector<std::uint32_t> out;
+  for (const auto& [first, second] : pairs_) {
+    const Triangle &a = triangles_[first], &b = triangles_[second];
+    const std::array<std::uint32_t, 6> corner{a[0], a[1], a[2], b[0], b[1], b[2]};
+    const auto largest = std::max_element(corner.begin(), corner.end(), [&](std::uint32_t v, std::uint32_t w) {
+      return size_of_vertex[v] != size_of_vertex[w] ? size_of_vertex[v] < size_of_vertex[w] : v > w;
+    });
+    if (size_of_vertex[*largest] > 0) {
+      out.push_back(*largest);
+    } else {
+      out.insert(out.end(), corner.begin(), corner.end());
+    }
+  }
+  sort_once(out);
+  return out;
+}
+
+}  // namespace isoatlas

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bounding boxes over triangles, packed from the top down.
+//
+// Based on:
+//   [lee2003] OMT: cuts at multiples of a full node, so that all nodes but the last of each level are full.
+// Ours: implicit nodes, boxes as floats that never are too small.
+#include "geometry/triangle_tree.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "core/parallel.h"
+
+namespace isoatlas {
+namespace {
+
+constexpr std::size_t kGrain = 4096;  // items per piece of a parallel loop
+
+// Queries compare boxes in single precision. With boxes widened by this share of the largest coordinate, and squared distances
+// to them shortened, rounding never makes a box seem farther than it is, wherever the point.
+constexpr double kWiden = 0x1p-21;
+constexpr float kShorten = 1 - 0x1p-18f, kTiny = std::numeric_limits<float>::min();
+
+struct Item {
+  std::array<float, 3> centre;
+  std::uint32_t triangle;
+};
+
+// Cuts items in two across the longest side of the centres' box, with a multiple of `block` before the cut, and so on with
+// both parts; where a part is one block or less, with blocks of its parts, down to `leaf`.
+class Cutter {
+ public:
+  Cutter(std::size_t leaf, std::size_t children, const RunControl& control) : leaf_(leaf), children_(children), control_(control) {}
+
+  void cut(Item* first, Item* last, std::size_t block) const {
+    const auto count = static_cast<std::size_t>(last - first);
+    while (block > leaf_ && count <= block) block /= children_;
+    if (count <= block) return;
+    const std::size_t axis = longest_axis(first, last), blocks = (count + block - 1) / block;
+    Item* const middle = first + blocks / 2 * block;
+    std::nth_element(first, middle, last, [axis](const Item& i, const Item& j) {
+      return i.centre[axis] < j.centre[axis] || (i.centre[axis] == j.centre[axis] && i.triangle < j.triangle);
+    });
+    if (count <= 2 * kGrain) {
+      cut(first, middle, block);
+      cut(middle, last, block);
+      return;
+    }
+    for_each_piece(2, 1, [&](std::size_t begin, std::size_t end) {
+      control_.check_cancelled();
+      if (begin == 0) cut(first, middle, block);
+      if (end == 2) cut(middle, last, block);
+    });
+  }
+
+ private:
+  static std::size_t longest_axis(const Item* first, const Item* last) {
+    std::array<float, 3> low = first->centre, high = low;
+    for (const Item* i = first; i != last; ++i) {
+      for (std::size_t a = 0; a < 3; ++a) {
+        low[a] = std::min(low[a], i->centre[a]);
+        high[a] = std::max(high[a], i->centre[a]);
+      }
+    }
+    std::size_t axis = 0;
+    for (std::size_t a = 1; a < 3; ++a) {
+      if (high[a] - low[a] > high[axis] - low[axis]) axis = a;
+    }
+    return axis;
+  }
+
+  std::size_t leaf_, children_;
+  const RunControl& control_;
+};
+
+double axis(Vec3 p, int a) { return a == 0 ? p.x : a == 1 ? p.y : p.z; }
+
+}  // namespace
+
+TriangleTree::TriangleTree(std::vector<Vec3> positions, std::span<const Triangle> triangles, const RunControl& control)
+    : positions_(std::move(positions)) {
+  checked_id(triangles.size(), "triangles");
+  order(triangles, control);
+  make_boxes(control);
+}
+
+void TriangleTree::order(std::span<const Triangle> triangles, const RunControl& control) {
+  std::vector<Item> items(triangles.size());
+  for_each_piece(triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    control.check_cancelled();
+    for (std::size_t t = begin; t < end; ++t) {
+      const auto [a, b, c] = triangles[t];
+      const Vec3 sum = positions_[a] + positions_[b] + positions_[c];
+      items[t] = {{static_cast<float>(sum.x), static_cast<float>(sum.y), static_cast<float>(sum.z)}, static_cast<std::uint32_t>(t)};
+    }
+  });
+  std::size_t block = kLeaf;
+  while (block < items.size()) block *= kChildren;
+  Cutter(kLeaf, kChildren, control).cut(items.data(), items.data() + items.size(), block);
+  control.check_cancelled();
+  slots_.resize(triangles.size());
+  for_each_piece(triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s < end; ++s) slots_[s] = {triangles[items[s].triangle], items[s].triangle};
+  });
+}
+
+void TriangleTree::make_boxes(const RunControl& control) {
+  if (slots_.empty()) return;
+  const std::size_t leaves = (slots_.size() + kLeaf - 1) / kLeaf;
+  std::size_t total = 0;
+  for (std::size_t boxes = leaves; levels_.empty() || boxes > 1;) {
+    boxes = (boxes + kChildren - 1) / kChildren;
+    levels_.push_back({total, boxes});
+    total += boxes;
+  }
+  nodes_.resize(total);
+
+  double largest = 0;
+  for (const Vec3& p : positions_) largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  const double widen = kWiden * largest;
+
+  struct Interval {
+    double low = INFINITY, high = -INFINITY;
+  };
+  // The extent of box `box` along an axis: of the slots of a leaf, or of the node below.
+  const auto extent = [&](std::size_t level, std::size_t box, int a) {
+    Interval out;
+    const auto include = [&](double low, double high) { out = {std::min(out.low, low), std::max(out.high, high)}; };
+    if (level == 0) {
+      for (std::size_t s = kLeaf * box; s < std::min(slots_.size(), kLeaf * (box + 1)); ++s) {
+        for (const std::uint32_t v : slots_[s].corners) include(axis(positions_[v], a), axis(positions_[v], a));
+      }
+      return Interval{out.low - widen, out.high + widen};
+    }
+    const Node& node = nodes_[levels_[level - 1].first + box];
+    for (std::size_t k = 0; k < kChildren; ++k) {
+      if (node.half[a][k] >= 0) include(double{node.centre[a][k]} - node.half[a][k], double{node.centre[a][k]} + node.half[a][k]);
+    }
+    return out;
+  };
+  for (std::size_t level = 0; level < levels_.size(); ++level) {
+    const std::size_t boxes = level == 0 ? leaves : levels_[level - 1].nodes;
+    for_each_piece(levels_[level].nodes, kGrain / 16, [&](std::size_t begin, std::size_t end) {
+      control.check_cancelled();
+      for (std::size_t i = begin; i < end; ++i) {
+        Node& node = nodes_[levels_[level].first + i];
+        for (std::size_t k = 0; k < kChildren; ++k) {
+          for (int a = 0; a < 3; ++a) {
+            const std::size_t box = kChildren * i + k;
+            if (box >= boxes) {  // a child that is not there is infinitely far
+              node.centre[a][k] = 0;
+              node.half[a][k] = -INFINITY;
+              continue;
+            }
+            const Interval e = extent(level, box, a);
+            const auto centre = static_cast<float>(0.5 * (e.low + e.high));
+            node.centre[a][k] = centre;
+            node.half[a][k] = std::nextafter(static_cast<float>(std::max(e.high - centre, centre - e.low)), INFINITY);
+          }
+        }
+      }
+    });
+  }
+}
+
+TriangleTree::Hit TriangleTree::closest(Vec3 p, double at_most) const {
+  Hit best;
+  best.squared_distance = std::min(at_most * at_most, 1e300);  // less than infinity, where the children are that are not there
+  if (slots_.empty() || !(at_most >= 0)) return best;
+
+  const float q[3] = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+  // Boxes not looked at yet, by level and number. A path down the tree leaves at most seven behind per level, and there are no
+  // more than ten levels: 8^10 leaves.
+  struct Waiting {
+    float squared_distance, to_centre;
+    std::uint32_t level, number;
+  };
+  std::array<Waiting, 10 * (kChildren - 1) + 1> stack;
+  std::size_t waiting = 0;
+  stack[waiting++] = {0, 0, static_cast<std::uint32_t>(levels_.size()), 0};  // level: one above that of the node itself
+  while (waiting > 0) {
+    const Waiting at = stack[--waiting];
+    if (at.squared_distance > best.squared_distance) continue;
+    if (at.level == 0) {
+      const std::size_t end = std::min(slots_.size(), kLeaf * (std::size_t{at.number} + 1));
+      for (std::size_t s = kLeaf * std::size_t{at.number}; s < end; ++s) {
+        const Slot& slot = slots_[s];
+        const TrianglePoint found =
+            closest_on_triangle(p, positions_[slot.corners[0]], positions_[slot.corners[1]], positions_[slot.corners[2]]);
+        if (found.squared_distance < best.squared_distance ||
+            (found.squared_distance == best.squared_distance && slot.triangle < best.triangle)) {
+          static_cast<TrianglePoint&>(best) = found;
+          best.triangle = slot.triangle;
+        }
+      }
+      continue;
+    }
+    const Node& node = nodes_[levels_[at.level - 1].first + at.number];
+    // Boxes contain each other and the point: the distance to them prunes, the distance to their centres says
+    // where to go first, to the last one pushed.
+    float to_box[kChildren] = {}, to_centre[kChildren] = {};
+    for (int a = 0; a < 3; ++a) {
+      for (std::size_t k = 0; k < kChildren; ++k) {
+        const float from_centre = std::fabs(q[a] - node.centre[a][k]);
+        const float beyond = from_centre - node.half[a][k];
+        const float clamped = beyond > 0 ? beyond : 0;
+        to_box[k] += clamped * clamped;
+        to_centre[k] += from_centre * from_centre;
+      }
+    }
+    const std::size_t first = waiting;
+    for (std::size_t k = 0; k < kChildren; ++k) {
+      const float squared = to_box[k] * kShorten - kTiny;
+      if (squared > best.squared_distance) continue;
+      stack[waiting] = {squared, to_centre[k], at.level - 1, static_cast<std::uint32_t>(kChildren * at.number + k)};
+      if (waiting > first && stack[waiting].to_centre > stack[waiting - 1].to_centre) std::swap(stack[waiting], stack[waiting - 1]);
+      ++waiting;
+    }
+  }
+  return best;
+}
+
+void TriangleTree::leaves_near(Vec3 low, Vec3 high, std::uint32_t first, std::vector<std::uint32_t>& out) const {
+  if (slots_.empty()) return;
+  float centre[3], half[3];  // rounded so that the box is never too small
+  for (int a = 0; a < 3; ++a) {
+    const double l = axis(low, a), h = axis(high, a);
+    centre[a] = static_cast<float>(0.5 * (l + h));
+    half[a] = std::nextafter(static_cast<float>(std::max(h - centre[a], centre[a] - l)), INFINITY);
+  }
+  struct Waiting {
+    std::uint32_t level, number;
+  };
+  std::array<Waiting, 10 * (kChildren - 1) + 1> stack;  // as in closest()
+  std::size_t waiting = 0;
+  stack[waiting++] = {static_cast<std::uint32_t>(levels_.size()), 0};
+  while (waiting > 0) {
+    const Waiting at = stack[--waiting];
+    if (at.level == 0) {
+      out.push_back(at.number);
+      continue;
+    }
+    const Node& node = nodes_[levels_[at.level - 1].first + at.number];
+    // Shortened by more than rounding lengthens it, the distance of two boxes that meet is not above the sum of their halves.
+    bool meets[kChildren];
+    for (std::size_t k = 0; k < kChildren; ++k) {
+      bool all = true;
+      for (int a = 0; a < 3; ++a) all &= std::fabs(centre[a] - node.centre[a][k]) * kShorten <= half[a] + node.half[a][k];
+      meets[k] = all;
+    }
+    const std::uint32_t below = at.level - 1;
+    for (std::size_t k = 0; k < kChildren; ++k) {
+      const auto number = static_cast<std::uint32_t>(kChildren * at.number + k);
+      // The last leaf below child k is leaf (number + 1) 8^below - 1.
+      if (meets[k] && ((std::uint64_t{number} + 1) << (3 * below)) > first) stack[waiting++] = {below, number};
+    }
+  }
+}
+
+}  // namespace isoatlas

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+
+#include "core/nesting.h"
+#include "complex/components.h"
+#include "isosurface/parse_surface.h"
+
+namespace isoatlas {
+
+/// The nesting of a surface, by the nodes on the grid's lines along z alone: integers and signs, no coordinates.
+///
+/// @param nodes  all of the surface, in any order
+/// @cost  O(N log N) for N nodes
+Nesting surface_nesting(const Components& components, std::span<const VerticalNode> nodes);
+
+}  // namespace isoatlas

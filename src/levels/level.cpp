@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "levels/level.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/parallel.h"
+#include "core/vector_math.h"
+#include "core/whole_progress.h"
+#include "geometry/mesh_nesting.h"
+#include "geometry/triangle_pair.h"
+#include "field/to_space.h"
+#include "isoatlas/self_intersections.h"
+
+namespace isoatlas {
+namespace {
+
+// Per component, the topology counted on the finished triangles must be that of the reference. `component_of` says which
+// reference component each mesh vertex stands on.
+void check_mesh(const MeshTopology& mesh, const Components& reference, const std::vector<ComponentId>& component_of) {
+  const auto fail = [](const std::string& what) { throw Error(ErrorCode::internal, "the finished mesh failed its check: " + what); };
+  if (mesh.unused_vertices != 0) fail(std::to_string(mesh.unused_vertices) + " vertices without a triangle");
+  if (!mesh.is_manifold())
+    fail(std::to_string(mesh.non_manifold_edges) + " edges and " + std::to_string(mesh.non_manifold_vertices) +
+         " vertices are not manifold, " + std::to_string(mesh.degenerate_triangles) + " triangles repeat a vertex");
+  if (!mesh.is_oriented()) fail(std::to_string(mesh.inconsistent_edges) + " edges between triangles of opposite orientation");
+  if (mesh.components.size() != reference.topology.size())
+    fail(std::to_string(mesh.components.size()) + " components instead of " + std::to_string(reference.topology.size()));
+  std::vector<std::uint32_t> counterpart(reference.topology.size(), kNone);
+  for (std::size_t v = 0; v < component_of.size(); ++v) {
+    std::uint32_t& c = counterpart[component_of[v]];
+    if (c == kNone) c = mesh.component_of_vertex[v];
+    if (c != mesh.component_of_vertex[v]) fail("vertex " + std::to_string(v) + " is connected to the wrong component");
+  }
+  for (std::size_t c = 0; c < counterpart.size(); ++c) {
+    if (counterpart[c] == kNone) fail("component " + std::to_string(c) + " is missing");
+    const ComponentTopology& want = reference.topology[c];
+    const ComponentTopology& got = mesh.components[counterpart[c]];
+    if (want == got) continue;
+    fail("component " + std::to_string(c) + " has Euler characteristic " + std::to_string(got.euler_characteristic) + " and " +
+         std::to_string(got.boundary_loops) + " boundary loops instead of " + std::to_string(want.euler_characteristic) + " and " +
+         std::to_string(want.boundary_loops));
+  }
+}
+
+// Components of the finished mesh whose orientation or, if `nested`, nesting is not that of the isosurface.
+std::size_t count_misplaced(const TriangleMesh& mesh, std::span<const ComponentId> component_of, const AdaptiveSurface& surface, bool nested) {
+  const std::vector<std::uint8_t> is_open = open_flags(surface.components());
+  const Nesting& wanted = surface.nesting();
+  if (nested) {
+    const auto wrong = differences(mesh_nesting(mesh.positions, mesh.triangles, component_of, is_open, surface.control()), wanted);
+    return static_cast<std::size_t>(std::count(wrong.begin(), wrong.end(), std::uint8_t{1}));
+  }
+  const std::vector<std::int8_t> facing = mesh_facing(mesh.positions, mesh.triangles, component_of, is_open);
+  std::size_t turned = 0;
+  for (std::size_t c = 0; c < facing.size(); ++c) turned += facing[c] != wanted.facing[c] ? 1 : 0;
+  return turned;
+}
+
+constexpr std::size_t kMostPlaces = 10;  // of self-intersections
+constexpr double kLeastAspect = 1.0 / 3;
+constexpr double kLargestAngle = 150;  // degrees: of a cap no edge need be short
+
+// How bad it is: 1 where a limit is just kept, less where one is not.
+double badness(const BadTriangle& t, double least_aspect) {
+  return std::min(t.aspect_ratio / least_aspect, (180 - t.largest_angle) / (180 - kLargestAngle));
+}
+
+// @param at  of the vertices, in the output's space
+std::vector<BadTriangle> bad_triangles(const TriangleMesh& world, const TriangleMesh& at, std::span<const ShapeObstacle> stays,
+                                       const LevelGoal& goal) {
+  double least = kLeastAspect;
+  for (const Constraint& c : goal) {
+    if (c.quantity == Quantity::min_aspect) least = c.bound;
+  }
+  const double cap_cosine = std::cos(kLargestAngle * std::numbers::pi / 180);
+  std::vector<BadTriangle> out;
+  for (const Triangle& t : world.triangles) {
+    std::array<Vec3, 3> side;  // side k runs from corner k to the next one
+    std::array<double, 3> edge;
+    for (std::size_t k = 0; k < 3; ++k) {
+      side[k] = world.positions[t[(k + 1) % 3]] - world.positions[t[k]];
+      edge[k] = length(side[k]);
+    }
+    const auto [low, high] = std::minmax_element(edge.begin(), edge.end());
+    const double aspect = *high > 0 ? *low / *high : 0;
+    const auto across = static_cast<std::size_t>(high - edge.begin());  // the longest side, across from the largest angle
+    const std::size_t blunt = (across + 2) % 3;
+    const Vec3 u = side[blunt], v = -1.0 * side[(blunt + 2) % 3];
+    const bool is_cap = dot(u, v) < cap_cosine * edge[blunt] * edge[(blunt + 2) % 3];
+    if (aspect >= least && !is_cap) continue;
+    // What keeps the ends of the shortest edge, or the blunt corner of a cap. An end that is free had no better place; of two that are
+    // not, what can be said of the level itself comes first.
+    const auto k = static_cast<std::size_t>(low - edge.begin());
+    const ShapeObstacle a = stays[aspect < least ? t[k] : t[blunt]], b = stays[aspect < least ? t[(k + 1) % 3] : t[blunt]];
+    const ShapeObstacle obstacle = a == ShapeObstacle::none || b == ShapeObstacle::none ? ShapeObstacle::none : std::max(a, b);
+    const double angle = std::atan2(length(cross(u, v)), dot(u, v)) * 180 / std::numbers::pi;
+    out.push_back({(1.0 / 3) * (at.positions[t[0]] + at.positions[t[1]] + at.positions[t[2]]), aspect, angle, obstacle});
+  }
+  std::stable_sort(out.begin(), out.end(), [&](const BadTriangle& a, const BadTriangle& b) { return badness(a, least) < badness(b, least); });
+  return out;
+}
+
+void report_self_intersections(const TriangleMesh& mesh, LevelReport& report, const RunControl& control) {
+  const std::vector<TrianglePair> pairs = self_intersections(mesh.positions, mesh.triangles, {}, control);
+  report.self_intersections = pairs.size();
+  for (const auto& [a, b] : std::span(pairs).first(std::min(pairs.size(), kMostPlaces)))
+    report.self_intersection_places.push_back(meeting_place(mesh.positions, mesh.triangles[a], mesh.triangles[b]));
+}
+
+}  // namespace
+
+void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<const CVertexId> sites, const AdaptiveSurface& surface,
+                  std::span<const ShapeObstacle> stays, const LevelGoal& goal, const Grid& grid, const ExtractOptions& options,
+                  LevelReport& report, const RunControl& control) {
+  const Components& reference = surface.components();
+  std::vector<ComponentId> component_of;
+  component_of.reserve(sites.size());
+  for (const CVertexId v : sites) component_of.push_back(reference.of_c_vertex[v]);
+  check_mesh(topology, reference, component_of);
+  report_going_on(control);
+  report.topology = summarize(topology.components);
+  report.vertices = mesh.positions.size();
+  report.triangles = mesh.triangles.size();
+
+  const Space space = options.space;
+  for (Vec3& p : mesh.positions) p = to_volume(p, options);
+  // Shape is a matter of world lengths, whatever the space of the output.
+  TriangleMesh world = space == Space::voxel ? mesh : TriangleMesh{};
+  TriangleMesh& measured = space == Space::voxel ? world : mesh;
+  transform_to(measured, grid, space == Space::voxel ? Space::lps : space);
+  RunControl quiet = control;  // runs beside other checks
+  quiet.progress = nullptr;
+  run_both(
+      [&] {
+        if (!options.allow_self_intersections) report_self_intersections(mesh, report, quiet);
+        quiet.check_cancelled();
+        report.bad_triangles = bad_triangles(measured, mesh, stays, goal);
+      },
+      [&] {
+        report.quality = mesh_quality(measured, quiet);
+        report.quality.zero_area_triangles = static_cast<std::size_t>(
+            std::ranges::count_if(mesh.triangles, [&](const Triangle& t) { return !has_area(mesh.positions, t); }));
+        quiet.check_cancelled();
+        report.turned_components = count_misplaced(mesh, component_of, surface, !options.allow_self_intersections);
+      });
+  report_going_on(control);
+}
+
+bool LevelReport::all_met() const {
+  return std::all_of(constraints.begin(), constraints.end(), [](const ConstraintResult& c) { return c.met || c.wanted.is_default; });
+}
+
+TopologySummary summarize(const std::vector<ComponentTopology>& components) {
+  TopologySummary out;
+  out.components = components.size();
+  std::map<std::pair<std::int64_t, std::int64_t>, std::size_t> kinds;
+  for (const ComponentTopology& c : components) {
+    out.euler_characteristic += c.euler_characteristic;
+    out.genus += c.genus();
+    out.boundary_loops += c.boundary_loops;
+    ++kinds[{c.genus(), c.boundary_loops}];
+  }
+  for (const auto& [kind, count] : kinds) out.kinds.push_back({kind.first, kind.second, count});
+  return out;
+}
+
+void bring_out(TriangleMesh& mesh, const Grid& grid, const ExtractOptions& options) {
+  for (Vec3& p : mesh.positions) p = to_volume(p, options);
+  transform_to(mesh, grid, options.space);
+}
+
+}  // namespace isoatlas

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "isoatlas/hierarchy.h"
+#include "isosurface/isosurface.h"
+#include "levels/coarse_mesher.h"
+#include "levels/refiner.h"
+
+namespace isoatlas {
+
+/// What the coarse level leaves to the finer ones. Lengths are in voxels (smallest spacings).
+struct LevelSource {
+  const Grid& grid;  ///< the volume's own
+  AdaptiveSurface& surface;
+  const Isosurface& isosurface;
+  const Coarsened& coarser;
+  const CoveringOptions& options;
+  const CoarseLevel& coarse;
+};
+
+/// Describes the coarse level and adds the refined ones, each checked, measured where asked for, and in the output's space.
+class LevelMaker {
+ public:
+  LevelMaker(const LevelSource& source, const ExtractOptions& options, const RunControl& control);
+
+  /// Metrics, constraints and distances of level 0. To be called first.
+  void describe_coarse(Hierarchy& hierarchy, LevelReport& report);
+
+  void add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vector<LevelReport>& reports);
+
+ private:
+  Vec3 to_space(Vec3 index) const;
+  void tell(const LevelGoal& goal, const LevelFigures& figures, LevelReport& report) const;
+  std::vector<float> world_lengths(std::vector<float> voxels) const;
+  void fill_measurement(Measurement measured, LevelReport& report) const;
+  TriangleMesh mesh_of(const RefinedLevel& refined) const;
+  Measurement refine_on_measurement(const LevelGoal& goal, RefinedLevel& refined, const RunControl& control);
+  RunControl control_of_level(std::size_t refined_before) const;
+
+  LevelSource source_;
+  const ExtractOptions& options_;
+  const RunControl& control_;
+  Refiner refiner_;
+};
+
+}  // namespace isoatlas

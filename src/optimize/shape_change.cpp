@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "optimize/shape_change.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "core/vector_math.h"
+#include "optimize/facing.h"
+
+namespace isoatlas {
+namespace {
+
+constexpr double kLeastAgreement = 0.3;  // cosine between normals before and after a change
+
+// What a score has to be after a change.
+double enough(double was, std::optional<double> gain) { return gain ? was + *gain : std::min(1.0, was); }
+
+Vec3 normal_of(Vec3 a, Vec3 b, Vec3 c) { return normalized(cross(b - a, c - a)); }
+
+}  // namespace
+
+double ShapeChanges::score(std::uint32_t triangle) const {
+  const auto [a, b, c] = mesh_.mesh().corners(triangle);
+  return goal_.score(a, b, c);
+}
+
+Vec3 ShapeChanges::facing_of(std::uint32_t triangle) const {
+  const LevelMesh& mesh = mesh_.mesh();
+  return facing(
+      triangle, [&](std::uint32_t t) { return mesh.corners(t); },
+      [&](auto add) {
+        for (const CellId c : mesh.triangles[triangle]) {
+          for (const std::uint32_t t : mesh.triangles_of.row(c)) add(t);
+        }
+      });
+}
+
+// The triangle on the other side of the edge from a to b, and its third corner.
+std::pair<std::uint32_t, CellId> ShapeChanges::across(CellId a, CellId b) const {
+  std::pair<std::uint32_t, CellId> out{kNone, kNone};
+  for (const std::uint32_t t : mesh_.mesh().triangles_of.row(a)) {
+    const auto& cell = mesh_.mesh().triangles[t];
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (cell[k] == b && cell[(k + 1) % 3] == a) out = {t, cell[(k + 2) % 3]};
+    }
+  }
+  return out;
+}
+
+bool ShapeChanges::are_neighbours(CellId a, CellId b) const {
+  return std::ranges::any_of(mesh_.mesh().triangles_of.row(a), [&](std::uint32_t t) {
+    const auto& cell = mesh_.mesh().triangles[t];
+    return cell[0] == b || cell[1] == b || cell[2] == b;
+  });
+}
+
+void ShapeChanges::consider_flips(std::uint32_t i, std::optional<double> gain, ShapeChange& best) const {
+  const LevelMesh& mesh = mesh_.mesh();
+  const Triangle& t = mesh.triangles[i];
+  for (std::size_t k = 0; k < 3; ++k) {
+    const CellId a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3];
+    const auto [j, d] = across(a, b);
+    if (j == kNone || !may_flip(a) || !may_flip(b) || !may_flip(c) || !may_flip(d)) continue;
+    if (mesh.triangles_of.row(a).size() <= 3 || mesh.triangles_of.row(b).size() <= 3 || are_neighbours(c, d)) continue;
+    const Vec3 pa = mesh.point[a], pb = mesh.point[b], pc = mesh.point[c], pd = mesh.point[d];
+    const double now = std::min(goal_.score(pa, pd, pc), goal_.score(pd, pb, pc));
+    if (now < enough(std::min(score(i), score(j)), gain) || now <= best.score) continue;
+    const Vec3 n = normalized(facing_of(i) + facing_of(j));
+    if (dot(n, normal_of(pa, pd, pc)) < kLeastAgreement || dot(n, normal_of(pd, pb, pc)) < kLeastAgreement) continue;
+    ShapeChange change;
+    change.score = now;
+    change.i = i;
+    change.j = j;
+    change.first = {{d, c, a}, mesh_.triangle(i).at};
+    change.second = {{c, d, b}, mesh_.triangle(j).at};
+    if (!is_refused(change)) best = change;
+  }
+}
+
+void ShapeChanges::consider_moves(CellId cell, std::optional<double> gain, ShapeChange& best) const {
+  const LevelMesh& mesh = mesh_.mesh();
+  const Ground& ground = mesh_.ground();
+  const CVertexId from = mesh_.places().anchor[cell];
+  if (mesh_.work().is_frozen(cell) || !may_move(cell) || ground.graph.on_boundary[from]) return;
+  double was = std::numeric_limits<double>::infinity();
+  for (const std::uint32_t t : mesh.triangles_of.row(cell)) was = std::min(was, score(t));
+  const auto consider = [&](CVertexId to) {
+    if (mesh_.is_occupied(to) || ground.graph.on_boundary[to] || mesh_.work().partition().cell_of[to] != cell) return;
+    const Vec3 p = mesh.point[cell] + (ground.surfels.point[to] - mesh_.places().base(ground.surfels, cell));
+    double now = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t t : mesh.triangles_of.row(cell)) {
+      std::array<Vec3, 3> q = mesh.corners(t);
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (mesh.triangles[t][k] == cell) q[k] = p;
+      }
+      if (dot(normal_of(q[0], q[1], q[2]), normalized(facing_of(t))) < kLeastAgreement) return;
+      now = std::min(now, goal_.score(q[0], q[1], q[2]));
+    }
+    if (now < enough(was, gain) || now <= best.score) return;
+    ShapeChange change;
+    change.score = now;
+    change.cell = cell;
+    change.to = to;
+    if (!is_refused(change)) best = change;
+  };
+  for (const CVertexId v : mesh.c_vertices_of.row(cell)) consider(v);
+}
+
+ShapeChanges::Key ShapeChanges::key(const ShapeChange& c) {
+  if (!c.is_flip()) return {static_cast<std::uint64_t>(c.cell) << 32 | kNone, c.to};
+  return {static_cast<std::uint64_t>(std::min(c.first.cell[0], c.first.cell[1])) << 32 | std::max(c.first.cell[0], c.first.cell[1]), 1ull << 40};
+}
+
+bool ShapeChanges::is_refused(const ShapeChange& change) const { return std::binary_search(refused_.begin(), refused_.end(), key(change)); }
+
+void ShapeChanges::sort_refused() { std::sort(refused_.begin(), refused_.end()); }
+
+}  // namespace isoatlas

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is left of a surface when some of its components go.
+#include "complex/drop_components.h"
+
+#include <gtest/gtest.h>
+
+#include "support/surfaces.h"
+#include "support/volumes.h"
+
+namespace isoatlas {
+namespace {
+
+using namespace test;
+
+TEST(DropComponents, LeavesTheOthersAsTheyWere) {
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const SurfaceComplex whole = surface_of(random_samples(Family::white_noise, {8, 7, 9}, seed));
+    const Components components = find_components(whole);
+    std::vector<std::uint8_t> goes(components.topology.size());
+    for (std::size_t c = 0; c < goes.size(); ++c) goes[c] = (c + seed) % 3 == 0;
+    SurfaceComplex rest = whole;
+    drop_components(rest, components, goes);
+    if (rest.faces.empty()) continue;
+    EXPECT_EQ(validate(rest), "");
+    std::vector<ComponentTopology> want;
+    for (std::size_t c = 0; c < goes.size(); ++c) {
+      if (!goes[c]) want.push_back(components.topology[c]);
+    }
+    EXPECT_EQ(find_components(rest).topology, want) << "in the same order";
+    std::size_t v = 0;
+    for (CVertexId old = 0; old < whole.c_vertex_count(); ++old) {
+      if (goes[components.of_c_vertex[old]]) continue;
+      ASSERT_EQ(rest.positions[v], whole.positions[old]);
+      ASSERT_EQ(rest.on_boundary[v], whole.on_boundary[old]);
+      ++v;
+    }
+    EXPECT_EQ(v, rest.c_vertex_count());
+  }
+}
+
+}  // namespace
+}  // namespace isoatlas
