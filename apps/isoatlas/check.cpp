@@ -32,7 +32,6 @@ std::string verdict(std::initializer_list<std::pair<std::size_t, const char*>> f
   return text.empty() ? "yes" : text;
 }
 
-
 void print_topology(const MeshTopology& topology) {
   std::cout << row("vertices", count_text(topology.vertices) +
                                    (topology.unused_vertices > 0 ? " (" + count_text(topology.unused_vertices) + " in no triangle)" : ""))
@@ -177,7 +176,7 @@ int run_check(const CheckArguments& arguments, Interruption& interruption) {
   const bool meets_itself = meetings && meetings->pairs > 0;
   // No triangles break no rule, but nobody who asks for a check means that by a good mesh.
   return topology.is_manifold() && topology.is_oriented() && topology.triangles > 0 && !meets_itself && !is_misplaced ? kSuccess
-                                                                                                                    : kCheckFailed;
+                                                                                                                      : kCheckFailed;
 }
 
 }  // namespace isoatlas::tool

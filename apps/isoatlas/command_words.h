@@ -12,10 +12,10 @@
 namespace isoatlas::tool {
 
 struct OptionWord {
-  std::string name;                          ///< as typed, with its dashes
-  const CLI::Option* option = nullptr;       ///< null: the command has no such option
-  std::optional<std::string> value = {};     ///< none: a flag, or nothing was there
-  std::string typed = {};                    ///< the whole word that the name is in
+  std::string name;                       ///< as typed, with its dashes
+  const CLI::Option* option = nullptr;    ///< null: the command has no such option
+  std::optional<std::string> value = {};  ///< none: a flag, or nothing was there
+  std::string typed = {};                 ///< the whole word that the name is in
 };
 
 struct PositionalWord {

@@ -55,7 +55,8 @@ ExtractOutputs::ExtractOutputs(const ExtractArguments& arguments, std::size_t le
       named.push_back(other);
       continue;
     }
-    if (!streamed.empty()) refuse("the " + streamed + " and the " + other.what + " would both go to standard output, expected a name for one");
+    if (!streamed.empty())
+      refuse("the " + streamed + " and the " + other.what + " would both go to standard output, expected a name for one");
     streamed = other.what;
     stream_text_name_ = other.path;
   }
@@ -100,8 +101,8 @@ void ExtractOutputs::write_text(const fs::path& name, const std::string& text) {
 bool ExtractOutputs::commit(Interruption& interruption) {
   if (uses_standard_output()) {
     interruption.settle();  // what was sent cannot be called back: from here on this thread looks for interruptions itself
-    const bool sent = stream_file_ ? stream_file_->send(interruption.requested())
-                                   : send_to_standard_output(stream_text_, interruption.requested());
+    const bool sent =
+        stream_file_ ? stream_file_->send(interruption.requested()) : send_to_standard_output(stream_text_, interruption.requested());
     if (!sent) return false;
   }
   interruption.commit([&] { files_.commit(); });

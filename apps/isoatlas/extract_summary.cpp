@@ -41,7 +41,8 @@ std::string rounding_text(const LevelReport& level, double reached, LengthUnit u
 /// Samples may see what the metric does not: a bound that is met can be exceeded there.
 std::string measured_text(const LevelReport& level, LengthUnit unit) {
   const double maximum = level.measured->maximum() + level.rounding;  // measured before it was rounded
-  std::string text = "measured at most " + with_unit(maximum, unit) + " (99 % within " + with_unit(level.measured->p99() + level.rounding, unit) + ")";
+  std::string text =
+      "measured at most " + with_unit(maximum, unit) + " (99 % within " + with_unit(level.measured->p99() + level.rounding, unit) + ")";
   for (const ConstraintResult& result : level.constraints)
     if (result.wanted.quantity == Quantity::max_distance && maximum > result.wanted.bound)
       text += ", MORE than the bound " + with_unit(result.wanted.bound, unit);
@@ -122,7 +123,7 @@ std::string metric_text(Quantity metric, const MetricSummary& summary, LengthUni
 void print_level_details(std::ostream& out, const LevelReport& level, std::size_t number, LengthUnit unit) {
   const auto say = [&](const std::string& label, const std::string& value) { out << row("  " + label, value); };
   out << row(level_name(number), repair_text(level.certificate) + " by repair, " + counted(level.refine_rounds, "round") +
-                                           " of refinement, " + seconds_text(level.seconds));
+                                     " of refinement, " + seconds_text(level.seconds));
   say("shape", "aspect ratio 1st percentile " + ratio_text(level.quality.aspect_p01) + ", median " +
                    ratio_text(level.quality.aspect_median) + ", angles " + number_text(level.quality.angle_min) + " to " +
                    number_text(level.quality.angle_max) + " degrees (" + counted(level.quality.angles_above_150, "triangle") +
@@ -153,8 +154,8 @@ std::string ranked_text(const std::vector<RankedComponent>& components, LengthUn
   const RankedComponent& largest = components.front();
   const std::size_t parts = components.back().part - largest.part + 1;
   return (parts < components.size() ? counted(parts, "part") + " in " : "") + counted(components.size(), "component") +
-         (parts > 1 ? ", the largest of " : " of ") + number_text(largest.size) +
-         " cubic " + (unit == LengthUnit::unknown ? "units" : std::string(symbol(unit))) + " at " + point_text(largest.position) +
+         (parts > 1 ? ", the largest of " : " of ") + number_text(largest.size) + " cubic " +
+         (unit == LengthUnit::unknown ? "units" : std::string(symbol(unit))) + " at " + point_text(largest.position) +
          (largest.topology.boundary_loops > 0 ? ", cut open by the volume's border" : "");
 }
 
@@ -165,17 +166,18 @@ void print_summary(std::ostream& out, const ExtractReport& report, const ReportC
   const LengthUnit unit = grid.unit;
   const std::string spacing = number_text(grid.spacing.x) + " x " + number_text(grid.spacing.y) + " x " + with_unit(grid.spacing.z, unit);
   out << row("read", volume_name(context.volume.path) + ": " + size_text(grid.size) + " " + std::string(name(context.volume.sample_type)) +
-                               ", spacing " + spacing + ", " + seconds_text(context.read_seconds))
-            << row("surface", "isovalue " + number_text(context.options.isovalue) + ": " + topology_text(report.levels.back().topology));
+                         ", spacing " + spacing + ", " + seconds_text(context.read_seconds))
+      << row("surface", "isovalue " + number_text(context.options.isovalue) + ": " + topology_text(report.levels.back().topology));
   if (!report.kept.empty()) out << row("kept", ranked_text(report.kept, unit));
   if (!report.dropped.empty()) out << row("left out", ranked_text(report.dropped, unit));
-  for (std::size_t k = 0; k < report.levels.size(); ++k) out << row(level_name(k), level_text(report.levels[k], context.options.supersample, unit));
+  for (std::size_t k = 0; k < report.levels.size(); ++k)
+    out << row(level_name(k), level_text(report.levels[k], context.options.supersample, unit));
   if (const std::string sampling = distance_sampling(report); !sampling.empty()) out << row("distances", sampling);
   double rounding = 0;
   for (const ReportFile& file : context.files) rounding = std::max(rounding, file.largest_rounding);
   out << row("certificate", certificate_of_all(report))
-            << row("wrote", outputs + ", meshed in " + seconds_text(report.total_seconds) +
-                                (rounding > 0 ? "; rounded by at most " + number_text(rounding) + ", read back and checked" : ""));
+      << row("wrote", outputs + ", meshed in " + seconds_text(report.total_seconds) +
+                          (rounding > 0 ? "; rounded by at most " + number_text(rounding) + ", read back and checked" : ""));
   if (!context.files.empty())  // the same for all
     for (const std::string& note : context.files.front().notes) out << row("note", note);
 }
@@ -184,16 +186,16 @@ void print_details(std::ostream& out, const ExtractReport& report, const ReportC
   std::string coarser;
   for (const std::size_t size : report.coarser_c_vertices) coarser += (coarser.empty() ? "" : ", ") + count_text(size);
   out << row("complex", counted(report.c_vertices, "c-vertex") + ", " + counted(report.faces, "face") + ", " +
-                                  counted(report.double_segments, "double segment") + " split" +
-                                  (report.tunnels > 0 ? ", " + counted(report.tunnels, "tunnel") : ""))
-            << row("coarser", coarser.empty()
-                                  ? "none: disks are too small for blocks"
-                                  : coarser + " c-vertices, certified in " + std::to_string(report.coarsening.repair_rounds) + " rounds")
-            << row("kinds", kinds_text(report.levels.back().topology, 6));
+                            counted(report.double_segments, "double segment") + " split" +
+                            (report.tunnels > 0 ? ", " + counted(report.tunnels, "tunnel") : ""))
+      << row("coarser", coarser.empty()
+                            ? "none: disks are too small for blocks"
+                            : coarser + " c-vertices, certified in " + std::to_string(report.coarsening.repair_rounds) + " rounds")
+      << row("kinds", kinds_text(report.levels.back().topology, 6));
   for (std::size_t k = 0; k < report.levels.size(); ++k) print_level_details(out, report.levels[k], k, context.volume.grid.unit);
   for (const StageTime& stage : report.seconds) out << row("  " + stage.stage, seconds_text(stage.seconds));
   out << row("  write", seconds_text(context.write_seconds))
-            << row("memory", bytes_text(static_cast<double>(context.peak_memory_bytes)) + " at most");
+      << row("memory", bytes_text(static_cast<double>(context.peak_memory_bytes)) + " at most");
 }
 
 bool print_unmet(const ExtractReport& report, const ReportContext& context) {
@@ -218,8 +220,9 @@ bool print_unmet(const ExtractReport& report, const ReportContext& context) {
       if (found.pairs <= report.levels[file.levels[i]].self_intersections.value_or(0)) continue;
       std::vector<Vec3> places;
       for (const SelfIntersectionReport::Place& place : found.first) places.push_back(place.position);
-      say((file.path == "-" ? "standard output" : file.path) + ": " + level_name(file.levels[i]) + ": " + counted(found.pairs, "self-intersection") +
-          " caused by rounding to float32, near " + places_text(places) + "; .ply, .obj and .vtp keep all digits");
+      say((file.path == "-" ? "standard output" : file.path) + ": " + level_name(file.levels[i]) + ": " +
+          counted(found.pairs, "self-intersection") + " caused by rounding to float32, near " + places_text(places) +
+          "; .ply, .obj and .vtp keep all digits");
     }
   }
   for (std::size_t k = 0; k < report.levels.size(); ++k) {

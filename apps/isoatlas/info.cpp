@@ -67,9 +67,7 @@ std::string orientation_text(const Grid& grid) {
 }
 
 /// " mm"; nothing where the volume states no unit.
-std::string unit_text(const Grid& grid) {
-  return grid.unit == LengthUnit::unknown ? "" : " " + std::string(symbol(grid.unit));
-}
+std::string unit_text(const Grid& grid) { return grid.unit == LengthUnit::unknown ? "" : " " + std::string(symbol(grid.unit)); }
 
 void print_source(const VolumeSource& source) {
   std::cout << row("format", source.format + (source.reader.empty() ? "" : ", read by " + source.reader));

@@ -112,7 +112,8 @@ std::string metric_text(double value) { return std::isinf(value) ? "unbounded" :
 
 /// What is proved of the distances, or else how densely they were sampled. Empty if there are none.
 std::string distance_sampling(const LevelFacts& finest) {
-  if (finest.distance_at_most) return proof_text(*finest.distance_at_most) + (finest.measured ? "; " + sampling_text(*finest.measured) : "");
+  if (finest.distance_at_most)
+    return proof_text(*finest.distance_at_most) + (finest.measured ? "; " + sampling_text(*finest.measured) : "");
   if (finest.measured) return sampling_text(*finest.measured);
   if (!finest.metrics[static_cast<std::size_t>(Quantity::max_distance)]) return "";
   return "sampled at about 2 points per voxel face of the isosurface, and on every triangle";

@@ -14,7 +14,7 @@ class ManPage : public CLI::FormatterBase {
  public:
   struct Text {
     std::string synopsis;                                       ///< as it stands
-    std::string common_options = {};                               ///< as it stands: what most people need, on the first screen
+    std::string common_options = {};                            ///< as it stands: what most people need, on the first screen
     std::string description;                                    ///< paragraphs with empty lines between them; filled
     std::vector<std::string> groups;                            ///< of options, in the order of the page
     std::vector<std::pair<std::string, std::string>> sections;  ///< after the options: title, lines as they stand

@@ -90,7 +90,8 @@ std::string find_unknown_option(const CLI::App& app, const CLI::App& command, co
     const bool has_one_dash = !word.name.starts_with("--");
     if (has_one_dash && has_option(command, "-" + word.name)) return word.name + " has one dash, expected two: -" + word.name;
     const std::string file = advice_on_file(word);
-    return "isoatlas " + command.get_name() + " has no option " + (file.empty() ? word.name + advice_on(app, command, word.name) : word.typed + file);
+    return "isoatlas " + command.get_name() + " has no option " +
+           (file.empty() ? word.name + advice_on(app, command, word.name) : word.typed + file);
   }
   return "";
 }
@@ -116,8 +117,8 @@ std::string find_missing_value(const CLI::App&, const CLI::App&, const CommandWo
 std::string find_repeated_option(const CLI::App&, const CLI::App&, const CommandWords& words) {
   for (std::size_t i = 0; i < words.options.size(); ++i) {
     const OptionWord& word = words.options[i];
-    const bool is_single = word.option != nullptr && takes_value(*word.option) &&
-                           word.option->get_multi_option_policy() != CLI::MultiOptionPolicy::TakeAll;
+    const bool is_single =
+        word.option != nullptr && takes_value(*word.option) && word.option->get_multi_option_policy() != CLI::MultiOptionPolicy::TakeAll;
     for (std::size_t k = 0; is_single && k < i; ++k) {
       if (words.options[k].option != word.option) continue;
       return word.name + " is given twice, with " + words.options[k].value.value_or("") + " and " + word.value.value_or("") +

@@ -93,8 +93,8 @@ std::string missing_option(const CLI::App& command, const CommandWords& words, c
   if (is_extract && is_mesh && free_option(command, words, "-o") != nullptr) return goes_with("output", "-o");
   if (is_extract && kind == FileKind::page && free_option(command, words, "--html") != nullptr) return goes_with("page", "--html");
   if (is_extract && kind == FileKind::json && free_option(command, words, "--report") != nullptr) return goes_with("report", "--report");
-  const bool is_output = (command.get_name() == "picture" && kind == FileKind::picture) ||
-                         (command.get_name() == "report" && kind == FileKind::page);
+  const bool is_output =
+      (command.get_name() == "picture" && kind == FileKind::picture) || (command.get_name() == "report" && kind == FileKind::page);
   if (is_output && free_option(command, words, "-o") != nullptr) return goes_with("output", "-o");
   if (kind == FileKind::volume && free_option(command, words, "--volume") != nullptr) return goes_with("volume", "--volume");
   return "";
@@ -130,7 +130,8 @@ std::string find_leftover_word(const CLI::App&, const CLI::App& command, const C
   if (found.size() == 1) return "";
   for (const PositionalWord& word : found) {
     const bool is_option = is_option_like(word.text) && command.get_option_no_throw(word.text) != nullptr;
-    if (is_option) return word.text + " stands behind --, which ends the options; expected -- behind all of them, before a name like -a.nii";
+    if (is_option)
+      return word.text + " stands behind --, which ends the options; expected -- behind all of them, before a name like -a.nii";
   }
   if (std::string pieces = value_in_pieces(words); !pieces.empty()) return pieces;
   if (std::string pieces = name_in_pieces(found); !pieces.empty()) return pieces;

@@ -99,7 +99,8 @@ std::string ProgressBar::line(Clock::time_point now) const {
     result += percent.data();
   }
   result += seconds_text(seconds);
-  if (seconds >= kLeastSeconds && share >= kLeastShare) result += ", about " + seconds_text(std::ceil(seconds * (1 - share) / share)) + " left";
+  if (seconds >= kLeastSeconds && share >= kLeastShare)
+    result += ", about " + seconds_text(std::ceil(seconds * (1 - share) / share)) + " left";
   return result;
 }
 

@@ -53,7 +53,8 @@ std::string number_text(double value) {
 std::string point_text(Vec3 p) {
   constexpr double kFar = 1e4;
   std::string text;
-  for (const double x : {p.x, p.y, p.z}) text += (text.empty() ? "(" : ", ") + (std::fabs(x) < kFar ? number_text(x) : formatted("%.2f", x));
+  for (const double x : {p.x, p.y, p.z})
+    text += (text.empty() ? "(" : ", ") + (std::fabs(x) < kFar ? number_text(x) : formatted("%.2f", x));
   return text + ")";
 }
 

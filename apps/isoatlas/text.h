@@ -33,8 +33,8 @@ std::string bytes_text(double bytes);                               ///< 5.9 MiB
 std::string seconds_text(double seconds);                           ///< 83 ms, 2.41 s, 3 min 05 s
 /// 1,161; 0.5 mm; 15 degrees; unbounded. `world`: the unit of the volume's lengths
 std::string bound_text(Quantity quantity, double bound, LengthUnit world = LengthUnit::unknown);
-std::string with_unit(double length, LengthUnit unit);              ///< 0.5 mm; 0.5 where the unit is unknown
-std::string size_text(const std::array<std::size_t, 3>& size);      ///< 256 x 256 x 94
+std::string with_unit(double length, LengthUnit unit);          ///< 0.5 mm; 0.5 where the unit is unknown
+std::string size_text(const std::array<std::size_t, 3>& size);  ///< 256 x 256 x 94
 
 /// The command line, quoted for a shell: isoatlas extract 'my head.nrrd' --iso 80.5
 std::string command_text(const std::vector<std::string>& arguments);

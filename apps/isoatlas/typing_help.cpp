@@ -147,8 +147,8 @@ std::string wrong_command(const CLI::App& app, const Words& words) {
   const std::vector<std::string_view> meant = commands_called(plain_word(word));
   if (meant.empty() && nearest.empty() && looks_like_file(word)) return forgotten_command(app, words);
   const std::string list = nearest.empty() ? listed(Words(meant.begin(), meant.end())) : nearest;
-  return "there is no command '" + word + "'" + (list.empty() ? "" : ", did you mean " + list + "?") +
-         (list.empty() ? "; the" : " The") + " commands are " + listed(names, "and");
+  return "there is no command '" + word + "'" + (list.empty() ? "" : ", did you mean " + list + "?") + (list.empty() ? "; the" : " The") +
+         " commands are " + listed(names, "and");
 }
 
 bool asks_for_help(const CommandWords& words) {

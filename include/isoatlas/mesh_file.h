@@ -14,8 +14,8 @@ namespace isoatlas {
 
 /// What a mesh file says about itself besides the triangles.
 struct MeshFileInfo {
-  std::string space;    ///< "LPS", "RAS" or "voxel"; written into the header or comment where the format has one
-  std::string comment;  ///< e.g. "isoatlas 0.1.0"
+  std::string space;                      ///< "LPS", "RAS" or "voxel"; written into the header or comment where the format has one
+  std::string comment;                    ///< e.g. "isoatlas 0.1.0"
   LengthUnit unit = LengthUnit::unknown;  ///< of the coordinates; unknown for sample indices. Only .3mf and .gii keep it
 };
 
@@ -26,8 +26,8 @@ void check_mesh_path(const std::filesystem::path& path);
 /// What a file makes of the positions it was given. Where it keeps them as float32, this was found by reading the written bytes back.
 struct StoredPositions {
   bool single_precision = false;
-  double largest_rounding = 0;  ///< largest distance between a given and a stored position, in the given mesh's units
-  std::string space = {};       ///< of the stored coordinates
+  double largest_rounding = 0;            ///< largest distance between a given and a stored position, in the given mesh's units
+  std::string space = {};                 ///< of the stored coordinates
   LengthUnit unit = LengthUnit::unknown;  ///< of the stored coordinates
   std::vector<std::string> notes = {};    ///< for people: what the format changed or had to state; one line each
 };

@@ -62,7 +62,7 @@ struct LevelReport {
   /// Proved: no point of the mesh is farther from the isosurface, and none of the isosurface from the mesh; world units, see
   /// docs/theory/05-refinement.md. None: distances are only sampled.
   std::optional<double> distance_at_most;
-  std::vector<CellAtLimit> at_limit;                               ///< worst first; supersampling would help there
+  std::vector<CellAtLimit> at_limit;  ///< worst first; supersampling would help there
   std::size_t refine_rounds = 0;
   /// For the triangles' shape: edges flipped, vertices moved to a better c-vertex, and vertices moved within their grid cells.
   std::size_t flips = 0, moves = 0, shifts = 0;
@@ -70,8 +70,8 @@ struct LevelReport {
   /// Pairs of triangles that meet where they should not, counted on the finished mesh in the output's space; none: they are allowed.
   std::optional<std::size_t> self_intersections;
   std::vector<Vec3> self_intersection_places;  ///< near the first few of them, in the mesh's space
-  std::size_t parting_sites = 0;        ///< sites added to take such triangles apart
-  std::optional<Measurement> measured;  ///< if asked for
+  std::size_t parting_sites = 0;               ///< sites added to take such triangles apart
+  std::optional<Measurement> measured;         ///< if asked for
   /// Largest distance in world units by which a written file rounds a position of this level; 0 from extract(). What writes files sets it
   /// and adds it to the lengths in `metrics`, `distance_at_most` and `constraints`.
   double rounding = 0;

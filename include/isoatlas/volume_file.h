@@ -28,15 +28,15 @@ struct RawLayout {
 
 /// What to read of a file that holds more than one volume, and how.
 struct ReadOptions {
-  std::optional<RawLayout> raw = {};        ///< the file has no header
-  std::string channel = {};               ///< which of several channels or values per sample: its name, or its number from 0
-  std::optional<std::size_t> time = {};     ///< which of several time points, from 0
-  std::string layer = {};                   ///< which of several layers of a segmentation: its number from 0, or its name
-  std::string array = {};                   ///< which of several named arrays
-  std::string series = {};                  ///< which of several DICOM series: its number from 0 in the list, or its UID
-  std::optional<Vec3> spacing = {};         ///< world length of one step along x, y and z, in place of the file's
+  std::optional<RawLayout> raw = {};              ///< the file has no header
+  std::string channel = {};                       ///< which of several channels or values per sample: its name, or its number from 0
+  std::optional<std::size_t> time = {};           ///< which of several time points, from 0
+  std::string layer = {};                         ///< which of several layers of a segmentation: its number from 0, or its name
+  std::string array = {};                         ///< which of several named arrays
+  std::string series = {};                        ///< which of several DICOM series: its number from 0 in the list, or its UID
+  std::optional<Vec3> spacing = {};               ///< world length of one step along x, y and z, in place of the file's
   LengthUnit spacing_unit = LengthUnit::unknown;  ///< unit of `spacing`; unknown: the file's
-  std::uint64_t max_memory = 0;        ///< largest size of the samples in bytes; 0: three quarters of the machine's memory
+  std::uint64_t max_memory = 0;                   ///< largest size of the samples in bytes; 0: three quarters of the machine's memory
 };
 
 struct VolumeFile {
@@ -49,7 +49,7 @@ class ChoiceNeeded : public Error {
  public:
   ChoiceNeeded(const std::string& message, FileChoice choice, VolumeSource source)
       : Error(ErrorCode::unsupported, message), choice_(std::move(choice)), source_(std::move(source)) {}
-  const FileChoice& choice() const noexcept { return choice_; }     ///< what has to be chosen
+  const FileChoice& choice() const noexcept { return choice_; }    ///< what has to be chosen
   const VolumeSource& source() const noexcept { return source_; }  ///< what is known of the file so far
 
  private:

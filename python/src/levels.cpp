@@ -128,7 +128,8 @@ std::shared_ptr<Levels> extract_levels(const ArrayVolume& volume, const ExtractW
   };
   Extraction extraction;
   try {
-    std::tie(extraction, made.context.volume.sample_digest) = make_interruptibly(work, {.progress = progress, .threads = settings.threads, .keep_alive = volume.array});
+    std::tie(extraction, made.context.volume.sample_digest) =
+        make_interruptibly(work, {.progress = progress, .threads = settings.threads, .keep_alive = volume.array});
   } catch (const Error& error) {
     throw error_of_file(error_of_samples(error, volume, settings.options.non_finite), volume.path);
   }

@@ -110,8 +110,8 @@ PYBIND11_MODULE(_core, module) {
 
   py::class_<ArrayVolume>(module, "ArrayVolume")
       .def(py::init([](const py::array& array, const std::string& order, const std::array<double, 3>& spacing,
-                       const std::array<double, 3>& origin, const std::array<std::array<double, 3>, 3>& direction, const py::object& path, const std::string& unit,
-                       const VolumeSource* source) {
+                       const std::array<double, 3>& origin, const std::array<std::array<double, 3>, 3>& direction, const py::object& path,
+                       const std::string& unit, const VolumeSource* source) {
              return array_volume(array, order, spacing, origin, direction, path.is_none() ? std::string() : path_of(path),
                                  length_unit_named(unit), source == nullptr ? VolumeSource{} : *source);
            }),
@@ -142,7 +142,8 @@ PYBIND11_MODULE(_core, module) {
           "path"_a, "report"_a, "glb_per_level"_a);
 
   module.def("extract", &extract_levels, "volume"_a, "words"_a, "progress"_a);
-  module.def("length_unit", [](const std::string& name) { return std::string(symbol(length_unit_named(name))); }, "name"_a);
+  module.def(
+      "length_unit", [](const std::string& name) { return std::string(symbol(length_unit_named(name))); }, "name"_a);
   module.def("read_volume", &read_volume_as_array, "path"_a, "options"_a);
   module.def(
       "read_levels", [](const py::object& path) { return read_levels(path_of(path)); }, "path"_a);

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <utility>
 
-#include "levels/level.h"
 #include "complex/drop_components.h"
+#include "levels/level.h"
 
 namespace isoatlas {
 namespace {

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "complex/component_sizes.h"
 #include "isoatlas/options.h"
 #include "isoatlas/report.h"
-#include "complex/component_sizes.h"
 
 namespace isoatlas {
 

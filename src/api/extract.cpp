@@ -12,20 +12,20 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/whole_progress.h"
+#include "api/choose_components.h"
+#include "complex/coarsen.h"
+#include "complex/component_sizes.h"
+#include "complex/components.h"
 #include "core/parallel.h"
 #include "core/vector_math.h"
-#include "complex/coarsen.h"
-#include "api/choose_components.h"
+#include "core/whole_progress.h"
+#include "embedding/adaptive_surface.h"
+#include "field/check_volume.h"
+#include "isosurface/parse_surface.h"
+#include "isosurface/surface_nesting.h"
 #include "levels/coarse_mesher.h"
 #include "levels/level.h"
 #include "levels/level_maker.h"
-#include "embedding/adaptive_surface.h"
-#include "complex/component_sizes.h"
-#include "complex/components.h"
-#include "isosurface/parse_surface.h"
-#include "isosurface/surface_nesting.h"
-#include "field/check_volume.h"
 
 namespace isoatlas {
 namespace {
@@ -110,8 +110,8 @@ void drop_unwanted_components(SurfaceComplex& whole, Components& components, Nes
 
 // Measured on medical scans: all stages up to the coarse mesh take about a third of the time of a refined level.
 std::vector<StageShare> stage_shares(const ExtractOptions& options) {
-  return {{"surface", 2}, {"components", 2}, {"coarsen", 2}, {"cover", 2}, {"certify", 2}, {"mesh", 9}, {"check", 1},
-          {"refine", 60.0 * static_cast<double>(options.refine.size())}};
+  return {{"surface", 2}, {"components", 2}, {"coarsen", 2}, {"cover", 2},
+          {"certify", 2}, {"mesh", 9},       {"check", 1},   {"refine", 60.0 * static_cast<double>(options.refine.size())}};
 }
 
 }  // namespace
@@ -161,7 +161,8 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   report.tunnels = whole.tunnels;
   report.reference = summarize(reference.topology);
   const std::unique_ptr<const Isosurface> isosurface =
-      only_coarse ? nullptr : std::make_unique<const Isosurface>(in_voxels, parse.rule, whole, options.interpolation, options.supersample, control);
+      only_coarse ? nullptr
+                  : std::make_unique<const Isosurface>(in_voxels, parse.rule, whole, options.interpolation, options.supersample, control);
   report_going_on(control);
   AdaptiveSurface surface(std::move(whole), std::move(reference), std::move(nesting),
                           InterpolatedField(in_voxels, parse.rule, options.interpolation, options.supersample), control);
@@ -190,7 +191,8 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   cover.max_radius = static_cast<float>(max_radius);
   cover.event_persistence = options.event_persistence ? voxels(*options.event_persistence) : default_persistence(options.covering);
   cover.first_stage = static_cast<float>(4 * cell);
-  auto mesher = std::make_unique<CoarseMesher>(surface, coarser, cover, options, WrittenPositions(grid, options.space, options.supersample));
+  auto mesher =
+      std::make_unique<CoarseMesher>(surface, coarser, cover, options, WrittenPositions(grid, options.space, options.supersample));
   mesher->cover(control);
   clock.finished("cover");
 

@@ -105,7 +105,8 @@ class RowMaker {
 
 // Makes room where rows are given other sizes: rows that stay are moved, those that change are left to be written.
 template <class Item>
-void move_rows(std::vector<Item>& items, std::span<const std::uint32_t> from, std::span<const std::uint32_t> to, std::span<const std::uint8_t> changed) {
+void move_rows(std::vector<Item>& items, std::span<const std::uint32_t> from, std::span<const std::uint32_t> to,
+               std::span<const std::uint8_t> changed) {
   const std::size_t known = from.size() - 1, total = to.back();
   if (total > items.capacity()) items.reserve(total + total / 8);
   items.resize(std::max<std::size_t>(items.size(), total));

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "isoatlas/run_control.h"
 #include "complex/surface_complex.h"
+#include "isoatlas/run_control.h"
 
 namespace isoatlas {
 

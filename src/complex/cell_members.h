@@ -21,7 +21,7 @@ class CellMembers {
   }
 
   void add_cells(std::size_t count) { lists_.resize(lists_.size() + count); }
-  void remove_cells(std::size_t from) { lists_.resize(from); }  ///< @pre the cells from there on are empty
+  void remove_cells(std::size_t from) { lists_.resize(from); }                      ///< @pre the cells from there on are empty
   void add_c_vertices(std::size_t count) { links_.resize(links_.size() + count); }  ///< in no cell yet
 
   std::uint32_t cell_count() const { return static_cast<std::uint32_t>(lists_.size()); }

@@ -22,7 +22,7 @@
 namespace isoatlas {
 namespace {
 
-constexpr std::size_t kFaces = 8192, kCells = 16384;  // per piece of a parallel loop
+constexpr std::size_t kFaces = 8192, kCells = 16384;    // per piece of a parallel loop
 constexpr std::int64_t kPiece = std::int64_t{1} << 36;  // more than twice all c-vertices, sides or faces
 
 // A count per cell that several threads may add to. Neighbours are mostly in the same cell: what is added to one is put together first.
@@ -75,11 +75,12 @@ class CompleteCheck {
         first_(cells + 1, 0) {}
 
   PartitionCheck run() {
-    check_.triangles = collect_pieces<DualTriangle>(complex_.faces.size(), kFaces, [&](std::size_t begin, std::size_t end, auto& triangles) {
-      control_.check_cancelled();
-      CellCounts::Adder counts(counts_);
-      for (std::size_t f = begin; f < end; ++f) count_face(complex_.faces[f], counts, triangles);
-    });
+    check_.triangles =
+        collect_pieces<DualTriangle>(complex_.faces.size(), kFaces, [&](std::size_t begin, std::size_t end, auto& triangles) {
+          control_.check_cancelled();
+          CellCounts::Adder counts(counts_);
+          for (std::size_t f = begin; f < end; ++f) count_face(complex_.faces[f], counts, triangles);
+        });
     checked_id(3 * check_.triangles.size() + complex_.boundary.size(), "ends of arcs");
     for_each_piece(cell_of_.size(), kCells, [&](std::size_t begin, std::size_t end) {
       control_.check_cancelled();
@@ -203,9 +204,11 @@ class CompleteCheck {
       const std::uint32_t start = i == 0 ? 0 : first_[i * kCells - 1];
       std::uint32_t from = start;
       for (std::size_t c = i * kCells; c < last; from = first_[c++]) {
-        if (from != first_[c]) std::sort(ends_.begin() + from, ends_.begin() + first_[c], [](const ArcEnd& a, const ArcEnd& b) { return a.high < b.high; });
+        if (from != first_[c])
+          std::sort(ends_.begin() + from, ends_.begin() + first_[c], [](const ArcEnd& a, const ArcEnd& b) { return a.high < b.high; });
       }
-      judge_pairs(std::span(ends_).subspan(start, from - start), [&](CellId a, CellId b) { return in_scope(a) || in_scope(b); }, parts[i]);
+      judge_pairs(
+          std::span(ends_).subspan(start, from - start), [&](CellId a, CellId b) { return in_scope(a) || in_scope(b); }, parts[i]);
     });
     for (const PartitionCheck& part : parts) {
       check_.pairs += part.pairs;
@@ -219,8 +222,8 @@ class CompleteCheck {
   std::span<const CVertexId> site_;
   std::span<const std::uint8_t> scope_;
   const RunControl& control_;
-  CellCounts counts_;    // per cell, twice V - E + F, plus kPiece times the pieces that it is in
-  DisjointSets pieces_;  // of cells, whose c-vertices it joins
+  CellCounts counts_;                        // per cell, twice V - E + F, plus kPiece times the pieces that it is in
+  DisjointSets pieces_;                      // of cells, whose c-vertices it joins
   std::vector<std::uint8_t> boundary_ends_;  // per cell, boundary sides that leave it, up to 3 (= too many)
   std::vector<std::uint8_t> touches_boundary_;
   std::vector<std::uint32_t> first_;  // per cell, where its ends of arcs are

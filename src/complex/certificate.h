@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
+#include "complex/partition.h"
 #include "isoatlas/certificate.h"
 #include "isoatlas/run_control.h"
-#include "complex/partition.h"
 
 namespace isoatlas {
 

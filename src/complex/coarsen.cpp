@@ -11,6 +11,10 @@
 #include <cmath>
 #include <span>
 
+#include "complex/area_vectors.h"
+#include "complex/cell_members.h"
+#include "complex/certificate.h"
+#include "complex/scoped_check.h"
 #include "core/cancel_poll.h"
 #include "core/disjoint_sets.h"
 #include "core/epoch_set.h"
@@ -18,18 +22,14 @@
 #include "core/vector_math.h"
 #include "core/whole_progress.h"
 #include "geometry/outward.h"
-#include "complex/cell_members.h"
-#include "complex/certificate.h"
-#include "complex/scoped_check.h"
-#include "complex/area_vectors.h"
 
 namespace isoatlas {
 namespace {
 
 constexpr std::size_t kPerPiece = 16384;  // c-vertices or faces, of a parallel loop
 
-// Regions are named by their smallest c-vertex while they are being cut. There are only as many rounds as halvings, and most regions are cut in
-// the first ones: so each round is a few sweeps over everything.
+// Regions are named by their smallest c-vertex while they are being cut. There are only as many rounds as halvings, and most regions are
+// cut in the first ones: so each round is a few sweeps over everything.
 class BlockRegions {
  public:
   BlockRegions(const SurfaceComplex& complex, double block_length)
@@ -389,7 +389,8 @@ void cut_regions(const SurfaceComplex& complex, std::span<const CVertexId> regio
 }
 
 void certify_regions(const SurfaceComplex& complex, Coarsened& coarser, const RunControl& control) {
-  const PartitionCheck check = check_partition(complex, coarser.region_of, static_cast<CellId>(coarser.representative.size()), {}, {}, control);
+  const PartitionCheck check =
+      check_partition(complex, coarser.region_of, static_cast<CellId>(coarser.representative.size()), {}, {}, control);
   if (!check.passed() || fingerprint(check.triangles) != fingerprint(coarser.triangles.list()))
     throw Error(ErrorCode::internal, "the coarser complex is not certified; please report the volume and the options");
   record(check, coarser.certificate);

@@ -4,10 +4,10 @@
 #include <span>
 #include <vector>
 
-#include "isoatlas/certificate.h"
-#include "isoatlas/run_control.h"
 #include "complex/dual_triangles.h"
 #include "complex/surface_complex.h"
+#include "isoatlas/certificate.h"
+#include "isoatlas/run_control.h"
 
 namespace isoatlas {
 

@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
+#include "complex/surface_complex.h"
 #include "core/slack_rows.h"
 #include "isoatlas/run_control.h"
-#include "complex/surface_complex.h"
 
 namespace isoatlas {
 

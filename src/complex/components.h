@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "isoatlas/mesh.h"
 #include "complex/surface_complex.h"
+#include "isoatlas/mesh.h"
 
 namespace isoatlas {
 

@@ -58,7 +58,7 @@ void DualTriangles::replace(std::span<const CellId> scope, std::span<const DualT
     }
     if (!found) added.push_back(t);
   }
-  std::size_t taken = 0;  // of those that were added, how many have the number of one that was removed
+  std::size_t taken = 0;                        // of those that were added, how many have the number of one that was removed
   for (std::size_t k = old.size(); k-- > 0;) {  // the last one first, so that the numbers of those before stay
     if (stays[k]) continue;
     poll.step();

@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
+#include "complex/partition.h"
 #include "core/slack_rows.h"
 #include "isoatlas/run_control.h"
-#include "complex/partition.h"
 
 namespace isoatlas {
 
@@ -23,8 +23,7 @@ class DualTriangles {
   /// Replaces all triangles with a corner in a cell of `scope` by `triangles`. Those that are the same stay.
   /// @param cells  how many cells there are now; triangles with a corner in a cell beyond are replaced as well
   /// @cost  the triangles that are removed or added, times the logarithm of their number
-  void replace(std::span<const CellId> scope, std::span<const DualTriangle> triangles, std::uint32_t cells,
-               const RunControl& control = {});
+  void replace(std::span<const CellId> scope, std::span<const DualTriangle> triangles, std::uint32_t cells, const RunControl& control = {});
 
  private:
   void add(const DualTriangle& triangle);

@@ -34,10 +34,13 @@ class ScopedCheck::Run {
       });
     }
     for (const CellId cell : scope) judge_cell(cell);
-    std::sort(check_.faulty_cells.begin(), check_.faulty_cells.end(), [](const FaultyCell& a, const FaultyCell& b) { return a.cell < b.cell; });
+    std::sort(check_.faulty_cells.begin(), check_.faulty_cells.end(),
+              [](const FaultyCell& a, const FaultyCell& b) { return a.cell < b.cell; });
     sort_ends();
-    judge_pairs(s_.sorted_ends_, [](CellId, CellId) { return true; }, check_);
-    std::sort(check_.pair_faults.begin(), check_.pair_faults.end(), [](const PairFault& x, const PairFault& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; });
+    judge_pairs(
+        s_.sorted_ends_, [](CellId, CellId) { return true; }, check_);
+    std::sort(check_.pair_faults.begin(), check_.pair_faults.end(),
+              [](const PairFault& x, const PairFault& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; });
     return std::move(check_);
   }
 
@@ -157,7 +160,8 @@ class ScopedCheck::Run {
     });
     if (of_cell.twice_euler != 2) fault |= kNotADisk;
     if (!of_cell.has_triangle) fault |= kNoTriangle;
-    if (of_cell.touches_boundary && (of_cell.boundary_ends != 2 || (!site_.empty() && !complex_.on_boundary[site_[cell]]))) fault |= kBadBoundary;
+    if (of_cell.touches_boundary && (of_cell.boundary_ends != 2 || (!site_.empty() && !complex_.on_boundary[site_[cell]])))
+      fault |= kBadBoundary;
     if (fault != 0) check_.faulty_cells.push_back({cell, fault});
   }
 
@@ -184,8 +188,9 @@ PartitionCheck ScopedCheck::run(const SurfaceComplex& complex, const ComplexAdja
   return Run(*this, complex, adjacency, cell_of, members, site, control).run(scope);
 }
 
-std::vector<CellId> ScopedCheck::cells_near(const SurfaceComplex& complex, const ComplexAdjacency& adjacency, std::span<const CellId> cell_of,
-                                            std::span<const CVertexId> changed, const RunControl& control) {
+std::vector<CellId> ScopedCheck::cells_near(const SurfaceComplex& complex, const ComplexAdjacency& adjacency,
+                                            std::span<const CellId> cell_of, std::span<const CVertexId> changed,
+                                            const RunControl& control) {
   std::vector<CellId> cells;
   in_scope_.clear();
   CancelPoll poll(control);

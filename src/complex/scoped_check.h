@@ -4,10 +4,10 @@
 #include <span>
 #include <vector>
 
-#include "core/epoch_set.h"
 #include "complex/cell_members.h"
 #include "complex/certificate.h"
 #include "complex/complex_adjacency.h"
+#include "core/epoch_set.h"
 
 namespace isoatlas {
 
@@ -15,7 +15,8 @@ namespace isoatlas {
 /// one object for many checks: it keeps its scratch memory.
 class ScopedCheck {
  public:
-  /// @param scope  the cells to check, each once; arcs and triples are checked where at least one of their cells is in it. `triangles` of the
+  /// @param scope  the cells to check, each once; arcs and triples are checked where at least one of their cells is in it. `triangles` of
+  /// the
   ///               result are those with such a corner.
   PartitionCheck run(const SurfaceComplex& complex, const ComplexAdjacency& adjacency, std::span<const CellId> cell_of,
                      const CellMembers& members, std::span<const CVertexId> site, std::span<const CellId> scope,
@@ -35,8 +36,8 @@ class ScopedCheck {
   };
   class Run;
 
-  EpochSet in_scope_;               // cells
-  EpochSet seen_;                   // faces
+  EpochSet in_scope_;                // cells
+  EpochSet seen_;                    // faces
   std::vector<std::uint32_t> slot_;  // per cell in scope, its place in counts_
   std::vector<CellCount> counts_;
   std::vector<CVertexId> parent_;  // per c-vertex of a cell in scope, union-find

@@ -11,7 +11,8 @@ namespace isoatlas {
 /// Union-find whose roots are the smallest members, so that they do not depend on the order of unions. Several threads may call unite() and
 /// find() at the same time; what find() returns is final once all calls of unite() have returned.
 ///
-/// @source Anderson and Woll, Wait-free parallel algorithms for the union-find problem, 1991: parents only ever become smaller members of the
+/// @source Anderson and Woll, Wait-free parallel algorithms for the union-find problem, 1991: parents only ever become smaller members of
+/// the
 ///         same set, and only a root gets a set joined to it, by compare and swap
 class DisjointSets {
  public:

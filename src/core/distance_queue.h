@@ -41,8 +41,8 @@ class KeyHeap {
   std::vector<std::uint64_t> keys_;
 };
 
-/// A radix heap: pops the smallest length, ties in an order that depends on the pushes alone. For searches whose lengths never fall: nothing
-/// may be shorter than what was popped last. Cheaper than a binary heap where much is in it.
+/// A radix heap: pops the smallest length, ties in an order that depends on the pushes alone. For searches whose lengths never fall:
+/// nothing may be shorter than what was popped last. Cheaper than a binary heap where much is in it.
 /// @source Ahuja, Mehlhorn, Orlin, Tarjan, Faster algorithms for the shortest path problem, 1990
 class MonotoneQueue {
  public:

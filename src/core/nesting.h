@@ -52,7 +52,8 @@ inline std::vector<std::uint32_t> parents_of(std::span<const std::vector<std::ui
   for (std::size_t c = 0; c < around.size(); ++c) {
     for (const std::uint32_t outer : around[c]) {  // the innermost has the most around it
       std::uint32_t& best = parent[c];
-      if (best == kNone || around[outer].size() > around[best].size() || (around[outer].size() == around[best].size() && outer < best)) best = outer;
+      if (best == kNone || around[outer].size() > around[best].size() || (around[outer].size() == around[best].size() && outer < best))
+        best = outer;
     }
   }
   return parent;

@@ -16,12 +16,12 @@ struct StageShare {
   double share;
 };
 
-/// The same control, but it reports the fraction of the whole computation instead of that of a stage. The fraction never falls, even if a stage
-/// reports less than before. A stage that is not in `stages`, or is over, counts as part of the stage before it.
+/// The same control, but it reports the fraction of the whole computation instead of that of a stage. The fraction never falls, even if a
+/// stage reports less than before. A stage that is not in `stages`, or is over, counts as part of the stage before it.
 RunControl with_whole_progress(const RunControl& control, std::span<const StageShare> stages);
 
-/// Says that the stage that was reported last goes on, for work of which nobody knows how much there is: the fraction of the whole computation
-/// rises by a small share of what that stage has left.
+/// Says that the stage that was reported last goes on, for work of which nobody knows how much there is: the fraction of the whole
+/// computation rises by a small share of what that stage has left.
 void report_going_on(const RunControl& control);
 
 /// for_each_piece() for loops that may take long: says from time to time that the work goes on.

@@ -85,10 +85,11 @@ void AdaptiveSurface::watch() {
       if (in_two_curves[face.corner[(k + 1) % size]] || in_two_curves[face.corner[(k + 2) % size]] || is_watched[v]) found.push_back(v);
     }
   };
-  std::vector<CVertexId> inside = collect_pieces<CVertexId>(complex_.face_count(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
-    control_.check_cancelled();
-    for (std::size_t f = begin; f < end; ++f) add_inside(complex_.faces[f], found);
-  });
+  std::vector<CVertexId> inside =
+      collect_pieces<CVertexId>(complex_.face_count(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+        control_.check_cancelled();
+        for (std::size_t f = begin; f < end; ++f) add_inside(complex_.faces[f], found);
+      });
   control_.check_cancelled();
   std::sort(inside.begin(), inside.end());
   inside.erase(std::unique(inside.begin(), inside.end()), inside.end());

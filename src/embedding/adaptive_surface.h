@@ -5,11 +5,11 @@
 #include <utility>
 #include <vector>
 
+#include "complex/components.h"
 #include "core/nesting.h"
 #include "embedding/crowded_cells.h"
 #include "embedding/subdivide.h"
 #include "embedding/watched_cells.h"
-#include "complex/components.h"
 
 namespace isoatlas {
 
@@ -30,9 +30,13 @@ class AdaptiveSurface {
   std::span<const Vec3> found() const { return found_; }
   const RunControl& control() const { return control_; }  ///< for work that is part of a stage
 
-  std::vector<Fineness> fineness() const { return isoatlas::fineness(complex_, {field_, crowded_.flags(), &control_}); }  ///< per c-vertex; O(F)
+  std::vector<Fineness> fineness() const {
+    return isoatlas::fineness(complex_, {field_, crowded_.flags(), &control_});
+  }  ///< per c-vertex; O(F)
   /// Of some c-vertices, one by one. O(F) with a small constant
-  std::vector<Fineness> fineness(std::span<const CVertexId> of) const { return isoatlas::fineness(complex_, {field_, crowded_.flags(), &control_}, of); }
+  std::vector<Fineness> fineness(std::span<const CVertexId> of) const {
+    return isoatlas::fineness(complex_, {field_, crowded_.flags(), &control_}, of);
+  }
 
   /// See subdivide(). What was derived from the complex has to be made anew. Where smaller pieces would meet each other in a cell, they are
   /// left flat. C-vertices there that hardly keep off the walls of their cells, for good triangles, are moved a little.

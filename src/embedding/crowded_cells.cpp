@@ -76,7 +76,8 @@ CrowdedCells::CrowdedCells(const SurfaceComplex& complex, const InterpolatedFiel
     poll.step();
     if (!face.is_triangle()) continue;
     const auto own = std::find_if(face.corner.begin(), face.corner.begin() + 3, [&](CVertexId v) { return contains(number(v)); });
-    if (own != face.corner.begin() + 3) pieces.emplace_back(cell_of_[number(*own)], Triangle{face.corner[0], face.corner[1], face.corner[2]});
+    if (own != face.corner.begin() + 3)
+      pieces.emplace_back(cell_of_[number(*own)], Triangle{face.corner[0], face.corner[1], face.corner[2]});
   }
   control.check_cancelled();
   std::stable_sort(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -233,7 +234,8 @@ std::size_t CrowdedCells::separate(SurfaceComplex& complex, const RunControl& co
   return left;
 }
 
-std::vector<CVertexId> CrowdedCells::meeting(std::span<const CVertexId> moved, std::span<const Vec3> positions, const RunControl& control) const {
+std::vector<CVertexId> CrowdedCells::meeting(std::span<const CVertexId> moved, std::span<const Vec3> positions,
+                                             const RunControl& control) const {
   std::vector<std::uint32_t> cells;
   for (const CVertexId v : moved) {
     if (contains(v)) cells.push_back(cell_of_[v]);

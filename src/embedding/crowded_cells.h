@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "isoatlas/mesh.h"
 #include "embedding/subdivide.h"
+#include "isoatlas/mesh.h"
 
 namespace isoatlas {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "embedding/resolve_intersections.h"
 
+#include "complex/components.h"
 #include "core/whole_progress.h"
 #include "geometry/mesh_nesting.h"
-#include "complex/components.h"
 
 namespace isoatlas {
 namespace {
@@ -22,7 +22,8 @@ std::vector<CellId> misplaced(const GrowingDual& dual, const AdaptiveSurface& su
 
 }  // namespace
 
-ResolvedIntersections resolve_intersections(GrowingDual& dual, const AdaptiveSurface& surface, IntersectionTracker& tracker, const RunControl& control) {
+ResolvedIntersections resolve_intersections(GrowingDual& dual, const AdaptiveSurface& surface, IntersectionTracker& tracker,
+                                            const RunControl& control) {
   ResolvedIntersections out;
   std::size_t pairs_before = 0;
   for (;; out.any = true) {

@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "voronoi/covering.h"
+#include "embedding/adaptive_surface.h"
 #include "geometry/intersection_tracker.h"
 #include "isoatlas/mesh.h"
-#include "embedding/adaptive_surface.h"
+#include "voronoi/covering.h"
 
 namespace isoatlas {
 
@@ -34,12 +34,13 @@ struct ResolvedIntersections {
   bool any = false;                                    ///< something has changed
 };
 
-/// Makes cells smaller until the dual has no self-intersections and its components have the orientation and nesting of the surface. Of each pair
-/// of triangles that intersect the largest cell becomes smaller (all six: 2 to 10 % more triangles, twice as many bad ones, and a quarter less
-/// time in white noise). Where that does not help enough and cells are single c-vertices, the complex is subdivided: into pieces that stay in
-/// their grid cells, and so do not intersect. That comes last: a subdivided surface has half as many c-vertices again in an edge mask, and mostly
-/// it need not be. What cannot be resolved is left.
-ResolvedIntersections resolve_intersections(GrowingDual& dual, const AdaptiveSurface& surface, IntersectionTracker& tracker, const RunControl& control);
+/// Makes cells smaller until the dual has no self-intersections and its components have the orientation and nesting of the surface. Of each
+/// pair of triangles that intersect the largest cell becomes smaller (all six: 2 to 10 % more triangles, twice as many bad ones, and a
+/// quarter less time in white noise). Where that does not help enough and cells are single c-vertices, the complex is subdivided: into
+/// pieces that stay in their grid cells, and so do not intersect. That comes last: a subdivided surface has half as many c-vertices again
+/// in an edge mask, and mostly it need not be. What cannot be resolved is left.
+ResolvedIntersections resolve_intersections(GrowingDual& dual, const AdaptiveSurface& surface, IntersectionTracker& tracker,
+                                            const RunControl& control);
 
 /// The c-vertices of the surface, of these, around which faces can be subdivided into pieces that stay in their grid cells.
 std::vector<CVertexId> subdividable(const AdaptiveSurface& surface, std::vector<CVertexId> c_vertices);

@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "isoatlas/run_control.h"
 #include "complex/surface_complex.h"
 #include "field/interpolated_field.h"
+#include "isoatlas/run_control.h"
 
 namespace isoatlas {
 
@@ -80,17 +80,17 @@ inline Subdivision subdivide(const SurfaceComplex& complex, std::span<const CVer
 
 /// The faces around some c-vertices and around their neighbours, as a complex of their own. Numbers are in the order of those of the whole.
 struct ComplexPart {
-  SurfaceComplex complex;            ///< its rim is no boundary
-  std::vector<CVertexId> c_vertex;   ///< per c-vertex of the part, that of the whole
-  std::vector<FaceId> face;          ///< the same of faces
-  std::vector<std::uint32_t> side;   ///< the same of boundary sides
-  std::vector<CVertexId> wanted;     ///< the c-vertices, numbered in the part
-  std::vector<Fineness> fineness;    ///< per c-vertex of the part
-  std::vector<std::uint8_t> crowded; ///< per c-vertex of the part
+  SurfaceComplex complex;             ///< its rim is no boundary
+  std::vector<CVertexId> c_vertex;    ///< per c-vertex of the part, that of the whole
+  std::vector<FaceId> face;           ///< the same of faces
+  std::vector<std::uint32_t> side;    ///< the same of boundary sides
+  std::vector<CVertexId> wanted;      ///< the c-vertices, numbered in the part
+  std::vector<Fineness> fineness;     ///< per c-vertex of the part
+  std::vector<std::uint8_t> crowded;  ///< per c-vertex of the part
 
   /// @cost  O(F) with a small constant
-  ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId> around, std::span<const Fineness> now, std::span<const std::uint8_t> is_crowded,
-              const RunControl* control = nullptr);
+  ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId> around, std::span<const Fineness> now,
+              std::span<const std::uint8_t> is_crowded, const RunControl* control = nullptr);
   /// subdivide() of the part, around the c-vertices. The same as of the whole, but for the numbers.
   Subdivision subdivided(const SurfaceInGrid& in) const { return subdivide(complex, wanted, fineness, {in.field, crowded, in.control}); }
 };
@@ -98,7 +98,8 @@ struct ComplexPart {
 /// subdivide() in place. Faces that were replaced have the number of their first piece; everything new comes last.
 /// @return with the numbers of the whole, and without a complex
 /// @cost  O(F) with a small constant, plus what is divided
-Subdivision subdivide_in_place(SurfaceComplex& whole, std::span<const CVertexId> wanted, std::span<const Fineness> now, const SurfaceInGrid& in);
+Subdivision subdivide_in_place(SurfaceComplex& whole, std::span<const CVertexId> wanted, std::span<const Fineness> now,
+                               const SurfaceInGrid& in);
 
 /// Whether the samples at the corners of a wall have alternating signs, so that two curves cross it.
 /// @param point  on the wall, but not on its edges

@@ -72,7 +72,8 @@ WatchedCells::WatchedCells(const SurfaceComplex& complex, std::span<const Cell> 
   }
 }
 
-std::vector<CVertexId> WatchedCells::meeting(std::span<const CVertexId> moved, std::span<const Vec3> positions, const RunControl& control) const {
+std::vector<CVertexId> WatchedCells::meeting(std::span<const CVertexId> moved, std::span<const Vec3> positions,
+                                             const RunControl& control) const {
   std::vector<std::uint32_t> cells;
   for (const CVertexId v : moved) {
     if (contains(v)) cells.insert(cells.end(), cells_of_.begin() + first_cell_[v], cells_of_.begin() + first_cell_[v + 1]);

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "complex/surface_complex.h"
 #include "isoatlas/mesh.h"
 #include "isoatlas/run_control.h"
-#include "complex/surface_complex.h"
 
 namespace isoatlas {
 

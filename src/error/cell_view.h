@@ -4,9 +4,9 @@
 #include <array>
 #include <span>
 
-#include "isoatlas/mesh.h"
-#include "error/surfels.h"
 #include "complex/c_vertex_graph.h"
+#include "error/surfels.h"
+#include "isoatlas/mesh.h"
 
 namespace isoatlas {
 
@@ -22,11 +22,11 @@ struct ClosestPoint {
 struct CellView {
   const Surfels& surfels;
   const CVertexGraph& graph;
-  std::span<const float> geodesic;          ///< per c-vertex of the surface, distance to its site in G
-  std::span<const CellId> cell_of;          ///< per c-vertex of the surface
-  std::span<const Vec3> vertex_normal;      ///< per cell, unit normal of the isosurface at its site
-  std::span<const Triangle> triangles;      ///< of the mesh, by their cells
-  std::span<const Vec3> triangle_normal;    ///< per triangle, unit, outward; zero for one without area
+  std::span<const float> geodesic;        ///< per c-vertex of the surface, distance to its site in G
+  std::span<const CellId> cell_of;        ///< per c-vertex of the surface
+  std::span<const Vec3> vertex_normal;    ///< per cell, unit normal of the isosurface at its site
+  std::span<const Triangle> triangles;    ///< of the mesh, by their cells
+  std::span<const Vec3> triangle_normal;  ///< per triangle, unit, outward; zero for one without area
   CVertexId site;
   std::span<const CVertexId> c_vertices;  ///< of the cell
   std::span<const ClosestPoint> closest;  ///< per c-vertex of the cell; only where needs_closest() of the metric

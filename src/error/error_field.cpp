@@ -98,8 +98,8 @@ namespace {
 
 // Points between the c-vertices of a cell that are farther than what is known.
 // @param ring  at the cell
-void look_between(const MeasuredSurface& surface, const BetweenPoints& between, const LevelMesh& mesh, CellId cell, double enough, Ring& ring,
-                  Farthest& most) {
+void look_between(const MeasuredSurface& surface, const BetweenPoints& between, const LevelMesh& mesh, CellId cell, double enough,
+                  Ring& ring, Farthest& most) {
   for (const CVertexId v : mesh.c_vertices_of.row(cell)) {
     between.for_each_at(v, [&](Vec3 p, const Face& face) {
       const auto known = std::max(enough, static_cast<double>(most.distance));

@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
+#include "error/level_mesh.h"
+#include "error/metrics.h"
 #include "isoatlas/run_control.h"
 #include "isosurface/isosurface.h"
-#include "error/metrics.h"
-#include "error/level_mesh.h"
 
 namespace isoatlas {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "isoatlas/error.h"
 #include "error/metrics.h"
+#include "isoatlas/error.h"
 
 namespace isoatlas {
 

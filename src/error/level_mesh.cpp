@@ -35,8 +35,8 @@ std::vector<Triangle> cells_of(std::span<const DualTriangle> dual) {
   return out;
 }
 
-LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, std::span<const DualTriangle> dual, const VertexPlacement& places,
-                          const RunControl* control) {
+LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, std::span<const DualTriangle> dual,
+                          const VertexPlacement& places, const RunControl* control) {
   CancelPoll poll(control);
   LevelMesh mesh;
   const std::uint32_t cells = partition.cell_count();
@@ -59,7 +59,8 @@ LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, st
 
 void set_cells(LevelMesh& mesh, const CellMembers& members, std::span<const CellId> changed) {
   mesh.c_vertices_of.resize_rows(members.cell_count());
-  mesh.triangles_of.resize_rows(std::max(members.cell_count(), mesh.triangles_of.row_count()));  // those that triangles leave stay until then
+  mesh.triangles_of.resize_rows(
+      std::max(members.cell_count(), mesh.triangles_of.row_count()));  // those that triangles leave stay until then
   std::vector<CVertexId> own;
   for (const CellId c : changed) {
     own.clear();
@@ -69,15 +70,15 @@ void set_cells(LevelMesh& mesh, const CellMembers& members, std::span<const Cell
   }
 }
 
-std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const VertexPlacement& places,
-                                        const RunControl* control) {
+std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual,
+                                        const VertexPlacement& places, const RunControl* control) {
   std::vector<CellId> all(mesh.c_vertices_of.row_count());
   std::iota(all.begin(), all.end(), 0u);
   return set_triangles(mesh, surfels, dual, places, all, control);
 }
 
-std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const VertexPlacement& places,
-                                        std::span<const CellId> may_have_moved, const RunControl* control) {
+std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual,
+                                        const VertexPlacement& places, std::span<const CellId> may_have_moved, const RunControl* control) {
   CancelPoll poll(control);
   const std::uint32_t cells = mesh.c_vertices_of.row_count();
   std::vector<std::uint8_t> renewed(mesh.triangles_of.row_count(), 0);
@@ -131,8 +132,8 @@ std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels,
   return renewed;
 }
 
-void edit_mesh(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> triangles, const VertexPlacement& places, const MeshEdit& edit,
-               const RunControl* control) {
+void edit_mesh(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> triangles, const VertexPlacement& places,
+               const MeshEdit& edit, const RunControl* control) {
   CancelPoll poll(control);
   for (const CellId c : edit.vertices) {
     mesh.normal[c] = surfels.normal[places.anchor[c]];
@@ -151,7 +152,8 @@ void edit_mesh(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTria
   }
 }
 
-void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const VertexPlacement& places, const RunControl* control) {
+void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const VertexPlacement& places,
+           const RunControl* control) {
   CancelPoll poll(control);
   std::vector<std::uint32_t> triangles;
   for (const CellId c : cells) {

@@ -6,12 +6,12 @@
 #include <utility>
 #include <vector>
 
-#include "core/slack_rows.h"
-#include "isoatlas/mesh.h"
-#include "error/cell_view.h"
 #include "complex/cell_members.h"
 #include "complex/partition.h"
+#include "core/slack_rows.h"
+#include "error/cell_view.h"
 #include "error/vertex_placement.h"
+#include "isoatlas/mesh.h"
 
 namespace isoatlas {
 
@@ -57,8 +57,8 @@ struct LevelMesh {
 std::vector<Triangle> cells_of(std::span<const DualTriangle> dual);
 
 /// O(C)
-LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, std::span<const DualTriangle> dual, const VertexPlacement& places,
-                          const RunControl* control = nullptr);
+LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, std::span<const DualTriangle> dual,
+                          const VertexPlacement& places, const RunControl* control = nullptr);
 
 /// More or fewer cells, and other c-vertices of some; set_triangles() has to follow.
 /// @param changed  the cells with other c-vertices than before
@@ -67,10 +67,11 @@ void set_cells(LevelMesh& mesh, const CellMembers& members, std::span<const Cell
 /// Gives the mesh other triangles and places. Only those that are not what they were are worked on; the others are compared.
 /// @param may_have_moved  the cells whose vertices may be elsewhere than in the mesh, and all new ones; the other form looks at all
 /// @return per cell, 1 if a triangle there is new, gone or elsewhere
-std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const VertexPlacement& places,
-                                        std::span<const CellId> may_have_moved, const RunControl* control = nullptr);
-std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual, const VertexPlacement& places,
+std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual,
+                                        const VertexPlacement& places, std::span<const CellId> may_have_moved,
                                         const RunControl* control = nullptr);
+std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual,
+                                        const VertexPlacement& places, const RunControl* control = nullptr);
 
 /// What was changed of a mesh: the numbers of triangles with other corners, and the cells whose vertices are elsewhere; sorted.
 struct MeshEdit {
@@ -79,10 +80,11 @@ struct MeshEdit {
 };
 
 /// set_triangles() where only this has changed.
-void edit_mesh(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> triangles, const VertexPlacement& places, const MeshEdit& edit,
-               const RunControl* control = nullptr);
+void edit_mesh(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> triangles, const VertexPlacement& places,
+               const MeshEdit& edit, const RunControl* control = nullptr);
 
 /// Moves the vertices of `cells` and the corners of their triangles to their places.
-void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const VertexPlacement& places, const RunControl* control = nullptr);
+void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const VertexPlacement& places,
+           const RunControl* control = nullptr);
 
 }  // namespace isoatlas

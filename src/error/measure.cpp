@@ -18,15 +18,15 @@
 #include "core/whole_progress.h"
 #include "error/area_samples.h"
 #include "error/measure_mesh.h"
-#include "isosurface/parse_surface.h"
 #include "field/check_volume.h"
 #include "field/to_space.h"
+#include "isosurface/parse_surface.h"
 
 namespace isoatlas {
 namespace {
 
-constexpr double kFarthestVoxels = 1e15;      // what the triangle tree's single precision can square, and to spare
-constexpr std::size_t kGrain = 512;           // samples per piece of a parallel loop
+constexpr double kFarthestVoxels = 1e15;        // what the triangle tree's single precision can square, and to spare
+constexpr std::size_t kGrain = 512;             // samples per piece of a parallel loop
 constexpr std::size_t kBetweenReports = 65536;  // samples between two reports of progress
 
 void require(bool good, const std::string& message) {
@@ -46,7 +46,8 @@ void check_mesh(const TriangleMesh& mesh, Vec3 spacing) {
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
     const Vec3 p = scaled(mesh.positions[v], spacing);
     if (std::abs(p.x) <= farthest && std::abs(p.y) <= farthest && std::abs(p.z) <= farthest) continue;  // not so for NaN
-    throw Error(ErrorCode::bad_argument, "vertex " + std::to_string(v) + " of the mesh is not finite or more than 1e15 voxels away from the volume");
+    throw Error(ErrorCode::bad_argument,
+                "vertex " + std::to_string(v) + " of the mesh is not finite or more than 1e15 voxels away from the volume");
   }
 }
 
@@ -264,7 +265,8 @@ Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::si
   return measure(mesh, surface, samples, none, control);
 }
 
-Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::size_t samples, DistantSamples& far, const RunControl& control) {
+Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::size_t samples, DistantSamples& far,
+                    const RunControl& control) {
   require(samples > 0, "no samples are wanted");
   const Vec3 spacing = surface.spacing();
   check_mesh(mesh, spacing);
@@ -292,7 +294,8 @@ void transform_to(Measurement& measurement, const Grid& grid, Space space) {
   }
 }
 
-Measurement measure(const TriangleMesh& mesh, const VolumeView& volume, const MeasureOptions& options, const RunControl& callers_control) try {
+Measurement measure(const TriangleMesh& mesh, const VolumeView& volume, const MeasureOptions& options,
+                    const RunControl& callers_control) try {
   constexpr std::array<StageShare, 3> kStages{{{"surface", 1}, {"mesh to surface", 5}, {"surface to mesh", 3}}};
   const RunControl control = with_whole_progress(callers_control, kStages);
   check_volume(volume, options.isovalue);

@@ -22,7 +22,8 @@ struct DistantSamples {
 };
 
 /// The same; also lists the samples with a distance larger than `far.bound`.
-Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::size_t samples, DistantSamples& far, const RunControl& control);
+Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::size_t samples, DistantSamples& far,
+                    const RunControl& control);
 
 /// From voxels (smallest spacings) and sample-index coordinates to world lengths and the mesh's space.
 void transform_to(Measurement& measurement, const Grid& grid, Space space);

@@ -308,8 +308,8 @@ void MeasuredCovering::measure(std::vector<CellId> cells, Thoroughness thoroughn
   if (placement_ == Placement::balanced) balance(surface, cells, mesh_, places_);
   const std::optional<double> bound = distance_bound();
   const bool need_own_only = placement_ == Placement::surface && std::ranges::all_of(demands_, [](const Constraint& c) {
-    return c.quantity == Quantity::max_distance || c.quantity == Quantity::max_edge;
-  });
+                               return c.quantity == Quantity::max_distance || c.quantity == Quantity::max_edge;
+                             });
   const bool need_closest = std::any_of(demands_.begin(), demands_.end(), [](const Constraint& c) {
     return c.quantity != Quantity::max_distance && needs_closest(c.quantity);
   });
@@ -427,7 +427,8 @@ void MeasuredCovering::add_distance(CellId cell, const Farthest& most, double bo
   if (excess > errors_[cell].excess) errors_[cell] = {excess, excess, most.at};
 }
 
-std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& covering, const LevelMesh& mesh, TriangleErrors* known, bool is_proved) {
+std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& covering, const LevelMesh& mesh, TriangleErrors* known,
+                                          bool is_proved) {
   const std::uint32_t n = mesh.cell_count();
   std::vector<CellId> cells(n);
   std::iota(cells.begin(), cells.end(), 0u);
@@ -450,15 +451,15 @@ std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& 
   }
   if (ground.between) farthest = measure_between(ground.measured(), *ground.between, mesh, cells, 0, std::move(farthest));
   if (ground.isosurface != nullptr && !is_proved)
-    measure_from_mesh(ground.measured(), mesh, covering.partition().cell_of, cells, static_cast<double>(most), Look::samples, farthest, known);
+    measure_from_mesh(ground.measured(), mesh, covering.partition().cell_of, cells, static_cast<double>(most), Look::samples, farthest,
+                      known);
   ground.report_going_on();
   std::vector<MetricValues> values(n);
   for_each_piece_going_on(n, kCellsPerPiece, ground.control, [&](std::size_t begin, std::size_t end) {
     ground.check_cancelled();
     for (std::size_t i = begin; i < end; ++i) {
       const auto c = static_cast<CellId>(i);
-      const std::span<const ClosestPoint> own =
-          std::span<const ClosestPoint>(closest).subspan(first[c], first[c + 1] - first[c]);
+      const std::span<const ClosestPoint> own = std::span<const ClosestPoint>(closest).subspan(first[c], first[c + 1] - first[c]);
       const CellView cell = view_of(ground, covering, mesh, c, own, farthest[c].distance);
       for (std::size_t m = 0; m < kMetricCount; ++m) values[c][m] = evaluate(static_cast<Quantity>(m), cell);
     }

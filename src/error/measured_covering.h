@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "core/whole_progress.h"
-#include "voronoi/repair.h"
-#include "isoatlas/certificate.h"
-#include "isoatlas/refine.h"
+#include "embedding/adaptive_surface.h"
 #include "error/error_field.h"
 #include "error/surface_proof.h"
 #include "error/triangle_errors.h"
-#include "embedding/adaptive_surface.h"
+#include "isoatlas/certificate.h"
+#include "isoatlas/refine.h"
+#include "voronoi/repair.h"
 
 namespace isoatlas {
 
@@ -39,7 +39,7 @@ struct Ground {
   std::optional<BetweenPoints> between;
   const AdaptiveSurface* roaming;
   mutable std::optional<GridCells> grid_cells;  ///< made by the first proof
-  const RunControl* control;  ///< asked now and then whether to stop; none: nobody is
+  const RunControl* control;                    ///< asked now and then whether to stop; none: nobody is
 
   /// Whether a vertex may leave its c-vertex, within the grid cell.
   bool may_roam(CVertexId v) const { return roaming != nullptr ? roaming->may_roam(v) : !graph.on_boundary[v]; }
@@ -71,8 +71,8 @@ class MeasuredCovering {
 
   /// Where the vertices are, but for what balancing does; spacing applied.
   std::vector<Vec3> base_points() const;
-  /// Goes on where the ground was made anew, after the surface was divided: vertices stay where they are, are at their c-vertices now, and become
-  /// the sites.
+  /// Goes on where the ground was made anew, after the surface was divided: vertices stay where they are, are at their c-vertices now, and
+  /// become the sites.
   /// @param changed  what Ground::remake() has returned
   /// @param before   base_points() before that
   void continue_on(std::span<const std::uint8_t> changed, std::span<const Vec3> before, const RunControl& control);
@@ -99,9 +99,9 @@ class MeasuredCovering {
   /// Completes the errors of these cells: update() stops measuring a cell once a bound is violated. @pre update() has been called
   void measure_fully(std::span<const CellId> cells);
 
-  /// Proves of all cells that are within the bound on the distance, as far as their samples say, that no point of their triangles is farther
-  /// from the isosurface, and no point of their isosurface from the mesh. What was proved stays so until it is measured again. Where the proof
-  /// fails the cell has an error above the bound. @pre update() or remesh() has been called
+  /// Proves of all cells that are within the bound on the distance, as far as their samples say, that no point of their triangles is
+  /// farther from the isosurface, and no point of their isosurface from the mesh. What was proved stays so until it is measured again.
+  /// Where the proof fails the cell has an error above the bound. @pre update() or remesh() has been called
   /// @return in how many cells
   std::size_t prove();
   bool is_proved() const;
@@ -136,8 +136,8 @@ class MeasuredCovering {
 
   /// Where vertices sit, to be changed; remesh() has to follow and be told.
   VertexPlacement& edit_places() { return places_; }
-  /// Changes the mesh's triangles, until the next update(), and takes the places of its vertices, but for balancing; measures the cells again
-  /// that this may concern.
+  /// Changes the mesh's triangles, until the next update(), and takes the places of its vertices, but for balancing; measures the cells
+  /// again that this may concern.
   /// @param triangles  all of them; what is not in `edit` is as it was
   void remesh(std::span<const DualTriangle> triangles, const MeshEdit& edit, std::span<const CellId> concerned);
 
@@ -167,10 +167,11 @@ class MeasuredCovering {
   std::vector<std::uint8_t> proved_;  // per cell, 1 if its isosurface is proved to be within the bound
   std::vector<Farthest> from_mesh_;
   // Checked at each use, so copies share them.
-  std::shared_ptr<TriangleErrors> sampled_triangles_ = std::make_shared<TriangleErrors>(), proved_triangles_ = std::make_shared<TriangleErrors>();
+  std::shared_ptr<TriangleErrors> sampled_triangles_ = std::make_shared<TriangleErrors>(),
+                                  proved_triangles_ = std::make_shared<TriangleErrors>();
   std::vector<CellError> errors_;
   std::vector<std::uint8_t> stands_alone_;  // per cell, 1 if nothing but its c-vertices and triangles can put it over its bounds
-  std::vector<CellId> moved_;        // whose vertices may be elsewhere than in mesh_
+  std::vector<CellId> moved_;               // whose vertices may be elsewhere than in mesh_
   bool all_moved_ = true;
   std::vector<std::uint8_t> stale_;  // per cell, 1 if the next update() has to measure it, whatever else it does
   bool all_stale_ = true;
@@ -179,8 +180,8 @@ class MeasuredCovering {
 /// All six metrics of every cell of a mesh.
 /// @param known      what was found of the mesh's triangles before; none: nothing
 /// @param is_proved  triangles need not be looked at, since they are known to be within the bound
-std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& covering, const LevelMesh& mesh, TriangleErrors* known = nullptr,
-                                          bool is_proved = false);
+std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& covering, const LevelMesh& mesh,
+                                          TriangleErrors* known = nullptr, bool is_proved = false);
 std::array<MetricSummary, kMetricCount> summarize(std::span<const MetricValues> values);
 
 /// The bound times `by`; of a ratio, what it is more than 1.

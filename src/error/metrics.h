@@ -2,8 +2,8 @@
 // The paper's error metrics (section 3.5), each in a file of its own name.
 #pragma once
 
-#include "isoatlas/refine.h"
 #include "error/cell_view.h"
+#include "isoatlas/refine.h"
 
 namespace isoatlas {
 

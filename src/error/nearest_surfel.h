@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "complex/c_vertex_graph.h"
 #include "core/vector_math.h"
 #include "error/surfels.h"
-#include "complex/c_vertex_graph.h"
 
 namespace isoatlas {
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/vector_math.h"
-#include "geometry/closest_point.h"
 #include "error/level_mesh.h"
+#include "geometry/closest_point.h"
 
 namespace isoatlas {
 

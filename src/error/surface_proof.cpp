@@ -9,8 +9,8 @@
 #include "core/cancel_poll.h"
 #include "core/vector_math.h"
 #include "core/whole_progress.h"
-#include "geometry/closest_point.h"
 #include "error/ring.h"
+#include "geometry/closest_point.h"
 
 namespace isoatlas {
 namespace {
@@ -49,7 +49,8 @@ class Piece {
     if (!inside || !outside) return false;
     // A linear function between the field's values, and how far it is off at most.
     Vec3 slope;
-    for (std::size_t k = 0; k < 8; ++k) slope = slope + (0.25 * value[k]) * Vec3{k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0, k & 4 ? 1.0 : -1.0};
+    for (std::size_t k = 0; k < 8; ++k)
+      slope = slope + (0.25 * value[k]) * Vec3{k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0, k & 4 ? 1.0 : -1.0};
     std::array<double, 8> linear;
     double least = INFINITY, most = -INFINITY, largest = 0;
     for (std::size_t k = 0; k < 8; ++k) {
@@ -107,7 +108,8 @@ class Piece {
 
 class SurfaceSearch {
  public:
-  SurfaceSearch(const MeasuredSurface& surface, const GridCells& grid_cells, const LevelMesh& mesh, std::span<const CellId> cell_of, double bound)
+  SurfaceSearch(const MeasuredSurface& surface, const GridCells& grid_cells, const LevelMesh& mesh, std::span<const CellId> cell_of,
+                double bound)
       : surface_(surface), grid_cells_(grid_cells), mesh_(mesh), cell_of_(cell_of), bound_(bound), ring_(mesh) {}
 
   Farthest search(CellId cell) {
@@ -250,7 +252,8 @@ std::span<const CVertexId> GridCells::c_vertices(Key cell) const {
 }
 
 Vec3 GridCells::low(Key cell) const {
-  return {static_cast<double>(cell % size_x_), static_cast<double>(cell / size_x_ % size_y_), static_cast<double>(cell / size_x_ / size_y_)};
+  return {static_cast<double>(cell % size_x_), static_cast<double>(cell / size_x_ % size_y_),
+          static_cast<double>(cell / size_x_ / size_y_)};
 }
 
 std::vector<Farthest> prove_surface_near(const MeasuredSurface& surface, const GridCells& grid_cells, const LevelMesh& mesh,

@@ -40,11 +40,12 @@ class GridCells {
 
 /// Proves for the isosurface in the grid cells of some Voronoi cells that it is no farther than `bound` from the mesh.
 ///
-/// In a box of a grid cell the trilinear isosurface lies between two parallel planes, as the field differs from a linear one by no more than
-/// it does at the box's corners. The distance to a triangle is convex, so it is largest at a corner of what these planes leave of the box.
-/// Boxes that this does not prove to be near one triangle are halved, down to a sixteenth of a grid cell.
+/// In a box of a grid cell the trilinear isosurface lies between two parallel planes, as the field differs from a linear one by no more
+/// than it does at the box's corners. The distance to a triangle is convex, so it is largest at a corner of what these planes leave of the
+/// box. Boxes that this does not prove to be near one triangle are halved, down to a sixteenth of a grid cell.
 ///
-/// @return per cell of `cells`, the distance that could not be excluded, and a c-vertex of the cell near there; none: proved. Where the field
+/// @return per cell of `cells`, the distance that could not be excluded, and a c-vertex of the cell near there; none: proved. Where the
+/// field
 ///         is not trilinear nothing is proved. Parallel over cells
 /// @cost   about 2 microseconds per grid cell
 std::vector<Farthest> prove_surface_near(const MeasuredSurface& surface, const GridCells& grid_cells, const LevelMesh& mesh,

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "isoatlas/run_control.h"
 #include "complex/surface_complex.h"
+#include "isoatlas/run_control.h"
 
 namespace isoatlas {
 

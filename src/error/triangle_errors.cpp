@@ -17,13 +17,13 @@ namespace {
 
 constexpr std::size_t kTrianglesPerPiece = 32;
 constexpr std::array kFirstRadius{0.45, 1.0};  // of patches that are looked at, in voxels, per Look
-constexpr double kSmallRadius = 0.05;     // of those for which the closest point is worth a search
+constexpr double kSmallRadius = 0.05;          // of those for which the closest point is worth a search
 constexpr double kLeastRadius = 5e-3;
-constexpr double kFar = 2;               // a distance, in voxels, beyond which the field along the way says nothing
+constexpr double kFar = 2;                  // a distance, in voxels, beyond which the field along the way says nothing
 constexpr std::size_t kMostGridCells = 27;  // that a patch may meet
 constexpr double kRounding = 1e-6;          // of coordinates on the border, in grid cells
-constexpr int kMostPieces = 64;          // of a patch's side
-constexpr int kMostPiecesAgain = 4;      // once it was looked at
+constexpr int kMostPieces = 64;             // of a patch's side
+constexpr int kMostPiecesAgain = 4;         // once it was looked at
 
 // A triangle a, a + u, a + v in the metric; no point of it is farther than `radius` from its centroid.
 struct Patch {
@@ -90,7 +90,8 @@ class PatchSearch {
       point_ = patch.centroid();
     }
     if (!to_be_proved || d > enough_ || d + patch.radius <= enough_) return 1;
-    if (patch.radius > kLeastRadius * voxel_) return pieces_of(patch.radius / std::max(enough_ - d, kLeastRadius * voxel_), kMostPiecesAgain);
+    if (patch.radius > kLeastRadius * voxel_)
+      return pieces_of(patch.radius / std::max(enough_ - d, kLeastRadius * voxel_), kMostPiecesAgain);
     farthest_ = d + patch.radius;  // for all that is known
     return 1;
   }
@@ -197,7 +198,8 @@ TriangleError error_of(const MeasuredSurface& surface, const LevelMesh& mesh, st
   }
   out.cell = mesh.triangles[triangle][nearest];
   const CVertexId start = mesh.c_vertices_of.row(out.cell)[0];
-  out.sample = {std::nextafter(static_cast<float>(search.distance()), INFINITY), walk_to_nearest(surface.surfels, surface.graph, start, search.point()).id};
+  out.sample = {std::nextafter(static_cast<float>(search.distance()), INFINITY),
+                walk_to_nearest(surface.surfels, surface.graph, start, search.point()).id};
   return out;
 }
 
@@ -225,8 +227,8 @@ const TriangleError* TriangleErrors::find(const LevelMesh& mesh, std::uint32_t t
   return error.at_most <= enough || (error.sample.at != kNone && static_cast<double>(error.sample.distance) > enough) ? &error : nullptr;
 }
 
-void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cell_of, std::span<const CellId> cells,
-                        double enough, Look look, std::vector<Farthest>& from_mesh, TriangleErrors* known) {
+void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cell_of,
+                       std::span<const CellId> cells, double enough, Look look, std::vector<Farthest>& from_mesh, TriangleErrors* known) {
   std::vector<std::uint8_t> wanted(mesh.cell_count(), 0);
   for (const CellId c : cells) wanted[c] = 1;
   from_mesh.resize(mesh.cell_count());

@@ -27,7 +27,9 @@ class TriangleErrors {
   /// @param enough  errors up to this one need not be known, only that they are no larger
   /// @return none if the triangle with this number was another one, or elsewhere, or not looked at well enough
   const TriangleError* find(const LevelMesh& mesh, std::uint32_t triangle, double enough) const;
-  void keep(const LevelMesh& mesh, std::uint32_t triangle, const TriangleError& error) { known_[triangle] = {fingerprint(mesh, triangle), error}; }
+  void keep(const LevelMesh& mesh, std::uint32_t triangle, const TriangleError& error) {
+    known_[triangle] = {fingerprint(mesh, triangle), error};
+  }
 
  private:
   struct Known {
@@ -42,13 +44,14 @@ class TriangleErrors {
 /// Distances from the triangles of some cells to the isosurface: for each of these cells the largest that is found at points nearest to its
 /// vertex, if it is larger than what is in `from_mesh`. Other cells' entries stay. Parallel over triangles.
 ///
-/// Look::samples looks at the centroids of patches of a triangle. Look::proof divides the patches until the isosurface is proved to be within
-/// `enough` of all their points, or a point is found that is farther (docs/theory/05-refinement.md).
+/// Look::samples looks at the centroids of patches of a triangle. Look::proof divides the patches until the isosurface is proved to be
+/// within `enough` of all their points, or a point is found that is farther (docs/theory/05-refinement.md).
 ///
 /// @pre   surface.isosurface is not none
 /// @param enough  errors up to this one need not be known, only that they are no larger
 /// @param known   what was found of triangles before, by the same kind of look and on the same surface; none: all are looked at
-void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cell_of, std::span<const CellId> cells,
-                        double enough, Look look, std::vector<Farthest>& from_mesh, TriangleErrors* known = nullptr);
+void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cell_of,
+                       std::span<const CellId> cells, double enough, Look look, std::vector<Farthest>& from_mesh,
+                       TriangleErrors* known = nullptr);
 
 }  // namespace isoatlas

@@ -34,10 +34,10 @@ std::vector<ShapeObstacle> obstacles(const VertexPlacement& places, const Adapti
   std::vector<ShapeObstacle> out;
   out.reserve(places.anchor.size());
   for (CellId c = 0; c < places.anchor.size(); ++c) {
-    out.push_back(c < earlier                          ? ShapeObstacle::earlier_level
-                  : !places.may_move(c)                ? ShapeObstacle::self_intersection
+    out.push_back(c < earlier                           ? ShapeObstacle::earlier_level
+                  : !places.may_move(c)                 ? ShapeObstacle::self_intersection
                   : !surface.may_roam(places.anchor[c]) ? ShapeObstacle::crowded
-                                                       : ShapeObstacle::none);
+                                                        : ShapeObstacle::none);
   }
   return out;
 }

@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "isoatlas/refine.h"
-#include "error/surfels.h"
 #include "complex/partition.h"
-#include "embedding/adaptive_surface.h"
 #include "complex/surface_complex.h"
+#include "embedding/adaptive_surface.h"
+#include "error/surfels.h"
+#include "isoatlas/refine.h"
 
 namespace isoatlas {
 

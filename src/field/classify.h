@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "isoatlas/volume.h"
 #include "isoatlas/run_control.h"
 #include "isoatlas/volume.h"
 

@@ -87,8 +87,8 @@ class TrilinearCell {
         cxyz_(f[7] - f[3] - f[5] - f[6] + f[1] + f[2] + f[4] - f[0]) {}
 
   double value(Vec3 p) const { return c0_ + p.x * (cx_ + p.y * (cxy_ + p.z * cxyz_) + p.z * cxz_) + p.y * (cy_ + p.z * cyz_) + p.z * cz_; }
-  /// Calls add(least, most) for each component of the gradient, of all points of the box from `low` to `high`. Each is linear in each of the two
-  /// coordinates that it depends on, so that corners have the extremes.
+  /// Calls add(least, most) for each component of the gradient, of all points of the box from `low` to `high`. Each is linear in each of
+  /// the two coordinates that it depends on, so that corners have the extremes.
   template <class Add>
   void for_each_slope(Vec3 low, Vec3 high, Add add) const {
     const auto range = [&](std::size_t axis, double c, double cu, double cv, double u0, double u1, double v0, double v1) {

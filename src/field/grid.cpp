@@ -2,8 +2,8 @@
 #include <algorithm>
 
 #include "core/vector_math.h"
-#include "isoatlas/volume.h"
 #include "field/to_space.h"
+#include "isoatlas/volume.h"
 
 namespace isoatlas {
 

@@ -70,7 +70,8 @@ InterpolatedField::Value InterpolatedField::at(Vec3 p, Cursor& cursor) const {
 
 std::optional<TrilinearCell> InterpolatedField::cell(Vec3 low) const {
   if (interpolation_ != Interpolation::trilinear) return std::nullopt;
-  if (supersample_ == 1) return cell_at({static_cast<std::size_t>(low.x), static_cast<std::size_t>(low.y), static_cast<std::size_t>(low.z)});
+  if (supersample_ == 1)
+    return cell_at({static_cast<std::size_t>(low.x), static_cast<std::size_t>(low.y), static_cast<std::size_t>(low.z)});
   std::array<double, 8> corner;
   for (std::size_t k = 0; k < 8; ++k)
     corner[k] = at(low + Vec3{static_cast<double>(k & 1), static_cast<double>(k >> 1 & 1), static_cast<double>(k >> 2)}).value;

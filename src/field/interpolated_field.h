@@ -7,10 +7,10 @@
 #include <memory>
 #include <optional>
 
-#include "isoatlas/volume.h"
 #include "field/classify.h"
 #include "field/field.h"
 #include "field/upsampled_field.h"
+#include "isoatlas/volume.h"
 
 namespace isoatlas {
 

@@ -48,7 +48,8 @@ LengthUnit length_unit_named(std::string_view name) {
     const std::string_view singular = word.size() > 3 && word.ends_with('s') ? std::string_view(word).substr(0, word.size() - 1) : word;
     // "A" is angstrom, "a" is nothing; all other symbols may be in any case.
     const bool is_symbol = names.unit == LengthUnit::angstrom ? name == names.symbol : word == lower_case(names.symbol);
-    if (is_symbol || matches(word, names) || matches(singular, names) || (names.unit == LengthUnit::inch && word == "inches")) return names.unit;
+    if (is_symbol || matches(word, names) || matches(singular, names) || (names.unit == LengthUnit::inch && word == "inches"))
+      return names.unit;
   }
   return LengthUnit::unknown;
 }

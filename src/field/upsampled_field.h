@@ -8,9 +8,9 @@
 #include <memory>
 #include <vector>
 
-#include "isoatlas/volume.h"
 #include "field/classify.h"
 #include "field/field.h"
+#include "isoatlas/volume.h"
 
 namespace isoatlas {
 

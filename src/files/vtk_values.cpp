@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
+#include "field/sample_type.h"
 #include "files/byte_source.h"
 #include "files/file_error.h"
 #include "files/number_text.h"
-#include "field/sample_type.h"
 
 namespace isoatlas::io {
 
@@ -94,7 +94,7 @@ bool is_in_range(long double value) {
     return std::fabs(value) <= static_cast<long double>(std::numeric_limits<T>::max());
   }
   return (value == std::floor(value) && value >= static_cast<long double>(std::numeric_limits<T>::min()) &&
-                      value <= static_cast<long double>(std::numeric_limits<T>::max()));
+          value <= static_cast<long double>(std::numeric_limits<T>::max()));
 }
 
 // The same in every locale. Integers may be written like 3.0 or 1e3, and numbers below the smallest float are 0.

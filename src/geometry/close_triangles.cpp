@@ -13,9 +13,9 @@
 namespace isoatlas {
 namespace {
 
-constexpr std::size_t kGrain = 4096;      // items per piece of a parallel loop
-constexpr std::size_t kLeafGrain = 64;    // leaves of the tree, each with its candidates
-constexpr std::size_t kQueryGrain = 64;   // triangles, each with its candidates
+constexpr std::size_t kGrain = 4096;     // items per piece of a parallel loop
+constexpr std::size_t kLeafGrain = 64;   // leaves of the tree, each with its candidates
+constexpr std::size_t kQueryGrain = 64;  // triangles, each with its candidates
 
 struct Box {
   Vec3 low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
@@ -71,7 +71,8 @@ double CloseTriangles::scaled_margin() const {
 
 std::vector<std::uint32_t> CloseTriangles::current(const Tree& tree) const {
   std::vector<std::uint32_t> out;
-  std::ranges::copy_if(tree.numbers, std::back_inserter(out), [&](std::uint32_t t) { return t < tree_of_.size() && tree_of_[t] == tree.id; });
+  std::ranges::copy_if(tree.numbers, std::back_inserter(out),
+                       [&](std::uint32_t t) { return t < tree_of_.size() && tree_of_[t] == tree.id; });
   return out;
 }
 
@@ -111,7 +112,8 @@ std::vector<TrianglePair> CloseTriangles::all_pairs(std::span<const Vec3> positi
   std::vector<Box> boxes(tree.triangle_count());  // in the order of the tree
   for_each_piece(boxes.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     control.check_cancelled();
-    for (auto slot = static_cast<std::uint32_t>(begin); slot < end; ++slot) boxes[slot] = box_of(positions, triangles[tree.triangle_in(slot)]);
+    for (auto slot = static_cast<std::uint32_t>(begin); slot < end; ++slot)
+      boxes[slot] = box_of(positions, triangles[tree.triangle_in(slot)]);
   });
   const double reach = 2 * margin_, scaled_reach = 2 * scaled_margin();
   return collect(tree.leaf_count(), kLeafGrain, control, [&](std::size_t first, std::size_t last, std::vector<TrianglePair>& found) {

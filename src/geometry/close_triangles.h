@@ -7,15 +7,15 @@
 #include <vector>
 
 #include "core/epoch_set.h"
+#include "geometry/triangle_tree.h"
 #include "isoatlas/mesh.h"
 #include "isoatlas/run_control.h"
 #include "isoatlas/self_intersections.h"
-#include "geometry/triangle_tree.h"
 
 namespace isoatlas {
 
-/// Finds pairs of triangles with overlapping boxes in a mesh that changes. Triangles that change together are in a tree of their own; a tree
-/// that is not twice as large as the next one is joined with it. So there are few trees, and each triangle is sorted into a few only.
+/// Finds pairs of triangles with overlapping boxes in a mesh that changes. Triangles that change together are in a tree of their own; a
+/// tree that is not twice as large as the next one is joined with it. So there are few trees, and each triangle is sorted into a few only.
 class CloseTriangles {
  public:
   /// Whether a pair of triangles is wanted; called with their numbers, from several threads.
@@ -56,8 +56,8 @@ class CloseTriangles {
 
   double margin_;
   Scaling scaling_;
-  std::vector<Tree> trees_;              // from large to small, from old to new
-  std::vector<std::uint32_t> tree_of_;   // per triangle, the id of its tree
+  std::vector<Tree> trees_;             // from large to small, from old to new
+  std::vector<std::uint32_t> tree_of_;  // per triangle, the id of its tree
   std::uint32_t next_id_ = 0;
   EpochSet is_changed_;
 };

@@ -30,12 +30,13 @@ std::vector<std::uint32_t> IntersectionTracker::take_mesh(std::span<const Vec3> 
       move(static_cast<std::uint32_t>(v), positions[v]);
     }
   });
-  std::vector<std::uint32_t> changed = collect_pieces<std::uint32_t>(triangles.size(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
-    for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
-      const Triangle& t = triangles[i];
-      if (i >= triangles_.size() || triangles_[i] != t || moved[t[0]] || moved[t[1]] || moved[t[2]]) found.push_back(i);
-    }
-  });
+  std::vector<std::uint32_t> changed =
+      collect_pieces<std::uint32_t>(triangles.size(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+        for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
+          const Triangle& t = triangles[i];
+          if (i >= triangles_.size() || triangles_[i] != t || moved[t[0]] || moved[t[1]] || moved[t[2]]) found.push_back(i);
+        }
+      });
   triangles_.assign(triangles.begin(), triangles.end());
   return changed;
 }
@@ -93,7 +94,9 @@ std::vector<std::uint32_t> IntersectionTracker::update(std::span<const std::uint
 // @return the corners of all pairs, with those of triangles that have changed
 std::vector<std::uint32_t> IntersectionTracker::test(std::span<const std::uint32_t> changed, const RunControl& control) {
   std::erase_if(pairs_, [&](const TrianglePair& pair) {
-    const auto is_changed = [&](std::uint32_t t) { return t >= triangles_.size() || std::binary_search(changed.begin(), changed.end(), t); };
+    const auto is_changed = [&](std::uint32_t t) {
+      return t >= triangles_.size() || std::binary_search(changed.begin(), changed.end(), t);
+    };
     return is_changed(pair.first) || is_changed(pair.second);
   });
   const auto flat = collect_pieces<TrianglePair>(changed.size(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {

@@ -10,8 +10,8 @@
 
 namespace isoatlas {
 
-/// The self-intersections of a mesh that changes, and its triangles without area, in the coordinates that files have. Call update() for each
-/// new version of the mesh: only triangles that changed are tested again.
+/// The self-intersections of a mesh that changes, and its triangles without area, in the coordinates that files have. Call update() for
+/// each new version of the mesh: only triangles that changed are tested again.
 class IntersectionTracker {
  public:
   explicit IntersectionTracker(WrittenPositions written = {}) : written_(std::move(written)), close_(written_.most_rounding()) {}
@@ -28,8 +28,8 @@ class IntersectionTracker {
   /// @param changed  the triangles with other corners or a corner that moved, sorted
   /// @param corners  of these, one by one
   /// @cost   what is near triangles that changed
-  std::vector<std::uint32_t> update(std::span<const std::uint32_t> vertices, std::span<const Vec3> at, std::span<const std::uint32_t> changed,
-                                    std::span<const Triangle> corners, const RunControl& control);
+  std::vector<std::uint32_t> update(std::span<const std::uint32_t> vertices, std::span<const Vec3> at,
+                                    std::span<const std::uint32_t> changed, std::span<const Triangle> corners, const RunControl& control);
 
   /// Of each pair in the last mesh the largest corner, all six if the largest has no size; sorted.
   std::vector<std::uint32_t> largest_corners(std::span<const float> size_of_vertex) const;
@@ -46,10 +46,10 @@ class IntersectionTracker {
   WrittenPositions written_;
   CloseTriangles close_;
   // The last mesh and its self-intersections.
-  std::vector<Vec3> positions_;         // in sample indices
-  std::vector<Vec3> in_space_;          // form 0
+  std::vector<Vec3> positions_;  // in sample indices
+  std::vector<Vec3> in_space_;   // form 0
   std::vector<Triangle> triangles_;
-  std::vector<TrianglePair> pairs_;     // a triangle without area is a pair with itself
+  std::vector<TrianglePair> pairs_;  // a triangle without area is a pair with itself
 };
 
 }  // namespace isoatlas

@@ -87,8 +87,8 @@ int crossing(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
 
 // Per component, the closed ones around its lowest vertex.
 std::vector<std::vector<std::uint32_t>> around_components(std::span<const Vec3> positions, std::span<const Triangle> triangles,
-                                                          std::span<const std::uint32_t> component_of, std::span<const std::uint8_t> is_open,
-                                                          const RunControl& control) {
+                                                          std::span<const std::uint32_t> component_of,
+                                                          std::span<const std::uint8_t> is_open, const RunControl& control) {
   const std::size_t components = is_open.size();
   std::vector<std::uint32_t> lowest(components, kNone);
   for (std::uint32_t v = 0; v < positions.size(); ++v) {

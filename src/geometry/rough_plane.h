@@ -17,8 +17,8 @@ inline bool is_moderate(double x) { return x > 1e-60 && x < 1e60; }
 
 // Tells on which side of the plane of three points a point lies, where doubles suffice: by one normal and a height whose error is bounded.
 // The six products of a height are each below u v w, the largest coordinates of three differences, and each has a relative error below 8
-// times 2^-53, so 48 * 2^-53 * u v w bounds the error; kError is twice that. If coordinates may move by a slack, the coordinates of differences
-// move by twice that, e, and the height by up to 6 ((u + e) (v + e) (w + e) - u v w).
+// times 2^-53, so 48 * 2^-53 * u v w bounds the error; kError is twice that. If coordinates may move by a slack, the coordinates of
+// differences move by twice that, e, and the height by up to 6 ((u + e) (v + e) (w + e) - u v w).
 class RoughPlane {
  public:
   RoughPlane() = default;  ///< knows nothing

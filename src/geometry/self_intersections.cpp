@@ -54,15 +54,18 @@ std::vector<TrianglePair> self_intersections(std::span<const Vec3> positions, st
     std::iota(wanted.begin(), wanted.end(), 0u);
   }
   const auto intersect = [&](std::uint32_t a, std::uint32_t b) {
-    return !are_surely_apart(positions, triangles[a], triangles[b], 0) &&
-           meet_beyond_shared(positions, triangles[a], triangles[b]);
+    return !are_surely_apart(positions, triangles[a], triangles[b], 0) && meet_beyond_shared(positions, triangles[a], triangles[b]);
   };
   return CloseTriangles().update(positions, triangles, wanted, intersect, control);
 }
 
 Vec3 meeting_place(std::span<const Vec3> positions, const Triangle& a, const Triangle& b) {
-  const auto lowest = [&](const Triangle& t, double Vec3::*x) { return std::min({positions[t[0]].*x, positions[t[1]].*x, positions[t[2]].*x}); };
-  const auto highest = [&](const Triangle& t, double Vec3::*x) { return std::max({positions[t[0]].*x, positions[t[1]].*x, positions[t[2]].*x}); };
+  const auto lowest = [&](const Triangle& t, double Vec3::*x) {
+    return std::min({positions[t[0]].*x, positions[t[1]].*x, positions[t[2]].*x});
+  };
+  const auto highest = [&](const Triangle& t, double Vec3::*x) {
+    return std::max({positions[t[0]].*x, positions[t[1]].*x, positions[t[2]].*x});
+  };
   const auto middle = [&](double Vec3::*x) {  // of what the boxes of both have in common
     return 0.5 * std::max(lowest(a, x), lowest(b, x)) + 0.5 * std::min(highest(a, x), highest(b, x));
   };

@@ -191,7 +191,8 @@ std::optional<bool> meet_roughly(std::span<const Vec3> positions, const Triangle
   if (sides_a.is_on_one_side()) return false;
   if (sides_a.shared == 2 && sides_b.shared == 2) {
     const Hinge hinge(a, sides_a, b, sides_b);
-    if (is_surely_obtuse(positions[hinge.edge[0]], positions[hinge.edge[1]], positions[hinge.rest_a], positions[hinge.rest_b])) return false;
+    if (is_surely_obtuse(positions[hinge.edge[0]], positions[hinge.edge[1]], positions[hinge.rest_a], positions[hinge.rest_b]))
+      return false;
     return std::nullopt;
   }
   if (!sides_a.is_on_both_sides() || !sides_b.is_on_both_sides()) return std::nullopt;

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "core/ids.h"
+#include "geometry/closest_point.h"
 #include "isoatlas/mesh.h"
 #include "isoatlas/run_control.h"
-#include "geometry/closest_point.h"
 
 namespace isoatlas {
 

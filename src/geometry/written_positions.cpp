@@ -8,8 +8,8 @@
 
 #include "core/float32.h"
 #include "core/vector_math.h"
-#include "geometry/float32_origin.h"
 #include "field/to_space.h"
+#include "geometry/float32_origin.h"
 
 namespace isoatlas {
 namespace {
@@ -31,7 +31,8 @@ double largest_coordinate(Vec3 p) { return std::max({std::fabs(p.x), std::fabs(p
 double rounding(const Bounds& box, Vec3 origin) {
   const double reach = std::max(largest_coordinate(box.low - origin), largest_coordinate(box.high - origin));
   if (!(reach < std::numeric_limits<float>::max())) return std::numeric_limits<double>::infinity();
-  const double step = std::max(reach * std::numeric_limits<float>::epsilon(), static_cast<double>(std::numeric_limits<float>::denorm_min()));
+  const double step =
+      std::max(reach * std::numeric_limits<float>::epsilon(), static_cast<double>(std::numeric_limits<float>::denorm_min()));
   return step / 2;
 }
 

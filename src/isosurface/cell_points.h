@@ -4,9 +4,9 @@
 #include <array>
 #include <optional>
 
+#include "field/field.h"
 #include "isoatlas/mesh.h"
 #include "isosurface/cell_loops.h"
-#include "field/field.h"
 
 namespace isoatlas {
 

@@ -4,11 +4,11 @@
 #include <limits>
 #include <optional>
 
-#include "isoatlas/run_control.h"
-#include "isoatlas/volume.h"
-#include "geometry/triangle_tree.h"
 #include "complex/surface_complex.h"
 #include "field/interpolated_field.h"
+#include "geometry/triangle_tree.h"
+#include "isoatlas/run_control.h"
+#include "isoatlas/volume.h"
 
 namespace isoatlas {
 

@@ -21,12 +21,12 @@
 #include "core/parallel.h"
 #include "core/saddle_sign.h"
 #include "core/vector_math.h"
+#include "field/field.h"
+#include "field/upsampled_field.h"
 #include "isosurface/cell_loops.h"
 #include "isosurface/cell_points.h"
 #include "isosurface/split_faces.h"
 #include "isosurface/tunnel_is_there.h"
-#include "field/field.h"
-#include "field/upsampled_field.h"
 
 namespace isoatlas {
 namespace {
@@ -456,7 +456,8 @@ class Parser {
     for (int bu = 0; bu < 2; ++bu) {
       for (int bv = 0; bv < 2; ++bv) {
         if (((loops.corners >> face_corner(axis, 0, bu, bv)) & 1) != (around_inside ? 1 : 0)) continue;
-        const SplitNode on_u = node_on(c, f, face_edge_along_u(axis, 0, bv), false), on_v = node_on(c, f, face_edge_along_v(axis, 0, bu), false);
+        const SplitNode on_u = node_on(c, f, face_edge_along_u(axis, 0, bv), false),
+                        on_v = node_on(c, f, face_edge_along_v(axis, 0, bu), false);
         const CVertexId id = add_c_vertex(complex_, 0.5 * (on_u.position + on_v.position));
         for (const SplitNode& node : {on_u, on_v}) {
           nodes.push_back(node);
@@ -487,8 +488,8 @@ class Parser {
     return {slices_[c[2]].first_face + cell.first_face + before, is_cut, {border(0), border(1), border(2)}, axis, position, corners};
   }
 
-  // The c-vertices around the node on the grid edge along `axis` at the lower corner of cell `at`, counter-clockwise seen from outside: those of the four cells in the order of make_face(), two in
-  // a cell whose annulus is cut at the node.
+  // The c-vertices around the node on the grid edge along `axis` at the lower corner of cell `at`, counter-clockwise seen from outside:
+  // those of the four cells in the order of make_face(), two in a cell whose annulus is cut at the node.
   std::vector<CVertexId> corners_around(int axis, const std::array<std::size_t, 3>& at) const {
     const auto u = static_cast<std::size_t>((axis + 1) % 3), v = static_cast<std::size_t>((axis + 2) % 3);
     std::vector<CVertexId> corners;

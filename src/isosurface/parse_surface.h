@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "isoatlas/run_control.h"
-#include "isoatlas/volume.h"
 #include "complex/surface_complex.h"
 #include "field/classify.h"
+#include "isoatlas/run_control.h"
+#include "isoatlas/volume.h"
 
 namespace isoatlas {
 

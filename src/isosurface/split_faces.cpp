@@ -15,7 +15,9 @@ using BorderNode = std::array<CVertexId, 3>;  // ends of a boundary side, and th
 int next_axis(int axis, int by) { return (axis + by) % 3; }
 bool is_on_border(const SplitNode& node, int axis) { return node.border[static_cast<std::size_t>(axis)] != 0; }
 // On a face of the volume, but on none of its edges.
-bool is_on_border(const SplitNode& node) { return is_on_border(node, next_axis(node.axis, 1)) != is_on_border(node, next_axis(node.axis, 2)); }
+bool is_on_border(const SplitNode& node) {
+  return is_on_border(node, next_axis(node.axis, 1)) != is_on_border(node, next_axis(node.axis, 2));
+}
 
 // The node. On an edge of the volume a boundary c-vertex is there already.
 CVertexId centre_of_fan(SurfaceComplex& complex, const SplitNode& node, const std::vector<CVertexId>& polygon) {
@@ -44,7 +46,8 @@ std::vector<CVertexId> polygon_around(const SurfaceComplex& complex, const Split
   return out;
 }
 
-void make_fan(SurfaceComplex& complex, const SplitNode& node, std::span<const SegmentMiddle> middles, std::vector<BorderNode>& border_nodes) {
+void make_fan(SurfaceComplex& complex, const SplitNode& node, std::span<const SegmentMiddle> middles,
+              std::vector<BorderNode>& border_nodes) {
   const std::vector<CVertexId> polygon = polygon_around(complex, node, middles);
   const CVertexId centre = centre_of_fan(complex, node, polygon);
   bool first_triangle = true;
@@ -91,7 +94,8 @@ CVertexId add_c_vertex(SurfaceComplex& complex, Vec3 position) {
 void split_faces(SurfaceComplex& complex, std::vector<SplitNode> nodes, std::vector<SegmentMiddle> middles, const RunControl& control) {
   std::ranges::sort(nodes, [](const SplitNode& a, const SplitNode& b) { return a.face != b.face ? a.face < b.face : a.is_cut > b.is_cut; });
   nodes.erase(std::ranges::unique(nodes, {}, &SplitNode::face).begin(), nodes.end());
-  std::ranges::sort(middles, [](const SegmentMiddle& a, const SegmentMiddle& b) { return std::tie(a.face, a.id) < std::tie(b.face, b.id); });
+  std::ranges::sort(middles,
+                    [](const SegmentMiddle& a, const SegmentMiddle& b) { return std::tie(a.face, a.id) < std::tie(b.face, b.id); });
   std::vector<BorderNode> border_nodes;
   CancelPoll poll(control);
   for (const SplitNode& node : nodes) {

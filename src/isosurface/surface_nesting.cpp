@@ -37,9 +37,8 @@ Nesting surface_nesting(const Components& components, std::span<const VerticalNo
   for (const VerticalNode& node : nodes) {
     if (is_closed(component_of(node)) && std::ranges::binary_search(columns, Column{node.y, node.x})) on_columns.push_back(&node);
   }
-  std::ranges::sort(on_columns, [](const VerticalNode* a, const VerticalNode* b) {
-    return std::tie(a->y, a->x, a->z) < std::tie(b->y, b->x, b->z);
-  });
+  std::ranges::sort(on_columns,
+                    [](const VerticalNode* a, const VerticalNode* b) { return std::tie(a->y, a->x, a->z) < std::tie(b->y, b->x, b->z); });
   std::vector<std::vector<std::uint32_t>> around(n);
   std::map<ComponentId, int> winding;  // of what the column has crossed so far; closed components have 0 again at its end
   for (const VerticalNode* node : on_columns) {

@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "core/nesting.h"
 #include "complex/components.h"
+#include "core/nesting.h"
 #include "isosurface/parse_surface.h"
 
 namespace isoatlas {

@@ -5,15 +5,15 @@
 #include <numeric>
 #include <utility>
 
+#include "complex/components.h"
 #include "core/parallel.h"
 #include "core/vector_math.h"
 #include "core/whole_progress.h"
-#include "voronoi/halving_covering.h"
-#include "geometry/mesh_nesting.h"
-#include "error/level_mesh.h"
-#include "optimize/relax.h"
 #include "embedding/resolve_intersections.h"
-#include "complex/components.h"
+#include "error/level_mesh.h"
+#include "geometry/mesh_nesting.h"
+#include "optimize/relax.h"
+#include "voronoi/halving_covering.h"
 
 namespace isoatlas {
 namespace {
@@ -218,8 +218,8 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
     goal.push = round % 2 == 0;
     control.check_cancelled();
     const std::vector<Vec3> before = points;
-    const std::vector<std::uint32_t> moved =
-        relax(points, mesh_.triangles, triangles_of, [&](std::uint32_t i) { return roam[i]; }, field, s, goal, control, look);
+    const std::vector<std::uint32_t> moved = relax(
+        points, mesh_.triangles, triangles_of, [&](std::uint32_t i) { return roam[i]; }, field, s, goal, control, look);
     std::vector<Vec3> positions_before;  // of those that moved
     for (const std::uint32_t i : moved) {
       positions_before.push_back(positions[at[i]]);

@@ -5,14 +5,14 @@
 #include <span>
 #include <vector>
 
-#include "voronoi/repair.h"
+#include "complex/coarsen.h"
 #include "core/nesting.h"
+#include "embedding/adaptive_surface.h"
+#include "error/vertex_placement.h"
 #include "geometry/intersection_tracker.h"
 #include "isoatlas/options.h"
 #include "isoatlas/report.h"
-#include "complex/coarsen.h"
-#include "error/vertex_placement.h"
-#include "embedding/adaptive_surface.h"
+#include "voronoi/repair.h"
 
 namespace isoatlas {
 
@@ -20,9 +20,9 @@ namespace isoatlas {
 struct CoarseLevel {
   TriangleMesh mesh;  ///< in sample-index coordinates
   MeshTopology topology;
-  VertexPlacement placement;     ///< on the surface
-  std::vector<CVertexId> site;   ///< per cell, on the coarser complex, if there is one
-  std::vector<float> radius;     ///< per c-vertex there, of a disk about it
+  VertexPlacement placement;    ///< on the surface
+  std::vector<CVertexId> site;  ///< per cell, on the coarser complex, if there is one
+  std::vector<float> radius;    ///< per c-vertex there, of a disk about it
 };
 
 /// Stage one: a covering, certified, and the mesh of level 0. Lengths are in voxels. To be called in the order below.
@@ -57,8 +57,8 @@ class CoarseMesher {
   class Dual;
   void relax_vertices(const RunControl& control);
   void take_mesh();
-  std::vector<ComponentId> components() const;  ///< per vertex
-  std::vector<std::uint8_t> turned_components(std::span<const ComponentId> component_of) const;     ///< per component, 1 if it is inside out
+  std::vector<ComponentId> components() const;                                                   ///< per vertex
+  std::vector<std::uint8_t> turned_components(std::span<const ComponentId> component_of) const;  ///< per component, 1 if it is inside out
   Nesting nesting(std::span<const ComponentId> component_of) const;
   std::vector<std::uint8_t> must_go_back(std::span<const std::uint32_t> moved, std::span<const Vec3> before, std::span<Vec3> positions,
                                          std::span<const std::uint32_t> look, std::span<const ComponentId> component_of,

@@ -65,7 +65,8 @@ std::string reason(const Constraint& c, const MeshExtent& mesh, const Obstacles&
   if (c.quantity == Quantity::min_vertices)
     return "cells cannot be smaller: the surface has " + count_text(mesh.c_vertices) + " c-vertices; supersampling would give more";
   if (obstacles.cells_at_limit == 0) return "smaller cells did not help";
-  return (obstacles.cells_at_limit == 1 ? "1 cell is" : count_text(obstacles.cells_at_limit) + " cells are") + " at the resolution limit; supersampling would help there";
+  return (obstacles.cells_at_limit == 1 ? "1 cell is" : count_text(obstacles.cells_at_limit) + " cells are") +
+         " at the resolution limit; supersampling would help there";
 }
 
 }  // namespace

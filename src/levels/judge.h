@@ -4,8 +4,8 @@
 #include <array>
 #include <vector>
 
-#include "isoatlas/refine.h"
 #include "error/level_mesh.h"
+#include "isoatlas/refine.h"
 
 namespace isoatlas {
 

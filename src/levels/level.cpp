@@ -13,9 +13,9 @@
 #include "core/parallel.h"
 #include "core/vector_math.h"
 #include "core/whole_progress.h"
+#include "field/to_space.h"
 #include "geometry/mesh_nesting.h"
 #include "geometry/triangle_pair.h"
-#include "field/to_space.h"
 #include "isoatlas/self_intersections.h"
 
 namespace isoatlas {
@@ -50,7 +50,8 @@ void check_mesh(const MeshTopology& mesh, const Components& reference, const std
 }
 
 // Components of the finished mesh whose orientation or, if `nested`, nesting is not that of the isosurface.
-std::size_t count_misplaced(const TriangleMesh& mesh, std::span<const ComponentId> component_of, const AdaptiveSurface& surface, bool nested) {
+std::size_t count_misplaced(const TriangleMesh& mesh, std::span<const ComponentId> component_of, const AdaptiveSurface& surface,
+                            bool nested) {
   const std::vector<std::uint8_t> is_open = open_flags(surface.components());
   const Nesting& wanted = surface.nesting();
   if (nested) {
@@ -103,7 +104,8 @@ std::vector<BadTriangle> bad_triangles(const TriangleMesh& world, const Triangle
     const double angle = std::atan2(length(cross(u, v)), dot(u, v)) * 180 / std::numbers::pi;
     out.push_back({(1.0 / 3) * (at.positions[t[0]] + at.positions[t[1]] + at.positions[t[2]]), aspect, angle, obstacle});
   }
-  std::stable_sort(out.begin(), out.end(), [&](const BadTriangle& a, const BadTriangle& b) { return badness(a, least) < badness(b, least); });
+  std::stable_sort(out.begin(), out.end(),
+                   [&](const BadTriangle& a, const BadTriangle& b) { return badness(a, least) < badness(b, least); });
   return out;
 }
 

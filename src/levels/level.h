@@ -4,9 +4,9 @@
 
 #include <span>
 
+#include "embedding/adaptive_surface.h"
 #include "isoatlas/options.h"
 #include "isoatlas/report.h"
-#include "embedding/adaptive_surface.h"
 
 namespace isoatlas {
 

@@ -36,9 +36,8 @@ void judge_by_measurement(LevelReport& report) {
 }
 
 bool satisfies_distance(const RefinedLevel& level) {
-  return std::ranges::all_of(level.figures.constraints, [](const ConstraintResult& result) {
-    return result.wanted.quantity != Quantity::max_distance || result.met;
-  });
+  return std::ranges::all_of(level.figures.constraints,
+                             [](const ConstraintResult& result) { return result.wanted.quantity != Quantity::max_distance || result.met; });
 }
 
 bool is_whole(const ExtractOptions& options) {
@@ -52,7 +51,9 @@ LevelMaker::LevelMaker(const LevelSource& source, const ExtractOptions& options,
       options_(options),
       control_(control),
       refiner_(source.surface, source.isosurface, source.coarser, source.options,
-               {source.coarse.site, source.coarse.radius, source.coarse.placement, is_whole(options)}, options.allow_self_intersections ? std::nullopt : std::optional(WrittenPositions(source.grid, options.space, options.supersample)),
+               {source.coarse.site, source.coarse.radius, source.coarse.placement, is_whole(options)},
+               options.allow_self_intersections ? std::nullopt
+                                                : std::optional(WrittenPositions(source.grid, options.space, options.supersample)),
                options.adaptive_supersample) {}
 
 Vec3 LevelMaker::to_space(Vec3 index) const {
@@ -95,8 +96,7 @@ void LevelMaker::fill_measurement(Measurement measured, LevelReport& report) con
 void LevelMaker::describe_coarse(Hierarchy& hierarchy, LevelReport& report) {
   const TriangleMesh& mesh = source_.coarse.mesh;
   const LevelGoal& goal = options_.coarse;
-  const LevelFigures figures =
-      refiner_.describe_coarse(mesh.triangles, in_units_of(goal, source_.grid.smallest_spacing()), control_);
+  const LevelFigures figures = refiner_.describe_coarse(mesh.triangles, in_units_of(goal, source_.grid.smallest_spacing()), control_);
   tell(goal, figures, report);
   hierarchy.levels.front().distance = world_lengths(figures.distance);
   if (options_.measure_samples > 0) fill_measurement(measure(mesh, source_.isosurface, options_.measure_samples, control_), report);
@@ -183,8 +183,7 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
   const MeshTopology topology = mesh_topology(mesh, control);
   report_going_on(control);
   if (measured) fill_measurement(std::move(*measured), report);
-  finish_level(mesh, topology, partition.site, source_.surface, refiner_.obstacles(), goal, source_.grid, options_, report,
-               control_);
+  finish_level(mesh, topology, partition.site, source_.surface, refiner_.obstacles(), goal, source_.grid, options_, report, control_);
 
   // Vertices that are new; the others are there already.
   const std::uint32_t vertices = partition.cell_count();

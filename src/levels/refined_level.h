@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "error/metrics.h"
 #include "isoatlas/certificate.h"
 #include "isoatlas/refine.h"
-#include "error/metrics.h"
 #include "optimize/shape_optimizer.h"
 
 namespace isoatlas {

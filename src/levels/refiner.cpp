@@ -16,8 +16,8 @@
 
 #include "core/vector_math.h"
 #include "core/whole_progress.h"
-#include "levels/predict_radii.h"
 #include "embedding/resolve_intersections.h"
+#include "levels/predict_radii.h"
 
 namespace isoatlas {
 namespace {
@@ -35,8 +35,8 @@ constexpr double kWorthAChance = 0.05;
 constexpr std::size_t kFewTriangles = 100;
 // Cells at their limit that are tried to be mended by flips and moves.
 constexpr std::size_t kMostMended = 200;
-// A cell with a radius of this share of a bound on the distance lies within the bound, but for what vertices are away from the surface: what is
-// farther there, smaller cells do not mend.
+// A cell with a radius of this share of a bound on the distance lies within the bound, but for what vertices are away from the surface:
+// what is farther there, smaller cells do not mend.
 constexpr double kUsefulShare = 0.4;
 // Each time that the surface is divided for a bound, the faces around so many c-vertices, or around this part of them all.
 constexpr std::size_t kFewDivided = 6, kShareDivided = 20;
@@ -443,8 +443,8 @@ RefinedLevel Refiner::refine_once(const LevelGoal& goal, const LevelGoal& asked,
   return out;
 }
 
-// Most of what a bound on the distance asks for at once, where the cells are over it: in rounds, each of twice as many cells, all of them would be
-// covered and measured several times. Not where vertices may run out, since they belong where the mesh is farthest.
+// Most of what a bound on the distance asks for at once, where the cells are over it: in rounds, each of twice as many cells, all of them
+// would be covered and measured several times. Not where vertices may run out, since they belong where the mesh is farthest.
 void Refiner::make_predicted_cells(const Task& task, RefinedLevel& out, const RunControl& control) {
   const auto bound = std::ranges::find(task.metrics, Quantity::max_distance, &Constraint::quantity);
   if (task.most_sites != kNone || bound == task.metrics.end()) return;

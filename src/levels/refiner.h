@@ -7,15 +7,15 @@
 #include <utility>
 #include <vector>
 
+#include "complex/coarsen.h"
+#include "embedding/adaptive_surface.h"
+#include "error/measured_covering.h"
 #include "geometry/intersection_tracker.h"
 #include "isoatlas/refine.h"
-#include "complex/coarsen.h"
 #include "levels/judge.h"
-#include "error/measured_covering.h"
 #include "levels/refined_level.h"
 #include "levels/rounds.h"
 #include "optimize/shape_optimizer.h"
-#include "embedding/adaptive_surface.h"
 
 namespace isoatlas {
 
@@ -64,7 +64,9 @@ class Refiner {
   const VertexPlacement& places() const { return work_->places(); }
   /// Per vertex, the vertex of the level before in whose cell it was placed. @pre refine() was called
   std::vector<std::uint32_t> parents() const;
-  std::vector<ShapeObstacle> obstacles() const { return isoatlas::obstacles(places(), surface_, sites_before_); }  ///< per vertex, what keeps it where it is; of the last level
+  std::vector<ShapeObstacle> obstacles() const {
+    return isoatlas::obstacles(places(), surface_, sites_before_);
+  }  ///< per vertex, what keeps it where it is; of the last level
 
  private:
   using Task = RefinementTask;
@@ -79,12 +81,12 @@ class Refiner {
   void finish(const Task& task, const LevelGoal& asked, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control);
   void improve_level_shape(const Task& task, std::vector<DualTriangle>& triangles, RefinedLevel& out, const RunControl& control);
   void refine_and_improve(const Task& task, IntersectionTracker& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
-                        const RunControl& control);
+                          const RunControl& control);
   void retry_bad_triangles(const Task& task, IntersectionTracker& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
-                         const RunControl& control);
+                           const RunControl& control);
   void repair_worst_cells(const Task& task, std::vector<DualTriangle>& triangles, RefinedLevel& out, const RunControl& control);
   void revert_intersecting_changes(const Task& task, IntersectionTracker& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
-                                 const RunControl& control);
+                                   const RunControl& control);
   void describe(const Task& task, const LevelGoal& asked, RefinedLevel& out);
   bool refine_cells(std::span<const CellId> cells, const RunControl& control);
   bool can_refine(std::span<const CellId> cells) const;

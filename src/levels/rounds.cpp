@@ -16,8 +16,8 @@
 namespace isoatlas {
 namespace {
 
-// In one round: the cells with more than this share of the worst excess. (A band of 0.5 instead needs 1.8 times the rounds and measures 1.4 times
-// the cells, for as many triangles.)
+// In one round: the cells with more than this share of the worst excess. (A band of 0.5 instead needs 1.8 times the rounds and measures 1.4
+// times the cells, for as many triangles.)
 constexpr double kBand = 0.1;
 // A cell's radius becomes smaller by the square root of its excess, but in steps between these.
 constexpr double kLeastStep = 0.25, kLargestStep = 0.9;
@@ -27,8 +27,8 @@ constexpr float kFarEnough = 0.55f;
 
 // Under a limit on vertices: how often in a row a step may fail before it is over.
 constexpr int kMostFailures = 24;
-// The share of the vertices that the first bounds are estimated to need. (They need about half. 0.15 instead of 0.3: 1.3 times the time, and
-// errors that are 1 % smaller on average.)
+// The share of the vertices that the first bounds are estimated to need. (They need about half. 0.15 instead of 0.3: 1.3 times the time,
+// and errors that are 1 % smaller on average.)
 constexpr double kFirstShare = 0.3;
 constexpr double kNearEnough = 0.5;
 // Of the time of a level, that goes by until bounds are met at the samples for the first time.
@@ -37,7 +37,8 @@ constexpr double kMeetShare = 0.25;
 // Until all demands are met as far as they can be, or vertices run out.
 class Stretch {
  public:
-  Stretch(MeasuredCovering& work, const RefinementTask& task, RefinedLevel& out) : work_(work), covering_(work.covering()), task_(task), out_(out) {}
+  Stretch(MeasuredCovering& work, const RefinementTask& task, RefinedLevel& out)
+      : work_(work), covering_(work.covering()), task_(task), out_(out) {}
 
   /// @param report  is told the worst excess of each round that can be helped
   template <class Report>
@@ -81,8 +82,8 @@ class Stretch {
   }
   bool is_open(CellId c) const { return !given_up_[c] && (can_shrink(c) || can_split(c)); }
 
-  // Removes the sites of the last step and tries less at once if the step exceeded the limit, or if it used the last vertex and raised the largest
-  // error. A single cell that needs too much is left as it is.
+  // Removes the sites of the last step and tries less at once if the step exceeded the limit, or if it used the last vertex and raised the
+  // largest error. A single cell that needs too much is left as it is.
   void take_back_if_too_much(const RunControl& control) {
     const auto is_too_much = [&] { return sites() > task_.most_sites || (sites() == task_.most_sites && worst_of_open() > worst_before_); };
     took_back_ = sites_before_ != kNone && is_too_much();
@@ -188,8 +189,8 @@ class Stretch {
   RefinedLevel& out_;
   std::uint32_t sites_before_ = kNone;  // the last step, if it may have to be taken back
   CertificateReport certificate_before_;
-  double worst_before_ = 0;             // excess
-  CellId tried_ = kNone;                // the worst cell of that step, if it was about cells
+  double worst_before_ = 0;  // excess
+  CellId tried_ = kNone;     // the worst cell of that step, if it was about cells
   bool took_back_ = false;
   std::vector<CVertexId> shape_step_, shape_given_up_;  // where the last step put sites for the sake of shape; where that led too far
   std::vector<std::uint8_t> given_up_;                  // per cell, 1 if a step there led over the limit on vertices
@@ -197,8 +198,8 @@ class Stretch {
   int failures_ = 0;                                    // in a row, of single cells
 };
 
-// How many times as generous bounds have to be for about so many cells: one that violates a bound by a factor is expected to become as many. No more
-// generous than all cells need.
+// How many times as generous bounds have to be for about so many cells: one that violates a bound by a factor is expected to become as
+// many. No more generous than all cells need.
 double first_generosity(std::span<const CellError> errors, double cells) {
   double sum = 0, most = 1;
   for (const CellError& e : errors) {
@@ -209,8 +210,8 @@ double first_generosity(std::span<const CellError> errors, double cells) {
   return std::clamp(sum / cells, 1.0, most);
 }
 
-// By what factor bounds become tighter next. The number of cells goes with one over the bound, so large steps lead near to 0.6 of the vertices, and
-// the last ones to all of them: bounds that are satisfied are measured completely, those that vertices run out for are not.
+// By what factor bounds become tighter next. The number of cells goes with one over the bound, so large steps lead near to 0.6 of the
+// vertices, and the last ones to all of them: bounds that are satisfied are measured completely, those that vertices run out for are not.
 double next_step(double share_used) {
   return share_used < 0.5 ? std::clamp(share_used / 0.6, 0.1, 0.7) : std::clamp(share_used, 0.85, 0.97);
 }
@@ -241,8 +242,8 @@ bool make_smaller_at_bad_triangles(MeasuredCovering& work, const RefinementTask&
   return !lower.empty();
 }
 
-// Until the task is done as far as it can be, or vertices run out. If they may, bounds are first more generous and then less and less so: what
-// vertices there are then go where they lower the largest error, looked at from all sides.
+// Until the task is done as far as it can be, or vertices run out. If they may, bounds are first more generous and then less and less so:
+// what vertices there are then go where they lower the largest error, looked at from all sides.
 void RefinementRounds::work(MeasuredCovering& work, const RefinementTask& task, RefinedLevel& out, const RunControl& control) {
   work.demand(demands_of(task.metrics), task.placement);
   if (task.most_sites == kNone || task.metrics.empty()) {

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "isoatlas/refine.h"
 #include "error/measured_covering.h"
+#include "isoatlas/refine.h"
 #include "levels/refined_level.h"
 #include "optimize/shape_optimizer.h"
 
@@ -48,8 +48,8 @@ std::vector<Constraint> demands_of(const std::vector<Constraint>& metrics, doubl
 /// Makes the cells at badly shaped triangles smaller. @return whether any could be
 bool make_smaller_at_bad_triangles(MeasuredCovering& work, const RefinementTask& task, const std::vector<DualTriangle>& triangles);
 
-/// Adds sites and lowers radii in rounds until a task is done (docs/theory/05-refinement.md). One object for each level: it knows how far the level
-/// is.
+/// Adds sites and lowers radii in rounds until a task is done (docs/theory/05-refinement.md). One object for each level: it knows how far
+/// the level is.
 class RefinementRounds {
  public:
   /// Until the task is done as far as it can be, or vertices run out; what was done is added to `out`.

@@ -43,7 +43,7 @@ void write_off(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& f
 void write_vtp(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file);
 void write_3mf(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file);  ///< of form_in_3mf()
 void write_gii(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file);  ///< of form_in_gifti()
-constexpr const char* kVtpDistance = "max_distance";  ///< the array of distances in .vtp
+constexpr const char* kVtpDistance = "max_distance";                                   ///< the array of distances in .vtp
 /// With text fields by name, empty ones are left out, and distances of the vertices or none.
 void write_vtp(const TriangleMesh& mesh, const std::map<std::string, std::string>& fields, const std::vector<float>& distance,
                AtomicFile& file);

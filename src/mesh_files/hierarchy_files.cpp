@@ -25,7 +25,7 @@ struct HierarchyFormat {
   io::StoredLevels (*read)(const fs::path&);
   StoredPositions (*write)(const Hierarchy&, const HierarchyFileInfo&, const fs::path&);
   bool has_pieces;
-  double (*rounding)(const Hierarchy&, const fs::path&);  ///< none: all digits are kept
+  double (*rounding)(const Hierarchy&, const fs::path&);                           ///< none: all digits are kept
   std::vector<Vec3> (*positions)(const Hierarchy&, std::size_t, const fs::path&);  ///< likewise
 };
 

@@ -35,9 +35,9 @@ constexpr const char* kCoreNamespace = "http://schemas.microsoft.com/3dmanufactu
 constexpr const char* kSpaceName = "isoatlas:space";
 constexpr const char* kProgramName = "Application";
 
-constexpr std::array kUnits{
-    std::pair{"micron", LengthUnit::micrometre}, std::pair{"millimeter", LengthUnit::millimetre},
-    std::pair{"centimeter", LengthUnit::centimetre}, std::pair{"inch", LengthUnit::inch}, std::pair{"meter", LengthUnit::metre}};
+constexpr std::array kUnits{std::pair{"micron", LengthUnit::micrometre}, std::pair{"millimeter", LengthUnit::millimetre},
+                            std::pair{"centimeter", LengthUnit::centimetre}, std::pair{"inch", LengthUnit::inch},
+                            std::pair{"meter", LengthUnit::metre}};
 
 // ------------------------------------------------------------------------------------------------------------- out
 
@@ -61,18 +61,23 @@ void append_element(std::string& text, const std::array<std::string_view, 4>& pa
 
 std::string model_xml(const TriangleMesh& mesh, const MeshFileInfo& info) {
   const auto unit = std::ranges::find(kUnits, info.unit, [](const auto& entry) { return entry.second; });
-  std::string xml = R"(<?xml version="1.0" encoding="UTF-8"?>)" "\n" R"(<model unit=")";
+  std::string xml = R"(<?xml version="1.0" encoding="UTF-8"?>)"
+                    "\n"
+                    R"(<model unit=")";
   xml += unit == kUnits.end() ? "millimeter" : unit->first;
   xml += R"(" xml:lang="en-US" xmlns=")";
   xml += kCoreNamespace;
-  xml += R"(" xmlns:isoatlas="urn:isoatlas:mesh">)" "\n";
+  xml += R"(" xmlns:isoatlas="urn:isoatlas:mesh">)"
+         "\n";
   for (const auto& [name, value] : {std::pair{kProgramName, info.comment}, std::pair{kSpaceName, info.space}}) {
     if (!value.empty()) {
       xml += std::string("<metadata name=\"") + name + "\">" + xml_text(value) + "</metadata>\n";
     }
   }
   // The specification wants a "model" to be closed; a "surface" may be open.
-  xml += R"(<resources>)" "\n" R"(<object id="1" type=")";
+  xml += R"(<resources>)"
+         "\n"
+         R"(<object id="1" type=")";
   xml += is_closed_manifold(mesh) ? "model" : "surface";
   xml += "\">\n<mesh>\n<vertices>\n";
   for (const Vec3& p : mesh.positions) {
@@ -98,7 +103,8 @@ std::string content_types_xml() {
 std::string relationships_xml() {
   return std::string(R"(<?xml version="1.0" encoding="UTF-8"?>
 <Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships">
-<Relationship Id="rel0" Type=")") + kModelType + R"(" Target="/)" + kModel + R"("/>
+<Relationship Id="rel0" Type=")") +
+         kModelType + R"(" Target="/)" + kModel + R"("/>
 </Relationships>
 )";
 }
@@ -126,7 +132,8 @@ pugi::xml_node model_in(pugi::xml_document& document) {
     return document.child("model");
   }
   const std::string prefix = name.substr(0, colon + 1);
-  if (name.substr(colon + 1) != "model" || std::string_view(root.attribute(("xmlns:" + name.substr(0, colon)).c_str()).value()) != kCoreNamespace) {
+  if (name.substr(colon + 1) != "model" ||
+      std::string_view(root.attribute(("xmlns:" + name.substr(0, colon)).c_str()).value()) != kCoreNamespace) {
     return {};
   }
   struct Walker final : pugi::xml_tree_walker {
@@ -227,7 +234,7 @@ class ModelReader {
   // `place` names the object and says where it goes.
   void add_object(const pugi::xml_node& place, const Transform& outer, int depth) {
     constexpr int kMostDepth = 32;
-    constexpr std::size_t kMostPlaced = 1'000'000;  // a few components can stand for any number of copies
+    constexpr std::size_t kMostPlaced = 1'000'000;                    // a few components can stand for any number of copies
     for (const pugi::xml_attribute attribute : place.attributes()) {  // of the production extension
       if (std::string_view(attribute.name()).ends_with(":path")) {
         throw unsupported(path_, "keeps its meshes in several parts, expected all of them in one, as the core specification has it");
@@ -286,8 +293,8 @@ class ModelReader {
   double coordinate(const pugi::xml_node& vertex, const char* name) const {
     double value = 0;
     if (!take_only_number(vertex.attribute(name).value(), value)) {
-      throw bad_file(path_, std::string("the ") + name + " coordinate of a vertex is '" +
-                                one_line(vertex.attribute(name).value(), 40) + "', expected a number");
+      throw bad_file(path_, std::string("the ") + name + " coordinate of a vertex is '" + one_line(vertex.attribute(name).value(), 40) +
+                                "', expected a number");
     }
     return value;
   }

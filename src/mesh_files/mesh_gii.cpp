@@ -83,9 +83,9 @@ double value_of(const char* bytes) {
 }
 
 constexpr std::array kTypes{
-    ElementType{"NIFTI_TYPE_FLOAT32", 4, value_of<float>},        ElementType{"NIFTI_TYPE_FLOAT64", 8, value_of<double>},
-    ElementType{"NIFTI_TYPE_UINT8", 1, value_of<std::uint8_t>},   ElementType{"NIFTI_TYPE_INT16", 2, value_of<std::int16_t>},
-    ElementType{"NIFTI_TYPE_INT32", 4, value_of<std::int32_t>},   ElementType{"NIFTI_TYPE_UINT32", 4, value_of<std::uint32_t>},
+    ElementType{"NIFTI_TYPE_FLOAT32", 4, value_of<float>},      ElementType{"NIFTI_TYPE_FLOAT64", 8, value_of<double>},
+    ElementType{"NIFTI_TYPE_UINT8", 1, value_of<std::uint8_t>}, ElementType{"NIFTI_TYPE_INT16", 2, value_of<std::int16_t>},
+    ElementType{"NIFTI_TYPE_INT32", 4, value_of<std::int32_t>}, ElementType{"NIFTI_TYPE_UINT32", 4, value_of<std::uint32_t>},
     ElementType{"NIFTI_TYPE_INT64", 8, value_of<std::int64_t>}};
 
 // One <DataArray> of rows of three numbers.
@@ -142,7 +142,8 @@ class ArrayReader {
       text.remove_prefix(static_cast<std::size_t>(end - text.data()));
     }
     if (const std::size_t more = text.find_first_not_of(" \t\r\n"); more != std::string_view::npos) {
-      throw error("has '" + one_line(text.substr(more, 20)) + "' behind its " + std::to_string(count) + " numbers, expected no more of them");
+      throw error("has '" + one_line(text.substr(more, 20)) + "' behind its " + std::to_string(count) +
+                  " numbers, expected no more of them");
     }
     return values;
   }

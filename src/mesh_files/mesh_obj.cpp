@@ -6,10 +6,10 @@
 #include <string>
 
 #include "files/file_error.h"
+#include "files/text_scanner.h"
 #include "mesh_files/formats.h"
 #include "mesh_files/output_buffer.h"
 #include "mesh_files/polygons.h"
-#include "files/text_scanner.h"
 
 namespace isoatlas::io {
 

@@ -6,10 +6,10 @@
 #include <string>
 
 #include "files/file_error.h"
+#include "files/text_scanner.h"
 #include "mesh_files/formats.h"
 #include "mesh_files/output_buffer.h"
 #include "mesh_files/polygons.h"
-#include "files/text_scanner.h"
 
 namespace isoatlas::io {
 
@@ -31,7 +31,8 @@ TriangleMesh read_off(const std::filesystem::path& path) {
   const std::string text = file_contents(path);
   TextScanner scanner(text, path);
   const std::string_view keyword = first_word_of_next_line(scanner);
-  constexpr std::array<std::string_view, 11> kKnown{"OFF", "COFF", "NOFF", "STOFF", "CNOFF", "STCOFF", "STNOFF", "STCNOFF", "NCOFF", "NSTOFF", "NCSTOFF"};
+  constexpr std::array<std::string_view, 11> kKnown{"OFF",    "COFF",    "NOFF",  "STOFF",  "CNOFF",  "STCOFF",
+                                                    "STNOFF", "STCNOFF", "NCOFF", "NSTOFF", "NCSTOFF"};
   if (std::ranges::find(kKnown, keyword) == kKnown.end()) {
     throw scanner.error("found '" + one_line(keyword, 40) + "', expected OFF");
   }

@@ -11,10 +11,10 @@
 #include <string>
 
 #include "files/file_error.h"
+#include "files/text_scanner.h"
 #include "mesh_files/formats.h"
 #include "mesh_files/output_buffer.h"
 #include "mesh_files/polygons.h"
-#include "files/text_scanner.h"
 
 namespace isoatlas::io {
 
@@ -185,7 +185,8 @@ class BinaryValues {
 };
 
 bool is_vertex_list(const PlyProperty& property) {
-  return property.list_count_type && (property.name == "vertex_indices" || property.name == "vertex_index" || property.name == "vertex_indexes");
+  return property.list_count_type &&
+         (property.name == "vertex_indices" || property.name == "vertex_index" || property.name == "vertex_indexes");
 }
 
 std::int64_t to_index(double value) {

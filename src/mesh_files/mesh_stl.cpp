@@ -10,11 +10,11 @@
 
 #include "core/file_name.h"
 #include "files/file_error.h"
+#include "files/text_scanner.h"
 #include "mesh_files/formats.h"
 #include "mesh_files/output_buffer.h"
 #include "mesh_files/position_table.h"
 #include "mesh_files/same_mesh.h"
-#include "files/text_scanner.h"
 
 namespace isoatlas::io {
 

@@ -10,12 +10,12 @@
 #include <utility>
 #include <vector>
 
+#include "field/sample_type.h"
 #include "files/file_error.h"
 #include "files/stored_data.h"
 #include "files/vtk_xml_values.h"
 #include "mesh_files/formats.h"
 #include "mesh_files/polygons.h"
-#include "field/sample_type.h"
 
 namespace isoatlas::io {
 

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "isoatlas/mesh_file.h"
 #include "isoatlas/mesh.h"
+#include "isoatlas/mesh_file.h"
 
 namespace isoatlas::io {
 

@@ -45,9 +45,8 @@ StoredForm form_in_3mf(const TriangleMesh& mesh, const MeshFileInfo& info) {
   StoredForm form{mesh, info, {}};
   if (info.unit == LengthUnit::unknown) {
     form.info.unit = LengthUnit::millimetre;
-    form.notes.push_back(lower_case(info.space) == "voxel"
-                             ? "a .3mf states a unit: its sample indices are read as millimetres"
-                             : "a .3mf states a unit: millimetres, as the volume states none");
+    form.notes.push_back(lower_case(info.space) == "voxel" ? "a .3mf states a unit: its sample indices are read as millimetres"
+                                                           : "a .3mf states a unit: millimetres, as the volume states none");
   } else if (info.unit == LengthUnit::angstrom || info.unit == LengthUnit::nanometre) {
     form.info.unit = LengthUnit::micrometre;
     convert_unit(form.mesh, info.unit, form.info.unit);

@@ -12,13 +12,13 @@
 
 #include "core/vector_math.h"
 #include "files/file_error.h"
+#include "geometry/bounds.h"
+#include "geometry/float32_origin.h"
+#include "geometry/vertex_normals.h"
 #include "mesh_files/formats.h"
 #include "mesh_files/output_buffer.h"
 #include "mesh_files/same_mesh.h"
 #include "mesh_files/stored_form.h"
-#include "geometry/bounds.h"
-#include "geometry/float32_origin.h"
-#include "geometry/vertex_normals.h"
 
 namespace isoatlas::io {
 

@@ -32,9 +32,9 @@ class SilentWindow : public vtkOutputWindow {
   static SilentWindow* New() { VTK_STANDARD_NEW_BODY(SilentWindow); }
   // clang-format off
   vtkTypeMacro(SilentWindow, vtkOutputWindow)
-  // clang-format on
+      // clang-format on
 
-  void DisplayText(const char*) override {}
+      void DisplayText(const char*) override {}
 };
 
 /// Keeps VTK's messages away from the terminal while it lives. VTK's output window belongs to the whole process, hence

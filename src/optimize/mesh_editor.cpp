@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/sort_once.h"
 #include "core/cancel_poll.h"
+#include "core/sort_once.h"
 
 namespace isoatlas {
 namespace {
@@ -14,7 +14,8 @@ void append(std::vector<std::uint32_t>& to, std::span<const std::uint32_t> from)
 
 }  // namespace
 
-MeshEditor::MeshEditor(MeasuredCovering& work, std::vector<DualTriangle>& triangles, IntersectionTracker* meeting, const RunControl& control)
+MeshEditor::MeshEditor(MeasuredCovering& work, std::vector<DualTriangle>& triangles, IntersectionTracker* meeting,
+                       const RunControl& control)
     : work_(work), triangles_(triangles), meeting_(meeting), control_(control), rings_(work.places().offset.empty() ? 2 : 3) {
   occupied_.assign(work.ground().graph.c_vertex_count(), 0);
   for (const CVertexId v : places().anchor) occupied_[v] = 1;

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "geometry/intersection_tracker.h"
 #include "error/measured_covering.h"
+#include "geometry/intersection_tracker.h"
 
 namespace isoatlas {
 
@@ -57,14 +57,14 @@ class MeshEditor {
   std::vector<DualTriangle>& triangles_;
   IntersectionTracker* meeting_;
   const RunControl& control_;
-  int rings_;                            // of cells around a change that it concerns; balancing moves vertices beside it
-  std::vector<std::uint8_t> occupied_;   // per c-vertex
-  MeshEdit edit_;                        // not yet in the mesh
-  std::vector<std::uint32_t> changed_;   // triangles, since take_changed()
-  bool does_meeting_know_ = false;       // all but the following
-  std::vector<CellId> moved_;            // since the last look at intersections
-  std::vector<std::uint32_t> remade_;    // triangles, since then
-  std::vector<Vec3> positions_;          // per c-vertex of the surface, that of the vertex that sits there; empty: not needed yet
+  int rings_;                           // of cells around a change that it concerns; balancing moves vertices beside it
+  std::vector<std::uint8_t> occupied_;  // per c-vertex
+  MeshEdit edit_;                       // not yet in the mesh
+  std::vector<std::uint32_t> changed_;  // triangles, since take_changed()
+  bool does_meeting_know_ = false;      // all but the following
+  std::vector<CellId> moved_;           // since the last look at intersections
+  std::vector<std::uint32_t> remade_;   // triangles, since then
+  std::vector<Vec3> positions_;         // per c-vertex of the surface, that of the vertex that sits there; empty: not needed yet
 };
 
 }  // namespace isoatlas

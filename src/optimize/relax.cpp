@@ -12,19 +12,19 @@
 #include "core/ids.h"
 #include "core/parallel.h"
 #include "core/vector_math.h"
-#include "optimize/facing.h"
-#include "error/level_mesh.h"
 #include "embedding/subdivide.h"
+#include "error/level_mesh.h"
+#include "optimize/facing.h"
 
 namespace isoatlas {
 namespace {
 
-constexpr double kBeyond = 1.12;            // aims a little higher than the goal, so as to arrive
-constexpr int kSteps = 8;                   // more do not converge either, and move vertices further, into other triangles
-constexpr double kPush = 0.6, kPull = 0.3;  // shares of what is missing, of the shortest and the longest edge
-constexpr double kDrawBack = 0.15;          // share of the distance from the surface
-constexpr double kFarthest = 0.25;          // from the surface, voxels; while pushing
-constexpr double kFarthestFound = 0.4;      // at the end of it, and while searching
+constexpr double kBeyond = 1.12;               // aims a little higher than the goal, so as to arrive
+constexpr int kSteps = 8;                      // more do not converge either, and move vertices further, into other triangles
+constexpr double kPush = 0.6, kPull = 0.3;     // shares of what is missing, of the shortest and the longest edge
+constexpr double kDrawBack = 0.15;             // share of the distance from the surface
+constexpr double kFarthest = 0.25;             // from the surface, voxels; while pushing
+constexpr double kFarthestFound = 0.4;         // at the end of it, and while searching
 constexpr std::array kSearchSteps{0.2, 0.05};  // voxels
 constexpr int kSearchPasses = 4;
 constexpr double kWorthIt = 2e-3;
@@ -44,8 +44,9 @@ Vec3 clamped(Vec3 p, const Roam& r) {
 
 class Relaxation {
  public:
-  Relaxation(std::span<Vec3> points, std::span<const Triangle> triangles, const SlackRows<std::uint32_t>& triangles_of, const std::function<Roam(std::uint32_t)>& roam,
-             const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal, const RunControl& control, std::span<const std::uint32_t> look)
+  Relaxation(std::span<Vec3> points, std::span<const Triangle> triangles, const SlackRows<std::uint32_t>& triangles_of,
+             const std::function<Roam(std::uint32_t)>& roam, const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal,
+             const RunControl& control, std::span<const std::uint32_t> look)
       : control_(control),
         poll_(control),
         look_(look),
@@ -203,16 +204,16 @@ class Relaxation {
   Vec3 facing_at_start(std::uint32_t t) {
     if (std::exchange(is_facing_known_[t], std::uint8_t{1})) return facing_[t];
     return facing_[t] = facing(
-        t,
-        [&](std::uint32_t i) {
-          const Triangle& c = triangles_[i];
-          return std::array<Vec3, 3>{start_[c[0]], start_[c[1]], start_[c[2]]};
-        },
-        [&](auto add) {
-          for (const std::uint32_t v : triangles_[t]) {
-            for (const std::uint32_t i : triangles_of_.row(v)) add(i);
-          }
-        });
+               t,
+               [&](std::uint32_t i) {
+                 const Triangle& c = triangles_[i];
+                 return std::array<Vec3, 3>{start_[c[0]], start_[c[1]], start_[c[2]]};
+               },
+               [&](auto add) {
+                 for (const std::uint32_t v : triangles_[t]) {
+                   for (const std::uint32_t i : triangles_of_.row(v)) add(i);
+                 }
+               });
   }
 
   // Pushing draws back only as far as a vertex's cell allows.
@@ -297,14 +298,15 @@ class Relaxation {
     std::vector<std::uint32_t> again;
     for (std::size_t turn = 0; turn + 2 < first.size(); ++turn) {
       const auto own = std::span(ordered).subspan(first[turn], first[turn + 1] - first[turn]);
-      const std::vector<std::uint32_t> found = collect_pieces<std::uint32_t>(own.size(), kFewPerPiece, [&](std::size_t begin, std::size_t end, auto& out) {
-        control_.check_cancelled();
-        for (const std::uint32_t v : own.subspan(begin, end - begin)) {
-          if (!improve(v, step)) continue;
-          out.push_back(v);
-          for (const std::uint32_t t : triangles_of_.row(v)) add_corners_if_bad(t, out);
-        }
-      });
+      const std::vector<std::uint32_t> found =
+          collect_pieces<std::uint32_t>(own.size(), kFewPerPiece, [&](std::size_t begin, std::size_t end, auto& out) {
+            control_.check_cancelled();
+            for (const std::uint32_t v : own.subspan(begin, end - begin)) {
+              if (!improve(v, step)) continue;
+              out.push_back(v);
+              for (const std::uint32_t t : triangles_of_.row(v)) add_corners_if_bad(t, out);
+            }
+          });
       again.insert(again.end(), found.begin(), found.end());
     }
     for (const std::uint32_t v : vertices) {
@@ -468,8 +470,8 @@ Roam roam_of(Vec3 position, Vec3 spacing) {
 }
 
 std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles, const SlackRows<std::uint32_t>& triangles_of,
-                                 const std::function<Roam(std::uint32_t)>& roam, const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal,
-                                 const RunControl& control, std::span<const std::uint32_t> look) {
+                                 const std::function<Roam(std::uint32_t)>& roam, const InterpolatedField* field, Vec3 spacing,
+                                 const RelaxGoal& goal, const RunControl& control, std::span<const std::uint32_t> look) {
   return Relaxation(points, triangles, triangles_of, roam, field, spacing, goal, control, look).run();
 }
 

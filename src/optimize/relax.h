@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "core/slack_rows.h"
-#include "isoatlas/mesh.h"
-#include "isoatlas/run_control.h"
 #include "error/level_mesh.h"
 #include "field/interpolated_field.h"
+#include "isoatlas/mesh.h"
+#include "isoatlas/run_control.h"
 
 namespace isoatlas {
 
@@ -41,7 +41,7 @@ struct RelaxGoal {
 /// @return the vertices that were moved, sorted
 /// @cost   O(triangles) if any needs it, then a few dozen looks at those concerned
 std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles, const SlackRows<std::uint32_t>& triangles_of,
-                                 const std::function<Roam(std::uint32_t)>& roam, const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal,
-                                 const RunControl& control, std::span<const std::uint32_t> look);
+                                 const std::function<Roam(std::uint32_t)>& roam, const InterpolatedField* field, Vec3 spacing,
+                                 const RelaxGoal& goal, const RunControl& control, std::span<const std::uint32_t> look);
 
 }  // namespace isoatlas

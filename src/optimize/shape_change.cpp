@@ -109,7 +109,8 @@ void ShapeChanges::consider_moves(CellId cell, std::optional<double> gain, Shape
 
 ShapeChanges::Key ShapeChanges::key(const ShapeChange& c) {
   if (!c.is_flip()) return {static_cast<std::uint64_t>(c.cell) << 32 | kNone, c.to};
-  return {static_cast<std::uint64_t>(std::min(c.first.cell[0], c.first.cell[1])) << 32 | std::max(c.first.cell[0], c.first.cell[1]), 1ull << 40};
+  return {static_cast<std::uint64_t>(std::min(c.first.cell[0], c.first.cell[1])) << 32 | std::max(c.first.cell[0], c.first.cell[1]),
+          1ull << 40};
 }
 
 bool ShapeChanges::is_refused(const ShapeChange& change) const { return std::binary_search(refused_.begin(), refused_.end(), key(change)); }

@@ -27,7 +27,8 @@ struct ShapeChange {
 class ShapeChanges {
  public:
   /// @param with_given_up  vertices and edges may change, too, that were given up
-  ShapeChanges(const MeshEditor& mesh, const ShapeGoal& goal, bool with_given_up) : mesh_(mesh), goal_(goal), with_given_up_(with_given_up) {}
+  ShapeChanges(const MeshEditor& mesh, const ShapeGoal& goal, bool with_given_up)
+      : mesh_(mesh), goal_(goal), with_given_up_(with_given_up) {}
 
   bool may_move(CellId c) const { return with_given_up_ || mesh_.places().may_move(c); }
   double score(std::uint32_t triangle) const;

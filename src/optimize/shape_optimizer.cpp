@@ -53,7 +53,11 @@ class ShapeOptimizer {
   ///                 up; none: whether they do is not looked at
   ShapeOptimizer(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles, const RunControl& control,
                  IntersectionTracker* meeting = nullptr)
-      : mesh_(work, triangles, meeting, control), changes_(mesh_, goal, meeting != nullptr), goal_(goal), control_(control), is_careful_(meeting != nullptr) {}
+      : mesh_(work, triangles, meeting, control),
+        changes_(mesh_, goal, meeting != nullptr),
+        goal_(goal),
+        control_(control),
+        is_careful_(meeting != nullptr) {}
 
   void run(Purpose purpose, std::span<const CellId> cells, ShapeReport& report) {
     for (int k = 0; k < kPasses; ++k) {
@@ -78,7 +82,9 @@ class ShapeOptimizer {
       old_shift.push_back(shift_of(c));
       mesh_.shift(c, old_shift.back() + (points[c] - from[c]));
     }
-    const auto old_shift_of = [&](CellId c) { return old_shift[static_cast<std::size_t>(std::ranges::lower_bound(moved, c) - moved.begin())]; };
+    const auto old_shift_of = [&](CellId c) {
+      return old_shift[static_cast<std::size_t>(std::ranges::lower_bound(moved, c) - moved.begin())];
+    };
     hold(mesh_.keep_from_straying(moved, old_shift));
     const std::vector<CellError> before = mesh_.work().errors();
     std::vector<CellId> concerned = mesh_.concerned_by(moved);
@@ -366,7 +372,8 @@ class ChangesBack {
     return any;
   }
 
-  // Vertices that are not frozen go back to their c-vertices where surfels of one grid cell intersect as all are now. @return whether any did
+  // Vertices that are not frozen go back to their c-vertices where surfels of one grid cell intersect as all are now. @return whether any
+  // did
   bool settle() {
     std::vector<CellId> away;
     for (CellId c = 0; c < mesh_.places().shift.size(); ++c) {
@@ -440,8 +447,8 @@ ShapeReport improve_shape(MeasuredCovering& work, const ShapeGoal& goal, std::ve
   return report;
 }
 
-void improve_shape_carefully(MeasuredCovering& work, const ShapeGoal& goal, IntersectionTracker& meeting, std::vector<DualTriangle>& triangles,
-                             ShapeReport& report, const RunControl& control) {
+void improve_shape_carefully(MeasuredCovering& work, const ShapeGoal& goal, IntersectionTracker& meeting,
+                             std::vector<DualTriangle>& triangles, ShapeReport& report, const RunControl& control) {
   ShapeOptimizer optimizer(work, goal, triangles, control, &meeting);
   for (int round = 0; round < kRelaxRounds && report.bad > 0 && optimizer.relax_bad(report); ++round)
     optimizer.run(ShapeOptimizer::Purpose::shape, {}, report);

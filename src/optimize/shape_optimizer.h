@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "geometry/intersection_tracker.h"
 #include "error/measured_covering.h"
+#include "geometry/intersection_tracker.h"
 #include "optimize/shape_goal.h"
 
 namespace isoatlas {
@@ -41,7 +41,7 @@ void take_back_all(MeasuredCovering& work, std::vector<DualTriangle>& triangles,
 
 /// More of improve_shape(), also where something was taken back, a change at a time that makes no triangles meet. @pre none do
 /// @param meeting  may know an earlier mesh of these cells
-void improve_shape_carefully(MeasuredCovering& work, const ShapeGoal& goal, IntersectionTracker& meeting, std::vector<DualTriangle>& triangles,
-                             ShapeReport& report, const RunControl& control);
+void improve_shape_carefully(MeasuredCovering& work, const ShapeGoal& goal, IntersectionTracker& meeting,
+                             std::vector<DualTriangle>& triangles, ShapeReport& report, const RunControl& control);
 
 }  // namespace isoatlas

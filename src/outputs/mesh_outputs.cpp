@@ -136,7 +136,7 @@ std::vector<FileRounding> MeshOutputs::roundings(const Hierarchy& hierarchy, con
   std::vector<FileRounding> result;
   for (const Item& item : items(level_count)) {
     const std::size_t first = item.levels.front();
-    const double rounding = !is_hierarchy_path(item.path)           ? rounding_of_mesh_file(hierarchy.mesh(first), item.path, info)
+    const double rounding = !is_hierarchy_path(item.path)      ? rounding_of_mesh_file(hierarchy.mesh(first), item.path, info)
                             : item.levels.size() < level_count ? rounding_of_hierarchy_file(only_level(hierarchy, first), item.path)
                                                                : rounding_of_hierarchy_file(hierarchy, item.path);
     result.push_back({item.path.string(), item.levels, rounding});
@@ -149,8 +149,15 @@ std::vector<ReportFile> MeshOutputs::write(const Hierarchy& hierarchy, const Hie
   const std::size_t level_count = hierarchy.levels.size();
   std::vector<ReportFile> written, one_level;
   const auto add = [&](const fs::path& path, const fs::path& staged, std::vector<std::size_t> levels, const StoredPositions& stored) {
-    written.push_back({path.string(), std::move(levels), static_cast<std::size_t>(fs::file_size(staged)), stored.single_precision,
-                       stored.largest_rounding, stored.space, stored.unit, stored.notes, {}});
+    written.push_back({path.string(),
+                       std::move(levels),
+                       static_cast<std::size_t>(fs::file_size(staged)),
+                       stored.single_precision,
+                       stored.largest_rounding,
+                       stored.space,
+                       stored.unit,
+                       stored.notes,
+                       {}});
   };
   // Of the file added last, whose levels are those of `file`.
   const auto count_intersections = [&](const Hierarchy& file, const fs::path& path) {

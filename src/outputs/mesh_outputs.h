@@ -39,7 +39,8 @@ class MeshOutputs {
   /// Writes all files to where `outputs` stages them.
   /// @param intersection_control  counts the self-intersections of files that round positions; null: does not count
   /// @return what was written, under the names it will have
-  std::vector<ReportFile> write(const Hierarchy& hierarchy, const HierarchyFileInfo& info, OutputFiles& outputs, const RunControl* intersection_control) const;
+  std::vector<ReportFile> write(const Hierarchy& hierarchy, const HierarchyFileInfo& info, OutputFiles& outputs,
+                                const RunControl* intersection_control) const;
 
   /// All files that will be there, the one that the name says first.
   std::vector<std::filesystem::path> paths(std::size_t level_count) const;

@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "core/vector_math.h"
-#include "mesh_files/same_mesh.h"
+#include "geometry/bounds.h"
 #include "isoatlas/error.h"
 #include "isoatlas/mesh.h"
-#include "geometry/bounds.h"
+#include "mesh_files/same_mesh.h"
 
 namespace isoatlas::page {
 namespace {

@@ -29,8 +29,8 @@
 
 #include "core/file_name.h"
 #include "core/vector_math.h"
-#include "isoatlas/error.h"
 #include "geometry/vertex_normals.h"
+#include "isoatlas/error.h"
 #include "picture/display.h"
 
 namespace isoatlas {

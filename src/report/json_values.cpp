@@ -187,7 +187,10 @@ Json to_value(const LevelReport& level, std::size_t number) {
   Json bad = Json::array();
   for (std::size_t i = 0; i < std::min(level.bad_triangles.size(), kMostCellsAtLimit); ++i) {
     const BadTriangle& t = level.bad_triangles[i];
-    bad.push_back({{"position", to_value(t.position)}, {"aspect_ratio", t.aspect_ratio}, {"largest_angle", t.largest_angle}, {"obstacle", text(t.obstacle)}});
+    bad.push_back({{"position", to_value(t.position)},
+                   {"aspect_ratio", t.aspect_ratio},
+                   {"largest_angle", t.largest_angle},
+                   {"obstacle", text(t.obstacle)}});
   }
   json["bad_triangles"] = {{"count", level.bad_triangles.size()}, {"worst", std::move(bad)}};
   json["self_intersections"] = level.self_intersections ? Json(*level.self_intersections) : Json();

@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
-#include "isoatlas/report.h"
 #include "isoatlas/measure.h"
 #include "isoatlas/mesh.h"
+#include "isoatlas/report.h"
 #include "report/report.h"
 
 namespace isoatlas::report {

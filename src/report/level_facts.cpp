@@ -74,7 +74,8 @@ LevelFacts facts_of(const Json& json) {
   read(aspect, "share_below_third", facts.quality.aspect_share_below_third);
   read(member(member(json, "quality"), "angle_degrees"), "minimum", facts.quality.angle_min);
   if (const Json measured = member(json, "measured"); measured.is_object()) facts.measured = measurement_of(measured);
-  if (const Json at_most = member(json, "distance_at_most"); !at_most.is_null()) read_metric(json, "distance_at_most", facts.distance_at_most.emplace());
+  if (const Json at_most = member(json, "distance_at_most"); !at_most.is_null())
+    read_metric(json, "distance_at_most", facts.distance_at_most.emplace());
   const Json metrics = member(json, "metrics");
   for (std::size_t i = 0; i < kMetricCount; ++i) {
     const Json metric = member(metrics, std::string(name(static_cast<Quantity>(i))).c_str());
@@ -140,7 +141,8 @@ std::string to_json(const std::string& path, const std::vector<LevelFacts>& leve
                            {"share_below_third", level.quality.aspect_share_below_third}};
     one["angle_degrees"] = {{"minimum", level.quality.angle_min}};
     const auto side = [](const OneSidedDistance& distance) {
-      return Json{{"samples", distance.samples}, {"samples_per_voxel_face", distance.samples_per_voxel_face}, {"maximum", distance.maximum}};
+      return Json{
+          {"samples", distance.samples}, {"samples_per_voxel_face", distance.samples_per_voxel_face}, {"maximum", distance.maximum}};
     };
     one["distance_at_most"] = level.distance_at_most ? Json(*level.distance_at_most) : Json();
     one["measured"] = level.measured ? Json{{"maximum", level.measured->maximum()},

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "isoatlas/report.h"
 #include "isoatlas/measure.h"
 #include "isoatlas/mesh.h"
+#include "isoatlas/report.h"
 
 namespace isoatlas {
 
@@ -18,9 +18,9 @@ struct LevelFacts {
   std::size_t vertices = 0, triangles = 0;
   std::array<std::optional<MetricSummary>, kMetricCount> metrics;
   std::optional<double> distance_at_most;  ///< proved
-  std::optional<Measurement> measured;  ///< its maxima and how densely it was sampled
-  TopologySummary topology;        ///< without kinds
-  MeshQuality quality;       ///< aspect ratio but for its histogram, least angle
+  std::optional<Measurement> measured;     ///< its maxima and how densely it was sampled
+  TopologySummary topology;                ///< without kinds
+  MeshQuality quality;                     ///< aspect ratio but for its histogram, least angle
   /// And oriented: else `topology` means nothing. None where it was not counted: then `topology` is what the file says.
   std::optional<bool> is_manifold;
 };

@@ -228,8 +228,7 @@ std::string to_json(const InfoReport& info) {
   json["nan"] = info.samples ? Json(info.samples->nan_count) : Json();
   json["infinite"] = info.samples ? Json(info.samples->infinity_count) : Json();
   Json& isovalues = json["isovalues"] = Json::array();
-  for (const InfoReport::Isovalue& isovalue : info.isovalues)
-    isovalues.push_back({{"value", isovalue.value}, {"reason", isovalue.reason}});
+  for (const InfoReport::Isovalue& isovalue : info.isovalues) isovalues.push_back({{"value", isovalue.value}, {"reason", isovalue.reason}});
   return to_text(json);
 }
 

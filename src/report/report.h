@@ -31,9 +31,9 @@ struct ReportFile {
   std::string path;
   std::vector<std::size_t> levels;  ///< that it holds
   std::size_t bytes = 0;
-  bool single_precision = false;  ///< it has positions in float32
-  double largest_rounding = 0;    ///< of a position, in the mesh's units
-  std::string space = {};         ///< of the stored coordinates: "LPS", "RAS", "voxel"; empty: nobody said
+  bool single_precision = false;          ///< it has positions in float32
+  double largest_rounding = 0;            ///< of a position, in the mesh's units
+  std::string space = {};                 ///< of the stored coordinates: "LPS", "RAS", "voxel"; empty: nobody said
   LengthUnit unit = LengthUnit::unknown;  ///< of the stored coordinates
   std::vector<std::string> notes = {};    ///< what the format changed or had to state, for people
   /// For each level, those of the positions as the file has them; empty: not looked for, the file has all digits of the positions.
@@ -55,7 +55,7 @@ struct InfoReport {
     double value = 0;
     std::string reason;
   };
-  VolumeReport volume;               ///< `grid` has size 0 where a choice has to be made first
+  VolumeReport volume;  ///< `grid` has size 0 where a choice has to be made first
   std::optional<SampleSummary> samples;
   std::vector<Isovalue> isovalues;  ///< suggested ones
 };
@@ -63,7 +63,7 @@ struct InfoReport {
 /// What a report says besides what extract() found out: where things came from and went to, and what that took.
 struct ReportContext {
   VolumeReport volume;
-  std::string command;      ///< that made it, as one would type it; empty: it was no command
+  std::string command;  ///< that made it, as one would type it; empty: it was no command
   std::vector<ReportFile> files;
   ExtractOptions options;
   int threads = 0;  ///< as asked for; 0: as many as the machine has

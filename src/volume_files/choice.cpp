@@ -30,15 +30,16 @@ std::string plural(const FileChoice& choice) {
 }
 
 [[noreturn]] void refuse(const std::filesystem::path& path, const FileChoice& choice, const std::string& wanted) {
-  throw Error(ErrorCode::bad_argument, one_line(path.string() + ": has no " + choice.name + " '" + wanted + "', expected one of " +
-                                                    entry_list(choice), 2000));
+  throw Error(ErrorCode::bad_argument,
+              one_line(path.string() + ": has no " + choice.name + " '" + wanted + "', expected one of " + entry_list(choice), 2000));
 }
 
 [[noreturn]] void require_choice(const std::filesystem::path& path, const VolumeSource& source, const FileChoice& choice) {
   VolumeSource known = source;
   known.choices.push_back(choice);
   throw ChoiceNeeded(one_line(path.string() + ": has " + std::to_string(choice.entries.size()) + " " + plural(choice) +
-                                  ", expected a choice of one: " + entry_list(choice), 2000),
+                                  ", expected a choice of one: " + entry_list(choice),
+                              2000),
                      choice, std::move(known));
 }
 

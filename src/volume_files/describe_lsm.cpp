@@ -8,8 +8,8 @@
 #include <string>
 #include <utility>
 
-#include "files/file_error.h"
 #include "files/byte_source.h"
+#include "files/file_error.h"
 #include "volume_files/tiff_stack.h"
 
 namespace isoatlas::io {

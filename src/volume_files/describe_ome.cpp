@@ -81,8 +81,10 @@ class OmeImage {
     }
     read_lengths(source);
     warn_of_differences(page, source);
-    stack_.page_of = [planes = std::make_shared<const Planes>(std::move(planes_)), path = path_](
-                         std::size_t c, std::size_t z, std::size_t t) { return page_of_plane(*planes, path, {c, z, t}); };
+    stack_.page_of = [planes = std::make_shared<const Planes>(std::move(planes_)), path = path_](std::size_t c, std::size_t z,
+                                                                                                 std::size_t t) {
+      return page_of_plane(*planes, path, {c, z, t});
+    };
     return std::move(stack_);
   }
 

@@ -13,8 +13,8 @@
 #include <new>
 #include <utility>
 
-#include "files/file_error.h"
 #include "files/byte_source.h"
+#include "files/file_error.h"
 
 namespace isoatlas::io {
 

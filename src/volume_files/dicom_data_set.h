@@ -29,13 +29,14 @@ inline constexpr DicomTag kSequenceName = 0x00180024, kSliceThickness = 0x001800
                           kMrDiffusion = 0x00189117, kCardiacSynchronization = 0x00189118, kMrFrameType = 0x00189226,
                           kCtFrameType = 0x00189329, kPetFrameType = 0x00189751;
 inline constexpr DicomTag kPrivateCreator19 = 0x00190010, kMosaicImages = 0x0019100A;  // the second is private to Siemens
-inline constexpr DicomTag kStudyInstance = 0x0020000D, kFrameOfReference = 0x00200052, kSeriesInstance = 0x0020000E, kSeriesNumber = 0x00200011, kAcquisitionNumber = 0x00200012,
-                          kInstanceNumber = 0x00200013, kImagePosition = 0x00200032, kImageOrientation = 0x00200037,
-                          kTemporalPosition = 0x00200100, kStackId = 0x00209056, kFrameContent = 0x00209111, kPlanePosition = 0x00209113,
-                          kPlaneOrientation = 0x00209116, kTemporalPositionIndex = 0x00209128, kTriggerDelay = 0x00209153,
-                          kDimensionIndexValues = 0x00209157, kDimensionIndexPointer = 0x00209165, kDimensionIndices = 0x00209222,
-                          kImagePositionVolume = 0x00209301, kImageOrientationVolume = 0x00209302, kPlanePositionVolume = 0x0020930E,
-                          kPlaneOrientationVolume = 0x0020930F, kDimensionLabel = 0x00209421, kInStackPosition = 0x00209057;
+inline constexpr DicomTag kStudyInstance = 0x0020000D, kFrameOfReference = 0x00200052, kSeriesInstance = 0x0020000E,
+                          kSeriesNumber = 0x00200011, kAcquisitionNumber = 0x00200012, kInstanceNumber = 0x00200013,
+                          kImagePosition = 0x00200032, kImageOrientation = 0x00200037, kTemporalPosition = 0x00200100,
+                          kStackId = 0x00209056, kFrameContent = 0x00209111, kPlanePosition = 0x00209113, kPlaneOrientation = 0x00209116,
+                          kTemporalPositionIndex = 0x00209128, kTriggerDelay = 0x00209153, kDimensionIndexValues = 0x00209157,
+                          kDimensionIndexPointer = 0x00209165, kDimensionIndices = 0x00209222, kImagePositionVolume = 0x00209301,
+                          kImageOrientationVolume = 0x00209302, kPlanePositionVolume = 0x0020930E, kPlaneOrientationVolume = 0x0020930F,
+                          kDimensionLabel = 0x00209421, kInStackPosition = 0x00209057;
 inline constexpr DicomTag kSamplesPerPixel = 0x00280002, kPhotometricInterpretation = 0x00280004, kNumberOfFrames = 0x00280008,
                           kFrameIncrementPointer = 0x00280009, kRows = 0x00280010, kColumns = 0x00280011, kPixelSpacing = 0x00280030,
                           kBitsAllocated = 0x00280100, kBitsStored = 0x00280101, kHighBit = 0x00280102, kPixelRepresentation = 0x00280103,

@@ -519,7 +519,7 @@ class ImageReading {
   const DicomContents& contents_;
   const DicomDataSet& file_;
   DicomImage& image_;
-  std::vector<DicomLabel> labels_;  // of the frame that is being read
+  std::vector<DicomLabel> labels_;                                                        // of the frame that is being read
   std::optional<std::vector<std::pair<std::string_view, std::vector<double>>>> vectors_;  // see add_vector_labels
 };
 

@@ -12,8 +12,8 @@
 #include <optional>
 #include <string>
 
-#include "files/file_error.h"
 #include "files/byte_source.h"
+#include "files/file_error.h"
 #include "volume_files/dicom_codec.h"
 
 namespace isoatlas::io {

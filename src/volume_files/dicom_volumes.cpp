@@ -72,8 +72,8 @@ std::string uneven_gap(const std::vector<DicomFrame>& frames) {
     return {};
   }
   const auto i = static_cast<std::size_t>(found - gaps.begin());
-  return "slices are not evenly spaced: " + length_text(*found) + " from " + frames[i].name() + " to " + frames[i + 1].name() + ", usually " +
-         length_text(usual) + "; is a slice missing?";
+  return "slices are not evenly spaced: " + length_text(*found) + " from " + frames[i].name() + " to " + frames[i + 1].name() +
+         ", usually " + length_text(usual) + "; is a slice missing?";
 }
 
 // The slice farthest from its place in an even stack, if it is too far: small differences between gaps can add up.
@@ -95,10 +95,10 @@ std::string misplaced_slice(const std::vector<DicomFrame>& frames, const Vec3& s
   const double along = std::abs(dot(offset, unit(step)));
   const double beside = std::sqrt(std::max(0.0, dot(offset, offset) - along * along));
   const std::string name = frames[worst].name(), apart = length_text(length(step)) + " apart";
-  return along >= beside ? "slices are not evenly spaced: " + name + " is " + length_text(along) +
-                               " from its place in an even stack of slices " + apart
-                         : "slices are not in line: " + name + " lies " + length_text(beside) +
-                               " beside the line through the first and the last slice, of slices " + apart;
+  return along >= beside
+             ? "slices are not evenly spaced: " + name + " is " + length_text(along) + " from its place in an even stack of slices " + apart
+             : "slices are not in line: " + name + " lies " + length_text(beside) +
+                   " beside the line through the first and the last slice, of slices " + apart;
 }
 
 /// Volumes that some frames make when they are told apart by an attribute.
@@ -239,8 +239,9 @@ struct PlaneGroup {
 
   bool takes(const DicomFrame& frame) const {
     const DicomFrame& own = frames.front();
-    return frame.image->series == own.image->series && (ignores_world || frame.image->world == own.image->world) && frame.image->rows == own.image->rows && frame.image->columns == own.image->columns &&
-           frame.stack == own.stack && length(difference(unit(frame.along_row), unit(own.along_row))) <= kSameDirectionTolerance &&
+    return frame.image->series == own.image->series && (ignores_world || frame.image->world == own.image->world) &&
+           frame.image->rows == own.image->rows && frame.image->columns == own.image->columns && frame.stack == own.stack &&
+           length(difference(unit(frame.along_row), unit(own.along_row))) <= kSameDirectionTolerance &&
            length(difference(unit(frame.along_column), unit(own.along_column))) <= kSameDirectionTolerance;
   }
 };
@@ -274,7 +275,8 @@ std::vector<PlaneGroup> group_by_plane(std::vector<DicomFrame> frames) {
 void add_series(std::vector<DicomFrame> frames, std::vector<DicomSeries>& all) {
   DicomStack whole = stack_of(std::move(frames));
   const bool is_even = whole.problem.empty();
-  std::optional<Split> in_time = is_even ? split_in_time(whole.frames, {Kind::volume}) : split_in_time(whole.frames, {Kind::volume, Kind::time});
+  std::optional<Split> in_time =
+      is_even ? split_in_time(whole.frames, {Kind::volume}) : split_in_time(whole.frames, {Kind::volume, Kind::time});
   std::optional<Split> in_space;
   if (!in_time) {
     in_space = is_even ? split_in_space(whole.frames, {Kind::volume}) : split_in_space(whole.frames, {Kind::other});

@@ -25,14 +25,10 @@ struct ValueSection {
   bool states_components = false;
 };
 
-constexpr std::array kValueSections{ValueSection{"vectors", 3},
-                                    ValueSection{"normals", 3},
-                                    ValueSection{"tensors", 9},
-                                    ValueSection{"tensors6", 6},
-                                    ValueSection{"global_ids", 1, false},
-                                    ValueSection{"pedigree_ids", 1, false},
-                                    ValueSection{"edge_flags", 1, false},
-                                    ValueSection{"texture_coordinates", 0, false, true}};
+constexpr std::array kValueSections{ValueSection{"vectors", 3},           ValueSection{"normals", 3},
+                                    ValueSection{"tensors", 9},           ValueSection{"tensors6", 6},
+                                    ValueSection{"global_ids", 1, false}, ValueSection{"pedigree_ids", 1, false},
+                                    ValueSection{"edge_flags", 1, false}, ValueSection{"texture_coordinates", 0, false, true}};
 
 std::string shape_of(const std::array<std::size_t, 3>& size) {
   return std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " + std::to_string(size[2]);

@@ -45,9 +45,9 @@ constexpr std::array kTypes{LegacyType{"bit", {SampleType::uint8, true}},
                             LegacyType{"utf8_string", {}, true}};
 
 constexpr std::array<std::string_view, 24> kKeywords{
-    "dimensions", "extent", "spacing",       "aspect_ratio", "origin",     "x_coordinates", "y_coordinates", "z_coordinates",       "scalars",
-    "vectors",    "normals",       "tensors",      "tensors6",   "global_ids",    "pedigree_ids",  "texture_coordinates", "edge_flags",
-    "field",      "color_scalars", "lookup_table", "point_data", "cell_data",     "metadata",      "dataset"};
+    "dimensions", "extent",  "spacing",       "aspect_ratio", "origin",     "x_coordinates", "y_coordinates", "z_coordinates",
+    "scalars",    "vectors", "normals",       "tensors",      "tensors6",   "global_ids",    "pedigree_ids",  "texture_coordinates",
+    "edge_flags", "field",   "color_scalars", "lookup_table", "point_data", "cell_data",     "metadata",      "dataset"};
 
 template <class Number>
 std::optional<Number> parse(std::string_view word) {
@@ -158,8 +158,8 @@ void LegacyVtkScanner::skip_numbers(std::uint64_t values) {
   for (std::uint64_t i = 0; i < values; ++i) {
     const std::string_view word = text_.word();
     if (word.empty() || std::string_view("+-.0123456789nNiI").find(word[0]) == std::string_view::npos) {
-      throw bad_file(path_, "is cut off or damaged: the header promises " + std::to_string(values) + " numbers, the file has " +
-                                std::to_string(i));
+      throw bad_file(
+          path_, "is cut off or damaged: the header promises " + std::to_string(values) + " numbers, the file has " + std::to_string(i));
     }
   }
 }

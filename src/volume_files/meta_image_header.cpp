@@ -5,8 +5,8 @@
 #include <array>
 #include <utility>
 
-#include "files/file_error.h"
 #include "files/byte_source.h"
+#include "files/file_error.h"
 #include "volume_files/header_text.h"
 
 namespace isoatlas::io {

@@ -47,9 +47,7 @@ std::string number(double value) {
 
 std::string triple(const std::array<double, 3>& v) { return number(v[0]) + " x " + number(v[1]) + " x " + number(v[2]); }
 
-std::array<double, 3> lengths(const Affine& affine) {
-  return {length(affine.axes[0]), length(affine.axes[1]), length(affine.axes[2])};
-}
+std::array<double, 3> lengths(const Affine& affine) { return {length(affine.axes[0]), length(affine.axes[1]), length(affine.axes[2])}; }
 
 bool is_usable(const Affine& affine) {
   constexpr double kSmallestDeterminant = 1e-4;  // of unit vectors

@@ -16,16 +16,16 @@ enum class NiftiVersion : std::uint8_t { analyze, nifti1, nifti2 };
 /// The fields that a volume depends on, under the names of the specification.
 struct NiftiHeader {
   NiftiVersion version = NiftiVersion::analyze;
-  bool swap = false;          ///< the file's byte order is not the machine's
-  bool is_one_file = false;   ///< the samples follow the header; else they are in an .img file
+  bool swap = false;         ///< the file's byte order is not the machine's
+  bool is_one_file = false;  ///< the samples follow the header; else they are in an .img file
   std::array<std::int64_t, 8> dim{};
   int datatype = 0;
   int bitpix = 0;
   std::array<double, 8> pixdim{};
   double vox_offset = 0;
   double scl_slope = 0, scl_inter = 0;
-  int qform_code = 0, sform_code = 0;      ///< 0: not given; always 0 in Analyze
-  std::array<double, 3> quatern{};         ///< b, c, d
+  int qform_code = 0, sform_code = 0;  ///< 0: not given; always 0 in Analyze
+  std::array<double, 3> quatern{};     ///< b, c, d
   Vec3 qoffset{};
   std::array<std::array<double, 4>, 3> srow{};
   int xyzt_units = 0;

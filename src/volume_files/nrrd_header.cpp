@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "core/file_name.h"
-#include "files/file_error.h"
 #include "files/byte_source.h"
+#include "files/file_error.h"
 #include "volume_files/header_text.h"
 
 namespace isoatlas::io {

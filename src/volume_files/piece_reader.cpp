@@ -13,10 +13,10 @@
 #include <utility>
 #include <vector>
 
+#include "field/sample_type.h"
 #include "files/file_error.h"
 #include "files/number_text.h"
 #include "files/stored_data.h"
-#include "field/sample_type.h"
 
 namespace isoatlas::io {
 

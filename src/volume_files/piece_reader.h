@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "isoatlas/volume.h"
 #include "files/byte_source.h"
+#include "isoatlas/volume.h"
 
 namespace isoatlas::io {
 

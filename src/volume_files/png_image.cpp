@@ -10,8 +10,8 @@
 #include <cstring>
 #include <memory>
 
-#include "files/file_error.h"
 #include "files/byte_source.h"
+#include "files/file_error.h"
 #include "volume_files/grid_of_file.h"
 
 namespace isoatlas::io {

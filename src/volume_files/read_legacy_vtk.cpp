@@ -3,8 +3,8 @@
 // memory for those.
 #include <string>
 
-#include "files/file_error.h"
 #include "files/byte_source.h"
+#include "files/file_error.h"
 #include "volume_files/grid_of_file.h"
 #include "volume_files/legacy_vtk_header.h"
 #include "volume_files/readers.h"

@@ -39,8 +39,8 @@ SampleType sample_type_of(int type, const fs::path& path) {
     default:
       break;
   }
-  constexpr std::array<std::string_view, 10> kOtherTypes{"",       "",       "long",          "",               "",
-                                                         "bitmap", "tensor", "complex float", "complex double", "RGB"};
+  constexpr std::array<std::string_view, 10> kOtherTypes{"",   "", "long", "", "", "bitmap", "tensor", "complex float", "complex double",
+                                                         "RGB"};
   const bool is_known = type >= 0 && static_cast<std::size_t>(type) < kOtherTypes.size();
   throw unsupported(path, "has samples of type " + std::to_string(type) + " (" +
                               std::string(is_known ? kOtherTypes[static_cast<std::size_t>(type)] : "none that MGH knows") +

@@ -12,9 +12,9 @@
 #include <type_traits>
 
 #include "core/file_name.h"
+#include "field/sample_type.h"
 #include "files/file_error.h"
 #include "files/stored_data.h"
-#include "field/sample_type.h"
 #include "volume_files/choice.h"
 #include "volume_files/grid_of_file.h"
 #include "volume_files/nifti_header.h"
@@ -65,24 +65,35 @@ fs::path required_sibling(const fs::path& path, std::string_view extension) {
 
 SampleType sample_type_of(int datatype, const fs::path& file) {
   switch (datatype) {
-    case 2: return SampleType::uint8;
-    case 4: return SampleType::int16;
-    case 8: return SampleType::int32;
-    case 16: return SampleType::float32;
-    case 64: return SampleType::float64;
-    case 256: return SampleType::int8;
-    case 512: return SampleType::uint16;
-    case 768: return SampleType::uint32;
-    case 1024: return SampleType::int64;
-    case 1280: return SampleType::uint64;
-    default: break;
+    case 2:
+      return SampleType::uint8;
+    case 4:
+      return SampleType::int16;
+    case 8:
+      return SampleType::int32;
+    case 16:
+      return SampleType::float32;
+    case 64:
+      return SampleType::float64;
+    case 256:
+      return SampleType::int8;
+    case 512:
+      return SampleType::uint16;
+    case 768:
+      return SampleType::uint32;
+    case 1024:
+      return SampleType::int64;
+    case 1280:
+      return SampleType::uint64;
+    default:
+      break;
   }
   struct OtherType {
     int datatype;
     std::string_view name;
   };
-  constexpr std::array kOtherTypes{OtherType{0, "unknown"},      OtherType{1, "BINARY"},      OtherType{32, "COMPLEX64"},
-                                   OtherType{128, "RGB24"},      OtherType{255, "ALL"},       OtherType{1536, "FLOAT128"},
+  constexpr std::array kOtherTypes{OtherType{0, "unknown"},       OtherType{1, "BINARY"},        OtherType{32, "COMPLEX64"},
+                                   OtherType{128, "RGB24"},       OtherType{255, "ALL"},         OtherType{1536, "FLOAT128"},
                                    OtherType{1792, "COMPLEX128"}, OtherType{2048, "COMPLEX256"}, OtherType{2304, "RGBA32"}};
   const auto* const other = std::ranges::find(kOtherTypes, datatype, &OtherType::datatype);
   throw unsupported(file, "has samples of type " + std::to_string(datatype) + " (" +
@@ -115,8 +126,8 @@ std::uint64_t volume_count(const NiftiHeader& header, const fs::path& path) {
     for (std::size_t axis = 1; axis <= static_cast<std::size_t>(header.dim[0]); ++axis) {
       shape += (axis > 1 ? " x " : "") + std::to_string(header.dim[axis]);
     }
-    throw unsupported(path, "has " + std::to_string(header.dim[0]) + " dimensions (" + shape +
-                                "), expected three of space, time, and values per sample");
+    throw unsupported(
+        path, "has " + std::to_string(header.dim[0]) + " dimensions (" + shape + "), expected three of space, time, and values per sample");
   }
   return static_cast<std::uint64_t>(header.dim[4] * header.dim[5]);
 }

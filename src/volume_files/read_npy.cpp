@@ -12,8 +12,8 @@
 #include <type_traits>
 #include <vector>
 
-#include "files/file_error.h"
 #include "field/sample_type.h"
+#include "files/file_error.h"
 #include "volume_files/grid_of_file.h"
 #include "volume_files/header_fields.h"
 #include "volume_files/readers.h"
@@ -136,8 +136,8 @@ NpyHeader read_header(const fs::path& path) {
   const std::size_t start = version == 1 ? 10 : 12;
   const std::size_t length = version == 1 ? fields.at<std::uint16_t>(8) : fields.at<std::uint32_t>(8);
   if (length > bytes.size() - start) {
-    throw bad_file(path, "its header is cut off: it promises " + std::to_string(length) + " bytes and has " +
-                             std::to_string(bytes.size() - start));
+    throw bad_file(
+        path, "its header is cut off: it promises " + std::to_string(length) + " bytes and has " + std::to_string(bytes.size() - start));
   }
   NpyHeader header;
   header.samples_offset = start + length;
@@ -156,12 +156,11 @@ StoredType stored_type_of(const std::string& descr, const fs::path& path) {
     std::string_view code;
     StoredType stored;
   };
-  constexpr std::array kKnown{Known{"b1", {SampleType::uint8, 1}},    Known{"u1", {SampleType::uint8, 1}},
-                              Known{"i1", {SampleType::int8, 1}},     Known{"u2", {SampleType::uint16, 2}},
-                              Known{"i2", {SampleType::int16, 2}},    Known{"u4", {SampleType::uint32, 4}},
-                              Known{"i4", {SampleType::int32, 4}},    Known{"u8", {SampleType::uint64, 8}},
-                              Known{"i8", {SampleType::int64, 8}},    Known{"f2", {SampleType::float32, 2, true}},
-                              Known{"f4", {SampleType::float32, 4}},  Known{"f8", {SampleType::float64, 8}}};
+  constexpr std::array kKnown{
+      Known{"b1", {SampleType::uint8, 1}},         Known{"u1", {SampleType::uint8, 1}},   Known{"i1", {SampleType::int8, 1}},
+      Known{"u2", {SampleType::uint16, 2}},        Known{"i2", {SampleType::int16, 2}},   Known{"u4", {SampleType::uint32, 4}},
+      Known{"i4", {SampleType::int32, 4}},         Known{"u8", {SampleType::uint64, 8}},  Known{"i8", {SampleType::int64, 8}},
+      Known{"f2", {SampleType::float32, 2, true}}, Known{"f4", {SampleType::float32, 4}}, Known{"f8", {SampleType::float64, 8}}};
   const bool has_order = !descr.empty() && std::string_view("<>=|").find(descr[0]) != std::string_view::npos;
   const std::string code = descr.substr(has_order ? 1 : 0);
   for (const Known& known : kKnown) {
@@ -188,8 +187,8 @@ std::array<std::size_t, 3> size_of(const std::vector<std::uint64_t>& shape, cons
   std::vector<std::uint64_t> axes = shape;
   if (axes.size() > 3) std::erase(axes, 1U);
   if (axes.size() != 3) {
-    throw unsupported(path, "holds an array of shape " + text_of(shape) +
-                                ", expected three axes (z, y, x)" + (axes.size() > 3 ? "; save one volume of it to a file of its own" : ""));
+    throw unsupported(path, "holds an array of shape " + text_of(shape) + ", expected three axes (z, y, x)" +
+                                (axes.size() > 3 ? "; save one volume of it to a file of its own" : ""));
   }
   return {axes[2], axes[1], axes[0]};
 }
@@ -261,9 +260,8 @@ VolumeFile read_npy(const fs::path& path, const ReadOptions& options) {
   file.source.has_spacing = false;
   volume.grid.size = size_of(header.shape, path);
   volume.type = type.type;
-  const StoredVolumes stored{.file = path,
-                             .offset = header.samples_offset,
-                             .volume_bytes = checked_sample_bytes(path, volume.grid.size, type.bytes)};
+  const StoredVolumes stored{
+      .file = path, .offset = header.samples_offset, .volume_bytes = checked_sample_bytes(path, volume.grid.size, type.bytes)};
   require_stored_volumes(stored, file.source);
   if (header.is_fortran_order) {
     read_fortran_samples(stored, type.is_half, swap, file, options);

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <string>
 
+#include "files/byte_source.h"
 #include "files/file_error.h"
 #include "files/stored_data.h"
-#include "files/byte_source.h"
 #include "volume_files/grid_of_file.h"
 #include "volume_files/readers.h"
 
@@ -17,7 +17,8 @@ namespace fs = std::filesystem;
 namespace {
 
 [[noreturn]] void refuse_size(const fs::path& path, const RawLayout& layout, std::uint64_t found, std::uint64_t expected, bool is_packed) {
-  throw bad_file(path, std::string(is_packed && found > layout.offset + 2 * expected ? "has more than " : "has ") + std::to_string(found) + " bytes" + (is_packed ? " when unpacked" : "") + ", but " +
+  throw bad_file(path, std::string(is_packed && found > layout.offset + 2 * expected ? "has more than " : "has ") + std::to_string(found) +
+                           " bytes" + (is_packed ? " when unpacked" : "") + ", but " +
                            (layout.offset > 0 ? "after an offset of " + std::to_string(layout.offset) + " " : "") +
                            std::to_string(layout.size[0]) + " x " + std::to_string(layout.size[1]) + " x " +
                            std::to_string(layout.size[2]) + " samples of " + std::string(name(layout.type)) + " are " +

@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
+#include "files/byte_source.h"
 #include "files/file_error.h"
 #include "files/stored_data.h"
 #include "isoatlas/length_unit.h"
-#include "files/byte_source.h"
 #include "volume_files/choice.h"
 #include "volume_files/grid_of_file.h"
 #include "volume_files/readers.h"

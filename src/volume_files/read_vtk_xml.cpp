@@ -7,9 +7,10 @@
 #include <string>
 #include <utility>
 
+#include "files/byte_source.h"
 #include "files/file_error.h"
 #include "files/stored_data.h"
-#include "files/byte_source.h"
+#include "files/vtk_xml_values.h"
 #include "volume_files/choice.h"
 #include "volume_files/grid_of_file.h"
 #include "volume_files/readers.h"
@@ -17,7 +18,6 @@
 #include "volume_files/vtk_xml_assembly.h"
 #include "volume_files/vtk_xml_geometry.h"
 #include "volume_files/vtk_xml_grid.h"
-#include "files/vtk_xml_values.h"
 
 namespace isoatlas::io {
 
@@ -211,8 +211,8 @@ VolumeFile read_vtk_xml(const fs::path& path, const ReadOptions& options) {
   const VtkXmlGrid grid = read_vtk_xml_grid(path);
   VolumeFile file;
   VolumeSource& source = file.source;
-  source.format = std::string("VTK XML ") + (grid.is_parallel ? "parallel " : "") +
-                  (grid.is_rectilinear ? "rectilinear grid" : "image data");
+  source.format =
+      std::string("VTK XML ") + (grid.is_parallel ? "parallel " : "") + (grid.is_rectilinear ? "rectilinear grid" : "image data");
   source.reader = vtk_xml_reader_name(grid.pieces.empty() ? *grid.header : *grid.pieces.front().header);
   checked_sample_bytes(path, grid.extent.size(), 1);
   const TimeStep step = choose_time(grid, options, source);

@@ -20,8 +20,7 @@ std::string sample_digest(const VolumeView& volume) {
   unsigned digest_bytes = 0;
   const std::size_t bytes = volume.grid.sample_count() * bytes_per_sample(volume.type);
   if (!context || EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr) != 1 ||
-      EVP_DigestUpdate(context.get(), volume.samples, bytes) != 1 ||
-      EVP_DigestFinal_ex(context.get(), digest.data(), &digest_bytes) != 1) {
+      EVP_DigestUpdate(context.get(), volume.samples, bytes) != 1 || EVP_DigestFinal_ex(context.get(), digest.data(), &digest_bytes) != 1) {
     throw std::bad_alloc();
   }
   constexpr const char* kDigits = "0123456789abcdef";

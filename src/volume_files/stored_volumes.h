@@ -11,9 +11,9 @@
 #include <string_view>
 #include <vector>
 
+#include "files/byte_source.h"
 #include "files/stored_data.h"
 #include "isoatlas/volume_file.h"
-#include "files/byte_source.h"
 
 namespace isoatlas::io {
 

@@ -92,7 +92,10 @@ std::string other_kind(std::string_view bytes, const fs::path& path) {
   if (has_extension(path, ".npz")) return "is an archive of NumPy arrays (numpy.save writes one array as .npy)";
   if (has_at(bytes, 0, "PK\x03\x04")) return "is a ZIP archive";
   if (has_at(bytes, 0, "BZh")) return "is compressed by bzip2 (to be decompressed first: bunzip2)";
-  if (has_at(bytes, 0, "\xFD" "7zXZ")) return "is compressed by xz (to be decompressed first: unxz)";
+  if (has_at(bytes, 0,
+             "\xFD"
+             "7zXZ"))
+    return "is compressed by xz (to be decompressed first: unxz)";
   if (has_at(bytes, 0, "\x28\xB5\x2F\xFD")) return "is compressed by zstandard (to be decompressed first: unzstd)";
   if (has_at(bytes, 0, "ZISRAWFILE")) return "is a Zeiss CZI file";
   if (has_at(bytes, 0, "\xDA\xCE\xBE\x0A")) return "is a Nikon ND2 file";

@@ -11,9 +11,9 @@
 namespace isoatlas::io {
 
 struct VolumeFormat {
-  std::string_view name;                            ///< for messages: "NRRD"
-  std::string_view extensions;                      ///< with dots, between blanks, lower case
-  bool (*has_mark)(std::string_view first_bytes);   ///< does a file that begins like this have the format? Null: nothing tells
+  std::string_view name;                           ///< for messages: "NRRD"
+  std::string_view extensions;                     ///< with dots, between blanks, lower case
+  bool (*has_mark)(std::string_view first_bytes);  ///< does a file that begins like this have the format? Null: nothing tells
   VolumeFile (*read)(const std::filesystem::path& path, const ReadOptions& options);
   bool is_read_gzipped = true;  ///< the whole file may be gzipped, or the reader refuses that itself
 };

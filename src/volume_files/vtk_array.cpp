@@ -8,8 +8,8 @@
 #include <optional>
 #include <type_traits>
 
-#include "files/file_error.h"
 #include "field/sample_type.h"
+#include "files/file_error.h"
 #include "volume_files/choice.h"
 #include "volume_files/grid_of_file.h"
 
@@ -80,8 +80,7 @@ std::size_t choose_array(const fs::path& path, const std::vector<VtkArray>& arra
     choice.entries.push_back(description(array, with_prefix));
   }
   const std::optional<std::size_t> found = options.array.empty() ? array_without_choice(arrays) : array_called(arrays, options.array);
-  const std::size_t chosen =
-      found ? take_choice(path, source, choice, found) : take_choice(path, source, choice, options.array);
+  const std::size_t chosen = found ? take_choice(path, source, choice, found) : take_choice(path, source, choice, options.array);
   if (arrays.size() > 1) {
     source.decisions.push_back({"array", one_line(arrays[chosen].name)});
   }

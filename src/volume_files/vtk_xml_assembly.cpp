@@ -7,8 +7,8 @@
 #include <limits>
 #include <type_traits>
 
-#include "files/file_error.h"
 #include "field/sample_type.h"
+#include "files/file_error.h"
 
 namespace isoatlas::io {
 

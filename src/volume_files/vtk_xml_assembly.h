@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "isoatlas/volume_file.h"
 #include "files/vtk_values.h"
+#include "isoatlas/volume_file.h"
 
 namespace isoatlas::io {
 

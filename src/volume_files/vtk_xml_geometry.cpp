@@ -10,8 +10,8 @@
 
 #include "files/file_error.h"
 #include "files/stored_data.h"
-#include "volume_files/grid_of_file.h"
 #include "files/vtk_xml_values.h"
+#include "volume_files/grid_of_file.h"
 
 namespace isoatlas::io {
 

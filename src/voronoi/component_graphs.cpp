@@ -68,9 +68,11 @@ CVertexGraph ComponentGraphs::graph_of(std::uint32_t group, const RunControl& co
   for (std::size_t k = 0; k < own.size(); ++k) {
     poll.step();
     const CVertexId v = own[k];
-    std::ranges::transform(whole_.row(v), out.neighbours.begin() + out.first[k],
-                           [&](const CVertexGraph::Neighbour& w) { return CVertexGraph::Neighbour{number_[w.id], w.weight}; });
-    std::copy(whole_.is_diagonal.begin() + whole_.first[v], whole_.is_diagonal.begin() + whole_.first[v + 1], out.is_diagonal.begin() + out.first[k]);
+    std::ranges::transform(whole_.row(v), out.neighbours.begin() + out.first[k], [&](const CVertexGraph::Neighbour& w) {
+      return CVertexGraph::Neighbour{number_[w.id], w.weight};
+    });
+    std::copy(whole_.is_diagonal.begin() + whole_.first[v], whole_.is_diagonal.begin() + whole_.first[v + 1],
+              out.is_diagonal.begin() + out.first[k]);
     out.on_boundary[k] = whole_.on_boundary[v];
   }
   return out;

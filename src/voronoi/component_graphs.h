@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "isoatlas/run_control.h"
 #include "complex/c_vertex_graph.h"
+#include "isoatlas/run_control.h"
 
 namespace isoatlas {
 
@@ -20,7 +20,9 @@ class ComponentGraphs {
 
   std::uint32_t count() const { return static_cast<std::uint32_t>(first_.size() - 1); }
   /// The c-vertices of the whole graph that are those of the group, one by one.
-  std::span<const CVertexId> c_vertices(std::uint32_t group) const { return std::span(c_vertices_).subspan(first_[group], first_[group + 1] - first_[group]); }
+  std::span<const CVertexId> c_vertices(std::uint32_t group) const {
+    return std::span(c_vertices_).subspan(first_[group], first_[group + 1] - first_[group]);
+  }
   CVertexGraph graph_of(std::uint32_t group, const RunControl& control = {}) const;
   /// All groups, the largest first.
   std::span<const std::uint32_t> by_size() const { return by_size_; }

@@ -100,8 +100,8 @@ bool Covering::has_slope() const {
   return true;
 }
 
-// Distances and cells of the c-vertices that stay in their cells do not depend on later sites. (Nor does it matter in which order sites come:
-// distances are the smallest over all paths, and of equal ones the earliest site has the c-vertex.)
+// Distances and cells of the c-vertices that stay in their cells do not depend on later sites. (Nor does it matter in which order sites
+// come: distances are the smallest over all paths, and of equal ones the earliest site has the c-vertex.)
 void Covering::remove_sites(std::uint32_t count, const RunControl& control) {
   CancelPoll poll(control);
   std::vector<CVertexId> freed;

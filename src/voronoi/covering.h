@@ -7,13 +7,13 @@
 #include <span>
 #include <vector>
 
-#include "core/distance_queue.h"
-#include "core/epoch_set.h"
-#include "voronoi/topological_event.h"
-#include "isoatlas/run_control.h"
+#include "complex/c_vertex_graph.h"
 #include "complex/cell_members.h"
 #include "complex/partition.h"
-#include "complex/c_vertex_graph.h"
+#include "core/distance_queue.h"
+#include "core/epoch_set.h"
+#include "isoatlas/run_control.h"
+#include "voronoi/topological_event.h"
 
 namespace isoatlas {
 
@@ -51,8 +51,8 @@ class Covering {
   };
   void seed(std::span<const CVertexId> sites, std::span<const Radius> radii, const RunControl& control = {});
 
-  /// Goes on where the graph has the same c-vertices and more: radii stay, but where they would leave something uncovered. As seed() with these
-  /// radii, but only what is near a changed row or another site is looked at.
+  /// Goes on where the graph has the same c-vertices and more: radii stay, but where they would leave something uncovered. As seed() with
+  /// these radii, but only what is near a changed row or another site is looked at.
   /// @param changed  per c-vertex of the graph as it is now, 1 if its row is not what it was
   /// @param sites    per cell, a c-vertex of the cell, its site from now on
   /// @pre   everything is covered
@@ -64,8 +64,8 @@ class Covering {
 
   /// Makes v a site and gives it every c-vertex that is nearer to it than to any other.
   void insert(CVertexId v, const RunControl& control = {});
-  /// Removes all sites but the first `count`. The partition is then what it was with these, if the graph is what it was. Radii stay, but where
-  /// they would leave something uncovered.
+  /// Removes all sites but the first `count`. The partition is then what it was with these, if the graph is what it was. Radii stay, but
+  /// where they would leave something uncovered.
   /// @pre   everything is covered, and every component keeps a site
   /// @cost  what is in the cells that are removed
   void remove_sites(std::uint32_t count, const RunControl& control = {});

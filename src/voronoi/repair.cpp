@@ -41,7 +41,11 @@ struct Fix {
 class FixFinder {
  public:
   FixFinder(const SurfaceComplex& complex, const ComplexAdjacency& adjacency, Covering& covering)
-      : complex_(complex), adjacency_(adjacency), covering_(covering), cell_of_(covering.partition().cell_of), members_(covering.members()) {}
+      : complex_(complex),
+        adjacency_(adjacency),
+        covering_(covering),
+        cell_of_(covering.partition().cell_of),
+        members_(covering.members()) {}
 
   // For every faulty cell its farthest c-vertex, on the boundary if that is what is wrong; for two cells with faulty arcs the farthest
   // c-vertex on their common border.
@@ -190,7 +194,8 @@ void CertifiedDual::continue_on(std::span<const std::uint8_t> changed) {
   for (CellId c = 0; c < site_points_.size(); ++c) {
     const Vec3 p = complex_.positions[site[c]];
     if (std::exchange(site_points_[c], p) == p) continue;
-    // Three other cells that meet at a quad with this one may meet no more: its diagonal depends on the site. So all cells around are checked.
+    // Three other cells that meet at a quad with this one may meet no more: its diagonal depends on the site. So all cells around are
+    // checked.
     covering_.members().for_each(c, [&](CVertexId v) { other_faces_.push_back(v); });
   }
 }
@@ -199,7 +204,7 @@ void CertifiedDual::continue_on(std::span<const std::uint8_t> changed) {
 void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateReport& report, const RunControl& control) {
   const Partition& partition = covering_.partition();
   const RunControl quiet = without_stages(control);  // what is covered on the way is not the stage that tells its progress
-  std::vector<CellId> checked = scope;  // in all rounds; if the first one was of everything, so is the last
+  std::vector<CellId> checked = scope;               // in all rounds; if the first one was of everything, so is the last
   const bool everything = scope.empty();
   bool has_triangles = !std::exchange(fresh_, false);
   for (;;) {
@@ -286,7 +291,8 @@ bool CertifiedDual::is_what_a_full_check_finds() {
 
 void CertifiedDual::touch_near(std::span<const CVertexId> c_vertices, const RunControl& control) {
   touched_.resize(std::max<std::size_t>(touched_.size(), covering_.site_count()), 1);
-  for (const CellId c : scoped_.cells_near(complex_, adjacency(control), covering_.partition().cell_of, c_vertices, control)) touched_[c] = 1;
+  for (const CellId c : scoped_.cells_near(complex_, adjacency(control), covering_.partition().cell_of, c_vertices, control))
+    touched_[c] = 1;
 }
 
 void CertifiedDual::certify(CertificateReport& report, const RunControl& control) {

@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include "voronoi/covering.h"
 #include "complex/certificate.h"
-#include "complex/scoped_check.h"
 #include "complex/dual_triangles.h"
+#include "complex/scoped_check.h"
+#include "voronoi/covering.h"
 
 namespace isoatlas {
 

@@ -3,9 +3,9 @@
 
 #include <vector>
 
+#include "complex/c_vertex_graph.h"
 #include "core/distance_queue.h"
 #include "isoatlas/run_control.h"
-#include "complex/c_vertex_graph.h"
 
 namespace isoatlas {
 

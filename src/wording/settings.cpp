@@ -57,8 +57,15 @@ std::pair<std::array<double, 3>, LengthUnit> parse_spacing(std::string_view text
 std::uint64_t parse_bytes(std::string_view text) {
   std::string_view number = text;
   double factor = 1;
-  constexpr std::array<std::pair<std::string_view, double>, 9> kUnits{{{"GiB", 0x1p30}, {"MiB", 0x1p20}, {"KiB", 0x1p10}, {"GB", 1e9}, {"MB", 1e6},
-                                                                       {"kB", 1e3}, {"G", 0x1p30}, {"M", 0x1p20}, {"K", 0x1p10}}};
+  constexpr std::array<std::pair<std::string_view, double>, 9> kUnits{{{"GiB", 0x1p30},
+                                                                       {"MiB", 0x1p20},
+                                                                       {"KiB", 0x1p10},
+                                                                       {"GB", 1e9},
+                                                                       {"MB", 1e6},
+                                                                       {"kB", 1e3},
+                                                                       {"G", 0x1p30},
+                                                                       {"M", 0x1p20},
+                                                                       {"K", 0x1p10}}};
   for (const auto& [unit, bytes] : kUnits) {
     if (number.ends_with(unit)) {
       number.remove_suffix(unit.size());
@@ -209,8 +216,7 @@ double named_in_world(std::string_view name, const Measure& measure, const Grid&
 ExtractOptions in_world(const ExtractSettings& settings, const Grid& grid) {
   ExtractOptions options = settings.options;
   if (settings.max_radius) options.max_radius = named_in_world("max-radius", *settings.max_radius, grid);
-  if (settings.min_component_size)
-    options.min_component_size = named_in_world("min-component-size", *settings.min_component_size, grid);
+  if (settings.min_component_size) options.min_component_size = named_in_world("min-component-size", *settings.min_component_size, grid);
   if (settings.event_persistence) options.event_persistence = named_in_world("event-persistence", *settings.event_persistence, grid);
   options.coarse = in_world(settings.goals.coarse, grid);
   for (const auto& goal : settings.goals.refine) options.refine.push_back(in_world(goal, grid));

@@ -8,10 +8,10 @@
 #include <string_view>
 #include <utility>
 
-#include "isoatlas/options.h"
-#include "isoatlas/volume_file.h"
 #include "isoatlas/measure.h"
+#include "isoatlas/options.h"
 #include "isoatlas/volume.h"
+#include "isoatlas/volume_file.h"
 #include "wording/level_goals.h"
 #include "wording/values.h"
 

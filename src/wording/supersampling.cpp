@@ -5,10 +5,10 @@
 #include <cstdio>
 #include <string>
 
-#include "files/memory_limit.h"
-#include "isoatlas/error.h"
 #include "field/classify.h"
 #include "field/upsampled_field.h"
+#include "files/memory_limit.h"
+#include "isoatlas/error.h"
 
 namespace isoatlas {
 namespace {
@@ -91,9 +91,7 @@ std::uint64_t require_memory_for_supersampling(const VolumeView& volume, const E
   if (options.supersample <= 1) return 0;
   const double available = static_cast<double>(limit == 0 ? io::default_memory_limit() : limit);
   const Demand demand = demand_of(volume, options, control);
-  const auto is_possible = [&](std::uint32_t factor) {
-    return can_be_upsampled(volume.grid, factor) && demand.bytes(factor) <= available;
-  };
+  const auto is_possible = [&](std::uint32_t factor) { return can_be_upsampled(volume.grid, factor) && demand.bytes(factor) <= available; };
   if (is_possible(options.supersample)) return static_cast<std::uint64_t>(demand.bytes(options.supersample));
   const std::uint32_t largest = largest_factor(options.supersample, is_possible);
   const std::string factor = std::to_string(options.supersample);

@@ -7,11 +7,11 @@
 #include <cstring>
 
 #include "complex/coarsen.h"
+#include "complex/components.h"
+#include "isosurface/parse_surface.h"
 #include "property/random_case.h"
 #include "support/soundness.h"
 #include "support/surfaces.h"
-#include "complex/components.h"
-#include "isosurface/parse_surface.h"
 
 namespace isoatlas {
 namespace {

@@ -8,12 +8,12 @@
 #include <span>
 #include <vector>
 
-#include "voronoi/repair.h"
-#include "complex/scoped_check.h"
+#include "complex/components.h"
 #include "complex/dual_triangles.h"
+#include "complex/scoped_check.h"
 #include "property/random_case.h"
 #include "support/surfaces.h"
-#include "complex/components.h"
+#include "voronoi/repair.h"
 
 namespace isoatlas {
 namespace {

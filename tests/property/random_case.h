@@ -24,7 +24,8 @@ struct RandomCase {
   bool below = false;
   Vec3 spacing{1, 1, 1};
 
-  /// The volume somewhere in the world: as it is, rotated, mirrored, far from the origin, or so far that a voxel has 2^17 numbers to a side.
+  /// The volume somewhere in the world: as it is, rotated, mirrored, far from the origin, or so far that a voxel has 2^17 numbers to a
+  /// side.
   int pose() const { return static_cast<int>(seed / 7 % 6); }
   Volume volume(SampleType type) const {
     Volume out = to_volume(samples(), type, spacing);

@@ -7,13 +7,13 @@
 #include <cstring>
 #include <set>
 
+#include "complex/components.h"
 #include "core/vector_math.h"
 #include "geometry/triangle_tree.h"
+#include "isosurface/parse_surface.h"
 #include "property/random_goals.h"
 #include "support/soundness.h"
 #include "support/surfaces.h"
-#include "complex/components.h"
-#include "isosurface/parse_surface.h"
 
 namespace isoatlas {
 namespace {

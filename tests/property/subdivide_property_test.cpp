@@ -7,14 +7,14 @@
 #include <cmath>
 #include <numeric>
 
+#include "complex/components.h"
+#include "embedding/adaptive_surface.h"
 #include "isoatlas/self_intersections.h"
 #include "isosurface/isosurface.h"
-#include "property/random_case.h"
-#include "optimize/relax.h"
-#include "embedding/adaptive_surface.h"
-#include "support/surfaces.h"
-#include "complex/components.h"
 #include "isosurface/parse_surface.h"
+#include "optimize/relax.h"
+#include "property/random_case.h"
+#include "support/surfaces.h"
 
 namespace isoatlas {
 namespace {

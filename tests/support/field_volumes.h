@@ -22,16 +22,26 @@ inline double sample_as_double(const VolumeView& volume, std::size_t index) {
     return static_cast<double>(zero);
   };
   switch (volume.type) {
-    case SampleType::int8: return value(std::int8_t{});
-    case SampleType::uint8: return value(std::uint8_t{});
-    case SampleType::int16: return value(std::int16_t{});
-    case SampleType::uint16: return value(std::uint16_t{});
-    case SampleType::int32: return value(std::int32_t{});
-    case SampleType::uint32: return value(std::uint32_t{});
-    case SampleType::int64: return value(std::int64_t{});
-    case SampleType::uint64: return value(std::uint64_t{});
-    case SampleType::float32: return value(float{});
-    case SampleType::float64: return value(double{});
+    case SampleType::int8:
+      return value(std::int8_t{});
+    case SampleType::uint8:
+      return value(std::uint8_t{});
+    case SampleType::int16:
+      return value(std::int16_t{});
+    case SampleType::uint16:
+      return value(std::uint16_t{});
+    case SampleType::int32:
+      return value(std::int32_t{});
+    case SampleType::uint32:
+      return value(std::uint32_t{});
+    case SampleType::int64:
+      return value(std::int64_t{});
+    case SampleType::uint64:
+      return value(std::uint64_t{});
+    case SampleType::float32:
+      return value(float{});
+    case SampleType::float64:
+      return value(double{});
   }
   return 0;
 }

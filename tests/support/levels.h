@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "voronoi/repair.h"
 #include "error/measured_covering.h"
+#include "isosurface/parse_surface.h"
 #include "support/exact_volume.h"
 #include "support/surfaces.h"
-#include "isosurface/parse_surface.h"
+#include "voronoi/repair.h"
 
 namespace isoatlas::test {
 
@@ -68,8 +68,9 @@ class TestLevel {
     return std::span<const ClosestPoint>(closest_).subspan(first, mesh_.c_vertices_of.row(c).size());
   }
   CellView cell(CellId c) const {
-    return {ground_.surfels, ground_.graph,       covering_.distance(),      partition().cell_of, mesh_.normal,
-            mesh_.triangles, mesh_.triangle_normal, partition().site[c], mesh_.c_vertices_of.row(c), closest(c),          from_mesh_[c].distance};
+    return {ground_.surfels,       ground_.graph,         covering_.distance(), partition().cell_of,        mesh_.normal,
+            mesh_.triangles,       mesh_.triangle_normal, partition().site[c],  mesh_.c_vertices_of.row(c), closest(c),
+            from_mesh_[c].distance};
   }
 
  private:

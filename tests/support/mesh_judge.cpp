@@ -28,7 +28,8 @@ Number determinant(const Point& a, const Point& b, const Point& c, const Point& 
 
 template <class Number>
 Number determinant(const Point& a, const Point& b, const Point& c, std::size_t i, std::size_t j) {
-  const Number u = Number(b[i]) - Number(a[i]), v = Number(b[j]) - Number(a[j]), w = Number(c[i]) - Number(a[i]), x = Number(c[j]) - Number(a[j]);
+  const Number u = Number(b[i]) - Number(a[i]), v = Number(b[j]) - Number(a[j]), w = Number(c[i]) - Number(a[i]),
+               x = Number(c[j]) - Number(a[j]);
   return Number(u * x - v * w);
 }
 
@@ -223,7 +224,8 @@ std::size_t misplaced_components(const TriangleMesh& mesh) {
     const Vec3 n{u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
     const double area = std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
     if (area <= largest[component[i]].area) continue;
-    largest[component[i]] = {area, {(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3, (a.z + b.z + c.z) / 3}, {n.x / area, n.y / area, n.z / area}};
+    largest[component[i]] = {
+        area, {(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3, (a.z + b.z + c.z) / 3}, {n.x / area, n.y / area, n.z / area}};
   }
   // Windings of the outer side, from near to nearer, where nothing else of the mesh is between: 0 or -1, and one more inside.
   std::size_t around_outside = 0, around_inside = 0, components = 0;
@@ -232,7 +234,8 @@ std::size_t misplaced_components(const TriangleMesh& mesh) {
     ++components;
     for (const double step : {1e-6, 1e-8, 1e-10}) {
       const auto beside = [&](double by) {
-        return winding(mesh, at, {l.centre.x + by * size * l.normal.x, l.centre.y + by * size * l.normal.y, l.centre.z + by * size * l.normal.z});
+        return winding(mesh, at,
+                       {l.centre.x + by * size * l.normal.x, l.centre.y + by * size * l.normal.y, l.centre.z + by * size * l.normal.z});
       };
       const double outer = beside(step), inner = beside(-step);
       constexpr double kRounding = 1e-2;

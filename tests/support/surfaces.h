@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include "isoatlas/mesh.h"
-#include "support/volumes.h"
 #include "complex/c_vertex_graph.h"
 #include "complex/surface_complex.h"
+#include "isoatlas/mesh.h"
+#include "support/volumes.h"
 
 namespace isoatlas::test {
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "support/volumes.h"
 #include "field/interpolated_field.h"
+#include "support/volumes.h"
 
 namespace isoatlas::test {
 

@@ -348,7 +348,9 @@ Samples random_samples(Family family, Size size, std::uint64_t seed) {
 
 Samples random_shells(std::uint64_t seed) {
   Random random(seed);
-  const auto centre = [&](double x) { return Vec3{x + 0.1 * random.between(-9, 9), 11 + 0.1 * random.between(-9, 9), 11 + 0.1 * random.between(-9, 9)}; };
+  const auto centre = [&](double x) {
+    return Vec3{x + 0.1 * random.between(-9, 9), 11 + 0.1 * random.between(-9, 9), 11 + 0.1 * random.between(-9, 9)};
+  };
   Samples samples = sampled({40, 22, 22}, unite(nested_shells(centre(11), {8.5, 6, 3.5}), nested_shells(centre(29), {7, 4.5})));
   for (int k = 0; k < 40; ++k) {
     std::int64_t& sample = samples.at(random.between(0, 39), random.between(0, 21), random.between(0, 21));

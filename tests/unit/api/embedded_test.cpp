@@ -71,7 +71,8 @@ TEST(Embedded, AsFilesHaveIt) {
       for (const Vec3 origin : {is_far ? *e.hierarchy.float32_origin : Vec3{}, *e.hierarchy.float32_origin}) {
         std::vector<Vec3> rounded;
         for (const Vec3& p : mesh.positions) {
-          const volatile float x = static_cast<float>(p.x - origin.x), y = static_cast<float>(p.y - origin.y), z = static_cast<float>(p.z - origin.z);
+          const volatile float x = static_cast<float>(p.x - origin.x), y = static_cast<float>(p.y - origin.y),
+                               z = static_cast<float>(p.z - origin.z);
           rounded.push_back({x, y, z});
         }
         EXPECT_EQ(self_intersections(rounded, mesh.triangles).size(), 0U) << l;

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <cstring>
 
+#include "field/sample_type.h"
 #include "support/reference_topology.h"
 #include "support/surfaces.h"
-#include "field/sample_type.h"
 
 namespace isoatlas {
 namespace {

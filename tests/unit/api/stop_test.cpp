@@ -39,7 +39,8 @@ std::vector<Case> cases() {
   Case& noise = out.emplace_back(Case{"noise", to_volume(random_samples(Family::white_noise, {9, 9, 9}, 3)), {}});
   noise.options.refine = {{{Quantity::max_distance, 0.5, true}}, {{Quantity::max_vertices, 2500}}};
   noise.options.measure_samples = 500;
-  Case& balls = out.emplace_back(Case{"balls", to_volume(sampled({16, 16, 16}, unite(sphere({5, 7, 7}, 4.2), sphere({11, 8, 7}, 3.6)))), {}});
+  Case& balls =
+      out.emplace_back(Case{"balls", to_volume(sampled({16, 16, 16}, unite(sphere({5, 7, 7}, 4.2), sphere({11, 8, 7}, 3.6)))), {}});
   balls.options.refine = {{{Quantity::max_distance, 0.1}}};
   balls.options.placement = Placement::balanced;
   balls.options.keep_components = 1;

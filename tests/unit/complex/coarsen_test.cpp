@@ -6,9 +6,9 @@
 #include <atomic>
 #include <set>
 
+#include "complex/components.h"
 #include "support/reference_topology.h"
 #include "support/surfaces.h"
-#include "complex/components.h"
 
 namespace isoatlas {
 namespace {

@@ -9,9 +9,9 @@
 #include <map>
 #include <numbers>
 
+#include "isosurface/parse_surface.h"
 #include "support/surfaces.h"
 #include "support/volumes.h"
-#include "isosurface/parse_surface.h"
 
 namespace isoatlas {
 namespace {

@@ -117,7 +117,8 @@ TEST(MonotoneQueue, PopsTheShortestAndNothingIsLost) {
     float last = 0;
     const auto push = [&] {
       const float length = last + (random.bits() % 3 ? 1e-3f * static_cast<float>(random.bits() % 5000) : 0);
-      const std::uint64_t key = length_key(random.bits() % 50 ? length : std::max(last, 1e6f * length), static_cast<std::uint32_t>(random.bits()));
+      const std::uint64_t key =
+          length_key(random.bits() % 50 ? length : std::max(last, 1e6f * length), static_cast<std::uint32_t>(random.bits()));
       queue.push(key);
       all.insert(key);
     };

@@ -25,7 +25,8 @@ TEST(WholeProgress, NeverFallsAndEndsAtOne) {
   whole.report("else", 0.9);  // part of the stage before it
   whole.report("two", 7);
   whole.report("three", 1);
-  const std::vector<std::pair<std::string, double>> want{{"one", 0}, {"one", 0.125}, {"two", 0.375}, {"two", 0.375}, {"else", 0.375}, {"two", 0.75}, {"three", 1}};
+  const std::vector<std::pair<std::string, double>> want{{"one", 0},      {"one", 0.125}, {"two", 0.375}, {"two", 0.375},
+                                                         {"else", 0.375}, {"two", 0.75},  {"three", 1}};
   EXPECT_EQ(told, want);
 }
 

@@ -9,9 +9,9 @@
 #include <set>
 
 #include "core/vector_math.h"
-#include "geometry/closest_point.h"
 #include "error/error_field.h"
 #include "error/triangle_errors.h"
+#include "geometry/closest_point.h"
 #include "support/levels.h"
 
 namespace isoatlas {
@@ -102,7 +102,8 @@ TEST(FindClosest, IsTheClosestOfTheRing) {
 // A mesh whose vertices are on the two brims of a deep, narrow valley is far from the surface, though its vertices are on it.
 TEST(MeasureFromMesh, SeesATriangleThatBridgesAFold) {
   // The valley's walls have a slope of 2, its bottom is 8 below the brims.
-  const Volume volume = exact_volume({21, 9, 20}, [](double x, double, double z) { return 12 - 2 * std::max(0.0, 4 - std::abs(x - 10)) - z; });
+  const Volume volume =
+      exact_volume({21, 9, 20}, [](double x, double, double z) { return 12 - 2 * std::max(0.0, 4 - std::abs(x - 10)) - z; });
   ParseOptions options;
   options.rule = {0, Inside::above, NonFinite::refuse};
   const SurfaceComplex sheet = parse_surface(volume, options);
@@ -117,7 +118,8 @@ TEST(MeasureFromMesh, SeesATriangleThatBridgesAFold) {
   Partition partition;
   partition.site = {at(4, 2), at(16, 2), at(4, 6)};
   partition.cell_of.resize(sheet.c_vertex_count());
-  for (CVertexId v = 0; v < sheet.c_vertex_count(); ++v) partition.cell_of[v] = sheet.positions[v].y > 4 ? 2 : sheet.positions[v].x < 10 ? 0 : 1;
+  for (CVertexId v = 0; v < sheet.c_vertex_count(); ++v)
+    partition.cell_of[v] = sheet.positions[v].y > 4 ? 2 : sheet.positions[v].x < 10 ? 0 : 1;
   for (CellId c = 0; c < 3; ++c) partition.cell_of[partition.site[c]] = c;
   const std::vector<DualTriangle> dual{{{0, 1, 2}, 0}};
   const LevelMesh mesh = make_level_mesh(ground.surfels, partition, dual, {partition.site, {}});
@@ -198,7 +200,8 @@ TEST(MeasureFromMesh, KnownErrorsCountForOtherBounds) {
       const auto farther = [](const Farthest& x, const Farthest& y) { return x.distance < y.distance; };
       const auto is_over = [&](const Farthest& f) { return static_cast<double>(f.distance) > enough; };
       // A proof of a tighter bound may have found what one of this bound does not find.
-      ASSERT_LE(is_over(*std::ranges::max_element(known, farther)), is_over(*std::ranges::max_element(anew, farther))) << "bound " << enough;
+      ASSERT_LE(is_over(*std::ranges::max_element(known, farther)), is_over(*std::ranges::max_element(anew, farther)))
+          << "bound " << enough;
       for (const CellId c : all) {
         if (look == Look::proof) break;  // which cell has the farthest point is a matter of how a triangle is divided
         ++kinds[is_over(anew[c])];

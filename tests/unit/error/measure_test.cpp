@@ -9,12 +9,12 @@
 #include <numbers>
 
 #include "core/vector_math.h"
+#include "error/measure_mesh.h"
 #include "isoatlas/error.h"
 #include "isoatlas/extract.h"
-#include "error/measure_mesh.h"
+#include "isosurface/parse_surface.h"
 #include "support/exact_volume.h"
 #include "support/volumes.h"
-#include "isosurface/parse_surface.h"
 
 namespace isoatlas {
 namespace {

@@ -153,8 +153,8 @@ TEST(MeasuredCovering, PieceByPieceBesideTheIsosurface) {
   }
 }
 
-// Sites are removed: partition and dual are what they were, whatever was done since; the errors are those of a fresh look. (Where two triangles are
-// as close, it depends on their numbers which of them counts.)
+// Sites are removed: partition and dual are what they were, whatever was done since; the errors are those of a fresh look. (Where two
+// triangles are as close, it depends on their numbers which of them counts.)
 TEST(MeasuredCovering, RemovingTheLastSitesTakesBackWhatWasDone) {
   Random random(11);
   for (const SurfaceComplex& surface : surfaces()) {
@@ -264,8 +264,8 @@ void expect_full_check(const SurfaceComplex& complex, const Covering& covering, 
 }
 
 // Sites to other c-vertices of their cells, one in `share`. @return how many
-std::size_t move_some(std::vector<CVertexId>& sites, const std::vector<CellId>& cell_of, const std::vector<std::uint8_t>& on_boundary, unsigned share,
-                      Random& random) {
+std::size_t move_some(std::vector<CVertexId>& sites, const std::vector<CellId>& cell_of, const std::vector<std::uint8_t>& on_boundary,
+                      unsigned share, Random& random) {
   std::size_t moved = 0;
   for (CVertexId v = 0; v < cell_of.size(); ++v) {
     CVertexId& site = sites[cell_of[v]];
@@ -282,7 +282,8 @@ TEST(CertifiedDual, ContinuesWhereSitesMove) {
   std::size_t moved = 0;
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
     SCOPED_TRACE(seed);
-    const SurfaceComplex surface = surface_of(random_samples(seed % 2 == 0 ? Family::smooth_blobs : Family::gyroid_cut, {13, 14, 12}, seed));
+    const SurfaceComplex surface =
+        surface_of(random_samples(seed % 2 == 0 ? Family::smooth_blobs : Family::gyroid_cut, {13, 14, 12}, seed));
     const CVertexGraph graph = make_graph(surface);
     Covering covering(graph, disks(1.8f));
     covering.cover({});

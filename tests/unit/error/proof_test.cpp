@@ -7,9 +7,9 @@
 #include <numeric>
 
 #include "core/vector_math.h"
-#include "geometry/closest_point.h"
 #include "error/surface_proof.h"
 #include "error/triangle_errors.h"
+#include "geometry/closest_point.h"
 #include "support/levels.h"
 
 namespace isoatlas {
@@ -47,7 +47,8 @@ TEST(GradientRange, HasTheGradientsOfAllPointsOfTheBox) {
       for (int k = 0; k < 300; ++k) {
         const Vec3 a = between({-1, -1, -1}, last + Vec3{1, 1, 1}, random);
         const Vec3 b = k % 3 == 0 ? Vec3{std::floor(a.x), std::floor(a.y), std::floor(a.z)} : a + between({-2, -2, -2}, {2, 2, 2}, random);
-        const Vec3 low{std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}, high{std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
+        const Vec3 low{std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)},
+            high{std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
         const auto range = field.gradient_range(low, high, 64);
         ASSERT_TRUE(range);
         for (int i = 0; i < 30; ++i) {
@@ -112,8 +113,8 @@ double farthest_sample(const TestLevel& level, std::uint32_t triangle, double en
   double most = 0;
   for (int a = 0; a <= kSteps; ++a) {
     for (int b = 0; a + b <= kSteps; ++b) {
-      const Vec3 p = (1.0 / kSteps) * (static_cast<double>(a) * t[0] + static_cast<double>(b) * t[1] +
-                                       static_cast<double>(kSteps - a - b) * t[2]);
+      const Vec3 p =
+          (1.0 / kSteps) * (static_cast<double>(a) * t[0] + static_cast<double>(b) * t[1] + static_cast<double>(kSteps - a - b) * t[2]);
       most = std::max(most, distance(level, p, enough));
     }
   }
@@ -170,7 +171,8 @@ TEST(SurfaceProof, HoldsAtAllPointsAndFailsOnlyNearTheBound) {
       for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
         for (int k = 0; k < 4; ++k) {
           const Vec3 cell{std::floor(complex.positions[v].x), std::floor(complex.positions[v].y), std::floor(complex.positions[v].z)};
-          Vec3 a = field.clamped(between(cell, cell + Vec3{1, 1, 1}, random)), b = field.clamped(between(cell, cell + Vec3{1, 1, 1}, random));
+          Vec3 a = field.clamped(between(cell, cell + Vec3{1, 1, 1}, random)),
+               b = field.clamped(between(cell, cell + Vec3{1, 1, 1}, random));
           if ((field.at(a).value >= 0) == (field.at(b).value >= 0)) continue;
           for (int halving = 0; halving < 50; ++halving) {
             const Vec3 middle = 0.5 * (a + b);
@@ -184,7 +186,8 @@ TEST(SurfaceProof, HoldsAtAllPointsAndFailsOnlyNearTheBound) {
         }
       }
       for (const double bound : {0.1, 0.5, 1.5, 4.0}) {
-        const auto left = prove_surface_near(level.ground().measured(), grid_cells, mesh, level.partition().cell_of, all_cells(mesh), bound);
+        const auto left =
+            prove_surface_near(level.ground().measured(), grid_cells, mesh, level.partition().cell_of, all_cells(mesh), bound);
         const bool all_proved = std::ranges::all_of(left, [](const Farthest& f) { return f.at == kNone; });
         if (most > bound * (1 + 1e-6)) {
           EXPECT_FALSE(all_proved) << most << " of " << bound;
@@ -216,7 +219,8 @@ TEST(GridCells, HaveAllThatTheIsosurfaceCrosses) {
           const Vec3 low{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
           int inside = 0;
           for (int k = 0; k < 8; ++k)
-            inside += field.at_sample(low + Vec3{static_cast<double>(k & 1), static_cast<double>(k >> 1 & 1), static_cast<double>(k >> 2)}) >= 0;
+            inside +=
+                field.at_sample(low + Vec3{static_cast<double>(k & 1), static_cast<double>(k >> 1 & 1), static_cast<double>(k >> 2)}) >= 0;
           if (inside == 0 || inside == 8) continue;
           const GridCells::Key key = x + (n[0] - 1) * (y + (n[1] - 1) * z);
           EXPECT_EQ(grid_cells.low(key), low);

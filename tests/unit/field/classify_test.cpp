@@ -8,8 +8,8 @@
 #include <cmath>
 #include <limits>
 
-#include "support/volumes.h"
 #include "field/sample_type.h"
+#include "support/volumes.h"
 
 namespace isoatlas {
 namespace {

@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "core/vector_math.h"
+#include "field/sample_type.h"
 #include "support/exact_volume.h"
 #include "support/volumes.h"
-#include "field/sample_type.h"
 
 namespace isoatlas {
 namespace {

@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include "core/vector_math.h"
-#include "support/exact_volume.h"
-#include "support/upsampled.h"
 #include "field/interpolated_field.h"
 #include "field/sample_type.h"
+#include "support/exact_volume.h"
+#include "support/upsampled.h"
 
 namespace isoatlas {
 namespace {

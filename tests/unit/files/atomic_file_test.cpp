@@ -6,8 +6,8 @@
 
 #include <csignal>
 
-#include "support/file_test_support.h"
 #include "isoatlas/io.h"
+#include "support/file_test_support.h"
 
 namespace isoatlas::test {
 namespace {

@@ -9,12 +9,12 @@
 #include <cmath>
 #include <vector>
 
-#include "isoatlas/mesh.h"
-#include "support/surfaces.h"
-#include "support/volumes.h"
 #include "complex/components.h"
+#include "isoatlas/mesh.h"
 #include "isosurface/parse_surface.h"
 #include "isosurface/surface_nesting.h"
+#include "support/surfaces.h"
+#include "support/volumes.h"
 
 namespace isoatlas {
 namespace {
@@ -28,7 +28,8 @@ void append_tetrahedron(TriangleMesh& mesh, Vec3 centre, double size) {
     mesh.positions.push_back({centre.x + std::fabs(size) * d.x, centre.y + std::fabs(size) * d.y, centre.z + std::fabs(size) * d.z});
   }
   for (const Triangle& t : {Triangle{0, 1, 3}, {0, 2, 1}, {0, 3, 2}, {1, 2, 3}}) {
-    mesh.triangles.push_back(size > 0 ? Triangle{first + t[0], first + t[1], first + t[2]} : Triangle{first + t[0], first + t[2], first + t[1]});
+    mesh.triangles.push_back(size > 0 ? Triangle{first + t[0], first + t[1], first + t[2]}
+                                      : Triangle{first + t[0], first + t[2], first + t[1]});
   }
 }
 
@@ -88,7 +89,9 @@ TEST(MeshNesting, SignsThatDoublesDoNotTell) {
 // The complexes of random volumes, whose nesting the parser's integers say.
 TEST(MeshNesting, OfParsedSurfacesIsTheOneOfTheirNodes) {
   std::size_t enclosed = 0, inward = 0;
-  const auto family_of = [](std::uint64_t seed) { return std::array{Family::smooth_blobs, Family::sparse_specks, Family::gyroid_cut}[seed % 3]; };
+  const auto family_of = [](std::uint64_t seed) {
+    return std::array{Family::smooth_blobs, Family::sparse_specks, Family::gyroid_cut}[seed % 3];
+  };
   for (const bool is_shells : {false, true}) {
     for (std::uint64_t seed = 0; seed < (is_shells ? 60U : 180U); ++seed) {
       const Volume volume = to_volume(is_shells ? random_shells(seed) : random_samples(family_of(seed), {9, 10, 11}, seed));

@@ -75,8 +75,10 @@ TEST(MeshQuality, CapsAreKnownByTheirAngle) {
 
 TEST(MeshQuality, DihedralAnglesAreThoseInside) {
   TriangleMesh cube;
-  for (int c = 0; c < 8; ++c) cube.positions.push_back({static_cast<double>(c & 1), static_cast<double>(c >> 1 & 1), static_cast<double>(c >> 2)});
-  cube.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  for (int c = 0; c < 8; ++c)
+    cube.positions.push_back({static_cast<double>(c & 1), static_cast<double>(c >> 1 & 1), static_cast<double>(c >> 2)});
+  cube.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   EXPECT_NEAR(mesh_quality(cube).dihedral_min, 90, 1e-12);
   EXPECT_NEAR(mesh_quality(cube).dihedral_max, 180, 1e-12);
   for (Triangle& t : cube.triangles) std::swap(t[1], t[2]);  // the border of a cavity: inside is around it

@@ -9,8 +9,8 @@
 #include <numbers>
 #include <numeric>
 
-#include "geometry/triangle_pair.h"
 #include "exact_triangles.h"
+#include "geometry/triangle_pair.h"
 #include "isoatlas/error.h"
 #include "support/mesh_judge.h"
 #include "support/volumes.h"
@@ -258,8 +258,18 @@ TEST(MeshJudge, CountsWhatTheProductCounts) {
 TEST(MeshJudge, SeesWhatIsMisplaced) {
   const auto cubes = [](bool outer_inverted, bool inner_inverted, double inner_at) {
     TriangleMesh mesh;
-    const std::array<Triangle, 12> faces{{{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                                          {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}}};
+    const std::array<Triangle, 12> faces{{{0, 2, 1},
+                                          {1, 2, 3},
+                                          {4, 5, 6},
+                                          {5, 7, 6},
+                                          {0, 1, 4},
+                                          {1, 5, 4},
+                                          {2, 6, 3},
+                                          {3, 6, 7},
+                                          {0, 4, 2},
+                                          {2, 4, 6},
+                                          {1, 3, 5},
+                                          {3, 7, 5}}};
     const auto add = [&](double low, double size, bool inverted) {
       const auto first = static_cast<std::uint32_t>(mesh.positions.size());
       for (unsigned k = 0; k < 8; ++k)

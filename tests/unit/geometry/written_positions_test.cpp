@@ -5,9 +5,9 @@
 
 #include <cmath>
 
+#include "field/to_space.h"
 #include "geometry/intersection_tracker.h"
 #include "isoatlas/extract.h"
-#include "field/to_space.h"
 
 namespace isoatlas {
 namespace {

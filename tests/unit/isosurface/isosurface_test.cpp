@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "core/vector_math.h"
+#include "isosurface/parse_surface.h"
 #include "support/exact_volume.h"
 #include "support/volumes.h"
-#include "isosurface/parse_surface.h"
 
 namespace isoatlas {
 namespace {

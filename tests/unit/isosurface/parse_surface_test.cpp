@@ -6,11 +6,11 @@
 
 #include <algorithm>
 
+#include "complex/components.h"
 #include "core/parallel.h"
+#include "isosurface/cell_loops.h"
 #include "support/reference_topology.h"
 #include "support/surfaces.h"
-#include "isosurface/cell_loops.h"
-#include "complex/components.h"
 
 namespace isoatlas {
 namespace {

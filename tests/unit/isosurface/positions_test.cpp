@@ -7,10 +7,10 @@
 #include <tuple>
 
 #include "core/vector_math.h"
+#include "isosurface/parse_surface.h"
 #include "support/exact_volume.h"
 #include "support/reference_topology.h"
 #include "support/surfaces.h"
-#include "isosurface/parse_surface.h"
 
 namespace isoatlas {
 namespace {

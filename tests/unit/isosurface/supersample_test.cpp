@@ -6,11 +6,11 @@
 #include <cmath>
 
 #include "core/vector_math.h"
+#include "field/sample_type.h"
+#include "isosurface/parse_surface.h"
 #include "support/reference_topology.h"
 #include "support/surfaces.h"
 #include "support/upsampled.h"
-#include "isosurface/parse_surface.h"
-#include "field/sample_type.h"
 
 namespace isoatlas {
 namespace {

@@ -9,13 +9,13 @@
 #include <numeric>
 #include <set>
 
-#include "core/saddle_sign.h"
-#include "support/reference_topology.h"
-#include "support/surfaces.h"
-#include "isosurface/cell_loops.h"
 #include "complex/components.h"
+#include "core/saddle_sign.h"
+#include "isosurface/cell_loops.h"
 #include "isosurface/parse_surface.h"
 #include "isosurface/tunnel_is_there.h"
+#include "support/reference_topology.h"
+#include "support/surfaces.h"
 
 namespace isoatlas {
 namespace {

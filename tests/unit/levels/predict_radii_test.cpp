@@ -19,7 +19,8 @@ std::vector<CVertexId> all_of(const SurfaceComplex& surface) {
   return out;
 }
 
-// A disk of radius r on a sphere of radius R is r^2 / 2R high: the right radius for a bound b is sqrt(2 b R), and the guess is a little larger.
+// A disk of radius r on a sphere of radius R is r^2 / 2R high: the right radius for a bound b is sqrt(2 b R), and the guess is a little
+// larger.
 TEST(PredictRadii, FollowTheCurvatureOfASphere) {
   for (const double spacing : {1.0, 0.25}) {
     for (const double radius : {8.0, 17.0}) {

@@ -14,9 +14,9 @@
 #include <random>
 #include <set>
 
-#include "support/file_test_support.h"
 #include "core/vector_math.h"
 #include "isoatlas/io.h"
+#include "support/file_test_support.h"
 
 namespace isoatlas::test {
 namespace {
@@ -192,8 +192,8 @@ TEST(HierarchyFiles, GlbHasTheLevelsAsLevelsOfDetail) {
     write_hierarchy(hierarchy, folder / "a.glb", info_of(shape));
     const tinygltf::Model model = load(folder / "a.glb");
     EXPECT_EQ(model.asset.version, "2.0");
-    EXPECT_EQ(model.extensionsUsed, shape.is_open ? std::vector<std::string>{"MSFT_lod"}
-                                                  : (std::vector<std::string>{"EXT_mesh_manifold", "MSFT_lod"}));
+    EXPECT_EQ(model.extensionsUsed,
+              shape.is_open ? std::vector<std::string>{"MSFT_lod"} : (std::vector<std::string>{"EXT_mesh_manifold", "MSFT_lod"}));
     EXPECT_TRUE(model.extensionsRequired.empty());  // others show the finest level
     ASSERT_EQ(model.scenes.size(), 1U);
     EXPECT_EQ(model.scenes[0].nodes, std::vector<int>{0});
@@ -441,7 +441,8 @@ TEST(HierarchyFiles, AnyFileWithMeshesIsRead) {
   EXPECT_EQ(one.hierarchy.mesh(0).triangles, hierarchy.mesh(1).triangles);
   EXPECT_EQ(one.info.mesh.space, "lps");
   expect_error(ErrorCode::bad_file, "no such file", folder / "none.xyz", [&] { read_levels(folder / "none.xyz"); });
-  for (const auto& [blocks, says] : {std::pair{"<DataSet index='0'/>", "its block 0 is empty"}, {"<Block index='0'/>", "blocks within blocks"}}) {
+  for (const auto& [blocks, says] :
+       {std::pair{"<DataSet index='0'/>", "its block 0 is empty"}, {"<Block index='0'/>", "blocks within blocks"}}) {
     write_bytes(folder / "b.vtm", std::string("<VTKFile type='vtkMultiBlockDataSet' version='1.0'><vtkMultiBlockDataSet>") + blocks +
                                       "</vtkMultiBlockDataSet></VTKFile>");
     expect_error(ErrorCode::unsupported, says, folder / "b.vtm", [&] { read_levels(folder / "b.vtm"); });
@@ -552,9 +553,12 @@ TEST(HierarchyFiles, GlbWithNodesAroundItsMesh) {
   expect_error(ErrorCode::unsupported, "morph targets", folder / "b.glb", [&] { read_hierarchy(folder / "b.glb"); });
   write_bytes(folder / "b.glb", with_json(whole, [](nlohmann::json& json) { json["nodes"][0]["skin"] = 0; }));
   expect_error(ErrorCode::unsupported, "skeleton", folder / "b.glb", [&] { read_hierarchy(folder / "b.glb"); });
-  for (const std::function<void(nlohmann::json&)>& change :
-       {std::function<void(nlohmann::json&)>([](nlohmann::json& json) { json["nodes"][0]["scale"] = {1, 2, 1}; }),
-        std::function<void(nlohmann::json&)>([](nlohmann::json& json) { json["scenes"][0]["nodes"] = {0, 1}; })}) {
+  for (const std::function<void(nlohmann::json&)>& change : {std::function<void(nlohmann::json&)>([](nlohmann::json& json) {
+                                                               json["nodes"][0]["scale"] = {1, 2, 1};
+                                                             }),
+                                                             std::function<void(nlohmann::json&)>([](nlohmann::json& json) {
+                                                               json["scenes"][0]["nodes"] = {0, 1};
+                                                             })}) {
     write_bytes(folder / "b.glb", with_json(whole, change));
     EXPECT_THROW(read_hierarchy(folder / "b.glb"), Error);
   }

@@ -150,9 +150,8 @@ TEST(Mesh3mf, BytesDependOnTheMeshAlone) {
 // A package as other programs write it.
 void write_package(const fs::path& path, const std::string& model, const std::string& target = "/3D/3dmodel.model",
                    const std::string& name = "3D/3dmodel.model") {
-  const std::string relationships =
-      "<Relationships><Relationship Type=\"other\" Target=\"/x\"/><Relationship Id=\"r\" Target=\"" + target +
-      "\" Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/></Relationships>";
+  const std::string relationships = "<Relationships><Relationship Type=\"other\" Target=\"/x\"/><Relationship Id=\"r\" Target=\"" + target +
+                                    "\" Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/></Relationships>";
   write_bytes(path, io::zip_bytes({{"[Content_Types].xml", "<Types/>"}, {"_rels/.rels", relationships}, {name, model}}, path));
 }
 
@@ -163,8 +162,8 @@ const std::string kMesh =
     "<triangles><triangle v1='0' v2='1' v3='2' pid='7' p1='0'/></triangles></mesh>";
 
 std::string model_of(const std::string& resources, const std::string& build, const std::string& attributes = "") {
-  return "<?xml version='1.0'?><!-- x --><model " + attributes + " xmlns:m='urn:m'><metadata name='Title'>a</metadata><resources>" + resources +
-         "</resources><build>" + build + "</build></model>";
+  return "<?xml version='1.0'?><!-- x --><model " + attributes + " xmlns:m='urn:m'><metadata name='Title'>a</metadata><resources>" +
+         resources + "</resources><build>" + build + "</build></model>";
 }
 
 TEST(Mesh3mf, ComponentsAndTransforms) {
@@ -172,8 +171,9 @@ TEST(Mesh3mf, ComponentsAndTransforms) {
   const fs::path path = folder / "a.3mf";
   // Object 2 is object 1 twice: moved, and mirrored in x; the item scales both. Object 3 is not built.
   write_package(path, model_of("<m:colorgroup id='7'/>" + object("1", kMesh) +
-                                   object("2", "<components><component objectid='1' transform='1 0 0 0 1 0 0 0 1 10 20 30'/>"
-                                               "<component objectid='1' transform='-1 0 0 0 1 0 0 0 1 0 0 0'/></components>") +
+                                   object("2",
+                                          "<components><component objectid='1' transform='1 0 0 0 1 0 0 0 1 10 20 30'/>"
+                                          "<component objectid='1' transform='-1 0 0 0 1 0 0 0 1 0 0 0'/></components>") +
                                    object("3", kMesh),
                                "<item objectid='2' transform='2 0 0 0 2 0 0 0 2 1 0 0'/>", "unit='inch'"));
   const TriangleMesh mesh = read_mesh(path);
@@ -191,7 +191,8 @@ TEST(Mesh3mf, NamespacePrefixes) {
   const TempFolder folder;
   const fs::path path = folder / "a.3mf";
   std::string model = model_of(object("1", kMesh), "<item objectid='1'/>", "unit='inch' requiredextensions='m'");
-  for (const std::string name : {"model", "metadata", "resources", "object", "mesh", "vertices", "vertex", "triangles", "triangle", "build", "item"}) {
+  for (const std::string name :
+       {"model", "metadata", "resources", "object", "mesh", "vertices", "vertex", "triangles", "triangle", "build", "item"}) {
     for (const std::string mark : {"<", "</"}) {
       for (const std::string end : {" ", ">"}) {
         for (std::size_t at = model.find(mark + name + end); at != std::string::npos; at = model.find(mark + name + end, at + 1)) {
@@ -235,8 +236,10 @@ TEST(Mesh3mf, BadPackagesGiveOneLine) {
       {model_of(object("1", vertex("nan")), item), "not finite"},
       {model_of(object("1", vertex("1,5")), item), "the x coordinate of a vertex is '1,5', expected a number"},
       {model_of(object("1", vertex("1 2")), item), "the x coordinate of a vertex is '1 2', expected a number"},
-      {model_of(object("1", "<mesh><vertices><vertex x='0' y='0' z='0'/></vertices><triangles><triangle v1='0' v2='0.5' v3='0'/></triangles></mesh>"),
-                item),
+      {model_of(
+           object("1",
+                  "<mesh><vertices><vertex x='0' y='0' z='0'/></vertices><triangles><triangle v1='0' v2='0.5' v3='0'/></triangles></mesh>"),
+           item),
        "v2='0.5'"},
       {model_of(object("1", kMesh), item, "requiredextensions='b' xmlns:b='urn:beams'"), "needs the 3MF extension urn:beams",
        ErrorCode::unsupported},

@@ -8,8 +8,8 @@
 #include <limits>
 #include <random>
 
-#include "support/file_test_support.h"
 #include "isoatlas/io.h"
+#include "support/file_test_support.h"
 
 namespace isoatlas::test {
 namespace {
@@ -305,13 +305,23 @@ TEST(MeshFiles, WhatEditorsAndOtherProgramsWrite) {
   const std::string bom = "\xEF\xBB\xBF", triangle = "0 0 0\n1 0 0\n0 1 0\n";
   EXPECT_EQ(read_text("a.obj", bom + "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").positions.size(), 3U);
   EXPECT_EQ(read_text("a.off", bom + "OFF\n3 1 0\n" + triangle + "3 0 1 2\n").triangles.size(), 1U);
-  EXPECT_EQ(read_text("b.off", "NCOFF\n3 1 0\n0 0 0 0 0 1 255 0 0 255\n1 0 0 0 0 1 255 0 0 255\n0 1 0 0 0 1 255 0 0 255\n3 0 1 2\n").positions[1], (Vec3{1, 0, 0}));
-  EXPECT_EQ(read_text("a.stl", bom + "SOLID a\nFACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 0 0 0\nVERTEX 1 0 0\nVERTEX 0 1 0\nENDLOOP\nENDFACET\nENDSOLID a\n").triangles.size(), 1U);
+  EXPECT_EQ(
+      read_text("b.off", "NCOFF\n3 1 0\n0 0 0 0 0 1 255 0 0 255\n1 0 0 0 0 1 255 0 0 255\n0 1 0 0 0 1 255 0 0 255\n3 0 1 2\n").positions[1],
+      (Vec3{1, 0, 0}));
+  EXPECT_EQ(
+      read_text("a.stl",
+                bom + "SOLID a\nFACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 0 0 0\nVERTEX 1 0 0\nVERTEX 0 1 0\nENDLOOP\nENDFACET\nENDSOLID a\n")
+          .triangles.size(),
+      1U);
   const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
   EXPECT_EQ(read_text("d.obj", square + "f 1 2\\\n3 4\n").triangles, kSquareFan);
   EXPECT_EQ(read_text("d.obj", square + "f 1 2 \\\n3 4 # a square\n").triangles, kSquareFan);
-  EXPECT_EQ(read_text("d.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
-                               "property list uchar int vertex_indexes\nend_header\n" + triangle + "3 0 1 2\n").triangles.size(), 1U);
+  EXPECT_EQ(read_text("d.ply",
+                      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+                      "property list uchar int vertex_indexes\nend_header\n" +
+                          triangle + "3 0 1 2\n")
+                .triangles.size(),
+            1U);
   EXPECT_EQ(read_text("e.obj", "v 0 0 \\\n 0\nv 1 0 0\nv 1 1 0 # corner\nv 0\\\n1 0\nf 1 2 3 4\n").triangles, kSquareFan);
   const TempFolder folder;
   write_bytes(folder / "c.obj", "# COLORSPACE=RAS\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
@@ -327,9 +337,12 @@ TEST(MeshFiles, LinesThatEndInCarriageReturns) {
   EXPECT_EQ(read_text("a.obj", with_returns("# x\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")).triangles, kSquareFan);
   EXPECT_EQ(read_text("a.off", with_returns("OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n")).triangles, kSquareFan);
   EXPECT_EQ(read_text("a.stl", with_returns("solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nendloop\n"
-                                            "endfacet\nendsolid\n")).triangles.size(), 1U);
-  const std::string ply = with_returns("ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty uchar x\nproperty uchar y\nproperty uchar z\n"
-                                       "element face 1\nproperty list uchar uchar vertex_indices\nend_header\n");
+                                            "endfacet\nendsolid\n"))
+                .triangles.size(),
+            1U);
+  const std::string ply = with_returns(
+      "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty uchar x\nproperty uchar y\nproperty uchar z\n"
+      "element face 1\nproperty list uchar uchar vertex_indices\nend_header\n");
   const TriangleMesh mesh = read_text("a.ply", ply + std::string("\n\r\r\1\2\3\1\2\4\3\0\1\2", 13));  // values that look like line ends
   EXPECT_EQ(mesh.positions[0], (Vec3{10, 13, 13}));
 }
@@ -389,8 +402,9 @@ TEST(MeshFiles, BadFilesGiveOneLine) {
     expect_error(ErrorCode::bad_file, file.says, folder / file.name, [&] { read_mesh(folder / file.name); });
   }
   const TempFolder folder;
-  write_bytes(folder / "strips.ply", ply + "element face 1\nproperty list uchar int vertex_indices\nelement tristrips 1\n"
-                                           "property list int int vertex_indices\nend_header\n0 0 0\n0 1 0\n1 0 0\n3 0 1 2\n3 0 1 2\n");
+  write_bytes(folder / "strips.ply", ply +
+                                         "element face 1\nproperty list uchar int vertex_indices\nelement tristrips 1\n"
+                                         "property list int int vertex_indices\nend_header\n0 0 0\n0 1 0\n1 0 0\n3 0 1 2\n3 0 1 2\n");
   expect_error(ErrorCode::unsupported, "holds triangle strips", folder / "strips.ply", [&] { read_mesh(folder / "strips.ply"); });
   write_bytes(folder / "a.xyz", "x");
   expect_error(ErrorCode::unsupported, ".ply", folder / "a.xyz", [&] { read_mesh(folder / "a.xyz"); });

@@ -68,7 +68,8 @@ TEST(MeshGii, CoordinatesAreInRasAndMillimetres) {
     const std::string bytes = read_bytes(path);
     EXPECT_EQ(bytes.find("NIFTI_XFORM_SCANNER_ANAT") != std::string::npos, row.read_space == "RAS");
     EXPECT_NE(bytes.find("<Value>Closed</Value>"), std::string::npos);
-    EXPECT_NE(bytes.find("<MatrixData>\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n</MatrixData>"), std::string::npos);  // nibabel wants four lines
+    EXPECT_NE(bytes.find("<MatrixData>\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n</MatrixData>"),
+              std::string::npos);  // nibabel wants four lines
   }
 }
 
@@ -88,8 +89,8 @@ struct Array {
 };
 
 std::string gifti(const std::vector<Array>& arrays, const std::string& metadata = "<MetaData/>") {
-  std::string xml = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<!DOCTYPE GIFTI SYSTEM \"x.dtd\">\n<GIFTI Version=\"1.0\">" + metadata +
-                    "<LabelTable/>";
+  std::string xml =
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<!DOCTYPE GIFTI SYSTEM \"x.dtd\">\n<GIFTI Version=\"1.0\">" + metadata + "<LabelTable/>";
   for (const Array& a : arrays) {
     xml += "<DataArray Intent=\"" + a.intent + "\" DataType=\"" + a.type + "\" ArrayIndexingOrder=\"" + a.order + "\" " + a.dims +
            " Encoding=\"" + a.encoding + "\" Endian=\"" + a.endian + "\"><MetaData/><CoordinateSystemTransformMatrix><MatrixData>" +
@@ -103,7 +104,8 @@ const std::string kPoints = "NIFTI_INTENT_POINTSET", kTriangles = "NIFTI_INTENT_
 const std::vector<Vec3> kCorners{{0, 1, 2}, {-3, 4.5, 6}, {7, 8, 9}};
 
 const Array kTextPoints{.intent = kPoints, .type = kFloat, .encoding = "ASCII", .data = "\n0 1 2\n -3 +4.5 +6e0\n7 8 9\n"};
-const Array kTextTriangle{.intent = kTriangles, .type = kInt, .encoding = "ASCII", .data = "2 1 0", .dims = "Dimensionality=\"2\" Dim0=\"1\" Dim1=\"3\""};
+const Array kTextTriangle{
+    .intent = kTriangles, .type = kInt, .encoding = "ASCII", .data = "2 1 0", .dims = "Dimensionality=\"2\" Dim0=\"1\" Dim1=\"3\""};
 
 template <class Value>
 std::string bytes_of(std::vector<Value> values, bool big_endian = false) {
@@ -133,11 +135,16 @@ TEST(MeshGii, EncodingsOrdersAndTypes) {
   std::vector<Array> points{kTextPoints};
   points.push_back({.intent = kPoints, .type = kFloat, .encoding = "Base64Binary", .data = io::to_base64(bytes_of(rows))});
   points.push_back({.intent = kPoints, .type = kFloat, .encoding = kGzip, .data = io::to_base64(deflated(bytes_of(rows)))});
-  points.push_back({.intent = kPoints, .type = kFloat, .encoding = kGzip, .data = io::to_base64(deflated(bytes_of(rows, true))),
-                    .endian = "BigEndian"});
-  points.push_back({.intent = kPoints, .type = kFloat, .encoding = kGzip, .data = io::to_base64(deflated(bytes_of(columns))),
+  points.push_back(
+      {.intent = kPoints, .type = kFloat, .encoding = kGzip, .data = io::to_base64(deflated(bytes_of(rows, true))), .endian = "BigEndian"});
+  points.push_back({.intent = kPoints,
+                    .type = kFloat,
+                    .encoding = kGzip,
+                    .data = io::to_base64(deflated(bytes_of(columns))),
                     .order = "ColumnMajorOrder"});
-  points.push_back({.intent = kPoints, .type = "NIFTI_TYPE_FLOAT64", .encoding = kGzip,
+  points.push_back({.intent = kPoints,
+                    .type = "NIFTI_TYPE_FLOAT64",
+                    .encoding = kGzip,
                     .data = io::to_base64(deflated(bytes_of(std::vector<double>(rows.begin(), rows.end()))))});
   points.push_back({.intent = kPoints, .type = kFloat, .encoding = "ASCII", .data = "0 -3 7 1 4.5 8 2 6 9", .order = "ColumnMajorOrder"});
   std::string broken = io::to_base64(bytes_of(rows));
@@ -176,16 +183,35 @@ TEST(MeshGii, BadFilesGiveOneLine) {
       {with([](Array& a) { a.dims = "Dimensionality=\"2\" Dim0=\"-3\" Dim1=\"3\""; }), "expected rows of 3"},
       {with([](Array& a) { a.dims = "Dimensionality=\"1\" Dim0=\"9\""; }), "expected rows of 3"},
       {with([](Array& a) { a.encoding = "ExternalFileBinary"; }), "with the encoding 'ExternalFileBinary'", ErrorCode::unsupported},
-      {with([&](Array& a) { a.encoding = "Base64Binary", a.data = io::to_base64(rows).substr(0, 44); }), "36 bytes were promised, there are 33"},
+      {with([&](Array& a) { a.encoding = "Base64Binary", a.data = io::to_base64(rows).substr(0, 44); }),
+       "36 bytes were promised, there are 33"},
       {with([&](Array& a) { a.encoding = kGzip, a.data = io::to_base64(deflated(rows)).substr(0, 12); }), "cannot be decompressed"},
       {with([&](Array& a) { a.encoding = kGzip, a.data = io::to_base64(deflated(rows + rows)); }), "cannot be decompressed"},
       {with([&](Array& a) { a.encoding = kGzip, a.data = io::to_base64(deflated(rows.substr(0, 35))); }), "promised, there are 35"},
       {with([&](Array& a) { a.encoding = kGzip, a.type = "NIFTI_TYPE_RGB24"; }), "type 'NIFTI_TYPE_RGB24'"},
       {with([](Array& a) { a.data = "0 1 2 3 4 5 6 7 nan"; }), "not finite"},
       {with([](Array& a) { a.data = "0 1 2 3 4 5 6 7 8 9"; }), "has '9' behind its 9 numbers"},
-      {gifti({kTextPoints, [] { Array a = kTextTriangle; a.data = "0 1 3"; return a; }()}), "triangle 0 uses vertex 3"},
-      {gifti({kTextPoints, [] { Array a = kTextTriangle; a.data = "0 1 -1"; return a; }()}), "triangle 0 uses vertex"},
-      {gifti({kTextPoints, [] { Array a = kTextTriangle; a.data = "0 1 1.5"; return a; }()}), "triangle 0 uses vertex"},
+      {gifti({kTextPoints,
+              [] {
+                Array a = kTextTriangle;
+                a.data = "0 1 3";
+                return a;
+              }()}),
+       "triangle 0 uses vertex 3"},
+      {gifti({kTextPoints,
+              [] {
+                Array a = kTextTriangle;
+                a.data = "0 1 -1";
+                return a;
+              }()}),
+       "triangle 0 uses vertex"},
+      {gifti({kTextPoints,
+              [] {
+                Array a = kTextTriangle;
+                a.data = "0 1 1.5";
+                return a;
+              }()}),
+       "triangle 0 uses vertex"},
   };
   for (const Bad& row : all) {
     SCOPED_TRACE(row.says);

@@ -35,9 +35,9 @@ FileRounding file(const std::string& path, std::vector<std::size_t> levels, doub
 }
 
 TEST(StatedRounding, LengthsIncludeItAndOtherQuantitiesDoNot) {
-  ExtractReport report = report_with({result(Quantity::max_distance, 0.5, 0.4), result(Quantity::mean_distance, 0.5, 0.4),
-                                      result(Quantity::max_edge, 5, 4), result(Quantity::min_edge, 1, 3),
-                                      result(Quantity::normal_angle, 30, 20), result(Quantity::max_vertices, 100, 90)});
+  ExtractReport report =
+      report_with({result(Quantity::max_distance, 0.5, 0.4), result(Quantity::mean_distance, 0.5, 0.4), result(Quantity::max_edge, 5, 4),
+                   result(Quantity::min_edge, 1, 3), result(Quantity::normal_angle, 30, 20), result(Quantity::max_vertices, 100, 90)});
   state_rounding(report, {file("a.stl", {1}, 0.0625)}, {}, Space::lps);
   const LevelReport& level = report.levels[1];
   EXPECT_EQ(level.rounding, 0.0625);
@@ -57,9 +57,9 @@ TEST(StatedRounding, LengthsIncludeItAndOtherQuantitiesDoNot) {
 }
 
 TEST(StatedRounding, ABoundThatOnlyTheFileViolatesIsNotMet) {
-  ExtractReport report = report_with({result(Quantity::max_distance, 0.5, 0.45), result(Quantity::max_distance, 0.5, 0.45, true),
-                                      result(Quantity::min_edge, 1, 1.1), result(Quantity::max_edge, 5, 4.9),
-                                      result(Quantity::max_distance, 0.4, 0.45)});
+  ExtractReport report =
+      report_with({result(Quantity::max_distance, 0.5, 0.45), result(Quantity::max_distance, 0.5, 0.45, true),
+                   result(Quantity::min_edge, 1, 1.1), result(Quantity::max_edge, 5, 4.9), result(Quantity::max_distance, 0.4, 0.45)});
   report.levels[1].constraints[4].reason = "too coarse";
   state_rounding(report, {file("a.stl", {1}, 0.1)}, {}, Space::lps);
   const std::vector<ConstraintResult>& results = report.levels[1].constraints;

@@ -14,10 +14,10 @@ TEST(EditDistance, CountsLettersAndSwaps) {
   EXPECT_EQ(edit_distance("abc", ""), 3U);
   EXPECT_EQ(edit_distance("", "abc"), 3U);
   EXPECT_EQ(edit_distance("extract", "extract"), 0U);
-  EXPECT_EQ(edit_distance("extrat", "extract"), 1U);   // left out
+  EXPECT_EQ(edit_distance("extrat", "extract"), 1U);    // left out
   EXPECT_EQ(edit_distance("exttract", "extract"), 1U);  // added
-  EXPECT_EQ(edit_distance("extrakt", "extract"), 1U);  // changed
-  EXPECT_EQ(edit_distance("extarct", "extract"), 1U);  // swapped
+  EXPECT_EQ(edit_distance("extrakt", "extract"), 1U);   // changed
+  EXPECT_EQ(edit_distance("extarct", "extract"), 1U);   // swapped
   EXPECT_EQ(edit_distance("kitten", "sitting"), 3U);
 }
 

@@ -6,9 +6,9 @@
 #include <cstring>
 #include <optional>
 
+#include "isoatlas/io.h"
 #include "support/file_test_support.h"
 #include "support/packed_bytes.h"
-#include "isoatlas/io.h"
 
 namespace isoatlas::test {
 namespace {
@@ -194,7 +194,11 @@ TEST(BadVolumes, PackedFilesSayHowToUnpackThem) {
   expect_error(kUnsupported, "is a gzipped TIFF file, expected it decompressed (gunzip)", folder / "a.tif.gz",
                [&] { read_volume(folder / "a.tif.gz"); });
   expect_all_errors({{"a.vtk.bz2", "BZh91AY&SY.....", kUnsupported, "is compressed by bzip2 (to be decompressed first: bunzip2)"},
-                     {"a.nii.xz", std::string("\xFD" "7zXZ\0....", 10), kUnsupported, "is compressed by xz"},
+                     {"a.nii.xz",
+                      std::string("\xFD"
+                                  "7zXZ\0....",
+                                  10),
+                      kUnsupported, "is compressed by xz"},
                      {"a.nii.zst", "\x28\xB5\x2F\xFD....", kUnsupported, "is compressed by zstandard"}});
 }
 
@@ -207,7 +211,8 @@ TEST(BadVolumes, AnyFormat) {
     expect_all_errors({{name, noise(), kBad, ""}});
     expect_all_errors({{name, "\n\n\n", kBad, ""}});
   }
-  expect_all_errors({{"a.xyz", "data", kUnsupported, "expected a volume: DICOM, NRRD, NIfTI"}, {"noextension", "data", kUnsupported, "or a folder of DICOM, TIFF or PNG slices"}});
+  expect_all_errors({{"a.xyz", "data", kUnsupported, "expected a volume: DICOM, NRRD, NIfTI"},
+                     {"noextension", "data", kUnsupported, "or a folder of DICOM, TIFF or PNG slices"}});
 }
 
 TEST(BadVolumes, WithoutPermission) {
@@ -252,26 +257,27 @@ TEST(BadVolumes, Nrrd) {
 TEST(BadVolumes, MetaImage) {
   const std::string z = gzipped(noise(), false);
   const std::string text = "BinaryData = False\n";
-  expect_all_errors({{"raw.mha", meta(cut(noise(), 1)), kBad, "promises 1920 bytes of samples, the file has 1919"},
-                     {"none.mha", meta(""), kBad, "the file has 0"},
-                     {"cut.mha", packed_meta(cut(z, 100), z.size()), kBad, "is cut off"},
-                     {"cut2.mha", packed_meta(cut(z, 100), z.size() - 100), kBad, "is cut off"},
-                     {"flip.mha", packed_meta(flipped(z, 900), z.size()), kBad, "damaged"},
-                     {"short.mha", packed_meta(gzipped(cut(noise(), 9), false), 1911), kBad, "promises 1920 bytes of samples, the file has 1911"},
-                     {"text.mha", meta(cut(as_text(noise()), 300), text), kBad, "promises 1920 numbers"},
-                     {"huge.mha", meta(noise(), "", "100000 100000 100000"), kBad, "promises 1000000000000000 bytes"},
-                     {"hugez.mha", packed_meta(z, z.size(), "10000 10000 10000"), kBad, "far more than a file of"},
-                     {"overflow.mha", meta(noise(), "", "4294967296 4294967296 4294967296"), kBad, "more than any file can hold"},
-                     {"negative.mha", meta(noise(), "", "-16 12 10"), kBad, "DimSize is '-16 12 10'"},
-                     {"header.mha", "ObjectType = Image\nNDims = 3\n", kBad, "no ElementDataFile"},
-                     {"spacing.mha", meta(noise(), "ElementSpacing = 1 0 1\n"), kBad, "spacing along y is 0"},
-                     {"singular.mha", meta(noise(), "TransformMatrix = 1 0 0 1 0 0 0 0 1\n"), kBad, "direction"},
-                     {"vector.mha", meta(noise() + noise(), "ElementNumberOfChannels = 2\n"), kUnsupported, "has 2 channels"},
-                     {"2d.mha", meta(noise(), "", "16 120"), kUnsupported, "16 x 120 x 1"},
-                     {"4d.mha", meta(noise() + noise(), "", "16 12 10 2"), kUnsupported, "has 2 time points"},
-                     {"missing.mhd", meta("", "", "16 12 10", "none.raw"), kBad, "none.raw: no such file"},
-                     {"list.mhd", meta("a.raw\nb.raw\n", "", "16 12 10", "LIST"), kBad, "names 2 data files, expected 10"},
-                     {"pattern.mhd", meta("", "", "16 12 10", "s%02d.raw 1 10 1"), kBad, "s01.raw: no such file"}});
+  expect_all_errors(
+      {{"raw.mha", meta(cut(noise(), 1)), kBad, "promises 1920 bytes of samples, the file has 1919"},
+       {"none.mha", meta(""), kBad, "the file has 0"},
+       {"cut.mha", packed_meta(cut(z, 100), z.size()), kBad, "is cut off"},
+       {"cut2.mha", packed_meta(cut(z, 100), z.size() - 100), kBad, "is cut off"},
+       {"flip.mha", packed_meta(flipped(z, 900), z.size()), kBad, "damaged"},
+       {"short.mha", packed_meta(gzipped(cut(noise(), 9), false), 1911), kBad, "promises 1920 bytes of samples, the file has 1911"},
+       {"text.mha", meta(cut(as_text(noise()), 300), text), kBad, "promises 1920 numbers"},
+       {"huge.mha", meta(noise(), "", "100000 100000 100000"), kBad, "promises 1000000000000000 bytes"},
+       {"hugez.mha", packed_meta(z, z.size(), "10000 10000 10000"), kBad, "far more than a file of"},
+       {"overflow.mha", meta(noise(), "", "4294967296 4294967296 4294967296"), kBad, "more than any file can hold"},
+       {"negative.mha", meta(noise(), "", "-16 12 10"), kBad, "DimSize is '-16 12 10'"},
+       {"header.mha", "ObjectType = Image\nNDims = 3\n", kBad, "no ElementDataFile"},
+       {"spacing.mha", meta(noise(), "ElementSpacing = 1 0 1\n"), kBad, "spacing along y is 0"},
+       {"singular.mha", meta(noise(), "TransformMatrix = 1 0 0 1 0 0 0 0 1\n"), kBad, "direction"},
+       {"vector.mha", meta(noise() + noise(), "ElementNumberOfChannels = 2\n"), kUnsupported, "has 2 channels"},
+       {"2d.mha", meta(noise(), "", "16 120"), kUnsupported, "16 x 120 x 1"},
+       {"4d.mha", meta(noise() + noise(), "", "16 12 10 2"), kUnsupported, "has 2 time points"},
+       {"missing.mhd", meta("", "", "16 12 10", "none.raw"), kBad, "none.raw: no such file"},
+       {"list.mhd", meta("a.raw\nb.raw\n", "", "16 12 10", "LIST"), kBad, "names 2 data files, expected 10"},
+       {"pattern.mhd", meta("", "", "16 12 10", "s%02d.raw 1 10 1"), kBad, "s01.raw: no such file"}});
 }
 
 TEST(BadVolumes, DetachedDataFiles) {
@@ -329,7 +335,8 @@ TEST(BadVolumes, LegacyVtk) {
        {"flat.vtk", vtk(noise(), "BINARY", "16 120 1"), kUnsupported, "16 x 120 x 1"},
        {"cells.vtk", vtk(noise(), "BINARY", "16 12 10", "CELL_DATA 1920\nSCALARS s unsigned_char 1\nLOOKUP_TABLE default\n"), kBad,
         "CELL_DATA states 1920 values"},
-       {"colour.vtk", vtk(noise() + noise() + noise(), "BINARY", "16 12 10", "POINT_DATA 1920\nCOLOR_SCALARS s 3\n"), kUnsupported, "3 channels"},
+       {"colour.vtk", vtk(noise() + noise() + noise(), "BINARY", "16 12 10", "POINT_DATA 1920\nCOLOR_SCALARS s 3\n"), kUnsupported,
+        "3 channels"},
        {"two.vtk", vtk(noise() + noise(), "BINARY", "16 12 10", "POINT_DATA 1920\nSCALARS s unsigned_char 2\nLOOKUP_TABLE default\n"),
         kUnsupported, "2 channels"},
        {"poly.vtk", "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 1 float\n0 0 0\n", kUnsupported, "is a mesh file"}});
@@ -349,7 +356,8 @@ TEST(BadVolumes, Tiff) {
   expect_all_errors(
       {{"mixed.tif", tiff(mixed), kUnsupported, "page 6 has 8 x 12 samples"},
        {"single.tif", tiff({tiff_pages()[0]}), kUnsupported, "16 x 12 x 1"},
-       {"colour.tif", tiff(tiff_pages(3 * 192), 8, 3), kUnsupported, "has 3 channels, expected a choice of one: 0 (red), 1 (green), 2 (blue)"},
+       {"colour.tif", tiff(tiff_pages(3 * 192), 8, 3), kUnsupported,
+        "has 3 channels, expected a choice of one: 0 (red), 1 (green), 2 (blue)"},
        {"bits.tif", tiff(tiff_pages(24), 24), kUnsupported, "unsigned integer samples of 24 bits"},
        {"huge.tif", tiff({{.width = 100000, .height = 100000, .samples = "x"}, {.width = 100000, .height = 100000, .samples = "x"}}), kBad,
         "far more than a file of"}});

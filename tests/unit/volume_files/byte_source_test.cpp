@@ -28,15 +28,23 @@ class Packed : public testing::TestWithParam<int> {
  protected:
   std::string pack(const std::string& bytes) const {
     switch (GetParam()) {
-      case 0: return bytes;
-      case 1: return gzipped(bytes);
-      case 2: return deflated(bytes, 15);
-      case 3: return bzipped(bytes);
-      case 4: return gzipped(bytes.substr(0, 1000)) + gzipped(bytes.substr(1000));
-      default: return bzipped(bytes.substr(0, 1000)) + bzipped(bytes.substr(1000));
+      case 0:
+        return bytes;
+      case 1:
+        return gzipped(bytes);
+      case 2:
+        return deflated(bytes, 15);
+      case 3:
+        return bzipped(bytes);
+      case 4:
+        return gzipped(bytes.substr(0, 1000)) + gzipped(bytes.substr(1000));
+      default:
+        return bzipped(bytes.substr(0, 1000)) + bzipped(bytes.substr(1000));
     }
   }
-  Packing packing() const { return GetParam() == 0 ? Packing::none : GetParam() == 3 || GetParam() == 5 ? Packing::bzip2 : Packing::deflate; }
+  Packing packing() const {
+    return GetParam() == 0 ? Packing::none : GetParam() == 3 || GetParam() == 5 ? Packing::bzip2 : Packing::deflate;
+  }
   TempFolder folder_;
 };
 
@@ -118,8 +126,12 @@ TEST(ByteSource, ZerosAfterAGzipMemberAreNoMember) {
 
 TEST(ByteSource, WhatFollowsAMemberIsOneOnlyWithItsMark) {
   const TempFolder folder;
-  for (const auto& [packing, member] : {std::pair{Packing::deflate, gzipped("abc")}, {Packing::deflate, deflated("abc", 15)}, {Packing::bzip2, bzipped("abc")}}) {
-    for (const std::string rest : {"BBBB", "\x1F", "\x1F" "x", "BZ", "x"}) {
+  for (const auto& [packing, member] :
+       {std::pair{Packing::deflate, gzipped("abc")}, {Packing::deflate, deflated("abc", 15)}, {Packing::bzip2, bzipped("abc")}}) {
+    for (const std::string rest : {"BBBB", "\x1F",
+                                   "\x1F"
+                                   "x",
+                                   "BZ", "x"}) {
       write_bytes(folder / "a", member + rest);
       std::string read(10, '\0');
       read.resize(ByteSource(folder / "a", 0, packing).read(read.data(), read.size()));

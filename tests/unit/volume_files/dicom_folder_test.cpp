@@ -351,7 +351,8 @@ TEST(DicomFolder, PositionsOfOtherPatientsStudiesAndFramesOfReferenceHaveNothing
   for (const auto& [tag, type] : {std::pair{0x00200052U, "UI"}, {0x0020000DU, "UI"}, {0x00100020U, "LO"}}) {
     SCOPED_TRACE(tag);
     const TempFolder folder;
-    write_two_volumes(folder.path(), 6, [&](DicomBuilder& slice, int volume) { slice.set(tag, type, std::string("1.") + std::to_string(volume)); });
+    write_two_volumes(folder.path(), 6,
+                      [&](DicomBuilder& slice, int volume) { slice.set(tag, type, std::string("1.") + std::to_string(volume)); });
     EXPECT_EQ(choice_needed(folder.path()).name, "series");
     EXPECT_EQ(slice_values(read_volume(folder.path(), {.series = "1"})), (Values{1000, 1100, 1200, 1300}));
   }
@@ -393,12 +394,14 @@ TEST(DicomFolder, DifferencesThatMayMeanSeveralVolumesAreWarnedOf) {
   write_series(folder.path(), 4, [](DicomBuilder& slice, int i) {
     slice.set(0x00181314, "DS", std::to_string(10 + 5 * (i % 2))).set(0x00080008, "CS", "ORIGINAL\\PRIMARY");
   });
-  EXPECT_EQ(read_volume_file(folder.path()).source.warnings, (Names{"its slices differ in flip angle (10, 15), and are read as one volume"}));
+  EXPECT_EQ(read_volume_file(folder.path()).source.warnings,
+            (Names{"its slices differ in flip angle (10, 15), and are read as one volume"}));
 }
 
 TEST(DicomFolder, TimesOfTheClockKeepTheirDigits) {
   const TempFolder folder;
-  write_two_volumes(folder.path(), 5, [](DicomBuilder& slice, int volume) { slice.set(0x00080033, "TM", volume == 0 ? "080000" : "100000"); });
+  write_two_volumes(folder.path(), 5,
+                    [](DicomBuilder& slice, int volume) { slice.set(0x00080033, "TM", volume == 0 ? "080000" : "100000"); });
   EXPECT_EQ(choice_needed(folder.path()).entries, (Names{"content time 080000", "content time 100000"}));
 }
 
@@ -417,7 +420,8 @@ TEST(DicomFolder, SizesBeyondTheStandardsAreRefused) {
   DicomBuilder slice = slice_builder(0, 0);
   slice.set(0x00280010, "UL", bytes_of<std::uint32_t>({0x80000000U})).set(0x00280011, "UL", bytes_of<std::uint32_t>({0x80000000U}));
   slice.write(folder / "a.dcm");
-  expect_error(ErrorCode::unsupported, "2147483648 x 2147483648, expected at most 65535", folder / "a.dcm", [&] { read_volume(folder / "a.dcm"); });
+  expect_error(ErrorCode::unsupported, "2147483648 x 2147483648, expected at most 65535", folder / "a.dcm",
+               [&] { read_volume(folder / "a.dcm"); });
 }
 
 }  // namespace

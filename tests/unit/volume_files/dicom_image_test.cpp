@@ -297,7 +297,8 @@ TEST(DicomImage, IconsMayBeCompressed) {
                                 std::string("\xFE\xFF\0\xE0\x04\0\0\0\xFF\xD8\xFF\xD9", 12) + std::string("\xFE\xFF\xDD\xE0\0\0\0\0", 8);
   DicomBuilder size;
   size.set_short(0x00280010, 1).set_short(0x00280011, 1);
-  const std::string item = std::string("\xFE\xFF\0\xE0\xFF\xFF\xFF\xFF", 8) + size.data_set() + fragments + std::string("\xFE\xFF\x0D\xE0\0\0\0\0", 8);
+  const std::string item =
+      std::string("\xFE\xFF\0\xE0\xFF\xFF\xFF\xFF", 8) + size.data_set() + fragments + std::string("\xFE\xFF\x0D\xE0\0\0\0\0", 8);
   DicomBuilder image = enhanced();
   image.set(0x00880200, "SQ", item);
   EXPECT_EQ(slice_values(read_image(image).volume), (Values{0, 100, 200}));

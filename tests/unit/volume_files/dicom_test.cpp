@@ -7,8 +7,8 @@
 #include <cmath>
 #include <functional>
 
-#include "support/file_test_support.h"
 #include "isoatlas/io.h"
+#include "support/file_test_support.h"
 #include "unit/volume_files/volume_files.h"
 
 namespace isoatlas::test {

@@ -221,10 +221,12 @@ TEST_F(ImageStack, MemoryLimit) {
 // ---------------------------------------------------------------- PNG
 
 TEST_F(ImageStack, PngChunksAboutDisplayChangeNothing) {
-  for (const char* name : {"s1.png", "s2.png"}) write_png(folder_ / name, {.rows = {"\x01\xFF\x7F\x80", "aaaa", "bbbb"}, .has_display_chunks = true});
+  for (const char* name : {"s1.png", "s2.png"})
+    write_png(folder_ / name, {.rows = {"\x01\xFF\x7F\x80", "aaaa", "bbbb"}, .has_display_chunks = true});
   const VolumeFile file = read();
   EXPECT_EQ(file.volume.grid.size, (std::array<std::size_t, 3>{4, 3, 2}));
-  for (const auto& [i, value] : {std::pair{0, 1}, {1, 255}, {2, 127}, {3, 128}}) EXPECT_EQ(sample_as_double(file.volume, static_cast<std::size_t>(i)), value);
+  for (const auto& [i, value] : {std::pair{0, 1}, {1, 255}, {2, 127}, {3, 128}})
+    EXPECT_EQ(sample_as_double(file.volume, static_cast<std::size_t>(i)), value);
   EXPECT_FALSE(file.source.has_spacing);
 }
 

@@ -200,8 +200,9 @@ TEST_F(LegacyVtk, ComponentsAreChannels) {
 }
 
 TEST_F(LegacyVtk, MetadataNamesComponentsAndEndsWithAnEmptyLine) {
-  const std::string metadata = "METADATA\nCOMPONENT_NAMES\nu%20x\n\nw\nINFORMATION 1\n"
-                               "NAME L2_NORM_RANGE LOCATION vtkDataArray\nDATA 2 0 1\n\n";
+  const std::string metadata =
+      "METADATA\nCOMPONENT_NAMES\nu%20x\n\nw\nINFORMATION 1\n"
+      "NAME L2_NORM_RANGE LOCATION vtkDataArray\nDATA 2 0 1\n\n";
   const std::string file = start("ASCII") + kGeometry + "POINT_DATA 24\nVECTORS v float\n" + integers(3 * kPoints) + metadata +
                            "FIELD FieldData 2\nv%202 3 24 float\n" + integers(3 * kPoints, 5) + metadata + "last 1 24 int\n" +
                            integers(kPoints, 9) + "\n";
@@ -213,8 +214,8 @@ TEST_F(LegacyVtk, MetadataNamesComponentsAndEndsWithAnEmptyLine) {
 }
 
 TEST_F(LegacyVtk, SeveralArraysAreListed) {
-  const std::string field = start("ASCII") + kGeometry + "POINT_DATA 24\nFIELD f 2\na 1 24 float\n" + integers(kPoints) + "b 3 24 int\n" +
-                            integers(3 * kPoints);
+  const std::string field =
+      start("ASCII") + kGeometry + "POINT_DATA 24\nFIELD f 2\na 1 24 float\n" + integers(kPoints) + "b 3 24 int\n" + integers(3 * kPoints);
   expect_refused(field, ErrorCode::unsupported, "has 2 arrays, expected a choice of one: 0 (a: float32), 1 (b: int32, 3 components)");
   expect_ramp(read(field, {.array = "0"}));
   const std::string marked = field + "SCALARS s float\nLOOKUP_TABLE t\n" + integers(kPoints, 4) + "LOOKUP_TABLE t 2\n0 0 0 1 1 1 1 1\n";
@@ -227,16 +228,20 @@ TEST_F(LegacyVtk, SeveralArraysAreListed) {
 TEST_F(LegacyVtk, WhatIsNoVolumeIsNotListed) {
   const std::string file = start("ASCII") + "FIELD FieldData 2\nTIME 1 1 double\n0.5\nnames 1 2 string\none%20two\nthree\n" + kGeometry +
                            "POINT_DATA 24\nGLOBAL_IDS ids vtkIdType\n" + integers(kPoints) + "TEXTURE_COORDINATES t 2 float\n" +
-                           integers(2 * kPoints) + "FIELD f 3\nvtkGhostType 1 24 unsigned_char\n" + integers(kPoints) +
-                           "v 1 24 float\n" + integers(kPoints, 3) + "NULL_ARRAY\n";
+                           integers(2 * kPoints) + "FIELD f 3\nvtkGhostType 1 24 unsigned_char\n" + integers(kPoints) + "v 1 24 float\n" +
+                           integers(kPoints, 3) + "NULL_ARRAY\n";
   const VolumeFile volume = read(file);
   EXPECT_EQ(volume.source.choices[0].entries, (std::vector<std::string>{"v: float32"}));
   expect_ramp(volume, kPoints, 3);
 }
 
 TEST_F(LegacyVtk, BinaryStringsAreSkipped) {
-  const std::string lengths = std::string("\xC3" "abc") + "\x80\x03" "abc" + std::string("\x40\0\0\3abc", 7) +
-                              std::string("\0\0\0\0\0\0\0\3abc", 11);
+  const std::string lengths = std::string(
+                                  "\xC3"
+                                  "abc") +
+                              "\x80\x03"
+                              "abc" +
+                              std::string("\x40\0\0\3abc", 7) + std::string("\0\0\0\0\0\0\0\3abc", 11);
   const std::string file = start() + "FIELD FieldData 1\nnames 2 2 string\n" + lengths + "\n" + kGeometry +
                            "POINT_DATA 24\nSCALARS s float\nLOOKUP_TABLE default\n" + big_endian(ramp(kPoints));
   expect_ramp(read(file));
@@ -244,8 +249,9 @@ TEST_F(LegacyVtk, BinaryStringsAreSkipped) {
 
 TEST_F(LegacyVtk, KeywordsLineEndsAndOrderAreFree) {
   const std::string values = big_endian(ramp(kPoints));
-  const std::string aspect = "# vtk DataFile Version 2.0\r\nASCII \r\nbinary\r\ndataset structured_points\r\norigin 1 2 3\r\n"
-                             "aspect_ratio 0.5 0.25 2\r\ndimensions 4 3 2\r\npoint_data 24\r\nscalars s Float\r\nlookup_table default\r\n";
+  const std::string aspect =
+      "# vtk DataFile Version 2.0\r\nASCII \r\nbinary\r\ndataset structured_points\r\norigin 1 2 3\r\n"
+      "aspect_ratio 0.5 0.25 2\r\ndimensions 4 3 2\r\npoint_data 24\r\nscalars s Float\r\nlookup_table default\r\n";
   const VolumeFile file = read(aspect + values);
   expect_size_and_spacing(file.volume, {4, 3, 2}, {0.5, 0.25, 2});
   EXPECT_EQ(file.volume.grid.origin, (Vec3{1, 2, 3}));
@@ -351,10 +357,13 @@ TEST_F(LegacyVtk, BytesThatAreLeftAreWarnedOf) {
 TEST_F(LegacyVtk, CutFilesAreRefused) {
   const std::string cells = "CELL_DATA 6\nSCALARS c double\nLOOKUP_TABLE default\n";
   const std::string points = "\nPOINT_DATA 24\nFIELD f 2\na 1 24 float\n";
-  const std::string binary = start() + "FIELD n 1\ns 1 1 string\n\xC2" "ab\n" + kGeometry + cells + big_endian(ramp<double>(kCells)) +
-                             points + big_endian(ramp(kPoints)) + "\nb 1 24 short\n" + big_endian(ramp<std::int16_t>(kPoints)) + "\n";
-  const std::string ascii = start("ASCII") + kGeometry + cells + integers(kCells) + points + integers(kPoints) + "b 1 24 short\n" +
-                            integers(kPoints, 100) + "\n";
+  const std::string binary = start() +
+                             "FIELD n 1\ns 1 1 string\n\xC2"
+                             "ab\n" +
+                             kGeometry + cells + big_endian(ramp<double>(kCells)) + points + big_endian(ramp(kPoints)) +
+                             "\nb 1 24 short\n" + big_endian(ramp<std::int16_t>(kPoints)) + "\n";
+  const std::string ascii =
+      start("ASCII") + kGeometry + cells + integers(kCells) + points + integers(kPoints) + "b 1 24 short\n" + integers(kPoints, 100) + "\n";
   for (const std::string& whole : {binary, ascii}) {
     const std::string digest = sample_digest(read(whole, {.array = "a"}).volume);
     const std::size_t end = whole.find_last_not_of(" \n") + 1;

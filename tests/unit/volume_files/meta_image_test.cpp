@@ -316,7 +316,8 @@ TEST(MetaImageDataFiles, ListsMayBeLong) {
   std::string list;
   for (int i = 0; i < 3000; ++i) list += std::string(40, 'x') + ".raw\n";
   write_bytes(folder / (std::string(40, 'x') + ".raw"), "abcd");
-  write_bytes(folder / "a.mhd", "ObjectType = Image\nNDims = 3\nDimSize = 2 2 3000\nElementType = MET_UCHAR\nElementDataFile = LIST\n" + list);
+  write_bytes(folder / "a.mhd",
+              "ObjectType = Image\nNDims = 3\nDimSize = 2 2 3000\nElementType = MET_UCHAR\nElementDataFile = LIST\n" + list);
   EXPECT_EQ(read_volume(folder / "a.mhd").grid.size[2], 3000U);
 }
 

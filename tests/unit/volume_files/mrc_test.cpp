@@ -120,7 +120,7 @@ TEST_F(Mrc, BytesAreSignedOrNot) {
   expect({.imod_stamp = kImod}, 240, "unsigned, IMOD's flag");
   expect({.range = {0, 240}, .imod_stamp = kImod, .imod_flags = 1}, -16, "signed, IMOD's flag");
   EXPECT_THROW(read(mrc({.imod_stamp = kImod, .imod_flags = 16}, samples)), Error);  // 4 bits
-  expect({.imod_flags = 17}, -16, "signed, MRC2014");                                 // without IMOD's mark the field means nothing
+  expect({.imod_flags = 17}, -16, "signed, MRC2014");                                // without IMOD's mark the field means nothing
 }
 
 TEST_F(Mrc, SpacingIsTheCellDividedByItsIntervals) {
@@ -193,8 +193,7 @@ TEST_F(Mrc, TheExtendedHeaderIsSkipped) {
 }
 
 TEST_F(Mrc, StacksOfVolumesAreAChoice) {
-  const std::string bytes =
-      mrc({.size = {4, 3, 6}, .intervals = {4, 3, 2}, .space_group = 401}, bytes_of(ramp<std::uint8_t>(3 * kCount)));
+  const std::string bytes = mrc({.size = {4, 3, 6}, .intervals = {4, 3, 2}, .space_group = 401}, bytes_of(ramp<std::uint8_t>(3 * kCount)));
   const VolumeFile file = read(bytes, {.time = 1});
   EXPECT_EQ(file.volume.grid.size, kSize);
   EXPECT_EQ(sample_as_double(file.volume, 0), kCount);

@@ -126,7 +126,7 @@ struct FieldNifti {
 };
 
 TEST(FieldNifti, AreReadAsTheyAreMeant) {
-  const std::array kLeftAnterior{Vec3{1, 0, 0}, Vec3{0, -1, 0}, Vec3{0, 0, 1}};   // x runs to the left
+  const std::array kLeftAnterior{Vec3{1, 0, 0}, Vec3{0, -1, 0}, Vec3{0, 0, 1}};    // x runs to the left
   const std::array kRightAnterior{Vec3{-1, 0, 0}, Vec3{0, -1, 0}, Vec3{0, 0, 1}};  // x runs to the right
   const Vec3 kOrigin{-50, 7, 3};
   const std::array kSheared{Vec3{-1, 0, 0}, Vec3{-0.0005, -1, 0}, Vec3{0, 0, 1}};
@@ -601,9 +601,8 @@ TEST_F(Nifti, LengthsAreInMillimetres) {
 
 TEST_F(Nifti, PairsInEachPackingAndCase) {
   const std::string header = header_bytes(pair_header()), samples = bytes_of(ramp<std::uint8_t>(kCount));
-  const std::vector<std::array<std::string, 2>> pairs{
-      {"a.hdr", "a.img"}, {"b.hdr.gz", "b.img.gz"}, {"c.hdr", "c.img.gz"},
-      {"D.HDR", "D.IMG"}, {"e.Hdr", "e.IMG.GZ"},    {"f.v2.hdr", "f.v2.img"}};
+  const std::vector<std::array<std::string, 2>> pairs{{"a.hdr", "a.img"}, {"b.hdr.gz", "b.img.gz"}, {"c.hdr", "c.img.gz"},
+                                                      {"D.HDR", "D.IMG"}, {"e.Hdr", "e.IMG.GZ"},    {"f.v2.hdr", "f.v2.img"}};
   for (const auto& [header_name, image_name] : pairs) {
     SCOPED_TRACE(header_name + " " + image_name);
     const auto packed = [](const std::string& file, const std::string& bytes) {

@@ -136,9 +136,18 @@ TEST_F(Npy, HalfPrecisionBecomesFloat) {
   // By IEEE 754: 1, -2, the largest, the smallest normal, the smallest and the largest subnormal, -0, infinity, NaN.
   std::vector<std::uint16_t> halves{0x3C00, 0xC000, 0x7BFF, 0x0400, 0x0001, 0x03FF, 0x8000, 0x7C00, 0xFC00, 0x7E00, 0x3555, 0x8001};
   halves.resize(kCount);
-  const std::vector<double> expected{1,       -2, 65504, 0x1p-14, 0x1p-24, 1023 * 0x1p-24, -0.0, std::numeric_limits<double>::infinity(),
+  const std::vector<double> expected{1,
+                                     -2,
+                                     65504,
+                                     0x1p-14,
+                                     0x1p-24,
+                                     1023 * 0x1p-24,
+                                     -0.0,
+                                     std::numeric_limits<double>::infinity(),
                                      -std::numeric_limits<double>::infinity(),
-                                     std::numeric_limits<double>::quiet_NaN(), 1365 * 0x1p-12, -0x1p-24};
+                                     std::numeric_limits<double>::quiet_NaN(),
+                                     1365 * 0x1p-12,
+                                     -0x1p-24};
   for (const bool big_endian : {false, true}) {
     const VolumeFile file = read(npy(dictionary(big_endian ? ">f2" : "<f2"), bytes_of(halves, big_endian)));
     ASSERT_EQ(file.volume.type, SampleType::float32);

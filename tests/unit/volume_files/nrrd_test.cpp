@@ -562,7 +562,8 @@ TEST(NrrdDataFiles, List) {
 
 TEST(NrrdDataFiles, TextHasNoBytesToCountFromTheEnd) {
   for (const std::string encoding : {"text", "hex"})
-    NrrdFile(small(kSpacing + "byte skip: -1\n", "1 2 3", encoding)).expect_refused(kUnsupported, "(byte skip -1), expected that with raw samples only");
+    NrrdFile(small(kSpacing + "byte skip: -1\n", "1 2 3", encoding))
+        .expect_refused(kUnsupported, "(byte skip -1), expected that with raw samples only");
 }
 
 TEST(NrrdDataFiles, Pattern) {

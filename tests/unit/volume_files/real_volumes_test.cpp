@@ -5,8 +5,8 @@
 #include <cmath>
 #include <sstream>
 
-#include "support/file_test_support.h"
 #include "isoatlas/io.h"
+#include "support/file_test_support.h"
 
 namespace isoatlas::test {
 namespace {

@@ -90,7 +90,8 @@ TEST(TiffField, HyperstackAsksForAChannel) {
     EXPECT_EQ(file.source.warnings, kNone);
     ASSERT_EQ(file.source.choices.size(), 1U);
   }
-  expect_error(ErrorCode::bad_argument, "has no channel '2', expected one of 0, 1", path, [&] { read_volume_file(path, {.channel = "2"}); });
+  expect_error(ErrorCode::bad_argument, "has no channel '2', expected one of 0, 1", path,
+               [&] { read_volume_file(path, {.channel = "2"}); });
   expect_error(ErrorCode::bad_argument, "time", path, [&] { read_volume_file(path, {.channel = "1", .time = 1}); });
 }
 
@@ -354,8 +355,9 @@ TEST_F(Tiff, TifffilesTruncatedStack) {
 
 // Descriptions of other programs, places on the earth, profiles of colours, ImageJ's regions of interest.
 TEST_F(Tiff, TagsThatSayNothingOfSamplesAreNotUsed) {
-  for (const char* description : {"Aperio Image Library v11\n40x|MPP = 0.25", "<MetaData><prop id=\"spatial-calibration-x\" value=\"2\"/></MetaData>",
-                                  "SI.hRoiManager.scanZoomFactor = 2", "any text"}) {
+  for (const char* description :
+       {"Aperio Image Library v11\n40x|MPP = 0.25", "<MetaData><prop id=\"spatial-calibration-x\" value=\"2\"/></MetaData>",
+        "SI.hRoiManager.scanZoomFactor = 2", "any text"}) {
     SCOPED_TRACE(description);
     TiffPage page;
     page.more = {{33550, 4, {2, 2, 0}}, {33922, 4, {0, 0, 0, 9, 9, 0}}, {34675, 1, {1, 2, 3, 4}}, {50839, 1, {1, 2, 3, 4}}};
@@ -406,7 +408,8 @@ TEST_F(Tiff, OmePlanesOnTheStageMoveNothing) {
 }
 
 TEST_F(Tiff, OmePagesWithoutAPlaneAreWarnedOf) {
-  const VolumeFile file = read(pages(3, ome(R"(DimensionOrder="XYZCT" SizeZ="2" SizeC="1" SizeT="1")", R"(<TiffData IFD="0" PlaneCount="2"/>)")));
+  const VolumeFile file =
+      read(pages(3, ome(R"(DimensionOrder="XYZCT" SizeZ="2" SizeC="1" SizeT="1")", R"(<TiffData IFD="0" PlaneCount="2"/>)")));
   EXPECT_EQ(pages_read(file), (std::vector{0, 1}));
   ASSERT_FALSE(file.source.warnings.empty());
   EXPECT_EQ(file.source.warnings.front(), "has 3 pages, of which its OME-XML names 2; the others are not read");
@@ -556,7 +559,8 @@ TEST_F(Tiff, TifffilesShapes) {
   refuse(pages(6, R"({"shape": [2, 3, 3, 4]})"), ErrorCode::unsupported, "an array of 2 x 3 without names of its axes");
   refuse(pages(6, R"({"axes": "RZYX", "shape": [2, 3, 3, 4]})"), ErrorCode::unsupported, "with axes 'RZ'");
   for (const std::string axes : {"XYZ", "ZXY", "YXZ"})
-    refuse(pages(3, R"({"axes": ")" + axes + R"(", "shape": [3, 3, 4]})"), ErrorCode::unsupported, "its axes are '" + axes + "', slowest first");
+    refuse(pages(3, R"({"axes": ")" + axes + R"(", "shape": [3, 3, 4]})"), ErrorCode::unsupported,
+           "its axes are '" + axes + "', slowest first");
   // A description that was kept while pages were added.
   const VolumeFile stale = read(pages(4, R"({"shape": [3, 3, 4]})"));
   EXPECT_EQ(stale.volume.grid.size[2], 4U);

@@ -13,8 +13,8 @@
 #include <vtkSmartPointer.h>
 #include <vtkXMLImageDataWriter.h>
 
-#include "support/file_test_support.h"
 #include "isoatlas/io.h"
+#include "support/file_test_support.h"
 #include "unit/volume_files/volume_files.h"
 
 namespace isoatlas::test {

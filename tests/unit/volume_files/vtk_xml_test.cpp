@@ -60,9 +60,9 @@ std::string image(const std::string& content) { return vtk_file("ImageData", kIm
 
 // A raw appended array, with whatever header and bytes.
 std::string appended(const std::string& data, const std::string& file_attributes = "header_type='UInt32'") {
-  std::string file = vtk_file("ImageData", kImage,
-                              piece("0 3 0 2 0 1", point_data("<DataArray type='Float32' Name='v' format='appended' offset='0'/>\n")),
-                              file_attributes);
+  std::string file =
+      vtk_file("ImageData", kImage, piece("0 3 0 2 0 1", point_data("<DataArray type='Float32' Name='v' format='appended' offset='0'/>\n")),
+               file_attributes);
   file.insert(file.find("</VTKFile>"), "<AppendedData encoding='raw'>\n_" + data + "\n</AppendedData>\n");
   return file;
 }
@@ -180,7 +180,7 @@ TEST_F(VtkXml, ComponentsAreChannels) {
   for (const int channel : {0, 1, 2}) {
     expect_ramp(read(vectors, {.channel = std::to_string(channel)}), kPoints, channel, 3);
   }
-    expect_ramp(read(vectors, {.channel = "z"}), kPoints, 2, 3);
+  expect_ramp(read(vectors, {.channel = "z"}), kPoints, 2, 3);
   expect_refused(image(point_data(array("type='Int16' Name='v' NumberOfComponents='0'", ""))), ErrorCode::unsupported,
                  "has 0 values per sample");
   expect_refused(image(point_data(array("type='Int16' Name='v' NumberOfComponents='5000'", ""))), ErrorCode::unsupported,
@@ -199,9 +199,8 @@ TEST_F(VtkXml, TimesAreChosen) {
 
 TEST_F(VtkXml, GeometryIsThatOfTheFile) {
   const std::string content = piece("-2 1 5 7 10 11", point_data(floats("v", integers(kPoints))));
-  const VolumeFile turned = read(vtk_file("ImageData",
-                                          "WholeExtent='-2 1 5 7 10 11' Origin='1 2 3' Spacing='0.5 0.25 2' Direction='0 -1 0 1 0 0 0 0 1'",
-                                          content));
+  const VolumeFile turned = read(
+      vtk_file("ImageData", "WholeExtent='-2 1 5 7 10 11' Origin='1 2 3' Spacing='0.5 0.25 2' Direction='0 -1 0 1 0 0 0 0 1'", content));
   EXPECT_EQ(turned.volume.grid.direction[0], (Vec3{0, 1, 0}));
   EXPECT_EQ(turned.volume.grid.direction[1], (Vec3{-1, 0, 0}));
   EXPECT_EQ(turned.volume.grid.origin, (Vec3{1 - 5 * 0.25, 2 - 2 * 0.5, 23}));
@@ -250,9 +249,9 @@ TEST_F(VtkXml, CellDataOfPiecesIsPutTogether) {
 
 // One layer of points that belong to the other piece, with values that are not the other's.
 TEST_F(VtkXml, GhostSamplesAreTheOtherPieces) {
-  const std::string left = piece("0 2 0 2 0 1", point_data(floats("v", "0 1 -9 4 5 -9 8 9 -9 12 13 -9 16 17 -9 20 21 -9") +
-                                                           array("type='UInt8' Name='vtkGhostType'",
-                                                                 "0 0 1 0 0 1 0 0 1 0 0 1 0 0 1 0 0 1")));
+  const std::string left =
+      piece("0 2 0 2 0 1", point_data(floats("v", "0 1 -9 4 5 -9 8 9 -9 12 13 -9 16 17 -9 20 21 -9") +
+                                      array("type='UInt8' Name='vtkGhostType'", "0 0 1 0 0 1 0 0 1 0 0 1 0 0 1 0 0 1")));
   const std::string right = piece("2 3 0 2 0 1", point_data(floats("v", "2 3 6 7 10 11 14 15 18 19 22 23") +
                                                             array("type='UInt8' Name='vtkGhostType'", integers(12, 0, 0))));
   for (const std::string& pieces : {left + right, right + left}) {
@@ -287,8 +286,9 @@ class VtkXmlParallel : public VtkXml {
   void expect_header_refused(ErrorCode code, const std::string& says) {
     expect_error(code, says, header(), [&] { read_volume_file(header()); });
   }
-  const std::string pieces_ = "<Piece Extent='0 1 0 2 0 1' Source='d/0.vti'/><Piece Extent='1 3 0 2 0 1' Source='d\\1.vti'/>"
-                              "<Piece Extent='0 -1 0 -1 0 -1' Source='d/none.vti'/>";
+  const std::string pieces_ =
+      "<Piece Extent='0 1 0 2 0 1' Source='d/0.vti'/><Piece Extent='1 3 0 2 0 1' Source='d\\1.vti'/>"
+      "<Piece Extent='0 -1 0 -1 0 -1' Source='d/none.vti'/>";
 };
 
 TEST_F(VtkXmlParallel, PiecesInOtherFilesArePutTogether) {
@@ -361,8 +361,9 @@ TEST_F(VtkXml, RectilinearPiecesArePutTogether) {
   };
   write("0.vtr", "0 1 0 2 0 1", "0 1 4 5 8 9 12 13 16 17 20 21", "5 7");
   write("1.vtr", "1 3 0 2 0 1", "1 2 3 5 6 7 9 10 11 13 14 15 17 18 19 21 22 23", "7 9 11");
-  const std::string header = "<PPointData><PDataArray type='Float32' Name='v'/></PPointData>"
-                             "<Piece Extent='0 1 0 2 0 1' Source='0.vtr'/><Piece Extent='1 3 0 2 0 1' Source='1.vtr'/>";
+  const std::string header =
+      "<PPointData><PDataArray type='Float32' Name='v'/></PPointData>"
+      "<Piece Extent='0 1 0 2 0 1' Source='0.vtr'/><Piece Extent='1 3 0 2 0 1' Source='1.vtr'/>";
   write_bytes(folder_ / "p.pvtr", vtk_file("PRectilinearGrid", "WholeExtent='0 3 0 2 0 1'", header));
   const VolumeFile file = read_volume_file(folder_ / "p.pvtr");
   expect_size_and_spacing(file.volume, {4, 3, 2}, {2, 1, 1}, 0);
@@ -403,8 +404,9 @@ TEST_F(VtkXml, ValuesAreAllThereOrRefused) {
 }
 
 TEST_F(VtkXml, InformationKeysAreNoValues) {
-  const std::string key = "<InformationKey name='L2_NORM_RANGE' location='vtkDataArray' length='2'>\n"
-                          "<Value index='0'>\n1\n</Value>\n</InformationKey>\n";
+  const std::string key =
+      "<InformationKey name='L2_NORM_RANGE' location='vtkDataArray' length='2'>\n"
+      "<Value index='0'>\n1\n</Value>\n</InformationKey>\n";
   const std::string values = "<DataArray type='Float32' Name='v' format='ascii'>";
   expect_ramp(read(image(point_data(values + integers(kPoints) + key + "</DataArray>"))));
   expect_ramp(read(image(point_data(values + key + integers(kPoints) + "</DataArray>"))));
@@ -511,9 +513,9 @@ TEST_F(VtkXml, HostileElementsAreRefused) {
   std::string deep = "<VTKFile type='ImageData'>";
   for (int i = 0; i < 100000; ++i) deep += "<a>";
   expect_refused(deep + "</VTKFile>", ErrorCode::bad_file, "more than 32 levels");
-  expect_refused(vtk_file("ImageData", "WholeExtent='0 2147483646 0 99999 0 1'",
-                          piece("0 2147483646 0 99999 0 1", point_data(floats("v", "1 2")))),
-                 ErrorCode::bad_file, "far more than a file");
+  expect_refused(
+      vtk_file("ImageData", "WholeExtent='0 2147483646 0 99999 0 1'", piece("0 2147483646 0 99999 0 1", point_data(floats("v", "1 2")))),
+      ErrorCode::bad_file, "far more than a file");
   expect_refused(vtk_file("ImageData", "WholeExtent='0 2147483646 0 2147483646 0 2147483646'",
                           piece("0 2147483646 0 2147483646 0 2147483646", point_data(floats("v", "1 2")))),
                  ErrorCode::bad_file, "more than any file can hold");

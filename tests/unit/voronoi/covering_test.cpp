@@ -10,10 +10,10 @@
 #include <limits>
 #include <set>
 
-#include "voronoi/component_graphs.h"
 #include "complex/coarsen.h"
 #include "support/reference_topology.h"
 #include "support/surfaces.h"
+#include "voronoi/component_graphs.h"
 
 namespace isoatlas {
 namespace {
@@ -178,7 +178,8 @@ TEST(Covering, KeepsItsPromisesWhereTheComplexBecomesFiner) {
   std::size_t sites = 0;
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
     SCOPED_TRACE(seed);
-    const SurfaceComplex surface = surface_of(random_samples(seed % 2 == 0 ? Family::gyroid_cut : Family::smooth_blobs, {18, 17, 19}, seed));
+    const SurfaceComplex surface =
+        surface_of(random_samples(seed % 2 == 0 ? Family::gyroid_cut : Family::smooth_blobs, {18, 17, 19}, seed));
     Coarsened coarser = coarsen(surface, 3, {});
     CVertexGraph graph = make_graph(coarser.complex);
     Covering start(graph, options(8));
@@ -315,13 +316,15 @@ TEST(Covering, WithoutTheLastSitesThePartitionIsWhatItWas) {
       expect_promises(graph, covering, what, Boundary::owned_from_anywhere);
       const std::set<CVertexId> changed(covering.changed().begin(), covering.changed().end());
       for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
-        ASSERT_TRUE(finer.cell_of[v] == before.partition().cell_of[v] || changed.contains(v)) << what << ": " << v << " has changed its cell";
+        ASSERT_TRUE(finer.cell_of[v] == before.partition().cell_of[v] || changed.contains(v))
+            << what << ": " << v << " has changed its cell";
         // By a thousandth of the largest more, so that rounding leaves nothing uncovered.
         ASSERT_LE(covering.radius()[v], before.radius()[v] + 0.01f) << what << ": radii rise only as far as something was uncovered";
       }
       const CellMembers& members = covering.members();
       ASSERT_EQ(members.cell_count(), covering.site_count());
-      for (CellId c = 0; c < members.cell_count(); ++c) members.for_each(c, [&](CVertexId v) { EXPECT_EQ(covering.partition().cell_of[v], c); });
+      for (CellId c = 0; c < members.cell_count(); ++c)
+        members.for_each(c, [&](CVertexId v) { EXPECT_EQ(covering.partition().cell_of[v], c); });
       if (HasFatalFailure()) return;
     }
   }
@@ -344,7 +347,9 @@ TEST(Covering, LoweringManyRadiiAtOnceIsLoweringEach) {
   Covering one_by_one(graph, options(6)), at_once(graph, options(6));
   Random random(5);
   std::vector<Covering::Radius> radii;
-  for (int k = 0; k < 60; ++k) radii.push_back({static_cast<CVertexId>(random.bits() % graph.c_vertex_count()), 0.5f + 0.01f * static_cast<float>(random.bits() % 700)});
+  for (int k = 0; k < 60; ++k)
+    radii.push_back(
+        {static_cast<CVertexId>(random.bits() % graph.c_vertex_count()), 0.5f + 0.01f * static_cast<float>(random.bits() % 700)});
   for (const Covering::Radius& r : radii) one_by_one.lower_radius(r.at, r.radius);
   at_once.lower_radii(radii);
   EXPECT_EQ(at_once.radius(), one_by_one.radius());

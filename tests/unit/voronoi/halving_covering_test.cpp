@@ -8,9 +8,9 @@
 #include <cmath>
 #include <set>
 
-#include "voronoi/repair.h"
 #include "support/reference_topology.h"
 #include "support/surfaces.h"
+#include "voronoi/repair.h"
 
 namespace isoatlas {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "complex/components.h"
 #include "support/reference_topology.h"
 #include "support/surfaces.h"
-#include "complex/components.h"
 
 namespace isoatlas {
 namespace {

@@ -8,10 +8,10 @@
 #include <cmath>
 #include <limits>
 
+#include "complex/components.h"
 #include "core/vector_math.h"
 #include "support/reference_topology.h"
 #include "support/surfaces.h"
-#include "complex/components.h"
 
 namespace isoatlas {
 namespace {

@@ -29,10 +29,17 @@ std::string refusal(const std::string& spec) {
 }
 
 TEST(ParseLevel, EveryUnit) {
-  const std::vector<TypedConstraint> expected{{max_distance, 0.5, true}, {mean_distance, 2, false, false, LengthUnit::millimetre},        {min_edge, 2},
-                                              {area_curvature, 1.1},     {normal_angle, 15},        {max_vertices, 2000},
-                                              {min_aspect, 0.25},        {max_edge, 1e3, true},     {geodesic_ratio, 1.5},
-                                              {min_vertices, 4},         {area_curvature_smooth, 3}};
+  const std::vector<TypedConstraint> expected{{max_distance, 0.5, true},
+                                              {mean_distance, 2, false, false, LengthUnit::millimetre},
+                                              {min_edge, 2},
+                                              {area_curvature, 1.1},
+                                              {normal_angle, 15},
+                                              {max_vertices, 2000},
+                                              {min_aspect, 0.25},
+                                              {max_edge, 1e3, true},
+                                              {geodesic_ratio, 1.5},
+                                              {min_vertices, 4},
+                                              {area_curvature_smooth, 3}};
   EXPECT_EQ(parse_level("max-distance:0.5vx,mean-distance:2mm,min-edge:2,area-curvature:1.1,normal-angle:15deg,max-vertices:2000,"
                         "min-aspect:0.25,max-edge:1e3vx,geodesic-ratio:+1.5,min-vertices:4,area-curvature-smooth:3"),
             expected);
