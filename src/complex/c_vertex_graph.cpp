@@ -107,7 +107,7 @@ class RowMaker {
 template <class Item>
 void move_rows(std::vector<Item>& items, std::span<const std::uint32_t> from, std::span<const std::uint32_t> to,
                std::span<const std::uint8_t> changed) {
-  const std::size_t known = from.size() - 1, total = to.back();
+  const std::size_t known = std::min(from.size(), to.size()) - 1, total = to.back();
   if (total > items.capacity()) items.reserve(total + total / 8);
   items.resize(std::max<std::size_t>(items.size(), total));
   const auto begin = items.begin();
@@ -131,7 +131,7 @@ CVertexGraph make_graph(const SurfaceComplex& complex, const RunControl* control
 }
 
 std::vector<std::uint8_t> remake_graph(CVertexGraph& graph, const SurfaceComplex& complex, const RunControl* control) {
-  const std::uint32_t n = complex.c_vertex_count(), known = graph.c_vertex_count();
+  const std::uint32_t n = complex.c_vertex_count(), known = std::min(n, graph.c_vertex_count());
   checked_id(8 * complex.faces.size() + complex.boundary.size(), "edges of the graph");
   const RowMaker rows(complex, control);
   std::vector<std::uint8_t> changed(n, 1);

@@ -40,6 +40,8 @@ constexpr std::size_t kMostMended = 200;
 constexpr double kUsefulShare = 0.4;
 // Each time that the surface is divided for a bound, the faces around so many c-vertices, or around this part of them all.
 constexpr std::size_t kFewDivided = 6, kShareDivided = 20;
+// It is divided again as long as that leaves no more than this share of the cells over a bound.
+constexpr double kWorthDividing = 0.75;
 
 // @param to  what each c-vertex is on another complex; empty: on the same one
 std::vector<Covering::Radius> radii_of(std::span<const float> radius, std::span<const CVertexId> to) {
@@ -279,10 +281,9 @@ std::vector<std::pair<CellId, double>> Refiner::cells_over(const LevelGoal& aske
   return out;
 }
 
-// Where cells are over a bound and cannot be made smaller, the worst first: their c-vertices and those around. Not too many: what is at its
+// The c-vertices of cells, the first ones first, and those around. Not too many: what is at its
 // limit nearly everywhere needs another volume.
-std::vector<CVertexId> Refiner::places_at_limit(const Task& task) {
-  const std::vector<std::pair<double, CellId>> cells = cells_at_limit(task);
+std::vector<CVertexId> Refiner::places_at(std::span<const std::pair<double, CellId>> cells) const {
   const std::size_t room = std::max<std::size_t>(kFewDivided, surface_.complex().c_vertex_count() / kShareDivided);
   std::vector<std::uint8_t> is_taken(surface_.complex().c_vertex_count(), 0);
   std::vector<CVertexId> out;
@@ -335,9 +336,11 @@ void Refiner::work_towards(const Task& task, IntersectionTracker& meeting, Refin
     if (partition().cell_count() == sites) break;
   }
   const auto divide = [&] {
-    for (; divisions_ < most_divisions_ && !out.vertices_ran_out; ++divisions_) {
-      const std::vector<CVertexId> wanted = places_at_limit(task);
-      if (wanted.empty()) break;
+    for (std::size_t before = kNone; divisions_ < most_divisions_ && !out.vertices_ran_out; ++divisions_) {
+      const std::vector<std::pair<double, CellId>> cells = cells_at_limit(task);
+      if (cells.empty() || static_cast<double>(cells.size()) > kWorthDividing * static_cast<double>(before)) break;
+      before = cells.size();
+      const std::vector<CVertexId> wanted = places_at(cells);
       divide_surface(wanted, control);
       once();
     }

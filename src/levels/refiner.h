@@ -97,7 +97,7 @@ class Refiner {
   void work_towards(const Task& task, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control);
   bool is_provable(const Task& task) const;
   void prove(const Task& task, const std::function<void()>& work_on);
-  std::vector<CVertexId> places_at_limit(const Task& task);
+  std::vector<CVertexId> places_at(std::span<const std::pair<double, CellId>> cells) const;
   std::vector<std::pair<double, CellId>> cells_at_limit(const Task& task);
   bool is_at_limit(const Task& task, CellId c) const;
   std::vector<std::pair<CellId, double>> cells_over(const LevelGoal& asked, std::span<const MetricValues> values) const;

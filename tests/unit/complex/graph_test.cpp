@@ -111,7 +111,8 @@ TEST(Graph, CVertexWithManyFaces) {
   }
 }
 
-// Rows that become longer and shorter, move to the left and to the right, or only have other weights.
+// Rows that become longer and shorter, move to the left and to the right, or only have other weights; and c-vertices that go, as where a
+// state is restored.
 TEST(Graph, RemakingIsMakingAnewAndTellsWhatChanged) {
   const auto same_row = [](const CVertexGraph& a, const CVertexGraph& b, CVertexId v) {
     return std::ranges::equal(a.row(v), b.row(v)) && a.on_boundary[v] == b.on_boundary[v] &&
@@ -144,6 +145,14 @@ TEST(Graph, RemakingIsMakingAnewAndTellsWhatChanged) {
       ASSERT_EQ(graph.neighbours, anew.neighbours);
       ASSERT_EQ(graph.is_diagonal, anew.is_diagonal);
       for (CVertexId v = 0; v < changed.size(); ++v) ASSERT_EQ(changed[v] != 0, !same_row(before, graph, v)) << v;
+    }
+    for (const SurfaceComplex& other : {tetrahedron(), quads}) {
+      remake_graph(graph, other);
+      const CVertexGraph anew = make_graph(other);
+      ASSERT_EQ(graph.first, anew.first);
+      ASSERT_EQ(graph.neighbours, anew.neighbours);
+      ASSERT_EQ(graph.is_diagonal, anew.is_diagonal);
+      ASSERT_EQ(graph.on_boundary, anew.on_boundary);
     }
   }
 }
