@@ -40,6 +40,7 @@ constexpr const char* kUsage =
     R"(usage: bench_extract VOLUME ISOVALUE [options]
   --refine VOXELS             add a level that is refined to this distance, in smallest spacings; may be repeated
                               (default: the coarse mesh alone)
+  --by-default                nobody asks for these distances: they are worked for, but not proved
   --max-vertices N            no refined level has more vertices
   --allow-self-intersections  leave self-intersections in the mesh
   --threads N                 threads of isoatlas; VTK always has one (default 1, 0: all)
@@ -53,6 +54,7 @@ struct Arguments {
   std::filesystem::path volume;
   double isovalue = 0;
   std::vector<double> refine;  // bounds in voxels
+  bool by_default = false;     // nobody asks for them
   std::optional<std::size_t> max_vertices;
   bool allow_self_intersections = false;
   int threads = 1;
@@ -81,6 +83,8 @@ Arguments parse_arguments(int argc, char** argv) {
     };
     if (word == "--refine") {
       out.refine.push_back(parse_number<double>(word, value()));
+    } else if (word == "--by-default") {
+      out.by_default = true;
     } else if (word == "--max-vertices") {
       out.max_vertices = parse_number<std::size_t>(word, value());
     } else if (word == "--allow-self-intersections") {
@@ -264,6 +268,7 @@ isoatlas::ExtractOptions extract_options(const Arguments& arguments, const isoat
     isoatlas::LevelGoal goal;
     if (arguments.max_vertices) goal.push_back({isoatlas::Quantity::max_vertices, static_cast<double>(*arguments.max_vertices)});
     goal.push_back({isoatlas::Quantity::max_distance, bound * grid.smallest_spacing()});
+    goal.back().is_default = arguments.by_default;
     options.refine.push_back(std::move(goal));
   }
   return options;

@@ -210,7 +210,7 @@ def coarse(cases, images):
 
 def refined(cases, images):
     return surfaces_section(cases, images, "Refined to half a voxel, one thread",
-                            "The coarse mesh and one level within half a smallest spacing of the isosurface (`--refine max-distance:0.5vx`), other options default. "
+                            "The coarse mesh and one level within half a smallest spacing of the isosurface, as by default: worked for, but not proved as a bound is that somebody asks for. "
                             "What is asked of B / A is meant for A = `c379082`.", "refined", True)
 
 

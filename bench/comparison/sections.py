@@ -85,7 +85,7 @@ def measure(section, session, builds, catalogue, patterns):
     elif section == "threads":
         measure_surfaces(section, session, builds, catalogue, real, {"1": ["--threads", 1], "2": ["--threads", 2]})
     elif section == "refined":
-        measure_surfaces(section, session, builds, catalogue, real, {"1": ["--threads", 1, "--refine", "0.5"]})
+        measure_surfaces(section, session, builds, catalogue, real, {"1": ["--threads", 1, "--refine", "0.5", "--by-default"]})
     elif section == "growth":
         names = catalogue.select(catalogue.growth, patterns, catalogue.growth)
         measure_surfaces(section, session, builds, catalogue, names, {"1": ["--threads", 1, "--no-vtk"]})
