@@ -30,7 +30,7 @@ struct ExtractOptions {
   /// of the volume, and positions in its sample-index coordinates.
   std::uint32_t supersample = 1;
   /// How often the surface may be divided, in each refined level, where cells as small as they can be are over a bound; 0: never.
-  std::uint32_t adaptive_supersample = 4;
+  std::uint32_t adaptive_supersample = 6;
   Space space = Space::lps;
   /// Largest disk radius R_g of the paper's stage one, world units; none: half the longest side of the volume.
   std::optional<double> max_radius;

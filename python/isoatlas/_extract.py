@@ -27,7 +27,7 @@ def extract(
     topology: Literal["trilinear", "faces"] = "trilinear",
     interpolation: Literal["trilinear", "tricubic"] = "trilinear",
     supersample: int = 1,
-    adaptive_supersample: int = 4,
+    adaptive_supersample: int = 6,
     min_component_size: Length | None = None,
     keep_components: int | None = None,
     coarse: bool = False,

@@ -40,8 +40,9 @@ constexpr std::size_t kMostMended = 200;
 constexpr double kUsefulShare = 0.4;
 // Each time that the surface is divided for a bound, the faces around so many c-vertices, or around this part of them all.
 constexpr std::size_t kFewDivided = 6, kShareDivided = 20;
-// It is divided again as long as that leaves no more than this share of the cells over a bound.
-constexpr double kWorthDividing = 0.75;
+// It is divided again as long as that leaves no more than this share of the cells over a bound, the worst of them less far over it; or only
+// this share.
+constexpr double kWorthDividing = 0.75, kFewLeft = 0.1;
 
 // @param to  what each c-vertex is on another complex; empty: on the same one
 std::vector<Covering::Radius> radii_of(std::span<const float> radius, std::span<const CVertexId> to) {
@@ -336,10 +337,15 @@ void Refiner::work_towards(const Task& task, IntersectionTracker& meeting, Refin
     if (partition().cell_count() == sites) break;
   }
   const auto divide = [&] {
-    for (std::size_t before = kNone; divisions_ < most_divisions_ && !out.vertices_ran_out; ++divisions_) {
+    double before = std::numeric_limits<double>::infinity(), worst_before = before;  // how many cells, and the worst excess
+    for (; divisions_ < most_divisions_ && !out.vertices_ran_out; ++divisions_) {
       const std::vector<std::pair<double, CellId>> cells = cells_at_limit(task);
-      if (cells.empty() || static_cast<double>(cells.size()) > kWorthDividing * static_cast<double>(before)) break;
-      before = cells.size();
+      if (cells.empty()) break;
+      const auto count = static_cast<double>(cells.size());
+      const double worst = -cells.front().first;
+      if (count > (worst < worst_before ? kWorthDividing : kFewLeft) * before) break;
+      before = count;
+      worst_before = worst;
       const std::vector<CVertexId> wanted = places_at(cells);
       divide_surface(wanted, control);
       once();

@@ -132,7 +132,7 @@ TEST(Bounds, TighterOnesLeadNoFartherAway) {
         const ConstraintResult& result = e.finest().constraints.front();
         EXPECT_EQ(result.met, result.reached <= bound);
         EXPECT_LE(result.reached, tried) << bound;
-        EXPECT_LE(result.reached, std::max(bound, 1.25 * before)) << bound;
+        EXPECT_LE(result.reached, std::max(bound, 1.2 * before)) << bound;
         EXPECT_EQ(e.finest().topology, e.report.reference);
         EXPECT_EQ(e.finest().self_intersections, 0U);
         before = result.reached;
