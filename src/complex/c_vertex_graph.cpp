@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/cancel_poll.h"
+#include "complex/complex_adjacency.h"
 #include "core/parallel.h"
 #include "core/vector_math.h"
 
@@ -15,42 +15,26 @@ namespace {
 
 constexpr std::size_t kRows = 4096;  // per piece of a parallel loop
 
-// One face at a c-vertex, as the number of this corner of it.
-using Wedge = std::uint32_t;
-
-struct Corner {  // of a face: the neighbours before and after it, and the diagonal between
+struct Corner {  // of a face, at a c-vertex: the neighbours before and after it, and the diagonal between
   CVertexId next, diagonal, previous;
 };
 
-Corner corner_of(const SurfaceComplex& complex, Wedge wedge) {
-  const Face& face = complex.faces[wedge / 4];
-  const auto k = static_cast<int>(wedge % 4);
+Corner corner_at(const Face& face, CVertexId v) {
   const int size = face.size();
+  int k = 0;
+  while (face.corner[k] != v) ++k;
   return {face.corner[(k + 1) % size], size == 4 ? face.corner[(k + 2) % 4] : kNone, face.corner[(k + size - 1) % size]};
 }
 
-// The rows of a complex's graph, to be made one by one, from the faces around each c-vertex.
+// Makes the rows of a complex's graph one by one.
 class RowMaker {
  public:
-  RowMaker(const SurfaceComplex& complex, const RunControl* control) : complex_(complex), first_(complex.c_vertex_count() + 1, 0) {
-    CancelPoll poll(control);
-    for (const Face& face : complex.faces) {
-      for (int k = 0; k < face.size(); ++k) ++first_[face.corner[k] + 1];
-    }
-    for (std::size_t v = 1; v < first_.size(); ++v) first_[v] += first_[v - 1];
-    wedges_.resize(first_.back());
-    for (FaceId f = 0; f < complex.face_count(); ++f) {
-      poll.step();
-      const Face& face = complex.faces[f];
-      for (int k = 0; k < face.size(); ++k) wedges_[first_[face.corner[k]]++] = 4 * f + static_cast<Wedge>(k);
-    }
-    for (std::size_t v = first_.size() - 1; v > 0; --v) first_[v] = first_[v - 1];  // filling moved each to its end
-    first_[0] = 0;
-  }
+  RowMaker(const SurfaceComplex& complex, const RunControl* control)
+      : complex_(complex), adjacency_(complex, control != nullptr ? *control : RunControl()) {}
 
   std::uint32_t size(CVertexId v) const {
     std::uint32_t out = complex_.on_boundary[v] ? 1 : 0;
-    for (std::uint32_t k = first_[v]; k < first_[v + 1]; ++k) out += complex_.faces[wedges_[k] / 4].is_triangle() ? 1 : 2;
+    for (const FaceId f : adjacency_.faces_of(v)) out += complex_.faces[f].is_triangle() ? 1 : 2;
     return out;
   }
 
@@ -59,22 +43,23 @@ class RowMaker {
     std::vector<std::uint8_t> is_diagonal;
   };
 
-  // The wedges of a c-vertex, chained counter-clockwise: the next one starts where the last one ended.
+  // Chains the faces' corners at a c-vertex counter-clockwise: each starts where the last one ended.
   void make(CVertexId v, Row& row) const {
     row.neighbours.clear();
     row.is_diagonal.clear();
-    const std::uint32_t count = first_[v + 1] - first_[v];
+    const std::span<const FaceId> faces = adjacency_.faces_of(v);
+    const std::size_t count = faces.size();
     std::array<Corner, kFew> few;
     std::vector<Corner> many;
     if (count > kFew) many.resize(count);
     const std::span<Corner> corners = count > kFew ? std::span(many) : std::span(few).first(count);
-    for (std::uint32_t k = 0; k < count; ++k) corners[k] = corner_of(complex_, wedges_[first_[v] + k]);
+    for (std::size_t k = 0; k < count; ++k) corners[k] = corner_at(complex_.faces[faces[k]], v);
     if (count > kFew) std::ranges::sort(corners, {}, &Corner::next);
     const auto starting_at = [&](CVertexId id) {
       return count > kFew ? std::ranges::lower_bound(corners, id, {}, &Corner::next) : std::ranges::find(corners, id, &Corner::next);
     };
     auto at = corners.begin();
-    if (complex_.on_boundary[v]) {  // start with the wedge that no other wedge leads to
+    if (complex_.on_boundary[v]) {  // start with the corner that no other one leads to
       std::vector<CVertexId> ends;
       for (const Corner& c : corners) ends.push_back(c.previous);
       std::sort(ends.begin(), ends.end());
@@ -85,7 +70,7 @@ class RowMaker {
       row.neighbours.push_back({id, static_cast<float>(d)});
       row.is_diagonal.push_back(diagonal);
     };
-    for (std::uint32_t k = 0; k < count; ++k) {
+    for (std::size_t k = 0; k < count; ++k) {
       push(at->next, false);
       if (at->diagonal != kNone) push(at->diagonal, true);
       if (k + 1 < count) {
@@ -97,13 +82,12 @@ class RowMaker {
   }
 
  private:
-  static constexpr std::uint32_t kFew = 24;
+  static constexpr std::size_t kFew = 24;
   const SurfaceComplex& complex_;
-  std::vector<std::uint32_t> first_;  // per c-vertex, in wedges_
-  std::vector<Wedge> wedges_;
+  ComplexAdjacency adjacency_;
 };
 
-// Makes room where rows are given other sizes: rows that stay are moved, those that change are left to be written.
+// Gives rows other sizes. Moves the rows that stay the same; the caller writes those that change.
 template <class Item>
 void move_rows(std::vector<Item>& items, std::span<const std::uint32_t> from, std::span<const std::uint32_t> to,
                std::span<const std::uint8_t> changed) {
@@ -111,7 +95,7 @@ void move_rows(std::vector<Item>& items, std::span<const std::uint32_t> from, st
   if (total > items.capacity()) items.reserve(total + total / 8);
   items.resize(std::max<std::size_t>(items.size(), total));
   const auto begin = items.begin();
-  // Those to the left first: they are to the right of all that a row on its way to the right still has to be taken from.
+  // Rows that move to the left come first: they never overwrite a row that has yet to move to the right.
   for (std::size_t v = 0; v < known; ++v) {
     if (!changed[v] && to[v] < from[v]) std::copy(begin + from[v], begin + from[v + 1], begin + to[v]);
   }

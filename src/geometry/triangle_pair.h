@@ -3,7 +3,6 @@
 
 #include <span>
 
-#include "geometry/rough_plane.h"
 #include "isoatlas/mesh.h"
 
 namespace isoatlas {
