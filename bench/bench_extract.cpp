@@ -40,7 +40,7 @@ constexpr const char* kUsage =
     R"(usage: bench_extract VOLUME ISOVALUE [options]
   --refine VOXELS             add a level that is refined to this distance, in smallest spacings; may be repeated
                               (default: the coarse mesh alone)
-  --by-default                nobody asks for these distances: they are worked for, but not proved
+  --by-default                treat the distances as defaults: refine to them, but do not prove them
   --max-vertices N            no refined level has more vertices
   --allow-self-intersections  leave self-intersections in the mesh
   --threads N                 threads of isoatlas; VTK always has one (default 1, 0: all)

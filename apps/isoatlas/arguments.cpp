@@ -206,7 +206,7 @@ surface, about K*K. Default: 1.
 )", [&](const std::string& text) { set(arguments, "supersample", text); });
   add_value(*command, kSurface, "--adaptive-supersample", "N", R"(
 How often, in each refined level, the surface may be sampled more finely at places where a bound cannot be kept
-otherwise, from 0, never, to 8. It ends earlier where that hardly helps. Subdivision that removes self-intersections is
+otherwise, from 0, never, to 8. Stops earlier where this hardly helps. Subdivision that removes self-intersections is
 not limited. Default: 6.
 )", [&](const std::string& text) { set(arguments, "adaptive-supersample", text); });
 

@@ -6,8 +6,8 @@
 
 namespace isoatlas {
 
-/// Appends to an array of the whole surface. It grows to what it needs and a little more: to double the largest arrays would be the peak of
-/// memory, and they grow seldom.
+/// Appends to an array of the whole surface and grows it by no more than a sixteenth beyond what is needed: these arrays grow seldom, and
+/// doubling the largest ones would set the peak of memory.
 template <class T, class Iterator>
 void append(std::vector<T>& to, Iterator first, Iterator last) {
   const std::size_t needed = to.size() + static_cast<std::size_t>(std::distance(first, last));

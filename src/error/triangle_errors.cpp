@@ -205,7 +205,7 @@ TriangleError error_of(const MeasuredSurface& surface, const LevelMesh& mesh, st
 
 }  // namespace
 
-// Of the corners and their cells. Two of one number are the same by chance once in 2^64.
+// A hash of the corners and their cells: two different triangles have the same one with a chance of 2^-64.
 std::uint64_t TriangleErrors::fingerprint(const LevelMesh& mesh, std::uint32_t triangle) {
   std::uint64_t out = 0;
   const auto add = [&](std::uint64_t bits) {

@@ -39,7 +39,7 @@ class CoarseMesher {
   /// Turns components outward, moves vertices away from each other and takes triangles apart that meet where they should not.
   void mesh(LevelReport& report, const RunControl& control);
 
-  /// The end: nothing else may be called afterwards. Of the coarser complex only what finer levels need is left.
+  /// Returns level 0 and frees the regions of the coarser complex. Call nothing else afterwards.
   CoarseLevel take_level();
 
  private:

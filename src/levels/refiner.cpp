@@ -40,8 +40,8 @@ constexpr std::size_t kMostMended = 200;
 constexpr double kUsefulShare = 0.4;
 // Each time that the surface is divided for a bound, the faces around so many c-vertices, or around this part of them all.
 constexpr std::size_t kFewDivided = 6, kShareDivided = 20;
-// It is divided again as long as that leaves no more than this share of the cells over a bound, the worst of them less far over it; or only
-// this share.
+// The surface is subdivided again while at most kWorthDividing of the violating cells are left and the worst of them violates the bound
+// less than before, or while at most kFewLeft of them are left.
 constexpr double kWorthDividing = 0.75, kFewLeft = 0.1;
 
 // @param to  what each c-vertex is on another complex; empty: on the same one
@@ -282,8 +282,8 @@ std::vector<std::pair<CellId, double>> Refiner::cells_over(const LevelGoal& aske
   return out;
 }
 
-// The c-vertices of cells, the first ones first, and those around. Not too many: what is at its
-// limit nearly everywhere needs another volume.
+// The c-vertices of cells and their neighbours, in the order of the cells, up to a limit: a surface that is at its limit nearly everywhere
+// needs another volume.
 std::vector<CVertexId> Refiner::places_at(std::span<const std::pair<double, CellId>> cells) const {
   const std::size_t room = std::max<std::size_t>(kFewDivided, surface_.complex().c_vertex_count() / kShareDivided);
   std::vector<std::uint8_t> is_taken(surface_.complex().c_vertex_count(), 0);

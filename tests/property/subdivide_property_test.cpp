@@ -83,7 +83,7 @@ RC_GTEST_PROP(AnySurface, StaysItselfWhereverItIsDivided, (const RandomCase& c))
   }
 }
 
-// Of the c-vertices that a first subdivision has put on walls of grid cells, in steps of the sample index.
+// The largest distance from the isosurface of c-vertices that a first subdivision puts on faces of grid cells; sample-index units.
 double largest_distance_on_walls(const Parsed& p) {
   AdaptiveSurface surface(p.surface, find_components(p.surface), {}, p.field);
   const Isosurface isosurface(p.volume, p.rule, p.surface);
