@@ -351,7 +351,7 @@ void warm_up(const Arguments& arguments) {
   tiny.isovalue = 0;
   isoatlas::extract(volume, extract_options(tiny, volume.grid), control);
   if (!arguments.with_vtk) return;
-  const auto image = isoatlas::bench::vtk_image(volume);
+  const auto image = isoatlas::detail::bench::vtk_image(volume);
   FilterRuns ignored;
   run_filter<vtkMarchingCubes>(image, 0, ignored);
   run_filter<vtkFlyingEdges3D>(image, 0, ignored);
@@ -364,7 +364,7 @@ int main(int argc, char** argv) try {
   const Arguments arguments = parse_arguments(argc, argv);
   const isoatlas::Volume volume = isoatlas::read_volume(arguments.volume);
   const isoatlas::ExtractOptions options = extract_options(arguments, volume.grid);
-  const auto image = isoatlas::bench::vtk_image(volume);
+  const auto image = isoatlas::detail::bench::vtk_image(volume);
   warm_up(arguments);
 
   ExtractRuns ours;

@@ -8,7 +8,7 @@
 
 #include "isoatlas/volume.h"
 
-namespace isoatlas::bench {
+namespace isoatlas::detail::bench {
 
 inline int vtk_type(isoatlas::SampleType type) {
   using enum isoatlas::SampleType;
@@ -50,4 +50,4 @@ inline vtkSmartPointer<vtkImageData> vtk_image(const isoatlas::VolumeView& volum
   return image;
 }
 
-}  // namespace isoatlas::bench
+}  // namespace isoatlas::detail::bench

@@ -16,7 +16,7 @@
 #include "pages.h"
 #include "wording/choices.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 namespace {
 
 /// An option with a value that `read` makes something of; what that throws names the option.
@@ -445,4 +445,4 @@ void describe_tool(CLI::App& app) {
   app.set_version_flag("--version", "isoatlas " ISOATLAS_VERSION, "Print the version.")->group(kRunning);
 }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

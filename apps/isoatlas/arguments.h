@@ -15,7 +15,7 @@
 #include "picture/picture.h"
 #include "wording/settings.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 
 struct VolumeArguments {
   std::filesystem::path path;
@@ -78,4 +78,4 @@ CLI::App* add_picture_command(CLI::App& app, PictureArguments& arguments);
 /// Name, version and help page of the tool itself.
 void describe_tool(CLI::App& app);
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

@@ -21,7 +21,7 @@
 #include "text.h"
 #include "volume_input.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 namespace {
 
 /// "yes", or "no: " and those of the faults that occur.
@@ -63,7 +63,7 @@ void print_quality(const MeshQuality& quality, bool utf8) {
 
 SelfIntersectionReport find_self_intersections(const CheckArguments& arguments, const TriangleMesh& mesh, const RunControl& control) {
   try {
-    return isoatlas::find_self_intersections(mesh, control);
+    return isoatlas::detail::find_self_intersections(mesh, control);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
     throw Error(error.code(), arguments.mesh.string() + ": " + error.what());
@@ -179,4 +179,4 @@ int run_check(const CheckArguments& arguments, Interruption& interruption) {
                                                                                                                       : kCheckFailed;
 }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

@@ -3,7 +3,7 @@
 
 #include <cctype>
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 namespace {
 
 class Reader {
@@ -80,4 +80,4 @@ bool takes_value(const CLI::Option& option) { return option.get_items_expected_m
 
 CommandWords read_words(const CLI::App& command, const std::vector<std::string>& words) { return Reader(command, words).read(); }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

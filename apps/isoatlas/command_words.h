@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 
 struct OptionWord {
   std::string name;                       ///< as typed, with its dashes
@@ -37,4 +37,4 @@ bool takes_value(const CLI::Option& option);
 /// What `words`, those behind its name, are to `command`. An option takes the next word as its value unless that is option-like.
 CommandWords read_words(const CLI::App& command, const std::vector<std::string>& words);
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

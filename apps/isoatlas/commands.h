@@ -5,7 +5,7 @@
 #include "arguments.h"
 #include "interruption.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 
 int run_extract(const ExtractArguments& arguments, Interruption& interruption);
 int run_info(const InfoArguments& arguments);
@@ -14,4 +14,4 @@ int run_levels(const LevelsArguments& arguments);
 int run_picture(const PictureArguments& arguments, Interruption& interruption);
 int run_report(const ReportArguments& arguments, Interruption& interruption);
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

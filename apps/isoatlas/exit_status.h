@@ -4,7 +4,7 @@
 
 #include "isoatlas/error.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 
 inline constexpr int kSuccess = 0;
 /// `isoatlas check` and `levels`: not a consistently oriented manifold, one that meets itself, or far from its volume.
@@ -34,4 +34,4 @@ inline int exit_status(ErrorCode code) {
   return kInternal;
 }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

@@ -23,7 +23,7 @@
 #include "volume_input.h"
 #include "wording/supersampling.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 namespace {
 
 namespace fs = std::filesystem;
@@ -150,4 +150,4 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   return print_unmet(report, context) ? kSuccess : kUnmet;
 }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

@@ -8,7 +8,7 @@
 #include "isoatlas/text_file.h"
 #include "text.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 namespace {
 
 namespace fs = std::filesystem;
@@ -125,4 +125,4 @@ std::string ExtractOutputs::names(std::size_t mesh_bytes) const {
   return one_line(text);
 }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

@@ -13,7 +13,7 @@
 #include "outputs/output_files.h"
 #include "outputs/standard_output.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 
 /// Meshes, report and page: files that appear together or not at all. One of the three may be named "-": it goes to standard output
 /// when all else is ready to appear.
@@ -54,4 +54,4 @@ class ExtractOutputs {
   OutputFiles files_;
 };
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

@@ -9,7 +9,7 @@
 #include "text.h"
 #include "volume_input.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 namespace {
 
 std::string level_name(std::size_t level) { return "level " + std::to_string(level); }
@@ -253,4 +253,4 @@ void print_rounding(const ReportContext& context) {
   }
 }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

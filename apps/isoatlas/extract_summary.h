@@ -8,7 +8,7 @@
 #include "isoatlas/extract.h"
 #include "report/report.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 
 /// A few lines. `outputs` names what was written.
 void print_summary(std::ostream& out, const ExtractReport& report, const ReportContext& context, const std::string& outputs);
@@ -24,4 +24,4 @@ bool print_unmet(const ExtractReport& report, const ReportContext& context);
 /// One line on standard error if a file's float coordinates are a noticeable part of the error: which file, and what to do.
 void print_rounding(const ReportContext& context);
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

@@ -14,7 +14,7 @@
 #include "nearest_name.h"
 #include "volume_files/volume_format.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 namespace {
 
 namespace fs = std::filesystem;
@@ -154,4 +154,4 @@ std::string name_without_extensions(const fs::path& path) {
   return name.substr(0, dot);
 }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

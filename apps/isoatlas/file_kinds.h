@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 
 enum class FileKind {
   unknown,
@@ -39,4 +39,4 @@ void require_report_name(const std::filesystem::path& path);
 /// "/scans/head.nii.gz" -> "head"
 std::string name_without_extensions(const std::filesystem::path& path);
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

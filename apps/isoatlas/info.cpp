@@ -16,7 +16,7 @@
 #include "text.h"
 #include "volume_input.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 namespace {
 
 /// Numbers that are rounding errors beside `scale` become 0.
@@ -207,4 +207,4 @@ int run_info(const InfoArguments& arguments) {
   return describe(arguments, *file);
 }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

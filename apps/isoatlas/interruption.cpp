@@ -11,7 +11,7 @@
 #include "exit_status.h"
 #include "isoatlas/error.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 namespace {
 
 // The promise is one second; the rest of it is for the cleanups.
@@ -83,4 +83,4 @@ Interruption::Cleanup::~Cleanup() {
   std::erase(interruption_.cleanups_, &run_);
 }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 
 /// Waits for SIGINT, SIGTERM and SIGHUP on a thread of its own.
 ///
@@ -67,4 +67,4 @@ class Interruption {
 /// What an interrupted run says, after "isoatlas: ".
 inline constexpr const char* kInterruptedMessage = "interrupted; nothing was written";
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

@@ -17,7 +17,7 @@
 #include "report/level_facts.h"
 #include "text.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 namespace {
 
 namespace fs = std::filesystem;
@@ -166,4 +166,4 @@ int run_levels(const LevelsArguments& arguments) {
   return good ? kSuccess : kCheckFailed;
 }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

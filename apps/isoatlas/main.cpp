@@ -22,7 +22,9 @@
 namespace {
 
 using namespace isoatlas;
-using namespace isoatlas::tool;
+using namespace isoatlas;
+using namespace isoatlas::detail;
+using namespace isoatlas::detail::tool;
 
 int fail(int status, const std::string& message) {
   std::cerr << "isoatlas: error: " << one_line(message) << std::endl;

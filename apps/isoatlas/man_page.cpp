@@ -5,7 +5,7 @@
 #include <cctype>
 #include <sstream>
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 namespace {
 
 constexpr std::size_t kColumns = 80, kIndent = 4, kDeepIndent = 10;
@@ -79,4 +79,4 @@ std::string ManPage::make_help(const CLI::App* app, std::string name, CLI::AppFo
   return page;
 }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 
 /// Makes --help of a command read like a manual page: what CLI11 knows of the options, between prose.
 /// The command's description is the NAME line.
@@ -28,4 +28,4 @@ class ManPage : public CLI::FormatterBase {
   Text text_;
 };
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

@@ -9,7 +9,7 @@
 #include "geometry/bounds.h"
 #include "text.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 namespace {
 
 constexpr std::array<std::pair<Space, const char*>, 3> kSpaces{{{Space::lps, "lps"}, {Space::ras, "ras"}, {Space::voxel, "voxel"}}};
@@ -64,4 +64,4 @@ std::string misplacement(const TriangleMesh& mesh, const Grid& grid, Space space
          box_text(of_volume) + "; " + (others.empty() ? "--space says in which coordinates a mesh is" : "they overlap with " + others);
 }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

@@ -6,7 +6,7 @@
 
 #include "wording/values.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 
 // Optimal string alignment: the last three rows of the table of Levenshtein's distance, with swaps.
 std::size_t edit_distance(std::string_view from, std::string_view to) {
@@ -44,4 +44,4 @@ std::string nearest_name(std::string_view typed, std::span<const std::string> na
   return smallest > 1 && beginnings == 1 ? begun : nearest;
 }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 
 /// The fewest letters to change, add, leave out or swap with their neighbour to make `to` of `from`.
 std::size_t edit_distance(std::string_view from, std::string_view to);
@@ -15,4 +15,4 @@ std::size_t edit_distance(std::string_view from, std::string_view to);
 /// beginning of this name and of no other. Empty if there is no such name.
 std::string nearest_name(std::string_view typed, std::span<const std::string> names);
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

@@ -11,7 +11,7 @@
 #include "other_programs.h"
 #include "wording/values.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 namespace {
 
 using Names = std::vector<std::string>;
@@ -128,4 +128,4 @@ std::string find_repeated_option(const CLI::App&, const CLI::App&, const Command
   return "";
 }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

@@ -7,7 +7,7 @@
 
 #include "command_words.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 
 /// With the option that was meant: another spelling, another program's name for it, or another command's option.
 std::string find_unknown_option(const CLI::App& app, const CLI::App& command, const CommandWords& words);
@@ -16,4 +16,4 @@ std::string find_missing_value(const CLI::App& app, const CLI::App& command, con
 
 std::string find_repeated_option(const CLI::App& app, const CLI::App& command, const CommandWords& words);
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 namespace {
 
 struct Synonyms {
@@ -101,4 +101,4 @@ std::vector<OtherOption> options_called(std::string_view name) {
   return options;
 }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

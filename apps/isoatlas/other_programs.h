@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 
 /// The commands that do what `word` asks for, most likely first; empty if the word is not known.
 std::vector<std::string_view> commands_called(std::string_view word);
@@ -23,4 +23,4 @@ struct OtherOption {
 /// What `name`, in lower case and without dashes, stands for; the first one that a command has is right.
 std::vector<OtherOption> options_called(std::string_view name);
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

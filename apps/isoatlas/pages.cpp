@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 namespace {
 
 const std::string kExitStatus = R"(0    done
@@ -275,4 +275,4 @@ mesh.
   };
 }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

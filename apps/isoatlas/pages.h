@@ -4,7 +4,7 @@
 
 #include "man_page.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 
 // Groups of options: titles on the pages.
 inline constexpr const char* kInput = "Input";
@@ -24,4 +24,4 @@ ManPage::Text levels_page();
 ManPage::Text report_page();
 ManPage::Text picture_page();
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

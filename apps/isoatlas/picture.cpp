@@ -12,7 +12,7 @@
 #include "outputs/output_files.h"
 #include "text.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 
 namespace fs = std::filesystem;
 
@@ -48,4 +48,4 @@ int run_picture(const PictureArguments& arguments, Interruption& interruption) {
   return kSuccess;
 }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

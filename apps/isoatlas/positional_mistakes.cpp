@@ -13,7 +13,7 @@
 #include "man_page.h"
 #include "wording/values.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 namespace {
 
 using Positionals = std::vector<PositionalWord>;
@@ -158,4 +158,4 @@ std::string find_missing_word(const CLI::App&, const CLI::App& command, const Co
   return "";
 }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

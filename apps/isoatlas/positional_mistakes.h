@@ -7,7 +7,7 @@
 
 #include "command_words.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 
 /// A word for which the command has no place, with the option that it belongs behind.
 std::string find_leftover_word(const CLI::App& app, const CLI::App& command, const CommandWords& words);
@@ -15,4 +15,4 @@ std::string find_leftover_word(const CLI::App& app, const CLI::App& command, con
 /// A word or an option that the command cannot do without.
 std::string find_missing_word(const CLI::App& app, const CLI::App& command, const CommandWords& words);
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

@@ -12,7 +12,7 @@
 
 #include "text.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 namespace {
 
 constexpr std::chrono::milliseconds kRedrawInterval{67};  // 15 times a second
@@ -104,4 +104,4 @@ std::string ProgressBar::line(Clock::time_point now) const {
   return result;
 }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <thread>
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 
 /// One line on stderr that is redrawn now and then and gone at the end; silent unless stderr is a terminal.
 class ProgressBar {
@@ -40,4 +40,4 @@ class ProgressBar {
   std::jthread clock_;  // the last one, as it uses the others
 };
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

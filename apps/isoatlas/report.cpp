@@ -13,7 +13,7 @@
 #include "page/page.h"
 #include "text.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 
 namespace fs = std::filesystem;
 
@@ -43,4 +43,4 @@ int run_report(const ReportArguments& arguments, Interruption& interruption) {
   return kSuccess;
 }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

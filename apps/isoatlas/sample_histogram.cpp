@@ -8,7 +8,7 @@
 #include <span>
 #include <type_traits>
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 namespace {
 
 template <class Visitor>
@@ -173,4 +173,4 @@ std::vector<SuggestedIsovalue> suggest_isovalues(const SampleHistogram& histogra
   return suggestions;
 }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

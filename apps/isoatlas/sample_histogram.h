@@ -8,7 +8,7 @@
 
 #include "isoatlas/volume.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 
 /// Bin i counts the finite samples in [lowest + i * width, lowest + (i + 1) * width); the last bin takes its upper end
 /// too. For integer types `width` is a whole number, so every bin holds as many different values as any other.
@@ -34,4 +34,4 @@ struct SuggestedIsovalue {
 /// integers: no sample equals them, so the surface passes through no sample.
 std::vector<SuggestedIsovalue> suggest_isovalues(const SampleHistogram& histogram, const SampleSummary& summary);
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

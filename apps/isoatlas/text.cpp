@@ -10,7 +10,7 @@
 
 #include "core/file_name.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 namespace {
 
 std::string formatted(const char* format, double value) {
@@ -192,4 +192,4 @@ std::vector<std::string> draw_histogram(std::span<const std::size_t> counts, int
   return lines;
 }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

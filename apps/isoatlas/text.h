@@ -13,7 +13,7 @@
 #include "isoatlas/extract.h"
 #include "isoatlas/measure.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 
 /// Does the environment (LC_ALL, LC_CTYPE, LANG) ask for UTF-8?
 bool terminal_is_utf8();
@@ -59,4 +59,4 @@ enum class Scale { linear, logarithmic };
 /// Columns of block characters (of '#' if not utf8), highest count at full height, top line first.
 std::vector<std::string> draw_histogram(std::span<const std::size_t> counts, int rows, int column_width, Scale scale, bool utf8);
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

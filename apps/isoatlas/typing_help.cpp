@@ -15,7 +15,7 @@
 #include "text.h"
 #include "wording/values.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 namespace {
 
 namespace fs = std::filesystem;
@@ -195,4 +195,4 @@ std::string usage(const CLI::App& app) {
   return text + "\n`isoatlas help COMMAND` explains a command, `isoatlas help` all of them.\n";
 }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

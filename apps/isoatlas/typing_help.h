@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 
 /// `words` without the program's name, so that CLI11 understands all ways to ask for help: "help extract", "--help extract" and
 /// "extract v.nrrd -h" become "extract --help", "version" becomes "--version".
@@ -20,4 +20,4 @@ std::string find_mistake(const CLI::App& app, const std::vector<std::string>& wo
 /// The commands, a line each: what people see who type nothing.
 std::string usage(const CLI::App& app);
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

@@ -6,7 +6,7 @@
 #include "isoatlas/error.h"
 #include "text.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 
 VolumeFile read_volume_input(const std::filesystem::path& path, const ReadOptions& options) {
   try {
@@ -32,4 +32,4 @@ std::string choice_text(const FileChoice& choice) {
   return number + (entry == number ? "" : " (" + entry + ")") + " of " + count;
 }
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

@@ -7,7 +7,7 @@
 
 #include "isoatlas/volume_file.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 
 /// read_volume_file() whose errors name the option that chooses.
 VolumeFile read_volume_input(const std::filesystem::path& path, const ReadOptions& options);
@@ -21,4 +21,4 @@ void print_warnings(const std::filesystem::path& path, const VolumeSource& sourc
 /// "channel 1 of 3 (GFP)": what was read of a list, or how many entries there are if none was.
 std::string choice_text(const FileChoice& choice);
 
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

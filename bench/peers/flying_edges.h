@@ -14,7 +14,7 @@
 #include "../vtk_image.h"
 #include "isoatlas/mesh.h"
 
-namespace isoatlas::bench {
+namespace isoatlas::detail::bench {
 
 inline vtkSmartPointer<vtkPolyData> flying_edges(const VolumeView& volume, double isovalue) {
   vtkNew<vtkFlyingEdges3D> filter;
@@ -44,4 +44,4 @@ inline TriangleMesh triangle_mesh(vtkPolyData* surface) {
   return mesh;
 }
 
-}  // namespace isoatlas::bench
+}  // namespace isoatlas::detail::bench

@@ -135,6 +135,7 @@ isoatlas::TriangleMesh mesh_3(const isoatlas::VolumeView& volume, double isovalu
 
 int main(int argc, char** argv) {
   using namespace isoatlas;
+  using namespace isoatlas::detail;
   return bench::run_peer(argc, argv, [](const VolumeView& volume, double isovalue, const bench::Goal& goal) {
     bench::Peer peer;
     peer.name = "mesh_3";

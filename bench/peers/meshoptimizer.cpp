@@ -32,6 +32,7 @@ isoatlas::TriangleMesh simplify(isoatlas::TriangleMesh mesh, double triangles) {
 
 int main(int argc, char** argv) {
   using namespace isoatlas;
+  using namespace isoatlas::detail;
   return bench::run_peer(argc, argv, [](const VolumeView& volume, double isovalue, const bench::Goal& goal) {
     const auto full = static_cast<double>(bench::flying_edges(volume, isovalue)->GetNumberOfPolys());
     bench::Peer peer;

@@ -18,7 +18,7 @@
 #include "isoatlas/measure.h"
 #include "isoatlas/mesh.h"
 
-namespace isoatlas::bench {
+namespace isoatlas::detail::bench {
 namespace {
 
 constexpr const char* kUsage =
@@ -229,4 +229,4 @@ int run_peer(int argc, char** argv, const MakePeer& make_peer) try {
   return 1;
 }
 
-}  // namespace isoatlas::bench
+}  // namespace isoatlas::detail::bench

@@ -10,7 +10,7 @@
 #include "isoatlas/mesh.h"
 #include "isoatlas/volume.h"
 
-namespace isoatlas::bench {
+namespace isoatlas::detail::bench {
 
 /// What a peer has to match.
 struct Goal {
@@ -33,4 +33,4 @@ using MakePeer = std::function<Peer(const VolumeView& volume, double isovalue, c
 /// The main function of a peer's program: VOLUME ISOVALUE [--refine VOXELS] [--distance VOXELS] [--repeats N]. Prints one JSON line.
 int run_peer(int argc, char** argv, const MakePeer& make_peer);
 
-}  // namespace isoatlas::bench
+}  // namespace isoatlas::detail::bench

@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "isoatlas/export.h"
+
 namespace isoatlas {
 
 /// What went wrong. Each code has one exit status of the tool (docs/reference/errors.md).
@@ -18,7 +20,7 @@ enum class ErrorCode {
 };
 
 /// The one exception type of the library. what() is one line: what, where, what was expected.
-class Error : public std::runtime_error {
+class ISOATLAS_API Error : public std::runtime_error {
  public:
   Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
   ErrorCode code() const noexcept { return code_; }

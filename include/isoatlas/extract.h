@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "isoatlas/export.h"
 #include "isoatlas/hierarchy.h"
 #include "isoatlas/options.h"
 #include "isoatlas/report.h"
@@ -32,6 +33,6 @@ struct Extraction {
 /// @post   same input, same bytes, for any number of threads
 /// @cost   one pass over the volume, then O(C log C) for C c-vertices
 /// @source Gavriliu, Carranza, Breen, Barr, IEEE Visualization 2001, sections 3.2 to 3.6, with the departures in docs/theory/
-Extraction extract(const VolumeView& volume, const ExtractOptions& options, const RunControl& control = {});
+ISOATLAS_API Extraction extract(const VolumeView& volume, const ExtractOptions& options, const RunControl& control = {});
 
 }  // namespace isoatlas

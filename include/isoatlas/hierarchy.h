@@ -5,13 +5,14 @@
 #include <optional>
 #include <vector>
 
+#include "isoatlas/export.h"
 #include "isoatlas/mesh.h"
 
 namespace isoatlas {
 
 /// Nested levels of detail. Every vertex is stored once, ordered by the level that brought it; a level uses a prefix of the
 /// vertices and has triangles of its own. So a vertex of a coarse level is in every finer level, at the same index.
-struct Hierarchy {
+struct ISOATLAS_API Hierarchy {
   struct Level {
     std::uint32_t vertex_count = 0;   ///< the level's vertices are [0, vertex_count); never less than in the level before
     std::vector<Triangle> triangles;  ///< T x 3, corners < vertex_count
@@ -36,6 +37,6 @@ struct Hierarchy {
 
 /// Levels that come as meshes of their own, coarse to fine, as one: `placed` where a level's vertices are not, bit by bit, the first ones
 /// of the finest level; no parents. @pre there are levels
-Hierarchy hierarchy_of(std::vector<TriangleMesh> levels);
+ISOATLAS_API Hierarchy hierarchy_of(std::vector<TriangleMesh> levels);
 
 }  // namespace isoatlas

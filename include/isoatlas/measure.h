@@ -3,6 +3,7 @@
 
 #include <cstddef>
 
+#include "isoatlas/export.h"
 #include "isoatlas/mesh.h"
 #include "isoatlas/run_control.h"
 #include "isoatlas/volume.h"
@@ -31,7 +32,7 @@ struct OneSidedDistance {
 };
 
 /// How far a mesh is from the isosurface of a volume.
-struct Measurement {
+struct ISOATLAS_API Measurement {
   double voxel = 1;  ///< the smallest spacing: divide lengths by it to have voxels
   OneSidedDistance mesh_to_surface, surface_to_mesh;
   double maximum() const;  ///< of both directions
@@ -56,6 +57,7 @@ struct Measurement {
 /// range, or a vertex that is not
 ///         finite or more than 1e15 voxels away; if no samples are wanted
 /// @cost   one pass over the volume, then O((samples + triangles + c-vertices) log)
-Measurement measure(const TriangleMesh& mesh, const VolumeView& volume, const MeasureOptions& options, const RunControl& control = {});
+ISOATLAS_API Measurement measure(const TriangleMesh& mesh, const VolumeView& volume, const MeasureOptions& options,
+                                 const RunControl& control = {});
 
 }  // namespace isoatlas

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "isoatlas/export.h"
 #include "isoatlas/run_control.h"
 #include "isoatlas/volume.h"
 
@@ -20,7 +21,7 @@ struct TriangleMesh {
 };
 
 /// Moves a mesh from sample-index coordinates into another space, turning triangles over where the map mirrors.
-void transform_to(TriangleMesh& mesh, const Grid& grid, Space space);
+ISOATLAS_API void transform_to(TriangleMesh& mesh, const Grid& grid, Space space);
 
 /// Topology of one connected component of a 2-manifold (with boundary).
 struct ComponentTopology {
@@ -31,7 +32,7 @@ struct ComponentTopology {
 };
 
 /// What can be said of any list of triangles by counting alone, no geometry.
-struct MeshTopology {
+struct ISOATLAS_API MeshTopology {
   std::size_t vertices = 0, edges = 0, triangles = 0;
   std::size_t unused_vertices = 0;
   std::size_t degenerate_triangles = 0;            ///< two corners are the same vertex
@@ -51,7 +52,7 @@ struct MeshTopology {
 
 /// Counts edges, fans, components and loops. O(T log T). Never throws on malformed input other than Error(bad_argument) for
 /// a corner index out of range.
-MeshTopology mesh_topology(const TriangleMesh& mesh, const RunControl& control = {});
+ISOATLAS_API MeshTopology mesh_topology(const TriangleMesh& mesh, const RunControl& control = {});
 
 /// Shape of the triangles of a mesh. Aspect ratio = shortest edge / longest edge (paper, section 1), angles in degrees.
 struct MeshQuality {
@@ -68,6 +69,6 @@ struct MeshQuality {
   std::size_t zero_area_triangles = 0;
 };
 
-MeshQuality mesh_quality(const TriangleMesh& mesh, const RunControl& control = {});
+ISOATLAS_API MeshQuality mesh_quality(const TriangleMesh& mesh, const RunControl& control = {});
 
 }  // namespace isoatlas

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "isoatlas/export.h"
 #include "isoatlas/hierarchy.h"
 #include "isoatlas/mesh.h"
 #include "isoatlas/refine.h"
@@ -21,7 +22,7 @@ struct MeshFileInfo {
 
 /// Throws Error(unsupported) if no writer knows the extension, Error(bad_file) if the folder cannot be written:
 /// call it before the work, so that nobody waits for nothing.
-void check_mesh_path(const std::filesystem::path& path);
+ISOATLAS_API void check_mesh_path(const std::filesystem::path& path);
 
 /// What a file makes of the positions it was given. Where it keeps them as float32, this was found by reading the written bytes back.
 struct StoredPositions {
@@ -41,29 +42,29 @@ struct StoredPositions {
 /// RAS and, if the unit is known, in millimetres: space "LPS" is converted; any space but "LPS" and "RAS" is stored as it is, marked as
 /// unknown. StoredPositions::notes says what was done.
 /// Throws Error(bad_file).
-StoredPositions write_mesh(const TriangleMesh& mesh, const std::filesystem::path& path, const MeshFileInfo& info = {});
+ISOATLAS_API StoredPositions write_mesh(const TriangleMesh& mesh, const std::filesystem::path& path, const MeshFileInfo& info = {});
 
 /// The largest distance by which write_mesh rounds a position, in the mesh's units, known before it writes; 0 where all digits are kept.
 /// Throws Error(bad_file) where a position is out of the range of float32.
-double rounding_of_mesh_file(const TriangleMesh& mesh, const std::filesystem::path& path, const MeshFileInfo& info = {});
+ISOATLAS_API double rounding_of_mesh_file(const TriangleMesh& mesh, const std::filesystem::path& path, const MeshFileInfo& info = {});
 
 /// The mesh's positions as write_mesh stores them, in the file's space and unit. Throws as
 /// rounding_of_mesh_file.
-std::vector<Vec3> stored_positions(const TriangleMesh& mesh, const std::filesystem::path& path, const MeshFileInfo& info = {});
+ISOATLAS_API std::vector<Vec3> stored_positions(const TriangleMesh& mesh, const std::filesystem::path& path, const MeshFileInfo& info = {});
 
 /// Reads what write_mesh writes (and ascii variants); polygons are split into triangle fans, STL corners at equal positions merged.
 /// Coordinates are those of the file: mesh_file_info() says in which space and unit.
-TriangleMesh read_mesh(const std::filesystem::path& path);
+ISOATLAS_API TriangleMesh read_mesh(const std::filesystem::path& path);
 
 /// What a mesh file says besides its triangles; empty where it says nothing. A .gii that says nothing is in RAS and millimetres, a .3mf in
 /// millimetres. Throws Error(bad_file), Error(unsupported).
-MeshFileInfo mesh_file_info(const std::filesystem::path& path);
+ISOATLAS_API MeshFileInfo mesh_file_info(const std::filesystem::path& path);
 
 /// Its space alone.
-std::string mesh_space(const std::filesystem::path& path);
+ISOATLAS_API std::string mesh_space(const std::filesystem::path& path);
 
 /// Positions in one unit become positions in another. Nothing changes if either is unknown.
-void convert_unit(TriangleMesh& mesh, LengthUnit from, LengthUnit to);
+ISOATLAS_API void convert_unit(TriangleMesh& mesh, LengthUnit from, LengthUnit to);
 
 /// What a file of levels says besides their triangles.
 struct HierarchyFileInfo {
@@ -73,13 +74,13 @@ struct HierarchyFileInfo {
 };
 
 /// Can the file hold several levels (.glb, .vtm)?
-bool is_hierarchy_path(const std::filesystem::path& path);
+ISOATLAS_API bool is_hierarchy_path(const std::filesystem::path& path);
 
 /// The files that writing levels [0, level_count) to `path` makes: `path`, and for .vtm a .vtp for each level in a folder beside it.
-std::vector<std::filesystem::path> files_of_hierarchy(const std::filesystem::path& path, std::size_t level_count);
+ISOATLAS_API std::vector<std::filesystem::path> files_of_hierarchy(const std::filesystem::path& path, std::size_t level_count);
 
 /// As check_mesh_path, for write_hierarchy: the folder of a .vtm, if it is there, must be one that can be written.
-void check_hierarchy_path(const std::filesystem::path& path, std::size_t level_count);
+ISOATLAS_API void check_hierarchy_path(const std::filesystem::path& path, std::size_t level_count);
 
 /// Writes all levels, coarse to fine, to a .glb (glTF 2.0 with the extension MSFT_lod) or a .vtm (a VTK multi-block file and a folder
 /// of .vtp files, double precision); docs/reference/files.md tells how. Files appear whole; of a .vtm the .vtp files come first.
@@ -91,13 +92,14 @@ void check_hierarchy_path(const std::filesystem::path& path, std::size_t level_c
 /// @throws Error(bad_argument)  positions not finite, corners out of range, no levels, a text in info.levels that is no JSON object
 /// @throws Error(unsupported)   unknown extension; more than 4 GiB in a .glb
 /// @cost   O(vertices + triangles) for each level, some three times the size of the file in memory for a .glb
-StoredPositions write_hierarchy(const Hierarchy& hierarchy, const std::filesystem::path& path, const HierarchyFileInfo& info = {});
+ISOATLAS_API StoredPositions write_hierarchy(const Hierarchy& hierarchy, const std::filesystem::path& path,
+                                             const HierarchyFileInfo& info = {});
 
 /// As rounding_of_mesh_file, of all levels.
-double rounding_of_hierarchy_file(const Hierarchy& hierarchy, const std::filesystem::path& path);
+ISOATLAS_API double rounding_of_hierarchy_file(const Hierarchy& hierarchy, const std::filesystem::path& path);
 
 /// As stored_positions, of one level; in a .glb without its translation.
-std::vector<Vec3> stored_positions(const Hierarchy& hierarchy, std::size_t level, const std::filesystem::path& path);
+ISOATLAS_API std::vector<Vec3> stored_positions(const Hierarchy& hierarchy, std::size_t level, const std::filesystem::path& path);
 
 struct HierarchyFile {
   /// `parent` is empty: files do not keep it. A level whose vertices are not bit by bit the first ones of the finest level has its
@@ -107,9 +109,9 @@ struct HierarchyFile {
 };
 
 /// Reads what write_hierarchy writes. Throws Error(bad_file), Error(unsupported).
-HierarchyFile read_hierarchy(const std::filesystem::path& path);
+ISOATLAS_API HierarchyFile read_hierarchy(const std::filesystem::path& path);
 
 /// The same of any file with meshes: levels of detail, or one mesh, as read_mesh reads it, as the only level.
-HierarchyFile read_levels(const std::filesystem::path& path);
+ISOATLAS_API HierarchyFile read_levels(const std::filesystem::path& path);
 
 }  // namespace isoatlas

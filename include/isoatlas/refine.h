@@ -10,6 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include "isoatlas/export.h"
+
 namespace isoatlas {
 
 /// What can be bounded. The first six are the paper's error metrics (section 3.5), measured per cell and bounded from above.
@@ -31,9 +33,9 @@ inline constexpr std::size_t kQuantityCount = 11;
 
 enum class Unit { length, ratio, degrees, count };
 
-std::string_view name(Quantity quantity);                       ///< as on the command line: "max-distance" ... "min-aspect"
-std::optional<Quantity> quantity_named(std::string_view name);  ///< none if there is no such quantity
-Unit unit(Quantity quantity);
+ISOATLAS_API std::string_view name(Quantity quantity);                       ///< as on the command line: "max-distance" ... "min-aspect"
+ISOATLAS_API std::optional<Quantity> quantity_named(std::string_view name);  ///< none if there is no such quantity
+ISOATLAS_API Unit unit(Quantity quantity);
 constexpr bool is_metric(Quantity quantity) { return static_cast<std::size_t>(quantity) < kMetricCount; }
 /// min_vertices, min_edge and min_aspect are bounded from below, all others from above.
 constexpr bool is_lower_bound(Quantity quantity) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "isoatlas/certificate.h"
+#include "isoatlas/export.h"
 #include "isoatlas/measure.h"
 #include "isoatlas/mesh.h"
 #include "isoatlas/refine.h"
@@ -29,7 +30,7 @@ struct TopologySummary {
   friend bool operator==(const TopologySummary&, const TopologySummary&) = default;
 };
 
-TopologySummary summarize(const std::vector<ComponentTopology>& components);
+ISOATLAS_API TopologySummary summarize(const std::vector<ComponentTopology>& components);
 
 struct StageTime {
   std::string stage;
@@ -50,7 +51,7 @@ struct BadTriangle {
   ShapeObstacle obstacle = ShapeObstacle::none;
 };
 
-struct LevelReport {
+struct ISOATLAS_API LevelReport {
   std::size_t vertices = 0, triangles = 0;
   TopologySummary topology;           ///< counted on the finished triangles, independently
   CertificateReport certificate;      ///< of the level's partition

@@ -5,10 +5,12 @@
 #include <functional>
 #include <string_view>
 
+#include "isoatlas/export.h"
+
 namespace isoatlas {
 
 /// How a long computation may be watched and stopped. All members are optional.
-struct RunControl {
+struct ISOATLAS_API RunControl {
   /// Called from the computing thread now and then: the stage's name and the fraction of the whole computation that is done, in [0, 1].
   /// The fraction is an estimate; it never falls.
   std::function<void(std::string_view stage, double fraction)> progress;

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "isoatlas/export.h"
 #include "isoatlas/mesh.h"
 #include "isoatlas/run_control.h"
 
@@ -36,10 +37,10 @@ struct SelfIntersectionOptions {
 /// @throws  Error(bad_argument) if a coordinate is not finite, a corner or a listed triangle out of range; Error(cancelled)
 /// @post    the same pairs for any number of threads
 /// @cost    O(V + T log T) and a few exact tests per pair of triangles whose boxes meet; 24 bytes per vertex, about 25 per triangle
-std::vector<TrianglePair> self_intersections(std::span<const Vec3> positions, std::span<const Triangle> triangles,
-                                             const SelfIntersectionOptions& options = {}, const RunControl& control = {});
+ISOATLAS_API std::vector<TrianglePair> self_intersections(std::span<const Vec3> positions, std::span<const Triangle> triangles,
+                                                          const SelfIntersectionOptions& options = {}, const RunControl& control = {});
 
 /// Near where two triangles meet: the middle of what their boxes have in common. To find the place, not to compute with it.
-Vec3 meeting_place(std::span<const Vec3> positions, const Triangle& a, const Triangle& b);
+ISOATLAS_API Vec3 meeting_place(std::span<const Vec3> positions, const Triangle& a, const Triangle& b);
 
 }  // namespace isoatlas

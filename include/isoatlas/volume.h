@@ -7,6 +7,7 @@
 #include <memory>
 #include <string_view>
 
+#include "isoatlas/export.h"
 #include "isoatlas/length_unit.h"
 
 namespace isoatlas {
@@ -19,12 +20,12 @@ struct Vec3 {
 /// Native sample types; volumes are never converted whole.
 enum class SampleType { int8, uint8, int16, uint16, int32, uint32, int64, uint64, float32, float64 };
 
-std::string_view name(SampleType type);  ///< "int8" ... "float64"
-std::size_t bytes_per_sample(SampleType type);
+ISOATLAS_API std::string_view name(SampleType type);  ///< "int8" ... "float64"
+ISOATLAS_API std::size_t bytes_per_sample(SampleType type);
 
 /// Where the samples of a volume sit in the world: world = origin + direction * (spacing * index).
 /// The world is LPS for medical formats (as ITK gives it), else whatever the file says.
-struct Grid {
+struct ISOATLAS_API Grid {
   std::array<std::size_t, 3> size{};                                           ///< samples along x, y, z; x runs fastest in memory
   Vec3 spacing{1, 1, 1};                                                       ///< world length of one step along each axis, > 0
   Vec3 origin{};                                                               ///< world position of sample (0, 0, 0)
@@ -58,7 +59,7 @@ struct SampleSummary {
 };
 
 /// One pass over all samples, O(N).
-SampleSummary summarize(const VolumeView& volume);
+ISOATLAS_API SampleSummary summarize(const VolumeView& volume);
 
 /// Which samples are inside. A sample equal to the isovalue is inside either way:
 /// above: value >= isovalue; below: value <= isovalue (the same as negating volume and isovalue).

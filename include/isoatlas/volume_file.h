@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "isoatlas/error.h"
+#include "isoatlas/export.h"
 #include "isoatlas/volume.h"
 #include "isoatlas/volume_source.h"
 
@@ -45,7 +46,7 @@ struct VolumeFile {
 };
 
 /// A file holds more than one volume, and the options do not say which to read.
-class ChoiceNeeded : public Error {
+class ISOATLAS_API ChoiceNeeded : public Error {
  public:
   ChoiceNeeded(const std::string& message, FileChoice choice, VolumeSource source)
       : Error(ErrorCode::unsupported, message), choice_(std::move(choice)), source_(std::move(source)) {}
@@ -66,13 +67,13 @@ class ChoiceNeeded : public Error {
 /// @throws Error(bad_argument)  an option that the file has no use for, or a choice that it does not have
 /// @throws Error(out_of_memory) more samples than `max_memory` allows
 /// @throws ChoiceNeeded         several volumes in the file and no option that says which
-VolumeFile read_volume_file(const std::filesystem::path& path, const ReadOptions& options = {});
+ISOATLAS_API VolumeFile read_volume_file(const std::filesystem::path& path, const ReadOptions& options = {});
 
 /// The volume alone.
-Volume read_volume(const std::filesystem::path& path, const ReadOptions& options = {});
+ISOATLAS_API Volume read_volume(const std::filesystem::path& path, const ReadOptions& options = {});
 
 /// SHA-256 of the samples as they are meshed: x fastest, native type, little endian; 64 hexadecimal digits.
 /// Two volumes of the same size, type and digest have the same samples. @cost one pass over all samples
-std::string sample_digest(const VolumeView& volume);
+ISOATLAS_API std::string sample_digest(const VolumeView& volume);
 
 }  // namespace isoatlas

@@ -8,7 +8,7 @@
 
 #include "isoatlas/error.h"
 
-namespace isoatlas::python {
+namespace isoatlas::detail::python {
 namespace {
 
 Vec3 vec(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
@@ -55,4 +55,4 @@ ArrayVolume array_volume(const py::array& array, const std::string& order, const
   return {array, path, grid, Axes(of), order == "xyz", std::move(source)};
 }
 
-}  // namespace isoatlas::python
+}  // namespace isoatlas::detail::python

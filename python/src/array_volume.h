@@ -12,7 +12,7 @@
 #include "isoatlas/volume.h"
 #include "isoatlas/volume_source.h"
 
-namespace isoatlas::python {
+namespace isoatlas::detail::python {
 
 namespace py = pybind11;
 
@@ -40,4 +40,4 @@ ArrayVolume array_volume(const py::array& array, const std::string& order, const
 /// Throws std::invalid_argument if it is none.
 SampleType sample_type_of(const py::dtype& type);
 
-}  // namespace isoatlas::python
+}  // namespace isoatlas::detail::python

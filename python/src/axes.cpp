@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-namespace isoatlas::python {
+namespace isoatlas::detail::python {
 namespace {
 
 using Triple = std::array<double, 3>;
@@ -83,4 +83,4 @@ void Axes::to_caller(Extraction& extraction, Space space) const {
   }
 }
 
-}  // namespace isoatlas::python
+}  // namespace isoatlas::detail::python

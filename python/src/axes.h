@@ -9,7 +9,7 @@
 #include "isoatlas/mesh.h"
 #include "isoatlas/volume.h"
 
-namespace isoatlas::python {
+namespace isoatlas::detail::python {
 
 /// Which coordinate of the caller's each axis of the library is: x, the one along which samples are neighbours in memory, is coordinate
 /// of[0], y is of[1], z is of[2]. Samples never move for the sake of it: points do.
@@ -38,4 +38,4 @@ class Axes {
   std::array<int, 3> of_;
 };
 
-}  // namespace isoatlas::python
+}  // namespace isoatlas::detail::python

@@ -12,7 +12,7 @@
 #include "report/report.h"
 #include "wording/settings.h"
 
-namespace isoatlas::python {
+namespace isoatlas::detail::python {
 namespace {
 
 /// A C-contiguous n x 3 array as a list of its rows.
@@ -75,4 +75,4 @@ std::string check_mesh(const py::array_t<double, py::array::c_style>& vertices, 
                             {.progress = progress, .threads = threads, .keep_alive = volume ? py::object(volume->array) : py::none()});
 }
 
-}  // namespace isoatlas::python
+}  // namespace isoatlas::detail::python

@@ -10,7 +10,7 @@
 #include "array_volume.h"
 #include "levels.h"
 
-namespace isoatlas::python {
+namespace isoatlas::detail::python {
 
 /// What `isoatlas check --json` says of a mesh.
 /// @param vertices  V x 3
@@ -22,4 +22,4 @@ std::string check_mesh(const py::array_t<double, py::array::c_style>& vertices, 
                        bool self_intersections, const std::optional<ArrayVolume>& volume, const Words& measure, int threads,
                        const py::object& progress);
 
-}  // namespace isoatlas::python
+}  // namespace isoatlas::detail::python

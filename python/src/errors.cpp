@@ -6,7 +6,7 @@
 
 #include "isoatlas/error.h"
 
-namespace isoatlas::python {
+namespace isoatlas::detail::python {
 namespace {
 
 namespace py = pybind11;
@@ -54,4 +54,4 @@ void translate_errors() {
   });
 }
 
-}  // namespace isoatlas::python
+}  // namespace isoatlas::detail::python

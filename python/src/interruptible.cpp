@@ -17,7 +17,7 @@
 #include <thread>
 #include <vector>
 
-namespace isoatlas::python {
+namespace isoatlas::detail::python {
 namespace {
 
 using namespace std::chrono_literals;
@@ -150,4 +150,4 @@ std::size_t given_up_work() {
   return given_up().size();
 }
 
-}  // namespace isoatlas::python
+}  // namespace isoatlas::detail::python

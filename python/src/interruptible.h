@@ -12,7 +12,7 @@
 
 #include "isoatlas/run_control.h"
 
-namespace isoatlas::python {
+namespace isoatlas::detail::python {
 
 namespace py = pybind11;
 
@@ -44,4 +44,4 @@ auto make_interruptibly(Work work, const Watch& watch) {
 /// How much work was given up and still goes on.
 std::size_t given_up_work();
 
-}  // namespace isoatlas::python
+}  // namespace isoatlas::detail::python

@@ -15,7 +15,7 @@
 #include "wording/settings.h"
 #include "wording/supersampling.h"
 
-namespace isoatlas::python {
+namespace isoatlas::detail::python {
 namespace fs = std::filesystem;
 namespace {
 
@@ -233,4 +233,4 @@ std::string save_levels(const std::shared_ptr<Levels>& levels, const std::string
   return *meeting;
 }
 
-}  // namespace isoatlas::python
+}  // namespace isoatlas::detail::python

@@ -18,7 +18,7 @@
 #include "isoatlas/io.h"
 #include "report/report.h"
 
-namespace isoatlas::python {
+namespace isoatlas::detail::python {
 
 using Words = std::vector<std::pair<std::string, std::string>>;  ///< options by name: what the command line would be given
 
@@ -60,4 +60,4 @@ std::string report_of(const Levels& levels);
 std::string save_levels(const std::shared_ptr<Levels>& levels, const std::string& path, const std::optional<std::string>& report,
                         bool glb_per_level);
 
-}  // namespace isoatlas::python
+}  // namespace isoatlas::detail::python

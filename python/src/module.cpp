@@ -22,7 +22,8 @@
 namespace {
 
 using namespace isoatlas;
-using namespace isoatlas::python;
+using namespace isoatlas::detail;
+using namespace isoatlas::detail::python;
 using py::literals::operator""_a;
 
 // A path is bytes; what is not UTF-8 comes from Python as surrogates.

@@ -9,7 +9,7 @@
 #include "complex/drop_components.h"
 #include "levels/level.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 std::vector<RankedComponent> describe(const SurfaceComplex& complex, const Components& components, const ComponentSizes& sizes,
@@ -64,4 +64,4 @@ ChosenComponents choose_components(SurfaceComplex& complex, const Components& co
   return chosen;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -8,7 +8,7 @@
 #include "isoatlas/options.h"
 #include "isoatlas/report.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 struct ChosenComponents {
   std::vector<RankedComponent> kept, dropped;  ///< largest first
@@ -19,4 +19,4 @@ struct ChosenComponents {
 ChosenComponents choose_components(SurfaceComplex& complex, const Components& components, const ComponentSizes& sizes,
                                    const ExtractOptions& options, const Grid& grid);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -28,6 +28,7 @@
 #include "levels/level_maker.h"
 
 namespace isoatlas {
+using namespace detail;
 namespace {
 
 // The coarser complex: blocks of four voxels, but well below the largest radius, so that its c-vertices leave the covering a

@@ -3,7 +3,7 @@
 
 #include "core/vector_math.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 std::vector<Vec3> area_vectors(const SurfaceComplex& complex, std::span<const std::uint32_t> group_of, std::uint32_t groups) {
   std::vector<Vec3> out(groups);
@@ -21,4 +21,4 @@ std::vector<Vec3> area_vectors(const SurfaceComplex& complex, std::span<const st
   return out;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -10,7 +10,7 @@
 #include "core/parallel.h"
 #include "core/vector_math.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr std::size_t kRows = 4096;  // per piece of a parallel loop
@@ -152,4 +152,4 @@ std::vector<std::uint8_t> remake_graph(CVertexGraph& graph, const SurfaceComplex
   return changed;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -7,7 +7,7 @@
 #include "complex/surface_complex.h"
 #include "isoatlas/run_control.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// The paper's graph G of a surface complex: two c-vertices are neighbours iff they share a face; weights are Euclidean world
 /// distances. Derived from the faces when wanted, since partitions by blocks never need it.
@@ -37,4 +37,4 @@ CVertexGraph make_graph(const SurfaceComplex& complex, const RunControl* control
 /// @cost   as make_graph()
 std::vector<std::uint8_t> remake_graph(CVertexGraph& graph, const SurfaceComplex& complex, const RunControl* control = nullptr);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -6,7 +6,7 @@
 
 #include "core/ids.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// The c-vertices of each cell of a partition, as linked lists: a c-vertex changes its cell in constant time. 8 bytes per c-vertex and 8
 /// per cell.
@@ -62,4 +62,4 @@ class CellMembers {
   std::vector<Link> links_;
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

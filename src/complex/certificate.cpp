@@ -19,7 +19,7 @@
 #include "core/disjoint_sets.h"
 #include "core/parallel.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr std::size_t kFaces = 8192, kCells = 16384;    // per piece of a parallel loop
@@ -271,4 +271,4 @@ SurfaceComplex dual_complex(const SurfaceComplex& complex, const Partition& part
   return out;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

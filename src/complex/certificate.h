@@ -8,7 +8,7 @@
 #include "isoatlas/certificate.h"
 #include "isoatlas/run_control.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// What is wrong with one cell, as bits.
 enum CellFault : std::uint8_t {
@@ -74,4 +74,4 @@ PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const Ce
 /// Writes down what a check looked at and whether it passed.
 void record(const PartitionCheck& check, CertificateReport& report);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -23,7 +23,7 @@
 #include "core/whole_progress.h"
 #include "geometry/outward.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr std::size_t kPerPiece = 16384;  // c-vertices or faces, of a parallel loop
@@ -396,4 +396,4 @@ void certify_regions(const SurfaceComplex& complex, Coarsened& coarser, const Ru
   record(check, coarser.certificate);
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

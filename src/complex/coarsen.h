@@ -9,7 +9,7 @@
 #include "isoatlas/certificate.h"
 #include "isoatlas/run_control.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 struct Coarsened {
   SurfaceComplex complex;                 ///< all triangles; homeomorphic to the input
@@ -42,4 +42,4 @@ void cut_regions(const SurfaceComplex& complex, std::span<const CVertexId> regio
 /// @throws Error(internal) if it fails or has other faces than the coarser complex, which would be a bug
 void certify_regions(const SurfaceComplex& complex, Coarsened& coarser, const RunControl& control = {});
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -3,7 +3,7 @@
 
 #include "core/cancel_poll.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 ComplexAdjacency::ComplexAdjacency(const SurfaceComplex& complex, const RunControl& control) {
   std::vector<std::uint32_t> count(complex.c_vertex_count(), 0);
@@ -26,4 +26,4 @@ ComplexAdjacency::ComplexAdjacency(const SurfaceComplex& complex, const RunContr
   }
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -8,7 +8,7 @@
 #include "core/slack_rows.h"
 #include "isoatlas/run_control.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// What is around each c-vertex of a complex: its faces, and its neighbours along the boundary. Kept up to date by whoever changes the
 /// complex.
@@ -28,4 +28,4 @@ class ComplexAdjacency {
   std::vector<CVertexId> next_, previous_;  // empty where there is no boundary
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -5,7 +5,7 @@
 
 #include "core/vector_math.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 // Of closed components.
@@ -50,4 +50,4 @@ ComponentSizes component_sizes(const SurfaceComplex& complex, const Components& 
   return sizes;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

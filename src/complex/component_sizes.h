@@ -6,7 +6,7 @@
 
 #include "complex/components.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// How much the components of a surface enclose, with the volume's border capped. Components whose capped surfaces are
 /// connected are one part: the two sides of a slab that the border cuts open, for example.
@@ -19,4 +19,4 @@ struct ComponentSizes {
 /// @cost  O(F) for the faces of both
 ComponentSizes component_sizes(const SurfaceComplex& complex, const Components& components, const SurfaceComplex& closed);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

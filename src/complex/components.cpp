@@ -4,7 +4,7 @@
 #include "core/disjoint_sets.h"
 #include "core/parallel.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr std::size_t kFaces = 16384;  // per piece of a parallel loop
@@ -55,4 +55,4 @@ Components find_components(const SurfaceComplex& complex) {
   return out;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

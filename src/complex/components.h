@@ -7,7 +7,7 @@
 #include "complex/surface_complex.h"
 #include "isoatlas/mesh.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 struct Components {
   std::vector<ComponentId> of_c_vertex;     ///< numbered by smallest c-vertex
@@ -21,4 +21,4 @@ std::vector<std::uint8_t> open_flags(const Components& components);
 /// O(C α(C)) time, 8 bytes per c-vertex.
 Components find_components(const SurfaceComplex& complex);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -2,7 +2,7 @@
 // Inlined into the loops over all faces.
 #include "core/vector_math.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 inline FaceCut cut_face(const SurfaceComplex& complex, const Face& face, const std::array<CellId, 4>& c, std::span<const CVertexId> site) {
   FaceCut out;
@@ -48,4 +48,4 @@ inline FaceCut cut_face(const SurfaceComplex& complex, const Face& face, const s
   return out;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

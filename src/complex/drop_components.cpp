@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 void drop_components(SurfaceComplex& complex, const Components& components, const std::vector<std::uint8_t>& dropped) {
   const auto goes = [&](CVertexId v) { return dropped[components.of_c_vertex[v]] != 0; };
@@ -25,4 +25,4 @@ void drop_components(SurfaceComplex& complex, const Components& components, cons
   for (BoundarySide& s : complex.boundary) s = {now[s.from], now[s.to]};
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

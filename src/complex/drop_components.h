@@ -5,10 +5,10 @@
 
 #include "complex/components.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Removes whole components; c-vertices and faces that stay keep their order. O(F).
 /// @param dropped  per component, 1 if it goes
 void drop_components(SurfaceComplex& complex, const Components& components, const std::vector<std::uint8_t>& dropped);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

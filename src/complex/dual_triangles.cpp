@@ -6,7 +6,7 @@
 
 #include "core/cancel_poll.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 bool same_corners(const std::array<CellId, 3>& a, const std::array<CellId, 3>& b) {
@@ -96,4 +96,4 @@ void DualTriangles::remove(std::uint32_t number) {
   list_.pop_back();
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

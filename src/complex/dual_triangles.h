@@ -8,7 +8,7 @@
 #include "core/slack_rows.h"
 #include "isoatlas/run_control.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// The triangles of a dual that changes locally. A triangle that stays keeps its number, unless it was the last one and filled a gap.
 class DualTriangles {
@@ -33,4 +33,4 @@ class DualTriangles {
   SlackRows<std::uint32_t> of_cell_;
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -6,7 +6,7 @@
 
 #include "complex/surface_complex.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// The c-vertices of a complex in cells, each with one c-vertex that stands for it.
 struct Partition {
@@ -38,6 +38,6 @@ inline FaceCut cut_face(const SurfaceComplex& complex, const Face& face, const s
 /// the site of cell i.
 SurfaceComplex dual_complex(const SurfaceComplex& complex, const Partition& partition, std::span<const DualTriangle> triangles);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail
 
 #include "complex/cut_face.inl"

@@ -7,7 +7,7 @@
 
 #include "core/cancel_poll.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 // A sweep over everything takes as long as a look at the cells one by one with this part of the c-vertices.
@@ -208,4 +208,4 @@ std::vector<CellId> ScopedCheck::cells_near(const SurfaceComplex& complex, const
   return cells;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

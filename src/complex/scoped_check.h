@@ -9,7 +9,7 @@
 #include "complex/complex_adjacency.h"
 #include "core/epoch_set.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// check_partition() of some cells only. If they are few the cost depends on the faces around them and not on the size of the complex. Use
 /// one object for many checks: it keeps its scratch memory.
@@ -44,4 +44,4 @@ class ScopedCheck {
   std::vector<ArcEnd> ends_, sorted_ends_;
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -7,7 +7,7 @@
 #include <sstream>
 #include <utility>
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 std::string validate(const SurfaceComplex& complex) {
   // Deliberately written with plain containers, sharing nothing with the code it checks.
@@ -113,4 +113,4 @@ std::string validate(const SurfaceComplex& complex) {
   return {};
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

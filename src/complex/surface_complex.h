@@ -10,7 +10,7 @@
 #include "core/ids.h"
 #include "isoatlas/volume.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// A triangle or a quad: c-vertices counter-clockwise seen from outside. corner[3] == kNone for a triangle.
 struct Face {
@@ -52,4 +52,4 @@ struct SurfaceComplex {
 /// @return an empty string, or what is wrong and where
 std::string validate(const SurfaceComplex& complex);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -4,7 +4,7 @@
 #include <iterator>
 #include <vector>
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Appends to an array of the whole surface and grows it by no more than a sixteenth beyond what is needed: these arrays grow seldom, and
 /// doubling the largest ones would set the peak of memory.
@@ -15,4 +15,4 @@ void append(std::vector<T>& to, Iterator first, Iterator last) {
   to.insert(to.end(), first, last);
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -5,7 +5,7 @@
 
 #include "isoatlas/run_control.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// For loops of short steps, up to some thousand instructions each: asks once in so many steps whether to stop.
 class CancelPoll {
@@ -24,4 +24,4 @@ class CancelPoll {
   std::uint32_t steps_ = 0;
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Union-find whose roots are the smallest members, so that they do not depend on the order of unions. Several threads may call unite() and
 /// find() at the same time; what find() returns is final once all calls of unite() have returned.
@@ -53,4 +53,4 @@ class DisjointSets {
   std::vector<std::atomic<std::uint32_t>> parent_;
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -8,7 +8,7 @@
 #include <functional>
 #include <vector>
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Heaps of (length, id) with a total order: by length, then by the smaller id. One 64-bit comparison, since the bit
 /// patterns of non-negative floats order as the floats do.
@@ -85,4 +85,4 @@ class MonotoneQueue {
 using NearestFirst = KeyHeap<std::greater<>>;  ///< pops the smallest length, ties by the smaller id
 using FarthestFirst = KeyHeap<std::less<>>;    ///< pops the largest; store ~id for ties by the smaller id
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

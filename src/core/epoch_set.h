@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// A set of small integers that is emptied in constant time, to be used again and again. Inserting grows it as needed.
 class EpochSet {
@@ -29,4 +29,4 @@ class EpochSet {
   std::uint32_t epoch_ = 1;
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// The text with ASCII letters in lower case; all other bytes stay as they are, in every locale.
 inline std::string lower_case(std::string_view text) {
@@ -30,4 +30,4 @@ inline bool has_extension(const std::filesystem::path& path, std::string_view ex
   return false;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// The float32 value nearest to `x`, as a double; infinite beyond the range of float32. The only place that rounds coordinates to float32:
 /// g++ 12 drops a conversion to float that is widened again, unless the float is volatile.
@@ -10,4 +10,4 @@ inline double to_float32(double x) {
   return value;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -8,7 +8,7 @@
 
 #include "isoatlas/error.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 // 32-bit ids everywhere after parsing; the names say which array an id addresses.
 using CVertexId = std::uint32_t;    ///< c-vertex of a surface complex
@@ -26,4 +26,4 @@ inline std::uint32_t checked_id(std::size_t n, const char* what) {
   return static_cast<std::uint32_t>(n);
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -8,7 +8,7 @@
 
 #include "core/ids.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Which way the closed components of a surface face, and which of them lies in which. Components with a boundary enclose nothing.
 struct Nesting {
@@ -59,4 +59,4 @@ inline std::vector<std::uint32_t> parents_of(std::span<const std::vector<std::ui
   return parent;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 namespace {
 
@@ -69,4 +69,4 @@ void run_both(const std::function<void()>& first, const std::function<void()>& s
   });
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

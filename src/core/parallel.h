@@ -10,7 +10,7 @@
 
 #include "isoatlas/run_control.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Limits the threads that parallel loops of the calling thread use while it lives; 0 means as many as the machine has. Other
 /// threads of the program, and other users of oneTBB in it, keep theirs. Of nested limits the outermost counts.
@@ -65,4 +65,4 @@ std::vector<Item> collect_pieces(std::size_t n, std::size_t grain, const Collect
   return out;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -14,7 +14,7 @@
 
 static_assert(LDBL_MANT_DIG >= 64 && LDBL_MAX_EXP >= 16384, "saddle_sign needs a long double wider than double (x87 or IEEE quadruple)");
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using Real = long double;
@@ -79,4 +79,4 @@ int saddle_sign(long double a, long double b, long double c, long double d, long
   return sum.size == 0 ? 0 : sign_of(sum.term[sum.size - 1]);
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

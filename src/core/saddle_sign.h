@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Exact sign (-1, 0, 1) of (a - q)(b - q) - (c - q)(d - q), the determinant behind the asymptotic decider
 /// (Nielson and Hamann 1991): a, b on one diagonal of a grid face, c, d on the other, q the isovalue.
@@ -10,4 +10,4 @@ namespace isoatlas {
 /// @cost a floating-point filter decides nearly always; else exact expansions
 int saddle_sign(long double a, long double b, long double c, long double d, long double q);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -9,7 +9,7 @@
 
 #include "core/ids.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Rows of items in one array, as in compressed sparse rows, that can still change: each row has its own capacity, and a row that grows
 /// beyond it moves to the end of the array. Memory that such rows leave behind is used again once it is half of all.
@@ -100,4 +100,4 @@ class SlackRows {
   std::size_t left_behind_ = 0;  // items that belong to no row
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Sorts ids and keeps each of them once.
 inline void sort_once(std::vector<std::uint32_t>& ids) {
@@ -13,4 +13,4 @@ inline void sort_once(std::vector<std::uint32_t>& ids) {
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -5,7 +5,7 @@
 
 #include "isoatlas/volume.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 inline Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 inline Vec3 operator-(Vec3 a, Vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
@@ -27,4 +27,4 @@ inline Vec3 normalized(Vec3 a) {
 /// Squared world distance of two points given in index space.
 inline double squared_distance(Vec3 a, Vec3 b, Vec3 spacing) { return squared_length(scaled(a - b, spacing)); }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

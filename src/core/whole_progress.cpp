@@ -8,7 +8,7 @@
 
 #include "core/parallel.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 struct Interval {
@@ -75,4 +75,4 @@ RunControl without_stages(const RunControl& control) {
   return out;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

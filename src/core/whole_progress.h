@@ -8,7 +8,7 @@
 
 #include "isoatlas/run_control.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// A stage of a computation, and how long it takes beside the others.
 struct StageShare {
@@ -32,4 +32,4 @@ void for_each_piece_going_on(std::size_t n, std::size_t grain, const RunControl*
 /// The same control for work that is part of a stage and has reports of its own: only report_going_on() comes through.
 RunControl without_stages(const RunControl& control);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

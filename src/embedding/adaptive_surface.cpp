@@ -14,7 +14,7 @@
 #include "core/whole_progress.h"
 #include "geometry/triangle_pair.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 // Along how many axes a point is on a layer of samples: none inside a cell, one on a wall, two on an edge.
@@ -310,4 +310,4 @@ void AdaptiveSurface::flatten_where_pieces_meet(const Subdivision& divided, CVer
   }
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

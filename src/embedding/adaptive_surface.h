@@ -11,7 +11,7 @@
 #include "embedding/subdivide.h"
 #include "embedding/watched_cells.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// The reference surface, with more c-vertices wherever some stage found it too coarse. It stays the same surface: c-vertices keep their
 /// numbers, components theirs. Divided everywhere it does not meet itself, wherever in their cells its c-vertices are moved, as far as
@@ -31,11 +31,11 @@ class AdaptiveSurface {
   const RunControl& control() const { return control_; }  ///< for work that is part of a stage
 
   std::vector<Fineness> fineness() const {
-    return isoatlas::fineness(complex_, {field_, crowded_.flags(), &control_});
+    return isoatlas::detail::fineness(complex_, {field_, crowded_.flags(), &control_});
   }  ///< per c-vertex; O(F)
   /// Of some c-vertices, one by one. O(F) with a small constant
   std::vector<Fineness> fineness(std::span<const CVertexId> of) const {
-    return isoatlas::fineness(complex_, {field_, crowded_.flags(), &control_}, of);
+    return isoatlas::detail::fineness(complex_, {field_, crowded_.flags(), &control_}, of);
   }
 
   /// See subdivide(). What was derived from the complex has to be made anew. Where smaller pieces would meet each other in a cell, they are
@@ -90,4 +90,4 @@ class AdaptiveSurface {
   int deepest_ = 0;
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -14,7 +14,7 @@
 #include "core/vector_math.h"
 #include "geometry/triangle_pair.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr std::size_t kCellsPerPiece = 64, kCVerticesPerPiece = 16384;  // of parallel loops
@@ -121,7 +121,7 @@ class CrowdedCells::Surfels {
   }
 
   /// How many pairs of triangles meet; where there are as many as `enough`, that.
-  std::size_t meeting_pairs(std::size_t enough) const { return isoatlas::meeting_pairs(corners, triangles, enough); }
+  std::size_t meeting_pairs(std::size_t enough) const { return isoatlas::detail::meeting_pairs(corners, triangles, enough); }
   bool meet() const { return meeting_pairs(1) > 0; }
 
   std::vector<Vec3> corners;
@@ -252,4 +252,4 @@ std::vector<CVertexId> CrowdedCells::meeting(std::span<const CVertexId> moved, s
   });
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -8,7 +8,7 @@
 #include "embedding/subdivide.h"
 #include "isoatlas/mesh.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// The grid cells with several surfels. A cell with one surfel has a cone over a closed curve on the cell's walls, which cannot meet
 /// itself wherever in the cell the c-vertex is; but two cones in one cell may meet each other.
@@ -59,4 +59,4 @@ class CrowdedCells {
   std::vector<Vec3> points_;                // nodes, and the points between them; one on a wall is there for both cells
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -5,7 +5,7 @@
 #include "core/whole_progress.h"
 #include "geometry/mesh_nesting.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 // Smaller cells help as long as they leave no more than this share of the pairs of triangles that intersect.
@@ -59,4 +59,4 @@ std::vector<CVertexId> subdividable(const AdaptiveSurface& surface, std::vector<
   return c_vertices;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

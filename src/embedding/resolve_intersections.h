@@ -10,7 +10,7 @@
 #include "isoatlas/mesh.h"
 #include "voronoi/covering.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// The dual of a covering, of any level, while its self-intersections are resolved.
 class GrowingDual {
@@ -45,4 +45,4 @@ ResolvedIntersections resolve_intersections(GrowingDual& dual, const AdaptiveSur
 /// The c-vertices of the surface, of these, around which faces can be subdivided into pieces that stay in their grid cells.
 std::vector<CVertexId> subdividable(const AdaptiveSurface& surface, std::vector<CVertexId> c_vertices);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -12,7 +12,7 @@
 #include "core/vector_math.h"
 #include "field/field.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 // Points keep away from the edges of their walls and from the walls of their cells, nodes farther from the ends of their edges, since
@@ -653,4 +653,4 @@ Subdivision subdivide_in_place(SurfaceComplex& whole, std::span<const CVertexId>
   return out;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -12,7 +12,7 @@
 #include "field/interpolated_field.h"
 #include "isoatlas/run_control.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 struct Subdivision {
   SurfaceComplex complex;         ///< the old c-vertices with their numbers and positions, then the new ones
@@ -105,4 +105,4 @@ Subdivision subdivide_in_place(SurfaceComplex& whole, std::span<const CVertexId>
 /// @param point  on the wall, but not on its edges
 bool has_two_curves(const InterpolatedField& field, Vec3 point);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

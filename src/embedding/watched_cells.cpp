@@ -10,7 +10,7 @@
 #include "core/vector_math.h"
 #include "geometry/triangle_pair.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr std::size_t kCellsPerPiece = 64, kFacesPerPiece = 8192;  // of parallel loops
@@ -93,4 +93,4 @@ std::vector<CVertexId> WatchedCells::meeting(std::span<const CVertexId> moved, s
   return out;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

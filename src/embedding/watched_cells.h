@@ -10,7 +10,7 @@
 #include "isoatlas/mesh.h"
 #include "isoatlas/run_control.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Grid cells with more in them than one cone over a simple curve, in pieces: there it matters where in the cell, or on its walls, the
 /// c-vertices are.
@@ -44,4 +44,4 @@ class WatchedCells {
   std::vector<std::uint32_t> cells_of_;    // may hold one several times
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -4,10 +4,10 @@
 #include "error/area_ratio.h"
 #include "error/metrics.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 double area_curvature(const CellView& cell) {
   return area_ratio(cell, [&](const ClosestPoint& p) { return cell.triangle_normal[p.triangle]; });
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

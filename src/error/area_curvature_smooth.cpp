@@ -4,7 +4,7 @@
 #include "error/area_ratio.h"
 #include "error/metrics.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 double area_curvature_smooth(const CellView& cell) {
   return area_ratio(cell, [&](const ClosestPoint& p) {
@@ -15,4 +15,4 @@ double area_curvature_smooth(const CellView& cell) {
   });
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -7,7 +7,7 @@
 #include "core/vector_math.h"
 #include "error/cell_view.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 inline bool is_at_vertex(const ClosestPoint& p) { return p.distance == 0 && (p.weight[0] == 1 || p.weight[1] == 1 || p.weight[2] == 1); }
 
@@ -30,4 +30,4 @@ double area_ratio(const CellView& cell, NormalAt normal_at) {
   return std::max(1.0, area / projected);
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

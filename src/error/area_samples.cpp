@@ -6,7 +6,7 @@
 
 #include "core/vector_math.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr int kHalvings = 18;  // of a triangle: patches of a quarter millionth of it
@@ -62,4 +62,4 @@ Vec3 AreaSamples::point(std::size_t i) const {
   return (1.0 / 3) * (from + apex + to);
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

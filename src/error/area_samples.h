@@ -7,7 +7,7 @@
 
 #include "isoatlas/mesh.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Points spread evenly over triangles: each stands for the same area. Positions and triangles must outlive this.
 ///
@@ -36,4 +36,4 @@ class AreaSamples {
   double area_ = 0;
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -7,7 +7,7 @@
 
 #include "core/vector_math.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr int kRounds = 2;  // closest points are looked up anew in each
@@ -76,4 +76,4 @@ void balance(const MeasuredSurface& surface, std::span<const CellId> cells, Leve
   }
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

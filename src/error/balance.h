@@ -6,7 +6,7 @@
 
 #include "error/error_field.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Moves the vertices of some cells along the surface's normals at their sites, so that the mesh lies evenly on both sides of
 /// the surface: least squares over the distances of c-vertices from the planes of their closest triangles, by damped Jacobi
@@ -15,4 +15,4 @@ namespace isoatlas {
 /// @param places offsets are the start and the result; anchors stay
 void balance(const MeasuredSurface& surface, std::span<const CellId> cells, LevelMesh& mesh, VertexPlacement& places);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

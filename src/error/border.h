@@ -3,7 +3,7 @@
 
 #include "error/cell_view.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Is the c-vertex on its cell's border: has it a neighbour in another cell, or is it on the surface's boundary?
 inline bool is_on_border(const CellView& cell, CVertexId v) {
@@ -14,4 +14,4 @@ inline bool is_on_border(const CellView& cell, CVertexId v) {
   return false;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

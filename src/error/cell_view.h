@@ -8,7 +8,7 @@
 #include "error/surfels.h"
 #include "isoatlas/mesh.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Where on the mesh a c-vertex finds itself: the closest point of the triangles that have a corner at its cell's site or at
 /// a neighbour of it (paper, 3.5).
@@ -33,4 +33,4 @@ struct CellView {
   float from_mesh = 0;                    ///< largest distance from the cell's mesh triangles to the surface
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

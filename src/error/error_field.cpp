@@ -12,7 +12,7 @@
 #include "core/whole_progress.h"
 #include "error/ring.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr std::size_t kCellsPerPiece = 64;
@@ -156,4 +156,4 @@ std::vector<Farthest> measure_between(const MeasuredSurface& surface, const Betw
   return most;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

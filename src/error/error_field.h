@@ -10,7 +10,7 @@
 #include "isoatlas/run_control.h"
 #include "isosurface/isosurface.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Everything of the surface that measuring needs and that does not change.
 struct MeasuredSurface {
@@ -79,4 +79,4 @@ std::vector<CellDistance> find_farthest(const MeasuredSurface& surface, const Le
 std::vector<Farthest> measure_between(const MeasuredSurface& surface, const BetweenPoints& between, const LevelMesh& mesh,
                                       std::span<const CellId> cells, double enough, std::vector<Farthest> most = {});
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

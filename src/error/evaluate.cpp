@@ -2,7 +2,7 @@
 #include "error/metrics.h"
 #include "isoatlas/error.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 double evaluate(Quantity metric, const CellView& cell) {
   switch (metric) {
@@ -23,4 +23,4 @@ double evaluate(Quantity metric, const CellView& cell) {
   }
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -13,7 +13,7 @@
 #include "error/metrics.h"
 #include "error/nearest_surfel.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr int kPieces = 6;  // an arc of 90 degrees comes out 0.3 % short
@@ -60,4 +60,4 @@ double geodesic_ratio(const CellView& cell) {
   return largest;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

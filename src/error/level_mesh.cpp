@@ -9,7 +9,7 @@
 #include "core/parallel.h"
 #include "core/vector_math.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr std::size_t kPerPiece = 2048;  // vertices or triangles, of a parallel loop
@@ -166,4 +166,4 @@ void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cell
   set_normals(mesh, std::move(triangles));
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -13,7 +13,7 @@
 #include "error/vertex_placement.h"
 #include "isoatlas/mesh.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Lists of items per group, one after the other: those of group g are [first[g], first[g + 1]).
 struct Buckets {
@@ -87,4 +87,4 @@ void edit_mesh(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTria
 void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const VertexPlacement& places,
            const RunControl* control = nullptr);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -5,7 +5,7 @@
 
 #include "error/metrics.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 double max_distance(const CellView& cell) {
   float largest = cell.from_mesh;
@@ -13,4 +13,4 @@ double max_distance(const CellView& cell) {
   return largest;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

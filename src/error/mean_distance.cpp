@@ -2,7 +2,7 @@
 // Average distance from the surface (paper, 3.5): mean over the cell's c-vertices of the distance to the mesh. World length.
 #include "error/metrics.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 double mean_distance(const CellView& cell) {
   double sum = 0;
@@ -10,4 +10,4 @@ double mean_distance(const CellView& cell) {
   return cell.closest.empty() ? 0 : sum / static_cast<double>(cell.closest.size());
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -22,7 +22,7 @@
 #include "field/to_space.h"
 #include "isosurface/parse_surface.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr double kFarthestVoxels = 1e15;        // what the triangle tree's single precision can square, and to spare
@@ -256,10 +256,6 @@ void scale(OneSidedDistance& d, double unit) {
 
 }  // namespace
 
-double Measurement::maximum() const { return std::max(mesh_to_surface.maximum, surface_to_mesh.maximum); }
-double Measurement::p99() const { return std::max(mesh_to_surface.p99, surface_to_mesh.p99); }
-double Measurement::mean() const { return std::max(mesh_to_surface.mean, surface_to_mesh.mean); }
-
 Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::size_t samples, const RunControl& control) {
   DistantSamples none{INFINITY, {}};
   return measure(mesh, surface, samples, none, control);
@@ -293,6 +289,15 @@ void transform_to(Measurement& measurement, const Grid& grid, Space space) {
     d->farthest = to_space(grid, space, d->farthest);
   }
 }
+
+}  // namespace isoatlas::detail
+
+namespace isoatlas {
+using namespace detail;
+
+double Measurement::maximum() const { return std::max(mesh_to_surface.maximum, surface_to_mesh.maximum); }
+double Measurement::p99() const { return std::max(mesh_to_surface.p99, surface_to_mesh.p99); }
+double Measurement::mean() const { return std::max(mesh_to_surface.mean, surface_to_mesh.mean); }
 
 Measurement measure(const TriangleMesh& mesh, const VolumeView& volume, const MeasureOptions& options,
                     const RunControl& callers_control) try {

@@ -7,7 +7,7 @@
 #include "isoatlas/measure.h"
 #include "isosurface/isosurface.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// measure() for who has the isosurface already, with the mesh in sample-index coordinates: its triangles face as the surface does
 /// there, `farthest` is there too, and lengths are in the isosurface's metric.
@@ -28,4 +28,4 @@ Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::si
 /// From voxels (smallest spacings) and sample-index coordinates to world lengths and the mesh's space.
 void transform_to(Measurement& measurement, const Grid& grid, Space space);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -11,7 +11,7 @@
 #include "core/vector_math.h"
 #include "error/balance.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr std::size_t kCellsPerPiece = 64;
@@ -468,7 +468,7 @@ std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& 
 }
 
 std::vector<MetricValues> MeasuredCovering::measure_metrics() const {
-  return isoatlas::measure_metrics(ground_, covering_, mesh_, sampled_triangles_.get(), is_proved());
+  return isoatlas::detail::measure_metrics(ground_, covering_, mesh_, sampled_triangles_.get(), is_proved());
 }
 
 std::array<MetricSummary, kMetricCount> summarize(std::span<const MetricValues> values) {
@@ -482,4 +482,4 @@ std::array<MetricSummary, kMetricCount> summarize(std::span<const MetricValues> 
   return out;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

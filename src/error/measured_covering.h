@@ -16,7 +16,7 @@
 #include "isoatlas/refine.h"
 #include "voronoi/repair.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// A surface complex with all that refinement derives from it once.
 struct Ground {
@@ -45,7 +45,7 @@ struct Ground {
   bool may_roam(CVertexId v) const { return roaming != nullptr ? roaming->may_roam(v) : !graph.on_boundary[v]; }
   void check_cancelled() const { measured().check_cancelled(); }
   void report_going_on() const {
-    if (control != nullptr) isoatlas::report_going_on(*control);
+    if (control != nullptr) isoatlas::detail::report_going_on(*control);
   }
   MeasuredSurface measured() const {
     return {surfels, moved_from.empty() ? surfels.point : moved_from, graph, complex.spacing, isosurface, control};
@@ -192,4 +192,4 @@ double excess_of(Quantity quantity, double value, double bound);
 
 double longest_edge(const LevelMesh& mesh, CellId cell);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -5,7 +5,7 @@
 #include "error/cell_view.h"
 #include "isoatlas/refine.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 double max_distance(const CellView& cell);
 double mean_distance(const CellView& cell);
@@ -20,4 +20,4 @@ double evaluate(Quantity metric, const CellView& cell);
 /// Does the metric look at CellView::closest?
 constexpr bool needs_closest(Quantity metric) { return metric <= Quantity::area_curvature_smooth; }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -5,7 +5,7 @@
 #include "core/vector_math.h"
 #include "error/surfels.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 struct NearestSurfel {
   CVertexId id;
@@ -26,4 +26,4 @@ inline NearestSurfel walk_to_nearest(const Surfels& surfels, const CVertexGraph&
   return at;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

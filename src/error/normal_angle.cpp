@@ -10,7 +10,7 @@
 #include "error/border.h"
 #include "error/metrics.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 // By the tangent of the half angle, which is exact for small angles, too.
@@ -52,4 +52,4 @@ double normal_angle(const CellView& cell) {
   return largest * 180 / std::numbers::pi;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -12,7 +12,7 @@
 #include "error/level_mesh.h"
 #include "geometry/closest_point.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// The triangles around a cell, those with a corner at it or at a neighbour of it, to be asked for closest points. Each has a ball
 /// around it, as seen from the cell's vertex, so that most triangles are passed over after one distance; flat arrays of float, so
@@ -115,4 +115,4 @@ class Ring {
   std::vector<float> x_, y_, z_, radius_, gap_;
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -12,7 +12,7 @@
 #include "error/ring.h"
 #include "geometry/closest_point.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr std::size_t kCellsPerPiece = 16;
@@ -269,4 +269,4 @@ std::vector<Farthest> prove_surface_near(const MeasuredSurface& surface, const G
   return out;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

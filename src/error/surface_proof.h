@@ -9,7 +9,7 @@
 #include "error/error_field.h"
 #include "error/level_mesh.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// The c-vertices of each grid cell. One on the wall between grid cells is in all of them. 12 bytes per c-vertex.
 class GridCells {
@@ -51,4 +51,4 @@ class GridCells {
 std::vector<Farthest> prove_surface_near(const MeasuredSurface& surface, const GridCells& grid_cells, const LevelMesh& mesh,
                                          std::span<const CellId> cell_of, std::span<const CellId> cells, double bound);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

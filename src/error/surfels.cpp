@@ -5,7 +5,7 @@
 #include "core/parallel.h"
 #include "core/vector_math.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr std::size_t kPerPiece = 8192;  // c-vertices, of a parallel loop
@@ -37,4 +37,4 @@ Surfels make_surfels(const SurfaceComplex& complex, const RunControl* control) {
   return out;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -6,7 +6,7 @@
 #include "complex/surface_complex.h"
 #include "isoatlas/run_control.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// The surfels of a complex as samples of its surface: per c-vertex a point, a unit normal and an area. All with the spacing
 /// applied. Made once, in the set-up stage (paper, 3.5).
@@ -19,4 +19,4 @@ struct Surfels {
 /// O(F). 52 bytes per c-vertex.
 Surfels make_surfels(const SurfaceComplex& complex, const RunControl* control = nullptr);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

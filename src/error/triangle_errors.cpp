@@ -12,7 +12,7 @@
 #include "core/whole_progress.h"
 #include "error/nearest_surfel.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr std::size_t kTrianglesPerPiece = 32;
@@ -264,4 +264,4 @@ void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, st
   }
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

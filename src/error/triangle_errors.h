@@ -8,7 +8,7 @@
 #include "error/error_field.h"
 #include "error/level_mesh.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// How a triangle is looked at: at samples about 0.8 voxels apart, or at all its points, by proof.
 enum class Look { samples, proof };
@@ -54,4 +54,4 @@ void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, st
                        std::span<const CellId> cells, double enough, Look look, std::vector<Farthest>& from_mesh,
                        TriangleErrors* known = nullptr);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

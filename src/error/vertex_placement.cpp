@@ -5,7 +5,7 @@
 #include "core/vector_math.h"
 #include "embedding/subdivide.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr std::size_t kPerPiece = 2048;  // vertices, of a parallel loop
@@ -42,4 +42,4 @@ std::vector<ShapeObstacle> obstacles(const VertexPlacement& places, const Adapti
   return out;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

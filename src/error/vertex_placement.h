@@ -10,7 +10,7 @@
 #include "error/surfels.h"
 #include "isoatlas/refine.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Where the vertices of a level sit, whatever the level. Points have the spacing applied, positions are in sample indices.
 struct VertexPlacement {
@@ -44,4 +44,4 @@ std::vector<Vec3> vertex_positions(const SurfaceComplex& complex, const Surfels&
 /// @param earlier  how many vertices are those of earlier levels
 std::vector<ShapeObstacle> obstacles(const VertexPlacement& places, const AdaptiveSurface& surface, CellId earlier);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

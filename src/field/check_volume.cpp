@@ -13,7 +13,7 @@
 #include "core/vector_math.h"
 #include "field/sample_type.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr double kLargestAnisotropy = 1e6;
@@ -113,4 +113,4 @@ void throw_empty_surface(const VolumeView& volume, double isovalue) {
                                             " to " + number(s.maximum) + ", so all of them are on one side");
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -3,7 +3,7 @@
 
 #include "isoatlas/volume.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// What every computation on a volume asks of it.
 /// @throws Error(bad_argument) size < 2 along an axis, spacing not positive or different by more than 1e6 between axes, origin or
@@ -18,4 +18,4 @@ void require_orthonormal(const Grid& grid);
 /// @throws Error(empty_surface) saying the samples' range
 [[noreturn]] void throw_empty_surface(const VolumeView& volume, double isovalue);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

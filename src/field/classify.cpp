@@ -12,7 +12,7 @@
 #include "core/parallel.h"
 #include "field/sample_type.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 // "value >= isovalue" as a comparison in the sample's own type: value >= threshold, unless no value or every value is.
@@ -154,4 +154,4 @@ SignBits classify(const VolumeView& volume, const InsideRule& rule, const RunCon
   return out;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

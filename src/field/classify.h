@@ -8,7 +8,7 @@
 #include "isoatlas/run_control.h"
 #include "isoatlas/volume.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 struct InsideRule {
   double isovalue = 0;
@@ -31,4 +31,4 @@ struct SignBits {
 /// @cost   one pass over the samples, N/8 bytes
 SignBits classify(const VolumeView& volume, const InsideRule& rule, const RunControl& control);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

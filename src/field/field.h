@@ -11,7 +11,7 @@
 #include "field/classify.h"
 #include "field/sample_type.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Samples of one type as numbers that are >= 0 inside and < 0 outside (up to rounding; the sign bits decide, not these).
 template <class T>
@@ -205,4 +205,4 @@ double zero_between(bool inside_at_0, double start, F f) {
   return t;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

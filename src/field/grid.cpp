@@ -6,6 +6,7 @@
 #include "isoatlas/volume.h"
 
 namespace isoatlas {
+using namespace detail;
 
 double Grid::smallest_spacing() const { return std::min({spacing.x, spacing.y, spacing.z}); }
 
@@ -25,6 +26,10 @@ Vec3 Grid::to_index(Vec3 world) const {
           dot(w, cross(x, y)) / (determinant * spacing.z)};
 }
 
+}  // namespace isoatlas
+
+namespace isoatlas::detail {
+
 Vec3 to_space(const Grid& grid, Space space, Vec3 index) {
   if (space == Space::voxel) return index;
   const double flip = space == Space::ras ? -1 : 1;
@@ -32,4 +37,4 @@ Vec3 to_space(const Grid& grid, Space space, Vec3 index) {
   return {flip * w.x, flip * w.y, w.z};
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -9,7 +9,7 @@
 #include "core/vector_math.h"
 #include "field/field.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 template <class T>
 struct InterpolatedField::SamplesOf : Samples {
@@ -141,4 +141,4 @@ std::optional<double> InterpolatedField::zero_on_edge(const Vec3 low, int axis) 
   });
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

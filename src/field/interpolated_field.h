@@ -12,7 +12,7 @@
 #include "field/upsampled_field.h"
 #include "isoatlas/volume.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// The field of a volume of any sample type between its samples, >= 0 inside and < 0 outside, at any point. Points are in sample-index
 /// coordinates, supersampled in those of the upsampled samples; then too it is the volume's own interpolant.
@@ -86,4 +86,4 @@ class InterpolatedField {
   std::shared_ptr<const Samples> samples_;
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -8,6 +8,7 @@
 #include "core/file_name.h"
 
 namespace isoatlas {
+using namespace detail;
 
 namespace {
 

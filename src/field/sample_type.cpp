@@ -2,6 +2,7 @@
 #include "field/sample_type.h"
 
 namespace isoatlas {
+using namespace detail;
 
 std::string_view name(SampleType type) {
   switch (type) {

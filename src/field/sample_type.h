@@ -6,7 +6,7 @@
 #include "isoatlas/error.h"
 #include "isoatlas/volume.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Calls f with a null pointer to the C++ type of `type`: the one place that maps sample types to C++ types.
 template <class F>
@@ -36,4 +36,4 @@ decltype(auto) visit_sample_type(SampleType type, F&& f) {
   throw Error(ErrorCode::bad_argument, "unknown sample type");
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -6,6 +6,7 @@
 #include "field/sample_type.h"
 
 namespace isoatlas {
+using namespace detail;
 namespace {
 
 template <class T>

@@ -17,7 +17,7 @@
 #include "core/parallel.h"
 #include "field/sample_type.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr double kMostSamples = 0x1p36;  // their sign bits take 8 GiB
@@ -227,7 +227,7 @@ void UpsampledField::set_signs(const std::array<std::size_t, 3>& cell, SignBits&
 
 SignBits UpsampledField::classify(const RunControl& control) const {
   if (rule_.non_finite == NonFinite::refuse && (volume_.type == SampleType::float32 || volume_.type == SampleType::float64)) {
-    isoatlas::classify(volume_, rule_, control);  // for what it refuses
+    isoatlas::detail::classify(volume_, rule_, control);  // for what it refuses
   }
   const auto [nx, ny, nz] = size_;
   SignBits out;
@@ -309,4 +309,4 @@ SignBits UpsampledField::classify(const RunControl& control) const {
   return out;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -12,7 +12,7 @@
 #include "field/field.h"
 #include "isoatlas/volume.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Are there no more than 2^36 samples in all, and fewer than 2^32 - 2 along an axis? @pre factor >= 1
 bool can_be_upsampled(const Grid& grid, std::uint32_t factor);
@@ -84,4 +84,4 @@ class UpsampledField {
   std::shared_ptr<const Samples> samples_;
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -11,7 +11,7 @@
 
 #include "files/file_error.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -137,4 +137,4 @@ void AtomicFile::commit() {
   committed_ = true;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <ostream>
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// A file that appears whole or not at all: written under a temporary name in the destination's folder, renamed over
 /// the destination by commit(). Without commit() (an exception, an early return) the temporary file is removed and
@@ -47,4 +47,4 @@ class AtomicFile {
   bool committed_ = false;
 };
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -17,7 +17,7 @@
 #include "files/file_error.h"
 #include "files/stored_data.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -230,4 +230,4 @@ void swap_byte_order(void* values, std::uint64_t count, std::size_t value_bytes)
   }
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <memory>
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 enum class Packing { none, deflate, bzip2 };  ///< deflate: gzip or zlib, whichever the stream's header says
 
@@ -46,4 +46,4 @@ class ByteSource {
 /// Reverses the bytes of each of `count` values of `value_bytes` bytes, in place.
 void swap_byte_order(void* values, std::uint64_t count, std::size_t value_bytes);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -6,7 +6,7 @@
 #include <new>
 #include <system_error>
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 std::string one_line(std::string_view text, std::size_t limit) {
   std::string line;
@@ -96,4 +96,4 @@ std::string file_contents(const std::filesystem::path& path) {
   }
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -11,7 +11,7 @@
 
 #include "isoatlas/error.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// Text from a file or from another library, made fit for a message: control characters and runs of blanks become one
 /// blank, the end is cut at `limit` bytes.
@@ -44,4 +44,4 @@ auto translate_exceptions(const std::filesystem::path& path, Work work) {
   }
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

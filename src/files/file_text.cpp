@@ -7,7 +7,7 @@
 
 #include "files/file_error.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace {
 
@@ -91,4 +91,4 @@ std::string FileText::line() {
   return line;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 class FileText {
  public:
@@ -44,4 +44,4 @@ class FileText {
   std::size_t first_ = 0, last_ = 0;   // of the bytes in the buffer that are not used yet
 };
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

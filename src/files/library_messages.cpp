@@ -3,7 +3,7 @@
 
 #include <iostream>
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace {
 
@@ -22,4 +22,4 @@ LibraryMessages::~LibraryMessages() {
   std::cerr.rdbuf(cerr_buffer_);
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

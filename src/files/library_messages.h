@@ -5,7 +5,7 @@
 #include <sstream>
 #include <streambuf>
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// Keeps the messages that decoding libraries write to std::cerr and std::cout away from the terminal while it lives.
 ///
@@ -25,4 +25,4 @@ class LibraryMessages {
   std::streambuf* cout_buffer_;
 };
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

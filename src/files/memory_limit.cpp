@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <fstream>
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 std::uint64_t default_memory_limit() {
   std::uint64_t bytes = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGE_SIZE));
@@ -24,4 +24,4 @@ std::uint64_t default_memory_limit() {
   return bytes / 4 * 3;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -3,10 +3,10 @@
 
 #include <cstdint>
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// Three quarters of the memory that this process may use: the machine's, or the limit of its control group or its
 /// address space (`ulimit -v`) where that is less.
 std::uint64_t default_memory_limit();
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

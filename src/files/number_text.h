@@ -8,7 +8,7 @@
 #include <system_error>
 #include <type_traits>
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// Reads the number that `text` begins with, as std::from_chars does. A plus sign may stand before it, and a number too
 /// small for the type becomes 0: "1e-400" is 0, "1e400" is an error.
@@ -37,4 +37,4 @@ bool parse_number(std::string_view word, Number& value) {
   return error == std::errc{} && end == word.data() + word.size();
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -9,7 +9,7 @@
 
 #include "files/file_error.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -71,4 +71,4 @@ std::string first_bytes(const fs::path& path, std::size_t limit) {
   return bytes;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// Uncompressed samples. Throws Error(bad_file) if `stored` is less than `promised`.
 void require_stored_bytes(const std::filesystem::path& path, std::uint64_t promised, std::uint64_t stored);
@@ -28,4 +28,4 @@ void check_data_file(const std::filesystem::path& header_file, const std::filesy
 /// The first bytes of a file, at most `limit`; decompressed if the file is gzipped.
 std::string first_bytes(const std::filesystem::path& path, std::size_t limit);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -5,6 +5,7 @@
 #include "files/file_error.h"
 
 namespace isoatlas {
+using namespace detail;
 
 std::string read_text_file(const std::filesystem::path& path) { return io::file_contents(path); }
 

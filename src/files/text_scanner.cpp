@@ -4,7 +4,7 @@
 #include "files/file_error.h"
 #include "files/number_text.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace {
 
@@ -83,4 +83,4 @@ Error TextScanner::error(std::string_view what) const {
   return bad_file(path_, "line " + std::to_string(line_number_) + ": " + std::string(what));
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -8,7 +8,7 @@
 
 #include "isoatlas/error.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// Walks through a text file by lines and blank-separated words, for readers whose errors name the line.
 /// The text outlives the scanner. Numbers are read the same in every locale.
@@ -50,4 +50,4 @@ class TextScanner {
   std::filesystem::path path_;
 };
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -16,7 +16,7 @@
 #include "files/file_error.h"
 #include "files/number_text.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -194,4 +194,4 @@ void read_component(VtkValues& values, SampleType type, std::uint64_t components
   }
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

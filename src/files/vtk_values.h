@@ -11,7 +11,7 @@
 #include "files/file_text.h"
 #include "isoatlas/volume.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// A type of VTK: bits, eight of them in a byte, are read as uint8.
 struct VtkType {
@@ -53,4 +53,4 @@ std::unique_ptr<VtkValues> text_values(const std::filesystem::path& path, FileTe
 void read_component(VtkValues& values, SampleType type, std::uint64_t components, std::uint64_t component, std::uint64_t count,
                     std::byte* to);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -14,7 +14,7 @@
 #include "files/number_text.h"
 #include "files/stored_data.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -256,4 +256,4 @@ std::vector<double> numbers_of(const VtkXmlHeader& header, const XmlElement& ele
   return numbers;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 struct XmlElement {
   std::string name = {};
@@ -43,4 +43,4 @@ VtkXmlHeader read_vtk_xml_header(const std::filesystem::path& path);
 /// @throws Error(bad_file) if they are others
 std::vector<double> numbers_of(const VtkXmlHeader& header, const XmlElement& element, std::string_view attribute, std::size_t count);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -17,7 +17,7 @@
 #include "files/file_error.h"
 #include "files/stored_data.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -390,4 +390,4 @@ std::string vtk_xml_reader_name(const VtkXmlHeader& header) {
   return "isoatlas, " + expat;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -10,7 +10,7 @@
 #include "files/vtk_values.h"
 #include "files/vtk_xml_header.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// The type of an array; none: it holds strings.
 /// @throws Error(bad_file) if there is no such type
@@ -27,4 +27,4 @@ std::string first_xml_string(const VtkXmlHeader& header, const XmlElement& array
 /// The libraries that read such a file, with their versions.
 std::string vtk_xml_reader_name(const VtkXmlHeader& header);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -6,7 +6,7 @@
 
 #include "isoatlas/volume.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// The smallest box with edges along the axes that has points in it.
 struct Bounds {
@@ -24,4 +24,4 @@ inline Bounds bounds_of(std::span<const Vec3> points) {
   return out;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

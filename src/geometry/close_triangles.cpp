@@ -10,7 +10,7 @@
 #include "core/parallel.h"
 #include "core/vector_math.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr std::size_t kGrain = 4096;     // items per piece of a parallel loop
@@ -189,4 +189,4 @@ std::vector<TrianglePair> CloseTriangles::update(std::span<const Vec3> positions
   });
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -12,7 +12,7 @@
 #include "isoatlas/run_control.h"
 #include "isoatlas/self_intersections.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Finds pairs of triangles with overlapping boxes in a mesh that changes. Triangles that change together are in a tree of their own; a
 /// tree that is not twice as large as the next one is joined with it. So there are few trees, and each triangle is sorted into a few only.
@@ -62,4 +62,4 @@ class CloseTriangles {
   EpochSet is_changed_;
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -8,7 +8,7 @@
 
 #include "core/vector_math.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// A point of a triangle: corner k weighs weight[k]; weights are >= 0 and add up to 1, up to rounding.
 struct TrianglePoint {
@@ -60,4 +60,4 @@ inline TrianglePoint closest_on_triangle(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
   return best;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -9,7 +9,7 @@
 #include "core/vector_math.h"
 #include "geometry/bounds.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// The point from which float32 coordinates keep most digits: the middle of the box if the box is farther from the origin than it is long,
 /// else the origin. The coordinates are float32 values, so that viewers that compute in float32 add the same numbers.
@@ -20,4 +20,4 @@ inline Vec3 float32_origin_of(const Bounds& box) {
   return {to_float32(middle.x), to_float32(middle.y), to_float32(middle.z)};
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -10,7 +10,7 @@
 #include "core/sort_once.h"
 #include "geometry/triangle_pair.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr std::size_t kPerPiece = 2048;  // vertices or triangles, of a parallel loop
@@ -137,4 +137,4 @@ std::vector<std::uint32_t> IntersectionTracker::largest_corners(std::span<const 
   return out;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -8,7 +8,7 @@
 #include "geometry/close_triangles.h"
 #include "geometry/written_positions.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// The self-intersections of a mesh that changes, and its triangles without area, in the coordinates that files have. Call update() for
 /// each new version of the mesh: only triangles that changed are tested again.
@@ -52,4 +52,4 @@ class IntersectionTracker {
   std::vector<TrianglePair> pairs_;  // a triangle without area is a pair with itself
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

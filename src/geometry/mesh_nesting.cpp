@@ -17,7 +17,7 @@
 #include "geometry/closest_point.h"
 #include "geometry/triangle_tree.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -183,4 +183,4 @@ Nesting mesh_nesting(std::span<const Vec3> positions, std::span<const Triangle> 
   return nesting;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

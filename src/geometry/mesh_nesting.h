@@ -9,7 +9,7 @@
 #include "isoatlas/mesh.h"
 #include "isoatlas/run_control.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Which way the closed components of a mesh face, see Nesting::facing; exact for all finite coordinates. Parameters as below.
 /// @cost  O(T); components of so little volume that doubles do not tell its sign take some 100 times as long as others
@@ -32,4 +32,4 @@ std::vector<std::uint32_t> misplaced_vertices(std::span<const Vec3> positions, s
                                               std::span<const std::uint32_t> component_of, const Nesting& nesting, const Nesting& wanted,
                                               const RunControl& control = {});
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

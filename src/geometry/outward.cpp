@@ -3,7 +3,7 @@
 
 #include "core/vector_math.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 std::vector<std::uint8_t> turned_components(std::span<const Vec3> positions, std::span<const Triangle> triangles, Vec3 spacing,
                                             std::span<const std::uint32_t> component_of, std::size_t components,
@@ -23,4 +23,4 @@ std::vector<std::uint8_t> turned_components(std::span<const Vec3> positions, std
   return turned;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

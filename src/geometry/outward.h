@@ -6,7 +6,7 @@
 
 #include "isoatlas/mesh.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Components of a mesh that do not face outward: the triangles' area vectors, each against the outward directions at its
 /// three corners, do not add up to something positive. Orientation as such is right by construction and checked by counting;
@@ -21,4 +21,4 @@ std::vector<std::uint8_t> turned_components(std::span<const Vec3> positions, std
                                             std::span<const std::uint32_t> component_of, std::size_t components,
                                             std::span<const Vec3> outward, double least);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -12,6 +12,7 @@
 #include "isoatlas/mesh.h"
 
 namespace isoatlas {
+using namespace detail;
 namespace {
 
 // Below that a triangle is a cap: its corners are nearly on a line, though its edges may be of about the same length.

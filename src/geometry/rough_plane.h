@@ -8,7 +8,7 @@
 #include "core/vector_math.h"
 #include "isoatlas/mesh.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 inline double largest_coordinate(Vec3 v) { return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}); }
 
@@ -50,4 +50,4 @@ class RoughPlane {
   double least_ = 0;  // whatever the difference
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

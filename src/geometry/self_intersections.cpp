@@ -14,6 +14,7 @@
 #include "isoatlas/error.h"
 
 namespace isoatlas {
+using namespace detail;
 namespace {
 
 void check_input(std::span<const Vec3> positions, std::span<const Triangle> triangles) {

@@ -9,6 +9,7 @@
 #include "isoatlas/mesh.h"
 
 namespace isoatlas {
+using namespace detail;
 namespace {
 
 struct HalfEdge {

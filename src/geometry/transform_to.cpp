@@ -5,6 +5,7 @@
 #include "isoatlas/mesh.h"
 
 namespace isoatlas {
+using namespace detail;
 
 void transform_to(TriangleMesh& mesh, const Grid& grid, Space space) {
   if (space == Space::voxel) return;

@@ -20,7 +20,7 @@
 #include "core/vector_math.h"
 #include "geometry/rough_plane.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -285,4 +285,4 @@ std::size_t meeting_pairs(std::span<const Vec3> positions, std::span<const Trian
   return out;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

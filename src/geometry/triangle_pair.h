@@ -5,7 +5,7 @@
 
 #include "isoatlas/mesh.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Whether two triangles have a point in common beyond the convex hull of the corners they share, as self_intersections() has it.
 /// Exact for all finite coordinates.
@@ -23,4 +23,4 @@ bool has_area(std::span<const Vec3> positions, const Triangle& t);
 /// @param positions  the triangles' corners and no others
 std::size_t meeting_pairs(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::size_t enough);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -13,7 +13,7 @@
 
 #include "core/parallel.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr std::size_t kGrain = 4096;  // items per piece of a parallel loop
@@ -259,4 +259,4 @@ void TriangleTree::leaves_near(Vec3 low, Vec3 high, std::uint32_t first, std::ve
   }
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

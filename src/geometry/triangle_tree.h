@@ -12,7 +12,7 @@
 #include "isoatlas/mesh.h"
 #include "isoatlas/run_control.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Finds the closest triangle to a point, and the triangles near a box: boxes within boxes.
 ///
@@ -77,4 +77,4 @@ class TriangleTree {
   std::vector<Level> levels_;  // lowest level first
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

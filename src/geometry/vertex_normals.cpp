@@ -3,7 +3,7 @@
 
 #include "core/vector_math.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 std::vector<Vec3> vertex_normals(const TriangleMesh& mesh, double unit) {
   std::vector<Vec3> out(mesh.positions.size());
@@ -16,4 +16,4 @@ std::vector<Vec3> vertex_normals(const TriangleMesh& mesh, double unit) {
   return out;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

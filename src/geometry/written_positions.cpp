@@ -11,7 +11,7 @@
 #include "field/to_space.h"
 #include "geometry/float32_origin.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr double kMostRounding = 0.001;  // voxels
@@ -73,4 +73,4 @@ std::vector<Vec3> WrittenPositions::in_form(std::size_t form, std::span<const Ve
   return out;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

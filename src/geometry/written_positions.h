@@ -10,7 +10,7 @@
 
 #include "isoatlas/volume.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// The translation of a .glb: the middle of the volume if the volume is farther from the origin than it is long, else 0. Its coordinates
 /// are float32 values.
@@ -42,4 +42,4 @@ class WrittenPositions {
   double most_rounding_ = 0;
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

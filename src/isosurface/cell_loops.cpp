@@ -11,7 +11,7 @@
 
 #include "core/vector_math.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 struct Segment {
@@ -346,4 +346,4 @@ const CellLoopTable& CellLoopTable::get() {
   return table;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

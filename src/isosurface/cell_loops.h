@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 // Numbering used everywhere in the surface module, axis a = 0, 1, 2 with u = (a + 1) % 3 and v = (a + 2) % 3:
 //   corner  x + 2 y + 4 z
@@ -98,4 +98,4 @@ constexpr std::array<int, 2> edge_corners(int edge) {
   return {low, low | (1 << a)};
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -7,7 +7,7 @@
 
 #include "core/vector_math.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 // Nodes are kept this far from the ends of their grid edge and c-vertices this far from the walls of their cell, so that no
@@ -78,4 +78,4 @@ Vec3 onto_surface(const CellValues& cell, Vec3 start, Vec3 spacing) {
   return cell.cubic ? onto_surface_of(*cell.cubic, start, spacing) : onto_surface_of(TrilinearCell(cell.corner), start, spacing);
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

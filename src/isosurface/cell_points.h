@@ -8,7 +8,7 @@
 #include "isoatlas/mesh.h"
 #include "isosurface/cell_loops.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 // Where points of the surface are in a grid cell, whose corners are (0, 0, 0) to (1, 1, 1). Moves points, never topology.
 
@@ -31,4 +31,4 @@ Vec3 off_the_walls(Vec3 p);
 /// @param spacing  of the cell's sides
 Vec3 onto_surface(const CellValues& cell, Vec3 start, Vec3 spacing);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -6,7 +6,7 @@
 
 #include "core/vector_math.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 // Lengths in voxels (smallest spacings).
@@ -218,4 +218,4 @@ Vec3 Isosurface::normal(Vec3 p) const {
   return -1 * normalized(steepest);
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

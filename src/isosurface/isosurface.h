@@ -10,7 +10,7 @@
 #include "isoatlas/run_control.h"
 #include "isoatlas/volume.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// The isosurface of a volume between its samples, to be asked for closest points: the faces of its surface complex say where it is, the
 /// field where exactly. It ends at the volume's border.
@@ -93,4 +93,4 @@ class Isosurface {
   TriangleTree faces_;
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

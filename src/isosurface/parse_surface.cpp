@@ -28,7 +28,7 @@
 #include "isosurface/split_faces.h"
 #include "isosurface/tunnel_is_there.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 struct Cell {                // a cell crossed by the surface
@@ -560,4 +560,4 @@ SurfaceComplex parse_surface(const VolumeView& volume, const ParseOptions& optio
   return visit_sample_type(volume.type, [&]<class T>(const T*) { return parse(VolumeField<T>(volume, options.rule), signs); });
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -9,7 +9,7 @@
 #include "isoatlas/run_control.h"
 #include "isoatlas/volume.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 struct ParseOptions {
   InsideRule rule;
@@ -46,4 +46,4 @@ struct VerticalNode {
 SurfaceComplex parse_surface(const VolumeView& volume, const ParseOptions& options, const RunControl& control = {},
                              std::vector<VerticalNode>* nodes = nullptr);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -7,7 +7,7 @@
 
 #include "core/cancel_poll.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using BorderNode = std::array<CVertexId, 3>;  // ends of a boundary side, and the node between them
@@ -107,4 +107,4 @@ void split_faces(SurfaceComplex& complex, std::vector<SplitNode> nodes, std::vec
   checked_id(complex.faces.size(), "faces");
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -8,7 +8,7 @@
 #include "complex/surface_complex.h"
 #include "isoatlas/run_control.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// A node whose face becomes a fan of triangles about it.
 struct SplitNode {
@@ -35,4 +35,4 @@ CVertexId add_c_vertex(SurfaceComplex& complex, Vec3 position);
 /// @param middles  in any order
 void split_faces(SurfaceComplex& complex, std::vector<SplitNode> nodes, std::vector<SegmentMiddle> middles, const RunControl& control);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

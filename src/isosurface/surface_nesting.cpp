@@ -9,7 +9,7 @@
 #include <tuple>
 #include <vector>
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 Nesting surface_nesting(const Components& components, std::span<const VerticalNode> nodes) {
   const std::size_t n = components.topology.size();
@@ -54,4 +54,4 @@ Nesting surface_nesting(const Components& components, std::span<const VerticalNo
   return nesting;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

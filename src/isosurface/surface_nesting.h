@@ -7,7 +7,7 @@
 #include "core/nesting.h"
 #include "isosurface/parse_surface.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// The nesting of a surface, by the nodes on the grid's lines along z alone: integers and signs, no coordinates.
 ///
@@ -15,4 +15,4 @@ namespace isoatlas {
 /// @cost  O(N log N) for N nodes
 Nesting surface_nesting(const Components& components, std::span<const VerticalNode> nodes);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

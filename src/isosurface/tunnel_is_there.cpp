@@ -17,7 +17,7 @@
 
 static_assert(LDBL_MANT_DIG >= 64 && LDBL_MAX_EXP >= 16384, "needs a long double wider than double (x87 or IEEE quadruple)");
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using Real = long double;
@@ -104,4 +104,4 @@ bool tunnel_is_there(const Tunnel& tunnel, const std::array<long double, 8>& sam
   return *decide(tunnel, integers(samples, isovalue));
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -5,7 +5,7 @@
 
 #include "isosurface/cell_loops.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Is this tunnel in the trilinear interpolant of a cell? Decided exactly; equal is inside.
 ///
@@ -14,4 +14,4 @@ namespace isoatlas {
 /// @cost  a floating-point filter decides nearly always; else integers as long as they need be
 bool tunnel_is_there(const Tunnel& tunnel, const std::array<long double, 8>& samples, long double isovalue);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -15,7 +15,7 @@
 #include "optimize/relax.h"
 #include "voronoi/halving_covering.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 // Vertices of the coarse level are moved this far from each other where they can be, times the shortest side of a grid cell: they stay
@@ -327,4 +327,4 @@ bool CoarseMesher::make_finer(std::span<const CellId> cells, const RunControl& c
   return true;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

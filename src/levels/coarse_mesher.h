@@ -14,7 +14,7 @@
 #include "isoatlas/report.h"
 #include "voronoi/repair.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Level 0.
 struct CoarseLevel {
@@ -79,4 +79,4 @@ class CoarseMesher {
   VertexPlacement placement_;
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -7,7 +7,7 @@
 
 #include "core/vector_math.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 std::string count_text(std::size_t n) {
@@ -110,4 +110,4 @@ std::vector<ConstraintResult> judge(const LevelGoal& goal, const MeshExtent& mes
   return out;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -7,7 +7,7 @@
 #include "error/level_mesh.h"
 #include "isoatlas/refine.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// What the constraints other than metrics are about.
 struct MeshExtent {
@@ -32,4 +32,4 @@ struct Obstacles {
 std::vector<ConstraintResult> judge(const LevelGoal& goal, const MeshExtent& mesh, const std::array<MetricSummary, kMetricCount>& metrics,
                                     const Obstacles& obstacles);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -18,7 +18,7 @@
 #include "geometry/triangle_pair.h"
 #include "isoatlas/self_intersections.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 // Per component, the topology counted on the finished triangles must be that of the reference. `component_of` says which
@@ -155,6 +155,10 @@ void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<co
   report_going_on(control);
 }
 
+}  // namespace isoatlas::detail
+
+namespace isoatlas {
+
 bool LevelReport::all_met() const {
   return std::all_of(constraints.begin(), constraints.end(), [](const ConstraintResult& c) { return c.met || c.wanted.is_default; });
 }
@@ -173,9 +177,13 @@ TopologySummary summarize(const std::vector<ComponentTopology>& components) {
   return out;
 }
 
+}  // namespace isoatlas
+
+namespace isoatlas::detail {
+
 void bring_out(TriangleMesh& mesh, const Grid& grid, const ExtractOptions& options) {
   for (Vec3& p : mesh.positions) p = to_volume(p, options);
   transform_to(mesh, grid, options.space);
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -8,7 +8,7 @@
 #include "isoatlas/options.h"
 #include "isoatlas/report.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// From sample-index coordinates, of the upsampled samples if the volume was supersampled, to those of the volume.
 inline Vec3 to_volume(Vec3 index, const ExtractOptions& options) {
@@ -31,4 +31,4 @@ void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<co
                   std::span<const ShapeObstacle> stays, const LevelGoal& goal, const Grid& grid, const ExtractOptions& options,
                   LevelReport& report, const RunControl& control);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

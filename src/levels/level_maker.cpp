@@ -11,7 +11,7 @@
 #include "error/measure_mesh.h"
 #include "levels/level.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr int kMeasuredRounds = 8;
@@ -200,4 +200,4 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
   report.seconds = seconds();
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

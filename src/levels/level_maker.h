@@ -6,7 +6,7 @@
 #include "levels/coarse_mesher.h"
 #include "levels/refiner.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// What the coarse level leaves to the finer ones. Lengths are in voxels (smallest spacings).
 struct LevelSource {
@@ -43,4 +43,4 @@ class LevelMaker {
   Refiner refiner_;
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -10,7 +10,7 @@
 #include "core/parallel.h"
 #include "core/vector_math.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr std::size_t kGrain = 2048, kLook = 32;  // c-vertices in a piece; between looks at whether to stop
@@ -76,4 +76,4 @@ std::vector<Covering::Radius> predict_radii(const Ground& ground, std::span<cons
   return out;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -7,7 +7,7 @@
 #include "error/measured_covering.h"
 #include "voronoi/covering.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Guesses, at some c-vertices, the radius of disks that keeps a mesh within `bound` of the surface: from how far the surface around a
 /// c-vertex is from being flat, as if it went on with that curvature. A little too large on average, since what is too large is seen when
@@ -15,4 +15,4 @@ namespace isoatlas {
 /// @cost  O(at.size()), about 50 c-vertices each. Parallel
 std::vector<Covering::Radius> predict_radii(const Ground& ground, std::span<const CVertexId> at, double bound);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -11,7 +11,7 @@
 #include "isoatlas/refine.h"
 #include "optimize/shape_optimizer.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 struct LevelFigures {
   std::array<MetricSummary, kMetricCount> metrics{};
@@ -34,4 +34,4 @@ struct RefinedLevel {
   bool vertices_ran_out = false;  ///< a limit on vertices ended the work
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

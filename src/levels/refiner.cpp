@@ -19,7 +19,7 @@
 #include "embedding/resolve_intersections.h"
 #include "levels/predict_radii.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 // On the coarser complex, whose c-vertices are few, stop well above its own limit: the surface itself places sites better.
@@ -653,4 +653,4 @@ std::vector<std::uint32_t> Refiner::parents() const {
   return out;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

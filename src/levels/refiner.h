@@ -17,7 +17,7 @@
 #include "levels/rounds.h"
 #include "optimize/shape_optimizer.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Stage two: makes a covering finer where metrics ask for it, level by level (paper, 3.4 and figure 8). Lengths are in voxels.
 ///
@@ -65,7 +65,7 @@ class Refiner {
   /// Per vertex, the vertex of the level before in whose cell it was placed. @pre refine() was called
   std::vector<std::uint32_t> parents() const;
   std::vector<ShapeObstacle> obstacles() const {
-    return isoatlas::obstacles(places(), surface_, sites_before_);
+    return isoatlas::detail::obstacles(places(), surface_, sites_before_);
   }  ///< per vertex, what keeps it where it is; of the last level
 
  private:
@@ -124,4 +124,4 @@ class Refiner {
   std::array<MetricSummary, kMetricCount> metrics_{};
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

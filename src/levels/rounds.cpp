@@ -13,7 +13,7 @@
 
 #include "core/vector_math.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 // In one round: the cells with more than this share of the worst excess. (A band of 0.5 instead needs 1.8 times the rounds and measures 1.4
@@ -278,4 +278,4 @@ double RefinementRounds::done_of_meeting(double worst) {
   return share * share;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

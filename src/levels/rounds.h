@@ -11,7 +11,7 @@
 #include "levels/refined_level.h"
 #include "optimize/shape_optimizer.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 // A cell is at the resolution limit when its radius is this share of the distance to its site's farthest neighbour: then its disk
 // holds hardly more than its site. (The paper stops at 1, where it can promise the aspect ratio; here every triangle is looked at.)
@@ -62,4 +62,4 @@ class RefinementRounds {
   double first_worst_ = 1;  // the largest excess so far
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 inline constexpr std::string_view kBase64Digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
@@ -53,4 +53,4 @@ inline std::string from_base64(std::string_view text) {
   return bytes;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -15,6 +15,7 @@
 #include "mesh_files/stored_form.h"
 
 namespace isoatlas {
+using namespace detail;
 
 namespace fs = std::filesystem;
 

@@ -10,7 +10,7 @@
 #include "files/atomic_file.h"
 #include "isoatlas/mesh_file.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// The extensions of mesh files, with dots, between blanks.
 std::string mesh_extensions();
@@ -68,4 +68,4 @@ StoredLevels read_vtm(const std::filesystem::path& path);
 /// Where the pieces of a .vtm are: one .vtp for each level, in a folder beside it.
 std::filesystem::path vtm_piece(const std::filesystem::path& path, std::size_t level);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

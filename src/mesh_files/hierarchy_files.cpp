@@ -15,6 +15,7 @@
 #include "mesh_files/formats.h"
 
 namespace isoatlas {
+using namespace detail;
 
 namespace fs = std::filesystem;
 

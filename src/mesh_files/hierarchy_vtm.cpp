@@ -11,7 +11,7 @@
 #include "files/vtk_xml_header.h"
 #include "mesh_files/formats.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -151,4 +151,4 @@ StoredLevels read_vtm(const fs::path& path) {
   return levels;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -21,7 +21,7 @@
 #include "mesh_files/xml_text.h"
 #include "mesh_files/zip_archive.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -368,4 +368,4 @@ void write_3mf(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& f
   file.stream().write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -22,7 +22,7 @@
 #include "mesh_files/stored_form.h"
 #include "mesh_files/xml_text.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -316,4 +316,4 @@ void write_gii(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& f
                 << "</GIFTI>\n";
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

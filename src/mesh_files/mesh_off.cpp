@@ -11,7 +11,7 @@
 #include "mesh_files/output_buffer.h"
 #include "mesh_files/polygons.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace {
 
@@ -109,4 +109,4 @@ void write_off(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& f
   out.flush();
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -16,7 +16,7 @@
 #include "mesh_files/output_buffer.h"
 #include "mesh_files/polygons.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace {
 
@@ -297,4 +297,4 @@ void write_ply(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& f
   out.flush();
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -9,7 +9,7 @@
 
 #include "mesh_files/formats.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 namespace {
 
 constexpr std::size_t kBeginning = 4096;  // bytes; comments are at the beginning of a file
@@ -33,4 +33,4 @@ std::string space_in_text(const std::filesystem::path& path) {
 
 MeshFileInfo info_in_text(const std::filesystem::path& path) { return {.space = space_in_text(path), .comment = ""}; }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -16,7 +16,7 @@
 #include "mesh_files/position_table.h"
 #include "mesh_files/same_mesh.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace {
 
@@ -142,4 +142,4 @@ void write_stl(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& f
   out.flush();
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

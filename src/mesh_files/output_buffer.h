@@ -8,7 +8,7 @@
 #include <string_view>
 #include <type_traits>
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// Collects small pieces and hands them to a stream in large ones. Call flush() at the end.
 class OutputBuffer {
@@ -50,4 +50,4 @@ class OutputBuffer {
   std::string buffer_;
 };
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

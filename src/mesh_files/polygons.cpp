@@ -8,7 +8,7 @@
 
 #include "core/vector_math.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace {
 
@@ -104,4 +104,4 @@ void PolygonCutter::cut_concave() {
   }
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -8,7 +8,7 @@
 
 #include "isoatlas/mesh.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 constexpr std::uint32_t kIndexOutOfRange = std::numeric_limits<std::uint32_t>::max();
 
@@ -39,4 +39,4 @@ class PolygonCutter {
   std::vector<std::uint32_t> corners_ = {};  // of all of these
 };
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

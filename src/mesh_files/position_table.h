@@ -10,7 +10,7 @@
 
 #include "isoatlas/mesh.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// Numbers positions in the order of their first appearance; equal positions get one number. 0 and -0 are equal.
 ///
@@ -64,4 +64,4 @@ class PositionTable {
   std::vector<Position> positions_;
 };
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

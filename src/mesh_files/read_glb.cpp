@@ -13,7 +13,7 @@
 #include "files/file_error.h"
 #include "mesh_files/formats.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -324,4 +324,4 @@ StoredLevels read_glb(std::string contents, const fs::path& path) {
   return Reader(model, path).read();
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -17,7 +17,7 @@
 #include "mesh_files/formats.h"
 #include "mesh_files/polygons.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -213,4 +213,4 @@ MeshFileInfo info_in_vtp(const fs::path& path) {
   return {.space = fields["SPACE"], .comment = ""};
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -13,7 +13,7 @@
 #include "files/file_error.h"
 #include "mesh_files/position_table.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace {
 
@@ -178,4 +178,4 @@ double require_same_mesh(const TriangleMesh& written, const TriangleMesh& read, 
   return largest;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

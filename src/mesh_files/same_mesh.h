@@ -11,7 +11,7 @@
 #include "isoatlas/mesh.h"
 #include "isoatlas/mesh_file.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 using Float3 = std::array<float, 3>;
 
@@ -40,4 +40,4 @@ void require_rounding_within(double expected, double found, const std::filesyste
 double require_same_mesh(const TriangleMesh& written, const TriangleMesh& read, bool renumbered, const std::filesystem::path& path,
                          std::string_view what = {});
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -7,6 +7,7 @@
 #include "core/file_name.h"
 
 namespace isoatlas {
+using namespace detail;
 
 namespace {
 
@@ -26,7 +27,9 @@ void convert_unit(TriangleMesh& mesh, LengthUnit from, LengthUnit to) {
   }
 }
 
-namespace io {
+}  // namespace isoatlas
+
+namespace isoatlas::detail::io {
 
 // Divides by whole numbers rather than multiplying by fractions that binary numbers do not have.
 double convert_length(double length, LengthUnit from, LengthUnit to) {
@@ -84,6 +87,4 @@ StoredForm form_in_gifti(const TriangleMesh& mesh, const MeshFileInfo& info) {
   return form;
 }
 
-}  // namespace io
-
-}  // namespace isoatlas
+}  // namespace isoatlas::detail::io

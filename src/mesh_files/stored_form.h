@@ -7,7 +7,7 @@
 
 #include "isoatlas/mesh_file.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// A mesh as a file of some format keeps it.
 struct StoredForm {
@@ -30,4 +30,4 @@ StoredForm form_in_gifti(const TriangleMesh& mesh, const MeshFileInfo& info);
 /// Is the mesh a consistently oriented manifold without a boundary?
 bool is_closed_manifold(const TriangleMesh& mesh);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

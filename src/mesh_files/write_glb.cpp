@@ -20,7 +20,7 @@
 #include "mesh_files/same_mesh.h"
 #include "mesh_files/stored_form.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace {
 
@@ -289,4 +289,4 @@ StoredPositions write_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& i
   return stored;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

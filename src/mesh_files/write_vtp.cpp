@@ -23,7 +23,7 @@
 #include "files/file_error.h"
 #include "mesh_files/formats.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace {
 
@@ -133,4 +133,4 @@ void write_vtp(const TriangleMesh& mesh, const std::map<std::string, std::string
   }
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// `text` as the content of an XML element or of a quoted attribute. Bytes that are not ASCII become '?': nobody promises
 /// that they are UTF-8, and an XML file must be.
@@ -31,4 +31,4 @@ inline std::string xml_text(std::string_view text) {
   return result;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -7,7 +7,7 @@
 
 #include "files/file_error.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace {
 
@@ -145,4 +145,4 @@ std::string ZipReader::beginning_of_part(const std::string& name, std::uint64_t 
   return archive_->read(stat, std::min<std::uint64_t>(bytes, stat.size), path_);
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

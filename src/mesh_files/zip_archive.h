@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// The bytes of an archive with these parts (name, content), compressed, in this order. Every part has the same date, so the same parts
 /// give the same bytes. @throws Error(bad_file) naming `path` if libzip fails
@@ -37,4 +37,4 @@ class ZipReader {
   std::unique_ptr<Archive> archive_;
 };
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -7,7 +7,7 @@
 
 #include "core/vector_math.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Which way a triangle faces, by its area. Of a sliver that says nothing: there, all those around it.
 /// @param corners  corners(t): the three of a triangle
@@ -28,4 +28,4 @@ Vec3 facing(std::uint32_t triangle, Corners corners, ForEachAround for_each_arou
   return sum;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -7,7 +7,7 @@
 #include "core/cancel_poll.h"
 #include "core/sort_once.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 void append(std::vector<std::uint32_t>& to, std::span<const std::uint32_t> from) { to.insert(to.end(), from.begin(), from.end()); }
@@ -136,4 +136,4 @@ std::vector<CellId> MeshEditor::keep_from_straying(std::span<const CellId> cells
   return out;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -8,7 +8,7 @@
 #include "error/measured_covering.h"
 #include "geometry/intersection_tracker.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Changes a level's mesh between two updates of its covering: flips edges and moves vertices, measures what that concerns, and says what
 /// intersects then. Costs what is changed, but for the first look.
@@ -67,4 +67,4 @@ class MeshEditor {
   std::vector<Vec3> positions_;         // per c-vertex of the surface, that of the vertex that sits there; empty: not needed yet
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

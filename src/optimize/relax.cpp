@@ -16,7 +16,7 @@
 #include "error/level_mesh.h"
 #include "optimize/facing.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr double kBeyond = 1.12;               // aims a little higher than the goal, so as to arrive
@@ -475,4 +475,4 @@ std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangl
   return Relaxation(points, triangles, triangles_of, roam, field, spacing, goal, control, look).run();
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

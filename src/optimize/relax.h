@@ -11,7 +11,7 @@
 #include "isoatlas/mesh.h"
 #include "isoatlas/run_control.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Where a vertex may go: a box, spacing applied. Where low == high it stays.
 struct Roam {
@@ -44,4 +44,4 @@ std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangl
                                  const std::function<Roam(std::uint32_t)>& roam, const InterpolatedField* field, Vec3 spacing,
                                  const RelaxGoal& goal, const RunControl& control, std::span<const std::uint32_t> look);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

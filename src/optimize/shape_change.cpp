@@ -8,7 +8,7 @@
 #include "core/vector_math.h"
 #include "optimize/facing.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr double kLeastAgreement = 0.3;  // cosine between normals before and after a change
@@ -117,4 +117,4 @@ bool ShapeChanges::is_refused(const ShapeChange& change) const { return std::bin
 
 void ShapeChanges::sort_refused() { std::sort(refused_.begin(), refused_.end()); }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

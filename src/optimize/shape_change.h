@@ -8,7 +8,7 @@
 #include "optimize/mesh_editor.h"
 #include "optimize/shape_goal.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// A change of one place of a mesh.
 struct ShapeChange {
@@ -58,4 +58,4 @@ class ShapeChanges {
   std::vector<Key> refused_;
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -7,7 +7,7 @@
 
 #include "core/vector_math.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 ShapeGoal ShapeGoal::of(double aspect) {
   const ShapeGoal usual;
@@ -23,4 +23,4 @@ double ShapeGoal::score(Vec3 a, Vec3 b, Vec3 c) const {
   return std::min(ratio / aspect, smallest / sine);
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

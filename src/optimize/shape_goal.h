@@ -3,7 +3,7 @@
 
 #include "isoatlas/mesh.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// What counts as a badly shaped triangle.
 struct ShapeGoal {
@@ -16,4 +16,4 @@ struct ShapeGoal {
   double score(Vec3 a, Vec3 b, Vec3 c) const;
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -16,7 +16,7 @@
 #include "optimize/relax.h"
 #include "optimize/shape_change.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr int kPasses = 24;
@@ -476,4 +476,4 @@ void take_back_all(MeasuredCovering& work, std::vector<DualTriangle>& triangles,
   ChangesBack(work, triangles, nullptr, control).take_back(all_cells(work));
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

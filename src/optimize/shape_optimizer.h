@@ -5,7 +5,7 @@
 #include "geometry/intersection_tracker.h"
 #include "optimize/shape_goal.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 struct ShapeReport {
   std::size_t bad = 0;     ///< triangles below the goal at the end
@@ -44,4 +44,4 @@ void take_back_all(MeasuredCovering& work, std::vector<DualTriangle>& triangles,
 void improve_shape_carefully(MeasuredCovering& work, const ShapeGoal& goal, IntersectionTracker& meeting,
                              std::vector<DualTriangle>& triangles, ShapeReport& report, const RunControl& control);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -11,7 +11,7 @@
 #include "isoatlas/text_file.h"
 #include "isoatlas/version.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace fs = std::filesystem;
 namespace {
 
@@ -218,4 +218,4 @@ HierarchyFileInfo file_info(const ExtractReport& report, const ExtractOptions& o
   return info;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -13,7 +13,7 @@
 #include "outputs/stated_rounding.h"
 #include "report/report.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// What -o and --glb-per-level ask for: NAME.ply is the finest level, NAME-{level}.ply each level, NAME.vtm and NAME.glb all of
 /// them; with glb_per_level also NAME-0.glb, NAME-1.glb, ... and their list NAME.json.
@@ -62,4 +62,4 @@ class MeshOutputs {
 /// What files of the levels of an extraction say about them. `unit` is that of the volume.
 HierarchyFileInfo file_info(const ExtractReport& report, const ExtractOptions& options, LengthUnit unit);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -9,7 +9,7 @@
 
 #include "isoatlas/error.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace fs = std::filesystem;
 namespace {
 
@@ -166,4 +166,4 @@ void OutputFiles::discard() noexcept {
   staged_.clear();
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -8,7 +8,7 @@
 
 #include "isoatlas/error.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Throws Error(bad_file) unless a file could be put at `path` now: its folder exists and takes files, and nothing but
 /// a regular file is there. Tried by doing, because permission bits say little about root or read-only mounts.
@@ -69,4 +69,4 @@ class OutputFiles {
   bool discarded_ = false;
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

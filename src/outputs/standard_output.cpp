@@ -13,7 +13,7 @@
 #include <system_error>
 #include <vector>
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace fs = std::filesystem;
 namespace {
 
@@ -98,4 +98,4 @@ void StandardOutputFile::discard() noexcept {
   fs::remove_all(path_.parent_path(), ignored);
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

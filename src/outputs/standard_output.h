@@ -9,7 +9,7 @@
 
 #include "isoatlas/error.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 inline constexpr const char* kStandardOutputName = "standard output";  ///< what messages call it
 
@@ -45,4 +45,4 @@ class StandardOutputFile {
 /// @throws Error(bad_file) if nobody takes them: a full disk, or a pipe that was closed, which does not raise a signal here
 bool send_to_standard_output(std::string_view bytes, const std::atomic<bool>& cancel);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

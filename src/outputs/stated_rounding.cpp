@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <string>
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 std::string number(double value) {
@@ -81,4 +81,4 @@ void state_rounding(ExtractReport& report, const std::vector<FileRounding>& file
   }
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

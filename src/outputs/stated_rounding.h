@@ -10,7 +10,7 @@
 #include "isoatlas/report.h"
 #include "isoatlas/volume.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 struct FileRounding {
   std::string path;
@@ -32,4 +32,4 @@ void add_noticeable_rounding(Hierarchy& hierarchy, const ExtractReport& report, 
 /// only then is not met, and its reason says so. Call it once, before files that carry the report of a level are written.
 void state_rounding(ExtractReport& report, const std::vector<FileRounding>& files, const Grid& grid, Space space);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -12,8 +12,8 @@ foreach(text IN ITEMS script style)
   endif()
 endforeach()
 file(WRITE ${OUT} "#include \"page/assets.h\"\n
-namespace isoatlas::page {
+namespace isoatlas::detail::page {
 std::string_view script() { return R\"isoatlas(${script})isoatlas\"; }
 std::string_view style() { return R\"isoatlas(${style})isoatlas\"; }
-}  // namespace isoatlas::page
+}  // namespace isoatlas::detail::page
 ")

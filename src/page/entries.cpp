@@ -18,7 +18,7 @@
 #include "page/page.h"
 #include "report/json_values.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 namespace fs = std::filesystem;
@@ -272,4 +272,4 @@ PageEntry entry_of_file(const fs::path& path) {
   return entry;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -17,7 +17,7 @@
 #include "isoatlas/mesh.h"
 #include "mesh_files/same_mesh.h"
 
-namespace isoatlas::page {
+namespace isoatlas::detail::page {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -193,4 +193,4 @@ Json append_geometry(const Hierarchy& hierarchy, const std::filesystem::path& pa
   return out;
 }
 
-}  // namespace isoatlas::page
+}  // namespace isoatlas::detail::page

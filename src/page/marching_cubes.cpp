@@ -19,7 +19,7 @@
 #include "core/vector_math.h"
 #include "page/page.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 int vtk_type(SampleType type) {
@@ -142,4 +142,4 @@ std::optional<MeshQuality> marching_cubes_quality(const VolumeView& volume, doub
   return mesh_quality(mesh);
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

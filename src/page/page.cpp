@@ -12,7 +12,7 @@
 #include "page/assets.h"
 #include "page/geometry.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -86,4 +86,4 @@ std::string page_html(std::span<const PageEntry> entries, const std::filesystem:
   return out;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -12,7 +12,7 @@
 #include "isoatlas/mesh.h"
 #include "isoatlas/volume.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// One result of a page.
 struct PageEntry {
@@ -52,4 +52,4 @@ void require_pages();
 /// @cost  O(vertices + triangles) for each level, for each of at most three grids
 std::string page_html(std::span<const PageEntry> entries, const std::filesystem::path& path);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -17,7 +17,7 @@
 
 extern char** environ;
 
-namespace isoatlas::picture {
+namespace isoatlas::detail::picture {
 namespace {
 
 constexpr int kPatienceMs = 10'000;
@@ -91,4 +91,4 @@ Display::~Display() {
   unsetenv("DISPLAY");
 }
 
-}  // namespace isoatlas::picture
+}  // namespace isoatlas::detail::picture

@@ -3,7 +3,7 @@
 
 #include <sys/types.h>
 
-namespace isoatlas::picture {
+namespace isoatlas::detail::picture {
 
 /// Sees to it that $DISPLAY is an X display that can be drawn to: the one that is there or, without one, an Xvfb that is started for
 /// the purpose and ends with this object, or with this process. Not thread-safe: it sets the environment.
@@ -19,4 +19,4 @@ class Display {
   pid_t server_ = -1;
 };
 
-}  // namespace isoatlas::picture
+}  // namespace isoatlas::detail::picture

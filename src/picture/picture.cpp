@@ -33,7 +33,7 @@
 #include "isoatlas/error.h"
 #include "picture/display.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr int kFiner = 3;              // drawn so many times larger, then averaged: edges are smooth whatever the driver can do
@@ -224,4 +224,4 @@ std::string picture_of(const TriangleMesh& mesh, const PictureOptions& options) 
   return options.format == PictureFormat::png ? encoded(*png, *smaller) : encoded(*jpeg, *smaller);
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

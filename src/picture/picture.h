@@ -9,7 +9,7 @@
 
 #include "isoatlas/mesh.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 enum class PictureStyle : std::uint8_t {
   smooth,       ///< lit, normals interpolated between vertices
@@ -37,4 +37,4 @@ PictureFormat picture_format(const std::filesystem::path& path);
 /// @cost   at most nine times the picture's pixels, and the mesh once more in float
 std::string picture_of(const TriangleMesh& mesh, const PictureOptions& options);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <string_view>
 
-namespace isoatlas::report {
+namespace isoatlas::detail::report {
 namespace {
 
 // A noisy volume can have more cells at the limit than anybody looks at.
@@ -207,4 +207,4 @@ std::string to_text(const Json& json) {
   return text + "\n";
 }
 
-}  // namespace isoatlas::report
+}  // namespace isoatlas::detail::report

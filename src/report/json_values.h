@@ -11,7 +11,7 @@
 #include "isoatlas/report.h"
 #include "report/report.h"
 
-namespace isoatlas::report {
+namespace isoatlas::detail::report {
 
 using Json = nlohmann::ordered_json;  // keys stay in the order in which they are written
 
@@ -31,4 +31,4 @@ Json to_value(const LevelReport& level, std::size_t number);
 /// For people too: one line per key, lists of numbers on that line, of small objects with one object per line; a newline at the end.
 std::string to_text(const Json& json);
 
-}  // namespace isoatlas::report
+}  // namespace isoatlas::detail::report

@@ -9,7 +9,7 @@
 #include "isoatlas/version.h"
 #include "report/json_values.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 using report::Json;
 
@@ -157,4 +157,4 @@ std::string to_json(const std::string& path, const std::vector<LevelFacts>& leve
   return report::to_text(json);
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

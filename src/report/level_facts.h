@@ -12,7 +12,7 @@
 #include "isoatlas/mesh.h"
 #include "isoatlas/report.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 struct LevelFacts {
   std::size_t vertices = 0, triangles = 0;
@@ -36,4 +36,4 @@ std::vector<LevelFacts> facts_of_levels(const std::string& json, const std::stri
 /// What `isoatlas levels` found, schema "isoatlas-levels-1". `nested` none: it cannot be known.
 std::string to_json(const std::string& path, const std::vector<LevelFacts>& levels, std::optional<bool> nested);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

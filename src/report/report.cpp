@@ -12,14 +12,15 @@
 #include "isoatlas/version.h"
 #include "report/json_values.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 using report::add_topology;
 using report::Json;
 using report::to_text;
-using report::to_value;
 
 namespace {
+
+using report::to_value;
 
 std::string_view text(Inside inside) { return inside == Inside::above ? "above" : "below"; }
 
@@ -279,4 +280,4 @@ std::string to_json(const std::string& mesh_path, const MeshTopology& topology, 
   return to_text(json);
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -14,7 +14,7 @@
 #include "isoatlas/volume.h"
 #include "isoatlas/volume_source.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Pairs of triangles of a mesh that meet where they should not.
 struct SelfIntersectionReport {
@@ -106,4 +106,4 @@ std::string levels_manifest(const std::vector<ReportFile>& files, const std::vec
 std::string to_json(const std::string& mesh_path, const MeshTopology& topology, const MeshQuality& quality,
                     const SelfIntersectionReport* self_intersections = nullptr, const DistanceReport* distance = nullptr);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -7,7 +7,7 @@
 
 #include "files/file_error.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace {
 
@@ -97,4 +97,4 @@ FileChoice checked_choice(const std::filesystem::path& path, const std::string& 
   return numbered_choice(name, static_cast<std::size_t>(count));
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -10,7 +10,7 @@
 
 #include "isoatlas/volume_file.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// The entry of `choice` that `wanted` names. A list of one entry needs no option. The choice, with what was selected, is
 /// appended to `source.choices`.
@@ -31,4 +31,4 @@ FileChoice numbered_choice(const std::string& name, std::size_t count);
 /// @throws Error(unsupported) if there are more than 65536
 FileChoice checked_choice(const std::filesystem::path& path, const std::string& name, std::uint64_t count);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -12,7 +12,7 @@
 #include "volume_files/key_value_lines.h"
 #include "volume_files/tiff_stack.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace {
 
@@ -196,4 +196,4 @@ TiffStack describe_slice(TiffFile& tiff, VolumeSource& source) {
   return stack;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -12,7 +12,7 @@
 #include "files/file_error.h"
 #include "volume_files/tiff_stack.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace {
 
@@ -72,4 +72,4 @@ std::optional<TiffStack> describe_lsm(TiffFile& tiff, VolumeSource& source) {
   return stack;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

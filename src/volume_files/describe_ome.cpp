@@ -17,7 +17,7 @@
 #include "volume_files/key_value_lines.h"
 #include "volume_files/tiff_stack.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace {
 
@@ -300,4 +300,4 @@ std::optional<TiffStack> describe_ome(TiffFile& tiff, const ReadOptions& options
   return OmeImage(tiff, ome, images[chosen]).stack(tiff, source);
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -9,7 +9,7 @@
 #include "volume_files/choice.h"
 #include "volume_files/tiff_stack.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace {
 
@@ -181,4 +181,4 @@ TiffStack describe_pages(TiffFile& tiff, const ReadOptions& options, VolumeSourc
   return stack;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -10,7 +10,7 @@
 #include "volume_files/key_value_lines.h"
 #include "volume_files/tiff_stack.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace {
 
@@ -114,4 +114,4 @@ std::optional<TiffStack> describe_scifio(TiffFile& tiff, VolumeSource& source) {
   return stack;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

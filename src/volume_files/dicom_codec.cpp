@@ -11,7 +11,7 @@
 #include "files/file_error.h"
 #include "volume_files/dicom_decoders.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace {
 
@@ -222,4 +222,4 @@ std::string decoder_name(const DicomImage& image) {
   }
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

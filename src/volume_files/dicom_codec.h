@@ -9,7 +9,7 @@
 
 #include "volume_files/dicom_image.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 bool can_decode(const std::string& transfer_syntax);
 
@@ -30,4 +30,4 @@ void decode_frame(const DicomImage& image, std::size_t frame, const std::string&
 /// The library that decodes the image's frames, with its version: "OpenJPEG 2.5.0"; "isoatlas" where it is none.
 std::string decoder_name(const DicomImage& image);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -14,7 +14,7 @@
 #include "files/file_error.h"
 #include "volume_files/dicom_contents.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -285,4 +285,4 @@ std::vector<DicomFrame> frames_of_file(const fs::path& file, std::uint64_t max_m
   return collection.take_frames(warnings);
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

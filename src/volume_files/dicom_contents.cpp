@@ -16,7 +16,7 @@
 #include "files/byte_source.h"
 #include "files/file_error.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 static_assert(std::endian::native == std::endian::little, "values are kept little-endian");
 
@@ -418,4 +418,4 @@ DicomContents read_dicom_contents(const fs::path& path, std::uint64_t max_memory
   return contents;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

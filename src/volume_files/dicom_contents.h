@@ -17,7 +17,7 @@
 
 #include "volume_files/dicom_data_set.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// Random access to the bytes of a file, or to decompressed ones in memory. Lengths are checked before anything is allocated.
 class DicomBytes {
@@ -75,4 +75,4 @@ DicomBytes open_dicom(const std::filesystem::path& path, std::uint64_t max_memor
 /// Parses a file that looks like DICOM. @throws Error(bad_file) if its data elements make no sense
 DicomContents read_dicom_contents(const std::filesystem::path& path, std::uint64_t max_memory);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

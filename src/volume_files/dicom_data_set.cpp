@@ -10,7 +10,7 @@
 
 #include "files/number_text.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 using namespace dicom;
 
@@ -253,4 +253,4 @@ const DicomDataSet* DicomDataSet::first_item(DicomTag tag) const {
   return all.empty() ? nullptr : &all.front();
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// A tag as one number: group, then element.
 using DicomTag = std::uint32_t;
@@ -95,4 +95,4 @@ std::size_t dicom_value_bytes(std::string_view type);
 /// Without the blanks and zeros that pad values.
 std::string_view dicom_trimmed(std::string_view text);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

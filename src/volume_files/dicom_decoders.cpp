@@ -19,7 +19,7 @@
 #include <sstream>
 #include <vector>
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace {
 
@@ -207,4 +207,4 @@ std::string jpeg_decoder_name() { return "DCMTK " PACKAGE_VERSION; }
 std::string jpeg_ls_decoder_name() { return std::string("CharLS ") + charls_get_version_string(); }
 std::string jpeg_2000_decoder_name() { return std::string("OpenJPEG ") + opj_version(); }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 struct FrameSize {
   std::size_t columns = 0, rows = 0;
@@ -34,4 +34,4 @@ std::string jpeg_decoder_name();
 std::string jpeg_ls_decoder_name();
 std::string jpeg_2000_decoder_name();
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -15,7 +15,7 @@
 #include "files/file_error.h"
 #include "volume_files/dicom_codec.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 using namespace dicom;
@@ -607,4 +607,4 @@ std::string dicom_number(double value) {
   return error == std::errc{} ? std::string(text.data(), end) : std::to_string(value);
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -11,7 +11,7 @@
 #include "isoatlas/volume_file.h"
 #include "volume_files/dicom_contents.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// How samples are stored, after decompression.
 struct DicomSampleFormat {
@@ -94,4 +94,4 @@ std::string dicom_text(const std::string& text);
 /// A number as a person would write it: "2", "0.25".
 std::string dicom_number(double value);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

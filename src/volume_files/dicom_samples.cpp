@@ -16,7 +16,7 @@
 #include "files/file_error.h"
 #include "volume_files/dicom_codec.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace {
 
@@ -243,4 +243,4 @@ void read_dicom_samples(const std::vector<DicomFrame>& frames, SampleType type, 
   }
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

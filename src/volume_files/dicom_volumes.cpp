@@ -11,7 +11,7 @@
 
 #include "files/number_text.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace {
 
@@ -386,4 +386,4 @@ std::vector<DicomSeries> series_of(std::vector<DicomFrame> frames) {
   return all;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

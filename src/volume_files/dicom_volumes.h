@@ -8,7 +8,7 @@
 
 #include "volume_files/dicom_image.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// Frames in the order of their places along their normal.
 struct DicomStack {
@@ -33,4 +33,4 @@ struct DicomSeries {
 /// Splits frames into series, by their series' UID and, within one, by what cannot be one volume.
 std::vector<DicomSeries> series_of(std::vector<DicomFrame> frames);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

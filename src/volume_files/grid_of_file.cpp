@@ -11,7 +11,7 @@
 #include "files/file_error.h"
 #include "files/memory_limit.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace {
 
@@ -116,4 +116,4 @@ std::shared_ptr<std::byte[]> allocate_samples(const std::filesystem::path& path,
   }
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -10,7 +10,7 @@
 
 #include "isoatlas/volume_file.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// A file's geometry as a Grid. A negative spacing turns its axis round and an axis that is no unit vector gives its
 /// length to the spacing, so the positions of the samples in the world stay what the file says.
@@ -33,4 +33,4 @@ void require_within_memory_limit(const std::filesystem::path& path, std::uint64_
 /// @throws Error(out_of_memory) if there is none, or `bytes` is more than `options.max_memory`
 std::shared_ptr<std::byte[]> allocate_samples(const std::filesystem::path& path, std::uint64_t bytes, const ReadOptions& options);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -12,7 +12,7 @@
 
 #include "files/byte_source.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// A header in memory, in either byte order. The caller has checked that it is as long as its format says.
 class HeaderFields {
@@ -34,4 +34,4 @@ class HeaderFields {
   bool swap_;
 };
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -8,7 +8,7 @@
 #include "files/number_text.h"
 #include "files/stored_data.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -107,4 +107,4 @@ std::string header_text(const fs::path& path, bool (*is_whole)(std::string_view 
   throw bad_file(path, "has no end of its header in the first " + std::to_string(kMost) + " bytes");
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -11,7 +11,7 @@
 
 #include "isoatlas/volume_file.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// `text` without blanks at its ends.
 std::string_view trimmed(std::string_view text);
@@ -40,4 +40,4 @@ inline constexpr std::uint64_t kMostDataFiles = 1'000'000;
 /// @throws Error(bad_file) if the header is longer than 64 MiB
 std::string header_text(const std::filesystem::path& path, bool (*is_whole)(std::string_view text));
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

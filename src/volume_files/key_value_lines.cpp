@@ -6,7 +6,7 @@
 
 #include "files/number_text.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 KeyValueLines::KeyValueLines(std::string_view text) {
   while (!text.empty()) {
@@ -37,4 +37,4 @@ std::optional<std::size_t> count_of_pages(std::string_view text) {
   return number && *number >= 1 && *number <= kMost ? std::optional(static_cast<std::size_t>(*number)) : std::nullopt;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// The number that `text` is, in any locale, blanks around it aside. None: it is not a finite number.
 std::optional<double> finite_number(std::string_view text);
@@ -28,4 +28,4 @@ class KeyValueLines {
   std::map<std::string, std::string> values_;
 };
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

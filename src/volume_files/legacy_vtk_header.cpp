@@ -11,7 +11,7 @@
 #include "files/file_error.h"
 #include "volume_files/grid_of_file.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -304,4 +304,4 @@ class HeaderReader {
 
 LegacyVtkHeader read_legacy_vtk_header(const fs::path& path) { return HeaderReader(path).read(); }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

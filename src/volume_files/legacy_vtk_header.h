@@ -10,7 +10,7 @@
 #include "volume_files/legacy_vtk_scanner.h"
 #include "volume_files/vtk_array.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 struct LegacyVtkHeader {
   bool is_text = false;
@@ -25,4 +25,4 @@ struct LegacyVtkHeader {
 /// @throws Error(unsupported)  another data set than points with equal steps
 LegacyVtkHeader read_legacy_vtk_header(const std::filesystem::path& path);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -12,7 +12,7 @@
 #include "files/number_text.h"
 #include "files/stored_data.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -205,4 +205,4 @@ bool LegacyVtkScanner::section_begins_at(std::uint64_t position, bool is_followe
   return is_followed_by_array && parse<std::uint64_t>(text_.word()) && parse<std::uint64_t>(text_.word());
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -12,7 +12,7 @@
 #include "files/file_text.h"
 #include "volume_files/vtk_array.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 struct LegacyVtkArray {
   VtkArray array = {};
@@ -75,4 +75,4 @@ class LegacyVtkScanner {
   bool is_text_ = false;
 };
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -9,7 +9,7 @@
 #include "files/file_error.h"
 #include "volume_files/header_text.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -148,4 +148,4 @@ SampleType meta_sample_type(const fs::path& path, const MetaImageHeader& header)
   return found->second;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

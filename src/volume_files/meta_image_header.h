@@ -16,7 +16,7 @@
 
 #include "isoatlas/volume.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// The fields of a header. The last value counts where a field is repeated.
 struct MetaImageHeader {
@@ -50,4 +50,4 @@ std::vector<std::size_t> meta_sizes(const std::filesystem::path& path, const Met
 
 SampleType meta_sample_type(const std::filesystem::path& path, const MetaImageHeader& header);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -13,7 +13,7 @@
 #include "volume_files/grid_of_file.h"
 #include "volume_files/nifti_header.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -235,4 +235,4 @@ Grid nifti_grid(const NiftiHeader& header, const fs::path& header_file, VolumeSo
   return grid;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

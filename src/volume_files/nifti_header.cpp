@@ -16,7 +16,7 @@
 #include "files/file_error.h"
 #include "volume_files/stored_volumes.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -124,4 +124,4 @@ NiftiHeader read_nifti_header(const fs::path& header_file) {
   return header;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -9,7 +9,7 @@
 
 #include "isoatlas/volume_file.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 enum class NiftiVersion : std::uint8_t { analyze, nifti1, nifti2 };
 
@@ -40,4 +40,4 @@ NiftiHeader read_nifti_header(const std::filesystem::path& header_file);
 /// @throws Error(bad_file) if neither affine nor the voxel size gives a grid
 Grid nifti_grid(const NiftiHeader& header, const std::filesystem::path& header_file, VolumeSource& source);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

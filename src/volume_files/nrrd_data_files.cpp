@@ -14,7 +14,7 @@
 #include "files/stored_data.h"
 #include "volume_files/header_text.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -219,4 +219,4 @@ void find_nrrd_samples(StoredSamples& stored, const NrrdHeader& header, const fs
   }
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -9,7 +9,7 @@
 #include "files/file_error.h"
 #include "volume_files/grid_of_file.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -160,4 +160,4 @@ Grid nrrd_grid(const fs::path& path, const std::array<NrrdAxis, 3>& axes, const 
   return grid;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

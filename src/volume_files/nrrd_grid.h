@@ -8,11 +8,11 @@
 #include "isoatlas/volume_file.h"
 #include "volume_files/nrrd_header.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// The grid of three axes. What is assumed of them is added to the decisions and warnings of `source`.
 ///
 /// @param axes  those of the volume, fastest first
 Grid nrrd_grid(const std::filesystem::path& path, const std::array<NrrdAxis, 3>& axes, const NrrdSpace& space, VolumeSource& source);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -13,7 +13,7 @@
 #include "files/file_error.h"
 #include "volume_files/header_text.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -314,4 +314,4 @@ const NrrdSpaceName& nrrd_space_named(const fs::path& path, std::string_view nam
   return *found;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

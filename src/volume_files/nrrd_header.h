@@ -16,7 +16,7 @@
 
 #include "isoatlas/volume.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// The lines of a header.
 struct NrrdHeader {
@@ -72,4 +72,4 @@ struct NrrdSpaceName {
 /// @throws Error(unsupported) if there is no space of this name
 const NrrdSpaceName& nrrd_space_named(const std::filesystem::path& path, std::string_view name);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

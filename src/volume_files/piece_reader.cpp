@@ -18,7 +18,7 @@
 #include "files/number_text.h"
 #include "files/stored_data.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace {
 
@@ -299,4 +299,4 @@ void require_possible_piece(const SamplePiece& piece, const SampleFormat& format
   }
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -10,7 +10,7 @@
 #include "files/byte_source.h"
 #include "isoatlas/volume.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 enum class SampleEncoding {
   binary,       ///< as in memory, in either byte order
@@ -54,4 +54,4 @@ std::unique_ptr<PieceReader> open_piece(const SamplePiece& piece, const SampleFo
 /// Call before memory is allocated. @throws Error(bad_file) if the file cannot hold so many samples
 void require_possible_piece(const SamplePiece& piece, const SampleFormat& format, std::uint64_t samples);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

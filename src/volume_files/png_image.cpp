@@ -14,7 +14,7 @@
 #include "files/file_error.h"
 #include "volume_files/grid_of_file.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -145,4 +145,4 @@ void read_png(const fs::path& path, const PngFormat& format, std::size_t value, 
 
 std::string png_library_version() { return std::string("libpng ") + png_get_libpng_ver(nullptr); }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

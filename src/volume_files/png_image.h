@@ -10,7 +10,7 @@
 
 #include "isoatlas/volume_file.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 struct PngFormat {
   std::uint32_t width = 0, height = 0;
@@ -39,4 +39,4 @@ void read_png(const std::filesystem::path& path, const PngFormat& format, std::s
 
 std::string png_library_version();  ///< "libpng 1.6.39"
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

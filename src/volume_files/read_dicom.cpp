@@ -26,7 +26,7 @@
 #include "volume_files/grid_of_file.h"
 #include "volume_files/readers.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -205,4 +205,4 @@ VolumeFile read_dicom(const fs::path& path, const ReadOptions& options) {
   return file;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

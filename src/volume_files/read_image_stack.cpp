@@ -23,7 +23,7 @@
 #include "volume_files/tiff_spacing.h"
 #include "volume_files/tiff_stack.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -221,4 +221,4 @@ VolumeFile read_image_stack(const fs::path& folder, const ReadOptions& options) 
   return file;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -9,7 +9,7 @@
 #include "volume_files/legacy_vtk_header.h"
 #include "volume_files/readers.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -60,4 +60,4 @@ VolumeFile read_legacy_vtk(const fs::path& path, const ReadOptions& options) {
   return file;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -18,7 +18,7 @@
 #include "volume_files/readers.h"
 #include "volume_files/stored_samples.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -253,4 +253,4 @@ VolumeFile read_meta_image(const fs::path& path, const ReadOptions& options) {
   return file;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -14,7 +14,7 @@
 #include "volume_files/readers.h"
 #include "volume_files/stored_volumes.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -121,4 +121,4 @@ VolumeFile read_mgh(const fs::path& path, const ReadOptions& options) {
   return file;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -16,7 +16,7 @@
 #include "volume_files/readers.h"
 #include "volume_files/stored_volumes.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -230,4 +230,4 @@ VolumeFile read_mrc(const fs::path& path, const ReadOptions& options) {
   return file;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -21,7 +21,7 @@
 #include "volume_files/readers.h"
 #include "volume_files/stored_volumes.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -247,4 +247,4 @@ VolumeFile read_nifti(const fs::path& path, const ReadOptions& options) {
   return file;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

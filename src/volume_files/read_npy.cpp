@@ -19,7 +19,7 @@
 #include "volume_files/readers.h"
 #include "volume_files/stored_volumes.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -273,4 +273,4 @@ VolumeFile read_npy(const fs::path& path, const ReadOptions& options) {
   return file;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -19,7 +19,7 @@
 #include "volume_files/readers.h"
 #include "volume_files/stored_samples.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -215,4 +215,4 @@ VolumeFile read_nrrd(const fs::path& path, const ReadOptions& options) {
   return file;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -10,7 +10,7 @@
 #include "volume_files/grid_of_file.h"
 #include "volume_files/readers.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -83,4 +83,4 @@ VolumeFile read_raw(const fs::path& path, const ReadOptions& options) {
   return file;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -21,7 +21,7 @@
 #include "volume_files/tiff_spacing.h"
 #include "volume_files/tiff_stack.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -231,4 +231,4 @@ VolumeFile read_tiff(const fs::path& path, const ReadOptions& options) {
   return file;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

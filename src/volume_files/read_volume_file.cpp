@@ -14,6 +14,7 @@
 #include "volume_files/volume_format.h"
 
 namespace isoatlas {
+using namespace detail;
 
 namespace fs = std::filesystem;
 

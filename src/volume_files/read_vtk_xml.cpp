@@ -19,7 +19,7 @@
 #include "volume_files/vtk_xml_geometry.h"
 #include "volume_files/vtk_xml_grid.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -235,4 +235,4 @@ VolumeFile read_vtk_xml(const fs::path& path, const ReadOptions& options) {
   return file;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -6,7 +6,7 @@
 
 #include "isoatlas/volume_file.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 // Each reads one file that exists, can be read and is not empty. It
 // - fills `source.format`, `source.reader`, `source.decisions` and `source.warnings`, and sets `source.has_spacing`;
@@ -27,4 +27,4 @@ VolumeFile read_dicom(const std::filesystem::path& folder, const ReadOptions& op
 VolumeFile read_image_stack(const std::filesystem::path& folder, const ReadOptions& options);
 VolumeFile read_raw(const std::filesystem::path& path, const ReadOptions& options);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -8,7 +8,7 @@
 #include <limits>
 #include <stdexcept>
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace {
 
@@ -75,4 +75,4 @@ void rescale_samples(SampleType stored, const std::byte* from, std::size_t count
   });
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -5,7 +5,7 @@
 
 #include "isoatlas/volume.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// The type of slope * stored value + intercept: the smallest integer type that holds them all if both are whole numbers,
 /// else float32. Stored values are integers of 8 or 16 bits.
@@ -14,4 +14,4 @@ SampleType rescaled_type(SampleType stored, double slope, double intercept);
 /// Rescales `count` samples from `from` to `to`, which is of rescaled_type().
 void rescale_samples(SampleType stored, const std::byte* from, std::size_t count, double slope, double intercept, std::byte* to);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

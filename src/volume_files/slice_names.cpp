@@ -10,7 +10,7 @@
 #include "core/file_name.h"
 #include "files/file_error.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -134,4 +134,4 @@ std::vector<fs::path> in_slice_order(const fs::path& folder, std::vector<fs::pat
   return files;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

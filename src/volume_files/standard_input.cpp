@@ -10,7 +10,7 @@
 
 #include "files/file_error.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace {
 
@@ -66,4 +66,4 @@ StandardInput::StandardInput() {
 
 StandardInput::~StandardInput() { close(descriptor_); }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

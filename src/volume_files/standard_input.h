@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// Standard input as a file: readers need to go back and forth. The file has no name that others see before it is gone.
 class StandardInput {
@@ -24,4 +24,4 @@ class StandardInput {
 /// What messages call it.
 inline constexpr const char* kStandardInputName = "standard input";
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -15,7 +15,7 @@
 #include "files/stored_data.h"
 #include "volume_files/grid_of_file.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -219,4 +219,4 @@ std::shared_ptr<std::byte[]> read_stored_samples(const fs::path& header_file, co
   return samples;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -12,7 +12,7 @@
 #include "isoatlas/volume_file.h"
 #include "volume_files/piece_reader.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 struct StoredAxis {
   std::uint64_t size = 1;
@@ -36,4 +36,4 @@ std::uint64_t checked_sample_count(const std::filesystem::path& path, const std:
 std::shared_ptr<std::byte[]> read_stored_samples(const std::filesystem::path& header_file, const StoredSamples& stored,
                                                  const ReadOptions& options, VolumeSource& source);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

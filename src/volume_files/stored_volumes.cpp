@@ -8,7 +8,7 @@
 #include "isoatlas/version.h"
 #include "volume_files/grid_of_file.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -115,4 +115,4 @@ float float_of_half(std::uint16_t half) {
   return std::bit_cast<float>(sign | float_exponent << 23 | fraction << 13);
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

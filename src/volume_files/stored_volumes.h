@@ -15,7 +15,7 @@
 #include "files/stored_data.h"
 #include "isoatlas/volume_file.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 struct StoredVolumes {
   std::filesystem::path file = {};
@@ -66,4 +66,4 @@ void read_converted(ByteSource& stream, const std::filesystem::path& file, std::
 /// The value of an IEEE 754 half-precision number.
 float float_of_half(std::uint16_t half);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -8,7 +8,7 @@
 
 #include "files/file_error.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -115,4 +115,4 @@ std::vector<TiffDirectory> tiff_directories(const fs::path& path, std::uint64_t 
   return directories;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <vector>
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 struct TiffDirectory {
   std::uint64_t offset = 0;
@@ -20,4 +20,4 @@ struct TiffDirectory {
 /// @cost one short read per page
 std::vector<TiffDirectory> tiff_directories(const std::filesystem::path& path, std::uint64_t file_size);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -13,7 +13,7 @@
 #include "files/stored_data.h"
 #include "volume_files/grid_of_file.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -429,4 +429,4 @@ std::string TiffFile::library_version() const {
   return "libtiff " + (begin == std::string::npos ? "" : text.substr(begin, text.find_first_of(" \n", begin) - begin));
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

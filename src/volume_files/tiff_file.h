@@ -17,7 +17,7 @@
 #include "isoatlas/volume_file.h"
 #include "volume_files/tiff_directories.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// How a page's samples are stored. Pages of one volume have the same.
 struct PageFormat {
@@ -105,4 +105,4 @@ void unpack_values(const PageFormat& format, std::size_t values, std::size_t val
 /// The number of bytes that `count` values of `bits` bits take, filled up to whole bytes.
 inline std::uint64_t packed_bytes(std::uint64_t count, std::uint64_t bits) { return (count * bits + 7) / 8; }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

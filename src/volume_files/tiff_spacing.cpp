@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <string>
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace {
 
@@ -38,4 +38,4 @@ Vec3 take_spacing(const TiffStack& stack, VolumeSource& source) {
   return {stack.spacing[0].value_or(1), stack.spacing[1].value_or(1), stack.spacing[2].value_or(1)};
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

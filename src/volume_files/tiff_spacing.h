@@ -4,10 +4,10 @@
 #include "isoatlas/volume_file.h"
 #include "volume_files/tiff_stack.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// The spacing that the stack states, 1 where it states none. Sets `source.has_spacing`, adds decisions on the unit and the
 /// rescale, and warns where it states only some.
 Vec3 take_spacing(const TiffStack& stack, VolumeSource& source);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

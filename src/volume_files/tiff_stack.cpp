@@ -6,7 +6,7 @@
 
 #include "files/file_error.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 void set_page_order(TiffStack& stack, const std::string& axes, std::vector<std::size_t> pages) {
   std::array<std::size_t, 3> step{};  // between channels, slices and times
@@ -40,4 +40,4 @@ std::vector<std::size_t> pages_without_previews(TiffFile& tiff, VolumeSource& so
   return pages;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -13,7 +13,7 @@
 #include "isoatlas/volume_file.h"
 #include "volume_files/tiff_file.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// Value in the world = slope * stored value + intercept.
 struct LinearRescale {
@@ -60,4 +60,4 @@ TiffStack describe_slice(TiffFile& tiff, VolumeSource& source);
 std::vector<std::size_t> pages_without_previews(TiffFile& tiff, VolumeSource& source,
                                                 const std::function<void(std::size_t place)>& at_page = {});
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -5,7 +5,7 @@
 
 #include "volume_files/tiff_file.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace {
 
@@ -61,4 +61,4 @@ void unpack_values(const PageFormat& format, std::size_t values, std::size_t val
   }
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

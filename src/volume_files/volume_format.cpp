@@ -12,7 +12,7 @@
 #include "files/file_error.h"
 #include "files/stored_data.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -147,4 +147,4 @@ std::string volume_extensions() {
   return list;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

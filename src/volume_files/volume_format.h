@@ -8,7 +8,7 @@
 
 #include "volume_files/readers.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 struct VolumeFormat {
   std::string_view name;                           ///< for messages: "NRRD"
@@ -25,4 +25,4 @@ const VolumeFormat& format_of(const std::filesystem::path& path);
 /// All extensions, between blanks.
 std::string volume_extensions();
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -13,7 +13,7 @@
 #include "volume_files/choice.h"
 #include "volume_files/grid_of_file.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -173,4 +173,4 @@ EvenSteps even_steps(const fs::path& path, const AxisCoordinates& coordinates, c
   return {values.front(), step};
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

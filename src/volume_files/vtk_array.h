@@ -12,7 +12,7 @@
 #include "files/vtk_values.h"
 #include "isoatlas/volume_file.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 struct VtkArray {
   std::string name = {};
@@ -66,4 +66,4 @@ struct EvenSteps {
 /// @throws Error(unsupported)  the steps differ by more than rounding, or 0.001 of a step
 EvenSteps even_steps(const std::filesystem::path& path, const AxisCoordinates& coordinates, char axis_name);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -10,7 +10,7 @@
 #include "field/sample_type.h"
 #include "files/file_error.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace {
 
@@ -90,4 +90,4 @@ void PieceAssembly::finish(VolumeSource& source) const {
   source.warnings.push_back("its pieces differ by rounding where they overlap; the first piece's samples are used there");
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -12,7 +12,7 @@
 #include "files/vtk_values.h"
 #include "isoatlas/volume_file.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// A part of a grid of samples: from `first` on, `size` samples along each axis.
 struct SampleBox {
@@ -52,4 +52,4 @@ class PieceAssembly {
   std::array<std::size_t, 3> largest_difference_at_{};
 };
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

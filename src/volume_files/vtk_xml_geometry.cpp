@@ -13,7 +13,7 @@
 #include "files/vtk_xml_values.h"
 #include "volume_files/grid_of_file.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -132,4 +132,4 @@ VtkGrid vtk_xml_geometry(const VtkXmlGrid& grid, const ReadOptions& options, Vol
   return grid.is_rectilinear ? rectilinear_geometry(grid, options, source) : image_geometry(grid, source);
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -6,11 +6,11 @@
 #include "volume_files/vtk_array.h"
 #include "volume_files/vtk_xml_grid.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// Sets `source.has_spacing`.
 /// @throws Error(bad_file)     missing or damaged coordinates, or a piece that is elsewhere than the header says
 /// @throws Error(unsupported)  steps that are not equal
 VtkGrid vtk_xml_geometry(const VtkXmlGrid& grid, const ReadOptions& options, VolumeSource& source);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

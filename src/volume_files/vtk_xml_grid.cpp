@@ -12,7 +12,7 @@
 #include "files/file_error.h"
 #include "files/stored_data.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 namespace fs = std::filesystem;
 
@@ -174,4 +174,4 @@ VtkXmlGrid read_vtk_xml_grid(const fs::path& path) {
   return grid;
 }
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -11,7 +11,7 @@
 
 #include "files/vtk_xml_header.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 
 /// Numbers of the first and the last point along x, y and z.
 struct PointExtent {
@@ -46,4 +46,4 @@ struct VtkXmlGrid {
 /// @throws Error(unsupported)  the file holds something else
 VtkXmlGrid read_vtk_xml_grid(const std::filesystem::path& path);
 
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -6,7 +6,7 @@
 
 #include "core/cancel_poll.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr std::uint32_t kLeast = 1024;  // c-vertices of a group, but for the last one
@@ -78,4 +78,4 @@ CVertexGraph ComponentGraphs::graph_of(std::uint32_t group, const RunControl& co
   return out;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -8,7 +8,7 @@
 #include "complex/c_vertex_graph.h"
 #include "isoatlas/run_control.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// The components of a graph as groups, each a graph of its own: to work on them at the same time. Groups are in the order in which
 /// Covering::cover() starts components: first those with a boundary, by their first c-vertex there, then the others, by their first
@@ -35,4 +35,4 @@ class ComponentGraphs {
   std::vector<std::uint32_t> by_size_;
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -18,7 +18,7 @@
 #include "core/parallel.h"
 #include "voronoi/component_graphs.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr float kSlope = 1.0f / 3.0f;  // of radii along the surface, at most
@@ -431,4 +431,4 @@ void Covering::cover_apart(const ComponentGraphs& groups, const RunControl& cont
   next_boundary_ = next_interior_ = graph_.c_vertex_count();
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

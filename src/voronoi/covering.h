@@ -15,7 +15,7 @@
 #include "isoatlas/run_control.h"
 #include "voronoi/topological_event.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 class ComponentGraphs;
 
@@ -135,4 +135,4 @@ class Covering {
   CVertexId next_boundary_ = 0, next_interior_ = 0;  // where to look for components without a site
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <limits>
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using DiskId = std::uint32_t;
@@ -246,4 +246,4 @@ void cover_from(const DiskCovering& disks, const CVertexGraph& graph, Covering& 
   }
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

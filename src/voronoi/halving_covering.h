@@ -6,7 +6,7 @@
 
 #include "voronoi/covering.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Disks, each the c-vertices nearer to its site than its radius.
 struct DiskCovering {
@@ -26,4 +26,4 @@ DiskCovering cover_by_halving(const CVertexGraph& graph, const CoveringOptions& 
 /// @pre nothing was inserted yet
 void cover_from(const DiskCovering& disks, const CVertexGraph& graph, Covering& covering, const RunControl& control);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -13,7 +13,7 @@
 #include "core/parallel.h"
 #include "core/whole_progress.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 void sort_unique(std::vector<CellId>& cells) {
@@ -305,4 +305,4 @@ void CertifiedDual::certify(CertificateReport& report, const RunControl& control
   covering_.forget_changes();
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -11,7 +11,7 @@
 #include "complex/scoped_check.h"
 #include "voronoi/covering.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// The dual of a covering, kept certified while the covering changes: where a check fails, sites are added that mend it.
 /// Always ends: where every c-vertex is a site the dual is the complex itself, which is simplicial.
@@ -66,4 +66,4 @@ class CertifiedDual {
   bool complete_ = false;  // the last check that passed was of everything
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

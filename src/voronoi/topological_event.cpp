@@ -7,7 +7,7 @@
 
 #include "core/cancel_poll.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 constexpr float kNever = std::numeric_limits<float>::infinity();
@@ -196,4 +196,4 @@ EventFinder::Finding EventFinder::judge_splits(float reach, bool swallowed, cons
   return found;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -7,7 +7,7 @@
 #include "core/distance_queue.h"
 #include "isoatlas/run_control.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Finds how far a geodesic disk can grow before its topology changes (paper, section 3.3 and figure 4).
 ///
@@ -52,4 +52,4 @@ class EventFinder {
   std::vector<float> peak_;            // per root, the largest distance in its component
 };
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

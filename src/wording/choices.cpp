@@ -9,7 +9,7 @@
 #include "isoatlas/error.h"
 #include "wording/values.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 template <class Value, std::size_t count>
@@ -68,4 +68,4 @@ SampleType parse_sample_type(std::string_view text) {
 
 bool parse_is_big_endian(std::string_view text) { return choose<bool>({{"little", false}, {"big", true}}, text); }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -6,7 +6,7 @@
 
 #include "isoatlas/options.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 // Each throws Error(bad_argument) that lists the names unless `text` is one of them, whatever the case, with blanks around it or not,
 // "_" for "-" or not.
@@ -20,4 +20,4 @@ Placement parse_placement(std::string_view text);          ///< surface, balance
 SampleType parse_sample_type(std::string_view text);       ///< int8 ... float64
 bool parse_is_big_endian(std::string_view text);           ///< little, big
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

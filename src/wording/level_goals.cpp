@@ -10,7 +10,7 @@
 #include "isoatlas/error.h"
 #include "wording/values.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 // Fewer vertices than a tetrahedron's make no closed surface.
@@ -164,4 +164,4 @@ LevelGoal in_world(const std::vector<TypedConstraint>& goal, const Grid& grid) {
   return result;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -8,7 +8,7 @@
 #include "isoatlas/refine.h"
 #include "isoatlas/volume.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// A constraint as typed: its bound may be a length in voxels, which needs the volume to become a length.
 struct TypedConstraint {
@@ -57,4 +57,4 @@ TypedGoals plan_levels(const std::vector<GoalArgument>& arguments, bool only_coa
 /// With the lengths of a volume.
 LevelGoal in_world(const std::vector<TypedConstraint>& goal, const Grid& grid);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -12,7 +12,7 @@
 #include "isoatlas/error.h"
 #include "wording/choices.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 [[noreturn]] void refuse_name(std::string_view name) {
@@ -223,4 +223,4 @@ ExtractOptions in_world(const ExtractSettings& settings, const Grid& grid) {
   return options;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

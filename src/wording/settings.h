@@ -15,7 +15,7 @@
 #include "wording/level_goals.h"
 #include "wording/values.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 constexpr std::size_t kMeasureSamples = 200'000;  ///< where somebody wants to measure, and does not say with how many
 
@@ -45,4 +45,4 @@ int parse_threads(std::string_view text);    ///< 0 or more
 std::pair<std::array<double, 3>, LengthUnit> parse_spacing(std::string_view text);
 std::uint64_t parse_bytes(std::string_view text);  ///< "8GiB", "500MB", "1000"; 1 or more
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

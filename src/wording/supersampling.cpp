@@ -10,7 +10,7 @@
 #include "files/memory_limit.h"
 #include "isoatlas/error.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 // Measured: coarse meshes 140 (a ball) to 260 (noise), refined ones 390 to 840.
@@ -103,4 +103,4 @@ std::uint64_t require_memory_for_supersampling(const VolumeView& volume, const E
               reason + ": expected " + (largest == 1 ? "no supersampling (1)" : std::to_string(largest) + " times at most"));
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -8,7 +8,7 @@
 #include "isoatlas/run_control.h"
 #include "isoatlas/volume.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Bytes that extract() takes at its peak, estimated: the volume's samples, an eighth of a byte for each upsampled sample, and for each
 /// grid cell that the surface crosses, of which there are supersample^2 as many as in the volume, 250 bytes, or 700 where levels are
@@ -25,4 +25,4 @@ std::uint64_t estimated_memory(const VolumeView& volume, const ExtractOptions& o
 std::uint64_t require_memory_for_supersampling(const VolumeView& volume, const ExtractOptions& options, std::uint64_t limit = 0,
                                                const RunControl& control = {});
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -9,7 +9,7 @@
 #include "core/file_name.h"
 #include "isoatlas/error.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 namespace {
 
@@ -98,4 +98,4 @@ double SpaceSize::in_world(const Grid& grid) const {
   return value * edge * edge * edge;
 }
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -11,7 +11,7 @@
 
 #include "isoatlas/volume.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 
 /// Without the blanks at both ends.
 std::string_view trimmed(std::string_view text);
@@ -85,4 +85,4 @@ struct SpaceSize {
 /// None unless `text` is a finite size, 0 or more.
 std::optional<SpaceSize> space_size_of(std::string_view text);
 
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -4,7 +4,7 @@
 
 #include "adversarial/sound_levels.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using namespace test;
@@ -81,4 +81,4 @@ TEST(Adversarial, WhiteNoise64) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

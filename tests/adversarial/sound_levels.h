@@ -12,7 +12,7 @@
 #include "support/soundness.h"
 #include "support/surfaces.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 
 /// ISOATLAS_ADVERSARIAL=many in the environment: all there is, in minutes.
 inline bool many() {
@@ -49,4 +49,4 @@ inline void expect_sound(const Samples& samples, const std::string& what, double
   }
 }
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

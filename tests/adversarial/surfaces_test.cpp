@@ -6,7 +6,7 @@
 
 #include "adversarial/sound_levels.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using namespace test;
@@ -160,4 +160,4 @@ TEST(Adversarial, CellsTwentyTimesAsLong) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

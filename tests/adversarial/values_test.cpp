@@ -7,7 +7,7 @@
 #include "adversarial/sound_levels.h"
 #include "field/sample_type.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using namespace test;
@@ -139,4 +139,4 @@ TEST(Adversarial, TwoValuesAndAnIsovalueBetween) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

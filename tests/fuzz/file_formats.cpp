@@ -18,7 +18,7 @@
 #include "isoatlas/io.h"
 #include "page/page.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 
 namespace fs = std::filesystem;
 
@@ -161,4 +161,4 @@ std::string what_is_wrong_with_file(std::string_view format, std::span<const std
   return "";
 }
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

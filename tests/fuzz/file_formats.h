@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 
 /// Formats that are fuzzed, by the extension without its dot: "nrrd" ... "json", which is a report.
 bool is_fuzzed_format(std::string_view format);
@@ -15,4 +15,4 @@ bool is_fuzzed_format(std::string_view format);
 /// What is wrong with what reading makes of these bytes; empty if nothing is.
 std::string what_is_wrong_with_file(std::string_view format, std::span<const std::uint8_t> bytes);
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

@@ -8,7 +8,7 @@
 #include "isoatlas/error.h"
 #include "support/soundness.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 // Internal errors are ours, and nobody cancelled.
@@ -30,10 +30,12 @@ std::string what_is_wrong_with(const FuzzInput& input) {
   return "";
 }
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace isoatlas::test;
+  using namespace isoatlas;
+  using namespace isoatlas::detail;
+  using namespace isoatlas::detail::test;
   const FuzzInput input = decode(data, size);
   if (const std::string wrong = what_is_wrong_with(input); !wrong.empty()) {
     std::fprintf(stderr, "%s\n%s", wrong.c_str(), describe(input).c_str());

@@ -13,7 +13,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity(), kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -288,4 +288,4 @@ std::string describe(const FuzzInput& input) {
   return out.str();
 }
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

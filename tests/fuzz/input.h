@@ -7,7 +7,7 @@
 
 #include "isoatlas/extract.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 
 /// A tiny volume and a set of options, some of which nobody may ask for.
 struct FuzzInput {
@@ -21,4 +21,4 @@ FuzzInput decode(const std::uint8_t* data, std::size_t size);
 /// In words, down to the samples, to make a test of.
 std::string describe(const FuzzInput& input);
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

@@ -13,7 +13,9 @@
 #include "fuzz/fuzz_extract.h"
 
 namespace fs = std::filesystem;
-using namespace isoatlas::test;
+using namespace isoatlas;
+using namespace isoatlas::detail;
+using namespace isoatlas::detail::test;
 
 int main(int argc, char** argv) {
   std::vector<fs::path> files;

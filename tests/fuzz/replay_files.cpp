@@ -46,13 +46,13 @@ class Archive {
 
 Counts replay(const fs::path& path) {
   const std::string format = path.stem().string();
-  if (path.extension() != ".zip" || !isoatlas::test::is_fuzzed_format(format))
+  if (path.extension() != ".zip" || !isoatlas::detail::test::is_fuzzed_format(format))
     throw std::runtime_error(path.string() + ": expected the archive of a format that is fuzzed");
   const Archive archive(path);
   Counts counts;
   for (std::uint64_t entry = 0; entry < archive.size(); ++entry) {
     std::fprintf(stderr, "%s %s\n", path.filename().c_str(), archive.name(entry).c_str());  // the last one before a crash is the one
-    const std::string wrong = isoatlas::test::what_is_wrong_with_file(format, archive.bytes(entry));
+    const std::string wrong = isoatlas::detail::test::what_is_wrong_with_file(format, archive.bytes(entry));
     if (!wrong.empty()) std::fprintf(stderr, "WRONG: %s\n", wrong.c_str());
     ++counts.files;
     counts.wrong += wrong.empty() ? 0 : 1;

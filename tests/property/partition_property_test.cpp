@@ -15,7 +15,7 @@
 #include "support/surfaces.h"
 #include "voronoi/repair.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using namespace test;
@@ -122,4 +122,4 @@ RC_GTEST_PROP(AnyPartition, ScopedCheckMissesNothing, (const RandomCase& c)) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

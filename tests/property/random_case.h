@@ -14,7 +14,7 @@
 #include "support/reference_topology.h"
 #include "support/volumes.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 
 struct RandomCase {
   int family = 0;
@@ -66,19 +66,19 @@ inline bool run_cases(int count) {
   return setenv("RC_PARAMS", parameters.c_str(), 0) == 0;
 }
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test
 
 namespace rc {
 
 template <>
-struct Arbitrary<isoatlas::test::RandomCase> {
-  static Gen<isoatlas::test::RandomCase> arbitrary() {
-    using isoatlas::test::RandomCase;
+struct Arbitrary<isoatlas::detail::test::RandomCase> {
+  static Gen<isoatlas::detail::test::RandomCase> arbitrary() {
+    using isoatlas::detail::test::RandomCase;
     // Sizes lean on no "size" parameter of RapidCheck: small and large volumes at any time.
     const auto length = gen::resize(100, gen::inRange<std::size_t>(2, 15));
     const auto whole = [](int low, int high) { return gen::resize(100, gen::inRange(low, high)); };
     return gen::build<RandomCase>(
-        gen::set(&RandomCase::family, whole(0, isoatlas::test::kFamilies)), gen::set(&RandomCase::nx, length),
+        gen::set(&RandomCase::family, whole(0, isoatlas::detail::test::kFamilies)), gen::set(&RandomCase::nx, length),
         gen::set(&RandomCase::ny, length), gen::set(&RandomCase::nz, length),
         gen::set(&RandomCase::seed, gen::resize(100, gen::inRange<std::uint64_t>(0, 1000000))),
         gen::set(&RandomCase::twice_isovalue, gen::weightedOneOf<int>({{3, gen::just(0)}, {1, whole(-3, 4)}})),

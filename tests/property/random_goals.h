@@ -8,7 +8,7 @@
 
 #include "property/random_case.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 
 inline double random_bound(Quantity quantity, double voxel, Random& random) {
   const double u = random.unit();
@@ -65,4 +65,4 @@ inline std::string text(const LevelGoal& goal) {
   return out.empty() ? "nothing " : out;
 }
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

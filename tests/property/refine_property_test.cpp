@@ -15,7 +15,7 @@
 #include "support/soundness.h"
 #include "support/surfaces.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using namespace test;
@@ -266,4 +266,4 @@ RC_GTEST_PROP(AnyLevels, StayTheSameWhenMoreFollow, (const RandomCase& any)) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -16,7 +16,7 @@
 #include "property/random_case.h"
 #include "support/surfaces.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using namespace test;
@@ -175,4 +175,4 @@ RC_GTEST_PROP(AnySurface, DividedEverywhereDoesNotMeetItselfTricubicOrSupersampl
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -3,7 +3,7 @@
 
 #include "support/volumes.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 
 /// The function at the samples' indices, unrounded.
 inline Volume exact_volume_on(const Grid& grid, const Function& f) {
@@ -25,4 +25,4 @@ inline Volume exact_volume(Size size, const Function& f, Vec3 spacing = {1, 1, 1
   return exact_volume_on(grid, f);
 }
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

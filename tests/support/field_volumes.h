@@ -12,7 +12,7 @@
 
 #include "isoatlas/volume_file.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 
 inline std::filesystem::path field_file(const std::string& name) { return std::filesystem::path(ISOATLAS_FIELD_DATA) / name; }
 
@@ -62,4 +62,4 @@ inline void expect_size_and_spacing(const VolumeView& volume, std::array<std::si
 /// The content of all field volumes that hold floats: positive inside a pair of ellipsoids.
 inline std::vector<double> field_samples() { return samples_as_double(read_volume(field_file("n_nifti2.nii"))); }
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

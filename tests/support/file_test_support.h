@@ -15,7 +15,7 @@
 
 #include "isoatlas/error.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 
 /// A folder of its own for each test, gone with it.
 class TempFolder {
@@ -69,4 +69,4 @@ void expect_error(ErrorCode code, const std::string& fragment, const std::filesy
   }
 }
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

@@ -14,7 +14,7 @@
 #include "support/surfaces.h"
 #include "voronoi/repair.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 
 inline CoveringOptions disks(float max_radius) {
   CoveringOptions out;
@@ -105,4 +105,4 @@ class TestLevel {
   std::vector<Farthest> from_mesh_;
 };
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

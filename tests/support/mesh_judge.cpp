@@ -10,7 +10,7 @@
 #include <numeric>
 #include <vector>
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 using Rational = boost::multiprecision::cpp_rational;
@@ -248,4 +248,4 @@ std::size_t misplaced_components(const TriangleMesh& mesh) {
   return components - std::max(around_outside, around_inside);
 }
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

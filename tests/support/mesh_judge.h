@@ -6,7 +6,7 @@
 
 #include "isoatlas/mesh.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 
 struct Judgement {
   std::size_t pairs = 0;         ///< of triangles that have more in common than the hull of their common corners
@@ -20,4 +20,4 @@ Judgement judge_embedding(const TriangleMesh& mesh);
 /// inside surrounds it), by solid angles. @pre the mesh is closed and oriented, and has no self-intersections
 std::size_t misplaced_components(const TriangleMesh& mesh);
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

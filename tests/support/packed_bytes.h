@@ -7,7 +7,7 @@
 
 #include <string>
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 
 inline std::string deflated(const std::string& bytes, int window_bits) {
   z_stream stream{};
@@ -34,4 +34,4 @@ inline std::string bzipped(const std::string& bytes) {
   return packed;
 }
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 __extension__ using Exact = __int128;  // GCC and clang have it, ISO C++ does not
@@ -195,4 +195,4 @@ TopologySummary reference_topology(const Samples& samples, double isovalue, Insi
   return out;
 }
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

@@ -5,7 +5,7 @@
 #include "isoatlas/extract.h"
 #include "support/volumes.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 
 /// Counts the cell complex itself, not its dual: a vertex on every grid edge with a sign change, an edge for every segment on a
 /// grid face, a disk for every loop of segments in a cell. Plain maps, exact integers.
@@ -16,4 +16,4 @@ TopologySummary reference_topology(const Samples& samples, double isovalue, Insi
 /// Is there a sample on either side?
 bool has_surface(const Samples& samples, double isovalue, Inside inside = Inside::above);
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

@@ -6,7 +6,7 @@
 
 #include "support/mesh_judge.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 constexpr std::size_t kMostJudged = 100;  // components: each is compared with all triangles
@@ -88,4 +88,4 @@ std::string what_is_wrong(const Extraction& e, const ExtractOptions& options) {
   return "";
 }
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

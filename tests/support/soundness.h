@@ -6,7 +6,7 @@
 
 #include "isoatlas/extract.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 
 /// Levels that were asked to be embedded are: no two triangles of a level meet where they should not. false only counts them, and they must
 /// be as many as the report says.
@@ -17,4 +17,4 @@ inline constexpr bool kEmbedded = true;
 ///         counted here from the triangles; levels nested; positions finite; the report true
 std::string what_is_wrong(const Extraction& extraction, const ExtractOptions& options);
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

@@ -11,7 +11,7 @@
 
 #include "isosurface/parse_surface.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 // A grid of quads, n columns (closed in x if round) and m rows.
@@ -136,4 +136,4 @@ std::vector<double> slow_distances(const CVertexGraph& graph, const std::vector<
   return out;
 }
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

@@ -11,7 +11,7 @@
 #include "isoatlas/mesh.h"
 #include "support/volumes.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 
 /// The parsed surface of generated samples; fails loudly where it is not valid.
 SurfaceComplex surface_of(const Samples& samples, double isovalue = 0, Inside inside = Inside::above, Vec3 spacing = {1, 1, 1},
@@ -37,4 +37,4 @@ std::pair<Vec3, Vec3> bounding_box(const TriangleMesh& mesh);
 /// Shortest paths in the graph, by Bellman-Ford in double precision: slow, and nothing like the code it checks.
 std::vector<double> slow_distances(const CVertexGraph& graph, const std::vector<CVertexId>& sources);
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

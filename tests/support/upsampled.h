@@ -8,7 +8,7 @@
 #include "field/interpolated_field.h"
 #include "support/volumes.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 
 /// A Catmull-Rom spline or a line through samples that are `f` at whole numbers, up to the last one.
 template <class F>
@@ -58,4 +58,4 @@ inline Volume upsampled(const Volume& volume, Interpolation interpolation, std::
   return own<double>(grid, SampleType::float64, std::move(values));
 }
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

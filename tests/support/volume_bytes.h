@@ -15,7 +15,7 @@
 #include "isoatlas/volume_file.h"
 #include "support/packed_bytes.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 
 template <class Value>
 Value reversed(Value value) {
@@ -66,4 +66,4 @@ inline void expect_near(const Vec3& value, const Vec3& expected, double toleranc
   EXPECT_NEAR(value.z, expected.z, tolerance);
 }
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

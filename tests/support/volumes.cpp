@@ -8,7 +8,7 @@
 
 #include "field/sample_type.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 double distance(double x, double y, double z, Vec3 c) { return std::hypot(x - c.x, y - c.y, z - c.z); }
@@ -359,4 +359,4 @@ Samples random_shells(std::uint64_t seed) {
   return samples;
 }
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

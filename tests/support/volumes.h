@@ -12,7 +12,7 @@
 #include "isoatlas/extract.h"
 #include "isoatlas/volume.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 
 /// splitmix64 (Steele, Lea, Flood 2014): the same numbers on every machine, unlike the distributions of <random>.
 class Random {
@@ -108,4 +108,4 @@ Samples random_samples(Family family, Size size, std::uint64_t seed);
 /// 40 x 22 x 22: shells in each other, three deep, beside two others, with specks in and around them.
 Samples random_shells(std::uint64_t seed);
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

@@ -9,7 +9,7 @@
 #include "isoatlas/self_intersections.h"
 #include "support/surfaces.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using namespace test;
@@ -153,4 +153,4 @@ TEST(Embedded, CellsAddedAfterAComponentWasTurnedAreMeshed) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

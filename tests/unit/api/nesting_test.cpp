@@ -11,7 +11,7 @@
 #include "isoatlas/extract.h"
 #include "support/volumes.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using namespace test;
@@ -96,4 +96,4 @@ TEST(Nesting, IsTheSameAtEveryLevel) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -13,7 +13,7 @@
 #include "support/reference_topology.h"
 #include "support/surfaces.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using namespace test;
@@ -458,4 +458,4 @@ TEST(Control, TimesAddUp) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -25,7 +25,7 @@ void RunControl::check_cancelled() const {
 
 void RunControl::report(std::string_view, double) const { check_cancelled(); }
 
-namespace test {
+namespace detail::test {
 namespace {
 
 struct Case {
@@ -99,5 +99,5 @@ TEST(Stop, AtAnyLookWithThreads) {
 }
 
 }  // namespace
-}  // namespace test
+}  // namespace detail::test
 }  // namespace isoatlas

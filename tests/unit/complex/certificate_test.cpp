@@ -12,7 +12,7 @@
 #include "support/reference_topology.h"
 #include "support/surfaces.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using namespace test;
@@ -347,4 +347,4 @@ TEST(Certificate, WhatBreaksTheDualFails) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -13,7 +13,7 @@
 #include "support/surfaces.h"
 #include "support/volumes.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using namespace test;
@@ -149,4 +149,4 @@ TEST(ComponentSizes, EveryComponentIsOfAPart) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -7,7 +7,7 @@
 #include "support/surfaces.h"
 #include "support/volumes.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using namespace test;
@@ -39,4 +39,4 @@ TEST(DropComponents, LeavesTheOthersAsTheyWere) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

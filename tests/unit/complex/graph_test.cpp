@@ -11,7 +11,7 @@
 #include "support/reference_topology.h"
 #include "support/surfaces.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using namespace test;
@@ -158,4 +158,4 @@ TEST(Graph, RemakingIsMakingAnewAndTellsWhatChanged) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

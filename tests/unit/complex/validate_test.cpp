@@ -6,7 +6,7 @@
 
 #include "support/surfaces.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using test::flat_grid;
@@ -132,4 +132,4 @@ TEST(Validate, TwoSidesBetweenTheSameCVertices) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -12,7 +12,7 @@
 #include "core/parallel.h"
 #include "support/volumes.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using test::Random;
@@ -149,4 +149,4 @@ TEST(CheckedId, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 TEST(FileName, OnlyAsciiLettersChangeCase) {
@@ -27,4 +27,4 @@ TEST(FileName, AnyOfTheExtensionsEndsTheName) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

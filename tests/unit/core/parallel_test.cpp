@@ -16,7 +16,7 @@
 #include "isoatlas/error.h"
 #include "isoatlas/run_control.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 TEST(ForEachPiece, VisitsEveryItemOnce) {
@@ -161,4 +161,4 @@ TEST(RunControl, CancelAndProgress) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -11,7 +11,7 @@
 
 #include "support/volumes.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using boost::multiprecision::cpp_int;
@@ -164,4 +164,4 @@ TEST(SaddleSign, SwappingTheDiagonalsFlipsTheSign) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -9,7 +9,7 @@
 
 #include "core/epoch_set.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 // Thousands of changes, so that rows move and the array is compacted many times.
@@ -70,4 +70,4 @@ TEST(EpochSet, ForgetsAllAtOnce) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 TEST(WholeProgress, NeverFallsAndEndsAtOne) {
@@ -84,4 +84,4 @@ TEST(WholeProgress, WithoutAListenerThereIsNone) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

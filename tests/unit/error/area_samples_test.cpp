@@ -8,7 +8,7 @@
 #include "core/vector_math.h"
 #include "support/volumes.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 TEST(AreaSamples, EachStandsForTheSameArea) {
@@ -56,4 +56,4 @@ TEST(AreaSamples, TrianglesWithoutArea) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

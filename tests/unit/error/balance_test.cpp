@@ -8,7 +8,7 @@
 #include "core/vector_math.h"
 #include "support/levels.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using namespace test;
@@ -111,4 +111,4 @@ TEST(Balance, OnlyInnerCellsOfThoseAskedForMove) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

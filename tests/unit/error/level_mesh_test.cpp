@@ -14,7 +14,7 @@
 #include "geometry/closest_point.h"
 #include "support/levels.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using namespace test;
@@ -215,4 +215,4 @@ TEST(MeasureFromMesh, KnownErrorsCountForOtherBounds) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

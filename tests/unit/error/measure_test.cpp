@@ -16,7 +16,7 @@
 #include "support/exact_volume.h"
 #include "support/volumes.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using test::exact_volume;
@@ -295,4 +295,4 @@ TEST(Measure, FarAndDegenerateMeshes) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

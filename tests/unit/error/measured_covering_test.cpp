@@ -12,7 +12,7 @@
 #include "support/levels.h"
 #include "support/reference_topology.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using namespace test;
@@ -403,4 +403,4 @@ TEST(Covering, RemembersInWhoseCellASiteWasPlaced) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

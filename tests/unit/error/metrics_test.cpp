@@ -13,7 +13,7 @@
 #include "core/vector_math.h"
 #include "support/levels.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using namespace test;
@@ -235,4 +235,4 @@ TEST(Quantities, NamesLeadBack) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -12,7 +12,7 @@
 #include "geometry/closest_point.h"
 #include "support/levels.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using namespace test;
@@ -234,4 +234,4 @@ TEST(GridCells, HaveAllThatTheIsosurfaceCrosses) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

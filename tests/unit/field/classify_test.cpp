@@ -11,7 +11,7 @@
 #include "field/sample_type.h"
 #include "support/volumes.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using test::own;
@@ -225,4 +225,4 @@ TEST(Classify, NoticesASingleSampleOnTheOtherSide) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

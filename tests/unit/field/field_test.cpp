@@ -8,7 +8,7 @@
 
 #include "support/volumes.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using test::own;
@@ -82,4 +82,4 @@ TEST(TrilinearCell, MatchesTheWeightedSumAndItsSlope) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

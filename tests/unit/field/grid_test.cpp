@@ -7,7 +7,7 @@
 #include "isoatlas/volume.h"
 #include "support/volumes.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using test::own;
@@ -89,4 +89,4 @@ TEST(Summarize, FarEndsOfEveryType) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

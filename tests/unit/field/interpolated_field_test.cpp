@@ -10,7 +10,7 @@
 #include "support/exact_volume.h"
 #include "support/volumes.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using test::Random;
@@ -152,4 +152,4 @@ TEST(TricubicField, ExtremeSamplesKeepTheirRatio) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -11,7 +11,7 @@
 #include "support/exact_volume.h"
 #include "support/upsampled.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using namespace test;
@@ -174,4 +174,4 @@ TEST(UpsampledField, TooManySamplesAreRefused) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -7,7 +7,7 @@
 
 #include "support/volumes.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using test::Random;
@@ -87,4 +87,4 @@ TEST(ClosestPoint, WithoutArea) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

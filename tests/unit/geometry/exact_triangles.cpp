@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 using Integer = std::int64_t;
@@ -94,4 +94,4 @@ bool slow_meet_beyond_shared(const std::vector<LatticePoint>& points, const Tria
   return false;
 }
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

@@ -8,7 +8,7 @@
 
 #include "isoatlas/mesh.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 
 using LatticePoint = std::array<std::int64_t, 3>;  // coordinates of at most 20, so that nothing below overflows
 
@@ -17,4 +17,4 @@ std::vector<Vec3> to_positions(const std::vector<LatticePoint>& points, double s
 /// What meet_beyond_shared() promises, from its definition: an intersection of two convex sets is in a third if its corners are.
 bool slow_meet_beyond_shared(const std::vector<LatticePoint>& points, const Triangle& a, const Triangle& b);
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

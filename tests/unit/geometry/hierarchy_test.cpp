@@ -5,7 +5,7 @@
 
 #include "isoatlas/error.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 TEST(Hierarchy, LevelOfAVertexIsTheFirstThatHasIt) {
@@ -20,4 +20,4 @@ TEST(Hierarchy, LevelOfAVertexIsTheFirstThatHasIt) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -7,7 +7,7 @@
 
 #include "support/volumes.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 // Two triangles that cross, and two that share an edge.
@@ -61,4 +61,4 @@ TEST(IntersectionTracker, SameAsLookingAtEverything) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -16,7 +16,7 @@
 #include "support/surfaces.h"
 #include "support/volumes.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using namespace test;
@@ -119,4 +119,4 @@ TEST(MeshNesting, OfParsedSurfacesIsTheOneOfTheirNodes) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

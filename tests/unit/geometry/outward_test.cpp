@@ -5,7 +5,7 @@
 
 #include "support/surfaces.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 // A regular tetrahedron about the origin; at each corner the outward direction is the corner itself, at a cosine of 1/3 to the
@@ -67,4 +67,4 @@ TEST(TurnedComponents, CornersWithoutADirectionAreLeftOut) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

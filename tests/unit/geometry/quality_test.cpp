@@ -7,7 +7,7 @@
 
 #include "isoatlas/mesh.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 void add_triangle(TriangleMesh& mesh, Vec3 a, Vec3 b, Vec3 c) {
@@ -134,4 +134,4 @@ TEST(MeshQuality, AspectRatioDoesNotDependOnScaleOrCornerOrder) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -15,7 +15,7 @@
 #include "support/mesh_judge.h"
 #include "support/volumes.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using test::LatticePoint;
@@ -293,4 +293,4 @@ TEST(MeshJudge, SeesWhatIsMisplaced) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

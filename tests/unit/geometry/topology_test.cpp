@@ -8,7 +8,7 @@
 #include "support/surfaces.h"
 #include "support/volumes.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using test::Random;
@@ -235,4 +235,4 @@ TEST(Summarize, CollectsKindsInOrder) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -10,7 +10,7 @@
 #include "exact_triangles.h"
 #include "support/volumes.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using test::LatticePoint;
@@ -214,4 +214,4 @@ TEST(TrianglePairRandom, PairsAmongAFewAreThoseOfEachPair) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

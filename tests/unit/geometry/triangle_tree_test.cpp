@@ -9,7 +9,7 @@
 #include "core/parallel.h"
 #include "support/volumes.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using test::Random;
@@ -191,4 +191,4 @@ TEST(TriangleTree, SameForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

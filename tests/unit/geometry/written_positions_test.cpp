@@ -9,7 +9,7 @@
 #include "geometry/intersection_tracker.h"
 #include "isoatlas/extract.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 Grid turned_grid(Vec3 origin) {
@@ -88,4 +88,4 @@ TEST(WrittenPositions, TriangleThatHasNoAreaAsFloat32) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -10,7 +10,7 @@
 #include "support/exact_volume.h"
 #include "support/volumes.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using test::exact_volume;
@@ -220,4 +220,4 @@ TEST(Isosurface, AnswersWhateverTheField) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -12,7 +12,7 @@
 #include "support/reference_topology.h"
 #include "support/surfaces.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using namespace test;
@@ -227,4 +227,4 @@ TEST(Positions, FacesLookOutwards) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -12,7 +12,7 @@
 #include "support/surfaces.h"
 #include "support/upsampled.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using namespace test;
@@ -125,4 +125,4 @@ TEST(Supersample, FindsWhatNoSampleIsInside) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

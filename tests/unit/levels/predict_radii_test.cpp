@@ -8,7 +8,7 @@
 
 #include "support/levels.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using namespace test;
@@ -60,4 +60,4 @@ TEST(PredictRadii, SayNothingOfATinyComponent) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -18,7 +18,7 @@
 #include "isoatlas/io.h"
 #include "support/file_test_support.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -570,4 +570,4 @@ TEST(HierarchyFiles, GlbWithNodesAroundItsMesh) {
 }
 
 }  // namespace
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

@@ -11,7 +11,7 @@
 #include "mesh_files/zip_archive.h"
 #include "support/file_test_support.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -300,4 +300,4 @@ TEST(Mesh3mf, LargePromisesAreNotAllocated) {
 }
 
 }  // namespace
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

@@ -11,7 +11,7 @@
 #include "isoatlas/io.h"
 #include "support/file_test_support.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 constexpr std::array kFormats{".ply", ".stl", ".obj", ".off", ".vtp", ".3mf", ".gii"};
@@ -443,4 +443,4 @@ TEST(MeshFiles, DamagedFiles) {
 }
 
 }  // namespace
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

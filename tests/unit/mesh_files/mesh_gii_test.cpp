@@ -11,7 +11,7 @@
 #include "mesh_files/base64.h"
 #include "support/file_test_support.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -257,4 +257,4 @@ TEST(MeshGii, Base64) {
 }
 
 }  // namespace
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

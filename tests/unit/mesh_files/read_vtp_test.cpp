@@ -19,7 +19,7 @@
 #include "mesh_files/formats.h"
 #include "support/file_test_support.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 struct Encoding {
@@ -207,4 +207,4 @@ TEST(ReadVtp, TextThatTheFileCannotHoldIsNotAllocated) {
 }
 
 }  // namespace
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

@@ -10,7 +10,7 @@
 #include "support/levels.h"
 #include "support/reference_topology.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using namespace test;
@@ -89,4 +89,4 @@ TEST(ImproveShape, KeepsTheManifoldAndTheBounds) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -9,7 +9,7 @@
 #include "isoatlas/error.h"
 #include "support/file_test_support.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 namespace fs = std::filesystem;
@@ -93,4 +93,4 @@ TEST(MeshOutputs, ListsAllFiles) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

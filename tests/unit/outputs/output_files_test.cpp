@@ -8,7 +8,7 @@
 #include "isoatlas/error.h"
 #include "support/file_test_support.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 namespace fs = std::filesystem;
@@ -113,4 +113,4 @@ TEST(OutputFiles, DiscardLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -5,7 +5,7 @@
 
 #include <limits>
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 ConstraintResult result(Quantity quantity, double bound, double reached, bool is_default = false) {
@@ -95,4 +95,4 @@ TEST(StatedRounding, AnInfiniteMetricStaysInfinite) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

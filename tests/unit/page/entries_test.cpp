@@ -16,7 +16,7 @@
 #include "support/exact_volume.h"
 #include "support/volumes.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 namespace fs = std::filesystem;
@@ -196,4 +196,4 @@ TEST(PageMarchingCubes, AreNotMadeOfWhatIsNotFinite) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

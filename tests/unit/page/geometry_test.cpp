@@ -11,7 +11,7 @@
 #include "isoatlas/extract.h"
 #include "support/volumes.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -126,4 +126,4 @@ TEST(PageGeometry, FarFromTheOriginAndVerySmallOrLarge) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

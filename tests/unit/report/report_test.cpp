@@ -13,7 +13,7 @@
 #include "isoatlas/error.h"
 #include "report/level_facts.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using Json = nlohmann::json;
@@ -197,4 +197,4 @@ TEST(LevelFacts, BadJsonIsAnError) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

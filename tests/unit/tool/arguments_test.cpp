@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 namespace {
 
 using enum Quantity;
@@ -79,4 +79,4 @@ TEST(ExtractArguments, Measure) {
 }
 
 }  // namespace
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

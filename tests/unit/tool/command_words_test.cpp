@@ -8,7 +8,7 @@
 
 #include "arguments.h"
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 namespace {
 
 // "--iso=0 o=a.ply q": options with the names and values that were read; then what stands without one.
@@ -52,4 +52,4 @@ TEST(CommandWords, NumbersAreNoOptions) {
 }
 
 }  // namespace
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

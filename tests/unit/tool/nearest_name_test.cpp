@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace isoatlas::tool {
+namespace isoatlas::detail::tool {
 namespace {
 
 TEST(EditDistance, CountsLettersAndSwaps) {
@@ -45,4 +45,4 @@ TEST(NearestName, IsNoneWhereNothingIsLikeIt) {
 }
 
 }  // namespace
-}  // namespace isoatlas::tool
+}  // namespace isoatlas::detail::tool

@@ -10,7 +10,7 @@
 #include "support/file_test_support.h"
 #include "support/packed_bytes.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 // 16 x 12 x 10 samples of noise, so that no compressor makes them small.
@@ -407,4 +407,4 @@ TEST(BadVolumes, Raw) {
 }
 
 }  // namespace
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

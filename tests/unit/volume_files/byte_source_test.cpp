@@ -9,7 +9,7 @@
 #include "support/file_test_support.h"
 #include "support/packed_bytes.h"
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 namespace {
 
 using test::bzipped;
@@ -151,4 +151,4 @@ TEST(ByteSource, PackingIsThatOfTheContent) {
 }
 
 }  // namespace
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace isoatlas::io {
+namespace isoatlas::detail::io {
 namespace {
 
 const FileChoice kChannels{"channel", {"DAPI", "1", "GFP"}, {}};
@@ -44,4 +44,4 @@ TEST(Choice, RefusesWhatIsNotThere) {
 }
 
 }  // namespace
-}  // namespace isoatlas::io
+}  // namespace isoatlas::detail::io

@@ -16,7 +16,7 @@
 #include "isoatlas/volume.h"
 #include "support/file_test_support.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 
 inline constexpr std::string_view kExplicitLittle = "1.2.840.10008.1.2.1", kImplicitLittle = "1.2.840.10008.1.2",
                                   kExplicitBig = "1.2.840.10008.1.2.2";
@@ -218,4 +218,4 @@ inline std::vector<double> slice_values(const Volume& volume) {
   return values;
 }
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

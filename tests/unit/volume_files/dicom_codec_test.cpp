@@ -10,7 +10,7 @@
 #include "support/file_test_support.h"
 #include "unit/volume_files/dicom_builder.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -169,4 +169,4 @@ TEST(DicomCodec, PixelDataThatIsNotCompressedAfterAll) {
 }
 
 }  // namespace
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

@@ -11,7 +11,7 @@
 #include "support/file_test_support.h"
 #include "unit/volume_files/dicom_builder.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -425,4 +425,4 @@ TEST(DicomFolder, SizesBeyondTheStandardsAreRefused) {
 }
 
 }  // namespace
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

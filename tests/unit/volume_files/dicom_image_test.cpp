@@ -11,7 +11,7 @@
 #include "support/file_test_support.h"
 #include "unit/volume_files/dicom_builder.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -600,4 +600,4 @@ TEST(DicomImage, SamplesMustFitInMemory) {
 }
 
 }  // namespace
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

@@ -11,7 +11,7 @@
 #include "support/file_test_support.h"
 #include "unit/volume_files/volume_files.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -154,4 +154,4 @@ TEST(Dicom, FoldersWithoutImages) {
 }
 
 }  // namespace
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

@@ -11,7 +11,7 @@
 #include "support/file_test_support.h"
 #include "tiff_writer.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -345,4 +345,4 @@ TEST_F(ImageStack, DicomComesFirst) {
 }
 
 }  // namespace
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

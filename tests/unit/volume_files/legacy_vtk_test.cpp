@@ -13,7 +13,7 @@
 #include "support/file_test_support.h"
 #include "unit/volume_files/volume_files.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 // SHA-256 of the field volumes' samples, by numpy and VTK's own reader.
@@ -401,4 +401,4 @@ TEST_F(LegacyVtk, PromisesAreCheckedBeforeMemoryIsAllocated) {
 }
 
 }  // namespace
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

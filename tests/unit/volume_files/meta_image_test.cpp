@@ -10,7 +10,7 @@
 #include "support/file_test_support.h"
 #include "unit/volume_files/one_file.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 using MetaFile = OneFile;
@@ -388,4 +388,4 @@ TEST(MetaImageHeader, Wrong) {
 }
 
 }  // namespace
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

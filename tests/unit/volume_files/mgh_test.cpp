@@ -13,7 +13,7 @@
 #include "support/file_test_support.h"
 #include "support/volume_bytes.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -156,4 +156,4 @@ TEST_F(Mgh, DamagedFilesAreRefused) {
 }
 
 }  // namespace
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

@@ -22,7 +22,7 @@
 #include "support/file_test_support.h"
 #include "support/volume_bytes.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -670,4 +670,4 @@ TEST_F(Nifti, NeverAllocatesMoreThanAllowed) {
 }
 
 }  // namespace
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

@@ -13,7 +13,7 @@
 #include "support/file_test_support.h"
 #include "support/volume_bytes.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 constexpr std::size_t kCount = 24;
@@ -223,4 +223,4 @@ TEST_F(Npy, ArchivesAreRefused) {
 }
 
 }  // namespace
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

@@ -13,7 +13,7 @@
 #include "support/file_test_support.h"
 #include "unit/volume_files/one_file.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 using NrrdFile = OneFile;
@@ -671,4 +671,4 @@ TEST(NrrdHeader, Wrong) {
 }
 
 }  // namespace
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

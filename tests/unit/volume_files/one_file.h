@@ -12,7 +12,7 @@
 #include "support/file_test_support.h"
 #include "support/packed_bytes.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 
 using Strings = std::vector<std::string>;
 
@@ -59,4 +59,4 @@ class OneFile {
   std::filesystem::path path;
 };
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

@@ -8,7 +8,7 @@
 #include "support/file_test_support.h"
 #include "unit/volume_files/one_file.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 constexpr ErrorCode kBad = ErrorCode::bad_file;
@@ -58,4 +58,4 @@ TEST(Raw, MoreThanAPackedFileCanHold) {
 }
 
 }  // namespace
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

@@ -8,7 +8,7 @@
 #include "isoatlas/io.h"
 #include "support/file_test_support.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 TEST(RealVolumes, AreAsTheManifestSays) {
@@ -49,4 +49,4 @@ TEST(RealVolumes, AreAsTheManifestSays) {
 }
 
 }  // namespace
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

@@ -13,7 +13,7 @@
 #include "support/file_test_support.h"
 #include "tiff_writer.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 // SHA-256 of the samples as tifffile reads them.
@@ -884,4 +884,4 @@ TEST_F(Tiff, OneImageIsTwoDimensional) {
 }
 
 }  // namespace
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 
 struct TiffTag {
   std::uint16_t tag;
@@ -113,4 +113,4 @@ class TiffWriter {
   std::size_t link_ = 0;
 };
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

@@ -16,7 +16,7 @@
 
 #include "isoatlas/volume.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 
 inline constexpr std::array kAllTypes{SampleType::int8,   SampleType::uint8, SampleType::int16,  SampleType::uint16,  SampleType::int32,
                                       SampleType::uint32, SampleType::int64, SampleType::uint64, SampleType::float32, SampleType::float64};
@@ -111,4 +111,4 @@ inline void write_with(itk::ImageIOBase& image_io, const std::filesystem::path& 
   image_io.Write(bytes.data());
 }
 
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

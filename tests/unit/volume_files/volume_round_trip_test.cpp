@@ -17,7 +17,7 @@
 #include "support/file_test_support.h"
 #include "unit/volume_files/volume_files.h"
 
-namespace isoatlas::test {
+namespace isoatlas::detail::test {
 namespace {
 
 enum class Geometry { none, spacing_only, no_direction, full };
@@ -285,4 +285,4 @@ TEST(VolumeSamples, OutliveTheirVolume) {  // a view and the owner are enough
 }
 
 }  // namespace
-}  // namespace isoatlas::test
+}  // namespace isoatlas::detail::test

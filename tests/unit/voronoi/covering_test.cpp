@@ -15,7 +15,7 @@
 #include "support/surfaces.h"
 #include "voronoi/component_graphs.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using namespace test;
@@ -391,4 +391,4 @@ TEST(Covering, Cancelled) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -12,7 +12,7 @@
 #include "support/surfaces.h"
 #include "voronoi/repair.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using namespace test;
@@ -167,4 +167,4 @@ TEST(HalvingCovering, Cancelled) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

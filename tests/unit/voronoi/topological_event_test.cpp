@@ -13,7 +13,7 @@
 #include "support/reference_topology.h"
 #include "support/surfaces.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using namespace test;
@@ -202,4 +202,4 @@ TEST(TopologicalEvent, ScalesWithTheWorld) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

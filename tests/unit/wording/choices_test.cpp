@@ -7,7 +7,7 @@
 
 #include "isoatlas/error.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 TEST(Choices, EachNameIsItsValue) {
@@ -45,4 +45,4 @@ TEST(Choices, AnythingElseIsRefusedWithTheNames) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -7,7 +7,7 @@
 
 #include "isoatlas/error.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 using enum Quantity;
@@ -179,4 +179,4 @@ TEST(PlanLevels, LengthsInWorldUnits) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

@@ -10,7 +10,7 @@
 
 #include "isoatlas/error.h"
 
-namespace isoatlas {
+namespace isoatlas::detail {
 namespace {
 
 VolumeView view_of(const std::vector<float>& samples, const std::array<std::size_t, 3>& size) {
@@ -100,4 +100,4 @@ TEST(Supersampling, NamesTheLargestFactorThatSamplesCanBeCountedFor) {
 }
 
 }  // namespace
-}  // namespace isoatlas
+}  // namespace isoatlas::detail

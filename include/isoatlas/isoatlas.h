@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// All of the core library. Files in and out: isoatlas/io.h, in the library isoatlas_io.
+#pragma once
+
+#include "isoatlas/certificate.h"
+#include "isoatlas/error.h"
+#include "isoatlas/extract.h"
+#include "isoatlas/hierarchy.h"
+#include "isoatlas/length_unit.h"
+#include "isoatlas/measure.h"
+#include "isoatlas/mesh.h"
+#include "isoatlas/options.h"
+#include "isoatlas/refine.h"
+#include "isoatlas/report.h"
+#include "isoatlas/run_control.h"
+#include "isoatlas/self_intersections.h"
+#include "isoatlas/version.h"
+#include "isoatlas/volume.h"
