@@ -436,6 +436,12 @@ How much larger than to fit into the picture. Default: 1.
 }
 // clang-format on
 
+CLI::App* add_completion_command(CLI::App& app, CompletionArguments& arguments) {
+  CLI::App* command = add_command(app, "completion", "print a script that completes command lines", completion_page());
+  command->add_option("SHELL", arguments.shell, "The shell: bash, zsh or fish.")->required()->group(kInput);
+  return command;
+}
+
 void describe_tool(CLI::App& app) {
   app.name("isoatlas");
   app.description("isosurfaces as adaptive triangle meshes, with certified topology");

@@ -67,6 +67,10 @@ struct PictureArguments {
   bool quiet = false;
 };
 
+struct CompletionArguments {
+  std::string shell;
+};
+
 /// Each adds one command to `app` that fills `arguments` when it is parsed.
 CLI::App* add_extract_command(CLI::App& app, ExtractArguments& arguments);
 CLI::App* add_info_command(CLI::App& app, InfoArguments& arguments);
@@ -74,6 +78,7 @@ CLI::App* add_check_command(CLI::App& app, CheckArguments& arguments);
 CLI::App* add_levels_command(CLI::App& app, LevelsArguments& arguments);
 CLI::App* add_report_command(CLI::App& app, ReportArguments& arguments);
 CLI::App* add_picture_command(CLI::App& app, PictureArguments& arguments);
+CLI::App* add_completion_command(CLI::App& app, CompletionArguments& arguments);
 
 /// Name, version and help page of the tool itself.
 void describe_tool(CLI::App& app);

@@ -12,6 +12,7 @@
 
 #include "arguments.h"
 #include "commands.h"
+#include "completion.h"
 #include "exit_status.h"
 #include "file_kinds.h"
 #include "interruption.h"
@@ -21,7 +22,6 @@
 
 namespace {
 
-using namespace isoatlas;
 using namespace isoatlas;
 using namespace isoatlas::detail;
 using namespace isoatlas::detail::tool;
@@ -117,12 +117,14 @@ int main(int argc, char** argv) {
   LevelsArguments levels_arguments;
   ReportArguments report_arguments;
   PictureArguments picture_arguments;
+  CompletionArguments completion_arguments;
   const CLI::App* extract_command = add_extract_command(app, extract_arguments);
   const CLI::App* info_command = add_info_command(app, info_arguments);
   add_check_command(app, check_arguments);
   const CLI::App* levels_command = add_levels_command(app, levels_arguments);
   const CLI::App* report_command = add_report_command(app, report_arguments);
   const CLI::App* picture_command = add_picture_command(app, picture_arguments);
+  const CLI::App* completion_command = add_completion_command(app, completion_arguments);
 
   std::vector<std::string> words = in_standard_form(app, {argv + 1, argv + argc});
   if (words.empty()) {
@@ -155,6 +157,13 @@ int main(int argc, char** argv) {
   }
   if (picture_command->parsed())
     return run_on([&] { return run_picture(picture_arguments, interruption); }, {{"picture", picture_arguments.mesh}});
+  if (completion_command->parsed()) {
+    const auto print = [&] {
+      std::cout << completion_script(app, completion_arguments.shell);
+      return kSuccess;
+    };
+    return run_on(print, {});
+  }
   return run_on([&] { return run_check(check_arguments, interruption); },
                 {{"check", check_arguments.mesh}, {"check --volume", check_arguments.volume.value_or("")}});
 }

@@ -29,6 +29,7 @@ constexpr Synonyms kCommands[] = {
     {"info", "inspect describe header stat stats statistics histogram list ls summary about metadata show open dump"},
     {"check", "validate verify test measure compare distance hausdorff quality analyze analyse diff repair"},
     {"levels", "lod lods level"},
+    {"completion", "completions complete bash zsh fish"},
 };
 
 constexpr Synonyms kOptions[] = {

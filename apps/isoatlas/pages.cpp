@@ -275,4 +275,21 @@ mesh.
   };
 }
 
+ManPage::Text completion_page() {
+  return {
+      .synopsis = "isoatlas completion bash|zsh|fish",
+      .description = R"(
+Prints a script with which the shell completes commands, options, the words that options take, and file names. The Debian
+package installs all three.
+)",
+      .groups = {kInput, kRunning},
+      .sections = {{"Examples", R"(source <(isoatlas completion bash)
+isoatlas completion zsh > ~/.zfunc/_isoatlas
+isoatlas completion fish > ~/.config/fish/completions/isoatlas.fish
+)"},
+                   {"Exit status", kToolExitStatus},
+                   {"Files", "None.\n"}},
+  };
+}
+
 }  // namespace isoatlas::detail::tool

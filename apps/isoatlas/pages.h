@@ -23,5 +23,6 @@ ManPage::Text check_page();
 ManPage::Text levels_page();
 ManPage::Text report_page();
 ManPage::Text picture_page();
+ManPage::Text completion_page();
 
 }  // namespace isoatlas::detail::tool
