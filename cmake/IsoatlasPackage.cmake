@@ -1,8 +1,11 @@
 # `cpack -G DEB` in the build folder makes isoatlas_VERSION_ARCH.deb: the tool, its manual pages and completions, the
 # libraries, headers, and files for CMake and pkg-config. scripts/make_package.sh builds with the prefix that it needs.
 set(CPACK_GENERATOR DEB)
+set(CPACK_COMPONENTS_ALL runtime libraries development)  # the Python module has wheels
+set(CPACK_COMPONENTS_GROUPING ALL_COMPONENTS_IN_ONE)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_PACKAGE_NAME isoatlas)
-set(CPACK_PACKAGE_CONTACT "The isoatlas authors <isoatlas@example.org>")
+set(CPACK_PACKAGE_CONTACT "The isoatlas authors <isoatlas@isoatlas.invalid>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "adaptive triangle meshes of isosurfaces, with certified topology")
 set(CPACK_PACKAGE_DESCRIPTION
 "Turns scalar volumes (CT, MRI, microscopy, simulations, distance fields) into

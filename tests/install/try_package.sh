@@ -18,6 +18,7 @@ debootstrap --variant=minbase bookworm "$root/debian" "${mirror:-http://deb.debi
   skip "no Debian root could be made"
 }
 in_root() { chroot "$root/debian" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin DEBIAN_FRONTEND=noninteractive HOME=/root "$@"; }
+rm "$root/debian/etc/apt/sources.list"  # debootstrap wrote one
 cp -r /etc/apt/. "$root/debian/etc/apt/"
 cp /etc/resolv.conf /etc/hosts "$root/debian/etc/"
 [ -d /usr/share/keyrings ] && cp -rn /usr/share/keyrings/. "$root/debian/usr/share/keyrings/"
