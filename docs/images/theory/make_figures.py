@@ -412,8 +412,60 @@ def multi_sheet():
     return d.svg()
 
 
+def types():
+    d = Drawing(900, 625, "The main types and what makes them")
+    mono = "monospace"
+
+    def box(x, y, width, name, lines, fill="#ffffff"):
+        height = 30 + 18 * len(lines)
+        d.box(x, y, width, height, fill)
+        d.text((x + 12, y + 21), name, weight="bold", size=14)
+        for k, words in enumerate(lines):
+            d.text((x + 12, y + 41 + 18 * k), words, size=12)
+
+    def arrow(points, words="", at=(0, 0), anchor="middle"):
+        d.line(points, INK, 1.6, arrow=True)
+        if words:
+            d.text(at, words, anchor, BLUE, 12, family=mono)
+
+    box(20, 50, 190, "VolumeView", ["samples in their own type", "Grid: size, spacing, origin"], FILLS[5])
+    arrow([(210, 83), (345, 83)], "parse_surface()", (277, 74))
+
+    d.box(345, 20, 535, 138, FILLS[0])
+    d.text((358, 42), "AdaptiveSurface", weight="bold")
+    d.text((500, 42), "the reference surface, subdivided where needed", size=12)
+    box(358, 55, 200, "SurfaceComplex", ["c-vertices with positions", "faces: triangles and quads", "boundary sides"])
+    box(570, 55, 145, "Components", ["topology of each"])
+    box(727, 55, 142, "Nesting", ["orientation, parent"])
+
+    arrow([(390, 158), (390, 190), (150, 190), (150, 225)], "make_graph()", (270, 182))
+    arrow([(560, 158), (560, 225)], "coarsen()", (568, 196), "start")
+    box(35, 225, 235, "CVertexGraph", ["the graph G: neighbours in", "cyclic order, edge lengths"], FILLS[0])
+    box(430, 225, 270, "Coarsened", ["a smaller SurfaceComplex, certified,", "with a representative per c-vertex"], FILLS[0])
+    arrow([(430, 258), (270, 258)], "make_graph()", (350, 250))
+
+    d.box(20, 340, 860, 140, FILLS[2])
+    arrow([(150, 291), (150, 378)], "Covering::cover()", (160, 322), "start")
+    d.text((175, 362), "MeasuredCovering", weight="bold")
+    d.text((330, 362), "the state of a refined level; for level 0, CoarseMesher holds the first two boxes", size=12)
+    box(35, 378, 230, "Covering", ["distance, radius and Voronoi cell", "of each c-vertex;", "Partition: cell_of, site"])
+    box(290, 378, 175, "CertifiedDual", ["DualTriangles;", "checks and repairs", "the Partition"])
+    box(490, 378, 170, "LevelMesh", ["points and triangles,", "c-vertices per cell"])
+    box(690, 378, 178, "VertexPlacement", ["anchor c-vertex and", "displacement of each", "vertex"])
+    arrow([(265, 420), (290, 420)])
+    arrow([(465, 410), (490, 410)])
+    arrow([(690, 410), (660, 410)])
+
+    arrow([(230, 480), (230, 545)], "extract(): level 0", (240, 508), "start")
+    d.text((240, 526), "LevelMaker::add_level(): others", "start", BLUE, 12, family=mono)
+    arrow([(620, 480), (620, 545)])
+    box(90, 545, 290, "Hierarchy", ["positions, shared by all levels;", "triangles of each level"], FILLS[1])
+    box(470, 545, 300, "ExtractReport", ["certificate, topology, metrics and", "shape of each level"], FILLS[1])
+    return d.svg()
+
+
 FIGURES = {"surfel": surfel, "fan": fan, "dual": dual, "closed-ball": closed_ball, "vertex-fan": vertex_fan, "sizing-field": sizing_field,
-           "multi-sheet": multi_sheet}
+           "multi-sheet": multi_sheet, "types": types}
 
 
 def main():
