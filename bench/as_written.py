@@ -65,13 +65,16 @@ def main():
                 total["triangles", k] += len(mesh.levels[k].faces)
                 total["caps", k] += angles["above_150"]
                 total["wrong", k] += sum(pairs) + sum(flat) + turned
-    text = [TITLE, "", "`bench/as_written.py`: the files of every level, read back and judged by an oracle from outside the project (exactly; `.ply` has doubles, `.stl` float32).",
-            "Pairs of triangles that meet, and triangles without area: in the `.ply`, in the `.stl`. Misplaced: components that are inverted, or lie in another one than on the isosurface. Angles are of triangles; dihedral angles are between",
-            "triangles, inside the solid. Degrees.", "",
+    text = [TITLE, "", "Written by `bench/as_written.py`. The files of every level are read back and judged exactly by an oracle from",
+            "outside the project (`.ply` has doubles, `.stl` float32). Intersecting pairs and zero-area triangles are",
+            "counted in the `.ply` and in the `.stl`. \"Misplaced\" are components that are inverted, or that lie inside",
+            "another component than on the isosurface. Angles are those of triangles; dihedral angles are measured",
+            "between triangles, inside the solid. All angles are in degrees.", "",
             "| isosurface | level | triangles | pairs that meet | without area | misplaced | angles | above 150 | dihedral angles |", "|---|---|---:|---:|---:|---:|---|---:|---|", *lines, ""]
     share = 100 * total["caps", 2] / total["triangles", 2]
-    text += [f"All: {sum(total['wrong', k] for k in range(3))} pairs, triangles without area and misplaced components. At 0.5 voxels {total['caps', 2]:,} of {total['triangles', 2]:,} triangles "
-             f"({share:.3f} %) have an angle above 150 degrees; the report of a run lists them with their reason.", ""]
+    text += [f"In total: {sum(total['wrong', k] for k in range(3))} intersecting pairs, zero-area triangles and misplaced components. At 0.5 voxels,",
+             f"{total['caps', 2]:,} of {total['triangles', 2]:,} triangles ({share:.3f} %) have an angle above 150 degrees; the report of a run",
+             "lists them with the reason.", ""]
     results = ROOT / "docs/results.md"
     before = results.read_text()
     if TITLE in before:

@@ -64,8 +64,10 @@ def main():
     images = arguments.out / "images" / "gallery"
     images.mkdir(parents=True, exist_ok=True)
 
-    text = ["# Gallery", "", "Analogues of the paper's data sets at four levels each, as in its figures 11, 13, 14 and 15; made by `bench/gallery.py`. Every level has the topology of the isosurface, certified, and no two of its triangles meet.",
-            "Above smooth, below the same triangles as hidden-line drawings (`isoatlas picture --style hidden-line`)."]
+    text = ["# Gallery", "", "Volumes similar to the paper's data sets, at four levels each, as in its figures 11, 13, 14 and 15.",
+            "Made by `bench/gallery.py`. Every level is certified to have the topology of the isosurface, and has",
+            "no self-intersections. The upper pictures are smooth-shaded; the lower ones show the same triangles",
+            "as hidden-line drawings (`isoatlas picture --style hidden-line`)."]
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         for short, title, source, options, view, levels, of_the_paper in DATA:
@@ -83,10 +85,13 @@ def main():
             counts = [f"{level['triangles']:,}" for level in report["levels"]]
             errors = [f"{level['metrics']['max-distance']['maximum'] / voxel:.3g}" for level in report["levels"]]
             genus, components = report["reference"]["genus"], report["reference"]["components"]
-            text += ["", f"## {title}", "", f"`{source}`, {components:,} component{'s' if components > 1 else ''} of genus {genus:,} in all: {', '.join(counts[:3])} and {counts[3]} triangles; largest distance from the isosurface "
-                     f"{', '.join(errors[:3])} and {errors[3]} voxels. In the paper: {of_the_paper}.", ""]
+            text += ["", f"## {title}", "",
+                     f"`{source}`: {components:,} component{'s' if components > 1 else ''}, total genus {genus:,}.",
+                     f"Triangles: {', '.join(counts[:3])} and {counts[3]}.",
+                     f"Triangles in the paper: {of_the_paper}.",
+                     f"Largest distance from the isosurface: {', '.join(errors[:3])} and {errors[3]} voxels.", ""]
             text += [f"![{title}, smooth](images/gallery/{short}-smooth.jpg)", "", f"![{title}, hidden lines](images/gallery/{short}-hidden-line.png)"]
-            print(text[-5], flush=True)
+            print(text[-8], flush=True)
     if arguments.only is None:
         (arguments.out / "gallery.md").write_text("\n".join(text) + "\n")
 

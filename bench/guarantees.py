@@ -81,7 +81,8 @@ def places(label, level):
 
 PLACES = """### Where triangles are below aspect ratio 0.1
 
-Of the 0.5-voxel level, the three worst on each surface: the triangle's centroid in sample-index coordinates, and what keeps the ends of its shortest edge. All others are in the report
+The three worst triangles of the 0.5-voxel level on each surface, with the centroid in sample-index
+coordinates and the reason why the ends of the shortest edge stay. The report lists all others
 (`levels[].bad_triangles`).
 
 | surface | place | aspect ratio | what keeps it |
@@ -132,9 +133,11 @@ def main():
             print(lines[-1], flush=True)
     text = f"""{TITLE}
 
-Written by `bench/guarantees.py`. Levels 0, 1 voxel and 0.5 voxel in one run, default options, one thread; pairs counted by the independent judge. "Without" is
-`--allow-self-intersections`: everything else is as before. Added c-vertices: of adaptive supersampling, in brackets how deep. Shape is of the 0.5-voxel level; beside it what keeps the triangles
-below 1/3 ([report](reference/report.md)), of the first 1,000.
+Written by `bench/guarantees.py`. Level 0 and levels with bounds of 1 and 0.5 voxels in one run,
+with default options and one thread; the independent judge counts intersecting pairs. "Without"
+means with `--allow-self-intersections` and otherwise equal options. "Added c-vertices" are those of
+adaptive supersampling, with the depth in brackets. Shape is that of the 0.5-voxel level; the last
+column counts the [obstacles](reference/report.md) of its triangles below 1/3, for the first 1,000.
 
 | surface | pairs at 0 / 1 / 0.5 voxel | without | triangles | over without | CPU s | over without | added c-vertices | below 1/3 | least | what keeps them |
 |---|---|---|---|---|---|---|---|---|---|---|
@@ -146,8 +149,9 @@ In all: {total['pairs']} pairs ({total['before']:,} without); {total['bad']:,} o
 
 ### What each step costs
 
-The same three levels with one step left out. Pairs: in all three levels. Triangles, shape and the distance reached (voxels; at most 0.5 was asked for) are of the 0.5-voxel level. Level 0 keeps its vertices apart in all
-rows, since that is no step of its own.
+The same three levels with one step omitted. Pairs are those of all three levels. Triangles, shape
+and the largest distance (voxels; the bound was 0.5) are those of the 0.5-voxel level. Level 0
+separates its vertices in all rows, because that is not a separate step.
 
 | surface | without | triangles | over default | CPU s | over default | pairs | below 1/3 | least | distance |
 |---|---|---|---|---|---|---|---|---|---|

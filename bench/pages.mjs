@@ -73,8 +73,10 @@ await browser.close();
 
 const section = `${TITLE}
 
-Written by \`bench/pages.mjs\`. Four levels each (\`extract --html\`), opened in headless Chromium that draws in software, ${REPEATS} times, machine shared with other work: seconds from asking for the page to its first picture, of the finest level.
-Bytes of geometry for each triangle, of all levels, as base64.
+Written by \`bench/pages.mjs\`. Each page has four levels (\`extract --html\`) and was opened ${REPEATS} times in
+headless Chromium with software rendering, on a machine shared with other work. Times are seconds
+from the request to the first picture, which shows the finest level. "Bytes for a triangle" counts
+the geometry of all levels as base64.
 
 | page | triangles | size, MB | bytes for a triangle | opened in, s: least | median |
 |---|---:|---:|---:|---:|---:|

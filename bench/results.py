@@ -237,8 +237,9 @@ class TopologyTable:
     def text(self, rows):
         n = len(rows)
         judged = f"{self.passed['oracle']} of {n}" if self.oracle else "not run"
-        return f"""Topology equal to `TOPOLOGY.tsv` (columns `{self.rule}_*`): **{self.passed['topology']} of {n}**; certificate passed: **{self.passed['certificate']} of {n}**;
-accepted by the independent oracle, component by component (`--require {self.judge}`): **{judged}**.
+        return f"""Topology equal to `TOPOLOGY.tsv` (columns `{self.rule}_*`): **{self.passed['topology']} of {n}**.
+Certificate passed: **{self.passed['certificate']} of {n}**.
+Accepted by the independent oracle, component by component (`--require {self.judge}`): **{judged}**.
 
 | volume @ isovalue | components | genus | boundary loops | Euler characteristic | tunnels | as in TOPOLOGY.tsv | certificate | oracle |
 |---|---:|---:|---:|---:|---:|---|---|---|
@@ -298,13 +299,14 @@ def main():
 
     text = f"""# Results
 
-Written by `bench/results.py` on {datetime.date.today().isoformat()} from commit {commit()}; do not edit by hand. One thread,
-{cpu_name()}, shared with other work: read the ratios, not the milliseconds. Volumes: the sixteen of the development data,
-isovalues of its `TOPOLOGY.tsv`.
+`bench/results.py` wrote the tables on {datetime.date.today().isoformat()} from commit {commit()}; do not edit them by hand.
+One thread, {cpu_name()}, shared with other work: compare the ratios, not the milliseconds. The volumes are the
+sixteen of the development data, with the isovalues of its `TOPOLOGY.tsv`.
 
 ## Topology
 
-Where the trilinear interpolant joins two loops of a cell by a tunnel, so does the surface; that is the default.
+With the default topology, the surface has a tunnel wherever the trilinear interpolant connects two
+loops of a grid cell by a tunnel.
 
 {trilinear.text(rows)}
 With `--topology faces` every loop is spanned by a disk, as in the paper:
@@ -316,8 +318,9 @@ With `--topology faces` every loop is spanned by a disk, as in the paper:
 
 ## Triangles of the coarse mesh
 
-"Study" is the feasibility study's coarse column, whose meshes meet themselves; asked for is at most 1.2 times that, 1.5 times on anisotropic volumes, which the
-study meshed with unit spacing.
+"Study" is the coarse column of the feasibility study, whose meshes intersect themselves. The target
+("at most") is 1.2 times that number, or 1.5 times on anisotropic volumes, which the study meshed
+with unit spacing.
 
 | volume @ isovalue | marching cubes | c-vertices | isoatlas | self-intersections allowed | study | at most | ratio | met |
 |---|---:|---:|---:|---:|---:|---:|---:|---|
@@ -325,7 +328,7 @@ study meshed with unit spacing.
 
 ## Shape of the coarse mesh
 
-Nothing is promised here: a coarse mesh has to be right before it is nice (paper, section 3.7). World units.
+No shape is promised for coarse meshes; only their topology is (paper, section 3.7). World units.
 
 | volume @ isovalue | sites added by repair | aspect ratio: min | 1st percentile | median | below 1/3 |
 |---|---:|---:|---:|---:|---:|
@@ -334,38 +337,46 @@ Nothing is promised here: a coarse mesh has to be right before it is nice (paper
     text += f"""
 ## Refined levels
 
-Distances in voxels, both ways (`--measure`, 200,000 samples each way; mean: mesh to surface), and by the independent oracle with as many samples. Shape in world units. Seconds: wall clock of the level, one thread, busy machine.
+Two-sided distances in voxels (`--measure`, 200,000 samples in each direction; the mean is from mesh
+to surface), and those of the independent oracle with the same number of samples. Shape is in world
+units. Seconds are wall clock time of the level with one thread on a busy machine.
 
 ### The paper's table
 
-The paper's triangle counts, asked for as `--max-vertices` with a distance bound that cannot be met (`--refine max-distance:0.01vx`), vertices on the
-surface. The paper's own volumes are not available; ours are of the same size and kind.
+The triangle counts of the paper, requested as `--max-vertices` with a distance bound that cannot be
+satisfied (`--refine max-distance:0.01vx`), with vertices on the surface. The paper's own volumes
+are not available; ours have the same size and are of the same kind.
 
 | mesh | paper | isoatlas | {distances} | aspect ratio: min | 1st percentile | below 1/3 | least angle | components / genus / loops |
 |---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---|
 {chr(10).join(paper)}
 
-Brain (10,606, 16,354, 37,002 and 49,734 in the paper): here topology alone needs **{floor:,}** triangles for {floor_components:,} components; without the {specks:,}
-specks that enclose less than 10 voxels, **{without:,}**. So none of the paper's four counts can be reached with all components kept; the paper does not say
-how many components its meshes have.
+Brain (10,606, 16,354, 37,002 and 49,734 triangles in the paper): topology alone needs **{floor:,}** triangles for
+{floor_components:,} components here; without the {specks:,} specks that enclose less than 10 voxels, **{without:,}**. None of the
+paper's four counts can be reached with all components kept. The paper does not state the number of components of its meshes.
 
 ### A bound on the distance
 
-`--refine max-distance:B` for B = 1, 0.5 and 0.25 voxel. Asked for at 0.5: p99 at most 0.5, largest at most 0.6; triangles below 1/3: none;
-least angle at least 17 degrees. "At limit": cells over the bound that cannot be made smaller.
-"At edges": the oracle's largest distance from points where the surface meets grid edges, all of them; at creases and tips these stand out most.
+`--refine max-distance:B` for B = 1, 0.5 and 0.25 voxels. Targets at 0.5: p99 at most 0.5, largest
+distance at most 0.6, no triangle below 1/3, smallest angle at least 17 degrees. "At limit": Voronoi
+cells that violate the bound and cannot become smaller. "At edges": largest distance of the oracle
+from all points where the surface crosses grid edges; these protrude most at creases and tips.
 
 | mesh | placement | bound | triangles | {distances} | at edges | aspect ratio: min | 1st percentile | below 1/3 | least angle | at limit | s |
 |---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|
 {chr(10).join(bounds)}
 
-What others need for the same largest distance, measured for the study (same volumes, same oracle): for 0.5 voxel on the head quadric decimation of full-resolution
-flying edges 5,122 triangles, Garland-Heckbert and Lindstrom-Turk (CGAL) 6,120, meshoptimizer 7,320, Mesh_3 10,404; for 0.25 voxel 12,502, 14,940, 19,526 and about 27,000. On the dragon for 0.5 voxel quadric decimation
-34,158 (at 65,420 it opened holes), meshoptimizer 37,836, Mesh_3 between 46,100 and 92,638. Decimation promises neither topology nor shape.
+Triangles that other methods need for the same largest distance, measured for the study (same
+volumes, same oracle). Head, 0.5 voxels: quadric decimation of full-resolution flying edges 5,122,
+Garland-Heckbert and Lindstrom-Turk (CGAL) 6,120, meshoptimizer 7,320, Mesh_3 10,404. Head, 0.25
+voxels: 12,502, 14,940, 19,526 and about 27,000. Dragon, 0.5 voxels: quadric decimation 34,158 (at
+65,420 it opened holes), meshoptimizer 37,836, Mesh_3 between 46,100 and 92,638. Decimation
+guarantees neither topology nor shape.
 
 ### Beside CGAL Mesh_3
 
-At Mesh_3's triangle counts, `--placement balanced`. Mesh_3's figures are those measured for the study with the same oracle.
+At the triangle counts of Mesh_3, with `--placement balanced`. The figures of Mesh_3 were measured
+for the study with the same oracle.
 
 | mesh | Mesh_3 | its largest | its mean | isoatlas | {distances} | aspect ratio: min | 1st percentile | below 1/3 | least angle | s |
 |---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|
