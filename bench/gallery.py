@@ -100,7 +100,7 @@ def main():
             print(text[-2], flush=True)
             text += [f"[![{title}, smooth](images/gallery/{short}-smooth.jpg)](../bench/gallery.py)", "",
                      f"[![{title}, hidden lines](images/gallery/{short}-hidden-line.png)](../bench/gallery.py)", "",
-                     f"Made by [bench/gallery.py](../bench/gallery.py) `--only {short}`, which runs these, the second one for each level and", "style:", "",
+                     f"Made by [bench/gallery.py](../bench/gallery.py) `--only {short}`, which runs these commands,", "the second one for each level and style:", "",
                      "```sh", *commands(short, source, options, refine, view).splitlines(), "```"]
     if arguments.only is None:
         (arguments.out / "gallery.md").write_text("\n".join(text) + "\n")

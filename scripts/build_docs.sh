@@ -41,6 +41,6 @@ out=$(cd "$out" && pwd)
 { cat docs/Doxyfile; echo "OUTPUT_DIRECTORY = \"$out/doxygen\""; } | doxygen -
 "$python" scripts/check_links.py
 PYTHONPATH="$module" PYTHONDONTWRITEBYTECODE=1 ISOATLAS_DOXYGEN_XML="$out/doxygen/xml" \
-  "$python" -m sphinx -q -W --keep-going -n -b html -d "$out/doctrees" ${options[@]+"${options[@]}"} docs "$out/html"
+  "$python" -m sphinx -q -E -a -W --keep-going -n -b html -d "$out/doctrees" ${options[@]+"${options[@]}"} docs "$out/html"
 "$python" scripts/check_links.py --html "$out/html"
 echo "site: $out/html/index.html"

@@ -44,7 +44,7 @@ class Header(SphinxDirective):
             LOG.warning("%s declares nothing that doxygen knows", header, location=self.get_location())
         text = StringList()
         for _, directive, name in found:
-            options = [":members:"] if directive in ("doxygenstruct", "doxygenclass") else []
+            options = [":members:", ":undoc-members:"] if directive in ("doxygenstruct", "doxygenclass") else []
             for line in [f".. {directive}:: {name}", *(f"   {option}" for option in options), ""]:
                 text.append(line, header)
         node = nodes.Element()
