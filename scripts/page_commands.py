@@ -22,6 +22,7 @@ import io
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -161,6 +162,8 @@ def main():
     parser.add_argument("pages", nargs="+", type=pathlib.Path, metavar="PAGE")
     parser.add_argument("--update", action="store_true", help="write what is printed into the pages")
     arguments = parser.parse_args()
+    if shutil.which("isoatlas") is None or importlib.util.find_spec("isoatlas") is None:
+        parser.error("the tool isoatlas has to be on PATH, the Python module on PYTHONPATH: docs/get-started.md says how")
     has_problems = False
     for path in arguments.pages:
         page = Page(path)

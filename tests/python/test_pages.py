@@ -8,7 +8,7 @@ import pytest
 
 from conftest import ROOT
 
-PAGES = sorted([ROOT / "docs" / "get-started.md", *(ROOT / "docs" / "tasks").glob("*.md")])
+PAGES = sorted([ROOT / "docs" / "index.md", ROOT / "docs" / "get-started.md", *(ROOT / "docs" / "tasks").glob("*.md")])
 
 specification = importlib.util.spec_from_file_location("page_commands", ROOT / "scripts" / "page_commands.py")
 page_commands = importlib.util.module_from_spec(specification)
@@ -23,7 +23,7 @@ def test_prints_what_it_says(path, tool, monkeypatch):
         page.run(folder)
     if page.skipped:
         pytest.skip(f"needs {', '.join(page.skipped)}")
-    assert page.ran >= 3
+    assert page.ran >= 2
     assert not page.problems, "\n".join([*page.problems, "scripts/page_commands.py --update writes what is printed into a page"])
 
 
