@@ -7,8 +7,11 @@ Needs the tool (build/release), the volumes, and Python with VTK (scripts/instal
 import argparse
 import json
 import pathlib
+import re
+import shlex
 import subprocess
 import tempfile
+import textwrap
 
 from vtkmodules.vtkFiltersCore import vtkImageAppend
 from vtkmodules.vtkIOImage import vtkJPEGWriter, vtkPNGReader, vtkPNGWriter
@@ -31,6 +34,15 @@ DATA = [
     ("dendrite", "Dendrite (figure 14)", "neuron_dendrite.nrrd", ["--iso", "127.5"], ["--view", "0,-0.3,1", "--up", "1,0,0"], to_vertices(6449, 10824, 31953), "3,974, 12,898, 21,648 and 63,906"),
     ("dragon", "Dragon (figure 15)", "dragon_sdf.nrrd", ["--iso", "0", "--inside", "below"], ["--view", "0,-1,0.15"], to_vertices(9249, 20955, 32710), "4,020, 18,498, 41,910 and 65,420"),
 ]
+
+
+def commands(short, source, options, refine, view):
+    """What this script runs for the pictures of a data set, for a shell: the levels, and one of the pictures."""
+    extract = shlex.join(["isoatlas", "extract", source, *options, *refine, "-o", f"{short}.glb"])
+    picture = shlex.join(["isoatlas", "picture", f"{short}.glb", "--level", "3", "--style", "hidden-line", "--size", TILE, *view, "-o", f"{short}.png"])
+    together = [re.sub(r"( --?[a-z-]+) ", "\\1\N{NO-BREAK SPACE}", command) for command in (extract, picture)]  # an option and its value
+    lines = [textwrap.wrap(command, 94, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False) for command in together]
+    return "\n".join(" \\\n".join(command) for command in lines).replace("\N{NO-BREAK SPACE}", " ")
 
 
 def run(command):
@@ -90,8 +102,11 @@ def main():
                      f"Triangles: {', '.join(counts[:3])} and {counts[3]}.",
                      f"Triangles in the paper: {of_the_paper}.",
                      f"Largest distance from the isosurface: {', '.join(errors[:3])} and {errors[3]} voxels.", ""]
-            text += [f"![{title}, smooth](images/gallery/{short}-smooth.jpg)", "", f"![{title}, hidden lines](images/gallery/{short}-hidden-line.png)"]
-            print(text[-8], flush=True)
+            print(text[-6], flush=True)
+            text += [f"[![{title}, smooth](images/gallery/{short}-smooth.jpg)](../bench/gallery.py)", "",
+                     f"[![{title}, hidden lines](images/gallery/{short}-hidden-line.png)](../bench/gallery.py)", "",
+                     f"Made by [bench/gallery.py](../bench/gallery.py) `--only {short}`, which runs these commands,", "the second one for each level and style:", "",
+                     "```sh", *commands(short, source, options, refine, view).splitlines(), "```"]
     if arguments.only is None:
         (arguments.out / "gallery.md").write_text("\n".join(text) + "\n")
 

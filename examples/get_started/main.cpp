@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// The C++ of docs/get-started.md, which shows the parts between the marks. Run it in the folder that has samples/.
+#include <isoatlas/extract.h>
+#include <isoatlas/io.h>
+#include <isoatlas/self_intersections.h>
+
+#include <iostream>
+
+int main() {
+  // [read]
+  const isoatlas::Volume volume = isoatlas::read_volume("samples/protein_iron.nhdr");
+  const isoatlas::SampleSummary range = isoatlas::summarize(volume);
+  std::cout << "samples from " << range.minimum << " to " << range.maximum << '\n';
+  // [extract]
+  isoatlas::ExtractOptions options;
+  options.isovalue = 100;
+  options.refine = {{{isoatlas::Quantity::max_distance, 0.5}}};
+  const isoatlas::Extraction result = isoatlas::extract(volume, options);
+  // [write]
+  isoatlas::write_hierarchy(result.hierarchy, "protein.glb");
+  // [check]
+  const isoatlas::TriangleMesh mesh = result.mesh();
+  const isoatlas::MeshTopology topology = isoatlas::mesh_topology(mesh);
+  const std::size_t pairs = isoatlas::self_intersections(mesh.positions, mesh.triangles).size();
+  std::cout << "manifold " << topology.is_manifold() << " genus " << topology.genus() << " self-intersections " << pairs << '\n';
+  // [end]
+}
