@@ -260,9 +260,29 @@ void run_filter(vtkImageData* image, double isovalue, FilterRuns& out) {
   out.triangles = static_cast<std::size_t>(filter->GetOutput()->GetNumberOfPolys());
 }
 
+// This program is also built against earlier versions of the library.
+template <class Volume>
+auto& view_of(Volume& volume) {
+  if constexpr (requires { volume.view; }) {
+    return volume.view;
+  } else {
+    return volume;
+  }
+}
+
+template <class Options>
+void set_isovalue(Options& options, double isovalue) {
+  if constexpr (requires { options.surface; }) {
+    options.surface.isovalue = isovalue;
+  } else {
+    options.isovalue = isovalue;
+  }
+}
+
 isoatlas::ExtractOptions extract_options(const Arguments& arguments, const isoatlas::Grid& grid) {
   isoatlas::ExtractOptions options;
-  options.isovalue = arguments.isovalue;
+  set_isovalue(options, arguments.isovalue);
+  options.refine.clear();
   options.allow_self_intersections = arguments.allow_self_intersections;
   for (const double bound : arguments.refine) {
     isoatlas::LevelGoal goal;
@@ -342,14 +362,14 @@ void warm_up(const Arguments& arguments) {
     samples[i] = 16.1F - squared(i % kSize) - squared(i / kSize % kSize) - squared(i / kSize / kSize);
   }
   isoatlas::Volume volume;
-  volume.grid.size = {kSize, kSize, kSize};
-  volume.type = isoatlas::SampleType::float32;
-  volume.samples = samples.data();
+  view_of(volume).grid.size = {kSize, kSize, kSize};
+  view_of(volume).type = isoatlas::SampleType::float32;
+  view_of(volume).samples = samples.data();
   isoatlas::RunControl control;
   control.threads = arguments.threads;
   Arguments tiny = arguments;
   tiny.isovalue = 0;
-  isoatlas::extract(volume, extract_options(tiny, volume.grid), control);
+  isoatlas::extract(volume, extract_options(tiny, view_of(volume).grid), control);
   if (!arguments.with_vtk) return;
   const auto image = isoatlas::detail::bench::vtk_image(volume);
   FilterRuns ignored;
@@ -363,7 +383,7 @@ int main(int argc, char** argv) try {
   setenv("VTK_SMP_MAX_THREADS", "1", 1);  // vtkSMPTools.h of VTK 9.1 does not compile as C++20
   const Arguments arguments = parse_arguments(argc, argv);
   const isoatlas::Volume volume = isoatlas::read_volume(arguments.volume);
-  const isoatlas::ExtractOptions options = extract_options(arguments, volume.grid);
+  const isoatlas::ExtractOptions options = extract_options(arguments, view_of(volume).grid);
   const auto image = isoatlas::detail::bench::vtk_image(volume);
   warm_up(arguments);
 
@@ -383,7 +403,7 @@ int main(int argc, char** argv) try {
   JsonObject out;
   out.add("volume", arguments.volume.filename().string())
       .add("isovalue", arguments.isovalue)
-      .add("size", std::vector<std::size_t>(volume.grid.size.begin(), volume.grid.size.end()))
+      .add("size", std::vector<std::size_t>(view_of(volume).grid.size.begin(), view_of(volume).grid.size.end()))
       .add("threads", static_cast<std::size_t>(arguments.threads))
       .add("refine_voxels", arguments.refine)
       .add("max_vertices", arguments.max_vertices)
@@ -393,7 +413,7 @@ int main(int argc, char** argv) try {
   } else {
     out.add("c_vertices", ours.last->report.c_vertices)
         .add_text("isoatlas", ours.to_json())
-        .add_text("levels", levels_json(*ours.last, volume.grid.smallest_spacing()));
+        .add_text("levels", levels_json(*ours.last, view_of(volume).grid.smallest_spacing()));
   }
   if (arguments.with_vtk) {
     out.add_text("marching_cubes", marching_cubes.to_json()).add_text("flying_edges", flying_edges.to_json());

@@ -86,6 +86,7 @@ int main(int argc, char** argv) try {
     volume.type = isoatlas::SampleType::float32;
     volume.samples = samples.data();
     isoatlas::ExtractOptions options;
+    options.refine.clear();
     if (one.refine_voxels > 0)
       options.refine.push_back({{isoatlas::Quantity::max_distance, one.refine_voxels * volume.grid.smallest_spacing(), !one.is_proved}});
     options.measure_samples = one.measure_samples;

@@ -14,7 +14,7 @@ SRC = ROOT / "src"
 
 # Which module each public header speaks for.
 PUBLIC = {"error.h": "core", "run_control.h": "core", "version.h": "core", "volume.h": "core", "mesh.h": "core", "certificate.h": "core",
-          "hierarchy.h": "core", "measure.h": "core", "refine.h": "core", "length_unit.h": "core", "volume_source.h": "core",
+          "hierarchy.h": "core", "measure.h": "core", "refine.h": "core", "length_unit.h": "core", "field.h": "core", "normals.h": "core", "export.h": "core", "volume_source.h": "core",
           "self_intersections.h": "geometry", "options.h": "levels", "report.h": "levels", "extract.h": "api", "isoatlas.h": "api",
           "text_file.h": "files", "volume_file.h": "volume_files", "mesh_file.h": "mesh_files"}
 # Libraries that only one module may see.

@@ -63,6 +63,10 @@ Which of several DICOM series or images to read: its number from 0 in the list t
   add("spacing", "SX,SY,SZ", R"(
 Distance between samples along x, y and z, in place of the file's. A unit may follow: 0.2,0.2,1um.
 )");
+  add("roi", "X:X,Y:Y,Z:Z", R"(
+Read only this part of the volume: from which sample to which along x, y and z, both included, counted from 0. 10:99,0:63,:
+keeps all along z. The mesh ends where the part does.
+)");
   CLI::Option* size = add("raw-size", "NX,NY,NZ", R"(
 The file has no header: samples along x, y and z, x running fastest.
 )");

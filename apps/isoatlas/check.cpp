@@ -66,7 +66,7 @@ SelfIntersectionReport find_self_intersections(const CheckArguments& arguments, 
     return isoatlas::detail::find_self_intersections(mesh, control);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
-    throw Error(error.code(), arguments.mesh.string() + ": " + error.what());
+    throw error.with_prefix(arguments.mesh.string() + ": ");
   }
 }
 
@@ -99,16 +99,16 @@ MeasuredDistance measure_distance(const CheckArguments& arguments, TriangleMesh 
   print_warnings(*arguments.volume, file.source);
   const Volume& volume = file.volume;
   // Sample indices have no unit, whatever the file has to state.
-  if (report.options.space != Space::voxel) convert_unit(mesh, mesh_file_info(arguments.mesh).unit, volume.grid.unit);
+  if (report.options.space != Space::voxel) convert_unit(mesh, mesh_file_info(arguments.mesh).unit, volume.view.grid.unit);
   try {
     report.measured = measure(mesh, volume, report.options, control);
   } catch (const Error& error) {
     // The library does not know what the volume is called; its messages should.
-    throw Error(error.code(), volume_name(report.volume_path) + ": " + error.what());
+    throw error.with_prefix(volume_name(report.volume_path) + ": ");
   }
-  std::string misplaced = misplacement(mesh, volume.grid, report.options.space, report.measured);
+  std::string misplaced = misplacement(mesh, volume.view.grid, report.options.space, report.measured);
   const bool has_unit = report.options.space != Space::voxel;
-  return {std::move(report), has_unit ? volume.grid.unit : LengthUnit::unknown, std::move(misplaced)};
+  return {std::move(report), has_unit ? volume.view.grid.unit : LengthUnit::unknown, std::move(misplaced)};
 }
 
 std::string length_text(double length, double voxel) { return number_text(length) + " (" + ratio_text(length / voxel) + " vx)"; }
@@ -127,8 +127,8 @@ void print_distance(const DistanceReport& report, LengthUnit unit) {
   const Measurement& m = report.measured;
   const Space space = report.options.space;
   const std::size_t spread = report.options.samples;
-  const std::string name = report.options.interpolation == Interpolation::tricubic ? "tricubic isosurface" : "isosurface";
-  std::cout << row("distance", "to the " + name + " at " + number_text(report.options.isovalue) + " of " + report.volume_path +
+  const std::string name = report.options.surface.interpolation == Interpolation::tricubic ? "tricubic isosurface" : "isosurface";
+  std::cout << row("distance", "to the " + name + " at " + number_text(report.options.surface.isovalue) + " of " + report.volume_path +
                                    ", mesh in " +
                                    (space == Space::lps   ? "LPS"
                                     : space == Space::ras ? "RAS"

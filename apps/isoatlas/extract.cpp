@@ -50,7 +50,7 @@ Extraction extract_from(const fs::path& path, const VolumeView& volume, const Ex
     warn_of_memory(require_memory_for_supersampling(volume, options, 0, control), options.supersample);
     return extract(volume, options, control);
   } catch (const Error& error) {
-    throw Error(error.code(), volume_name(path) + ": " + error.what());
+    throw error.with_prefix(volume_name(path) + ": ");
   }
 }
 
@@ -59,7 +59,7 @@ ExtractOptions options_in_world(const ExtractArguments& arguments, const Grid& g
   try {
     return in_world(arguments, grid);
   } catch (const Error& error) {
-    throw Error(error.code(), volume_name(arguments.volume.path) + ": " + error.what());
+    throw error.with_prefix(volume_name(arguments.volume.path) + ": ");
   }
 }
 
@@ -94,9 +94,9 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   print_warnings(arguments.volume.path, file.source);
   Volume volume = std::move(file.volume);
   context.read_seconds = reading.seconds();
-  context.volume = {arguments.volume.path.string(), std::move(file.source), "", volume.grid, volume.type};
+  context.volume = {arguments.volume.path.string(), std::move(file.source), "", volume.view.grid, volume.view.type};
   if (arguments.report || arguments.page) context.volume.sample_digest = sample_digest(volume);
-  context.options = options_in_world(arguments, volume.grid);
+  context.options = options_in_world(arguments, volume.view.grid);
   const ExtractOptions& options = context.options;
 
   Extraction extraction = extract_from(arguments.volume.path, volume, options, control);
@@ -106,7 +106,7 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
     progress.show("compare", std::nullopt);
     std::vector<Vec3> kept;
     for (const RankedComponent& component : report.kept) kept.push_back(component.position);
-    marching_cubes = marching_cubes_quality(volume, options.isovalue, to_index(std::move(kept), volume.grid, options.space));
+    marching_cubes = marching_cubes_quality(volume, options.surface.isovalue, to_index(std::move(kept), volume.view.grid, options.space));
   }
   volume = {};  // writing needs memory too
 

@@ -167,7 +167,7 @@ void print_summary(std::ostream& out, const ExtractReport& report, const ReportC
   const std::string spacing = number_text(grid.spacing.x) + " x " + number_text(grid.spacing.y) + " x " + with_unit(grid.spacing.z, unit);
   out << row("read", volume_name(context.volume.path) + ": " + size_text(grid.size) + " " + std::string(name(context.volume.sample_type)) +
                          ", spacing " + spacing + ", " + seconds_text(context.read_seconds))
-      << row("surface", "isovalue " + number_text(context.options.isovalue) + ": " + topology_text(report.levels.back().topology));
+      << row("surface", "isovalue " + number_text(context.options.surface.isovalue) + ": " + topology_text(report.levels.back().topology));
   if (!report.kept.empty()) out << row("kept", ranked_text(report.kept, unit));
   if (!report.dropped.empty()) out << row("left out", ranked_text(report.dropped, unit));
   for (std::size_t k = 0; k < report.levels.size(); ++k)

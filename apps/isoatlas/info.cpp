@@ -142,8 +142,8 @@ InfoReport info_report(const std::string& path, const VolumeSource& source, cons
   info.volume.source = source;
   info.samples = summary;
   if (volume == nullptr) return info;
-  info.volume.grid = volume->grid;
-  info.volume.sample_type = volume->type;
+  info.volume.grid = volume->view.grid;
+  info.volume.sample_type = volume->view.type;
   info.volume.sample_digest = sample_digest(*volume);
   if (histogram == nullptr) return info;
   for (const SuggestedIsovalue& isovalue : suggest_isovalues(*histogram, *summary))

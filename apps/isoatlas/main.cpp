@@ -13,6 +13,7 @@
 #include "arguments.h"
 #include "commands.h"
 #include "completion.h"
+#include "error_text.h"
 #include "exit_status.h"
 #include "file_kinds.h"
 #include "interruption.h"
@@ -84,14 +85,14 @@ int run(const std::function<int()>& command, Interruption& interruption, const s
       case ErrorCode::internal:
         return fail_internal(error.what());
       case ErrorCode::out_of_memory:
-        return fail(kOutOfMemory, std::string(error.what()) + "; nothing was written");
+        return fail(kOutOfMemory, error_text(error) + "; nothing was written");
       case ErrorCode::empty_surface:
-        return fail(exit_status(error.code()), error.what() + advice_on_isovalue(inputs));
+        return fail(exit_status(error.code()), error_text(error) + advice_on_isovalue(inputs));
       case ErrorCode::bad_file:
       case ErrorCode::unsupported:
-        return fail(exit_status(error.code()), error.what() + advice(error, inputs));
+        return fail(exit_status(error.code()), error_text(error) + advice(error, inputs));
       default:
-        return fail(exit_status(error.code()), error.what());
+        return fail(exit_status(error.code()), error_text(error));
     }
   } catch (const std::bad_alloc&) {
     interruption.settle();

@@ -45,7 +45,7 @@ bool exists(const std::string& path) {
   return fs::exists(path, ignored);
 }
 
-/// Length in bytes of the hyphen, dash or minus sign of typography at the start of `word`, 0 if there is none.
+/// TypedLength in bytes of the hyphen, dash or minus sign of typography at the start of `word`, 0 if there is none.
 std::size_t typographic_dash(std::string_view word) {
   // U+2010 to U+2015, U+2212, U+FE58, U+FE63, U+FF0D
   for (const std::string_view dash : {"\u2010", "\u2011", "\u2012", "\u2013", "\u2014", "\u2015", "\u2212", "\uFE58", "\uFE63", "\uFF0D"})

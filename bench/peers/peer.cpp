@@ -140,7 +140,7 @@ class Judge {
 // The mesh of isoatlas, like those of peers in coordinates of index times spacing.
 TriangleMesh extract_ours(const VolumeView& volume, const Arguments& arguments) {
   ExtractOptions options;
-  options.isovalue = arguments.isovalue;
+  options.surface.isovalue = arguments.isovalue;
   options.space = Space::voxel;
   options.refine = {{{Quantity::max_distance, arguments.refine * volume.grid.smallest_spacing()}}};
   RunControl control;

@@ -12,10 +12,8 @@ int main() {
   const isoatlas::SampleSummary range = isoatlas::summarize(volume);
   std::cout << "samples from " << range.minimum << " to " << range.maximum << '\n';
   // [extract]
-  isoatlas::ExtractOptions options;
-  options.isovalue = 100;
-  options.refine = {{{isoatlas::Quantity::max_distance, 0.5}}};
-  const isoatlas::Extraction result = isoatlas::extract(volume, options);
+  using namespace isoatlas;
+  const Extraction result = extract(volume, 100, {within(0.5 * vx)});
   // [write]
   isoatlas::write_hierarchy(result.hierarchy, "protein.glb");
   // [check]

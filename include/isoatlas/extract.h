@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <utility>
+#include <vector>
+
 #include "isoatlas/export.h"
 #include "isoatlas/hierarchy.h"
 #include "isoatlas/options.h"
@@ -34,5 +37,14 @@ struct Extraction {
 /// @cost   one pass over the volume, then O(C log C) for C c-vertices
 /// @source Gavriliu, Carranza, Breen, Barr, IEEE Visualization 2001, sections 3.2 to 3.6, with the departures in docs/theory/
 ISOATLAS_API Extraction extract(const VolumeView& volume, const ExtractOptions& options, const RunControl& control = {});
+
+/// The same at an isovalue, with one refined level per goal and all else by default: `extract(volume, 300.5, {within(2 * vx),
+/// within(0.4)})`.
+inline Extraction extract(const VolumeView& volume, double isovalue, std::vector<LevelGoal> refine = {default_goal()}) {
+  ExtractOptions options;
+  options.surface.isovalue = isovalue;
+  options.refine = std::move(refine);
+  return extract(volume, options);
+}
 
 }  // namespace isoatlas

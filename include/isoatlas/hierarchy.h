@@ -33,6 +33,8 @@ struct ISOATLAS_API Hierarchy {
   std::uint32_t level_of(std::uint32_t vertex) const;
   /// The triangles of a level with its vertices: `placed` if it has them, else its prefix of `positions`.
   TriangleMesh mesh(std::size_t level) const;
+  /// The same without a copy, as long as the hierarchy is there and not changed.
+  MeshView view(std::size_t level) const;
 };
 
 /// Levels that come as meshes of their own, coarse to fine, as one: `placed` where a level's vertices are not, bit by bit, the first ones

@@ -12,12 +12,8 @@ namespace isoatlas {
 
 /// Against which isosurface a mesh is measured, and how densely.
 struct MeasureOptions {
-  double isovalue = 0;
-  Inside inside = Inside::above;
-  NonFinite non_finite = NonFinite::refuse;
-  Topology topology = Topology::trilinear;
-  Interpolation interpolation = Interpolation::trilinear;  ///< what the isosurface is between samples
-  Space space = Space::lps;                                ///< of the mesh's coordinates
+  SurfaceOptions surface{};
+  Space space = Space::lps;       ///< of the mesh's coordinates
   std::size_t samples = 200'000;  ///< spread over the area of each surface; those at vertices and the like come on top
 };
 
@@ -57,7 +53,7 @@ struct ISOATLAS_API Measurement {
 /// range, or a vertex that is not
 ///         finite or more than 1e15 voxels away; if no samples are wanted
 /// @cost   one pass over the volume, then O((samples + triangles + c-vertices) log)
-ISOATLAS_API Measurement measure(const TriangleMesh& mesh, const VolumeView& volume, const MeasureOptions& options,
+ISOATLAS_API Measurement measure(const MeshView& mesh, const VolumeView& volume, const MeasureOptions& options,
                                  const RunControl& control = {});
 
 }  // namespace isoatlas

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,16 @@ using Triangle = std::array<std::uint32_t, 3>;  ///< vertex indices, counter-clo
 struct TriangleMesh {
   std::vector<Vec3> positions;
   std::vector<Triangle> triangles;
+};
+
+/// A mesh whose arrays somebody else owns.
+struct MeshView {
+  std::span<const Vec3> positions;      ///< V x 3
+  std::span<const Triangle> triangles;  ///< T x 3, corners < V
+
+  MeshView() = default;
+  MeshView(std::span<const Vec3> p, std::span<const Triangle> t) : positions(p), triangles(t) {}
+  MeshView(const TriangleMesh& mesh) : positions(mesh.positions), triangles(mesh.triangles) {}
 };
 
 /// Moves a mesh from sample-index coordinates into another space, turning triangles over where the map mirrors.
@@ -52,7 +63,7 @@ struct ISOATLAS_API MeshTopology {
 
 /// Counts edges, fans, components and loops. O(T log T). Never throws on malformed input other than Error(bad_argument) for
 /// a corner index out of range.
-ISOATLAS_API MeshTopology mesh_topology(const TriangleMesh& mesh, const RunControl& control = {});
+ISOATLAS_API MeshTopology mesh_topology(const MeshView& mesh, const RunControl& control = {});
 
 /// Shape of the triangles of a mesh. Aspect ratio = shortest edge / longest edge (paper, section 1), angles in degrees.
 struct MeshQuality {
@@ -69,6 +80,6 @@ struct MeshQuality {
   std::size_t zero_area_triangles = 0;
 };
 
-ISOATLAS_API MeshQuality mesh_quality(const TriangleMesh& mesh, const RunControl& control = {});
+ISOATLAS_API MeshQuality mesh_quality(const MeshView& mesh, const RunControl& control = {});
 
 }  // namespace isoatlas

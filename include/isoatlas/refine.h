@@ -42,17 +42,43 @@ constexpr bool is_lower_bound(Quantity quantity) {
   return quantity == Quantity::min_vertices || quantity == Quantity::min_edge || quantity == Quantity::min_aspect;
 }
 
+/// A length in world units, or in voxels: `0.4`, `0.5 * vx`.
+struct Length {
+  double value = 0;
+  bool in_voxels = false;
+
+  Length() = default;
+  Length(double world) : value(world) {}
+  Length(double number, bool voxels) : value(number), in_voxels(voxels) {}
+  friend Length operator*(double factor, Length length) { return {factor * length.value, length.in_voxels}; }
+  friend bool operator==(const Length&, const Length&) = default;
+};
+inline const Length vx{1, true};  ///< one voxel: the smallest spacing
+
 /// A soft constraint: one quantity and its bound.
 struct Constraint {
-  Quantity quantity;
+  Quantity quantity = Quantity::max_distance;
   double bound = 0;
   bool is_default = false;  ///< nobody asked for it: worked for like the others, but no failure where it is not met
+  bool in_voxels = false;   ///< the bound is a length in voxels; extract() reports it in world units
   friend bool operator==(const Constraint&, const Constraint&) = default;
 };
 
+/// Largest distance between surface and mesh, both ways.
+inline Constraint within(Length distance) { return {Quantity::max_distance, distance.value, false, distance.in_voxels}; }
+/// Any quantity with its bound; a length may be in voxels.
+inline Constraint bounded(Quantity quantity, Length bound) { return {quantity, bound.value, false, bound.in_voxels}; }
+
 /// What one level has to be, the more important constraints first: where they pull apart, an earlier one wins.
 /// Topology always comes before all of them.
-using LevelGoal = std::vector<Constraint>;
+struct LevelGoal : std::vector<Constraint> {
+  using std::vector<Constraint>::vector;
+  LevelGoal(const Constraint& constraint) : std::vector<Constraint>{constraint} {}
+};
+
+/// What a level is refined to where nobody says anything: half a voxel. Where layers are more than four times as thick as the smallest
+/// spacing, an eighth of the largest spacing: between them the surface is interpolated, and following it more closely would be in vain.
+inline LevelGoal default_goal() { return Constraint{Quantity::max_distance, 0.5, true, true}; }
 
 /// Where a level's vertices sit. surface: on the isosurface, the same in all levels. balanced: per level, moved along the
 /// surface's normal so that the mesh lies evenly on both sides of the surface; boundary vertices stay.

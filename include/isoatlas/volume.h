@@ -2,11 +2,18 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <ranges>
+#include <span>
+#include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 
+#include "isoatlas/error.h"
 #include "isoatlas/export.h"
 #include "isoatlas/length_unit.h"
 
@@ -39,16 +46,80 @@ struct ISOATLAS_API Grid {
   Vec3 to_index(Vec3 world) const;  ///< back, for any direction that is not singular
 };
 
-/// Somebody's samples, not owned. `samples` points at grid.sample_count() values of `type`, x fastest, native byte order.
-struct VolumeView {
-  Grid grid;
-  SampleType type = SampleType::float32;
-  const void* samples = nullptr;
+/// Numbers of samples along x, y and z, from any integers. Throws Error(bad_argument) if one is negative.
+struct Size3 : std::array<std::size_t, 3> {
+  Size3() : array{} {}
+  Size3(const std::array<std::size_t, 3>& size) : array(size) {}
+  template <std::integral X, std::integral Y, std::integral Z>
+  Size3(X x, Y y, Z z) : array{from(x), from(y), from(z)} {}
+
+ private:
+  template <std::integral T>
+  static std::size_t from(T n) {
+    if (std::cmp_less(n, 0)) throw Error(ErrorCode::bad_argument, "a volume cannot have " + std::to_string(n) + " samples along an axis");
+    return static_cast<std::size_t>(n);
+  }
 };
 
-/// A view that keeps its samples alive.
-struct Volume : VolumeView {
+/// Steps in memory from a sample to the next one along x, y and z, in samples; may be negative.
+using Strides = std::array<std::ptrdiff_t, 3>;
+
+/// The type of samples that a C++ type is. Only these types have one.
+template <class T>
+concept Sample = std::same_as<T, std::int8_t> || std::same_as<T, std::uint8_t> || std::same_as<T, float> || std::same_as<T, double> ||
+    (std::integral<T> && !std::same_as<T, bool> && !std::same_as<T, char> && sizeof(T) >= 2 && sizeof(T) <= 8);
+
+template <Sample T>
+constexpr SampleType sample_type_of() {
+  constexpr int log_size = sizeof(T) == 1 ? 0 : sizeof(T) == 2 ? 1 : sizeof(T) == 4 ? 2 : 3;
+  if constexpr (std::is_floating_point_v<T>) return sizeof(T) == 4 ? SampleType::float32 : SampleType::float64;
+  return static_cast<SampleType>(2 * log_size + (std::is_signed_v<T> ? 0 : 1));
+}
+
+/// The samples of a volume, which somebody else owns, in native byte order.
+struct ISOATLAS_API VolumeView {
+  Grid grid;
+  SampleType type = SampleType::float32;
+  const void* samples = nullptr;  ///< sample (0, 0, 0)
+  Strides strides{};              ///< all 0: x fastest, without gaps. Functions that need many samples copy others once, O(N)
+
+  /// A view of a vector, span, array or other contiguous range of numbers, with spacing 1.
+  /// @throws Error(bad_argument) if there are not size.x * size.y * size.z of them, x fastest
+  template <std::ranges::contiguous_range Range>
+  requires(Sample<std::ranges::range_value_t<Range>> &&
+           (std::is_lvalue_reference_v<Range> || std::ranges::borrowed_range<Range>)) static VolumeView
+      of(Range&& samples, const Size3& size) {
+    return of(std::span<const std::ranges::range_value_t<Range>>(samples), size, Strides{});
+  }
+  /// A view of samples that are not x fastest, or have gaps between them. `samples` begins with sample (0, 0, 0) or, where a stride is
+  /// negative, before it.
+  /// @throws Error(bad_argument) if a sample would be outside `samples`
+  template <Sample T>
+  static VolumeView of(std::span<const T> samples, const Size3& size, const Strides& strides) {
+    VolumeView view;
+    view.grid.size = size;
+    view.type = sample_type_of<T>();
+    view.strides = strides;
+    view.samples = samples.data() + offset_of_first(samples.size(), size, strides);
+    return view;
+  }
+
+  bool is_dense() const;  ///< x fastest, without gaps
+  /// The box of samples from `first` to `last`, both in it, with its own origin. No copy.
+  /// @throws Error(bad_argument) if it is empty or not inside
+  VolumeView box(const Size3& first, const Size3& last) const;
+
+ private:
+  static std::size_t offset_of_first(std::size_t count, const Size3& size, const Strides& strides);
+};
+
+/// A volume that keeps its samples alive.
+struct Volume {
+  VolumeView view;
   std::shared_ptr<const void> owner;
+
+  operator const VolumeView&() const& { return view; }
+  operator VolumeView() && = delete;  ///< it would point to samples that are gone
 };
 
 struct SampleSummary {
@@ -84,5 +155,15 @@ enum class Interpolation : std::uint8_t {
 /// Coordinates of the mesh. lps: the volume's world as ITK gives it; ras: the same with x and y negated;
 /// voxel: sample-index coordinates, sample (0,0,0) at the origin.
 enum class Space { lps, ras, voxel };
+
+/// Which surface of a volume is meant.
+struct SurfaceOptions {
+  double isovalue = 0;
+  Inside inside = Inside::above;
+  NonFinite non_finite = NonFinite::refuse;
+  Topology topology = Topology::trilinear;
+  /// What is between samples, to place vertices, to measure distances and to supersample; not supersampled, the topology is the same.
+  Interpolation interpolation = Interpolation::trilinear;
+};
 
 }  // namespace isoatlas

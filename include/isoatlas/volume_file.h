@@ -27,6 +27,12 @@ struct RawLayout {
   std::uint64_t offset = 0;  ///< bytes before the first sample
 };
 
+/// A region of interest: samples from `first` to `last`, both included, along x, y and z.
+struct Region {
+  static constexpr std::size_t kEnd = static_cast<std::size_t>(-1);  ///< as `last`: the last sample there is
+  std::array<std::size_t, 3> first{0, 0, 0}, last{kEnd, kEnd, kEnd};
+};
+
 /// What to read of a file that holds more than one volume, and how.
 struct ReadOptions {
   std::optional<RawLayout> raw = {};              ///< the file has no header
@@ -37,6 +43,7 @@ struct ReadOptions {
   std::string series = {};                        ///< which of several DICOM series: its number from 0 in the list, or its UID
   std::optional<Vec3> spacing = {};               ///< world length of one step along x, y and z, in place of the file's
   LengthUnit spacing_unit = LengthUnit::unknown;  ///< unit of `spacing`; unknown: the file's
+  std::optional<Region> region = {};              ///< keep only this part of the volume
   std::uint64_t max_memory = 0;                   ///< largest size of the samples in bytes; 0: three quarters of the machine's memory
 };
 

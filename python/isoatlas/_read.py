@@ -31,6 +31,7 @@ def read_volume(
     array: str | None = None,
     series: int | str | None = None,
     spacing: Sequence[float] | str | None = None,
+    roi: str | Sequence[tuple[int, int]] | None = None,
     max_memory: int | str | None = None,
     raw_size: Sequence[int] | None = None,
     raw_type: str | None = None,
@@ -54,6 +55,9 @@ def read_volume(
         Which of several DICOM series, or images of a file, to read: its number from 0, or its UID.
     spacing : (SX, SY, SZ) or str, optional
         World length of one step along x, y and z, in place of the file's; ``"0.2,0.2,1um"`` gives the unit as well.
+    roi : three (first, last) pairs, or str, optional
+        Keep only these samples along x, y and z, both ends included: ``((10, 99), (0, 63), (0, 40))`` or ``"10:99,0:63,:"``, where nothing
+        stands for the border.
     max_memory : int or str, optional
         Refuse a volume whose samples take more: bytes, or ``"8GiB"``. Default: three quarters of the machine's memory.
     raw_size : (NX, NY, NZ), optional
@@ -92,6 +96,7 @@ def read_volume(
         "array": array,
         "series": None if series is None else str(series),
         "spacing": _lengths(spacing),
+        "roi": roi if roi is None or isinstance(roi, str) else ",".join(f"{first}:{last}" for first, last in roi),
         "max-memory": None if max_memory is None else str(max_memory),
         "raw-size": None if raw_size is None else ",".join(str(int(n)) for n in raw_size),
         "raw-type": raw_type,

@@ -65,7 +65,7 @@ std::string check_mesh(const py::array_t<double, py::array::c_style>& vertices, 
       try {
         found.measured = isoatlas::measure(*mesh, view, options, control);
       } catch (const Error& error) {
-        throw found.volume_path.empty() ? error : Error(error.code(), found.volume_path + ": " + error.what());
+        throw found.volume_path.empty() ? error : error.with_prefix(found.volume_path + ": ");
       }
       axes->to_caller(found.measured, space);
     }

@@ -30,6 +30,20 @@ const char* class_name(ErrorCode code) {
   return "InternalError";
 }
 
+std::string error_text(const Error& error) {
+  switch (error.remedy()) {
+    case Remedy::place_nan:
+      return error.problem() + ": say with nan='below' or nan='above' on which side of the isovalue NaN lies";
+    case Remedy::only_coarse:
+      return error.problem() + "; use coarse=True, or resample the volume to a box-shaped grid";
+    case Remedy::allow_memory:
+      return error.problem() + "; max_memory allows more";
+    case Remedy::none:
+      break;
+  }
+  return error.what();
+}
+
 void set_error(ErrorCode code, const std::string& message) {
   std::string text = message;
   if (code == ErrorCode::internal) text += ". This is a bug of isoatlas: please report it with the input";
@@ -47,7 +61,7 @@ void translate_errors() {
     try {
       if (thrown) std::rethrow_exception(thrown);
     } catch (const Error& error) {
-      set_error(error.code(), error.what());
+      set_error(error.code(), error_text(error));
     } catch (const std::bad_alloc&) {
       set_error(ErrorCode::out_of_memory, "out of memory");
     }

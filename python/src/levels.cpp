@@ -74,7 +74,7 @@ ExtractSettings settings_of(const ExtractWords& words) {
   return settings;
 }
 
-/// The library's message names options of the command line, and samples in an order of its own.
+/// The library's message has samples in an order of its own.
 Error error_of_samples(const Error& error, const ArrayVolume& volume, NonFinite rule) {
   if (error.code() != ErrorCode::unsupported || rule != NonFinite::refuse) return error;
   const SampleSummary summary = summarize(volume.view());
@@ -82,9 +82,10 @@ Error error_of_samples(const Error& error, const ArrayVolume& volume, NonFinite 
   const auto [x, y, z] = summary.first_non_finite;
   const Vec3 first = volume.axes.to_caller({static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)});
   const auto index = [](double i) { return std::to_string(static_cast<std::size_t>(i)); };
-  return {error.code(), std::to_string(summary.nan_count) + " NaN and " + std::to_string(summary.infinity_count) +
-                            " infinite samples, the first at index (" + index(first.x) + ", " + index(first.y) + ", " + index(first.z) +
-                            "): say with nan='below' or nan='above' on which side of the isovalue NaN lies"};
+  return {error.code(),
+          std::to_string(summary.nan_count) + " NaN and " + std::to_string(summary.infinity_count) +
+              " infinite samples, the first at index (" + index(first.x) + ", " + index(first.y) + ", " + index(first.z) + ")",
+          error.remedy()};
 }
 
 /// A warning about the first file in which rounding causes self-intersections, or empty.
@@ -99,9 +100,7 @@ std::string warning_of(const std::vector<ReportFile>& files) {
   return "";
 }
 
-Error error_of_file(const Error& error, const std::string& path) {
-  return path.empty() ? error : Error(error.code(), path + ": " + error.what());
-}
+Error error_of_file(const Error& error, const std::string& path) { return path.empty() ? error : error.with_prefix(path + ": "); }
 
 }  // namespace
 
@@ -131,7 +130,7 @@ std::shared_ptr<Levels> extract_levels(const ArrayVolume& volume, const ExtractW
     std::tie(extraction, made.context.volume.sample_digest) =
         make_interruptibly(work, {.progress = progress, .threads = settings.threads, .keep_alive = volume.array});
   } catch (const Error& error) {
-    throw error_of_file(error_of_samples(error, volume, settings.options.non_finite), volume.path);
+    throw error_of_file(error_of_samples(error, volume, settings.options.surface.non_finite), volume.path);
   }
   volume.axes.to_caller(extraction, space);
   levels->hierarchy = std::move(extraction.hierarchy);

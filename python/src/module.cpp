@@ -59,8 +59,9 @@ py::tuple read_volume_as_array(const py::object& path, const Words& words) {
 
   using Owner = std::shared_ptr<const void>;
   const py::capsule owner(new Owner(volume.owner), [](void* it) { delete static_cast<Owner*>(it); });
-  const Grid& grid = volume.grid;
-  const py::array array(py::dtype(std::string(name(volume.type))), {grid.size[2], grid.size[1], grid.size[0]}, volume.samples, owner);
+  const Grid& grid = volume.view.grid;
+  const py::array array(py::dtype(std::string(name(volume.view.type))), {grid.size[2], grid.size[1], grid.size[0]}, volume.view.samples,
+                        owner);
   const auto tuple = [](Vec3 v) { return py::make_tuple(v.x, v.y, v.z); };
   const auto& d = grid.direction;
   const py::tuple direction = py::make_tuple(py::make_tuple(d[0].x, d[1].x, d[2].x), py::make_tuple(d[0].y, d[1].y, d[2].y),

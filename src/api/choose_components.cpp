@@ -55,8 +55,8 @@ ChosenComponents choose_components(SurfaceComplex& complex, const Components& co
     const ComponentId c = order[i];
     part += i > 0 && sizes.part_of[order[i - 1]] != sizes.part_of[c] ? 1 : 0;
     all[c].part = part;
-    const bool too_many = options.keep_components > 0 && part >= options.keep_components;
-    goes[c] = too_many || all[c].size < options.min_component_size;
+    const bool too_many = options.components.keep_largest > 0 && part >= options.components.keep_largest;
+    goes[c] = too_many || all[c].size < options.components.min_size;
     (goes[c] ? chosen.dropped : chosen.kept).push_back(all[c]);
   }
   drop_components(complex, components, goes);

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "api/choose_components.h"
+#include "api/resolve_options.h"
 #include "complex/coarsen.h"
 #include "complex/component_sizes.h"
 #include "complex/components.h"
@@ -21,6 +22,7 @@
 #include "core/whole_progress.h"
 #include "embedding/adaptive_surface.h"
 #include "field/check_volume.h"
+#include "field/dense_volume.h"
 #include "isosurface/parse_surface.h"
 #include "isosurface/surface_nesting.h"
 #include "levels/coarse_mesher.h"
@@ -58,11 +60,12 @@ void require(bool good, const std::string& message) {
 }
 
 void check_options(const ExtractOptions& options) {
-  require(!options.max_radius || (std::isfinite(*options.max_radius) && *options.max_radius > 0),
+  require(!options.covering.max_radius || (std::isfinite(options.covering.max_radius->value) && options.covering.max_radius->value > 0),
           "the largest radius must be a positive length");
-  require(!options.event_persistence || (std::isfinite(*options.event_persistence) && *options.event_persistence >= 0),
+  require(!options.covering.event_persistence ||
+              (std::isfinite(options.covering.event_persistence->value) && options.covering.event_persistence->value >= 0),
           "the event persistence must be a length >= 0");
-  require(std::isfinite(options.min_component_size) && options.min_component_size >= 0, "the smallest component must have a size >= 0");
+  require(std::isfinite(options.components.min_size) && options.components.min_size >= 0, "the smallest component must have a size >= 0");
   require(options.supersample >= 1, "the factor of supersampling must be at least 1");
   require(options.adaptive_supersample <= kMostDivisions, "adaptive supersampling may divide the surface at most 8 times");
   std::vector<const LevelGoal*> goals{&options.coarse};
@@ -117,9 +120,12 @@ std::vector<StageShare> stage_shares(const ExtractOptions& options) {
 
 }  // namespace
 
-Extraction extract(const VolumeView& volume, const ExtractOptions& options, const RunControl& callers_control) try {
+Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_options, const RunControl& callers_control) try {
+  const ExtractOptions options = in_world(any_options, any_volume.grid);
   const RunControl control = with_whole_progress(callers_control, stage_shares(options));
-  check_volume(volume, options.isovalue);
+  check_volume(any_volume, options.surface.isovalue);
+  const Volume kept = dense_volume(any_volume);
+  const VolumeView& volume = kept.view;
   check_options(options);
   // Bounds and distances are world lengths; the coarse mesh by itself has none.
   const bool only_coarse = options.refine.empty() && options.measure_samples == 0 && options.coarse.empty();
@@ -137,14 +143,14 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
 
   control.report("surface", 0);
   ParseOptions parse;
-  parse.rule = {options.isovalue, options.inside, options.non_finite};
-  parse.topology = options.topology;
-  parse.interpolation = options.interpolation;
+  parse.rule = {options.surface.isovalue, options.surface.inside, options.surface.non_finite};
+  parse.topology = options.surface.topology;
+  parse.interpolation = options.surface.interpolation;
   parse.supersample = options.supersample;
   parse.vertices_on_surface = options.vertices_on_surface;
   std::vector<VerticalNode> nodes;
   SurfaceComplex whole = parse_surface(in_voxels, parse, control, &nodes);
-  if (whole.faces.empty()) throw_empty_surface(volume, options.isovalue);
+  if (whole.faces.empty()) throw_empty_surface(volume, options.surface.isovalue);
   clock.finished("surface");
 
   control.report("components", 0);
@@ -153,7 +159,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   Nesting nesting = surface_nesting(reference, nodes);
   nodes = {};
   control.check_cancelled();
-  if (options.min_component_size > 0 || options.keep_components > 0) {
+  if (options.components.min_size > 0 || options.components.keep_largest > 0) {
     drop_unwanted_components(whole, reference, nesting, in_voxels, parse, volume, options, report, control);
   }
   report.c_vertices = whole.positions.size();
@@ -162,11 +168,12 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   report.tunnels = whole.tunnels;
   report.reference = summarize(reference.topology);
   const std::unique_ptr<const Isosurface> isosurface =
-      only_coarse ? nullptr
-                  : std::make_unique<const Isosurface>(in_voxels, parse.rule, whole, options.interpolation, options.supersample, control);
+      only_coarse
+          ? nullptr
+          : std::make_unique<const Isosurface>(in_voxels, parse.rule, whole, options.surface.interpolation, options.supersample, control);
   report_going_on(control);
   AdaptiveSurface surface(std::move(whole), std::move(reference), std::move(nesting),
-                          InterpolatedField(in_voxels, parse.rule, options.interpolation, options.supersample), control);
+                          InterpolatedField(in_voxels, parse.rule, options.surface.interpolation, options.supersample), control);
   clock.finished("components");
 
   double longest = 0;
@@ -174,7 +181,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
     const Vec3 s = in_voxels.grid.spacing;
     longest = std::max(longest, static_cast<double>(grid.size[a] - 1) * (a == 0 ? s.x : a == 1 ? s.y : s.z));
   }
-  const double max_radius = options.max_radius ? std::max(1e-4f, voxels(*options.max_radius)) : longest / 2;
+  const double max_radius = options.covering.max_radius ? std::max(1e-4f, voxels(options.covering.max_radius->value)) : longest / 2;
 
   control.report("coarsen", 0);
   const double cell = 1.0 / options.supersample;  // of the grid that was parsed, voxels
@@ -190,7 +197,8 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   control.report("cover", 0);
   CoveringOptions cover;
   cover.max_radius = static_cast<float>(max_radius);
-  cover.event_persistence = options.event_persistence ? voxels(*options.event_persistence) : default_persistence(options.covering);
+  cover.event_persistence = options.covering.event_persistence ? voxels(options.covering.event_persistence->value)
+                                                               : default_persistence(options.covering.strategy);
   cover.first_stage = static_cast<float>(4 * cell);
   auto mesher =
       std::make_unique<CoarseMesher>(surface, coarser, cover, options, WrittenPositions(grid, options.space, options.supersample));

@@ -19,6 +19,7 @@
 #include "error/area_samples.h"
 #include "error/measure_mesh.h"
 #include "field/check_volume.h"
+#include "field/dense_volume.h"
 #include "field/to_space.h"
 #include "isosurface/parse_surface.h"
 
@@ -33,7 +34,7 @@ void require(bool good, const std::string& message) {
   if (!good) throw Error(ErrorCode::bad_argument, message);
 }
 
-void check_mesh(const TriangleMesh& mesh, Vec3 spacing) {
+void check_mesh(const MeshView& mesh, Vec3 spacing) {
   require(!mesh.triangles.empty(), "the mesh has no triangles");
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (const std::uint32_t v : mesh.triangles[t]) {
@@ -54,7 +55,7 @@ void check_mesh(const TriangleMesh& mesh, Vec3 spacing) {
 // Where distances are measured besides the samples spread by area, in the mesh's index coordinates.
 class SpecialPoints {
  public:
-  explicit SpecialPoints(const TriangleMesh& mesh) : mesh_(mesh) {
+  explicit SpecialPoints(const MeshView& mesh) : mesh_(mesh) {
     std::vector<std::uint8_t> used(mesh.positions.size(), 0);
     edges_.reserve(3 * mesh.triangles.size());
     for (const Triangle& t : mesh.triangles) {
@@ -91,7 +92,7 @@ class SpecialPoints {
   }
 
  private:
-  const TriangleMesh& mesh_;
+  MeshView mesh_;
   std::vector<std::uint64_t> edges_;
   std::vector<std::uint32_t> vertices_;
 };
@@ -177,7 +178,7 @@ OneSidedDistance summarize(std::vector<double> distance, std::size_t by_area, do
 
 double angle_between(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), dot(a, b)) * 180 / std::numbers::pi; }
 
-void measure_mesh_to_surface(const TriangleMesh& mesh, const TriangleTree& tree, const Isosurface& surface, std::size_t samples,
+void measure_mesh_to_surface(const MeshView& mesh, const TriangleTree& tree, const Isosurface& surface, std::size_t samples,
                              Measurement& out, DistantSamples& far, const RunControl& control) {
   const Vec3 spacing = surface.spacing();
   const std::vector<Triangle> triangles = in_order(tree);
@@ -216,7 +217,7 @@ void measure_mesh_to_surface(const TriangleMesh& mesh, const TriangleTree& tree,
   out.normal_p99 = quantile(angle, 0.99);
 }
 
-void measure_surface_to_mesh(const TriangleMesh& mesh, const TriangleTree& tree, const Isosurface& surface, std::size_t samples,
+void measure_surface_to_mesh(const MeshView& mesh, const TriangleTree& tree, const Isosurface& surface, std::size_t samples,
                              Measurement& out, DistantSamples& far, const RunControl& control) {
   const Vec3 spacing = surface.spacing();
   const std::span<const Vec3> c_vertices = surface.faces().positions();
@@ -256,13 +257,12 @@ void scale(OneSidedDistance& d, double unit) {
 
 }  // namespace
 
-Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::size_t samples, const RunControl& control) {
+Measurement measure(const MeshView& mesh, const Isosurface& surface, std::size_t samples, const RunControl& control) {
   DistantSamples none{INFINITY, {}};
   return measure(mesh, surface, samples, none, control);
 }
 
-Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::size_t samples, DistantSamples& far,
-                    const RunControl& control) {
+Measurement measure(const MeshView& mesh, const Isosurface& surface, std::size_t samples, DistantSamples& far, const RunControl& control) {
   require(samples > 0, "no samples are wanted");
   const Vec3 spacing = surface.spacing();
   check_mesh(mesh, spacing);
@@ -299,11 +299,14 @@ double Measurement::maximum() const { return std::max(mesh_to_surface.maximum, s
 double Measurement::p99() const { return std::max(mesh_to_surface.p99, surface_to_mesh.p99); }
 double Measurement::mean() const { return std::max(mesh_to_surface.mean, surface_to_mesh.mean); }
 
-Measurement measure(const TriangleMesh& mesh, const VolumeView& volume, const MeasureOptions& options,
+Measurement measure(const MeshView& mesh, const VolumeView& any_volume, const MeasureOptions& options,
                     const RunControl& callers_control) try {
+  const SurfaceOptions& wanted = options.surface;
   constexpr std::array<StageShare, 3> kStages{{{"surface", 1}, {"mesh to surface", 5}, {"surface to mesh", 3}}};
   const RunControl control = with_whole_progress(callers_control, kStages);
-  check_volume(volume, options.isovalue);
+  check_volume(any_volume, wanted.isovalue);
+  const Volume kept = dense_volume(any_volume);
+  const VolumeView& volume = kept.view;
   require_orthonormal(volume.grid);
   require(options.samples > 0, "no samples are wanted");
   const ThreadLimit threads(control.threads);
@@ -311,7 +314,7 @@ Measurement measure(const TriangleMesh& mesh, const VolumeView& volume, const Me
   const double voxel = grid.smallest_spacing(), flip = options.space == Space::ras ? -1 : 1;
 
   // To index coordinates; as in extract(), the smallest spacing is the unit of length inside.
-  TriangleMesh index = mesh;
+  TriangleMesh index{{mesh.positions.begin(), mesh.positions.end()}, {mesh.triangles.begin(), mesh.triangles.end()}};
   if (options.space != Space::voxel) {
     for (Vec3& p : index.positions) p = grid.to_index({flip * p.x, flip * p.y, p.z});
     if (grid.mirrored()) {
@@ -324,12 +327,12 @@ Measurement measure(const TriangleMesh& mesh, const VolumeView& volume, const Me
 
   control.report("surface", 0);
   ParseOptions parse;
-  parse.rule = {options.isovalue, options.inside, options.non_finite};
-  parse.topology = options.topology;
-  parse.interpolation = options.interpolation;
+  parse.rule = {wanted.isovalue, wanted.inside, wanted.non_finite};
+  parse.topology = wanted.topology;
+  parse.interpolation = wanted.interpolation;
   SurfaceComplex complex = parse_surface(in_voxels, parse, control);
-  if (complex.faces.empty()) throw_empty_surface(volume, options.isovalue);
-  const Isosurface surface(in_voxels, parse.rule, complex, options.interpolation, 1, control);
+  if (complex.faces.empty()) throw_empty_surface(volume, wanted.isovalue);
+  const Isosurface surface(in_voxels, parse.rule, complex, wanted.interpolation, 1, control);
   complex = {};
 
   Measurement out = measure(index, surface, options.samples, control);

@@ -13,7 +13,7 @@ namespace isoatlas::detail {
 /// there, `farthest` is there too, and lengths are in the isosurface's metric.
 /// @param samples  >= 1
 /// @throws Error(bad_argument) as measure() does for meshes, Error(cancelled)
-Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::size_t samples, const RunControl& control = {});
+Measurement measure(const MeshView& mesh, const Isosurface& surface, std::size_t samples, const RunControl& control = {});
 
 /// The samples of a measurement whose distance is larger than a bound.
 struct DistantSamples {
@@ -22,8 +22,7 @@ struct DistantSamples {
 };
 
 /// The same; also lists the samples with a distance larger than `far.bound`.
-Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::size_t samples, DistantSamples& far,
-                    const RunControl& control);
+Measurement measure(const MeshView& mesh, const Isosurface& surface, std::size_t samples, DistantSamples& far, const RunControl& control);
 
 /// From voxels (smallest spacings) and sample-index coordinates to world lengths and the mesh's space.
 void transform_to(Measurement& measurement, const Grid& grid, Space space);

@@ -89,9 +89,11 @@ void check_volume(const VolumeView& volume, double isovalue) {
 
 void require_orthonormal(const Grid& grid) {
   const auto refuse = [](const std::string& what) {
-    throw Error(ErrorCode::unsupported, what +
-                                            ", so lengths on it are not those of the world: refining and measuring need unit vectors "
-                                            "at right angles; use --coarse, or resample the volume to a box-shaped grid");
+    throw Error(ErrorCode::unsupported,
+                what +
+                    ", so lengths on it are not those of the world: refining and measuring need unit vectors "
+                    "at right angles",
+                Remedy::only_coarse);
   };
   constexpr const char* kAxes = "xyz";
   for (std::size_t a = 0; a < 3; ++a) {

@@ -146,10 +146,10 @@ SignBits classify(const VolumeView& volume, const InsideRule& rule, const RunCon
   if (non_finite && rule.non_finite == NonFinite::refuse) {
     const SampleSummary s = summarize(volume);
     const auto [x, y, z] = s.first_non_finite;
-    throw Error(ErrorCode::unsupported, std::to_string(s.nan_count) + " NaN and " + std::to_string(s.infinity_count) +
-                                            " infinite samples, the first at index (" + std::to_string(x) + ", " + std::to_string(y) +
-                                            ", " + std::to_string(z) +
-                                            "): say with --nan below or --nan above on which side of the isovalue NaN lies");
+    throw Error(ErrorCode::unsupported,
+                std::to_string(s.nan_count) + " NaN and " + std::to_string(s.infinity_count) + " infinite samples, the first at index (" +
+                    std::to_string(x) + ", " + std::to_string(y) + ", " + std::to_string(z) + ")",
+                Remedy::place_nan);
   }
   return out;
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <type_traits>
 
+#include "field/dense_volume.h"
 #include "field/sample_type.h"
 
 namespace isoatlas {
@@ -39,7 +40,9 @@ SampleSummary summarize_samples(const Grid& grid, const T* samples) {
 
 }  // namespace
 
-SampleSummary summarize(const VolumeView& volume) {
+SampleSummary summarize(const VolumeView& any_volume) {
+  const Volume kept = dense_volume(any_volume);
+  const VolumeView& volume = kept.view;
   return visit_sample_type(volume.type,
                            [&]<class T>(const T*) { return summarize_samples(volume.grid, static_cast<const T*>(volume.samples)); });
 }

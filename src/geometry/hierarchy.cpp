@@ -27,6 +27,11 @@ TriangleMesh Hierarchy::mesh(std::size_t level) const {
   return out;
 }
 
+MeshView Hierarchy::view(std::size_t level) const {
+  const Level& l = levels.at(level);
+  return {l.placed.empty() ? std::span(positions).first(l.vertex_count) : std::span(l.placed), l.triangles};
+}
+
 Hierarchy hierarchy_of(std::vector<TriangleMesh> levels) {
   Hierarchy out;
   out.positions = levels.back().positions;

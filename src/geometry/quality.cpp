@@ -25,7 +25,7 @@ double interior_dihedral_angle(Vec3 p, Vec3 q, Vec3 left, Vec3 right) {
   return dot(first, right - p) > 0 ? 180 + between : 180 - between;
 }
 
-void measure_dihedral_angles(const TriangleMesh& mesh, MeshQuality& quality, const RunControl& control) {
+void measure_dihedral_angles(const MeshView& mesh, MeshQuality& quality, const RunControl& control) {
   struct Side {
     std::uint32_t low, high, opposite;
     bool ascends;  // the triangle runs from low to high
@@ -57,7 +57,7 @@ void measure_dihedral_angles(const TriangleMesh& mesh, MeshQuality& quality, con
 
 }  // namespace
 
-MeshQuality mesh_quality(const TriangleMesh& mesh, const RunControl& control) {
+MeshQuality mesh_quality(const MeshView& mesh, const RunControl& control) {
   MeshQuality q;
   q.triangles = mesh.triangles.size();
   if (mesh.triangles.empty()) return q;

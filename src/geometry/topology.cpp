@@ -46,7 +46,7 @@ std::int64_t MeshTopology::boundary_loops() const {
   return sum;
 }
 
-MeshTopology mesh_topology(const TriangleMesh& mesh, const RunControl& control) {
+MeshTopology mesh_topology(const MeshView& mesh, const RunControl& control) {
   MeshTopology out;
   const std::uint32_t n = checked_id(mesh.positions.size(), "vertices");
   checked_id(3 * mesh.triangles.size(), "triangle corners");

@@ -5,7 +5,7 @@
 
 namespace isoatlas::detail {
 
-std::vector<Vec3> vertex_normals(const TriangleMesh& mesh, double unit) {
+std::vector<Vec3> vertex_normals(const MeshView& mesh, double unit) {
   std::vector<Vec3> out(mesh.positions.size());
   for (const Triangle& t : mesh.triangles) {
     const Vec3 a = mesh.positions[t[0]];

@@ -88,7 +88,7 @@ CoarseMesher::CoarseMesher(AdaptiveSurface& surface, Coarsened& coarser, const C
 
 void CoarseMesher::cover(const RunControl& control) {
   auto& [complex, positions, graph, covering, dual] = *stand_;
-  if (options_.covering == CoveringStrategy::halving) {
+  if (options_.covering.strategy == CoveringStrategy::halving) {
     cover_from(cover_by_halving(graph, cover_, control), graph, covering, control);
   } else {
     covering.cover(control);

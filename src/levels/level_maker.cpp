@@ -41,7 +41,8 @@ bool satisfies_distance(const RefinedLevel& level) {
 }
 
 bool is_whole(const ExtractOptions& options) {
-  return options.min_component_size == 0 && options.keep_components == 0 && options.interpolation == Interpolation::trilinear;
+  return options.components.min_size == 0 && options.components.keep_largest == 0 &&
+         options.surface.interpolation == Interpolation::trilinear;
 }
 
 }  // namespace

@@ -180,10 +180,10 @@ std::vector<Vec3> kept_points(const Json& json, const Grid& grid) {
 std::optional<MeshQuality> marching_cubes_of(const Json& json, const fs::path& path) {
   try {
     const Volume volume = read_volume(path, read_options_of(json));
-    if (volume.grid.size != json["input"].at("size").get<std::array<std::size_t, 3>>()) return std::nullopt;
+    if (volume.view.grid.size != json["input"].at("size").get<std::array<std::size_t, 3>>()) return std::nullopt;
     const Json digest = json["input"].value("sha256", Json());
     if (digest.is_string() && digest != sample_digest(volume)) return std::nullopt;
-    return marching_cubes_quality(volume, json["surface"].at("isovalue").get<double>(), kept_points(json, volume.grid));
+    return marching_cubes_quality(volume, json["surface"].at("isovalue").get<double>(), kept_points(json, volume.view.grid));
   } catch (const Error&) {
     return std::nullopt;
   }

@@ -9,6 +9,7 @@
 #include <span>
 #include <string_view>
 
+#include "api/resolve_options.h"
 #include "isoatlas/version.h"
 #include "report/json_values.h"
 
@@ -55,6 +56,8 @@ std::string_view text(CoveringStrategy strategy) { return strategy == CoveringSt
 
 std::string_view text(Placement placement) { return placement == Placement::surface ? "surface" : "balanced"; }
 
+Json length_value(const std::optional<Length>& length) { return length ? Json(length->value) : Json(); }
+
 Json path_value(const std::string& path) { return path.empty() ? Json() : Json(path); }
 
 Json goals_value(const std::vector<LevelGoal>& goals) {
@@ -87,11 +90,11 @@ Json to_value(const ReportFile& file) {
 Json to_value(const DistanceReport& distance) {
   const MeasureOptions& options = distance.options;
   Json json = {{"volume", path_value(distance.volume_path)},
-               {"isovalue", options.isovalue},
-               {"inside", text(options.inside)},
-               {"topology", text(options.topology)},
-               {"non_finite", text(options.non_finite)},
-               {"interpolation", text(options.interpolation)},
+               {"isovalue", options.surface.isovalue},
+               {"inside", text(options.surface.inside)},
+               {"topology", text(options.surface.topology)},
+               {"non_finite", text(options.surface.non_finite)},
+               {"interpolation", text(options.surface.interpolation)},
                {"space", text(options.space)},
                {"samples_wanted", options.samples}};
   json.update(to_value(distance.measured));
@@ -156,27 +159,27 @@ SelfIntersectionReport find_self_intersections(const TriangleMesh& mesh, const R
 }
 
 std::string to_json(const ExtractReport& report, const ReportContext& context) {
-  const ExtractOptions& options = context.options;
+  const ExtractOptions options = in_world(context.options, context.volume.grid);
   Json json;
   json["schema"] = "isoatlas-report-2";
   json["version"] = ISOATLAS_VERSION;
   json["command"] = context.command.empty() ? Json() : Json(context.command);
   json["input"] = to_value(context.volume);
-  json["surface"] = {{"isovalue", options.isovalue},
-                     {"inside", text(options.inside)},
+  json["surface"] = {{"isovalue", options.surface.isovalue},
+                     {"inside", text(options.surface.inside)},
                      {"tie_rule", "a sample equal to the isovalue is inside"},
                      {"ambiguous_faces", "asymptotic decider"},
-                     {"topology", text(options.topology)}};
-  json["parameters"] = {{"non_finite", text(options.non_finite)},
-                        {"interpolation", text(options.interpolation)},
+                     {"topology", text(options.surface.topology)}};
+  json["parameters"] = {{"non_finite", text(options.surface.non_finite)},
+                        {"interpolation", text(options.surface.interpolation)},
                         {"supersample", options.supersample},
                         {"adaptive_supersample", options.adaptive_supersample},
                         {"space", text(options.space)},
-                        {"max_radius", to_value(options.max_radius)},
-                        {"covering", text(options.covering)},
-                        {"event_persistence", to_value(options.event_persistence)},
-                        {"min_component_size", options.min_component_size},
-                        {"keep_components", options.keep_components},
+                        {"max_radius", length_value(options.covering.max_radius)},
+                        {"covering", text(options.covering.strategy)},
+                        {"event_persistence", length_value(options.covering.event_persistence)},
+                        {"min_component_size", options.components.min_size},
+                        {"keep_components", options.components.keep_largest},
                         {"vertices_on_surface", options.vertices_on_surface},
                         {"coarse", to_value(options.coarse)},
                         {"refine", goals_value(options.refine)},

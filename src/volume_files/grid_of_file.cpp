@@ -95,10 +95,10 @@ std::uint64_t checked_sample_bytes(const std::filesystem::path& path, const std:
 void require_within_memory_limit(const std::filesystem::path& path, std::uint64_t bytes, const ReadOptions& options) {
   const std::uint64_t limit = options.max_memory == 0 ? default_memory_limit() : options.max_memory;
   if (bytes > limit) {
-    throw Error(
-        ErrorCode::out_of_memory,
-        one_line(path.string() + ": its samples take " + std::to_string(bytes) + " bytes, more than the limit of " + std::to_string(limit) +
-                 (options.max_memory == 0 ? " bytes, three quarters of this machine's memory" : " bytes that --max-memory sets")));
+    throw Error(ErrorCode::out_of_memory,
+                one_line(path.string() + ": its samples take " + std::to_string(bytes) + " bytes, more than the limit of " +
+                         std::to_string(limit) + (options.max_memory == 0 ? " bytes, three quarters of this machine's memory" : " bytes")),
+                Remedy::allow_memory);
   }
 }
 

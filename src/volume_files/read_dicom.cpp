@@ -165,19 +165,19 @@ Volume read_stack(const fs::path& path, const DicomStack& stack, const ReadOptio
   const DicomFrame& first = stack.frames.front();
   const std::array<std::size_t, 3> size{first.image->columns, first.image->rows, stack.frames.size()};
   Volume volume;
-  volume.type = dicom_sample_type(stack.frames);
+  volume.view.type = dicom_sample_type(stack.frames);
   if (size[2] == 1) {
     throw unsupported(path, "has " + std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x 1 samples, a single slice (" +
                                 first.name() + "); expected at least 2 slices of its series");
   }
-  const std::uint64_t bytes = checked_sample_bytes(path, size, bytes_per_sample(volume.type));
+  const std::uint64_t bytes = checked_sample_bytes(path, size, bytes_per_sample(volume.view.type));
   std::array<Vec3, 3> axes = orthogonal_axes(first);
   axes[2] = stack.step;  // grid_of_file moves its length to the spacing
-  volume.grid = grid_of_file(path, size, {first.spacing_x, first.spacing_y, 1}, first.position, axes);
-  volume.grid.unit = LengthUnit::millimetre;
+  volume.view.grid = grid_of_file(path, size, {first.spacing_x, first.spacing_y, 1}, first.position, axes);
+  volume.view.grid.unit = LengthUnit::millimetre;
   const std::shared_ptr<std::byte[]> samples = allocate_samples(path, bytes, options);
-  read_dicom_samples(stack.frames, volume.type, max_memory, samples.get());
-  volume.samples = samples.get();
+  read_dicom_samples(stack.frames, volume.view.type, max_memory, samples.get());
+  volume.view.samples = samples.get();
   volume.owner = samples;
   return volume;
 }

@@ -171,15 +171,15 @@ Volume read_all(const fs::path& folder, const std::vector<fs::path>& files, cons
   const std::uint64_t bytes = checked_sample_bytes(folder, size, bytes_per_sample(slices.type()));
   require_possible_images(files, slices);
   Volume volume;
-  volume.grid = grid_of_file(folder, size, spacing, stack.origin, {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}});
-  volume.grid.unit = stack.unit;
-  volume.type = slices.type();
+  volume.view.grid = grid_of_file(folder, size, spacing, stack.origin, {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}});
+  volume.view.grid.unit = stack.unit;
+  volume.view.type = slices.type();
   const std::shared_ptr<std::byte[]> samples = allocate_samples(folder, bytes, options);
   const std::uint64_t slice_bytes = bytes / files.size();
   for (std::size_t slice = 0; slice < files.size(); ++slice) {
     slices.read(files[slice], value, options, samples.get() + slice * slice_bytes);
   }
-  volume.samples = samples.get();
+  volume.view.samples = samples.get();
   volume.owner = samples;
   return volume;
 }

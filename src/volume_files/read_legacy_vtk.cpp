@@ -49,13 +49,14 @@ VolumeFile read_legacy_vtk(const fs::path& path, const ReadOptions& options) {
   const std::uint64_t component = choose_component(path, array.array, options, source);
 
   Volume& volume = file.volume;
-  volume.grid = sample_grid(path, header.grid, array.array.is_cell_data, source);
-  volume.type = array.array.type.sample;
-  const std::uint64_t bytes = checked_sample_bytes(path, volume.grid.size, bytes_per_sample(volume.type));
-  require_tuples(path, array, volume.grid.sample_count());
+  volume.view.grid = sample_grid(path, header.grid, array.array.is_cell_data, source);
+  volume.view.type = array.array.type.sample;
+  const std::uint64_t bytes = checked_sample_bytes(path, volume.view.grid.size, bytes_per_sample(volume.view.type));
+  require_tuples(path, array, volume.view.grid.sample_count());
   const std::shared_ptr<std::byte[]> samples = allocate_samples(path, bytes, options);
-  read_component(*open_values(path, header.is_text, array), volume.type, array.array.components, component, array.tuples, samples.get());
-  volume.samples = samples.get();
+  read_component(*open_values(path, header.is_text, array), volume.view.type, array.array.components, component, array.tuples,
+                 samples.get());
+  volume.view.samples = samples.get();
   volume.owner = samples;
   return file;
 }

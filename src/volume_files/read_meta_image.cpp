@@ -238,17 +238,17 @@ VolumeFile read_meta_image(const fs::path& path, const ReadOptions& options) {
   if (const std::string_view type = header.field("ObjectType"); !type.empty() && lower_case(type) != "image") {
     throw unsupported(path, "is a MetaIO file of a " + one_line(type, 40) + ", expected an Image");
   }
-  file.volume.type = meta_sample_type(path, header);
+  file.volume.view.type = meta_sample_type(path, header);
   const std::vector<std::size_t> sizes = meta_sizes(path, header);
   const std::array<std::size_t, 3> size = volume_size(path, sizes);
-  checked_sample_bytes(path, size, bytes_per_sample(file.volume.type));
-  file.volume.grid = meta_grid(path, header, sizes.size(), size, file.source);
+  checked_sample_bytes(path, size, bytes_per_sample(file.volume.view.type));
+  file.volume.view.grid = meta_grid(path, header, sizes.size(), size, file.source);
   warn_of_rescale(path, header, file.source);
   StoredSamples stored;
   stored.axes = select(path, header, sizes, options, file.source);
   find_samples(stored, path, header, sizes);
   const std::shared_ptr<std::byte[]> samples = read_stored_samples(path, stored, options, file.source);
-  file.volume.samples = samples.get();
+  file.volume.view.samples = samples.get();
   file.volume.owner = samples;
   return file;
 }

@@ -108,15 +108,15 @@ VolumeFile read_mgh(const fs::path& path, const ReadOptions& options) {
   VolumeFile file;
   Volume& volume = file.volume;
   file.source.format = "MGH";
-  volume.type = sample_type_of(header.int32(20), path);
+  volume.view.type = sample_type_of(header.int32(20), path);
   const StoredVolumes stored{.file = path,
                              .offset = kHeaderBytes,
-                             .volume_bytes = checked_sample_bytes(path, volume_size, bytes_per_sample(volume.type)),
+                             .volume_bytes = checked_sample_bytes(path, volume_size, bytes_per_sample(volume.view.type)),
                              .count = size[3],
                              .has_footer = true};
   require_stored_volumes(stored, file.source);
   const std::size_t frame = size[3] > 1 ? take_choice(path, file.source, numbered_choice("time", size[3]), options.time) : 0;
-  volume.grid = grid_of(path, header, volume_size, file.source);
+  volume.view.grid = grid_of(path, header, volume_size, file.source);
   read_plain_samples(stored, frame, kSwap, file, options);
   return file;
 }

@@ -214,14 +214,14 @@ VolumeFile read_mrc(const fs::path& path, const ReadOptions& options) {
   const std::array size{static_cast<std::size_t>(counts[0]), static_cast<std::size_t>(counts[1]),
                         static_cast<std::size_t>(counts[2]) / count};
   const StoredType type = stored_type_of(header, path, file.source);
-  volume.type = type.type;
+  volume.view.type = type.type;
   const StoredVolumes stored{.file = path,
                              .offset = kHeaderBytes + static_cast<std::size_t>(extended_bytes),
                              .volume_bytes = checked_sample_bytes(path, size, type.bytes),
                              .count = count};
   require_stored_volumes(stored, file.source);
   const std::size_t index = count > 1 ? take_choice(path, file.source, numbered_choice("time", count), options.time) : 0;
-  volume.grid = grid_of(path, header, size, file.source);
+  volume.view.grid = grid_of(path, header, size, file.source);
   if (type.is_half) {
     read_half_samples(stored, index, swap, file, options);
   } else {

@@ -233,15 +233,15 @@ VolumeFile read_nifti(const fs::path& path, const ReadOptions& options) {
   source.format = format_name(header);
   check_data_file(path, stored.file, [&] { require_stored_volumes(stored, source); });
   const std::uint64_t index = chosen_volume(path, header, options, source);
-  volume.grid = nifti_grid(header, header_file, source);
+  volume.view.grid = nifti_grid(header, header_file, source);
   const Rescale rescale = rescale_of(header, source);
-  volume.type = stored_type;
+  volume.view.type = stored_type;
   warn_of_bits(header, stored_type, source);
   check_data_file(path, stored.file, [&] {
     if (!rescale.is_needed()) return read_plain_samples(stored, index, header.swap, file, options);
-    volume.type = stored_type == SampleType::float64 ? SampleType::float64 : SampleType::float32;
+    volume.view.type = stored_type == SampleType::float64 ? SampleType::float64 : SampleType::float32;
     read_stored_volume(stored, index, file, options, [&](ByteSource& stream, std::byte* samples) {
-      read_scaled_samples(stream, stored.file, header.swap, stored_type, rescale, volume.grid.sample_count(), samples);
+      read_scaled_samples(stream, stored.file, header.swap, stored_type, rescale, volume.view.grid.sample_count(), samples);
     });
   });
   return file;

@@ -233,12 +233,12 @@ void read_reversed(ByteSource& stream, const StoredVolumes& stored, bool swap, S
 }
 
 void read_fortran_samples(const StoredVolumes& stored, bool is_half, bool swap, VolumeFile& file, const ReadOptions& options) {
-  const Size size = file.volume.grid.size;
+  const Size size = file.volume.view.grid.size;
   read_stored_volume(stored, 0, file, options, [&](ByteSource& stream, std::byte* samples) {
     if (is_half) {
       return read_reversed<std::uint16_t>(stream, stored, swap, reinterpret_cast<float*>(samples), size, float_of_half);
     }
-    visit_sample_type(file.volume.type, [&](auto* null) {
+    visit_sample_type(file.volume.view.type, [&](auto* null) {
       using Sample = std::remove_cvref_t<decltype(*null)>;
       read_reversed<Sample>(stream, stored, swap, reinterpret_cast<Sample*>(samples), size, std::identity());
     });
@@ -258,10 +258,10 @@ VolumeFile read_npy(const fs::path& path, const ReadOptions& options) {
   Volume& volume = file.volume;
   file.source.format = "NumPy array";
   file.source.has_spacing = false;
-  volume.grid.size = size_of(header.shape, path);
-  volume.type = type.type;
+  volume.view.grid.size = size_of(header.shape, path);
+  volume.view.type = type.type;
   const StoredVolumes stored{
-      .file = path, .offset = header.samples_offset, .volume_bytes = checked_sample_bytes(path, volume.grid.size, type.bytes)};
+      .file = path, .offset = header.samples_offset, .volume_bytes = checked_sample_bytes(path, volume.view.grid.size, type.bytes)};
   require_stored_volumes(stored, file.source);
   if (header.is_fortran_order) {
     read_fortran_samples(stored, type.is_half, swap, file, options);

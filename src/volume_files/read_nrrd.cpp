@@ -200,17 +200,17 @@ VolumeFile read_nrrd(const fs::path& path, const ReadOptions& options) {
   if (!header.unknown_fields.empty()) {
     file.source.warnings.push_back("has a header field that NRRD does not know: " + header.unknown_fields.front());
   }
-  file.volume.type = nrrd_sample_type(header, path);
+  file.volume.view.type = nrrd_sample_type(header, path);
   const std::vector<NrrdAxis> axes = nrrd_axes(header, path);
   const std::vector<AxisRole> roles = roles_of(axes);
   const std::array<NrrdAxis, 3> volume_axes = space_axes(path, axes, roles);
-  checked_sample_bytes(path, {volume_axes[0].size, volume_axes[1].size, volume_axes[2].size}, bytes_per_sample(file.volume.type));
-  file.volume.grid = nrrd_grid(path, volume_axes, nrrd_space(header, path), file.source);
+  checked_sample_bytes(path, {volume_axes[0].size, volume_axes[1].size, volume_axes[2].size}, bytes_per_sample(file.volume.view.type));
+  file.volume.view.grid = nrrd_grid(path, volume_axes, nrrd_space(header, path), file.source);
   StoredSamples stored;
   stored.axes = select(path, header, axes, roles, options, file.source);
   find_nrrd_samples(stored, header, path, file.source);
   const std::shared_ptr<std::byte[]> samples = read_stored_samples(path, stored, options, file.source);
-  file.volume.samples = samples.get();
+  file.volume.view.samples = samples.get();
   file.volume.owner = samples;
   return file;
 }

@@ -72,11 +72,11 @@ VolumeFile read_raw(const fs::path& path, const ReadOptions& options) {
     swap_byte_order(samples.get(), bytes / sample_bytes, sample_bytes);
   }
   VolumeFile file;
-  file.volume.grid.size = layout.size;
-  file.volume.grid.spacing = {layout.spacing[0], layout.spacing[1], layout.spacing[2]};
-  file.volume.grid.unit = layout.unit;
-  file.volume.type = layout.type;
-  file.volume.samples = samples.get();
+  file.volume.view.grid.size = layout.size;
+  file.volume.view.grid.spacing = {layout.spacing[0], layout.spacing[1], layout.spacing[2]};
+  file.volume.view.grid.unit = layout.unit;
+  file.volume.view.type = layout.type;
+  file.volume.view.samples = samples.get();
   file.volume.owner = samples;
   file.source.format = "headerless samples";
   file.source.reader = "isoatlas";

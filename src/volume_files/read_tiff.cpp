@@ -192,9 +192,9 @@ Volume read_slices(TiffFile& tiff, const TiffStack& stack, const PageFormat& pag
   require_possible_pages(tiff, page, stack.is_contiguous ? 1 : stack.slices);
   SliceReader reader(tiff, stack, page, options);
   Volume volume;
-  volume.grid = grid_of_file(path, size, spacing, stack.origin, {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}});
-  volume.grid.unit = stack.unit;
-  volume.type = type;
+  volume.view.grid = grid_of_file(path, size, spacing, stack.origin, {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}});
+  volume.view.grid.unit = stack.unit;
+  volume.view.type = type;
   const std::shared_ptr<std::byte[]> samples = allocate_samples(path, bytes, options);
   const std::uint64_t slice_bytes = bytes / stack.slices;
   std::vector<std::byte> stored(stack.rescale ? static_cast<std::size_t>(size[0] * size[1] * bytes_per_sample(page.type())) : 0);
@@ -205,7 +205,7 @@ Volume read_slices(TiffFile& tiff, const TiffStack& stack, const PageFormat& pag
       rescale_samples(page.type(), stored.data(), size[0] * size[1], stack.rescale->slope, stack.rescale->intercept, place);
     }
   }
-  volume.samples = samples.get();
+  volume.view.samples = samples.get();
   volume.owner = samples;
   return volume;
 }

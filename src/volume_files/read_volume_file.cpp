@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/vector_math.h"
+#include "field/dense_volume.h"
 #include "files/file_error.h"
 #include "isoatlas/volume_file.h"
 #include "volume_files/image_stack.h"
@@ -54,7 +55,7 @@ void require_used(const ReadOptions& options, const VolumeFile& file, const fs::
 void apply_spacing(const ReadOptions& options, VolumeFile& file) {
   VolumeSource& source = file.source;
   if (options.spacing) {
-    Grid& grid = file.volume.grid;
+    Grid& grid = file.volume.view.grid;
     const Vec3 before = grid.spacing;
     const LengthUnit stated_unit = grid.unit;
     grid.spacing = *options.spacing;
@@ -74,6 +75,26 @@ void apply_spacing(const ReadOptions& options, VolumeFile& file) {
   } else if (!source.has_spacing) {
     source.warnings.push_back("states no voxel size, 1 x 1 x 1 is assumed");
   }
+}
+
+void keep_region(const ReadOptions& options, VolumeFile& file, const fs::path& path) {
+  if (!options.region) return;
+  const Region& wanted = *options.region;
+  const std::array<std::size_t, 3>& size = file.volume.view.grid.size;
+  std::array<std::size_t, 3> last{};
+  std::string text;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::string axis(1, "xyz"[a]);
+    last[a] = wanted.last[a] == Region::kEnd ? size[a] - 1 : wanted.last[a];
+    if (last[a] >= size[a] || wanted.first[a] >= last[a]) {
+      throw Error(ErrorCode::bad_argument, io::one_line(path.string()) + ": the region has samples " + std::to_string(wanted.first[a]) +
+                                               " to " + std::to_string(last[a]) + " along " + axis + ", expected two or more of 0 to " +
+                                               std::to_string(size[a] - 1));
+    }
+    text += (a == 0 ? "" : ", ") + axis + " " + std::to_string(wanted.first[a]) + " to " + std::to_string(last[a]);
+  }
+  file.volume = detail::dense_volume(file.volume.view.box(wanted.first, last), file.volume.owner);
+  file.source.decisions.push_back({"region", text});
 }
 
 VolumeFile read_path(const fs::path& path, const ReadOptions& options) {
@@ -119,6 +140,7 @@ VolumeFile read_volume_file(const fs::path& path, const ReadOptions& options) {
     VolumeFile file = read_path(path, options);
     require_used(options, file, path);
     apply_spacing(options, file);
+    keep_region(options, file, path);
     return file;
   });
 }

@@ -227,10 +227,10 @@ VolumeFile read_vtk_xml(const fs::path& path, const ReadOptions& options) {
     source.decisions.push_back({"pieces", std::to_string(grid.pieces.size())});
   }
   Volume& volume = file.volume;
-  volume.grid = sample_grid(path, geometry, array.is_cell_data, source);
-  volume.type = array.type.sample;
-  const std::shared_ptr<std::byte[]> samples = SampleReader(grid, array, component, step).read(volume.grid.size, options, source);
-  volume.samples = samples.get();
+  volume.view.grid = sample_grid(path, geometry, array.is_cell_data, source);
+  volume.view.type = array.type.sample;
+  const std::shared_ptr<std::byte[]> samples = SampleReader(grid, array, component, step).read(volume.view.grid.size, options, source);
+  volume.view.samples = samples.get();
   volume.owner = samples;
   return file;
 }

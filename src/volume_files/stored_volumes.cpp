@@ -70,19 +70,19 @@ void require_stored_volumes(const StoredVolumes& stored, VolumeSource& source) {
 void read_stored_volume(const StoredVolumes& stored, std::uint64_t index, VolumeFile& file, const ReadOptions& options,
                         const std::function<void(ByteSource&, std::byte*)>& read) {
   Volume& volume = file.volume;
-  const std::uint64_t bytes = checked_sample_bytes(stored.file, volume.grid.size, bytes_per_sample(volume.type));
+  const std::uint64_t bytes = checked_sample_bytes(stored.file, volume.view.grid.size, bytes_per_sample(volume.view.type));
   const std::shared_ptr<std::byte[]> samples = allocate_samples(stored.file, bytes, options);
   const Packing packing = packing_of(stored.file);
   ByteSource stream = stream_at(stored.file, packing, stored.offset + index * stored.volume_bytes);
   read(stream, samples.get());
   if (packing != Packing::none) require_rest(stream, stored, index, file.source);
-  volume.samples = samples.get();
+  volume.view.samples = samples.get();
   volume.owner = samples;
   file.source.reader = "isoatlas " ISOATLAS_VERSION;
 }
 
 void read_plain_samples(const StoredVolumes& stored, std::uint64_t index, bool swap, VolumeFile& file, const ReadOptions& options) {
-  const std::size_t sample_bytes = bytes_per_sample(file.volume.type);
+  const std::size_t sample_bytes = bytes_per_sample(file.volume.view.type);
   read_stored_volume(stored, index, file, options, [&](ByteSource& stream, std::byte* samples) {
     stream.read_samples(samples, stored.volume_bytes);
     if (swap) swap_byte_order(samples, stored.volume_bytes / sample_bytes, sample_bytes);
@@ -90,7 +90,7 @@ void read_plain_samples(const StoredVolumes& stored, std::uint64_t index, bool s
 }
 
 void read_half_samples(const StoredVolumes& stored, std::uint64_t index, bool swap, VolumeFile& file, const ReadOptions& options) {
-  const std::uint64_t count = file.volume.grid.sample_count();
+  const std::uint64_t count = file.volume.view.grid.sample_count();
   read_stored_volume(stored, index, file, options, [&](ByteSource& stream, std::byte* samples) {
     read_converted<std::uint16_t>(stream, stored.file, count, swap, reinterpret_cast<float*>(samples), float_of_half);
   });

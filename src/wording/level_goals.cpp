@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <string>
 
+#include "api/resolve_options.h"
 #include "isoatlas/error.h"
 #include "wording/values.h"
 
@@ -18,7 +19,6 @@ constexpr std::uint32_t kLeastVertices = 4;
 
 // What one level is refined to when nobody says anything: below half a voxel a mesh follows the trilinear surface.
 constexpr TypedConstraint kDefault{Quantity::max_distance, 0.5, true, true};
-constexpr double kThickLayers = 4;  // layers count from so many smallest spacings on
 
 [[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::bad_argument, message); }
 
@@ -144,15 +144,10 @@ TypedGoals plan_levels(const std::vector<GoalArgument>& arguments, bool only_coa
   return goals;
 }
 
-double default_voxel(const Grid& grid) {
-  const double largest = std::max({grid.spacing.x, grid.spacing.y, grid.spacing.z});
-  return std::max(grid.smallest_spacing(), largest / kThickLayers);
-}
-
 Constraint TypedConstraint::in_world(const Grid& grid) const {
   if (is_default && in_voxels) return {quantity, bound * default_voxel(grid), true};
   try {
-    return {quantity, Length{bound, in_voxels, unit}.in_world(grid), is_default};
+    return {quantity, TypedLength{bound, in_voxels, unit}.in_world(grid), is_default};
   } catch (const Error& error) {
     refuse(std::string(name(quantity)) + ": " + error.what());
   }

@@ -23,11 +23,6 @@ struct TypedConstraint {
   friend bool operator==(const TypedConstraint&, const TypedConstraint&) = default;
 };
 
-/// The voxel that the default bound is half of: the smallest spacing, or a quarter of the largest one where that is more. Between layers
-/// that are far apart the surface is interpolated: a mesh that followed it more closely would not be nearer to what was scanned, nor could
-/// it, since the surface complex has one c-vertex per grid cell.
-double default_voxel(const Grid& grid);
-
 /// The bound of one quantity: "0.5vx", "2mm" or "2" (the world's unit); "1.1"; "15deg" or "15"; "2000".
 /// @throws Error(bad_argument) if the quantity cannot have it
 TypedConstraint parse_bound(Quantity quantity, std::string_view text);

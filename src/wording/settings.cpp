@@ -27,7 +27,7 @@ std::size_t parse_samples(std::string_view text) {
 
 }  // namespace
 
-Length parse_length(std::string_view text) {
+TypedLength parse_length(std::string_view text) {
   const auto length = length_of(text);
   if (!length) refuse_fraction("a length like 3vx, 2.5mm or 2.5", text);
   return *length;
@@ -82,15 +82,15 @@ std::uint64_t parse_bytes(std::string_view text) {
 void set(ExtractSettings& settings, std::string_view name, std::string_view text) {
   ExtractOptions& options = settings.options;
   if (name == "iso") {
-    options.isovalue = parse_finite(text);
+    options.surface.isovalue = parse_finite(text);
   } else if (name == "nan") {
-    options.non_finite = parse_non_finite(text);
+    options.surface.non_finite = parse_non_finite(text);
   } else if (name == "inside") {
-    options.inside = parse_inside(text);
+    options.surface.inside = parse_inside(text);
   } else if (name == "topology") {
-    options.topology = parse_topology(text);
+    options.surface.topology = parse_topology(text);
   } else if (name == "interpolation") {
-    options.interpolation = parse_interpolation(text);
+    options.surface.interpolation = parse_interpolation(text);
   } else if (name == "supersample") {
     const auto factor = parse_whole<std::uint32_t>(text);
     if (!factor || *factor == 0) refuse_value("a whole number, 1 or more", text);
@@ -105,12 +105,12 @@ void set(ExtractSettings& settings, std::string_view name, std::string_view text
   } else if (name == "keep-components") {
     const auto count = parse_whole<std::size_t>(text);
     if (!count || *count == 0) refuse_value("a whole number, 1 or more", text);
-    options.keep_components = *count;
+    options.components.keep_largest = *count;
   } else if (name == "max-radius") {
     settings.max_radius = parse_length(text);
     if (settings.max_radius->value == 0) refuse_fraction("a length above 0", text);
   } else if (name == "covering") {
-    options.covering = parse_covering(text);
+    options.covering.strategy = parse_covering(text);
   } else if (name == "event-persistence") {
     settings.event_persistence = parse_length(text);
   } else if (name == "placement") {
@@ -128,15 +128,15 @@ void set(ExtractSettings& settings, std::string_view name, std::string_view text
 
 void set(MeasureOptions& options, std::string_view name, std::string_view text) {
   if (name == "iso") {
-    options.isovalue = parse_finite(text);
+    options.surface.isovalue = parse_finite(text);
   } else if (name == "inside") {
-    options.inside = parse_inside(text);
+    options.surface.inside = parse_inside(text);
   } else if (name == "topology") {
-    options.topology = parse_topology(text);
+    options.surface.topology = parse_topology(text);
   } else if (name == "nan") {
-    options.non_finite = parse_non_finite(text);
+    options.surface.non_finite = parse_non_finite(text);
   } else if (name == "interpolation") {
-    options.interpolation = parse_interpolation(text);
+    options.surface.interpolation = parse_interpolation(text);
   } else if (name == "space") {
     options.space = parse_space(text);
   } else if (name == "samples") {
@@ -167,6 +167,30 @@ bool set_raw(RawLayout& layout, std::string_view name, std::string_view text) {
   return true;
 }
 
+Region parse_region(std::string_view text) {
+  constexpr const char* kExpected = "a range of samples per axis, both ends included, like 10:99,0:63,: where nothing is the border";
+  Region region;
+  std::string_view rest = text;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::size_t comma = rest.find(',');
+    if ((comma == std::string_view::npos) != (a == 2)) refuse_value(kExpected, text);
+    const std::string_view range = trimmed(rest.substr(0, comma));
+    const std::size_t colon = range.find(':');
+    if (colon == std::string_view::npos) refuse_value(kExpected, text);
+    const auto end = [&](std::string_view word, std::size_t border) {
+      word = trimmed(word);
+      if (word.empty()) return border;
+      const auto index = parse_whole<std::uint32_t>(word);
+      if (!index) refuse_value(kExpected, text);
+      return static_cast<std::size_t>(*index);
+    };
+    region.first[a] = end(range.substr(0, colon), 0);
+    region.last[a] = end(range.substr(colon + 1), Region::kEnd);
+    rest.remove_prefix(comma == std::string_view::npos ? rest.size() : comma + 1);
+  }
+  return region;
+}
+
 std::size_t parse_entry(std::string_view text) {
   const auto entry = parse_whole<std::uint32_t>(text);
   if (!entry) refuse_value("a whole number, 0 for the first", text);
@@ -192,6 +216,8 @@ void set(ReadOptions& options, std::string_view name, std::string_view text) {
     const auto [spacing, unit] = parse_spacing(text);
     options.spacing = Vec3{spacing[0], spacing[1], spacing[2]};
     options.spacing_unit = unit;
+  } else if (name == "roi") {
+    options.region = parse_region(text);
   } else if (name == "max-memory") {
     options.max_memory = parse_bytes(text);
   } else {
@@ -215,10 +241,12 @@ double named_in_world(std::string_view name, const Measure& measure, const Grid&
 
 ExtractOptions in_world(const ExtractSettings& settings, const Grid& grid) {
   ExtractOptions options = settings.options;
-  if (settings.max_radius) options.max_radius = named_in_world("max-radius", *settings.max_radius, grid);
-  if (settings.min_component_size) options.min_component_size = named_in_world("min-component-size", *settings.min_component_size, grid);
-  if (settings.event_persistence) options.event_persistence = named_in_world("event-persistence", *settings.event_persistence, grid);
+  if (settings.max_radius) options.covering.max_radius = named_in_world("max-radius", *settings.max_radius, grid);
+  if (settings.min_component_size) options.components.min_size = named_in_world("min-component-size", *settings.min_component_size, grid);
+  if (settings.event_persistence)
+    options.covering.event_persistence = named_in_world("event-persistence", *settings.event_persistence, grid);
   options.coarse = in_world(settings.goals.coarse, grid);
+  options.refine.clear();
   for (const auto& goal : settings.goals.refine) options.refine.push_back(in_world(goal, grid));
   return options;
 }

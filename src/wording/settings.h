@@ -22,7 +22,7 @@ constexpr std::size_t kMeasureSamples = 200'000;  ///< where somebody wants to m
 /// How an isosurface is to be meshed. Lengths are as they were said: the volume's voxel size makes world lengths of them.
 struct ExtractSettings {
   ExtractOptions options;  ///< all but what follows
-  std::optional<Length> max_radius, event_persistence;
+  std::optional<TypedLength> max_radius, event_persistence;
   std::optional<SpaceSize> min_component_size;
   TypedGoals goals;  ///< the constraints of all levels
   int threads = 0;
@@ -32,15 +32,15 @@ struct ExtractSettings {
 /// of which setting.
 void set(ExtractSettings& settings, std::string_view name, std::string_view text);
 void set(MeasureOptions& options, std::string_view name, std::string_view text);
-/// raw-size, raw-type, raw-spacing, raw-endian, raw-offset (which make a raw layout), channel, time, layer, array, series, spacing,
+/// raw-size, raw-type, raw-spacing, raw-endian, raw-offset (which make a raw layout), channel, time, layer, array, series, spacing, roi,
 /// max-memory.
 void set(ReadOptions& options, std::string_view name, std::string_view text);
 
 ExtractOptions in_world(const ExtractSettings& settings, const Grid& grid);
 
 // Each throws Error(bad_argument).
-Length parse_length(std::string_view text);  ///< 0 or more
-int parse_threads(std::string_view text);    ///< 0 or more
+TypedLength parse_length(std::string_view text);  ///< 0 or more
+int parse_threads(std::string_view text);         ///< 0 or more
 /// Three positive numbers, with a unit behind the last or `unknown`.
 std::pair<std::array<double, 3>, LengthUnit> parse_spacing(std::string_view text);
 std::uint64_t parse_bytes(std::string_view text);  ///< "8GiB", "500MB", "1000"; 1 or more

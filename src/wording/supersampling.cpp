@@ -18,7 +18,7 @@ constexpr double kBytesPerCrossedCell = 250, kBytesPerRefinedCell = 700;
 
 /// Grid cells with samples on both sides.
 std::size_t count_crossed_cells(const VolumeView& volume, const ExtractOptions& options, const RunControl& control) {
-  const SignBits signs = classify(volume, {options.isovalue, options.inside, options.non_finite}, control);
+  const SignBits signs = classify(volume, {options.surface.isovalue, options.surface.inside, options.surface.non_finite}, control);
   const auto [nx, ny, nz] = volume.grid.size;
   std::size_t count = 0;
   for (std::size_t z = 0; z + 1 < nz; ++z) {

@@ -79,7 +79,7 @@ double parse_finite(std::string_view text) {
   return *number;
 }
 
-std::optional<Length> length_of(std::string_view text) { return measure_of<Length>(text, ""); }
+std::optional<TypedLength> length_of(std::string_view text) { return measure_of<TypedLength>(text, ""); }
 std::optional<SpaceSize> space_size_of(std::string_view text) { return measure_of<SpaceSize>(text, "3"); }
 
 double world_length(double value, LengthUnit unit, const Grid& grid) {

@@ -60,7 +60,7 @@ std::array<Number, 3> parse_triple(std::string_view text, const char* expected, 
 double world_length(double value, LengthUnit unit, const Grid& grid);
 
 /// A length as typed: "2.5" in the world's unit, "2.5mm" in a unit of its own, "3vx" in voxels.
-struct Length {
+struct TypedLength {
   double value = 0;
   bool in_voxels = false;
   LengthUnit unit = LengthUnit::unknown;
@@ -70,7 +70,7 @@ struct Length {
 };
 
 /// None unless `text` is a finite length, 0 or more.
-std::optional<Length> length_of(std::string_view text);
+std::optional<TypedLength> length_of(std::string_view text);
 
 /// The size of a piece of space as typed: "2.5" in the world's unit cubed, "2.5mm3" in a unit of its own, "10vx" in voxels.
 struct SpaceSize {

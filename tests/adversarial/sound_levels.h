@@ -21,9 +21,9 @@ inline bool many() {
 }
 
 inline ExtractOptions default_levels(const VolumeView& volume, double isovalue, Inside inside = Inside::above) {
-  ExtractOptions options;
-  options.isovalue = isovalue;
-  options.inside = inside;
+  ExtractOptions options = coarse_options();
+  options.surface.isovalue = isovalue;
+  options.surface.inside = inside;
   const double voxel = volume.grid.smallest_spacing();
   options.refine = {{{Quantity::max_distance, voxel}}, {{Quantity::max_distance, 0.5 * voxel}}};
   return options;

@@ -94,9 +94,9 @@ TEST(Adversarial, PlacesAsTheyAreWritten) {
   samples.values = {0, 0, 0, 0, 0, 0, 1, 0, 1, 1, 0, 1, 0, 1, 1, 1, 1, 1, 1, 0, 0, 1, 0, 0, 0,
                     1, 0, 1, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 0, 1, 1, 0, 1, 0, 0, 0, 0, 0, 0, 0};
   const Volume volume = to_volume(samples, SampleType::uint16, {0.3, 1, 0.7});
-  ExtractOptions options;
-  options.isovalue = 0;
-  options.inside = Inside::below;
+  ExtractOptions options = coarse_options();
+  options.surface.isovalue = 0;
+  options.surface.inside = Inside::below;
   options.space = Space::voxel;
   options.refine = {{{Quantity::normal_angle, 20}}};
   expect_sound(volume, options, "five by two by five");
@@ -114,7 +114,7 @@ TEST(Adversarial, TwoValuesAndAnIsovalueBetween) {
     const Volume volume = own(grid, type, values);
     ExtractOptions options = default_levels(volume, isovalue);
     for (const Topology topology : {Topology::trilinear, Topology::faces}) {
-      options.topology = topology;
+      options.surface.topology = topology;
       const Extraction e = expect_sound(volume, options, std::string(name(type)));
       const TopologySummary want = reference_topology(pattern, nearer == Nearer::high ? 0.5 : 0);
       EXPECT_EQ(e.report.reference.boundary_loops, want.boundary_loops) << name(type) << " " << isovalue;

@@ -179,7 +179,7 @@ def options_in(text):
     return set(re.findall(r"(?<![\w-])(--?[a-z][a-z-]*)\b", text))
 
 
-READING = ("--channel --time --layer --array --series --spacing --max-memory --raw-size --raw-type --raw-spacing --raw-endian "
+READING = ("--channel --time --layer --array --series --spacing --roi --max-memory --raw-size --raw-type --raw-spacing --raw-endian "
            "--raw-offset ")
 
 

@@ -79,7 +79,7 @@ std::string wrong_grid(const Grid& grid) {
 std::string wrong_volume(const fs::path& path, const ReadOptions& options) {
   mallopt(M_PERTURB, 0x11);  // memory that nobody writes is not the same twice
   const VolumeFile once = read_volume_file(path, options);
-  if (const std::string wrong = wrong_grid(once.volume.grid); !wrong.empty()) return wrong;
+  if (const std::string wrong = wrong_grid(once.volume.view.grid); !wrong.empty()) return wrong;
   mallopt(M_PERTURB, 0x22);
   const VolumeFile again = read_volume_file(path, options);
   if (sample_digest(once.volume) != sample_digest(again.volume)) return "other samples when it is read again";

@@ -79,7 +79,7 @@ T sample(Bytes& bytes, std::size_t kind) {
 
 template <class T>
 void read_samples(Bytes& bytes, Volume& volume, double& isovalue) {
-  auto values = std::make_shared<std::vector<T>>(volume.grid.sample_count());
+  auto values = std::make_shared<std::vector<T>>(volume.view.grid.sample_count());
   const std::size_t kind = bytes.below(7);
   const std::size_t way = bytes.below(5);
   const std::size_t which = bytes.byte();
@@ -89,14 +89,14 @@ void read_samples(Bytes& bytes, Volume& volume, double& isovalue) {
   if (way == 1) isovalue = there;
   if (way == 2) isovalue = there + 0.5;
   if (way == 3) isovalue = std::nextafter(there, kInfinity);
-  volume.samples = values->data();
+  volume.view.samples = values->data();
   volume.owner = values;
 }
 
 Volume read_volume(Bytes& bytes, double& isovalue) {
   Volume volume;
-  Grid& grid = volume.grid;
-  volume.type = static_cast<SampleType>(bytes.below(10));
+  Grid& grid = volume.view.grid;
+  volume.view.type = static_cast<SampleType>(bytes.below(10));
   for (std::size_t& n : grid.size) n = 2 + bytes.below(5);
   grid.spacing = bytes.one_of(std::array<Vec3, 12>{{{1, 1, 1},
                                                     {1, 1, 20},
@@ -117,7 +117,7 @@ Volume read_volume(Bytes& bytes, double& isovalue) {
                                                                       {{{1, 0, 0}, {1, 0, 0}, {0, 0, 1}}}}});
     grid.origin = bytes.one_of(std::array<Vec3, 4>{{{0, 0, 0}, {-120, 31.5, 1e9}, {1e300, 0, -1e300}, {0, kInfinity, 0}}});
   }
-  switch (volume.type) {
+  switch (volume.view.type) {
     case SampleType::int8:
       read_samples<std::int8_t>(bytes, volume, isovalue);
       break;
@@ -182,21 +182,22 @@ LevelGoal read_goal(Bytes& bytes, double voxel) {
 
 ExtractOptions read_options(Bytes& bytes, double voxel) {
   ExtractOptions out;
-  out.interpolation = bytes.coin() ? Interpolation::tricubic : Interpolation::trilinear;
+  out.refine.clear();
+  out.surface.interpolation = bytes.coin() ? Interpolation::tricubic : Interpolation::trilinear;
   out.supersample = bytes.one_of(std::array<std::uint32_t, 8>{1, 1, 1, 1, 1, 2, 3, 0});
-  out.covering = bytes.coin() ? CoveringStrategy::halving : CoveringStrategy::radius_field;
-  out.inside = bytes.coin() ? Inside::below : Inside::above;
-  out.non_finite = bytes.one_of(std::array{NonFinite::refuse, NonFinite::below, NonFinite::above});
-  out.topology = bytes.coin() ? Topology::faces : Topology::trilinear;
+  out.covering.strategy = bytes.coin() ? CoveringStrategy::halving : CoveringStrategy::radius_field;
+  out.surface.inside = bytes.coin() ? Inside::below : Inside::above;
+  out.surface.non_finite = bytes.one_of(std::array{NonFinite::refuse, NonFinite::below, NonFinite::above});
+  out.surface.topology = bytes.coin() ? Topology::faces : Topology::trilinear;
   out.space = bytes.one_of(std::array{Space::lps, Space::ras, Space::voxel});
   out.placement = bytes.coin() ? Placement::balanced : Placement::surface;
   out.allow_self_intersections = bytes.coin();
   out.vertices_on_surface = bytes.below(4) != 1;
-  if (bytes.coin()) out.max_radius = read_length(bytes, voxel);
-  if (bytes.coin()) out.event_persistence = read_length(bytes, voxel);
+  if (bytes.coin()) out.covering.max_radius = read_length(bytes, voxel);
+  if (bytes.coin()) out.covering.event_persistence = read_length(bytes, voxel);
   if (bytes.below(4) == 1)
-    out.min_component_size = bytes.one_of(std::array{voxel * voxel * voxel, 5 * voxel * voxel * voxel, 1e300, 1e-300, -1.0, kNaN});
-  out.keep_components = bytes.below(8) < 6 ? 0 : 1 + bytes.below(2);
+    out.components.min_size = bytes.one_of(std::array{voxel * voxel * voxel, 5 * voxel * voxel * voxel, 1e300, 1e-300, -1.0, kNaN});
+  out.components.keep_largest = bytes.below(8) < 6 ? 0 : 1 + bytes.below(2);
   if (bytes.below(4) == 1) out.measure_samples = 1 + bytes.below(50);
   if (bytes.below(4) == 1) out.coarse = read_goal(bytes, voxel);
   for (std::size_t levels = bytes.below(3); levels > 0; --levels) out.refine.push_back(read_goal(bytes, voxel));
@@ -254,33 +255,34 @@ FuzzInput decode(const std::uint8_t* data, std::size_t size) {
   const double voxel = bytes.one_of(std::array{1.0, 0.3, 1e-6, 1e300});
   FuzzInput out;
   out.options = read_options(bytes, voxel);
-  out.volume = read_volume(bytes, out.options.isovalue);
+  out.volume = read_volume(bytes, out.options.surface.isovalue);
   return out;
 }
 
 std::string describe(const FuzzInput& input) {
   const ExtractOptions& o = input.options;
-  const Grid& grid = input.volume.grid;
+  const Grid& grid = input.volume.view.grid;
   constexpr std::array kNonFinite{"refuse", "below", "above"}, kSpace{"lps", "ras", "voxel"};
   std::ostringstream out;
   out.precision(17);
-  out << "isovalue " << o.isovalue << (o.inside == Inside::above ? ", inside above" : ", inside below") << ", non-finite "
-      << kNonFinite[static_cast<std::size_t>(o.non_finite)] << (o.topology == Topology::faces ? ", faces" : ", trilinear")
-      << (o.interpolation == Interpolation::tricubic ? ", tricubic" : "") << ", space " << kSpace[static_cast<std::size_t>(o.space)]
+  out << "isovalue " << o.surface.isovalue << (o.surface.inside == Inside::above ? ", inside above" : ", inside below") << ", non-finite "
+      << kNonFinite[static_cast<std::size_t>(o.surface.non_finite)] << (o.surface.topology == Topology::faces ? ", faces" : ", trilinear")
+      << (o.surface.interpolation == Interpolation::tricubic ? ", tricubic" : "") << ", space " << kSpace[static_cast<std::size_t>(o.space)]
       << (o.placement == Placement::balanced ? ", balanced" : ", on surface");
   if (o.allow_self_intersections) out << ", self-intersections allowed";
   if (!o.vertices_on_surface) out << ", c-vertices at averages";
   if (o.supersample != 1) out << ", supersample " << o.supersample;
-  if (o.covering == CoveringStrategy::halving) out << ", halving";
-  if (o.max_radius) out << ", max radius " << *o.max_radius;
-  if (o.event_persistence) out << ", event persistence " << *o.event_persistence;
-  if (o.min_component_size != 0) out << ", min component size " << o.min_component_size;
-  if (o.keep_components > 0) out << ", keep components " << o.keep_components;
+  if (o.covering.strategy == CoveringStrategy::halving) out << ", halving";
+  if (o.covering.max_radius) out << ", max radius " << o.covering.max_radius->value;
+  if (o.covering.event_persistence) out << ", event persistence " << o.covering.event_persistence->value;
+  if (o.components.min_size != 0) out << ", min component size " << o.components.min_size;
+  if (o.components.keep_largest > 0) out << ", keep components " << o.components.keep_largest;
   if (o.measure_samples > 0) out << ", measure samples " << o.measure_samples;
   out << '\n';
   if (!o.coarse.empty()) out << "coarse:" << o.coarse << '\n';
   for (const LevelGoal& goal : o.refine) out << "refine:" << goal << '\n';
-  out << name(input.volume.type) << ' ' << grid.size[0] << " x " << grid.size[1] << " x " << grid.size[2] << ", spacing " << grid.spacing;
+  out << name(input.volume.view.type) << ' ' << grid.size[0] << " x " << grid.size[1] << " x " << grid.size[2] << ", spacing "
+      << grid.spacing;
   if (grid.direction != Grid{}.direction || grid.origin != Vec3{})
     out << ", origin " << grid.origin << ", direction " << grid.direction[0] << ' ' << grid.direction[1] << ' ' << grid.direction[2];
   write_samples(out, input.volume);

@@ -56,14 +56,14 @@ RC_GTEST_PROP(AnyVolume, MeshIsAManifoldWithTheReferenceTopology, (const RandomC
   RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
   RC_TAG(name(static_cast<Family>(c.family)));
   const Volume volume = c.volume(SampleType::int16);
-  ExtractOptions options;
-  options.isovalue = c.isovalue();
-  options.inside = c.inside();
-  options.topology = Topology::faces;  // of which there is a second opinion
-  if (c.seed % 3 == 1) options.max_radius = 0.5 + static_cast<double>(c.seed % 7);
+  ExtractOptions options = coarse_options();
+  options.surface.isovalue = c.isovalue();
+  options.surface.inside = c.inside();
+  options.surface.topology = Topology::faces;  // of which there is a second opinion
+  if (c.seed % 3 == 1) options.covering.max_radius = 0.5 + static_cast<double>(c.seed % 7);
   if (c.seed % 3 == 2) {  // large disks, so coarser complexes even for small volumes
-    options.max_radius = 1000;
-    options.event_persistence = static_cast<double>(c.seed % 5);
+    options.covering.max_radius = 1000;
+    options.covering.event_persistence = static_cast<double>(c.seed % 5);
   }
   const Extraction first = extract(volume, options);
   const TopologySummary want = reference_topology(samples, c.isovalue(), c.inside());
@@ -78,9 +78,9 @@ RC_GTEST_PROP(AnyVolume, MeshIsAManifoldWithTheReferenceTopology, (const RandomC
 
   // In the volume, vertices all apart.
   std::vector<std::array<double, 3>> places;
-  const double rounding = 8 * c.rounding() / volume.grid.smallest_spacing();
+  const double rounding = 8 * c.rounding() / volume.view.grid.smallest_spacing();
   for (const Vec3& p : first.mesh().positions) {
-    const Vec3 i = volume.grid.to_index(p);
+    const Vec3 i = volume.view.grid.to_index(p);
     RC_ASSERT(i.x >= -rounding && i.y >= -rounding && i.z >= -rounding);
     RC_ASSERT(i.x <= (c.nx - 1) + rounding && i.y <= (c.ny - 1) + rounding && i.z <= (c.nz - 1) + rounding);
     places.push_back({p.x, p.y, p.z});
@@ -101,13 +101,13 @@ RC_GTEST_PROP(AnyVolume, MeshIsAManifoldWithTheReferenceTopology, (const RandomC
 RC_GTEST_PROP(AnyVolume, ThePapersCoveringKeepsTheTopology, (const RandomCase& c)) {
   const Samples samples = c.samples();
   RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
-  ExtractOptions options;
-  options.isovalue = c.isovalue();
-  options.inside = c.inside();
-  options.topology = Topology::faces;  // of which there is a second opinion
-  options.covering = CoveringStrategy::halving;
-  if (c.seed % 3 != 0) options.max_radius = c.seed % 3 == 1 ? 1000 : 0.5 + static_cast<double>(c.seed % 7);
-  if (c.seed % 4 == 0) options.event_persistence = static_cast<double>(c.seed % 5);
+  ExtractOptions options = coarse_options();
+  options.surface.isovalue = c.isovalue();
+  options.surface.inside = c.inside();
+  options.surface.topology = Topology::faces;  // of which there is a second opinion
+  options.covering.strategy = CoveringStrategy::halving;
+  if (c.seed % 3 != 0) options.covering.max_radius = c.seed % 3 == 1 ? 1000 : 0.5 + static_cast<double>(c.seed % 7);
+  if (c.seed % 4 == 0) options.covering.event_persistence = static_cast<double>(c.seed % 5);
   if (c.seed % 16 == 0) options.refine = {{{Quantity::max_distance, 0.5}}};
   const Extraction extraction = extract(c.volume(SampleType::int16), options);
   const TopologySummary want = reference_topology(samples, c.isovalue(), c.inside());
@@ -133,10 +133,10 @@ RC_GTEST_PROP(AnyVolume, TrilinearTopologyIsKept, (const RandomCase& c)) {
   RC_ASSERT(want.boundary_loops == faces.boundary_loops);
   RC_ASSERT(want.euler_characteristic == faces.euler_characteristic - 2 * static_cast<std::int64_t>(surface.tunnels));
 
-  ExtractOptions options;
-  options.isovalue = c.isovalue();
-  options.inside = c.inside();
-  if (c.seed % 3 != 0) options.max_radius = c.seed % 3 == 1 ? 1000 : 0.5 + static_cast<double>(c.seed % 7);
+  ExtractOptions options = coarse_options();
+  options.surface.isovalue = c.isovalue();
+  options.surface.inside = c.inside();
+  if (c.seed % 3 != 0) options.covering.max_radius = c.seed % 3 == 1 ? 1000 : 0.5 + static_cast<double>(c.seed % 7);
   const Extraction extraction = extract(volume, options);
   RC_ASSERT(what_is_wrong(extraction, options) == "");
   RC_ASSERT(extraction.report.tunnels == surface.tunnels);
@@ -149,15 +149,15 @@ RC_GTEST_PROP(AnyVolume, TrilinearTopologyIsKept, (const RandomCase& c)) {
 RC_GTEST_PROP(AnyVolume, AxesMayBeSwappedAndMirrored, (const RandomCase& c)) {
   const Samples samples = c.samples();
   RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
-  ExtractOptions options;
-  options.isovalue = c.isovalue();
-  options.inside = c.inside();
+  ExtractOptions options = coarse_options();
+  options.surface.isovalue = c.isovalue();
+  options.surface.inside = c.inside();
   const auto kinds = [&](const Samples& s) { return extract(to_volume(s), options).finest().topology.kinds; };
   const auto want = kinds(samples);
   RC_ASSERT(kinds(mirrored(samples, static_cast<int>(c.seed % 3))) == want);
   RC_ASSERT(kinds(permuted(samples, c.seed % 2 ? std::array{1, 2, 0} : std::array{1, 0, 2})) == want);
-  options.isovalue = -options.isovalue;
-  options.inside = c.below ? Inside::above : Inside::below;
+  options.surface.isovalue = -options.surface.isovalue;
+  options.surface.inside = c.below ? Inside::above : Inside::below;
   RC_ASSERT(kinds(negated(samples)) == want);
 }
 

@@ -33,15 +33,15 @@ struct RandomCase {
     Random random(seed);
     const double a = 6.28 * random.unit(), b = 6.28 * random.unit();
     const double ca = std::cos(a), sa = std::sin(a), cb = std::cos(b), sb = std::sin(b);
-    out.grid.direction = {{{ca, sa, 0}, {-sa * cb, ca * cb, sb}, {sa * sb, -ca * sb, cb}}};
-    if (pose() == 2) out.grid.direction[2] = {-sa * sb, ca * sb, -cb};
-    const double away = out.grid.smallest_spacing() * (pose() < 3 ? 10 : pose() < 5 ? 3000 : 6e9);
-    out.grid.origin = {away * (random.unit() - 0.5), -away, away * random.unit()};
+    out.view.grid.direction = {{{ca, sa, 0}, {-sa * cb, ca * cb, sb}, {sa * sb, -ca * sb, cb}}};
+    if (pose() == 2) out.view.grid.direction[2] = {-sa * sb, ca * sb, -cb};
+    const double away = out.view.grid.smallest_spacing() * (pose() < 3 ? 10 : pose() < 5 ? 3000 : 6e9);
+    out.view.grid.origin = {away * (random.unit() - 0.5), -away, away * random.unit()};
     return out;
   }
   /// The most by which the world's coordinates are rounded there.
   double rounding() const {
-    const Grid grid = volume(SampleType::int32).grid;
+    const Grid grid = volume(SampleType::int32).view.grid;
     return 0x1p-52 * std::max({std::fabs(grid.origin.x), std::fabs(grid.origin.y), std::fabs(grid.origin.z), 100 * grid.spacing.x,
                                100 * grid.spacing.y, 100 * grid.spacing.z});
   }

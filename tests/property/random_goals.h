@@ -47,12 +47,12 @@ inline RandomCase smaller(RandomCase c) {
 inline ExtractOptions with_random_goals(const RandomCase& c) {
   Random random(c.seed * 977 + 5);
   const double voxel = std::min({c.spacing.x, c.spacing.y, c.spacing.z});
-  ExtractOptions out;
-  out.isovalue = c.isovalue();
-  out.inside = c.inside();
+  ExtractOptions out = coarse_options();
+  out.surface.isovalue = c.isovalue();
+  out.surface.inside = c.inside();
   out.placement = random.bits() % 2 ? Placement::surface : Placement::balanced;
-  if (c.seed % 3 == 0) out.topology = Topology::faces;
-  if (random.bits() % 3 == 0) out.max_radius = 1000;  // large disks, so coarser complexes even for small volumes
+  if (c.seed % 3 == 0) out.surface.topology = Topology::faces;
+  if (random.bits() % 3 == 0) out.covering.max_radius = 1000;  // large disks, so coarser complexes even for small volumes
   if (random.bits() % 2) out.coarse = random_goal(voxel, random);
   const auto levels = random.between(1, 3);
   for (int k = 0; k < levels; ++k) out.refine.push_back(random_goal(voxel, random));

@@ -27,8 +27,9 @@ bool same_bytes(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
 }
 
 void log_goals(const ExtractOptions& o) {
-  RC_LOG() << (o.topology == Topology::faces ? "faces, " : "trilinear, ") << (o.placement == Placement::surface ? "surface" : "balanced")
-           << (o.max_radius ? ", large disks" : "") << "; coarse " << text(o.coarse);
+  RC_LOG() << (o.surface.topology == Topology::faces ? "faces, " : "trilinear, ")
+           << (o.placement == Placement::surface ? "surface" : "balanced") << (o.covering.max_radius ? ", large disks" : "") << "; coarse "
+           << text(o.coarse);
   for (const LevelGoal& goal : o.refine) RC_LOG() << "; " << text(goal);
 }
 
@@ -42,13 +43,13 @@ struct LevelsCase {
   RandomCase c;
   Samples samples;
   Volume volume;
-  ExtractOptions options;
+  ExtractOptions options = coarse_options();
 };
 
 SurfaceComplex parsed(const RandomCase& c, const Volume& volume, const ExtractOptions& options) {
   ParseOptions parse;
   parse.rule = {c.isovalue(), c.inside()};
-  parse.topology = options.topology;
+  parse.topology = options.surface.topology;
   return parse_surface(volume, parse);
 }
 
@@ -81,8 +82,9 @@ RC_GTEST_PROP(AnyLevels, AreNestedManifoldsWithTheReferenceTopology, (const Rand
   const Extraction e = extract(volume, options);
   const Hierarchy& h = e.hierarchy;
   RC_CLASSIFY(e.report.tunnels > 0);
-  const TopologySummary want = options.topology == Topology::faces ? reference_topology(samples, c.isovalue(), c.inside())
-                                                                   : summarize(find_components(parsed(c, volume, options)).topology);
+  const TopologySummary want = options.surface.topology == Topology::faces
+                                   ? reference_topology(samples, c.isovalue(), c.inside())
+                                   : summarize(find_components(parsed(c, volume, options)).topology);
 
   RC_ASSERT(h.levels.size() == options.refine.size() + 1);
   RC_ASSERT(e.report.levels.size() == h.levels.size());
@@ -162,7 +164,7 @@ RC_GTEST_PROP(AnyLevels, ConstraintsAreHonouredOrTheirFailureIsNamed, (const Ran
       RC_ASSERT(result.wanted == goal[i]);
       const double have = reached(goal[i].quantity, report, quality);
       // Shape is judged before positions are rounded to multiples of 2^-32 of a grid step, which short edges notice.
-      const Vec3 spacing = volume.grid.spacing;
+      const Vec3 spacing = volume.view.grid.spacing;
       const double rounding = std::ldexp(std::max({spacing.x, spacing.y, spacing.z}), -31) + 4 * c.rounding();
       const double of_ratio = goal[i].quantity == Quantity::min_aspect && quality.edge_min > 0 ? 4 * rounding / quality.edge_min : 0;
       RC_ASSERT(have == result.reached || std::abs(have - result.reached) <= 1e-9 * (1 + have) + of_ratio + 4 * c.rounding());
@@ -212,14 +214,14 @@ RC_GTEST_PROP(AnyLevels, AreNowhereFartherThanReported, (const RandomCase& any))
 // is missed now and then: see TriangleProof.)
 RC_GTEST_PROP(AnyLevels, AreAsNearAsProved, (const RandomCase& any)) {
   auto [c, samples, volume, options] = LevelsCase(any);
-  for (LevelGoal& goal : options.refine) goal = {{Quantity::max_distance, 0.6 * volume.grid.smallest_spacing()}};
+  for (LevelGoal& goal : options.refine) goal = Constraint{Quantity::max_distance, 0.6 * volume.view.grid.smallest_spacing()};
   const Extraction e = extract(volume, options);
   MeasureOptions measuring;
-  measuring.isovalue = options.isovalue;
-  measuring.inside = options.inside;
-  measuring.non_finite = options.non_finite;
-  measuring.topology = options.topology;
-  measuring.interpolation = options.interpolation;
+  measuring.surface.isovalue = options.surface.isovalue;
+  measuring.surface.inside = options.surface.inside;
+  measuring.surface.non_finite = options.surface.non_finite;
+  measuring.surface.topology = options.surface.topology;
+  measuring.surface.interpolation = options.surface.interpolation;
   measuring.space = options.space;
   measuring.samples = 4000;
   std::size_t proved = 0;
@@ -228,7 +230,7 @@ RC_GTEST_PROP(AnyLevels, AreAsNearAsProved, (const RandomCase& any)) {
     if (!level.distance_at_most) continue;
     ++proved;
     RC_ASSERT((*level.metrics)[static_cast<std::size_t>(Quantity::max_distance)].maximum <= *level.distance_at_most * (1 + 1e-6));
-    const double rounding = 1e-6 * volume.grid.smallest_spacing() + 4 * c.rounding();
+    const double rounding = 1e-6 * volume.view.grid.smallest_spacing() + 4 * c.rounding();
     RC_ASSERT(measure(e.hierarchy.mesh(l), volume, measuring).surface_to_mesh.maximum <= *level.distance_at_most + rounding);
   }
   RC_CLASSIFY(proved > 0, "proved");

@@ -81,7 +81,7 @@ std::string what_is_wrong(const Extraction& e, const ExtractOptions& options) {
   if (h.levels.size() != options.refine.size() + 1 || e.report.levels.size() != h.levels.size()) return "another number of levels";
   if (h.parent.size() != h.positions.size()) return "another number of parents than of vertices";
   if (h.levels.back().vertex_count != h.positions.size()) return "vertices beyond the last level";
-  if (options.topology == Topology::faces && e.report.tunnels > 0) return "tunnels, though faces were asked for";
+  if (options.surface.topology == Topology::faces && e.report.tunnels > 0) return "tunnels, though faces were asked for";
   for (std::size_t l = 0; l < h.levels.size(); ++l) {
     if (const std::string wrong = wrong_with_level(e, options, l); !wrong.empty()) return "level " + std::to_string(l) + ": " + wrong;
   }

@@ -23,7 +23,7 @@ double between_samples(F f, std::size_t last, std::size_t i, double t, Interpola
 /// The samples of `volume` (finite ones) at `factor` points per step, of float64, with the same spacing.
 inline Volume upsampled(const Volume& volume, Interpolation interpolation, std::size_t factor) {
   const InterpolatedField field(volume, {0, Inside::above, NonFinite::refuse});
-  Size size = volume.grid.size;
+  Size size = volume.view.grid.size;
   std::vector<double> values;
   for (std::size_t z = 0; z < size[2]; ++z) {
     for (std::size_t y = 0; y < size[1]; ++y) {
@@ -54,7 +54,7 @@ inline Volume upsampled(const Volume& volume, Interpolation interpolation, std::
   }
   Grid grid;
   grid.size = size;
-  grid.spacing = volume.grid.spacing;
+  grid.spacing = volume.view.grid.spacing;
   return own<double>(grid, SampleType::float64, std::move(values));
 }
 

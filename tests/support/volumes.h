@@ -14,6 +14,14 @@
 
 namespace isoatlas::detail::test {
 
+/// Options for the coarse mesh alone.
+inline ExtractOptions coarse_options(double isovalue = 0) {
+  ExtractOptions options;
+  options.surface.isovalue = isovalue;
+  options.refine.clear();
+  return options;
+}
+
 /// splitmix64 (Steele, Lea, Flood 2014): the same numbers on every machine, unlike the distributions of <random>.
 class Random {
  public:
@@ -63,9 +71,9 @@ template <class T>
 Volume own(const Grid& grid, SampleType type, std::vector<T> values) {
   auto kept = std::make_shared<std::vector<T>>(std::move(values));
   Volume out;
-  out.grid = grid;
-  out.type = type;
-  out.samples = kept->data();
+  out.view.grid = grid;
+  out.view.type = type;
+  out.view.samples = kept->data();
   out.owner = kept;
   return out;
 }

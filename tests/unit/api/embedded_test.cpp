@@ -20,10 +20,10 @@ std::size_t meeting_pairs(const Extraction& e, std::size_t level) {
 }
 
 ExtractOptions asking(bool allowed, Placement placement) {
-  ExtractOptions options;
+  ExtractOptions options = coarse_options();
   options.allow_self_intersections = allowed;
   options.placement = placement;
-  options.max_radius = 40;
+  options.covering.max_radius = 40;
   options.refine = {{{Quantity::max_distance, 1.5}}, {{Quantity::max_distance, 0.4}}};
   return options;
 }
@@ -58,9 +58,9 @@ TEST(Embedded, AsFilesHaveIt) {
     SCOPED_TRACE(seed);
     const bool is_far = seed % 2 == 0;
     Volume volume = to_volume(random_samples(Family::white_noise, {14, 14, 14}, seed));
-    volume.grid.direction = {{{c, s, 0}, {-s * c, c * c, s}, {s * s, -s * c, c}}};
-    volume.grid.origin = is_far ? Vec3{6e10, 6e10, 6e10} : Vec3{1500, -1800, 1700};
-    ExtractOptions options;
+    volume.view.grid.direction = {{{c, s, 0}, {-s * c, c * c, s}, {s * s, -s * c, c}}};
+    volume.view.grid.origin = is_far ? Vec3{6e10, 6e10, 6e10} : Vec3{1500, -1800, 1700};
+    ExtractOptions options = coarse_options();
     options.refine = {{{Quantity::max_distance, 0.5}}};
     const Extraction e = extract(volume, options);
     EXPECT_EQ(e.hierarchy.float32_origin.has_value(), true);
@@ -83,7 +83,7 @@ TEST(Embedded, AsFilesHaveIt) {
 
 // Bounds that the grid is too coarse for: the surface is divided as often as allowed, and no oftener, and comes closer to them.
 TEST(AdaptiveSupersample, AsOftenAsAllowed) {
-  ExtractOptions options;
+  ExtractOptions options = coarse_options();
   options.allow_self_intersections = true;  // else the surface is also divided where triangles meet
   options.refine = {{{Quantity::max_distance, 0.02}}};
   std::vector<double> reached;
@@ -100,7 +100,7 @@ TEST(AdaptiveSupersample, AsOftenAsAllowed) {
 
 // Triangles that are good enough for who asked are left alone.
 TEST(MinAspect, BelowAThirdIsLessWork) {
-  ExtractOptions options;
+  ExtractOptions options = coarse_options();
   options.allow_self_intersections = true;
   const Volume volume = to_volume(random_samples(Family::white_noise, {12, 12, 12}, 3));
   const auto work = [&](double aspect) {
@@ -144,8 +144,8 @@ TEST(Embedded, CellsAddedAfterAComponentWasTurnedAreMeshed) {
   s.values[1] = 1;
   s.values[2] = 0;
   s.values[3] = 63;
-  ExtractOptions options;
-  options.isovalue = -127.5;
+  ExtractOptions options = coarse_options();
+  options.surface.isovalue = -127.5;
   options.allow_self_intersections = false;
   const Extraction e = extract(to_volume(s, SampleType::int8, {1e-6, 1, 1}), options);
   EXPECT_EQ(e.finest().certificate.cells_checked, e.mesh().positions.size());

@@ -18,9 +18,9 @@ namespace {
 using namespace test;
 
 ExtractOptions at(double isovalue, Inside inside = Inside::above) {
-  ExtractOptions out;
-  out.isovalue = isovalue;
-  out.inside = inside;
+  ExtractOptions out = coarse_options();
+  out.surface.isovalue = isovalue;
+  out.surface.inside = inside;
   return out;
 }
 
@@ -55,7 +55,7 @@ TEST(Extract, KnownShapes) {
     expect_honest(e, known.name);
     EXPECT_EQ(e.finest().topology.kinds, known.kinds) << known.name << ": " << text(e.finest().topology.kinds);
     ExtractOptions faces = at(known.isovalue);
-    faces.topology = Topology::faces;
+    faces.surface.topology = Topology::faces;
     EXPECT_EQ(extract(volume, faces).finest().topology.kinds, known.faces_kinds) << known.name;
     const Extraction below = extract(to_volume(negated(known.samples)), at(-known.isovalue, Inside::below));
     EXPECT_TRUE(same_bytes(e.mesh(), below.mesh())) << known.name << ": below is the negated volume";
@@ -69,7 +69,7 @@ TEST(Extract, KnownShapesWithAndWithoutCoarserComplexes) {
   for (const KnownVolume& known : known_volumes()) {
     for (const double radius : {1.0, 1000.0}) {
       ExtractOptions o = at(known.isovalue);
-      o.max_radius = radius;
+      o.covering.max_radius = radius;
       const Extraction e = extract(to_volume(known.samples), o);
       expect_honest(e, known.name);
       EXPECT_EQ(e.finest().topology.kinds, known.kinds) << known.name << ": " << text(e.finest().topology.kinds);
@@ -87,7 +87,7 @@ TEST(Extract, Supersampled) {
     std::size_t c_vertices = 0;
     for (const std::uint32_t factor : {1u, 2u, 3u}) {
       ExtractOptions o = at(0);
-      o.interpolation = interpolation;
+      o.surface.interpolation = interpolation;
       o.supersample = factor;
       o.refine = {{{Quantity::max_distance, 0.5}}};
       o.measure_samples = 5000;
@@ -122,7 +122,7 @@ TEST(Extract, WhiteNoise32) {
   const TopologySummary want = reference_topology(s, 0);
   EXPECT_GT(want.genus, 1000);
   ExtractOptions faces = at(0);
-  faces.topology = Topology::faces;
+  faces.surface.topology = Topology::faces;
   const Extraction e = extract(to_volume(s), faces);
   expect_honest(e, "white noise");
   EXPECT_EQ(e.finest().topology, want);
@@ -142,7 +142,7 @@ TEST(Extract, TheTrilinearTopologyIsTheDefault) {
   s.at(0, 0, 0) = s.at(1, 1, 1) = 3;
   EXPECT_EQ(extract(to_volume(s), at(0)).finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 2, 1}}));
   ExtractOptions faces = at(0);
-  faces.topology = Topology::faces;
+  faces.surface.topology = Topology::faces;
   EXPECT_EQ(extract(to_volume(s), faces).finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 1, 2}}));
 }
 
@@ -162,7 +162,7 @@ TEST(Extract, CoarseMeansCoarse) {
   const Extraction ring = extract(to_volume(sampled({64, 64, 24}, torus({31.4, 31.6, 11.55}, 20, 8))), at(0));
   EXPECT_LE(ring.mesh().triangles.size(), 250u);
   ExtractOptions finer = at(0);
-  finer.max_radius = 4;
+  finer.covering.max_radius = 4;
   const Extraction fine = extract(to_volume(sampled({64, 64, 64}, sphere({31.4, 31.6, 31.55}, 26))), finer);
   EXPECT_GT(fine.mesh().triangles.size(), 4 * ball.mesh().triangles.size());
   EXPECT_NEAR(signed_volume(fine.mesh()), 4 * M_PI / 3 * 26 * 26 * 26, 0.03 * 4 * M_PI / 3 * 26 * 26 * 26);
@@ -175,7 +175,7 @@ TEST(Orientation, BallCavityAndBelow) {
   const double volume = 4 * M_PI / 3 * std::pow(16.2, 3);
   const auto share_of_ball = [&](const Samples& s, Inside inside) {
     ExtractOptions o = at(0, inside);
-    o.max_radius = 2;
+    o.covering.max_radius = 2;
     return signed_volume(extract(to_volume(s), o).mesh()) / volume;  // the mesh is inscribed, so a little less than 1
   };
   for (const double share : {share_of_ball(solid, Inside::above), share_of_ball(negated(solid), Inside::below),
@@ -243,7 +243,7 @@ TEST(Orientation, MirroredDirectionKeepsItOutwards) {
   for (const bool mirrored : {false, true}) {
     for (const Space space : {Space::lps, Space::ras, Space::voxel}) {
       Volume volume = to_volume(solid);
-      if (mirrored) volume.grid.direction[1] = {0, -1, 0};
+      if (mirrored) volume.view.grid.direction[1] = {0, -1, 0};
       ExtractOptions o = at(0);
       o.space = space;
       EXPECT_GT(signed_volume(extract(volume, o).mesh()), 0) << mirrored << " " << static_cast<int>(space);
@@ -257,11 +257,11 @@ TEST(Space, WorldOfAnAnisotropicTurnedGrid) {
   Volume volume = to_volume(sampled({24, 20, 22}, [](double x, double y, double z) {
     return 6 - std::hypot((x - 11.4) * 0.5, (y - 9.6) * 0.8, (z - 10.55) * 0.6);  // a ball of radius 6 in world units
   }));
-  volume.grid.spacing = {0.5, 0.8, 0.6};
-  volume.grid.origin = {100, -50, 7};
-  volume.grid.direction = {Vec3{0, 1, 0}, Vec3{-1, 0, 0}, Vec3{0, 0, 1}};
+  volume.view.grid.spacing = {0.5, 0.8, 0.6};
+  volume.view.grid.origin = {100, -50, 7};
+  volume.view.grid.direction = {Vec3{0, 1, 0}, Vec3{-1, 0, 0}, Vec3{0, 0, 1}};
   ExtractOptions o = at(0);
-  o.max_radius = 2;
+  o.covering.max_radius = 2;
   const Extraction lps = extract(volume, o);
   // Index (11.4, 9.6, 10.55) is the point origin + (-9.6 * 0.8, 11.4 * 0.5, 10.55 * 0.6).
   const Vec3 centre{100 - 7.68, -50 + 5.7, 7 + 6.33};
@@ -288,7 +288,7 @@ TEST(Space, WorldOfAnAnisotropicTurnedGrid) {
   const Extraction voxel = extract(volume, o);
   ASSERT_EQ(voxel.mesh().positions.size(), lps.mesh().positions.size());
   for (std::size_t i = 0; i < lps.mesh().positions.size(); ++i) {
-    const Vec3 w = volume.grid.to_world(voxel.mesh().positions[i]), p = lps.mesh().positions[i];
+    const Vec3 w = volume.view.grid.to_world(voxel.mesh().positions[i]), p = lps.mesh().positions[i];
     EXPECT_NEAR(std::hypot(w.x - p.x, w.y - p.y, w.z - p.z), 0, 1e-12);
   }
   EXPECT_EQ(voxel.mesh().triangles, lps.mesh().triangles);

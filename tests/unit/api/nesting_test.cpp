@@ -70,7 +70,7 @@ TEST(Nesting, IsTheSameAtEveryLevel) {
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
     SCOPED_TRACE(seed);
     const Samples samples = seed % 3 == 0 ? random_samples(Family::white_noise, {12, 11, 13}, seed) : random_shells(seed);
-    ExtractOptions options;
+    ExtractOptions options = coarse_options();
     options.refine = {{{Quantity::max_distance, 1}}, {{Quantity::max_distance, 0.4}}};
     const Extraction e = extract(to_volume(samples), options);
     std::vector<TriangleMesh> meshes;

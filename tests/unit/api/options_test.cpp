@@ -43,7 +43,7 @@ TEST(Refuses, OneSampleAlongAnAxis) {
 TEST(Refuses, MoreSamplesThanAnyMemoryHolds) {
   Volume volume = ball();
   const std::size_t large = std::size_t{1} << 31;
-  volume.grid.size = {large, large, large};  // whose product is 0 in 64 bits of which some are lost
+  volume.view.grid.size = {large, large, large};  // whose product is 0 in 64 bits of which some are lost
   expect_error(ErrorCode::bad_argument, {"2147483648 x 2147483648", "larger than any memory"}, volume, {});
 }
 
@@ -51,7 +51,7 @@ TEST(Refuses, BadSpacing) {
   for (const double bad : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
     for (int axis = 0; axis < 3; ++axis) {
       Volume volume = ball();
-      (axis == 0 ? volume.grid.spacing.x : axis == 1 ? volume.grid.spacing.y : volume.grid.spacing.z) = bad;
+      (axis == 0 ? volume.view.grid.spacing.x : axis == 1 ? volume.view.grid.spacing.y : volume.view.grid.spacing.z) = bad;
       expect_error(ErrorCode::bad_argument, {"spacing"}, volume, {});
     }
   }
@@ -59,8 +59,8 @@ TEST(Refuses, BadSpacing) {
 
 TEST(Refuses, NonFiniteIsovalueAndBadLengths) {
   for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()}) {
-    ExtractOptions o;
-    o.isovalue = bad;
+    ExtractOptions o = coarse_options();
+    o.surface.isovalue = bad;
     expect_error(ErrorCode::bad_argument, {"isovalue"}, ball(), o);
     o = {};
     o.supersample = 0;
@@ -71,17 +71,17 @@ TEST(Refuses, NonFiniteIsovalueAndBadLengths) {
     o.adaptive_supersample = 9;
     expect_error(ErrorCode::bad_argument, {"adaptive supersampling", "8"}, ball(), o);
     o = {};
-    o.max_radius = bad;
+    o.covering.max_radius = bad;
     expect_error(ErrorCode::bad_argument, {"radius"}, ball(), o);
     o = {};
-    o.event_persistence = bad;
+    o.covering.event_persistence = bad;
     expect_error(ErrorCode::bad_argument, {"persistence"}, ball(), o);
   }
-  ExtractOptions o;
-  o.max_radius = 0;
+  ExtractOptions o = coarse_options();
+  o.covering.max_radius = 0;
   expect_error(ErrorCode::bad_argument, {"radius"}, ball(), o);
   o = {};
-  o.event_persistence = -0.1;
+  o.covering.event_persistence = -0.1;
   expect_error(ErrorCode::bad_argument, {"persistence"}, ball(), o);
 }
 
@@ -90,20 +90,20 @@ TEST(Refuses, NoSurfaceAndSaysTheRange) {
   s.at(1, 1, 1) = -40;
   s.at(2, 1, 1) = 1234;
   for (const double isovalue : {1234.5, -41.0, 1e300, -1e300}) {
-    ExtractOptions o;
-    o.isovalue = isovalue;
+    ExtractOptions o = coarse_options();
+    o.surface.isovalue = isovalue;
     expect_error(ErrorCode::empty_surface, {"-40", "1234"}, to_volume(s), o);
   }
-  ExtractOptions below;
-  below.inside = Inside::below;
-  below.isovalue = 1234;  // a sample equal to the isovalue is inside either way, so all are
+  ExtractOptions below = coarse_options();
+  below.surface.inside = Inside::below;
+  below.surface.isovalue = 1234;  // a sample equal to the isovalue is inside either way, so all are
   expect_error(ErrorCode::empty_surface, {"1234"}, to_volume(s), below);
-  below.isovalue = -40;
+  below.surface.isovalue = -40;
   EXPECT_NO_THROW(extract(to_volume(s), below));
-  ExtractOptions above;
-  above.isovalue = -40;
+  ExtractOptions above = coarse_options();
+  above.surface.isovalue = -40;
   expect_error(ErrorCode::empty_surface, {"-40"}, to_volume(s), above);
-  above.isovalue = 1234;
+  above.surface.isovalue = 1234;
   EXPECT_NO_THROW(extract(to_volume(s), above));
 }
 
@@ -153,8 +153,8 @@ TEST(Refuses, GridsThatAreNone) {
 TEST(Components, ABallIsLargerThanASlabThatTheBorderCuts) {
   Samples samples = sampled({20, 20, 40}, sphere({9.5, 9.5, 12}, 7));
   for (std::size_t i = 0; i < 20 * 20 * 3; ++i) samples.at(i % 20, i / 20 % 20, 30 + i / 400) = 1000;
-  ExtractOptions options;
-  options.keep_components = 1;
+  ExtractOptions options = coarse_options();
+  options.components.keep_largest = 1;
   const Extraction e = extract(to_volume(samples), options);
   ASSERT_EQ(e.report.kept.size(), 1u);
   EXPECT_EQ(e.report.kept[0].topology, (ComponentTopology{2, 0}));
@@ -164,7 +164,7 @@ TEST(Components, ABallIsLargerThanASlabThatTheBorderCuts) {
   EXPECT_EQ(e.report.dropped[0].part, 1u);
   EXPECT_EQ(e.report.dropped[1].part, 1u);
   EXPECT_NEAR(e.report.dropped[0].size, 19 * 19 * 2.14, 10) << "samples 3 deep, nodes nearer to them than to those outside";
-  options.keep_components = 2;
+  options.components.keep_largest = 2;
   EXPECT_TRUE(extract(to_volume(samples), options).report.dropped.empty());
 }
 
@@ -173,9 +173,9 @@ TEST(Components, SmallOnesAreLeftOutAsAskedAndListed) {
   const Function balls = unite(unite(sphere({8.3, 8.4, 8.6}, 6), sphere({20.4, 8.5, 8.3}, 3)), sphere({28.4, 8.5, 8.3}, 1.5));
   const Volume volume = to_volume(sampled({32, 18, 18}, balls), SampleType::int32, {2, 2, 2});
   const auto left = [&](double smallest, std::size_t keep) {
-    ExtractOptions options;
-    options.min_component_size = smallest;
-    options.keep_components = keep;
+    ExtractOptions options = coarse_options();
+    options.components.min_size = smallest;
+    options.components.keep_largest = keep;
     options.refine = {{{Quantity::max_distance, 1}}};
     const Extraction e = extract(volume, options);
     EXPECT_EQ(e.report.reference.components + e.report.dropped.size(), 3u);
@@ -201,11 +201,11 @@ TEST(Components, SmallOnesAreLeftOutAsAskedAndListed) {
   EXPECT_EQ(report.kept[0].c_vertices, report.c_vertices);
   EXPECT_TRUE(left(0, 0).kept.empty()) << "nobody asked for sizes";
 
-  ExtractOptions all;
-  all.min_component_size = 1e5;
+  ExtractOptions all = coarse_options();
+  all.components.min_size = 1e5;
   expect_error(ErrorCode::empty_surface, {"every component is smaller", "the largest"}, volume, all);
   for (const double bad : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
-    all.min_component_size = bad;
+    all.components.min_size = bad;
     expect_error(ErrorCode::bad_argument, {"smallest component"}, volume, all);
   }
 }
@@ -213,29 +213,31 @@ TEST(Components, SmallOnesAreLeftOutAsAskedAndListed) {
 // Lengths are those of the spacing: on a sheared grid they are not those of the world.
 TEST(Refuses, ToRefineOrMeasureOnAShearedGrid) {
   Volume volume = ball();
-  volume.grid.direction[1] = {std::sqrt(0.5), std::sqrt(0.5), 0};
+  volume.view.grid.direction[1] = {std::sqrt(0.5), std::sqrt(0.5), 0};
   ExtractOptions refine, coarse, measure;
   refine.refine = {{{Quantity::max_distance, 1}}};
   coarse.coarse = {{Quantity::max_vertices, 100}};
   measure.measure_samples = 10;
   for (const ExtractOptions& options : {refine, coarse, measure})
-    expect_error(ErrorCode::unsupported, {"sheared", "x and y axes are at 45 degrees", "--coarse"}, volume, options);
-  EXPECT_NO_THROW(extract(volume, {}));
-  volume.grid.direction[1] = {0, 2, 0};
+    expect_error(ErrorCode::unsupported, {"sheared", "x and y axes are at 45 degrees", "ExtractOptions::refine"}, volume, options);
+  EXPECT_NO_THROW(extract(volume, coarse_options()));
+  volume.view.grid.direction[1] = {0, 2, 0};
   expect_error(ErrorCode::unsupported, {"y axis has length 2"}, volume, refine);
-  volume.grid.direction[1] = {5e-4, 1, 0};  // rounded in some header
+  volume.view.grid.direction[1] = {5e-4, 1, 0};  // rounded in some header
   EXPECT_NO_THROW(extract(volume, refine));
 }
 
-TEST(NonFinite, RefusedWithCountAndPlace) { expect_error(ErrorCode::unsupported, {"1 NaN", "(3, 4, 3)", "--nan"}, with_nan(), {}); }
+TEST(NonFinite, RefusedWithCountAndPlace) {
+  expect_error(ErrorCode::unsupported, {"1 NaN", "(3, 4, 3)", "SurfaceOptions::non_finite"}, with_nan(), {});
+}
 
 TEST(NonFinite, OnTheSideItIsPut) {
-  ExtractOptions o;
-  o.non_finite = NonFinite::above;
+  ExtractOptions o = coarse_options();
+  o.surface.non_finite = NonFinite::above;
   EXPECT_EQ(extract(with_nan(), o).finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 1}}));
-  o.non_finite = NonFinite::below;  // now a cavity in the ball
+  o.surface.non_finite = NonFinite::below;  // now a cavity in the ball
   EXPECT_EQ(extract(with_nan(), o).finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 2}}));
-  o.inside = Inside::below;
+  o.surface.inside = Inside::below;
   EXPECT_EQ(extract(with_nan(), o).finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 2}}));
 }
 
@@ -246,8 +248,8 @@ TEST(NonFinite, InfinitiesKeepTheirSide) {
     std::vector<double> values(125, -sign);
     values[62] = sign * std::numeric_limits<double>::infinity();
     for (const NonFinite policy : {NonFinite::above, NonFinite::below}) {
-      ExtractOptions o;
-      o.non_finite = policy;
+      ExtractOptions o = coarse_options();
+      o.surface.non_finite = policy;
       const Extraction e = extract(own(grid, SampleType::float64, values), o);
       EXPECT_EQ(e.finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 1}}));
       EXPECT_EQ(signed_volume(e.mesh()) > 0, sign > 0);
@@ -258,8 +260,8 @@ TEST(NonFinite, InfinitiesKeepTheirSide) {
 TEST(NonFinite, NothingFinite) {
   Grid grid;
   grid.size = {3, 3, 3};
-  ExtractOptions o;
-  o.non_finite = NonFinite::above;
+  ExtractOptions o = coarse_options();
+  o.surface.non_finite = NonFinite::above;
   expect_error(ErrorCode::empty_surface, {"finite"}, own(grid, SampleType::float32, std::vector<float>(27, std::nanf(""))), o);
 }
 
@@ -278,9 +280,9 @@ TEST(NonFinite, NoiseOfEverything) {
     }
     for (const NonFinite policy : {NonFinite::above, NonFinite::below}) {
       for (const Inside inside : {Inside::above, Inside::below}) {
-        ExtractOptions o;
-        o.non_finite = policy;
-        o.inside = inside;
+        ExtractOptions o = coarse_options();
+        o.surface.non_finite = policy;
+        o.surface.inside = inside;
         const Extraction e = extract(own(grid, SampleType::float64, values), o);
         EXPECT_EQ(kinds_of(e.mesh()), e.report.reference.kinds);
         for (const Vec3& p : e.mesh().positions) ASSERT_TRUE(std::isfinite(p.x + p.y + p.z));
@@ -329,10 +331,10 @@ TEST(Extremes, RadiusAndPersistenceOfAnyLength) {
   const Volume volume = ball();
   for (const double length : {1e-300, 1e-60, 1e-9, 1e9, 1e60, 1e300}) {
     ExtractOptions radius, persistence;
-    radius.max_radius = length;
-    persistence.event_persistence = length;
+    radius.covering.max_radius = length;
+    persistence.covering.event_persistence = length;
     ExtractOptions halving = radius;
-    halving.covering = CoveringStrategy::halving;
+    halving.covering.strategy = CoveringStrategy::halving;
     for (const ExtractOptions& options : {radius, persistence, halving}) {
       const Extraction e = extract(volume, options);
       EXPECT_EQ(e.finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 1}})) << length;
@@ -343,9 +345,9 @@ TEST(Extremes, RadiusAndPersistenceOfAnyLength) {
 // A large persistence must not make every disk swallow the surface: this took minutes when it did.
 TEST(Extremes, LargePersistenceCostsNoMore) {
   const Volume volume = to_volume(sampled({64, 64, 64}, sphere({31.4, 31.6, 31.55}, 28)));
-  ExtractOptions options;
-  options.max_radius = 1;
-  options.event_persistence = 1000;
+  ExtractOptions options = coarse_options();
+  options.covering.max_radius = 1;
+  options.covering.event_persistence = 1000;
   const Extraction e = extract(volume, options);
   EXPECT_GT(e.mesh().triangles.size(), 4000u);
 }
@@ -386,15 +388,15 @@ TEST(Extremes, EveryRadiusAndPersistenceIsCertified) {
   const auto kinds = reference_topology(s, 0).kinds;
   for (const double radius : {1e-3, 1.0, 5.0, 1e6}) {
     for (const double persistence : {0.0, 1.5, 1e6}) {
-      ExtractOptions o;
-      o.max_radius = radius;
-      o.event_persistence = persistence;
+      ExtractOptions o = coarse_options();
+      o.covering.max_radius = radius;
+      o.covering.event_persistence = persistence;
       EXPECT_EQ(extract(to_volume(s), o).finest().topology.kinds, kinds) << radius << " " << persistence;
-      o.covering = CoveringStrategy::halving;
+      o.covering.strategy = CoveringStrategy::halving;
       EXPECT_EQ(extract(to_volume(s), o).finest().topology.kinds, kinds) << radius << " " << persistence << ", halving";
     }
   }
-  ExtractOptions plain;
+  ExtractOptions plain = coarse_options();
   plain.vertices_on_surface = false;
   EXPECT_EQ(extract(to_volume(s), plain).finest().topology.kinds, kinds);
 }

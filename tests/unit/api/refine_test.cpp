@@ -21,7 +21,7 @@ namespace {
 using namespace test;
 
 ExtractOptions asking(std::vector<LevelGoal> levels, Placement placement = Placement::surface) {
-  ExtractOptions out;
+  ExtractOptions out = coarse_options();
   out.refine = std::move(levels);
   out.placement = placement;
   return out;
@@ -80,7 +80,7 @@ std::vector<Shape> shapes() {
 // The bound is kept at samples the mesher chose; a quarter more is what may lie between them.
 TEST(Bounds, OnTheDistanceAreKeptBothWaysInNestedLevels) {
   for (const Shape& shape : shapes()) {
-    const double voxel = shape.volume.grid.smallest_spacing();
+    const double voxel = shape.volume.view.grid.smallest_spacing();
     std::vector<LevelGoal> levels;
     for (const double bound : {2.0, 1.0, 0.5, 0.25}) levels.push_back({{Quantity::max_distance, bound * voxel}});
     for (const Placement placement : {Placement::surface, Placement::balanced}) {
@@ -184,7 +184,7 @@ TEST(Bounds, HoldAtTheSamplesOfAMeasurement) {
     SCOPED_TRACE(seed);
     const Volume volume = to_volume(random_samples(Family::gyroid_cut, {16, 15, 17}, seed));
     ExtractOptions options = asking({{{Quantity::max_distance, 1.5}}});
-    options.interpolation = Interpolation::tricubic;
+    options.surface.interpolation = Interpolation::tricubic;
     const Extraction plain = extract(volume, options);
     options.measure_samples = 50000;
     const Extraction measured = extract(volume, options);
@@ -197,7 +197,7 @@ TEST(Bounds, HoldAtTheSamplesOfAMeasurement) {
     MeasureOptions anew;
     anew.samples = 50000;
     anew.space = Space::lps;
-    anew.interpolation = options.interpolation;
+    anew.surface.interpolation = options.surface.interpolation;
     EXPECT_EQ(measure(measured.mesh(), volume, anew).maximum(), level.measured->maximum()) << "of the mesh that is returned";
   }
   EXPECT_GT(more, 0U) << "else this shows nothing";
@@ -207,7 +207,7 @@ TEST(Bounds, ScaleWithTheVolume) {
   const Extraction one = extract(ball(), asking({{{Quantity::max_distance, 0.3}, {Quantity::max_edge, 6}}}));
   for (const double scale : {0.25, 1024.0}) {  // powers of two, so that nothing is rounded
     Volume volume = ball();
-    volume.grid.spacing = {scale, scale, scale};
+    volume.view.grid.spacing = {scale, scale, scale};
     const Extraction e = extract(volume, asking({{{Quantity::max_distance, 0.3 * scale}, {Quantity::max_edge, 6 * scale}}}));
     EXPECT_EQ(e.mesh().triangles, one.mesh().triangles);
     for (std::size_t i = 0; i < 2; ++i) {
@@ -418,7 +418,7 @@ TEST(Refuses, BoundsThatAQuantityCannotHave) {
   const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
   const auto refused = [](const LevelGoal& goal, const std::string& word) {
     for (const bool coarse : {false, true}) {
-      ExtractOptions options;
+      ExtractOptions options = coarse_options();
       (coarse ? options.coarse : options.refine.emplace_back()) = goal;
       try {
         extract(ball(), options);

@@ -31,7 +31,7 @@ namespace {
 struct Case {
   const char* name;
   Volume volume;
-  ExtractOptions options;
+  ExtractOptions options = coarse_options();
 };
 
 std::vector<Case> cases() {
@@ -43,11 +43,11 @@ std::vector<Case> cases() {
       out.emplace_back(Case{"balls", to_volume(sampled({16, 16, 16}, unite(sphere({5, 7, 7}, 4.2), sphere({11, 8, 7}, 3.6)))), {}});
   balls.options.refine = {{{Quantity::max_distance, 0.1}}};
   balls.options.placement = Placement::balanced;
-  balls.options.keep_components = 1;
+  balls.options.components.keep_largest = 1;
   Case& tricubic = out.emplace_back(Case{"supersampled", to_volume(random_samples(Family::smooth_blobs, {10, 10, 10}, 4)), {}});
-  tricubic.options.interpolation = Interpolation::tricubic;
+  tricubic.options.surface.interpolation = Interpolation::tricubic;
   tricubic.options.supersample = 2;
-  tricubic.options.covering = CoveringStrategy::halving;
+  tricubic.options.covering.strategy = CoveringStrategy::halving;
   return out;
 }
 

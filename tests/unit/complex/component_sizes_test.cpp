@@ -29,7 +29,7 @@ struct Sized {
 
 SurfaceComplex parsed(const Samples& samples, bool closed, Vec3 spacing = {1, 1, 1}, ParseOptions options = {}) {
   Volume volume = to_volume(samples);
-  volume.grid.spacing = spacing;
+  volume.view.grid.spacing = spacing;
   options.closed = closed;
   return parse_surface(volume, options);
 }

@@ -61,9 +61,9 @@ TriangleMesh square(Vec3 c, Vec3 u, Vec3 v, std::uint32_t n) {
 }
 
 TriangleMesh extracted(const VolumeView& volume, Space space, double max_radius) {
-  ExtractOptions options;
+  ExtractOptions options = test::coarse_options();
   options.space = space;
-  options.max_radius = max_radius;
+  options.covering.max_radius = max_radius;
   return extract(volume, options).mesh();
 }
 
@@ -175,7 +175,7 @@ TEST(Measure, TurnedOverTrianglesAndTheOtherInside) {
   const Volume volume = exact_volume({12, 12, 12}, test::half_space({0, 0, 1}, 5.5));  // outside is up
   TriangleMesh mesh = square({5, 5, 5.5}, {3, 0, 0}, {0, 3, 0}, 2);
   const auto angle = [&](Inside inside) {
-    return measure(mesh, volume, {.inside = inside, .space = Space::voxel, .samples = 100}).normal_mean;
+    return measure(mesh, volume, {.surface = {.inside = inside}, .space = Space::voxel, .samples = 100}).normal_mean;
   };
   EXPECT_NEAR(angle(Inside::above), 0, 1e-6);
   EXPECT_NEAR(angle(Inside::below), 180, 1e-6);
@@ -256,10 +256,10 @@ TEST(Measure, Errors) {
   expect_error(ErrorCode::bad_argument, "no triangles", {good.positions, {}}, volume, {});
   expect_error(ErrorCode::bad_argument, "vertex 99", {good.positions, {{0, 1, 99}}}, volume, {});
   expect_error(ErrorCode::bad_argument, "samples", good, volume, {.samples = 0});
-  expect_error(ErrorCode::bad_argument, "isovalue", good, volume, {.isovalue = std::nan("")});
-  expect_error(ErrorCode::empty_surface, "range from", good, volume, {.isovalue = 1e9});
+  expect_error(ErrorCode::bad_argument, "isovalue", good, volume, {.surface = {.isovalue = std::nan("")}});
+  expect_error(ErrorCode::empty_surface, "range from", good, volume, {.surface = {.isovalue = 1e9}});
   Volume sheared = volume;
-  sheared.grid.direction[1] = {0.6, 0.8, 0};
+  sheared.view.grid.direction[1] = {0.6, 0.8, 0};
   expect_error(ErrorCode::unsupported, "sheared", good, sheared, {});
   for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity(), 1e20, -1e300}) {
     TriangleMesh mesh = good;
@@ -267,16 +267,16 @@ TEST(Measure, Errors) {
     expect_error(ErrorCode::bad_argument, "vertex 2", mesh, volume, {});
   }
   Volume flat = volume;
-  flat.grid.size = {512, 1, 1};
+  flat.view.grid.size = {512, 1, 1};
   expect_error(ErrorCode::bad_argument, "1 samples along y", good, flat, {});
   flat = volume;
-  flat.grid.direction[1] = flat.grid.direction[0];
+  flat.view.grid.direction[1] = flat.view.grid.direction[0];
   expect_error(ErrorCode::bad_argument, "plane", good, flat, {});
   const std::atomic<bool> stop{true};
   RunControl control;
   control.cancel = &stop;
   expect_error(ErrorCode::cancelled, "", good, volume, {}, control);
-  const Volume holes = test::own<float>(volume.grid, SampleType::float32, std::vector<float>(512, std::nanf("")));
+  const Volume holes = test::own<float>(volume.view.grid, SampleType::float32, std::vector<float>(512, std::nanf("")));
   expect_error(ErrorCode::unsupported, "NaN", good, holes, {});
 }
 

@@ -211,7 +211,7 @@ TEST(GridCells, HaveAllThatTheIsosurfaceCrosses) {
     const TestLevel level(volume, 4);
     const InterpolatedField& field = level.isosurface().field();
     const GridCells grid_cells(level.ground().complex, field.last());
-    const Size n = volume.grid.size;
+    const Size n = volume.view.grid.size;
     std::size_t crossed = 0;
     for (std::size_t z = 0; z + 1 < n[2]; ++z) {
       for (std::size_t y = 0; y + 1 < n[1]; ++y) {

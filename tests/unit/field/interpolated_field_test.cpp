@@ -40,7 +40,7 @@ TEST(InterpolatedField, ReproducesTrilinearFunctionsOfEveryType) {
 
 TEST(InterpolatedField, SamplesAndBorder) {
   const Volume volume = test::to_volume(test::random_samples(test::Family::white_noise, {3, 4, 5}, 2), SampleType::int64);
-  const auto* samples = static_cast<const std::int64_t*>(volume.samples);
+  const auto* samples = static_cast<const std::int64_t*>(volume.view.samples);
   const InterpolatedField field(volume, {0, Inside::above, NonFinite::refuse});
   EXPECT_EQ(field.last(), (Vec3{2, 3, 4}));
   for (std::size_t z = 0, i = 0; z < 5; ++z) {

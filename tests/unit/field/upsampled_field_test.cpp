@@ -31,9 +31,9 @@ TEST(UpsampledField, SamplesAreThoseOfTheWholeVolumeUpsampled) {
       const InsideRule rule{seed % 3 == 0 ? 1.0 : 0.3, inside, NonFinite::refuse};
       const Volume whole = upsampled(volume, interpolation, factor);
       const UpsampledField field(volume, rule, interpolation, factor);
-      ASSERT_EQ(field.size(), whole.grid.size);
+      ASSERT_EQ(field.size(), whole.view.grid.size);
       const Field<double> expected(whole, rule);
-      for (std::size_t i = 0; i < whole.grid.sample_count(); ++i) {
+      for (std::size_t i = 0; i < whole.view.grid.sample_count(); ++i) {
         ASSERT_EQ(field[i], expected[i]) << seed;
         ASSERT_EQ(field.exact(i), expected.exact(i)) << seed;
       }

@@ -57,7 +57,7 @@ TEST(Supersample, TrilinearIsTheWholeVolumeUpsampled) {
     if (HasFatalFailure()) return;
     if (fine.faces.empty()) continue;
     ++parsed;
-    ASSERT_LT(length(static_cast<double>(c.options.supersample) * fine.spacing - c.volume.grid.spacing), 1e-12) << seed;
+    ASSERT_LT(length(static_cast<double>(c.options.supersample) * fine.spacing - c.volume.view.grid.spacing), 1e-12) << seed;
     for (std::size_t v = 0; v < fine.positions.size(); ++v) {
       ASSERT_LT(length(fine.positions[v] - whole.positions[v]), 1e-9) << seed;
     }

@@ -36,7 +36,7 @@ class PageEntries : public ::testing::Test {
     ReportContext out;
     out.volume.path = "torus.nrrd";
     out.command = "isoatlas extract torus.nrrd";
-    out.volume.grid = volume_.grid;
+    out.volume.grid = volume_.view.grid;
     out.volume.grid.unit = LengthUnit::millimetre;
     out.options = options_;
     return out;
@@ -50,7 +50,7 @@ class PageEntries : public ::testing::Test {
 
   fs::path folder_ = fs::temp_directory_path() / ("isoatlas-page-" + std::to_string(::getpid()));
   Volume volume_;
-  ExtractOptions options_;
+  ExtractOptions options_ = test::coarse_options();
   Extraction extraction_;
 };
 
@@ -173,14 +173,14 @@ TEST_F(PageEntries, OfAReportFileFindItsMeshes) {
 
 TEST(PageMarchingCubes, AreThoseOfTheComponentsThatAreMeshed) {
   const Volume volume = test::exact_volume({32, 12, 12}, test::unite(test::sphere({5.4, 5.5, 5.6}, 4), test::sphere({20.4, 5.5, 5.6}, 3)));
-  ExtractOptions options;
-  options.keep_components = 1;
+  ExtractOptions options = test::coarse_options();
+  options.components.keep_largest = 1;
   options.space = Space::ras;
   const ExtractReport report = extract(volume, options).report;
   const Volume alone = test::exact_volume({32, 12, 12}, test::sphere({5.4, 5.5, 5.6}, 4));
   const auto both = marching_cubes_quality(volume, 0), wanted = marching_cubes_quality(alone, 0);
   ASSERT_EQ(report.kept.size(), 1u);
-  const auto kept = marching_cubes_quality(volume, 0, to_index({report.kept[0].position}, volume.grid, options.space));
+  const auto kept = marching_cubes_quality(volume, 0, to_index({report.kept[0].position}, volume.view.grid, options.space));
   ASSERT_TRUE(both && wanted && kept);
   EXPECT_EQ(kept->triangles, wanted->triangles);
   EXPECT_LT(kept->triangles, both->triangles);

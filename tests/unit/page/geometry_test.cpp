@@ -47,7 +47,7 @@ std::vector<Triangle> normalised(std::vector<Triangle> triangles) {
 }
 
 Extraction levels(Placement placement) {
-  ExtractOptions options;
+  ExtractOptions options = test::coarse_options();
   options.placement = placement;
   options.refine = {{{Quantity::max_distance, 1}}, {{Quantity::max_distance, 0.3}}};
   return extract(test::to_volume(test::random_samples(test::Family::white_noise, {9, 10, 11}, 5)), options);

@@ -184,7 +184,7 @@ TEST(BadVolumes, WholeFilesAreRead) {  // or the tests below would prove nothing
     SCOPED_TRACE(name);
     write_bytes(folder / name, bytes);
     const Volume volume = read_volume(folder / name);
-    EXPECT_EQ(std::string(static_cast<const char*>(volume.samples), kSamples), noise());
+    EXPECT_EQ(std::string(static_cast<const char*>(volume.view.samples), kSamples), noise());
   }
 }
 

@@ -186,33 +186,33 @@ inline DicomBuilder enhanced_builder(const std::vector<double>& places) {
 /// The value of each slice of a volume, from its second sample.
 inline std::vector<double> slice_values(const Volume& volume) {
   std::vector<double> values;
-  const std::size_t slice = volume.grid.size[0] * volume.grid.size[1];
-  for (std::size_t z = 0; z < volume.grid.size[2]; ++z) {
+  const std::size_t slice = volume.view.grid.size[0] * volume.view.grid.size[1];
+  for (std::size_t z = 0; z < volume.view.grid.size[2]; ++z) {
     const std::size_t i = z * slice + 1;
-    switch (volume.type) {
+    switch (volume.view.type) {
       case SampleType::uint8:
-        values.push_back(static_cast<const std::uint8_t*>(volume.samples)[i]);
+        values.push_back(static_cast<const std::uint8_t*>(volume.view.samples)[i]);
         break;
       case SampleType::int8:
-        values.push_back(static_cast<const std::int8_t*>(volume.samples)[i]);
+        values.push_back(static_cast<const std::int8_t*>(volume.view.samples)[i]);
         break;
       case SampleType::uint16:
-        values.push_back(static_cast<const std::uint16_t*>(volume.samples)[i]);
+        values.push_back(static_cast<const std::uint16_t*>(volume.view.samples)[i]);
         break;
       case SampleType::int16:
-        values.push_back(static_cast<const std::int16_t*>(volume.samples)[i]);
+        values.push_back(static_cast<const std::int16_t*>(volume.view.samples)[i]);
         break;
       case SampleType::uint32:
-        values.push_back(static_cast<const std::uint32_t*>(volume.samples)[i]);
+        values.push_back(static_cast<const std::uint32_t*>(volume.view.samples)[i]);
         break;
       case SampleType::int32:
-        values.push_back(static_cast<const std::int32_t*>(volume.samples)[i]);
+        values.push_back(static_cast<const std::int32_t*>(volume.view.samples)[i]);
         break;
       case SampleType::float32:
-        values.push_back(static_cast<double>(static_cast<const float*>(volume.samples)[i]));
+        values.push_back(static_cast<double>(static_cast<const float*>(volume.view.samples)[i]));
         break;
       default:
-        values.push_back(static_cast<const double*>(volume.samples)[i]);
+        values.push_back(static_cast<const double*>(volume.view.samples)[i]);
     }
   }
   return values;

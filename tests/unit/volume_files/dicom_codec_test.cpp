@@ -59,7 +59,7 @@ TEST(DicomCodec, LosslessCompressionKeepsTheSamples) {
   for (const std::string name : {"plain", "jpeg_lossless", "jpeg_lossless_14", "jpeg_ls", "jpeg_ls_gdcm", "rle", "fragments_with_offsets",
                                  "fragments_without_offsets"}) {
     const VolumeFile file = read_volume_file(kFiles / (name + ".dcm"));
-    EXPECT_EQ(file.volume.type, SampleType::int16) << name;
+    EXPECT_EQ(file.volume.view.type, SampleType::int16) << name;
     EXPECT_EQ(sample_digest(file.volume), kSamples) << name;
     const std::string reader = name == "plain" || name == "rle" ? "isoatlas" : name.starts_with("jpeg_ls") ? "CharLS " : "DCMTK ";
     EXPECT_TRUE(file.source.reader.starts_with(reader)) << name << ": " << file.source.reader;
@@ -84,15 +84,15 @@ TEST(DicomCodec, StoredBitsNeedNotBeTheLowest) {
 // The codestream has 16 bits per sample, so the samples could be larger than the 12 bits that the header states.
 TEST(DicomCodec, Jpeg2000SaysHowManyBitsItHas) {
   const Volume plain = read_volume(kFiles / "plain.dcm"), volume = read_volume(kFiles / "jpeg_2000_lossless.dcm");
-  ASSERT_EQ(volume.type, SampleType::int32);
-  for (std::size_t i = 0; i < plain.grid.sample_count(); ++i) {
-    ASSERT_EQ(static_cast<const std::int32_t*>(volume.samples)[i], static_cast<const std::int16_t*>(plain.samples)[i]) << i;
+  ASSERT_EQ(volume.view.type, SampleType::int32);
+  for (std::size_t i = 0; i < plain.view.grid.sample_count(); ++i) {
+    ASSERT_EQ(static_cast<const std::int32_t*>(volume.view.samples)[i], static_cast<const std::int16_t*>(plain.view.samples)[i]) << i;
   }
 }
 
 TEST(DicomCodec, LossyCompressionIsSaid) {
   const VolumeFile file = read_volume_file(kFiles / "jpeg_extended_lossy.dcm");
-  ASSERT_EQ(file.volume.type, SampleType::int16);
+  ASSERT_EQ(file.volume.view.type, SampleType::int16);
   EXPECT_EQ(sample_digest(file.volume), "fcfef3e07127b5bf9338e413f30029e372931762a92f0bbffd98c114dc7c189e");  // as DCMTK decodes it
   EXPECT_EQ(file.source.decisions[3].key, "compression");
   EXPECT_EQ(file.source.decisions[3].value, "JPEG");

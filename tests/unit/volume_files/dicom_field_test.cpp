@@ -25,8 +25,8 @@ void expect_field_grid(const Grid& grid, const Vec3& spacing = {0.5, 0.5, 2}) {
 }
 
 void expect_field_volume(const VolumeFile& file, SampleType type, const std::string& digest) {
-  expect_field_grid(file.volume.grid);
-  EXPECT_EQ(file.volume.type, type);
+  expect_field_grid(file.volume.view.grid);
+  EXPECT_EQ(file.volume.view.type, type);
   EXPECT_EQ(sample_digest(file.volume), digest);
   EXPECT_TRUE(file.source.warnings.empty()) << file.source.warnings.front();
 }
@@ -83,7 +83,7 @@ TEST(DicomField, AnEmptySliceIsAnErrorThatNamesIt) {
 
 TEST(DicomField, MissingPixelSpacingIsWarnedAbout) {
   const VolumeFile file = read_volume_file(kDicom / "ipp_only_nosp");
-  expect_field_grid(file.volume.grid, {1, 1, 2});
+  expect_field_grid(file.volume.view.grid, {1, 1, 2});
   EXPECT_EQ(sample_digest(file.volume), kSamples);
   EXPECT_EQ(file.source.warnings, (std::vector<std::string>{"states no PixelSpacing; 1 x 1 mm is assumed within a slice"}));
 }

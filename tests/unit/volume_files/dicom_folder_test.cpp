@@ -35,9 +35,9 @@ TEST(DicomFolder, SlicesAreSortedByPlace) {
   write_series(folder.path(), 4, kUnchanged);
   const VolumeFile file = read_volume_file(folder.path());
   EXPECT_EQ(slice_values(file.volume), (Values{0, 100, 200, 300}));
-  EXPECT_EQ(file.volume.grid.spacing, (Vec3{0.5, 0.75, 2}));
-  EXPECT_EQ(file.volume.grid.origin, (Vec3{-10, 20, 5}));
-  EXPECT_EQ(static_cast<const std::int16_t*>(file.volume.samples)[0], 1000);
+  EXPECT_EQ(file.volume.view.grid.spacing, (Vec3{0.5, 0.75, 2}));
+  EXPECT_EQ(file.volume.view.grid.origin, (Vec3{-10, 20, 5}));
+  EXPECT_EQ(static_cast<const std::int16_t*>(file.volume.view.samples)[0], 1000);
   EXPECT_EQ(file.source.format, "DICOM series");
   EXPECT_EQ(file.source.choices.size(), 1U);
   EXPECT_TRUE(file.source.warnings.empty());
@@ -119,10 +119,10 @@ TEST(DicomFolder, SeriesAreChosenByNumberOrIdentifier) {
   EXPECT_EQ(choice.entries, (Names{"series 2, CT, 4 slices of 6 x 4, UID 1.2.77.21",  // by number, not by alphabet
                                    "series 12 Head thin, CT, 3 slices of 6 x 4, UID 1.2.77.1"}));
   for (const std::string wanted : {"0", "1.2.77.21", "77.21", "21"}) {
-    EXPECT_EQ(read_volume(folder.path(), {.series = wanted}).grid.size[2], 4U) << wanted;
+    EXPECT_EQ(read_volume(folder.path(), {.series = wanted}).view.grid.size[2], 4U) << wanted;
   }
   for (const std::string wanted : {"1", "1.2.77.1", "77.1"}) {
-    EXPECT_EQ(read_volume(folder.path(), {.series = wanted}).grid.size[2], 3U) << wanted;
+    EXPECT_EQ(read_volume(folder.path(), {.series = wanted}).view.grid.size[2], 3U) << wanted;
   }
   for (const std::string wanted : {"7", "2.77", "1.2.77", ".", "x", "-1"}) {
     expect_error(ErrorCode::bad_argument, "has no series '" + wanted + "'", folder.path(),
@@ -160,7 +160,7 @@ TEST(DicomFolder, SlicesOfDifferentSizeAreDifferentEntries) {
   write_series(folder / "b", 2, [](DicomBuilder& slice, int) { slice.set_short(0x00280010, 2); });
   EXPECT_EQ(choice_needed(folder.path()).entries, (Names{"series 3, axial, CT, 3 slices of 6 x 4, UID 1.2.826.0.1.3680043.2.1125.7",
                                                          "series 3, axial, CT, 2 slices of 6 x 2, UID 1.2.826.0.1.3680043.2.1125.7"}));
-  EXPECT_EQ(read_volume(folder.path(), {.series = "1"}).grid.size, (std::array<std::size_t, 3>{6, 2, 2}));
+  EXPECT_EQ(read_volume(folder.path(), {.series = "1"}).view.grid.size, (std::array<std::size_t, 3>{6, 2, 2}));
 }
 
 TEST(DicomFolder, SlicesOfDifferentOrientationAreDifferentEntries) {
@@ -173,7 +173,7 @@ TEST(DicomFolder, SlicesOfDifferentOrientationAreDifferentEntries) {
   ASSERT_EQ(choice.entries.size(), 2U);
   EXPECT_NE(choice.entries[0].find("axial"), std::string::npos);
   EXPECT_NE(choice.entries[1].find("sagittal"), std::string::npos);
-  EXPECT_EQ(read_volume(folder.path(), {.series = "1"}).grid.direction[1], (Vec3{0, 0, -1}));
+  EXPECT_EQ(read_volume(folder.path(), {.series = "1"}).view.grid.direction[1], (Vec3{0, 0, -1}));
 }
 
 // Two reconstructions in one series, of which some slices are at the same place.
@@ -186,8 +186,8 @@ TEST(DicomFolder, ThinAndThickSlicesAreDifferentEntries) {
   const FileChoice choice = choice_needed(folder.path());
   ASSERT_EQ(choice.entries.size(), 2U);
   EXPECT_NE(choice.entries[0].find("slice thickness 2"), std::string::npos) << choice.entries[0];
-  EXPECT_EQ(read_volume(folder.path(), {.series = "0"}).grid.spacing.z, 2);
-  EXPECT_EQ(read_volume(folder.path(), {.series = "1"}).grid.spacing.z, 4);
+  EXPECT_EQ(read_volume(folder.path(), {.series = "0"}).view.grid.spacing.z, 2);
+  EXPECT_EQ(read_volume(folder.path(), {.series = "1"}).view.grid.spacing.z, 4);
 }
 
 struct TimeAttribute {
@@ -329,8 +329,8 @@ TEST(DicomFolder, VolumesThatFitBetweenEachOtherAreToldApart) {
     EXPECT_TRUE(choice.entries[0].starts_with(name + " ")) << choice.entries[0];
     const Volume second = read_volume(folder.path(), {.time = 1});
     EXPECT_EQ(slice_values(second), (Values{1000, 1100, 1200, 1300}));
-    EXPECT_EQ(second.grid.spacing.z, 2);
-    EXPECT_EQ(second.grid.origin.z, 6);
+    EXPECT_EQ(second.view.grid.spacing.z, 2);
+    EXPECT_EQ(second.view.grid.origin.z, 6);
   }
 }
 
@@ -344,7 +344,7 @@ TEST(DicomFolder, VolumesThatFitEndToEndAreToldApart) {
   }
   const TempFolder folder;  // one long volume
   write_two_volumes(folder.path(), 13, [](DicomBuilder& slice, int volume) { slice.set(0x00200012, "IS", std::to_string(volume)); });
-  EXPECT_EQ(read_volume(folder.path()).grid.size[2], 8U);
+  EXPECT_EQ(read_volume(folder.path()).view.grid.size[2], 8U);
 }
 
 TEST(DicomFolder, PositionsOfOtherPatientsStudiesAndFramesOfReferenceHaveNothingInCommon) {
@@ -365,8 +365,8 @@ TEST(DicomFolder, VolumesThatMovedALittleAreTimePoints) {
   const TempFolder folder;
   write_two_volumes(folder.path(), 5.3, kTellVolumesApart[0].second);
   EXPECT_EQ(choice_needed(folder.path()).entries, (Names{"time point 1", "time point 2"}));
-  EXPECT_EQ(read_volume(folder.path(), {.time = 0}).grid.origin.z, 5);
-  EXPECT_EQ(read_volume(folder.path(), {.time = 1}).grid.origin.z, 5.3);
+  EXPECT_EQ(read_volume(folder.path(), {.time = 0}).view.grid.origin.z, 5);
+  EXPECT_EQ(read_volume(folder.path(), {.time = 1}).view.grid.origin.z, 5.3);
 }
 
 TEST(DicomFolder, SmallDifferencesMustNotAddUp) {

@@ -47,7 +47,7 @@ DicomBuilder with_samples(std::uint16_t allocated, std::uint16_t stored, std::ui
 
 void expect_values(const DicomBuilder& image, SampleType type, const Values& values) {
   const Volume volume = read_image(image).volume;
-  EXPECT_EQ(volume.type, type) << name(volume.type);
+  EXPECT_EQ(volume.view.type, type) << name(volume.view.type);
   EXPECT_EQ(slice_values(volume), values);
 }
 
@@ -122,7 +122,7 @@ TEST(DicomImage, SignedAndUnsignedSlicesAreOneVolume) {
     if (i == 1) slice.set_short(0x00280103, 0).set(0x7FE00010, "OW", bytes_of(std::vector<std::uint16_t>(kFrameSamples, 60000)));
   });
   const Volume volume = read_volume(folder.path());
-  EXPECT_EQ(volume.type, SampleType::int32);
+  EXPECT_EQ(volume.view.type, SampleType::int32);
   EXPECT_EQ(slice_values(volume), (Values{0, 60000, 200}));
 }
 
@@ -201,7 +201,7 @@ TEST(DicomImage, EveryEncodingIsTheSameVolume) {
   for (const std::string_view syntax : {kImplicitLittle, kExplicitBig}) {
     const VolumeFile file = read_image(enhanced(), syntax);
     EXPECT_EQ(sample_digest(file.volume), sample_digest(reference.volume)) << syntax;
-    EXPECT_EQ(file.volume.grid.spacing, reference.volume.grid.spacing) << syntax;
+    EXPECT_EQ(file.volume.view.grid.spacing, reference.volume.view.grid.spacing) << syntax;
   }
 }
 
@@ -212,7 +212,7 @@ TEST(DicomImage, BytesInBigEndianWordsAreInEachOthersPlace) {
   for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i);
   for (const std::string type : {"OW", "OB"}) {  // the builder writes words swapped
     const Volume volume = read_image(image.set(0x7FE00010, type, bytes), kExplicitBig).volume;
-    const auto* samples = static_cast<const std::uint8_t*>(volume.samples);
+    const auto* samples = static_cast<const std::uint8_t*>(volume.view.samples);
     for (std::size_t i = 0; i < 27; ++i) ASSERT_EQ(samples[i], i) << type;
   }
 }
@@ -283,12 +283,12 @@ TEST(DicomImage, SequencesMayHaveNoLengthsOrAnUnknownType) {
   DicomBuilder image = enhanced();
   image.set_items(0x52009229, {shared}, false);
   image.set_items(0x00081140, {DicomBuilder().set_items(0x00081199, {DicomBuilder(), DicomBuilder()}, false)}, false);  // of no interest
-  EXPECT_EQ(read_image(image).volume.grid.spacing, (Vec3{0.5, 0.75, 2}));
+  EXPECT_EQ(read_image(image).volume.view.grid.spacing, (Vec3{0.5, 0.75, 2}));
   // A writer that does not know an element keeps it as it found it: implicit and of type UN.
   const std::string item = shared.data_set(kImplicitLittle);
   const auto length = static_cast<std::uint32_t>(item.size());
   image.set(0x52009229, "UN", std::string("\xFE\xFF\0\xE0", 4) + bytes_of<std::uint32_t>({length}) + item);
-  EXPECT_EQ(read_image(image).volume.grid.spacing, (Vec3{0.5, 0.75, 2}));
+  EXPECT_EQ(read_image(image).volume.view.grid.spacing, (Vec3{0.5, 0.75, 2}));
 }
 
 // An icon compressed by JPEG: its pixel data has fragments instead of a length, within a sequence.
@@ -362,7 +362,7 @@ TEST(DicomImage, TheFramesOwnPlaneComesBeforeTheSharedOne) {
     measures.set_decimals(0x00280030, {0.25, 0.125});
     frames.push_back(frame.set_items(0x00209113, {position}).set_items(0x00209116, {orientation}).set_items(0x00289110, {measures}));
   }
-  const Grid grid = read_image(image.set_items(0x52009230, frames)).volume.grid;
+  const Grid grid = read_image(image.set_items(0x52009230, frames)).volume.view.grid;
   EXPECT_EQ(grid.spacing, (Vec3{0.125, 0.25, 2.5}));
   EXPECT_EQ(grid.direction, (std::array<Vec3, 3>{Vec3{0, 1, 0}, Vec3{-1, 0, 0}, Vec3{0, 0, 1}}));
 }
@@ -451,7 +451,7 @@ TEST(DicomImage, PositionsInAnUltrasoundVolume) {
     frames.push_back(frame.set_items(0x0020930E, {position.set(0x00209301, "FD", bytes_of<double>({0, 0, z}))}));
   }
   const VolumeFile file = read_image(image.set_items(0x52009230, frames));
-  EXPECT_EQ(file.volume.grid.spacing.z, 3);
+  EXPECT_EQ(file.volume.view.grid.spacing.z, 3);
   EXPECT_EQ(file.source.warnings, (Names{"states positions in the ultrasound volume, not in the patient"}));
 }
 
@@ -466,12 +466,12 @@ TEST(DicomImage, FramesMayFollowEachOtherAtADistance) {
   DicomBuilder image = plain_multi_frame();
   const VolumeFile file = read_image(image.set_decimals(0x00180088, {2.5}));
   EXPECT_EQ(slice_values(file.volume), (Values{0, 100, 200}));
-  EXPECT_EQ(file.volume.grid.spacing.z, 2.5);
-  EXPECT_EQ(file.volume.grid.direction[2], (Vec3{0, -1, 0}));
-  EXPECT_EQ(file.volume.grid.origin, (Vec3{1, 2, 3}));
+  EXPECT_EQ(file.volume.view.grid.spacing.z, 2.5);
+  EXPECT_EQ(file.volume.view.grid.direction[2], (Vec3{0, -1, 0}));
+  EXPECT_EQ(file.volume.view.grid.origin, (Vec3{1, 2, 3}));
   const VolumeFile reversed = read_image(image.set_decimals(0x00180088, {-2.5}));
   EXPECT_EQ(slice_values(reversed.volume), (Values{200, 100, 0}));
-  EXPECT_EQ(reversed.volume.grid.origin, (Vec3{1, 7, 3}));
+  EXPECT_EQ(reversed.volume.view.grid.origin, (Vec3{1, 7, 3}));
 }
 
 TEST(DicomImage, FramesInTimeAreNoSlices) {
@@ -490,14 +490,14 @@ DicomBuilder dose(const std::vector<double>& offsets) {
 TEST(DicomImage, OffsetsOfADoseGrid) {
   const VolumeFile from_first = read_image(dose({0, 2, 4}));
   EXPECT_EQ(slice_values(from_first.volume), (Values{0, 50, 100}));
-  EXPECT_EQ(from_first.volume.grid.origin, (Vec3{1, 2, 3}));
-  EXPECT_EQ(from_first.volume.grid.spacing.z, 2);
+  EXPECT_EQ(from_first.volume.view.grid.origin, (Vec3{1, 2, 3}));
+  EXPECT_EQ(from_first.volume.view.grid.spacing.z, 2);
   const VolumeFile downwards = read_image(dose({0, -2, -4}));
   EXPECT_EQ(slice_values(downwards.volume), (Values{100, 50, 0}));
-  EXPECT_EQ(downwards.volume.grid.origin, (Vec3{1, 2, -1}));
+  EXPECT_EQ(downwards.volume.view.grid.origin, (Vec3{1, 2, -1}));
   const VolumeFile coordinates = read_image(dose({3, 6, 9}));
-  EXPECT_EQ(coordinates.volume.grid.origin, (Vec3{1, 2, 3}));
-  EXPECT_EQ(coordinates.volume.grid.spacing.z, 3);
+  EXPECT_EQ(coordinates.volume.view.grid.origin, (Vec3{1, 2, 3}));
+  EXPECT_EQ(coordinates.volume.view.grid.spacing.z, 3);
   expect_refused(dose({0, 2, 4.5}), "not evenly spaced", ErrorCode::bad_file);
   expect_refused(dose({0, 2}), "3 frames, but 2 offsets");
   expect_refused(dose({10, 12, 14}), "GridFrameOffsetVector that starts at 10, expected 0 or its position's z, 3");
@@ -512,8 +512,8 @@ DicomBuilder nuclear(const std::string& type) {
 
 TEST(DicomImage, NuclearMedicineVolumes) {
   const VolumeFile file = read_image(nuclear("RECON TOMO\\EMISSION"));
-  EXPECT_EQ(file.volume.grid.origin, (Vec3{7, 8, 9}));
-  EXPECT_EQ(file.volume.grid.spacing.z, 4);
+  EXPECT_EQ(file.volume.view.grid.origin, (Vec3{7, 8, 9}));
+  EXPECT_EQ(file.volume.view.grid.spacing.z, 4);
   for (const std::string type : {"STATIC", "TOMO", "WHOLE BODY", "DYNAMIC"}) {
     expect_refused(nuclear(type), "nuclear medicine image of type ORIGINAL\\PRIMARY\\" + type);
   }
@@ -554,7 +554,7 @@ TEST(DicomImage, OrientationsThatAreNone) {
 TEST(DicomImage, RoundedOrientationsAreMadeOrthonormal) {
   DicomBuilder image = plain_multi_frame();
   image.set_decimals(0x00180088, {2}).set_decimals(0x00200037, {0.984808, 0.173648, 0, -0.1736, 0.9848, 0.0001});
-  const std::array<Vec3, 3> axes = read_image(image).volume.grid.direction;
+  const std::array<Vec3, 3> axes = read_image(image).volume.view.grid.direction;
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3 a = axes[i], b = axes[k];
@@ -572,7 +572,7 @@ TEST(DicomImage, PixelSpacings) {
     return image;
   };
   const VolumeFile at_detector = read_image(with([](DicomBuilder& d) { d.set_decimals(0x00181164, {0.2, 0.1}); }));
-  EXPECT_EQ(at_detector.volume.grid.spacing, (Vec3{0.1, 0.2, 2}));
+  EXPECT_EQ(at_detector.volume.view.grid.spacing, (Vec3{0.1, 0.2, 2}));
   EXPECT_EQ(at_detector.source.warnings, (Names{"states no PixelSpacing; ImagerPixelSpacing, measured at the detector, is used"}));
   for (const std::string spacing : {"0\\1", "-1\\1", "1", "wide\\1"}) {
     expect_refused(with([&](DicomBuilder& d) { d.set(0x00280030, "DS", spacing); }), "has a pixel spacing of '" + spacing + "'");

@@ -67,12 +67,12 @@ TEST(Dicom, SlicesAreSortedByPlaceNotByName) {
   }
   write_bytes(folder / "notes.txt", "not an image");
   const Volume volume = read_volume(folder.path());
-  ASSERT_EQ(volume.grid.size, (std::array<std::size_t, 3>{6, 4, 5}));
-  ASSERT_EQ(volume.type, SampleType::int16);
-  EXPECT_EQ(volume.grid.spacing, (Vec3{0.5, 0.75, 2.5}));
-  EXPECT_EQ(volume.grid.direction, kCoronal);
-  EXPECT_EQ(volume.grid.origin, (Vec3{-12, 40, 88}));
-  const auto* samples = static_cast<const std::int16_t*>(volume.samples);
+  ASSERT_EQ(volume.view.grid.size, (std::array<std::size_t, 3>{6, 4, 5}));
+  ASSERT_EQ(volume.view.type, SampleType::int16);
+  EXPECT_EQ(volume.view.grid.spacing, (Vec3{0.5, 0.75, 2.5}));
+  EXPECT_EQ(volume.view.grid.direction, kCoronal);
+  EXPECT_EQ(volume.view.grid.origin, (Vec3{-12, 40, 88}));
+  const auto* samples = static_cast<const std::int16_t*>(volume.view.samples);
   for (std::size_t z = 0; z < 5; ++z) {
     EXPECT_EQ(samples[z * 24], 1000 - 100 * static_cast<int>(z));
     EXPECT_EQ(samples[z * 24 + 23], -100 * static_cast<int>(z));
@@ -84,7 +84,7 @@ TEST(Dicom, TiltedGantryStaysTilted) {
   for (int i = 0; i < 3; ++i) {  // each slice is moved 1 along z while it steps 2 along its normal, y
     write_slice(folder.path(), {.file = numbered("s", i), .position = {0, 2.0 * i, 1.0 * i}, .value = 0});
   }
-  const Grid grid = read_volume(folder.path()).grid;
+  const Grid grid = read_volume(folder.path()).view.grid;
   EXPECT_NEAR(grid.spacing.z, std::sqrt(5.0), 1e-12);
   EXPECT_NEAR(grid.direction[2].y, 2 / std::sqrt(5.0), 1e-12);
   EXPECT_NEAR(grid.direction[2].z, 1 / std::sqrt(5.0), 1e-12);

@@ -71,7 +71,8 @@ class ImageStack : public testing::Test {
   std::vector<int> slices() {
     const VolumeFile file = read();
     std::vector<int> values;
-    for (std::size_t z = 0; z < file.volume.grid.size[2]; ++z) values.push_back(static_cast<int>(sample_as_double(file.volume, z * 12)));
+    for (std::size_t z = 0; z < file.volume.view.grid.size[2]; ++z)
+      values.push_back(static_cast<int>(sample_as_double(file.volume, z * 12)));
     return values;
   }
   TempFolder folder_;
@@ -85,7 +86,7 @@ TEST(ImageStackField, FolderOfTiffSlices) {
   EXPECT_EQ(file.source.warnings, std::vector<std::string>{kNoSpacing});
   EXPECT_FALSE(file.source.has_spacing);
   const VolumeFile spaced = read_volume_file(field_file("tifslices"), {.spacing = Vec3{0.5, 0.5, 2}});
-  EXPECT_EQ(spaced.volume.grid.spacing, (Vec3{0.5, 0.5, 2}));
+  EXPECT_EQ(spaced.volume.view.grid.spacing, (Vec3{0.5, 0.5, 2}));
   EXPECT_EQ(spaced.source.warnings, kNone);
 }
 
@@ -178,8 +179,8 @@ TEST_F(ImageStack, ImageJsLengths) {
                 .more = {{282, 5, {4, 1}}, {283, 5, {4, 1}}, {296, 3, {1}}}};
   for (const char* name : {"s1.tif", "s2.tif"}) write_bytes(folder_ / name, TiffWriter().add(page).bytes());
   const VolumeFile file = read();
-  EXPECT_EQ(file.volume.grid.spacing, (Vec3{0.25, 0.25, 1}));
-  EXPECT_EQ(file.volume.grid.unit, LengthUnit::micrometre);
+  EXPECT_EQ(file.volume.view.grid.spacing, (Vec3{0.25, 0.25, 1}));
+  EXPECT_EQ(file.volume.view.grid.unit, LengthUnit::micrometre);
   EXPECT_EQ(file.source.warnings, std::vector<std::string>{"states no voxel size along z, 1 um is assumed there"});
 }
 
@@ -188,7 +189,7 @@ TEST_F(ImageStack, ImageJsSignedSamples) {
   for (int i = 0; i < 12; ++i) page.samples += std::string("\x01\x80", 2);
   for (const char* name : {"s1.tif", "s2.tif"}) write_bytes(folder_ / name, TiffWriter().add(page).bytes());
   const VolumeFile file = read();
-  EXPECT_EQ(file.volume.type, SampleType::int16);
+  EXPECT_EQ(file.volume.view.type, SampleType::int16);
   EXPECT_EQ(sample_as_double(file.volume, 0), 1);
   page.description = "ImageJ=1.53t\ncf=0\nc0=-32767\nc1=1\nvunit=Gray Value\n";
   write_bytes(folder_ / "s2.tif", TiffWriter().add(page).bytes());
@@ -224,7 +225,7 @@ TEST_F(ImageStack, PngChunksAboutDisplayChangeNothing) {
   for (const char* name : {"s1.png", "s2.png"})
     write_png(folder_ / name, {.rows = {"\x01\xFF\x7F\x80", "aaaa", "bbbb"}, .has_display_chunks = true});
   const VolumeFile file = read();
-  EXPECT_EQ(file.volume.grid.size, (std::array<std::size_t, 3>{4, 3, 2}));
+  EXPECT_EQ(file.volume.view.grid.size, (std::array<std::size_t, 3>{4, 3, 2}));
   for (const auto& [i, value] : {std::pair{0, 1}, {1, 255}, {2, 127}, {3, 128}})
     EXPECT_EQ(sample_as_double(file.volume, static_cast<std::size_t>(i)), value);
   EXPECT_FALSE(file.source.has_spacing);
@@ -252,8 +253,8 @@ TEST_F(ImageStack, PngOfAnyDepth) {
           write_png(folder_ / name, {.bits = depth.bits, .colours = colours, .rows = depth.rows, .is_interlaced = is_interlaced});
         }
         const VolumeFile file = read();
-        EXPECT_EQ(file.volume.type, depth.type);
-        ASSERT_EQ(file.volume.grid.size, (std::array<std::size_t, 3>{4, 3, 2}));
+        EXPECT_EQ(file.volume.view.type, depth.type);
+        ASSERT_EQ(file.volume.view.grid.size, (std::array<std::size_t, 3>{4, 3, 2}));
         for (std::size_t i = 0; i < 4; ++i) {
           EXPECT_EQ(sample_as_double(file.volume, i), depth.values[i]);
           EXPECT_EQ(sample_as_double(file.volume, 12 + i), depth.values[i]);
@@ -298,7 +299,7 @@ TEST_F(ImageStack, PngCutAnywhere) {
   write_png(folder_ / "s1.png", {.rows = {"abcd", "efgh", "ijkl"}});
   write_png(folder_ / "s2.png", {.rows = {"abcd", "efgh", "ijkl"}});
   const std::string whole = read_bytes(folder_ / "s2.png");
-  EXPECT_EQ(read().volume.grid.size[2], 2U);
+  EXPECT_EQ(read().volume.view.grid.size[2], 2U);
   for (std::size_t bytes = 1; bytes < whole.size(); ++bytes) {
     write_bytes(folder_ / "s2.png", whole.substr(0, bytes));
     refuse(ErrorCode::bad_file, "is cut off or damaged", folder_ / "s2.png");

@@ -86,10 +86,10 @@ TEST_F(LegacyVtk, FieldVolumesAreRead) {
     SCOPED_TRACE(name);
     const VolumeFile file = read_volume_file(field_file(name));
     expect_size_and_spacing(file.volume, {24, 20, 16}, {0.5, 0.5, 2});
-    EXPECT_EQ(file.volume.grid.origin, origin);
-    EXPECT_EQ(file.volume.grid.direction, Grid{}.direction);
-    EXPECT_EQ(file.volume.grid.unit, LengthUnit::unknown);
-    EXPECT_EQ(file.volume.type, SampleType::float32);
+    EXPECT_EQ(file.volume.view.grid.origin, origin);
+    EXPECT_EQ(file.volume.view.grid.direction, Grid{}.direction);
+    EXPECT_EQ(file.volume.view.grid.unit, LengthUnit::unknown);
+    EXPECT_EQ(file.volume.view.type, SampleType::float32);
     EXPECT_EQ(sample_digest(file.volume), kFieldDigest);
     EXPECT_EQ(file.source.format, "legacy VTK");
     EXPECT_TRUE(file.source.warnings.empty());
@@ -102,7 +102,7 @@ TEST_F(LegacyVtk, ExtentsSayWhereTheFirstPointIs) {
   const std::string values = "POINT_DATA 24\nSCALARS v float\nLOOKUP_TABLE default\n" + integers(kPoints);
   const VolumeFile file = read(start("ASCII") + geometry + values);
   expect_size_and_spacing(file.volume, {4, 3, 2}, {0.5, 1, 2});
-  EXPECT_EQ(file.volume.grid.origin, (Vec3{9, 23, 32}));
+  EXPECT_EQ(file.volume.view.grid.origin, (Vec3{9, 23, 32}));
   expect_ramp(file);
   expect_refused(start("ASCII") + "EXTENT 0 3 2 0 0 1\n" + values, ErrorCode::bad_file, "goes from 2 to 0 along y");
   expect_refused(start("ASCII") + "EXTENT 0 9999999999 0 2 0 1\n" + values, ErrorCode::bad_file, "expected 32-bit indices");
@@ -111,11 +111,11 @@ TEST_F(LegacyVtk, ExtentsSayWhereTheFirstPointIs) {
 TEST_F(LegacyVtk, CellDataIsAtTheCentresOfCells) {
   const VolumeFile file = read_volume_file(field_file("l_both_b.vtk"), {.array = "cell:c"});
   expect_size_and_spacing(file.volume, {23, 19, 15}, {0.5, 0.5, 2});
-  EXPECT_EQ(file.volume.grid.origin, (Vec3{1.25, 2.25, 4}));
-  EXPECT_EQ(file.volume.type, SampleType::float64);
+  EXPECT_EQ(file.volume.view.grid.origin, (Vec3{1.25, 2.25, 4}));
+  EXPECT_EQ(file.volume.view.type, SampleType::float64);
   EXPECT_EQ(decision(file, "samples"), "cell data, at the centres of the cells");
   EXPECT_EQ(file.source.choices[0].entries, (std::vector<std::string>{"v: float32", "cell:c: float64"}));
-  EXPECT_EQ(read_volume_file(field_file("l_both_b.vtk"), {.array = "c"}).volume.type, SampleType::float64);
+  EXPECT_EQ(read_volume_file(field_file("l_both_b.vtk"), {.array = "c"}).volume.view.type, SampleType::float64);
 }
 
 TEST_F(LegacyVtk, CellDataAloneIsRead) {
@@ -130,7 +130,7 @@ TEST_F(LegacyVtk, EveryTypeIsRead) {
     SCOPED_TRACE(name);
     const std::string section = kGeometry + std::string("POINT_DATA 24\nSCALARS s ") + name + " 1\nLOOKUP_TABLE default\n";
     for (const VolumeFile& file : {read(start() + section + bytes), read(start("ASCII") + section + integers(kPoints))}) {
-      EXPECT_EQ(file.volume.type, type);
+      EXPECT_EQ(file.volume.view.type, type);
       expect_ramp(file);
     }
   };
@@ -162,7 +162,7 @@ TEST_F(LegacyVtk, BitsAreRead) {
 TEST_F(LegacyVtk, LongOfWindowsHasFourBytes) {
   const std::string section = kGeometry + std::string("POINT_DATA 24\nSCALARS s long 1\nLOOKUP_TABLE default\n");
   const VolumeFile alone = read(start() + section + big_endian(ramp<std::int32_t>(kPoints)));
-  EXPECT_EQ(alone.volume.type, SampleType::int32);
+  EXPECT_EQ(alone.volume.view.type, SampleType::int32);
   expect_ramp(alone);
   const std::string more = "\nVECTORS v float\n" + big_endian(ramp<float>(3 * kPoints));
   expect_ramp(read(start() + section + big_endian(ramp<std::int32_t>(kPoints)) + more));
@@ -176,7 +176,7 @@ TEST_F(LegacyVtk, LongOfWindowsHasFourBytes) {
 TEST_F(LegacyVtk, VtkWritesUnsignedCharAsColours) {
   const std::string section = kGeometry + std::string("POINT_DATA 24\nCOLOR_SCALARS s 1\n");
   const VolumeFile binary = read(start() + section + big_endian(ramp<std::uint8_t>(kPoints, 200)));
-  EXPECT_EQ(binary.volume.type, SampleType::uint8);
+  EXPECT_EQ(binary.volume.view.type, SampleType::uint8);
   expect_ramp(binary, kPoints, 200);
   std::vector<double> fractions;
   for (int i = 0; i < kPoints; ++i) fractions.push_back((200 + i) / 255.0);
@@ -254,7 +254,7 @@ TEST_F(LegacyVtk, KeywordsLineEndsAndOrderAreFree) {
       "aspect_ratio 0.5 0.25 2\r\ndimensions 4 3 2\r\npoint_data 24\r\nscalars s Float\r\nlookup_table default\r\n";
   const VolumeFile file = read(aspect + values);
   expect_size_and_spacing(file.volume, {4, 3, 2}, {0.5, 0.25, 2});
-  EXPECT_EQ(file.volume.grid.origin, (Vec3{1, 2, 3}));
+  EXPECT_EQ(file.volume.view.grid.origin, (Vec3{1, 2, 3}));
   expect_ramp(file);
   expect_ramp(read(start() + kGeometry + "POINT_DATA 24\nSCALARS s float 1\n" + values));  // no LOOKUP_TABLE
   expect_ramp(read(start("ASCII") + kGeometry + "POINT_DATA 24\nSCALARS s float 1\n" + integers(kPoints)));
@@ -294,9 +294,9 @@ TEST_F(LegacyVtk, RectilinearGridsNeedEqualSteps) {
   };
   const VolumeFile file = read(grid("0.1 0.4333333 0.7666667 1.1"));
   expect_size_and_spacing(file.volume, {4, 3, 2}, {1.0 / 3, 2, 0.5});
-  EXPECT_EQ(file.volume.grid.direction[1], (Vec3{0, -1, 0}));
-  EXPECT_NEAR(file.volume.grid.origin.x, 0.1, 1e-8);
-  EXPECT_EQ(file.volume.grid.origin.y, 9);
+  EXPECT_EQ(file.volume.view.grid.direction[1], (Vec3{0, -1, 0}));
+  EXPECT_NEAR(file.volume.view.grid.origin.x, 0.1, 1e-8);
+  EXPECT_EQ(file.volume.view.grid.origin.y, 9);
   EXPECT_TRUE(file.source.has_spacing);
   expect_ramp(file);
   expect_refused(grid("0 1 2.5 3"), ErrorCode::unsupported, "its x coordinates are uneven: steps of 0.5 and of 1.5");

@@ -42,7 +42,7 @@ TEST(MetaImageField, CompressedSizeIsNotNeeded) {
   EXPECT_EQ(samples.size(), 7680u);
   EXPECT_EQ(samples.find_first_not_of(std::string("\0\xC8", 2)), std::string::npos);  // 0 and 200
   EXPECT_EQ(std::count(samples.begin(), samples.end(), '\xC8'), 606);
-  EXPECT_EQ(without.volume.grid.spacing, (Vec3{1, 1, 1}));
+  EXPECT_EQ(without.volume.view.grid.spacing, (Vec3{1, 1, 1}));
   EXPECT_EQ(without.source.warnings, Strings{});
 }
 
@@ -55,8 +55,8 @@ TEST(MetaImageField, CompressedSizeMayBeZero) {
 
 TEST(MetaImageField, ListOfSlices) {
   const VolumeFile file = read_volume_file(kField / "m_det_list.mhd");
-  EXPECT_EQ(file.volume.grid.size, (std::array<std::size_t, 3>{24, 20, 16}));
-  EXPECT_EQ(file.volume.type, SampleType::float32);
+  EXPECT_EQ(file.volume.view.grid.size, (std::array<std::size_t, 3>{24, 20, 16}));
+  EXPECT_EQ(file.volume.view.type, SampleType::float32);
   EXPECT_EQ(samples_of(file.volume), read_bytes(kField / "r_det.raw"));
   EXPECT_EQ(file.source.warnings, Strings{"states no voxel size, 1 x 1 x 1 is assumed"});
 }
@@ -64,7 +64,7 @@ TEST(MetaImageField, ListOfSlices) {
 // ---- geometry
 
 TEST(MetaImageGrid, NamesOfThePosition) {  // MetaIO lets the later of these overwrite the earlier
-  const auto origin = [](const std::string& more) { return MetaFile(small(kSpacing + more)).file().volume.grid.origin; };
+  const auto origin = [](const std::string& more) { return MetaFile(small(kSpacing + more)).file().volume.view.grid.origin; };
   EXPECT_EQ(origin("Offset = 1 2 3\n"), (Vec3{1, 2, 3}));
   EXPECT_EQ(origin("Position = 4 5 6\n"), (Vec3{4, 5, 6}));
   EXPECT_EQ(origin("Origin = 7 8 9\n"), (Vec3{7, 8, 9}));
@@ -79,7 +79,7 @@ TEST(MetaImageGrid, NamesOfThePosition) {  // MetaIO lets the later of these ove
 
 TEST(MetaImageGrid, NamesOfTheMatrix) {
   const std::string turned = " = 0 1 0 -1 0 0 0 0 1\n", mirrored = " = 1 0 0 0 -1 0 0 0 1\n";
-  const auto direction = [](const std::string& more) { return MetaFile(small(kSpacing + more)).file().volume.grid.direction; };
+  const auto direction = [](const std::string& more) { return MetaFile(small(kSpacing + more)).file().volume.view.grid.direction; };
   const std::array<Vec3, 3> expected{Vec3{0, 1, 0}, Vec3{-1, 0, 0}, Vec3{0, 0, 1}};  // a row of the matrix is an axis of the image
   for (const std::string name : {"TransformMatrix", "Rotation", "Orientation"}) {
     EXPECT_EQ(direction(name + turned), expected) << name;
@@ -91,21 +91,22 @@ TEST(MetaImageGrid, NamesOfTheMatrix) {
 }
 
 TEST(MetaImageGrid, CentreOfRotationMovesNothing) {  // as in ITK
-  const Grid grid = MetaFile(small("CenterOfRotation = 5 6 7\nOffset = 1 2 3\nTransformMatrix = 0 1 0 -1 0 0 0 0 1\n")).file().volume.grid;
+  const Grid grid =
+      MetaFile(small("CenterOfRotation = 5 6 7\nOffset = 1 2 3\nTransformMatrix = 0 1 0 -1 0 0 0 0 1\n")).file().volume.view.grid;
   EXPECT_EQ(grid.origin, (Vec3{1, 2, 3}));
 }
 
 TEST(MetaImageGrid, Spacing) {
   const auto file = [](const std::string& more) { return MetaFile(small(more)).file(); };
-  EXPECT_EQ(file("ElementSpacing = 0.5 1 2\nElementSize = 3 4 5\n").volume.grid.spacing, (Vec3{0.5, 1, 2}));
-  EXPECT_EQ(file("ElementSize = 3 4 5\n").volume.grid.spacing, (Vec3{3, 4, 5}));
+  EXPECT_EQ(file("ElementSpacing = 0.5 1 2\nElementSize = 3 4 5\n").volume.view.grid.spacing, (Vec3{0.5, 1, 2}));
+  EXPECT_EQ(file("ElementSize = 3 4 5\n").volume.view.grid.spacing, (Vec3{3, 4, 5}));
   EXPECT_EQ(file("").source.warnings, Strings{"states no voxel size, 1 x 1 x 1 is assumed"});
-  EXPECT_EQ(file("ElementSpacing = 1 -2 3\n").volume.grid.direction[1], (Vec3{0, -1, 0}));
+  EXPECT_EQ(file("ElementSpacing = 1 -2 3\n").volume.view.grid.direction[1], (Vec3{0, -1, 0}));
   MetaFile(small("ElementSpacing = 1 nan 3\n")).expect_refused(kBad, "spacing along y");
 }
 
 TEST(MetaImageGrid, Unit) {
-  const auto unit = [](const std::string& more) { return MetaFile(small(more)).file().volume.grid.unit; };
+  const auto unit = [](const std::string& more) { return MetaFile(small(more)).file().volume.view.grid.unit; };
   EXPECT_EQ(unit(kSpacing), LengthUnit::unknown);
   EXPECT_EQ(unit(kSpacing + "AnatomicalOrientation = RAI\n"), LengthUnit::millimetre);  // every file of ITK has this
   EXPECT_EQ(unit(kSpacing + "AnatomicalOrientation = ???\n"), LengthUnit::unknown);
@@ -134,12 +135,12 @@ TEST(MetaImageAxes, Time) {
   const MetaFile file(four_dimensional("2 3 4 2", counted(48)));
   file.expect_refused(kUnsupported, "has 2 time points");
   EXPECT_EQ(file.samples({.time = 1}), counted(24, 24));
-  EXPECT_EQ(file.file({.time = 1}).volume.grid.spacing, (Vec3{1, 2, 3}));
+  EXPECT_EQ(file.file({.time = 1}).volume.view.grid.spacing, (Vec3{1, 2, 3}));
   EXPECT_EQ(MetaFile(four_dimensional("2 3 4 1", counted(24))).samples(), counted(24));
   const MetaFile both(four_dimensional("2 3 4 2", counted(96), "ElementNumberOfChannels = 2\n"));
   EXPECT_EQ(both.samples({.channel = "1", .time = 1}), counted(24, 49, 2));
   const std::string matrix = "TransformMatrix = 0 1 0 0 -1 0 0 0 0 0 1 0 0 0 0 1\nOffset = 1 2 3 4\n";
-  const Grid grid = MetaFile(four_dimensional("2 3 4 2", counted(48), matrix)).file({.time = 0}).volume.grid;
+  const Grid grid = MetaFile(four_dimensional("2 3 4 2", counted(48), matrix)).file({.time = 0}).volume.view.grid;
   EXPECT_EQ(grid.direction[0], (Vec3{0, 1, 0}));
   EXPECT_EQ(grid.origin, (Vec3{1, 2, 3}));
   MetaFile(four_dimensional("2 3 4 2", counted(48), "TransformMatrix = 1 0 0 1 0 1 0 0 0 0 1 0 0 0 0 1\n"))
@@ -164,7 +165,7 @@ TEST(MetaImageSamples, Types) {
     const std::string body = counted(8 * bytes_per_sample(type));
     const MetaFile file("NDims = 3\nDimSize = 2 2 2\nBinaryDataByteOrderMSB = False\nElementType = " + name +
                         "\nElementDataFile = LOCAL\n" + body);
-    EXPECT_EQ(file.file().volume.type, type) << name;
+    EXPECT_EQ(file.file().volume.view.type, type) << name;
     EXPECT_EQ(file.samples(), body) << name;
   }
   for (const std::string name : {"MET_NONE", "MET_STRING", "MET_FLOAT_MATRIX", "MET_OTHER", "float"}) {
@@ -318,7 +319,7 @@ TEST(MetaImageDataFiles, ListsMayBeLong) {
   write_bytes(folder / (std::string(40, 'x') + ".raw"), "abcd");
   write_bytes(folder / "a.mhd",
               "ObjectType = Image\nNDims = 3\nDimSize = 2 2 3000\nElementType = MET_UCHAR\nElementDataFile = LIST\n" + list);
-  EXPECT_EQ(read_volume(folder / "a.mhd").grid.size[2], 3000U);
+  EXPECT_EQ(read_volume(folder / "a.mhd").view.grid.size[2], 3000U);
 }
 
 TEST(MetaImageDataFiles, Pattern) {
@@ -354,7 +355,8 @@ TEST(MetaImageHeader, Spelling) {
   EXPECT_EQ(
       MetaFile(small(kSpacing + "Comment = a = b : c\nModality = MET_MOD_CT\nMyField = x\nElementMin = 0\nElementNBits = 8\n")).samples(),
       counted(24));
-  EXPECT_EQ(MetaFile(small(kSpacing + "ElementSpacing = 3 4 5\n")).file().volume.grid.spacing, (Vec3{3, 4, 5}));  // the last one counts
+  EXPECT_EQ(MetaFile(small(kSpacing + "ElementSpacing = 3 4 5\n")).file().volume.view.grid.spacing,
+            (Vec3{3, 4, 5}));  // the last one counts
 }
 
 TEST(MetaImageHeader, GzippedAsAWhole) {

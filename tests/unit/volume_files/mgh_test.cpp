@@ -65,10 +65,10 @@ class Mgh : public testing::Test {
     const std::string bytes = mgh({.type = type}, bytes_of(values, kBigEndian));
     for (const std::string& packed : {bytes, gzipped(bytes)}) {
       const VolumeFile file = read(packed);
-      EXPECT_EQ(file.volume.type, sample_type);
-      EXPECT_EQ(file.volume.grid.size, kSize);
+      EXPECT_EQ(file.volume.view.type, sample_type);
+      EXPECT_EQ(file.volume.view.grid.size, kSize);
       EXPECT_EQ(samples_as_double(file.volume), std::vector<double>(values.begin(), values.end()));
-      EXPECT_EQ(file.volume.grid.unit, LengthUnit::millimetre);
+      EXPECT_EQ(file.volume.view.grid.unit, LengthUnit::millimetre);
       EXPECT_TRUE(file.source.warnings.empty());
     }
   }
@@ -102,7 +102,7 @@ TEST_F(Mgh, TheMiddleSampleIsAtTheCentre) {
   };
   for (const Vec3& index : {Vec3{0, 0, 0}, Vec3{3, 0, 0}, Vec3{0, 2, 0}, Vec3{0, 0, 1}, Vec3{2, 1.5, 1}}) {
     const Vec3 expected = ras(index.x, index.y, index.z);
-    expect_near(file.volume.grid.to_world(index), {-expected.x, -expected.y, expected.z}, 1e-6);
+    expect_near(file.volume.view.grid.to_world(index), {-expected.x, -expected.y, expected.z}, 1e-6);
   }
   EXPECT_TRUE(file.source.warnings.empty());
 }
@@ -110,7 +110,7 @@ TEST_F(Mgh, TheMiddleSampleIsAtTheCentre) {
 TEST_F(Mgh, WithoutOrientationItIsCoronal) {
   const VolumeFile file = read(mgh({.good_ras = 0, .spacing = {7, 7, 7}, .middle = {1, 2, 3}}));
   expect_size_and_spacing(file.volume, kSize, {1, 1, 1}, 0);
-  const auto expect_ras = [&](Vec3 index, Vec3 ras) { EXPECT_EQ(file.volume.grid.to_world(index), (Vec3{-ras.x, -ras.y, ras.z})); };
+  const auto expect_ras = [&](Vec3 index, Vec3 ras) { EXPECT_EQ(file.volume.view.grid.to_world(index), (Vec3{-ras.x, -ras.y, ras.z})); };
   expect_ras({0, 0, 0}, {2, -1, 1.5});
   expect_ras({1, 0, 0}, {1, -1, 1.5});
   expect_ras({0, 1, 0}, {2, -1, 0.5});

@@ -81,9 +81,9 @@ class Mrc : public testing::Test {
       for (const std::string& packed : {bytes, gzipped(bytes)}) {
         const VolumeFile file = read(packed);
         EXPECT_EQ(file.source.format, "MRC");
-        EXPECT_EQ(file.volume.type, type);
+        EXPECT_EQ(file.volume.view.type, type);
         expect_size_and_spacing(file.volume, kSize, {1, 1, 1}, 0);
-        EXPECT_EQ(file.volume.grid.unit, LengthUnit::angstrom);
+        EXPECT_EQ(file.volume.view.grid.unit, LengthUnit::angstrom);
         EXPECT_EQ(samples_as_double(file.volume), std::vector<double>(values.begin(), values.end()));
         EXPECT_TRUE(file.source.warnings.empty());
       }
@@ -97,7 +97,7 @@ TEST_F(Mrc, EveryMode) {
   expect_mode<float>(2, SampleType::float32);
   expect_mode<std::uint16_t>(6, SampleType::uint16);
   const VolumeFile half = read(mrc({.mode = 12}, bytes_of(std::vector<std::uint16_t>(kCount, 0x3E00))));
-  EXPECT_EQ(half.volume.type, SampleType::float32);
+  EXPECT_EQ(half.volume.view.type, SampleType::float32);
   EXPECT_EQ(sample_as_double(half.volume, 23), 1.5);
   for (const auto& [mode, kind] : std::vector<std::pair<int, std::string>>{
            {3, "complex"}, {4, "complex"}, {16, "colours"}, {101, "4-bit integers"}, {7, "no type that MRC2014 knows"}}) {
@@ -129,8 +129,8 @@ TEST_F(Mrc, SpacingIsTheCellDividedByItsIntervals) {
   for (const MrcOptions& options : {MrcOptions{.cell = {0, 0, 0}}, MrcOptions{.intervals = {0, 3, 2}}}) {
     const VolumeFile without = read(mrc(options));
     EXPECT_FALSE(without.source.has_spacing);
-    EXPECT_EQ(without.volume.grid.spacing, (Vec3{1, 1, 1}));
-    EXPECT_EQ(without.volume.grid.unit, LengthUnit::unknown);
+    EXPECT_EQ(without.volume.view.grid.spacing, (Vec3{1, 1, 1}));
+    EXPECT_EQ(without.volume.view.grid.unit, LengthUnit::unknown);
     expect_one_warning(without, "states no voxel size");
   }
 }
@@ -138,24 +138,24 @@ TEST_F(Mrc, SpacingIsTheCellDividedByItsIntervals) {
 TEST_F(Mrc, OriginIsStatedInTwoWays) {
   const MrcOptions starts{.start = {10, -20, 30}, .cell = {2, 3, 4}};
   VolumeFile file = read(mrc(starts));
-  EXPECT_EQ(file.volume.grid.origin, (Vec3{5, -20, 60}));
+  EXPECT_EQ(file.volume.view.grid.origin, (Vec3{5, -20, 60}));
   MrcOptions both = starts;
   both.origin = {1.5F, 0, -3};
   file = read(mrc(both));
-  EXPECT_EQ(file.volume.grid.origin, (Vec3{1.5, 0, -3}));
+  EXPECT_EQ(file.volume.view.grid.origin, (Vec3{1.5, 0, -3}));
   EXPECT_EQ(decision(file, "origin"), "ORIGIN");
   both.imod_stamp = 1146047817;
   file = read(mrc(both));
-  EXPECT_EQ(file.volume.grid.origin, (Vec3{-1.5, 0, 3}));
+  EXPECT_EQ(file.volume.view.grid.origin, (Vec3{-1.5, 0, 3}));
   EXPECT_EQ(decision(file, "origin"), "ORIGIN, reversed as in IMOD");
   both.imod_flags = 4;
-  EXPECT_EQ(read(mrc(both)).volume.grid.origin, (Vec3{1.5, 0, -3}));
+  EXPECT_EQ(read(mrc(both)).volume.view.grid.origin, (Vec3{1.5, 0, -3}));
 }
 
 TEST_F(Mrc, AxesInAnyOrder) {
   // Columns along z, rows along x, sections along y: the samples stay, the grid turns.
   const VolumeFile file = read(mrc({.start = {1, 2, 3}, .intervals = {3, 2, 4}, .cell = {3, 4, 12}, .axes = {3, 1, 2}}));
-  const Grid& grid = file.volume.grid;
+  const Grid& grid = file.volume.view.grid;
   expect_size_and_spacing(file.volume, kSize, {3, 1, 2}, 0);  // of z, x and y
   EXPECT_EQ(grid.to_world({0, 0, 0}), (Vec3{2, 6, 3}));
   EXPECT_EQ(grid.to_world({1, 0, 0}), (Vec3{2, 6, 6}));
@@ -164,22 +164,22 @@ TEST_F(Mrc, AxesInAnyOrder) {
   EXPECT_FALSE(grid.mirrored());
   EXPECT_EQ(sample_as_double(file.volume, 5), 5);
   EXPECT_EQ(decision(file, "axes"), "columns, rows and sections along zxy");
-  EXPECT_TRUE(read(mrc({.axes = {2, 1, 3}})).volume.grid.mirrored());
-  EXPECT_EQ(read(mrc({.axes = {0, 0, 0}})).volume.grid.direction, Grid{}.direction);  // old programs
+  EXPECT_TRUE(read(mrc({.axes = {2, 1, 3}})).volume.view.grid.mirrored());
+  EXPECT_EQ(read(mrc({.axes = {0, 0, 0}})).volume.view.grid.direction, Grid{}.direction);  // old programs
   const std::string big = mrc({.mode = 0, .axes = {0, 0, 0}, .big_endian = true}, bytes_of(std::vector<std::int8_t>(kCount, 1), true));
-  EXPECT_EQ(read(big).volume.grid.size, kSize);  // its header makes sense in either byte order
+  EXPECT_EQ(read(big).volume.view.grid.size, kSize);  // its header makes sense in either byte order
 }
 
 TEST_F(Mrc, CellsNeedNotBeRight) {
   const VolumeFile file = read(mrc({.cell = {8, 9, 10}, .angles = {90, 120, 90}}));
-  const Grid& grid = file.volume.grid;
+  const Grid& grid = file.volume.view.grid;
   expect_near(grid.direction[0], {1, 0, 0}, 1e-12);
   expect_near(grid.direction[1], {0, 1, 0}, 1e-12);
   expect_near(grid.direction[2], {-0.5, 0, std::sqrt(0.75)}, 1e-12);
   expect_size_and_spacing(file.volume, kSize, {2, 3, 5}, 1e-12);
   const VolumeFile hexagonal = read(mrc({.angles = {90, 90, 120}}));
-  expect_near(hexagonal.volume.grid.direction[1], {-0.5, std::sqrt(0.75), 0}, 1e-12);
-  EXPECT_EQ(read(mrc({.angles = {0, 0, 0}})).volume.grid.direction, Grid{}.direction);
+  expect_near(hexagonal.volume.view.grid.direction[1], {-0.5, std::sqrt(0.75), 0}, 1e-12);
+  EXPECT_EQ(read(mrc({.angles = {0, 0, 0}})).volume.view.grid.direction, Grid{}.direction);
   refuse(mrc({.angles = {10, 90, 170}}), ErrorCode::bad_file, "direction");  // no such cell
 }
 
@@ -195,7 +195,7 @@ TEST_F(Mrc, TheExtendedHeaderIsSkipped) {
 TEST_F(Mrc, StacksOfVolumesAreAChoice) {
   const std::string bytes = mrc({.size = {4, 3, 6}, .intervals = {4, 3, 2}, .space_group = 401}, bytes_of(ramp<std::uint8_t>(3 * kCount)));
   const VolumeFile file = read(bytes, {.time = 1});
-  EXPECT_EQ(file.volume.grid.size, kSize);
+  EXPECT_EQ(file.volume.view.grid.size, kSize);
   EXPECT_EQ(sample_as_double(file.volume, 0), kCount);
   refuse(bytes, ErrorCode::unsupported, "has 3 time points");
   refuse(mrc({.size = {4, 3, 5}, .space_group = 401}), ErrorCode::bad_file, "a stack of volumes of 2 sections each, but has 5 sections");

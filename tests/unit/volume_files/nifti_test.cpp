@@ -146,11 +146,11 @@ TEST(FieldNifti, AreReadAsTheyAreMeant) {
     testing::internal::CaptureStderr();
     const VolumeFile file = read_volume_file(field_file(expected.name));
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
-    EXPECT_EQ(file.volume.type, SampleType::float32);
+    EXPECT_EQ(file.volume.view.type, SampleType::float32);
     expect_size_and_spacing(file.volume, kFieldSize, expected.spacing);
-    expect_near(file.volume.grid.origin, expected.origin);
-    for (std::size_t axis = 0; axis < 3; ++axis) expect_near(file.volume.grid.direction[axis], expected.direction[axis], 2e-7);
-    EXPECT_EQ(file.volume.grid.unit, LengthUnit::millimetre);
+    expect_near(file.volume.view.grid.origin, expected.origin);
+    for (std::size_t axis = 0; axis < 3; ++axis) expect_near(file.volume.view.grid.direction[axis], expected.direction[axis], 2e-7);
+    EXPECT_EQ(file.volume.view.grid.unit, LengthUnit::millimetre);
     EXPECT_EQ(samples_as_double(file.volume), samples);
     EXPECT_EQ(decision(file, "affine"), "sform");
     EXPECT_EQ(file.source.reader, "isoatlas " ISOATLAS_VERSION);
@@ -164,7 +164,7 @@ TEST(FieldNifti, AreReadAsTheyAreMeant) {
 
 TEST(FieldNifti, SlopeZeroMeansNoScaling) {
   const VolumeFile file = read_volume_file(field_file("n_slope0_inter5.nii"));
-  EXPECT_EQ(file.volume.type, SampleType::int16);
+  EXPECT_EQ(file.volume.view.type, SampleType::int16);
   const SampleSummary summary = summarize(file.volume);
   EXPECT_EQ(summary.minimum, -2779);
   EXPECT_EQ(summary.maximum, 1000);
@@ -221,11 +221,11 @@ TEST_F(Nifti, EveryTypeInBothByteOrdersAndVersions) {
       second.qoffset_x = stored(5.0);
       for (const std::string& bytes : {one_file(first, bytes_of(values, big_endian)), one_file(second, bytes_of(values, big_endian))}) {
         const VolumeFile file = read(bytes);
-        EXPECT_EQ(file.volume.type, type);
+        EXPECT_EQ(file.volume.view.type, type);
         expect_size_and_spacing(file.volume, kSize, {1, 1, 1});
-        EXPECT_EQ(file.volume.grid.origin, (Vec3{-5, 0, 0}));
+        EXPECT_EQ(file.volume.view.grid.origin, (Vec3{-5, 0, 0}));
         EXPECT_EQ(samples_as_double(file.volume), expected);
-        EXPECT_EQ(std::memcmp(file.volume.samples, values.data(), kCount * sizeof(T)), 0);
+        EXPECT_EQ(std::memcmp(file.volume.view.samples, values.data(), kCount * sizeof(T)), 0);
         EXPECT_TRUE(file.source.warnings.empty());
       }
       EXPECT_EQ(read(one_file(second, bytes_of(values, big_endian))).source.format, "NIfTI-2");
@@ -255,7 +255,7 @@ TEST_F(Nifti, ScaledSamplesAreFloatOrDouble) {
   header.scl_slope = 0.1F;
   header.scl_inter = -7;
   const VolumeFile file = read(one_file(header, bytes_of(ramp<std::int16_t>(kCount, -5))));
-  EXPECT_EQ(file.volume.type, SampleType::float32);
+  EXPECT_EQ(file.volume.view.type, SampleType::float32);
   EXPECT_EQ(decision(file, "rescale"), "slope 0.100000001, intercept -7");
   for (std::size_t i = 0; i < kCount; ++i) {
     const double stored = static_cast<double>(i) - 5;
@@ -263,7 +263,7 @@ TEST_F(Nifti, ScaledSamplesAreFloatOrDouble) {
   }
   header.datatype = 64;
   const VolumeFile doubles = read(one_file(header, bytes_of(ramp<double>(kCount))));
-  EXPECT_EQ(doubles.volume.type, SampleType::float64);
+  EXPECT_EQ(doubles.volume.view.type, SampleType::float64);
   EXPECT_EQ(sample_as_double(doubles.volume, 3), 3 * static_cast<double>(0.1F) - 7);
   // 2^24 + 1 is no float: it is scaled as it is, not rounded first.
   header.datatype = 8;
@@ -293,7 +293,7 @@ TEST_F(Nifti, UnusableScalesAreLeftOut) {
     header.scl_slope = slope;
     header.scl_inter = slope == 0 ? 5 : kNaN;
     const VolumeFile file = read(one_file(header, bytes_of(values)));
-    EXPECT_EQ(file.volume.type, SampleType::int16);
+    EXPECT_EQ(file.volume.view.type, SampleType::int16);
     EXPECT_EQ(sample_as_double(file.volume, 9), 9);
     EXPECT_TRUE(file.source.warnings.empty());
   }
@@ -473,13 +473,13 @@ TEST_F(Nifti, QformIsARotationAndAVoxelSize) {
   EXPECT_TRUE(file.source.warnings.empty());
   expect_size_and_spacing(file.volume, kSize, {2, 3, 4}, 0);
   const double c = 0.5, s = std::sqrt(0.75);
-  expect_ras(file.volume.grid, {0, 0, 0}, {10, 20, 30});
-  expect_ras(file.volume.grid, {1, 0, 0}, {10 + 2 * c, 20 + 2 * s, 30});
-  expect_ras(file.volume.grid, {0, 1, 0}, {10 - 3 * s, 20 + 3 * c, 30});
-  expect_ras(file.volume.grid, {0, 0, 1}, {10, 20, 30 - 4});  // pixdim[0] turns z round
-  EXPECT_TRUE(file.volume.grid.mirrored());
+  expect_ras(file.volume.view.grid, {0, 0, 0}, {10, 20, 30});
+  expect_ras(file.volume.view.grid, {1, 0, 0}, {10 + 2 * c, 20 + 2 * s, 30});
+  expect_ras(file.volume.view.grid, {0, 1, 0}, {10 - 3 * s, 20 + 3 * c, 30});
+  expect_ras(file.volume.view.grid, {0, 0, 1}, {10, 20, 30 - 4});  // pixdim[0] turns z round
+  EXPECT_TRUE(file.volume.view.grid.mirrored());
   header.pixdim[0] = 0;  // as 1
-  EXPECT_FALSE(read(one_file(header)).volume.grid.mirrored());
+  EXPECT_FALSE(read(one_file(header)).volume.view.grid.mirrored());
 }
 
 TEST_F(Nifti, QuaternionsOfHalfATurn) {
@@ -487,13 +487,13 @@ TEST_F(Nifti, QuaternionsOfHalfATurn) {
   header.quatern_b = 0.6F;
   header.quatern_c = 0.8F;  // b^2 + c^2 is a little more than 1 in single precision
   const VolumeFile file = read(one_file(header));
-  expect_ras(file.volume.grid, {1, 0, 0}, {0.36 - 0.64, 0.96, 0});
-  expect_ras(file.volume.grid, {0, 0, 1}, {0, 0, -1});
+  expect_ras(file.volume.view.grid, {1, 0, 0}, {0.36 - 0.64, 0.96, 0});
+  expect_ras(file.volume.view.grid, {0, 0, 1}, {0, 0, -1});
   EXPECT_TRUE(file.source.warnings.empty());
   header.quatern_b = 3;
   header.quatern_c = 4;
   const VolumeFile longer = read(one_file(header));
-  expect_ras(longer.volume.grid, {1, 0, 0}, {0.36 - 0.64, 0.96, 0});
+  expect_ras(longer.volume.view.grid, {1, 0, 0}, {0.36 - 0.64, 0.96, 0});
   expect_one_warning(longer, "has length 5, expected at most 1");
   header.quatern_b = kNaN;
   refuse(one_file(header), ErrorCode::bad_file, "its qform is not finite");
@@ -508,11 +508,11 @@ TEST_F(Nifti, SformIsUsedWhereTheTwoDiffer) {
   set_sform(header, {{{1, 0, 0, 0.05F}, {0, 1, 0, 0}, {0, 0, 1, 0}}}, 4);  // a small difference is no news, but not lost
   file = read(one_file(header));
   EXPECT_EQ(decision(file, "affine"), "sform");
-  EXPECT_FLOAT_EQ(static_cast<float>(file.volume.grid.origin.x), -0.05F);
+  EXPECT_FLOAT_EQ(static_cast<float>(file.volume.view.grid.origin.x), -0.05F);
   EXPECT_TRUE(file.source.warnings.empty());
   set_sform(header, {{{1, 0, 0, 0.2F}, {0, 1, 0, 0}, {0, 0, 1, 0}}}, 4);
   file = read(one_file(header));
-  EXPECT_FLOAT_EQ(static_cast<float>(file.volume.grid.origin.x), -0.2F);
+  EXPECT_FLOAT_EQ(static_cast<float>(file.volume.view.grid.origin.x), -0.2F);
   expect_one_warning(file, "its sform and its qform put samples up to 0.2 voxels apart; the sform is used");
 }
 
@@ -524,8 +524,8 @@ TEST_F(Nifti, SformKeepsTheVoxelSizeAsItIsWritten) {
   const float c = 0.8125F * 0.8F, s = 0.8125F * 0.6F;  // rounded
   set_sform(header, {{{c, -s, 0, 1}, {s, c, 0, 2}, {0, 0, 1, 3}}});
   const VolumeFile file = read(one_file(header));
-  EXPECT_EQ(file.volume.grid.spacing, (Vec3{0.8125, 0.8125, 1}));
-  expect_ras(file.volume.grid, {1, 1, 1}, {1 + c - s, 2 + s + c, 4});
+  EXPECT_EQ(file.volume.view.grid.spacing, (Vec3{0.8125, 0.8125, 1}));
+  expect_ras(file.volume.view.grid, {1, 1, 1}, {1 + c - s, 2 + s + c, 4});
   EXPECT_TRUE(file.source.warnings.empty());
 }
 
@@ -535,7 +535,7 @@ TEST_F(Nifti, AnUnusableSformGivesWayToTheQform) {
     header.qoffset_x = 4;
     set_sform(header, {{{bad, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}});
     const VolumeFile file = read(one_file(header));
-    EXPECT_EQ(file.volume.grid.origin.x, -4);
+    EXPECT_EQ(file.volume.view.grid.origin.x, -4);
     expect_one_warning(file, "its sform is singular or not finite; the qform is used");
     header.qform_code = 0;
     refuse(one_file(header), ErrorCode::bad_file, "its sform is singular or not finite");
@@ -547,7 +547,7 @@ TEST_F(Nifti, AStrongShearIsReadAsItIs) {
   header.qform_code = 0;
   set_sform(header, {{{1, 0.5F, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}});
   const VolumeFile file = read(one_file(header));
-  expect_ras(file.volume.grid, {2, 2, 1}, {3, 2, 1});
+  expect_ras(file.volume.view.grid, {2, 2, 1}, {3, 2, 1});
 }
 
 TEST_F(Nifti, WithoutAffineTheAxesStayAsTheyAre) {
@@ -556,15 +556,15 @@ TEST_F(Nifti, WithoutAffineTheAxesStayAsTheyAre) {
   header.pixdim[1] = 2;
   header.qoffset_x = 7;  // belongs to no qform
   VolumeFile file = read(one_file(header));
-  EXPECT_EQ(file.volume.grid.direction, Grid{}.direction);
-  EXPECT_EQ(file.volume.grid.origin, Vec3{});
-  EXPECT_EQ(file.volume.grid.spacing, (Vec3{2, 1, 1}));
+  EXPECT_EQ(file.volume.view.grid.direction, Grid{}.direction);
+  EXPECT_EQ(file.volume.view.grid.origin, Vec3{});
+  EXPECT_EQ(file.volume.view.grid.spacing, (Vec3{2, 1, 1}));
   EXPECT_EQ(decision(file, "affine"), "voxel size only");
   expect_one_warning(file, "states no orientation");
   header.pixdim[2] = -3;
   file = read(one_file(header));
-  EXPECT_EQ(file.volume.grid.spacing.y, 3);
-  EXPECT_EQ(file.volume.grid.direction, Grid{}.direction);
+  EXPECT_EQ(file.volume.view.grid.spacing.y, 3);
+  EXPECT_EQ(file.volume.view.grid.direction, Grid{}.direction);
   ASSERT_EQ(file.source.warnings.size(), 2u);
   EXPECT_EQ(file.source.warnings[0], "its spacing along axis 2 is -3; 3 is used");
   for (const float bad : {0.0F, kNaN}) {
@@ -586,9 +586,9 @@ TEST_F(Nifti, LengthsAreInMillimetres) {
     header.pixdim[3] = 2.5F;
     header.qoffset_y = 8;
     const VolumeFile file = read(one_file(header));
-    EXPECT_DOUBLE_EQ(file.volume.grid.spacing.z, 2.5 * unit.millimetres);
-    EXPECT_DOUBLE_EQ(file.volume.grid.origin.y, -8 * unit.millimetres);
-    EXPECT_EQ(file.volume.grid.unit, LengthUnit::millimetre);
+    EXPECT_DOUBLE_EQ(file.volume.view.grid.spacing.z, 2.5 * unit.millimetres);
+    EXPECT_DOUBLE_EQ(file.volume.view.grid.origin.y, -8 * unit.millimetres);
+    EXPECT_EQ(file.volume.view.grid.unit, LengthUnit::millimetre);
     EXPECT_EQ(decision(file, "unit"), unit.decision);
     EXPECT_TRUE(file.source.warnings.empty());
   }
@@ -623,7 +623,7 @@ TEST_F(Nifti, PairsInEachPackingAndCase) {
   });
   nifti_1_header single = header1();
   write_bytes(folder_ / "single.img", one_file(single));
-  EXPECT_EQ(read_volume(folder_ / "single.img").grid.sample_count(), kCount);
+  EXPECT_EQ(read_volume(folder_ / "single.img").view.grid.sample_count(), kCount);
   expect_error(ErrorCode::bad_file, "there is no .hdr file beside it", folder_ / "h.img", [&] {
     write_bytes(folder_ / "h.img", samples);
     read_volume(folder_ / "h.img");
@@ -649,9 +649,9 @@ TEST_F(Nifti, AnalyzeHasNoOrientation) {
   VolumeFile file = read_volume_file(folder_ / "a.hdr");
   EXPECT_EQ(file.source.format, "Analyze 7.5");
   EXPECT_EQ(sample_as_double(file.volume, 9), 9);
-  EXPECT_EQ(file.volume.type, SampleType::int16);
-  EXPECT_EQ(file.volume.grid.spacing, (Vec3{1, 1, 2}));
-  EXPECT_EQ(file.volume.grid.direction, Grid{}.direction);
+  EXPECT_EQ(file.volume.view.type, SampleType::int16);
+  EXPECT_EQ(file.volume.view.grid.spacing, (Vec3{1, 1, 2}));
+  EXPECT_EQ(file.volume.view.grid.direction, Grid{}.direction);
   expect_one_warning(file, "states no orientation");
   header.scl_slope = 0.5F;  // SPM's factor; what follows it is not an intercept
   header.scl_inter = 100;

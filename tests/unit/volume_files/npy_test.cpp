@@ -60,8 +60,8 @@ class Npy : public testing::Test {
       if (order == '|' && sizeof(T) > 1) continue;
       for (const int version : {1, 2, 3}) {
         const VolumeFile file = read(npy(dictionary(order + code), bytes_of(values, order == '>'), version));
-        EXPECT_EQ(file.volume.type, type);
-        EXPECT_EQ(file.volume.grid.size, kSize);
+        EXPECT_EQ(file.volume.view.type, type);
+        EXPECT_EQ(file.volume.view.grid.size, kSize);
         EXPECT_EQ(samples_as_double(file.volume), expected);
       }
       // The same array in the other order: a[z][y][x] is z + 2 (y + 3 x) there.
@@ -94,8 +94,8 @@ TEST_F(Npy, LargeArraysInFortranOrder) {
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = value(i);
   const std::string header = dictionary("<u2", "(201, 200, 259)", true);
   const VolumeFile file = read(npy(header, bytes_of(values)));
-  ASSERT_EQ(file.volume.grid.size, (std::array<std::size_t, 3>{kX, kY, kZ}));
-  const auto* const samples = static_cast<const std::uint16_t*>(file.volume.samples);
+  ASSERT_EQ(file.volume.view.grid.size, (std::array<std::size_t, 3>{kX, kY, kZ}));
+  const auto* const samples = static_cast<const std::uint16_t*>(file.volume.view.samples);
   std::size_t wrong = 0;
   for (std::size_t z = 0; z < kZ; ++z) {
     for (std::size_t y = 0; y < kY; ++y) {
@@ -117,8 +117,8 @@ TEST_F(Npy, StatesNoLengths) {
   const VolumeFile file = read(npy(dictionary("|u1"), kBytes));
   EXPECT_EQ(file.source.format, "NumPy array");
   EXPECT_FALSE(file.source.has_spacing);
-  EXPECT_EQ(file.volume.grid.spacing, (Vec3{1, 1, 1}));
-  EXPECT_EQ(file.volume.grid.unit, LengthUnit::unknown);
+  EXPECT_EQ(file.volume.view.grid.spacing, (Vec3{1, 1, 1}));
+  EXPECT_EQ(file.volume.view.grid.unit, LengthUnit::unknown);
   expect_one_warning(file, "states no voxel size");
   EXPECT_TRUE(read(npy(dictionary("|u1"), kBytes), {.spacing = Vec3{1, 2, 3}}).source.warnings.empty());
 }
@@ -127,7 +127,7 @@ TEST_F(Npy, BooleansAreBytes) {
   std::string values(kCount, '\0');
   values[5] = 1;
   const VolumeFile file = read(npy(dictionary("|b1"), values));
-  EXPECT_EQ(file.volume.type, SampleType::uint8);
+  EXPECT_EQ(file.volume.view.type, SampleType::uint8);
   EXPECT_EQ(sample_as_double(file.volume, 5), 1);
   EXPECT_EQ(sample_as_double(file.volume, 6), 0);
 }
@@ -150,7 +150,7 @@ TEST_F(Npy, HalfPrecisionBecomesFloat) {
                                      -0x1p-24};
   for (const bool big_endian : {false, true}) {
     const VolumeFile file = read(npy(dictionary(big_endian ? ">f2" : "<f2"), bytes_of(halves, big_endian)));
-    ASSERT_EQ(file.volume.type, SampleType::float32);
+    ASSERT_EQ(file.volume.view.type, SampleType::float32);
     for (std::size_t i = 0; i < expected.size(); ++i) {
       const double value = sample_as_double(file.volume, i);
       EXPECT_TRUE(value == expected[i] || (std::isnan(value) && std::isnan(expected[i]))) << i << ": " << value;
@@ -176,8 +176,8 @@ TEST_F(Npy, OtherTypesAreRefused) {
 }
 
 TEST_F(Npy, ShapesOfOtherVolumes) {
-  EXPECT_EQ(read(npy(dictionary("|u1", "(1, 2, 3, 4, 1)"), kBytes)).volume.grid.size, kSize);
-  EXPECT_EQ(read(npy(dictionary("|u1", "(2L, 3L, 4L)"), kBytes)).volume.grid.size, kSize);  // Python 2
+  EXPECT_EQ(read(npy(dictionary("|u1", "(1, 2, 3, 4, 1)"), kBytes)).volume.view.grid.size, kSize);
+  EXPECT_EQ(read(npy(dictionary("|u1", "(2L, 3L, 4L)"), kBytes)).volume.view.grid.size, kSize);  // Python 2
   refuse(npy(dictionary("|u1", "(2, 3, 2, 2)"), kBytes), ErrorCode::unsupported, "shape (2, 3, 2, 2), expected three axes (z, y, x); save");
   refuse(npy(dictionary("|u1", "(24,)"), kBytes), ErrorCode::unsupported, "shape (24,), expected three axes (z, y, x)");
   refuse(npy(dictionary("|u1", "()"), kBytes), ErrorCode::unsupported, "shape ()");
@@ -186,7 +186,7 @@ TEST_F(Npy, ShapesOfOtherVolumes) {
 }
 
 TEST_F(Npy, DictionariesInAnyOrderAndWithDoubleQuotes) {
-  EXPECT_EQ(read(npy("{\"shape\":(2,3,4),\"descr\":\"|u1\",\"fortran_order\":False}", kBytes)).volume.grid.size, kSize);
+  EXPECT_EQ(read(npy("{\"shape\":(2,3,4),\"descr\":\"|u1\",\"fortran_order\":False}", kBytes)).volume.view.grid.size, kSize);
 }
 
 TEST_F(Npy, DamagedHeadersAreRefused) {

@@ -33,7 +33,7 @@ std::string header(const std::string& lines) { return "NRRD0005\ntype: uint8\nen
 
 TEST(NrrdField, SpaceLasNegatesY) {
   const VolumeFile file = read_volume_file(kField / "r_sp_las.nrrd");
-  const Grid& grid = file.volume.grid;
+  const Grid& grid = file.volume.view.grid;
   EXPECT_EQ(grid.size, (std::array<std::size_t, 3>{24, 20, 16}));
   EXPECT_EQ(grid.spacing, (Vec3{0.5, 0.5, 2}));
   EXPECT_EQ(grid.origin, (Vec3{10, -20, 30}));
@@ -45,8 +45,8 @@ TEST(NrrdField, SpaceLasNegatesY) {
 
 TEST(NrrdField, SpacingFromTheEndsOfTheAxes) {
   const VolumeFile file = read_volume_file(kField / "r_axmins.nrrd");
-  EXPECT_EQ(file.volume.grid.spacing, (Vec3{1, 1, 2}));  // node-centred: 23 / 23, 19 / 19, 30 / 15
-  EXPECT_EQ(file.volume.grid.origin, (Vec3{0, 0, 0}));
+  EXPECT_EQ(file.volume.view.grid.spacing, (Vec3{1, 1, 2}));  // node-centred: 23 / 23, 19 / 19, 30 / 15
+  EXPECT_EQ(file.volume.view.grid.origin, (Vec3{0, 0, 0}));
   EXPECT_EQ(samples_of(file.volume), read_bytes(kField / "r_det.raw"));
   EXPECT_EQ(decision(file, "spacing"), "from axis mins and maxs, centerings node node node");
   EXPECT_EQ(file.source.warnings, Strings{});
@@ -54,7 +54,7 @@ TEST(NrrdField, SpacingFromTheEndsOfTheAxes) {
 
 TEST(NrrdField, LongerDataFileIsWarnedOf) {
   const VolumeFile file = read_volume_file(kField / "r_det_longer.nhdr");
-  EXPECT_EQ(file.volume.grid.size, (std::array<std::size_t, 3>{24, 20, 15}));
+  EXPECT_EQ(file.volume.view.grid.size, (std::array<std::size_t, 3>{24, 20, 15}));
   EXPECT_EQ(samples_of(file.volume), read_bytes(kField / "r_det.raw").substr(0, 28800));
   ASSERT_EQ(file.source.warnings.size(), 2u);
   EXPECT_EQ(file.source.warnings[0], "its data file r_det.raw has 1920 bytes after the last sample that the header promises");
@@ -71,9 +71,9 @@ TEST(NrrdField, SegmentationLayersAreAChoice) {
   const auto path = kField / "r_seg2.seg.nrrd";
   expect_error(kUnsupported, "has 2 layers, expected a choice of one: 0, 1", path, [&] { read_volume_file(path); });
   const VolumeFile file = read_volume_file(path, {.layer = "1"});
-  EXPECT_EQ(file.volume.grid.size, (std::array<std::size_t, 3>{24, 20, 16}));
-  EXPECT_EQ(file.volume.grid.spacing, (Vec3{0.5, 0.5, 2}));
-  EXPECT_EQ(file.volume.grid.unit, LengthUnit::millimetre);
+  EXPECT_EQ(file.volume.view.grid.size, (std::array<std::size_t, 3>{24, 20, 16}));
+  EXPECT_EQ(file.volume.view.grid.spacing, (Vec3{0.5, 0.5, 2}));
+  EXPECT_EQ(file.volume.view.grid.unit, LengthUnit::millimetre);
   const std::string samples = samples_of(file.volume);
   EXPECT_EQ(std::count(samples.begin(), samples.end(), '\1'), 606);  // 1212 of both layers, which are equal
   EXPECT_EQ(std::count(samples.begin(), samples.end(), '\0'), 7680 - 606);
@@ -104,7 +104,7 @@ TEST(NrrdSpace, EveryName) {
     SCOPED_TRACE(space.name);
     const VolumeFile file =
         NrrdFile(small("space: " + space.name + "\nspace directions: (0,2,0) (3,0,0) (0,0,4)\nspace origin: (10,20,30)\n")).file();
-    const Grid& grid = file.volume.grid;
+    const Grid& grid = file.volume.view.grid;
     EXPECT_EQ(grid.spacing, (Vec3{2, 3, 4}));
     EXPECT_EQ(grid.origin, (Vec3{10 * space.x, 20 * space.y, 30}));
     EXPECT_EQ(grid.direction, (std::array<Vec3, 3>{Vec3{0, space.y, 0}, Vec3{space.x, 0, 0}, Vec3{0, 0, 1}}));
@@ -126,9 +126,9 @@ TEST(NrrdSpace, TimeIsAFourthDimension) {
     nrrd.expect_refused(kUnsupported, "has 2 time points, expected a choice of one: 0, 1");
     const VolumeFile file = nrrd.file({.time = 1});
     EXPECT_EQ(samples_of(file.volume), counted(24, 24));
-    EXPECT_EQ(file.volume.grid.spacing, (Vec3{1, 2, 3}));
-    EXPECT_EQ(file.volume.grid.origin, (Vec3{1, 2 * y, 3}));
-    EXPECT_EQ(file.volume.grid.direction[1], (Vec3{0, y, 0}));
+    EXPECT_EQ(file.volume.view.grid.spacing, (Vec3{1, 2, 3}));
+    EXPECT_EQ(file.volume.view.grid.origin, (Vec3{1, 2 * y, 3}));
+    EXPECT_EQ(file.volume.view.grid.direction[1], (Vec3{0, y, 0}));
   }
   NrrdFile(header("dimension: 4\nsizes: 2 3 4 2\nspace: LPST\nspace directions: (1,0,0,1) (0,2,0,0) (0,0,3,0) (0,0,0,7)\n\n") + counted(48))
       .expect_refused(kUnsupported, "x axis runs through space and time");
@@ -136,8 +136,8 @@ TEST(NrrdSpace, TimeIsAFourthDimension) {
 
 TEST(NrrdSpace, DimensionAlone) {
   const VolumeFile file = NrrdFile(small("space dimension: 3\nspace directions: (0.5,0,0) (0,1,0) ( 0 , 0 , 2 )\n")).file();
-  EXPECT_EQ(file.volume.grid.spacing, (Vec3{0.5, 1, 2}));
-  EXPECT_EQ(file.volume.grid.unit, LengthUnit::unknown);
+  EXPECT_EQ(file.volume.view.grid.spacing, (Vec3{0.5, 1, 2}));
+  EXPECT_EQ(file.volume.view.grid.unit, LengthUnit::unknown);
   EXPECT_EQ(decision(file, "space"), "none");
   NrrdFile(small("space dimension: 2\nspace directions: (0.5,0) (0,1) (1,1)\n")).expect_refused(kUnsupported, "a space of 2 dimensions");
   NrrdFile(small(kSpacing + "space dimension: 5\n")).expect_refused(kUnsupported, "a space of 5 dimensions");
@@ -145,7 +145,7 @@ TEST(NrrdSpace, DimensionAlone) {
 }
 
 TEST(NrrdSpace, ShearedAxesStayAsTheyAre) {
-  const Grid grid = NrrdFile(small("space dimension: 3\nspace directions: (1,0,0) (1,1,0) (0,0,1)\n")).file().volume.grid;
+  const Grid grid = NrrdFile(small("space dimension: 3\nspace directions: (1,0,0) (1,1,0) (0,0,1)\n")).file().volume.view.grid;
   EXPECT_DOUBLE_EQ(grid.spacing.y, std::sqrt(2.0));
   EXPECT_DOUBLE_EQ(grid.direction[1].x, std::sqrt(0.5));
   NrrdFile(small("space dimension: 3\nspace directions: (1,0,0) (2,0,0) (0,0,1)\n")).expect_refused(kBad, "lie in a plane");
@@ -166,17 +166,17 @@ TEST(NrrdSpace, WrongVectors) {
 
 TEST(NrrdSpace, SpacingsBesideIt) {
   const VolumeFile both = NrrdFile(small("space: RAS\nspacings: 7 7 7\nspace directions: (1,0,0) (0,2,0) (0,0,3)\n")).file();
-  EXPECT_EQ(both.volume.grid.spacing, (Vec3{1, 2, 3}));
+  EXPECT_EQ(both.volume.view.grid.spacing, (Vec3{1, 2, 3}));
   EXPECT_EQ(both.source.warnings, Strings{"states both spacings and space directions, the space directions are used"});
   const VolumeFile without = NrrdFile(small("space: RAS\nspacings: 7 8 9\nspace origin: (1,2,3)\n")).file();
-  EXPECT_EQ(without.volume.grid.spacing, (Vec3{7, 8, 9}));
-  EXPECT_EQ(without.volume.grid.origin, (Vec3{-1, -2, 3}));
-  EXPECT_EQ(without.volume.grid.direction[0], (Vec3{-1, 0, 0}));
+  EXPECT_EQ(without.volume.view.grid.spacing, (Vec3{7, 8, 9}));
+  EXPECT_EQ(without.volume.view.grid.origin, (Vec3{-1, -2, 3}));
+  EXPECT_EQ(without.volume.view.grid.direction[0], (Vec3{-1, 0, 0}));
   EXPECT_EQ(without.source.warnings, Strings{"states no space directions, axes along those of its space (RAS) are assumed"});
 }
 
 TEST(NrrdSpacing, FromAxisMinsAndMaxs) {
-  const auto grid = [](const std::string& more) { return NrrdFile(small(more)).file().volume.grid; };
+  const auto grid = [](const std::string& more) { return NrrdFile(small(more)).file().volume.view.grid; };
   const std::string ends = "axis mins: 10 0 -4\naxis maxs: 20 6 4\n";
   EXPECT_EQ(grid(ends + "centerings: node node node\n").spacing, (Vec3{10, 3, 8.0 / 3}));
   EXPECT_EQ(grid(ends + "centers: node node node\n").origin, (Vec3{10, 0, -4}));
@@ -192,7 +192,7 @@ TEST(NrrdSpacing, FromAxisMinsAndMaxs) {
 }
 
 TEST(NrrdSpacing, ANegativeOneTurnsTheAxis) {
-  const Grid grid = NrrdFile(small("spacings: 0.5 -2 1\n")).file().volume.grid;
+  const Grid grid = NrrdFile(small("spacings: 0.5 -2 1\n")).file().volume.view.grid;
   EXPECT_EQ(grid.spacing, (Vec3{0.5, 2, 1}));
   EXPECT_EQ(grid.direction, (std::array<Vec3, 3>{Vec3{1, 0, 0}, {0, -1, 0}, {0, 0, 1}}));
 }
@@ -203,7 +203,7 @@ TEST(NrrdSpacing, MissingOnes) {
   EXPECT_EQ(none.source.warnings, Strings{"states no voxel size, 1 x 1 x 1 is assumed"});
   const VolumeFile some = NrrdFile(small("spacings: 0.5 0.5 nan\n")).file();
   EXPECT_TRUE(some.source.has_spacing);
-  EXPECT_EQ(some.volume.grid.spacing, (Vec3{0.5, 0.5, 1}));
+  EXPECT_EQ(some.volume.view.grid.spacing, (Vec3{0.5, 0.5, 1}));
   EXPECT_EQ(some.source.warnings, Strings{"states no spacing along z, 1 is assumed"});
   NrrdFile(small("spacings: 1 0 1\n")).expect_refused(kBad, "spacing along y is 0");
   NrrdFile(small("spacings: 1 inf 1\n")).expect_refused(kBad, "spacing along y");
@@ -211,7 +211,7 @@ TEST(NrrdSpacing, MissingOnes) {
 }
 
 TEST(NrrdUnits, OfSpaceAndAxes) {
-  const auto unit = [](const std::string& more) { return NrrdFile(small(more)).file().volume.grid.unit; };
+  const auto unit = [](const std::string& more) { return NrrdFile(small(more)).file().volume.view.grid.unit; };
   const std::string lps = "space: LPS\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n";
   EXPECT_EQ(unit(lps + "space units: \"um\" \"um\" \"um\"\n"), LengthUnit::micrometre);
   EXPECT_EQ(unit(lps + "space units: \"mm\" \"mm\" \"mm\"\n"), LengthUnit::millimetre);
@@ -220,7 +220,7 @@ TEST(NrrdUnits, OfSpaceAndAxes) {
   EXPECT_EQ(unit(kSpacing + "units: \"cm\" \"cm\" \"cm\"\n"), LengthUnit::centimetre);
   EXPECT_EQ(unit(kSpacing + "units: \"nm\" \"\" \"nm\"\n"), LengthUnit::nanometre);
   EXPECT_EQ(unit(kSpacing), LengthUnit::unknown);
-  EXPECT_EQ(NrrdFile(small("space: LPS\n")).file().volume.grid.unit, LengthUnit::unknown);  // no length, no unit
+  EXPECT_EQ(NrrdFile(small("space: LPS\n")).file().volume.view.grid.unit, LengthUnit::unknown);  // no length, no unit
   NrrdFile(small(kSpacing + "units: \"mm\" \"mm\" \"cm\"\n")).expect_refused(kUnsupported, "units of their own (mm and cm)");
   for (const std::string units : {R"("mm" "mm" "s")", R"("s" "mm" "mm")", R"("mm" "mm" "ms")"})  // slices in time are no volume
     NrrdFile(small(kSpacing + "units: " + units + "\n")).expect_refused(kUnsupported, "units of their own (mm and '");
@@ -247,7 +247,7 @@ TEST(NrrdAxes, ListIsALayerWhereverItIs) {
     expected += counted(2, 4 * row + 2);
   }
   EXPECT_EQ(middle.samples({.layer = "1"}), expected);
-  EXPECT_EQ(middle.file({.layer = "1"}).volume.grid.size, (std::array<std::size_t, 3>{2, 3, 4}));
+  EXPECT_EQ(middle.file({.layer = "1"}).volume.view.grid.size, (std::array<std::size_t, 3>{2, 3, 4}));
 }
 
 TEST(NrrdAxes, SegmentsNameTheirLayer) {
@@ -293,7 +293,7 @@ TEST(NrrdAxes, ComponentsAreChannels) {
 TEST(NrrdAxes, WithoutKindsSpacingsAndDirectionsTell) {
   const NrrdFile spacings(header("dimension: 4\nsizes: 2 2 3 4\nspacings: nan 1 1 2\n\n") + counted(48));
   EXPECT_EQ(spacings.samples({.channel = "1"}), counted(24, 1, 2));
-  EXPECT_EQ(spacings.file({.channel = "1"}).volume.grid.spacing, (Vec3{1, 1, 2}));
+  EXPECT_EQ(spacings.file({.channel = "1"}).volume.view.grid.spacing, (Vec3{1, 1, 2}));
   const NrrdFile directions(header("dimension: 4\nsizes: 2 3 4 2\nspace: LPS\nspace directions: (1,0,0) (0,1,0) (0,0,1) none\n\n") +
                             counted(48));
   EXPECT_EQ(directions.samples({.channel = "1"}), counted(24, 24));
@@ -304,7 +304,7 @@ TEST(NrrdAxes, WithoutKindsSpacingsAndDirectionsTell) {
 TEST(NrrdAxes, ThoseOfOneSampleAreLeftOut) {
   for (const std::string sizes : {"2 3 4 1", "1 2 3 4", "2 1 3 4"}) {
     const VolumeFile file = NrrdFile(header("dimension: 4\nsizes: " + sizes + "\n\n") + counted(24)).file();
-    EXPECT_EQ(file.volume.grid.size, (std::array<std::size_t, 3>{2, 3, 4})) << sizes;
+    EXPECT_EQ(file.volume.view.grid.size, (std::array<std::size_t, 3>{2, 3, 4})) << sizes;
     EXPECT_EQ(samples_of(file.volume), counted(24));
   }
   NrrdFile(header("dimension: 2\nsizes: 4 6\n\n") + counted(24)).expect_refused(kUnsupported, "4 x 6 x 1 samples");
@@ -350,7 +350,7 @@ TEST(NrrdSamples, TypesByAllTheirNames) {
     for (const std::string& name : names) {
       const std::string body = counted(8 * bytes_per_sample(type));
       const NrrdFile nrrd("NRRD0004\ntype: " + name + "\ndimension: 3\nsizes: 2 2 2\nendian: little\nencoding: raw\n\n" + body);
-      EXPECT_EQ(nrrd.file().volume.type, type) << name;
+      EXPECT_EQ(nrrd.file().volume.view.type, type) << name;
       EXPECT_EQ(nrrd.samples(), body) << name;
     }
   }
@@ -414,7 +414,7 @@ TEST(NrrdSamples, Text) {
     return "NRRD0004\ntype: " + type + "\ndimension: 3\nsizes: 2 2 2\nencoding: text\nspacings: 1 1 1\n\n" + body;
   };
   const Volume floats = NrrdFile(nrrd("float", "0.1 -1e3 nan inf -inf +2 .5 16777217\n")).file().volume;
-  const auto* const f = static_cast<const float*>(floats.samples);
+  const auto* const f = static_cast<const float*>(floats.view.samples);
   EXPECT_EQ(f[0], 0.1F);
   EXPECT_EQ(f[1], -1000.0F);
   EXPECT_TRUE(std::isnan(f[2]));
@@ -424,7 +424,7 @@ TEST(NrrdSamples, Text) {
   EXPECT_EQ(f[6], 0.5F);
   EXPECT_EQ(f[7], 16777216.0F);
   const Volume longs = NrrdFile(nrrd("int64", "9223372036854775807 -9223372036854775808 12.0 1e3 0 0 0 0")).file().volume;
-  const auto* const l = static_cast<const std::int64_t*>(longs.samples);
+  const auto* const l = static_cast<const std::int64_t*>(longs.view.samples);
   EXPECT_EQ(l[0], std::numeric_limits<std::int64_t>::max());
   EXPECT_EQ(l[1], std::numeric_limits<std::int64_t>::min());
   EXPECT_EQ(l[2], 12);
@@ -644,7 +644,7 @@ TEST(NrrdHeader, NamesInAnyCaseAndWithoutBlanks) {
                "(0,0,4)\n\n" +
                counted(24))
           .file()
-          .volume.grid.spacing,
+          .volume.view.grid.spacing,
       (Vec3{2, 3, 4}));
 }
 

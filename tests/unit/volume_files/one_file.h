@@ -19,7 +19,7 @@ using Strings = std::vector<std::string>;
 inline const std::filesystem::path kField = ISOATLAS_FIELD_DATA;
 
 inline std::string samples_of(const Volume& volume) {
-  return {static_cast<const char*>(volume.samples), volume.grid.sample_count() * bytes_per_sample(volume.type)};
+  return {static_cast<const char*>(volume.view.samples), volume.view.grid.sample_count() * bytes_per_sample(volume.view.type)};
 }
 
 inline std::string decision(const VolumeFile& file, const std::string& key) {

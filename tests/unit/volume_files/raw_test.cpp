@@ -20,10 +20,10 @@ ReadOptions layout(std::uint64_t offset = 0, SampleType type = SampleType::uint8
 TEST(Raw, Offset) {
   const OneFile file("head" + counted(24));
   EXPECT_EQ(file.samples(layout(4)), counted(24));
-  EXPECT_EQ(file.file(layout(4)).volume.grid.spacing, (Vec3{0.5, 1, 2}));
+  EXPECT_EQ(file.file(layout(4)).volume.view.grid.spacing, (Vec3{0.5, 1, 2}));
   ReadOptions in_micrometres = layout(4);
   in_micrometres.raw->unit = LengthUnit::micrometre;
-  EXPECT_EQ(file.file(in_micrometres).volume.grid.unit, LengthUnit::micrometre);
+  EXPECT_EQ(file.file(in_micrometres).volume.view.grid.unit, LengthUnit::micrometre);
   file.expect_refused(kBad, "has 28 bytes, but 2 x 3 x 4 samples of uint8 are 24 bytes", layout());
   file.expect_refused(kBad, "has 28 bytes, but after an offset of 5 2 x 3 x 4 samples", layout(5));
   file.expect_refused(kBad, "has 28 bytes, but after an offset of 18446744073709551615", layout(~std::uint64_t{0}));

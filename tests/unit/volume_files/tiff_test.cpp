@@ -41,7 +41,7 @@ std::string pages(std::size_t count, const std::string& description, TiffPage pa
 
 // The first sample of each slice, as the number of its page.
 std::vector<int> pages_read(const VolumeFile& file) {
-  const Grid& grid = file.volume.grid;
+  const Grid& grid = file.volume.view.grid;
   std::vector<int> read;
   for (std::size_t z = 0; z < grid.size[2]; ++z) {
     read.push_back(static_cast<int>(sample_as_double(file.volume, z * grid.size[0] * grid.size[1])) / 16);
@@ -85,7 +85,7 @@ TEST(TiffField, HyperstackAsksForAChannel) {
   EXPECT_EQ(sample_digest(second.volume), "15c272014bfb3fdbe8aaba98bf352dd36623653e759884322246d125e5d3aea8");
   for (const VolumeFile& file : {first, second}) {
     expect_size_and_spacing(file.volume, kFieldSize, {1, 1, 1.5});
-    EXPECT_EQ(file.volume.grid.unit, LengthUnit::micrometre);
+    EXPECT_EQ(file.volume.view.grid.unit, LengthUnit::micrometre);
     EXPECT_EQ(file.source.format, "ImageJ TIFF");
     EXPECT_EQ(file.source.warnings, kNone);
     ASSERT_EQ(file.source.choices.size(), 1U);
@@ -99,7 +99,7 @@ TEST(TiffField, ImageJWritesNoSpacingOfOne) {
   const VolumeFile file = read_volume_file(field_file("t_ij_nosp.tif"));
   expect_size_and_spacing(file.volume, kFieldSize, {0.2, 0.2, 1}, 1e-15);
   EXPECT_EQ(sample_digest(file.volume), kFieldDigest);
-  EXPECT_EQ(file.volume.grid.unit, LengthUnit::micrometre);
+  EXPECT_EQ(file.volume.view.grid.unit, LengthUnit::micrometre);
   EXPECT_TRUE(file.source.has_spacing);
   EXPECT_EQ(file.source.warnings, std::vector<std::string>{"states no voxel size along z, 1 um is assumed there"});
 }
@@ -108,14 +108,14 @@ TEST(TiffField, OmeLengths) {
   const VolumeFile file = read_volume_file(field_file("t_ome.ome.tif"));
   expect_size_and_spacing(file.volume, kFieldSize, {0.1, 0.1, 0.5}, 1e-15);
   EXPECT_EQ(sample_digest(file.volume), "8f02e37d1d7c3422c7cdd6bc09a11d3d100ce798faa9a364c0fd1a4907c7d8e8");
-  EXPECT_EQ(file.volume.grid.unit, LengthUnit::micrometre);
+  EXPECT_EQ(file.volume.view.grid.unit, LengthUnit::micrometre);
   EXPECT_EQ(file.source.format, "OME-TIFF");
   EXPECT_EQ(file.source.warnings, kNone);
 }
 
 TEST(TiffField, SignedSamplesOfImageJ) {
   const VolumeFile file = read_volume_file(field_file("t_ij_signed16.tif"));
-  EXPECT_EQ(file.volume.type, SampleType::int16);
+  EXPECT_EQ(file.volume.view.type, SampleType::int16);
   const SampleSummary summary = summarize(file.volume);
   EXPECT_EQ(summary.minimum, -2779);
   EXPECT_EQ(summary.maximum, 1000);
@@ -196,8 +196,8 @@ TEST_F(Tiff, ImageJLengths) {
     if (!c.resolution.empty()) page.more = {{282, 5, c.resolution}, {283, 5, c.resolution}, {296, 3, {c.resolution_unit}}};
     const VolumeFile file = read(pages(2, "ImageJ=1.53t\nimages=2\nslices=2\n" + c.description, page));
     expect_size_and_spacing(file.volume, {4, 3, 2}, c.spacing, 1e-9);
-    EXPECT_EQ(file.volume.grid.unit, c.unit);
-    EXPECT_EQ(file.volume.grid.origin, c.origin);
+    EXPECT_EQ(file.volume.view.grid.unit, c.unit);
+    EXPECT_EQ(file.volume.view.grid.origin, c.origin);
     EXPECT_EQ(file.source.has_spacing, c.has_spacing);
     EXPECT_EQ(file.source.warnings, c.warning.empty() ? kNone : std::vector{c.warning});
   }
@@ -205,8 +205,8 @@ TEST_F(Tiff, ImageJLengths) {
 
 TEST_F(Tiff, ImageJOriginIsInSamplesWhateverTheirSpacing) {
   const std::string bytes = pages(2, "ImageJ=1.53t\nimages=2\nslices=2\nunit=um\nspacing=2\nxorigin=10\nyorigin=-4\nzorigin=0.5\n");
-  EXPECT_EQ(read(bytes, {.spacing = Vec3{1, 2, 4}}).volume.grid.origin, (Vec3{-10, 8, -2}));
-  EXPECT_EQ(read(bytes, {.spacing = Vec3{1, 2, 4}, .spacing_unit = LengthUnit::millimetre}).volume.grid.origin, (Vec3{-10, 8, -2}));
+  EXPECT_EQ(read(bytes, {.spacing = Vec3{1, 2, 4}}).volume.view.grid.origin, (Vec3{-10, 8, -2}));
+  EXPECT_EQ(read(bytes, {.spacing = Vec3{1, 2, 4}, .spacing_unit = LengthUnit::millimetre}).volume.view.grid.origin, (Vec3{-10, 8, -2}));
 }
 
 TEST_F(Tiff, ImageJSpacingThatIsNoNumber) {
@@ -219,10 +219,10 @@ TEST_F(Tiff, ResolutionWithoutImageJIsNoVoxelSize) {
   TiffPage page;
   page.more = {{282, 5, {5, 1}}, {283, 5, {5, 1}}, {296, 3, {3}}};
   const VolumeFile file = read(pages(2, "", page));
-  EXPECT_EQ(file.volume.grid.spacing, (Vec3{1, 1, 1}));
+  EXPECT_EQ(file.volume.view.grid.spacing, (Vec3{1, 1, 1}));
   EXPECT_FALSE(file.source.has_spacing);
   page.more[2] = {296, 3, {5}};  // tifffile's micrometre, which no version of TIFF has
-  EXPECT_EQ(read(pages(2, "", page)).volume.grid.spacing, (Vec3{1, 1, 1}));
+  EXPECT_EQ(read(pages(2, "", page)).volume.view.grid.spacing, (Vec3{1, 1, 1}));
 }
 
 TEST_F(Tiff, ImageJOrderIsChannelSliceTime) {
@@ -238,9 +238,9 @@ TEST_F(Tiff, ImageJOrderIsChannelSliceTime) {
 TEST_F(Tiff, ImageJPageCounts) {
   const std::string head = "ImageJ=1.53t\nunit=um\nspacing=1.5\n";
   // Older versions name the number of images only.
-  EXPECT_EQ(read(pages(3, head + "images=3\n")).volume.grid.size[2], 3U);
+  EXPECT_EQ(read(pages(3, head + "images=3\n")).volume.view.grid.size[2], 3U);
   const VolumeFile more = read(pages(5, head + "images=3\nslices=3\n"));
-  EXPECT_EQ(more.volume.grid.size[2], 5U);
+  EXPECT_EQ(more.volume.view.grid.size[2], 5U);
   EXPECT_EQ(more.source.warnings,
             std::vector<std::string>{"ImageJ's description promises 3 images, the file has 5 pages, which are all read"});
   refuse(pages(5, head + "images=16\nslices=16\n"), ErrorCode::bad_file,
@@ -265,7 +265,7 @@ TEST_F(Tiff, ImageJCalibration) {
   const std::string head = "ImageJ=1.53t\nimages=2\nslices=2\nspacing=1.5\n";
   const auto values = [&](const std::string& description, TiffPage page = {}) {
     const VolumeFile file = read(pages(2, head + description, page));
-    return std::pair{file.volume.type, sample_as_double(file.volume, 3)};
+    return std::pair{file.volume.view.type, sample_as_double(file.volume, 3)};
   };
   using Pair = std::pair<SampleType, double>;
   EXPECT_EQ(values("cf=0\nc0=-128\nc1=1\nvunit=Gray Value\n"), Pair(SampleType::int8, -125));
@@ -293,7 +293,7 @@ TEST_F(Tiff, ImageJCalibrationOfSignedSamples) {
   for (int i = 0; i < 12; ++i) page.samples += std::string("\xFE\xFF", 2);
   file.add(page).add(page);
   const VolumeFile read_file = read(file.bytes());
-  EXPECT_EQ(read_file.volume.type, SampleType::int16);
+  EXPECT_EQ(read_file.volume.view.type, SampleType::int16);
   EXPECT_EQ(sample_as_double(read_file.volume, 0), -2);
 }
 
@@ -327,7 +327,7 @@ std::string big_stack(std::size_t pages_promised, std::size_t pages_there, bool 
 TEST_F(Tiff, ImagesBehindTheOnlyPage) {
   for (const bool is_big_endian : {false, true}) {
     const VolumeFile file = read(big_stack(6, 6, is_big_endian), {.channel = "1"});
-    ASSERT_EQ(file.volume.grid.size, (std::array<std::size_t, 3>{4, 3, 3}));
+    ASSERT_EQ(file.volume.view.grid.size, (std::array<std::size_t, 3>{4, 3, 3}));
     for (std::size_t i = 0; i < 36; ++i) {
       EXPECT_EQ(sample_as_double(file.volume, i), static_cast<double>((i / 12 * 2 + 1) * 256 + i % 12));
     }
@@ -363,7 +363,7 @@ TEST_F(Tiff, TagsThatSayNothingOfSamplesAreNotUsed) {
     page.more = {{33550, 4, {2, 2, 0}}, {33922, 4, {0, 0, 0, 9, 9, 0}}, {34675, 1, {1, 2, 3, 4}}, {50839, 1, {1, 2, 3, 4}}};
     const VolumeFile file = read(pages(3, description, page));
     EXPECT_EQ(pages_read(file), (std::vector{0, 1, 2}));
-    EXPECT_EQ(file.volume.grid.spacing, (Vec3{1, 1, 1}));
+    EXPECT_EQ(file.volume.view.grid.spacing, (Vec3{1, 1, 1}));
     EXPECT_FALSE(file.source.has_spacing);
   }
 }
@@ -403,7 +403,7 @@ TEST_F(Tiff, OmePlanesOnTheStageMoveNothing) {
   const std::string planes = R"(<TiffData/><Plane TheZ="0" TheC="0" TheT="0" PositionX="500" PositionY="20" PositionZ="3"/>)";
   const VolumeFile file = read(pages(3, ome(std::string(kStack) + R"( PhysicalSizeX="1" PhysicalSizeY="1" PhysicalSizeZ="2")", planes)));
   EXPECT_EQ(pages_read(file), (std::vector{0, 1, 2}));
-  EXPECT_EQ(file.volume.grid.origin, (Vec3{}));
+  EXPECT_EQ(file.volume.view.grid.origin, (Vec3{}));
   EXPECT_EQ(file.source.warnings, kNone);
 }
 
@@ -420,18 +420,18 @@ TEST_F(Tiff, OmeLengthsAndUnits) {
   const VolumeFile mixed =
       lengths(R"(PhysicalSizeX="200" PhysicalSizeXUnit="nm" PhysicalSizeY="0.3" PhysicalSizeZ="0.0005" PhysicalSizeZUnit="mm")");
   expect_size_and_spacing(mixed.volume, {4, 3, 3}, {200, 300, 500}, 1e-9);
-  EXPECT_EQ(mixed.volume.grid.unit, LengthUnit::nanometre);
+  EXPECT_EQ(mixed.volume.view.grid.unit, LengthUnit::nanometre);
   const VolumeFile flat = lengths(R"(PhysicalSizeX="0.2" PhysicalSizeY="0.3")");
-  EXPECT_EQ(flat.volume.grid.spacing, (Vec3{0.2, 0.3, 1}));
+  EXPECT_EQ(flat.volume.view.grid.spacing, (Vec3{0.2, 0.3, 1}));
   EXPECT_EQ(flat.source.warnings, std::vector<std::string>{"states no voxel size along z, 1 um is assumed there"});
   const VolumeFile angstrom = lengths(
       "PhysicalSizeX=\"2\" PhysicalSizeXUnit=\"\u00C5\" PhysicalSizeY=\"0.2\" PhysicalSizeYUnit=\"nm\" "
       "PhysicalSizeZ=\"2\" PhysicalSizeZUnit=\"\u00C5\"");
-  EXPECT_EQ(angstrom.volume.grid.unit, LengthUnit::angstrom);
-  EXPECT_NEAR(angstrom.volume.grid.spacing.y, 2, 1e-12);
+  EXPECT_EQ(angstrom.volume.view.grid.unit, LengthUnit::angstrom);
+  EXPECT_NEAR(angstrom.volume.view.grid.spacing.y, 2, 1e-12);
   const VolumeFile pixels = lengths(R"(PhysicalSizeX="2" PhysicalSizeXUnit="pixel" PhysicalSizeY="2" PhysicalSizeYUnit="pixel" )"
                                     R"(PhysicalSizeZ="3" PhysicalSizeZUnit="pixel")");
-  EXPECT_EQ(pixels.volume.grid.unit, LengthUnit::unknown);
+  EXPECT_EQ(pixels.volume.view.grid.unit, LengthUnit::unknown);
   EXPECT_EQ(pixels.source.warnings, kNone);
   const VolumeFile none = lengths(R"(PhysicalSizeX="0" PhysicalSizeY="-1" PhysicalSizeZ="NaN")");
   EXPECT_FALSE(none.source.has_spacing);
@@ -524,7 +524,7 @@ TEST_F(Tiff, OmeSizesThatDiffer) {
   const std::string description =
       R"(<OME><Image><Pixels DimensionOrder="XYZCT" SizeX="8" SizeY="6" SizeZ="2" SizeC="1" SizeT="1"><TiffData/></Pixels></Image></OME>)";
   const VolumeFile file = read(pages(2, description));
-  EXPECT_EQ(file.volume.grid.size, (std::array<std::size_t, 3>{4, 3, 2}));
+  EXPECT_EQ(file.volume.view.grid.size, (std::array<std::size_t, 3>{4, 3, 2}));
   EXPECT_EQ(file.source.warnings[0], "OME-XML promises 8 x 6 samples, its pages have 4 x 3; the pages are right");
 }
 
@@ -563,11 +563,11 @@ TEST_F(Tiff, TifffilesShapes) {
            "its axes are '" + axes + "', slowest first");
   // A description that was kept while pages were added.
   const VolumeFile stale = read(pages(4, R"({"shape": [3, 3, 4]})"));
-  EXPECT_EQ(stale.volume.grid.size[2], 4U);
+  EXPECT_EQ(stale.volume.view.grid.size[2], 4U);
   EXPECT_EQ(stale.source.warnings[0], "its description is of an array of 3 x 3 x 4, which its 4 pages are not; they are read as slices");
   for (const char* odd :
        {R"({"shape": [})", R"({"shape": [99999999999999999999999, 3, 4]})", R"({"shape": "x"})", R"({"shape": [0, 3, 4]})"}) {
-    EXPECT_EQ(read(pages(3, odd)).volume.grid.size[2], 3U) << odd;
+    EXPECT_EQ(read(pages(3, odd)).volume.view.grid.size[2], 3U) << odd;
   }
 }
 
@@ -591,8 +591,8 @@ TEST_F(Tiff, ScifiosAxes) {
       read(pages(6, "SCIFIO=0.45\naxes=X,Y,Channel,Z\nlengths=4,3,2,3\nscales=0.5,0.5,1.0,2.0\nunits=\\u00B5m,\\u00B5m,null,\\u00B5m\n"),
            {.channel = "1"});
   EXPECT_EQ(pages_read(file), (std::vector{1, 3, 5}));
-  EXPECT_EQ(file.volume.grid.spacing, (Vec3{0.5, 0.5, 2}));
-  EXPECT_EQ(file.volume.grid.unit, LengthUnit::micrometre);
+  EXPECT_EQ(file.volume.view.grid.spacing, (Vec3{0.5, 0.5, 2}));
+  EXPECT_EQ(file.volume.view.grid.unit, LengthUnit::micrometre);
   EXPECT_EQ(file.source.warnings, kNone);
   EXPECT_FALSE(read(pages(3, "SCIFIO=0.45\naxes=X,Y,Z\nlengths=4,3,3\nscales=1.0,1.0,1.0\nunits=null,null,null\n")).source.has_spacing);
   refuse(pages(3, "SCIFIO=0.45\naxes=X,Y,Z\nlengths=4,3,5\nscales=1,1,1\nunits=um,um,um\n"), ErrorCode::bad_file,
@@ -626,7 +626,7 @@ TEST_F(Tiff, ZeissLsm) {
   const VolumeFile stack = read(file(lsm_info(4, 1, 0)));
   EXPECT_EQ(pages_read(stack), (std::vector{0, 1, 2, 3}));
   expect_size_and_spacing(stack.volume, {4, 3, 4}, {0.25, 0.3, 1}, 1e-12);
-  EXPECT_EQ(stack.volume.grid.unit, LengthUnit::micrometre);
+  EXPECT_EQ(stack.volume.view.grid.unit, LengthUnit::micrometre);
   EXPECT_EQ(decision(stack, "previews"), "4 reduced pages or masks left out");
   EXPECT_EQ(pages_read(read(file(lsm_info(2, 2, 0)), {.time = 1})), (std::vector{2, 3}));
   refuse(file(lsm_info(4, 1, 6)), ErrorCode::unsupported, "is a Zeiss LSM file of scan type 6");
@@ -660,7 +660,7 @@ TEST_F(Tiff, PackedBits) {
       file.add({.width = 5, .samples = packed, .bits = bits});
     }
     const VolumeFile read_file = read(file.bytes());
-    EXPECT_EQ(read_file.volume.type, bits <= 8 ? SampleType::uint8 : SampleType::uint16);
+    EXPECT_EQ(read_file.volume.view.type, bits <= 8 ? SampleType::uint8 : SampleType::uint16);
     for (std::size_t i = 0; i < values.size(); ++i) ASSERT_EQ(sample_as_double(read_file.volume, i), values[i]) << i;
   }
 }
@@ -672,7 +672,7 @@ TEST_F(Tiff, HalfPrecision) {
   TiffPage page{.bits = 16, .format = 3};
   for (const auto& half : halves) page.samples += std::string{static_cast<char>(half.first & 0xFF), static_cast<char>(half.first >> 8)};
   const VolumeFile file = read(TiffWriter().add(page).add(page).bytes());
-  ASSERT_EQ(file.volume.type, SampleType::float32);
+  ASSERT_EQ(file.volume.view.type, SampleType::float32);
   for (std::size_t i = 0; i < halves.size(); ++i) {
     const auto value = static_cast<float>(sample_as_double(file.volume, i));
     if (std::isnan(halves[i].second)) {
@@ -779,8 +779,8 @@ TEST_F(Tiff, CompressionsAndLayouts) {
         ReadOptions options;
         if (is_separate) options.channel = "1";
         const VolumeFile file = read_volume_file(folder_ / "c.tif", options);
-        ASSERT_EQ(file.volume.grid.size, (std::array<std::size_t, 3>{48, 40, 3}));
-        for (std::size_t i = 0; i < file.volume.grid.sample_count(); ++i) {
+        ASSERT_EQ(file.volume.view.grid.size, (std::array<std::size_t, 3>{48, 40, 3}));
+        for (std::size_t i = 0; i < file.volume.view.grid.sample_count(); ++i) {
           const std::size_t x = i % 48, y = i / 48 % 40, page = i / 48 / 40;
           const std::size_t piece = is_tiled ? y / 16 * 2 + x / 32 : y / 16;
           const std::size_t of_plane = is_separate ? (is_tiled ? 6 : 3) : 0;
@@ -805,7 +805,7 @@ TEST_F(Tiff, PredictorThatLibtiffDoesNotUndoIsRefused) {
     TiffPage page;
     page.samples = samples_of(0);
     page.more = {{317, 3, {1}}};
-    EXPECT_EQ(read(TiffWriter(true, is_big_tiff).add(page).add(page).bytes()).volume.grid.size[2], 2U);
+    EXPECT_EQ(read(TiffWriter(true, is_big_tiff).add(page).add(page).bytes()).volume.view.grid.size[2], 2U);
   }
 }
 
@@ -820,7 +820,7 @@ TEST_F(Tiff, DamagedStreamsAreNeverFilledUp) {
     if (TIFFIsCODECConfigured(static_cast<std::uint16_t>(compression)) == 0) continue;
     SCOPED_TRACE(compression);
     write_with_libtiff(folder_ / "d.tif", static_cast<std::uint16_t>(compression), static_cast<std::uint16_t>(bits), false, false);
-    EXPECT_EQ(read_volume_file(folder_ / "d.tif").volume.grid.size[2], 3U);
+    EXPECT_EQ(read_volume_file(folder_ / "d.tif").volume.view.grid.size[2], 3U);
     TIFF* tiff = TIFFOpen((folder_ / "d.tif").c_str(), "r");
     const std::uint64_t start = TIFFGetStrileOffset(tiff, 1), length = TIFFGetStrileByteCount(tiff, 1);
     TIFFClose(tiff);
@@ -875,7 +875,7 @@ TEST_F(Tiff, HostileSizes) {
 TEST_F(Tiff, ManyPages) {
   const std::string bytes = pages(10000, "");
   const VolumeFile file = read(bytes);
-  EXPECT_EQ(file.volume.grid.size[2], 10000U);
+  EXPECT_EQ(file.volume.view.grid.size[2], 10000U);
   for (std::size_t i = 0; i < 10000; ++i) ASSERT_EQ(sample_as_double(file.volume, i * 12), static_cast<double>(i * 16 % 256));
 }
 

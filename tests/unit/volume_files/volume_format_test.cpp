@@ -31,7 +31,7 @@ TEST(VolumeFormat, RefusesOptionsThatTheFileHasNoUseFor) {
 
 TEST(VolumeFormat, TheSpacingGivenReplacesTheFiles) {
   const VolumeFile file = read_volume_file(field_file("r_sp_las.nrrd"), {.spacing = Vec3{1, 2, 3}});
-  EXPECT_EQ(file.volume.grid.spacing, (Vec3{1, 2, 3}));
+  EXPECT_EQ(file.volume.view.grid.spacing, (Vec3{1, 2, 3}));
   EXPECT_THROW(read_volume(field_file("r_sp_las.nrrd"), {.spacing = Vec3{1, 0, 3}}), Error);
 }
 

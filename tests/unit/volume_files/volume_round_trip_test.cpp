@@ -29,15 +29,16 @@ void expect_near(const Vec3& a, const Vec3& b, double tolerance) {
 }
 
 void expect_same(const Volume& read, const TestVolume& written, Geometry geometry, double tolerance = 1e-12) {
-  ASSERT_EQ(read.grid.size, written.grid.size);
-  ASSERT_EQ(read.type, written.type) << name(read.type);
+  ASSERT_EQ(read.view.grid.size, written.grid.size);
+  ASSERT_EQ(read.view.type, written.type) << name(read.view.type);
   ASSERT_NE(read.owner, nullptr);
-  EXPECT_EQ(std::string(static_cast<const char*>(read.samples), written.bytes.size()), written.bytes) << name(read.type);
+  EXPECT_EQ(std::string(static_cast<const char*>(read.view.samples), written.bytes.size()), written.bytes) << name(read.view.type);
   const Grid unit;
-  expect_near(read.grid.spacing, geometry >= Geometry::spacing_only ? written.grid.spacing : unit.spacing, tolerance);
-  expect_near(read.grid.origin, geometry >= Geometry::no_direction ? written.grid.origin : unit.origin, 100 * tolerance);
+  expect_near(read.view.grid.spacing, geometry >= Geometry::spacing_only ? written.grid.spacing : unit.spacing, tolerance);
+  expect_near(read.view.grid.origin, geometry >= Geometry::no_direction ? written.grid.origin : unit.origin, 100 * tolerance);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    expect_near(read.grid.direction[axis], geometry == Geometry::full ? written.grid.direction[axis] : unit.direction[axis], tolerance);
+    expect_near(read.view.grid.direction[axis], geometry == Geometry::full ? written.grid.direction[axis] : unit.direction[axis],
+                tolerance);
   }
 }
 
@@ -182,7 +183,7 @@ TEST_P(EveryType, Raw) {
 TEST(VolumeGeometry, NegativeSpacingTurnsTheAxis) {
   const TempFolder folder;
   write_bytes(folder / "turned.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nspacings: 1 -2 3\nencoding: raw\n\n12345678");
-  const Grid grid = read_volume(folder / "turned.nrrd").grid;
+  const Grid grid = read_volume(folder / "turned.nrrd").view.grid;
   EXPECT_EQ(grid.spacing, (Vec3{1, 2, 3}));
   EXPECT_EQ(grid.direction[1], (Vec3{0, -1, 0}));
 }
@@ -192,7 +193,7 @@ TEST(VolumeGeometry, LengthOfAnAxisGoesToTheSpacing) {
   write_bytes(folder / "long.mha",
               "ObjectType = Image\nNDims = 3\nBinaryData = True\nTransformMatrix = 0 2 0 -1 0 0 0 0 1\nOffset = 1 2 3\n"
               "ElementSpacing = 1 1 1\nDimSize = 2 2 2\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n12345678");
-  const Grid grid = read_volume(folder / "long.mha").grid;
+  const Grid grid = read_volume(folder / "long.mha").view.grid;
   EXPECT_EQ(grid.spacing, (Vec3{2, 1, 1}));
   EXPECT_EQ(grid.direction[0], (Vec3{0, 1, 0}));
   EXPECT_EQ(grid.direction[1], (Vec3{-1, 0, 0}));
@@ -204,7 +205,7 @@ TEST(VolumeGeometry, NrrdInRasComesOutInLps) {
   write_bytes(folder / "ras.nrrd",
               "NRRD0005\ntype: uint8\ndimension: 3\nspace: right-anterior-superior\nsizes: 2 2 2\n"
               "space directions: (2,0,0) (0,3,0) (0,0,4)\nspace origin: (10,20,30)\nencoding: raw\n\n12345678");
-  const Grid grid = read_volume(folder / "ras.nrrd").grid;
+  const Grid grid = read_volume(folder / "ras.nrrd").view.grid;
   EXPECT_EQ(grid.origin, (Vec3{-10, -20, 30}));
   EXPECT_EQ(grid.direction[0], (Vec3{-1, 0, 0}));
   EXPECT_EQ(grid.direction[1], (Vec3{0, -1, 0}));
@@ -229,7 +230,7 @@ TEST(VolumeGeometry, ImageJStackHasItsSliceDistance) {
     TIFFWriteDirectory(tiff);
   }
   TIFFClose(tiff);
-  EXPECT_EQ(read_volume(path).grid.spacing, (Vec3{0.25, 0.5, 1.5}));
+  EXPECT_EQ(read_volume(path).view.grid.spacing, (Vec3{0.25, 0.5, 1.5}));
 }
 
 TEST(VolumeSamples, NiftiScaleIsApplied) {
@@ -241,9 +242,9 @@ TEST(VolumeSamples, NiftiScaleIsApplied) {
   std::memcpy(bytes.data() + 112, scale.data(), sizeof scale);
   write_bytes(folder / "scaled.nii", bytes);
   const Volume volume = read_volume(folder / "scaled.nii");
-  ASSERT_EQ(volume.type, SampleType::float32);
+  ASSERT_EQ(volume.view.type, SampleType::float32);
   for (std::size_t i = 0; i < written.bytes.size(); ++i) {
-    EXPECT_EQ(static_cast<const float*>(volume.samples)[i], static_cast<unsigned char>(written.bytes[i]) * 2.5F - 7.0F);
+    EXPECT_EQ(static_cast<const float*>(volume.view.samples)[i], static_cast<unsigned char>(written.bytes[i]) * 2.5F - 7.0F);
   }
 }
 
@@ -261,14 +262,14 @@ TEST(VolumeSamples, NiftiKeepsNaNAndInfinity) {  // the library behind ITK reads
   EXPECT_EQ(summary.nan_count, 1u);
   EXPECT_EQ(summary.infinity_count, 2u);
   EXPECT_EQ(summary.first_non_finite, (std::array<std::size_t, 3>{5 % written.grid.size[0], 5 / written.grid.size[0], 0}));
-  EXPECT_EQ(static_cast<const float*>(volume.samples)[6], holes[1]);
-  EXPECT_EQ(static_cast<const float*>(volume.samples)[7], holes[2]);
+  EXPECT_EQ(static_cast<const float*>(volume.view.samples)[6], holes[1]);
+  EXPECT_EQ(static_cast<const float*>(volume.view.samples)[7], holes[2]);
 }
 
 TEST(VolumeSamples, FourDimensionsWithOneVolumeAreAVolume) {
   const TempFolder folder;
   write_bytes(folder / "one.nrrd", "NRRD0004\ntype: uint8\ndimension: 4\nsizes: 2 2 2 1\nencoding: raw\n\n12345678");
-  EXPECT_EQ(read_volume(folder / "one.nrrd").grid.size, (std::array<std::size_t, 3>{2, 2, 2}));
+  EXPECT_EQ(read_volume(folder / "one.nrrd").view.grid.size, (std::array<std::size_t, 3>{2, 2, 2}));
 }
 
 TEST(VolumeSamples, OutliveTheirVolume) {  // a view and the owner are enough

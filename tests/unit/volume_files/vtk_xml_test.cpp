@@ -128,10 +128,10 @@ TEST_F(VtkXml, FieldVolumesAreRead) {
     SCOPED_TRACE(row.name);
     const VolumeFile file = read_volume_file(field_file(row.name), {.array = row.array});
     expect_size_and_spacing(file.volume, {24, 20, 16}, row.spacing, 0);
-    EXPECT_EQ(file.volume.grid.origin, row.origin);
-    EXPECT_EQ(file.volume.grid.direction, Grid{}.direction);
-    EXPECT_EQ(file.volume.grid.unit, LengthUnit::unknown);
-    EXPECT_EQ(file.volume.type, SampleType::float32);
+    EXPECT_EQ(file.volume.view.grid.origin, row.origin);
+    EXPECT_EQ(file.volume.view.grid.direction, Grid{}.direction);
+    EXPECT_EQ(file.volume.view.grid.unit, LengthUnit::unknown);
+    EXPECT_EQ(file.volume.view.type, SampleType::float32);
     EXPECT_EQ(sample_digest(file.volume), kFieldDigest);
     EXPECT_EQ(file.source.format, row.format);
     EXPECT_TRUE(file.source.warnings.empty());
@@ -201,12 +201,12 @@ TEST_F(VtkXml, GeometryIsThatOfTheFile) {
   const std::string content = piece("-2 1 5 7 10 11", point_data(floats("v", integers(kPoints))));
   const VolumeFile turned = read(
       vtk_file("ImageData", "WholeExtent='-2 1 5 7 10 11' Origin='1 2 3' Spacing='0.5 0.25 2' Direction='0 -1 0 1 0 0 0 0 1'", content));
-  EXPECT_EQ(turned.volume.grid.direction[0], (Vec3{0, 1, 0}));
-  EXPECT_EQ(turned.volume.grid.direction[1], (Vec3{-1, 0, 0}));
-  EXPECT_EQ(turned.volume.grid.origin, (Vec3{1 - 5 * 0.25, 2 - 2 * 0.5, 23}));
+  EXPECT_EQ(turned.volume.view.grid.direction[0], (Vec3{0, 1, 0}));
+  EXPECT_EQ(turned.volume.view.grid.direction[1], (Vec3{-1, 0, 0}));
+  EXPECT_EQ(turned.volume.view.grid.origin, (Vec3{1 - 5 * 0.25, 2 - 2 * 0.5, 23}));
   const VolumeFile plain = read(vtk_file("ImageData", "WholeExtent='-2 1 5 7 10 11'", content));
   EXPECT_FALSE(plain.source.has_spacing);
-  EXPECT_EQ(plain.volume.grid.origin, (Vec3{-2, 5, 10}));
+  EXPECT_EQ(plain.volume.view.grid.origin, (Vec3{-2, 5, 10}));
   for (const std::string wrong : {"0 3 0 2", "0 3 0 2 0 x", "0 3 0 2 0 1.5", "0 3 0 2 0 99999999999", ""}) {
     expect_refused(vtk_file("ImageData", "WholeExtent='" + wrong + "'", content), ErrorCode::bad_file, "WholeExtent is '" + wrong + "'");
   }
@@ -296,8 +296,8 @@ TEST_F(VtkXmlParallel, PiecesInOtherFilesArePutTogether) {
   write_header(pieces_);
   const VolumeFile file = read_volume_file(header());
   expect_size_and_spacing(file.volume, {4, 3, 2}, {0.5, 0.25, 2}, 0);
-  EXPECT_EQ(file.volume.grid.origin, (Vec3{1, 2, 3}));
-  EXPECT_EQ(file.volume.grid.direction[0], (Vec3{0, 1, 0}));  // VTK 9.1 writes it into the pieces only
+  EXPECT_EQ(file.volume.view.grid.origin, (Vec3{1, 2, 3}));
+  EXPECT_EQ(file.volume.view.grid.direction[0], (Vec3{0, 1, 0}));  // VTK 9.1 writes it into the pieces only
   EXPECT_EQ(file.source.format, "VTK XML parallel image data");
   expect_ramp(file);
 }
@@ -337,9 +337,9 @@ TEST_F(VtkXml, RectilinearGridsNeedEqualSteps) {
   };
   const VolumeFile file = read(grid("0.1 0.4333333 0.7666667 1.1"));
   expect_size_and_spacing(file.volume, {4, 3, 2}, {1.0 / 3, 2, 0.5});
-  EXPECT_NEAR(file.volume.grid.origin.x, 0.1, 1e-8);
-  EXPECT_EQ(file.volume.grid.origin.y, 9);
-  EXPECT_EQ(file.volume.grid.direction[1], (Vec3{0, -1, 0}));
+  EXPECT_NEAR(file.volume.view.grid.origin.x, 0.1, 1e-8);
+  EXPECT_EQ(file.volume.view.grid.origin.y, 9);
+  EXPECT_EQ(file.volume.view.grid.direction[1], (Vec3{0, -1, 0}));
   EXPECT_EQ(decision(file, "spacing"), "the equal steps of the coordinates");
   expect_ramp(file);
   EXPECT_NO_THROW(read(grid("0 1.0005 2 3")));
@@ -367,7 +367,7 @@ TEST_F(VtkXml, RectilinearPiecesArePutTogether) {
   write_bytes(folder_ / "p.pvtr", vtk_file("PRectilinearGrid", "WholeExtent='0 3 0 2 0 1'", header));
   const VolumeFile file = read_volume_file(folder_ / "p.pvtr");
   expect_size_and_spacing(file.volume, {4, 3, 2}, {2, 1, 1}, 0);
-  EXPECT_EQ(file.volume.grid.origin, (Vec3{5, 0, 0}));
+  EXPECT_EQ(file.volume.view.grid.origin, (Vec3{5, 0, 0}));
   expect_ramp(file);
 }
 
@@ -495,7 +495,7 @@ TEST_F(VtkXml, BitsAreRead) {
   };
   const VolumeFile text = read(bits("ascii", "1 0 0 0 0 0 0 0  0 0 0 0 0 0 0 1  1 1 1 1 0 0 0 0"));
   const VolumeFile binary = read(bits("binary", "AwAAAIAB8A=="));  // 3 bytes: 80 01 F0
-  EXPECT_EQ(text.volume.type, SampleType::uint8);
+  EXPECT_EQ(text.volume.view.type, SampleType::uint8);
   EXPECT_EQ(samples_as_double(text.volume), samples_as_double(binary.volume));
   EXPECT_EQ(sample_as_double(binary.volume, 15), 1);
   expect_refused(bits("ascii", "2 " + integers(23, 0, 0)), ErrorCode::bad_file, "has '2', expected a value of type bit");

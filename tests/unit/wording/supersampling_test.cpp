@@ -63,6 +63,7 @@ TEST(Supersampling, EveryCrossedCellCounts) {
       const std::vector<float> samples = noise(size, share);
       const std::size_t upsampled = (2 * nx - 1) * 7 * 5, cells = 4 * crossed_cells(samples, size);
       ExtractOptions options;
+      options.refine.clear();
       options.supersample = 2;
       EXPECT_EQ(estimated_memory(view_of(samples, size), options), 4 * samples.size() + 250 * cells + upsampled / 8) << nx << " " << share;
       options.refine.resize(1);

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "core/parallel.h"
+#include "core/vector_math.h"
+#include "field/check_volume.h"
+#include "field/dense_volume.h"
+#include "field/interpolated_field.h"
+#include "geometry/vertex_normals.h"
+#include "isoatlas/error.h"
+#include "isoatlas/normals.h"
+
+namespace isoatlas {
+using namespace detail;
+namespace {
+
+constexpr std::size_t kVerticesPerPiece = 1024;
+
+void require_corners(const MeshView& mesh) {
+  for (const Triangle& t : mesh.triangles) {
+    for (const std::uint32_t v : t) {
+      if (v >= mesh.positions.size())
+        throw Error(ErrorCode::bad_argument,
+                    "a triangle uses vertex " + std::to_string(v) + ", but there are only " + std::to_string(mesh.positions.size()));
+    }
+  }
+}
+
+double longest_side(const MeshView& mesh) {
+  Vec3 low = mesh.positions.empty() ? Vec3{} : mesh.positions[0], high = low;
+  for (const Vec3& p : mesh.positions) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  const double side = std::max({high.x - low.x, high.y - low.y, high.z - low.z});
+  return side > 0 ? side : 1;
+}
+
+}  // namespace
+
+std::vector<Vec3> vertex_normals(const MeshView& mesh) {
+  require_corners(mesh);
+  return detail::vertex_normals(mesh, longest_side(mesh));
+}
+
+std::vector<Vec3> vertex_normals(const MeshView& mesh, const VolumeView& any_volume, const SurfaceOptions& surface, Space space,
+                                 const RunControl& control) {
+  std::vector<Vec3> out = vertex_normals(mesh);
+  check_volume(any_volume, surface.isovalue);
+  const Volume kept = dense_volume(any_volume);
+  const Grid& grid = kept.view.grid;
+  const InterpolatedField field(kept.view, {surface.isovalue, surface.inside, surface.non_finite}, surface.interpolation);
+  const ThreadLimit threads(control.threads);
+  const double flip = space == Space::ras ? -1 : 1;
+  const Vec3 last = field.last();
+  const auto is_inside = [](double x, double most) { return x >= -1e-6 && x <= most + 1e-6; };
+  for_each_index(mesh.positions.size(), kVerticesPerPiece, &control, [&](std::size_t v) {
+    const Vec3 p = mesh.positions[v];
+    const Vec3 index = space == Space::voxel ? p : grid.to_index({flip * p.x, flip * p.y, p.z});
+    if (!is_inside(index.x, last.x) || !is_inside(index.y, last.y) || !is_inside(index.z, last.z)) return;
+    const Vec3 slope = field.at(index).gradient;  // grows inwards
+    Vec3 normal{-slope.x, -slope.y, -slope.z};
+    if (space != Space::voxel) {
+      const Vec3 along{normal.x / grid.spacing.x, normal.y / grid.spacing.y, normal.z / grid.spacing.z};
+      const Vec3 world = along.x * grid.direction[0] + along.y * grid.direction[1] + along.z * grid.direction[2];
+      normal = {flip * world.x, flip * world.y, world.z};
+    }
+    if (const Vec3 unit = normalized(normal); !(unit == Vec3{})) out[v] = unit;
+  });
+  return out;
+}
+
+std::vector<Vec3> vertex_normals(const MeshView& mesh, const ScalarField& field, Inside inside) {
+  if (!field.gradient) throw Error(ErrorCode::bad_argument, "the field has no gradient");
+  std::vector<Vec3> out = vertex_normals(mesh);
+  const double outward = inside == Inside::above ? -1 : 1;
+  for_each_index(mesh.positions.size(), kVerticesPerPiece, [&](std::size_t v) {
+    if (const Vec3 unit = normalized(outward * field.gradient(mesh.positions[v])); !(unit == Vec3{})) out[v] = unit;
+  });
+  return out;
+}
+
+}  // namespace isoatlas
