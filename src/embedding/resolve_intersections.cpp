@@ -35,7 +35,7 @@ ResolvedIntersections resolve_intersections(GrowingDual& dual, const AdaptiveSur
     report_going_on(control);
     Covering& covering = dual.covering();
     const std::uint32_t before = covering.site_count();
-    std::vector<CellId> cells = tracker.largest_corners(covering.reach());
+    std::vector<CellId> cells = tracker.largest_corners(covering.farthest_distances());
     const bool is_embedded = cells.empty();
     if (is_embedded) cells = misplaced(dual, surface, positions, triangles, control);
     const std::vector<CellId> single = covering.shrink(cells);

@@ -113,12 +113,12 @@ void MeasuredCovering::continue_on(std::span<const std::uint8_t> changed, std::s
     place(mesh_, ground_.surfels, all, places_, &control);
     control.check_cancelled();
   }
-  covering_.continue_on(changed, places_.anchor, control);
+  covering_.adapt_to(changed, places_.anchor, control);
   covering_.ignore_events();
   control.check_cancelled();
-  dual_.continue_on(changed);
+  dual_.adapt_to(changed);
   control.check_cancelled();
-  dual_.touch_near(back, control);
+  dual_.mark_touched_near(back, control);
   control.check_cancelled();
   covering_.cover(control);
 }
@@ -229,7 +229,7 @@ std::vector<CellId> MeasuredCovering::cells_to_measure(std::span<const std::uint
       if (stale_[c]) cells.push_back(c);
     }
   }
-  dual_.forget_touched();
+  dual_.clear_touched();
   stale_.clear();
   return cells;
 }

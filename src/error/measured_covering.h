@@ -14,7 +14,7 @@
 #include "error/triangle_errors.h"
 #include "isoatlas/certificate.h"
 #include "isoatlas/refine.h"
-#include "voronoi/repair.h"
+#include "voronoi/certified_dual.h"
 
 namespace isoatlas::detail {
 

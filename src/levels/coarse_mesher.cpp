@@ -75,9 +75,9 @@ void CoarseMesher::Stand::continue_on(const RunControl& control) {
   std::vector<std::uint8_t> changed = remake_graph(graph, complex, &control);
   for (CVertexId v = 0; v < positions.size(); ++v) changed[v] |= !(positions[v] == complex.positions[v]);
   positions = complex.positions;
-  covering.continue_on(changed, std::vector<CVertexId>(covering.partition().site), control);
+  covering.adapt_to(changed, std::vector<CVertexId>(covering.partition().site), control);
   covering.ignore_events();
-  dual.continue_on(changed);
+  dual.adapt_to(changed);
 }
 
 CoarseMesher::CoarseMesher(AdaptiveSurface& surface, Coarsened& coarser, const CoveringOptions& cover, const ExtractOptions& options,

@@ -12,7 +12,7 @@
 #include "geometry/intersection_tracker.h"
 #include "isoatlas/options.h"
 #include "isoatlas/report.h"
-#include "voronoi/repair.h"
+#include "voronoi/certified_dual.h"
 
 namespace isoatlas::detail {
 

@@ -118,7 +118,7 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
       rounds_.work(rough, task, out, control);
       out.vertices_ran_out = false;  // only its share of them
     }
-    placed_in_ = rough.covering().placed_in();
+    inserted_in_ = rough.covering().inserted_in();
     sites.clear();
     for (const CVertexId v : rough.partition().site) sites.push_back(on[v]);
     radii = radii_of(rough.covering().radius(), on);
@@ -198,9 +198,9 @@ void Refiner::work_apart(const Task& task, IntersectionTracker& meeting, Refined
 // Which a covering that is made anew does not know.
 void Refiner::remember_placed_in() {
   const Covering& covering = work_->covering();
-  placed_in_.resize(covering.site_count(), kNone);
+  inserted_in_.resize(covering.site_count(), kNone);
   for (CellId c = 0; c < covering.site_count(); ++c) {
-    if (placed_in_[c] == kNone) placed_in_[c] = covering.placed_in()[c];
+    if (inserted_in_[c] == kNone) inserted_in_[c] = covering.inserted_in()[c];
   }
 }
 
@@ -373,21 +373,21 @@ bool Refiner::is_provable(const Task& task) const {
 struct Refiner::State {
   AdaptiveSurface surface;
   std::shared_ptr<const MeasuredCovering> work;  // on the ground of this surface
-  std::vector<CellId> placed_in;
+  std::vector<CellId> inserted_in;
   MeshExtent extent;
   std::array<MetricSummary, kMetricCount> metrics;
 };
 
 std::shared_ptr<const Refiner::State> Refiner::save_state() const {
   return std::make_shared<const State>(
-      State{surface_, work_ ? std::make_shared<const MeasuredCovering>(*work_) : nullptr, placed_in_, extent_, metrics_});
+      State{surface_, work_ ? std::make_shared<const MeasuredCovering>(*work_) : nullptr, inserted_in_, extent_, metrics_});
 }
 
 void Refiner::restore_state(const State& state) {
   surface_ = state.surface;
   ground_->remake();
   work_ = state.work ? std::make_unique<MeasuredCovering>(*state.work) : nullptr;
-  placed_in_ = state.placed_in;
+  inserted_in_ = state.inserted_in;
   extent_ = state.extent;
   metrics_ = state.metrics;
 }
@@ -519,7 +519,7 @@ bool Refiner::refine_within_budget(Task& task, double most, IntersectionTracker&
 
 void Refiner::remove_sites(std::uint32_t count, const RunControl& control) {
   work_->remove_sites(count, control);
-  placed_in_.resize(std::min<std::size_t>(placed_in_.size(), count));
+  inserted_in_.resize(std::min<std::size_t>(inserted_in_.size(), count));
 }
 
 // The level's triangles: shape, and no self-intersections; then what can be said of them.
@@ -641,9 +641,9 @@ LevelFigures Refiner::describe_coarse(std::span<const Triangle> triangles, const
 }
 
 std::vector<std::uint32_t> Refiner::parents() const {
-  std::vector<std::uint32_t> out(work_->covering().placed_in());
+  std::vector<std::uint32_t> out(work_->covering().inserted_in());
   for (std::uint32_t c = 0; c < out.size(); ++c) {
-    if (c < placed_in_.size() && placed_in_[c] != kNone) out[c] = placed_in_[c];
+    if (c < inserted_in_.size() && inserted_in_[c] != kNone) out[c] = inserted_in_[c];
     if (c < sites_before_ || out[c] == kNone) {
       out[c] = c;
     } else {

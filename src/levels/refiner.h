@@ -115,12 +115,12 @@ class Refiner {
   std::unique_ptr<Ground> ground_;  // of the surface as it is
   std::unique_ptr<MeasuredCovering> work_;
   RefinementRounds rounds_;
-  std::vector<CellId> placed_in_;  // per site, as far as it was placed on another complex than work_ stands on; else kNone
-  std::uint32_t sites_before_;     // of the level before
-  bool is_first_ = true;           // the level before is the coarse one
-  std::uint32_t divisions_ = 0;    // of this level, for the sake of bounds
-  int proofs_ = 0;                 // of this level, that failed
-  MeshExtent extent_;              // of the last level, its metrics below
+  std::vector<CellId> inserted_in_;  // per site, as far as it was placed on another complex than work_ stands on; else kNone
+  std::uint32_t sites_before_;       // of the level before
+  bool is_first_ = true;             // the level before is the coarse one
+  std::uint32_t divisions_ = 0;      // of this level, for the sake of bounds
+  int proofs_ = 0;                   // of this level, that failed
+  MeshExtent extent_;                // of the last level, its metrics below
   std::array<MetricSummary, kMetricCount> metrics_{};
 };
 

@@ -13,7 +13,7 @@
 #include "complex/scoped_check.h"
 #include "property/random_case.h"
 #include "support/surfaces.h"
-#include "voronoi/repair.h"
+#include "voronoi/certified_dual.h"
 
 namespace isoatlas::detail {
 namespace {

@@ -12,7 +12,7 @@
 #include "isosurface/parse_surface.h"
 #include "support/exact_volume.h"
 #include "support/surfaces.h"
-#include "voronoi/repair.h"
+#include "voronoi/certified_dual.h"
 
 namespace isoatlas::detail::test {
 

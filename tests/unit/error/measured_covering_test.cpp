@@ -185,8 +185,8 @@ TEST(MeasuredCovering, RemovingTheLastSitesTakesBackWhatWasDone) {
           ASSERT_EQ(work.errors()[c].excess > 1, before.errors()[c].excess > 1) << c;
         }
         ASSERT_EQ(work.covering().distance(), before.covering().distance());
-        ASSERT_EQ(work.covering().placed_in(), before.covering().placed_in());
-        ASSERT_TRUE(work.covering().has_slope());
+        ASSERT_EQ(work.covering().inserted_in(), before.covering().inserted_in());
+        ASSERT_TRUE(work.covering().is_lipschitz());
         for (CVertexId v = 0; v < work.covering().distance().size(); ++v) ASSERT_TRUE(work.covering().is_covered(v));
         insert_some(work, random, 3);
         work.update(report, {});
@@ -295,8 +295,8 @@ TEST(CertifiedDual, ContinuesWhereSitesMove) {
       std::vector<CVertexId> sites = covering.partition().site;
       moved += move_some(sites, covering.partition().cell_of, graph.on_boundary, 40, random);
       const std::vector<std::uint8_t> changed(graph.c_vertex_count(), 0);
-      covering.continue_on(changed, sites);
-      dual.continue_on(changed);
+      covering.adapt_to(changed, sites);
+      dual.adapt_to(changed);
       covering.cover({});
       dual.update(report, {});
       expect_full_check(surface, covering, dual);
@@ -332,8 +332,8 @@ TEST(CertifiedDual, ContinuesWhereTheComplexBecomesFiner) {
       cut_regions(surface, to_cut, {}, coarser);
       const std::vector<std::uint8_t> changed = remake_graph(graph, coarser.complex);
       finer += changed.size() - was_on_boundary.size();
-      covering.continue_on(changed, sites);
-      dual.continue_on(changed);
+      covering.adapt_to(changed, sites);
+      dual.adapt_to(changed);
       covering.cover({});
       dual.update(report, {});
       expect_full_check(coarser.complex, covering, dual);
@@ -386,7 +386,7 @@ TEST(Covering, SeedsAreAsInsertedOneByOne) {
       ASSERT_NEAR(seeded.radius()[v], wanted[v], 1e-5 * wanted[v]);  // up to rounding: sums along paths are made in another order
       ASSERT_TRUE(seeded.partition().cell_of[v] == kNone || seeded.is_covered(v));
     }
-    EXPECT_EQ(seeded.placed_in(), std::vector<CellId>(20, kNone));
+    EXPECT_EQ(seeded.inserted_in(), std::vector<CellId>(20, kNone));
   }
 }
 
@@ -399,7 +399,7 @@ TEST(Covering, RemembersInWhoseCellASiteWasPlaced) {
   covering.insert(6 + 9);  // nearer to the second
   covering.insert(1 + 9);
   covering.insert(7 + 9);  // half way between the second and the third: the earlier one's
-  EXPECT_EQ(covering.placed_in(), (std::vector<CellId>{kNone, 0, 1, 0, 1}));
+  EXPECT_EQ(covering.inserted_in(), (std::vector<CellId>{kNone, 0, 1, 0, 1}));
 }
 
 }  // namespace
