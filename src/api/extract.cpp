@@ -221,9 +221,9 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   hierarchy.parent.resize(hierarchy.positions.size());
   std::iota(hierarchy.parent.begin(), hierarchy.parent.end(), 0u);
   const auto tell_of_divisions = [&] {
-    report.divided_c_vertices = surface.divided();
-    report.added_c_vertices = surface.added();
-    report.deepest_division = surface.deepest();
+    report.divided_c_vertices = surface.subdivision_count();
+    report.added_c_vertices = surface.added_count();
+    report.deepest_division = surface.max_depth();
   };
   tell_of_divisions();
   if (only_coarse) return out;

@@ -74,9 +74,9 @@ std::vector<std::uint8_t> Ground::remake() {
   for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
     for (const CVertexGraph::Neighbour& n : graph.row(v)) reach[v] = std::max(reach[v], n.weight);
   }
-  if (roaming != nullptr && !std::ranges::equal(roaming->found(), complex.positions)) {
+  if (roaming != nullptr && !std::ranges::equal(roaming->original_positions(), complex.positions)) {
     moved_from.reserve(complex.positions.size());
-    for (const Vec3& p : roaming->found()) moved_from.push_back(scaled(p, complex.spacing));
+    for (const Vec3& p : roaming->original_positions()) moved_from.push_back(scaled(p, complex.spacing));
   }
   check_cancelled();
   if (isosurface != nullptr) between.emplace(complex, *isosurface);
@@ -238,19 +238,19 @@ std::vector<CellId> MeasuredCovering::cells_to_measure(std::span<const std::uint
 void MeasuredCovering::keep_apart() {
   std::vector<CVertexId>& anchor = places_.anchor;
   const std::vector<CellId>& cell_of = partition().cell_of;
-  std::vector<CellId> strays;  // frozen, so it is the other one that gives way
+  std::vector<CellId> conflicting_moves;  // frozen, so it is the other one that gives way
   for (CellId c = 0; c < anchor.size(); ++c) {
     if (cell_of[anchor[c]] == c) continue;
     if (is_frozen(c)) {
-      strays.push_back(c);
+      conflicting_moves.push_back(c);
     } else {
       move_to(c, partition().site[c]);
     }
   }
-  if (strays.empty()) return;
+  if (conflicting_moves.empty()) return;
   std::vector<std::uint8_t> taken(cell_of.size(), 0);
   for (const CVertexId v : anchor) ++taken[v];
-  for (const CellId c : strays) {
+  for (const CellId c : conflicting_moves) {
     const CellId owner = cell_of[anchor[c]];
     if (anchor[owner] != anchor[c]) continue;
     move_to(owner, free_place_near(anchor[c], owner, taken));

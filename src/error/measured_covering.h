@@ -42,7 +42,7 @@ struct Ground {
   const RunControl* control;                    ///< asked now and then whether to stop; none: nobody is
 
   /// Whether a vertex may leave its c-vertex, within the grid cell.
-  bool may_roam(CVertexId v) const { return roaming != nullptr ? roaming->may_roam(v) : !graph.on_boundary[v]; }
+  bool is_movable(CVertexId v) const { return roaming != nullptr ? roaming->is_movable(v) : !graph.on_boundary[v]; }
   void check_cancelled() const { measured().check_cancelled(); }
   void report_going_on() const {
     if (control != nullptr) isoatlas::detail::report_going_on(*control);

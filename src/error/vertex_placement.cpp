@@ -13,7 +13,7 @@ constexpr std::size_t kPerPiece = 2048;  // vertices, of a parallel loop
 }  // namespace
 
 Vec3 base_position(const SurfaceComplex& complex, const VertexPlacement& places, CellId c) {
-  return displaced(complex, places.anchor[c], places.shift.empty() ? Vec3{} : places.shift[c]);
+  return displaced_position(complex, places.anchor[c], places.shift.empty() ? Vec3{} : places.shift[c]);
 }
 
 Vec3 vertex_position(const SurfaceComplex& complex, const Surfels& surfels, const VertexPlacement& places, CellId c) {
@@ -34,10 +34,10 @@ std::vector<ShapeObstacle> obstacles(const VertexPlacement& places, const Adapti
   std::vector<ShapeObstacle> out;
   out.reserve(places.anchor.size());
   for (CellId c = 0; c < places.anchor.size(); ++c) {
-    out.push_back(c < earlier                           ? ShapeObstacle::earlier_level
-                  : !places.may_move(c)                 ? ShapeObstacle::self_intersection
-                  : !surface.may_roam(places.anchor[c]) ? ShapeObstacle::crowded
-                                                        : ShapeObstacle::none);
+    out.push_back(c < earlier                             ? ShapeObstacle::earlier_level
+                  : !places.may_move(c)                   ? ShapeObstacle::self_intersection
+                  : !surface.is_movable(places.anchor[c]) ? ShapeObstacle::crowded
+                                                          : ShapeObstacle::none);
   }
   return out;
 }

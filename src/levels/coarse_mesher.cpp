@@ -134,7 +134,7 @@ class CoarseMesher::Dual : public GrowingDual {
   std::vector<Vec3> positions() const override { return mesher_.mesh_.positions; }
   std::vector<Triangle> triangles() const override { return mesher_.mesh_.triangles; }
   std::vector<CVertexId> sites_on_surface() const override { return mesher_.sites(); }
-  bool mend_first() override { return mesher_.mend_turned_components(round_++, certificate_); }
+  bool repair_first() override { return mesher_.mend_turned_components(round_++, certificate_); }
   bool subdivide(std::span<const CellId> single) override { return mesher_.make_finer(single, control_); }
 
  private:
@@ -151,11 +151,11 @@ void CoarseMesher::mesh(LevelReport& report, const RunControl& told) {
   do {
     if (options_.allow_self_intersections) {
       do dual.update();
-      while (dual.mend_first());
+      while (dual.repair_first());
     } else {
       const ResolvedIntersections resolved = resolve_intersections(dual, surface_, meeting_, control);
-      report.parting_sites += resolved.for_intersections;
-      report.certificate.repair_sites += resolved.for_nesting;
+      report.parting_sites += resolved.sites_for_intersections;
+      report.certificate.repair_sites += resolved.sites_for_nesting;
     }
     stand_->dual.certify(report.certificate, control);
   } while (stand_->covering.site_count() > mesh_.positions.size());
@@ -199,7 +199,7 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
   std::vector<Roam> roam;
   for (const CVertexId v : at) {
     start.push_back(scaled(surface.positions[v], s));
-    roam.push_back(surface_.may_roam(v) ? roam_of(surface.positions[v], s) : Roam{start.back(), start.back()});
+    roam.push_back(surface_.is_movable(v) ? roam_of(surface.positions[v], s) : Roam{start.back(), start.back()});
   }
   control.check_cancelled();
   const SlackRows<std::uint32_t> triangles_of = triangles_around(mesh_.triangles, at.size());
@@ -209,7 +209,7 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
   std::vector<Vec3> points = start, positions = surface.positions;  // positions: per c-vertex, those that vertices are at moved
   const auto move_to = [&](std::uint32_t i, Vec3 point) {
     points[i] = point;
-    mesh_.positions[i] = positions[at[i]] = displaced(surface, at[i], point - start[i]);
+    mesh_.positions[i] = positions[at[i]] = displaced_position(surface, at[i], point - start[i]);
   };
   placement_.given_up.assign(at.size(), 0);
   std::vector<std::uint32_t> look(mesh_.triangles.size());
@@ -265,7 +265,7 @@ std::vector<std::uint8_t> CoarseMesher::must_go_back(std::span<const std::uint32
     for (const std::uint32_t i : vertices) of.push_back(at[i]);
     return of;
   };
-  std::vector<CVertexId> back = surface_.stray(c_vertices(moved), before, positions, c_vertices(look));
+  std::vector<CVertexId> back = surface_.find_conflicting_moves(c_vertices(moved), before, positions, c_vertices(look));
   std::sort(back.begin(), back.end());
   for (const std::uint32_t i : moved) out[i] = std::binary_search(back.begin(), back.end(), at[i]);
   bool any = !back.empty();
@@ -312,9 +312,9 @@ bool CoarseMesher::make_finer(std::span<const CellId> cells, const RunControl& c
   if (to_cut.empty()) {
     const std::vector<CVertexId> on_surface = sites();
     for (const CellId c : cells) to_divide.push_back(on_surface[c]);
-    to_divide = subdividable(surface_, std::move(to_divide));
+    to_divide = filter_subdividable(surface_, std::move(to_divide));
     if (to_divide.empty()) return false;
-    surface_.divide(to_divide);
+    surface_.subdivide(to_divide);
   }
   report_going_on(control);
   if (is_coarser()) {

@@ -137,7 +137,7 @@ bool Refiner::refine_cells(std::span<const CellId> cells, const RunControl& cont
 
 // The surface at cells that are single c-vertices. @return whether that could be done
 bool Refiner::subdivide(std::span<const CellId> single, const RunControl& control) {
-  const std::vector<CVertexId> wanted = subdividable(surface_, sites_of(single));
+  const std::vector<CVertexId> wanted = filter_subdividable(surface_, sites_of(single));
   if (!wanted.empty()) divide_surface(wanted, control);
   return !wanted.empty();
 }
@@ -154,7 +154,7 @@ bool Refiner::can_refine(std::span<const CellId> cells) const {
   for (const CellId c : cells) {
     if (work_->mesh().c_vertices_of.row(c).size() == 1) single.push_back(c);
   }
-  return single.size() < cells.size() || !subdividable(surface_, sites_of(single)).empty();
+  return single.size() < cells.size() || !filter_subdividable(surface_, sites_of(single)).empty();
 }
 
 // A refined level while its self-intersections are resolved.
@@ -183,7 +183,7 @@ class Refiner::Dual : public GrowingDual {
 bool Refiner::separate_intersections(IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control) {
   const std::uint32_t sites = partition().cell_count();
   Dual dual(*this, out.certificate, control);
-  const bool any = resolve_intersections(dual, surface_, meeting, control).any;
+  const bool any = resolve_intersections(dual, surface_, meeting, control).has_changed;
   out.parting_sites += partition().cell_count() - sites;
   return any;
 }
@@ -217,13 +217,14 @@ void Refiner::divide_surface(std::span<const CVertexId> wanted, const RunControl
     frozen.push_back(c < sites_before_ ? positions[v] : surface_.complex().positions[v]);
   }
   report_going_on(control);
-  std::vector<CVertexId> strays = surface_.stray(movers, frozen, positions, movers);
-  std::sort(strays.begin(), strays.end());
+  std::vector<CVertexId> conflicting_moves = surface_.find_conflicting_moves(movers, frozen, positions, movers);
+  std::sort(conflicting_moves.begin(), conflicting_moves.end());
   for (std::size_t i = 0; i < movers.size(); ++i)
-    surface_.move(movers[i], std::binary_search(strays.begin(), strays.end(), movers[i]) ? frozen[i] : positions[movers[i]]);
+    surface_.move(movers[i],
+                  std::binary_search(conflicting_moves.begin(), conflicting_moves.end(), movers[i]) ? frozen[i] : positions[movers[i]]);
   std::vector<CVertexId> pinned;  // by vertices of earlier levels
   for (CellId c = 0; c < sites_before_; ++c) pinned.push_back(places.anchor[c]);
-  surface_.divide(wanted, pinned);
+  surface_.subdivide(wanted, pinned);
   report_going_on(control);
   const std::vector<Vec3> before = work_->base_points();
   work_->continue_on(ground_->remake(), before, control);

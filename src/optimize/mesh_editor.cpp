@@ -121,11 +121,11 @@ std::vector<CellId> MeshEditor::keep_from_straying(std::span<const CellId> cells
     const CVertexId v = places().anchor[cells[i]];
     movers.push_back(i);
     c_vertices.push_back(v);
-    start.push_back(displaced(ground().complex, v, before[i]));
+    start.push_back(displaced_position(ground().complex, v, before[i]));
   }
   if (movers.empty()) return {};
   control_.check_cancelled();
-  std::vector<CVertexId> back = ground().roaming->stray(c_vertices, start, positions_, c_vertices);
+  std::vector<CVertexId> back = ground().roaming->find_conflicting_moves(c_vertices, start, positions_, c_vertices);
   std::sort(back.begin(), back.end());
   std::vector<CellId> out;
   for (std::size_t k = 0; k < movers.size(); ++k) {

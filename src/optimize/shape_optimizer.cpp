@@ -127,7 +127,7 @@ class ShapeOptimizer {
     const auto roam = [&](CellId c) -> Roam {
       const CVertexId v = places.anchor[c];
       const Vec3 p = mesh.point[c];
-      if (mesh_.work().is_frozen(c) || !changes_.may_move(c) || held_.contains(c) || !ground.may_roam(v)) return {p, p};
+      if (mesh_.work().is_frozen(c) || !changes_.may_move(c) || held_.contains(c) || !ground.is_movable(v)) return {p, p};
       const Vec3 balanced = p - places.base(ground.surfels, c);
       const Roam at = roam_of(ground.complex.positions[v], ground.complex.spacing);
       return {at.low + balanced, at.high + balanced};
