@@ -24,7 +24,8 @@ Surfels make_surfels(const SurfaceComplex& complex, const RunControl* control) {
     poll.step();
     const int size = face.size();
     const auto at = [&](int k) { return out.point[face.corner[k]]; };
-    // Twice the area vector: of a quad the cross product of its diagonals, of a triangle that of two sides.
+    // Twice the area vector: for a quad the cross product of its diagonals, for a triangle that of
+    // two sides.
     const Vec3 twice = cross(at(2) - at(0), at(size - 1) - at(1));
     const auto share = static_cast<float>(0.5 * length(twice) / size);
     for (int k = 0; k < size; ++k) {

@@ -56,12 +56,12 @@ Vec3 Isosurface::clamped(Vec3 p) const {
   return {std::clamp(p.x, 0.0, last.x), std::clamp(p.y, 0.0, last.y), std::clamp(p.z, 0.0, last.z)};
 }
 
-Isosurface::Look Isosurface::look(Vec3 p) const {
+Isosurface::Evidence Isosurface::look(Vec3 p) const {
   InterpolatedField::Cursor cursor;
   return look(p, cursor);
 }
 
-Isosurface::Look Isosurface::look(Vec3 p, InterpolatedField::Cursor& cursor) const {
+Isosurface::Evidence Isosurface::look(Vec3 p, InterpolatedField::Cursor& cursor) const {
   const InterpolatedField::Value f = field_.at(to_index(p), cursor);
   const Vec3 g = to_index(f.gradient);
   const double slope = length(g);
@@ -80,7 +80,7 @@ std::optional<Isosurface::Foot> Isosurface::project(const Vec3 start, double rea
   Vec3 p = clamped(start);
   std::optional<Vec3> inside, outside;
   for (int step = 0; step < kNewtonSteps; ++step) {
-    const Look at = look(p);
+    const Evidence at = look(p);
     if (std::abs(at.offset) <= kOnSurface * voxel_) return Foot{p, at.steepest};
     (at.offset > 0 ? inside : outside) = p;
     if (!std::isfinite(at.offset)) break;
@@ -101,7 +101,7 @@ std::optional<Isosurface::Foot> Isosurface::project(const Vec3 start, double rea
 std::optional<Isosurface::Foot> Isosurface::between(Vec3 inside, Vec3 outside) const {
   for (int k = 0; k < kBisections; ++k) {
     const Vec3 middle = 0.5 * (inside + outside);
-    const Look at = look(middle);
+    const Evidence at = look(middle);
     if (std::abs(at.offset) <= kOnSurface * voxel_ || k + 1 == kBisections) return Foot{middle, at.steepest};
     (at.offset > 0 ? inside : outside) = middle;
   }
@@ -180,7 +180,7 @@ Isosurface::Hit Isosurface::closest(const Vec3 index, double at_most) const {
 
 double Isosurface::rough_distance(const Vec3 index, InterpolatedField::Cursor& cursor) const {
   const Vec3 p = to_metric(index);
-  const Look at = look(p, cursor);
+  const Evidence at = look(p, cursor);
   if (!std::isfinite(at.offset)) return INFINITY;
   const double way = kOvershoot * std::abs(at.offset) + kOnSurface * voxel_;
   const Vec3 end = clamped(p - std::copysign(way, at.offset) * at.steepest);

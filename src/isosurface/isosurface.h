@@ -70,15 +70,15 @@ class Isosurface {
 
  private:
   // All points below are in the metric.
-  struct Look {
+  struct Evidence {
     double offset;    // first-order signed distance to the surface, > 0 inside
     Vec3 steepest{};  // unit gradient, towards the inside; zero where it vanishes
   };
   struct Foot {  // a point of the surface
     Vec3 point, steepest;
   };
-  Look look(Vec3 p) const;
-  Look look(Vec3 p, InterpolatedField::Cursor& cursor) const;
+  Evidence look(Vec3 p) const;
+  Evidence look(Vec3 p, InterpolatedField::Cursor& cursor) const;
   std::optional<Foot> project(Vec3 p, double reach) const;
   std::optional<Foot> between(Vec3 inside, Vec3 outside) const;
   Foot slide_towards(Vec3 p, Foot foot) const;

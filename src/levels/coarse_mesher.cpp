@@ -107,7 +107,7 @@ std::vector<CVertexId> CoarseMesher::sites() const {
 
 // What the dual is now, before its vertices are moved.
 void CoarseMesher::take_mesh() {
-  mesh_.triangles = cells_of(stand_->dual.triangles());
+  mesh_.triangles = to_triangles(stand_->dual.triangles());
   mesh_.positions.clear();
   for (const CVertexId v : sites()) mesh_.positions.push_back(surface_.complex().positions[v]);
 }
@@ -211,7 +211,7 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
     points[i] = point;
     mesh_.positions[i] = positions[at[i]] = displaced_position(surface, at[i], point - start[i]);
   };
-  placement_.given_up.assign(at.size(), 0);
+  placement_.fixed.assign(at.size(), 0);
   std::vector<std::uint32_t> look(mesh_.triangles.size());
   std::iota(look.begin(), look.end(), 0u);
   for (int round = 0; round < kRelaxRounds; ++round) {
@@ -237,7 +237,7 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
     }
     look.clear();
     for (const std::uint32_t i : moved) {
-      placement_.given_up[i] = times_back[i] > 1 ? 3 : 0;
+      placement_.fixed[i] = times_back[i] > 1 ? 3 : 0;
       if (times_back[i] > 0) look.insert(look.end(), triangles_of.row(i).begin(), triangles_of.row(i).end());
     }
     std::ranges::sort(look);
@@ -247,8 +247,8 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
     for (std::uint32_t i = 0; i < at.size(); ++i) move_to(i, start[i]);
   }
   placement_.anchor = at;
-  placement_.shift.clear();
-  for (std::size_t i = 0; i < at.size(); ++i) placement_.shift.push_back(points[i] - start[i]);
+  placement_.displacement.clear();
+  for (std::size_t i = 0; i < at.size(); ++i) placement_.displacement.push_back(points[i] - start[i]);
 }
 
 // Per vertex, 1 if it must not be where it was moved to.

@@ -105,7 +105,7 @@ void LevelMaker::describe_coarse(Hierarchy& hierarchy, LevelReport& report) {
 // In sample-index coordinates.
 TriangleMesh LevelMaker::mesh_of(const RefinedLevel& refined) const {
   TriangleMesh mesh;
-  mesh.positions = vertex_positions(source_.surface.complex(), refiner_.surfels(), refiner_.places());
+  mesh.positions = vertex_positions(source_.surface.complex(), refiner_.surfels(), refiner_.placement());
   mesh.triangles = refined.triangles;
   return mesh;
 }
@@ -189,7 +189,7 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
   const std::uint32_t vertices = partition.cell_count();
   TriangleMesh on_surface;
   for (auto v = static_cast<CellId>(hierarchy.positions.size()); v < vertices; ++v)
-    on_surface.positions.push_back(base_position(surface, refiner_.places(), v));
+    on_surface.positions.push_back(base_position(surface, refiner_.placement(), v));
   bring_out(on_surface, source_.grid, options_);
   hierarchy.positions.insert(hierarchy.positions.end(), on_surface.positions.begin(), on_surface.positions.end());
   const std::vector<std::uint32_t> parents = refiner_.parents();

@@ -23,11 +23,11 @@ constexpr double kOptimism = 1.65, kFarthest = 3 * kOptimism;
 // The height of what is around a c-vertex, within `reach` of it and connected, over the plane that it is most nearly in.
 class Surroundings {
  public:
-  explicit Surroundings(const Ground& ground) : ground_(ground) {}
+  explicit Surroundings(const SurfaceData& surface_data) : surface_data_(surface_data) {}
 
   /// @return negative if there are too few c-vertices
   double height(CVertexId v, double reach) {
-    const Surfels& surfels = ground_.surfels;
+    const Surfels& surfels = surface_data_.surfels;
     seen_.clear();
     seen_.insert(v);
     around_.assign(1, v);
@@ -36,7 +36,7 @@ class Surroundings {
       const CVertexId u = around_[i];
       normal = normal + surfels.normal[u];
       sum = sum + (surfels.point[u] - surfels.point[v]);
-      for (const CVertexGraph::Neighbour& n : ground_.graph.row(u)) {
+      for (const CVertexGraph::Neighbour& n : surface_data_.graph.row(u)) {
         if (seen_.insert(n.id) && squared_length(surfels.point[n.id] - surfels.point[v]) <= reach * reach) around_.push_back(n.id);
       }
     }
@@ -53,20 +53,20 @@ class Surroundings {
   }
 
  private:
-  const Ground& ground_;
+  const SurfaceData& surface_data_;
   EpochSet seen_;
   std::vector<CVertexId> around_;
 };
 
 }  // namespace
 
-std::vector<Covering::Radius> predict_radii(const Ground& ground, std::span<const CVertexId> at, double bound) {
+std::vector<Covering::Radius> predict_radii(const SurfaceData& surface_data, std::span<const CVertexId> at, double bound) {
   std::vector<Covering::Radius> out(at.size());
   for_each_piece(at.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    Surroundings surroundings(ground);
+    Surroundings surroundings(surface_data);
     for (std::size_t i = begin; i < end; ++i) {
-      if (i % kLook == 0) ground.check_cancelled();
-      const double reach = kReach * static_cast<double>(ground.reach[at[i]]);
+      if (i % kLook == 0) surface_data.check_cancelled();
+      const double reach = kReach * static_cast<double>(surface_data.farthest_neighbour[at[i]]);
       const double height = surroundings.height(at[i], reach);
       const double times = height < 0 ? INFINITY : std::min(kFarthest, kOptimism * std::sqrt(bound / height));
       out[i] = {at[i], static_cast<float>(reach * times)};

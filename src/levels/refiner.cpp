@@ -93,7 +93,7 @@ Refiner::Refiner(AdaptiveSurface& surface, const Isosurface& isosurface, const C
       start_(std::move(start)),
       embedded_(std::move(embedded)),
       most_divisions_(most_divisions),
-      ground_(std::make_unique<Ground>(surface.complex(), &isosurface, &surface)),
+      surface_data_(std::make_unique<SurfaceData>(surface.complex(), &isosurface, &surface)),
       sites_before_(static_cast<std::uint32_t>(start_.placement.anchor.size())) {}
 
 void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control) {
@@ -103,8 +103,8 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
   if (on.empty()) {
     radii = radii_of(start_.radius, {});
   } else {
-    const Ground ground(coarser_.complex, nullptr, nullptr, &control);
-    MeasuredCovering rough(ground, options_, start_.site, radii_of(start_.radius, {}), control);
+    const SurfaceData surface_data(coarser_.complex, nullptr, nullptr, &control);
+    MeasuredCovering rough(surface_data, options_, start_.site, radii_of(start_.radius, {}), control);
     Task task;
     task.placement = placement;
     task.limit_share = kCoarserLimitShare;
@@ -123,9 +123,9 @@ void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel
     for (const CVertexId v : rough.partition().site) sites.push_back(on[v]);
     radii = radii_of(rough.covering().radius(), on);
   }
-  work_ = std::make_unique<MeasuredCovering>(*ground_, options_, sites, radii, control);
-  work_->displace(start_.placement.shift);
-  work_->freeze_anchors(sites_before_);
+  work_ = std::make_unique<MeasuredCovering>(*surface_data_, options_, sites, radii, control);
+  work_->set_displacement(start_.placement.displacement);
+  work_->fix_anchors(sites_before_);
 }
 
 // @return whether any of the cells is divided, or the surface there
@@ -166,7 +166,7 @@ class Refiner::Dual : public GrowingDual {
   Covering& covering() override { return refiner_.work_->covering(); }
   void update() override { refiner_.work_->update(certificate_, control_); }
   std::vector<Vec3> positions() const override { return refiner_.work_->positions(); }
-  std::vector<Triangle> triangles() const override { return cells_of(refiner_.work_->triangles()); }
+  std::vector<Triangle> triangles() const override { return to_triangles(refiner_.work_->triangles()); }
   std::vector<CVertexId> sites_on_surface() const override { return refiner_.partition().site; }
   bool subdivide(std::span<const CellId> single) override {
     update();  // cells that are not single ones have become smaller
@@ -206,14 +206,14 @@ void Refiner::remember_placed_in() {
 
 // More c-vertices, on which the same work goes on. Vertices stay where they are: there are their c-vertices from now on.
 void Refiner::divide_surface(std::span<const CVertexId> wanted, const RunControl& control) {
-  const VertexPlacement& places = work_->places();
+  const VertexPlacement& placement = work_->placement();
   std::vector<CVertexId> movers;
   std::vector<Vec3> positions = surface_.complex().positions, frozen;
-  for (CellId c = 0; c < places.shift.size(); ++c) {
-    if (places.shift[c] == Vec3{}) continue;
-    const CVertexId v = places.anchor[c];
+  for (CellId c = 0; c < placement.displacement.size(); ++c) {
+    if (placement.displacement[c] == Vec3{}) continue;
+    const CVertexId v = placement.anchor[c];
     movers.push_back(v);
-    positions[v] = base_position(surface_.complex(), places, c);
+    positions[v] = base_position(surface_.complex(), placement, c);
     frozen.push_back(c < sites_before_ ? positions[v] : surface_.complex().positions[v]);
   }
   report_going_on(control);
@@ -223,11 +223,11 @@ void Refiner::divide_surface(std::span<const CVertexId> wanted, const RunControl
     surface_.move(movers[i],
                   std::binary_search(conflicting_moves.begin(), conflicting_moves.end(), movers[i]) ? frozen[i] : positions[movers[i]]);
   std::vector<CVertexId> pinned;  // by vertices of earlier levels
-  for (CellId c = 0; c < sites_before_; ++c) pinned.push_back(places.anchor[c]);
+  for (CellId c = 0; c < sites_before_; ++c) pinned.push_back(placement.anchor[c]);
   surface_.subdivide(wanted, pinned);
   report_going_on(control);
   const std::vector<Vec3> before = work_->base_points();
-  work_->continue_on(ground_->remake(), before, control);
+  work_->adapt_to(surface_data_->rebuild(), before, control);
 }
 
 // The constraints in their order: works on what there is so far before a limit comes into force.
@@ -296,7 +296,7 @@ std::vector<CVertexId> Refiner::places_at(std::span<const std::pair<double, Cell
     if (out.size() >= room) break;
     const CVertexId v = partition().site[c];
     take(v);
-    for (const CVertexGraph::Neighbour& n : ground_->graph.row(v)) take(n.id);
+    for (const CVertexGraph::Neighbour& n : surface_data_->graph.row(v)) take(n.id);
   }
   std::sort(out.begin(), out.end());
   return out;
@@ -308,7 +308,7 @@ std::vector<std::pair<double, CellId>> Refiner::cells_at_limit(const Task& task)
   for (CellId c = 0; c < partition().cell_count(); ++c) {
     if (work_->errors()[c].excess > 1 && is_at_limit(task, c)) cells.push_back(c);
   }
-  work_->measure_fully(cells);
+  work_->complete_errors(cells);
   std::vector<std::pair<double, CellId>> out;
   for (const CellId c : cells) out.emplace_back(-work_->errors()[c].excess, c);
   std::sort(out.begin(), out.end());
@@ -317,7 +317,7 @@ std::vector<std::pair<double, CellId>> Refiner::cells_at_limit(const Task& task)
 
 bool Refiner::is_at_limit(const Task& task, CellId c) const {
   const CVertexId v = partition().site[c];
-  return work_->covering().radius()[v] <= std::max(kLimitShare * ground_->reach[v], task.useful_radius) * 1.0001f;
+  return work_->covering().radius()[v] <= std::max(kLimitShare * surface_data_->farthest_neighbour[v], task.useful_radius) * 1.0001f;
 }
 
 // Works on the task, dividing the surface where it has too few c-vertices for that.
@@ -386,7 +386,7 @@ std::shared_ptr<const Refiner::State> Refiner::save_state() const {
 
 void Refiner::restore_state(const State& state) {
   surface_ = state.surface;
-  ground_->remake();
+  surface_data_->rebuild();
   work_ = state.work ? std::make_unique<MeasuredCovering>(*state.work) : nullptr;
   inserted_in_ = state.inserted_in;
   extent_ = state.extent;
@@ -458,7 +458,7 @@ RefinedLevel Refiner::refine_once(const LevelGoal& goal, const LevelGoal& asked,
 void Refiner::make_predicted_cells(const Task& task, RefinedLevel& out, const RunControl& control) {
   const auto bound = std::ranges::find(task.metrics, Quantity::max_distance, &Constraint::quantity);
   if (task.most_sites != kNone || bound == task.metrics.end()) return;
-  work_->demand(demands_of(task.metrics), task.placement);
+  work_->set_bounds(demands_of(task.metrics), task.placement);
   work_->update(out.certificate, control);
   std::vector<CVertexId> at;
   const auto add = [&](CVertexId v) {
@@ -468,8 +468,8 @@ void Refiner::make_predicted_cells(const Task& task, RefinedLevel& out, const Ru
   if (coarser_.representative.empty()) {
     for (CVertexId v = 0; v < partition().cell_of.size(); ++v) add(v);
   }
-  std::vector<Covering::Radius> radii = predict_radii(*ground_, at, bound->bound);
-  for (Covering::Radius& r : radii) r.radius = std::max(r.radius, least_useful_radius(task, *ground_, r.at));
+  std::vector<Covering::Radius> radii = predict_radii(*surface_data_, at, bound->bound);
+  for (Covering::Radius& r : radii) r.radius = std::max(r.radius, least_useful_radius(task, *surface_data_, r.at));
   work_->covering().lower_radii(radii, control);
 }
 
@@ -481,7 +481,7 @@ bool Refiner::refine_at(std::span<const Triangle> triangles, const LevelGoal& go
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
   if (!can_refine(cells)) return false;
   divisions_ = 0;
-  work_->freeze_anchors(sites_before_);
+  work_->fix_anchors(sites_before_);
   restart_at_vertices(control);
   refine_cells(cells, control);
   const Task task = whole_task(goal, placement, level, control);
@@ -494,8 +494,8 @@ bool Refiner::refine_at(std::span<const Triangle> triangles, const LevelGoal& go
 
 // With all vertices and edges free to change, and cells that can be as small as their vertices.
 void Refiner::restart_at_vertices(const RunControl& control) {
-  work_->try_again();
-  if (work_->places().anchor != partition().site) divide_surface({}, control);
+  work_->clear_fixed();
+  if (work_->placement().anchor != partition().site) divide_surface({}, control);
 }
 
 // Topology, and that triangles do not intersect, may need more vertices than are left. Then the last ones are removed, until there is room.
@@ -533,12 +533,12 @@ void Refiner::finish(const Task& task, const LevelGoal& asked, IntersectionTrack
   repair_worst_cells(task, triangles, out, control);
   if (embedded_) revert_intersecting_changes(task, meeting, triangles, out, control);
   if (is_provable(task) && work_->is_within_bounds()) {
-    if (task.placement == Placement::balanced) work_->forget_proofs();  // vertices are moved without a look at all triangles around them
+    if (task.placement == Placement::balanced) work_->clear_proofs();  // vertices are moved without a look at all triangles around them
     work_->prove();
   }
   out.figures.distance_at_most = is_provable(task) && work_->is_proved() ? work_->distance_bound() : std::nullopt;
-  work_->freeze_anchors(partition().cell_count());
-  out.triangles = cells_of(triangles);
+  work_->fix_anchors(partition().cell_count());
+  out.triangles = to_triangles(triangles);
   report_going_on(control);
   describe(task, asked, out);
 }
@@ -618,7 +618,7 @@ void Refiner::describe(const Task& task, const LevelGoal& asked, RefinedLevel& o
   obstacles.cells_at_limit = out.at_limit.size();
   out.figures.metrics = summarize(values);
   out.figures.distance = distances(values);
-  ground_->check_cancelled();
+  surface_data_->check_cancelled();
   MeshExtent extent = extent_of(work_->mesh());
   out.figures.constraints = judge(asked, extent, out.figures.metrics, obstacles);
   extent_ = std::move(extent);
@@ -627,16 +627,16 @@ void Refiner::describe(const Task& task, const LevelGoal& asked, RefinedLevel& o
 
 LevelFigures Refiner::describe_coarse(std::span<const Triangle> triangles, const LevelGoal& goal, const RunControl& control) {
   control.check_cancelled();
-  Covering covering(ground_->graph, options_);
+  Covering covering(surface_data_->graph, options_);
   covering.seed(start_.placement.anchor, {}, control);
   std::vector<DualTriangle> dual;
   dual.reserve(triangles.size());
   for (const Triangle& t : triangles) dual.push_back({t, kNone});
   control.check_cancelled();
-  const LevelMesh mesh = make_level_mesh(ground_->surfels, covering.partition(), dual, start_.placement, &control);
+  const LevelMesh mesh = make_level_mesh(surface_data_->surfels, covering.partition(), dual, start_.placement, &control);
   control.check_cancelled();
   extent_ = extent_of(mesh);
-  const std::vector<MetricValues> values = measure_metrics(*ground_, covering, mesh);
+  const std::vector<MetricValues> values = measure_metrics(*surface_data_, covering, mesh);
   metrics_ = summarize(values);
   return {metrics_, judge(goal, extent_, metrics_, {}), distances(values), {}};
 }

@@ -60,12 +60,12 @@ class Refiner {
   void restore_state(const State& state);
 
   const Partition& partition() const { return work_->partition(); }
-  const Surfels& surfels() const { return ground_->surfels; }
-  const VertexPlacement& places() const { return work_->places(); }
+  const Surfels& surfels() const { return surface_data_->surfels; }
+  const VertexPlacement& placement() const { return work_->placement(); }
   /// Per vertex, the vertex of the level before in whose cell it was placed. @pre refine() was called
   std::vector<std::uint32_t> parents() const;
   std::vector<ShapeObstacle> obstacles() const {
-    return isoatlas::detail::obstacles(places(), surface_, sites_before_);
+    return isoatlas::detail::obstacles(placement(), surface_, sites_before_);
   }  ///< per vertex, what keeps it where it is; of the last level
 
  private:
@@ -112,7 +112,7 @@ class Refiner {
   Start start_;
   std::optional<WrittenPositions> embedded_;
   std::uint32_t most_divisions_;
-  std::unique_ptr<Ground> ground_;  // of the surface as it is
+  std::unique_ptr<SurfaceData> surface_data_;  // of the surface as it is
   std::unique_ptr<MeasuredCovering> work_;
   RefinementRounds rounds_;
   std::vector<CellId> inserted_in_;  // per site, as far as it was placed on another complex than work_ stands on; else kNone

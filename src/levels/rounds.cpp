@@ -74,7 +74,7 @@ class Stretch {
   bool fills(double worst) const { return has_too_few() && worst <= 1; }
   CVertexId site(CellId c) const { return covering_.partition().site[c]; }
   double excess(CellId c) const { return work_.errors()[c].excess; }
-  float least(CVertexId v) const { return least_useful_radius(task_, work_.ground(), v); }
+  float least(CVertexId v) const { return least_useful_radius(task_, work_.surface_data(), v); }
   bool can_shrink(CellId c) const { return covering_.radius()[site(c)] > least(site(c)); }
   bool can_split(CellId c) const {
     const CVertexId x = work_.errors()[c].worst;
@@ -141,7 +141,7 @@ class Stretch {
       const double score = task_.shape->score(a, b, c);
       if (score >= 1) continue;
       const CVertexId v = work_.triangles()[i].at;
-      if (!covering_.is_covered(v) || covering_.distance()[v] < least_radius(task_, work_.ground(), v)) continue;
+      if (!covering_.is_covered(v) || covering_.distance()[v] < least_radius(task_, work_.surface_data(), v)) continue;
       if (std::ranges::find(shape_given_up_, v) == shape_given_up_.end()) bad.emplace_back(score, v);
     }
     std::sort(bad.begin(), bad.end());
@@ -233,7 +233,7 @@ bool make_smaller_at_bad_triangles(MeasuredCovering& work, const RefinementTask&
     if (task.shape->score(corner[0], corner[1], corner[2]) >= 1) continue;
     for (const CellId c : work.mesh().triangles[i]) {
       const CVertexId v = work.partition().site[c];
-      const float radius = covering.radius()[v], least = least_radius(task, work.ground(), v);
+      const float radius = covering.radius()[v], least = least_radius(task, work.surface_data(), v);
       if (radius <= least) continue;
       lower.push_back({v, std::max(least, 0.8f * radius)});
     }
@@ -245,14 +245,14 @@ bool make_smaller_at_bad_triangles(MeasuredCovering& work, const RefinementTask&
 // Until the task is done as far as it can be, or vertices run out. If they may, bounds are first more generous and then less and less so:
 // what vertices there are then go where they lower the largest error, looked at from all sides.
 void RefinementRounds::work(MeasuredCovering& work, const RefinementTask& task, RefinedLevel& out, const RunControl& control) {
-  work.demand(demands_of(task.metrics), task.placement);
+  work.set_bounds(demands_of(task.metrics), task.placement);
   if (task.most_sites == kNone || task.metrics.empty()) {
     meet(work, task, out, control);
     return;
   }
   work.update(out.certificate, control);
   double generosity = first_generosity(work.errors(), kFirstShare * task.most_sites);
-  work.demand(demands_of(task.metrics, generosity), task.placement, kNearEnough);
+  work.set_bounds(demands_of(task.metrics, generosity), task.placement, kNearEnough);
   RefinementTask part = task;
   part.least_sites = 0;
   while (generosity > 1) {
@@ -260,7 +260,7 @@ void RefinementRounds::work(MeasuredCovering& work, const RefinementTask& task, 
     if (out.vertices_ran_out) return;
     const double step = std::max(next_step(static_cast<double>(work.covering().site_count()) / task.most_sites), 1 / generosity);
     generosity *= step;
-    work.tighten(step);
+    work.tighten_bounds(step);
   }
   meet(work, task, out, control);
 }

@@ -33,13 +33,13 @@ struct RefinementTask {
 };
 
 /// The smallest radius that a disk may get.
-inline float least_radius(const RefinementTask& task, const Ground& ground, CVertexId v) {
-  return std::max(task.limit_share * ground.reach[v], kChordSlack * task.shortest_edge);
+inline float least_radius(const RefinementTask& task, const SurfaceData& surface_data, CVertexId v) {
+  return std::max(task.limit_share * surface_data.farthest_neighbour[v], kChordSlack * task.shortest_edge);
 }
 
 /// The smallest radius that a disk may get for the sake of bounds.
-inline float least_useful_radius(const RefinementTask& task, const Ground& ground, CVertexId v) {
-  return std::max(least_radius(task, ground, v), task.useful_radius);
+inline float least_useful_radius(const RefinementTask& task, const SurfaceData& surface_data, CVertexId v) {
+  return std::max(least_radius(task, surface_data, v), task.useful_radius);
 }
 
 /// What is asked for, bounds so many times as generous.

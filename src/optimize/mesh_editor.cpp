@@ -16,9 +16,9 @@ void append(std::vector<std::uint32_t>& to, std::span<const std::uint32_t> from)
 
 MeshEditor::MeshEditor(MeasuredCovering& work, std::vector<DualTriangle>& triangles, IntersectionTracker* meeting,
                        const RunControl& control)
-    : work_(work), triangles_(triangles), meeting_(meeting), control_(control), rings_(work.places().offset.empty() ? 2 : 3) {
-  occupied_.assign(work.ground().graph.c_vertex_count(), 0);
-  for (const CVertexId v : places().anchor) occupied_[v] = 1;
+    : work_(work), triangles_(triangles), meeting_(meeting), control_(control), rings_(work.placement().normal_offset.empty() ? 2 : 3) {
+  occupied_.assign(work.surface_data().graph.c_vertex_count(), 0);
+  for (const CVertexId v : placement().anchor) occupied_[v] = 1;
 }
 
 void MeshEditor::set_triangle(std::uint32_t t, const DualTriangle& to) {
@@ -27,21 +27,21 @@ void MeshEditor::set_triangle(std::uint32_t t, const DualTriangle& to) {
 }
 
 void MeshEditor::move(CellId c, CVertexId anchor, Vec3 shift) {
-  VertexPlacement& places = work_.edit_places();
-  const CVertexId from = std::exchange(places.anchor[c], anchor);
+  VertexPlacement& placement = work_.edit_vertex_placement();
+  const CVertexId from = std::exchange(placement.anchor[c], anchor);
   occupied_[from] = 0;
   occupied_[anchor] = 1;
-  if (places.shift.empty() && !(shift == Vec3{})) places.shift.resize(mesh().cell_count());
-  if (!places.shift.empty()) places.shift[c] = shift;
-  if (from != anchor) set_position(from, ground().complex.positions[from]);
-  set_position(anchor, base_position(ground().complex, places, c));
+  if (placement.displacement.empty() && !(shift == Vec3{})) placement.displacement.resize(mesh().cell_count());
+  if (!placement.displacement.empty()) placement.displacement[c] = shift;
+  if (from != anchor) set_position(from, surface_data().complex.positions[from]);
+  set_position(anchor, base_position(surface_data().complex, placement, c));
   edit_.vertices.push_back(c);
 }
 
 void MeshEditor::give_up(CellId c, std::uint8_t what) {
-  std::vector<std::uint8_t>& given_up = work_.edit_places().given_up;
-  given_up.resize(mesh().cell_count(), 0);
-  given_up[c] = std::max(given_up[c], what);
+  std::vector<std::uint8_t>& fixed = work_.edit_vertex_placement().fixed;
+  fixed.resize(mesh().cell_count(), 0);
+  fixed[c] = std::max(fixed[c], what);
   edit_.vertices.push_back(c);
 }
 
@@ -54,7 +54,7 @@ void MeshEditor::measure(std::span<const CellId> concerned) {
   sort_once(edit_.vertices);
   work_.remesh(triangles_, edit_, concerned);
   control_.check_cancelled();
-  if (!places().offset.empty()) append(edit_.vertices, concerned);  // balanced
+  if (!placement().normal_offset.empty()) append(edit_.vertices, concerned);  // balanced
   append(changed_, edit_.triangles);
   for (const CellId c : edit_.vertices) append(changed_, mesh().triangles_of.row(c));
   append(moved_, edit_.vertices);
@@ -82,14 +82,14 @@ std::vector<CellId> MeshEditor::meeting_corners() {
   if (!std::exchange(does_meeting_know_, true)) {
     moved_.clear();
     remade_.clear();
-    return meeting_->update(work_.positions(), cells_of(triangles_), control_);
+    return meeting_->update(work_.positions(), to_triangles(triangles_), control_);
   }
   sort_once(moved_);
   std::vector<Vec3> at;
   CancelPoll poll(control_);
   for (const CellId c : moved_) {
     poll.step();
-    at.push_back(vertex_position(ground().complex, ground().surfels, places(), c));
+    at.push_back(vertex_position(surface_data().complex, surface_data().surfels, placement(), c));
     append(remade_, mesh().triangles_of.row(c));
   }
   control_.check_cancelled();
@@ -108,24 +108,25 @@ std::vector<std::uint32_t> MeshEditor::take_changed() {
 }
 
 std::vector<CellId> MeshEditor::keep_from_straying(std::span<const CellId> cells, std::span<const Vec3> before) {
-  if (ground().roaming == nullptr || places().shift.empty()) return {};
+  if (surface_data().adaptive_surface == nullptr || placement().displacement.empty()) return {};
   if (positions_.empty()) {
-    positions_ = ground().complex.positions;
-    for (CellId c = 0; c < places().anchor.size(); ++c) positions_[places().anchor[c]] = base_position(ground().complex, places(), c);
+    positions_ = surface_data().complex.positions;
+    for (CellId c = 0; c < placement().anchor.size(); ++c)
+      positions_[placement().anchor[c]] = base_position(surface_data().complex, placement(), c);
   }
   std::vector<std::size_t> movers;
   std::vector<CVertexId> c_vertices;
   std::vector<Vec3> start;
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (places().shift[cells[i]] == before[i]) continue;
-    const CVertexId v = places().anchor[cells[i]];
+    if (placement().displacement[cells[i]] == before[i]) continue;
+    const CVertexId v = placement().anchor[cells[i]];
     movers.push_back(i);
     c_vertices.push_back(v);
-    start.push_back(displaced_position(ground().complex, v, before[i]));
+    start.push_back(displaced_position(surface_data().complex, v, before[i]));
   }
   if (movers.empty()) return {};
   control_.check_cancelled();
-  std::vector<CVertexId> back = ground().roaming->find_conflicting_moves(c_vertices, start, positions_, c_vertices);
+  std::vector<CVertexId> back = surface_data().adaptive_surface->find_conflicting_moves(c_vertices, start, positions_, c_vertices);
   std::sort(back.begin(), back.end());
   std::vector<CellId> out;
   for (std::size_t k = 0; k < movers.size(); ++k) {

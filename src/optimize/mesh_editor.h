@@ -20,8 +20,8 @@ class MeshEditor {
 
   const MeasuredCovering& work() const { return work_; }
   const LevelMesh& mesh() const { return work_.mesh(); }
-  const VertexPlacement& places() const { return work_.places(); }
-  const Ground& ground() const { return work_.ground(); }
+  const VertexPlacement& placement() const { return work_.placement(); }
+  const SurfaceData& surface_data() const { return work_.surface_data(); }
   double excess(CellId c) const { return work_.errors()[c].excess; }
   const DualTriangle& triangle(std::uint32_t t) const { return triangles_[t]; }
   bool is_occupied(CVertexId v) const { return occupied_[v] != 0; }  ///< a vertex sits there
@@ -29,8 +29,8 @@ class MeshEditor {
   // The mesh itself changes in measure().
   void set_triangle(std::uint32_t t, const DualTriangle& to);
   void move(CellId c, CVertexId anchor, Vec3 shift);
-  void shift(CellId c, Vec3 shift) { move(c, places().anchor[c], shift); }
-  void give_up(CellId c, std::uint8_t what);  ///< VertexPlacement::given_up is at least this from now on
+  void shift(CellId c, Vec3 shift) { move(c, placement().anchor[c], shift); }
+  void give_up(CellId c, std::uint8_t what);  ///< VertexPlacement::fixed is at least this from now on
 
   /// Changes the mesh and measures the cells again that this may concern.
   void measure(std::span<const CellId> concerned);

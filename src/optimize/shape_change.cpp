@@ -61,7 +61,7 @@ void ShapeChanges::consider_flips(std::uint32_t i, std::optional<double> gain, S
   for (std::size_t k = 0; k < 3; ++k) {
     const CellId a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3];
     const auto [j, d] = across(a, b);
-    if (j == kNone || !may_flip(a) || !may_flip(b) || !may_flip(c) || !may_flip(d)) continue;
+    if (j == kNone || !is_flippable(a) || !is_flippable(b) || !is_flippable(c) || !is_flippable(d)) continue;
     if (mesh.triangles_of.row(a).size() <= 3 || mesh.triangles_of.row(b).size() <= 3 || are_neighbours(c, d)) continue;
     const Vec3 pa = mesh.point[a], pb = mesh.point[b], pc = mesh.point[c], pd = mesh.point[d];
     const double now = std::min(goal_.score(pa, pd, pc), goal_.score(pd, pb, pc));
@@ -80,14 +80,14 @@ void ShapeChanges::consider_flips(std::uint32_t i, std::optional<double> gain, S
 
 void ShapeChanges::consider_moves(CellId cell, std::optional<double> gain, ShapeChange& best) const {
   const LevelMesh& mesh = mesh_.mesh();
-  const Ground& ground = mesh_.ground();
-  const CVertexId from = mesh_.places().anchor[cell];
-  if (mesh_.work().is_frozen(cell) || !may_move(cell) || ground.graph.on_boundary[from]) return;
+  const SurfaceData& surface_data = mesh_.surface_data();
+  const CVertexId from = mesh_.placement().anchor[cell];
+  if (mesh_.work().has_fixed_anchor(cell) || !is_movable(cell) || surface_data.graph.on_boundary[from]) return;
   double was = std::numeric_limits<double>::infinity();
   for (const std::uint32_t t : mesh.triangles_of.row(cell)) was = std::min(was, score(t));
   const auto consider = [&](CVertexId to) {
-    if (mesh_.is_occupied(to) || ground.graph.on_boundary[to] || mesh_.work().partition().cell_of[to] != cell) return;
-    const Vec3 p = mesh.point[cell] + (ground.surfels.point[to] - mesh_.places().base(ground.surfels, cell));
+    if (mesh_.is_occupied(to) || surface_data.graph.on_boundary[to] || mesh_.work().partition().cell_of[to] != cell) return;
+    const Vec3 p = mesh.point[cell] + (surface_data.surfels.point[to] - mesh_.placement().base_point(surface_data.surfels, cell));
     double now = std::numeric_limits<double>::infinity();
     for (const std::uint32_t t : mesh.triangles_of.row(cell)) {
       std::array<Vec3, 3> q = mesh.corners(t);

@@ -30,7 +30,7 @@ class ShapeChanges {
   ShapeChanges(const MeshEditor& mesh, const ShapeGoal& goal, bool with_given_up)
       : mesh_(mesh), goal_(goal), with_given_up_(with_given_up) {}
 
-  bool may_move(CellId c) const { return with_given_up_ || mesh_.places().may_move(c); }
+  bool is_movable(CellId c) const { return with_given_up_ || mesh_.placement().is_movable(c); }
   double score(std::uint32_t triangle) const;
 
   /// Of the flips of a triangle's edges, or the moves of a cell's vertex to other c-vertices of the cell, the one with the best score, if
@@ -47,7 +47,7 @@ class ShapeChanges {
   using Key = std::pair<std::uint64_t, std::uint64_t>;
   static Key key(const ShapeChange& change);
   bool is_refused(const ShapeChange& change) const;
-  bool may_flip(CellId c) const { return with_given_up_ || mesh_.places().may_flip(c); }
+  bool is_flippable(CellId c) const { return with_given_up_ || mesh_.placement().is_flippable(c); }
   std::pair<std::uint32_t, CellId> across(CellId a, CellId b) const;
   bool are_neighbours(CellId a, CellId b) const;
   Vec3 facing_of(std::uint32_t triangle) const;

@@ -112,7 +112,7 @@ class ShapeOptimizer {
   }
 
  private:
-  Vec3 shift_of(CellId c) const { return mesh_.places().shift.empty() ? Vec3{} : mesh_.places().shift[c]; }
+  Vec3 shift_of(CellId c) const { return mesh_.placement().displacement.empty() ? Vec3{} : mesh_.placement().displacement[c]; }
 
   // Cells whose vertices are not moved again.
   void hold(std::span<const CellId> cells) {
@@ -121,21 +121,21 @@ class ShapeOptimizer {
 
   // Relaxes these points of vertices. @return those that moved, sorted
   std::vector<CellId> relaxed(std::vector<Vec3>& points) {
-    const Ground& ground = mesh_.ground();
+    const SurfaceData& surface_data = mesh_.surface_data();
     const LevelMesh& mesh = mesh_.mesh();
-    const VertexPlacement& places = mesh_.places();
+    const VertexPlacement& placement = mesh_.placement();
     const auto roam = [&](CellId c) -> Roam {
-      const CVertexId v = places.anchor[c];
+      const CVertexId v = placement.anchor[c];
       const Vec3 p = mesh.point[c];
-      if (mesh_.work().is_frozen(c) || !changes_.may_move(c) || held_.contains(c) || !ground.is_movable(v)) return {p, p};
-      const Vec3 balanced = p - places.base(ground.surfels, c);
-      const Roam at = roam_of(ground.complex.positions[v], ground.complex.spacing);
+      if (mesh_.work().has_fixed_anchor(c) || !changes_.is_movable(c) || held_.contains(c) || !surface_data.is_movable(v)) return {p, p};
+      const Vec3 balanced = p - placement.base_point(surface_data.surfels, c);
+      const Roam at = roam_of(surface_data.complex.positions[v], surface_data.complex.spacing);
       return {at.low + balanced, at.high + balanced};
     };
-    const InterpolatedField* field = ground.isosurface == nullptr ? nullptr : &ground.isosurface->field();
+    const InterpolatedField* field = surface_data.isosurface == nullptr ? nullptr : &surface_data.isosurface->field();
     std::vector<std::uint32_t> bad = bad_triangles();
     std::ranges::sort(bad);
-    return relax(points, mesh.triangles, mesh.triangles_of, roam, field, ground.complex.spacing, {goal_.aspect, 0}, control_, bad);
+    return relax(points, mesh.triangles, mesh.triangles_of, roam, field, surface_data.complex.spacing, {goal_.aspect, 0}, control_, bad);
   }
 
   // The worst first.
@@ -288,7 +288,7 @@ class ShapeOptimizer {
       mesh_.set_triangle(c.i, c.first);
       mesh_.set_triangle(c.j, c.second);
     } else {
-      trial.old_anchor = mesh_.places().anchor[c.cell];
+      trial.old_anchor = mesh_.placement().anchor[c.cell];
       trial.old_shift = shift_of(c.cell);
       mesh_.move(c.cell, c.to, {});
     }
@@ -356,8 +356,8 @@ class ChangesBack {
       const std::vector<CellId> at_flips = take_back_flips(cells);
       std::vector<CellId> changed = at_flips;
       for (const CellId c : cells) {
-        if (given_up(c) == 1 && std::ranges::binary_search(at_flips, c)) continue;
-        const bool was_given_up = given_up(c) == 3;
+        if (fixed(c) == 1 && std::ranges::binary_search(at_flips, c)) continue;
+        const bool was_given_up = fixed(c) == 3;
         mesh_.give_up(c, 3);
         if (put_back(c) || !was_given_up) changed.push_back(c);
       }
@@ -376,8 +376,8 @@ class ChangesBack {
   // did
   bool settle() {
     std::vector<CellId> away;
-    for (CellId c = 0; c < mesh_.places().shift.size(); ++c) {
-      if (!mesh_.work().is_frozen(c) && !(mesh_.places().shift[c] == Vec3{})) away.push_back(c);
+    for (CellId c = 0; c < mesh_.placement().displacement.size(); ++c) {
+      if (!mesh_.work().has_fixed_anchor(c) && !(mesh_.placement().displacement[c] == Vec3{})) away.push_back(c);
     }
     const std::vector<CellId> back = mesh_.keep_from_straying(away, std::vector<Vec3>(away.size()));
     if (!back.empty()) mesh_.measure(mesh_.concerned_by(back));
@@ -385,8 +385,8 @@ class ChangesBack {
   }
 
  private:
-  std::uint8_t given_up(CellId c) const {
-    const std::vector<std::uint8_t>& of = mesh_.places().given_up;
+  std::uint8_t fixed(CellId c) const {
+    const std::vector<std::uint8_t>& of = mesh_.placement().fixed;
     return c < of.size() ? of[c] : std::uint8_t{0};
   }
 
@@ -416,9 +416,9 @@ class ChangesBack {
 
   // A vertex that is not frozen to its site, if that is free. @return whether it was elsewhere
   bool put_back(CellId c) {
-    if (mesh_.work().is_frozen(c)) return false;
-    const CVertexId site = mesh_.work().partition().site[c], anchor = mesh_.places().anchor[c];
-    const bool is_shifted = !mesh_.places().shift.empty() && !(mesh_.places().shift[c] == Vec3{});
+    if (mesh_.work().has_fixed_anchor(c)) return false;
+    const CVertexId site = mesh_.work().partition().site[c], anchor = mesh_.placement().anchor[c];
+    const bool is_shifted = !mesh_.placement().displacement.empty() && !(mesh_.placement().displacement[c] == Vec3{});
     const bool moves = anchor != site && !mesh_.is_occupied(site);
     if (is_shifted || moves) mesh_.move(c, moves ? site : anchor, {});
     return is_shifted || moves;

@@ -77,16 +77,16 @@ RC_GTEST_PROP(AnyVolume, MeshIsAManifoldWithTheReferenceTopology, (const RandomC
   RC_ASSERT(first.finest().certificate.passed);
 
   // In the volume, vertices all apart.
-  std::vector<std::array<double, 3>> places;
+  std::vector<std::array<double, 3>> placement;
   const double rounding = 8 * c.rounding() / volume.grid.smallest_spacing();
   for (const Vec3& p : first.mesh().positions) {
     const Vec3 i = volume.grid.to_index(p);
     RC_ASSERT(i.x >= -rounding && i.y >= -rounding && i.z >= -rounding);
     RC_ASSERT(i.x <= (c.nx - 1) + rounding && i.y <= (c.ny - 1) + rounding && i.z <= (c.nz - 1) + rounding);
-    places.push_back({p.x, p.y, p.z});
+    placement.push_back({p.x, p.y, p.z});
   }
-  std::sort(places.begin(), places.end());
-  RC_ASSERT(std::adjacent_find(places.begin(), places.end()) == places.end());
+  std::sort(placement.begin(), placement.end());
+  RC_ASSERT(std::adjacent_find(placement.begin(), placement.end()) == placement.end());
 
   // The same bytes on a second run, with another number of threads.
   RunControl control;

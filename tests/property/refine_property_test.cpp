@@ -121,8 +121,8 @@ RC_GTEST_PROP(AnyLevels, AreNestedManifoldsWithTheReferenceTopology, (const Rand
     RC_ASSERT(quality.aspect_min == report.quality.aspect_min);
     for (const Vec3& p : mesh.positions) RC_ASSERT(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
   }
-  std::set<std::array<double, 3>> places;
-  for (const Vec3& p : h.positions) RC_ASSERT(places.insert({p.x, p.y, p.z}).second);
+  std::set<std::array<double, 3>> placement;
+  for (const Vec3& p : h.positions) RC_ASSERT(placement.insert({p.x, p.y, p.z}).second);
 }
 
 double reached(Quantity quantity, const LevelReport& report, const MeshQuality& quality) {

@@ -41,16 +41,16 @@ TEST(ImproveShape, KeepsTheManifoldAndTheBounds) {
     if (!has_surface(samples, 0)) continue;
     const SurfaceComplex surface = surface_of(samples);
     const auto want = kinds_of(triangles_of(surface));
-    const Ground ground(surface);
+    const SurfaceData surface_data(surface);
     for (const Placement placement : {Placement::surface, Placement::balanced}) {
-      MeasuredCovering work(ground, disks(2.0f + static_cast<float>(seed % 3)), {}, {}, {});
+      MeasuredCovering work(surface_data, disks(2.0f + static_cast<float>(seed % 3)), {}, {}, {});
       CertificateReport report;
-      const std::vector<Constraint> demand{{Quantity::max_distance, 0.5}, {Quantity::normal_angle, 60}};
-      work.demand(demand, placement);
+      const std::vector<Constraint> set_bounds{{Quantity::max_distance, 0.5}, {Quantity::normal_angle, 60}};
+      work.set_bounds(set_bounds, placement);
       work.update(report, {});
       work.certify(report, {});
       const CellId frozen = work.partition().cell_count() / 3;
-      work.freeze_anchors(frozen);
+      work.fix_anchors(frozen);
       std::vector<CellId> all(work.partition().cell_count());
       std::iota(all.begin(), all.end(), 0u);
       work.remesh(work.triangles(), {}, all);  // exactly, of cells over their bounds, too
@@ -68,10 +68,10 @@ TEST(ImproveShape, KeepsTheManifoldAndTheBounds) {
       for (const DualTriangle& t : triangles)
         bad += goal.score(mesh.positions[t.cell[0]], mesh.positions[t.cell[1]], mesh.positions[t.cell[2]]) < 1;
       EXPECT_EQ(shape.bad, bad);
-      std::vector<CVertexId> at = work.places().anchor;
+      std::vector<CVertexId> at = work.placement().anchor;
       for (CellId c = 0; c < at.size(); ++c) {
         EXPECT_EQ(work.partition().cell_of[at[c]], c) << "in its own cell";
-        if (c < frozen || ground.graph.on_boundary[work.partition().site[c]]) {
+        if (c < frozen || surface_data.graph.on_boundary[work.partition().site[c]]) {
           EXPECT_EQ(at[c], work.partition().site[c]);
         }
         // A tenth of a percent in each of a dozen passes. Balanced, what moves along with a change that is taken back does not move
