@@ -196,10 +196,10 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
   const std::vector<CVertexId> at = sites();
   const std::vector<ComponentId> component_of = components();
   std::vector<Vec3> start;
-  std::vector<Roam> roam;
+  std::vector<MoveBounds> bounds;
   for (const CVertexId v : at) {
     start.push_back(scaled(surface.positions[v], s));
-    roam.push_back(surface_.is_movable(v) ? roam_of(surface.positions[v], s) : Roam{start.back(), start.back()});
+    bounds.push_back(surface_.is_movable(v) ? move_bounds_of(surface.positions[v], s) : MoveBounds{start.back(), start.back()});
   }
   control.check_cancelled();
   const SlackRows<std::uint32_t> triangles_of = triangles_around(mesh_.triangles, at.size());
@@ -219,7 +219,7 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
     control.check_cancelled();
     const std::vector<Vec3> before = points;
     const std::vector<std::uint32_t> moved = relax(
-        points, mesh_.triangles, triangles_of, [&](std::uint32_t i) { return roam[i]; }, field, s, goal, control, look);
+        points, mesh_.triangles, triangles_of, [&](std::uint32_t i) { return bounds[i]; }, field, s, goal, control, look);
     std::vector<Vec3> positions_before;  // of those that moved
     for (const std::uint32_t i : moved) {
       positions_before.push_back(positions[at[i]]);

@@ -173,7 +173,7 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
   report.refine_rounds = refined.rounds;
   report.flips = refined.shape.flips;
   report.moves = refined.shape.moves;
-  report.shifts = refined.shape.shifts;
+  report.shifts = refined.shape.displacements;
   report.parting_sites = refined.parting_sites;
 
   const SurfaceComplex& surface = source_.surface.complex();

@@ -544,10 +544,10 @@ void Refiner::finish(const Task& task, const LevelGoal& asked, IntersectionTrack
 }
 
 void Refiner::improve_level_shape(const Task& task, std::vector<DualTriangle>& triangles, RefinedLevel& out, const RunControl& control) {
-  const std::size_t moves = out.shape.moves, shifts = out.shape.shifts;  // these stay, flips do not
+  const std::size_t moves = out.shape.moves, shifts = out.shape.displacements;  // these stay, flips do not
   out.shape = improve_shape(*work_, *task.shape, triangles, control);
   out.shape.moves += moves;
-  out.shape.shifts += shifts;
+  out.shape.displacements += shifts;
 }
 
 void Refiner::refine_and_improve(const Task& task, IntersectionTracker& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
@@ -582,25 +582,25 @@ void Refiner::repair_worst_cells(const Task& task, std::vector<DualTriangle>& tr
 
 void Refiner::revert_intersecting_changes(const Task& task, IntersectionTracker& meeting, std::vector<DualTriangle>& triangles,
                                           RefinedLevel& out, const RunControl& control) {
-  for (int k = 0; !take_back_meeting(*work_, meeting, triangles, control).empty(); ++k) {
+  for (int k = 0; !revert_intersecting(*work_, meeting, triangles, control).empty(); ++k) {
     if (k == kMostChances) {  // the dual as it is does not meet itself
-      take_back_all(*work_, triangles, control);
+      revert_all(*work_, triangles, control);
       break;
     }
     refine_and_improve(task, meeting, triangles, out, control);
     repair_worst_cells(task, triangles, out, control);
   }
-  improve_shape_carefully(*work_, *task.shape, meeting, triangles, out.shape, control);
+  improve_shape_without_intersections(*work_, *task.shape, meeting, triangles, out.shape, control);
   // What balancing did since is not undone with a change that is taken back; nor need c-vertices do without others what they do with
   // them.
   do {
-    if (!take_back_meeting(*work_, meeting, triangles, control).empty()) {
-      take_back_all(*work_, triangles, control);
+    if (!revert_intersecting(*work_, meeting, triangles, control).empty()) {
+      revert_all(*work_, triangles, control);
       work_apart({}, meeting, out, control);
       work_->certify(out.certificate, control);
       triangles.assign(work_->triangles().begin(), work_->triangles().end());
     }
-  } while (settle_vertices(*work_, triangles, control));
+  } while (revert_conflicting_moves(*work_, triangles, control));
 }
 
 // What the level reached, by what was asked for.

@@ -139,9 +139,9 @@ void subdivided_everywhere_has_no_self_intersections(const Parsed& p, std::uint6
     std::vector<Vec3> positions = complex.positions;
     for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
       if (!surface.is_movable(v) || random.between(0, 2) == 0) continue;
-      const Roam roam = roam_of(complex.positions[v], {1, 1, 1});
+      const MoveBounds bounds = move_bounds_of(complex.positions[v], {1, 1, 1});
       const auto between = [&](double low, double high) { return low + random.unit() * (high - low); };
-      positions[v] = {between(roam.low.x, roam.high.x), between(roam.low.y, roam.high.y), between(roam.low.z, roam.high.z)};
+      positions[v] = {between(bounds.low.x, bounds.high.x), between(bounds.low.y, bounds.high.y), between(bounds.low.z, bounds.high.z)};
       moved.push_back(v);
     }
     std::vector<Vec3> before;
