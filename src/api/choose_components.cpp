@@ -27,7 +27,7 @@ std::vector<RankedComponent> describe(const SurfaceComplex& complex, const Compo
     const ComponentId c = components.of_c_vertex[v];
     if (out[c].c_vertices++ == 0) first.positions[c] = complex.positions[v];
   }
-  bring_out(first, grid, options);
+  to_output_space(first, grid, options);
   for (std::size_t c = 0; c < n; ++c) out[c].position = first.positions[c];
   return out;
 }

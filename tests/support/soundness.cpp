@@ -24,7 +24,7 @@ std::string wrong_with_level(const Extraction& e, const ExtractOptions& options,
   for (std::uint32_t v = before; v < level.vertex_count; ++v) {
     if (h.level_of(v) != l) return "level_of says otherwise of vertex " + std::to_string(v);
     if (l == 0 ? h.parent[v] != v : h.parent[v] >= before)
-      return "the parent of vertex " + std::to_string(v) + " is not in the level before";
+      return "the parent of vertex " + std::to_string(v) + " is not in the previous level";
   }
   const TriangleMesh mesh = h.mesh(l);
   for (const Vec3& p : mesh.positions) {

@@ -282,7 +282,7 @@ TEST(Edges, OneVertexIsTooFewAndTheReasonSaysHowManyItTakes) {
   EXPECT_FALSE(first.met);
   EXPECT_EQ(first.reason, "topology alone needs " + std::to_string(e.report.levels[0].vertices));
   EXPECT_EQ(e.hierarchy.levels[1].triangles, e.hierarchy.levels[0].triangles) << "and not one more";
-  EXPECT_EQ(e.report.levels[3].constraints[0].reason, "the level before has " + std::to_string(e.report.levels[2].vertices))
+  EXPECT_EQ(e.report.levels[3].constraints[0].reason, "the previous level has " + std::to_string(e.report.levels[2].vertices))
       << "topology would do with less";
 }
 

@@ -19,8 +19,8 @@ std::vector<CVertexId> all_of(const SurfaceComplex& surface) {
   return out;
 }
 
-// A disk of radius r on a sphere of radius R is r^2 / 2R high: the right radius for a bound b is sqrt(2 b R), and the guess is a little
-// larger.
+// A disk of radius r on a sphere of radius R has height r^2 / 2R, so the right radius for a bound b
+// is sqrt(2 b R); the prediction is a little larger.
 TEST(PredictRadii, FollowTheCurvatureOfASphere) {
   for (const double spacing : {1.0, 0.25}) {
     for (const double radius : {8.0, 17.0}) {
@@ -44,7 +44,7 @@ TEST(PredictRadii, FollowTheCurvatureOfASphere) {
   }
 }
 
-// Where it is flat, nothing is known beyond what was looked at.
+// Where the surface is flat, nothing is known beyond the neighbourhood.
 TEST(PredictRadii, AreLimitedOnAPlane) {
   const SurfaceComplex surface = surface_of(sampled({20, 20, 20}, [](double, double, double z) { return 9.5 - z; }));
   const SurfaceData surface_data(surface);
