@@ -66,7 +66,7 @@ std::vector<std::uint8_t> SurfaceData::rebuild() {
   original_points = {};  // frees old data first, except the graph; keeping both would determine the peak of memory
   face_nodes.reset();
   grid_cell_index.reset();
-  std::vector<std::uint8_t> changed = remake_graph(graph, complex, control);
+  std::vector<std::uint8_t> changed = rebuild_graph(graph, complex, control);
   for (CVertexId v = 0; v < std::min(surfels.point.size(), changed.size()); ++v) {
     if (!(surfels.point[v] == scaled(complex.positions[v], complex.spacing))) changed[v] = 1;
   }

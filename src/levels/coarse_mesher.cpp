@@ -77,7 +77,7 @@ CoarseMesher::CoarseState::CoarseState(const SurfaceComplex& surface_complex, co
 
 // Adapts to a complex that was refined.
 void CoarseMesher::CoarseState::adapt_to(const RunControl& control) {
-  std::vector<std::uint8_t> changed = remake_graph(graph, complex, &control);
+  std::vector<std::uint8_t> changed = rebuild_graph(graph, complex, &control);
   for (CVertexId v = 0; v < positions.size(); ++v) changed[v] |= !(positions[v] == complex.positions[v]);
   positions = complex.positions;
   covering.adapt_to(changed, std::vector<CVertexId>(covering.partition().site), control);
@@ -170,7 +170,7 @@ void CoarseMesher::mesh(LevelReport& report, const RunControl& caller_control) {
   run_both([&] { relax_vertices(quiet); },
            [&] {  // does not depend on positions
              topology_ = mesh_topology(mesh_, quiet);
-             if (were_regions_cut_) certify_regions(surface_.complex(), coarser_, quiet);
+             if (were_regions_split_) certify_regions(surface_.complex(), coarser_, quiet);
            });
 }
 
@@ -297,7 +297,7 @@ bool CoarseMesher::refine_inverted_components(int round, CertificateReport& cert
 }
 
 // The regions at the sites of the cells that represent several c-vertices.
-std::vector<CVertexId> CoarseMesher::regions_to_cut(std::span<const CellId> cells) const {
+std::vector<CVertexId> CoarseMesher::regions_to_split(std::span<const CellId> cells) const {
   if (!is_coarser()) return {};
   std::vector<std::uint8_t> has_several_c_vertices(state_->complex.c_vertex_count(), 0);
   for (CVertexId v = 0; v < coarser_.region_of.size(); ++v) {
@@ -316,9 +316,9 @@ std::vector<CVertexId> CoarseMesher::regions_to_cut(std::span<const CellId> cell
 // represent or, if there are none to split, subdivides the faces around c-vertices of the surface.
 // @return whether anything was refined
 bool CoarseMesher::refine_single_cells(std::span<const CellId> cells, const RunControl& control) {
-  const std::vector<CVertexId> to_cut = regions_to_cut(cells);
+  const std::vector<CVertexId> to_split = regions_to_split(cells);
   std::vector<CVertexId> to_subdivide;
-  if (to_cut.empty()) {
+  if (to_split.empty()) {
     const std::vector<CVertexId> on_surface = sites();
     for (const CellId c : cells) to_subdivide.push_back(on_surface[c]);
     to_subdivide = filter_subdividable(surface_, std::move(to_subdivide));
@@ -327,8 +327,9 @@ bool CoarseMesher::refine_single_cells(std::span<const CellId> cells, const RunC
   }
   report_going_on(control);
   if (is_coarser()) {
-    cut_regions(surface_.complex(), to_cut, to_subdivide.empty() ? std::span<const CVertexId>() : surface_.touched(), coarser_, control);
-    were_regions_cut_ = true;
+    split_regions(surface_.complex(), to_split, to_subdivide.empty() ? std::span<const CVertexId>() : surface_.touched(), coarser_,
+                  control);
+    were_regions_split_ = true;
   }
   report_going_on(control);
   state_->adapt_to(control);

@@ -68,7 +68,7 @@ class CoarseMesher {
                                                  std::span<Vec3> positions, std::span<const std::uint32_t> check,
                                                  std::span<const ComponentId> component_of, const RunControl& control);
   bool refine_inverted_components(int round, CertificateReport& certificate);
-  std::vector<CVertexId> regions_to_cut(std::span<const CellId> cells) const;
+  std::vector<CVertexId> regions_to_split(std::span<const CellId> cells) const;
   bool refine_single_cells(std::span<const CellId> cells, const RunControl& control);
 
   AdaptiveSurface& surface_;
@@ -77,7 +77,7 @@ class CoarseMesher {
   const ExtractOptions& options_;
   std::unique_ptr<CoarseState> state_;
   IntersectionTracker tracker_;
-  bool were_regions_cut_ = false;
+  bool were_regions_split_ = false;
   TriangleMesh mesh_;
   MeshTopology topology_;
   VertexPlacement placement_;

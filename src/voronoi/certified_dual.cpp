@@ -223,7 +223,7 @@ void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateRepor
       if (!check_all && checked.size() > scope.size()) found = check(checked, control);
       if (check_all && !scope.empty()) found = check({}, control);
       control.check_cancelled();
-      if (check_all) record(found, report);
+      if (check_all) fill_report(found, report);
       if (!check_all || !has_triangles)
         store_triangles(check_all ? std::span<const CellId>() : checked, found, control);
       else if (found.triangles.size() != triangles_.list().size())

@@ -31,21 +31,22 @@ inline Function bumpy_ball() {
   };
 }
 
-/// Of unrounded samples, so that c-vertices are as near the true surface as the trilinear field is.
+/// From unrounded samples, so that c-vertices are as near the true surface as the trilinear field
+/// is.
 inline SurfaceComplex exact_surface(Size size, const Function& f, Vec3 spacing = {1, 1, 1}) {
   ParseOptions options;
   options.rule = {0, Inside::above, NonFinite::refuse};
   return parse_surface(exact_volume(size, f, spacing), options);
 }
 
-/// A level as stage one makes it, with all cells measured by closest points.
+/// A level as stage one creates it, with all cells measured by closest points.
 class TestLevel {
  public:
   TestLevel(SurfaceComplex complex, float max_radius)
       : complex_(std::move(complex)), surface_data_(complex_), covering_(surface_data_.graph, disks(max_radius)) {
     make();
   }
-  /// Distances from triangles, too. The surface is where the samples are 0.
+  /// Includes distances from triangles. The surface is where the samples are 0.
   TestLevel(Volume volume, float max_radius)
       : volume_(std::make_unique<Volume>(std::move(volume))),
         complex_(parse_surface(*volume_, parse())),

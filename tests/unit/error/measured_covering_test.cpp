@@ -324,14 +324,14 @@ TEST(CertifiedDual, AdaptsToASubdividedComplex) {
     dual.update(report, {});
     for (int round = 0; round < 5; ++round) {
       const std::vector<std::uint8_t> was_on_boundary = graph.on_boundary;
-      std::vector<CVertexId> to_cut;
+      std::vector<CVertexId> to_split;
       for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
-        if (random.bits() % (round % 2 ? 40 : 400) == 0) to_cut.push_back(v);
+        if (random.bits() % (round % 2 ? 40 : 400) == 0) to_split.push_back(v);
       }
       std::vector<CVertexId> sites = covering.partition().site;
       moved += move_some(sites, covering.partition().cell_of, was_on_boundary, 30, random);
-      cut_regions(surface, to_cut, {}, coarser);
-      const std::vector<std::uint8_t> changed = remake_graph(graph, coarser.complex);
+      split_regions(surface, to_split, {}, coarser);
+      const std::vector<std::uint8_t> changed = rebuild_graph(graph, coarser.complex);
       finer += changed.size() - was_on_boundary.size();
       covering.adapt_to(changed, sites);
       dual.adapt_to(changed);

@@ -196,10 +196,10 @@ TEST(Covering, SatisfiesItsInvariantsOnASubdividedComplex) {
 
     const std::vector<std::uint8_t> was_on_boundary = graph.on_boundary;
     const auto c_vertices = static_cast<CVertexId>(was_on_boundary.size());
-    std::vector<CVertexId> to_cut;
-    for (CVertexId v = 0; v < c_vertices; v += 5) to_cut.push_back(v);
-    cut_regions(surface, to_cut, {}, coarser);
-    const std::vector<std::uint8_t> changed = remake_graph(graph, coarser.complex);
+    std::vector<CVertexId> to_split;
+    for (CVertexId v = 0; v < c_vertices; v += 5) to_split.push_back(v);
+    split_regions(surface, to_split, {}, coarser);
+    const std::vector<std::uint8_t> changed = rebuild_graph(graph, coarser.complex);
     for (const bool moves : {false, true}) {
       std::vector<CVertexId> at = start.partition().site;
       for (CVertexId v = 0; moves && v < c_vertices; v += 3) {  // some sites move to another c-vertex of their cell
