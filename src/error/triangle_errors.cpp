@@ -81,7 +81,7 @@ class PatchSearch {
       if (ratio <= 1) return 1;
       if (std::isfinite(ratio) && patch.radius > kSmallRadius * voxel_) return pieces_of(ratio, kMaxPiecesAgain);
     } else if (!is_far) {
-      const double rough = isosurface_.rough_distance(index, cursor_);
+      const double rough = isosurface_.distance_upper_bound(index, cursor_);
       if (rough <= largest) {
         upper_bound_ = std::max(upper_bound_, rough);
         return 1;
@@ -122,7 +122,7 @@ class PatchSearch {
 
   // The same, relative to the point of the isosurface that is near the centroid.
   double proof_ratio_near_surface(const Patch& patch, Vec3 index, double reach) const {
-    const Isosurface::Hit foot = isosurface_.nearby(index, reach);
+    const Isosurface::Hit foot = isosurface_.find_nearby(index, reach);
     const double margin = std::min(reach - foot.distance, patch.radius);
     if (!(margin > 0)) return INFINITY;
     const Vec3 down = to_index(margin * isosurface_.normal(foot.point)), move = foot.point - index;
