@@ -194,8 +194,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   cover.max_radius = static_cast<float>(max_radius);
   cover.event_persistence = options.event_persistence ? voxels(*options.event_persistence) : default_persistence(options.covering);
   cover.first_stage = static_cast<float>(4 * cell);
-  auto mesher =
-      std::make_unique<CoarseMesher>(surface, coarser, cover, options, WrittenPositions(grid, options.space, options.supersample));
+  auto mesher = std::make_unique<CoarseMesher>(surface, coarser, cover, options, OutputPositions(grid, options.space, options.supersample));
   mesher->cover(control);
   clock.finished("cover");
 

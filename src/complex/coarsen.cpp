@@ -21,7 +21,7 @@
 #include "core/parallel.h"
 #include "core/vector_math.h"
 #include "core/whole_progress.h"
-#include "geometry/outward.h"
+#include "geometry/inverted_components.h"
 
 namespace isoatlas::detail {
 namespace {
@@ -248,7 +248,7 @@ std::vector<std::uint8_t> inverted_small_components(const SurfaceComplex& comple
     for (const CellId c : t.cell) component_of[c] = sets.find(c);
   }
   const std::vector<std::uint8_t> inverted =
-      turned_components(position, small_triangles, complex.spacing, component_of, n, outward, kMinCosine);
+      inverted_components(position, small_triangles, complex.spacing, component_of, n, outward, kMinCosine);
   for (const Triangle& t : small_triangles) {
     if (!inverted[component_of[t[0]]]) continue;
     for (const CellId c : t) out[c] = 1;

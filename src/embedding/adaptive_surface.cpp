@@ -302,7 +302,7 @@ void AdaptiveSurface::flatten_intersecting_pieces(const Subdivision& subdivision
       bool intersect = false;
       for (std::size_t i = from; i < to && !intersect; ++i) {
         for (std::size_t j = i + 1; j < to && !intersect; ++j)
-          intersect = meet_beyond_shared(complex_.positions, pieces[i].second, pieces[j].second);
+          intersect = intersect_beyond_shared_simplex(complex_.positions, pieces[i].second, pieces[j].second);
       }
       if (!intersect) continue;
       for (std::size_t i = from; i < to; ++i) {

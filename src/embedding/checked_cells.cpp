@@ -18,7 +18,7 @@ constexpr std::size_t kCellsPerPiece = 64, kFacesPerPiece = 8192;  // of paralle
 bool any_intersect(std::span<const Triangle> triangles, std::span<const Vec3> positions) {
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     for (std::size_t j = i + 1; j < triangles.size(); ++j) {
-      if (meet_beyond_shared(positions, triangles[i], triangles[j])) return true;
+      if (intersect_beyond_shared_simplex(positions, triangles[i], triangles[j])) return true;
     }
   }
   return false;

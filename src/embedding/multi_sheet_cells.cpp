@@ -124,8 +124,10 @@ class MultiSheetCells::Surfels {
   }
 
   /// Number of intersecting pairs of triangles, at most `enough`.
-  std::size_t meeting_pairs(std::size_t enough) const { return isoatlas::detail::meeting_pairs(corners, triangles, enough); }
-  bool intersect() const { return meeting_pairs(1) > 0; }
+  std::size_t count_intersecting_pairs(std::size_t enough) const {
+    return isoatlas::detail::count_intersecting_pairs(corners, triangles, enough);
+  }
+  bool intersect() const { return count_intersecting_pairs(1) > 0; }
 
   std::vector<Vec3> corners;
   std::span<const Triangle> triangles;
@@ -157,7 +159,7 @@ bool MultiSheetCells::search_positions(std::uint32_t cell, std::span<Vec3> posit
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     for (std::size_t v = 0; v < positions.size(); ++v) surfels.corners[v] = attempt == 0 ? start[v] : any();
     control.check_cancelled();
-    std::size_t fewest_pairs = surfels.meeting_pairs(kNone);
+    std::size_t fewest_pairs = surfels.count_intersecting_pairs(kNone);
     for (bool improved = true; improved && fewest_pairs > 0;) {
       improved = false;
       for (std::size_t v = 0; v < positions.size() && fewest_pairs > 0; ++v) {
@@ -169,7 +171,7 @@ bool MultiSheetCells::search_positions(std::uint32_t cell, std::span<Vec3> posit
             for (std::size_t k = 0; k < kLattice.size(); ++k) {
               surfels.corners[v] = lattice(i, j, k);
               const double away = squared_length(surfels.corners[v] - start[v]);
-              const std::size_t pairs = surfels.meeting_pairs(fewest + 1);
+              const std::size_t pairs = surfels.count_intersecting_pairs(fewest + 1);
               if (pairs > fewest || (pairs == fewest && (pairs == fewest_pairs || away >= nearest))) continue;
               fewest = pairs;
               nearest = away;

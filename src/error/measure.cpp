@@ -99,9 +99,9 @@ class SpecialPoints {
 
 Vec3 to_index(Vec3 a, Vec3 b) { return {a.x / b.x, a.y / b.y, a.z / b.z}; }
 
-std::vector<Triangle> triangles_in_slot_order(const TriangleTree& tree) {
-  std::vector<Triangle> out(tree.triangle_count());
-  for (std::uint32_t s = 0; s < out.size(); ++s) out[s] = tree.corners_in(s);
+std::vector<Triangle> triangles_in_slot_order(const TriangleBvh& bvh) {
+  std::vector<Triangle> out(bvh.triangle_count());
+  for (std::uint32_t s = 0; s < out.size(); ++s) out[s] = bvh.corners_in(s);
   return out;
 }
 
@@ -110,7 +110,7 @@ std::vector<Triangle> triangles_in_slot_order(const TriangleTree& tree) {
 // where the surface bends most.
 struct RefinedFaces {
   RefinedFaces(const Isosurface& surface, const RunControl& control) {
-    const TriangleTree& faces = surface.faces();
+    const TriangleBvh& faces = surface.faces();
     const std::size_t c_vertices = faces.positions().size();
     positions.assign(faces.positions().begin(), faces.positions().end());
     positions.resize(c_vertices + faces.triangle_count());
@@ -180,11 +180,11 @@ OneSidedDistance summarize(std::vector<double> distance, std::size_t by_area, do
 
 double angle_between(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), dot(a, b)) * 180 / std::numbers::pi; }
 
-void measure_mesh_to_surface(const TriangleMesh& mesh, const TriangleTree& tree, const Isosurface& surface, std::size_t samples,
+void measure_mesh_to_surface(const TriangleMesh& mesh, const TriangleBvh& bvh, const Isosurface& surface, std::size_t samples,
                              Measurement& out, DistantSamples& distant, const RunControl& control) {
   const Vec3 spacing = surface.spacing();
-  const std::vector<Triangle> triangles = triangles_in_slot_order(tree);
-  const AreaSamples area_samples(tree.positions(), triangles, samples);
+  const std::vector<Triangle> triangles = triangles_in_slot_order(bvh);
+  const AreaSamples area_samples(bvh.positions(), triangles, samples);
   control.check_cancelled();
   const SpecialPoints special(mesh);
   const auto point = [&](std::size_t i) { return i < samples ? to_index(area_samples.point(i), spacing) : special.point(i - samples); };
@@ -196,15 +196,15 @@ void measure_mesh_to_surface(const TriangleMesh& mesh, const TriangleTree& tree,
       const Isosurface::Hit hit = surface.closest(point(i));
       distance[i] = hit.distance;
       if (i >= inside_triangles) continue;
-      const auto [a, b, c] = mesh.triangles[i < samples ? tree.triangle_in(area_samples.triangle(i)) : i - samples];
-      const Vec3 p = tree.positions()[a], face_normal = normalized(cross(tree.positions()[b] - p, tree.positions()[c] - p));
+      const auto [a, b, c] = mesh.triangles[i < samples ? bvh.triangle_in(area_samples.triangle(i)) : i - samples];
+      const Vec3 p = bvh.positions()[a], face_normal = normalized(cross(bvh.positions()[b] - p, bvh.positions()[c] - p));
       const Vec3 normal = surface.normal(hit.point);
       if (!(face_normal == Vec3{}) && !(normal == Vec3{})) angle[i] = angle_between(face_normal, normal);
     }
   });
   for (std::size_t i = 0; i < distance.size(); ++i) {
     if (distance[i] <= distant.bound) continue;
-    distant.corners.push_back(i < samples ? mesh.triangles[tree.triangle_in(area_samples.triangle(i))] : special.corners(i - samples));
+    distant.corners.push_back(i < samples ? mesh.triangles[bvh.triangle_in(area_samples.triangle(i))] : special.corners(i - samples));
   }
   control.check_cancelled();
   out.mesh_area = area_samples.area();
@@ -219,7 +219,7 @@ void measure_mesh_to_surface(const TriangleMesh& mesh, const TriangleTree& tree,
   out.normal_p99 = quantile(angle, 0.99);
 }
 
-void measure_surface_to_mesh(const TriangleMesh& mesh, const TriangleTree& tree, const Isosurface& surface, std::size_t samples,
+void measure_surface_to_mesh(const TriangleMesh& mesh, const TriangleBvh& bvh, const Isosurface& surface, std::size_t samples,
                              Measurement& out, DistantSamples& distant, const RunControl& control) {
   const Vec3 spacing = surface.spacing();
   const std::span<const Vec3> c_vertices = surface.faces().positions();
@@ -238,8 +238,8 @@ void measure_surface_to_mesh(const TriangleMesh& mesh, const TriangleTree& tree,
     for (std::size_t i = begin; i < end; ++i) {
       const Vec3 p = scaled(point(i), spacing);
       if (i > begin) reach = (1 + 1e-9) * (distance[i - 1] + length(p - last)) + 1e-6 * out.voxel;
-      TriangleTree::Hit hit = tree.closest(p, reach);
-      if (!hit.found()) hit = tree.closest(p);  // so far away that the slack was too small
+      TriangleBvh::Hit hit = bvh.closest(p, reach);
+      if (!hit.found()) hit = bvh.closest(p);  // so far away that the slack was too small
       distance[i] = std::sqrt(hit.squared_distance);
       nearest[i] = hit.triangle;
       last = p;
@@ -273,12 +273,12 @@ Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::si
   std::vector<Vec3> positions;
   positions.reserve(mesh.positions.size());
   for (const Vec3& p : mesh.positions) positions.push_back(scaled(p, spacing));
-  const TriangleTree tree(std::move(positions), mesh.triangles, control);
+  const TriangleBvh bvh(std::move(positions), mesh.triangles, control);
 
   Measurement out;
   out.voxel = surface.voxel();
-  measure_mesh_to_surface(mesh, tree, surface, samples, out, distant, control);
-  measure_surface_to_mesh(mesh, tree, surface, samples, out, distant, control);
+  measure_mesh_to_surface(mesh, bvh, surface, samples, out, distant, control);
+  measure_surface_to_mesh(mesh, bvh, surface, samples, out, distant, control);
   return out;
 }
 

@@ -23,7 +23,7 @@ constexpr int kBisections = 30;
 constexpr int kSlides = 12;
 constexpr double kSlideDone = 1e-3;  // sine of the angle between the surface's normal and the direction to p
 
-TriangleTree make_tree(const SurfaceComplex& complex, const RunControl& control) {
+TriangleBvh make_bvh(const SurfaceComplex& complex, const RunControl& control) {
   std::vector<Vec3> positions;
   positions.reserve(complex.positions.size());
   for (const Vec3& p : complex.positions) positions.push_back(scaled(p, complex.spacing));
@@ -49,7 +49,7 @@ Isosurface::Isosurface(const VolumeView& volume, const InsideRule& rule, const S
     : spacing_(complex.spacing),
       voxel_(supersample * std::min({spacing_.x, spacing_.y, spacing_.z})),
       field_(volume, rule, interpolation, supersample),
-      faces_(make_tree(complex, control)) {}
+      faces_(make_bvh(complex, control)) {}
 
 Vec3 Isosurface::clamped(Vec3 p) const {
   const Vec3 last = to_metric(field_.last());
@@ -138,7 +138,7 @@ Isosurface::SurfacePoint Isosurface::slide_towards(Vec3 p, SurfacePoint surface_
 }
 
 Isosurface::Hit Isosurface::closest_on_faces(Vec3 p, double max_distance) const {
-  const TriangleTree::Hit hit = faces_.closest(to_metric(p), max_distance);
+  const TriangleBvh::Hit hit = faces_.closest(to_metric(p), max_distance);
   if (!hit.found()) return {};
   return {to_index(hit.point), std::sqrt(hit.squared_distance)};
 }
@@ -158,7 +158,7 @@ Isosurface::Hit Isosurface::closest(const Vec3 index, double max_distance) const
   std::optional<SurfacePoint> best = project(p, std::min(kDirectReach * voxel_, max_distance));
   double distance = best ? length(p - best->point) : INFINITY;
   if (distance > kCloseEnough * voxel_) {
-    const TriangleTree::Hit face = faces_.closest(p, std::min(distance, max_distance + kFaceError * voxel_));
+    const TriangleBvh::Hit face = faces_.closest(p, std::min(distance, max_distance + kFaceError * voxel_));
     const double to_face = face.found() ? std::sqrt(face.squared_distance) : INFINITY;
     const auto offer = [&](Vec3 start) {
       const std::optional<SurfacePoint> surface_point = project(start, kReach * voxel_);

@@ -6,7 +6,7 @@
 
 #include "complex/surface_complex.h"
 #include "field/interpolated_field.h"
-#include "geometry/triangle_tree.h"
+#include "geometry/triangle_bvh.h"
 #include "isoatlas/run_control.h"
 #include "isoatlas/volume.h"
 
@@ -72,7 +72,7 @@ class Isosurface {
 
   /// Faces as triangles with metric positions. The first side of each half of a quad is the quad's
   /// diagonal.
-  const TriangleTree& faces() const { return faces_; }
+  const TriangleBvh& faces() const { return faces_; }
   Vec3 spacing() const { return spacing_; }
   double voxel() const { return voxel_; }  ///< smallest spacing of the volume itself
   const InterpolatedField& field() const { return field_; }
@@ -99,7 +99,7 @@ class Isosurface {
   Vec3 spacing_;
   double voxel_;  // smallest spacing of the volume
   InterpolatedField field_;
-  TriangleTree faces_;
+  TriangleBvh faces_;
 };
 
 }  // namespace isoatlas::detail

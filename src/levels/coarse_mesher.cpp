@@ -86,7 +86,7 @@ void CoarseMesher::CoarseState::adapt_to(const RunControl& control) {
 }
 
 CoarseMesher::CoarseMesher(AdaptiveSurface& surface, Coarsened& coarser, const CoveringOptions& cover, const ExtractOptions& options,
-                           WrittenPositions output_positions)
+                           OutputPositions output_positions)
     : surface_(surface), coarser_(coarser), cover_(cover), options_(options), tracker_(std::move(output_positions)) {
   state_ = std::make_unique<CoarseState>(is_coarser() ? coarser_.complex : surface_.complex(), cover_, surface_.control());
 }

@@ -34,7 +34,7 @@ class CoarseMesher {
   /// @param coarser  the complex to cover; is refined where triangles intersect; without
   ///                 c-vertices: the surface itself is covered
   CoarseMesher(AdaptiveSurface& surface, Coarsened& coarser, const CoveringOptions& cover, const ExtractOptions& options,
-               WrittenPositions output_positions);
+               OutputPositions output_positions);
 
   void cover(const RunControl& control);
   void certify(LevelReport& report, const RunControl& control);

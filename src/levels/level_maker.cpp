@@ -51,11 +51,11 @@ LevelMaker::LevelMaker(const LevelSource& source, const ExtractOptions& options,
     : source_(source),
       options_(options),
       control_(control),
-      refiner_(source.surface, source.isosurface, source.coarser, source.options,
-               {source.coarse.site, source.coarse.radius, source.coarse.placement, is_complete(options)},
-               options.allow_self_intersections ? std::nullopt
-                                                : std::optional(WrittenPositions(source.grid, options.space, options.supersample)),
-               options.adaptive_supersample) {}
+      refiner_(
+          source.surface, source.isosurface, source.coarser, source.options,
+          {source.coarse.site, source.coarse.radius, source.coarse.placement, is_complete(options)},
+          options.allow_self_intersections ? std::nullopt : std::optional(OutputPositions(source.grid, options.space, options.supersample)),
+          options.adaptive_supersample) {}
 
 Vec3 LevelMaker::to_output_space(Vec3 index) const {
   TriangleMesh one;

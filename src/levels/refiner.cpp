@@ -89,7 +89,7 @@ LevelGoal with_distance(LevelGoal goal, double bound) {
 }  // namespace
 
 Refiner::Refiner(AdaptiveSurface& surface, const Isosurface& isosurface, const Coarsened& coarser, const CoveringOptions& options,
-                 Start start, std::optional<WrittenPositions> output_positions, std::uint32_t max_subdivisions)
+                 Start start, std::optional<OutputPositions> output_positions, std::uint32_t max_subdivisions)
     : options_(options),
       surface_(surface),
       isosurface_(isosurface),
@@ -454,7 +454,7 @@ RefinedLevel Refiner::refine_once(const LevelGoal& goal, const LevelGoal& reques
     restart_with_sites_at_vertices(control);
   }
   save_inserted_in();
-  IntersectionTracker tracker(output_positions_.value_or(WrittenPositions()));
+  IntersectionTracker tracker(output_positions_.value_or(OutputPositions()));
   Task task = prepare_task(goal, placement, out, control);
   if (!is_limited(goal)) {
     lower_predicted_radii(task, out, control);
@@ -499,7 +499,7 @@ bool Refiner::refine_at(std::span<const Triangle> triangles, const LevelGoal& go
   restart_with_sites_at_vertices(control);
   refine_cells(cells, control);
   const Task task = prepare_task(goal, placement, level, control);
-  IntersectionTracker tracker(output_positions_.value_or(WrittenPositions()));
+  IntersectionTracker tracker(output_positions_.value_or(OutputPositions()));
   refine_with_subdivision(task, tracker, level, control);
   level.at_limit.clear();
   finish(task, goal, tracker, level, control);

@@ -41,7 +41,7 @@ class Refiner {
   /// @param max_subdivisions  per level, how often the surface may be subdivided because cells at
   ///                          the resolution limit violate a bound
   Refiner(AdaptiveSurface& surface, const Isosurface& isosurface, const Coarsened& coarser, const CoveringOptions& options, Start start,
-          std::optional<WrittenPositions> output_positions, std::uint32_t max_subdivisions);
+          std::optional<OutputPositions> output_positions, std::uint32_t max_subdivisions);
 
   /// The figures of level 0. Must be called once, before refine().
   LevelFigures describe_coarse(std::span<const Triangle> triangles, const LevelGoal& goal, const RunControl& control);
@@ -113,7 +113,7 @@ class Refiner {
   const Isosurface& isosurface_;
   const Coarsened& coarser_;
   Start start_;
-  std::optional<WrittenPositions> output_positions_;
+  std::optional<OutputPositions> output_positions_;
   std::uint32_t max_subdivisions_;
   std::unique_ptr<SurfaceData> surface_data_;  // of the current surface
   std::unique_ptr<MeasuredCovering> measured_;

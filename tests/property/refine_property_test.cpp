@@ -9,7 +9,7 @@
 
 #include "complex/components.h"
 #include "core/vector_math.h"
-#include "geometry/triangle_tree.h"
+#include "geometry/triangle_bvh.h"
 #include "isosurface/parse_surface.h"
 #include "property/random_goals.h"
 #include "support/soundness.h"
@@ -204,7 +204,7 @@ RC_GTEST_PROP(AnyLevels, AreNowhereFartherThanReported, (const RandomCase& any))
   for (std::size_t l = 0; l < e.report.levels.size(); ++l) {
     TriangleMesh mesh = e.hierarchy.mesh(l);
     for (Vec3& p : mesh.positions) p = scaled(p, c.spacing);
-    const TriangleTree tree(mesh.positions, mesh.triangles);
+    const TriangleBvh tree(mesh.positions, mesh.triangles);
     const double said = (*e.report.levels[l].metrics)[static_cast<std::size_t>(Quantity::max_distance)].maximum;
     for (const Vec3& p : points) RC_ASSERT(std::sqrt(tree.closest(p).squared_distance) <= said * (1 + 1e-6) + 1e-5 * voxel);
   }

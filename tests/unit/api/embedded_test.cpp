@@ -14,7 +14,7 @@ namespace {
 
 using namespace test;
 
-std::size_t meeting_pairs(const Extraction& e, std::size_t level) {
+std::size_t count_intersecting_pairs(const Extraction& e, std::size_t level) {
   const TriangleMesh mesh = e.hierarchy.mesh(level);
   return self_intersections(mesh.positions, mesh.triangles).size();
 }
@@ -38,9 +38,9 @@ TEST(Embedded, NoSelfIntersectionsInAnyLevel) {
       const Extraction allowed = extract(volumes[v], asking(true, placement)), asked = extract(volumes[v], asking(false, placement));
       for (std::size_t l = 0; l < 3; ++l) {
         SCOPED_TRACE("volume " + std::to_string(v) + ", level " + std::to_string(l));
-        before += meeting_pairs(allowed, l);
+        before += count_intersecting_pairs(allowed, l);
         EXPECT_FALSE(allowed.report.levels[l].self_intersections.has_value()) << "nobody looked";
-        EXPECT_EQ(meeting_pairs(asked, l), 0u);
+        EXPECT_EQ(count_intersecting_pairs(asked, l), 0u);
         EXPECT_EQ(asked.report.levels[l].self_intersections, 0u);
         EXPECT_EQ(asked.report.levels[l].topology, asked.report.reference);
         EXPECT_TRUE(asked.report.levels[l].certificate.passed);
