@@ -72,7 +72,7 @@ class BilinearWall {
       corner[along_[1]] += static_cast<double>(k >> 1);
       f_[k] = field.at_sample(as_vector(corner));
     }
-    f_ = tamed(f_);
+    f_ = rescaled(f_);
   }
 
   double value(Vec3 point) const {

@@ -192,7 +192,7 @@ class Parser {
   }
 
   CellValues values(const std::array<std::size_t, 3>& c) const {
-    const auto in_range = [](const auto& f) { return Samples::kAnyRange ? tamed(f) : f; };
+    const auto in_range = [](const auto& f) { return Samples::kAnyRange ? rescaled(f) : f; };
     CellValues out;
     if (options_.interpolation == Interpolation::tricubic && !is_cap(c)) {
       // In the layer around the volume the field is constant across the layer.
