@@ -151,7 +151,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
 
   control.report("components", 0);
   Components reference = find_components(whole);
-  report_going_on(control);
+  report_continuing(control);
   Nesting nesting = surface_nesting(reference, nodes);
   nodes = {};
   control.check_cancelled();
@@ -166,7 +166,7 @@ Extraction extract(const VolumeView& volume, const ExtractOptions& options, cons
   const std::unique_ptr<const Isosurface> isosurface =
       only_coarse ? nullptr
                   : std::make_unique<const Isosurface>(in_voxels, parse.rule, whole, options.interpolation, options.supersample, control);
-  report_going_on(control);
+  report_continuing(control);
   AdaptiveSurface surface(std::move(whole), std::move(reference), std::move(nesting),
                           InterpolatedField(in_voxels, parse.rule, options.interpolation, options.supersample), control);
   clock.finished("components");

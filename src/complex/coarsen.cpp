@@ -282,7 +282,7 @@ Coarsened coarsen(const SurfaceComplex& complex, double block_length, const RunC
   bool orientation_checked = false;
   std::vector<std::uint8_t> scope;  // after a split, only the neighbourhood is checked again; the last check is complete
   for (;;) {
-    report_going_on(control);
+    report_continuing(control);
     PartitionCheck check = check_partition(complex, regions.region_of(), n, {}, scope, control);
     ++out.certificate.repair_rounds;
     if (!check.passed()) {
@@ -360,7 +360,7 @@ void split_regions(const SurfaceComplex& complex, std::span<const CVertexId> reg
   split(failed);
   std::vector<CellId> scope = scoped.cells_near(complex, adjacency, region_of, changed, control), checked = scope;
   for (;;) {
-    report_going_on(control);
+    report_continuing(control);
     PartitionCheck check = scoped.run(complex, adjacency, region_of, members, {}, scope, control);
     ++coarser.certificate.repair_rounds;
     if (check.passed()) {

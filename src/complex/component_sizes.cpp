@@ -18,7 +18,7 @@ std::vector<double> enclosed_volumes(const SurfaceComplex& complex, const Compon
   for (const Face& face : complex.faces) {
     const ComponentId c = components.of_c_vertex[face.corner[0]];
     const Vec3 origin = complex.positions[first[c]];
-    const auto at = [&](int k) { return scaled(complex.positions[face.corner[k]] - origin, complex.spacing); };
+    const auto at = [&](int k) { return to_metric(complex.positions[face.corner[k]] - origin, complex.spacing); };
     for (int k = 2; k < face.size(); ++k) six_volumes[c] += dot(at(0), cross(at(k - 1), at(k)));
   }
   for (double& volume : six_volumes) volume = std::abs(volume) / 6;

@@ -8,12 +8,13 @@
 
 namespace isoatlas::detail {
 
-/// Union-find whose roots are the smallest members, so that they do not depend on the order of unions. Several threads may call unite() and
-/// find() at the same time; what find() returns is final once all calls of unite() have returned.
+/// Union-find whose roots are the smallest members, so that they do not depend on the order of
+/// unions. Several threads may call unite() and find() at the same time; the results of find() are
+/// final once all calls of unite() have returned.
 ///
-/// @source Anderson and Woll, Wait-free parallel algorithms for the union-find problem, 1991: parents only ever become smaller members of
-/// the
-///         same set, and only a root gets a set joined to it, by compare and swap
+/// @source Anderson and Woll, Wait-free parallel algorithms for the union-find problem, 1991: the
+///         parent of a member only ever becomes a smaller member of the same set, and sets are only
+///         joined to roots, by compare and swap
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t n) : parent_(n) {
@@ -22,10 +23,10 @@ class DisjointSets {
 
   std::uint32_t find(std::uint32_t i) {
     for (std::uint32_t parent = get(i); parent != i; parent = get(i)) {
-      const std::uint32_t above = get(parent);
-      if (above == parent) return parent;
-      put(i, above);
-      i = above;
+      const std::uint32_t grandparent = get(parent);
+      if (grandparent == parent) return parent;
+      put(i, grandparent);
+      i = grandparent;
     }
     return i;
   }
@@ -43,7 +44,7 @@ class DisjointSets {
 
   bool is_root(std::uint32_t i) const { return get(i) == i; }
 
-  /// Makes i a set of its own; only valid when every member of its set is reset.
+  /// Makes i a set of its own; only valid if every member of its set is reset.
   void reset(std::uint32_t i) { put(i, i); }
 
  private:

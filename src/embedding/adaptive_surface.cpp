@@ -51,9 +51,9 @@ AdaptiveSurface::AdaptiveSurface(SurfaceComplex complex, Components components, 
       depth_(parsed_count_, 0) {
   for_each_index(parsed_count_, kPerPiece, [&](std::size_t v) { complex_.positions[v] = rounded(complex_.positions[v]); });
   original_positions_ = complex_.positions;
-  report_going_on(control_);
+  report_continuing(control_);
   multi_sheet_cells_.separate(complex_, control_);
-  report_going_on(control_);
+  report_continuing(control_);
   update_checked_cells();
 }
 
@@ -123,7 +123,7 @@ void AdaptiveSurface::update_checked_cells() {
     if (std::none_of(face.corner.begin(), face.corner.begin() + face.size(), [&](CVertexId v) { return is_in_unsplit_cell_[v]; })) continue;
     for (int k = 0; k < face.size(); ++k) fixed_[face.corner[k]] |= integer_coordinates(complex_.positions[face.corner[k]]) > 0;
   }
-  report_going_on(control_);
+  report_continuing(control_);
   std::vector<GridCell> checkable;
   std::set_difference(cells.begin(), cells.end(), unsplit.begin(), unsplit.end(), std::back_inserter(checkable));
   checked_cells_ = CheckedCells(complex_, checkable, control_);
@@ -234,13 +234,13 @@ void AdaptiveSurface::subdivide(std::span<const CVertexId> wanted, std::span<con
     }
     control_.check_cancelled();
     if (not_in_pieces.empty()) break;
-    report_going_on(control_);
+    report_continuing(control_);
     subdivide_once(with_multi_sheet_cells(not_in_pieces), now);
   }
   std::vector<CVertexId> left;
   std::copy_if(wanted.begin(), wanted.end(), std::back_inserter(left), [&](CVertexId v) { return now[v] == old_fineness[v]; });
   subdivide_once(with_multi_sheet_cells(left), now);
-  report_going_on(control_);
+  report_continuing(control_);
   update_checked_cells();
 }
 
@@ -249,7 +249,7 @@ void AdaptiveSurface::subdivide_once(std::span<const CVertexId> wanted, const st
   int depth_after = 0;
   for (const CVertexId v : wanted) depth_after = std::max(depth_after, depth_[v] + 1);
   const Subdivision subdivision = subdivide_in_place(complex_, wanted, old_fineness, {field_, multi_sheet_cells_.flags(), &control_});
-  report_going_on(control_);
+  report_continuing(control_);
   touched_.insert(touched_.end(), subdivision.touched.begin(), subdivision.touched.end());
   std::vector<ComponentId> component;
   std::vector<std::uint8_t> depth;

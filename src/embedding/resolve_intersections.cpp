@@ -33,7 +33,7 @@ ResolvedIntersections resolve_intersections(GrowingDual& dual, const AdaptiveSur
     const std::vector<Vec3> positions = dual.positions();
     const std::vector<Triangle> triangles = dual.triangles();
     tracker.update(positions, triangles, control);
-    report_going_on(control);
+    report_continuing(control);
     Covering& covering = dual.covering();
     const std::uint32_t before = covering.site_count();
     std::vector<CellId> cells = tracker.largest_corners(covering.farthest_distances());

@@ -24,7 +24,7 @@ void find_closest(const MeasuredSurface& surface, const LevelMesh& mesh, std::sp
   std::vector<std::size_t> first(cells.size() + 1, 0);
   for (std::size_t i = 0; i < cells.size(); ++i) first[i + 1] = first[i] + mesh.c_vertices_of.row(cells[i]).size();
   out.resize(first.back());
-  for_each_piece_going_on(cells.size(), kCellsPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
+  for_each_piece_reporting(cells.size(), kCellsPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
     surface.check_cancelled();
     TwoRing ring(mesh);
     for (std::size_t i = begin; i < end; ++i) {
@@ -91,7 +91,7 @@ Vec3 FaceNodes::point(FaceId f) const {
       for (int k = 0; k < face.size(); ++k) sum = sum + complex_.positions[face.corner[k]];
       found = isosurface_.onto_surface((1.0 / face.size()) * sum);
     }
-    points_[f] = scaled(found.value_or(complex_.positions[face.corner[0]]), complex_.spacing);
+    points_[f] = to_metric(found.value_or(complex_.positions[face.corner[0]]), complex_.spacing);
     is_known_[f] = 1;
   }
   return points_[f];
@@ -120,7 +120,7 @@ void update_farthest_node(const MeasuredSurface& surface, const FaceNodes& face_
 std::vector<CellDistance> find_farthest(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cells,
                                         double exact_above, Thoroughness thoroughness, const FaceNodes* face_nodes) {
   std::vector<CellDistance> out(cells.size());
-  for_each_piece_going_on(cells.size(), kCellsPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
+  for_each_piece_reporting(cells.size(), kCellsPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
     surface.check_cancelled();
     TwoRing ring(mesh);
     for (std::size_t i = begin; i < end; ++i) {
@@ -149,7 +149,7 @@ std::vector<CellDistance> find_farthest(const MeasuredSurface& surface, const Le
 std::vector<Farthest> measure_face_nodes(const MeasuredSurface& surface, const FaceNodes& face_nodes, const LevelMesh& mesh,
                                          std::span<const CellId> cells, double exact_above, std::vector<Farthest> farthest) {
   farthest.resize(cells.size());
-  for_each_piece_going_on(cells.size(), kCellsPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
+  for_each_piece_reporting(cells.size(), kCellsPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
     surface.check_cancelled();
     TwoRing ring(mesh);
     for (std::size_t i = begin; i < end; ++i) {

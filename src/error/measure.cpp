@@ -44,7 +44,7 @@ void check_mesh(const TriangleMesh& mesh, Vec3 spacing) {
   }
   const double farthest = kMaxVoxels * std::min({spacing.x, spacing.y, spacing.z});
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-    const Vec3 p = scaled(mesh.positions[v], spacing);
+    const Vec3 p = to_metric(mesh.positions[v], spacing);
     if (std::abs(p.x) <= farthest && std::abs(p.y) <= farthest && std::abs(p.z) <= farthest) continue;  // false for NaN
     throw Error(ErrorCode::bad_argument,
                 "vertex " + std::to_string(v) + " of the mesh is not finite or more than 1e15 voxels away from the volume");
@@ -97,8 +97,6 @@ class SpecialPoints {
   std::vector<std::uint32_t> vertices_;
 };
 
-Vec3 to_index(Vec3 a, Vec3 b) { return {a.x / b.x, a.y / b.y, a.z / b.z}; }
-
 std::vector<Triangle> triangles_in_slot_order(const TriangleBvh& bvh) {
   std::vector<Triangle> out(bvh.triangle_count());
   for (std::uint32_t s = 0; s < out.size(); ++s) out[s] = bvh.corners_in(s);
@@ -123,7 +121,7 @@ struct RefinedFaces {
         const Vec3 middle = 0.5 * (positions[a] + positions[b]);
         const auto moved = surface.onto_surface(to_index(middle, surface.spacing()));
         const auto m = static_cast<std::uint32_t>(c_vertices + s);
-        positions[m] = moved ? scaled(*moved, surface.spacing()) : middle;
+        positions[m] = moved ? to_metric(*moved, surface.spacing()) : middle;
         // Where the field vanishes nearby, the point can end up anywhere.
         if (squared_length(positions[m] - middle) > 0.25 * squared_length(positions[b] - positions[a])) positions[m] = middle;
         triangles[2 * s] = {a, m, c};
@@ -236,7 +234,7 @@ void measure_surface_to_mesh(const TriangleMesh& mesh, const TriangleBvh& bvh, c
     double reach = INFINITY;  // the distance of one sample bounds that of the next; the slack is for rounding
     Vec3 last;
     for (std::size_t i = begin; i < end; ++i) {
-      const Vec3 p = scaled(point(i), spacing);
+      const Vec3 p = to_metric(point(i), spacing);
       if (i > begin) reach = (1 + 1e-9) * (distance[i - 1] + length(p - last)) + 1e-6 * out.voxel;
       TriangleBvh::Hit hit = bvh.closest(p, reach);
       if (!hit.found()) hit = bvh.closest(p);  // so far away that the slack was too small
@@ -272,7 +270,7 @@ Measurement measure(const TriangleMesh& mesh, const Isosurface& surface, std::si
   control.check_cancelled();
   std::vector<Vec3> positions;
   positions.reserve(mesh.positions.size());
-  for (const Vec3& p : mesh.positions) positions.push_back(scaled(p, spacing));
+  for (const Vec3& p : mesh.positions) positions.push_back(to_metric(p, spacing));
   const TriangleBvh bvh(std::move(positions), mesh.triangles, control);
 
   Measurement out;
@@ -303,9 +301,9 @@ double Measurement::p99() const { return std::max(mesh_to_surface.p99, surface_t
 double Measurement::mean() const { return std::max(mesh_to_surface.mean, surface_to_mesh.mean); }
 
 Measurement measure(const TriangleMesh& mesh, const VolumeView& volume, const MeasureOptions& options,
-                    const RunControl& callers_control) try {
+                    const RunControl& caller_control) try {
   constexpr std::array<StageShare, 3> kStages{{{"surface", 1}, {"mesh to surface", 5}, {"surface to mesh", 3}}};
-  const RunControl control = with_whole_progress(callers_control, kStages);
+  const RunControl control = with_whole_progress(caller_control, kStages);
   check_volume(volume, options.isovalue);
   require_orthonormal(volume.grid);
   require(options.samples > 0, "no samples are wanted");

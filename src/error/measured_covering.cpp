@@ -68,7 +68,7 @@ std::vector<std::uint8_t> SurfaceData::rebuild() {
   grid_cell_index.reset();
   std::vector<std::uint8_t> changed = rebuild_graph(graph, complex, control);
   for (CVertexId v = 0; v < std::min(surfels.point.size(), changed.size()); ++v) {
-    if (!(surfels.point[v] == scaled(complex.positions[v], complex.spacing))) changed[v] = 1;
+    if (!(surfels.point[v] == to_metric(complex.positions[v], complex.spacing))) changed[v] = 1;
   }
   surfels = {};
   surfels = make_surfels(complex, control);
@@ -78,7 +78,7 @@ std::vector<std::uint8_t> SurfaceData::rebuild() {
   }
   if (adaptive_surface != nullptr && !std::ranges::equal(adaptive_surface->original_positions(), complex.positions)) {
     original_points.reserve(complex.positions.size());
-    for (const Vec3& p : adaptive_surface->original_positions()) original_points.push_back(scaled(p, complex.spacing));
+    for (const Vec3& p : adaptive_surface->original_positions()) original_points.push_back(to_metric(p, complex.spacing));
   }
   check_cancelled();
   if (isosurface != nullptr) face_nodes.emplace(complex, *isosurface);
@@ -447,7 +447,7 @@ std::vector<MetricValues> measure_metrics(const SurfaceData& surface_data, const
   std::vector<ClosestPoint> closest;
   std::vector<Farthest> farthest;
   find_closest(surface_data.measured_surface(), mesh, cells, closest);
-  surface_data.report_going_on();
+  surface_data.report_continuing();
   std::vector<std::size_t> first(n + 1, 0);
   for (CellId c = 0; c < n; ++c) first[c + 1] = first[c] + mesh.c_vertices_of.row(c).size();
   // Only the largest distance of each cell counts: of its c-vertices, its face nodes and its
@@ -467,9 +467,9 @@ std::vector<MetricValues> measure_metrics(const SurfaceData& surface_data, const
   if (surface_data.isosurface != nullptr && !is_proved)
     measure_from_mesh(surface_data.measured_surface(), mesh, covering.partition().cell_of, cells, static_cast<double>(largest),
                       Evidence::samples, farthest, cache);
-  surface_data.report_going_on();
+  surface_data.report_continuing();
   std::vector<MetricValues> values(n);
-  for_each_piece_going_on(n, kCellsPerPiece, surface_data.control, [&](std::size_t begin, std::size_t end) {
+  for_each_piece_reporting(n, kCellsPerPiece, surface_data.control, [&](std::size_t begin, std::size_t end) {
     surface_data.check_cancelled();
     for (std::size_t i = begin; i < end; ++i) {
       const auto c = static_cast<CellId>(i);

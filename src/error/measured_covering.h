@@ -47,8 +47,8 @@ struct SurfaceData {
   /// Whether a vertex may be displaced from the c-vertex, within its grid cell.
   bool is_movable(CVertexId v) const { return adaptive_surface != nullptr ? adaptive_surface->is_movable(v) : !graph.on_boundary[v]; }
   void check_cancelled() const { measured_surface().check_cancelled(); }
-  void report_going_on() const {
-    if (control != nullptr) isoatlas::detail::report_going_on(*control);
+  void report_continuing() const {
+    if (control != nullptr) isoatlas::detail::report_continuing(*control);
   }
   MeasuredSurface measured_surface() const {
     return {surfels, original_points.empty() ? surfels.point : original_points, graph, complex.spacing, isosurface, control};

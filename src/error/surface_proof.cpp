@@ -83,8 +83,8 @@ class ClippedBox {
   }
 
   // Converts to metric coordinates.
-  void to_metric(Vec3 low, Vec3 spacing) {
-    for (std::size_t i = 0; i < count_; ++i) corner_[i] = scaled(low + corner_[i], spacing);
+  void convert_to_metric(Vec3 low, Vec3 spacing) {
+    for (std::size_t i = 0; i < count_; ++i) corner_[i] = to_metric(low + corner_[i], spacing);
   }
   Vec3 centre() const {
     Vec3 sum;
@@ -142,7 +142,7 @@ class GridCellSearch {
       const Box box = boxes_.back();
       boxes_.pop_back();
       if (!clipped_.cut(*field, box)) continue;
-      clipped_.to_metric(low, surface_.spacing);
+      clipped_.convert_to_metric(low, surface_.spacing);
       const Vec3 centre = clipped_.centre();
       if (farthest_from(ring_.closest(centre, 0.5 * bound_).first) <= bound_) continue;
       const auto [triangle, point] = ring_.closest(centre);
@@ -262,7 +262,7 @@ Vec3 GridCellIndex::low(Key cell) const {
 std::vector<Farthest> prove_surface_near(const MeasuredSurface& surface, const GridCellIndex& grid_cell_index, const LevelMesh& mesh,
                                          std::span<const CellId> cell_of, std::span<const CellId> cells, double bound) {
   std::vector<Farthest> out(cells.size());
-  for_each_piece_going_on(cells.size(), kCellsPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
+  for_each_piece_reporting(cells.size(), kCellsPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
     GridCellSearch search(surface, grid_cell_index, mesh, cell_of, bound);
     for (std::size_t i = begin; i < end; ++i) {
       surface.check_cancelled();

@@ -18,7 +18,7 @@ Surfels make_surfels(const SurfaceComplex& complex, const RunControl* control) {
   out.point.resize(n);
   out.normal.resize(n);
   out.area.assign(n, 0);
-  for_each_index(n, kPerPiece, control, [&](std::size_t v) { out.point[v] = scaled(complex.positions[v], complex.spacing); });
+  for_each_index(n, kPerPiece, control, [&](std::size_t v) { out.point[v] = to_metric(complex.positions[v], complex.spacing); });
   CancelPoll poll(control);
   for (const Face& face : complex.faces) {
     poll.step();

@@ -255,7 +255,7 @@ void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, st
   }
   if (cache != nullptr) cache->resize(mesh.triangles.size());
   std::vector<TriangleError> errors(triangles.size());
-  for_each_piece_going_on(triangles.size(), kTrianglesPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
+  for_each_piece_reporting(triangles.size(), kTrianglesPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
     surface.check_cancelled();
     PatchSearch search(*surface.isosurface, exact_above, evidence);
     for (std::size_t i = begin; i < end; ++i) {

@@ -115,7 +115,7 @@ std::vector<std::uint32_t> IntersectionTracker::test(std::span<const std::uint32
     corners.insert(corners.end(), triangles_[a].begin(), triangles_[a].end());
     corners.insert(corners.end(), triangles_[b].begin(), triangles_[b].end());
   }
-  sort_once(corners);
+  sort_unique_ids(corners);
   return corners;
 }
 
@@ -133,7 +133,7 @@ std::vector<std::uint32_t> IntersectionTracker::largest_corners(std::span<const 
       out.insert(out.end(), corner.begin(), corner.end());
     }
   }
-  sort_once(out);
+  sort_unique_ids(out);
   return out;
 }
 

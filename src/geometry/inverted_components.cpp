@@ -13,7 +13,7 @@ std::vector<std::uint8_t> inverted_components(std::span<const Vec3> positions, s
   for (std::size_t v = 0; v < outward.size(); ++v) direction[v] = normalized(outward[v]);
   for (const Triangle& t : triangles) {
     const Vec3 a = positions[t[0]];
-    const Vec3 area = cross(scaled(positions[t[1]] - a, spacing), scaled(positions[t[2]] - a, spacing));
+    const Vec3 area = cross(to_metric(positions[t[1]] - a, spacing), to_metric(positions[t[2]] - a, spacing));
     double& total = facing[component_of[t[0]]];
     if (min_cosine != 0) total -= 3 * min_cosine * length(area);
     for (const std::uint32_t v : t) total += dot(area, direction[v]);

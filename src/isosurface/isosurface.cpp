@@ -26,7 +26,7 @@ constexpr double kSlideDone = 1e-3;  // sine of the angle between the surface's 
 TriangleBvh make_bvh(const SurfaceComplex& complex, const RunControl& control) {
   std::vector<Vec3> positions;
   positions.reserve(complex.positions.size());
-  for (const Vec3& p : complex.positions) positions.push_back(scaled(p, complex.spacing));
+  for (const Vec3& p : complex.positions) positions.push_back(to_metric(p, complex.spacing));
   std::vector<Triangle> triangles;
   triangles.reserve(2 * complex.faces.size());
   for (const Face& f : complex.faces) {

@@ -131,7 +131,7 @@ class CoarseMesher::Dual : public GrowingDual {
 
   Covering& covering() override { return mesher_.state_->covering; }
   void update() override {
-    report_going_on(control_);
+    report_continuing(control_);
     mesher_.state_->dual.update(certificate_, control_);
     mesher_.update_mesh();
     control_.check_cancelled();
@@ -205,7 +205,7 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
   std::vector<Vec3> start;
   std::vector<MoveBounds> bounds;
   for (const CVertexId v : at) {
-    start.push_back(scaled(surface.positions[v], s));
+    start.push_back(to_metric(surface.positions[v], s));
     bounds.push_back(surface_.is_movable(v) ? move_bounds_of(surface.positions[v], s) : MoveBounds{start.back(), start.back()});
   }
   control.check_cancelled();
@@ -325,13 +325,13 @@ bool CoarseMesher::refine_single_cells(std::span<const CellId> cells, const RunC
     if (to_subdivide.empty()) return false;
     surface_.subdivide(to_subdivide);
   }
-  report_going_on(control);
+  report_continuing(control);
   if (is_coarser()) {
     split_regions(surface_.complex(), to_split, to_subdivide.empty() ? std::span<const CVertexId>() : surface_.touched(), coarser_,
                   control);
     were_regions_split_ = true;
   }
-  report_going_on(control);
+  report_continuing(control);
   state_->adapt_to(control);
   state_->covering.cover(control);
   return true;

@@ -128,7 +128,7 @@ void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<co
   component_of.reserve(sites.size());
   for (const CVertexId v : sites) component_of.push_back(reference.of_c_vertex[v]);
   check_mesh(topology, reference, component_of);
-  report_going_on(control);
+  report_continuing(control);
   report.topology = summarize(topology.components);
   report.vertices = mesh.positions.size();
   report.triangles = mesh.triangles.size();
@@ -154,7 +154,7 @@ void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<co
         quiet.check_cancelled();
         report.turned_components = count_misplaced(mesh, component_of, surface, !options.allow_self_intersections);
       });
-  report_going_on(control);
+  report_continuing(control);
 }
 
 }  // namespace isoatlas::detail

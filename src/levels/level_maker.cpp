@@ -183,7 +183,7 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
   TriangleMesh mesh = mesh_of(refined);
   for (const auto& [cell, excess] : refined.at_limit) report.at_limit.push_back({to_output_space(mesh.positions[cell]), excess});
   const MeshTopology topology = mesh_topology(mesh, control);
-  report_going_on(control);
+  report_continuing(control);
   if (measured) fill_measurement(std::move(*measured), report);
   finish_level(mesh, topology, partition.site, source_.surface, refiner_.obstacles(), goal, source_.grid, options_, report, control_);
 

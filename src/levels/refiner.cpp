@@ -221,7 +221,7 @@ void Refiner::subdivide_surface(std::span<const CVertexId> wanted, const RunCont
     positions[v] = base_position(surface_.complex(), placement, c);
     reverted.push_back(c < previous_site_count_ ? positions[v] : surface_.complex().positions[v]);
   }
-  report_going_on(control);
+  report_continuing(control);
   std::vector<CVertexId> conflicting_moves = surface_.find_conflicting_moves(displaced, reverted, positions, displaced);
   std::sort(conflicting_moves.begin(), conflicting_moves.end());
   for (std::size_t i = 0; i < displaced.size(); ++i)
@@ -231,7 +231,7 @@ void Refiner::subdivide_surface(std::span<const CVertexId> wanted, const RunCont
   std::vector<CVertexId> fixed;  // anchors of vertices of earlier levels
   for (CellId c = 0; c < previous_site_count_; ++c) fixed.push_back(placement.anchor[c]);
   surface_.subdivide(wanted, fixed);
-  report_going_on(control);
+  report_continuing(control);
   const std::vector<Vec3> before = measured_->base_points();
   measured_->adapt_to(surface_data_->rebuild(), before, control);
 }
@@ -558,7 +558,7 @@ void Refiner::finish(const Task& task, const LevelGoal& requested, IntersectionT
   out.figures.distance_at_most = is_provable(task) && measured_->is_proved() ? measured_->distance_bound() : std::nullopt;
   measured_->fix_anchors(partition().cell_count());
   out.triangles = to_triangles(triangles);
-  report_going_on(control);
+  report_continuing(control);
   describe(task, requested, out);
 }
 

@@ -54,8 +54,8 @@ void MeshEditor::set_position(CVertexId v, Vec3 position) {
 }
 
 void MeshEditor::measure(std::span<const CellId> affected) {
-  sort_once(edit_.triangles);
-  sort_once(edit_.vertices);
+  sort_unique_ids(edit_.triangles);
+  sort_unique_ids(edit_.vertices);
   measured_.remesh(triangles_, edit_, affected);
   control_.check_cancelled();
   if (!placement().normal_offset.empty()) append(edit_.vertices, affected);  // balancing may have moved them
@@ -75,7 +75,7 @@ std::vector<CellId> MeshEditor::k_ring(std::span<const CellId> cells, int k) con
       poll.step();
       for (const std::uint32_t t : mesh().triangles_of.row(c)) append(more, mesh().triangles[t]);
     }
-    sort_once(more);
+    sort_unique_ids(more);
     out = std::move(more);
   }
   return out;
@@ -88,7 +88,7 @@ std::vector<CellId> MeshEditor::intersecting_corners() {
     changed_since_test_.clear();
     return tracker_->update(measured_.positions(), to_triangles(triangles_), control_);
   }
-  sort_once(moved_);
+  sort_unique_ids(moved_);
   std::vector<Vec3> at;
   CancelPoll poll(control_);
   for (const CellId c : moved_) {
@@ -97,7 +97,7 @@ std::vector<CellId> MeshEditor::intersecting_corners() {
     append(changed_since_test_, mesh().triangles_of.row(c));
   }
   control_.check_cancelled();
-  sort_once(changed_since_test_);
+  sort_unique_ids(changed_since_test_);
   std::vector<Triangle> corners;
   for (const std::uint32_t t : changed_since_test_) corners.push_back(triangles_[t].cell);
   std::vector<CellId> out = tracker_->update(moved_, at, changed_since_test_, corners, control_);
@@ -107,7 +107,7 @@ std::vector<CellId> MeshEditor::intersecting_corners() {
 }
 
 std::vector<std::uint32_t> MeshEditor::take_changed_triangles() {
-  sort_once(changed_);
+  sort_unique_ids(changed_);
   return std::exchange(changed_, {});
 }
 

@@ -471,8 +471,8 @@ class Relaxation {
 MoveBounds move_bounds_of(Vec3 position, Vec3 spacing) {
   const auto low = [](double x) { return x == std::floor(x) ? x : std::min(x, std::floor(x) + kWallMargin); };
   const auto high = [](double x) { return x == std::floor(x) ? x : std::max(x, std::floor(x) + 1 - kWallMargin); };
-  return {scaled({low(position.x), low(position.y), low(position.z)}, spacing),
-          scaled({high(position.x), high(position.y), high(position.z)}, spacing)};
+  return {to_metric({low(position.x), low(position.y), low(position.z)}, spacing),
+          to_metric({high(position.x), high(position.y), high(position.z)}, spacing)};
 }
 
 std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles, const SlackRows<std::uint32_t>& triangles_of,

@@ -62,7 +62,7 @@ class ShapeOptimizer {
 
   void run(Purpose purpose, std::span<const CellId> cells, ShapeReport& report) {
     for (int k = 0; k < kPasses; ++k) {
-      report_going_on(control_);
+      report_continuing(control_);
       const std::size_t kept_before = report.flips + report.moves;
       const std::size_t tried = pass(purpose, cells, report);
       const std::size_t kept = report.flips + report.moves - kept_before;
@@ -78,7 +78,7 @@ class ShapeOptimizer {
     std::vector<Vec3> points = from;
     const std::vector<CellId> moved = relax_points(points);
     if (moved.empty()) return false;
-    report_going_on(control_);
+    report_continuing(control_);
     std::vector<Vec3> old_displacement;
     for (const CellId c : moved) {
       old_displacement.push_back(displacement_of(c));
@@ -93,7 +93,7 @@ class ShapeOptimizer {
     mesh_.measure(affected);
     const int max_rounds = avoids_intersections_ ? kMaxReverts + 1 : kMaxReverts;
     for (int round = 0; round < max_rounds; ++round) {
-      report_going_on(control_);
+      report_continuing(control_);
       std::vector<CellId> worse = mesh_.intersecting_corners();
       std::ranges::copy_if(affected, std::back_inserter(worse), [&](CellId c) { return is_worse(mesh_.excess(c), before[c].excess); });
       if (worse.empty()) break;
@@ -359,7 +359,7 @@ class ChangeReverter {
     const std::vector<CellError> before = mesh_.measured().errors();
     bool any = false;
     for (int round = 0; !cells.empty(); ++round) {
-      report_going_on(control_);
+      report_continuing(control_);
       const std::vector<CellId> at_flips = revert_flips(cells);
       std::vector<CellId> changed = at_flips;
       for (const CellId c : cells) {
@@ -417,7 +417,7 @@ class ChangeReverter {
         return true;
       });
     }
-    sort_once(changed);
+    sort_unique_ids(changed);
     for (const CellId c : changed) mesh_.fix(c, 1);
     return changed;
   }

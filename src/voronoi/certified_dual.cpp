@@ -211,7 +211,7 @@ void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateRepor
   const bool check_all = scope.empty();
   bool has_triangles = !std::exchange(nothing_checked_, false);
   for (;;) {
-    report_going_on(control);
+    report_continuing(control);
     PartitionCheck found = check(scope, control);
     ++report.repair_rounds;
     touched_.resize(partition.cell_count(), 1);

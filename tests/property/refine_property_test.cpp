@@ -199,11 +199,11 @@ RC_GTEST_PROP(AnyLevels, AreNowhereFartherThanReported, (const RandomCase& any))
   std::vector<Vec3> points = grid_edge_crossings(samples, c.isovalue(), c.inside());
   const SurfaceComplex surface = parsed(c, volume, options);
   points.insert(points.end(), surface.positions.begin(), surface.positions.end());
-  for (Vec3& p : points) p = scaled(p, c.spacing);
+  for (Vec3& p : points) p = to_metric(p, c.spacing);
   const double voxel = std::min({c.spacing.x, c.spacing.y, c.spacing.z});
   for (std::size_t l = 0; l < e.report.levels.size(); ++l) {
     TriangleMesh mesh = e.hierarchy.mesh(l);
-    for (Vec3& p : mesh.positions) p = scaled(p, c.spacing);
+    for (Vec3& p : mesh.positions) p = to_metric(p, c.spacing);
     const TriangleBvh tree(mesh.positions, mesh.triangles);
     const double said = (*e.report.levels[l].metrics)[static_cast<std::size_t>(Quantity::max_distance)].maximum;
     for (const Vec3& p : points) RC_ASSERT(std::sqrt(tree.closest(p).squared_distance) <= said * (1 + 1e-6) + 1e-5 * voxel);

@@ -43,7 +43,7 @@ void expect_proper_graph(const SurfaceComplex& surface, const std::string& what)
     for (std::size_t i = 0; i < row.size(); ++i) {
       const bool is_diagonal = graph.is_diagonal[graph.first[v] + i] != 0;
       ASSERT_TRUE((is_diagonal ? diagonals : sides).insert(row[i].id).second) << what << ": neighbour twice";
-      const double d = length(scaled(surface.positions[v] - surface.positions[row[i].id], surface.spacing));
+      const double d = length(to_metric(surface.positions[v] - surface.positions[row[i].id], surface.spacing));
       ASSERT_NEAR(row[i].weight, d, 1e-6 * (1 + d)) << what;
       ASSERT_GT(row[i].weight, 0) << what;
       const bool last = i + 1 == row.size();

@@ -34,7 +34,7 @@ TEST(Metrics, APlaneIsPerfect) {
   for (const auto& [normal, spacing] : {Plane{{0, 0, 1}, {1, 1, 1}}, Plane{{0.48, 0.36, 0.8}, {1, 1, 1}}, Plane{{1, 0, 0}, {1, 2, 0.5}},
                                         Plane{{0.48, 0.36, 0.8}, {1, 2, 1.5}}, Plane{{-0.6, 0.64, 0.48}, {3, 1, 1}}}) {
     const Vec3 n = normal;
-    const Vec3 middle = scaled({11.5, 11.5, 11.5}, spacing);
+    const Vec3 middle = to_metric({11.5, 11.5, 11.5}, spacing);
     const double offset = dot(n, middle) + 0.13;
     const TestLevel level(exact_surface({24, 24, 24},
                                         scaled_distance(spacing,
@@ -220,7 +220,7 @@ TEST(Surfels, AreasSumToTheTotal) {
     for (const float a : surfels.area) sum += a;
     EXPECT_NEAR(sum, 6 * 4 * spacing.x * spacing.y, 1e-5);
     for (const Vec3 n : surfels.normal) EXPECT_NEAR(n.z, 1, 1e-12);
-    EXPECT_EQ(surfels.point[8], scaled(grid.positions[8], spacing));
+    EXPECT_EQ(surfels.point[8], to_metric(grid.positions[8], spacing));
   }
 }
 

@@ -183,7 +183,7 @@ TEST(SurfaceProof, HoldsAtAllPointsAndFailsOnlyNearTheBound) {
             const Vec3 middle = 0.5 * (a + b);
             ((field.at(middle).value >= 0) == (field.at(a).value >= 0) ? a : b) = middle;
           }
-          const Vec3 p = scaled(a, complex.spacing);
+          const Vec3 p = to_metric(a, complex.spacing);
           double squared = INFINITY;
           for (const Triangle& t : mesh.triangles)
             squared = std::min(squared, closest_on_triangle(p, mesh.point[t[0]], mesh.point[t[1]], mesh.point[t[2]]).squared_distance);

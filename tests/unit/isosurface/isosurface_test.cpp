@@ -28,11 +28,11 @@ Vec3 random_in(Random& random, Vec3 low, Vec3 high) {
 TEST(Isosurface, PlaneIsExactInAnyMetric) {
   for (const Vec3 spacing : {Vec3{1, 1, 1}, Vec3{1, 2.5, 1.25}, Vec3{0.01, 0.03, 0.02}}) {
     const Vec3 n = normalized({0.3, -0.5, 0.8});  // metric
-    const double offset = dot(n, scaled({9, 10, 11}, spacing));
+    const double offset = dot(n, to_metric({9, 10, 11}, spacing));
     const Volume volume = exact_volume(
         {20, 21, 22},
         [&](double x, double y, double z) {
-          return offset - dot(n, scaled({x, y, z}, spacing));
+          return offset - dot(n, to_metric({x, y, z}, spacing));
         },
         spacing);
     const Isosurface surface = isosurface_of(volume);
@@ -41,15 +41,15 @@ TEST(Isosurface, PlaneIsExactInAnyMetric) {
     for (int k = 0; k < 300; ++k) {
       // Points whose closest point of the plane is well inside the volume.
       const Vec3 p = random_in(random, {8, 9, 10}, {10, 11, 12});
-      const double d = dot(n, scaled(p, spacing)) - offset;
+      const double d = dot(n, to_metric(p, spacing)) - offset;
       const Isosurface::Hit hit = surface.closest(p);
       EXPECT_NEAR(hit.distance, std::abs(d), 1e-6 * std::abs(d) + 1e-9 * voxel);
-      EXPECT_LT(length(scaled(p - hit.point, spacing) - d * n), 2e-3 * std::abs(d) + 1e-9 * voxel);
+      EXPECT_LT(length(to_metric(p - hit.point, spacing) - d * n), 2e-3 * std::abs(d) + 1e-9 * voxel);
       EXPECT_LT(length(surface.normal(hit.point) - n), 1e-9);
       EXPECT_NEAR(surface.closest_on_faces(p).distance, std::abs(d), 4e-3 * voxel);  // nodes keep a distance from the samples
       const auto on = surface.onto_surface(hit.point + 0.1 * Vec3{1, 1, 1});
       ASSERT_TRUE(on);
-      EXPECT_NEAR(dot(n, scaled(*on, spacing)), offset, 1e-6 * voxel);
+      EXPECT_NEAR(dot(n, to_metric(*on, spacing)), offset, 1e-6 * voxel);
     }
   }
 }
@@ -209,7 +209,7 @@ TEST(Isosurface, WorksForAnyField) {
         if (k % 5 == 0) p = complex.positions[random.bits() % complex.positions.size()];
         const Isosurface::Hit hit = surface.closest(p), face = surface.closest_on_faces(p);
         ASSERT_TRUE(hit.found());
-        EXPECT_NEAR(length(scaled(p - hit.point, complex.spacing)), hit.distance, 1e-9);
+        EXPECT_NEAR(length(to_metric(p - hit.point, complex.spacing)), hit.distance, 1e-9);
         EXPECT_LE(hit.distance, face.distance + 1) << test::name(static_cast<test::Family>(family)) << " " << k;
         EXPECT_GE(std::min({hit.point.x, hit.point.y, hit.point.z}), 0);
         EXPECT_LE(hit.point.x, 8);
