@@ -62,7 +62,7 @@ AdaptiveSurface::AdaptiveSurface(SurfaceComplex complex, Components components, 
 // around them are fans or pieces and the adjacent grid cells contain cones or are checked.
 void AdaptiveSurface::update_checked_cells() {
   const std::uint32_t n = complex_.c_vertex_count();
-  const std::vector<Fineness> now = fineness();
+  const std::vector<Fineness> current = fineness();
   std::vector<std::uint8_t> is_in_checked_cell(n, 0);  // inside a multi-sheet grid cell, which will be checked
   std::vector<std::uint8_t> in_two_curves(n, 0);
   fixed_.assign(n, 0);
@@ -72,7 +72,7 @@ void AdaptiveSurface::update_checked_cells() {
     const int whole = integer_coordinates(complex_.positions[v]);
     in_two_curves[v] = whole == 1 && has_two_curves(field_, complex_.positions[v]);
     const bool parsed_on_border = v < parsed_count_ && whole == 1 && !in_two_curves[v];
-    fixed_[v] = whole > 0 && now[v] == Fineness::faces && !parsed_on_border;
+    fixed_[v] = whole > 0 && current[v] == Fineness::faces && !parsed_on_border;
     is_in_checked_cell[v] = whole == 0 && multi_sheet_cells_.contains(v);
   });
   control_.check_cancelled();
@@ -110,7 +110,7 @@ void AdaptiveSurface::update_checked_cells() {
   std::vector<GridCell> unsplit;
   for (const CVertexId v : inside) {
     poll.step();
-    if (now[v] != Fineness::faces) continue;
+    if (current[v] != Fineness::faces) continue;
     const GridCell cell = grid_cell_of(complex_.positions[v]);
     if (std::binary_search(cells.begin(), cells.end(), cell)) unsplit.push_back(cell);
   }
@@ -224,30 +224,30 @@ void AdaptiveSurface::subdivide(std::span<const CVertexId> wanted, std::span<con
   }
   control_.check_cancelled();
   sort_unique(cells);
-  std::vector<Fineness> now = old_fineness;
-  for (;; now = fineness()) {
+  std::vector<Fineness> current = old_fineness;
+  for (;; current = fineness()) {
     std::vector<CVertexId> not_in_pieces;
     for (CVertexId v = 0; v < complex_.c_vertex_count() && !cells.empty(); ++v) {
       const Vec3 p = complex_.positions[v];
-      if (now[v] == Fineness::pieces || integer_coordinates(p) > 0) continue;
+      if (current[v] == Fineness::pieces || integer_coordinates(p) > 0) continue;
       if (std::binary_search(cells.begin(), cells.end(), grid_cell_of(p))) not_in_pieces.push_back(v);
     }
     control_.check_cancelled();
     if (not_in_pieces.empty()) break;
     report_continuing(control_);
-    subdivide_once(with_multi_sheet_cells(not_in_pieces), now);
+    subdivide_once(with_multi_sheet_cells(not_in_pieces), current);
   }
   std::vector<CVertexId> left;
-  std::copy_if(wanted.begin(), wanted.end(), std::back_inserter(left), [&](CVertexId v) { return now[v] == old_fineness[v]; });
-  subdivide_once(with_multi_sheet_cells(left), now);
+  std::copy_if(wanted.begin(), wanted.end(), std::back_inserter(left), [&](CVertexId v) { return current[v] == old_fineness[v]; });
+  subdivide_once(with_multi_sheet_cells(left), current);
   report_continuing(control_);
   update_checked_cells();
 }
 
 void AdaptiveSurface::subdivide_once(std::span<const CVertexId> wanted, const std::vector<Fineness>& old_fineness) {
   const CVertexId before = complex_.c_vertex_count();
-  int depth_after = 0;
-  for (const CVertexId v : wanted) depth_after = std::max(depth_after, depth_[v] + 1);
+  int new_depth = 0;
+  for (const CVertexId v : wanted) new_depth = std::max(new_depth, depth_[v] + 1);
   const Subdivision subdivision = subdivide_in_place(complex_, wanted, old_fineness, {field_, multi_sheet_cells_.flags(), &control_});
   report_continuing(control_);
   touched_.insert(touched_.end(), subdivision.touched.begin(), subdivision.touched.end());
@@ -255,14 +255,14 @@ void AdaptiveSurface::subdivide_once(std::span<const CVertexId> wanted, const st
   std::vector<std::uint8_t> depth;
   for (const CVertexId from : subdivision.origin) {
     component.push_back(components_.of_c_vertex[from]);
-    depth.push_back(static_cast<std::uint8_t>(std::min(depth_after, depth_[from] + 1)));
+    depth.push_back(static_cast<std::uint8_t>(std::min(new_depth, depth_[from] + 1)));
   }
   append(components_.of_c_vertex, component.begin(), component.end());
   append(depth_, depth.begin(), depth.end());
   append(original_positions_, complex_.positions.begin() + before, complex_.positions.end());
   subdivision_count_ += wanted.size();
   added_count_ += subdivision.origin.size();
-  if (!subdivision.origin.empty()) max_depth_ = std::max(max_depth_, depth_after);
+  if (!subdivision.origin.empty()) max_depth_ = std::max(max_depth_, new_depth);
   if (std::any_of(wanted.begin(), wanted.end(), [&](CVertexId v) { return old_fineness[v] == Fineness::pieces; }))
     flatten_intersecting_pieces(subdivision, before);
 }

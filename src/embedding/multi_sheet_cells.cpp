@@ -67,8 +67,8 @@ MultiSheetCells::MultiSheetCells(const SurfaceComplex& complex, const Interpolat
   flags_.assign(n, 0);
   for (const CVertexId v : c_vertices_) flags_[v] = 1;
   const SurfaceInGrid in{field, flags_, &control};
-  const std::vector<Fineness> now = fineness(complex, in);
-  ComplexPart part(complex, c_vertices_, now, flags_, &control);
+  const std::vector<Fineness> current = fineness(complex, in);
+  ComplexPart part(complex, c_vertices_, current, flags_, &control);
   std::erase_if(part.wanted, [&](CVertexId v) { return part.fineness[v] != Fineness::faces; });
   const Subdivision divided = part.subdivided(in);
   const auto number = [&](CVertexId v) { return v < part.c_vertex.size() ? part.c_vertex[v] : kNone; };
@@ -91,7 +91,7 @@ MultiSheetCells::MultiSheetCells(const SurfaceComplex& complex, const Interpolat
   for (CVertexId v = 0; v < part.c_vertex.size(); ++v) number_in_part[part.c_vertex[v]] = v;
   auto piece = pieces.begin();
   first_piece_.push_back(0);
-  first_point_.push_back(0);
+  first_wall_position_.push_back(0);
   for (std::uint32_t cell = 0; cell + 1 < first_.size(); ++cell) {
     poll.step();
     std::uint32_t corners = 0;
@@ -106,13 +106,13 @@ MultiSheetCells::MultiSheetCells(const SurfaceComplex& complex, const Interpolat
         const CVertexId v = piece->second[k];
         if (cell_of_index[v] != cell) {
           add(v);
-          points_.push_back(divided.complex.positions[v]);
+          wall_positions_.push_back(divided.complex.positions[v]);
         }
         t[k] = index_in_cell[v];
       }
     }
     first_piece_.push_back(static_cast<std::uint32_t>(pieces_.size()));
-    first_point_.push_back(static_cast<std::uint32_t>(points_.size()));
+    first_wall_position_.push_back(static_cast<std::uint32_t>(wall_positions_.size()));
   }
 }
 
@@ -120,12 +120,12 @@ MultiSheetCells::MultiSheetCells(const SurfaceComplex& complex, const Interpolat
 class MultiSheetCells::Surfels {
  public:
   Surfels(const MultiSheetCells& in, std::uint32_t cell) : corners(in.c_vertices(cell).size()), triangles(in.pieces(cell)) {
-    corners.insert(corners.end(), in.points(cell).begin(), in.points(cell).end());
+    corners.insert(corners.end(), in.wall_positions(cell).begin(), in.wall_positions(cell).end());
   }
 
-  /// Number of intersecting pairs of triangles, at most `enough`.
-  std::size_t count_intersecting_pairs(std::size_t enough) const {
-    return isoatlas::detail::count_intersecting_pairs(corners, triangles, enough);
+  /// Number of intersecting pairs of triangles, at most `max_count`.
+  std::size_t count_intersecting_pairs(std::size_t max_count) const {
+    return isoatlas::detail::count_intersecting_pairs(corners, triangles, max_count);
   }
   bool intersect() const { return count_intersecting_pairs(1) > 0; }
 
@@ -202,7 +202,7 @@ std::vector<Vec3> MultiSheetCells::centres(std::uint32_t cell) const {
       if (std::find(t.begin(), t.end(), own) == t.end()) continue;
       for (const std::uint32_t at : t) {
         if (at < n) continue;
-        sum = sum + points(cell)[at - n];
+        sum = sum + wall_positions(cell)[at - n];
         ++count;
       }
     }

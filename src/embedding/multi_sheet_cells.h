@@ -46,22 +46,22 @@ class MultiSheetCells {
   std::span<const Triangle> pieces(std::uint32_t cell) const {
     return {pieces_.data() + first_piece_[cell], pieces_.data() + first_piece_[cell + 1]};
   }
-  std::span<const Vec3> points(std::uint32_t cell) const {
-    return {points_.data() + first_point_[cell], points_.data() + first_point_[cell + 1]};
+  std::span<const Vec3> wall_positions(std::uint32_t cell) const {
+    return {wall_positions_.data() + first_wall_position_[cell], wall_positions_.data() + first_wall_position_[cell + 1]};
   }
   class Surfels;
   bool search_positions(std::uint32_t cell, std::span<Vec3> positions, const RunControl& control) const;
   bool surfels_intersect(std::uint32_t cell, std::span<const Vec3> positions) const;
   std::vector<Vec3> centres(std::uint32_t cell) const;
 
-  std::vector<std::uint8_t> flags_;          // per c-vertex
-  std::vector<std::uint32_t> grid_cell_of_;  // per c-vertex, its multi-sheet grid cell or kNone
-  std::vector<CVertexId> c_vertices_;        // cell by cell
-  std::vector<std::uint32_t> first_;         // per cell, in c_vertices_
-  std::vector<std::uint32_t> first_piece_;   // per cell, in pieces_
-  std::vector<Triangle> pieces_;             // corners: first the c-vertices of the grid cell, then its points, counted from 0
-  std::vector<std::uint32_t> first_point_;   // per cell, in points_
-  std::vector<Vec3> points_;                 // nodes and the points between them; a point on a wall is stored for both grid cells
+  std::vector<std::uint8_t> flags_;                 // per c-vertex
+  std::vector<std::uint32_t> grid_cell_of_;         // per c-vertex, its multi-sheet grid cell or kNone
+  std::vector<CVertexId> c_vertices_;               // cell by cell
+  std::vector<std::uint32_t> first_;                // per cell, in c_vertices_
+  std::vector<std::uint32_t> first_piece_;          // per cell, in pieces_
+  std::vector<Triangle> pieces_;                    // corners: first the c-vertices of the grid cell, then its points, counted from 0
+  std::vector<std::uint32_t> first_wall_position_;  // per cell, in wall_positions_
+  std::vector<Vec3> wall_positions_;                // nodes and the points between them; a point on a wall is stored for both grid cells
 };
 
 }  // namespace isoatlas::detail

@@ -130,24 +130,25 @@ Fineness fineness_of(const SurfaceComplex& complex, const SurfaceInGrid& in, con
 
 class Subdivider {
  public:
-  Subdivider(const SurfaceComplex& complex, std::span<const CVertexId> wanted, std::span<const Fineness> now, const SurfaceInGrid& in)
-      : complex_(complex), in_(in), field_(in.field), poll_(in.control), wanted_(complex.c_vertex_count(), Want::nothing) {
+  Subdivider(const SurfaceComplex& complex, std::span<const CVertexId> wanted, std::span<const Fineness> current, const SurfaceInGrid& in)
+      : complex_(complex), in_(in), field_(in.field), poll_(in.control), targets_(complex.c_vertex_count(), Target::nothing) {
     for (const CVertexId v : wanted) {
-      wanted_[v] = now[v] == Fineness::faces ? Want::fans : now[v] == Fineness::fans ? Want::pieces : Want::smaller_pieces;
+      targets_[v] = current[v] == Fineness::faces ? Target::fans : current[v] == Fineness::fans ? Target::pieces : Target::smaller_pieces;
     }
     // For a node, the sides opposite to it are the ones that cross walls.
-    std::vector<std::pair<CVertexId, Want>> opposite;
+    std::vector<std::pair<CVertexId, Target>> opposite;
     for (const Face& face : complex.faces) {
       poll_.step();
       if (!face.is_triangle()) continue;
       const auto& c = face.corner;
       for (std::size_t k = 0; k < 3; ++k) {
         const CVertexId a = c[(k + 1) % 3];
-        const Want want = std::min(wanted_[c[k]], Want::pieces);
-        if (want > wanted_[a] && now[a] != Fineness::pieces && crosses_wall(complex, a, c[(k + 2) % 3])) opposite.emplace_back(a, want);
+        const Target target = std::min(targets_[c[k]], Target::pieces);
+        if (target > targets_[a] && current[a] != Fineness::pieces && crosses_wall(complex, a, c[(k + 2) % 3]))
+          opposite.emplace_back(a, target);
       }
     }
-    for (const auto& [v, want] : opposite) wanted_[v] = std::max(wanted_[v], want);
+    for (const auto& [v, target] : opposite) targets_[v] = std::max(targets_[v], target);
   }
 
   Subdivision run() {
@@ -170,7 +171,7 @@ class Subdivider {
   }
 
  private:
-  enum class Want : std::uint8_t { nothing, fans, pieces, smaller_pieces };
+  enum class Target : std::uint8_t { nothing, fans, pieces, smaller_pieces };
 
   struct SplitSide {
     CVertexId a, b;
@@ -180,7 +181,7 @@ class Subdivider {
 
   bool is_split(const Face& face) const {
     bool any = false;
-    for (int k = 0; k < face.size(); ++k) any = any || wanted_[face.corner[k]] != Want::nothing;
+    for (int k = 0; k < face.size(); ++k) any = any || targets_[face.corner[k]] != Target::nothing;
     if (!any) return false;
     if (!face.is_triangle()) return true;
     for (int k = 0; k < face.size(); ++k) {
@@ -189,11 +190,11 @@ class Subdivider {
     return false;
   }
   bool is_marked(CVertexId a, CVertexId b) const {
-    const Want most = std::max(wanted_[a], wanted_[b]);
-    if (most == Want::nothing) return false;
-    if (crosses_wall(complex_, a, b)) return most >= Want::pieces || needs_point_on_wall(complex_, in_, a, b);
+    const Target largest = std::max(targets_[a], targets_[b]);
+    if (largest == Target::nothing) return false;
+    if (crosses_wall(complex_, a, b)) return largest >= Target::pieces || needs_point_on_wall(complex_, in_, a, b);
     // Triangles that are not in one grid cell yet are split at walls first.
-    return most == Want::smaller_pieces &&
+    return largest == Target::smaller_pieces &&
            squared_distance(complex_.positions[a], complex_.positions[b], {1, 1, 1}) > kShortestSplitSide * kShortestSplitSide;
   }
 
@@ -257,12 +258,12 @@ class Subdivider {
   Vec3 node_of(const Face& face) const {
     if (face.is_triangle()) {
       Vec3 best;
-      int most = -1;
+      int largest = -1;
       for (const CVertexId v : {face.corner[0], face.corner[1], face.corner[2]}) {
         const Point p = as_array(complex_.positions[v]);
         const int whole = is_integer(p[0]) + is_integer(p[1]) + is_integer(p[2]);
-        if (whole > most) {
-          most = whole;
+        if (whole > largest) {
+          largest = whole;
           best = complex_.positions[v];
         }
       }
@@ -524,7 +525,7 @@ class Subdivider {
   const SurfaceInGrid& in_;
   const InterpolatedField& field_;
   CancelPoll poll_;
-  std::vector<Want> wanted_;                            // per c-vertex
+  std::vector<Target> targets_;                         // per c-vertex
   std::vector<SplitSide> sides_;                        // sorted by their ends; the i-th has the i-th new c-vertex
   std::vector<std::array<CVertexId, 3>> border_nodes_;  // ends of a border side and the node between them
   Subdivision out_;
@@ -564,12 +565,12 @@ std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGri
   return out;
 }
 
-Subdivision subdivide(const SurfaceComplex& complex, std::span<const CVertexId> wanted, std::span<const Fineness> now,
+Subdivision subdivide(const SurfaceComplex& complex, std::span<const CVertexId> wanted, std::span<const Fineness> current,
                       const SurfaceInGrid& in) {
-  return Subdivider(complex, wanted, now, in).run();
+  return Subdivider(complex, wanted, current, in).run();
 }
 
-ComplexPart::ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId> around, std::span<const Fineness> now,
+ComplexPart::ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId> around, std::span<const Fineness> current,
                          std::span<const std::uint8_t> is_multi_sheet, const RunControl* control) {
   CancelPoll poll(control);
   enum : std::uint8_t { kWanted = 1, kNear = 2, kIn = 4 };
@@ -605,7 +606,7 @@ ComplexPart::ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId>
     c_vertex.push_back(v);
     complex.positions.push_back(whole.positions[v]);
     complex.on_boundary.push_back(whole.on_boundary[v]);
-    fineness.push_back(now[v]);
+    fineness.push_back(current[v]);
     multi_sheet.push_back(v < is_multi_sheet.size() ? is_multi_sheet[v] : 0);
   }
   for (const CVertexId v : around) wanted.push_back(number[v]);
@@ -621,10 +622,10 @@ ComplexPart::ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId>
   }
 }
 
-Subdivision subdivide_in_place(SurfaceComplex& whole, std::span<const CVertexId> wanted, std::span<const Fineness> now,
+Subdivision subdivide_in_place(SurfaceComplex& whole, std::span<const CVertexId> wanted, std::span<const Fineness> current,
                                const SurfaceInGrid& in) {
   if (wanted.empty()) return {};
-  const ComplexPart part(whole, wanted, now, in.multi_sheet, in.control);
+  const ComplexPart part(whole, wanted, current, in.multi_sheet, in.control);
   Subdivision out = part.subdivided(in);
   const SurfaceComplex& subdivided_part = out.complex;
   const CVertexId before = whole.c_vertex_count(), own = part.complex.c_vertex_count();

@@ -77,9 +77,9 @@ std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGri
 /// grid cell or wall.
 ///
 /// @param wanted    c-vertices, in any order
-/// @param fineness  per c-vertex, its current fineness
+/// @param current   per c-vertex, its current fineness
 /// @cost  O(F), plus the split faces times the logarithm of their number
-Subdivision subdivide(const SurfaceComplex& complex, std::span<const CVertexId> wanted, std::span<const Fineness> now,
+Subdivision subdivide(const SurfaceComplex& complex, std::span<const CVertexId> wanted, std::span<const Fineness> current,
                       const SurfaceInGrid& in);
 inline Subdivision subdivide(const SurfaceComplex& complex, std::span<const CVertexId> wanted, const SurfaceInGrid& in) {
   return subdivide(complex, wanted, fineness(complex, in), in);
@@ -97,7 +97,7 @@ struct ComplexPart {
   std::vector<std::uint8_t> multi_sheet;  ///< per c-vertex of the part
 
   /// @cost  O(F) with a small constant
-  ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId> around, std::span<const Fineness> now,
+  ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId> around, std::span<const Fineness> current,
               std::span<const std::uint8_t> is_multi_sheet, const RunControl* control = nullptr);
   /// subdivide() of the part. The same result as for the whole complex, except for ids.
   Subdivision subdivided(const SurfaceInGrid& in) const {
@@ -109,7 +109,7 @@ struct ComplexPart {
 /// c-vertices are appended.
 /// @return with ids of the whole complex, and with an empty complex
 /// @cost  O(F) with a small constant, plus what is subdivided
-Subdivision subdivide_in_place(SurfaceComplex& whole, std::span<const CVertexId> wanted, std::span<const Fineness> now,
+Subdivision subdivide_in_place(SurfaceComplex& whole, std::span<const CVertexId> wanted, std::span<const Fineness> current,
                                const SurfaceInGrid& in);
 
 /// Whether the samples at the corners of a wall have alternating signs, so that two curves cross it.

@@ -109,27 +109,27 @@ std::vector<Triangle> triangles_in_slot_order(const TriangleBvh& bvh) {
 struct RefinedFaces {
   RefinedFaces(const Isosurface& surface, const RunControl& control) {
     const TriangleBvh& faces = surface.faces();
-    const std::size_t c_vertices = faces.positions().size();
-    positions.assign(faces.positions().begin(), faces.positions().end());
-    positions.resize(c_vertices + faces.triangle_count());
+    const std::size_t c_vertices = faces.points().size();
+    points.assign(faces.points().begin(), faces.points().end());
+    points.resize(c_vertices + faces.triangle_count());
     triangles.resize(2 * faces.triangle_count());
-    checked_id(positions.size(), "samples' triangles");
+    checked_id(points.size(), "samples' triangles");
     for_each_piece(faces.triangle_count(), kGrain, [&](std::size_t begin, std::size_t end) {
       control.check_cancelled();
       for (std::size_t s = begin; s < end; ++s) {
         const auto [a, b, c] = faces.corners_in(static_cast<std::uint32_t>(s));
-        const Vec3 middle = 0.5 * (positions[a] + positions[b]);
+        const Vec3 middle = 0.5 * (points[a] + points[b]);
         const auto moved = surface.onto_surface(to_index(middle, surface.spacing()));
         const auto m = static_cast<std::uint32_t>(c_vertices + s);
-        positions[m] = moved ? to_metric(*moved, surface.spacing()) : middle;
+        points[m] = moved ? to_metric(*moved, surface.spacing()) : middle;
         // Where the field vanishes nearby, the point can end up anywhere.
-        if (squared_length(positions[m] - middle) > 0.25 * squared_length(positions[b] - positions[a])) positions[m] = middle;
+        if (squared_length(points[m] - middle) > 0.25 * squared_length(points[b] - points[a])) points[m] = middle;
         triangles[2 * s] = {a, m, c};
         triangles[2 * s + 1] = {m, b, c};
       }
     });
   }
-  std::vector<Vec3> positions;  // metric
+  std::vector<Vec3> points;  // metric
   std::vector<Triangle> triangles;
 };
 
@@ -182,7 +182,7 @@ void measure_mesh_to_surface(const TriangleMesh& mesh, const TriangleBvh& bvh, c
                              Measurement& out, DistantSamples& distant, const RunControl& control) {
   const Vec3 spacing = surface.spacing();
   const std::vector<Triangle> triangles = triangles_in_slot_order(bvh);
-  const AreaSamples area_samples(bvh.positions(), triangles, samples);
+  const AreaSamples area_samples(bvh.points(), triangles, samples);
   control.check_cancelled();
   const SpecialPoints special(mesh);
   const auto point = [&](std::size_t i) { return i < samples ? to_index(area_samples.point(i), spacing) : special.point(i - samples); };
@@ -195,7 +195,7 @@ void measure_mesh_to_surface(const TriangleMesh& mesh, const TriangleBvh& bvh, c
       distance[i] = hit.distance;
       if (i >= inside_triangles) continue;
       const auto [a, b, c] = mesh.triangles[i < samples ? bvh.triangle_in(area_samples.triangle(i)) : i - samples];
-      const Vec3 p = bvh.positions()[a], face_normal = normalized(cross(bvh.positions()[b] - p, bvh.positions()[c] - p));
+      const Vec3 p = bvh.points()[a], face_normal = normalized(cross(bvh.points()[b] - p, bvh.points()[c] - p));
       const Vec3 normal = surface.normal(hit.point);
       if (!(face_normal == Vec3{}) && !(normal == Vec3{})) angle[i] = angle_between(face_normal, normal);
     }
@@ -220,10 +220,10 @@ void measure_mesh_to_surface(const TriangleMesh& mesh, const TriangleBvh& bvh, c
 void measure_surface_to_mesh(const TriangleMesh& mesh, const TriangleBvh& bvh, const Isosurface& surface, std::size_t samples,
                              Measurement& out, DistantSamples& distant, const RunControl& control) {
   const Vec3 spacing = surface.spacing();
-  const std::span<const Vec3> c_vertices = surface.faces().positions();
+  const std::span<const Vec3> c_vertices = surface.faces().points();
   const RefinedFaces refined(surface, control);
   control.check_cancelled();
-  const AreaSamples area_samples(refined.positions, refined.triangles, samples);
+  const AreaSamples area_samples(refined.points, refined.triangles, samples);
   const auto point = [&](std::size_t i) {
     const Vec3 index = to_index(i < samples ? area_samples.point(i) : c_vertices[i - samples], spacing);
     return surface.onto_surface(index).value_or(index);

@@ -141,7 +141,7 @@ MeasuredCovering::MeasuredCovering(const MeasuredCovering& other)
       sampled_errors_(other.sampled_errors_),
       proved_errors_(other.proved_errors_),
       errors_(other.errors_),
-      depends_on_own_only_(other.depends_on_own_only_),
+      depends_on_own_data_only_(other.depends_on_own_data_only_),
       moved_(other.moved_),
       all_moved_(other.all_moved_),
       stale_(other.stale_),
@@ -222,13 +222,13 @@ std::vector<CellId> MeasuredCovering::cells_to_measure(std::span<const std::uint
   } else {
     stale_.resize(partition().cell_count(), 0);
     for (CellId c = 0; c < stale_.size(); ++c) stale_[c] |= static_cast<std::uint8_t>(dual_.touched()[c] | changed_cells[c]);
-    const auto depends_on_own_only = [&](CellId c) {
-      return c < depends_on_own_only_.size() && depends_on_own_only_[c] && errors_[c].excess <= 1;
+    const auto depends_on_own_data_only = [&](CellId c) {
+      return c < depends_on_own_data_only_.size() && depends_on_own_data_only_[c] && errors_[c].excess <= 1;
     };
     for (CellId near = 0; near < changed_cells.size(); ++near) {
       if (!changed_cells[near]) continue;
       for (const std::uint32_t t : mesh_.triangles_of.row(near)) {
-        for (const CellId c : mesh_.triangles[t]) stale_[c] |= static_cast<std::uint8_t>(!depends_on_own_only(c));
+        for (const CellId c : mesh_.triangles[t]) stale_[c] |= static_cast<std::uint8_t>(!depends_on_own_data_only(c));
       }
     }
     for (CellId c = 0; c < stale_.size(); ++c) {
@@ -311,13 +311,13 @@ void MeasuredCovering::measure(std::vector<CellId> cells, Thoroughness thoroughn
   const MeasuredSurface surface = surface_data_.measured_surface();
   errors_.resize(partition().cell_count());
   proved_.resize(partition().cell_count(), 0);
-  depends_on_own_only_.resize(partition().cell_count(), 0);
+  depends_on_own_data_only_.resize(partition().cell_count(), 0);
   for (const CellId c : cells) proved_[c] = 0;
   if (placement_mode_ == Placement::balanced) balance(surface, cells, mesh_, vertex_placement_);
   const std::optional<double> bound = distance_bound();
-  const bool uses_own_only = placement_mode_ == Placement::surface && std::ranges::all_of(bounds_, [](const Constraint& c) {
-                               return c.quantity == Quantity::max_distance || c.quantity == Quantity::max_edge;
-                             });
+  const bool uses_own_data_only = placement_mode_ == Placement::surface && std::ranges::all_of(bounds_, [](const Constraint& c) {
+                                    return c.quantity == Quantity::max_distance || c.quantity == Quantity::max_edge;
+                                  });
   const bool need_closest = std::any_of(bounds_.begin(), bounds_.end(), [](const Constraint& c) {
     return c.quantity != Quantity::max_distance && needs_closest(c.quantity);
   });
@@ -350,7 +350,7 @@ void MeasuredCovering::measure(std::vector<CellId> cells, Thoroughness thoroughn
         if (closest[k].distance > own_farthest.distance) own_farthest = {closest[k].distance, cell.c_vertices[k]};
       }
       error.worst = own_farthest.at;
-      depends_on_own_only_[c] = uses_own_only && (farthest.empty() || farthest[i].is_from_own);
+      depends_on_own_data_only_[c] = uses_own_data_only && (farthest.empty() || farthest[i].is_from_own);
     }
   });
 

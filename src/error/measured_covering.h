@@ -177,8 +177,8 @@ class MeasuredCovering {
   std::shared_ptr<TriangleErrorCache> sampled_errors_ = std::make_shared<TriangleErrorCache>(),
                                       proved_errors_ = std::make_shared<TriangleErrorCache>();
   std::vector<CellError> errors_;
-  std::vector<std::uint8_t> depends_on_own_only_;  // per cell, 1 if its error depends only on its own c-vertices and triangles
-  std::vector<CellId> moved_;                      // cells whose vertices may have moved since mesh_ was updated
+  std::vector<std::uint8_t> depends_on_own_data_only_;  // per cell, 1 if its error depends only on its own c-vertices and triangles
+  std::vector<CellId> moved_;                           // cells whose vertices may have moved since mesh_ was updated
   bool all_moved_ = true;
   std::vector<std::uint8_t> stale_;  // per cell, 1 if the next update() has to measure it in any case
   bool all_stale_ = true;

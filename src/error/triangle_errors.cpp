@@ -23,7 +23,7 @@ constexpr double kFarVoxels = 2;           // in voxels; beyond this distance th
 constexpr std::size_t kMaxGridCells = 27;  // that a patch may intersect
 constexpr double kRounding = 1e-6;         // of coordinates on the border, in grid cells
 constexpr int kMaxPieces = 64;             // of a patch's side, for the first subdivision
-constexpr int kMaxPiecesAgain = 4;         // once the patch was tested
+constexpr int kMaxPiecesAfterTest = 4;     // once the patch was tested
 
 // A metric triangle a, a + u, a + v; no point of it is farther than `radius` from its centroid.
 struct Patch {
@@ -79,7 +79,7 @@ class PatchSearch {
     if (needs_proof && !is_far) {
       const double ratio = proof_ratio(patch, largest);
       if (ratio <= 1) return 1;
-      if (std::isfinite(ratio) && patch.radius > kSmallRadius * voxel_) return pieces_of(ratio, kMaxPiecesAgain);
+      if (std::isfinite(ratio) && patch.radius > kSmallRadius * voxel_) return pieces_of(ratio, kMaxPiecesAfterTest);
     } else if (!is_far) {
       const double rough = isosurface_.distance_upper_bound(index, cursor_);
       if (rough <= largest) {
@@ -95,7 +95,7 @@ class PatchSearch {
     }
     if (!needs_proof || d > exact_above_ || d + patch.radius <= exact_above_) return 1;
     if (patch.radius > kMinRadius * voxel_)
-      return pieces_of(patch.radius / std::max(exact_above_ - d, kMinRadius * voxel_), kMaxPiecesAgain);
+      return pieces_of(patch.radius / std::max(exact_above_ - d, kMinRadius * voxel_), kMaxPiecesAfterTest);
     farthest_ = d + patch.radius;  // an upper bound, since the exact value is not known
     return 1;
   }

@@ -123,7 +123,7 @@ std::vector<TrianglePair> CloseTriangles::all_pairs(std::span<const Vec3> positi
       std::array<Box, TriangleBvh::kLeafSize> own;
       for (std::uint32_t slot = begin; slot < end; ++slot) {
         own[slot - begin] = boxes[slot].larger_by(reach);
-        for (const std::uint32_t v : bvh.corners_in(slot)) all.include(bvh.positions()[v]);
+        for (const std::uint32_t v : bvh.corners_in(slot)) all.include(bvh.points()[v]);
       }
       all = all.larger_by(scaled_reach);
       leaves.clear();

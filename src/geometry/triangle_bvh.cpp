@@ -81,8 +81,8 @@ double axis(Vec3 p, int a) { return a == 0 ? p.x : a == 1 ? p.y : p.z; }
 
 }  // namespace
 
-TriangleBvh::TriangleBvh(std::vector<Vec3> positions, std::span<const Triangle> triangles, const RunControl& control)
-    : positions_(std::move(positions)) {
+TriangleBvh::TriangleBvh(std::vector<Vec3> points, std::span<const Triangle> triangles, const RunControl& control)
+    : points_(std::move(points)) {
   checked_id(triangles.size(), "triangles");
   sort_triangles(triangles, control);
   make_boxes(control);
@@ -94,7 +94,7 @@ void TriangleBvh::sort_triangles(std::span<const Triangle> triangles, const RunC
     control.check_cancelled();
     for (std::size_t t = begin; t < end; ++t) {
       const auto [a, b, c] = triangles[t];
-      const Vec3 sum = positions_[a] + positions_[b] + positions_[c];
+      const Vec3 sum = points_[a] + points_[b] + points_[c];
       items[t] = {{static_cast<float>(sum.x), static_cast<float>(sum.y), static_cast<float>(sum.z)}, static_cast<std::uint32_t>(t)};
     }
   });
@@ -120,7 +120,7 @@ void TriangleBvh::make_boxes(const RunControl& control) {
   nodes_.resize(total);
 
   double largest = 0;
-  for (const Vec3& p : positions_) largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  for (const Vec3& p : points_) largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
   const double widen = kWiden * largest;
 
   struct Interval {
@@ -132,7 +132,7 @@ void TriangleBvh::make_boxes(const RunControl& control) {
     const auto include = [&](double low, double high) { out = {std::min(out.low, low), std::max(out.high, high)}; };
     if (level == 0) {
       for (std::size_t s = kLeafSize * box; s < std::min(slots_.size(), kLeafSize * (box + 1)); ++s) {
-        for (const std::uint32_t v : slots_[s].corners) include(axis(positions_[v], a), axis(positions_[v], a));
+        for (const std::uint32_t v : slots_[s].corners) include(axis(points_[v], a), axis(points_[v], a));
       }
       return Interval{out.low - widen, out.high + widen};
     }
@@ -189,8 +189,7 @@ TriangleBvh::Hit TriangleBvh::closest(Vec3 p, double max_distance) const {
       const std::size_t end = std::min(slots_.size(), kLeafSize * (std::size_t{at.index} + 1));
       for (std::size_t s = kLeafSize * std::size_t{at.index}; s < end; ++s) {
         const Slot& slot = slots_[s];
-        const TrianglePoint found =
-            closest_on_triangle(p, positions_[slot.corners[0]], positions_[slot.corners[1]], positions_[slot.corners[2]]);
+        const TrianglePoint found = closest_on_triangle(p, points_[slot.corners[0]], points_[slot.corners[1]], points_[slot.corners[2]]);
         if (found.squared_distance < best.squared_distance ||
             (found.squared_distance == best.squared_distance && slot.triangle < best.triangle)) {
           static_cast<TrianglePoint&>(best) = found;

@@ -21,7 +21,7 @@ namespace isoatlas::detail {
 /// a row share a larger one, and so on; sets are split across their longest side. So the hierarchy
 /// consists of arrays and index arithmetic. Immutable; any number of threads may query it.
 ///
-/// Bytes: 24 per position, 16 per triangle, 7 per triangle for the boxes.
+/// Bytes: 24 per point, 16 per triangle, 7 per triangle for the boxes.
 class TriangleBvh {
  public:
   struct Hit : TrianglePoint {
@@ -29,11 +29,11 @@ class TriangleBvh {
     bool found() const { return triangle != kNone; }
   };
 
-  /// @param positions  of the vertices, in a metric in which distances are lengths; |x| <= 1e18
-  /// @param triangles  corners < positions.size(); may be degenerate
+  /// @param points     of the vertices, in a metric in which distances are lengths; |x| <= 1e18
+  /// @param triangles  corners < points.size(); may be degenerate
   /// @cost  O(T log T)
   /// @post  the same hierarchy for any number of threads
-  TriangleBvh(std::vector<Vec3> positions, std::span<const Triangle> triangles, const RunControl& control = {});
+  TriangleBvh(std::vector<Vec3> points, std::span<const Triangle> triangles, const RunControl& control = {});
 
   /// The closest point of all triangles, if it is no farther than `max_distance`. Of triangles at
   /// equal distance the smallest id. O(log T) for points near the triangles; a tight `max_distance`
@@ -46,7 +46,7 @@ class TriangleBvh {
   /// leaves appended) for a box of the size of a leaf's.
   void leaves_near(Vec3 low, Vec3 high, std::uint32_t first, std::vector<std::uint32_t>& out) const;
 
-  std::span<const Vec3> positions() const { return positions_; }
+  std::span<const Vec3> points() const { return points_; }
 
   // The triangles in the order of the hierarchy, in which neighbours are close together. `slot` <
   // triangle_count().
@@ -76,7 +76,7 @@ class TriangleBvh {
   void sort_triangles(std::span<const Triangle> triangles, const RunControl& control);
   void make_boxes(const RunControl& control);
 
-  std::vector<Vec3> positions_;
+  std::vector<Vec3> points_;
   std::vector<Slot> slots_;
   std::vector<Node> nodes_;    // lowest level first; child k of node i is node 8 i + k of the level below, or that leaf
   std::vector<Level> levels_;  // lowest level first

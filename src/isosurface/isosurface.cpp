@@ -24,9 +24,9 @@ constexpr int kSlides = 12;
 constexpr double kSlideDone = 1e-3;  // sine of the angle between the surface's normal and the direction to p
 
 TriangleBvh make_bvh(const SurfaceComplex& complex, const RunControl& control) {
-  std::vector<Vec3> positions;
-  positions.reserve(complex.positions.size());
-  for (const Vec3& p : complex.positions) positions.push_back(to_metric(p, complex.spacing));
+  std::vector<Vec3> points;
+  points.reserve(complex.positions.size());
+  for (const Vec3& p : complex.positions) points.push_back(to_metric(p, complex.spacing));
   std::vector<Triangle> triangles;
   triangles.reserve(2 * complex.faces.size());
   for (const Face& f : complex.faces) {
@@ -35,11 +35,11 @@ TriangleBvh make_bvh(const SurfaceComplex& complex, const RunControl& control) {
       triangles.push_back({c[0], c[1], c[2]});
       continue;
     }
-    const bool first = squared_length(positions[c[0]] - positions[c[2]]) <= squared_length(positions[c[1]] - positions[c[3]]);
+    const bool first = squared_length(points[c[0]] - points[c[2]]) <= squared_length(points[c[1]] - points[c[3]]);
     triangles.push_back(first ? Triangle{c[2], c[0], c[1]} : Triangle{c[1], c[3], c[0]});
     triangles.push_back(first ? Triangle{c[0], c[2], c[3]} : Triangle{c[3], c[1], c[2]});
   }
-  return {std::move(positions), triangles, control};
+  return {std::move(points), triangles, control};
 }
 
 }  // namespace

@@ -139,7 +139,7 @@ CertifiedDual::CertifiedDual(const CertifiedDual& other, Covering& covering)
       covering_(covering),
       adjacency_(other.adjacency_),
       changed_c_vertices_(other.changed_c_vertices_),
-      site_points_(other.site_points_),
+      site_positions_(other.site_positions_),
       triangles_(other.triangles_),
       touched_(other.touched_),
       nothing_checked_(other.nothing_checked_),
@@ -184,7 +184,7 @@ std::vector<CellId> CertifiedDual::cells_near_changes(const RunControl& control)
 }
 
 void CertifiedDual::remove_cells(std::uint32_t count) {
-  site_points_.resize(std::min<std::size_t>(site_points_.size(), count));
+  site_positions_.resize(std::min<std::size_t>(site_positions_.size(), count));
   touched_.resize(std::min<std::size_t>(touched_.size(), count));
 }
 
@@ -194,9 +194,9 @@ void CertifiedDual::adapt_to(std::span<const std::uint8_t> changed) {
     if (changed[v]) changed_c_vertices_.push_back(v);
   }
   const std::vector<CVertexId>& site = covering_.partition().site;
-  for (CellId c = 0; c < site_points_.size(); ++c) {
+  for (CellId c = 0; c < site_positions_.size(); ++c) {
     const Vec3 p = complex_.positions[site[c]];
-    if (std::exchange(site_points_[c], p) == p) continue;
+    if (std::exchange(site_positions_[c], p) == p) continue;
     // Three other cells that are adjacent to this one at a quad may no longer be: the quad's
     // diagonal depends on the site. So all cells around it are checked.
     covering_.members().for_each(c, [&](CVertexId v) { changed_c_vertices_.push_back(v); });
@@ -272,7 +272,7 @@ void CertifiedDual::update(CertificateReport& report, const RunControl& control)
   }
   covering_.clear_changes();
   const std::vector<CVertexId>& site = covering_.partition().site;
-  for (auto c = static_cast<CellId>(site_points_.size()); c < site.size(); ++c) site_points_.push_back(complex_.positions[site[c]]);
+  for (auto c = static_cast<CellId>(site_positions_.size()); c < site.size(); ++c) site_positions_.push_back(complex_.positions[site[c]]);
   assert(matches_complete_check());
 }
 

@@ -60,7 +60,7 @@ class CertifiedDual {
   Covering& covering_;
   std::shared_ptr<const ComplexAdjacency> adjacency_;  // made by the first local check
   std::vector<CVertexId> changed_c_vertices_;          // c-vertices whose faces have changed since they were checked
-  std::vector<Vec3> site_points_;  // per site, its position when quads with four cells were split along the shorter diagonal
+  std::vector<Vec3> site_positions_;  // per site, its position when quads with four cells were split along the shorter diagonal
   ScopedCheck scoped_;
   DualTriangles triangles_;
   std::vector<std::uint8_t> touched_;

@@ -170,7 +170,7 @@ TEST(TriangleBvh, EverySlotOnceAndNeighboursClose) {
     ++seen[bvh.triangle_in(s)];
     EXPECT_EQ(bvh.corners_in(s), soup.triangles[bvh.triangle_in(s)]);
     if (s == 0) continue;
-    along += length(bvh.positions()[bvh.corners_in(s)[0]] - bvh.positions()[bvh.corners_in(s - 1)[0]]);
+    along += length(bvh.points()[bvh.corners_in(s)[0]] - bvh.points()[bvh.corners_in(s - 1)[0]]);
     as_listed += length(soup.positions[soup.triangles[s][0]] - soup.positions[soup.triangles[s - 1][0]]);
   }
   EXPECT_EQ(seen, std::vector<int>(soup.triangles.size(), 1));
