@@ -28,9 +28,9 @@ std::string python_name(std::string name) {
 
 /// What goes wrong is said of an option by the name that Python has for it.
 template <class Work>
-auto of_option(const std::string& name, Work work) {
+auto of_option(const std::string& name, Work measured) {
   try {
-    return work();
+    return measured();
   } catch (const Error& error) {
     throw Error(error.code(), python_name(name) + ": " + error.what());
   }
@@ -120,7 +120,7 @@ std::shared_ptr<Levels> extract_levels(const ArrayVolume& volume, const ExtractW
 
   ExtractOptions options = made.context.options;
   options.space = volume.axes.space_in_library(space);
-  const auto work = [view, options](const RunControl& control) {
+  const auto measured = [view, options](const RunControl& control) {
     require_memory_for_supersampling(view, options, 0, control);
     const std::string digest = sample_digest(view);
     return std::pair(extract(view, options, control), digest);
@@ -128,7 +128,7 @@ std::shared_ptr<Levels> extract_levels(const ArrayVolume& volume, const ExtractW
   Extraction extraction;
   try {
     std::tie(extraction, made.context.volume.sample_digest) =
-        make_interruptibly(work, {.progress = progress, .threads = settings.threads, .keep_alive = volume.array});
+        make_interruptibly(measured, {.progress = progress, .threads = settings.threads, .keep_alive = volume.array});
   } catch (const Error& error) {
     throw error_of_file(error_of_samples(error, volume, settings.options.surface.non_finite), volume.path);
   }
@@ -202,9 +202,9 @@ std::string save_levels(const std::shared_ptr<Levels>& levels, const std::string
   if (report) others.push_back({*report, "report"});
   meshes.check(levels->hierarchy.levels.size(), levels->made ? levels->made->context.volume.path : std::string(), others);
   const auto files_of_run = std::make_shared<OutputFiles>();
-  const auto meeting = std::make_shared<std::string>();
+  const auto tracker = std::make_shared<std::string>();
   run_interruptibly(
-      [levels, report, meshes, files_of_run, meeting](const RunControl& control) {
+      [levels, report, meshes, files_of_run, tracker](const RunControl& control) {
         OutputFiles& outputs = *files_of_run;
         const auto started = std::chrono::steady_clock::now();
         HierarchyFileInfo info = levels->info;
@@ -217,7 +217,7 @@ std::string save_levels(const std::shared_ptr<Levels>& levels, const std::string
         }
         const bool looks = levels->made && !levels->made->context.options.allow_self_intersections;
         const std::vector<ReportFile> files = meshes.write(levels->hierarchy, info, outputs, looks ? &control : nullptr);
-        *meeting = warning_of(files);
+        *tracker = warning_of(files);
         if (report) {
           ReportContext context = levels->made->context;
           context.files = files;
@@ -229,7 +229,7 @@ std::string save_levels(const std::shared_ptr<Levels>& levels, const std::string
         outputs.commit();
       },
       {.discard = [files_of_run] { files_of_run->discard(); }});
-  return *meeting;
+  return *tracker;
 }
 
 }  // namespace isoatlas::detail::python

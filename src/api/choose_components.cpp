@@ -27,7 +27,7 @@ std::vector<RankedComponent> describe(const SurfaceComplex& complex, const Compo
     const ComponentId c = components.of_c_vertex[v];
     if (out[c].c_vertices++ == 0) first.positions[c] = complex.positions[v];
   }
-  bring_out(first, grid, options);
+  to_output_space(first, grid, options);
   for (std::size_t c = 0; c < n; ++c) out[c].position = first.positions[c];
   return out;
 }
@@ -37,7 +37,8 @@ std::vector<RankedComponent> describe(const SurfaceComplex& complex, const Compo
 ChosenComponents choose_components(SurfaceComplex& complex, const Components& components, const ComponentSizes& sizes,
                                    const ExtractOptions& options, const Grid& grid) {
   std::vector<RankedComponent> all = describe(complex, components, sizes, options, grid);
-  // Components of one part side by side; equal parts in the order of their first components, which is that of the scan.
+  // Sorts by size and keeps the components of one part together. Parts of equal size are in the
+  // scan order of their first components.
   std::vector<ComponentId> first_of_part(sizes.enclosed.size(), kNone);
   for (ComponentId c = static_cast<ComponentId>(all.size()); c-- > 0;) first_of_part[sizes.part_of[c]] = c;
   std::vector<ComponentId> order(all.size());
@@ -49,18 +50,18 @@ ChosenComponents choose_components(SurfaceComplex& complex, const Components& co
   });
 
   ChosenComponents chosen;
-  std::vector<std::uint8_t> goes(all.size(), 0);
+  std::vector<std::uint8_t> is_dropped(all.size(), 0);
   std::size_t part = 0;
   for (std::size_t i = 0; i < order.size(); ++i) {
     const ComponentId c = order[i];
     part += i > 0 && sizes.part_of[order[i - 1]] != sizes.part_of[c] ? 1 : 0;
     all[c].part = part;
     const bool too_many = options.components.keep_largest > 0 && part >= options.components.keep_largest;
-    goes[c] = too_many || all[c].size < options.components.min_size;
-    (goes[c] ? chosen.dropped : chosen.kept).push_back(all[c]);
+    is_dropped[c] = too_many || all[c].size < options.components.min_size;
+    (is_dropped[c] ? chosen.dropped : chosen.kept).push_back(all[c]);
   }
-  drop_components(complex, components, goes);
-  chosen.is_dropped = std::move(goes);
+  drop_components(complex, components, is_dropped);
+  chosen.is_dropped = std::move(is_dropped);
   return chosen;
 }
 

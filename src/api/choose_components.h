@@ -12,10 +12,11 @@ namespace isoatlas::detail {
 
 struct ChosenComponents {
   std::vector<RankedComponent> kept, dropped;  ///< largest first
-  std::vector<std::uint8_t> is_dropped;        ///< per component of what was given
+  std::vector<std::uint8_t> is_dropped;        ///< per component of the input
 };
 
-/// Removes the components that the options leave out from `complex`, whose components and their sizes are known.
+/// Removes from `complex` the components that the options exclude.
+/// @param sizes  of `components`, which are those of `complex`
 ChosenComponents choose_components(SurfaceComplex& complex, const Components& components, const ComponentSizes& sizes,
                                    const ExtractOptions& options, const Grid& grid);
 

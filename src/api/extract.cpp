@@ -33,11 +33,12 @@ namespace isoatlas {
 using namespace detail;
 namespace {
 
-// The coarser complex: blocks of four voxels, but well below the largest radius, so that its c-vertices leave the covering a
-// choice; below one and a half voxels blocks gain nothing and the covering works on the full complex.
+// The coarser complex consists of blocks of four voxels, but its blocks stay well below the largest
+// radius so that the covering can choose among its c-vertices. Below one and a half voxels blocks
+// save nothing, and the covering works on the full complex.
 constexpr double kBlockVoxels = 4;
 constexpr double kBlocksPerRadius = 4;
-constexpr double kLeastBlockVoxels = 1.5;
+constexpr double kMinBlockVoxels = 1.5;
 
 class StageClock {
  public:
@@ -83,11 +84,12 @@ void check_options(const ExtractOptions& options) {
   }
 }
 
-// The paper's figure 4 knows no persistence.
+// The paper's figure 4 has no persistence.
 float default_persistence(CoveringStrategy strategy) { return strategy == CoveringStrategy::halving ? 0.0f : 1.5f; }
 
-// Removes the components that the options leave out from the surface and from what is known of it.
-void drop_unwanted_components(SurfaceComplex& whole, Components& components, Nesting& nesting, const VolumeView& volume_in_voxels,
+// Removes the components that the options exclude, from the surface and from what was derived from
+// it.
+void drop_excluded_components(SurfaceComplex& whole, Components& components, Nesting& nesting, const VolumeView& volume_in_voxels,
                               const ParseOptions& parse, const VolumeView& volume, const ExtractOptions& options, ExtractReport& report,
                               const RunControl& control) {
   ComponentSizes sizes;
@@ -120,21 +122,21 @@ std::vector<StageShare> stage_shares(const ExtractOptions& options) {
 
 }  // namespace
 
-Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_options, const RunControl& callers_control) try {
+Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_options, const RunControl& caller_control) try {
   const ExtractOptions options = in_world(any_options, any_volume.grid);
-  const RunControl control = with_whole_progress(callers_control, stage_shares(options));
+  const RunControl control = with_whole_progress(caller_control, stage_shares(options));
   check_volume(any_volume, options.surface.isovalue);
-  const Volume kept = dense_volume(any_volume);
-  const VolumeView& volume = kept.view;
+  const Volume dense = dense_volume(any_volume);
+  const VolumeView& volume = dense.view;
   check_options(options);
-  // Bounds and distances are world lengths; the coarse mesh by itself has none.
+  // Bounds and distances are world lengths; the coarse mesh alone needs none.
   const bool only_coarse = options.refine.empty() && options.measure_samples == 0 && options.coarse.empty();
   if (!only_coarse) require_orthonormal(volume.grid);
   const ThreadLimit threads(control.threads);
   Extraction out;
   ExtractReport& report = out.report;
   StageClock clock(report);
-  // All work is done with the smallest spacing as unit of length, so that no length leaves the range of float.
+  // The unit of length is the smallest spacing, so that no length leaves the range of float.
   const Grid& grid = volume.grid;
   const double voxel = grid.smallest_spacing();
   VolumeView in_voxels = volume;
@@ -155,12 +157,12 @@ Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_optio
 
   control.report("components", 0);
   Components reference = find_components(whole);
-  report_going_on(control);
+  report_continuing(control);
   Nesting nesting = surface_nesting(reference, nodes);
   nodes = {};
   control.check_cancelled();
   if (options.components.min_size > 0 || options.components.keep_largest > 0) {
-    drop_unwanted_components(whole, reference, nesting, in_voxels, parse, volume, options, report, control);
+    drop_excluded_components(whole, reference, nesting, in_voxels, parse, volume, options, report, control);
   }
   report.c_vertices = whole.positions.size();
   report.faces = whole.faces.size();
@@ -168,10 +170,9 @@ Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_optio
   report.tunnels = whole.tunnels;
   report.reference = summarize(reference.topology);
   const std::unique_ptr<const Isosurface> isosurface =
-      only_coarse
-          ? nullptr
-          : std::make_unique<const Isosurface>(in_voxels, parse.rule, whole, options.surface.interpolation, options.supersample, control);
-  report_going_on(control);
+      only_coarse ? nullptr
+                  : std::make_unique<const Isosurface>(in_voxels, parse.rule, whole, options.surface.interpolation, options.supersample, control);
+  report_continuing(control);
   AdaptiveSurface surface(std::move(whole), std::move(reference), std::move(nesting),
                           InterpolatedField(in_voxels, parse.rule, options.surface.interpolation, options.supersample), control);
   clock.finished("components");
@@ -184,10 +185,10 @@ Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_optio
   const double max_radius = options.covering.max_radius ? std::max(1e-4f, voxels(options.covering.max_radius->value)) : longest / 2;
 
   control.report("coarsen", 0);
-  const double cell = 1.0 / options.supersample;  // of the grid that was parsed, voxels
+  const double cell = 1.0 / options.supersample;  // side of a cell of the parsed grid, in voxels
   const double block = std::min(kBlockVoxels * cell, max_radius / kBlocksPerRadius);
   Coarsened coarser;
-  if (block >= kLeastBlockVoxels * cell) {
+  if (block >= kMinBlockVoxels * cell) {
     coarser = coarsen(surface.complex(), block, control);
     report.coarsening = coarser.certificate;
     report.coarser_c_vertices.push_back(coarser.complex.positions.size());
@@ -200,8 +201,7 @@ Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_optio
   cover.event_persistence = options.covering.event_persistence ? voxels(options.covering.event_persistence->value)
                                                                : default_persistence(options.covering.strategy);
   cover.first_stage = static_cast<float>(4 * cell);
-  auto mesher =
-      std::make_unique<CoarseMesher>(surface, coarser, cover, options, WrittenPositions(grid, options.space, options.supersample));
+  auto mesher = std::make_unique<CoarseMesher>(surface, coarser, cover, options, OutputPositions(grid, options.space, options.supersample));
   mesher->cover(control);
   clock.finished("cover");
 
@@ -218,8 +218,8 @@ Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_optio
 
   control.report("check", 0);
   TriangleMesh mesh = level.mesh;
-  const std::vector<ShapeObstacle> in_the_way = obstacles(level.placement, surface, 0);
-  finish_level(mesh, level.topology, level.placement.anchor, surface, in_the_way, options.coarse, grid, options, coarse, control);
+  const std::vector<ShapeObstacle> obstacles_of_level = obstacles(level.placement, surface, 0);
+  finish_level(mesh, level.topology, level.placement.anchor, surface, obstacles_of_level, options.coarse, grid, options, coarse, control);
   clock.finished("check");
 
   Hierarchy& hierarchy = out.hierarchy;
@@ -228,19 +228,19 @@ Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_optio
   hierarchy.levels.push_back({checked_id(hierarchy.positions.size(), "vertices"), std::move(mesh.triangles), {}, {}});
   hierarchy.parent.resize(hierarchy.positions.size());
   std::iota(hierarchy.parent.begin(), hierarchy.parent.end(), 0u);
-  const auto tell_of_divisions = [&] {
-    report.divided_c_vertices = surface.divided();
-    report.added_c_vertices = surface.added();
-    report.deepest_division = surface.deepest();
+  const auto fill_subdivision_report = [&] {
+    report.divided_c_vertices = surface.subdivision_count();
+    report.added_c_vertices = surface.added_count();
+    report.deepest_division = surface.max_depth();
   };
-  tell_of_divisions();
+  fill_subdivision_report();
   if (only_coarse) return out;
 
   control.report("refine", 0);
   LevelMaker maker({grid, surface, *isosurface, coarser, cover, level}, options, control);
   maker.describe_coarse(hierarchy, report.levels.front());
   for (const LevelGoal& goal : options.refine) maker.add_level(goal, hierarchy, report.levels);
-  tell_of_divisions();
+  fill_subdivision_report();
   clock.finished("refine");
   return out;
 } catch (const std::bad_alloc&) {

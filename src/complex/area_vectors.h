@@ -8,8 +8,8 @@
 
 namespace isoatlas::detail {
 
-/// Which way groups of c-vertices face: for each group the sum, over its c-vertices, of the area vectors of the faces there.
-/// Points from inside to outside; in the complex's metric, spacing applied. O(F).
+/// For each group of c-vertices, the sum over its c-vertices of the area vectors of the faces
+/// there. It points from inside to outside; metric. O(F).
 /// @param group_of per c-vertex, < groups
 std::vector<Vec3> area_vectors(const SurfaceComplex& complex, std::span<const std::uint32_t> group_of, std::uint32_t groups);
 

@@ -13,9 +13,9 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kRows = 4096;  // per piece of a parallel loop
+constexpr std::size_t kRowsPerPiece = 4096;  // rows per piece of a parallel loop
 
-struct Corner {  // of a face, at a c-vertex: the neighbours before and after it, and the diagonal between
+struct Corner {  // a face's corner at a c-vertex: the next and previous neighbour and the diagonal between them
   CVertexId next, diagonal, previous;
 };
 
@@ -26,10 +26,10 @@ Corner corner_at(const Face& face, CVertexId v) {
   return {face.corner[(k + 1) % size], size == 4 ? face.corner[(k + 2) % 4] : kNone, face.corner[(k + size - 1) % size]};
 }
 
-// Makes the rows of a complex's graph one by one.
-class RowMaker {
+// Builds the rows of a complex's graph one by one.
+class GraphRowBuilder {
  public:
-  RowMaker(const SurfaceComplex& complex, const RunControl* control)
+  GraphRowBuilder(const SurfaceComplex& complex, const RunControl* control)
       : complex_(complex), adjacency_(complex, control != nullptr ? *control : RunControl()) {}
 
   std::uint32_t size(CVertexId v) const {
@@ -43,23 +43,25 @@ class RowMaker {
     std::vector<std::uint8_t> is_diagonal;
   };
 
-  // Chains the faces' corners at a c-vertex counter-clockwise: each starts where the last one ended.
+  // Chains the faces' corners at a c-vertex counter-clockwise: each starts where the previous one
+  // ends.
   void make(CVertexId v, Row& row) const {
     row.neighbours.clear();
     row.is_diagonal.clear();
     const std::span<const FaceId> faces = adjacency_.faces_of(v);
     const std::size_t count = faces.size();
-    std::array<Corner, kFew> few;
+    std::array<Corner, kMaxLocalCorners> few;
     std::vector<Corner> many;
-    if (count > kFew) many.resize(count);
-    const std::span<Corner> corners = count > kFew ? std::span(many) : std::span(few).first(count);
+    if (count > kMaxLocalCorners) many.resize(count);
+    const std::span<Corner> corners = count > kMaxLocalCorners ? std::span(many) : std::span(few).first(count);
     for (std::size_t k = 0; k < count; ++k) corners[k] = corner_at(complex_.faces[faces[k]], v);
-    if (count > kFew) std::ranges::sort(corners, {}, &Corner::next);
+    if (count > kMaxLocalCorners) std::ranges::sort(corners, {}, &Corner::next);
     const auto starting_at = [&](CVertexId id) {
-      return count > kFew ? std::ranges::lower_bound(corners, id, {}, &Corner::next) : std::ranges::find(corners, id, &Corner::next);
+      return count > kMaxLocalCorners ? std::ranges::lower_bound(corners, id, {}, &Corner::next)
+                                      : std::ranges::find(corners, id, &Corner::next);
     };
     auto at = corners.begin();
-    if (complex_.on_boundary[v]) {  // start with the corner that no other one leads to
+    if (complex_.on_boundary[v]) {  // starts with the corner that no other one leads to
       std::vector<CVertexId> ends;
       for (const Corner& c : corners) ends.push_back(c.previous);
       std::sort(ends.begin(), ends.end());
@@ -82,24 +84,25 @@ class RowMaker {
   }
 
  private:
-  static constexpr std::size_t kFew = 24;
+  static constexpr std::size_t kMaxLocalCorners = 24;
   const SurfaceComplex& complex_;
   ComplexAdjacency adjacency_;
 };
 
-// Gives rows other sizes. Moves the rows that stay the same; the caller writes those that change.
+// Resizes rows and moves those that have not changed; the caller fills in the others.
 template <class Item>
-void move_rows(std::vector<Item>& items, std::span<const std::uint32_t> from, std::span<const std::uint32_t> to,
-               std::span<const std::uint8_t> changed) {
-  const std::size_t known = std::min(from.size(), to.size()) - 1, total = to.back();
+void relocate_rows(std::vector<Item>& items, std::span<const std::uint32_t> from, std::span<const std::uint32_t> to,
+                   std::span<const std::uint8_t> changed) {
+  const std::size_t old_count = std::min(from.size(), to.size()) - 1, total = to.back();
   if (total > items.capacity()) items.reserve(total + total / 8);
   items.resize(std::max<std::size_t>(items.size(), total));
   const auto begin = items.begin();
-  // Rows that move to the left come first: they never overwrite a row that has yet to move to the right.
-  for (std::size_t v = 0; v < known; ++v) {
+  // Rows that move to the left are moved first: they never overwrite a row that still has to move
+  // to the right.
+  for (std::size_t v = 0; v < old_count; ++v) {
     if (!changed[v] && to[v] < from[v]) std::copy(begin + from[v], begin + from[v + 1], begin + to[v]);
   }
-  for (std::size_t v = known; v-- > 0;) {
+  for (std::size_t v = old_count; v-- > 0;) {
     if (!changed[v] && to[v] > from[v]) std::copy_backward(begin + from[v], begin + from[v + 1], begin + to[v + 1]);
   }
   items.resize(total);
@@ -110,38 +113,38 @@ void move_rows(std::vector<Item>& items, std::span<const std::uint32_t> from, st
 CVertexGraph make_graph(const SurfaceComplex& complex, const RunControl* control) {
   CVertexGraph graph;
   graph.first.assign(1, 0);
-  remake_graph(graph, complex, control);
+  rebuild_graph(graph, complex, control);
   return graph;
 }
 
-std::vector<std::uint8_t> remake_graph(CVertexGraph& graph, const SurfaceComplex& complex, const RunControl* control) {
-  const std::uint32_t n = complex.c_vertex_count(), known = std::min(n, graph.c_vertex_count());
+std::vector<std::uint8_t> rebuild_graph(CVertexGraph& graph, const SurfaceComplex& complex, const RunControl* control) {
+  const std::uint32_t n = complex.c_vertex_count(), old_count = std::min(n, graph.c_vertex_count());
   checked_id(8 * complex.faces.size() + complex.boundary.size(), "edges of the graph");
-  const RowMaker rows(complex, control);
+  const GraphRowBuilder rows(complex, control);
   std::vector<std::uint8_t> changed(n, 1);
   std::vector<std::uint32_t> first(n + 1, 0);
-  const auto is_known = [&](CVertexId v, const RowMaker::Row& row) {
+  const auto is_unchanged = [&](CVertexId v, const GraphRowBuilder::Row& row) {
     return graph.on_boundary[v] == complex.on_boundary[v] && std::ranges::equal(graph.row(v), row.neighbours) &&
            std::equal(row.is_diagonal.begin(), row.is_diagonal.end(), graph.is_diagonal.begin() + graph.first[v]);
   };
-  for_each_piece(n, kRows, [&](std::size_t begin, std::size_t end) {
+  for_each_piece(n, kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
     if (control != nullptr) control->check_cancelled();
-    RowMaker::Row row;
+    GraphRowBuilder::Row row;
     for (auto v = static_cast<CVertexId>(begin); v < end; ++v) {
       first[v + 1] = rows.size(v);
-      if (v >= known) continue;
+      if (v >= old_count) continue;
       rows.make(v, row);
-      changed[v] = !is_known(v, row);
+      changed[v] = !is_unchanged(v, row);
     }
   });
   for (CVertexId v = 0; v < n; ++v) first[v + 1] += first[v];
-  move_rows(graph.neighbours, graph.first, first, changed);
-  move_rows(graph.is_diagonal, graph.first, first, changed);
+  relocate_rows(graph.neighbours, graph.first, first, changed);
+  relocate_rows(graph.is_diagonal, graph.first, first, changed);
   graph.first = std::move(first);
   graph.on_boundary = complex.on_boundary;
-  for_each_piece(n, kRows, [&](std::size_t begin, std::size_t end) {
+  for_each_piece(n, kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
     if (control != nullptr) control->check_cancelled();
-    RowMaker::Row row;
+    GraphRowBuilder::Row row;
     for (auto v = static_cast<CVertexId>(begin); v < end; ++v) {
       if (!changed[v]) continue;
       rows.make(v, row);

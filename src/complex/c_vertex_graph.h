@@ -9,11 +9,13 @@
 
 namespace isoatlas::detail {
 
-/// The paper's graph G of a surface complex: two c-vertices are neighbours iff they share a face; weights are Euclidean world
-/// distances. Derived from the faces when wanted, since partitions by blocks never need it.
+/// The paper's graph G of a surface complex: two c-vertices are neighbours iff they share a face;
+/// weights are Euclidean distances. Built from the faces on demand, since partitions by blocks
+/// never need it.
 ///
-/// Row v lists the neighbours of v in cyclic order as the faces run around it: side, (diagonal,) side, (diagonal,) ... For a
-/// boundary c-vertex the row runs from one boundary side to the other; for others it is a cycle, and starts anywhere.
+/// Row v lists the neighbours of v in the cyclic order of the faces around it: side, (diagonal,)
+/// side, (diagonal,) ... For a boundary c-vertex the row runs from one boundary side to the other;
+/// for others it is a cycle and starts anywhere.
 struct CVertexGraph {
   struct Neighbour {
     CVertexId id;
@@ -22,7 +24,7 @@ struct CVertexGraph {
   };
   std::vector<std::uint32_t> first;  ///< row v is [first[v], first[v + 1])
   std::vector<Neighbour> neighbours;
-  std::vector<std::uint8_t> is_diagonal;  ///< parallel to neighbours: across a quad rather than along a side
+  std::vector<std::uint8_t> is_diagonal;  ///< parallel to neighbours: 1 across a quad, 0 along a side
   std::vector<std::uint8_t> on_boundary;  ///< per c-vertex
 
   std::uint32_t c_vertex_count() const { return static_cast<std::uint32_t>(first.size() - 1); }
@@ -32,9 +34,9 @@ struct CVertexGraph {
 /// O(C + sum of valence log valence). 9 bytes per entry: about 6 entries per c-vertex of a triangle complex, 8 of a quad one.
 CVertexGraph make_graph(const SurfaceComplex& complex, const RunControl* control = nullptr);
 
-/// Makes the graph of a complex that has changed. @pre c-vertices kept their numbers
-/// @return per c-vertex, 1 if its row is another one than before, or it was not there
+/// Updates the graph of a complex that has changed. @pre c-vertices kept their ids
+/// @return per c-vertex, 1 if its row has changed or is new
 /// @cost   as make_graph()
-std::vector<std::uint8_t> remake_graph(CVertexGraph& graph, const SurfaceComplex& complex, const RunControl* control = nullptr);
+std::vector<std::uint8_t> rebuild_graph(CVertexGraph& graph, const SurfaceComplex& complex, const RunControl* control = nullptr);
 
 }  // namespace isoatlas::detail

@@ -22,16 +22,17 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kFaces = 8192, kCells = 16384;    // per piece of a parallel loop
-constexpr std::int64_t kPiece = std::int64_t{1} << 36;  // more than twice all c-vertices, sides or faces
+constexpr std::size_t kFacesPerPiece = 8192, kCellsPerPiece = 16384;  // per piece of a parallel loop
+constexpr std::int64_t kPieceWeight = std::int64_t{1} << 36;          // larger than twice the number of all c-vertices, sides or faces
 
-// A count per cell that several threads may add to. Neighbours are mostly in the same cell: what is added to one is put together first.
+// A counter per cell that several threads may add to. Consecutive additions are mostly to the same
+// cell and are combined.
 class CellCounts {
  public:
   explicit CellCounts(std::uint32_t cells) : count_(cells) {}
   std::int64_t operator[](CellId cell) const { return count_[cell].load(std::memory_order_relaxed); }
 
-  class Adder {  // of one thread
+  class Adder {  // used by one thread
    public:
     explicit Adder(CellCounts& to) : to_(to) {}
     ~Adder() { flush(); }
@@ -69,47 +70,49 @@ class CompleteCheck {
         scope_(scope),
         control_(control),
         counts_(cells),
-        pieces_(complex.c_vertex_count()),
+        cell_components_(complex.c_vertex_count()),
         boundary_ends_(cells, 0),
         touches_boundary_(cells, 0),
         first_(cells + 1, 0) {}
 
   PartitionCheck run() {
     check_.triangles =
-        collect_pieces<DualTriangle>(complex_.faces.size(), kFaces, [&](std::size_t begin, std::size_t end, auto& triangles) {
+        collect_pieces<DualTriangle>(complex_.faces.size(), kFacesPerPiece, [&](std::size_t begin, std::size_t end, auto& triangles) {
           control_.check_cancelled();
           CellCounts::Adder counts(counts_);
           for (std::size_t f = begin; f < end; ++f) count_face(complex_.faces[f], counts, triangles);
         });
     checked_id(3 * check_.triangles.size() + complex_.boundary.size(), "ends of arcs");
-    for_each_piece(cell_of_.size(), kCells, [&](std::size_t begin, std::size_t end) {
+    for_each_piece(cell_of_.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
       control_.check_cancelled();
       CellCounts::Adder counts(counts_);
-      for (auto v = static_cast<CVertexId>(begin); v < end; ++v) counts.add(cell_of_[v], pieces_.is_root(v) ? kPiece + 2 : 2);
+      for (auto v = static_cast<CVertexId>(begin); v < end; ++v)
+        counts.add(cell_of_[v], cell_components_.is_root(v) ? kPieceWeight + 2 : 2);
     });
     count_boundary();
     control_.check_cancelled();
-    run_both([&] { judge_all_pairs(); }, [&] { judge_cells(); });
+    run_both([&] { check_all_pairs(); }, [&] { check_cells(); });
     return std::move(check_);
   }
 
  private:
   bool in_scope(CellId c) const { return scope_.empty() || scope_[c] != 0; }
 
-  // Cells: connected through sides and chosen diagonals, and V - E + F = 1. Every side is counted half from each of its faces, boundary
-  // sides get their other half in count_boundary(); so all counts are doubled.
+  // Cells must be connected through sides and chosen diagonals and have V - E + F = 1. Every side
+  // is counted half from each of its faces; boundary sides get their other half in
+  // count_boundary(). So all counts are doubled.
   void count_face(const Face& face, CellCounts::Adder& counts, std::vector<DualTriangle>& triangles) {
     const int size = face.size();
     std::array<CellId, 4> c;
-    bool wanted = scope_.empty(), whole = true;
+    bool wanted = scope_.empty(), is_uniform = true;
     for (int k = 0; k < size; ++k) {
       c[k] = cell_of_[face.corner[k]];
       wanted = wanted || scope_[c[k]] != 0;
-      whole = whole && c[k] == c[0];
+      is_uniform = is_uniform && c[k] == c[0];
     }
     if (!wanted) return;
-    if (whole) {
-      for (int k = 1; k < size; ++k) pieces_.unite(face.corner[k - 1], face.corner[k]);
+    if (is_uniform) {
+      for (int k = 1; k < size; ++k) cell_components_.unite(face.corner[k - 1], face.corner[k]);
       counts.add(c[0], 2 - size);
       return;
     }
@@ -117,12 +120,12 @@ class CompleteCheck {
       const int next = k + 1 == size ? 0 : k + 1;
       if (c[k] != c[next]) continue;
       counts.add(c[k], -1);
-      pieces_.unite(face.corner[k], face.corner[next]);
+      cell_components_.unite(face.corner[k], face.corner[next]);
     }
     const FaceCut cut = cut_face(complex_, face, c, site_);
     if (cut.joined != kNone) {
       counts.add(cut.joined, -2);
-      pieces_.unite(face.corner[cut.joined_corner], face.corner[cut.joined_corner + 2]);
+      cell_components_.unite(face.corner[cut.joined_corner], face.corner[cut.joined_corner + 2]);
     }
     for (int k = 0; k < cut.triangles; ++k) {
       const DualTriangle& t = cut.triangle[k];
@@ -130,7 +133,7 @@ class CompleteCheck {
     }
   }
 
-  // Counts the ends of arcs, too, by the smaller cell.
+  // Also counts the ends of arcs, by the smaller cell.
   void count_boundary() {
     for (const DualTriangle& t : check_.triangles) {
       for (int k = 0; k < 3; ++k) ++first_[std::min(t.cell[k], t.cell[(k + 1) % 3])];
@@ -148,35 +151,35 @@ class CompleteCheck {
     }
   }
 
-  void judge_cells() {
+  void check_cells() {
     std::vector<std::uint8_t> has_triangle(cells_, 0);
     for (const DualTriangle& t : check_.triangles) {
       for (const CellId c : t.cell) has_triangle[c] = 1;
     }
     std::atomic<std::size_t> checked = 0;
-    check_.faulty_cells = collect_pieces<FaultyCell>(cells_, kCells, [&](std::size_t begin, std::size_t end, auto& faulty) {
+    check_.faulty_cells = collect_pieces<FaultyCell>(cells_, kCellsPerPiece, [&](std::size_t begin, std::size_t end, auto& faulty) {
       control_.check_cancelled();
-      std::size_t here = 0;
+      std::size_t checked_here = 0;
       for (auto c = static_cast<CellId>(begin); c < end; ++c) {
         const std::int64_t count = counts_[c];
         if (count == 0 || !in_scope(c)) continue;  // no c-vertices
-        ++here;
+        ++checked_here;
         std::uint8_t fault = 0;
-        if (count != kPiece + 2) {
-          const std::int64_t pieces = (count + kPiece / 2) / kPiece;
-          if (pieces != 1) fault |= kNotConnected;
-          if (count != pieces * kPiece + 2) fault |= kNotADisk;
+        if (count != kPieceWeight + 2) {
+          const std::int64_t components = (count + kPieceWeight / 2) / kPieceWeight;
+          if (components != 1) fault |= kNotConnected;
+          if (count != components * kPieceWeight + 2) fault |= kNotADisk;
         }
         if (!has_triangle[c]) fault |= kNoTriangle;
         if (touches_boundary_[c] && (boundary_ends_[c] != 2 || (!site_.empty() && !complex_.on_boundary[site_[c]]))) fault |= kBadBoundary;
         if (fault != 0) faulty.push_back({c, fault});
       }
-      checked += here;
+      checked += checked_here;
     });
     check_.cells = checked;
   }
 
-  // Into buckets by the smaller cell. Filling moves first_[c] to the end of bucket c.
+  // Groups the ends by the smaller cell. Filling moves first_[c] to the end of the group of c.
   void sort_ends() {
     CancelPoll poll(control_);
     std::uint32_t total = 0;
@@ -195,19 +198,18 @@ class CompleteCheck {
     }
   }
 
-  // Pairs and triples.
-  void judge_all_pairs() {
+  void check_all_pairs() {
     sort_ends();
-    std::vector<PartitionCheck> parts((cells_ + kCells - 1) / kCells);
+    std::vector<PartitionCheck> parts((cells_ + kCellsPerPiece - 1) / kCellsPerPiece);
     for_each_index(parts.size(), 1, &control_, [&](std::size_t i) {
-      const std::size_t last = std::min<std::size_t>(cells_, (i + 1) * kCells);
-      const std::uint32_t start = i == 0 ? 0 : first_[i * kCells - 1];
+      const std::size_t last = std::min<std::size_t>(cells_, (i + 1) * kCellsPerPiece);
+      const std::uint32_t start = i == 0 ? 0 : first_[i * kCellsPerPiece - 1];
       std::uint32_t from = start;
-      for (std::size_t c = i * kCells; c < last; from = first_[c++]) {
+      for (std::size_t c = i * kCellsPerPiece; c < last; from = first_[c++]) {
         if (from != first_[c])
           std::sort(ends_.begin() + from, ends_.begin() + first_[c], [](const ArcEnd& a, const ArcEnd& b) { return a.high < b.high; });
       }
-      judge_pairs(
+      check_pairs(
           std::span(ends_).subspan(start, from - start), [&](CellId a, CellId b) { return in_scope(a) || in_scope(b); }, parts[i]);
     });
     for (const PartitionCheck& part : parts) {
@@ -222,11 +224,11 @@ class CompleteCheck {
   std::span<const CVertexId> site_;
   std::span<const std::uint8_t> scope_;
   const RunControl& control_;
-  CellCounts counts_;                        // per cell, twice V - E + F, plus kPiece times the pieces that it is in
-  DisjointSets pieces_;                      // of cells, whose c-vertices it joins
-  std::vector<std::uint8_t> boundary_ends_;  // per cell, boundary sides that leave it, up to 3 (= too many)
+  CellCounts counts_;                        // per cell, twice V - E + F, plus kPieceWeight times the number of its components
+  DisjointSets cell_components_;             // joins the c-vertices of each component of a cell
+  std::vector<std::uint8_t> boundary_ends_;  // per cell, number of boundary sides that leave it; 3 stands for more
   std::vector<std::uint8_t> touches_boundary_;
-  std::vector<std::uint32_t> first_;  // per cell, where its ends of arcs are
+  std::vector<std::uint32_t> first_;  // per cell, index of its ends of arcs
   std::vector<ArcEnd> ends_;
   PartitionCheck check_;
 };
@@ -243,7 +245,7 @@ std::uint8_t PartitionCheck::fault_of(CellId cell) const {
   return found != faulty_cells.end() && found->cell == cell ? found->fault : 0;
 }
 
-void record(const PartitionCheck& check, CertificateReport& report) {
+void fill_report(const PartitionCheck& check, CertificateReport& report) {
   report.passed = check.passed();
   report.cells_checked = check.cells;
   report.arcs_checked = check.pairs;

@@ -10,15 +10,16 @@
 
 namespace isoatlas::detail {
 
-/// What is wrong with one cell, as bits.
+/// The faults of one cell, as bits.
 enum CellFault : std::uint8_t {
-  kNotConnected = 1,  ///< several pieces, joined by neither sides nor chosen diagonals
+  kNotConnected = 1,  ///< several components, connected by neither sides nor chosen diagonals
   kNotADisk = 2,      ///< V - E + F of the cell is not 1
   kNoTriangle = 4,    ///< no dual triangle has the cell as a corner
-  kBadBoundary = 8,   ///< meets the boundary, but not in one arc, or its site is not on it
+  kBadBoundary = 8,   ///< touches the boundary, but not in one arc, or its site is not on the boundary
 };
 
-/// Two cells that do not meet in one arc with a dual triangle at an end, or whose arc has the same third cell at both ends.
+/// Two adjacent cells that do not share exactly one arc with a dual triangle at one end, or whose
+/// arc has the same third cell at both ends.
 struct PairFault {
   CellId a, b;  ///< a < b
 };
@@ -32,7 +33,7 @@ struct PartitionCheck {
   std::vector<DualTriangle> triangles;   ///< of the dual, in the order of the faces
   std::vector<FaultyCell> faulty_cells;  ///< sorted by cell
   std::vector<PairFault> pair_faults;    ///< sorted
-  std::size_t cells = 0, pairs = 0;      ///< how much was checked
+  std::size_t cells = 0, pairs = 0;      ///< number of cells and pairs that were checked
   bool passed() const { return faulty_cells.empty() && pair_faults.empty(); }
   std::uint8_t fault_of(CellId cell) const;  ///< bits of CellFault; O(log)
 };
@@ -43,11 +44,11 @@ struct ArcEnd {
   CellId third;      ///< the third cell of the dual triangle there; kNone at the boundary
 };
 
-/// Adds to the check how many arcs these are, and the pairs of cells whose arcs are faulty.
-/// @param ends  those of one pair of cells are one after the other
+/// Adds the number of arcs to the check, and the pairs of cells whose arcs are faulty.
+/// @param ends  grouped by pair of cells
 /// @param is_wanted  whether a pair of cells is to be checked
 template <class IsWanted>
-void judge_pairs(std::span<const ArcEnd> ends, IsWanted is_wanted, PartitionCheck& check) {
+void check_pairs(std::span<const ArcEnd> ends, IsWanted is_wanted, PartitionCheck& check) {
   // Every arc must have two ends, at least one of them a triangle, and not the same third cell at both.
   for (std::size_t i = 0, j; i < ends.size(); i = j) {
     j = i;
@@ -59,19 +60,23 @@ void judge_pairs(std::span<const ArcEnd> ends, IsWanted is_wanted, PartitionChec
   }
 }
 
-/// The closed ball property of a partition, checked cell by cell, pair by pair and triple by triple. If it passes, the dual
-/// is a simplicial 2-manifold with boundary, homeomorphic to the complex; docs/theory/02-certificate.md has the proof.
+/// The closed ball property of a partition, checked cell by cell, pair by pair and triple by
+/// triple. If it passes, the dual is a simplicial 2-manifold with boundary, homeomorphic to the
+/// complex; docs/theory/02-certificate.md has the proof.
 ///
 /// @param cell_of per c-vertex, < cells; cells without c-vertices are skipped
-/// @param site    per cell, its site; empty: sites are not looked at, and ABCD is split at the face's own shorter diagonal
-/// @param scope   per cell, 1 if it is to be checked; empty: all, and only that is a certificate. Arcs and triples are checked where at
-///                least one of their cells is, and `triangles` has those with such a corner. ScopedCheck is faster for small scopes.
-/// @cost  O(C α(C)); no floating point but for the diagonals of quads with four cells, which are free to choose
+/// @param site    per cell, its site; empty: sites are not checked, and ABCD is split along the
+///                face's own shorter diagonal
+/// @param scope   per cell, 1 if it is to be checked; empty: all, and only this is a certificate.
+///                Arcs and triples are checked if one of their cells is in the scope, and
+///                `triangles` has those with such a corner. ScopedCheck is faster for small scopes.
+/// @cost  O(C α(C)); floating point is only used to choose the diagonals of quads with four cells,
+///        where either is valid
 /// @source Edelsbrunner and Shah 1997; paper, section 3.6
 PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const CellId> cell_of, std::uint32_t cells,
                                std::span<const CVertexId> site, std::span<const std::uint8_t> scope = {}, const RunControl& control = {});
 
-/// Writes down what a check looked at and whether it passed.
-void record(const PartitionCheck& check, CertificateReport& report);
+/// Fills in the counts of a check and whether it passed.
+void fill_report(const PartitionCheck& check, CertificateReport& report);
 
 }  // namespace isoatlas::detail

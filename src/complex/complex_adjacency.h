@@ -10,8 +10,8 @@
 
 namespace isoatlas::detail {
 
-/// What is around each c-vertex of a complex: its faces, and its neighbours along the boundary. Kept up to date by whoever changes the
-/// complex.
+/// The neighbourhood of each c-vertex of a complex: its faces, and its neighbours along the
+/// boundary.
 class ComplexAdjacency {
  public:
   ComplexAdjacency() = default;
@@ -25,7 +25,7 @@ class ComplexAdjacency {
 
  private:
   SlackRows<FaceId> faces_;
-  std::vector<CVertexId> next_, previous_;  // empty where there is no boundary
+  std::vector<CVertexId> next_, previous_;  // empty if there is no boundary
 };
 
 }  // namespace isoatlas::detail

@@ -8,16 +8,17 @@
 namespace isoatlas::detail {
 namespace {
 
-// Of closed components.
+// The volumes that closed components enclose.
 std::vector<double> enclosed_volumes(const SurfaceComplex& complex, const Components& components) {
   const std::size_t n = components.topology.size();
   std::vector<double> six_volumes(n, 0);
-  std::vector<CVertexId> first(n, kNone);  // seen from a point of the component, so that far ones lose no digits
+  // volumes are computed relative to a point of the component, so that distant ones lose no digits
+  std::vector<CVertexId> first(n, kNone);
   for (CVertexId v = complex.c_vertex_count(); v-- > 0;) first[components.of_c_vertex[v]] = v;
   for (const Face& face : complex.faces) {
     const ComponentId c = components.of_c_vertex[face.corner[0]];
     const Vec3 origin = complex.positions[first[c]];
-    const auto at = [&](int k) { return scaled(complex.positions[face.corner[k]] - origin, complex.spacing); };
+    const auto at = [&](int k) { return to_metric(complex.positions[face.corner[k]] - origin, complex.spacing); };
     for (int k = 2; k < face.size(); ++k) six_volumes[c] += dot(at(0), cross(at(k - 1), at(k)));
   }
   for (double& volume : six_volumes) volume = std::abs(volume) / 6;
@@ -34,17 +35,18 @@ ComponentSizes component_sizes(const SurfaceComplex& complex, const Components& 
     sizes.enclosed = enclosed_volumes(complex, components);
     return sizes;
   }
-  // Both list the c-vertices of the cells within the volume in the same order and at the same places; those on the border and on
-  // caps are elsewhere. Every component has one within the volume.
+  // Both complexes list the c-vertices of grid cells inside the volume in the same order and with
+  // the same positions; those on the border and on caps differ. Every component has a c-vertex
+  // inside the volume.
   const Components parts = find_components(closed);
-  CVertexId there = 0;
+  CVertexId next = 0;
   for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
     if (complex.on_boundary[v]) continue;
-    CVertexId same = there;
-    while (same < closed.c_vertex_count() && !(closed.positions[same] == complex.positions[v])) ++same;
-    if (same == closed.c_vertex_count()) break;  // c-vertices of divided faces, at the end of both
-    there = same + 1;
-    sizes.part_of[components.of_c_vertex[v]] = parts.of_c_vertex[same];
+    CVertexId counterpart = next;
+    while (counterpart < closed.c_vertex_count() && !(closed.positions[counterpart] == complex.positions[v])) ++counterpart;
+    if (counterpart == closed.c_vertex_count()) break;  // c-vertices of split faces, at the end of both
+    next = counterpart + 1;
+    sizes.part_of[components.of_c_vertex[v]] = parts.of_c_vertex[counterpart];
   }
   sizes.enclosed = enclosed_volumes(closed, parts);
   return sizes;

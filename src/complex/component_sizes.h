@@ -8,14 +8,16 @@
 
 namespace isoatlas::detail {
 
-/// How much the components of a surface enclose, with the volume's border capped. Components whose capped surfaces are
-/// connected are one part: the two sides of a slab that the border cuts open, for example.
+/// The volumes that the components of a surface enclose when the volume's border is capped.
+/// Components whose capped surfaces are connected form one part: for example the two sides of a
+/// slab that the border cuts open.
 struct ComponentSizes {
   std::vector<std::uint32_t> part_of;  ///< per component
-  std::vector<double> enclosed;        ///< per part: the volume that its surface encloses, in the metric (spacing applied)
+  std::vector<double> enclosed;        ///< per part, the volume that its surface encloses; metric
 };
 
-/// @param closed  the surface of the same volume by the same options but ParseOptions::closed; or `complex` itself if it has no boundary
+/// @param closed  the surface of the same volume parsed with ParseOptions::closed and otherwise
+///                equal options, or `complex` itself if it has no boundary
 /// @cost  O(F) for the faces of both
 ComponentSizes component_sizes(const SurfaceComplex& complex, const Components& components, const SurfaceComplex& closed);
 

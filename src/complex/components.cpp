@@ -7,7 +7,7 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kFaces = 16384;  // per piece of a parallel loop
+constexpr std::size_t kFacesPerPiece = 16384;  // faces per piece of a parallel loop
 
 }  // namespace
 
@@ -21,7 +21,7 @@ std::vector<std::uint8_t> open_flags(const Components& components) {
 Components find_components(const SurfaceComplex& complex) {
   const std::uint32_t n = complex.c_vertex_count();
   DisjointSets sets(n);
-  for_each_index(complex.faces.size(), kFaces, [&](std::size_t f) {
+  for_each_index(complex.faces.size(), kFacesPerPiece, [&](std::size_t f) {
     const Face& face = complex.faces[f];
     sets.unite(face.corner[0], face.corner[1]);
     sets.unite(face.corner[1], face.corner[2]);
@@ -29,7 +29,7 @@ Components find_components(const SurfaceComplex& complex) {
   });
   Components out;
   out.of_c_vertex.resize(n);
-  std::vector<std::int64_t> twice_euler;  // every side is counted from each of its faces: halves
+  std::vector<std::int64_t> twice_euler;  // every side is counted half from each of its faces
   for (CVertexId v = 0; v < n; ++v) {
     const CVertexId root = sets.find(v);
     if (root == v) {

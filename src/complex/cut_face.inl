@@ -21,7 +21,8 @@ inline FaceCut cut_face(const SurfaceComplex& complex, const Face& face, const s
     out.joined = c[out.joined_corner];
     return out;
   }
-  // No equal cells across. Equal neighbours: AABB and its like give nothing, AABC one triangle.
+  // No equal cells across the quad. Equal neighbours: AABB and similar cases yield nothing, AABC
+  // one triangle.
   for (int k = 0; k < 4; ++k) {
     if (c[k] != c[(k + 1) % 4]) continue;
     const CellId a = c[k], b = c[(k + 2) % 4], d = c[(k + 3) % 4];

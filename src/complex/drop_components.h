@@ -7,8 +7,8 @@
 
 namespace isoatlas::detail {
 
-/// Removes whole components; c-vertices and faces that stay keep their order. O(F).
-/// @param dropped  per component, 1 if it goes
+/// Removes whole components; the other c-vertices and faces keep their order. O(F).
+/// @param dropped  per component, 1 if it is removed
 void drop_components(SurfaceComplex& complex, const Components& components, const std::vector<std::uint8_t>& dropped);
 
 }  // namespace isoatlas::detail

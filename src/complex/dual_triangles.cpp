@@ -43,7 +43,7 @@ void DualTriangles::replace(std::span<const CellId> scope, std::span<const DualT
   std::sort(old.begin(), old.end());
   old.erase(std::unique(old.begin(), old.end()), old.end());
   control.check_cancelled();
-  std::vector<std::uint8_t> stays(old.size(), 0);
+  std::vector<std::uint8_t> is_kept(old.size(), 0);
   std::vector<DualTriangle> added;
   for (const DualTriangle& t : triangles) {
     poll.step();
@@ -51,46 +51,46 @@ void DualTriangles::replace(std::span<const CellId> scope, std::span<const DualT
     for (const std::uint32_t i : of_cell_.row(t.cell[0])) {
       if (!same_corners(list_[i].cell, t.cell)) continue;
       const auto at = std::lower_bound(old.begin(), old.end(), i) - old.begin();
-      if (std::exchange(stays[static_cast<std::size_t>(at)], std::uint8_t{1})) continue;  // there are two with these corners
+      if (std::exchange(is_kept[static_cast<std::size_t>(at)], std::uint8_t{1})) continue;  // there are two with these corners
       list_[i].at = t.at;
       found = true;
       break;
     }
     if (!found) added.push_back(t);
   }
-  std::size_t taken = 0;                        // of those that were added, how many have the number of one that was removed
-  for (std::size_t k = old.size(); k-- > 0;) {  // the last one first, so that the numbers of those before stay
-    if (stays[k]) continue;
+  std::size_t reused = 0;                       // number of added triangles that reuse the id of a removed one
+  for (std::size_t k = old.size(); k-- > 0;) {  // from the last one, so that earlier ids stay valid
+    if (is_kept[k]) continue;
     poll.step();
-    if (taken < added.size()) {
+    if (reused < added.size()) {
       for (const CellId c : list_[old[k]].cell) of_cell_.erase(c, old[k]);
-      list_[old[k]] = added[taken++];
+      list_[old[k]] = added[reused++];
       for (const CellId c : list_[old[k]].cell) of_cell_.push_back(c, old[k]);
     } else {
       remove(old[k]);
     }
   }
-  for (; taken < added.size(); ++taken) {
+  for (; reused < added.size(); ++reused) {
     poll.step();
-    add(added[taken]);
+    add(added[reused]);
   }
   of_cell_.resize_rows(cells);
 }
 
 void DualTriangles::add(const DualTriangle& triangle) {
-  const std::uint32_t number = checked_id(list_.size(), "triangles");
+  const std::uint32_t id = checked_id(list_.size(), "triangles");
   list_.push_back(triangle);
-  for (const CellId c : triangle.cell) of_cell_.push_back(c, number);
+  for (const CellId c : triangle.cell) of_cell_.push_back(c, id);
 }
 
-void DualTriangles::remove(std::uint32_t number) {
-  for (const CellId c : list_[number].cell) of_cell_.erase(c, number);
+void DualTriangles::remove(std::uint32_t id) {
+  for (const CellId c : list_[id].cell) of_cell_.erase(c, id);
   const auto last = static_cast<std::uint32_t>(list_.size() - 1);
-  if (number != last) {
-    list_[number] = list_[last];
-    for (const CellId c : list_[number].cell) {
+  if (id != last) {
+    list_[id] = list_[last];
+    for (const CellId c : list_[id].cell) {
       of_cell_.erase(c, last);
-      of_cell_.push_back(c, number);
+      of_cell_.push_back(c, id);
     }
   }
   list_.pop_back();

@@ -10,24 +10,27 @@
 
 namespace isoatlas::detail {
 
-/// The triangles of a dual that changes locally. A triangle that stays keeps its number, unless it was the last one and filled a gap.
+/// The triangles of a dual that changes locally. A triangle that is not replaced keeps its id,
+/// unless it was the last one and fills a gap.
 class DualTriangles {
  public:
   DualTriangles() = default;
   DualTriangles(std::vector<DualTriangle> triangles, std::uint32_t cells);
 
   const std::vector<DualTriangle>& list() const { return list_; }
-  /// The numbers of the triangles with a corner in a cell.
+  /// The ids of the triangles with a corner in a cell.
   std::span<const std::uint32_t> of_cell(CellId cell) const { return of_cell_.row(cell); }
 
-  /// Replaces all triangles with a corner in a cell of `scope` by `triangles`. Those that are the same stay.
-  /// @param cells  how many cells there are now; triangles with a corner in a cell beyond are replaced as well
-  /// @cost  the triangles that are removed or added, times the logarithm of their number
+  /// Replaces all triangles with a corner in a cell of `scope` by `triangles`. Triangles in both
+  /// sets are kept.
+  /// @param cells  the number of cells now; triangles with a corner in a cell beyond are replaced
+  ///               as well
+  /// @cost  number of removed and added triangles, times its logarithm
   void replace(std::span<const CellId> scope, std::span<const DualTriangle> triangles, std::uint32_t cells, const RunControl& control = {});
 
  private:
   void add(const DualTriangle& triangle);
-  void remove(std::uint32_t number);
+  void remove(std::uint32_t id);
 
   std::vector<DualTriangle> list_;
   SlackRows<std::uint32_t> of_cell_;

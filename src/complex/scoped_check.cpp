@@ -10,12 +10,13 @@
 namespace isoatlas::detail {
 namespace {
 
-// A sweep over everything takes as long as a look at the cells one by one with this part of the c-vertices.
-constexpr std::size_t kSweepsPerCheck = 16;
+// A complete check takes as long as checking the cells with this fraction of the c-vertices one by
+// one.
+constexpr std::size_t kCompleteCheckFraction = 16;
 
 }  // namespace
 
-// One check. The counting is that of check_partition(), where it is explained.
+// One check. check_partition() explains the counting, which is the same.
 class ScopedCheck::Run {
  public:
   Run(ScopedCheck& scratch, const SurfaceComplex& complex, const ComplexAdjacency& adjacency, std::span<const CellId> cell_of,
@@ -33,11 +34,11 @@ class ScopedCheck::Run {
         count_boundary(v);
       });
     }
-    for (const CellId cell : scope) judge_cell(cell);
+    for (const CellId cell : scope) check_cell(cell);
     std::sort(check_.faulty_cells.begin(), check_.faulty_cells.end(),
               [](const FaultyCell& a, const FaultyCell& b) { return a.cell < b.cell; });
     sort_ends();
-    judge_pairs(
+    check_pairs(
         s_.sorted_ends_, [](CellId, CellId) { return true; }, check_);
     std::sort(check_.pair_faults.begin(), check_.pair_faults.end(),
               [](const PairFault& x, const PairFault& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; });
@@ -77,15 +78,15 @@ class ScopedCheck::Run {
     const int size = face.size();
     std::array<CellId, 4> c;
     for (int k = 0; k < size; ++k) c[k] = cell_of_[face.corner[k]];
-    bool whole = true;
+    bool is_uniform = true;
     for (int k = 0; k < size; ++k) {
       const int next = k + 1 == size ? 0 : k + 1;
-      whole = whole && c[k] == c[next];
+      is_uniform = is_uniform && c[k] == c[next];
       if (c[k] != c[next] || !in_scope(c[k])) continue;
       count(c[k]).twice_euler -= 1;
       unite(face.corner[k], face.corner[next]);
     }
-    if (whole) {
+    if (is_uniform) {
       count(c[0]).twice_euler += 2;
       return;
     }
@@ -108,7 +109,8 @@ class ScopedCheck::Run {
     }
   }
 
-  // The boundary side after v, and the one before it if that is not counted from its other end.
+  // Counts the boundary side that starts at v, and the previous one if its other end is outside the
+  // scope.
   void count_boundary(CVertexId v) {
     const CVertexId next = adjacency_.next_on_boundary(v);
     if (next == kNone) return;
@@ -134,7 +136,7 @@ class ScopedCheck::Run {
   }
   CellId owner(const ArcEnd& end) const { return in_scope(end.low) ? end.low : end.high; }
 
-  // By their owner, then by the other cell: a few for each owner.
+  // Sorts ends by owner, then by the other cell; each owner has few.
   void sort_ends() {
     std::uint32_t total = 0;
     for (CellCount& of_cell : s_.counts_) total += std::exchange(of_cell.arc_ends, total);
@@ -149,7 +151,7 @@ class ScopedCheck::Run {
     }
   }
 
-  void judge_cell(CellId cell) {
+  void check_cell(CellId cell) {
     if (members_.count(cell) == 0) return;
     ++check_.cells;
     const CellCount& of_cell = count(cell);
@@ -180,7 +182,7 @@ PartitionCheck ScopedCheck::run(const SurfaceComplex& complex, const ComplexAdja
                                 const RunControl& control) {
   std::size_t c_vertices = 0;
   for (const CellId c : scope) c_vertices += members.count(c);
-  if (kSweepsPerCheck * c_vertices > cell_of.size()) {
+  if (kCompleteCheckFraction * c_vertices > cell_of.size()) {
     std::vector<std::uint8_t> is_in_scope(members.cell_count(), 0);
     for (const CellId c : scope) is_in_scope[c] = 1;
     return check_partition(complex, cell_of, members.cell_count(), site, is_in_scope, control);

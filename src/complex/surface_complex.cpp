@@ -10,7 +10,7 @@
 namespace isoatlas::detail {
 
 std::string validate(const SurfaceComplex& complex) {
-  // Deliberately written with plain containers, sharing nothing with the code it checks.
+  // Deliberately uses plain containers and shares nothing with the code it checks.
   const std::uint32_t n = complex.c_vertex_count();
   std::ostringstream out;
   if (complex.on_boundary.size() != n) return "on_boundary has a wrong size";
@@ -81,7 +81,7 @@ std::string validate(const SurfaceComplex& complex) {
       return out.str();
     }
     // One cycle or one path: walk from a start and count.
-    std::map<CVertexId, CVertexId> next;  // neighbour -> neighbour, once around
+    std::map<CVertexId, CVertexId> next;  // neighbour -> next neighbour around v
     for (const auto& [a, b] : links[v]) next[a] = b;
     std::set<CVertexId> targets;
     for (const auto& [a, b] : next) targets.insert(b);

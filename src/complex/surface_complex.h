@@ -19,7 +19,7 @@ struct Face {
   int size() const { return is_triangle() ? 3 : 4; }
 };
 
-/// A side of exactly one face, running as that face runs.
+/// A side of exactly one face, in the direction of that face.
 struct BoundarySide {
   CVertexId from, to;
 };
@@ -36,20 +36,20 @@ struct BoundarySide {
 ///
 /// Bytes per c-vertex, with about one quad per c-vertex: 24 + 16 + 1.
 struct SurfaceComplex {
-  Vec3 spacing{1, 1, 1};                  ///< world length = length of (spacing * difference of positions)
+  Vec3 spacing{1, 1, 1};                  ///< metric vector = spacing * difference of positions
   std::vector<Vec3> positions;            ///< per c-vertex, sample-index coordinates, of the upsampled samples if these were parsed
   std::vector<std::uint8_t> on_boundary;  ///< per c-vertex, 1 if it is on a boundary loop
   std::vector<Face> faces;
   std::vector<BoundarySide> boundary;
-  std::size_t double_segments = 0;  ///< places where parsing had to split faces to keep the complex simplicial
-  std::size_t tunnels = 0;          ///< cells with an annulus, see Topology::trilinear
+  std::size_t double_segments = 0;  ///< number of places where parsing split faces to keep the complex simplicial
+  std::size_t tunnels = 0;          ///< number of grid cells with an annulus, see Topology::trilinear
 
   std::uint32_t c_vertex_count() const { return static_cast<std::uint32_t>(positions.size()); }
   std::uint32_t face_count() const { return static_cast<std::uint32_t>(faces.size()); }
 };
 
 /// Checks every invariant. O(F log F). For tests.
-/// @return an empty string, or what is wrong and where
+/// @return an empty string, or the first violated invariant and its place
 std::string validate(const SurfaceComplex& complex);
 
 }  // namespace isoatlas::detail

@@ -6,8 +6,8 @@
 
 namespace isoatlas::detail {
 
-/// Appends to an array of the whole surface and grows it by no more than a sixteenth beyond what is needed: these arrays grow seldom, and
-/// doubling the largest ones would set the peak of memory.
+/// Appends to a large array and grows its capacity by at most a sixteenth more than needed: these
+/// arrays rarely grow, and doubling the largest ones would determine the peak of memory.
 template <class T, class Iterator>
 void append(std::vector<T>& to, Iterator first, Iterator last) {
   const std::size_t needed = to.size() + static_cast<std::size_t>(std::distance(first, last));

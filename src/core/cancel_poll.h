@@ -7,13 +7,14 @@
 
 namespace isoatlas::detail {
 
-/// For loops of short steps, up to some thousand instructions each: asks once in so many steps whether to stop.
+/// For loops of short steps, up to some thousand instructions each: tests for cancellation once
+/// every kSteps steps.
 class CancelPoll {
  public:
   explicit CancelPoll(const RunControl& control) : control_(&control) {}
   explicit CancelPoll(const RunControl* control) : control_(control) {}  ///< none: never stops
 
-  /// To be called in each step. @throws Error(cancelled)
+  /// Must be called in each step. @throws Error(cancelled)
   void step() {
     if (++steps_ % kSteps == 0 && control_ != nullptr) control_->check_cancelled();
   }

@@ -8,30 +8,31 @@
 
 namespace isoatlas::detail {
 
-/// Union-find whose roots are the smallest members, so that they do not depend on the order of unions. Several threads may call unite() and
-/// find() at the same time; what find() returns is final once all calls of unite() have returned.
+/// Union-find whose roots are the smallest members, so that they do not depend on the order of
+/// unions. Several threads may call unite() and find() at the same time; the results of find() are
+/// final once all calls of unite() have returned.
 ///
-/// @source Anderson and Woll, Wait-free parallel algorithms for the union-find problem, 1991: parents only ever become smaller members of
-/// the
-///         same set, and only a root gets a set joined to it, by compare and swap
+/// @source Anderson and Woll, Wait-free parallel algorithms for the union-find problem, 1991: the
+///         parent of a member only ever becomes a smaller member of the same set, and sets are only
+///         joined to roots, by compare and swap
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t n) : parent_(n) {
-    for (std::uint32_t i = 0; i < n; ++i) put(i, i);
+    for (std::uint32_t i = 0; i < n; ++i) set_parent(i, i);
   }
 
   std::uint32_t find(std::uint32_t i) {
-    for (std::uint32_t parent = get(i); parent != i; parent = get(i)) {
-      const std::uint32_t above = get(parent);
-      if (above == parent) return parent;
-      put(i, above);
-      i = above;
+    for (std::uint32_t parent = parent_of(i); parent != i; parent = parent_of(i)) {
+      const std::uint32_t grandparent = parent_of(parent);
+      if (grandparent == parent) return parent;
+      set_parent(i, grandparent);
+      i = grandparent;
     }
     return i;
   }
 
   void unite(std::uint32_t a, std::uint32_t b) {
-    while (get(a) != get(b)) {
+    while (parent_of(a) != parent_of(b)) {
       a = find(a);
       b = find(b);
       if (a == b) return;
@@ -41,14 +42,14 @@ class DisjointSets {
     }
   }
 
-  bool is_root(std::uint32_t i) const { return get(i) == i; }
+  bool is_root(std::uint32_t i) const { return parent_of(i) == i; }
 
-  /// Makes i a set of its own; only valid when every member of its set is reset.
-  void reset(std::uint32_t i) { put(i, i); }
+  /// Makes i a set of its own; only valid if every member of its set is reset.
+  void reset(std::uint32_t i) { set_parent(i, i); }
 
  private:
-  std::uint32_t get(std::uint32_t i) const { return parent_[i].load(std::memory_order_relaxed); }
-  void put(std::uint32_t i, std::uint32_t parent) { parent_[i].store(parent, std::memory_order_relaxed); }
+  std::uint32_t parent_of(std::uint32_t i) const { return parent_[i].load(std::memory_order_relaxed); }
+  void set_parent(std::uint32_t i, std::uint32_t parent) { parent_[i].store(parent, std::memory_order_relaxed); }
 
   std::vector<std::atomic<std::uint32_t>> parent_;
 };

@@ -10,15 +10,15 @@
 
 namespace isoatlas::detail {
 
-/// Heaps of (length, id) with a total order: by length, then by the smaller id. One 64-bit comparison, since the bit
-/// patterns of non-negative floats order as the floats do.
+/// Heaps of (length, id) with a total order: by length, then by the smaller id. One 64-bit
+/// comparison suffices, since the bit patterns of non-negative floats are ordered like the floats.
 inline std::uint64_t length_key(float length, std::uint32_t id) {
   return static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(length)) << 32 | id;
 }
 inline float key_length(std::uint64_t key) { return std::bit_cast<float>(static_cast<std::uint32_t>(key >> 32)); }
 inline std::uint32_t key_id(std::uint64_t key) { return static_cast<std::uint32_t>(key); }
 
-/// Binary heap over such keys; the storage survives clear(), so that it costs nothing to use again.
+/// Binary heap of such keys; clear() keeps the memory for reuse.
 template <class Compare>
 class KeyHeap {
  public:
@@ -41,8 +41,9 @@ class KeyHeap {
   std::vector<std::uint64_t> keys_;
 };
 
-/// A radix heap: pops the smallest length, ties in an order that depends on the pushes alone. For searches whose lengths never fall:
-/// nothing may be shorter than what was popped last. Cheaper than a binary heap where much is in it.
+/// A radix heap: pops the smallest length, ties in an order that depends on the pushes alone. For
+/// searches whose lengths never decrease: no pushed length may be smaller than the last one popped.
+/// Faster than a binary heap with many keys.
 /// @source Ahuja, Mehlhorn, Orlin, Tarjan, Faster algorithms for the shortest path problem, 1990
 class MonotoneQueue {
  public:
@@ -67,7 +68,8 @@ class MonotoneQueue {
 
  private:
   static std::uint32_t bits_of(std::uint64_t key) { return static_cast<std::uint32_t>(key >> 32); }
-  // By the highest bit in which a length differs from the last one: those of a bucket are shorter than those of the next.
+  // The bucket of a key is the highest bit in which its length differs from the last one popped:
+  // all lengths in a bucket are smaller than those in the next.
   std::size_t bucket_of(std::uint64_t key) const { return static_cast<std::size_t>(std::bit_width(bits_of(key) ^ last_)); }
 
   void refill() {

@@ -10,15 +10,18 @@
 
 namespace isoatlas::detail {
 
-// 32-bit ids everywhere after parsing; the names say which array an id addresses.
+// 32-bit ids are used everywhere after parsing; their names say which array an id addresses. `cell`
+// and `CellId` always mean a Voronoi cell (or another region of a partition), a cell of eight
+// samples is a grid cell. Exceptions: in src/field and src/isosurface, which know no partitions, a
+// cell is a grid cell.
 using CVertexId = std::uint32_t;    ///< c-vertex of a surface complex
 using FaceId = std::uint32_t;       ///< face of a surface complex
-using CellId = std::uint32_t;       ///< cell of a partition of a surface complex's c-vertices
+using CellId = std::uint32_t;       ///< Voronoi cell (region) of a partition of a surface complex's c-vertices
 using ComponentId = std::uint32_t;  ///< connected component
 
 inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-/// A count that must fit a 32-bit id.
+/// Returns a count that must fit a 32-bit id. @throws Error(unsupported)
 inline std::uint32_t checked_id(std::size_t n, const char* what) {
   if (n >= kNone) {
     throw Error(ErrorCode::unsupported, std::string(what) + ": " + std::to_string(n) + " do not fit 32-bit ids");

@@ -10,14 +10,17 @@
 
 namespace isoatlas::detail {
 
-/// Which way the closed components of a surface face, and which of them lies in which. Components with a boundary enclose nothing.
+/// The orientation of the closed components of a surface, and which of them lies inside which.
+/// Components with a boundary enclose nothing.
 struct Nesting {
-  std::vector<std::int8_t> facing;    ///< per component: 1 outward, -1 inward (around a cavity), 0 neither: open, or without volume
-  std::vector<std::uint32_t> parent;  ///< per component: the innermost one that encloses it; kNone: none does, or it is open
+  /// per component: 1 outward, -1 inward (it bounds a cavity), 0 undefined (it is open or has no
+  /// volume)
+  std::vector<std::int8_t> facing;
+  std::vector<std::uint32_t> parent;  ///< per component: the innermost one that encloses it; kNone: there is none, or it is open
   friend bool operator==(const Nesting&, const Nesting&) = default;
 };
 
-/// Per component, 1 if it faces otherwise or lies in another component than in `wanted`.
+/// Per component, 1 if its facing or its parent differs from `wanted`.
 inline std::vector<std::uint8_t> differences(const Nesting& nesting, const Nesting& wanted) {
   std::vector<std::uint8_t> differ(wanted.facing.size(), 0);
   for (std::size_t c = 0; c < differ.size(); ++c) {
@@ -26,13 +29,14 @@ inline std::vector<std::uint8_t> differences(const Nesting& nesting, const Nesti
   return differ;
 }
 
-/// What is left of a nesting when some components are dropped. The others keep their order; they lie in the innermost one that is left.
-/// @param dropped  per component, 1 if it goes
+/// The nesting without some components. The others keep their order; their parent is the innermost
+/// remaining one.
+/// @param dropped  per component, 1 if it is removed
 inline Nesting without(const Nesting& nesting, std::span<const std::uint8_t> dropped) {
-  std::vector<std::uint32_t> now(dropped.size(), kNone);
+  std::vector<std::uint32_t> new_id(dropped.size(), kNone);
   std::uint32_t kept = 0;
   for (std::size_t c = 0; c < dropped.size(); ++c) {
-    if (dropped[c] == 0) now[c] = kept++;
+    if (dropped[c] == 0) new_id[c] = kept++;
   }
   Nesting out;
   for (std::size_t c = 0; c < dropped.size(); ++c) {
@@ -40,19 +44,20 @@ inline Nesting without(const Nesting& nesting, std::span<const std::uint8_t> dro
     std::uint32_t parent = nesting.parent[c];
     while (parent != kNone && dropped[parent] != 0) parent = nesting.parent[parent];
     out.facing.push_back(nesting.facing[c]);
-    out.parent.push_back(parent == kNone ? kNone : now[parent]);
+    out.parent.push_back(parent == kNone ? kNone : new_id[parent]);
   }
   return out;
 }
 
-/// The parents in a nesting that is known as the set of all components around each.
-/// @param around  per component, those that enclose it, in any order
-inline std::vector<std::uint32_t> parents_of(std::span<const std::vector<std::uint32_t>> around) {
-  std::vector<std::uint32_t> parent(around.size(), kNone);
-  for (std::size_t c = 0; c < around.size(); ++c) {
-    for (const std::uint32_t outer : around[c]) {  // the innermost has the most around it
+/// Computes the parents from the sets of enclosing components.
+/// @param enclosing  per component, those that enclose it, in any order
+inline std::vector<std::uint32_t> parents_of(std::span<const std::vector<std::uint32_t>> enclosing) {
+  std::vector<std::uint32_t> parent(enclosing.size(), kNone);
+  for (std::size_t c = 0; c < enclosing.size(); ++c) {
+    for (const std::uint32_t outer : enclosing[c]) {  // the innermost one has the most enclosing components
       std::uint32_t& best = parent[c];
-      if (best == kNone || around[outer].size() > around[best].size() || (around[outer].size() == around[best].size() && outer < best))
+      if (best == kNone || enclosing[outer].size() > enclosing[best].size() ||
+          (enclosing[outer].size() == enclosing[best].size() && outer < best))
         best = outer;
     }
   }

@@ -14,9 +14,9 @@ namespace isoatlas::detail {
 
 namespace {
 
-thread_local tbb::task_arena* limited = nullptr;  // of this thread's ThreadLimit; null: loops use the arena they are in
+thread_local tbb::task_arena* limited = nullptr;  // of this thread's ThreadLimit; null: loops use the current arena
 
-// The limit of the thread that started a loop is that of all threads that work on it.
+// Threads that work on a loop inherit the limit of the thread that started it.
 class InheritedLimit {
  public:
   explicit InheritedLimit(tbb::task_arena* of_loop) : own_(std::exchange(limited, of_loop)) {}
@@ -36,9 +36,9 @@ struct ThreadLimit::State {
 
 ThreadLimit::ThreadLimit(int threads) : state_(nullptr) {
   if (limited != nullptr) return;
-  // TBB has no more workers, and says so on standard error if it is asked for them.
-  const int most = tbb::info::default_concurrency();
-  state_ = new State{tbb::task_arena(threads > 0 ? std::min(threads, most) : most)};
+  // TBB has no more workers than this, and prints a warning if more are requested.
+  const int max_threads = tbb::info::default_concurrency();
+  state_ = new State{tbb::task_arena(threads > 0 ? std::min(threads, max_threads) : max_threads)};
   limited = &state_->arena;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Parallel loops that give the same bytes for any number of threads: every iteration writes only its own slots.
-// The only file that knows TBB.
+// Parallel loops on top of oneTBB, which only this module includes.
 #pragma once
 
 #include <algorithm>
@@ -12,8 +12,9 @@
 
 namespace isoatlas::detail {
 
-/// Limits the threads that parallel loops of the calling thread use while it lives; 0 means as many as the machine has. Other
-/// threads of the program, and other users of oneTBB in it, keep theirs. Of nested limits the outermost counts.
+/// Limits the number of threads that parallel loops of the calling thread use during its lifetime;
+/// 0 means as many as the machine has. Other threads of the program, and other users of oneTBB in
+/// it, are not affected. Of nested limits the outermost one applies.
 class ThreadLimit {
  public:
   explicit ThreadLimit(int threads);
@@ -26,10 +27,11 @@ class ThreadLimit {
   State* state_;
 };
 
-/// Calls body(begin, end) on pieces of [0, n) of at most `grain` items. Exceptions thrown by a piece reach the caller.
+/// Calls body(begin, end) on pieces of [0, n) of at most `grain` items. Exceptions thrown by a
+/// piece reach the caller.
 void for_each_piece(std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body);
 
-/// Calls both, beside each other where a thread is free. Neither may depend on the other.
+/// Calls both, in parallel if a thread is free. Neither may depend on the other.
 void run_both(const std::function<void()>& first, const std::function<void()>& second);
 
 /// Calls body(i) for each i in [0, n), in pieces of at most `grain`.
@@ -40,7 +42,8 @@ void for_each_index(std::size_t n, std::size_t grain, const Body& body) {
   });
 }
 
-/// The same; each piece asks before it begins whether to stop. @param control  none: it goes on
+/// The same; each piece tests for cancellation before it begins. @param control  none: never
+/// cancelled
 template <class Body>
 void for_each_index(std::size_t n, std::size_t grain, const RunControl* control, const Body& body) {
   for_each_piece(n, grain, [&](std::size_t begin, std::size_t end) {
@@ -49,7 +52,8 @@ void for_each_index(std::size_t n, std::size_t grain, const RunControl* control,
   });
 }
 
-/// What collect(begin, end, out) appends to `out` for pieces of [0, n), in the order of the pieces: for any number of threads the same.
+/// Concatenates the items that collect(begin, end, out) appends for pieces of [0, n), in the order
+/// of the pieces; the result does not depend on the number of threads.
 template <class Item, class Collect>
 std::vector<Item> collect_pieces(std::size_t n, std::size_t grain, const Collect& collect) {
   std::vector<std::vector<Item>> found((n + grain - 1) / grain);

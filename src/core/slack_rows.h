@@ -11,12 +11,13 @@
 
 namespace isoatlas::detail {
 
-/// Rows of items in one array, as in compressed sparse rows, that can still change: each row has its own capacity, and a row that grows
-/// beyond it moves to the end of the array. Memory that such rows leave behind is used again once it is half of all.
+/// Rows of items in one array, as in CSR adjacency, that can change: each row has its own capacity,
+/// and a row that exceeds it moves to the end of the array. The array is compacted once half of it
+/// is unused.
 template <class Item>
 class SlackRows {
  public:
-  /// @param sizes  per row, how many items will be added to it without moving it
+  /// @param sizes  per row, number of items that can be added without moving the row
   void reserve(std::span<const std::uint32_t> sizes) {
     rows_.resize(sizes.size());
     std::size_t total = 0;
@@ -31,7 +32,7 @@ class SlackRows {
   void add_rows(std::size_t count) { rows_.resize(rows_.size() + count); }  ///< empty ones
   /// Removes the last rows, or adds empty ones.
   void resize_rows(std::size_t count) {
-    for (std::size_t r = count; r < rows_.size(); ++r) left_behind_ += rows_[r].capacity;
+    for (std::size_t r = count; r < rows_.size(); ++r) unused_ += rows_[r].capacity;
     rows_.resize(count);
   }
 
@@ -40,7 +41,7 @@ class SlackRows {
 
   void push_back(std::uint32_t r, const Item& item) {
     Row& row = rows_[r];
-    if (row.size == row.capacity) move_to_end(row, std::max(kLeastCapacity, 2 * row.capacity));
+    if (row.size == row.capacity) move_to_end(row, std::max(kMinCapacity, 2 * row.capacity));
     items_[row.first + row.size++] = item;
   }
 
@@ -66,11 +67,11 @@ class SlackRows {
   struct Row {
     std::uint32_t first = 0, size = 0, capacity = 0;
   };
-  static constexpr std::uint32_t kLeastCapacity = 8;
+  static constexpr std::uint32_t kMinCapacity = 8;
 
   void move_to_end(Row& row, std::uint32_t capacity) {
-    left_behind_ += row.capacity;
-    if (left_behind_ > kLeastToCompact && 2 * left_behind_ > items_.size()) compact(row);
+    unused_ += row.capacity;
+    if (unused_ > kMinUnusedToCompact && 2 * unused_ > items_.size()) compact(row);
     const std::uint32_t first = checked_id(items_.size(), "items of rows");
     items_.resize(items_.size() + capacity);
     std::copy_n(items_.begin() + row.first, row.size, items_.begin() + first);
@@ -78,7 +79,7 @@ class SlackRows {
     row.capacity = capacity;
   }
 
-  // Keeps the capacities of all rows but `moving`, which keeps its items only.
+  // All rows keep their capacities, except `moving`, which shrinks to its items.
   void compact(Row& moving) {
     moving.capacity = moving.size;
     std::vector<Item> items;
@@ -91,13 +92,13 @@ class SlackRows {
       row.first = std::exchange(first, first + row.capacity);
     }
     items_ = std::move(items);
-    left_behind_ = moving.capacity;
+    unused_ = moving.capacity;
   }
 
-  static constexpr std::size_t kLeastToCompact = 1024;
+  static constexpr std::size_t kMinUnusedToCompact = 1024;
   std::vector<Item> items_;
   std::vector<Row> rows_;
-  std::size_t left_behind_ = 0;  // items that belong to no row
+  std::size_t unused_ = 0;  // number of items that belong to no row
 };
 
 }  // namespace isoatlas::detail

@@ -7,8 +7,8 @@
 
 namespace isoatlas::detail {
 
-/// Sorts ids and keeps each of them once.
-inline void sort_once(std::vector<std::uint32_t>& ids) {
+/// Sorts ids and removes duplicates.
+inline void sort_unique_ids(std::vector<std::uint32_t>& ids) {
   std::sort(ids.begin(), ids.end());
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
 }

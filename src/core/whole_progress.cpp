@@ -16,14 +16,14 @@ struct Interval {
   double from, to;
 };
 
-struct Told {
-  std::string stage;  // the last one
+struct LastReport {
+  std::string stage;  // the last stage reported
   double fraction = 0, end = 0;
 };
 
-constexpr std::size_t kPiecesToAReport = 1024;
-constexpr std::string_view kGoesOn = "";  // instead of a stage
-constexpr double kStep = 1.0 / 256;       // of what a stage has left
+constexpr std::size_t kPiecesPerReport = 1024;
+constexpr std::string_view kContinues = "";  // stands for the current stage
+constexpr double kStep = 1.0 / 256;          // share of what the stage has left
 
 }  // namespace
 
@@ -37,31 +37,31 @@ RunControl with_whole_progress(const RunControl& control, std::span<const StageS
     intervals.push_back({std::string(s.stage), before / total, (before + s.share) / total});
     before += s.share;
   }
-  const auto told = std::make_shared<Told>();
-  out.progress = [tell = control.progress, intervals, told](std::string_view stage, double fraction) {
+  const auto last_report = std::make_shared<LastReport>();
+  out.progress = [report = control.progress, intervals, last_report](std::string_view stage, double fraction) {
     const auto found = std::ranges::find(intervals, stage, &Interval::stage);
-    const bool is_over = found != intervals.end() && found->to <= told->fraction;
-    if (stage == kGoesOn) {
-      told->fraction += kStep * (told->end - told->fraction);
+    const bool is_over = found != intervals.end() && found->to <= last_report->fraction;
+    if (stage == kContinues) {
+      last_report->fraction += kStep * (last_report->end - last_report->fraction);
     } else if (!is_over) {
-      told->stage = stage;
+      last_report->stage = stage;
       if (found != intervals.end()) {
-        told->fraction = std::max(told->fraction, found->from + std::clamp(fraction, 0.0, 1.0) * (found->to - found->from));
-        told->end = found->to;
+        last_report->fraction = std::max(last_report->fraction, found->from + std::clamp(fraction, 0.0, 1.0) * (found->to - found->from));
+        last_report->end = found->to;
       }
     }
-    tell(told->stage, told->fraction);
+    report(last_report->stage, last_report->fraction);
   };
   return out;
 }
 
-void report_going_on(const RunControl& control) { control.report(kGoesOn, 0); }
+void report_continuing(const RunControl& control) { control.report(kContinues, 0); }
 
-void for_each_piece_going_on(std::size_t n, std::size_t grain, const RunControl* control,
-                             const std::function<void(std::size_t, std::size_t)>& body) {
-  const std::size_t block = kPiecesToAReport * grain;
+void for_each_piece_reporting(std::size_t n, std::size_t grain, const RunControl* control,
+                              const std::function<void(std::size_t, std::size_t)>& body) {
+  const std::size_t block = kPiecesPerReport * grain;
   for (std::size_t first = 0; first < n; first += block) {
-    if (first > 0 && control != nullptr) report_going_on(*control);
+    if (first > 0 && control != nullptr) report_continuing(*control);
     for_each_piece(std::min(block, n - first), grain, [&](std::size_t begin, std::size_t end) { body(first + begin, first + end); });
   }
 }
@@ -69,8 +69,8 @@ void for_each_piece_going_on(std::size_t n, std::size_t grain, const RunControl*
 RunControl without_stages(const RunControl& control) {
   RunControl out = control;
   if (!control.progress) return out;
-  out.progress = [tell = control.progress](std::string_view stage, double fraction) {
-    if (stage == kGoesOn) tell(stage, fraction);
+  out.progress = [report = control.progress](std::string_view stage, double fraction) {
+    if (stage == kContinues) report(stage, fraction);
   };
   return out;
 }

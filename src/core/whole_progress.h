@@ -10,26 +10,28 @@
 
 namespace isoatlas::detail {
 
-/// A stage of a computation, and how long it takes beside the others.
+/// A stage of a computation, and its duration relative to the others.
 struct StageShare {
   std::string_view stage;
   double share;
 };
 
-/// The same control, but it reports the fraction of the whole computation instead of that of a stage. The fraction never falls, even if a
-/// stage reports less than before. A stage that is not in `stages`, or is over, counts as part of the stage before it.
+/// Returns a control that reports the fraction of the whole computation instead of that of a stage.
+/// The fraction never decreases, even if a stage reports less than before. A stage that is not in
+/// `stages`, or has ended, counts as part of the previous one.
 RunControl with_whole_progress(const RunControl& control, std::span<const StageShare> stages);
 
-/// Says that the stage that was reported last goes on, for work of which nobody knows how much there is: the fraction of the whole
-/// computation rises by a small share of what that stage has left.
-void report_going_on(const RunControl& control);
+/// Reports that the current stage continues, for work of unknown extent: the fraction of the whole
+/// computation increases by a small share of what the stage has left.
+void report_continuing(const RunControl& control);
 
-/// for_each_piece() for loops that may take long: says from time to time that the work goes on.
-/// @param control  none: nobody is told
-void for_each_piece_going_on(std::size_t n, std::size_t grain, const RunControl* control,
-                             const std::function<void(std::size_t, std::size_t)>& body);
+/// for_each_piece() for long loops: regularly reports that the current stage continues.
+/// @param control  none: nothing is reported
+void for_each_piece_reporting(std::size_t n, std::size_t grain, const RunControl* control,
+                              const std::function<void(std::size_t, std::size_t)>& body);
 
-/// The same control for work that is part of a stage and has reports of its own: only report_going_on() comes through.
+/// Returns a control for work that is part of a stage and has reports of its own: only
+/// report_continuing() is passed on.
 RunControl without_stages(const RunControl& control);
 
 }  // namespace isoatlas::detail

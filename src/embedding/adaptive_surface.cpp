@@ -17,21 +17,22 @@
 namespace isoatlas::detail {
 namespace {
 
-// Along how many axes a point is on a layer of samples: none inside a cell, one on a wall, two on an edge.
-int whole_coordinates(Vec3 p) { return (p.x == std::floor(p.x)) + (p.y == std::floor(p.y)) + (p.z == std::floor(p.z)); }
+// Number of axes along which a point is on a layer of samples: 0 inside a grid cell, 1 on a wall, 2
+// on an edge.
+int integer_coordinates(Vec3 p) { return (p.x == std::floor(p.x)) + (p.y == std::floor(p.y)) + (p.z == std::floor(p.z)); }
 
-using Cell = WatchedCells::Cell;
+using GridCell = CheckedCells::GridCell;
 constexpr std::size_t kPerPiece = 8192;  // c-vertices or faces, of a parallel loop
 
-Cell cell_of(Vec3 p) { return {std::floor(p.x), std::floor(p.y), std::floor(p.z)}; }
-// Of a face that lies in one cell.
-Cell cell_of(const SurfaceComplex& complex, const Face& face) {
+GridCell grid_cell_of(Vec3 p) { return {std::floor(p.x), std::floor(p.y), std::floor(p.z)}; }
+// The grid cell of a face that lies in one.
+GridCell grid_cell_of(const SurfaceComplex& complex, const Face& face) {
   Vec3 sum;
   for (int k = 0; k < face.size(); ++k) sum = sum + complex.positions[face.corner[k]];
-  return cell_of((1.0 / face.size()) * sum);
+  return grid_cell_of((1.0 / face.size()) * sum);
 }
 
-void sort_unique(std::vector<Cell>& cells) {
+void sort_unique(std::vector<GridCell>& cells) {
   std::sort(cells.begin(), cells.end());
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
 }
@@ -45,44 +46,46 @@ AdaptiveSurface::AdaptiveSurface(SurfaceComplex complex, Components components, 
       nesting_(std::move(nesting)),
       field_(std::move(field)),
       control_(without_stages(control)),
-      crowded_(complex_, field_, control_),
-      parsed_(complex_.c_vertex_count()),
-      depth_(parsed_, 0) {
-  for_each_index(parsed_, kPerPiece, [&](std::size_t v) { complex_.positions[v] = rounded(complex_.positions[v]); });
-  found_ = complex_.positions;
-  report_going_on(control_);
-  crowded_.separate(complex_, control_);
-  report_going_on(control_);
-  watch();
+      multi_sheet_cells_(complex_, field_, control_),
+      parsed_count_(complex_.c_vertex_count()),
+      depth_(parsed_count_, 0) {
+  for_each_index(parsed_count_, kPerPiece, [&](std::size_t v) { complex_.positions[v] = rounded(complex_.positions[v]); });
+  original_positions_ = complex_.positions;
+  report_continuing(control_);
+  multi_sheet_cells_.separate(complex_, control_);
+  report_continuing(control_);
+  update_checked_cells();
 }
 
-// C-vertices inside a cell roam: what is there is a cone about them, or the cell is watched. So do nodes, on their edges, and points on
-// walls, once all faces around them are fans or pieces and the cells beside them are cones or watched.
-void AdaptiveSurface::watch() {
+// C-vertices inside a grid cell are movable: the surface there is a cone about them, or the grid
+// cell is checked. Nodes are movable on their edges, and points on their walls, once all faces
+// around them are fans or pieces and the adjacent grid cells contain cones or are checked.
+void AdaptiveSurface::update_checked_cells() {
   const std::uint32_t n = complex_.c_vertex_count();
-  const std::vector<Fineness> now = fineness();
-  std::vector<std::uint8_t> is_watched(n, 0);  // in a cell that will be, if inside a cell
+  const std::vector<Fineness> current = fineness();
+  std::vector<std::uint8_t> is_in_checked_cell(n, 0);  // inside a multi-sheet grid cell, which will be checked
   std::vector<std::uint8_t> in_two_curves(n, 0);
-  held_.assign(n, 0);
+  fixed_.assign(n, 0);
   CancelPoll poll(control_);
   for_each_index(n, kPerPiece, &control_, [&](std::size_t i) {
     const auto v = static_cast<CVertexId>(i);
-    const int whole = whole_coordinates(complex_.positions[v]);
+    const int whole = integer_coordinates(complex_.positions[v]);
     in_two_curves[v] = whole == 1 && has_two_curves(field_, complex_.positions[v]);
-    const bool parsed_on_border = v < parsed_ && whole == 1 && !in_two_curves[v];
-    held_[v] = whole > 0 && now[v] == Fineness::faces && !parsed_on_border;
-    is_watched[v] = whole == 0 && crowded_.contains(v);
+    const bool parsed_on_border = v < parsed_count_ && whole == 1 && !in_two_curves[v];
+    fixed_[v] = whole > 0 && current[v] == Fineness::faces && !parsed_on_border;
+    is_in_checked_cell[v] = whole == 0 && multi_sheet_cells_.contains(v);
   });
   control_.check_cancelled();
-  std::vector<Cell> cells = deep_cells_;
-  const auto add_inside = [&](const Face& face, std::vector<CVertexId>& found) {  // such cells
+  std::vector<GridCell> cells = cells_with_small_pieces_;
+  const auto add_inside = [&](const Face& face, std::vector<CVertexId>& found) {  // finds c-vertices inside such grid cells
     const int size = face.size();
     const auto end = face.corner.begin() + size;
-    if (std::none_of(face.corner.begin(), end, [&](CVertexId v) { return in_two_curves[v] || is_watched[v]; })) return;
+    if (std::none_of(face.corner.begin(), end, [&](CVertexId v) { return in_two_curves[v] || is_in_checked_cell[v]; })) return;
     for (int k = 0; k < size; ++k) {
       const CVertexId v = face.corner[k];
-      if (whole_coordinates(complex_.positions[v]) > 0) continue;
-      if (in_two_curves[face.corner[(k + 1) % size]] || in_two_curves[face.corner[(k + 2) % size]] || is_watched[v]) found.push_back(v);
+      if (integer_coordinates(complex_.positions[v]) > 0) continue;
+      if (in_two_curves[face.corner[(k + 1) % size]] || in_two_curves[face.corner[(k + 2) % size]] || is_in_checked_cell[v])
+        found.push_back(v);
     }
   };
   std::vector<CVertexId> inside =
@@ -93,61 +96,61 @@ void AdaptiveSurface::watch() {
   control_.check_cancelled();
   std::sort(inside.begin(), inside.end());
   inside.erase(std::unique(inside.begin(), inside.end()), inside.end());
-  for (const CVertexId v : inside) cells.push_back(cell_of(complex_.positions[v]));
-  if (!deep_cells_.empty()) {  // only these have c-vertices that came with a subdivision
+  for (const CVertexId v : inside) cells.push_back(grid_cell_of(complex_.positions[v]));
+  if (!cells_with_small_pieces_.empty()) {  // only these have c-vertices added by a subdivision
     inside.clear();
     for (CVertexId v = 0; v < n; ++v) {
-      if (whole_coordinates(complex_.positions[v]) == 0) inside.push_back(v);
+      if (integer_coordinates(complex_.positions[v]) == 0) inside.push_back(v);
     }
   }
   control_.check_cancelled();
   sort_unique(cells);
   control_.check_cancelled();
-  // Cells with faces that are not even fans cannot be watched.
-  std::vector<Cell> closed;
+  // Grid cells with faces that are not even fans cannot be checked.
+  std::vector<GridCell> unsplit;
   for (const CVertexId v : inside) {
     poll.step();
-    if (now[v] != Fineness::faces) continue;
-    const Cell cell = cell_of(complex_.positions[v]);
-    if (std::binary_search(cells.begin(), cells.end(), cell)) closed.push_back(cell);
+    if (current[v] != Fineness::faces) continue;
+    const GridCell cell = grid_cell_of(complex_.positions[v]);
+    if (std::binary_search(cells.begin(), cells.end(), cell)) unsplit.push_back(cell);
   }
-  sort_unique(closed);
-  is_closed_.assign(n, 0);
+  sort_unique(unsplit);
+  is_in_unsplit_cell_.assign(n, 0);
   for_each_index(inside.size(), kPerPiece, &control_, [&](std::size_t i) {
-    is_closed_[inside[i]] = std::binary_search(closed.begin(), closed.end(), cell_of(complex_.positions[inside[i]]));
+    is_in_unsplit_cell_[inside[i]] = std::binary_search(unsplit.begin(), unsplit.end(), grid_cell_of(complex_.positions[inside[i]]));
   });
   for (const Face& face : complex_.faces) {
-    if (std::none_of(face.corner.begin(), face.corner.begin() + face.size(), [&](CVertexId v) { return is_closed_[v]; })) continue;
-    for (int k = 0; k < face.size(); ++k) held_[face.corner[k]] |= whole_coordinates(complex_.positions[face.corner[k]]) > 0;
+    if (std::none_of(face.corner.begin(), face.corner.begin() + face.size(), [&](CVertexId v) { return is_in_unsplit_cell_[v]; })) continue;
+    for (int k = 0; k < face.size(); ++k) fixed_[face.corner[k]] |= integer_coordinates(complex_.positions[face.corner[k]]) > 0;
   }
-  report_going_on(control_);
-  std::vector<Cell> open;
-  std::set_difference(cells.begin(), cells.end(), closed.begin(), closed.end(), std::back_inserter(open));
-  watched_ = WatchedCells(complex_, open, control_);
+  report_continuing(control_);
+  std::vector<GridCell> checkable;
+  std::set_difference(cells.begin(), cells.end(), unsplit.begin(), unsplit.end(), std::back_inserter(checkable));
+  checked_cells_ = CheckedCells(complex_, checkable, control_);
 }
 
-std::vector<CVertexId> AdaptiveSurface::stray(std::span<const CVertexId> moved, std::span<const Vec3> before, std::span<Vec3> positions,
-                                              std::span<const CVertexId> look) const {
+std::vector<CVertexId> AdaptiveSurface::find_conflicting_moves(std::span<const CVertexId> moved, std::span<const Vec3> before,
+                                                               std::span<Vec3> positions, std::span<const CVertexId> check) const {
   struct Mover {
     CVertexId v;
-    std::uint32_t number;  // in `moved`
-    bool is_back = false;
+    std::uint32_t number;  // index in `moved`
+    bool is_reverted = false;
   };
   std::vector<Mover> movers;
   movers.reserve(moved.size());
   for (std::uint32_t i = 0; i < moved.size(); ++i) movers.push_back({moved[i], i});
   std::ranges::sort(movers, {}, &Mover::v);
-  std::vector<std::pair<CVertexId, Vec3>> changed;  // what is to be undone
-  std::vector<CVertexId> out, next(look.begin(), look.end());
+  std::vector<std::pair<CVertexId, Vec3>> changed;  // positions to restore at the end
+  std::vector<CVertexId> out, next(check.begin(), check.end());
   while (!next.empty()) {
-    std::vector<CVertexId> back = watched_.meeting(next, positions, control_);
-    for (const CVertexId v : crowded_.meeting(next, positions, control_)) {
-      if (is_closed_[v]) back.push_back(v);
+    std::vector<CVertexId> reverted = checked_cells_.intersecting(next, positions, control_);
+    for (const CVertexId v : multi_sheet_cells_.intersecting(next, positions, control_)) {
+      if (is_in_unsplit_cell_[v]) reverted.push_back(v);
     }
     next.clear();
-    for (const CVertexId v : back) {
+    for (const CVertexId v : reverted) {
       const auto mover = std::ranges::lower_bound(movers, v, {}, &Mover::v);
-      if (mover == movers.end() || mover->v != v || std::exchange(mover->is_back, true)) continue;
+      if (mover == movers.end() || mover->v != v || std::exchange(mover->is_reverted, true)) continue;
       changed.emplace_back(v, std::exchange(positions[v], before[mover->number]));
       next.push_back(v);
     }
@@ -157,18 +160,19 @@ std::vector<CVertexId> AdaptiveSurface::stray(std::span<const CVertexId> moved, 
   return out;
 }
 
-// Crowded cells are divided as a whole, or not at all, so that they can be watched: also those that a face to be divided reaches into.
-std::vector<CVertexId> AdaptiveSurface::with_crowded_cells(std::span<const CVertexId> wanted) const {
+// Multi-sheet grid cells are subdivided as a whole or not at all, so that they can be checked. This
+// includes those that a face to be subdivided reaches into.
+std::vector<CVertexId> AdaptiveSurface::with_multi_sheet_cells(std::span<const CVertexId> wanted) const {
   std::vector<std::uint8_t> is_wanted(complex_.c_vertex_count(), 0);
   for (const CVertexId v : wanted) is_wanted[v] = 1;
   std::vector<CVertexId> out(wanted.begin(), wanted.end());
-  const auto want_cell_of = [&](CVertexId v) {
-    for (const CVertexId w : crowded_.beside(v)) {
+  const auto add_cell_of = [&](CVertexId v) {
+    for (const CVertexId w : multi_sheet_cells_.c_vertices_in_cell_of(v)) {
       if (std::exchange(is_wanted[w], std::uint8_t{1}) == 0) out.push_back(w);
     }
   };
   for (const CVertexId v : wanted) {
-    if (crowded_.contains(v)) want_cell_of(v);
+    if (multi_sheet_cells_.contains(v)) add_cell_of(v);
   }
   for (std::size_t before = 0; before != out.size();) {
     before = out.size();
@@ -178,24 +182,25 @@ std::vector<CVertexId> AdaptiveSurface::with_crowded_cells(std::span<const CVert
       const auto end = face.corner.begin() + face.size();
       if (std::none_of(face.corner.begin(), end, [&](CVertexId v) { return is_wanted[v]; })) continue;
       for (auto v = face.corner.begin(); v != end; ++v) {
-        if (crowded_.contains(*v)) want_cell_of(*v);
+        if (multi_sheet_cells_.contains(*v)) add_cell_of(*v);
       }
     }
   }
   return out;
 }
 
-// Those that are alone in a cell, which they may be anywhere in, while nothing around them is divided.
-void AdaptiveSurface::keep_off_walls(std::span<const CVertexId> wanted, std::span<const CVertexId> pinned) {
-  std::vector<std::uint8_t> stays(complex_.c_vertex_count(), 0);
-  for (const CVertexId v : pinned) stays[v] = 1;
+// Only c-vertices that are alone in a grid cell, where they may be anywhere as long as nothing
+// around them is subdivided.
+void AdaptiveSurface::move_off_walls(std::span<const CVertexId> wanted, std::span<const CVertexId> fixed) {
+  std::vector<std::uint8_t> is_fixed(complex_.c_vertex_count(), 0);
+  for (const CVertexId v : fixed) is_fixed[v] = 1;
   for (const Face& face : complex_.faces) {
     if (!face.is_triangle()) continue;
-    for (int k = 0; k < 3; ++k) stays[face.corner[k]] = 1;
+    for (int k = 0; k < 3; ++k) is_fixed[face.corner[k]] = 1;
   }
   for (const CVertexId v : wanted) {
     Vec3& p = complex_.positions[v];
-    if (stays[v] || crowded_.contains(v) || whole_coordinates(p) > 0) continue;
+    if (is_fixed[v] || multi_sheet_cells_.contains(v) || integer_coordinates(p) > 0) continue;
     const auto inside = [](double x) { return std::clamp(x, std::floor(x) + kWallMargin, std::floor(x) + 1 - kWallMargin); };
     const Vec3 kept = rounded({inside(p.x), inside(p.y), inside(p.z)});
     if (kept == p) continue;
@@ -204,103 +209,106 @@ void AdaptiveSurface::keep_off_walls(std::span<const CVertexId> wanted, std::spa
   }
 }
 
-// The next step for each. Where pieces become smaller, what else is in their cells has to be in pieces first, to be looked at with them.
-void AdaptiveSurface::divide(std::span<const CVertexId> wanted, std::span<const CVertexId> pinned) {
-  const std::vector<Fineness> was = fineness();
+// Subdivides the faces around each c-vertex to the next fineness. Where pieces become smaller,
+// everything else in their grid cells has to consist of pieces first, so that they can be compared.
+void AdaptiveSurface::subdivide(std::span<const CVertexId> wanted, std::span<const CVertexId> fixed) {
+  const std::vector<Fineness> old_fineness = fineness();
   touched_.clear();
-  keep_off_walls(wanted, pinned);
+  move_off_walls(wanted, fixed);
   std::vector<std::uint8_t> is_wanted(complex_.c_vertex_count(), 0);
-  for (const CVertexId v : wanted) is_wanted[v] = was[v] == Fineness::pieces;
-  std::vector<Cell> cells;
+  for (const CVertexId v : wanted) is_wanted[v] = old_fineness[v] == Fineness::pieces;
+  std::vector<GridCell> cells;
   for (const Face& face : complex_.faces) {
     const auto end = face.corner.begin() + face.size();
-    if (std::any_of(face.corner.begin(), end, [&](CVertexId v) { return is_wanted[v]; })) cells.push_back(cell_of(complex_, face));
+    if (std::any_of(face.corner.begin(), end, [&](CVertexId v) { return is_wanted[v]; })) cells.push_back(grid_cell_of(complex_, face));
   }
   control_.check_cancelled();
   sort_unique(cells);
-  std::vector<Fineness> now = was;
-  for (;; now = fineness()) {
-    std::vector<CVertexId> coarser;
+  std::vector<Fineness> current = old_fineness;
+  for (;; current = fineness()) {
+    std::vector<CVertexId> not_in_pieces;
     for (CVertexId v = 0; v < complex_.c_vertex_count() && !cells.empty(); ++v) {
       const Vec3 p = complex_.positions[v];
-      if (now[v] == Fineness::pieces || whole_coordinates(p) > 0) continue;
-      if (std::binary_search(cells.begin(), cells.end(), cell_of(p))) coarser.push_back(v);
+      if (current[v] == Fineness::pieces || integer_coordinates(p) > 0) continue;
+      if (std::binary_search(cells.begin(), cells.end(), grid_cell_of(p))) not_in_pieces.push_back(v);
     }
     control_.check_cancelled();
-    if (coarser.empty()) break;
-    report_going_on(control_);
-    divide_once(with_crowded_cells(coarser), now);
+    if (not_in_pieces.empty()) break;
+    report_continuing(control_);
+    subdivide_once(with_multi_sheet_cells(not_in_pieces), current);
   }
   std::vector<CVertexId> left;
-  std::copy_if(wanted.begin(), wanted.end(), std::back_inserter(left), [&](CVertexId v) { return now[v] == was[v]; });
-  divide_once(with_crowded_cells(left), now);
-  report_going_on(control_);
-  watch();
+  std::copy_if(wanted.begin(), wanted.end(), std::back_inserter(left), [&](CVertexId v) { return current[v] == old_fineness[v]; });
+  subdivide_once(with_multi_sheet_cells(left), current);
+  report_continuing(control_);
+  update_checked_cells();
 }
 
-void AdaptiveSurface::divide_once(std::span<const CVertexId> wanted, const std::vector<Fineness>& was) {
+void AdaptiveSurface::subdivide_once(std::span<const CVertexId> wanted, const std::vector<Fineness>& old_fineness) {
   const CVertexId before = complex_.c_vertex_count();
-  int deepest = 0;
-  for (const CVertexId v : wanted) deepest = std::max(deepest, depth_[v] + 1);
-  const Subdivision divided = subdivide_in_place(complex_, wanted, was, {field_, crowded_.flags(), &control_});
-  report_going_on(control_);
-  touched_.insert(touched_.end(), divided.touched.begin(), divided.touched.end());
+  int new_depth = 0;
+  for (const CVertexId v : wanted) new_depth = std::max(new_depth, depth_[v] + 1);
+  const Subdivision subdivision = subdivide_in_place(complex_, wanted, old_fineness, {field_, multi_sheet_cells_.flags(), &control_});
+  report_continuing(control_);
+  touched_.insert(touched_.end(), subdivision.touched.begin(), subdivision.touched.end());
   std::vector<ComponentId> component;
   std::vector<std::uint8_t> depth;
-  for (const CVertexId from : divided.origin) {
+  for (const CVertexId from : subdivision.origin) {
     component.push_back(components_.of_c_vertex[from]);
-    depth.push_back(static_cast<std::uint8_t>(std::min(deepest, depth_[from] + 1)));
+    depth.push_back(static_cast<std::uint8_t>(std::min(new_depth, depth_[from] + 1)));
   }
   append(components_.of_c_vertex, component.begin(), component.end());
   append(depth_, depth.begin(), depth.end());
-  append(found_, complex_.positions.begin() + before, complex_.positions.end());
-  divided_ += wanted.size();
-  added_ += divided.origin.size();
-  if (!divided.origin.empty()) deepest_ = std::max(deepest_, deepest);
-  if (std::any_of(wanted.begin(), wanted.end(), [&](CVertexId v) { return was[v] == Fineness::pieces; }))
-    flatten_where_pieces_meet(divided, before);
+  append(original_positions_, complex_.positions.begin() + before, complex_.positions.end());
+  subdivision_count_ += wanted.size();
+  added_count_ += subdivision.origin.size();
+  if (!subdivision.origin.empty()) max_depth_ = std::max(max_depth_, new_depth);
+  if (std::any_of(wanted.begin(), wanted.end(), [&](CVertexId v) { return old_fineness[v] == Fineness::pieces; }))
+    flatten_intersecting_pieces(subdivision, before);
 }
 
-// Pieces of flat triangles that are flat themselves meet no more than the triangles do. So wherever pieces of one cell meet, the new
-// points there go back to the middles of their sides.
-void AdaptiveSurface::flatten_where_pieces_meet(const Subdivision& divided, CVertexId first_new) {
-  const auto is_middle = [&](CVertexId v) { return v >= first_new && divided.between[v - first_new][0] != kNone; };
-  std::vector<std::pair<Cell, Triangle>> pieces;  // of the cells with such points
+// Pieces of flat triangles that are flat themselves intersect no more than the triangles do. So
+// wherever pieces in one grid cell intersect, its new points go back to the midpoints of their
+// sides.
+void AdaptiveSurface::flatten_intersecting_pieces(const Subdivision& subdivision, CVertexId first_new) {
+  const auto is_midpoint = [&](CVertexId v) { return v >= first_new && subdivision.between[v - first_new][0] != kNone; };
+  std::vector<std::pair<GridCell, Triangle>> pieces;  // of the grid cells with such points
   CancelPoll poll(control_);
-  const auto has_middle = [&](const Face& face) { return std::any_of(face.corner.begin(), face.corner.begin() + 3, is_middle); };
-  std::vector<Cell> cells;
+  const auto has_midpoint = [&](const Face& face) { return std::any_of(face.corner.begin(), face.corner.begin() + 3, is_midpoint); };
+  std::vector<GridCell> cells;
   for (const Face& face : complex_.faces) {
     poll.step();
-    if (!face.is_triangle() || !has_middle(face)) continue;
-    cells.push_back(cell_of(complex_, face));
+    if (!face.is_triangle() || !has_midpoint(face)) continue;
+    cells.push_back(grid_cell_of(complex_, face));
   }
   sort_unique(cells);
-  deep_cells_.insert(deep_cells_.end(), cells.begin(), cells.end());
-  sort_unique(deep_cells_);
+  cells_with_small_pieces_.insert(cells_with_small_pieces_.end(), cells.begin(), cells.end());
+  sort_unique(cells_with_small_pieces_);
   for (const Face& face : complex_.faces) {
     poll.step();
     if (!face.is_triangle()) continue;
-    const Cell cell = cell_of(complex_, face);
+    const GridCell cell = grid_cell_of(complex_, face);
     if (!std::binary_search(cells.begin(), cells.end(), cell)) continue;
     pieces.emplace_back(cell, Triangle{face.corner[0], face.corner[1], face.corner[2]});
   }
   control_.check_cancelled();
   std::stable_sort(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  for (bool again = true; again;) {  // a point on a wall is in two cells
+  for (bool again = true; again;) {  // repeats, because a point on a wall is in two grid cells
     again = false;
     for (std::size_t from = 0, to; from < pieces.size(); from = to) {
       to = from;
       poll.step();
       while (to < pieces.size() && pieces[to].first == pieces[from].first) ++to;
-      bool meet = false;
-      for (std::size_t i = from; i < to && !meet; ++i) {
-        for (std::size_t j = i + 1; j < to && !meet; ++j) meet = meet_beyond_shared(complex_.positions, pieces[i].second, pieces[j].second);
+      bool intersect = false;
+      for (std::size_t i = from; i < to && !intersect; ++i) {
+        for (std::size_t j = i + 1; j < to && !intersect; ++j)
+          intersect = intersect_beyond_shared_simplex(complex_.positions, pieces[i].second, pieces[j].second);
       }
-      if (!meet) continue;
+      if (!intersect) continue;
       for (std::size_t i = from; i < to; ++i) {
         for (const CVertexId v : pieces[i].second) {
-          if (!is_middle(v)) continue;
-          const auto [a, b] = divided.between[v - first_new];
+          if (!is_midpoint(v)) continue;
+          const auto [a, b] = subdivision.between[v - first_new];
           const Vec3 flat = 0.5 * (complex_.positions[a] + complex_.positions[b]);
           again = again || !(complex_.positions[v] == flat);
           complex_.positions[v] = flat;

@@ -8,12 +8,13 @@
 namespace isoatlas::detail {
 namespace {
 
-// Smaller cells help as long as they leave no more than this share of the pairs of triangles that intersect.
-constexpr double kHelps = 0.7;
+// Smaller cells count as helping while at most this share of the intersecting pairs remains.
+constexpr double kMaxRemainingShare = 0.7;
 
-// Vertices around which the mesh has to be finer for the components' orientation and nesting. @pre no self-intersections
-std::vector<CellId> misplaced(const GrowingDual& dual, const AdaptiveSurface& surface, std::span<const Vec3> positions,
-                              std::span<const Triangle> triangles, const RunControl& control) {
+// The vertices around which the mesh must be finer for the components to have the right orientation
+// and nesting. @pre no self-intersections
+std::vector<CellId> find_misplaced_vertices(const GrowingDual& dual, const AdaptiveSurface& surface, std::span<const Vec3> positions,
+                                            std::span<const Triangle> triangles, const RunControl& control) {
   std::vector<ComponentId> component_of;
   for (const CVertexId v : dual.sites_on_surface()) component_of.push_back(surface.components().of_c_vertex[v]);
   const Nesting nesting = mesh_nesting(positions, triangles, component_of, open_flags(surface.components()), control);
@@ -26,30 +27,31 @@ ResolvedIntersections resolve_intersections(GrowingDual& dual, const AdaptiveSur
                                             const RunControl& control) {
   ResolvedIntersections out;
   std::size_t pairs_before = 0;
-  for (;; out.any = true) {
+  for (;; out.has_changed = true) {
     dual.update();
-    if (dual.mend_first()) continue;
+    if (dual.repair_first()) continue;
     const std::vector<Vec3> positions = dual.positions();
     const std::vector<Triangle> triangles = dual.triangles();
     tracker.update(positions, triangles, control);
-    report_going_on(control);
+    report_continuing(control);
     Covering& covering = dual.covering();
     const std::uint32_t before = covering.site_count();
-    std::vector<CellId> cells = tracker.largest_corners(covering.reach());
+    std::vector<CellId> cells = tracker.largest_corners(covering.farthest_distances());
     const bool is_embedded = cells.empty();
-    if (is_embedded) cells = misplaced(dual, surface, positions, triangles, control);
+    if (is_embedded) cells = find_misplaced_vertices(dual, surface, positions, triangles, control);
     const std::vector<CellId> single = covering.shrink(cells);
-    covering.cover(control);  // also where what was mended first left radii too small to cover
+    covering.cover(control);  // also covers what repair_first() has left uncovered by lowering radii
     bool any = covering.site_count() > before;
-    const bool helps = any && (is_embedded || static_cast<double>(tracker.pair_count()) <= kHelps * static_cast<double>(pairs_before));
+    const bool has_helped =
+        any && (is_embedded || static_cast<double>(tracker.pair_count()) <= kMaxRemainingShare * static_cast<double>(pairs_before));
     pairs_before = tracker.pair_count();
-    if (!single.empty() && !helps) any = dual.subdivide(single) || any;
-    (is_embedded ? out.for_nesting : out.for_intersections) += dual.covering().site_count() - before;
+    if (!single.empty() && !has_helped) any = dual.subdivide(single) || any;
+    (is_embedded ? out.sites_for_nesting : out.sites_for_intersections) += dual.covering().site_count() - before;
     if (!any) return out;
   }
 }
 
-std::vector<CVertexId> subdividable(const AdaptiveSurface& surface, std::vector<CVertexId> c_vertices) {
+std::vector<CVertexId> filter_subdividable(const AdaptiveSurface& surface, std::vector<CVertexId> c_vertices) {
   const std::vector<Fineness> fineness = surface.fineness(c_vertices);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < c_vertices.size(); ++i) {

@@ -12,37 +12,42 @@
 
 namespace isoatlas::detail {
 
-/// The dual of a covering, of any level, while its self-intersections are resolved.
+/// The dual of a covering, at any level, while its self-intersections are resolved.
 class GrowingDual {
  public:
   virtual ~GrowingDual() = default;
   virtual Covering& covering() = 0;
   /// Covers, and certifies what has changed.
   virtual void update() = 0;
-  /// In sample indices, per cell; the other ones in the order of the same update.
+  /// Vertex positions per cell, in sample-index coordinates; the functions below are in the order
+  /// of the same update.
   virtual std::vector<Vec3> positions() const = 0;
   virtual std::vector<Triangle> triangles() const = 0;
   virtual std::vector<CVertexId> sites_on_surface() const = 0;
-  /// What has to be mended before intersections are looked at. @return whether there is something new to look at
-  virtual bool mend_first() { return false; }
-  /// Makes the complex finer around cells that are single c-vertices. @return whether that could be done
+  /// Repairs other faults before intersections are tested. @return whether anything has changed
+  virtual bool repair_first() { return false; }
+  /// Subdivides the complex around cells that are single c-vertices. @return whether that was
+  /// possible
   virtual bool subdivide(std::span<const CellId> single) = 0;
 };
 
 struct ResolvedIntersections {
-  std::size_t for_intersections = 0, for_nesting = 0;  ///< sites that were added
-  bool any = false;                                    ///< something has changed
+  std::size_t sites_for_intersections = 0, sites_for_nesting = 0;  ///< sites that were inserted
+  bool has_changed = false;                                        ///< something has changed
 };
 
-/// Makes cells smaller until the dual has no self-intersections and its components have the orientation and nesting of the surface. Of each
-/// pair of triangles that intersect the largest cell becomes smaller (all six: 2 to 10 % more triangles, twice as many bad ones, and a
-/// quarter less time in white noise). Where that does not help enough and cells are single c-vertices, the complex is subdivided: into
-/// pieces that stay in their grid cells, and so do not intersect. That comes last: a subdivided surface has half as many c-vertices again
-/// in an edge mask, and mostly it need not be. What cannot be resolved is left.
+/// Makes Voronoi cells smaller until the dual has no self-intersections and its components have the
+/// orientation and nesting of the surface. For each pair of intersecting triangles the largest of
+/// its cells becomes smaller. (All six instead: 2 to 10 % more triangles, twice as many badly
+/// shaped ones, and a quarter less time for white noise.) Where that does not help enough and cells
+/// are single c-vertices, the complex is subdivided into pieces that stay in their grid cells and
+/// so do not intersect. Subdivision comes last, since it adds half as many c-vertices again in an
+/// edge mask, and is mostly not needed. Intersections that cannot be resolved remain.
 ResolvedIntersections resolve_intersections(GrowingDual& dual, const AdaptiveSurface& surface, IntersectionTracker& tracker,
                                             const RunControl& control);
 
-/// The c-vertices of the surface, of these, around which faces can be subdivided into pieces that stay in their grid cells.
-std::vector<CVertexId> subdividable(const AdaptiveSurface& surface, std::vector<CVertexId> c_vertices);
+/// Those of the c-vertices around which faces can be subdivided into pieces that stay in their grid
+/// cells.
+std::vector<CVertexId> filter_subdividable(const AdaptiveSurface& surface, std::vector<CVertexId> c_vertices);
 
 }  // namespace isoatlas::detail

@@ -15,20 +15,22 @@
 namespace isoatlas::detail {
 namespace {
 
-// Points keep away from the edges of their walls and from the walls of their cells, nodes farther from the ends of their edges, since
-// other nodes may be near by on other edges: all may become vertices. (Chords of two nodes keep kWallMargin where nodes keep kNodeMargin.)
+// Points keep this distance from the edges of their walls and from the walls of their grid cells.
+// Nodes keep more distance from the ends of their edges, since there may be other nodes near them
+// on other edges: all of them may become vertices. (Chords of two nodes keep kWallMargin if nodes
+// keep kNodeMargin.)
 constexpr double kNodeMargin = 2 * kWallMargin;
 constexpr int kNewtonSteps = 3;
-constexpr double kShortest = 0.02;  // a side within a cell, steps of the sample index
+constexpr double kShortestSplitSide = 0.02;  // shortest side within a grid cell that is split; in sample-index units
 constexpr double kTowardsCurve = 0.75;
-constexpr std::size_t kFaces = 4096;  // or sides, per piece of a parallel loop
+constexpr std::size_t kFacesPerPiece = 4096;  // faces or sides per piece of a parallel loop
 
 using Point = std::array<double, 3>;
 Point as_array(Vec3 p) { return {p.x, p.y, p.z}; }
 Vec3 as_vector(const Point& p) { return {p[0], p[1], p[2]}; }
-bool is_whole(double x) { return x == std::floor(x); }
+bool is_integer(double x) { return x == std::floor(x); }
 
-// The smallest whole box around some points.
+// The smallest box with integer corners around some points.
 struct Box {
   Point low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
   void include(Vec3 position) {
@@ -47,20 +49,21 @@ Box box_of(const SurfaceComplex& complex, const Face& face) {
   return box;
 }
 
-// A side of a face that is to be divided.
+// A side of a face that is to be split.
 struct Side {
   CVertexId a, b;  // a < b
-  Vec3 node;       // of one of its faces, if it crosses a wall
+  Vec3 node;       // the node of one of its faces, if it crosses a wall
   bool same_as(const Side& o) const { return a == o.a && b == o.b; }
 };
 
-// The field on the wall that a point is on, from its four corners: bilinear, as parsing saw it.
+// The field on the wall that a point is on, bilinear in the wall's four corners, as parsing uses
+// it.
 class BilinearWall {
  public:
   BilinearWall(const InterpolatedField& field, Vec3 point) : low_(as_array(point)) {
     std::size_t k = 0;
     for (std::size_t a = 0; a < 3; ++a) {
-      if (!is_whole(low_[a]) && k < 2) along_[k++] = a;
+      if (!is_integer(low_[a]) && k < 2) along_[k++] = a;
       low_[a] = std::floor(low_[a]);
     }
     for (k = 0; k < 4; ++k) {
@@ -69,7 +72,7 @@ class BilinearWall {
       corner[along_[1]] += static_cast<double>(k >> 1);
       f_[k] = field.at_sample(as_vector(corner));
     }
-    f_ = tamed(f_);
+    f_ = rescaled(f_);
   }
 
   double value(Vec3 point) const {
@@ -78,7 +81,8 @@ class BilinearWall {
     return (1 - v) * ((1 - u) * f_[0] + u * f_[1]) + v * ((1 - u) * f_[2] + u * f_[3]);
   }
 
-  // Signs alternate: the surface's two curves each cut off one corner, or two.
+  // Signs alternate: two curves of the surface cross the wall, each around one of two opposite
+  // corners.
   bool has_two_curves() const {
     const auto inside = [&](std::size_t k) { return f_[k] >= 0; };
     return inside(0) == inside(3) && inside(1) == inside(2) && inside(0) != inside(1);
@@ -97,10 +101,11 @@ bool crosses_wall(const SurfaceComplex& complex, CVertexId a, CVertexId b) {
   return !box.is_in_one_cell();
 }
 
-// Whether a side that crosses a wall has to be divided there for its faces to be pieces of cones: else these could meet others.
+// Whether a side that crosses a wall must be split there so that its faces are pieces of cones;
+// otherwise they might intersect others.
 bool needs_point_on_wall(const SurfaceComplex& complex, const SurfaceInGrid& in, CVertexId a, CVertexId b) {
-  const auto is_crowded = [&](CVertexId v) { return v < in.crowded.size() && in.crowded[v] != 0; };
-  if (is_crowded(a) || is_crowded(b)) return true;
+  const auto is_multi_sheet = [&](CVertexId v) { return v < in.multi_sheet.size() && in.multi_sheet[v] != 0; };
+  if (is_multi_sheet(a) || is_multi_sheet(b)) return true;
   const Point p = as_array(complex.positions[a]), q = as_array(complex.positions[b]);
   Point on_wall;
   int walls = 0;
@@ -125,57 +130,58 @@ Fineness fineness_of(const SurfaceComplex& complex, const SurfaceInGrid& in, con
 
 class Subdivider {
  public:
-  Subdivider(const SurfaceComplex& complex, std::span<const CVertexId> wanted, std::span<const Fineness> now, const SurfaceInGrid& in)
-      : complex_(complex), in_(in), field_(in.field), poll_(in.control), wanted_(complex.c_vertex_count(), Want::nothing) {
+  Subdivider(const SurfaceComplex& complex, std::span<const CVertexId> wanted, std::span<const Fineness> current, const SurfaceInGrid& in)
+      : complex_(complex), in_(in), field_(in.field), poll_(in.control), targets_(complex.c_vertex_count(), Target::nothing) {
     for (const CVertexId v : wanted) {
-      wanted_[v] = now[v] == Fineness::faces ? Want::fans : now[v] == Fineness::fans ? Want::pieces : Want::smaller_pieces;
+      targets_[v] = current[v] == Fineness::faces ? Target::fans : current[v] == Fineness::fans ? Target::pieces : Target::smaller_pieces;
     }
-    // At a node it is the sides opposite to it that cross walls.
-    std::vector<std::pair<CVertexId, Want>> opposite;
+    // For a node, the sides opposite to it are the ones that cross walls.
+    std::vector<std::pair<CVertexId, Target>> opposite;
     for (const Face& face : complex.faces) {
       poll_.step();
       if (!face.is_triangle()) continue;
       const auto& c = face.corner;
       for (std::size_t k = 0; k < 3; ++k) {
         const CVertexId a = c[(k + 1) % 3];
-        const Want want = std::min(wanted_[c[k]], Want::pieces);
-        if (want > wanted_[a] && now[a] != Fineness::pieces && crosses_wall(complex, a, c[(k + 2) % 3])) opposite.emplace_back(a, want);
+        const Target target = std::min(targets_[c[k]], Target::pieces);
+        if (target > targets_[a] && current[a] != Fineness::pieces && crosses_wall(complex, a, c[(k + 2) % 3]))
+          opposite.emplace_back(a, target);
       }
     }
-    for (const auto& [v, want] : opposite) wanted_[v] = std::max(wanted_[v], want);
+    for (const auto& [v, target] : opposite) targets_[v] = std::max(targets_[v], target);
   }
 
   Subdivision run() {
     out_.complex = complex_;
     find_sides();
-    std::vector<Vec3> middles(sides_.size());
-    for_each_index(sides_.size(), kFaces, in_.control, [&](std::size_t i) { middles[i] = middle(sides_[i]); });
+    std::vector<Vec3> midpoints(sides_.size());
+    for_each_index(sides_.size(), kFacesPerPiece, in_.control, [&](std::size_t i) { midpoints[i] = midpoint(sides_[i]); });
     for (std::size_t i = 0; i < sides_.size(); ++i) {
       poll_.step();
-      add_c_vertex(middles[i], sides_[i].a, sides_[i].is_boundary);
+      add_c_vertex(midpoints[i], sides_[i].a, sides_[i].is_boundary);
       if (!sides_[i].crosses) out_.between.back() = {sides_[i].a, sides_[i].b};
     }
     for (FaceId f = 0; f < complex_.face_count(); ++f) {
       poll_.step();
-      if (is_divided(complex_.faces[f])) divide(f);
+      if (is_split(complex_.faces[f])) split_face(f);
     }
-    divide_boundary();
+    split_boundary();
     checked_id(out_.complex.faces.size(), "faces");
     return std::move(out_);
   }
 
  private:
-  enum class Want : std::uint8_t { nothing, fans, pieces, smaller_pieces };
+  enum class Target : std::uint8_t { nothing, fans, pieces, smaller_pieces };
 
-  struct DividedSide {
+  struct SplitSide {
     CVertexId a, b;
     Vec3 first_node, second_node;
     bool crosses, is_boundary;
   };
 
-  bool is_divided(const Face& face) const {
+  bool is_split(const Face& face) const {
     bool any = false;
-    for (int k = 0; k < face.size(); ++k) any = any || wanted_[face.corner[k]] != Want::nothing;
+    for (int k = 0; k < face.size(); ++k) any = any || targets_[face.corner[k]] != Target::nothing;
     if (!any) return false;
     if (!face.is_triangle()) return true;
     for (int k = 0; k < face.size(); ++k) {
@@ -184,12 +190,12 @@ class Subdivider {
     return false;
   }
   bool is_marked(CVertexId a, CVertexId b) const {
-    const Want most = std::max(wanted_[a], wanted_[b]);
-    if (most == Want::nothing) return false;
-    if (crosses_wall(complex_, a, b)) return most >= Want::pieces || needs_point_on_wall(complex_, in_, a, b);
-    // What is not in one cell yet is divided at walls first.
-    return most == Want::smaller_pieces &&
-           squared_distance(complex_.positions[a], complex_.positions[b], {1, 1, 1}) > kShortest * kShortest;
+    const Target largest = std::max(targets_[a], targets_[b]);
+    if (largest == Target::nothing) return false;
+    if (crosses_wall(complex_, a, b)) return largest >= Target::pieces || needs_point_on_wall(complex_, in_, a, b);
+    // Triangles that are not in one grid cell yet are split at walls first.
+    return largest == Target::smaller_pieces &&
+           squared_distance(complex_.positions[a], complex_.positions[b], {1, 1, 1}) > kShortestSplitSide * kShortestSplitSide;
   }
 
   CVertexId add_c_vertex(Vec3 position, CVertexId origin, bool on_boundary) {
@@ -214,54 +220,58 @@ class Subdivider {
 
   // Every marked side once, with the nodes of its one or two faces.
   void find_sides() {
-    std::vector<Side> found = collect_pieces<Side>(complex_.face_count(), kFaces, [&](std::size_t begin, std::size_t end, auto& sides) {
-      if (in_.control != nullptr) in_.control->check_cancelled();
-      for (std::size_t f = begin; f < end; ++f) {
-        if (is_divided(complex_.faces[f])) add_sides(complex_.faces[f], sides);
-      }
-    });
+    std::vector<Side> found =
+        collect_pieces<Side>(complex_.face_count(), kFacesPerPiece, [&](std::size_t begin, std::size_t end, auto& sides) {
+          if (in_.control != nullptr) in_.control->check_cancelled();
+          for (std::size_t f = begin; f < end; ++f) {
+            if (is_split(complex_.faces[f])) add_sides(complex_.faces[f], sides);
+          }
+        });
     if (in_.control != nullptr) in_.control->check_cancelled();
     const auto order = [](const Side& x, const Side& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); };
     std::stable_sort(found.begin(), found.end(), order);
     for (std::size_t i = 0; i < found.size();) {
-      const bool twice = i + 1 < found.size() && found[i + 1].same_as(found[i]);
-      const Side &first = found[i], &second = found[i + (twice ? 1 : 0)];
-      sides_.push_back({first.a, first.b, first.node, second.node, crosses_wall(complex_, first.a, first.b), !twice});
-      i += twice ? 2 : 1;
+      const bool has_two_faces = i + 1 < found.size() && found[i + 1].same_as(found[i]);
+      const Side &first = found[i], &second = found[i + (has_two_faces ? 1 : 0)];
+      sides_.push_back({first.a, first.b, first.node, second.node, crosses_wall(complex_, first.a, first.b), !has_two_faces});
+      i += has_two_faces ? 2 : 1;
     }
   }
 
-  // Sides along the volume's border from one grid face to the next are divided at the node, with their face.
+  // Sides along the volume's border from one grid face to the next are split at the node, together
+  // with their face.
   bool is_border(CVertexId a, CVertexId b) const {
     return complex_.on_boundary[a] && complex_.on_boundary[b] && crosses_wall(complex_, a, b);
   }
 
-  CVertexId middle_of(CVertexId a, CVertexId b) const {
+  CVertexId midpoint_of(CVertexId a, CVertexId b) const {
     if (a > b) std::swap(a, b);
     const auto at =
         std::lower_bound(sides_.begin(), sides_.end(), std::pair(a, b),
-                         [](const DividedSide& s, const std::pair<CVertexId, CVertexId>& key) { return std::pair(s.a, s.b) < key; });
+                         [](const SplitSide& s, const std::pair<CVertexId, CVertexId>& key) { return std::pair(s.a, s.b) < key; });
     if (at == sides_.end() || at->a != a || at->b != b) return kNone;
     return complex_.c_vertex_count() + static_cast<CVertexId>(at - sides_.begin());
   }
 
-  // Where the surface meets the grid edge around which the face goes: a corner of a fan's triangle, of a quad found on the edge.
+  // Where the surface intersects the grid edge that the face goes around: for a triangle of a fan
+  // one of its corners, for a quad computed on the edge.
   Vec3 node_of(const Face& face) const {
     if (face.is_triangle()) {
       Vec3 best;
-      int most = -1;
+      int largest = -1;
       for (const CVertexId v : {face.corner[0], face.corner[1], face.corner[2]}) {
         const Point p = as_array(complex_.positions[v]);
-        const int whole = is_whole(p[0]) + is_whole(p[1]) + is_whole(p[2]);
-        if (whole > most) {
-          most = whole;
+        const int whole = is_integer(p[0]) + is_integer(p[1]) + is_integer(p[2]);
+        if (whole > largest) {
+          largest = whole;
           best = complex_.positions[v];
         }
       }
       return best;
     }
     const Box box = box_of(complex_, face);
-    // Around an edge along `axis` the corners are in one layer along it and in two along the others, or on the border.
+    // For an edge along `axis` the corners are in one layer along it, and in two layers (or on the
+    // border) along the other axes.
     std::size_t axis = 3;
     for (std::size_t a = 0; a < 3; ++a) {
       if (box.high[a] - box.low[a] <= 1 && !edge_is_across(face, a)) axis = axis == 3 ? a : 4;
@@ -274,17 +284,17 @@ class Subdivider {
     low[axis] += std::clamp(t, kNodeMargin, 1 - kNodeMargin);
     return as_vector(low);
   }
-  // Some corner lies on a wall normal to the axis: the edge is on the volume's border.
+  // Whether some corner is on a wall normal to the axis; then the edge is on the volume's border.
   bool edge_is_across(const Face& face, std::size_t axis) const {
     for (int k = 0; k < face.size(); ++k) {
-      if (is_whole(as_array(complex_.positions[face.corner[k]])[axis])) return true;
+      if (is_integer(as_array(complex_.positions[face.corner[k]])[axis])) return true;
     }
     return false;
   }
   double border_of(const Face& face, std::size_t axis) const {
     for (int k = 0; k < face.size(); ++k) {
       const double x = as_array(complex_.positions[face.corner[k]])[axis];
-      if (is_whole(x)) return x;
+      if (is_integer(x)) return x;
     }
     return 0;
   }
@@ -296,12 +306,13 @@ class Subdivider {
 
   double value(Vec3 p) const { return field_.at(p).value; }
 
-  Vec3 middle(const DividedSide& s) const {
+  Vec3 midpoint(const SplitSide& s) const {
     const Vec3 a = complex_.positions[s.a], b = complex_.positions[s.b];
     return s.crosses ? on_wall(s.first_node, s.second_node) : moved_onto_surface(a, b);
   }
 
-  // Half-way between two nodes of one wall, on the surface's curve from one to the other.
+  // The point half-way between two nodes of one wall, on the curve of the surface from one to the
+  // other.
   Vec3 on_wall(Vec3 first, Vec3 second) const {
     const Point n = as_array(first), m = as_array(second);
     const Vec3 chord = 0.5 * (first + second);
@@ -309,28 +320,29 @@ class Subdivider {
     std::size_t wall = 3;
     Point corner = n;
     for (std::size_t a = 0; a < 3; ++a) {
-      if (!is_whole(n[a])) along[0] = a;
-      if (!is_whole(m[a])) along[1] = a;
-      if (is_whole(n[a]) && n[a] == m[a]) wall = a;
+      if (!is_integer(n[a])) along[0] = a;
+      if (!is_integer(m[a])) along[1] = a;
+      if (is_integer(n[a]) && n[a] == m[a]) wall = a;
     }
     if (along[0] == 3 || along[1] == 3 || wall == 3 || along[0] == wall || along[1] == wall) return chord;
     const BilinearWall wall_field(field_, chord);
-    // Chords of two curves never meet; the curves are known to part only if the field on walls is the bilinear one that parsing saw.
+    // Chords of two curves never intersect. The curves themselves are only known to be disjoint if
+    // the field on walls is the bilinear one that parsing used.
     const bool cubic = field_.interpolation() == Interpolation::tricubic;
     if ((cubic || field_.supersample() > 1) && wall_field.has_two_curves()) return chord;
     Point from = as_array(chord), to = from;
-    if (along[0] == along[1]) {  // opposite edges: on the line half-way between them f is monotone
+    if (along[0] == along[1]) {  // opposite edges: f is monotone on the line half-way between them
       from[along[0]] = std::floor(n[along[0]]);
       to[along[0]] = from[along[0]] + 1;
-    } else {  // around a corner: the first crossing seen from it
+    } else {  // edges that share a corner: the first crossing as seen from the corner
       corner[along[0]] = m[along[0]];
       from = corner;
-      const Vec3 way = chord - as_vector(corner);
-      const Point w = as_array(way);
-      double longest = INFINITY;  // to where it leaves the wall's square
+      const Vec3 direction = chord - as_vector(corner);
+      const Point w = as_array(direction);
+      double longest = INFINITY;  // until it leaves the wall's square
       for (const std::size_t a : along) longest = std::min(longest, w[a] == 0 ? INFINITY : 1 / std::abs(w[a]));
       if (!std::isfinite(longest)) return chord;
-      to = as_array(as_vector(corner) + longest * way);
+      to = as_array(as_vector(corner) + longest * direction);
     }
     const Vec3 p = as_vector(from), q = as_vector(to);
     const double f0 = wall_field.value(p), f1 = wall_field.value(0.5 * (p + q)), f2 = wall_field.value(q);
@@ -338,7 +350,7 @@ class Subdivider {
     const double c = f0, b = -3 * f0 + 4 * f1 - f2, a = 2 * f0 - 4 * f1 + 2 * f2;
     double best = INFINITY;
     const auto offer = [&](double t) {
-      if (t >= 0 && t <= 1) best = std::min(best, t);  // at the ends, samples that are equal to the isovalue
+      if (t >= 0 && t <= 1) best = std::min(best, t);  // t is 0 or 1 at samples equal to the isovalue
     };
     const double discriminant = b * b - 4 * a * c;
     if (discriminant >= 0) {
@@ -354,7 +366,7 @@ class Subdivider {
       });
     }
     Vec3 found = p + best * (q - p);
-    // Of the two curves on a wall with alternating signs each keeps to its own side: they may touch.
+    // The two curves on a wall with alternating signs may touch, so each stays on its own side.
     if (along[0] != along[1]) found = chord + kTowardsCurve * (found - chord);
     Point out = as_array(found);
     for (std::size_t x = 0; x < 3; ++x) {
@@ -364,7 +376,8 @@ class Subdivider {
     return as_vector(out);
   }
 
-  // From the middle of a side within a cell a few steps of Newton's method, not out of the cell, nor out of the wall that the side is on.
+  // Starts at the midpoint of a side within a grid cell and takes a few Newton steps, without
+  // leaving the grid cell or the wall that the side is on.
   Vec3 moved_onto_surface(Vec3 a, Vec3 b) const {
     const Point pa = as_array(a), pb = as_array(b);
     std::array<bool, 3> fixed;
@@ -373,7 +386,7 @@ class Subdivider {
     box.include(a);
     box.include(b);
     for (std::size_t x = 0; x < 3; ++x) {
-      fixed[x] = is_whole(pa[x]) && pa[x] == pb[x];
+      fixed[x] = is_integer(pa[x]) && pa[x] == pb[x];
       low[x] = fixed[x] ? pa[x] : box.low[x] + kWallMargin;
       high[x] = fixed[x] ? pa[x] : box.high[x] - kWallMargin;
     }
@@ -385,8 +398,8 @@ class Subdivider {
     };
     Point p = inside(as_array(0.5 * (a + b))), best = p;
     InterpolatedField::Value f = field_.at(as_vector(p));
-    double least = std::abs(f.value);
-    for (int step = 0; step < kNewtonSteps && least > 0; ++step) {
+    double smallest = std::abs(f.value);
+    for (int step = 0; step < kNewtonSteps && smallest > 0; ++step) {
       const Point g = as_array(f.gradient);
       double slope = 0;
       for (std::size_t x = 0; x < 3; ++x) slope += fixed[x] ? 0 : g[x] * g[x] * weight[x];
@@ -394,14 +407,14 @@ class Subdivider {
       for (std::size_t x = 0; x < 3; ++x) p[x] -= fixed[x] ? 0 : f.value / slope * g[x] * weight[x];
       p = inside(p);
       f = field_.at(as_vector(p));
-      if (!(std::abs(f.value) < least)) break;
-      least = std::abs(f.value);
+      if (!(std::abs(f.value) < smallest)) break;
+      smallest = std::abs(f.value);
       best = p;
     }
     return as_vector(best);
   }
 
-  void put(FaceId f, bool& first, CVertexId a, CVertexId b, CVertexId c) {
+  void add_face(FaceId f, bool& first, CVertexId a, CVertexId b, CVertexId c) {
     const Face triangle{{a, b, c, kNone}};
     if (first) {
       out_.complex.faces[f] = triangle;
@@ -411,28 +424,28 @@ class Subdivider {
     }
   }
 
-  void divide(FaceId f) {
+  void split_face(FaceId f) {
     const Face face = complex_.faces[f];
     const int size = face.size();
     bool first = true;
     if (!face.is_triangle() && !box_of(complex_, face).is_in_one_cell()) {
-      divide_around_node(f, face);
+      split_around_node(f, face);
       return;
     }
-    if (!face.is_triangle()) {  // on an edge of the volume: the diagonal from the c-vertex inside the cell
+    if (!face.is_triangle()) {  // on an edge of the volume: split along the diagonal from the c-vertex inside the grid cell
       int from = 0;
       for (int k = 0; k < size; ++k) {
         if (!complex_.on_boundary[face.corner[k]]) from = k;
       }
       const auto corner = [&](int k) { return face.corner[(from + k) % 4]; };
-      divide_triangle(f, first, {corner(0), corner(1), corner(2)});
-      divide_triangle(f, first, {corner(0), corner(2), corner(3)});
+      split_triangle(f, first, {corner(0), corner(1), corner(2)});
+      split_triangle(f, first, {corner(0), corner(2), corner(3)});
       return;
     }
-    divide_triangle(f, first, {face.corner[0], face.corner[1], face.corner[2]});
+    split_triangle(f, first, {face.corner[0], face.corner[1], face.corner[2]});
   }
 
-  void divide_around_node(FaceId f, const Face& face) {
+  void split_around_node(FaceId f, const Face& face) {
     const Vec3 node = node_of(face);
     bool on_border = false;
     for (int k = 0; k < 4; ++k) on_border = on_border || is_border(face.corner[k], face.corner[(k + 1) % 4]);
@@ -444,61 +457,62 @@ class Subdivider {
         border_nodes_.push_back({a, b, centre});
         continue;
       }
-      const CVertexId m = middle_of(a, b);
+      const CVertexId m = midpoint_of(a, b);
       if (m == kNone) {
-        put(f, first, centre, a, b);
+        add_face(f, first, centre, a, b);
       } else {
-        put(f, first, centre, a, m);
-        put(f, first, centre, m, b);
+        add_face(f, first, centre, a, m);
+        add_face(f, first, centre, m, b);
       }
     }
   }
 
-  void divide_triangle(FaceId f, bool& first, std::array<CVertexId, 3> c) {
+  void split_triangle(FaceId f, bool& first, std::array<CVertexId, 3> c) {
     std::array<CVertexId, 3> m;
     int marked = 0;
     for (std::size_t k = 0; k < 3; ++k) {
-      m[k] = middle_of(c[k], c[(k + 1) % 3]);
+      m[k] = midpoint_of(c[k], c[(k + 1) % 3]);
       marked += m[k] != kNone;
     }
     if (marked == 0) {
-      put(f, first, c[0], c[1], c[2]);
+      add_face(f, first, c[0], c[1], c[2]);
       return;
     }
     if (marked == 3) {
-      for (std::size_t k = 0; k < 3; ++k) put(f, first, c[k], m[k], m[(k + 2) % 3]);
-      put(f, first, m[0], m[1], m[2]);
+      for (std::size_t k = 0; k < 3; ++k) add_face(f, first, c[k], m[k], m[(k + 2) % 3]);
+      add_face(f, first, m[0], m[1], m[2]);
       return;
     }
-    // Turned so that the side k = 0 is divided, of two the second one after it.
+    // Rotates the corners so that side k = 0 is split, and of two split sides the other one is side
+    // 1.
     std::size_t k = 0;
     while (m[k] == kNone || (marked == 2 && m[(k + 1) % 3] == kNone)) ++k;
     const CVertexId a = c[k], b = c[(k + 1) % 3], d = c[(k + 2) % 3], ab = m[k], bd = m[(k + 1) % 3];
     if (marked == 1) {
-      put(f, first, a, ab, d);
-      put(f, first, ab, b, d);
+      add_face(f, first, a, ab, d);
+      add_face(f, first, ab, b, d);
       return;
     }
-    put(f, first, ab, b, bd);
+    add_face(f, first, ab, b, bd);
     const auto squared = [&](CVertexId x, CVertexId y) {
       return squared_distance(out_.complex.positions[x], out_.complex.positions[y], complex_.spacing);
     };
     if (squared(a, bd) <= squared(ab, d)) {
-      put(f, first, a, ab, bd);
-      put(f, first, a, bd, d);
+      add_face(f, first, a, ab, bd);
+      add_face(f, first, a, bd, d);
     } else {
-      put(f, first, a, ab, d);
-      put(f, first, ab, bd, d);
+      add_face(f, first, a, ab, d);
+      add_face(f, first, ab, bd, d);
     }
   }
 
-  void divide_boundary() {
+  void split_boundary() {
     std::sort(border_nodes_.begin(), border_nodes_.end());
     std::vector<BoundarySide>& boundary = out_.complex.boundary;
     const std::size_t n = boundary.size();
     for (std::size_t i = 0; i < n; ++i) {
       const BoundarySide side = boundary[i];
-      CVertexId m = middle_of(side.from, side.to);
+      CVertexId m = midpoint_of(side.from, side.to);
       const auto at = std::lower_bound(border_nodes_.begin(), border_nodes_.end(), std::array<CVertexId, 3>{side.from, side.to, 0});
       if (at != border_nodes_.end() && (*at)[0] == side.from && (*at)[1] == side.to) m = (*at)[2];
       if (m == kNone) continue;
@@ -511,8 +525,8 @@ class Subdivider {
   const SurfaceInGrid& in_;
   const InterpolatedField& field_;
   CancelPoll poll_;
-  std::vector<Want> wanted_;                            // per c-vertex
-  std::vector<DividedSide> sides_;                      // sorted by their ends; the i-th has the i-th new c-vertex
+  std::vector<Target> targets_;                         // per c-vertex
+  std::vector<SplitSide> sides_;                        // sorted by their ends; the i-th has the i-th new c-vertex
   std::vector<std::array<CVertexId, 3>> border_nodes_;  // ends of a border side and the node between them
   Subdivision out_;
 };
@@ -524,7 +538,8 @@ bool has_two_curves(const InterpolatedField& field, Vec3 point) { return Bilinea
 std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGrid& in) {
   std::vector<Fineness> out(complex.c_vertex_count(), Fineness::pieces);
   std::vector<Fineness> of_face(complex.face_count());
-  for_each_index(complex.face_count(), kFaces, in.control, [&](std::size_t f) { of_face[f] = fineness_of(complex, in, complex.faces[f]); });
+  for_each_index(complex.face_count(), kFacesPerPiece, in.control,
+                 [&](std::size_t f) { of_face[f] = fineness_of(complex, in, complex.faces[f]); });
   CancelPoll poll(in.control);
   for (FaceId f = 0; f < complex.face_count(); ++f) {
     poll.step();
@@ -534,29 +549,29 @@ std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGri
   return out;
 }
 
-std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGrid& in, std::span<const CVertexId> of) {
+std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGrid& in, std::span<const CVertexId> c_vertices) {
   CancelPoll poll(in.control);
-  std::vector<std::uint8_t> is_asked(complex.c_vertex_count(), 0);
-  for (const CVertexId v : of) is_asked[v] = 1;
+  std::vector<std::uint8_t> is_listed(complex.c_vertex_count(), 0);
+  for (const CVertexId v : c_vertices) is_listed[v] = 1;
   std::vector<Fineness> all(complex.c_vertex_count(), Fineness::pieces), out;
   for (const Face& face : complex.faces) {
     const auto corners = std::span(face.corner).first(static_cast<std::size_t>(face.size()));
-    if (std::ranges::none_of(corners, [&](CVertexId v) { return is_asked[v] != 0; })) continue;
+    if (std::ranges::none_of(corners, [&](CVertexId v) { return is_listed[v] != 0; })) continue;
     poll.step();
     const Fineness f = fineness_of(complex, in, face);
     for (const CVertexId v : corners) all[v] = std::min(all[v], f);
   }
-  for (const CVertexId v : of) out.push_back(all[v]);
+  for (const CVertexId v : c_vertices) out.push_back(all[v]);
   return out;
 }
 
-Subdivision subdivide(const SurfaceComplex& complex, std::span<const CVertexId> wanted, std::span<const Fineness> now,
+Subdivision subdivide(const SurfaceComplex& complex, std::span<const CVertexId> wanted, std::span<const Fineness> current,
                       const SurfaceInGrid& in) {
-  return Subdivider(complex, wanted, now, in).run();
+  return Subdivider(complex, wanted, current, in).run();
 }
 
-ComplexPart::ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId> around, std::span<const Fineness> now,
-                         std::span<const std::uint8_t> is_crowded, const RunControl* control) {
+ComplexPart::ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId> around, std::span<const Fineness> current,
+                         std::span<const std::uint8_t> is_multi_sheet, const RunControl* control) {
   CancelPoll poll(control);
   enum : std::uint8_t { kWanted = 1, kNear = 2, kIn = 4 };
   std::vector<std::uint8_t> mark(whole.c_vertex_count(), 0);
@@ -566,7 +581,7 @@ ComplexPart::ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId>
     return std::ranges::any_of(corners(f), [&](CVertexId v) { return (mark[v] & bits) != 0; });
   };
   const auto faces_with = [&](std::uint8_t bits) {
-    return collect_pieces<FaceId>(whole.face_count(), kFaces, [&](std::size_t begin, std::size_t end, std::vector<FaceId>& found) {
+    return collect_pieces<FaceId>(whole.face_count(), kFacesPerPiece, [&](std::size_t begin, std::size_t end, std::vector<FaceId>& found) {
       if (control != nullptr) control->check_cancelled();
       for (auto f = static_cast<FaceId>(begin); f < end; ++f) {
         if (has(whole.faces[f], bits)) found.push_back(f);
@@ -591,8 +606,8 @@ ComplexPart::ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId>
     c_vertex.push_back(v);
     complex.positions.push_back(whole.positions[v]);
     complex.on_boundary.push_back(whole.on_boundary[v]);
-    fineness.push_back(now[v]);
-    crowded.push_back(v < is_crowded.size() ? is_crowded[v] : 0);
+    fineness.push_back(current[v]);
+    multi_sheet.push_back(v < is_multi_sheet.size() ? is_multi_sheet[v] : 0);
   }
   for (const CVertexId v : around) wanted.push_back(number[v]);
   for (const FaceId f : face) {
@@ -607,22 +622,22 @@ ComplexPart::ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId>
   }
 }
 
-Subdivision subdivide_in_place(SurfaceComplex& whole, std::span<const CVertexId> wanted, std::span<const Fineness> now,
+Subdivision subdivide_in_place(SurfaceComplex& whole, std::span<const CVertexId> wanted, std::span<const Fineness> current,
                                const SurfaceInGrid& in) {
   if (wanted.empty()) return {};
-  const ComplexPart part(whole, wanted, now, in.crowded, in.control);
+  const ComplexPart part(whole, wanted, current, in.multi_sheet, in.control);
   Subdivision out = part.subdivided(in);
-  const SurfaceComplex& divided = out.complex;
+  const SurfaceComplex& subdivided_part = out.complex;
   const CVertexId before = whole.c_vertex_count(), own = part.complex.c_vertex_count();
   const auto number = [&](CVertexId v) { return v == kNone ? kNone : v < own ? part.c_vertex[v] : before + (v - own); };
-  append(whole.positions, divided.positions.begin() + own, divided.positions.end());
-  append(whole.on_boundary, divided.on_boundary.begin() + own, divided.on_boundary.end());
+  append(whole.positions, subdivided_part.positions.begin() + own, subdivided_part.positions.end());
+  append(whole.on_boundary, subdivided_part.on_boundary.begin() + own, subdivided_part.on_boundary.end());
   std::vector<Face> more_faces;
-  checked_id(whole.faces.size() + divided.faces.size(), "faces");
+  checked_id(whole.faces.size() + subdivided_part.faces.size(), "faces");
   CancelPoll poll(in.control);
-  for (FaceId f = 0; f < divided.face_count(); ++f) {
+  for (FaceId f = 0; f < subdivided_part.face_count(); ++f) {
     poll.step();
-    Face face = divided.faces[f];
+    Face face = subdivided_part.faces[f];
     for (int k = 0; k < face.size(); ++k) face.corner[k] = number(face.corner[k]);
     if (f < part.face.size()) {
       Face& own_face = whole.faces[part.face[f]];
@@ -634,8 +649,8 @@ Subdivision subdivide_in_place(SurfaceComplex& whole, std::span<const CVertexId>
     }
   }
   append(whole.faces, more_faces.begin(), more_faces.end());
-  for (std::size_t i = 0; i < divided.boundary.size(); ++i) {
-    const BoundarySide side{number(divided.boundary[i].from), number(divided.boundary[i].to)};
+  for (std::size_t i = 0; i < subdivided_part.boundary.size(); ++i) {
+    const BoundarySide side{number(subdivided_part.boundary[i].from), number(subdivided_part.boundary[i].to)};
     if (i < part.side.size()) {
       whole.boundary[part.side[i]] = side;
     } else {

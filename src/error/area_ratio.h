@@ -11,11 +11,12 @@ namespace isoatlas::detail {
 
 inline bool is_at_vertex(const ClosestPoint& p) { return p.distance == 0 && (p.weight[0] == 1 || p.weight[1] == 1 || p.weight[2] == 1); }
 
-/// Both area curvatures (paper, 3.5): the area of the cell's surfels over the same areas seen along the mesh's normals,
+/// Both area curvatures (paper, 3.5): the area of the cell's surfels divided by these areas
+/// projected along the mesh's normals,
 ///   K = sum A / sum A cos(N, Nt).
-/// Infinite where the mesh faces away on the whole. A c-vertex at which a vertex of the mesh sits is on several triangles, none of
-/// them its own: it does not count.
-/// @param normal_at  of a ClosestPoint, the unit normal Nt there
+/// Infinite if the projected sum is not positive. A c-vertex at which a mesh vertex is placed lies
+/// on several triangles, none of which is its own, so it does not count.
+/// @param normal_at  returns the unit normal Nt at a ClosestPoint
 template <class NormalAt>
 double area_ratio(const CellView& cell, NormalAt normal_at) {
   double area = 0, projected = 0;

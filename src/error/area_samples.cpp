@@ -9,36 +9,37 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr int kHalvings = 18;  // of a triangle: patches of a quarter millionth of it
+constexpr int kHalvings = 18;  // of a triangle: a patch is 2^-18 of its area
 
 }  // namespace
 
 AreaSamples::AreaSamples(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::size_t count)
     : positions_(positions), triangles_(triangles), samples_(count) {
   const auto n = static_cast<std::uint32_t>(triangles.size());
-  std::vector<double> until(n);  // area up to and with this triangle
+  std::vector<double> cumulative(n);  // cumulative area, including this triangle
   for (std::uint32_t t = 0; t < n; ++t) {
     const auto [a, b, c] = triangles[t];
     area_ += 0.5 * length(cross(positions[b] - positions[a], positions[c] - positions[a]));
-    until[t] = area_;
+    cumulative[t] = area_;
   }
   double whole = area_;
   if (!(whole > 0)) {
     whole = n;
-    for (std::uint32_t t = 0; t < n; ++t) until[t] = t + 1;
+    for (std::uint32_t t = 0; t < n; ++t) cumulative[t] = t + 1;
   }
   std::uint32_t t = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const double at = (static_cast<double>(i) + 0.5) / static_cast<double>(count) * whole;
-    while (t + 1 < n && until[t] < at) ++t;
-    const double before = t == 0 ? 0 : until[t - 1];
-    samples_[i] = {t, static_cast<float>(std::clamp((at - before) / (until[t] - before), 0.0, 1.0))};
+    while (t + 1 < n && cumulative[t] < at) ++t;
+    const double before = t == 0 ? 0 : cumulative[t - 1];
+    samples_[i] = {t, static_cast<float>(std::clamp((at - before) / (cumulative[t] - before), 0.0, 1.0))};
   }
 }
 
 Vec3 AreaSamples::point(std::size_t i) const {
-  // The curve through a triangle goes from one end of its longest side to the other. Cut there, it is two curves through two
-  // triangles of half the area, which meet at the third corner; and so on.
+  // The curve through a triangle goes from one end of its longest side to the other. Bisected
+  // there, it consists of two curves through two triangles of half the area, which share the third
+  // corner, and so on recursively.
   const Triangle& corners = triangles_[samples_[i].triangle];
   Vec3 from = positions_[corners[0]], apex = positions_[corners[1]], to = positions_[corners[2]];
   const double sides[3] = {squared_length(to - from), squared_length(apex - from), squared_length(to - apex)};
@@ -47,15 +48,15 @@ Vec3 AreaSamples::point(std::size_t i) const {
   } else if (sides[2] > sides[0]) {
     std::swap(apex, from);
   }
-  float along = samples_[i].along;
+  float curve_share = samples_[i].curve_share;
   for (int k = 0; k < kHalvings; ++k) {
     const Vec3 middle = 0.5 * (from + to);
-    along *= 2;
-    if (along < 1) {
+    curve_share *= 2;
+    if (curve_share < 1) {
       to = apex;
     } else {
       from = apex;
-      along -= 1;
+      curve_share -= 1;
     }
     apex = middle;
   }

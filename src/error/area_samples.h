@@ -9,12 +9,14 @@
 
 namespace isoatlas::detail {
 
-/// Points spread evenly over triangles: each stands for the same area. Positions and triangles must outlive this.
+/// Points spread evenly over triangles: each represents the same area. Positions and triangles must
+/// outlive this.
 ///
-/// The triangles are laid one after another along a line by area, each of them filled by a Sierpinski curve; the samples are
-/// equidistant on that line. So triangles large or small are sampled alike, each sample has a compact patch of its own, and where
-/// neighbours in the list are neighbours in space, one sample is close to the next. Triangles without area count as equals if
-/// there are no others.
+/// The triangles are laid one after another along a line by area, each of them filled by a
+/// Sierpinski curve; the samples are equidistant on that line. So large and small triangles are
+/// sampled equally densely, each sample has a compact patch of its own, and if neighbours in the
+/// list are neighbours in space, consecutive samples are close to each other. Triangles without
+/// area count equally if there are no others.
 class AreaSamples {
  public:
   /// @pre at least one triangle if `count` > 0
@@ -28,7 +30,7 @@ class AreaSamples {
  private:
   struct Sample {
     std::uint32_t triangle;
-    float along;  ///< share of the triangle's curve before it
+    float curve_share;  ///< share of the triangle's curve before the sample
   };
   std::span<const Vec3> positions_;
   std::span<const Triangle> triangles_;

@@ -10,30 +10,30 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr int kRounds = 2;  // closest points are looked up anew in each
+constexpr int kRounds = 2;  // closest points are recomputed in each
 constexpr int kSweeps = 8;
-constexpr double kMostOfEdge = 0.2;  // no vertex goes farther than this share of its shortest edge
-constexpr double kLeastLean = 0.25;  // where triangles stand steeply on the normal, go slowly
+constexpr double kMaxShareOfEdge = 0.2;  // no vertex moves farther than this share of its shortest edge
+constexpr double kMinCosine = 0.25;      // damps the step where triangle and vertex normals differ strongly
 
 }  // namespace
 
-void balance(const MeasuredSurface& surface, std::span<const CellId> cells, LevelMesh& mesh, VertexPlacement& places) {
+void balance(const MeasuredSurface& surface, std::span<const CellId> cells, LevelMesh& mesh, VertexPlacement& placement) {
   const std::uint32_t all = mesh.cell_count();
-  std::vector<float>& offset = places.offset;
-  offset.resize(all, 0);
-  const auto anchor_point = [&](CellId c) { return places.base(surface.surfels, c); };
+  std::vector<float>& normal_offset = placement.normal_offset;
+  normal_offset.resize(all, 0);
+  const auto anchor_point = [&](CellId c) { return placement.base_point(surface.surfels, c); };
   std::vector<std::uint8_t> listed(all, 0), movable(all, 0);
   for (const CellId c : cells) listed[c] = 1;
   for (const CellId c : cells) {
-    bool inner = !surface.graph.on_boundary[places.anchor[c]] && places.may_move(c);
+    bool is_inner = !surface.graph.on_boundary[placement.anchor[c]] && placement.is_movable(c);
     for (const std::uint32_t t : mesh.triangles_of.row(c)) {
-      for (const CellId n : mesh.triangles[t]) inner = inner && listed[n];
+      for (const CellId n : mesh.triangles[t]) is_inner = is_inner && listed[n];
     }
-    movable[c] = inner;
+    movable[c] = is_inner;
   }
   std::vector<ClosestPoint> closest;
-  std::vector<double> pull(all), weight(all);
-  std::vector<float> most(all, 0);
+  std::vector<double> correction(all), weight(all);
+  std::vector<float> max_offset(all, 0);
   for (const CellId c : cells) {
     double squared = std::numeric_limits<double>::infinity();
     for (const std::uint32_t t : mesh.triangles_of.row(c)) {
@@ -41,38 +41,39 @@ void balance(const MeasuredSurface& surface, std::span<const CellId> cells, Leve
         if (n != c) squared = std::min(squared, squared_length(anchor_point(c) - anchor_point(n)));
       }
     }
-    most[c] = static_cast<float>(kMostOfEdge * std::sqrt(squared));
+    max_offset[c] = static_cast<float>(kMaxShareOfEdge * std::sqrt(squared));
   }
   for (int round = 0; round < kRounds; ++round) {
     find_closest(surface, mesh, cells, closest);
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
-      for (const CellId c : cells) pull[c] = weight[c] = 0;
+      for (const CellId c : cells) correction[c] = weight[c] = 0;
       std::size_t i = 0;
       for (const CellId cell : cells) {
         for (const CVertexId v : mesh.c_vertices_of.row(cell)) {
           const ClosestPoint& p = closest[i++];
           const Triangle& t = mesh.triangles[p.triangle];
           const Vec3 normal = mesh.triangle_normal[p.triangle];
-          double residual = 0;  // corner by corner, so that the weights' rounding does not count
+          double residual = 0;  // summed by corner, so that the rounding of the weights has no effect
           for (std::size_t k = 0; k < 3; ++k) {
-            const Vec3 from = places.point(surface.surfels, t[k]);
+            const Vec3 from = placement.point(surface.surfels, t[k]);
             residual += static_cast<double>(p.weight[k]) * dot(normal, surface.surfels.point[v] - from);
           }
           for (std::size_t k = 0; k < 3; ++k) {
             const CellId c = t[k];
             if (!listed[c]) continue;
-            const double lean = dot(normal, mesh.normal[c]);
+            const double cosine = dot(normal, mesh.normal[c]);
             const double w = static_cast<double>(surface.surfels.area[v] * p.weight[k]);
-            pull[c] += w * lean * residual;
-            weight[c] += w * std::max(kLeastLean, lean * lean);
+            correction[c] += w * cosine * residual;
+            weight[c] += w * std::max(kMinCosine, cosine * cosine);
           }
         }
       }
       for (const CellId c : cells) {
-        if (movable[c] && weight[c] > 0) offset[c] = std::clamp(offset[c] + static_cast<float>(pull[c] / weight[c]), -most[c], most[c]);
+        if (movable[c] && weight[c] > 0)
+          normal_offset[c] = std::clamp(normal_offset[c] + static_cast<float>(correction[c] / weight[c]), -max_offset[c], max_offset[c]);
       }
     }
-    place(mesh, surface.surfels, cells, places);
+    update_points(mesh, surface.surfels, cells, placement);
   }
 }
 

@@ -8,11 +8,12 @@
 
 namespace isoatlas::detail {
 
-/// Moves the vertices of some cells along the surface's normals at their sites, so that the mesh lies evenly on both sides of
-/// the surface: least squares over the distances of c-vertices from the planes of their closest triangles, by damped Jacobi
-/// sweeps. Vertices on the boundary, and those with a neighbour outside `cells`, stay where they are.
+/// Moves the vertices of some cells along the surface's normals at their anchors so that the mesh
+/// lies evenly on both sides of the surface: least squares over the distances of c-vertices from
+/// the planes of their closest triangles, by damped Jacobi sweeps. Vertices on the boundary, and
+/// those with a neighbour outside `cells`, are not moved.
 ///
-/// @param places offsets are the start and the result; anchors stay
-void balance(const MeasuredSurface& surface, std::span<const CellId> cells, LevelMesh& mesh, VertexPlacement& places);
+/// @param placement  its normal offsets are the start and the result; anchors do not change
+void balance(const MeasuredSurface& surface, std::span<const CellId> cells, LevelMesh& mesh, VertexPlacement& placement);
 
 }  // namespace isoatlas::detail

@@ -5,7 +5,8 @@
 
 namespace isoatlas::detail {
 
-/// Is the c-vertex on its cell's border: has it a neighbour in another cell, or is it on the surface's boundary?
+/// Whether the c-vertex is on its cell's border: it has a neighbour in another cell or is on the
+/// surface's boundary.
 inline bool is_on_border(const CellView& cell, CVertexId v) {
   if (cell.graph.on_boundary[v]) return true;
   for (const CVertexGraph::Neighbour& n : cell.graph.row(v)) {

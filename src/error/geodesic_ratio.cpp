@@ -16,7 +16,7 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr int kPieces = 6;  // an arc of 90 degrees comes out 0.3 % short
+constexpr int kPieces = 6;  // the length of a 90 degree arc comes out 0.3 % too short
 
 double section_length(const CellView& cell, Vec3 from, Vec3 to) {
   double sum = 0;
@@ -41,7 +41,7 @@ double section_length(const CellView& cell, Vec3 from, Vec3 to) {
 
 double geodesic_ratio(const CellView& cell) {
   struct Candidate {
-    double bound;  // no ratio of this c-vertex is larger
+    double bound;  // upper bound of the ratio at this c-vertex
     CVertexId c_vertex;
   };
   const Vec3 site = cell.surfels.point[cell.site];

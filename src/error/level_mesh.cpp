@@ -19,7 +19,7 @@ void set_normal(LevelMesh& mesh, std::uint32_t triangle) {
   mesh.triangle_normal[triangle] = normalized(cross(b - a, c - a));
 }
 
-// Of these triangles, in any order; some may be there several times.
+// Updates the normals of these triangles, in any order; a triangle may be listed several times.
 void set_normals(LevelMesh& mesh, std::vector<std::uint32_t> triangles) {
   std::sort(triangles.begin(), triangles.end());
   triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
@@ -28,7 +28,7 @@ void set_normals(LevelMesh& mesh, std::vector<std::uint32_t> triangles) {
 
 }  // namespace
 
-std::vector<Triangle> cells_of(std::span<const DualTriangle> dual) {
+std::vector<Triangle> to_triangles(std::span<const DualTriangle> dual) {
   std::vector<Triangle> out;
   out.reserve(dual.size());
   for (const DualTriangle& t : dual) out.push_back(t.cell);
@@ -36,7 +36,7 @@ std::vector<Triangle> cells_of(std::span<const DualTriangle> dual) {
 }
 
 LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, std::span<const DualTriangle> dual,
-                          const VertexPlacement& places, const RunControl* control) {
+                          const VertexPlacement& placement, const RunControl* control) {
   CancelPoll poll(control);
   LevelMesh mesh;
   const std::uint32_t cells = partition.cell_count();
@@ -53,14 +53,15 @@ LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, st
     for (const CellId c : t.cell) ++count[c];
   }
   mesh.triangles_of.reserve(count);
-  set_triangles(mesh, surfels, dual, places, control);
+  update_triangles(mesh, surfels, dual, placement, control);
   return mesh;
 }
 
-void set_cells(LevelMesh& mesh, const CellMembers& members, std::span<const CellId> changed) {
+void update_cells(LevelMesh& mesh, const CellMembers& members, std::span<const CellId> changed) {
   mesh.c_vertices_of.resize_rows(members.cell_count());
   mesh.triangles_of.resize_rows(
-      std::max(members.cell_count(), mesh.triangles_of.row_count()));  // those that triangles leave stay until then
+      // rows of removed cells are kept until their triangles have been removed
+      std::max(members.cell_count(), mesh.triangles_of.row_count()));
   std::vector<CVertexId> own;
   for (const CellId c : changed) {
     own.clear();
@@ -70,44 +71,45 @@ void set_cells(LevelMesh& mesh, const CellMembers& members, std::span<const Cell
   }
 }
 
-std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual,
-                                        const VertexPlacement& places, const RunControl* control) {
+std::vector<std::uint8_t> update_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual,
+                                           const VertexPlacement& placement, const RunControl* control) {
   std::vector<CellId> all(mesh.c_vertices_of.row_count());
   std::iota(all.begin(), all.end(), 0u);
-  return set_triangles(mesh, surfels, dual, places, all, control);
+  return update_triangles(mesh, surfels, dual, placement, all, control);
 }
 
-std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual,
-                                        const VertexPlacement& places, std::span<const CellId> may_have_moved, const RunControl* control) {
+std::vector<std::uint8_t> update_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual,
+                                           const VertexPlacement& placement, std::span<const CellId> may_have_moved,
+                                           const RunControl* control) {
   CancelPoll poll(control);
   const std::uint32_t cells = mesh.c_vertices_of.row_count();
-  std::vector<std::uint8_t> renewed(mesh.triangles_of.row_count(), 0);
-  const std::size_t known = mesh.point.size();
+  std::vector<std::uint8_t> changed_cells(mesh.triangles_of.row_count(), 0);
+  const std::size_t old_count = mesh.point.size();
   mesh.point.resize(cells);
   mesh.normal.resize(cells);
-  std::vector<std::uint32_t> to_renew;
+  std::vector<std::uint32_t> changed_triangles;
   std::vector<Vec3> points(may_have_moved.size());
-  for_each_index(points.size(), kPerPiece, control, [&](std::size_t i) { points[i] = places.point(surfels, may_have_moved[i]); });
-  std::vector<CellId> moved;
+  for_each_index(points.size(), kPerPiece, control, [&](std::size_t i) { points[i] = placement.point(surfels, may_have_moved[i]); });
+  std::vector<CellId> moved_cells;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const CellId c = may_have_moved[i];
-    mesh.normal[c] = surfels.normal[places.anchor[c]];
-    if (c < known && points[i] == mesh.point[c]) continue;
+    mesh.normal[c] = surfels.normal[placement.anchor[c]];
+    if (c < old_count && points[i] == mesh.point[c]) continue;
     poll.step();
     mesh.point[c] = points[i];
-    moved.push_back(c);
+    moved_cells.push_back(c);
   }
-  const auto renew = [&](std::uint32_t t) {
-    to_renew.push_back(t);
-    for (const CellId c : mesh.triangles[t]) renewed[c] = 1;
+  const auto mark_changed = [&](std::uint32_t t) {
+    changed_triangles.push_back(t);
+    for (const CellId c : mesh.triangles[t]) changed_cells[c] = 1;
   };
-  const auto leave_rows = [&](std::uint32_t t) {
+  const auto erase_from_rows = [&](std::uint32_t t) {
     for (const CellId c : mesh.triangles[t]) {
       mesh.triangles_of.erase(c, t);
-      renewed[c] = 1;
+      changed_cells[c] = 1;
     }
   };
-  for (auto t = static_cast<std::uint32_t>(dual.size()); t < mesh.triangles.size(); ++t) leave_rows(t);
+  for (auto t = static_cast<std::uint32_t>(dual.size()); t < mesh.triangles.size(); ++t) erase_from_rows(t);
   const std::size_t before = std::min(mesh.triangles.size(), dual.size());
   mesh.triangles.resize(dual.size());
   mesh.triangle_normal.resize(dual.size());
@@ -115,29 +117,29 @@ std::vector<std::uint8_t> set_triangles(LevelMesh& mesh, const Surfels& surfels,
     const auto& cell = dual[t].cell;
     if (t < before) {
       if (mesh.triangles[t] == cell) continue;
-      leave_rows(t);
+      erase_from_rows(t);
     }
     poll.step();
     mesh.triangles[t] = cell;
     for (const CellId c : cell) mesh.triangles_of.push_back(c, t);
-    renew(t);
+    mark_changed(t);
   }
-  for (const CellId c : moved) {
+  for (const CellId c : moved_cells) {
     poll.step();
-    for (const std::uint32_t t : mesh.triangles_of.row(c)) renew(t);
+    for (const std::uint32_t t : mesh.triangles_of.row(c)) mark_changed(t);
   }
-  set_normals(mesh, std::move(to_renew));
+  set_normals(mesh, std::move(changed_triangles));
   mesh.triangles_of.resize_rows(cells);
-  renewed.resize(cells);
-  return renewed;
+  changed_cells.resize(cells);
+  return changed_cells;
 }
 
-void edit_mesh(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> triangles, const VertexPlacement& places,
-               const MeshEdit& edit, const RunControl* control) {
+void apply_edit(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> triangles, const VertexPlacement& placement,
+                const MeshEdit& edit, const RunControl* control) {
   CancelPoll poll(control);
   for (const CellId c : edit.vertices) {
-    mesh.normal[c] = surfels.normal[places.anchor[c]];
-    mesh.point[c] = places.point(surfels, c);
+    mesh.normal[c] = surfels.normal[placement.anchor[c]];
+    mesh.point[c] = placement.point(surfels, c);
   }
   for (const std::uint32_t t : edit.triangles) {
     poll.step();
@@ -152,14 +154,14 @@ void edit_mesh(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTria
   }
 }
 
-void place(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const VertexPlacement& places,
-           const RunControl* control) {
+void update_points(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const VertexPlacement& placement,
+                   const RunControl* control) {
   CancelPoll poll(control);
   std::vector<std::uint32_t> triangles;
   for (const CellId c : cells) {
     poll.step();
-    mesh.normal[c] = surfels.normal[places.anchor[c]];
-    mesh.point[c] = places.point(surfels, c);
+    mesh.normal[c] = surfels.normal[placement.anchor[c]];
+    mesh.point[c] = placement.point(surfels, c);
     const auto own = mesh.triangles_of.row(c);
     triangles.insert(triangles.end(), own.begin(), own.end());
   }

@@ -26,9 +26,9 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr double kFarthestVoxels = 1e15;        // what the triangle tree's single precision can square, and to spare
-constexpr std::size_t kGrain = 512;             // samples per piece of a parallel loop
-constexpr std::size_t kBetweenReports = 65536;  // samples between two reports of progress
+constexpr double kMaxVoxels = 1e15;  // the bounding volume hierarchy computes squares in single precision; this leaves a margin
+constexpr std::size_t kGrain = 512;  // samples per piece of a parallel loop
+constexpr std::size_t kSamplesPerReport = 65536;  // samples between two reports of progress
 
 void require(bool good, const std::string& message) {
   if (!good) throw Error(ErrorCode::bad_argument, message);
@@ -43,16 +43,16 @@ void check_mesh(const MeshView& mesh, Vec3 spacing) {
                                                std::to_string(mesh.positions.size()));
     }
   }
-  const double farthest = kFarthestVoxels * std::min({spacing.x, spacing.y, spacing.z});
+  const double farthest = kMaxVoxels * std::min({spacing.x, spacing.y, spacing.z});
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-    const Vec3 p = scaled(mesh.positions[v], spacing);
-    if (std::abs(p.x) <= farthest && std::abs(p.y) <= farthest && std::abs(p.z) <= farthest) continue;  // not so for NaN
+    const Vec3 p = to_metric(mesh.positions[v], spacing);
+    if (std::abs(p.x) <= farthest && std::abs(p.y) <= farthest && std::abs(p.z) <= farthest) continue;  // false for NaN
     throw Error(ErrorCode::bad_argument,
                 "vertex " + std::to_string(v) + " of the mesh is not finite or more than 1e15 voxels away from the volume");
   }
 }
 
-// Where distances are measured besides the samples spread by area, in the mesh's index coordinates.
+// Additional sample points besides those spread by area, in the mesh's sample-index coordinates.
 class SpecialPoints {
  public:
   explicit SpecialPoints(const MeshView& mesh) : mesh_(mesh) {
@@ -72,7 +72,8 @@ class SpecialPoints {
     }
   }
   std::size_t size() const { return mesh_.triangles.size() + edges_.size() + vertices_.size(); }
-  /// Triangles' centroids first, so that i is the triangle; then edge midpoints and vertices.
+  /// Centroids of triangles come first, so that i is the triangle; then edge midpoints, then
+  /// vertices.
   bool is_centroid(std::size_t i) const { return i < mesh_.triangles.size(); }
   Vec3 point(std::size_t i) const {
     if (is_centroid(i)) {
@@ -97,49 +98,49 @@ class SpecialPoints {
   std::vector<std::uint32_t> vertices_;
 };
 
-Vec3 divided(Vec3 a, Vec3 b) { return {a.x / b.x, a.y / b.y, a.z / b.z}; }
-
-std::vector<Triangle> in_order(const TriangleTree& tree) {
-  std::vector<Triangle> out(tree.triangle_count());
-  for (std::uint32_t s = 0; s < out.size(); ++s) out[s] = tree.corners_in(s);
+std::vector<Triangle> triangles_in_slot_order(const TriangleBvh& bvh) {
+  std::vector<Triangle> out(bvh.triangle_count());
+  for (std::uint32_t s = 0; s < out.size(); ++s) out[s] = bvh.corners_in(s);
   return out;
 }
 
-// The faces of the isosurface with the middles of the quads' diagonals moved onto it, for samples by area: quads cut corners, and
-// where the surface bends most they would have the fewest samples.
-struct FineFaces {
-  FineFaces(const Isosurface& surface, const RunControl& control) {
-    const TriangleTree& faces = surface.faces();
-    const std::size_t c_vertices = faces.positions().size();
-    positions.assign(faces.positions().begin(), faces.positions().end());
-    positions.resize(c_vertices + faces.triangle_count());
+// The faces of the isosurface, each split at the midpoint of its quad's diagonal, which is moved
+// onto the surface. Samples are spread over these: quads cut corners and would have too few samples
+// where the surface bends most.
+struct RefinedFaces {
+  RefinedFaces(const Isosurface& surface, const RunControl& control) {
+    const TriangleBvh& faces = surface.faces();
+    const std::size_t c_vertices = faces.points().size();
+    points.assign(faces.points().begin(), faces.points().end());
+    points.resize(c_vertices + faces.triangle_count());
     triangles.resize(2 * faces.triangle_count());
-    checked_id(positions.size(), "samples' triangles");
+    checked_id(points.size(), "samples' triangles");
     for_each_piece(faces.triangle_count(), kGrain, [&](std::size_t begin, std::size_t end) {
       control.check_cancelled();
       for (std::size_t s = begin; s < end; ++s) {
         const auto [a, b, c] = faces.corners_in(static_cast<std::uint32_t>(s));
-        const Vec3 middle = 0.5 * (positions[a] + positions[b]);
-        const auto moved = surface.onto_surface(divided(middle, surface.spacing()));
+        const Vec3 middle = 0.5 * (points[a] + points[b]);
+        const auto moved = surface.onto_surface(to_index(middle, surface.spacing()));
         const auto m = static_cast<std::uint32_t>(c_vertices + s);
-        positions[m] = moved ? scaled(*moved, surface.spacing()) : middle;
-        // A field that vanishes nearby can send it anywhere.
-        if (squared_length(positions[m] - middle) > 0.25 * squared_length(positions[b] - positions[a])) positions[m] = middle;
+        points[m] = moved ? to_metric(*moved, surface.spacing()) : middle;
+        // Where the field vanishes nearby, the point can end up anywhere.
+        if (squared_length(points[m] - middle) > 0.25 * squared_length(points[b] - points[a])) points[m] = middle;
         triangles[2 * s] = {a, m, c};
         triangles[2 * s + 1] = {m, b, c};
       }
     });
   }
-  std::vector<Vec3> positions;  // in the metric
+  std::vector<Vec3> points;  // metric
   std::vector<Triangle> triangles;
 };
 
-// Calls body(begin, end) on pieces of [0, n), with looks at `control` in between; `stage` names what is done.
+// Calls body(begin, end) on pieces of [0, n); reports the progress of `stage` and tests for
+// cancellation in between.
 void for_each_sample(std::size_t n, const char* stage, const RunControl& control,
                      const std::function<void(std::size_t, std::size_t)>& body) {
-  for (std::size_t done = 0; done < n; done += kBetweenReports) {
+  for (std::size_t done = 0; done < n; done += kSamplesPerReport) {
     control.report(stage, static_cast<double>(done) / static_cast<double>(n));
-    for_each_piece(std::min(kBetweenReports, n - done), kGrain, [&](std::size_t begin, std::size_t end) {
+    for_each_piece(std::min(kSamplesPerReport, n - done), kGrain, [&](std::size_t begin, std::size_t end) {
       control.check_cancelled();
       body(done + begin, done + end);
     });
@@ -153,7 +154,7 @@ double quantile(std::vector<double>& values, double share) {
   return values[static_cast<std::size_t>(k)];
 }
 
-// @param distance  of all samples, those spread by area first
+// @param distance  of all samples; those spread by area come first
 OneSidedDistance summarize(std::vector<double> distance, std::size_t by_area, double area, double voxel,
                            const std::function<Vec3(std::size_t)>& point) {
   OneSidedDistance out;
@@ -164,13 +165,13 @@ OneSidedDistance summarize(std::vector<double> distance, std::size_t by_area, do
   out.maximum = *farthest;
   out.farthest = point(static_cast<std::size_t>(farthest - distance.begin()));
   distance.resize(by_area);
-  double sum = 0, squares = 0;
+  double sum = 0, sum_of_squares = 0;
   for (const double d : distance) {
     sum += d;
-    squares += d * d;
+    sum_of_squares += d * d;
   }
   out.mean = sum / static_cast<double>(by_area);
-  out.root_mean_square = std::sqrt(squares / static_cast<double>(by_area));
+  out.root_mean_square = std::sqrt(sum_of_squares / static_cast<double>(by_area));
   out.p50 = quantile(distance, 0.5);
   out.p99 = quantile(distance, 0.99);
   return out;
@@ -178,14 +179,14 @@ OneSidedDistance summarize(std::vector<double> distance, std::size_t by_area, do
 
 double angle_between(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), dot(a, b)) * 180 / std::numbers::pi; }
 
-void measure_mesh_to_surface(const MeshView& mesh, const TriangleTree& tree, const Isosurface& surface, std::size_t samples,
-                             Measurement& out, DistantSamples& far, const RunControl& control) {
+void measure_mesh_to_surface(const MeshView& mesh, const TriangleBvh& bvh, const Isosurface& surface, std::size_t samples,
+                             Measurement& out, DistantSamples& distant, const RunControl& control) {
   const Vec3 spacing = surface.spacing();
-  const std::vector<Triangle> triangles = in_order(tree);
-  const AreaSamples spread(tree.positions(), triangles, samples);
+  const std::vector<Triangle> triangles = triangles_in_slot_order(bvh);
+  const AreaSamples area_samples(bvh.points(), triangles, samples);
   control.check_cancelled();
   const SpecialPoints special(mesh);
-  const auto point = [&](std::size_t i) { return i < samples ? divided(spread.point(i), spacing) : special.point(i - samples); };
+  const auto point = [&](std::size_t i) { return i < samples ? to_index(area_samples.point(i), spacing) : special.point(i - samples); };
   const std::size_t inside_triangles = samples + mesh.triangles.size();
   std::vector<double> distance(samples + special.size());
   std::vector<double> angle(inside_triangles, -1);  // -1: there is no normal
@@ -194,19 +195,19 @@ void measure_mesh_to_surface(const MeshView& mesh, const TriangleTree& tree, con
       const Isosurface::Hit hit = surface.closest(point(i));
       distance[i] = hit.distance;
       if (i >= inside_triangles) continue;
-      const auto [a, b, c] = mesh.triangles[i < samples ? tree.triangle_in(spread.triangle(i)) : i - samples];
-      const Vec3 p = tree.positions()[a], across = normalized(cross(tree.positions()[b] - p, tree.positions()[c] - p));
+      const auto [a, b, c] = mesh.triangles[i < samples ? bvh.triangle_in(area_samples.triangle(i)) : i - samples];
+      const Vec3 p = bvh.points()[a], face_normal = normalized(cross(bvh.points()[b] - p, bvh.points()[c] - p));
       const Vec3 normal = surface.normal(hit.point);
-      if (!(across == Vec3{}) && !(normal == Vec3{})) angle[i] = angle_between(across, normal);
+      if (!(face_normal == Vec3{}) && !(normal == Vec3{})) angle[i] = angle_between(face_normal, normal);
     }
   });
   for (std::size_t i = 0; i < distance.size(); ++i) {
-    if (distance[i] <= far.bound) continue;
-    far.corners.push_back(i < samples ? mesh.triangles[tree.triangle_in(spread.triangle(i))] : special.corners(i - samples));
+    if (distance[i] <= distant.bound) continue;
+    distant.corners.push_back(i < samples ? mesh.triangles[bvh.triangle_in(area_samples.triangle(i))] : special.corners(i - samples));
   }
   control.check_cancelled();
-  out.mesh_area = spread.area();
-  out.mesh_to_surface = summarize(std::move(distance), samples, spread.area(), out.voxel, point);
+  out.mesh_area = area_samples.area();
+  out.mesh_to_surface = summarize(std::move(distance), samples, area_samples.area(), out.voxel, point);
 
   out.normal_maximum = std::max(0.0, *std::max_element(angle.begin(), angle.end()));
   angle.resize(samples);
@@ -217,38 +218,38 @@ void measure_mesh_to_surface(const MeshView& mesh, const TriangleTree& tree, con
   out.normal_p99 = quantile(angle, 0.99);
 }
 
-void measure_surface_to_mesh(const MeshView& mesh, const TriangleTree& tree, const Isosurface& surface, std::size_t samples,
-                             Measurement& out, DistantSamples& far, const RunControl& control) {
+void measure_surface_to_mesh(const MeshView& mesh, const TriangleBvh& bvh, const Isosurface& surface, std::size_t samples,
+                             Measurement& out, DistantSamples& distant, const RunControl& control) {
   const Vec3 spacing = surface.spacing();
-  const std::span<const Vec3> c_vertices = surface.faces().positions();
-  const FineFaces fine(surface, control);
+  const std::span<const Vec3> c_vertices = surface.faces().points();
+  const RefinedFaces refined(surface, control);
   control.check_cancelled();
-  const AreaSamples spread(fine.positions, fine.triangles, samples);
+  const AreaSamples area_samples(refined.points, refined.triangles, samples);
   const auto point = [&](std::size_t i) {
-    const Vec3 index = divided(i < samples ? spread.point(i) : c_vertices[i - samples], spacing);
+    const Vec3 index = to_index(i < samples ? area_samples.point(i) : c_vertices[i - samples], spacing);
     return surface.onto_surface(index).value_or(index);
   };
   std::vector<double> distance(samples + c_vertices.size());
-  std::vector<std::uint32_t> nearest(distance.size());  // triangle
+  std::vector<std::uint32_t> nearest(distance.size());  // the nearest triangle
   for_each_sample(distance.size(), "surface to mesh", control, [&](std::size_t begin, std::size_t end) {
-    double reach = INFINITY;  // what is closest to one sample is a bound for the next, with some slack for rounding
+    double reach = INFINITY;  // the distance of one sample bounds that of the next; the slack is for rounding
     Vec3 last;
     for (std::size_t i = begin; i < end; ++i) {
-      const Vec3 p = scaled(point(i), spacing);
+      const Vec3 p = to_metric(point(i), spacing);
       if (i > begin) reach = (1 + 1e-9) * (distance[i - 1] + length(p - last)) + 1e-6 * out.voxel;
-      TriangleTree::Hit hit = tree.closest(p, reach);
-      if (!hit.found()) hit = tree.closest(p);  // so far away that the slack was too little
+      TriangleBvh::Hit hit = bvh.closest(p, reach);
+      if (!hit.found()) hit = bvh.closest(p);  // so far away that the slack was too small
       distance[i] = std::sqrt(hit.squared_distance);
       nearest[i] = hit.triangle;
       last = p;
     }
   });
   for (std::size_t i = 0; i < distance.size(); ++i) {
-    if (distance[i] > far.bound) far.corners.push_back(mesh.triangles[nearest[i]]);
+    if (distance[i] > distant.bound) distant.corners.push_back(mesh.triangles[nearest[i]]);
   }
   control.check_cancelled();
-  out.surface_area = spread.area();
-  out.surface_to_mesh = summarize(std::move(distance), samples, spread.area(), out.voxel, point);
+  out.surface_area = area_samples.area();
+  out.surface_to_mesh = summarize(std::move(distance), samples, area_samples.area(), out.voxel, point);
 }
 
 void scale(OneSidedDistance& d, double unit) {
@@ -262,20 +263,21 @@ Measurement measure(const MeshView& mesh, const Isosurface& surface, std::size_t
   return measure(mesh, surface, samples, none, control);
 }
 
-Measurement measure(const MeshView& mesh, const Isosurface& surface, std::size_t samples, DistantSamples& far, const RunControl& control) {
+Measurement measure(const MeshView& mesh, const Isosurface& surface, std::size_t samples, DistantSamples& distant,
+                    const RunControl& control) {
   require(samples > 0, "no samples are wanted");
   const Vec3 spacing = surface.spacing();
   check_mesh(mesh, spacing);
   control.check_cancelled();
   std::vector<Vec3> positions;
   positions.reserve(mesh.positions.size());
-  for (const Vec3& p : mesh.positions) positions.push_back(scaled(p, spacing));
-  const TriangleTree tree(std::move(positions), mesh.triangles, control);
+  for (const Vec3& p : mesh.positions) positions.push_back(to_metric(p, spacing));
+  const TriangleBvh bvh(std::move(positions), mesh.triangles, control);
 
   Measurement out;
   out.voxel = surface.voxel();
-  measure_mesh_to_surface(mesh, tree, surface, samples, out, far, control);
-  measure_surface_to_mesh(mesh, tree, surface, samples, out, far, control);
+  measure_mesh_to_surface(mesh, bvh, surface, samples, out, distant, control);
+  measure_surface_to_mesh(mesh, bvh, surface, samples, out, distant, control);
   return out;
 }
 
@@ -300,20 +302,20 @@ double Measurement::p99() const { return std::max(mesh_to_surface.p99, surface_t
 double Measurement::mean() const { return std::max(mesh_to_surface.mean, surface_to_mesh.mean); }
 
 Measurement measure(const MeshView& mesh, const VolumeView& any_volume, const MeasureOptions& options,
-                    const RunControl& callers_control) try {
+                    const RunControl& caller_control) try {
   const SurfaceOptions& wanted = options.surface;
   constexpr std::array<StageShare, 3> kStages{{{"surface", 1}, {"mesh to surface", 5}, {"surface to mesh", 3}}};
-  const RunControl control = with_whole_progress(callers_control, kStages);
+  const RunControl control = with_whole_progress(caller_control, kStages);
   check_volume(any_volume, wanted.isovalue);
-  const Volume kept = dense_volume(any_volume);
-  const VolumeView& volume = kept.view;
+  const Volume dense = dense_volume(any_volume);
+  const VolumeView& volume = dense.view;
   require_orthonormal(volume.grid);
   require(options.samples > 0, "no samples are wanted");
   const ThreadLimit threads(control.threads);
   const Grid& grid = volume.grid;
   const double voxel = grid.smallest_spacing(), flip = options.space == Space::ras ? -1 : 1;
 
-  // To index coordinates; as in extract(), the smallest spacing is the unit of length inside.
+  // To sample-index coordinates; as in extract(), the unit of length is the smallest spacing.
   TriangleMesh index{{mesh.positions.begin(), mesh.positions.end()}, {mesh.triangles.begin(), mesh.triangles.end()}};
   if (options.space != Space::voxel) {
     for (Vec3& p : index.positions) p = grid.to_index({flip * p.x, flip * p.y, p.z});
@@ -323,7 +325,7 @@ Measurement measure(const MeshView& mesh, const VolumeView& any_volume, const Me
   }
   VolumeView in_voxels = volume;
   in_voxels.grid.spacing = {grid.spacing.x / voxel, grid.spacing.y / voxel, grid.spacing.z / voxel};
-  check_mesh(index, in_voxels.grid.spacing);  // before anybody waits for the surface
+  check_mesh(index, in_voxels.grid.spacing);  // fails before the surface is parsed
 
   control.report("surface", 0);
   ParseOptions parse;

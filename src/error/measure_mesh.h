@@ -9,8 +9,9 @@
 
 namespace isoatlas::detail {
 
-/// measure() for who has the isosurface already, with the mesh in sample-index coordinates: its triangles face as the surface does
-/// there, `farthest` is there too, and lengths are in the isosurface's metric.
+/// measure() for callers that have the isosurface already. The mesh is in sample-index coordinates
+/// and its triangles are oriented as the surface is there; `farthest` is in these coordinates, too,
+/// and lengths are in the isosurface's metric.
 /// @param samples  >= 1
 /// @throws Error(bad_argument) as measure() does for meshes, Error(cancelled)
 Measurement measure(const MeshView& mesh, const Isosurface& surface, std::size_t samples, const RunControl& control = {});
@@ -21,10 +22,12 @@ struct DistantSamples {
   std::vector<Triangle> corners;  ///< per sample, the corners of the triangle there; on an edge or a vertex some corners are repeated
 };
 
-/// The same; also lists the samples with a distance larger than `far.bound`.
-Measurement measure(const MeshView& mesh, const Isosurface& surface, std::size_t samples, DistantSamples& far, const RunControl& control);
+/// The same, and lists the samples with a distance larger than `distant.bound`.
+Measurement measure(const MeshView& mesh, const Isosurface& surface, std::size_t samples, DistantSamples& distant,
+                    const RunControl& control);
 
-/// From voxels (smallest spacings) and sample-index coordinates to world lengths and the mesh's space.
+/// Converts from voxels (smallest spacings) and sample-index coordinates to world lengths and the
+/// mesh's space.
 void transform_to(Measurement& measurement, const Grid& grid, Space space);
 
 }  // namespace isoatlas::detail

@@ -16,10 +16,10 @@ namespace {
 
 constexpr std::size_t kCellsPerPiece = 64;
 
-CellView view_of(const Ground& ground, const Covering& covering, const LevelMesh& mesh, CellId cell, std::span<const ClosestPoint> closest,
-                 float from_mesh) {
-  return {ground.surfels,
-          ground.graph,
+CellView view_of(const SurfaceData& surface_data, const Covering& covering, const LevelMesh& mesh, CellId cell,
+                 std::span<const ClosestPoint> closest, float from_mesh) {
+  return {surface_data.surfels,
+          surface_data.graph,
           covering.distance(),
           covering.partition().cell_of,
           mesh.normal,
@@ -33,12 +33,13 @@ CellView view_of(const Ground& ground, const Covering& covering, const LevelMesh
 
 }  // namespace
 
-Constraint scaled(Constraint c, double by) {
-  c.bound = is_metric(c.quantity) && unit(c.quantity) == Unit::ratio ? 1 + by * (c.bound - 1) : by * c.bound;
+Constraint scaled(Constraint c, double factor) {
+  c.bound = is_metric(c.quantity) && unit(c.quantity) == Unit::ratio ? 1 + factor * (c.bound - 1) : factor * c.bound;
   return c;
 }
 
-// Of a ratio what counts is its distance from 1, which like distances goes with the square of the cell's size.
+// For a ratio its difference from 1 counts. Like a distance, this is proportional to the square of
+// the cell's size.
 double excess_of(Quantity quantity, double value, double bound) {
   return unit(quantity) == Unit::ratio ? (value - 1) / (bound - 1) : value / bound;
 }
@@ -51,42 +52,43 @@ double longest_edge(const LevelMesh& mesh, CellId cell) {
   return std::sqrt(squared);
 }
 
-Ground::Ground(const SurfaceComplex& surface, const Isosurface* trilinear, const AdaptiveSurface* who_may_roam, const RunControl* who_stops)
+SurfaceData::SurfaceData(const SurfaceComplex& surface, const Isosurface* trilinear, const AdaptiveSurface* adaptive,
+                         const RunControl* run_control)
     : complex(surface),
       isosurface(trilinear),
-      roaming(who_may_roam),
-      control(who_stops == nullptr && roaming != nullptr ? &roaming->control() : who_stops) {
+      adaptive_surface(adaptive),
+      control(run_control == nullptr && adaptive != nullptr ? &adaptive->control() : run_control) {
   graph.first.assign(1, 0);
-  remake();
+  rebuild();
 }
 
-std::vector<std::uint8_t> Ground::remake() {
-  moved_from = {};  // what is made anew is freed first, but for the graph: two of each would be the peak of memory
-  between.reset();
-  grid_cells.reset();
-  std::vector<std::uint8_t> changed = remake_graph(graph, complex, control);
+std::vector<std::uint8_t> SurfaceData::rebuild() {
+  original_points = {};  // frees old data first, except the graph; keeping both would determine the peak of memory
+  face_nodes.reset();
+  grid_cell_index.reset();
+  std::vector<std::uint8_t> changed = rebuild_graph(graph, complex, control);
   for (CVertexId v = 0; v < std::min(surfels.point.size(), changed.size()); ++v) {
-    if (!(surfels.point[v] == scaled(complex.positions[v], complex.spacing))) changed[v] = 1;
+    if (!(surfels.point[v] == to_metric(complex.positions[v], complex.spacing))) changed[v] = 1;
   }
   surfels = {};
   surfels = make_surfels(complex, control);
-  reach.assign(graph.c_vertex_count(), 0);
+  farthest_neighbour.assign(graph.c_vertex_count(), 0);
   for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
-    for (const CVertexGraph::Neighbour& n : graph.row(v)) reach[v] = std::max(reach[v], n.weight);
+    for (const CVertexGraph::Neighbour& n : graph.row(v)) farthest_neighbour[v] = std::max(farthest_neighbour[v], n.weight);
   }
-  if (roaming != nullptr && !std::ranges::equal(roaming->found(), complex.positions)) {
-    moved_from.reserve(complex.positions.size());
-    for (const Vec3& p : roaming->found()) moved_from.push_back(scaled(p, complex.spacing));
+  if (adaptive_surface != nullptr && !std::ranges::equal(adaptive_surface->original_positions(), complex.positions)) {
+    original_points.reserve(complex.positions.size());
+    for (const Vec3& p : adaptive_surface->original_positions()) original_points.push_back(to_metric(p, complex.spacing));
   }
   check_cancelled();
-  if (isosurface != nullptr) between.emplace(complex, *isosurface);
+  if (isosurface != nullptr) face_nodes.emplace(complex, *isosurface);
   check_cancelled();
   return changed;
 }
 
-MeasuredCovering::MeasuredCovering(const Ground& ground, const CoveringOptions& options, std::span<const CVertexId> sites,
+MeasuredCovering::MeasuredCovering(const SurfaceData& surface_data, const CoveringOptions& options, std::span<const CVertexId> sites,
                                    std::span<const Covering::Radius> radii, const RunControl& control)
-    : ground_(ground), covering_(ground.graph, options), dual_(ground.complex, covering_) {
+    : surface_data_(surface_data), covering_(surface_data.graph, options), dual_(surface_data.complex, covering_) {
   covering_.seed(sites, radii, control);
   covering_.ignore_events();
   covering_.cover(control);
@@ -94,51 +96,52 @@ MeasuredCovering::MeasuredCovering(const Ground& ground, const CoveringOptions& 
 
 std::vector<Vec3> MeasuredCovering::base_points() const {
   std::vector<Vec3> out;
-  out.reserve(places_.anchor.size());
-  for (CellId c = 0; c < places_.anchor.size(); ++c) out.push_back(places_.base(ground_.surfels, c));
+  out.reserve(vertex_placement_.anchor.size());
+  for (CellId c = 0; c < vertex_placement_.anchor.size(); ++c) out.push_back(vertex_placement_.base_point(surface_data_.surfels, c));
   return out;
 }
 
-void MeasuredCovering::continue_on(std::span<const std::uint8_t> changed, std::span<const Vec3> before, const RunControl& control) {
-  places_.shift.clear();
-  std::vector<CVertexId> back;  // c-vertices of vertices that went back to where they were before they were moved
-  const Vec3 s = ground_.complex.spacing;
+void MeasuredCovering::adapt_to(std::span<const std::uint8_t> changed, std::span<const Vec3> before, const RunControl& control) {
+  vertex_placement_.displacement.clear();
+  std::vector<CVertexId> moved_back;  // c-vertices of vertices that are back at their positions before the move
+  const Vec3 s = surface_data_.complex.spacing;
   const double rounding = 1e-6 * std::min({s.x, s.y, s.z});
-  for (CellId c = 0; c < places_.anchor.size(); ++c) {
-    if (length(ground_.surfels.point[places_.anchor[c]] - before[c]) > rounding) back.push_back(places_.anchor[c]);
+  for (CellId c = 0; c < vertex_placement_.anchor.size(); ++c) {
+    if (length(surface_data_.surfels.point[vertex_placement_.anchor[c]] - before[c]) > rounding)
+      moved_back.push_back(vertex_placement_.anchor[c]);
   }
   if (!mesh_.point.empty()) {
-    std::vector<CellId> all(places_.anchor.size());
+    std::vector<CellId> all(vertex_placement_.anchor.size());
     std::iota(all.begin(), all.end(), 0u);
-    place(mesh_, ground_.surfels, all, places_, &control);
+    update_points(mesh_, surface_data_.surfels, all, vertex_placement_, &control);
     control.check_cancelled();
   }
-  covering_.continue_on(changed, places_.anchor, control);
+  covering_.adapt_to(changed, vertex_placement_.anchor, control);
   covering_.ignore_events();
   control.check_cancelled();
-  dual_.continue_on(changed);
+  dual_.adapt_to(changed);
   control.check_cancelled();
-  dual_.touch_near(back, control);
+  dual_.mark_touched_near(moved_back, control);
   control.check_cancelled();
   covering_.cover(control);
 }
 
 MeasuredCovering::MeasuredCovering(const MeasuredCovering& other)
-    : ground_(other.ground_),
+    : surface_data_(other.surface_data_),
       covering_(other.covering_),
       dual_(other.dual_, covering_),
-      demands_(other.demands_),
-      placement_(other.placement_),
-      near_enough_(other.near_enough_),
+      bounds_(other.bounds_),
+      placement_mode_(other.placement_mode_),
+      exact_above_share_(other.exact_above_share_),
       mesh_(other.mesh_),
-      places_(other.places_),
-      frozen_(other.frozen_),
+      vertex_placement_(other.vertex_placement_),
+      fixed_anchor_count_(other.fixed_anchor_count_),
       proved_(other.proved_),
       from_mesh_(other.from_mesh_),
-      sampled_triangles_(other.sampled_triangles_),
-      proved_triangles_(other.proved_triangles_),
+      sampled_errors_(other.sampled_errors_),
+      proved_errors_(other.proved_errors_),
       errors_(other.errors_),
-      stands_alone_(other.stands_alone_),
+      depends_on_own_data_only_(other.depends_on_own_data_only_),
       moved_(other.moved_),
       all_moved_(other.all_moved_),
       stale_(other.stale_),
@@ -148,139 +151,144 @@ void MeasuredCovering::remove_sites(std::uint32_t count, const RunControl& contr
   covering_.remove_sites(count, control);
   dual_.remove_cells(count);
   const auto shorten = [&](auto& of_cell) { of_cell.resize(std::min<std::size_t>(of_cell.size(), count)); };
-  shorten(places_.anchor);
-  shorten(places_.offset);
-  shorten(places_.shift);
-  shorten(places_.given_up);
+  shorten(vertex_placement_.anchor);
+  shorten(vertex_placement_.normal_offset);
+  shorten(vertex_placement_.displacement);
+  shorten(vertex_placement_.fixed);
   shorten(errors_);
   shorten(stale_);
   std::erase_if(moved_, [&](CellId c) { return c >= count; });
 }
 
-void MeasuredCovering::demand(std::span<const Constraint> metrics, Placement placement, double near_enough) {
-  if (std::ranges::equal(metrics, demands_) && placement == placement_ && near_enough == near_enough_) return;
-  near_enough_ = near_enough;
-  demands_.assign(metrics.begin(), metrics.end());
-  if (placement == Placement::surface) places_.offset.clear();
+void MeasuredCovering::set_bounds(std::span<const Constraint> metrics, Placement mode, double exact_above_share) {
+  if (std::ranges::equal(metrics, bounds_) && mode == placement_mode_ && exact_above_share == exact_above_share_) return;
+  exact_above_share_ = exact_above_share;
+  bounds_.assign(metrics.begin(), metrics.end());
+  if (mode == Placement::surface) vertex_placement_.normal_offset.clear();
   all_moved_ = true;
-  placement_ = placement;
+  placement_mode_ = mode;
   all_stale_ = true;
 }
 
-void MeasuredCovering::tighten(double share) {
-  forget_proofs();
-  for (Constraint& c : demands_) c = scaled(c, share);
+void MeasuredCovering::tighten_bounds(double share) {
+  clear_proofs();
+  for (Constraint& c : bounds_) c = scaled(c, share);
   stale_.resize(errors_.size(), 0);
   for (CellId c = 0; c < errors_.size(); ++c) {
     CellError& error = errors_[c];
-    if (error.excess <= 1 && error.at_most > share) stale_[c] = 1;
+    if (error.excess <= 1 && error.upper_bound > share) stale_[c] = 1;
     error.excess /= share;
-    error.at_most /= share;
+    error.upper_bound /= share;
   }
 }
 
 void MeasuredCovering::update(CertificateReport& report, const RunControl& control) {
   covering_.cover(control);
   dual_.update(report, control);
-  for (CellId c = static_cast<CellId>(places_.anchor.size()); c < partition().cell_count(); ++c)
-    places_.anchor.push_back(partition().site[c]);
-  if (!places_.shift.empty()) places_.shift.resize(partition().cell_count());
-  keep_apart();
-  if (!places_.offset.empty()) places_.offset.resize(partition().cell_count(), 0);
+  for (CellId c = static_cast<CellId>(vertex_placement_.anchor.size()); c < partition().cell_count(); ++c)
+    vertex_placement_.anchor.push_back(partition().site[c]);
+  if (!vertex_placement_.displacement.empty()) vertex_placement_.displacement.resize(partition().cell_count());
+  resolve_shared_anchors();
+  if (!vertex_placement_.normal_offset.empty()) vertex_placement_.normal_offset.resize(partition().cell_count(), 0);
   control.check_cancelled();
-  std::vector<std::uint8_t> renewed;  // per cell, 1 if its triangles are not what they were
+  std::vector<std::uint8_t> changed_cells;  // per cell, 1 if its triangles have changed
   if (mesh_.point.empty()) {
-    mesh_ = make_level_mesh(ground_.surfels, partition(), dual_.triangles(), places_, &control);
-    renewed.assign(partition().cell_count(), 1);
+    mesh_ = make_level_mesh(surface_data_.surfels, partition(), dual_.triangles(), vertex_placement_, &control);
+    changed_cells.assign(partition().cell_count(), 1);
   } else {
-    std::vector<CellId> touched;  // among them all new ones
+    std::vector<CellId> touched;  // includes all new cells
     for (CellId c = 0; c < partition().cell_count(); ++c) {
       if (dual_.touched()[c]) touched.push_back(c);
     }
-    set_cells(mesh_, covering_.members(), touched);
+    update_cells(mesh_, covering_.members(), touched);
     moved_.insert(moved_.end(), touched.begin(), touched.end());
     control.check_cancelled();
-    renewed = all_moved_ ? set_triangles(mesh_, ground_.surfels, dual_.triangles(), places_, &control)
-                         : set_triangles(mesh_, ground_.surfels, dual_.triangles(), places_, moved_, &control);
+    changed_cells = all_moved_ ? update_triangles(mesh_, surface_data_.surfels, dual_.triangles(), vertex_placement_, &control)
+                               : update_triangles(mesh_, surface_data_.surfels, dual_.triangles(), vertex_placement_, moved_, &control);
   }
   moved_.clear();
   all_moved_ = false;
   control.check_cancelled();
-  measure(cells_to_measure(renewed), Thoroughness::quick);
+  measure(cells_to_measure(changed_cells), Thoroughness::quick);
 }
 
-// A cell's metrics look at its c-vertices and triangles, and, unless it stands alone, at the triangles around its neighbours.
-std::vector<CellId> MeasuredCovering::cells_to_measure(std::span<const std::uint8_t> renewed) {
+// The error of a cell depends on its c-vertices and triangles and, unless it depends on these only,
+// on the triangles around its neighbours.
+std::vector<CellId> MeasuredCovering::cells_to_measure(std::span<const std::uint8_t> changed_cells) {
   std::vector<CellId> cells;
   if (std::exchange(all_stale_, false)) {
     cells.resize(partition().cell_count());
     std::iota(cells.begin(), cells.end(), 0u);
   } else {
     stale_.resize(partition().cell_count(), 0);
-    for (CellId c = 0; c < stale_.size(); ++c) stale_[c] |= static_cast<std::uint8_t>(dual_.touched()[c] | renewed[c]);
-    const auto stands_alone = [&](CellId c) { return c < stands_alone_.size() && stands_alone_[c] && errors_[c].excess <= 1; };
-    for (CellId near = 0; near < renewed.size(); ++near) {
-      if (!renewed[near]) continue;
+    for (CellId c = 0; c < stale_.size(); ++c) stale_[c] |= static_cast<std::uint8_t>(dual_.touched()[c] | changed_cells[c]);
+    const auto depends_on_own_data_only = [&](CellId c) {
+      return c < depends_on_own_data_only_.size() && depends_on_own_data_only_[c] && errors_[c].excess <= 1;
+    };
+    for (CellId near = 0; near < changed_cells.size(); ++near) {
+      if (!changed_cells[near]) continue;
       for (const std::uint32_t t : mesh_.triangles_of.row(near)) {
-        for (const CellId c : mesh_.triangles[t]) stale_[c] |= static_cast<std::uint8_t>(!stands_alone(c));
+        for (const CellId c : mesh_.triangles[t]) stale_[c] |= static_cast<std::uint8_t>(!depends_on_own_data_only(c));
       }
     }
     for (CellId c = 0; c < stale_.size(); ++c) {
       if (stale_[c]) cells.push_back(c);
     }
   }
-  dual_.forget_touched();
+  dual_.clear_touched();
   stale_.clear();
   return cells;
 }
 
-// Where a vertex was moved to may be in another cell by now, or a site itself: no two vertices may be at one c-vertex.
-void MeasuredCovering::keep_apart() {
-  std::vector<CVertexId>& anchor = places_.anchor;
+// The anchor of a vertex may be in another cell by now, or be the site of one, but no two vertices
+// may have the same anchor.
+void MeasuredCovering::resolve_shared_anchors() {
+  std::vector<CVertexId>& anchor = vertex_placement_.anchor;
   const std::vector<CellId>& cell_of = partition().cell_of;
-  std::vector<CellId> strays;  // frozen, so it is the other one that gives way
+  std::vector<CellId> cells_off_anchor;  // their anchors are fixed, so the other cell's vertex is moved
   for (CellId c = 0; c < anchor.size(); ++c) {
     if (cell_of[anchor[c]] == c) continue;
-    if (is_frozen(c)) {
-      strays.push_back(c);
+    if (has_fixed_anchor(c)) {
+      cells_off_anchor.push_back(c);
     } else {
-      move_to(c, partition().site[c]);
+      set_anchor(c, partition().site[c]);
     }
   }
-  if (strays.empty()) return;
+  if (cells_off_anchor.empty()) return;
   std::vector<std::uint8_t> taken(cell_of.size(), 0);
   for (const CVertexId v : anchor) ++taken[v];
-  for (const CellId c : strays) {
+  for (const CellId c : cells_off_anchor) {
     const CellId owner = cell_of[anchor[c]];
     if (anchor[owner] != anchor[c]) continue;
-    move_to(owner, free_place_near(anchor[c], owner, taken));
+    set_anchor(owner, free_c_vertex_near(anchor[c], owner, taken));
     --taken[anchor[c]];
     ++taken[anchor[owner]];
   }
 }
 
-void MeasuredCovering::move_to(CellId cell, CVertexId c_vertex) {
+void MeasuredCovering::set_anchor(CellId cell, CVertexId c_vertex) {
   moved_.push_back(cell);
-  places_.anchor[cell] = c_vertex;
-  if (!places_.shift.empty()) places_.shift[cell] = {};
+  vertex_placement_.anchor[cell] = c_vertex;
+  if (!vertex_placement_.displacement.empty()) vertex_placement_.displacement[cell] = {};
 }
 
-// The c-vertex fewest steps away that is not taken, of the cell if it has one. There are no fewer c-vertices than vertices.
-CVertexId MeasuredCovering::free_place_near(CVertexId start, CellId cell, const std::vector<std::uint8_t>& taken) const {
+// The nearest c-vertex, in steps, that is not taken; one of the cell if there is one. There are
+// never more vertices than c-vertices.
+CVertexId MeasuredCovering::free_c_vertex_near(CVertexId start, CellId cell, const std::vector<std::uint8_t>& taken) const {
   std::vector<CVertexId> reached{start};
   std::vector<std::uint8_t> seen(taken.size(), 0);
   seen[start] = 1;
-  CVertexId elsewhere = kNone;
+  CVertexId outside = kNone;
   for (std::size_t i = 0; i < reached.size(); ++i) {
-    for (const CVertexGraph::Neighbour& n : ground_.graph.row(reached[i])) {
+    for (const CVertexGraph::Neighbour& n : surface_data_.graph.row(reached[i])) {
       if (std::exchange(seen[n.id], 1)) continue;
       const bool own = partition().cell_of[n.id] == cell;
       if (own && !taken[n.id]) return n.id;
-      if (elsewhere == kNone && !taken[n.id]) elsewhere = n.id;
-      if (own || elsewhere == kNone) reached.push_back(n.id);
+      if (outside == kNone && !taken[n.id]) outside = n.id;
+      if (own || outside == kNone) reached.push_back(n.id);
     }
   }
-  return elsewhere;
+  return outside;
 }
 
 void MeasuredCovering::update_all(CertificateReport& report, const RunControl& control) {
@@ -288,29 +296,29 @@ void MeasuredCovering::update_all(CertificateReport& report, const RunControl& c
   update(report, control);
 }
 
-void MeasuredCovering::remesh(std::span<const DualTriangle> triangles, const MeshEdit& edit, std::span<const CellId> concerned) {
+void MeasuredCovering::remesh(std::span<const DualTriangle> triangles, const MeshEdit& edit, std::span<const CellId> affected) {
   for (const CellId c : edit.vertices) {
-    if (c < places_.offset.size() && !places_.may_move(c)) places_.offset[c] = 0;
+    if (c < vertex_placement_.normal_offset.size() && !vertex_placement_.is_movable(c)) vertex_placement_.normal_offset[c] = 0;
   }
   stale_.resize(partition().cell_count(), 0);
-  for (const CellId c : concerned) stale_[c] = 1;  // the next update() takes the dual's triangles again
-  ground_.check_cancelled();
-  edit_mesh(mesh_, ground_.surfels, triangles, places_, edit, ground_.control);
-  measure({concerned.begin(), concerned.end()}, Thoroughness::exact);  // to be compared
+  for (const CellId c : affected) stale_[c] = 1;  // the next update() uses the dual's triangles again
+  surface_data_.check_cancelled();
+  apply_edit(mesh_, surface_data_.surfels, triangles, vertex_placement_, edit, surface_data_.control);
+  measure({affected.begin(), affected.end()}, Thoroughness::exact);  // exact, because the results are compared
 }
 
 void MeasuredCovering::measure(std::vector<CellId> cells, Thoroughness thoroughness) {
-  const MeasuredSurface surface = ground_.measured();
+  const MeasuredSurface surface = surface_data_.measured_surface();
   errors_.resize(partition().cell_count());
   proved_.resize(partition().cell_count(), 0);
-  stands_alone_.resize(partition().cell_count(), 0);
+  depends_on_own_data_only_.resize(partition().cell_count(), 0);
   for (const CellId c : cells) proved_[c] = 0;
-  if (placement_ == Placement::balanced) balance(surface, cells, mesh_, places_);
+  if (placement_mode_ == Placement::balanced) balance(surface, cells, mesh_, vertex_placement_);
   const std::optional<double> bound = distance_bound();
-  const bool need_own_only = placement_ == Placement::surface && std::ranges::all_of(demands_, [](const Constraint& c) {
-                               return c.quantity == Quantity::max_distance || c.quantity == Quantity::max_edge;
-                             });
-  const bool need_closest = std::any_of(demands_.begin(), demands_.end(), [](const Constraint& c) {
+  const bool uses_own_data_only = placement_mode_ == Placement::surface && std::ranges::all_of(bounds_, [](const Constraint& c) {
+                                    return c.quantity == Quantity::max_distance || c.quantity == Quantity::max_edge;
+                                  });
+  const bool need_closest = std::any_of(bounds_.begin(), bounds_.end(), [](const Constraint& c) {
     return c.quantity != Quantity::max_distance && needs_closest(c.quantity);
   });
   std::vector<ClosestPoint> found;
@@ -318,7 +326,7 @@ void MeasuredCovering::measure(std::vector<CellId> cells, Thoroughness thoroughn
   if (need_closest) {
     find_closest(surface, mesh_, cells, found);
   } else if (bound) {
-    farthest = find_farthest(surface, mesh_, cells, *bound, thoroughness, ground_.between ? &*ground_.between : nullptr);
+    farthest = find_farthest(surface, mesh_, cells, *bound, thoroughness, surface_data_.face_nodes ? &*surface_data_.face_nodes : nullptr);
   }
 
   std::vector<std::size_t> first(cells.size() + 1, 0);
@@ -329,52 +337,52 @@ void MeasuredCovering::measure(std::vector<CellId> cells, Thoroughness thoroughn
       const CellId c = cells[i];
       const std::span<const ClosestPoint> closest =
           need_closest ? std::span<const ClosestPoint>(found).subspan(first[i], first[i + 1] - first[i]) : std::span<const ClosestPoint>();
-      const CellView cell = view_of(ground_, covering_, mesh_, c, closest, 0);
+      const CellView cell = view_of(surface_data_, covering_, mesh_, c, closest, 0);
       CellError& error = errors_[c] = {};
-      for (const Constraint& d : demands_) {
+      for (const Constraint& d : bounds_) {
         const double value = d.quantity == Quantity::max_edge                        ? longest_edge(mesh_, c)
                              : d.quantity == Quantity::max_distance && !need_closest ? static_cast<double>(farthest[i].farthest.distance)
                                                                                      : evaluate(d.quantity, cell);
         error.excess = std::max(error.excess, excess_of(d.quantity, value, d.bound));
       }
-      Farthest most = farthest.empty() ? Farthest{} : farthest[i].farthest;
+      Farthest own_farthest = farthest.empty() ? Farthest{} : farthest[i].farthest;
       for (std::size_t k = 0; k < closest.size(); ++k) {
-        if (closest[k].distance > most.distance) most = {closest[k].distance, cell.c_vertices[k]};
+        if (closest[k].distance > own_farthest.distance) own_farthest = {closest[k].distance, cell.c_vertices[k]};
       }
-      error.worst = most.at;
-      stands_alone_[c] = need_own_only && (farthest.empty() || farthest[i].is_from_own);
+      error.worst = own_farthest.at;
+      depends_on_own_data_only_[c] = uses_own_data_only && (farthest.empty() || farthest[i].is_from_own);
     }
   });
 
-  // What is between c-vertices, and the way from the mesh to the surface, which costs most, are only looked at where all else is
-  // within its bounds.
-  for (const CellId c : cells) errors_[c].at_most = errors_[c].excess;
+  // Face nodes and the distance from the mesh to the surface cost most. They are only measured for
+  // cells that satisfy all other bounds.
+  for (const CellId c : cells) errors_[c].upper_bound = errors_[c].excess;
   if (!bound) return;
-  const auto keep_good = [&] { std::erase_if(cells, [&](CellId c) { return errors_[c].excess > 1; }); };
-  keep_good();
-  if (need_closest) {  // find_farthest() has looked between them
-    measure_between_c_vertices(cells, *bound);
-    keep_good();
+  const auto keep_within_bounds = [&] { std::erase_if(cells, [&](CellId c) { return errors_[c].excess > 1; }); };
+  keep_within_bounds();
+  if (need_closest) {  // find_farthest() has already measured them
+    measure_face_nodes_of(cells, *bound);
+    keep_within_bounds();
   }
   measure_from_triangles(cells, *bound);
-  for (const CellId c : cells) errors_[c].at_most = std::max(errors_[c].at_most, near_enough_);
+  for (const CellId c : cells) errors_[c].upper_bound = std::max(errors_[c].upper_bound, exact_above_share_);
 }
 
 std::size_t MeasuredCovering::prove() {
   const std::optional<double> bound = distance_bound();
-  if (!bound || ground_.isosurface == nullptr) return 0;
+  if (!bound || surface_data_.isosurface == nullptr) return 0;
   std::vector<CellId> cells;
-  const auto keep_good = [&] { std::erase_if(cells, [&](CellId c) { return errors_[c].excess > 1; }); };
+  const auto keep_within_bounds = [&] { std::erase_if(cells, [&](CellId c) { return errors_[c].excess > 1; }); };
   for (CellId c = 0; c < errors_.size(); ++c) {
     if (!proved_[c]) cells.push_back(c);
   }
-  keep_good();
-  const std::size_t good = cells.size();
-  measure_from_triangles(cells, *bound, Look::proof);
-  keep_good();
+  keep_within_bounds();
+  const std::size_t count_before = cells.size();
+  measure_from_triangles(cells, *bound, Evidence::proof);
+  keep_within_bounds();
   prove_surface(cells, *bound);
-  keep_good();
-  return good - cells.size();
+  keep_within_bounds();
+  return count_before - cells.size();
 }
 
 bool MeasuredCovering::is_proved() const {
@@ -386,81 +394,87 @@ bool MeasuredCovering::is_within_bounds() const {
 }
 
 std::optional<double> MeasuredCovering::distance_bound() const {
-  const auto found = std::ranges::find(demands_, Quantity::max_distance, &Constraint::quantity);
-  return found == demands_.end() ? std::nullopt : std::optional(found->bound);
+  const auto found = std::ranges::find(bounds_, Quantity::max_distance, &Constraint::quantity);
+  return found == bounds_.end() ? std::nullopt : std::optional(found->bound);
 }
 
 void MeasuredCovering::prove_surface(std::span<const CellId> cells, double bound) {
   if (cells.empty()) return;
-  if (!ground_.grid_cells) ground_.grid_cells.emplace(ground_.complex, ground_.isosurface->field().last(), ground_.control);
-  const std::vector<Farthest> left = prove_surface_near(ground_.measured(), *ground_.grid_cells, mesh_, partition().cell_of, cells, bound);
+  if (!surface_data_.grid_cell_index)
+    surface_data_.grid_cell_index.emplace(surface_data_.complex, surface_data_.isosurface->field().last(), surface_data_.control);
+  const std::vector<Farthest> left =
+      prove_surface_near(surface_data_.measured_surface(), *surface_data_.grid_cell_index, mesh_, partition().cell_of, cells, bound);
   for (std::size_t i = 0; i < cells.size(); ++i) {
     proved_[cells[i]] = left[i].at == kNone;
-    if (left[i].at != kNone) add_distance(cells[i], left[i], bound);
+    if (left[i].at != kNone) add_error(cells[i], left[i], bound);
   }
 }
 
-void MeasuredCovering::measure_fully(std::span<const CellId> cells) {
+void MeasuredCovering::complete_errors(std::span<const CellId> cells) {
   const std::optional<double> bound = distance_bound();
   if (!bound) return;
-  measure_between_c_vertices(cells, *bound);
+  measure_face_nodes_of(cells, *bound);
   measure_from_triangles(cells, *bound);
 }
 
-void MeasuredCovering::measure_between_c_vertices(std::span<const CellId> cells, double bound) {
-  if (!ground_.between) return;
-  const std::vector<Farthest> between = measure_between(ground_.measured(), *ground_.between, mesh_, cells, bound);
-  for (std::size_t i = 0; i < cells.size(); ++i) add_distance(cells[i], between[i], bound);
+void MeasuredCovering::measure_face_nodes_of(std::span<const CellId> cells, double bound) {
+  if (!surface_data_.face_nodes) return;
+  const std::vector<Farthest> farthest =
+      measure_face_nodes(surface_data_.measured_surface(), *surface_data_.face_nodes, mesh_, cells, bound);
+  for (std::size_t i = 0; i < cells.size(); ++i) add_error(cells[i], farthest[i], bound);
 }
 
-void MeasuredCovering::measure_from_triangles(std::span<const CellId> cells, double bound, Look look) {
-  if (ground_.isosurface == nullptr) return;
+void MeasuredCovering::measure_from_triangles(std::span<const CellId> cells, double bound, Evidence evidence) {
+  if (surface_data_.isosurface == nullptr) return;
   from_mesh_.resize(partition().cell_count());
   for (const CellId c : cells) from_mesh_[c] = {};
-  TriangleErrors* const known = look == Look::proof ? proved_triangles_.get() : sampled_triangles_.get();
-  measure_from_mesh(ground_.measured(), mesh_, partition().cell_of, cells, near_enough_ * bound, look, from_mesh_, known);
-  for (const CellId c : cells) add_distance(c, from_mesh_[c], bound);
+  TriangleErrorCache* const cache = evidence == Evidence::proof ? proved_errors_.get() : sampled_errors_.get();
+  measure_from_mesh(surface_data_.measured_surface(), mesh_, partition().cell_of, cells, exact_above_share_ * bound, evidence, from_mesh_,
+                    cache);
+  for (const CellId c : cells) add_error(c, from_mesh_[c], bound);
 }
 
-void MeasuredCovering::add_distance(CellId cell, const Farthest& most, double bound) {
-  const double excess = static_cast<double>(most.distance) / bound;
-  if (excess > errors_[cell].excess) errors_[cell] = {excess, excess, most.at};
+void MeasuredCovering::add_error(CellId cell, const Farthest& farthest, double bound) {
+  const double excess = static_cast<double>(farthest.distance) / bound;
+  if (excess > errors_[cell].excess) errors_[cell] = {excess, excess, farthest.at};
 }
 
-std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& covering, const LevelMesh& mesh, TriangleErrors* known,
-                                          bool is_proved) {
+std::vector<MetricValues> measure_metrics(const SurfaceData& surface_data, const Covering& covering, const LevelMesh& mesh,
+                                          TriangleErrorCache* cache, bool is_proved) {
   const std::uint32_t n = mesh.cell_count();
   std::vector<CellId> cells(n);
   std::iota(cells.begin(), cells.end(), 0u);
   std::vector<ClosestPoint> closest;
   std::vector<Farthest> farthest;
-  find_closest(ground.measured(), mesh, cells, closest);
-  ground.report_going_on();
+  find_closest(surface_data.measured_surface(), mesh, cells, closest);
+  surface_data.report_continuing();
   std::vector<std::size_t> first(n + 1, 0);
   for (CellId c = 0; c < n; ++c) first[c + 1] = first[c] + mesh.c_vertices_of.row(c).size();
-  // Of each cell only the largest distance counts: from its c-vertices, from the points between them, from its triangles.
+  // Only the largest distance of each cell counts: of its c-vertices, its face nodes and its
+  // triangles.
   farthest.resize(n);
-  float most = 0;
+  float largest = 0;
   for (CellId c = 0; c < n; ++c) {
     const auto c_vertices = mesh.c_vertices_of.row(c);
     for (std::size_t k = 0; k < c_vertices.size(); ++k) {
       const float distance = closest[first[c] + k].distance;
       if (distance > farthest[c].distance) farthest[c] = {distance, c_vertices[k]};
     }
-    most = std::max(most, farthest[c].distance);
+    largest = std::max(largest, farthest[c].distance);
   }
-  if (ground.between) farthest = measure_between(ground.measured(), *ground.between, mesh, cells, 0, std::move(farthest));
-  if (ground.isosurface != nullptr && !is_proved)
-    measure_from_mesh(ground.measured(), mesh, covering.partition().cell_of, cells, static_cast<double>(most), Look::samples, farthest,
-                      known);
-  ground.report_going_on();
+  if (surface_data.face_nodes)
+    farthest = measure_face_nodes(surface_data.measured_surface(), *surface_data.face_nodes, mesh, cells, 0, std::move(farthest));
+  if (surface_data.isosurface != nullptr && !is_proved)
+    measure_from_mesh(surface_data.measured_surface(), mesh, covering.partition().cell_of, cells, static_cast<double>(largest),
+                      Evidence::samples, farthest, cache);
+  surface_data.report_continuing();
   std::vector<MetricValues> values(n);
-  for_each_piece_going_on(n, kCellsPerPiece, ground.control, [&](std::size_t begin, std::size_t end) {
-    ground.check_cancelled();
+  for_each_piece_reporting(n, kCellsPerPiece, surface_data.control, [&](std::size_t begin, std::size_t end) {
+    surface_data.check_cancelled();
     for (std::size_t i = begin; i < end; ++i) {
       const auto c = static_cast<CellId>(i);
       const std::span<const ClosestPoint> own = std::span<const ClosestPoint>(closest).subspan(first[c], first[c + 1] - first[c]);
-      const CellView cell = view_of(ground, covering, mesh, c, own, farthest[c].distance);
+      const CellView cell = view_of(surface_data, covering, mesh, c, own, farthest[c].distance);
       for (std::size_t m = 0; m < kMetricCount; ++m) values[c][m] = evaluate(static_cast<Quantity>(m), cell);
     }
   });
@@ -468,7 +482,7 @@ std::vector<MetricValues> measure_metrics(const Ground& ground, const Covering& 
 }
 
 std::vector<MetricValues> MeasuredCovering::measure_metrics() const {
-  return isoatlas::detail::measure_metrics(ground_, covering_, mesh_, sampled_triangles_.get(), is_proved());
+  return isoatlas::detail::measure_metrics(surface_data_, covering_, mesh_, sampled_errors_.get(), is_proved());
 }
 
 std::array<MetricSummary, kMetricCount> summarize(std::span<const MetricValues> values) {

@@ -14,10 +14,10 @@ double area_curvature_smooth(const CellView& cell);
 double geodesic_ratio(const CellView& cell);
 double normal_angle(const CellView& cell);
 
-/// One of the above. @pre is_metric(metric)
+/// One of the metrics above. @pre is_metric(metric)
 double evaluate(Quantity metric, const CellView& cell);
 
-/// Does the metric look at CellView::closest?
+/// Whether the metric uses CellView::closest.
 constexpr bool needs_closest(Quantity metric) { return metric <= Quantity::area_curvature_smooth; }
 
 }  // namespace isoatlas::detail

@@ -13,13 +13,13 @@
 namespace isoatlas::detail {
 namespace {
 
-// By the tangent of the half angle, which is exact for small angles, too.
+// Uses the tangent of the half angle, which is also accurate for small angles.
 double angle_between(Vec3 a, Vec3 b) { return 2 * std::atan2(length(a - b), length(a + b)); }
 
 }  // namespace
 
 double normal_angle(const CellView& cell) {
-  // Nearest first, so that the c-vertex before on the geodesic has its sum already.
+  // Nearest first, so that the previous c-vertex on the geodesic already has its sum.
   std::vector<CVertexId> order(cell.c_vertices.begin(), cell.c_vertices.end());
   const auto nearer = [&](CVertexId a, CVertexId b) {
     return cell.geodesic[a] != cell.geodesic[b] ? cell.geodesic[a] < cell.geodesic[b] : a < b;
@@ -34,18 +34,18 @@ double normal_angle(const CellView& cell) {
   double largest = 0;
   for (const CVertexId v : order) {
     if (v == cell.site) continue;
-    CVertexId before = kNone;
+    CVertexId previous = kNone;
     float reached = 0;
     for (const CVertexGraph::Neighbour& n : cell.graph.row(v)) {
       if (cell.cell_of[n.id] != cell.cell_of[v] || !nearer(n.id, v)) continue;
       const float d = cell.geodesic[n.id] + n.weight;
-      if (before == kNone || d < reached) {
-        before = n.id;
+      if (previous == kNone || d < reached) {
+        previous = n.id;
         reached = d;
       }
     }
-    if (before == kNone) continue;  // its geodesic ran through what another site has taken since
-    const double sum = sum_of(before) + angle_between(cell.surfels.normal[before], cell.surfels.normal[v]);
+    if (previous == kNone) continue;  // its geodesic ran through c-vertices that another site owns now
+    const double sum = sum_of(previous) + angle_between(cell.surfels.normal[previous], cell.surfels.normal[v]);
     sum_of(v) = sum;
     if (sum > largest && is_on_border(cell, v)) largest = sum;
   }

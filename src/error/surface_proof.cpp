@@ -9,17 +9,17 @@
 #include "core/cancel_poll.h"
 #include "core/vector_math.h"
 #include "core/whole_progress.h"
-#include "error/ring.h"
+#include "error/two_ring.h"
 #include "geometry/closest_point.h"
 
 namespace isoatlas::detail {
 namespace {
 
 constexpr std::size_t kCellsPerPiece = 16;
-constexpr double kLeastSize = 1.0 / 16;  // of a box, in grid cells
-constexpr double kRounding = 1e-9;       // of the field's values in a box, with room to spare
+constexpr double kMinBoxSize = 1.0 / 16;  // of a box, in grid cells
+constexpr double kRounding = 1e-9;        // of the field's values in a box, with a margin
 
-// A cube in a grid cell, in coordinates from 0 to 1 there.
+// A cube inside a grid cell, in coordinates from 0 to 1 of this grid cell.
 struct Box {
   Vec3 low;
   double size;
@@ -28,8 +28,9 @@ struct Box {
   }
 };
 
-// What the two planes leave of a box: its corners, at most the box's and two on each of its edges.
-class Piece {
+// The part of a box between the two planes, given by its corners: at most those of the box and two
+// on each of its edges.
+class ClippedBox {
  public:
   // @return false if there is no isosurface in the box
   bool cut(const TrilinearCell& field, const Box& box) {
@@ -43,32 +44,33 @@ class Piece {
       mean += value[k] / 8;
     }
     if (!std::isfinite(mean)) {
-      take_all(box);
+      add_all_corners(box);
       return true;
     }
     if (!inside || !outside) return false;
-    // A linear function between the field's values, and how far it is off at most.
+    // A linear function that interpolates the field, and the range of its differences from the
+    // field.
     Vec3 slope;
     for (std::size_t k = 0; k < 8; ++k)
       slope = slope + (0.25 * value[k]) * Vec3{k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0, k & 4 ? 1.0 : -1.0};
     std::array<double, 8> linear;
-    double least = INFINITY, most = -INFINITY, largest = 0;
+    double lowest = INFINITY, highest = -INFINITY, largest = 0;
     for (std::size_t k = 0; k < 8; ++k) {
       linear[k] = mean + 0.5 * dot(slope, Vec3{k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0, k & 4 ? 1.0 : -1.0});
-      least = std::min(least, linear[k] - value[k]);
-      most = std::max(most, linear[k] - value[k]);
+      lowest = std::min(lowest, linear[k] - value[k]);
+      highest = std::max(highest, linear[k] - value[k]);
       largest = std::max(largest, std::abs(value[k]));
     }
-    least -= kRounding * largest;
-    most += kRounding * largest;
+    lowest -= kRounding * largest;
+    highest += kRounding * largest;
     for (std::size_t k = 0; k < 8; ++k) {
-      if (linear[k] >= least && linear[k] <= most) add(box.corner(k));
+      if (linear[k] >= lowest && linear[k] <= highest) add(box.corner(k));
     }
     for (std::size_t axis = 1; axis < 8; axis *= 2) {
       for (std::size_t k = 0; k < 8; ++k) {
         if (k & axis) continue;
         const double from = linear[k], to = linear[k | axis];
-        for (const double plane : {least, most}) {
+        for (const double plane : {lowest, highest}) {
           if ((from < plane) == (to < plane)) continue;
           const double t = (plane - from) / (to - from);
           const Vec3 a = box.corner(k), b = box.corner(k | axis);
@@ -76,13 +78,13 @@ class Piece {
         }
       }
     }
-    if (count_ == 0) take_all(box);  // by rounding
+    if (count_ == 0) add_all_corners(box);  // because of rounding
     return true;
   }
 
-  // To the metric.
-  void place(Vec3 low, Vec3 spacing) {
-    for (std::size_t i = 0; i < count_; ++i) corner_[i] = scaled(low + corner_[i], spacing);
+  // Converts to metric coordinates.
+  void convert_to_metric(Vec3 low, Vec3 spacing) {
+    for (std::size_t i = 0; i < count_; ++i) corner_[i] = to_metric(low + corner_[i], spacing);
   }
   Vec3 centre() const {
     Vec3 sum;
@@ -98,7 +100,7 @@ class Piece {
 
  private:
   void add(Vec3 p) { corner_[count_++] = p; }
-  void take_all(const Box& box) {
+  void add_all_corners(const Box& box) {
     for (std::size_t k = 0; k < 8; ++k) add(box.corner(k));
   }
 
@@ -106,56 +108,56 @@ class Piece {
   std::size_t count_ = 0;
 };
 
-class SurfaceSearch {
+class GridCellSearch {
  public:
-  SurfaceSearch(const MeasuredSurface& surface, const GridCells& grid_cells, const LevelMesh& mesh, std::span<const CellId> cell_of,
-                double bound)
-      : surface_(surface), grid_cells_(grid_cells), mesh_(mesh), cell_of_(cell_of), bound_(bound), ring_(mesh) {}
+  GridCellSearch(const MeasuredSurface& surface, const GridCellIndex& grid_cell_index, const LevelMesh& mesh,
+                 std::span<const CellId> cell_of, double bound)
+      : surface_(surface), grid_cell_index_(grid_cell_index), mesh_(mesh), cell_of_(cell_of), bound_(bound), ring_(mesh) {}
 
   Farthest search(CellId cell) {
-    ring_.move_to(cell);
+    ring_.set_cell(cell);
     cell_ = cell;
-    most_ = {};
+    farthest_ = {};
     keys_.clear();
     for (const CVertexId v : mesh_.c_vertices_of.row(cell)) {
-      grid_cells_.for_each_at(v, [&](GridCells::Key key) { keys_.push_back(key); });
+      grid_cell_index_.for_each_at(v, [&](GridCellIndex::Key key) { keys_.push_back(key); });
     }
     std::ranges::sort(keys_);
     keys_.erase(std::unique(keys_.begin(), keys_.end()), keys_.end());
-    for (std::size_t i = 0; i < keys_.size() && most_.at == kNone; ++i) look_into(keys_[i]);
-    return most_;
+    for (std::size_t i = 0; i < keys_.size() && farthest_.at == kNone; ++i) search_grid_cell(keys_[i]);
+    return farthest_;
   }
 
  private:
-  // Until something is found that is not near enough.
-  void look_into(GridCells::Key key) {
-    const Vec3 low = grid_cells_.low(key);
+  // Searches one grid cell until it finds a part that is too far away.
+  void search_grid_cell(GridCellIndex::Key key) {
+    const Vec3 low = grid_cell_index_.low(key);
     const auto field = surface_.isosurface->field().cell(low);
     if (!field) {
-      most_ = {INFINITY, mesh_.c_vertices_of.row(cell_)[0]};
+      farthest_ = {INFINITY, mesh_.c_vertices_of.row(cell_)[0]};
       return;
     }
     boxes_.assign(1, {{}, 1});
     while (!boxes_.empty()) {
       const Box box = boxes_.back();
       boxes_.pop_back();
-      if (!piece_.cut(*field, box)) continue;
-      piece_.place(low, surface_.spacing);
-      const Vec3 centre = piece_.centre();
+      if (!clipped_.cut(*field, box)) continue;
+      clipped_.convert_to_metric(low, surface_.spacing);
+      const Vec3 centre = clipped_.centre();
       if (farthest_from(ring_.closest(centre, 0.5 * bound_).first) <= bound_) continue;
       const auto [triangle, point] = ring_.closest(centre);
-      const double far = farthest_from(triangle), near = std::sqrt(point.squared_distance) - piece_.radius(centre);
+      const double far = farthest_from(triangle), near = std::sqrt(point.squared_distance) - clipped_.radius(centre);
       if (far <= bound_) continue;
-      // Other sheets in the grid cell are the concern of the cells that they belong to: those of the nearest c-vertices.
+      // Other sheets in the grid cell are proved with the cells of their nearest c-vertices.
       if (belongs_to_others(key)) continue;
       const CVertexId nearest = nearest_c_vertex(key, centre);
       const bool is_own = cell_of_[nearest] == cell_;
-      if (box.size > kLeastSize && (near <= bound_ || !is_own)) {
+      if (box.size > kMinBoxSize && (near <= bound_ || !is_own)) {
         for (std::size_t k = 0; k < 8; ++k) boxes_.push_back({Box{box.low, 0.5 * box.size}.corner(k), 0.5 * box.size});
         continue;
       }
       if (!is_own) continue;
-      most_ = {static_cast<float>(near > bound_ ? near : far), nearest};
+      farthest_ = {static_cast<float>(near > bound_ ? near : far), nearest};
       return;
     }
   }
@@ -163,19 +165,19 @@ class SurfaceSearch {
   double farthest_from(std::uint32_t triangle) const {
     const auto [a, b, c] = mesh_.corners(triangle);
     double squared = 0;
-    for (const Vec3& p : piece_.corners()) {
+    for (const Vec3& p : clipped_.corners()) {
       squared = std::max(squared, closest_on_triangle(p, a, b, c).squared_distance);
     }
     return std::sqrt(squared);
   }
 
-  // Whether to all points of the piece another cell's c-vertex is nearer than any of this cell's. The piece is on one side of the plane
-  // between two c-vertices if its corners are.
-  bool belongs_to_others(GridCells::Key key) const {
-    const std::span<const CVertexId> c_vertices = grid_cells_.c_vertices(key);
+  // Whether for all points of the box some c-vertex of another cell is nearer than any of this
+  // cell. The box is on one side of the plane between two c-vertices if its corners are.
+  bool belongs_to_others(GridCellIndex::Key key) const {
+    const std::span<const CVertexId> c_vertices = grid_cell_index_.c_vertices(key);
     const auto is_nearer = [&](CVertexId a, CVertexId b) {
       const Vec3 p = surface_.surfels.point[a], q = surface_.surfels.point[b];
-      return std::ranges::all_of(piece_.corners(), [&](Vec3 x) { return squared_length(x - p) < squared_length(x - q); });
+      return std::ranges::all_of(clipped_.corners(), [&](Vec3 x) { return squared_length(x - p) < squared_length(x - q); });
     };
     return std::ranges::all_of(c_vertices, [&](CVertexId own) {
       return cell_of_[own] != cell_ ||
@@ -183,10 +185,10 @@ class SurfaceSearch {
     });
   }
 
-  CVertexId nearest_c_vertex(GridCells::Key key, Vec3 p) const {
+  CVertexId nearest_c_vertex(GridCellIndex::Key key, Vec3 p) const {
     CVertexId nearest = kNone;
     double squared = INFINITY;
-    for (const CVertexId v : grid_cells_.c_vertices(key)) {
+    for (const CVertexId v : grid_cell_index_.c_vertices(key)) {
       const double d = squared_length(surface_.surfels.point[v] - p);
       if (d < squared) squared = d, nearest = v;
     }
@@ -194,21 +196,21 @@ class SurfaceSearch {
   }
 
   const MeasuredSurface& surface_;
-  const GridCells& grid_cells_;
+  const GridCellIndex& grid_cell_index_;
   const LevelMesh& mesh_;
   std::span<const CellId> cell_of_;
   double bound_;
-  Ring ring_;
+  TwoRing ring_;
   CellId cell_ = 0;
-  Farthest most_;
-  std::vector<GridCells::Key> keys_;
+  Farthest farthest_;
+  std::vector<GridCellIndex::Key> keys_;
   std::vector<Box> boxes_;
-  Piece piece_;
+  ClippedBox clipped_;
 };
 
 }  // namespace
 
-GridCells::GridCells(const SurfaceComplex& complex, Vec3 last, const RunControl* control)
+GridCellIndex::GridCellIndex(const SurfaceComplex& complex, Vec3 last, const RunControl* control)
     : complex_(complex), size_x_(static_cast<Key>(last.x)), size_y_(static_cast<Key>(last.y)), size_z_(static_cast<Key>(last.z)) {
   std::vector<std::pair<Key, CVertexId>> all;
   all.reserve(complex.c_vertex_count());
@@ -228,8 +230,9 @@ GridCells::GridCells(const SurfaceComplex& complex, Vec3 last, const RunControl*
 }
 
 template <class Visit>
-void GridCells::visit_cells(Vec3 p, Visit visit) const {
-  // Along an axis: the last cell that the coordinate is in, and the one before it if it is on the wall between them.
+void GridCellIndex::visit_cells(Vec3 p, Visit visit) const {
+  // Along an axis: the last grid cell that contains the coordinate, and the previous one if it is
+  // on the wall between them.
   const auto cells = [](double x, Key size) {
     const double clamped = std::clamp(x, 0.0, static_cast<double>(size));
     const auto last = std::min(static_cast<Key>(clamped), size - 1);
@@ -246,21 +249,21 @@ void GridCells::visit_cells(Vec3 p, Visit visit) const {
   }
 }
 
-std::span<const CVertexId> GridCells::c_vertices(Key cell) const {
+std::span<const CVertexId> GridCellIndex::c_vertices(Key cell) const {
   const auto [from, to] = std::equal_range(keys_.begin(), keys_.end(), cell);
   return {items_.data() + (from - keys_.begin()), static_cast<std::size_t>(to - from)};
 }
 
-Vec3 GridCells::low(Key cell) const {
+Vec3 GridCellIndex::low(Key cell) const {
   return {static_cast<double>(cell % size_x_), static_cast<double>(cell / size_x_ % size_y_),
           static_cast<double>(cell / size_x_ / size_y_)};
 }
 
-std::vector<Farthest> prove_surface_near(const MeasuredSurface& surface, const GridCells& grid_cells, const LevelMesh& mesh,
+std::vector<Farthest> prove_surface_near(const MeasuredSurface& surface, const GridCellIndex& grid_cell_index, const LevelMesh& mesh,
                                          std::span<const CellId> cell_of, std::span<const CellId> cells, double bound) {
   std::vector<Farthest> out(cells.size());
-  for_each_piece_going_on(cells.size(), kCellsPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
-    SurfaceSearch search(surface, grid_cells, mesh, cell_of, bound);
+  for_each_piece_reporting(cells.size(), kCellsPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
+    GridCellSearch search(surface, grid_cell_index, mesh, cell_of, bound);
     for (std::size_t i = begin; i < end; ++i) {
       surface.check_cancelled();
       out[i] = search.search(cells[i]);

@@ -18,13 +18,14 @@ Surfels make_surfels(const SurfaceComplex& complex, const RunControl* control) {
   out.point.resize(n);
   out.normal.resize(n);
   out.area.assign(n, 0);
-  for_each_index(n, kPerPiece, control, [&](std::size_t v) { out.point[v] = scaled(complex.positions[v], complex.spacing); });
+  for_each_index(n, kPerPiece, control, [&](std::size_t v) { out.point[v] = to_metric(complex.positions[v], complex.spacing); });
   CancelPoll poll(control);
   for (const Face& face : complex.faces) {
     poll.step();
     const int size = face.size();
     const auto at = [&](int k) { return out.point[face.corner[k]]; };
-    // Twice the area vector: of a quad the cross product of its diagonals, of a triangle that of two sides.
+    // Twice the area vector: for a quad the cross product of its diagonals, for a triangle that of
+    // two sides.
     const Vec3 twice = cross(at(2) - at(0), at(size - 1) - at(1));
     const auto share = static_cast<float>(0.5 * length(twice) / size);
     for (int k = 0; k < size; ++k) {

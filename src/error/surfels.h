@@ -8,12 +8,12 @@
 
 namespace isoatlas::detail {
 
-/// The surfels of a complex as samples of its surface: per c-vertex a point, a unit normal and an area. All with the spacing
-/// applied. Made once, in the set-up stage (paper, 3.5).
+/// The surfels of a complex, which sample its surface: per c-vertex a point, a unit normal and an
+/// area; metric. Computed once (paper, 3.5).
 struct Surfels {
   std::vector<Vec3> point;
-  std::vector<Vec3> normal;  ///< from inside to outside; zero where the faces around the c-vertex cancel
-  std::vector<float> area;   ///< the areas of the faces around the c-vertex, each shared out evenly among its corners
+  std::vector<Vec3> normal;  ///< from inside to outside; zero if the faces around the c-vertex cancel out
+  std::vector<float> area;   ///< sum over the faces around the c-vertex, each divided evenly among its corners
 };
 
 /// O(F). 52 bytes per c-vertex.

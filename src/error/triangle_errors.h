@@ -10,48 +10,54 @@
 
 namespace isoatlas::detail {
 
-/// How a triangle is looked at: at samples about 0.8 voxels apart, or at all its points, by proof.
-enum class Look { samples, proof };
+/// How the distance of a triangle is determined: from samples about 0.8 voxels apart, or for all
+/// points by a proof.
+enum class Evidence { samples, proof };
 
-/// How far a triangle is from the isosurface.
+/// The distance of a triangle from the isosurface.
 struct TriangleError {
-  Farthest sample;      ///< the farthest point found and a c-vertex near it; none: no point farther than `at_most` was found
-  CellId cell = kNone;  ///< of the triangle's corner nearest to that point
-  double at_most = 0;   ///< no point that was looked at is farther than this
+  Farthest sample;         ///< the farthest point found and a c-vertex near it; kNone: no point farther than `upper_bound` was found
+  CellId cell = kNone;     ///< of the triangle's corner nearest to that point
+  double upper_bound = 0;  ///< no tested point is farther than this
 };
 
-/// Errors of triangles, kept for as long as a triangle stays where it is. Whoever measures another surface needs another one.
-class TriangleErrors {
+/// Cache of triangle errors; an entry is valid as long as its triangle does not move. One cache per
+/// surface and kind of evidence.
+class TriangleErrorCache {
  public:
-  void make_room(std::size_t triangles) { known_.resize(triangles); }
-  /// @param enough  errors up to this one need not be known, only that they are no larger
-  /// @return none if the triangle with this number was another one, or elsewhere, or not looked at well enough
-  const TriangleError* find(const LevelMesh& mesh, std::uint32_t triangle, double enough) const;
-  void keep(const LevelMesh& mesh, std::uint32_t triangle, const TriangleError& error) {
-    known_[triangle] = {fingerprint(mesh, triangle), error};
+  void resize(std::size_t triangles) { entries_.resize(triangles); }
+  /// @param exact_above  errors up to this are only needed as an upper bound
+  /// @return none if the triangle with this id was another one, has moved or was not measured
+  ///         exactly enough
+  const TriangleError* find(const LevelMesh& mesh, std::uint32_t triangle, double exact_above) const;
+  void store(const LevelMesh& mesh, std::uint32_t triangle, const TriangleError& error) {
+    entries_[triangle] = {fingerprint(mesh, triangle), error};
   }
 
  private:
-  struct Known {
+  struct Entry {
     std::uint64_t fingerprint = 0;
     TriangleError error;
   };
   static std::uint64_t fingerprint(const LevelMesh& mesh, std::uint32_t triangle);
 
-  std::vector<Known> known_;  // per number of a triangle
+  std::vector<Entry> entries_;  // per triangle id
 };
 
-/// Distances from the triangles of some cells to the isosurface: for each of these cells the largest that is found at points nearest to its
-/// vertex, if it is larger than what is in `from_mesh`. Other cells' entries stay. Parallel over triangles.
+/// Measures distances from the triangles of some cells to the isosurface. Each of these cells gets
+/// the largest distance found at points nearest to its vertex, if it is larger than its value in
+/// `from_mesh`. Entries of other cells are unchanged. Parallel over triangles.
 ///
-/// Look::samples looks at the centroids of patches of a triangle. Look::proof divides the patches until the isosurface is proved to be
-/// within `enough` of all their points, or a point is found that is farther (docs/theory/05-refinement.md).
+/// Evidence::samples tests the centroids of patches of a triangle. Evidence::proof subdivides the
+/// patches until the isosurface is proved to be within `exact_above` of all their points, or a
+/// point is found that is farther (docs/theory/05-refinement.md).
 ///
 /// @pre   surface.isosurface is not none
-/// @param enough  errors up to this one need not be known, only that they are no larger
-/// @param known   what was found of triangles before, by the same kind of look and on the same surface; none: all are looked at
+/// @param exact_above  errors up to this are only needed as an upper bound
+/// @param cache  results for triangles measured before, by the same kind of evidence on the same
+///               surface; none: all are measured
 void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cell_of,
-                       std::span<const CellId> cells, double enough, Look look, std::vector<Farthest>& from_mesh,
-                       TriangleErrors* known = nullptr);
+                       std::span<const CellId> cells, double exact_above, Evidence evidence, std::vector<Farthest>& from_mesh,
+                       TriangleErrorCache* cache = nullptr);
 
 }  // namespace isoatlas::detail

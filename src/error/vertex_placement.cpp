@@ -12,32 +12,33 @@ constexpr std::size_t kPerPiece = 2048;  // vertices, of a parallel loop
 
 }  // namespace
 
-Vec3 base_position(const SurfaceComplex& complex, const VertexPlacement& places, CellId c) {
-  return displaced(complex, places.anchor[c], places.shift.empty() ? Vec3{} : places.shift[c]);
+Vec3 base_position(const SurfaceComplex& complex, const VertexPlacement& placement, CellId c) {
+  return displaced_position(complex, placement.anchor[c], placement.displacement.empty() ? Vec3{} : placement.displacement[c]);
 }
 
-Vec3 vertex_position(const SurfaceComplex& complex, const Surfels& surfels, const VertexPlacement& places, CellId c) {
-  const Vec3 p = base_position(complex, places, c);
-  if (places.offset.empty()) return p;
-  const Vec3 s = complex.spacing, n = surfels.normal[places.anchor[c]];
-  const auto d = static_cast<double>(places.offset[c]);
+Vec3 vertex_position(const SurfaceComplex& complex, const Surfels& surfels, const VertexPlacement& placement, CellId c) {
+  const Vec3 p = base_position(complex, placement, c);
+  if (placement.normal_offset.empty()) return p;
+  const Vec3 s = complex.spacing, n = surfels.normal[placement.anchor[c]];
+  const auto d = static_cast<double>(placement.normal_offset[c]);
   return p + Vec3{d * n.x / s.x, d * n.y / s.y, d * n.z / s.z};
 }
 
-std::vector<Vec3> vertex_positions(const SurfaceComplex& complex, const Surfels& surfels, const VertexPlacement& places) {
-  std::vector<Vec3> out(places.anchor.size());
-  for_each_index(out.size(), kPerPiece, [&](std::size_t c) { out[c] = vertex_position(complex, surfels, places, static_cast<CellId>(c)); });
+std::vector<Vec3> vertex_positions(const SurfaceComplex& complex, const Surfels& surfels, const VertexPlacement& placement) {
+  std::vector<Vec3> out(placement.anchor.size());
+  for_each_index(out.size(), kPerPiece,
+                 [&](std::size_t c) { out[c] = vertex_position(complex, surfels, placement, static_cast<CellId>(c)); });
   return out;
 }
 
-std::vector<ShapeObstacle> obstacles(const VertexPlacement& places, const AdaptiveSurface& surface, CellId earlier) {
+std::vector<ShapeObstacle> obstacles(const VertexPlacement& placement, const AdaptiveSurface& surface, CellId earlier) {
   std::vector<ShapeObstacle> out;
-  out.reserve(places.anchor.size());
-  for (CellId c = 0; c < places.anchor.size(); ++c) {
-    out.push_back(c < earlier                           ? ShapeObstacle::earlier_level
-                  : !places.may_move(c)                 ? ShapeObstacle::self_intersection
-                  : !surface.may_roam(places.anchor[c]) ? ShapeObstacle::crowded
-                                                        : ShapeObstacle::none);
+  out.reserve(placement.anchor.size());
+  for (CellId c = 0; c < placement.anchor.size(); ++c) {
+    out.push_back(c < earlier                                ? ShapeObstacle::earlier_level
+                  : !placement.is_movable(c)                 ? ShapeObstacle::self_intersection
+                  : !surface.is_movable(placement.anchor[c]) ? ShapeObstacle::crowded
+                                                             : ShapeObstacle::none);
   }
   return out;
 }

@@ -5,17 +5,20 @@
 
 namespace isoatlas::detail {
 
-/// What every computation on a volume asks of it.
-/// @throws Error(bad_argument) size < 2 along an axis, spacing not positive or different by more than 1e6 between axes, origin or
-///         direction not finite, direction singular, no samples, unknown sample type; isovalue not finite
+/// The preconditions of every computation on a volume.
+/// @throws Error(bad_argument) size < 2 along an axis, spacing not positive or different by more
+///         than 1e6 between axes, origin or direction not finite, direction singular, no samples,
+///         unknown sample type; isovalue not finite
 void check_volume(const VolumeView& volume, double isovalue);
 
-/// What everything that tells world lengths asks besides: it takes them from the spacing alone.
-/// @throws Error(unsupported) if the direction's axes are not unit vectors at right angles, to a thousandth
+/// An additional precondition of everything that reports world lengths, since these are computed
+/// from the spacing alone.
+/// @throws Error(unsupported) if the direction's axes are not unit vectors at right angles, to a
+///         thousandth
 void require_orthonormal(const Grid& grid);
 
-/// For an isovalue that no surface belongs to; one pass over the samples.
-/// @throws Error(empty_surface) saying the samples' range
+/// Reports that there is no surface at an isovalue; one pass over the samples.
+/// @throws Error(empty_surface) with the range of the samples
 [[noreturn]] void throw_empty_surface(const VolumeView& volume, double isovalue);
 
 }  // namespace isoatlas::detail

@@ -19,10 +19,11 @@ namespace {
 template <class T>
 struct Threshold {
   T value{};
-  bool none = false;  // no value of the type qualifies
+  bool none = false;  // no value of the type satisfies the condition
 };
 
-// The smallest T that is >= isovalue (upwards), or the largest that is <= isovalue. Exact for every type.
+// The smallest T that is >= isovalue (upwards), or the largest that is <= isovalue. Exact for every
+// type.
 template <class T>
 Threshold<T> threshold_for(double isovalue, bool upwards) {
   using Limits = std::numeric_limits<T>;
@@ -48,7 +49,7 @@ Threshold<T> threshold_for(double isovalue, bool upwards) {
 
 template <class T>
 bool any_non_finite(const T* row, std::size_t n) {
-  // On the bit patterns, so that the compiler may vectorise.
+  // Tests bit patterns, so that the compiler can vectorize it.
   using Bits = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
   constexpr Bits kExponent = sizeof(T) == 4 ? Bits{0x7F800000u} : static_cast<Bits>(0x7FF0000000000000u);
   Bits found = 0;
@@ -81,7 +82,7 @@ void classify_rows(const VolumeView& volume, const T* samples, IsInside is_insid
   std::atomic<std::uint64_t> seen{0};  // bit 0: some inside, bit 1: some outside
   for_each_piece(nz, 1, [&, nx = nx, ny = ny](std::size_t z0, std::size_t z1) {
     std::vector<std::uint8_t> flags(out.words * 64, 0);
-    std::uint64_t seen_here = 0;
+    std::uint64_t piece_seen = 0;
     for (std::size_t z = z0; z < z1; ++z) {
       control.check_cancelled();
       for (std::size_t y = 0; y < ny; ++y) {
@@ -100,11 +101,11 @@ void classify_rows(const VolumeView& volume, const T* samples, IsInside is_insid
           any |= bits[w];
           all &= last >= 64 ? bits[w] : bits[w] | (~std::uint64_t{0} << last);
         }
-        if (any != 0) seen_here |= 1;
-        if (all != ~std::uint64_t{0}) seen_here |= 2;
+        if (any != 0) piece_seen |= 1;
+        if (all != ~std::uint64_t{0}) piece_seen |= 2;
       }
     }
-    seen.fetch_or(seen_here, std::memory_order_relaxed);
+    seen.fetch_or(piece_seen, std::memory_order_relaxed);
   });
   out.any_inside = (seen & 1) != 0;
   out.any_outside = (seen & 2) != 0;
@@ -128,7 +129,7 @@ SignBits classify(const VolumeView& volume, const InsideRule& rule, const RunCon
     const T t = threshold.value;
     const auto run = [&](auto is_inside) { classify_rows(volume, samples, is_inside, out, control, non_finite); };
     if (threshold.none) {
-      run([](T) { return false; });  // an isovalue outside the type's range; NaN does not matter: the surface is empty
+      run([](T) { return false; });  // the isovalue is outside the type's range; NaN does not matter, since the surface is empty
     } else if (above) {
       if (nan_inside) {
         run([t](T v) { return !(v < t); });

@@ -13,7 +13,8 @@
 
 namespace isoatlas::detail {
 
-/// Samples of one type as numbers that are >= 0 inside and < 0 outside (up to rounding; the sign bits decide, not these).
+/// Samples of one type as numbers that are >= 0 inside and < 0 outside, up to rounding; sign bits
+/// decide the topology, not these numbers.
 template <class T>
 class Field {
  public:
@@ -21,21 +22,22 @@ class Field {
       : samples_(static_cast<const T*>(volume.samples)), isovalue_(rule.isovalue), sign_(rule.inside == Inside::above ? 1 : -1) {
     if constexpr (std::is_floating_point_v<T>) {
       if (rule.non_finite != NonFinite::refuse) {
-        // A stand-in as far from the isovalue as the farthest finite sample, so that interpolation stays sensible.
+        // A substitute as far from the isovalue as the farthest finite sample, so that
+        // interpolation stays meaningful.
         const SampleSummary s = summarize(volume);
-        far_ = std::max({std::abs(s.maximum - isovalue_), std::abs(s.minimum - isovalue_), 1e-300});
+        non_finite_offset_ = std::max({std::abs(s.maximum - isovalue_), std::abs(s.minimum - isovalue_), 1e-300});
         nan_side_ = rule.non_finite == NonFinite::above ? 1 : -1;
       }
     }
   }
 
   double operator[](std::size_t i) const { return sign_ * (sample(i) - isovalue_); }
-  double sample(std::size_t i) const { return finite(samples_[i]); }
+  double sample(std::size_t i) const { return replace_non_finite(samples_[i]); }
 
   /// The sample itself, for exact decisions.
   long double exact(std::size_t i) const {
     if constexpr (std::is_floating_point_v<T>) {
-      return finite(samples_[i]);
+      return replace_non_finite(samples_[i]);
     } else {
       return static_cast<long double>(samples_[i]);
     }
@@ -43,9 +45,9 @@ class Field {
   double isovalue() const { return isovalue_; }
 
  private:
-  double finite(T v) const {
+  double replace_non_finite(T v) const {
     if constexpr (std::is_floating_point_v<T>) {
-      if (!std::isfinite(v)) return isovalue_ + far_ * (std::isnan(v) ? nan_side_ : v > 0 ? 1 : -1);
+      if (!std::isfinite(v)) return isovalue_ + non_finite_offset_ * (std::isnan(v) ? nan_side_ : v > 0 ? 1 : -1);
     }
     return static_cast<double>(v);
   }
@@ -53,13 +55,14 @@ class Field {
   const T* samples_;
   double isovalue_;
   double sign_;
-  double far_ = 0;
+  double non_finite_offset_ = 0;
   double nan_side_ = 0;
 };
 
-/// Values of a cell brought into a range where products of them neither over- nor underflow. Only the sign and the ratios matter.
+/// Scales the values of a cell so that products of them neither overflow nor underflow. Their signs
+/// and ratios do not change.
 template <std::size_t N>
-std::array<double, N> tamed(std::array<double, N> f) {
+std::array<double, N> rescaled(std::array<double, N> f) {
   constexpr double kHuge = 1e60, kTiny = 1e-60;
   double largest = 0;
   for (double& x : f) {
@@ -87,8 +90,9 @@ class TrilinearCell {
         cxyz_(f[7] - f[3] - f[5] - f[6] + f[1] + f[2] + f[4] - f[0]) {}
 
   double value(Vec3 p) const { return c0_ + p.x * (cx_ + p.y * (cxy_ + p.z * cxyz_) + p.z * cxz_) + p.y * (cy_ + p.z * cyz_) + p.z * cz_; }
-  /// Calls add(least, most) for each component of the gradient, of all points of the box from `low` to `high`. Each is linear in each of
-  /// the two coordinates that it depends on, so that corners have the extremes.
+  /// Calls add(axis, lowest, highest) for each component of the gradient, with its range over the
+  /// box from `low` to `high`. Each component is linear in each of the two coordinates that it
+  /// depends on, so its extremes are at corners.
   template <class Add>
   void for_each_slope(Vec3 low, Vec3 high, Add add) const {
     const auto range = [&](std::size_t axis, double c, double cu, double cv, double u0, double u1, double v0, double v1) {
@@ -110,8 +114,9 @@ class TrilinearCell {
   double c0_, cx_, cy_, cz_, cxy_, cxz_, cyz_, cxyz_;
 };
 
-/// A Catmull-Rom spline between the second and the third of four values: what each value counts at t in [0,1]. Through the samples
-/// exactly, as the others count nothing at 0 and 1; reproduces polynomials of degree two, up to rounding.
+/// A Catmull-Rom spline between the second and the third of four values: the weight of each value
+/// at t in [0,1]. Interpolates the samples exactly, since the other weights are 0 at t = 0 and 1;
+/// reproduces polynomials of degree two, up to rounding.
 /// @source Catmull, Rom, A class of local interpolating splines, 1974; with tension 1/2
 struct CubicWeights {
   explicit CubicWeights(double t)
@@ -124,12 +129,13 @@ inline double weighted(const std::array<double, 4>& weight, const double* f) {
   return weight[0] * f[0] + weight[1] * f[1] + weight[2] * f[2] + weight[3] * f[3];
 }
 
-/// The samples along one axis that a tricubic cell is made of, from one before `low` to two after; beyond the border, that on it.
+/// The samples along one axis that a tricubic cell depends on, from one before `low` to two after;
+/// beyond the border, the sample on it.
 constexpr std::array<std::size_t, 4> cubic_samples(std::size_t low, std::size_t n) {
   return {low == 0 ? 0 : low - 1, low, low + 1 < n ? low + 1 : n - 1, low + 2 < n ? low + 2 : n - 1};
 }
 
-/// The 4 x 4 x 4 values at those samples, x + 4y + 16z.
+/// The 4 x 4 x 4 values at these samples, x + 4y + 16z.
 template <class T>
 std::array<double, 64> values_around(const Field<T>& field, const std::array<std::size_t, 3>& size,
                                      const std::array<std::array<std::size_t, 4>, 3>& sample) {
@@ -172,9 +178,9 @@ class TricubicCell {
   double value(Vec3 p) const { return at(p).value; }
   Vec3 gradient(Vec3 p) const { return at(p).gradient; }
 
-  /// Which of the values is that of a corner (x + 2y + 4z).
+  /// The index of the value at a corner (x + 2y + 4z).
   static constexpr std::size_t corner(std::size_t c) { return 21 + (c & 1) + 4 * (c >> 1 & 1) + 16 * (c >> 2); }
-  /// Along the cell's edge that starts at `corner` (x + 2y + 4z): the four values that its spline is made of.
+  /// The four values of the spline along the cell's edge that starts at `corner` (x + 2y + 4z).
   std::array<double, 4> along(std::size_t corner, int axis) const {
     const std::size_t step = std::size_t{1} << (2 * axis);
     const std::size_t first = TricubicCell::corner(corner) - step;
@@ -185,14 +191,15 @@ class TricubicCell {
   std::array<double, 64> f_;
 };
 
-/// Where f, which has different signs at 0 and 1, is zero between them: by Newton's method, or by halving where that leads away.
+/// The zero of f between 0 and 1, where f has different signs: by Newton's method, or by bisection
+/// where that would leave the interval.
 /// @param f  f(t) returns value and slope, the value > 0 inside
 template <class F>
 double zero_between(bool inside_at_0, double start, F f) {
-  constexpr int kMostSteps = 60;
+  constexpr int kMaxSteps = 60;
   constexpr double kClose = 1e-12;
   double low = 0, high = 1, t = start;
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMaxSteps; ++step) {
     const auto [value, slope] = f(t);
     if (value == 0) break;
     ((value > 0) == inside_at_0 ? low : high) = t;

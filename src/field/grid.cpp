@@ -13,7 +13,7 @@ double Grid::smallest_spacing() const { return std::min({spacing.x, spacing.y, s
 bool Grid::mirrored() const { return dot(direction[0], cross(direction[1], direction[2])) < 0; }
 
 Vec3 Grid::to_world(Vec3 index) const {
-  const Vec3 s = scaled(index, spacing);
+  const Vec3 s = to_metric(index, spacing);
   return origin + (s.x * direction[0] + s.y * direction[1] + s.z * direction[2]);
 }
 

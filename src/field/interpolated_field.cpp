@@ -19,12 +19,12 @@ struct InterpolatedField::SamplesOf : Samples {
     const std::size_t y = size[0], z = size[0] * size[1];
     std::array<double, 8> f;
     for (std::size_t k = 0; k < 8; ++k) f[k] = field[first + (k & 1) + (k >> 1 & 1) * y + (k >> 2) * z];
-    return std::is_same_v<T, double> ? tamed(f) : f;
+    return std::is_same_v<T, double> ? rescaled(f) : f;
   }
   std::array<double, 64> around(const std::array<std::size_t, 3>& cell) const override {
     const std::array<double, 64> f =
         values_around(field, size, {cubic_samples(cell[0], size[0]), cubic_samples(cell[1], size[1]), cubic_samples(cell[2], size[2])});
-    return std::is_same_v<T, double> ? tamed(f) : f;
+    return std::is_same_v<T, double> ? rescaled(f) : f;
   }
   std::array<std::size_t, 3> size;
   Field<T> field;
@@ -52,7 +52,7 @@ InterpolatedField::Value InterpolatedField::at(Vec3 p) const {
 
 InterpolatedField::Value InterpolatedField::at(Vec3 p, Cursor& cursor) const {
   p = clamped(p);
-  const double steps = supersample_, per_step = 1 / steps;
+  const double steps = supersample_, inverse_steps = 1 / steps;
   if (supersample_ > 1) p = {p.x / steps, p.y / steps, p.z / steps};  // division finds the volume's samples exactly
   const std::array<std::size_t, 3> c{std::min(static_cast<std::size_t>(p.x), size_[0] - 2),
                                      std::min(static_cast<std::size_t>(p.y), size_[1] - 2),
@@ -60,12 +60,12 @@ InterpolatedField::Value InterpolatedField::at(Vec3 p, Cursor& cursor) const {
   const Vec3 local = p - Vec3{static_cast<double>(c[0]), static_cast<double>(c[1]), static_cast<double>(c[2])};
   if (interpolation_ == Interpolation::tricubic) {
     const auto [value, gradient] = TricubicCell(samples_->around(c)).at(local);
-    return {value, per_step * gradient};
+    return {value, inverse_steps * gradient};
   }
   const std::size_t first = first_sample(c);
   if (first != cursor.first) cursor.cell = TrilinearCell(samples_->corners(first));
   cursor.first = first;
-  return {cursor.cell.value(local), per_step * cursor.cell.gradient(local)};
+  return {cursor.cell.value(local), inverse_steps * cursor.cell.gradient(local)};
 }
 
 std::optional<TrilinearCell> InterpolatedField::cell(Vec3 low) const {
@@ -78,15 +78,15 @@ std::optional<TrilinearCell> InterpolatedField::cell(Vec3 low) const {
   return TrilinearCell(corner);
 }
 
-std::optional<InterpolatedField::Range> InterpolatedField::gradient_range(Vec3 low, Vec3 high, std::size_t most_cells) const {
+std::optional<InterpolatedField::Range> InterpolatedField::gradient_range(Vec3 low, Vec3 high, std::size_t max_cells) const {
   if (interpolation_ != Interpolation::trilinear) return std::nullopt;
   const std::array<double, 3> last{last_.x, last_.y, last_.z}, from{low.x, low.y, low.z}, to{high.x, high.y, high.z};
-  std::array<double, 3> a, b;  // the box within the volume, in its own samples
+  std::array<double, 3> a, b;  // the box clipped to the volume, in units of its own samples
   std::array<std::size_t, 3> first, end;
-  std::array<bool, 3> leaves;
+  std::array<bool, 3> exceeds;
   std::size_t cells = 1;
   for (std::size_t k = 0; k < 3; ++k) {
-    leaves[k] = from[k] < 0 || to[k] > last[k];
+    exceeds[k] = from[k] < 0 || to[k] > last[k];
     a[k] = std::clamp(from[k], 0.0, last[k]) / supersample_;
     b[k] = std::clamp(to[k], 0.0, last[k]) / supersample_;
     // A point on the wall between two cells belongs to both.
@@ -94,32 +94,33 @@ std::optional<InterpolatedField::Range> InterpolatedField::gradient_range(Vec3 l
     end[k] = std::min(static_cast<std::size_t>(b[k]), size_[k] - 2) + 1;
     cells *= end[k] - first[k];
   }
-  if (cells > most_cells) return std::nullopt;
-  std::array<double, 3> least, most;
-  least.fill(INFINITY);
-  most.fill(-INFINITY);
+  if (cells > max_cells) return std::nullopt;
+  std::array<double, 3> lowest, highest;
+  lowest.fill(INFINITY);
+  highest.fill(-INFINITY);
   bool is_finite = true;
   for (std::size_t z = first[2]; z < end[2]; ++z) {
     for (std::size_t y = first[1]; y < end[1]; ++y) {
       for (std::size_t x = first[0]; x < end[0]; ++x) {
-        const auto within = [](double p, std::size_t corner) { return std::clamp(p - static_cast<double>(corner), 0.0, 1.0); };
-        const Vec3 from_here{within(a[0], x), within(a[1], y), within(a[2], z)}, to_here{within(b[0], x), within(b[1], y), within(b[2], z)};
-        cell_at({x, y, z}).for_each_slope(from_here, to_here, [&](std::size_t axis, double low_slope, double high_slope) {
+        const auto clamp_to_cell = [](double p, std::size_t corner) { return std::clamp(p - static_cast<double>(corner), 0.0, 1.0); };
+        const Vec3 local_low{clamp_to_cell(a[0], x), clamp_to_cell(a[1], y), clamp_to_cell(a[2], z)},
+            local_high{clamp_to_cell(b[0], x), clamp_to_cell(b[1], y), clamp_to_cell(b[2], z)};
+        cell_at({x, y, z}).for_each_slope(local_low, local_high, [&](std::size_t axis, double low_slope, double high_slope) {
           is_finite = is_finite && std::isfinite(low_slope) && std::isfinite(high_slope);
-          least[axis] = std::min(least[axis], low_slope);
-          most[axis] = std::max(most[axis], high_slope);
+          lowest[axis] = std::min(lowest[axis], low_slope);
+          highest[axis] = std::max(highest[axis], high_slope);
         });
       }
     }
   }
   if (!is_finite) return std::nullopt;
   for (std::size_t k = 0; k < 3; ++k) {
-    if (!leaves[k]) continue;
-    least[k] = std::min(least[k], 0.0);
-    most[k] = std::max(most[k], 0.0);
+    if (!exceeds[k]) continue;
+    lowest[k] = std::min(lowest[k], 0.0);
+    highest[k] = std::max(highest[k], 0.0);
   }
-  const double per_step = 1 / static_cast<double>(supersample_);
-  return Range{per_step * Vec3{least[0], least[1], least[2]}, per_step * Vec3{most[0], most[1], most[2]}};
+  const double inverse_steps = 1 / static_cast<double>(supersample_);
+  return Range{inverse_steps * Vec3{lowest[0], lowest[1], lowest[2]}, inverse_steps * Vec3{highest[0], highest[1], highest[2]}};
 }
 
 double InterpolatedField::at_sample(Vec3 sample) const {
@@ -131,7 +132,7 @@ double InterpolatedField::at_sample(Vec3 sample) const {
 
 std::optional<double> InterpolatedField::zero_on_edge(const Vec3 low, int axis) const {
   const Vec3 step{axis == 0 ? 1.0 : 0.0, axis == 1 ? 1.0 : 0.0, axis == 2 ? 1.0 : 0.0};
-  const auto [f, g] = tamed(std::array{at_sample(low), at_sample(low + step)});
+  const auto [f, g] = rescaled(std::array{at_sample(low), at_sample(low + step)});
   if ((f >= 0) == (g >= 0)) return std::nullopt;
   const double linear = f / (f - g), start = std::isfinite(linear) ? linear : 0.5;
   if (interpolation_ == Interpolation::trilinear) return start;

@@ -14,13 +14,15 @@
 
 namespace isoatlas::detail {
 
-/// The field of a volume of any sample type between its samples, >= 0 inside and < 0 outside, at any point. Points are in sample-index
-/// coordinates, supersampled in those of the upsampled samples; then too it is the volume's own interpolant.
-/// Immutable; any number of threads may ask at once. The volume's samples must outlive it.
+/// The field of a volume of any sample type between its samples, >= 0 inside and < 0 outside, at
+/// any point. Points are in sample-index coordinates; with supersampling in those of the upsampled
+/// samples, but the interpolant is that of the original volume. Immutable; any number of threads
+/// may query it. The volume's samples must outlive it.
 class InterpolatedField {
  public:
   /// @pre  every size >= 2, supersample >= 1
-  /// @cost one pass over the samples if they are floating-point numbers and the rule admits NaN, else O(1)
+  /// @cost one pass over the samples if they are floating-point numbers and the rule admits NaN,
+  ///       otherwise O(1)
   InterpolatedField(const VolumeView& volume, const InsideRule& rule, Interpolation interpolation = Interpolation::trilinear,
                     std::uint32_t supersample = 1);
 
@@ -28,41 +30,47 @@ class InterpolatedField {
     double value;
     Vec3 gradient;  ///< per step of the sample index
   };
-  /// A point outside the volume counts as the nearest one on its border. Between cells it is the upper cell's gradient; if tricubic, both
-  /// cells have the same. Where samples of float64 are so large or small that products of them leave the range of double, value and
-  /// gradient are scaled, both alike.
+  /// The field at a point. A point outside the volume is replaced by the nearest one on its border.
+  /// Between cells the gradient is that of the upper cell; for tricubic interpolation both cells
+  /// have the same. If samples of float64 are so large or small that products of them leave the
+  /// range of double, value and gradient are scaled by the same factor.
   Value at(Vec3 p) const;
 
-  /// The cell that was asked for last: many points in a row are in the same one. Of one field.
+  /// Caches the last cell, since consecutive points are often in the same one. Use one cursor per
+  /// field.
   class Cursor {
     friend InterpolatedField;
-    std::size_t first = static_cast<std::size_t>(-1);  // its first sample; none: no cell yet
+    std::size_t first = static_cast<std::size_t>(-1);  // its first sample; the default value: no cell yet
     TrilinearCell cell{{}};
   };
-  /// The same, faster where `cursor` was in the cell of `p` before.
+  /// The same, faster if the last point of `cursor` was in the same cell.
   Value at(Vec3 p, Cursor& cursor) const;
 
-  /// The field on the cell from the sample at `low` to the next ones, as a function of the way from there; nothing if it is not trilinear.
+  /// The field in the cell from the sample at `low` to the next ones, as a function of local
+  /// coordinates; none if it is not trilinear.
   std::optional<TrilinearCell> cell(Vec3 low) const;
 
   struct Range {
     Vec3 low, high;
   };
-  /// Bounds on the gradient, per component, at all points of the box from `low` to `high`; outside the volume that of at(), so zero across
-  /// the border. Exact but for rounding where the box is in one cell. O(cells that the box meets)
-  /// @return nothing if the box meets more than `most_cells` cells, or the field is not trilinear
-  std::optional<Range> gradient_range(Vec3 low, Vec3 high, std::size_t most_cells) const;
+  /// Bounds on each component of the gradient in the box from `low` to `high`; outside the volume
+  /// as for at(), so the component across the border is zero. Exact up to rounding if the box is
+  /// inside one cell. O(cells that the box overlaps)
+  /// @return none if the box overlaps more than `max_cells` cells, or the field is not trilinear
+  std::optional<Range> gradient_range(Vec3 low, Vec3 high, std::size_t max_cells) const;
 
-  /// What parsing saw at a sample, inside or outside; a little different, between the volume's samples, from what at() finds there.
+  /// The value that parsing used at a sample, inside or outside. With supersampling it may differ
+  /// slightly from at() between the volume's samples.
   /// @param sample  whole coordinates
   double at_sample(Vec3 sample) const;
 
-  /// Where it is zero on the grid edge from the sample at `low` to the next one along `axis`, as a share of the edge; nothing if it is not.
+  /// The zero of the field on the grid edge from the sample at `low` to the next one along `axis`,
+  /// as a share of the edge; none if there is none.
   std::optional<double> zero_on_edge(Vec3 low, int axis) const;
 
-  /// The nearest point of the volume.
+  /// The nearest point inside the volume.
   Vec3 clamped(Vec3 p) const;
-  Vec3 last() const { return last_; }  ///< the index of the last sample
+  Vec3 last() const { return last_; }  ///< index of the last sample
   Interpolation interpolation() const { return interpolation_; }
   std::uint32_t supersample() const { return supersample_; }
 
@@ -82,7 +90,7 @@ class InterpolatedField {
   Vec3 last_;
   Interpolation interpolation_;
   std::uint32_t supersample_;
-  std::optional<UpsampledField> upsampled_;  // supersampled only
+  std::optional<UpsampledField> upsampled_;  // only with supersampling
   std::shared_ptr<const Samples> samples_;
 };
 

@@ -8,7 +8,8 @@
 
 namespace isoatlas::detail {
 
-/// Calls f with a null pointer to the C++ type of `type`: the one place that maps sample types to C++ types.
+/// Calls f with a null pointer to the C++ type of `type`. The only place that maps sample types to
+/// C++ types.
 template <class F>
 decltype(auto) visit_sample_type(SampleType type, F&& f) {
   switch (type) {

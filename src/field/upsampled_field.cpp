@@ -2,7 +2,7 @@
 // Based on:
 //   [gavriliu2001]  section 3.2: the volume may be supersampled first, trilinear or tricubic.
 // Ours: upsampled samples are not kept; interpolation along an axis starts from a sample and adds differences, so that a plateau at the
-// isovalue stays one; cells that cannot be crossed are passed over.
+// isovalue stays one; cells that cannot be crossed are skipped.
 #include "field/upsampled_field.h"
 
 #include <algorithm>
@@ -20,12 +20,12 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr double kMostSamples = 0x1p36;  // their sign bits take 8 GiB
+constexpr double kMaxSamples = 0x1p36;  // their sign bits take 8 GiB
 constexpr double kHuge = 1e300, kShrink = 0x1p-10;
-// Per axis weights below zero sum to at most 1/8, so over three axes to (1.25^3 - 1) / 2 = 0.477: no value is farther beyond those
-// around it, in multiples of their range.
+// Negative weights along an axis sum to at most 1/8 in magnitude, so over three axes to (1.25^3 -
+// 1) / 2 = 0.477: no value exceeds those around it by more than this multiple of their range.
 constexpr double kOvershoot = 0.48;
-constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();  // of the largest value, to spare
+constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();  // of the largest value, with a margin
 
 void set_bits(std::uint64_t* bits, std::size_t begin, std::size_t end) {
   for (std::size_t i = begin; i < end;) {
@@ -59,10 +59,10 @@ bool can_be_upsampled(const Grid& grid, std::uint32_t factor) {
     if (upsampled >= kNone - 1) return false;
     all *= upsampled;
   }
-  return all <= kMostSamples;
+  return all <= kMaxSamples;
 }
 
-// What depends on the samples' type.
+// The operations that depend on the type of the samples.
 struct UpsampledField::Samples {
   virtual ~Samples() = default;
   virtual void gather(const Around& at, std::array<double, 8>& out) const = 0;
@@ -94,7 +94,7 @@ struct UpsampledField::SamplesOf : Samples {
   Field<T> field;
 };
 
-// The values around a cell, z slowest, as multiples of `unit`.
+// The values around a cell, z slowest, in multiples of `unit`.
 template <std::size_t W>
 struct UpsampledField::Block {
   std::array<double, W * W * W> f;
@@ -117,7 +117,7 @@ UpsampledField::UpsampledField(const VolumeView& volume, const InsideRule& rule,
     const double t = static_cast<double>(p) / factor;
     phase_.push_back({t, CubicWeights(t)});
   }
-  // The outer two of four values say what the slopes at the inner two are.
+  // The outer two of four values determine the slopes at the inner two.
   for (std::uint32_t p = 0; p < factor; ++p) {
     const CubicWeights &low = phase_[p].cubic, &high = phase_[p + 1].cubic;
     Spline& s = spline_.emplace_back();
@@ -183,7 +183,7 @@ std::array<double, 64> UpsampledField::around(const std::array<std::size_t, 3>& 
   std::array<double, 64> f;
   samples_->gather(around_cell(cell), f);
   for (double& x : f) x = sign_ * (x - rule_.isovalue);
-  f = tamed(f);
+  f = rescaled(f);
   for (std::size_t a = 0, stride = 1; a < 3; ++a, stride *= 4) {
     const std::size_t phase = low[a] % factor_;
     std::array<double, 64> out;
@@ -197,7 +197,8 @@ std::array<double, 64> UpsampledField::around(const std::array<std::size_t, 3>& 
   return f;
 }
 
-// 1: all samples of a cell are inside; -1: none is; 0: unknown. low, high: of the samples around it.
+// 1: all samples of a cell are inside; -1: all are outside; 0: unknown. @param low, high  range of
+// the samples around it
 int UpsampledField::side_of(double low, double high) const {
   if (interpolation_ == Interpolation::tricubic && low < high) {
     const double beyond = kOvershoot * (high - low) + kRounding * std::max(std::abs(low), std::abs(high));
@@ -227,7 +228,7 @@ void UpsampledField::set_signs(const std::array<std::size_t, 3>& cell, SignBits&
 
 SignBits UpsampledField::classify(const RunControl& control) const {
   if (rule_.non_finite == NonFinite::refuse && (volume_.type == SampleType::float32 || volume_.type == SampleType::float64)) {
-    isoatlas::detail::classify(volume_, rule_, control);  // for what it refuses
+    isoatlas::detail::classify(volume_, rule_, control);  // only for its exceptions
   }
   const auto [nx, ny, nz] = size_;
   SignBits out;
@@ -236,16 +237,16 @@ SignBits UpsampledField::classify(const RunControl& control) const {
   out.bits.resize(out.words * fine_[1] * fine_[2]);
   std::atomic<bool> any_inside{false}, any_outside{false};
   const bool cubic = interpolation_ == Interpolation::tricubic;
-  // Calls f for the samples around the cells that start at i.
+  // Calls f for the indices of the samples around the cells that start at i.
   const auto for_each_around = [&](std::size_t i, std::size_t n, auto f) {
-    const auto four = cubic_samples(i, n);
-    for (std::size_t k = cubic ? 0 : 1; k < (cubic ? 4u : 3u); ++k) f(four[k]);
+    const auto samples_around = cubic_samples(i, n);
+    for (std::size_t k = cubic ? 0 : 1; k < (cubic ? 4u : 3u); ++k) f(samples_around[k]);
   };
   for_each_piece(nz, 1, [&, nx = nx, ny = ny, nz = nz](std::size_t z0, std::size_t z1) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     std::vector<double> row(nx), low(nx * ny), high(nx * ny), row_low(nx), row_high(nx);
     std::vector<std::uint64_t> known(out.words);
-    std::vector<std::size_t> open;
+    std::vector<std::size_t> undecided;
     const auto widen = [nx](double* lowest, double* highest, const double* from_low, const double* from_high) {
       for (std::size_t x = 0; x < nx; ++x) {
         lowest[x] = std::min(lowest[x], from_low[x]);
@@ -267,7 +268,7 @@ SignBits UpsampledField::classify(const RunControl& control) const {
         std::fill(row_high.begin(), row_high.end(), -kInfinity);
         for_each_around(cy, ny, [&](std::size_t y) { widen(row_low.data(), row_high.data(), &low[nx * y], &high[nx * y]); });
         std::fill(known.begin(), known.end(), std::uint64_t{0});
-        open.clear();
+        undecided.clear();
         for (std::size_t cx = 0; cx < nx; ++cx) {
           double lowest = kInfinity, highest = -kInfinity;
           for_each_around(cx, nx, [&](std::size_t x) {
@@ -275,7 +276,7 @@ SignBits UpsampledField::classify(const RunControl& control) const {
             highest = std::max(highest, row_high[x]);
           });
           const int side = side_of(lowest, highest);
-          if (side == 0) open.push_back(cx);
+          if (side == 0) undecided.push_back(cx);
           if (side > 0) set_bits(known.data(), cx * factor_ + 1, cx * factor_ + 1 + phases(cx, 0));
         }
         const auto for_each_row = [&](auto f) {
@@ -284,7 +285,7 @@ SignBits UpsampledField::classify(const RunControl& control) const {
           }
         };
         for_each_row([&](std::uint64_t* bits) { std::copy(known.begin(), known.end(), bits); });
-        for (const std::size_t cx : open) {
+        for (const std::size_t cx : undecided) {
           if (cubic) {
             set_signs<4>({cx, cy, cz}, out);
           } else {

@@ -14,14 +14,17 @@
 
 namespace isoatlas::detail {
 
-/// Are there no more than 2^36 samples in all, and fewer than 2^32 - 2 along an axis? @pre factor >= 1
+/// Whether there are no more than 2^36 samples in all, and fewer than 2^32 - 2 along an axis. @pre
+/// factor >= 1
 bool can_be_upsampled(const Grid& grid, std::uint32_t factor);
 
-/// The samples of a volume upsampled: its interpolant at `factor` points per step of the index, (n - 1) * factor + 1 along an axis.
-/// They are float64, computed where they are asked for, the same bits each time, and never kept. Where the volume is constant they are
-/// too, and trilinear ones lie between the samples around them, both exactly; of the volume's own, 64-bit integers are rounded.
+/// The samples of an upsampled volume: its interpolant at `factor` points per step of the index, (n
+/// - 1) * factor + 1 along an axis. They are float64, computed on demand with the same bits each
+/// time, and never stored. Where the volume is constant they are constant, and trilinear ones lie
+/// between the samples around them, both exactly; 64-bit integers of the volume are rounded.
 ///
-/// Samples that are not finite count as in Field. The volume's samples must outlive it; any number of threads may ask at once.
+/// Samples that are not finite are treated as in Field. The volume's samples must outlive it; any
+/// number of threads may query it.
 class UpsampledField {
  public:
   /// @pre    every size >= 2, factor >= 1
@@ -32,30 +35,33 @@ class UpsampledField {
   static constexpr bool kAnyRange = true;
   const std::array<std::size_t, 3>& size() const { return fine_; }
 
-  // As of Field; x runs fastest.
+  // As in Field; x runs fastest.
   double operator[](std::size_t i) const { return sign_ * (sample(i) - rule_.isovalue); }
   long double exact(std::size_t i) const { return sample(i); }
   double isovalue() const { return rule_.isovalue; }
 
-  /// What TricubicCell needs to have the volume's tricubic interpolant in the cell that starts at `low`.
-  /// @param flat  axes along which nothing is to change
+  /// The values of a TricubicCell that equals the volume's tricubic interpolant in the cell that
+  /// starts at `low`.
+  /// @param flat  axes along which the result is to be constant
   std::array<double, 64> around(const std::array<std::size_t, 3>& low, const std::array<bool, 3>& flat) const;
 
-  /// One bit per upsampled sample. Cells of the volume in which all are on one side, as the samples around it show, are not looked into.
+  /// One bit per upsampled sample. Cells of the volume that the samples around them prove to be on
+  /// one side are not evaluated.
   /// @throws as classify()
-  /// @cost   a few passes over the volume's samples; factor^3 samples per cell that may be crossed; 1/8 byte per upsampled sample
+  /// @cost   a few passes over the volume's samples; factor^3 samples per cell that may be crossed;
+  ///         1/8 byte per upsampled sample
   SignBits classify(const RunControl& control) const;
 
  private:
-  using Around = std::array<std::array<std::size_t, 4>, 3>;  // indices along the axes; trilinear: the middle two
+  using Around = std::array<std::array<std::size_t, 4>, 3>;  // indices along the axes; trilinear interpolation uses the middle two
   struct Samples;
   template <class T>
   struct SamplesOf;
-  struct Phase {  // a place between two samples
+  struct Phase {  // a position between two samples
     double t;
     CubicWeights cubic;
   };
-  using Spline = std::array<std::array<double, 4>, 4>;  // from values around a cell to those around a part of it
+  using Spline = std::array<std::array<double, 4>, 4>;  // maps values around a cell to those around a part of it
   template <std::size_t W>
   struct Block;
 

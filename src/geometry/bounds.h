@@ -8,7 +8,7 @@
 
 namespace isoatlas::detail {
 
-/// The smallest box with edges along the axes that has points in it.
+/// The smallest axis-aligned box that contains some points.
 struct Bounds {
   Vec3 low, high;
   double longest() const { return std::max({high.x - low.x, high.y - low.y, high.z - low.z}); }

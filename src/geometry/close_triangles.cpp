@@ -14,7 +14,7 @@ namespace isoatlas::detail {
 namespace {
 
 constexpr std::size_t kGrain = 4096;     // items per piece of a parallel loop
-constexpr std::size_t kLeafGrain = 64;   // leaves of the tree, each with its candidates
+constexpr std::size_t kLeafGrain = 64;   // leaves of the BVH, each with its candidates
 constexpr std::size_t kQueryGrain = 64;  // triangles, each with its candidates
 
 struct Box {
@@ -52,7 +52,7 @@ std::vector<TrianglePair> collect(std::size_t n, std::size_t grain, const RunCon
 
 }  // namespace
 
-CloseTriangles::Scaling CloseTriangles::about_origin(std::span<const Vec3> positions) {
+CloseTriangles::Scaling CloseTriangles::centred_scaling(std::span<const Vec3> positions) {
   double largest = 0;
   for (const Vec3& p : positions) largest = std::max({largest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
   const int exponent = largest > 0 ? std::ilogb(largest) + 1 : 0;
@@ -63,77 +63,76 @@ CloseTriangles::Scaling CloseTriangles::about_origin(std::span<const Vec3> posit
   return out;
 }
 
-// No less than what the margin becomes.
+// The margin after scaling, rounded up.
 double CloseTriangles::scaled_margin() const {
   constexpr double kRounding = 1e-15;  // of coordinates up to 2
   return margin_ > 0 ? scaling_.second * (scaling_.first * margin_) + kRounding : 0;
 }
 
-std::vector<std::uint32_t> CloseTriangles::current(const Tree& tree) const {
+std::vector<std::uint32_t> CloseTriangles::current(const IndexedBvh& bvh) const {
   std::vector<std::uint32_t> out;
-  std::ranges::copy_if(tree.numbers, std::back_inserter(out),
-                       [&](std::uint32_t t) { return t < tree_of_.size() && tree_of_[t] == tree.id; });
+  std::ranges::copy_if(bvh.ids, std::back_inserter(out), [&](std::uint32_t t) { return t < bvh_of_.size() && bvh_of_[t] == bvh.id; });
   return out;
 }
 
-void CloseTriangles::add_tree(std::vector<std::uint32_t> numbers, std::span<const Vec3> positions, std::span<const Triangle> triangles,
-                              const RunControl& control) {
-  std::vector<Vec3> corners(3 * numbers.size());
-  std::vector<Triangle> local(numbers.size());
-  for_each_piece(numbers.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+void CloseTriangles::add_bvh(std::vector<std::uint32_t> ids, std::span<const Vec3> positions, std::span<const Triangle> triangles,
+                             const RunControl& control) {
+  std::vector<Vec3> corners(3 * ids.size());
+  std::vector<Triangle> local(ids.size());
+  for_each_piece(ids.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     control.check_cancelled();
     for (std::size_t i = begin; i < end; ++i) {
       const auto first = static_cast<std::uint32_t>(3 * i);
       local[i] = {first, first + 1, first + 2};
-      for (std::size_t k = 0; k < 3; ++k) corners[first + k] = scaling_(positions[triangles[numbers[i]][k]]);
+      for (std::size_t k = 0; k < 3; ++k) corners[first + k] = scaling_(positions[triangles[ids[i]][k]]);
     }
   });
   const std::uint32_t id = next_id_++;
-  for (const std::uint32_t t : numbers) tree_of_[t] = id;
-  const std::size_t count = numbers.size();
-  trees_.push_back({id, count, std::move(numbers), TriangleTree(std::move(corners), local, control)});
+  for (const std::uint32_t t : ids) bvh_of_[t] = id;
+  const std::size_t count = ids.size();
+  bvhs_.push_back({id, count, std::move(ids), TriangleBvh(std::move(corners), local, control)});
 }
 
-void CloseTriangles::leave_tree(std::uint32_t t) {
-  const auto tree = std::ranges::lower_bound(trees_, tree_of_[t], {}, &Tree::id);
-  if (tree != trees_.end() && tree->id == tree_of_[t]) --tree->current;
-  tree_of_[t] = kNone;
+void CloseTriangles::remove_from_bvh(std::uint32_t t) {
+  const auto bvh = std::ranges::lower_bound(bvhs_, bvh_of_[t], {}, &IndexedBvh::id);
+  if (bvh != bvhs_.end() && bvh->id == bvh_of_[t]) --bvh->current;
+  bvh_of_[t] = kNone;
 }
 
-// Of all triangles, in a tree of them all.
+// Finds all pairs, with one BVH of all triangles.
 std::vector<TrianglePair> CloseTriangles::all_pairs(std::span<const Vec3> positions, std::span<const Triangle> triangles,
                                                     const PairTest& is_wanted, const RunControl& control) {
-  scaling_ = about_origin(positions);
-  trees_.clear();
-  std::vector<std::uint32_t> numbers(triangles.size());
-  std::iota(numbers.begin(), numbers.end(), 0u);
-  add_tree(std::move(numbers), positions, triangles, control);
-  const TriangleTree& tree = trees_.back().tree;
-  std::vector<Box> boxes(tree.triangle_count());  // in the order of the tree
+  scaling_ = centred_scaling(positions);
+  bvhs_.clear();
+  std::vector<std::uint32_t> ids(triangles.size());
+  std::iota(ids.begin(), ids.end(), 0u);
+  add_bvh(std::move(ids), positions, triangles, control);
+  const TriangleBvh& bvh = bvhs_.back().bvh;
+  std::vector<Box> boxes(bvh.triangle_count());  // in the order of the BVH
   for_each_piece(boxes.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     control.check_cancelled();
     for (auto slot = static_cast<std::uint32_t>(begin); slot < end; ++slot)
-      boxes[slot] = box_of(positions, triangles[tree.triangle_in(slot)]);
+      boxes[slot] = box_of(positions, triangles[bvh.triangle_in(slot)]);
   });
   const double reach = 2 * margin_, scaled_reach = 2 * scaled_margin();
-  return collect(tree.leaf_count(), kLeafGrain, control, [&](std::size_t first, std::size_t last, std::vector<TrianglePair>& found) {
+  return collect(bvh.leaf_count(), kLeafGrain, control, [&](std::size_t first, std::size_t last, std::vector<TrianglePair>& found) {
     std::vector<std::uint32_t> leaves;
-    for (auto leaf = static_cast<std::uint32_t>(first); leaf < last; ++leaf) {  // its triangles with those after them in the tree
-      const std::uint32_t begin = TriangleTree::kLeaf * leaf, end = tree.leaf_end(leaf);
+    for (auto leaf = static_cast<std::uint32_t>(first); leaf < last; ++leaf) {  // tests its triangles against those after them in the BVH
+      const std::uint32_t begin = TriangleBvh::kLeafSize * leaf, end = bvh.leaf_end(leaf);
       Box all;
-      std::array<Box, TriangleTree::kLeaf> own;
+      std::array<Box, TriangleBvh::kLeafSize> own;
       for (std::uint32_t slot = begin; slot < end; ++slot) {
         own[slot - begin] = boxes[slot].larger_by(reach);
-        for (const std::uint32_t v : tree.corners_in(slot)) all.include(tree.positions()[v]);
+        for (const std::uint32_t v : bvh.corners_in(slot)) all.include(bvh.points()[v]);
       }
       all = all.larger_by(scaled_reach);
       leaves.clear();
-      tree.leaves_near(all.low, all.high, leaf, leaves);
-      for (const std::uint32_t near : leaves) {
-        for (std::uint32_t other = TriangleTree::kLeaf * near; other < tree.leaf_end(near); ++other) {
+      bvh.leaves_near(all.low, all.high, leaf, leaves);
+      for (const std::uint32_t candidate : leaves) {
+        for (std::uint32_t other = TriangleBvh::kLeafSize * candidate; other < bvh.leaf_end(candidate); ++other) {
           for (std::uint32_t slot = begin; slot < std::min(end, other); ++slot) {
             if (!own[slot - begin].overlaps(boxes[other])) continue;
-            const std::uint32_t a = tree.triangle_in(slot), b = tree.triangle_in(other);
+            const std::uint32_t a = bvh.triangle_in(slot), b = bvh.triangle_in(other);
             if (is_wanted(a, b)) found.push_back(std::minmax(a, b));
           }
         }
@@ -145,23 +144,23 @@ std::vector<TrianglePair> CloseTriangles::all_pairs(std::span<const Vec3> positi
 std::vector<TrianglePair> CloseTriangles::update(std::span<const Vec3> positions, std::span<const Triangle> triangles,
                                                  std::span<const std::uint32_t> changed, const PairTest& is_wanted,
                                                  const RunControl& control) {
-  for (auto t = static_cast<std::uint32_t>(triangles.size()); t < tree_of_.size(); ++t) leave_tree(t);
-  tree_of_.resize(triangles.size(), kNone);
+  for (auto t = static_cast<std::uint32_t>(triangles.size()); t < bvh_of_.size(); ++t) remove_from_bvh(t);
+  bvh_of_.resize(triangles.size(), kNone);
   is_changed_.clear();
   for (const std::uint32_t t : changed) is_changed_.insert(t);
-  if (trees_.empty() || 2 * changed.size() > triangles.size()) {
+  if (bvhs_.empty() || 2 * changed.size() > triangles.size()) {
     std::vector<TrianglePair> pairs = all_pairs(positions, triangles, is_wanted, control);
     std::erase_if(pairs, [&](const TrianglePair& pair) { return !is_changed_.contains(pair.first) && !is_changed_.contains(pair.second); });
     return pairs;
   }
   if (changed.empty()) return {};
-  std::vector<std::uint32_t> numbers(changed.begin(), changed.end());
-  for (const std::uint32_t t : changed) leave_tree(t);
-  for (; !trees_.empty() && trees_.back().current <= 2 * numbers.size(); trees_.pop_back()) {
-    const std::vector<std::uint32_t> others = current(trees_.back());
-    numbers.insert(numbers.end(), others.begin(), others.end());
+  std::vector<std::uint32_t> ids(changed.begin(), changed.end());
+  for (const std::uint32_t t : changed) remove_from_bvh(t);
+  for (; !bvhs_.empty() && bvhs_.back().current <= 2 * ids.size(); bvhs_.pop_back()) {
+    const std::vector<std::uint32_t> others = current(bvhs_.back());
+    ids.insert(ids.end(), others.begin(), others.end());
   }
-  add_tree(std::move(numbers), positions, triangles, control);
+  add_bvh(std::move(ids), positions, triangles, control);
 
   const double reach = 2 * margin_, scaled_reach = 2 * scaled_margin();
   return collect(changed.size(), kQueryGrain, control, [&](std::size_t first, std::size_t last, std::vector<TrianglePair>& found) {
@@ -172,14 +171,14 @@ std::vector<TrianglePair> CloseTriangles::update(std::span<const Vec3> positions
       Box scaled;
       for (const std::uint32_t v : triangles[t]) scaled.include(scaling_(positions[v]));
       scaled = scaled.larger_by(scaled_reach);
-      for (const Tree& tree : trees_) {
+      for (const IndexedBvh& bvh : bvhs_) {
         leaves.clear();
-        tree.tree.leaves_near(scaled.low, scaled.high, 0, leaves);
+        bvh.bvh.leaves_near(scaled.low, scaled.high, 0, leaves);
         for (const std::uint32_t leaf : leaves) {
-          for (std::uint32_t slot = TriangleTree::kLeaf * leaf; slot < tree.tree.leaf_end(leaf); ++slot) {
-            const std::uint32_t other = tree.numbers[tree.tree.triangle_in(slot)];
-            if (other >= tree_of_.size() || tree_of_[other] != tree.id) continue;
-            // Of two that changed now the larger one finds the pair.
+          for (std::uint32_t slot = TriangleBvh::kLeafSize * leaf; slot < bvh.bvh.leaf_end(leaf); ++slot) {
+            const std::uint32_t other = bvh.ids[bvh.bvh.triangle_in(slot)];
+            if (other >= bvh_of_.size() || bvh_of_[other] != bvh.id) continue;
+            // If both have changed, the pair is found from the larger one.
             if (other >= t && (other == t || is_changed_.contains(other))) continue;
             if (box.overlaps(box_of(positions, triangles[other])) && is_wanted(t, other)) found.push_back(std::minmax(t, other));
           }

@@ -10,14 +10,16 @@
 
 namespace isoatlas::detail {
 
-/// A point of a triangle: corner k weighs weight[k]; weights are >= 0 and add up to 1, up to rounding.
+/// A point of a triangle, with weight[k] for corner k; weights are >= 0 and add up to 1, up to
+/// rounding.
 struct TrianglePoint {
   Vec3 point{};
   std::array<double, 3> weight{};
-  double squared_distance = 0;  ///< from the point that was asked for
+  double squared_distance = 0;  ///< from the query point
 };
 
-/// The point of segment ab closest to p, as a fraction of the way from a to b. A segment without length is its first end.
+/// The point of segment ab closest to p, as a fraction of the way from a to b; 0 if the segment has
+/// no length.
 inline double closest_on_segment(Vec3 p, Vec3 a, Vec3 b) {
   const Vec3 ab = b - a;
   const double squared = squared_length(ab), along = dot(p - a, ab);
@@ -26,9 +28,10 @@ inline double closest_on_segment(Vec3 p, Vec3 a, Vec3 b) {
 
 /// The point of triangle abc closest to p.
 ///
-/// Triangles without area are segments or points. What is returned always is a point of the triangle, never farther than the
-/// closest point of its sides up to rounding: where a triangle is so thin that rounding hides on which side of it p is, its
-/// inside and all three sides are compared.
+/// Triangles without area are treated as segments or points. The result is always a point of the
+/// triangle and, up to rounding, never farther than the closest point of its sides: where a
+/// triangle is so thin that rounding decides on which side of it p is, its inside and all three
+/// sides are compared.
 inline TrianglePoint closest_on_triangle(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
   constexpr double kThin = 1e-10;  // squared sine of the angle at a, below which a triangle is thin
   const Vec3 ab = b - a, ac = c - a, ap = p - a;

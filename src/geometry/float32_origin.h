@@ -11,8 +11,9 @@
 
 namespace isoatlas::detail {
 
-/// The point from which float32 coordinates keep most digits: the middle of the box if the box is farther from the origin than it is long,
-/// else the origin. The coordinates are float32 values, so that viewers that compute in float32 add the same numbers.
+/// The point relative to which float32 coordinates keep most digits: the centre of the box if the
+/// box is farther from the origin than it is long, otherwise the origin. Its coordinates are
+/// float32 values, so that viewers that compute in float32 add the same numbers.
 inline Vec3 float32_origin_of(const Bounds& box) {
   const Vec3 middle = 0.5 * box.low + 0.5 * box.high;
   const double distance = std::max({std::fabs(middle.x), std::fabs(middle.y), std::fabs(middle.z)});

@@ -17,14 +17,14 @@ constexpr std::size_t kPerPiece = 2048;  // vertices or triangles, of a parallel
 
 }  // namespace
 
-// @return the numbers of the triangles that changed, sorted
-std::vector<std::uint32_t> IntersectionTracker::take_mesh(std::span<const Vec3> positions, std::span<const Triangle> triangles) {
-  const std::size_t known = std::min(positions.size(), positions_.size());
+// @return the ids of the triangles that changed, sorted
+std::vector<std::uint32_t> IntersectionTracker::update_mesh(std::span<const Vec3> positions, std::span<const Triangle> triangles) {
+  const std::size_t old_count = std::min(positions.size(), positions_.size());
   std::vector<std::uint8_t> moved(positions.size(), 1);
   positions_.resize(positions.size());
-  in_space_.resize(positions.size());
+  output_.resize(positions.size());
   for_each_index(positions.size(), kPerPiece, [&](std::size_t v) {
-    if (v < known && positions_[v] == positions[v]) {
+    if (v < old_count && positions_[v] == positions[v]) {
       moved[v] = 0;
     } else {
       move(static_cast<std::uint32_t>(v), positions[v]);
@@ -43,14 +43,14 @@ std::vector<std::uint32_t> IntersectionTracker::take_mesh(std::span<const Vec3> 
 
 void IntersectionTracker::move(std::uint32_t vertex, Vec3 to) {
   positions_[vertex] = to;
-  in_space_[vertex] = written_.in_form(0, to);
+  output_[vertex] = forms_.in_form(0, to);
 }
 
 bool IntersectionTracker::has_area_in_all_forms(const Triangle& t) const {
-  if (!has_area(in_space_, t)) return false;
-  for (std::size_t form = 1; form < written_.form_count(); ++form) {
-    const std::array corners{written_.in_form(form, positions_[t[0]]), written_.in_form(form, positions_[t[1]]),
-                             written_.in_form(form, positions_[t[2]])};
+  if (!has_area(output_, t)) return false;
+  for (std::size_t form = 1; form < forms_.form_count(); ++form) {
+    const std::array corners{forms_.in_form(form, positions_[t[0]]), forms_.in_form(form, positions_[t[1]]),
+                             forms_.in_form(form, positions_[t[2]])};
     if (!has_area(corners, {0, 1, 2})) return false;
   }
   return true;
@@ -58,20 +58,20 @@ bool IntersectionTracker::has_area_in_all_forms(const Triangle& t) const {
 
 bool IntersectionTracker::intersect_in_any_form(std::uint32_t first, std::uint32_t second) const {
   const Triangle &a = triangles_[first], &b = triangles_[second];
-  if (are_surely_apart(in_space_, a, b, written_.most_rounding())) return false;
-  if (meet_beyond_shared(in_space_, a, b)) return true;
-  Triangle local = {3, 4, 5};  // b with the numbers of a's corners where they share them
+  if (are_certainly_disjoint(output_, a, b, forms_.max_rounding())) return false;
+  if (intersect_beyond_shared_simplex(output_, a, b)) return true;
+  Triangle local = {3, 4, 5};  // b, with the indices of a's corners where they are shared
   for (std::uint32_t& v : local) {
     const auto at = std::find(a.begin(), a.end(), b[v - 3]);
     if (at != a.end()) v = static_cast<std::uint32_t>(at - a.begin());
   }
-  for (std::size_t form = 1; form < written_.form_count(); ++form) {
+  for (std::size_t form = 1; form < forms_.form_count(); ++form) {
     std::array<Vec3, 6> corners;
     for (std::size_t k = 0; k < 3; ++k) {
-      corners[k] = written_.in_form(form, positions_[a[k]]);
-      corners[3 + k] = written_.in_form(form, positions_[b[k]]);
+      corners[k] = forms_.in_form(form, positions_[a[k]]);
+      corners[3 + k] = forms_.in_form(form, positions_[b[k]]);
     }
-    if (meet_beyond_shared(corners, {0, 1, 2}, local)) return true;
+    if (intersect_beyond_shared_simplex(corners, {0, 1, 2}, local)) return true;
   }
   return false;
 }
@@ -79,7 +79,7 @@ bool IntersectionTracker::intersect_in_any_form(std::uint32_t first, std::uint32
 std::vector<std::uint32_t> IntersectionTracker::update(std::span<const Vec3> positions, std::span<const Triangle> triangles,
                                                        const RunControl& control) {
   const ThreadLimit threads(control.threads);
-  return test(take_mesh(positions, triangles), control);
+  return test(update_mesh(positions, triangles), control);
 }
 
 std::vector<std::uint32_t> IntersectionTracker::update(std::span<const std::uint32_t> vertices, std::span<const Vec3> at,
@@ -91,7 +91,7 @@ std::vector<std::uint32_t> IntersectionTracker::update(std::span<const std::uint
   return test(changed, control);
 }
 
-// @return the corners of all pairs, with those of triangles that have changed
+// Tests the changed triangles. @return the corners of all pairs
 std::vector<std::uint32_t> IntersectionTracker::test(std::span<const std::uint32_t> changed, const RunControl& control) {
   std::erase_if(pairs_, [&](const TrianglePair& pair) {
     const auto is_changed = [&](std::uint32_t t) {
@@ -99,15 +99,15 @@ std::vector<std::uint32_t> IntersectionTracker::test(std::span<const std::uint32
     };
     return is_changed(pair.first) || is_changed(pair.second);
   });
-  const auto flat = collect_pieces<TrianglePair>(changed.size(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+  const auto without_area = collect_pieces<TrianglePair>(changed.size(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
     control.check_cancelled();
     for (const std::uint32_t t : changed.subspan(begin, end - begin)) {
       if (!has_area_in_all_forms(triangles_[t])) found.emplace_back(t, t);
     }
   });
-  pairs_.insert(pairs_.end(), flat.begin(), flat.end());
+  pairs_.insert(pairs_.end(), without_area.begin(), without_area.end());
   const auto intersect = [&](std::uint32_t a, std::uint32_t b) { return intersect_in_any_form(a, b); };
-  const std::vector<TrianglePair> found = close_.update(in_space_, triangles_, changed, intersect, control);
+  const std::vector<TrianglePair> found = close_.update(output_, triangles_, changed, intersect, control);
   pairs_.insert(pairs_.end(), found.begin(), found.end());
 
   std::vector<std::uint32_t> corners;
@@ -115,7 +115,7 @@ std::vector<std::uint32_t> IntersectionTracker::test(std::span<const std::uint32
     corners.insert(corners.end(), triangles_[a].begin(), triangles_[a].end());
     corners.insert(corners.end(), triangles_[b].begin(), triangles_[b].end());
   }
-  sort_once(corners);
+  sort_unique_ids(corners);
   return corners;
 }
 
@@ -133,7 +133,7 @@ std::vector<std::uint32_t> IntersectionTracker::largest_corners(std::span<const 
       out.insert(out.end(), corner.begin(), corner.end());
     }
   }
-  sort_once(out);
+  sort_unique_ids(out);
   return out;
 }
 

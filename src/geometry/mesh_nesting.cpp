@@ -15,7 +15,7 @@
 #include "core/parallel.h"
 #include "core/vector_math.h"
 #include "geometry/closest_point.h"
-#include "geometry/triangle_tree.h"
+#include "geometry/triangle_bvh.h"
 
 namespace isoatlas::detail {
 namespace {
@@ -25,7 +25,7 @@ using Exact = CGAL::Exact_rational;
 
 int sign_of(double x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
 
-constexpr std::size_t kRays = 16;  // per piece of a parallel loop
+constexpr std::size_t kComponentsPerPiece = 16;  // components per piece of a parallel loop
 
 // -------------------------------------------------------------------------------------------------- signs of volumes
 
@@ -34,7 +34,7 @@ struct VolumeSum {
   std::size_t triangles = 0;
 };
 
-// The triangle and the point `origin` span a tetrahedron: six times its volume.
+// Adds the volume of the tetrahedron spanned by the triangle and `origin`, times six.
 void add(VolumeSum& sum, Vec3 origin, Vec3 a, Vec3 b, Vec3 c) {
   a = a - origin, b = b - origin, c = c - origin;
   sum.six_volumes += dot(a, cross(b, c));
@@ -44,8 +44,8 @@ void add(VolumeSum& sum, Vec3 origin, Vec3 a, Vec3 b, Vec3 c) {
   ++sum.triangles;
 }
 
-// 0: doubles do not tell. Differences, products and their sum have relative errors below 16 epsilon; adding up n terms one more epsilon
-// for each.
+// Returns 0 if doubles do not determine the sign. Differences, products and their sum have relative
+// errors below 16 epsilon; the sum of n terms has one more epsilon for each.
 int certain_sign(const VolumeSum& sum) {
   const double error = (static_cast<double>(sum.triangles) + 16) * std::numeric_limits<double>::epsilon() * sum.magnitude;
   const bool is_known = std::isfinite(sum.magnitude) && std::fabs(sum.six_volumes) > error && error > std::numeric_limits<double>::min();
@@ -67,8 +67,9 @@ int exact_sign(std::span<const Vec3> positions, std::span<const Triangle> triang
 
 // --------------------------------------------------------------------------------------------------- crossings of rays
 
-// On which side of the directed line from a to b is p, seen along the x axis, with p moved by (e, e^2) in y and z for an infinitely
-// small e > 0: no line through two vertices contains it then, and edges of neighbouring triangles are on one side of it or the other.
+// The side of the directed line from a to b on which p lies, seen along the x axis, with p moved by
+// (e, e^2) in y and z for an infinitely small e > 0: then no line through two vertices contains it,
+// and the edges of neighbouring triangles are on one side of it or the other.
 int side_of(const Vec3& a, const Vec3& b, const Vec3& p) {
   const CGAL::Orientation side = CGAL::orientation(Kernel::Point_2(a.y, a.z), Kernel::Point_2(b.y, b.z), Kernel::Point_2(p.y, p.z));
   if (side != CGAL::COLLINEAR) return static_cast<int>(side);
@@ -76,7 +77,8 @@ int side_of(const Vec3& a, const Vec3& b, const Vec3& p) {
   return b.y == a.y ? 0 : b.y > a.y ? 1 : -1;
 }
 
-// What the triangle adds to the winding number at p of the surface it is of: 0 unless the ray from p against the x axis meets it.
+// The contribution of a triangle to the winding number of its surface at p: 0 unless the ray from p
+// in the direction of -x intersects it.
 int crossing(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
   const int side = side_of(a, b, p);
   if (side == 0 || side_of(b, c, p) != side || side_of(c, a, p) != side) return 0;
@@ -85,38 +87,38 @@ int crossing(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
   return static_cast<int>(height) == side ? -side : 0;  // the normal has the sign of `side` along x
 }
 
-// Per component, the closed ones around its lowest vertex.
-std::vector<std::vector<std::uint32_t>> around_components(std::span<const Vec3> positions, std::span<const Triangle> triangles,
-                                                          std::span<const std::uint32_t> component_of,
-                                                          std::span<const std::uint8_t> is_open, const RunControl& control) {
+// Per component, the closed components that enclose its lowest vertex.
+std::vector<std::vector<std::uint32_t>> find_enclosing_components(std::span<const Vec3> positions, std::span<const Triangle> triangles,
+                                                                  std::span<const std::uint32_t> component_of,
+                                                                  std::span<const std::uint8_t> is_open, const RunControl& control) {
   const std::size_t components = is_open.size();
   std::vector<std::uint32_t> lowest(components, kNone);
   for (std::uint32_t v = 0; v < positions.size(); ++v) {
     std::uint32_t& best = lowest[component_of[v]];
-    const auto before = [&](const Vec3& p, const Vec3& q) { return p.x != q.x ? p.x < q.x : p.y != q.y ? p.y < q.y : p.z < q.z; };
-    if (best == kNone || before(positions[v], positions[best])) best = v;
+    const auto is_lower = [&](const Vec3& p, const Vec3& q) { return p.x != q.x ? p.x < q.x : p.y != q.y ? p.y < q.y : p.z < q.z; };
+    if (best == kNone || is_lower(positions[v], positions[best])) best = v;
   }
-  std::vector<std::vector<std::uint32_t>> around(components);
-  if (std::ranges::count(is_open, std::uint8_t{0}) < 2) return around;
-  const TriangleTree tree({positions.begin(), positions.end()}, triangles, control);
-  for_each_index(components, kRays, &control, [&](std::size_t c) {
+  std::vector<std::vector<std::uint32_t>> enclosing(components);
+  if (std::ranges::count(is_open, std::uint8_t{0}) < 2) return enclosing;
+  const TriangleBvh bvh({positions.begin(), positions.end()}, triangles, control);
+  for_each_index(components, kComponentsPerPiece, &control, [&](std::size_t c) {
     if (is_open[c] != 0 || lowest[c] == kNone) return;
     const Vec3 p = positions[lowest[c]];
     std::vector<std::uint32_t> leaves;
     std::map<std::uint32_t, int> winding;
-    tree.leaves_near({-1e18, p.y, p.z}, p, 0, leaves);
+    bvh.leaves_near({-1e18, p.y, p.z}, p, 0, leaves);
     for (const std::uint32_t leaf : leaves) {
-      for (std::uint32_t slot = TriangleTree::kLeaf * leaf; slot < tree.leaf_end(leaf); ++slot) {
-        const Triangle& t = tree.corners_in(slot);
+      for (std::uint32_t slot = TriangleBvh::kLeafSize * leaf; slot < bvh.leaf_end(leaf); ++slot) {
+        const Triangle& t = bvh.corners_in(slot);
         const std::uint32_t other = component_of[t[0]];
         if (other != c && is_open[other] == 0) winding[other] += crossing(positions[t[0]], positions[t[1]], positions[t[2]], p);
       }
     }
     for (const auto& [other, times] : winding) {
-      if (times != 0) around[c].push_back(other);
+      if (times != 0) enclosing[c].push_back(other);
     }
   });
-  return around;
+  return enclosing;
 }
 
 }  // namespace
@@ -124,7 +126,8 @@ std::vector<std::vector<std::uint32_t>> around_components(std::span<const Vec3> 
 std::vector<std::int8_t> mesh_facing(std::span<const Vec3> positions, std::span<const Triangle> triangles,
                                      std::span<const std::uint32_t> component_of, std::span<const std::uint8_t> is_open) {
   std::vector<VolumeSum> sums(is_open.size());
-  std::vector<std::uint32_t> first(is_open.size(), kNone);  // a vertex of the component: far from the origin digits would be lost
+  // a vertex of the component: relative to the origin distant ones would lose digits
+  std::vector<std::uint32_t> first(is_open.size(), kNone);
   for (const Triangle& t : triangles) {
     const std::uint32_t c = component_of[t[0]];
     if (first[c] == kNone) first[c] = t[0];
@@ -148,24 +151,24 @@ std::vector<std::int8_t> mesh_facing(std::span<const Vec3> positions, std::span<
 std::vector<std::uint32_t> misplaced_vertices(std::span<const Vec3> positions, std::span<const Triangle> triangles,
                                               std::span<const std::uint32_t> component_of, const Nesting& nesting, const Nesting& wanted,
                                               const RunControl& control) {
-  const std::vector<std::uint8_t> is_wrong = differences(nesting, wanted);
-  std::vector<std::uint32_t> first(is_wrong.size(), kNone), out;
+  const std::vector<std::uint8_t> is_misplaced = differences(nesting, wanted);
+  std::vector<std::uint32_t> first(is_misplaced.size(), kNone), out;
   for (std::uint32_t v = 0; v < positions.size(); ++v) {
     const std::uint32_t c = component_of[v];
-    if (is_wrong[c] == 0) continue;
+    if (is_misplaced[c] == 0) continue;
     if (first[c] == kNone) first[c] = v;
     out.push_back(v);
   }
-  for (std::uint32_t c = 0; c < is_wrong.size(); ++c) {
-    if (is_wrong[c] == 0 || first[c] == kNone || nesting.parent[c] == wanted.parent[c]) continue;
+  for (std::uint32_t c = 0; c < is_misplaced.size(); ++c) {
+    if (is_misplaced[c] == 0 || first[c] == kNone || nesting.parent[c] == wanted.parent[c]) continue;
     for (const std::uint32_t other : {nesting.parent[c], wanted.parent[c]}) {
       const Triangle* nearest = nullptr;
-      double least = std::numeric_limits<double>::infinity();
+      double nearest_distance = std::numeric_limits<double>::infinity();
       control.check_cancelled();
       for (const Triangle& t : triangles) {
         if (component_of[t[0]] != other) continue;
         const double d = closest_on_triangle(positions[first[c]], positions[t[0]], positions[t[1]], positions[t[2]]).squared_distance;
-        if (d < least) least = d, nearest = &t;
+        if (d < nearest_distance) nearest_distance = d, nearest = &t;
       }
       if (nearest != nullptr) out.insert(out.end(), nearest->begin(), nearest->end());
     }
@@ -179,7 +182,7 @@ Nesting mesh_nesting(std::span<const Vec3> positions, std::span<const Triangle> 
                      std::span<const std::uint8_t> is_open, const RunControl& control) {
   Nesting nesting;
   run_both([&] { nesting.facing = mesh_facing(positions, triangles, component_of, is_open); },
-           [&] { nesting.parent = parents_of(around_components(positions, triangles, component_of, is_open, control)); });
+           [&] { nesting.parent = parents_of(find_enclosing_components(positions, triangles, component_of, is_open, control)); });
   return nesting;
 }
 

@@ -11,13 +11,15 @@
 
 namespace isoatlas::detail {
 
-/// Which way the closed components of a mesh face, see Nesting::facing; exact for all finite coordinates. Parameters as below.
-/// @cost  O(T); components of so little volume that doubles do not tell its sign take some 100 times as long as others
+/// The facing of the closed components of a mesh, see Nesting::facing; exact for all finite
+/// coordinates. Parameters as below.
+/// @cost  O(T); a component whose volume is so small that doubles do not determine its sign takes
+///        about 100 times as long
 std::vector<std::int8_t> mesh_facing(std::span<const Vec3> positions, std::span<const Triangle> triangles,
                                      std::span<const std::uint32_t> component_of, std::span<const std::uint8_t> is_open);
 
-/// The nesting of a mesh, exact for all finite coordinates below 1e18. Where triangles intersect, components around a point of
-/// another one are those that wind around it.
+/// The nesting of a mesh, exact for all finite coordinates below 1e18. Where triangles intersect, a
+/// component counts as enclosing a point of another one if it winds around it.
 ///
 /// @param component_of  per vertex, < is_open.size()
 /// @param is_open       per component, 1 if it has a boundary
@@ -25,9 +27,11 @@ std::vector<std::int8_t> mesh_facing(std::span<const Vec3> positions, std::span<
 Nesting mesh_nesting(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::span<const std::uint32_t> component_of,
                      std::span<const std::uint8_t> is_open, const RunControl& control = {});
 
-/// Vertices around which the mesh has to be finer where its nesting is not the wanted one: those of components that face otherwise or
-/// lie in another component, and of the nearest triangle of each component that they are in, or are not in, by mistake. Increasing.
-/// @cost  O(T) for each component that lies in another one than is wanted
+/// The vertices around which the mesh must be refined to get the wanted nesting: those of
+/// components that face the wrong way or lie in a wrong component, and those of the nearest
+/// triangle of each component that wrongly encloses, or wrongly does not enclose, another one.
+/// Increasing.
+/// @cost  O(T) for each component that lies in a wrong component
 std::vector<std::uint32_t> misplaced_vertices(std::span<const Vec3> positions, std::span<const Triangle> triangles,
                                               std::span<const std::uint32_t> component_of, const Nesting& nesting, const Nesting& wanted,
                                               const RunControl& control = {});

@@ -15,10 +15,12 @@ namespace isoatlas {
 using namespace detail;
 namespace {
 
-// Below that a triangle is a cap: its corners are nearly on a line, though its edges may be of about the same length.
+// A triangle with a larger angle is a cap: its corners are nearly on a line, although its edges may
+// have similar lengths.
 constexpr double kCapAngle = 150;
 
-// At an edge from p to q, with `left` and `right` the other corners of the triangles that run from p to q and from q to p.
+// The dihedral angle at an edge from p to q; `left` and `right` are the third corners of the
+// triangles that run from p to q and from q to p.
 double interior_dihedral_angle(Vec3 p, Vec3 q, Vec3 left, Vec3 right) {
   const Vec3 first = cross(q - p, left - p), second = cross(p - q, right - q);
   const double between = std::atan2(length(cross(first, second)), dot(first, second)) * 180 / std::numbers::pi;
@@ -76,7 +78,7 @@ MeshQuality mesh_quality(const MeshView& mesh, const RunControl& control) {
     q.edge_max = std::max(q.edge_max, longest);
     const double ratio = longest > 0 && std::isfinite(longest) ? shortest / longest : 0;
     aspect.push_back(ratio);
-    // Compared in the same arithmetic as the ratio itself, so that an exact 1/3 is not below.
+    // Uses the same arithmetic as the ratio itself, so that an exact 1/3 is not below.
     if (3 * shortest < longest || longest == 0) ++below;
     ++q.aspect_histogram[std::min<std::size_t>(19, static_cast<std::size_t>(ratio * 20))];
     double largest = 0;

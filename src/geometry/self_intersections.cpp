@@ -55,7 +55,8 @@ std::vector<TrianglePair> self_intersections(std::span<const Vec3> positions, st
     std::iota(wanted.begin(), wanted.end(), 0u);
   }
   const auto intersect = [&](std::uint32_t a, std::uint32_t b) {
-    return !are_surely_apart(positions, triangles[a], triangles[b], 0) && meet_beyond_shared(positions, triangles[a], triangles[b]);
+    return !are_certainly_disjoint(positions, triangles[a], triangles[b], 0) &&
+           intersect_beyond_shared_simplex(positions, triangles[a], triangles[b]);
   };
   return CloseTriangles().update(positions, triangles, wanted, intersect, control);
 }
@@ -67,7 +68,7 @@ Vec3 meeting_place(std::span<const Vec3> positions, const Triangle& a, const Tri
   const auto highest = [&](const Triangle& t, double Vec3::*x) {
     return std::max({positions[t[0]].*x, positions[t[1]].*x, positions[t[2]].*x});
   };
-  const auto middle = [&](double Vec3::*x) {  // of what the boxes of both have in common
+  const auto middle = [&](double Vec3::*x) {  // of the intersection of both boxes
     return 0.5 * std::max(lowest(a, x), lowest(b, x)) + 0.5 * std::min(highest(a, x), highest(b, x));
   };
   return {middle(&Vec3::x), middle(&Vec3::y), middle(&Vec3::z)};

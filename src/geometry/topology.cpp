@@ -78,7 +78,7 @@ MeshTopology mesh_topology(const MeshView& mesh, const RunControl& control) {
     }
   }
 
-  // Components of the vertices in use, numbered by smallest vertex.
+  // Components of the used vertices, numbered by smallest vertex.
   std::vector<bool> used(n, false);
   for (const Triangle& t : mesh.triangles) {
     for (const std::uint32_t v : t) used[v] = true;
@@ -135,9 +135,9 @@ MeshTopology mesh_topology(const MeshView& mesh, const RunControl& control) {
     if (boundary_degree[v] > 0 && loops.find(v) == v) ++out.components[out.component_of_vertex[v]].boundary_loops;
   }
 
-  // A vertex is regular iff its triangles are one fan: chain them across shared edges around the vertex. With every edge
-  // at the vertex in at most two triangles, the link is a union of paths and cycles; it is connected iff all opposite
-  // edges hang together.
+  // A vertex is regular iff its triangles form one fan: chain them across shared edges around the
+  // vertex. If every edge at the vertex is in at most two triangles, the link is a union of paths
+  // and cycles; it is connected iff all opposite edges are connected.
   std::vector<std::uint32_t> first(n + 1, 0);
   for (std::uint32_t v = 0; v < n; ++v) first[v + 1] = first[v] + corners[v];
   std::vector<std::array<std::uint32_t, 2>> link(first[n]);

@@ -7,20 +7,21 @@
 
 namespace isoatlas::detail {
 
-/// Whether two triangles have a point in common beyond the convex hull of the corners they share, as self_intersections() has it.
-/// Exact for all finite coordinates.
-bool meet_beyond_shared(std::span<const Vec3> positions, const Triangle& a, const Triangle& b);
+/// Whether two triangles intersect beyond the convex hull of the corners that they share, as
+/// defined for self_intersections(). Exact for all finite coordinates.
+bool intersect_beyond_shared_simplex(std::span<const Vec3> positions, const Triangle& a, const Triangle& b);
 
-/// Whether two triangles certainly have no common point beyond what they share, wherever each coordinate of each corner is moved by up to
-/// `slack`. Quick, and false where doubles cannot tell.
-bool are_surely_apart(std::span<const Vec3> positions, const Triangle& a, const Triangle& b, double slack);
+/// Whether two triangles certainly do not intersect beyond what they share, even if each coordinate
+/// of each corner moves by up to `slack`. Fast; false if doubles do not suffice to decide.
+bool are_certainly_disjoint(std::span<const Vec3> positions, const Triangle& a, const Triangle& b, double slack);
 
-/// Whether the corners of a triangle are not on one line. Exact for all finite coordinates.
+/// Whether the corners of a triangle are not collinear. Exact for all finite coordinates.
 bool has_area(std::span<const Vec3> positions, const Triangle& t);
 
-/// Counts the pairs of a few triangles for which meet_beyond_shared() is true, and stops at `enough`. Each position is compared with each
-/// triangle's plane once for all pairs.
-/// @param positions  the triangles' corners and no others
-std::size_t meeting_pairs(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::size_t enough);
+/// Counts the intersecting pairs among a few triangles, as intersect_beyond_shared_simplex()
+/// defines them, and stops at `max_count`. Each position is compared with each triangle's plane
+/// only once.
+/// @param positions  only the triangles' corners
+std::size_t count_intersecting_pairs(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::size_t max_count);
 
 }  // namespace isoatlas::detail

@@ -7,8 +7,9 @@
 
 namespace isoatlas::detail {
 
-/// Per vertex the direction of the sum of the area vectors of its triangles, of length 1; zero where all cancels out or there is none.
-/// @param unit  a length like the mesh's, so that areas leave no range
+/// Per vertex, the normalized sum of the area vectors of its triangles; zero if they cancel out or
+/// there are none.
+/// @param unit  a length of the order of the mesh's, so that areas stay in range
 std::vector<Vec3> vertex_normals(const MeshView& mesh, double unit);
 
 }  // namespace isoatlas::detail

@@ -15,7 +15,7 @@ namespace isoatlas::detail {
 namespace {
 
 struct Segment {
-  int to;    // edge
+  int to;    // index of an edge
   int face;  // on which the segment from node to node lies
 };
 
@@ -25,7 +25,7 @@ bool is_inside(const CellLoops& cell, int corner) { return (cell.corners >> corn
 bool is_crossed(const CellLoops& cell, int edge) { return (cell.crossed >> edge) & 1; }
 bool is_joined(const CellLoops& cell, int face) { return (cell.joined_faces >> face) & 1; }
 
-// Every crossed edge has one segment in each of the two faces beside it.
+// Every crossed edge has one segment on each of its two faces.
 SegmentsOfEdge segments_of(const CellLoops& cell) {
   SegmentsOfEdge segments;
   std::array<std::size_t, 12> count{};
@@ -36,7 +36,8 @@ SegmentsOfEdge segments_of(const CellLoops& cell) {
     };
     const int axis = face / 2, side = face % 2;
     if ((cell.ambiguous_faces >> face) & 1) {
-      // Two segments, each around one corner: the outside corners if the inside ones are joined, else the inside ones.
+      // Two segments, each around one corner: around the outside corners if the inside corners are
+      // joined, otherwise around the inside corners.
       for (int bu = 0; bu < 2; ++bu) {
         for (int bv = 0; bv < 2; ++bv) {
           if (is_inside(cell, face_corner(axis, side, bu, bv)) != is_joined(cell, face)) {
@@ -114,8 +115,8 @@ CellLoops cell_with(std::uint8_t corners, std::uint8_t ambiguous, std::uint8_t j
   return cell;
 }
 
-// In what follows a cell is swept along an axis; a "vertical" edge is one along it, and its bits are its place along the two axes
-// after it.
+// A cell is swept along an axis below. A "vertical" edge is one along this axis; its bits are its
+// position along the other two.
 struct Sweep {
   const CellLoops& cell;
   int axis;
@@ -123,9 +124,10 @@ struct Sweep {
   int corner(int vertical, int side) const { return face_corner(axis, side, vertical & 1, vertical >> 1); }
   bool changes(int vertical, int side, bool inside) const { return is_inside(cell, corner(vertical, side)) != inside; }
 
-  // The slice's saddle at an end (0: the lower one) of the heights where the corners of both diagonals differ: is it the ring that is
-  // joined there? Corners that have another sign at the cell's end change it on the way, one by one; the last one to do so disappears
-  // there, and those beside it are joined.
+  // At one end (side 0: the lower one) of the heights where the corners of both diagonals have
+  // opposite signs: whether the slice's saddle joins the ring there. Corners that have another sign
+  // at the cell's end change it on the way, one by one; the last one to do so disappears there, and
+  // its neighbours are joined.
   bool ring_is_joined(const Tunnel& t, int side) const {
     bool any_changes = false;
     for (int k = 0; k < 2; ++k) any_changes |= changes(t.joined[k], side, t.inside) || changes(t.ring[k], side, !t.inside);
@@ -134,7 +136,8 @@ struct Sweep {
       if (!changes(j, side, t.inside)) return false;
       return std::all_of(t.ring.begin(), t.ring.end(), [&](int r) {
         if (!changes(r, side, !t.inside)) return true;
-        // The face that both are on is ambiguous, then. Between the two changes it has the ring's sign if j's is the last.
+        // Then the face that contains both is ambiguous. Between the two changes it has the ring's
+        // sign if j changes last.
         const int face = (j ^ r) == 1 ? 2 * ((axis + 2) % 3) + (j >> 1) : 2 * ((axis + 1) % 3) + (j & 1);
         return is_joined(cell, face) != t.inside;
       });
@@ -150,7 +153,7 @@ struct Sweep {
   }
 };
 
-// Corners that are connected on the boundary of the cell, as the smallest of them.
+// Per corner, the smallest corner that it is connected with on the boundary of the cell.
 std::array<int, 8> regions_of(const CellLoops& cell) {
   std::array<int, 8> region{0, 1, 2, 3, 4, 5, 6, 7};
   const auto join = [&](int a, int b) {
@@ -173,7 +176,8 @@ std::array<int, 8> regions_of(const CellLoops& cell) {
   return region;
 }
 
-// The loops at the two ends of a tunnel, the smaller number first: they part the regions that it joins from the one of the ring.
+// The loops at the two ends of a tunnel, the smaller index first: they separate the regions that it
+// joins from that of the ring.
 std::optional<std::array<std::size_t, 2>> loops_at_ends(const Sweep& sweep, const std::vector<Loop>& loops, const Tunnel& t) {
   const std::array<int, 8> region = regions_of(sweep.cell);
   const auto region_of = [&](int vertical, bool inside) {
@@ -213,7 +217,7 @@ std::vector<PossibleTunnel> possible_tunnels(const Sweep& sweep, const std::vect
   return out;
 }
 
-// Those along z that a sweep along each other axis finds too.
+// The tunnels along z that are also found by sweeps along the other axes.
 std::vector<PossibleTunnel> possible_tunnels(const CellLoops& cell, const std::vector<Loop>& loops) {
   std::vector<PossibleTunnel> out = possible_tunnels(Sweep{cell, 2}, loops);
   for (const int axis : {0, 1}) {
@@ -230,68 +234,69 @@ Vec3 corner_position(int corner) {
   return {static_cast<double>(corner & 1), static_cast<double>(corner >> 1 & 1), static_cast<double>(corner >> 2)};
 }
 
-Vec3 middle(int edge) {
+Vec3 midpoint(int edge) {
   const auto [low, high] = edge_corners(edge);
   return 0.5 * (corner_position(low) + corner_position(high));
 }
 
-// The other way round, the face of a node's segment is that of the node before.
+// In reversed order, the face of a node's segment is that of the previous node.
 Loop reversed(const Loop& loop) {
   Loop out;
   for (std::size_t k = loop.size(); k-- > 0;) out.push_back({loop[k].edge, loop[(k + loop.size() - 1) % loop.size()].face});
   return out;
 }
 
-// Seen from outside the cell.
+// As seen from outside the cell.
 bool has_inside_on_the_left(const CellLoops& cell, const Loop& loop) {
   const int edge = loop[0].edge, face = loop[0].face;
   Vec3 normal;
   (face / 2 == 0 ? normal.x : face / 2 == 1 ? normal.y : normal.z) = face % 2 == 0 ? -1 : 1;
   const auto [low, high] = edge_corners(edge);
-  const Vec3 towards_inside = corner_position(is_inside(cell, low) ? low : high) - middle(edge);
-  return dot(cross(normal, middle(loop[1].edge) - middle(edge)), towards_inside) > 0;
+  const Vec3 towards_inside = corner_position(is_inside(cell, low) ? low : high) - midpoint(edge);
+  return dot(cross(normal, midpoint(loop[1].edge) - midpoint(edge)), towards_inside) > 0;
 }
 
-// The cell with the annulus between two of its loops cut into pieces, one per node of the shorter loop: each is bounded by a segment
-// of that loop, a cut, one or more segments of the longer loop and a cut.
+// The cell with the annulus between two of its loops cut into surfels, one per node of the shorter
+// loop: each is bounded by a segment of that loop, a cut, one or more segments of the longer loop
+// and a cut.
 CellLoops with_annulus(CellLoops cell, const std::vector<Loop>& loops, std::array<std::size_t, 2> ends) {
   cell.has_tunnel = true;
   cell.double_faces = 0;
   cell.surfels = 0;
-  const auto put = [&](const LoopNode& node, std::size_t surfel_after, std::size_t surfel_before) {
+  const auto assign = [&](const LoopNode& node, std::size_t surfel_after, std::size_t surfel_before) {
     const bool first_is_after = node.face / 2 == (node.edge / 4 + 1) % 3;
     cell.surfel_of_edge[node.edge] = static_cast<std::uint8_t>(first_is_after ? surfel_after : surfel_before);
     cell.other_surfel_of_edge[node.edge] = static_cast<std::uint8_t>(first_is_after ? surfel_before : surfel_after);
   };
   for (std::size_t k = 0; k < loops.size(); ++k) {
     if (k == ends[0] || k == ends[1]) continue;
-    for (const LoopNode& node : loops[k]) put(node, cell.surfels, cell.surfels);
+    for (const LoopNode& node : loops[k]) assign(node, cell.surfels, cell.surfels);
     ++cell.surfels;
   }
 
   if (loops[ends[0]].size() > loops[ends[1]].size()) std::swap(ends[0], ends[1]);
-  // As parts of the annulus' boundary the loops run round it in opposite senses.
+  // As boundaries of the annulus the two loops run in opposite directions.
   const Loop& a = loops[ends[0]];
-  const bool alike = has_inside_on_the_left(cell, a) == has_inside_on_the_left(cell, loops[ends[1]]);
-  const Loop b = alike ? reversed(loops[ends[1]]) : loops[ends[1]];
-  const auto cut = [&](std::size_t i) { return i * b.size() / a.size(); };  // from node i of a to that node of b, turned by `turn`
-  std::size_t turn = 0;
-  double least = std::numeric_limits<double>::infinity();
+  const bool same_direction = has_inside_on_the_left(cell, a) == has_inside_on_the_left(cell, loops[ends[1]]);
+  const Loop b = same_direction ? reversed(loops[ends[1]]) : loops[ends[1]];
+  const auto cut = [&](std::size_t i) { return i * b.size() / a.size(); };  // node i of a is cut to this node of b, shifted by `shift`
+  std::size_t shift = 0;
+  double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < b.size(); ++k) {
     double sum = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) sum += squared_length(middle(a[i].edge) - middle(b[(cut(i) + k) % b.size()].edge));
-    if (sum < least) {
-      least = sum;
-      turn = k;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += squared_length(midpoint(a[i].edge) - midpoint(b[(cut(i) + k) % b.size()].edge));
+    if (sum < smallest) {
+      smallest = sum;
+      shift = k;
     }
   }
   const std::size_t first = cell.surfels;
   for (std::size_t i = 0; i < a.size(); ++i) {
     const std::size_t piece = first + i, before = first + (i + a.size() - 1) % a.size();
-    put(a[i], piece, before);
+    assign(a[i], piece, before);
     for (std::size_t k = cut(i); k < cut(i + 1); ++k) {
-      const LoopNode& node = b[(k + turn) % b.size()];
-      put(node, piece, k == cut(i) ? before : piece);
+      const LoopNode& node = b[(k + shift) % b.size()];
+      assign(node, piece, k == cut(i) ? before : piece);
     }
   }
   cell.surfels = static_cast<std::uint8_t>(first + a.size());
@@ -324,8 +329,8 @@ CellLoopTable::CellLoopTable() {
       entries_.push_back(cell_with(static_cast<std::uint8_t>(corners), ambiguous, joined));
     }
   }
-  const std::size_t plain = entries_.size();
-  for (std::size_t i = 0; i < plain; ++i) {
+  const std::size_t plain_count = entries_.size();
+  for (std::size_t i = 0; i < plain_count; ++i) {
     first_tunnel_.push_back(static_cast<std::uint16_t>(tunnels_.size()));
     const CellLoops cell = entries_[i];
     if (cell.ambiguous_faces != 0) needs_samples_[cell.corners] = true;

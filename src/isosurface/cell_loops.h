@@ -10,25 +10,27 @@
 
 namespace isoatlas::detail {
 
-// Numbering used everywhere in the surface module, axis a = 0, 1, 2 with u = (a + 1) % 3 and v = (a + 2) % 3:
+// In this module a cell is always a grid cell. Numbering used everywhere in it, axis a = 0, 1, 2
+// with u = (a + 1) % 3 and v = (a + 2) % 3:
 //   corner  x + 2 y + 4 z
 //   edge    4 a + (bit along u) + 2 (bit along v): the four edges along axis a
 //   face    2 a + side: the two faces normal to axis a
 
-/// The most surfels an entry of the table has.
-inline constexpr std::size_t kMostSurfels = 4;
+/// Largest number of surfels of an entry.
+inline constexpr std::size_t kMaxSurfels = 4;
 
 struct CellLoops {
   std::uint8_t corners = 0;          ///< bit per corner, 1 = inside
   std::uint8_t loops = 0;            ///< number of closed loops of nodes, 0 to 4
   std::uint8_t surfels = 0;          ///< one per loop; with a tunnel, the pieces of the annulus instead of its two loops
   std::uint8_t ambiguous_faces = 0;  ///< bit per face with diagonal signs
-  std::uint8_t joined_faces = 0;     ///< of those, the ones whose inside corners are joined
-  std::uint8_t double_faces = 0;     ///< of the ambiguous ones, those whose two segments are sides of the same surfel
+  std::uint8_t joined_faces = 0;     ///< those of them whose inside corners are joined
+  std::uint8_t double_faces = 0;     ///< those of the ambiguous faces whose two segments are sides of the same surfel
   bool has_tunnel = false;
   std::uint16_t crossed = 0;  ///< bit per edge that carries a node
-  /// Per crossed edge along axis a, the surfel of the node's segment on the face of the cell normal to (a + 1) % 3, and of the one
-  /// on the face normal to (a + 2) % 3. They differ where an annulus is cut at the node, and only there.
+  /// Per crossed edge along axis a, the surfel of the node's segment on the face of the cell normal
+  /// to (a + 1) % 3, and that of the segment on the face normal to (a + 2) % 3. They differ only
+  /// where an annulus is cut at the node.
   std::array<std::uint8_t, 12> surfel_of_edge{}, other_surfel_of_edge{};
 
   std::uint8_t surfel(int edge, int face_axis) const {
@@ -36,21 +38,23 @@ struct CellLoops {
   }
 };
 
-/// A tunnel that the trilinear interpolant may dig through a cell: in the slices normal to z at some height, the corners of one
-/// diagonal are joined, while above and below those of the other one are. Corners here are vertical edges: (x, y) = x + 2 y.
+/// A possible tunnel of the trilinear interpolant through a cell: in the slices normal to z at some
+/// height, the corners of one diagonal are joined, while above and below those of the other one
+/// are. Corners here are vertical edges: (x, y) = x + 2 y.
 struct Tunnel {
   std::array<std::uint8_t, 2> joined, ring;  ///< the vertical edges that it joins, and those of the ring around it
-  bool inside;                               ///< the ends of the tunnel are inside the surface, the ring is outside; or vice versa
-  std::uint16_t entry;                       ///< the cell's entry in the table if the tunnel is there
+  bool inside;                               ///< whether the ends of the tunnel are inside and the ring is outside, or vice versa
+  std::uint16_t entry;                       ///< the cell's entry in the table if it has the tunnel
 };
 
-/// All ways to cross a cell: 256 sign patterns times the decisions on their ambiguous faces, made by walking from node to
-/// node along face segments, not by a hand-written table. And once more for every tunnel that may be in them.
+/// All ways in which the surface can cross a cell: 256 sign patterns times the decisions on their
+/// ambiguous faces, computed by following face segments from node to node instead of from a
+/// hand-written table; and one more entry for each possible tunnel.
 class CellLoopTable {
  public:
   static const CellLoopTable& get();
 
-  /// `joined_faces` need only be right on the ambiguous faces.
+  /// `joined_faces` needs to be correct only for the ambiguous faces.
   std::uint16_t index(std::uint8_t corners, std::uint8_t joined_faces) const {
     std::uint16_t decisions = 0;
     int bit = 0;
@@ -61,13 +65,14 @@ class CellLoopTable {
     return static_cast<std::uint16_t>(first_[corners] + decisions);
   }
   std::uint8_t ambiguous_faces(std::uint8_t corners) const { return ambiguous_[corners]; }
-  /// Do the signs of the corners leave anything open?
+  /// Whether the signs of the corners do not determine the entry.
   bool needs_samples(std::uint8_t corners) const { return needs_samples_[corners]; }
   std::uint16_t first_index(std::uint8_t corners) const { return first_[corners]; }
   const CellLoops& operator[](std::uint16_t index) const { return entries_[index]; }
   const std::vector<CellLoops>& entries() const { return entries_; }
 
-  /// The tunnels that an entry of index() does not rule out: at most two, of which at most one is there (docs/theory/01-surface.md).
+  /// The tunnels that an entry of index() admits: at most two, of which at most one exists
+  /// (docs/theory/01-surface.md).
   std::span<const Tunnel> tunnels(std::uint16_t index) const {
     return {tunnels_.data() + first_tunnel_[index], tunnels_.data() + first_tunnel_[index + 1]};
   }

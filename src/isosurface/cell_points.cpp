@@ -10,8 +10,8 @@
 namespace isoatlas::detail {
 namespace {
 
-// Nodes are kept this far from the ends of their grid edge and c-vertices this far from the walls of their cell, so that no
-// two c-vertices coincide where samples equal the isovalue.
+// Nodes keep this distance from the ends of their grid edge, and c-vertices from the walls of their
+// cell, so that no two c-vertices coincide where samples equal the isovalue.
 constexpr double kMargin = 1e-3;
 
 // Where the surface crosses a grid edge, as a fraction of it.
@@ -20,7 +20,7 @@ double node_parameter(double low, double high) {
   return t > kMargin ? std::min(t, 1 - kMargin) : kMargin;  // also for a NaN of 0/0
 }
 
-// The same for the spline through four values, two of them at the ends.
+// The same for the spline through four values; the edge is between the middle two.
 double node_parameter(const std::array<double, 4>& f, double start) {
   const double t = zero_between(f[1] >= f[2], start, [&](double s) {
     const CubicWeights w(s);
@@ -40,7 +40,7 @@ Vec3 onto_surface_of(const Cell& cell, const Vec3 start, Vec3 spacing) {
     const double slope = dot(g, direction);
     if (!(slope > 0)) break;
     const double s = value / slope;
-    p = off_the_walls(p - s * direction);
+    p = clamp_off_walls(p - s * direction);
     value = cell.value(p);
     if (!(std::abs(value) < best_value)) break;
     best_value = std::abs(value);
@@ -69,7 +69,7 @@ unsigned cut_edges(const CellLoops& loops) {
   return out;
 }
 
-Vec3 off_the_walls(Vec3 p) {
+Vec3 clamp_off_walls(Vec3 p) {
   const auto clamp = [](double x) { return std::clamp(x, kMargin, 1 - kMargin); };
   return {clamp(p.x), clamp(p.y), clamp(p.z)};
 }

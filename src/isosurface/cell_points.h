@@ -10,24 +10,27 @@
 
 namespace isoatlas::detail {
 
-// Where points of the surface are in a grid cell, whose corners are (0, 0, 0) to (1, 1, 1). Moves points, never topology.
+// Positions of points of the surface in a grid cell, whose corners are (0, 0, 0) to (1, 1, 1).
+// These functions move points and never change the topology.
 
-/// What places points in a cell: the samples at its corners less the isovalue, and those around it where the interpolation is cubic.
+/// The samples at a cell's corners minus the isovalue, and those around the cell for cubic
+/// interpolation.
 struct CellValues {
   std::array<double, 8> corner;
   std::optional<TricubicCell> cubic;
 };
 
-/// Where the surface crosses an edge of the cell, never quite at its ends.
+/// Where the surface crosses an edge of the cell; never exactly at its ends.
 Vec3 node_in_cell(const CellValues& cell, int edge);
 
-/// The edges at whose nodes an annulus is cut, one bit each.
+/// The edges at whose nodes an annulus is cut, as bits.
 unsigned cut_edges(const CellLoops& loops);
 
-/// Not on a wall of the cell, nor very near to one.
-Vec3 off_the_walls(Vec3 p);
+/// Moves a point away from the walls of the cell by a small margin.
+Vec3 clamp_off_walls(Vec3 p);
 
-/// Two Newton steps along the gradient onto the isosurface, never out of the cell, never farther from it.
+/// Moves a point onto the isosurface by two Newton steps along the gradient; it stays in the cell
+/// and gets no farther from the isosurface.
 /// @param spacing  of the cell's sides
 Vec3 onto_surface(const CellValues& cell, Vec3 start, Vec3 spacing);
 

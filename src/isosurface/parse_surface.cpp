@@ -25,20 +25,20 @@
 #include "field/upsampled_field.h"
 #include "isosurface/cell_loops.h"
 #include "isosurface/cell_points.h"
+#include "isosurface/contains_tunnel.h"
 #include "isosurface/split_faces.h"
-#include "isosurface/tunnel_is_there.h"
 
 namespace isoatlas::detail {
 namespace {
 
-struct Cell {                // a cell crossed by the surface
+struct CrossedCell {         // a grid cell that the surface crosses
   std::uint32_t x;           // position in its row
   CVertexId first_c_vertex;  // relative to its slice
   FaceId first_face;         // relative to its slice; faces of the nodes on the three edges at its lowest corner
   std::uint16_t loops;       // index into CellLoopTable
 };
 
-struct DoubleFace {  // an ambiguous grid face whose two segments both join the same two surfels
+struct DoubleFace {  // an ambiguous grid face with two segments that both connect the same two surfels
   std::uint32_t cell;
   std::uint32_t neighbour;
   int axis;
@@ -50,7 +50,7 @@ struct TunnelCell {
   std::size_t cy, cz;
 };
 
-struct Slice {  // all cells with one cz
+struct Slice {  // all grid cells with one cz
   CVertexId first_c_vertex = 0;
   FaceId first_face = 0;
   std::size_t c_vertices = 0, faces = 0;
@@ -60,7 +60,7 @@ struct Slice {  // all cells with one cz
   std::vector<TunnelCell> tunnel_cells;
 };
 
-// The volume's own samples; UpsampledField has those in between as well.
+// The volume's own samples; UpsampledField also has those in between.
 template <class T>
 class VolumeField : public Field<T> {
  public:
@@ -91,7 +91,7 @@ class Parser {
         field_(samples),
         table_(CellLoopTable::get()),
         nodes_(nodes),
-        no_bits_(options.closed ? signs.words : 0, 0) {}
+        outside_row_(options.closed ? signs.words : 0, 0) {}
 
   SurfaceComplex run() {
     find_cells();
@@ -112,7 +112,7 @@ class Parser {
       complex_.boundary.insert(complex_.boundary.end(), s.boundary.begin(), s.boundary.end());
       if (nodes_ != nullptr) nodes_->insert(nodes_->end(), s.nodes.begin(), s.nodes.end());
     }
-    split_some_faces();
+    split_irregular_faces();
     complex_.positions.shrink_to_fit();
     complex_.on_boundary.shrink_to_fit();
     complex_.faces.shrink_to_fit();
@@ -123,11 +123,11 @@ class Parser {
   std::size_t sample_of(std::size_t extended, int axis) const {
     return extended == 0 ? 0 : std::min(extended - 1, size_[static_cast<std::size_t>(axis)] - 1);
   }
-  // A cell of the layer around the volume whose far side is outside, whatever the samples there are.
+  // Whether a cell is in the layer around the volume and its far side counts as outside.
   bool is_cap(const std::array<std::size_t, 3>& c) const {
-    return options_.closed && (in_layer(c[0], 0) || in_layer(c[1], 1) || in_layer(c[2], 2));
+    return options_.closed && (is_in_layer(c[0], 0) || is_in_layer(c[1], 1) || is_in_layer(c[2], 2));
   }
-  bool in_layer(std::size_t c, int axis) const { return c == 0 || c == size_[static_cast<std::size_t>(axis)]; }
+  bool is_in_layer(std::size_t c, int axis) const { return c == 0 || c == size_[static_cast<std::size_t>(axis)]; }
   std::size_t row_of(std::size_t cy, std::size_t cz) const { return cy + (size_[1] + 1) * cz; }
 
   // Calls f(cx) for every crossed cell of a row, in order.
@@ -153,7 +153,7 @@ class Parser {
 
   // Of extended samples.
   const std::uint64_t* sign_row(std::size_t y, std::size_t z) const {
-    if (options_.closed && (y == 0 || y > size_[1] || z == 0 || z > size_[2])) return no_bits_.data();
+    if (options_.closed && (y == 0 || y > size_[1] || z == 0 || z > size_[2])) return outside_row_.data();
     return signs_.row(sample_of(y, 1), sample_of(z, 2));
   }
   std::array<const std::uint64_t*, 4> sign_rows(std::size_t cy, std::size_t cz) const {
@@ -192,12 +192,12 @@ class Parser {
   }
 
   CellValues values(const std::array<std::size_t, 3>& c) const {
-    const auto in_range = [](const auto& f) { return Samples::kAnyRange ? tamed(f) : f; };
+    const auto in_range = [](const auto& f) { return Samples::kAnyRange ? rescaled(f) : f; };
     CellValues out;
     if (options_.interpolation == Interpolation::tricubic && !is_cap(c)) {
-      // In the layer around the volume nothing changes across it.
+      // In the layer around the volume the field is constant across the layer.
       const std::array<double, 64> f = in_range(field_.around({sample_of(c[0], 0), sample_of(c[1], 1), sample_of(c[2], 2)},
-                                                              {in_layer(c[0], 0), in_layer(c[1], 1), in_layer(c[2], 2)}));
+                                                              {is_in_layer(c[0], 0), is_in_layer(c[1], 1), is_in_layer(c[2], 2)}));
       for (std::size_t k = 0; k < 8; ++k) out.corner[k] = f[TricubicCell::corner(k)];
       out.cubic.emplace(f);
     } else {
@@ -209,7 +209,8 @@ class Parser {
     return out;
   }
 
-  // Which of the ambiguous faces of a cell join their inside corners: the saddle of the bilinear interpolant is inside.
+  // The ambiguous faces of a cell whose inside corners are joined: those where the saddle of the
+  // bilinear interpolant is inside.
   std::uint8_t decide_faces(std::uint8_t corners, const std::array<std::size_t, 8>& sample) const {
     unsigned joined = 0;
     for (unsigned rest = table_.ambiguous_faces(corners); rest != 0; rest &= rest - 1) {
@@ -222,21 +223,22 @@ class Parser {
     return static_cast<std::uint8_t>(joined);
   }
 
-  // The cell's entry in the table with the tunnel between two of its loops, if there is one.
+  // The cell's entry in the table with the tunnel between two of its loops, if it has one.
   std::uint16_t decide_tunnel(std::uint16_t loops, const std::array<std::size_t, 8>& sample) const {
     const long double sign = options_.rule.inside == Inside::above ? 1 : -1;
     std::array<long double, 8> f;
     for (std::size_t k = 0; k < 8; ++k) f[k] = sign * field_.exact(sample[k]);
     for (const Tunnel& tunnel : table_.tunnels(loops)) {
-      if (tunnel_is_there(tunnel, f, sign * field_.isovalue())) return tunnel.entry;
+      if (contains_tunnel(tunnel, f, sign * field_.isovalue())) return tunnel.entry;
     }
     return loops;
   }
 
-  // Which nodes on the three edges at a cell's lowest corner have a face: those on edges of the unextended grid.
+  // The nodes on the three edges at a cell's lowest corner that have a face: those on edges of the
+  // original grid.
   unsigned owned_nodes(const CellLoops& loops, std::size_t cx, std::size_t cy, std::size_t cz) const {
     const unsigned crossed = (loops.crossed & 1u) | (loops.crossed >> 4 & 1u) << 1 | (loops.crossed >> 8 & 1u) << 2;
-    if (options_.closed) return crossed;  // those of edges across the layer, too
+    if (options_.closed) return crossed;  // includes edges across the layer
     const unsigned possible = (cy >= 1 && cz >= 1 ? 1u : 0) | (cz >= 1 && cx >= 1 ? 2u : 0) | (cx >= 1 && cy >= 1 ? 4u : 0);
     return crossed & possible;
   }
@@ -253,9 +255,9 @@ class Parser {
             unsigned corners = 0;
             for (unsigned r = 0; r < 4; ++r) {
               const std::size_t w = cx >> 6, b = cx & 63;
-              std::uint64_t two = rows[r][w] >> b;
-              if (b == 63) two |= rows[r][w + 1] << 1;
-              corners |= static_cast<unsigned>(two & 3) << (2 * r);
+              std::uint64_t two_bits = rows[r][w] >> b;
+              if (b == 63) two_bits |= rows[r][w + 1] << 1;
+              corners |= static_cast<unsigned>(two_bits & 3) << (2 * r);
             }
             const auto signs = static_cast<std::uint8_t>(corners);
             std::uint16_t loops = table_.first_index(signs);
@@ -291,13 +293,13 @@ class Parser {
     const CVertexId first = slices_[cz].first_c_vertex;
     for (std::size_t cy = 0; cy <= size_[1]; ++cy) {
       for (std::uint32_t i = row_first_[row_of(cy, cz)]; i < row_first_[row_of(cy, cz) + 1]; ++i) {
-        const Cell& cell = cells_[i];
+        const CrossedCell& cell = cells_[i];
         const CellLoops& loops = table_[cell.loops];
         const std::array<std::size_t, 3> c{cell.x, cy, cz};
         const CellValues f = values(c);
 
-        std::array<Vec3, kMostSurfels> sum{};
-        std::array<int, kMostSurfels> nodes{};
+        std::array<Vec3, kMaxSurfels> sum{};
+        std::array<int, kMaxSurfels> nodes{};
         for (unsigned rest = loops.crossed; rest != 0; rest &= rest - 1) {
           const int e = std::countr_zero(rest);
           const std::size_t surfel = loops.surfel_of_edge[e];
@@ -316,16 +318,16 @@ class Parser {
         bool layer = false;
         for (int a = 0; a < 3; ++a) {
           low[a] = static_cast<double>(sample_of(c[a], a));
-          width[a] = in_layer(c[a], a) ? 0 : 1;
+          width[a] = is_in_layer(c[a], a) ? 0 : 1;
           layer |= width[a] == 0;
         }
-        // Two curves on a wall of the border part as the samples have it. Splines need not, so there c-vertices stay on the chords, which
-        // do.
-        const bool stays = is_cap(c) || (f.cubic && layer && loops.surfels > 1);
+        // Two curves on a wall in the border are disjoint as the samples determine them. Splines
+        // may cross, so c-vertices there stay at the averages of the nodes, whose chords do not.
+        const bool keep_average = is_cap(c) || (f.cubic && layer && loops.surfels > 1);
         for (std::size_t surfel = 0; surfel < loops.surfels; ++surfel) {
           Vec3 p = (1.0 / nodes[surfel]) * sum[surfel];
-          if (loops.has_tunnel) p = off_the_walls(p);  // all nodes of a piece of an annulus may be on one wall
-          if (options_.vertices_on_surface && !stays) p = onto_surface(f, p, spacing_);
+          if (loops.has_tunnel) p = clamp_off_walls(p);  // all nodes of a surfel of an annulus may be on one wall
+          if (options_.vertices_on_surface && !keep_average) p = onto_surface(f, p, spacing_);
           const CVertexId id = first + cell.first_c_vertex + static_cast<CVertexId>(surfel);
           complex_.positions[id] = {low[0] + width[0] * p.x, low[1] + width[1] * p.y, low[2] + width[2] * p.z};
           complex_.on_boundary[id] = layer && !options_.closed;
@@ -334,62 +336,65 @@ class Parser {
     }
   }
 
-  CVertexId c_vertex(const Cell& cell, std::size_t cz, int edge) const {
+  CVertexId c_vertex(const CrossedCell& cell, std::size_t cz, int edge) const {
     return slices_[cz].first_c_vertex + cell.first_c_vertex + table_[cell.loops].surfel_of_edge[edge];
   }
-  // The surfel of the node's segment on the cell's face normal to face_axis.
-  CVertexId c_vertex(const Cell& cell, std::size_t cz, int edge, int face_axis) const {
+  // The c-vertex of the surfel with the node's segment on the cell's face normal to face_axis.
+  CVertexId c_vertex(const CrossedCell& cell, std::size_t cz, int edge, int face_axis) const {
     return slices_[cz].first_c_vertex + cell.first_c_vertex + table_[cell.loops].surfel(edge, face_axis);
   }
 
-  // One face per node. A node is handled by the cell at whose lowest corner its grid edge starts; the three other cells around
-  // it are earlier in scan order, found by cursors that run along with this row.
+  // Makes one face per node. A node is handled by the cell at whose lowest corner its grid edge
+  // starts; the three other cells around it are earlier in scan order and are found by cursors that
+  // advance with this row.
   void make_faces(std::size_t cz) {
     Slice& slice = slices_[cz];
     FaceId next = slice.first_face;
     for (std::size_t cy = 0; cy <= size_[1]; ++cy) {
       // Cursors: first cell at or after cx in the rows (cy-1, cz), (cy, cz-1), (cy-1, cz-1).
-      std::array<const Cell*, 3> cursor{}, end{};
-      const auto open = [&](int k, bool exists, std::size_t y, std::size_t z) {
+      std::array<const CrossedCell*, 3> cursor{}, end{};
+      const auto set_cursor = [&](int k, bool exists, std::size_t y, std::size_t z) {
         if (!exists) return;
         cursor[k] = cells_.data() + row_first_[row_of(y, z)];
         end[k] = cells_.data() + row_first_[row_of(y, z) + 1];
       };
-      open(0, cy > 0, cy - 1, cz);
-      open(1, cz > 0, cy, cz - 1);
-      open(2, cy > 0 && cz > 0, cy - 1, cz - 1);
+      set_cursor(0, cy > 0, cy - 1, cz);
+      set_cursor(1, cz > 0, cy, cz - 1);
+      set_cursor(2, cy > 0 && cz > 0, cy - 1, cz - 1);
 
       for (std::uint32_t i = row_first_[row_of(cy, cz)]; i < row_first_[row_of(cy, cz) + 1]; ++i) {
-        const Cell& cell = cells_[i];
+        const CrossedCell& cell = cells_[i];
         for (int k = 0; k < 3; ++k) {
           while (cursor[k] != end[k] && cursor[k]->x < cell.x) ++cursor[k];
         }
         const CellLoops& loops = table_[cell.loops];
         const std::array<std::size_t, 3> c{cell.x, cy, cz};
         const unsigned owned = owned_nodes(loops, cell.x, cy, cz);
-        // The neighbour in -x, which is there wherever a shared node makes us look at it.
-        const auto west = [&] { return cells_.data() + (i - 1); };
+        // The neighbour in -x; it exists whenever a shared node refers to it.
+        const auto previous_in_row = [&] { return cells_.data() + (i - 1); };
         if (owned & 1) {  // x-edge: u = y, v = z
           make_face(next++, 0, c, loops,
                     {c_vertex(*cursor[2], cz - 1, 3), c_vertex(*cursor[1], cz - 1, 2), c_vertex(cell, cz, 0), c_vertex(*cursor[0], cz, 1)},
                     slice);
         }
         if (owned & 2) {  // y-edge: u = z, v = x
-          make_face(
-              next++, 1, c, loops,
-              {c_vertex(*(cursor[1] - 1), cz - 1, 7), c_vertex(*west(), cz, 6), c_vertex(cell, cz, 4), c_vertex(*cursor[1], cz - 1, 5)},
-              slice);
+          make_face(next++, 1, c, loops,
+                    {c_vertex(*(cursor[1] - 1), cz - 1, 7), c_vertex(*previous_in_row(), cz, 6), c_vertex(cell, cz, 4),
+                     c_vertex(*cursor[1], cz - 1, 5)},
+                    slice);
         }
         if (owned & 4) {  // z-edge: u = x, v = y
           make_face(next++, 2, c, loops,
-                    {c_vertex(*(cursor[0] - 1), cz, 11), c_vertex(*cursor[0], cz, 10), c_vertex(cell, cz, 8), c_vertex(*west(), cz, 9)},
+                    {c_vertex(*(cursor[0] - 1), cz, 11), c_vertex(*cursor[0], cz, 10), c_vertex(cell, cz, 8),
+                     c_vertex(*previous_in_row(), cz, 9)},
                     slice);
         }
         if (loops.double_faces & 0b010101) {
           for (int axis = 0; axis < 3; ++axis) {
-            // In a cell of the outer layer the two segments of a face are on two loops; so the neighbour below is there.
+            // In a cell of the outer layer the two segments of a face are on two loops; so the
+            // lower neighbour exists.
             if (!((loops.double_faces >> (2 * axis)) & 1)) continue;
-            const Cell* const lower = axis == 0 ? west() : cursor[static_cast<std::size_t>(axis - 1)];
+            const CrossedCell* const lower = axis == 0 ? previous_in_row() : cursor[static_cast<std::size_t>(axis - 1)];
             if ((table_[lower->loops].double_faces >> (2 * axis + 1)) & 1) {
               slice.double_faces.push_back({i, static_cast<std::uint32_t>(lower - cells_.data()), axis, cy, cz});
             }
@@ -399,7 +404,7 @@ class Parser {
     }
   }
 
-  // corners: the c-vertices around the node in the cells (u-,v-), (u+,v-), (u+,v+), (u-,v+).
+  // @param corner  the c-vertices around the node in the cells (u-,v-), (u+,v-), (u+,v+), (u-,v+)
   void make_face(FaceId id, int axis, const std::array<std::size_t, 3>& c, const CellLoops& loops, std::array<CVertexId, 4> corner,
                  Slice& slice) {
     const bool outside_is_up = loops.corners & 1;  // the edge starts inside, so the surface faces its upper end
@@ -421,17 +426,17 @@ class Parser {
     complex_.faces[id].corner = corner;
   }
 
-  const Cell& find_cell(std::size_t cx, std::size_t cy, std::size_t cz) const {
+  const CrossedCell& find_cell(std::size_t cx, std::size_t cy, std::size_t cz) const {
     const auto first = cells_.begin() + row_first_[row_of(cy, cz)], last = cells_.begin() + row_first_[row_of(cy, cz) + 1];
-    return *std::lower_bound(first, last, cx, [](const Cell& cell, std::size_t x) { return cell.x < x; });
+    return *std::lower_bound(first, last, cx, [](const CrossedCell& cell, std::size_t x) { return cell.x < x; });
   }
 
-  void split_some_faces() {
+  void split_irregular_faces() {
     std::vector<SplitNode> nodes;
-    std::vector<SegmentMiddle> middles;
+    std::vector<SegmentMidpoint> midpoints;
     for (const Slice& slice : slices_) {
       control_.check_cancelled();
-      for (const DoubleFace& d : slice.double_faces) split_double_segments(d, nodes, middles);
+      for (const DoubleFace& d : slice.double_faces) split_double_segments(d, nodes, midpoints);
       for (const TunnelCell& t : slice.tunnel_cells) {
         const std::array<std::size_t, 3> c{cells_[t.cell].x, t.cy, t.cz};
         const CellValues f = values(c);
@@ -441,11 +446,11 @@ class Parser {
         ++complex_.tunnels;
       }
     }
-    split_faces(complex_, std::move(nodes), std::move(middles), control_);
+    split_faces(complex_, std::move(nodes), std::move(midpoints), control_);
   }
 
-  void split_double_segments(const DoubleFace& d, std::vector<SplitNode>& nodes, std::vector<SegmentMiddle>& middles) {
-    const Cell& cell = cells_[d.cell];
+  void split_double_segments(const DoubleFace& d, std::vector<SplitNode>& nodes, std::vector<SegmentMidpoint>& midpoints) {
+    const CrossedCell& cell = cells_[d.cell];
     const CellLoops& loops = table_[cell.loops];
     const int axis = d.axis;
     const std::array<std::size_t, 3> c{cell.x, d.cy, d.cz};
@@ -461,26 +466,26 @@ class Parser {
         const CVertexId id = add_c_vertex(complex_, 0.5 * (on_u.position + on_v.position));
         for (const SplitNode& node : {on_u, on_v}) {
           nodes.push_back(node);
-          middles.push_back({node.face, a, b, id});
+          midpoints.push_back({node.face, a, b, id});
         }
       }
     }
     ++complex_.double_segments;
   }
 
-  // The node on an edge of cell c, whose values are f.
+  // The node on an edge of cell c with the values f.
   SplitNode node_on(std::array<std::size_t, 3> c, const CellValues& f, int edge, bool is_cut) const {
     const Vec3 p = node_in_cell(f, edge);
     const auto along = [&](int axis, double x) {
       const std::size_t at = c[static_cast<std::size_t>(axis)];
       const double low = static_cast<double>(sample_of(at, axis));
-      return in_layer(at, axis) ? low : low + x;
+      return is_in_layer(at, axis) ? low : low + x;
     };
     const Vec3 position{along(0, p.x), along(1, p.y), along(2, p.z)};
     const int axis = edge / 4;
     c[static_cast<std::size_t>((axis + 1) % 3)] += edge & 1;
     c[static_cast<std::size_t>((axis + 2) % 3)] += edge >> 1 & 1;
-    const Cell& cell = find_cell(c[0], c[1], c[2]);
+    const CrossedCell& cell = find_cell(c[0], c[1], c[2]);
     const unsigned owned = owned_nodes(table_[cell.loops], c[0], c[1], c[2]);
     const auto before = static_cast<FaceId>(std::popcount(owned & ((1u << axis) - 1)));
     const auto border = [&](std::size_t a) { return static_cast<std::uint8_t>(!options_.closed && (c[a] == 1 || c[a] == size_[a])); };
@@ -488,8 +493,9 @@ class Parser {
     return {slices_[c[2]].first_face + cell.first_face + before, is_cut, {border(0), border(1), border(2)}, axis, position, corners};
   }
 
-  // The c-vertices around the node on the grid edge along `axis` at the lower corner of cell `at`, counter-clockwise seen from outside:
-  // those of the four cells in the order of make_face(), two in a cell whose annulus is cut at the node.
+  // The c-vertices around the node on the grid edge along `axis` at the lower corner of cell `at`,
+  // counter-clockwise as seen from outside: one for each of the four cells in the order of
+  // make_face(), two for a cell whose annulus is cut at the node.
   std::vector<CVertexId> corners_around(int axis, const std::array<std::size_t, 3>& at) const {
     const auto u = static_cast<std::size_t>((axis + 1) % 3), v = static_cast<std::size_t>((axis + 2) % 3);
     std::vector<CVertexId> corners;
@@ -499,10 +505,11 @@ class Parser {
       std::array<std::size_t, 3> c = at;
       c[u] -= du;
       c[v] -= dv;
-      const Cell& cell = find_cell(c[0], c[1], c[2]);
+      const CrossedCell& cell = find_cell(c[0], c[1], c[2]);
       const int edge = 4 * axis + static_cast<int>(du + 2 * dv);
       outside_is_up = (table_[cell.loops].corners >> edge_corners(edge)[0]) & 1;
-      // From cell 0 to cell 1 across the face normal to u, on across the one normal to v, and so on.
+      // Goes from cell 0 to cell 1 across the face normal to u, to cell 2 across the one normal to
+      // v, and so on.
       const auto into = static_cast<int>(k % 2 == 0 ? v : u), out_of = static_cast<int>(k % 2 == 0 ? u : v);
       const CVertexId first = c_vertex(cell, c[2], edge, into), second = c_vertex(cell, c[2], edge, out_of);
       corners.push_back(first);
@@ -519,19 +526,19 @@ class Parser {
   const SignBits& signs_;
   const Samples& field_;
   const CellLoopTable& table_;
-  std::vector<VerticalNode>* nodes_;    // none: nobody wants them
-  std::vector<std::uint64_t> no_bits_;  // the signs of a row beyond the border of a closed surface
+  std::vector<VerticalNode>* nodes_;        // none: nodes are not collected
+  std::vector<std::uint64_t> outside_row_;  // the signs of a row beyond the border of a closed surface
 
   std::vector<std::uint32_t> row_first_;  // per row (cy, cz), its first cell; one more at the end
-  std::vector<Cell> cells_;               // crossed cells in scan order
+  std::vector<CrossedCell> cells_;        // crossed cells in scan order
   std::vector<Slice> slices_;
   CVertexId c_vertices_ = 0;
   FaceId faces_ = 0;
   SurfaceComplex complex_;
 };
 
-// The sample that is repeated at both ends of a row becomes one outside.
-void clear_ends_of_rows(SignBits& signs, std::size_t row_samples) {
+// Sets the repeated samples at both ends of every row to outside.
+void clear_row_ends(SignBits& signs, std::size_t row_samples) {
   const std::size_t last = row_samples + 1;
   for (std::size_t first = 0; first < signs.bits.size(); first += signs.words) {
     signs.bits[first] &= ~std::uint64_t{1};
@@ -546,7 +553,7 @@ SurfaceComplex parse_surface(const VolumeView& volume, const ParseOptions& optio
   SurfaceComplex empty;
   empty.spacing = (1.0 / options.supersample) * volume.grid.spacing;
   const auto parse = [&](const auto& samples, SignBits& signs) {
-    if (options.closed) clear_ends_of_rows(signs, samples.size()[0]);
+    if (options.closed) clear_row_ends(signs, samples.size()[0]);
     return Parser(samples, empty.spacing, options, control, signs, nodes).run();
   };
   const auto has_surface = [&](const SignBits& signs) { return signs.any_inside && (signs.any_outside || options.closed); };

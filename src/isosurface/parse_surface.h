@@ -16,33 +16,38 @@ struct ParseOptions {
   bool vertices_on_surface = true;  ///< Newton steps onto the isosurface; false: plain average of the nodes
   Topology topology = Topology::trilinear;
   Interpolation interpolation = Interpolation::trilinear;  ///< on which surface points are placed
-  std::uint32_t supersample = 1;                           ///< >= 1: parses the volume upsampled that often per axis, see UpsampledField
-  /// All that is beyond the volume's border is outside: the surface is capped there, by faces that lie in it, and closed.
+  std::uint32_t supersample = 1;  ///< >= 1: parses the volume upsampled by this factor per axis, see UpsampledField
+  /// Everything beyond the volume's border counts as outside: the surface is closed by faces in the
+  /// border.
   bool closed = false;
 };
 
 /// Where the surface crosses a grid edge along z.
 struct VerticalNode {
-  std::uint32_t x, y, z;  ///< the sample at the lower end, of the upsampled samples if these were parsed
-  CVertexId c_vertex;     ///< one of those around it
+  std::uint32_t x, y, z;  ///< the sample at the lower end; of the upsampled samples if these were parsed
+  CVertexId c_vertex;     ///< one of the c-vertices around it
   bool outside_is_up;     ///< the lower end is inside
 };
 
-/// The reference surface of a volume at an isovalue, as a surface complex: one c-vertex per surfel, one face per node.
+/// The reference surface of a volume at an isovalue, as a surface complex: one c-vertex per surfel,
+/// one face per node.
 ///
-/// Inside is decided by the samples alone; ambiguous faces by the asymptotic decider, exactly, ties joined inside; inside
-/// a cell what the trilinear interpolant has, or one disk per loop (docs/theory/01-surface.md). The volume is extended by one layer of zero
-/// thickness, so that a surface cut by the volume's border ends in boundary c-vertices that lie exactly on it. Supersampled, all of this
-/// is said of the upsampled samples: positions are in their index and the spacing is theirs, so that cells are unit boxes whatever the
-/// factor.
+/// Inside is decided by the samples alone; ambiguous faces by the asymptotic decider, exactly, with
+/// ties joined inside; inside a cell the topology is that of the trilinear interpolant, or one disk
+/// per loop (docs/theory/01-surface.md). The volume is extended by one layer of zero thickness, so
+/// that a surface cut by the volume's border ends in boundary c-vertices that lie exactly on the
+/// border. With supersampling all of this applies to the upsampled samples: positions are in their
+/// index and the spacing is theirs, so that cells are unit boxes for any factor.
 ///
 /// @param nodes  if not null, gets all nodes on edges along z. @pre not ParseOptions::closed
 /// @pre    every size >= 2, spacing > 0, isovalue finite
-/// @throws Error(unsupported) non-finite samples that the rule refuses; Error(bad_argument) too many to supersample
+/// @throws Error(unsupported) non-finite samples that the rule refuses; Error(bad_argument) too
+///         many samples after supersampling
 /// @return an empty complex if all samples are on one side
 /// @post   same bytes for any number of threads
-/// @cost   O(N) for N samples, one pass over them; then O(C) for C c-vertices. Supersampled, N/8 bytes for N upsampled samples
-/// @source paper section 3.2; departures: docs/theory/01-surface.md
+/// @cost   O(N) for N samples, one pass over them; then O(C) for C c-vertices. With supersampling
+///         N/8 bytes for N upsampled samples
+/// @source paper section 3.2; deviations: docs/theory/01-surface.md
 SurfaceComplex parse_surface(const VolumeView& volume, const ParseOptions& options, const RunControl& control = {},
                              std::vector<VerticalNode>* nodes = nullptr);
 

@@ -14,47 +14,47 @@ using BorderNode = std::array<CVertexId, 3>;  // ends of a boundary side, and th
 
 int next_axis(int axis, int by) { return (axis + by) % 3; }
 bool is_on_border(const SplitNode& node, int axis) { return node.border[static_cast<std::size_t>(axis)] != 0; }
-// On a face of the volume, but on none of its edges.
+// Whether a node is on a face of the volume, but not on one of its edges.
 bool is_on_border(const SplitNode& node) {
   return is_on_border(node, next_axis(node.axis, 1)) != is_on_border(node, next_axis(node.axis, 2));
 }
 
-// The node. On an edge of the volume a boundary c-vertex is there already.
+// The c-vertex at the node. On an edge of the volume a boundary c-vertex is there already.
 CVertexId centre_of_fan(SurfaceComplex& complex, const SplitNode& node, const std::vector<CVertexId>& polygon) {
   const int u = next_axis(node.axis, 1), v = next_axis(node.axis, 2);
   if (!is_on_border(node, u) || !is_on_border(node, v)) return add_c_vertex(complex, node.position);
   const auto coordinate = [](Vec3 p, int axis) { return axis == 0 ? p.x : axis == 1 ? p.y : p.z; };
-  const auto is_there = [&](CVertexId id) {
+  const auto is_at_node = [&](CVertexId id) {
     const Vec3 p = complex.positions[id];
     return coordinate(p, u) == coordinate(node.position, u) && coordinate(p, v) == coordinate(node.position, v);
   };
-  return *std::find_if(polygon.begin(), polygon.end(), is_there);
+  return *std::find_if(polygon.begin(), polygon.end(), is_at_node);
 }
 
-// The corners of a node's face with the middles between them.
-std::vector<CVertexId> polygon_around(const SurfaceComplex& complex, const SplitNode& node, std::span<const SegmentMiddle> middles) {
+// The corners of a node's face with the midpoints between them.
+std::vector<CVertexId> polygon_around(const SurfaceComplex& complex, const SplitNode& node, std::span<const SegmentMidpoint> midpoints) {
   const auto& quad = complex.faces[node.face].corner;
   const std::vector<CVertexId> corners = node.is_cut ? node.corners : std::vector<CVertexId>(quad.begin(), quad.end());
   std::vector<CVertexId> out;
   for (std::size_t k = 0; k < corners.size(); ++k) {
     const CVertexId from = corners[k], to = corners[(k + 1) % corners.size()];
     out.push_back(from);
-    for (const SegmentMiddle& m : middles) {
+    for (const SegmentMidpoint& m : midpoints) {
       if ((m.a == from && m.b == to) || (m.b == from && m.a == to)) out.push_back(m.id);
     }
   }
   return out;
 }
 
-void make_fan(SurfaceComplex& complex, const SplitNode& node, std::span<const SegmentMiddle> middles,
+void make_fan(SurfaceComplex& complex, const SplitNode& node, std::span<const SegmentMidpoint> midpoints,
               std::vector<BorderNode>& border_nodes) {
-  const std::vector<CVertexId> polygon = polygon_around(complex, node, middles);
+  const std::vector<CVertexId> polygon = polygon_around(complex, node, midpoints);
   const CVertexId centre = centre_of_fan(complex, node, polygon);
   bool first_triangle = true;
   for (std::size_t k = 0; k < polygon.size(); ++k) {
     const CVertexId from = polygon[k], to = polygon[(k + 1) % polygon.size()];
     if (from == centre || to == centre) continue;
-    if (is_on_border(node) && complex.on_boundary[from] && complex.on_boundary[to]) {  // along the border, through the node
+    if (is_on_border(node) && complex.on_boundary[from] && complex.on_boundary[to]) {  // on the border, on both sides of the node
       complex.on_boundary[centre] = 1;
       border_nodes.push_back({from, to, centre});
       continue;
@@ -68,8 +68,8 @@ void make_fan(SurfaceComplex& complex, const SplitNode& node, std::span<const Se
   }
 }
 
-// Divides boundary sides at nodes.
-void lead_through(SurfaceComplex& complex, std::vector<BorderNode> border_nodes) {
+// Splits boundary sides at nodes.
+void split_boundary_sides(SurfaceComplex& complex, std::vector<BorderNode> border_nodes) {
   if (border_nodes.empty()) return;
   std::sort(border_nodes.begin(), border_nodes.end());
   const std::size_t sides = complex.boundary.size();
@@ -91,19 +91,19 @@ CVertexId add_c_vertex(SurfaceComplex& complex, Vec3 position) {
   return id;
 }
 
-void split_faces(SurfaceComplex& complex, std::vector<SplitNode> nodes, std::vector<SegmentMiddle> middles, const RunControl& control) {
+void split_faces(SurfaceComplex& complex, std::vector<SplitNode> nodes, std::vector<SegmentMidpoint> midpoints, const RunControl& control) {
   std::ranges::sort(nodes, [](const SplitNode& a, const SplitNode& b) { return a.face != b.face ? a.face < b.face : a.is_cut > b.is_cut; });
   nodes.erase(std::ranges::unique(nodes, {}, &SplitNode::face).begin(), nodes.end());
-  std::ranges::sort(middles,
-                    [](const SegmentMiddle& a, const SegmentMiddle& b) { return std::tie(a.face, a.id) < std::tie(b.face, b.id); });
+  std::ranges::sort(midpoints,
+                    [](const SegmentMidpoint& a, const SegmentMidpoint& b) { return std::tie(a.face, a.id) < std::tie(b.face, b.id); });
   std::vector<BorderNode> border_nodes;
   CancelPoll poll(control);
   for (const SplitNode& node : nodes) {
     poll.step();
-    const auto [first, last] = std::ranges::equal_range(middles, node.face, {}, &SegmentMiddle::face);
+    const auto [first, last] = std::ranges::equal_range(midpoints, node.face, {}, &SegmentMidpoint::face);
     make_fan(complex, node, {first, last}, border_nodes);
   }
-  lead_through(complex, std::move(border_nodes));
+  split_boundary_sides(complex, std::move(border_nodes));
   checked_id(complex.faces.size(), "faces");
 }
 

@@ -15,7 +15,8 @@ Nesting surface_nesting(const Components& components, std::span<const VerticalNo
   const std::size_t n = components.topology.size();
   const auto component_of = [&](const VerticalNode& node) { return components.of_c_vertex[node.c_vertex]; };
   const auto is_closed = [&](ComponentId c) { return components.topology[c].boundary_loops == 0; };
-  // Per component its lowest node. (The surfel of a cell is not in one face of it, so the lowest cells have nodes on vertical edges.)
+  // Per component, its lowest node. (A surfel is not contained in one face of its cell, so the
+  // lowest cells have nodes on vertical edges.)
   std::vector<const VerticalNode*> lowest(n, nullptr);
   for (const VerticalNode& node : nodes) {
     const VerticalNode*& best = lowest[component_of(node)];
@@ -24,7 +25,7 @@ Nesting surface_nesting(const Components& components, std::span<const VerticalNo
   Nesting nesting;
   nesting.facing.assign(n, 0);
   using Column = std::pair<std::uint32_t, std::uint32_t>;
-  std::vector<Column> columns;  // with the lowest node of a closed component
+  std::vector<Column> columns;  // those with the lowest node of a closed component
   for (ComponentId c = 0; c < n; ++c) {
     if (!is_closed(c) || lowest[c] == nullptr) continue;
     nesting.facing[c] = lowest[c]->outside_is_up ? -1 : 1;
@@ -39,18 +40,18 @@ Nesting surface_nesting(const Components& components, std::span<const VerticalNo
   }
   std::ranges::sort(on_columns,
                     [](const VerticalNode* a, const VerticalNode* b) { return std::tie(a->y, a->x, a->z) < std::tie(b->y, b->x, b->z); });
-  std::vector<std::vector<std::uint32_t>> around(n);
-  std::map<ComponentId, int> winding;  // of what the column has crossed so far; closed components have 0 again at its end
+  std::vector<std::vector<std::uint32_t>> enclosing(n);
+  std::map<ComponentId, int> winding;  // of the components that the column has crossed so far; closed components have 0 again at its end
   for (const VerticalNode* node : on_columns) {
     const ComponentId c = component_of(*node);
     if (node == lowest[c]) {
-      for (const auto& [other, times] : winding) around[c].push_back(other);
+      for (const auto& [other, times] : winding) enclosing[c].push_back(other);
     }
     int& times = winding[c];
     times += node->outside_is_up ? -1 : 1;
     if (times == 0) winding.erase(c);
   }
-  nesting.parent = parents_of(around);
+  nesting.parent = parents_of(enclosing);
   return nesting;
 }
 

@@ -9,7 +9,8 @@
 
 namespace isoatlas::detail {
 
-/// The nesting of a surface, by the nodes on the grid's lines along z alone: integers and signs, no coordinates.
+/// The nesting of a surface, computed only from the nodes on the grid's lines along z: integers and
+/// signs, no coordinates.
 ///
 /// @param nodes  all of the surface, in any order
 /// @cost  O(N log N) for N nodes

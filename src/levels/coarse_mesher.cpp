@@ -18,14 +18,15 @@
 namespace isoatlas::detail {
 namespace {
 
-// Vertices of the coarse level are moved this far from each other where they can be, times the shortest side of a grid cell: they stay
-// where they are in all levels, and the triangles of fine ones have edges of about that side in noise. Supersampled cells have no room
-// for more.
+// Vertices of the coarse level are moved at least this far apart where possible, in shortest sides
+// of a grid cell. They keep these positions in all levels, and fine triangles have edges of about
+// that length in noise. Supersampled grid cells have no room for more.
 constexpr double kSeparation = 0.4;
-constexpr int kRelaxRounds = 4;  // each around what had to go back in the last one
+constexpr int kRelaxRounds = 4;  // each around the vertices that were reverted in the last one
 
-// Gives every marked component more sites, where it is farthest from the others: one, or from round 3 on all that are at least
-// half as far as the farthest, so that few rounds suffice. @return false if there was no room for any
+// Inserts sites in every marked component where it is farthest from its sites: one, or from round 3
+// on all c-vertices at least half as far as the farthest, so that few rounds suffice. @return false
+// if no site could be inserted
 bool refine_components(const SurfaceComplex& complex, Covering& covering, std::span<const ComponentId> component_of_cell,
                        const std::vector<std::uint8_t>& marked, int round, CertificateReport& certificate) {
   const Partition& partition = covering.partition();
@@ -67,27 +68,31 @@ SlackRows<std::uint32_t> triangles_around(std::span<const Triangle> triangles, s
 
 }  // namespace
 
-CoarseMesher::Stand::Stand(const SurfaceComplex& on, const CoveringOptions& options, const RunControl& control)
-    : complex(on), positions(on.positions), graph(make_graph(on, &control)), covering(graph, options), dual(complex, covering) {}
+CoarseMesher::CoarseState::CoarseState(const SurfaceComplex& surface_complex, const CoveringOptions& options, const RunControl& control)
+    : complex(surface_complex),
+      positions(surface_complex.positions),
+      graph(make_graph(surface_complex, &control)),
+      covering(graph, options),
+      dual(complex, covering) {}
 
-// The complex is finer now.
-void CoarseMesher::Stand::continue_on(const RunControl& control) {
-  std::vector<std::uint8_t> changed = remake_graph(graph, complex, &control);
+// Adapts to a complex that was refined.
+void CoarseMesher::CoarseState::adapt_to(const RunControl& control) {
+  std::vector<std::uint8_t> changed = rebuild_graph(graph, complex, &control);
   for (CVertexId v = 0; v < positions.size(); ++v) changed[v] |= !(positions[v] == complex.positions[v]);
   positions = complex.positions;
-  covering.continue_on(changed, std::vector<CVertexId>(covering.partition().site), control);
+  covering.adapt_to(changed, std::vector<CVertexId>(covering.partition().site), control);
   covering.ignore_events();
-  dual.continue_on(changed);
+  dual.adapt_to(changed);
 }
 
 CoarseMesher::CoarseMesher(AdaptiveSurface& surface, Coarsened& coarser, const CoveringOptions& cover, const ExtractOptions& options,
-                           WrittenPositions written)
-    : surface_(surface), coarser_(coarser), cover_(cover), options_(options), meeting_(std::move(written)) {
-  stand_ = std::make_unique<Stand>(is_coarser() ? coarser_.complex : surface_.complex(), cover_, surface_.control());
+                           OutputPositions output_positions)
+    : surface_(surface), coarser_(coarser), cover_(cover), options_(options), tracker_(std::move(output_positions)) {
+  state_ = std::make_unique<CoarseState>(is_coarser() ? coarser_.complex : surface_.complex(), cover_, surface_.control());
 }
 
 void CoarseMesher::cover(const RunControl& control) {
-  auto& [complex, positions, graph, covering, dual] = *stand_;
+  auto& [complex, positions, graph, covering, dual] = *state_;
   if (options_.covering.strategy == CoveringStrategy::halving) {
     cover_from(cover_by_halving(graph, cover_, control), graph, covering, control);
   } else {
@@ -95,19 +100,19 @@ void CoarseMesher::cover(const RunControl& control) {
   }
 }
 
-void CoarseMesher::certify(LevelReport& report, const RunControl& control) { stand_->dual.certify(report.certificate, control); }
+void CoarseMesher::certify(LevelReport& report, const RunControl& control) { state_->dual.certify(report.certificate, control); }
 
 std::vector<CVertexId> CoarseMesher::sites() const {
-  std::vector<CVertexId> out = stand_->covering.partition().site;
+  std::vector<CVertexId> out = state_->covering.partition().site;
   if (is_coarser()) {
     for (CVertexId& v : out) v = coarser_.representative[v];
   }
   return out;
 }
 
-// What the dual is now, before its vertices are moved.
-void CoarseMesher::take_mesh() {
-  mesh_.triangles = cells_of(stand_->dual.triangles());
+// Replaces the mesh by the current dual, with undisplaced vertices.
+void CoarseMesher::update_mesh() {
+  mesh_.triangles = to_triangles(state_->dual.triangles());
   mesh_.positions.clear();
   for (const CVertexId v : sites()) mesh_.positions.push_back(surface_.complex().positions[v]);
 }
@@ -124,18 +129,18 @@ class CoarseMesher::Dual : public GrowingDual {
   Dual(CoarseMesher& mesher, CertificateReport& certificate, const RunControl& control)
       : mesher_(mesher), certificate_(certificate), control_(control) {}
 
-  Covering& covering() override { return mesher_.stand_->covering; }
+  Covering& covering() override { return mesher_.state_->covering; }
   void update() override {
-    report_going_on(control_);
-    mesher_.stand_->dual.update(certificate_, control_);
-    mesher_.take_mesh();
+    report_continuing(control_);
+    mesher_.state_->dual.update(certificate_, control_);
+    mesher_.update_mesh();
     control_.check_cancelled();
   }
   std::vector<Vec3> positions() const override { return mesher_.mesh_.positions; }
   std::vector<Triangle> triangles() const override { return mesher_.mesh_.triangles; }
   std::vector<CVertexId> sites_on_surface() const override { return mesher_.sites(); }
-  bool mend_first() override { return mesher_.mend_turned_components(round_++, certificate_); }
-  bool subdivide(std::span<const CellId> single) override { return mesher_.make_finer(single, control_); }
+  bool repair_first() override { return mesher_.refine_inverted_components(round_++, certificate_); }
+  bool subdivide(std::span<const CellId> single) override { return mesher_.refine_single_cells(single, control_); }
 
  private:
   CoarseMesher& mesher_;
@@ -144,120 +149,123 @@ class CoarseMesher::Dual : public GrowingDual {
   int round_ = 0;
 };
 
-// In rounds only what changed is certified; everything once at the end.
-void CoarseMesher::mesh(LevelReport& report, const RunControl& told) {
-  const RunControl control = without_stages(told);  // covers and certifies again
+// Rounds only certify what has changed; a complete certificate follows at the end.
+void CoarseMesher::mesh(LevelReport& report, const RunControl& caller_control) {
+  const RunControl control = without_stages(caller_control);  // nested cover/certify calls must not report progress
   Dual dual(*this, report.certificate, control);
   do {
     if (options_.allow_self_intersections) {
       do dual.update();
-      while (dual.mend_first());
+      while (dual.repair_first());
     } else {
-      const ResolvedIntersections resolved = resolve_intersections(dual, surface_, meeting_, control);
-      report.parting_sites += resolved.for_intersections;
-      report.certificate.repair_sites += resolved.for_nesting;
+      const ResolvedIntersections resolved = resolve_intersections(dual, surface_, tracker_, control);
+      report.parting_sites += resolved.sites_for_intersections;
+      report.certificate.repair_sites += resolved.sites_for_nesting;
     }
-    stand_->dual.certify(report.certificate, control);
-  } while (stand_->covering.site_count() > mesh_.positions.size());
-  take_mesh();
-  RunControl quiet = control;  // what runs beside something else tells nobody
+    state_->dual.certify(report.certificate, control);
+  } while (state_->covering.site_count() > mesh_.positions.size());
+  update_mesh();
+  RunControl quiet = control;  // parallel tasks must not report progress
   quiet.progress = nullptr;
   run_both([&] { relax_vertices(quiet); },
-           [&] {  // what does not depend on where vertices are
+           [&] {  // does not depend on positions
              topology_ = mesh_topology(mesh_, quiet);
-             if (were_regions_cut_) certify_regions(surface_.complex(), coarser_, quiet);
+             if (were_regions_split_) certify_regions(surface_.complex(), coarser_, quiet);
            });
 }
 
 CoarseLevel CoarseMesher::take_level() {
   coarser_.region_of = {};
   coarser_.triangles = {};
-  return {std::move(mesh_), std::move(topology_), std::move(placement_), stand_->covering.partition().site, stand_->covering.radius()};
+  return {std::move(mesh_), std::move(topology_), std::move(placement_), state_->covering.partition().site, state_->covering.radius()};
 }
 
-std::vector<std::uint8_t> CoarseMesher::turned_components(std::span<const ComponentId> component_of) const {
+std::vector<std::uint8_t> CoarseMesher::inverted_components(std::span<const ComponentId> component_of) const {
   const std::vector<std::int8_t>& wanted = surface_.nesting().facing;
   const std::vector<std::int8_t> facing = mesh_facing(mesh_.positions, mesh_.triangles, component_of, open_flags(surface_.components()));
-  std::vector<std::uint8_t> turned(wanted.size());
-  for (std::size_t c = 0; c < wanted.size(); ++c) turned[c] = facing[c] != wanted[c];
-  return turned;
+  std::vector<std::uint8_t> inverted(wanted.size());
+  for (std::size_t c = 0; c < wanted.size(); ++c) inverted[c] = facing[c] != wanted[c];
+  return inverted;
 }
 
 Nesting CoarseMesher::nesting(std::span<const ComponentId> component_of) const {
   return mesh_nesting(mesh_.positions, mesh_.triangles, component_of, open_flags(surface_.components()), surface_.control());
 }
 
-// Moves vertices that are too close to each other for later levels to have good triangles there, and for good triangles in this one. Where
-// triangles or surfels meet then, or a component is inside out, vertices go back half of the way, and then all of it. What is around tries
-// again, every other time without pushing, which would go the same way again.
+// Moves vertices that are too close to each other for later levels to have well-shaped triangles
+// there, and improves the triangles of this level. Where triangles or surfels intersect afterwards,
+// or a component is inverted, vertices are first moved back half of the way, then completely. Their
+// neighbourhood is tried again, in every other round without pushing, which would repeat the same
+// moves.
 void CoarseMesher::relax_vertices(const RunControl& control) {
   const SurfaceComplex& surface = surface_.complex();
   const Vec3 s = surface.spacing;
   const std::vector<CVertexId> at = sites();
   const std::vector<ComponentId> component_of = components();
   std::vector<Vec3> start;
-  std::vector<Roam> roam;
+  std::vector<MoveBounds> bounds;
   for (const CVertexId v : at) {
-    start.push_back(scaled(surface.positions[v], s));
-    roam.push_back(surface_.may_roam(v) ? roam_of(surface.positions[v], s) : Roam{start.back(), start.back()});
+    start.push_back(to_metric(surface.positions[v], s));
+    bounds.push_back(surface_.is_movable(v) ? move_bounds_of(surface.positions[v], s) : MoveBounds{start.back(), start.back()});
   }
   control.check_cancelled();
   const SlackRows<std::uint32_t> triangles_of = triangles_around(mesh_.triangles, at.size());
   const InterpolatedField* const field = options_.vertices_on_surface ? &surface_.field() : nullptr;
   RelaxGoal goal{1.0 / 3, kSeparation * std::min({s.x, s.y, s.z})};
 
-  std::vector<Vec3> points = start, positions = surface.positions;  // positions: per c-vertex, those that vertices are at moved
-  const auto move_to = [&](std::uint32_t i, Vec3 point) {
+  // positions: per c-vertex of the surface, with those of vertices displaced
+  std::vector<Vec3> points = start, positions = surface.positions;
+  const auto move_vertex = [&](std::uint32_t i, Vec3 point) {
     points[i] = point;
-    mesh_.positions[i] = positions[at[i]] = displaced(surface, at[i], point - start[i]);
+    mesh_.positions[i] = positions[at[i]] = displaced_position(surface, at[i], point - start[i]);
   };
-  placement_.given_up.assign(at.size(), 0);
-  std::vector<std::uint32_t> look(mesh_.triangles.size());
-  std::iota(look.begin(), look.end(), 0u);
+  placement_.fixed.assign(at.size(), 0);
+  std::vector<std::uint32_t> candidates(mesh_.triangles.size());
+  std::iota(candidates.begin(), candidates.end(), 0u);
   for (int round = 0; round < kRelaxRounds; ++round) {
     goal.push = round % 2 == 0;
     control.check_cancelled();
     const std::vector<Vec3> before = points;
     const std::vector<std::uint32_t> moved = relax(
-        points, mesh_.triangles, triangles_of, [&](std::uint32_t i) { return roam[i]; }, field, s, goal, control, look);
-    std::vector<Vec3> positions_before;  // of those that moved
+        points, mesh_.triangles, triangles_of, [&](std::uint32_t i) { return bounds[i]; }, field, s, goal, control, candidates);
+    std::vector<Vec3> positions_before;  // of the moved vertices
     for (const std::uint32_t i : moved) {
       positions_before.push_back(positions[at[i]]);
-      move_to(i, points[i]);
+      move_vertex(i, points[i]);
     }
-    std::vector<std::uint8_t> times_back(at.size(), 0);
-    for (std::vector<std::uint32_t> last = moved; !last.empty();) {  // before these moved, nothing intersected
-      const std::vector<std::uint8_t> goes_back = must_go_back(moved, positions_before, positions, last, component_of, control);
+    std::vector<std::uint8_t> revert_count(at.size(), 0);
+    for (std::vector<std::uint32_t> last = moved; !last.empty();) {  // nothing intersected before these moved
+      const std::vector<std::uint8_t> is_reverted = find_moves_to_revert(moved, positions_before, positions, last, component_of, control);
       last.clear();
       for (const std::uint32_t i : moved) {
-        if (goes_back[i] == 0 || points[i] == before[i]) continue;
+        if (is_reverted[i] == 0 || points[i] == before[i]) continue;
         last.push_back(i);
-        move_to(i, times_back[i]++ == 0 ? 0.5 * (points[i] + before[i]) : before[i]);
+        move_vertex(i, revert_count[i]++ == 0 ? 0.5 * (points[i] + before[i]) : before[i]);
       }
     }
-    look.clear();
+    candidates.clear();
     for (const std::uint32_t i : moved) {
-      placement_.given_up[i] = times_back[i] > 1 ? 3 : 0;
-      if (times_back[i] > 0) look.insert(look.end(), triangles_of.row(i).begin(), triangles_of.row(i).end());
+      placement_.fixed[i] = revert_count[i] > 1 ? 3 : 0;
+      if (revert_count[i] > 0) candidates.insert(candidates.end(), triangles_of.row(i).begin(), triangles_of.row(i).end());
     }
-    std::ranges::sort(look);
-    look.erase(std::unique(look.begin(), look.end()), look.end());
+    std::ranges::sort(candidates);
+    candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
   }
-  if (!options_.allow_self_intersections && nesting(component_of) != surface_.nesting()) {  // hardly ever: as it was certified
-    for (std::uint32_t i = 0; i < at.size(); ++i) move_to(i, start[i]);
+  if (!options_.allow_self_intersections && nesting(component_of) != surface_.nesting()) {  // rare: return to the certified positions
+    for (std::uint32_t i = 0; i < at.size(); ++i) move_vertex(i, start[i]);
   }
   placement_.anchor = at;
-  placement_.shift.clear();
-  for (std::size_t i = 0; i < at.size(); ++i) placement_.shift.push_back(points[i] - start[i]);
+  placement_.displacement.clear();
+  for (std::size_t i = 0; i < at.size(); ++i) placement_.displacement.push_back(points[i] - start[i]);
 }
 
-// Per vertex, 1 if it must not be where it was moved to.
-// @param before     where those that moved were, one by one
+// Per vertex, 1 if its move must be reverted.
+// @param before     for each moved vertex, its position before the move
 // @param positions  per c-vertex of the surface
-// @param look       those that moved since no surfels intersected
-std::vector<std::uint8_t> CoarseMesher::must_go_back(std::span<const std::uint32_t> moved, std::span<const Vec3> before,
-                                                     std::span<Vec3> positions, std::span<const std::uint32_t> look,
-                                                     std::span<const ComponentId> component_of, const RunControl& control) {
+// @param check      the vertices moved since surfels were known not to intersect
+std::vector<std::uint8_t> CoarseMesher::find_moves_to_revert(std::span<const std::uint32_t> moved, std::span<const Vec3> before,
+                                                             std::span<Vec3> positions, std::span<const std::uint32_t> check,
+                                                             std::span<const ComponentId> component_of, const RunControl& control) {
   const std::vector<CVertexId> at = sites();
   std::vector<std::uint8_t> out(at.size(), 0);
   const auto c_vertices = [&](std::span<const std::uint32_t> vertices) {
@@ -265,65 +273,67 @@ std::vector<std::uint8_t> CoarseMesher::must_go_back(std::span<const std::uint32
     for (const std::uint32_t i : vertices) of.push_back(at[i]);
     return of;
   };
-  std::vector<CVertexId> back = surface_.stray(c_vertices(moved), before, positions, c_vertices(look));
-  std::sort(back.begin(), back.end());
-  for (const std::uint32_t i : moved) out[i] = std::binary_search(back.begin(), back.end(), at[i]);
-  bool any = !back.empty();
+  std::vector<CVertexId> conflicting = surface_.find_conflicting_moves(c_vertices(moved), before, positions, c_vertices(check));
+  std::sort(conflicting.begin(), conflicting.end());
+  for (const std::uint32_t i : moved) out[i] = std::binary_search(conflicting.begin(), conflicting.end(), at[i]);
+  bool any = !conflicting.empty();
   if (!options_.allow_self_intersections) {
-    for (const std::uint32_t i : meeting_.update(mesh_.positions, mesh_.triangles, control)) out[i] = 1;
-    any = any || meeting_.pair_count() > 0;
+    for (const std::uint32_t i : tracker_.update(mesh_.positions, mesh_.triangles, control)) out[i] = 1;
+    any = any || tracker_.pair_count() > 0;
   }
   if (any) return out;
   control.check_cancelled();
-  const std::vector<std::uint8_t> turned = turned_components(component_of);
-  for (const std::uint32_t i : moved) out[i] = turned[component_of[i]];
+  const std::vector<std::uint8_t> inverted = inverted_components(component_of);
+  for (const std::uint32_t i : moved) out[i] = inverted[component_of[i]];
   return out;
 }
 
-// @return whether there is something new to look at
-bool CoarseMesher::mend_turned_components(int round, CertificateReport& certificate) {
+// @return whether anything has changed
+bool CoarseMesher::refine_inverted_components(int round, CertificateReport& certificate) {
   const std::vector<ComponentId> component_of = components();
-  const std::vector<std::uint8_t> turned = turned_components(component_of);
-  return std::ranges::count(turned, std::uint8_t{1}) > 0 &&
-         refine_components(stand_->complex, stand_->covering, component_of, turned, round, certificate);
+  const std::vector<std::uint8_t> inverted = inverted_components(component_of);
+  return std::ranges::count(inverted, std::uint8_t{1}) > 0 &&
+         refine_components(state_->complex, state_->covering, component_of, inverted, round, certificate);
 }
 
-// The regions at the sites of cells that stand for several c-vertices.
-std::vector<CVertexId> CoarseMesher::regions_to_cut(std::span<const CellId> cells) const {
+// The regions at the sites of the cells that represent several c-vertices.
+std::vector<CVertexId> CoarseMesher::regions_to_split(std::span<const CellId> cells) const {
   if (!is_coarser()) return {};
-  std::vector<std::uint8_t> stands_for_several(stand_->complex.c_vertex_count(), 0);
+  std::vector<std::uint8_t> has_several_c_vertices(state_->complex.c_vertex_count(), 0);
   for (CVertexId v = 0; v < coarser_.region_of.size(); ++v) {
     const CVertexId r = coarser_.region_of[v];
-    stands_for_several[r] |= coarser_.representative[r] != v;
+    has_several_c_vertices[r] |= coarser_.representative[r] != v;
   }
   std::vector<CVertexId> out;
   for (const CellId c : cells) {
-    const CVertexId r = stand_->covering.partition().site[c];
-    if (stands_for_several[r]) out.push_back(r);
+    const CVertexId r = state_->covering.partition().site[c];
+    if (has_several_c_vertices[r]) out.push_back(r);
   }
   return out;
 }
 
-// For cells that are single c-vertices: regions become the c-vertices that they stand for; if there are none to cut, the faces around
-// c-vertices of the surface are subdivided. @return whether there was anything to do
-bool CoarseMesher::make_finer(std::span<const CellId> cells, const RunControl& control) {
-  const std::vector<CVertexId> to_cut = regions_to_cut(cells);
-  std::vector<CVertexId> to_divide;
-  if (to_cut.empty()) {
+// Refines around cells that are single c-vertices: splits regions into the c-vertices that they
+// represent or, if there are none to split, subdivides the faces around c-vertices of the surface.
+// @return whether anything was refined
+bool CoarseMesher::refine_single_cells(std::span<const CellId> cells, const RunControl& control) {
+  const std::vector<CVertexId> to_split = regions_to_split(cells);
+  std::vector<CVertexId> to_subdivide;
+  if (to_split.empty()) {
     const std::vector<CVertexId> on_surface = sites();
-    for (const CellId c : cells) to_divide.push_back(on_surface[c]);
-    to_divide = subdividable(surface_, std::move(to_divide));
-    if (to_divide.empty()) return false;
-    surface_.divide(to_divide);
+    for (const CellId c : cells) to_subdivide.push_back(on_surface[c]);
+    to_subdivide = filter_subdividable(surface_, std::move(to_subdivide));
+    if (to_subdivide.empty()) return false;
+    surface_.subdivide(to_subdivide);
   }
-  report_going_on(control);
+  report_continuing(control);
   if (is_coarser()) {
-    cut_regions(surface_.complex(), to_cut, to_divide.empty() ? std::span<const CVertexId>() : surface_.touched(), coarser_, control);
-    were_regions_cut_ = true;
+    split_regions(surface_.complex(), to_split, to_subdivide.empty() ? std::span<const CVertexId>() : surface_.touched(), coarser_,
+                  control);
+    were_regions_split_ = true;
   }
-  report_going_on(control);
-  stand_->continue_on(control);
-  stand_->covering.cover(control);
+  report_continuing(control);
+  state_->adapt_to(control);
+  state_->covering.cover(control);
   return true;
 }
 

@@ -21,8 +21,8 @@
 namespace isoatlas::detail {
 namespace {
 
-// Per component, the topology counted on the finished triangles must be that of the reference. `component_of` says which
-// reference component each mesh vertex stands on.
+// Checks that the topology counted on the output triangles equals that of the reference in every
+// component. `component_of` is the reference component of each mesh vertex.
 void check_mesh(const MeshTopology& mesh, const Components& reference, const std::vector<ComponentId>& component_of) {
   const auto fail = [](const std::string& what) { throw Error(ErrorCode::internal, "the finished mesh failed its check: " + what); };
   if (mesh.unused_vertices != 0) fail(std::to_string(mesh.unused_vertices) + " vertices without a triangle");
@@ -40,47 +40,48 @@ void check_mesh(const MeshTopology& mesh, const Components& reference, const std
   }
   for (std::size_t c = 0; c < counterpart.size(); ++c) {
     if (counterpart[c] == kNone) fail("component " + std::to_string(c) + " is missing");
-    const ComponentTopology& want = reference.topology[c];
-    const ComponentTopology& got = mesh.components[counterpart[c]];
-    if (want == got) continue;
-    fail("component " + std::to_string(c) + " has Euler characteristic " + std::to_string(got.euler_characteristic) + " and " +
-         std::to_string(got.boundary_loops) + " boundary loops instead of " + std::to_string(want.euler_characteristic) + " and " +
-         std::to_string(want.boundary_loops));
+    const ComponentTopology& expected = reference.topology[c];
+    const ComponentTopology& found = mesh.components[counterpart[c]];
+    if (expected == found) continue;
+    fail("component " + std::to_string(c) + " has Euler characteristic " + std::to_string(found.euler_characteristic) + " and " +
+         std::to_string(found.boundary_loops) + " boundary loops instead of " + std::to_string(expected.euler_characteristic) + " and " +
+         std::to_string(expected.boundary_loops));
   }
 }
 
-// Components of the finished mesh whose orientation or, if `nested`, nesting is not that of the isosurface.
+// Number of components whose orientation or, if `nested`, nesting differs from that of the
+// isosurface.
 std::size_t count_misplaced(const TriangleMesh& mesh, std::span<const ComponentId> component_of, const AdaptiveSurface& surface,
                             bool nested) {
   const std::vector<std::uint8_t> is_open = open_flags(surface.components());
   const Nesting& wanted = surface.nesting();
   if (nested) {
-    const auto wrong = differences(mesh_nesting(mesh.positions, mesh.triangles, component_of, is_open, surface.control()), wanted);
-    return static_cast<std::size_t>(std::count(wrong.begin(), wrong.end(), std::uint8_t{1}));
+    const auto misplaced = differences(mesh_nesting(mesh.positions, mesh.triangles, component_of, is_open, surface.control()), wanted);
+    return static_cast<std::size_t>(std::count(misplaced.begin(), misplaced.end(), std::uint8_t{1}));
   }
   const std::vector<std::int8_t> facing = mesh_facing(mesh.positions, mesh.triangles, component_of, is_open);
-  std::size_t turned = 0;
-  for (std::size_t c = 0; c < facing.size(); ++c) turned += facing[c] != wanted.facing[c] ? 1 : 0;
-  return turned;
+  std::size_t inverted = 0;
+  for (std::size_t c = 0; c < facing.size(); ++c) inverted += facing[c] != wanted.facing[c] ? 1 : 0;
+  return inverted;
 }
 
-constexpr std::size_t kMostPlaces = 10;  // of self-intersections
-constexpr double kLeastAspect = 1.0 / 3;
-constexpr double kLargestAngle = 150;  // degrees: of a cap no edge need be short
+constexpr std::size_t kMaxListedIntersections = 10;  // number of self-intersections that are listed
+constexpr double kMinAspect = 1.0 / 3;
+constexpr double kMaxAngle = 150;  // degrees; a cap has no short edge, so its angle is tested
 
-// How bad it is: 1 where a limit is just kept, less where one is not.
-double badness(const BadTriangle& t, double least_aspect) {
-  return std::min(t.aspect_ratio / least_aspect, (180 - t.largest_angle) / (180 - kLargestAngle));
+// 1 if the worse criterion is just satisfied, less if it is violated.
+double shape_score(const BadTriangle& t, double least_aspect) {
+  return std::min(t.aspect_ratio / least_aspect, (180 - t.largest_angle) / (180 - kMaxAngle));
 }
 
-// @param at  of the vertices, in the output's space
-std::vector<BadTriangle> bad_triangles(const TriangleMesh& world, const TriangleMesh& at, std::span<const ShapeObstacle> stays,
+// @param output  the same mesh in the output space
+std::vector<BadTriangle> bad_triangles(const TriangleMesh& world, const TriangleMesh& output, std::span<const ShapeObstacle> obstacles,
                                        const LevelGoal& goal) {
-  double least = kLeastAspect;
+  double min_aspect = kMinAspect;
   for (const Constraint& c : goal) {
-    if (c.quantity == Quantity::min_aspect) least = c.bound;
+    if (c.quantity == Quantity::min_aspect) min_aspect = c.bound;
   }
-  const double cap_cosine = std::cos(kLargestAngle * std::numbers::pi / 180);
+  const double cap_cosine = std::cos(kMaxAngle * std::numbers::pi / 180);
   std::vector<BadTriangle> out;
   for (const Triangle& t : world.triangles) {
     std::array<Vec3, 3> side;  // side k runs from corner k to the next one
@@ -91,59 +92,60 @@ std::vector<BadTriangle> bad_triangles(const TriangleMesh& world, const Triangle
     }
     const auto [low, high] = std::minmax_element(edge.begin(), edge.end());
     const double aspect = *high > 0 ? *low / *high : 0;
-    const auto across = static_cast<std::size_t>(high - edge.begin());  // the longest side, across from the largest angle
-    const std::size_t blunt = (across + 2) % 3;
-    const Vec3 u = side[blunt], v = -1.0 * side[(blunt + 2) % 3];
-    const bool is_cap = dot(u, v) < cap_cosine * edge[blunt] * edge[(blunt + 2) % 3];
-    if (aspect >= least && !is_cap) continue;
-    // What keeps the ends of the shortest edge, or the blunt corner of a cap. An end that is free had no better place; of two that are
-    // not, what can be said of the level itself comes first.
+    const auto across = static_cast<std::size_t>(high - edge.begin());  // the longest side, opposite to the largest angle
+    const std::size_t obtuse = (across + 2) % 3;
+    const Vec3 u = side[obtuse], v = -1.0 * side[(obtuse + 2) % 3];
+    const bool is_cap = dot(u, v) < cap_cosine * edge[obtuse] * edge[(obtuse + 2) % 3];
+    if (aspect >= min_aspect && !is_cap) continue;
+    // If either endpoint of the shortest edge (or the obtuse corner of a cap) could move, no better
+    // position exists; otherwise report the obstacle of the current level first.
     const auto k = static_cast<std::size_t>(low - edge.begin());
-    const ShapeObstacle a = stays[aspect < least ? t[k] : t[blunt]], b = stays[aspect < least ? t[(k + 1) % 3] : t[blunt]];
+    const ShapeObstacle a = obstacles[aspect < min_aspect ? t[k] : t[obtuse]],
+                        b = obstacles[aspect < min_aspect ? t[(k + 1) % 3] : t[obtuse]];
     const ShapeObstacle obstacle = a == ShapeObstacle::none || b == ShapeObstacle::none ? ShapeObstacle::none : std::max(a, b);
     const double angle = std::atan2(length(cross(u, v)), dot(u, v)) * 180 / std::numbers::pi;
-    out.push_back({(1.0 / 3) * (at.positions[t[0]] + at.positions[t[1]] + at.positions[t[2]]), aspect, angle, obstacle});
+    out.push_back({(1.0 / 3) * (output.positions[t[0]] + output.positions[t[1]] + output.positions[t[2]]), aspect, angle, obstacle});
   }
   std::stable_sort(out.begin(), out.end(),
-                   [&](const BadTriangle& a, const BadTriangle& b) { return badness(a, least) < badness(b, least); });
+                   [&](const BadTriangle& a, const BadTriangle& b) { return shape_score(a, min_aspect) < shape_score(b, min_aspect); });
   return out;
 }
 
-void report_self_intersections(const TriangleMesh& mesh, LevelReport& report, const RunControl& control) {
+void fill_self_intersections(const TriangleMesh& mesh, LevelReport& report, const RunControl& control) {
   const std::vector<TrianglePair> pairs = self_intersections(mesh.positions, mesh.triangles, {}, control);
   report.self_intersections = pairs.size();
-  for (const auto& [a, b] : std::span(pairs).first(std::min(pairs.size(), kMostPlaces)))
+  for (const auto& [a, b] : std::span(pairs).first(std::min(pairs.size(), kMaxListedIntersections)))
     report.self_intersection_places.push_back(meeting_place(mesh.positions, mesh.triangles[a], mesh.triangles[b]));
 }
 
 }  // namespace
 
 void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<const CVertexId> sites, const AdaptiveSurface& surface,
-                  std::span<const ShapeObstacle> stays, const LevelGoal& goal, const Grid& grid, const ExtractOptions& options,
+                  std::span<const ShapeObstacle> obstacles, const LevelGoal& goal, const Grid& grid, const ExtractOptions& options,
                   LevelReport& report, const RunControl& control) {
   const Components& reference = surface.components();
   std::vector<ComponentId> component_of;
   component_of.reserve(sites.size());
   for (const CVertexId v : sites) component_of.push_back(reference.of_c_vertex[v]);
   check_mesh(topology, reference, component_of);
-  report_going_on(control);
+  report_continuing(control);
   report.topology = summarize(topology.components);
   report.vertices = mesh.positions.size();
   report.triangles = mesh.triangles.size();
 
   const Space space = options.space;
   for (Vec3& p : mesh.positions) p = to_volume(p, options);
-  // Shape is a matter of world lengths, whatever the space of the output.
+  // Shape is measured in world lengths, whatever the output space is.
   TriangleMesh world = space == Space::voxel ? mesh : TriangleMesh{};
   TriangleMesh& measured = space == Space::voxel ? world : mesh;
   transform_to(measured, grid, space == Space::voxel ? Space::lps : space);
-  RunControl quiet = control;  // runs beside other checks
+  RunControl quiet = control;  // runs in parallel with other checks, so it must not report progress
   quiet.progress = nullptr;
   run_both(
       [&] {
-        if (!options.allow_self_intersections) report_self_intersections(mesh, report, quiet);
+        if (!options.allow_self_intersections) fill_self_intersections(mesh, report, quiet);
         quiet.check_cancelled();
-        report.bad_triangles = bad_triangles(measured, mesh, stays, goal);
+        report.bad_triangles = bad_triangles(measured, mesh, obstacles, goal);
       },
       [&] {
         report.quality = mesh_quality(measured, quiet);
@@ -152,7 +154,7 @@ void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<co
         quiet.check_cancelled();
         report.turned_components = count_misplaced(mesh, component_of, surface, !options.allow_self_intersections);
       });
-  report_going_on(control);
+  report_continuing(control);
 }
 
 }  // namespace isoatlas::detail
@@ -181,7 +183,7 @@ TopologySummary summarize(const std::vector<ComponentTopology>& components) {
 
 namespace isoatlas::detail {
 
-void bring_out(TriangleMesh& mesh, const Grid& grid, const ExtractOptions& options) {
+void to_output_space(TriangleMesh& mesh, const Grid& grid, const ExtractOptions& options) {
   for (Vec3& p : mesh.positions) p = to_volume(p, options);
   transform_to(mesh, grid, options.space);
 }

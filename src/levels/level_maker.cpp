@@ -14,9 +14,9 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr int kMeasuredRounds = 8;
+constexpr int kMaxMeasuredRounds = 8;
 
-// A goal with its lengths as multiples of `length`.
+// The goal with its lengths divided by `length`.
 LevelGoal in_units_of(LevelGoal goal, double length) {
   for (Constraint& c : goal) {
     if (unit(c.quantity) == Unit::length) c.bound /= length;
@@ -24,14 +24,15 @@ LevelGoal in_units_of(LevelGoal goal, double length) {
   return goal;
 }
 
-// A bound on the distance is one on all that is known of it: the metric looks at some points of each cell, the measurement at others.
-void judge_by_measurement(LevelReport& report) {
+// A bound on the distance applies to all known distances: the metric tests some points of each
+// cell, the measurement others.
+void apply_measurement(LevelReport& report) {
   for (ConstraintResult& result : report.constraints) {
     if (result.wanted.quantity != Quantity::max_distance || report.measured->maximum() <= result.reached) continue;
     const bool was_met = result.met;
     result.reached = report.measured->maximum();
     result.met = result.reached <= result.wanted.bound;
-    if (was_met && !result.met) result.reason = "kept at the points that refinement looks at, but not at all samples of the measurement";
+    if (was_met && !result.met) result.reason = "satisfied at the points that refinement tests, but not at all samples of the measurement";
   }
 }
 
@@ -40,9 +41,8 @@ bool satisfies_distance(const RefinedLevel& level) {
                              [](const ConstraintResult& result) { return result.wanted.quantity != Quantity::max_distance || result.met; });
 }
 
-bool is_whole(const ExtractOptions& options) {
-  return options.components.min_size == 0 && options.components.keep_largest == 0 &&
-         options.surface.interpolation == Interpolation::trilinear;
+bool is_complete(const ExtractOptions& options) {
+  return options.components.min_size == 0 && options.components.keep_largest == 0 && options.surface.interpolation == Interpolation::trilinear;
 }
 
 }  // namespace
@@ -51,21 +51,21 @@ LevelMaker::LevelMaker(const LevelSource& source, const ExtractOptions& options,
     : source_(source),
       options_(options),
       control_(control),
-      refiner_(source.surface, source.isosurface, source.coarser, source.options,
-               {source.coarse.site, source.coarse.radius, source.coarse.placement, is_whole(options)},
-               options.allow_self_intersections ? std::nullopt
-                                                : std::optional(WrittenPositions(source.grid, options.space, options.supersample)),
-               options.adaptive_supersample) {}
+      refiner_(
+          source.surface, source.isosurface, source.coarser, source.options,
+          {source.coarse.site, source.coarse.radius, source.coarse.placement, is_complete(options)},
+          options.allow_self_intersections ? std::nullopt : std::optional(OutputPositions(source.grid, options.space, options.supersample)),
+          options.adaptive_supersample) {}
 
-Vec3 LevelMaker::to_space(Vec3 index) const {
+Vec3 LevelMaker::to_output_space(Vec3 index) const {
   TriangleMesh one;
   one.positions.push_back(index);
-  bring_out(one, source_.grid, options_);
+  isoatlas::detail::to_output_space(one, source_.grid, options_);
   return one.positions[0];
 }
 
-// From voxels to world lengths.
-void LevelMaker::tell(const LevelGoal& goal, const LevelFigures& figures, LevelReport& report) const {
+// Converts from voxels to world lengths.
+void LevelMaker::fill_report(const LevelGoal& goal, const LevelFigures& figures, LevelReport& report) const {
   const double voxel = source_.grid.smallest_spacing();
   report.metrics = figures.metrics;
   for (std::size_t m = 0; m < kMetricCount; ++m) {
@@ -91,14 +91,14 @@ void LevelMaker::fill_measurement(Measurement measured, LevelReport& report) con
   for (OneSidedDistance* d : {&report.measured->mesh_to_surface, &report.measured->surface_to_mesh})
     d->farthest = to_volume(d->farthest, options_);
   transform_to(*report.measured, source_.grid, options_.space);
-  judge_by_measurement(report);
+  apply_measurement(report);
 }
 
 void LevelMaker::describe_coarse(Hierarchy& hierarchy, LevelReport& report) {
   const TriangleMesh& mesh = source_.coarse.mesh;
   const LevelGoal& goal = options_.coarse;
   const LevelFigures figures = refiner_.describe_coarse(mesh.triangles, in_units_of(goal, source_.grid.smallest_spacing()), control_);
-  tell(goal, figures, report);
+  fill_report(goal, figures, report);
   hierarchy.levels.front().distance = world_lengths(figures.distance);
   if (options_.measure_samples > 0) fill_measurement(measure(mesh, source_.isosurface, options_.measure_samples, control_), report);
 }
@@ -106,14 +106,15 @@ void LevelMaker::describe_coarse(Hierarchy& hierarchy, LevelReport& report) {
 // In sample-index coordinates.
 TriangleMesh LevelMaker::mesh_of(const RefinedLevel& refined) const {
   TriangleMesh mesh;
-  mesh.positions = vertex_positions(source_.surface.complex(), refiner_.surfels(), refiner_.places());
+  mesh.positions = vertex_positions(source_.surface.complex(), refiner_.surfels(), refiner_.placement());
   mesh.triangles = refined.triangles;
   return mesh;
 }
 
-// Measures a level, and makes it finer where that finds larger distances than its bound, as long as cells there can be smaller; then the
-// level is the best of them. Not if the bound cannot even be kept at the points that refinement looks at.
-Measurement LevelMaker::refine_on_measurement(const LevelGoal& goal, RefinedLevel& refined, const RunControl& control) {
+// Measures a level and refines it where a measured distance violates the bound, as long as cells
+// there can become smaller; returns the best level found. Does nothing if refinement could not even
+// satisfy the bound at its own sample points.
+Measurement LevelMaker::refine_to_measured_bound(const LevelGoal& goal, RefinedLevel& refined, const RunControl& control) {
   const LevelGoal in_voxels = in_units_of(goal, source_.grid.smallest_spacing());
   double bound = std::numeric_limits<double>::infinity();
   for (const Constraint& c : in_voxels) {
@@ -123,28 +124,28 @@ Measurement LevelMaker::refine_on_measurement(const LevelGoal& goal, RefinedLeve
   RefinedLevel best_level;
   std::shared_ptr<const Refiner::State> state_of_best;
   for (int round = 0;; ++round) {
-    DistantSamples far{bound, {}};
-    Measurement measured = measure(mesh_of(refined), source_.isosurface, options_.measure_samples, far, control);
-    if (far.corners.empty() || refined.vertices_ran_out || !satisfies_distance(refined)) return measured;
+    DistantSamples distant{bound, {}};
+    Measurement measured = measure(mesh_of(refined), source_.isosurface, options_.measure_samples, distant, control);
+    if (distant.corners.empty() || refined.vertex_limit_reached || !satisfies_distance(refined)) return measured;
     if (!best || measured.maximum() < best->maximum()) {
       best = std::move(measured);
       best_level = refined;
       state_of_best = refiner_.save_state();
     }
-    if (round == kMeasuredRounds || !refiner_.refine_at(far.corners, in_voxels, options_.placement, refined, control)) break;
+    if (round == kMaxMeasuredRounds || !refiner_.refine_at(distant.corners, in_voxels, options_.placement, refined, control)) break;
   }
   refiner_.restore_state(*state_of_best);
   refined = std::move(best_level);
   return *best;
 }
 
-// Refined levels share the stage.
+// All refined levels share one stage of the progress.
 RunControl LevelMaker::control_of_level(std::size_t refined_before) const {
   RunControl out = control_;
   if (!out.progress) return out;
   const auto levels = static_cast<double>(std::max<std::size_t>(1, options_.refine.size()));
-  out.progress = [tell = control_.progress, refined_before, levels](std::string_view stage, double fraction) {
-    tell(stage, stage == "refine" ? (static_cast<double>(refined_before) + fraction) / levels : fraction);
+  out.progress = [report = control_.progress, refined_before, levels](std::string_view stage, double fraction) {
+    report(stage, stage == "refine" ? (static_cast<double>(refined_before) + fraction) / levels : fraction);
   };
   return out;
 }
@@ -154,11 +155,11 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
   const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
   const RunControl control = control_of_level(reports.size() - 1);
   RefinedLevel refined = refiner_.refine(in_units_of(goal, source_.grid.smallest_spacing()), options_.placement, control);
-  if (refined.is_the_one_before) {
+  if (refined.unchanged_from_previous_level) {
     LevelReport same = reports.back();
     same.refine_rounds = 0;
-    tell(goal, refined.figures, same);
-    if (same.measured) judge_by_measurement(same);
+    fill_report(goal, refined.figures, same);
+    if (same.measured) apply_measurement(same);
     same.seconds = seconds();
     reports.push_back(std::move(same));
     Hierarchy::Level again = hierarchy.levels.back();
@@ -168,30 +169,30 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
   }
   LevelReport& report = reports.emplace_back();
   std::optional<Measurement> measured;
-  if (options_.measure_samples > 0) measured = refine_on_measurement(goal, refined, control);
-  tell(goal, refined.figures, report);
+  if (options_.measure_samples > 0) measured = refine_to_measured_bound(goal, refined, control);
+  fill_report(goal, refined.figures, report);
   report.certificate = refined.certificate;
   report.refine_rounds = refined.rounds;
   report.flips = refined.shape.flips;
   report.moves = refined.shape.moves;
-  report.shifts = refined.shape.shifts;
-  report.parting_sites = refined.parting_sites;
+  report.shifts = refined.shape.displacements;
+  report.parting_sites = refined.sites_for_intersections;
 
   const SurfaceComplex& surface = source_.surface.complex();
   const Partition& partition = refiner_.partition();
   TriangleMesh mesh = mesh_of(refined);
-  for (const auto& [cell, excess] : refined.at_limit) report.at_limit.push_back({to_space(mesh.positions[cell]), excess});
+  for (const auto& [cell, excess] : refined.at_limit) report.at_limit.push_back({to_output_space(mesh.positions[cell]), excess});
   const MeshTopology topology = mesh_topology(mesh, control);
-  report_going_on(control);
+  report_continuing(control);
   if (measured) fill_measurement(std::move(*measured), report);
   finish_level(mesh, topology, partition.site, source_.surface, refiner_.obstacles(), goal, source_.grid, options_, report, control_);
 
-  // Vertices that are new; the others are there already.
+  // Appends new vertices; earlier ones are already there.
   const std::uint32_t vertices = partition.cell_count();
   TriangleMesh on_surface;
   for (auto v = static_cast<CellId>(hierarchy.positions.size()); v < vertices; ++v)
-    on_surface.positions.push_back(base_position(surface, refiner_.places(), v));
-  bring_out(on_surface, source_.grid, options_);
+    on_surface.positions.push_back(base_position(surface, refiner_.placement(), v));
+  isoatlas::detail::to_output_space(on_surface, source_.grid, options_);
   hierarchy.positions.insert(hierarchy.positions.end(), on_surface.positions.begin(), on_surface.positions.end());
   const std::vector<std::uint32_t> parents = refiner_.parents();
   hierarchy.parent.insert(hierarchy.parent.end(), parents.begin() + static_cast<std::ptrdiff_t>(hierarchy.parent.size()), parents.end());

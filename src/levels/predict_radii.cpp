@@ -13,38 +13,40 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kGrain = 2048, kLook = 32;  // c-vertices in a piece; between looks at whether to stop
-// How far it is looked, in distances to the farthest neighbour in G: far enough for noise of less than a voxel not to look like curvature.
-constexpr double kReach = 2.5;
-constexpr std::size_t kFewest = 6;  // c-vertices that say something about curvature
-// Of the radius at which the surroundings' height is the bound; and at most how many times as far as it was looked.
-constexpr double kOptimism = 1.65, kFarthest = 3 * kOptimism;
+constexpr std::size_t kGrain = 2048, kCancelInterval = 32;  // c-vertices per piece; between tests for cancellation
+// Radius of the neighbourhood in distances to the farthest neighbour in G: large enough that noise
+// of less than a voxel does not look like curvature.
+constexpr double kNeighbourhoodRadius = 2.5;
+constexpr std::size_t kMinNeighbours = 6;  // smallest neighbourhood that determines a curvature
+// The predicted radius relative to the one at which the height equals the bound; and its largest
+// ratio to the radius of the neighbourhood.
+constexpr double kRadiusFactor = 1.65, kMaxFactor = 3 * kRadiusFactor;
 
-// The height of what is around a c-vertex, within `reach` of it and connected, over the plane that it is most nearly in.
-class Surroundings {
+// The height of a c-vertex's connected neighbourhood within `reach`, over its best-fitting plane.
+class Neighbourhood {
  public:
-  explicit Surroundings(const Ground& ground) : ground_(ground) {}
+  explicit Neighbourhood(const SurfaceData& surface_data) : surface_data_(surface_data) {}
 
   /// @return negative if there are too few c-vertices
   double height(CVertexId v, double reach) {
-    const Surfels& surfels = ground_.surfels;
+    const Surfels& surfels = surface_data_.surfels;
     seen_.clear();
     seen_.insert(v);
-    around_.assign(1, v);
+    neighbours_.assign(1, v);
     Vec3 normal{}, sum{};
-    for (std::size_t i = 0; i < around_.size(); ++i) {
-      const CVertexId u = around_[i];
+    for (std::size_t i = 0; i < neighbours_.size(); ++i) {
+      const CVertexId u = neighbours_[i];
       normal = normal + surfels.normal[u];
       sum = sum + (surfels.point[u] - surfels.point[v]);
-      for (const CVertexGraph::Neighbour& n : ground_.graph.row(u)) {
-        if (seen_.insert(n.id) && squared_length(surfels.point[n.id] - surfels.point[v]) <= reach * reach) around_.push_back(n.id);
+      for (const CVertexGraph::Neighbour& n : surface_data_.graph.row(u)) {
+        if (seen_.insert(n.id) && squared_length(surfels.point[n.id] - surfels.point[v]) <= reach * reach) neighbours_.push_back(n.id);
       }
     }
-    if (around_.size() < kFewest || normal == Vec3{}) return -1;
+    if (neighbours_.size() < kMinNeighbours || normal == Vec3{}) return -1;
     normal = normalized(normal);
-    const Vec3 centre = surfels.point[v] + (1 / static_cast<double>(around_.size())) * sum;
+    const Vec3 centre = surfels.point[v] + (1 / static_cast<double>(neighbours_.size())) * sum;
     double low = 0, high = 0;
-    for (const CVertexId u : around_) {
+    for (const CVertexId u : neighbours_) {
       const double h = dot(normal, surfels.point[u] - centre);
       low = std::min(low, h);
       high = std::max(high, h);
@@ -53,23 +55,23 @@ class Surroundings {
   }
 
  private:
-  const Ground& ground_;
+  const SurfaceData& surface_data_;
   EpochSet seen_;
-  std::vector<CVertexId> around_;
+  std::vector<CVertexId> neighbours_;
 };
 
 }  // namespace
 
-std::vector<Covering::Radius> predict_radii(const Ground& ground, std::span<const CVertexId> at, double bound) {
+std::vector<Covering::Radius> predict_radii(const SurfaceData& surface_data, std::span<const CVertexId> at, double bound) {
   std::vector<Covering::Radius> out(at.size());
   for_each_piece(at.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    Surroundings surroundings(ground);
+    Neighbourhood neighbourhood(surface_data);
     for (std::size_t i = begin; i < end; ++i) {
-      if (i % kLook == 0) ground.check_cancelled();
-      const double reach = kReach * static_cast<double>(ground.reach[at[i]]);
-      const double height = surroundings.height(at[i], reach);
-      const double times = height < 0 ? INFINITY : std::min(kFarthest, kOptimism * std::sqrt(bound / height));
-      out[i] = {at[i], static_cast<float>(reach * times)};
+      if (i % kCancelInterval == 0) surface_data.check_cancelled();
+      const double reach = kNeighbourhoodRadius * static_cast<double>(surface_data.farthest_neighbour[at[i]]);
+      const double height = neighbourhood.height(at[i], reach);
+      const double factor = height < 0 ? INFINITY : std::min(kMaxFactor, kRadiusFactor * std::sqrt(bound / height));
+      out[i] = {at[i], static_cast<float>(reach * factor)};
     }
   });
   std::erase_if(out, [](const Covering::Radius& r) { return !std::isfinite(r.radius); });

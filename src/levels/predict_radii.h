@@ -9,10 +9,12 @@
 
 namespace isoatlas::detail {
 
-/// Guesses, at some c-vertices, the radius of disks that keeps a mesh within `bound` of the surface: from how far the surface around a
-/// c-vertex is from being flat, as if it went on with that curvature. A little too large on average, since what is too large is seen when
-/// the mesh is measured, and what is too small is not. Nothing for a c-vertex with hardly any other ones around it.
+/// Predicts, for some c-vertices, the radius of disks that keeps a mesh within `bound` of the
+/// surface: measures how far the neighbourhood of a c-vertex is from a plane, and extrapolates with
+/// this curvature. The prediction is a little too large on average, since cells that are too large
+/// are found when the mesh is measured, and cells that are too small are not. C-vertices with too
+/// few neighbours are left out.
 /// @cost  O(at.size()), about 50 c-vertices each. Parallel
-std::vector<Covering::Radius> predict_radii(const Ground& ground, std::span<const CVertexId> at, double bound);
+std::vector<Covering::Radius> predict_radii(const SurfaceData& surface_data, std::span<const CVertexId> at, double bound);
 
 }  // namespace isoatlas::detail

@@ -17,21 +17,22 @@ struct LevelFigures {
   std::array<MetricSummary, kMetricCount> metrics{};
   std::vector<ConstraintResult> constraints;  ///< in the order given
   std::vector<float> distance;                ///< per cell, its max-distance
-  std::optional<double> distance_at_most;     ///< proved, of the mesh and of the isosurface
+  std::optional<double> distance_at_most;     ///< a proved two-sided bound
 };
 
 struct RefinedLevel {
-  /// max-vertices comes first and no level with more vertices than the one before has few enough: it is that one again, and only
-  /// `figures` say anything new.
-  bool is_the_one_before = false;
+  /// max-vertices has priority and no level with more vertices than the previous one satisfies it:
+  /// the level is the previous one again, and only `figures` is new.
+  bool unchanged_from_previous_level = false;
   std::vector<Triangle> triangles;
   CertificateReport certificate;
   LevelFigures figures;
-  std::vector<std::pair<CellId, double>> at_limit;  ///< cells over a bound that cannot be made smaller, and by how much; worst first
+  /// cells that violate a bound and cannot become smaller, with their excess; worst first
+  std::vector<std::pair<CellId, double>> at_limit;
   ShapeReport shape;
   std::size_t rounds = 0;
-  std::size_t parting_sites = 0;  ///< added where triangles met others
-  bool vertices_ran_out = false;  ///< a limit on vertices ended the work
+  std::size_t sites_for_intersections = 0;  ///< sites inserted to resolve intersections
+  bool vertex_limit_reached = false;        ///< a limit on vertices ended refinement
 };
 
 }  // namespace isoatlas::detail

@@ -22,29 +22,32 @@
 namespace isoatlas::detail {
 namespace {
 
-// On the coarser complex, whose c-vertices are few, stop well above its own limit: the surface itself places sites better.
+// The coarser complex has few c-vertices; refinement there stops well above its resolution limit,
+// because the surface itself places sites better.
 constexpr float kCoarserLimitShare = 2;
 
-constexpr int kMostLastLooks = 3;
-constexpr int kMostProofs = 10;
-// Of the time of a level, that goes by until its triangles' shape has been worked on.
+constexpr int kMaxBalanceRounds = 3;
+constexpr int kMaxFailedProofs = 10;
+// Share of a level's time until the shape of its triangles was improved.
 constexpr double kShapeShare = 0.85;
-// A few bad triangles that are left get so many more chances, but only so many in a row that mend less than this share of them.
-constexpr int kMostChances = 6, kMostInVain = 2;
-constexpr double kWorthAChance = 0.05;
-constexpr std::size_t kFewTriangles = 100;
-// Cells at their limit that are tried to be mended by flips and moves.
-constexpr std::size_t kMostMended = 200;
-// A cell with a radius of this share of a bound on the distance lies within the bound, but for what vertices are away from the surface:
-// what is farther there, smaller cells do not mend.
+// If few badly shaped triangles remain, their cells are refined this many more times, but only this
+// often in a row without removing at least the share below of them.
+constexpr int kMaxRetries = 6, kMaxVainRetries = 2;
+constexpr double kMinRetryGain = 0.05;
+constexpr std::size_t kMaxRetriedTriangles = 100;
+// Number of cells at the resolution limit that are improved by flips and moves.
+constexpr std::size_t kMaxRepairedCells = 200;
+// A cell whose radius is this share of a bound on the distance satisfies the bound, unless its
+// vertices are off the surface, and then smaller cells do not help.
 constexpr double kUsefulShare = 0.4;
-// Each time that the surface is divided for a bound, the faces around so many c-vertices, or around this part of them all.
-constexpr std::size_t kFewDivided = 6, kShareDivided = 20;
-// The surface is subdivided again while at most kWorthDividing of the violating cells are left and the worst of them violates the bound
-// less than before, or while at most kFewLeft of them are left.
-constexpr double kWorthDividing = 0.75, kFewLeft = 0.1;
+// Each subdivision for a bound includes the faces around this many c-vertices, or this fraction of
+// all of them.
+constexpr std::size_t kMinSubdivided = 6, kSubdividedDivisor = 20;
+// The surface is subdivided again while at most kMaxRemainingShare of the violating cells remain
+// and the largest excess decreases, or while at most kFewRemaining of them remain.
+constexpr double kMaxRemainingShare = 0.75, kFewRemaining = 0.1;
 
-// @param to  what each c-vertex is on another complex; empty: on the same one
+// @param to  the c-vertices on another complex; empty: the same complex
 std::vector<Covering::Radius> radii_of(std::span<const float> radius, std::span<const CVertexId> to) {
   std::vector<Covering::Radius> out;
   out.reserve(radius.size());
@@ -59,15 +62,16 @@ std::vector<float> distances(std::span<const MetricValues> values) {
   return out;
 }
 
-bool drives(Quantity q) { return is_metric(q) || q == Quantity::max_edge; }
+bool drives_refinement(Quantity q) { return is_metric(q) || q == Quantity::max_edge; }
 
 bool is_limited(const LevelGoal& goal) { return !goal.empty() && goal.front().quantity == Quantity::max_vertices; }
 
 constexpr auto kMaxDistance = static_cast<std::size_t>(Quantity::max_distance);
-// In voxels: the bounds that are tried as well where a tighter one cannot be met.
+// In voxels: bounds that are tried in addition if a tighter one cannot be satisfied.
 constexpr std::array kLooserBounds{0.5, 0.4, 0.32, 0.256};
 
-// The bound on the distance if somebody asked for a tight one before all else, and for no limit on vertices; else 0.
+// The bound on the distance if the user set a tight one with the highest priority and no limit on
+// vertices; otherwise 0.
 double tight_distance(const LevelGoal& goal) {
   if (std::ranges::find(goal, Quantity::max_vertices, &Constraint::quantity) != goal.end()) return 0;
   const bool is_tight = !goal.empty() && goal.front().quantity == Quantity::max_distance && !goal.front().is_default &&
@@ -85,60 +89,60 @@ LevelGoal with_distance(LevelGoal goal, double bound) {
 }  // namespace
 
 Refiner::Refiner(AdaptiveSurface& surface, const Isosurface& isosurface, const Coarsened& coarser, const CoveringOptions& options,
-                 Start start, std::optional<WrittenPositions> embedded, std::uint32_t most_divisions)
+                 Start start, std::optional<OutputPositions> output_positions, std::uint32_t max_subdivisions)
     : options_(options),
       surface_(surface),
       isosurface_(isosurface),
       coarser_(coarser),
       start_(std::move(start)),
-      embedded_(std::move(embedded)),
-      most_divisions_(most_divisions),
-      ground_(std::make_unique<Ground>(surface.complex(), &isosurface, &surface)),
-      sites_before_(static_cast<std::uint32_t>(start_.placement.anchor.size())) {}
+      output_positions_(std::move(output_positions)),
+      max_subdivisions_(max_subdivisions),
+      surface_data_(std::make_unique<SurfaceData>(surface.complex(), &isosurface, &surface)),
+      previous_site_count_(static_cast<std::uint32_t>(start_.placement.anchor.size())) {}
 
-void Refiner::step_down(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control) {
+void Refiner::refine_coarser_complex(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control) {
   const std::vector<CVertexId>& on = coarser_.representative;
   std::vector<CVertexId> sites = start_.placement.anchor;
   std::vector<Covering::Radius> radii;
   if (on.empty()) {
     radii = radii_of(start_.radius, {});
   } else {
-    const Ground ground(coarser_.complex, nullptr, nullptr, &control);
-    MeasuredCovering rough(ground, options_, start_.site, radii_of(start_.radius, {}), control);
+    const SurfaceData surface_data(coarser_.complex, nullptr, nullptr, &control);
+    MeasuredCovering coarse(surface_data, options_, start_.site, radii_of(start_.radius, {}), control);
     Task task;
     task.placement = placement;
     task.limit_share = kCoarserLimitShare;
     for (const Constraint& c : goal) {
-      if (drives(c.quantity)) task.metrics.push_back(c);
-      // Leave room for what the surface itself will ask for.
-      if (c.quantity == Quantity::max_vertices) task.most_sites = static_cast<std::uint32_t>(0.6 * std::min(c.bound, 4e9));
-      if (c.quantity == Quantity::min_edge) task.shortest_edge = static_cast<float>(c.bound);
+      if (drives_refinement(c.quantity)) task.metrics.push_back(c);
+      // Leave some vertices for refinement on the surface itself.
+      if (c.quantity == Quantity::max_vertices) task.max_sites = static_cast<std::uint32_t>(0.6 * std::min(c.bound, 4e9));
+      if (c.quantity == Quantity::min_edge) task.min_edge = static_cast<float>(c.bound);
     }
-    if (!task.metrics.empty() && rough.covering().site_count() < task.most_sites) {
-      rounds_.work(rough, task, out, control);
-      out.vertices_ran_out = false;  // only its share of them
+    if (!task.metrics.empty() && coarse.covering().site_count() < task.max_sites) {
+      rounds_.refine(coarse, task, out, control);
+      out.vertex_limit_reached = false;  // the limit here was only a share of it
     }
-    placed_in_ = rough.covering().placed_in();
+    inserted_in_ = coarse.covering().inserted_in();
     sites.clear();
-    for (const CVertexId v : rough.partition().site) sites.push_back(on[v]);
-    radii = radii_of(rough.covering().radius(), on);
+    for (const CVertexId v : coarse.partition().site) sites.push_back(on[v]);
+    radii = radii_of(coarse.covering().radius(), on);
   }
-  work_ = std::make_unique<MeasuredCovering>(*ground_, options_, sites, radii, control);
-  work_->displace(start_.placement.shift);
-  work_->freeze_anchors(sites_before_);
+  measured_ = std::make_unique<MeasuredCovering>(*surface_data_, options_, sites, radii, control);
+  measured_->set_displacement(start_.placement.displacement);
+  measured_->fix_anchors(previous_site_count_);
 }
 
-// @return whether any of the cells is divided, or the surface there
+// @return whether any of the cells, or the surface there, can be refined
 bool Refiner::refine_cells(std::span<const CellId> cells, const RunControl& control) {
-  const std::vector<CellId> single = work_->covering().shrink(cells);
-  if (single.size() < cells.size()) return true;  // the surface only where nothing else helps
+  const std::vector<CellId> single = measured_->covering().shrink(cells);
+  if (single.size() < cells.size()) return true;  // subdivide the surface only where nothing else helps
   return subdivide(single, control);
 }
 
-// The surface at cells that are single c-vertices. @return whether that could be done
+// Subdivides the surface at cells that are single c-vertices. @return whether that was possible
 bool Refiner::subdivide(std::span<const CellId> single, const RunControl& control) {
-  const std::vector<CVertexId> wanted = subdividable(surface_, sites_of(single));
-  if (!wanted.empty()) divide_surface(wanted, control);
+  const std::vector<CVertexId> wanted = filter_subdividable(surface_, sites_of(single));
+  if (!wanted.empty()) subdivide_surface(wanted, control);
   return !wanted.empty();
 }
 
@@ -148,13 +152,13 @@ std::vector<CVertexId> Refiner::sites_of(std::span<const CellId> cells) const {
   return out;
 }
 
-// Whether refine_cells() would do anything.
+// Whether refine_cells() would have an effect.
 bool Refiner::can_refine(std::span<const CellId> cells) const {
   std::vector<CellId> single;
   for (const CellId c : cells) {
-    if (work_->mesh().c_vertices_of.row(c).size() == 1) single.push_back(c);
+    if (measured_->mesh().c_vertices_of.row(c).size() == 1) single.push_back(c);
   }
-  return single.size() < cells.size() || !subdividable(surface_, sites_of(single)).empty();
+  return single.size() < cells.size() || !filter_subdividable(surface_, sites_of(single)).empty();
 }
 
 // A refined level while its self-intersections are resolved.
@@ -163,13 +167,13 @@ class Refiner::Dual : public GrowingDual {
   Dual(Refiner& refiner, CertificateReport& certificate, const RunControl& control)
       : refiner_(refiner), certificate_(certificate), control_(control) {}
 
-  Covering& covering() override { return refiner_.work_->covering(); }
-  void update() override { refiner_.work_->update(certificate_, control_); }
-  std::vector<Vec3> positions() const override { return refiner_.work_->positions(); }
-  std::vector<Triangle> triangles() const override { return cells_of(refiner_.work_->triangles()); }
+  Covering& covering() override { return refiner_.measured_->covering(); }
+  void update() override { refiner_.measured_->update(certificate_, control_); }
+  std::vector<Vec3> positions() const override { return refiner_.measured_->positions(); }
+  std::vector<Triangle> triangles() const override { return to_triangles(refiner_.measured_->triangles()); }
   std::vector<CVertexId> sites_on_surface() const override { return refiner_.partition().site; }
   bool subdivide(std::span<const CellId> single) override {
-    update();  // cells that are not single ones have become smaller
+    update();  // the other cells have become smaller
     return refiner_.subdivide(single, control_);
   }
 
@@ -180,77 +184,81 @@ class Refiner::Dual : public GrowingDual {
 };
 
 // @return whether anything has changed
-bool Refiner::separate_intersections(IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control) {
+bool Refiner::separate_intersections(IntersectionTracker& tracker, RefinedLevel& out, const RunControl& control) {
   const std::uint32_t sites = partition().cell_count();
   Dual dual(*this, out.certificate, control);
-  const bool any = resolve_intersections(dual, surface_, meeting, control).any;
-  out.parting_sites += partition().cell_count() - sites;
+  const bool any = resolve_intersections(dual, surface_, tracker, control).has_changed;
+  out.sites_for_intersections += partition().cell_count() - sites;
   return any;
 }
 
-// Works on the task until there are no self-intersections either.
-void Refiner::work_apart(const Task& task, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control) {
+// Refines for the task until there are no self-intersections.
+void Refiner::refine_and_separate(const Task& task, IntersectionTracker& tracker, RefinedLevel& out, const RunControl& control) {
   do {
-    rounds_.work(*work_, task, out, control);
-  } while (separate_intersections(meeting, out, control));
+    rounds_.refine(*measured_, task, out, control);
+  } while (separate_intersections(tracker, out, control));
 }
 
-// Which a covering that is made anew does not know.
-void Refiner::remember_placed_in() {
-  const Covering& covering = work_->covering();
-  placed_in_.resize(covering.site_count(), kNone);
+// A new covering would not know these cells.
+void Refiner::save_inserted_in() {
+  const Covering& covering = measured_->covering();
+  inserted_in_.resize(covering.site_count(), kNone);
   for (CellId c = 0; c < covering.site_count(); ++c) {
-    if (placed_in_[c] == kNone) placed_in_[c] = covering.placed_in()[c];
+    if (inserted_in_[c] == kNone) inserted_in_[c] = covering.inserted_in()[c];
   }
 }
 
-// More c-vertices, on which the same work goes on. Vertices stay where they are: there are their c-vertices from now on.
-void Refiner::divide_surface(std::span<const CVertexId> wanted, const RunControl& control) {
-  const VertexPlacement& places = work_->places();
-  std::vector<CVertexId> movers;
-  std::vector<Vec3> positions = surface_.complex().positions, frozen;
-  for (CellId c = 0; c < places.shift.size(); ++c) {
-    if (places.shift[c] == Vec3{}) continue;
-    const CVertexId v = places.anchor[c];
-    movers.push_back(v);
-    positions[v] = base_position(surface_.complex(), places, c);
-    frozen.push_back(c < sites_before_ ? positions[v] : surface_.complex().positions[v]);
+// Adds c-vertices and continues on the subdivided surface. Vertices keep their positions: their
+// c-vertices are moved there.
+void Refiner::subdivide_surface(std::span<const CVertexId> wanted, const RunControl& control) {
+  const VertexPlacement& placement = measured_->placement();
+  std::vector<CVertexId> displaced;
+  std::vector<Vec3> positions = surface_.complex().positions, reverted;
+  for (CellId c = 0; c < placement.displacement.size(); ++c) {
+    if (placement.displacement[c] == Vec3{}) continue;
+    const CVertexId v = placement.anchor[c];
+    displaced.push_back(v);
+    positions[v] = base_position(surface_.complex(), placement, c);
+    reverted.push_back(c < previous_site_count_ ? positions[v] : surface_.complex().positions[v]);
   }
-  report_going_on(control);
-  std::vector<CVertexId> strays = surface_.stray(movers, frozen, positions, movers);
-  std::sort(strays.begin(), strays.end());
-  for (std::size_t i = 0; i < movers.size(); ++i)
-    surface_.move(movers[i], std::binary_search(strays.begin(), strays.end(), movers[i]) ? frozen[i] : positions[movers[i]]);
-  std::vector<CVertexId> pinned;  // by vertices of earlier levels
-  for (CellId c = 0; c < sites_before_; ++c) pinned.push_back(places.anchor[c]);
-  surface_.divide(wanted, pinned);
-  report_going_on(control);
-  const std::vector<Vec3> before = work_->base_points();
-  work_->continue_on(ground_->remake(), before, control);
+  report_continuing(control);
+  std::vector<CVertexId> conflicting_moves = surface_.find_conflicting_moves(displaced, reverted, positions, displaced);
+  std::sort(conflicting_moves.begin(), conflicting_moves.end());
+  for (std::size_t i = 0; i < displaced.size(); ++i)
+    surface_.move(displaced[i], std::binary_search(conflicting_moves.begin(), conflicting_moves.end(), displaced[i])
+                                    ? reverted[i]
+                                    : positions[displaced[i]]);
+  std::vector<CVertexId> fixed;  // anchors of vertices of earlier levels
+  for (CellId c = 0; c < previous_site_count_; ++c) fixed.push_back(placement.anchor[c]);
+  surface_.subdivide(wanted, fixed);
+  report_continuing(control);
+  const std::vector<Vec3> before = measured_->base_points();
+  measured_->adapt_to(surface_data_->rebuild(), before, control);
 }
 
-// The constraints in their order: works on what there is so far before a limit comes into force.
-// @return all of them, the last ones still to be worked on
-Refiner::Task Refiner::whole_task(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control) {
+// Collects the constraints in their order. Before a limit takes effect, refines for the earlier
+// constraints.
+// @return the task with all constraints; the last ones are not refined for yet
+Refiner::Task Refiner::prepare_task(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control) {
   Task task;
   task.placement = placement;
   ShapeGoal shape;
-  bool new_aims = false;
+  bool has_new_targets = false;
   for (const Constraint& c : goal) {
     const bool limit = c.quantity == Quantity::max_vertices || c.quantity == Quantity::min_edge;
-    if (limit && new_aims) {
-      rounds_.work(*work_, task, out, control);
+    if (limit && has_new_targets) {
+      rounds_.refine(*measured_, task, out, control);
     }
-    new_aims = !limit;
+    has_new_targets = !limit;
     switch (c.quantity) {
       case Quantity::max_vertices:
-        task.most_sites = static_cast<std::uint32_t>(std::min(c.bound, 4e9));
+        task.max_sites = static_cast<std::uint32_t>(std::min(c.bound, 4e9));
         break;
       case Quantity::min_vertices:
-        task.least_sites = static_cast<std::uint32_t>(std::min(std::ceil(c.bound), 4e9));
+        task.min_sites = static_cast<std::uint32_t>(std::min(std::ceil(c.bound), 4e9));
         break;
       case Quantity::min_edge:
-        task.shortest_edge = static_cast<float>(c.bound);
+        task.min_edge = static_cast<float>(c.bound);
         break;
       case Quantity::min_aspect:
         shape = ShapeGoal::of(c.bound);
@@ -266,14 +274,14 @@ Refiner::Task Refiner::whole_task(const LevelGoal& goal, Placement placement, Re
   return task;
 }
 
-// Cells over a bound with how far they are over it, the worst first.
-std::vector<std::pair<CellId, double>> Refiner::cells_over(const LevelGoal& asked, std::span<const MetricValues> values) const {
+// Cells that violate a bound, with their excess, the worst first.
+std::vector<std::pair<CellId, double>> Refiner::violating_cells(const LevelGoal& requested, std::span<const MetricValues> values) const {
   std::vector<std::pair<CellId, double>> out;
   for (CellId c = 0; c < values.size(); ++c) {
     double excess = 0;
-    for (const Constraint& m : asked) {
-      if (!drives(m.quantity)) continue;
-      const double value = is_metric(m.quantity) ? values[c][static_cast<std::size_t>(m.quantity)] : longest_edge(work_->mesh(), c);
+    for (const Constraint& m : requested) {
+      if (!drives_refinement(m.quantity)) continue;
+      const double value = is_metric(m.quantity) ? values[c][static_cast<std::size_t>(m.quantity)] : longest_edge(measured_->mesh(), c);
       excess = std::max(excess, excess_of(m.quantity, value, m.bound));
     }
     if (excess > 1) out.emplace_back(c, excess);
@@ -282,10 +290,10 @@ std::vector<std::pair<CellId, double>> Refiner::cells_over(const LevelGoal& aske
   return out;
 }
 
-// The c-vertices of cells and their neighbours, in the order of the cells, up to a limit: a surface that is at its limit nearly everywhere
-// needs another volume.
-std::vector<CVertexId> Refiner::places_at(std::span<const std::pair<double, CellId>> cells) const {
-  const std::size_t room = std::max<std::size_t>(kFewDivided, surface_.complex().c_vertex_count() / kShareDivided);
+// The c-vertices of the cells' sites and their neighbours, in the order of the cells, up to a
+// limit: if the surface is at the resolution limit nearly everywhere, a finer volume is needed.
+std::vector<CVertexId> Refiner::c_vertices_near(std::span<const std::pair<double, CellId>> cells) const {
+  const std::size_t room = std::max<std::size_t>(kMinSubdivided, surface_.complex().c_vertex_count() / kSubdividedDivisor);
   std::vector<std::uint8_t> is_taken(surface_.complex().c_vertex_count(), 0);
   std::vector<CVertexId> out;
   const auto take = [&](CVertexId v) {
@@ -295,116 +303,122 @@ std::vector<CVertexId> Refiner::places_at(std::span<const std::pair<double, Cell
     if (out.size() >= room) break;
     const CVertexId v = partition().site[c];
     take(v);
-    for (const CVertexGraph::Neighbour& n : ground_->graph.row(v)) take(n.id);
+    for (const CVertexGraph::Neighbour& n : surface_data_->graph.row(v)) take(n.id);
   }
   std::sort(out.begin(), out.end());
   return out;
 }
 
-// Cells over a bound that cannot be made smaller, with minus their excess, the worst first.
+// Cells that violate a bound and cannot become smaller, with negated excess, the worst first.
 std::vector<std::pair<double, CellId>> Refiner::cells_at_limit(const Task& task) {
   std::vector<CellId> cells;
   for (CellId c = 0; c < partition().cell_count(); ++c) {
-    if (work_->errors()[c].excess > 1 && is_at_limit(task, c)) cells.push_back(c);
+    if (measured_->errors()[c].excess > 1 && is_at_limit(task, c)) cells.push_back(c);
   }
-  work_->measure_fully(cells);
+  measured_->complete_errors(cells);
   std::vector<std::pair<double, CellId>> out;
-  for (const CellId c : cells) out.emplace_back(-work_->errors()[c].excess, c);
+  for (const CellId c : cells) out.emplace_back(-measured_->errors()[c].excess, c);
   std::sort(out.begin(), out.end());
   return out;
 }
 
 bool Refiner::is_at_limit(const Task& task, CellId c) const {
   const CVertexId v = partition().site[c];
-  return work_->covering().radius()[v] <= std::max(kLimitShare * ground_->reach[v], task.useful_radius) * 1.0001f;
+  return measured_->covering().radius()[v] <= std::max(kLimitShare * surface_data_->farthest_neighbour[v], task.useful_radius) * 1.0001f;
 }
 
-// Works on the task, dividing the surface where it has too few c-vertices for that.
-void Refiner::work_towards(const Task& task, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control) {
-  const auto once = [&] {
-    if (embedded_) {
-      work_apart(task, meeting, out, control);
+// Refines for the task, and subdivides the surface where it has too few c-vertices.
+void Refiner::refine_with_subdivision(const Task& task, IntersectionTracker& tracker, RefinedLevel& out, const RunControl& control) {
+  const auto refine_task = [&] {
+    if (output_positions_) {
+      refine_and_separate(task, tracker, out, control);
     } else {
-      rounds_.work(*work_, task, out, control);
+      rounds_.refine(*measured_, task, out, control);
     }
   };
-  once();
-  // Balanced once more in one go, instead of piece by piece, and then what got worse by that.
-  for (int again = 0; task.placement == Placement::balanced && again < kMostLastLooks && !out.vertices_ran_out; ++again) {
+  refine_task();
+  // Balance all vertices at once instead of piece by piece, then refine where this increased
+  // errors.
+  for (int balance_round = 0; task.placement == Placement::balanced && balance_round < kMaxBalanceRounds && !out.vertex_limit_reached;
+       ++balance_round) {
     const std::uint32_t sites = partition().cell_count();
-    work_->update_all(out.certificate, control);
-    once();
+    measured_->update_all(out.certificate, control);
+    refine_task();
     if (partition().cell_count() == sites) break;
   }
-  const auto divide = [&] {
-    double before = std::numeric_limits<double>::infinity(), worst_before = before;  // how many cells, and the worst excess
-    for (; divisions_ < most_divisions_ && !out.vertices_ran_out; ++divisions_) {
+  const auto subdivide_and_refine = [&] {
+    double before = std::numeric_limits<double>::infinity(), worst_before = before;  // number of violating cells and their largest excess
+    for (; subdivisions_ < max_subdivisions_ && !out.vertex_limit_reached; ++subdivisions_) {
       const std::vector<std::pair<double, CellId>> cells = cells_at_limit(task);
       if (cells.empty()) break;
       const auto count = static_cast<double>(cells.size());
       const double worst = -cells.front().first;
-      if (count > (worst < worst_before ? kWorthDividing : kFewLeft) * before) break;
+      if (count > (worst < worst_before ? kMaxRemainingShare : kFewRemaining) * before) break;
       before = count;
       worst_before = worst;
-      const std::vector<CVertexId> wanted = places_at(cells);
-      divide_surface(wanted, control);
-      once();
+      const std::vector<CVertexId> wanted = c_vertices_near(cells);
+      subdivide_surface(wanted, control);
+      refine_task();
     }
   };
-  divide();
+  subdivide_and_refine();
   prove(task, [&] {
-    once();
-    divide();
+    refine_task();
+    subdivide_and_refine();
   });
 }
 
-// What is too far away at a sample needs no proof. Where a proof fails, cells become smaller, some times in a level.
-void Refiner::prove(const Task& task, const std::function<void()>& work_on) {
-  if (!is_provable(task) || !work_->is_within_bounds()) return;
-  for (; proofs_ < kMostProofs && work_->prove() > 0; ++proofs_) work_on();
+// Proves the bound once all samples satisfy it. Where a proof fails, cells become smaller, a
+// limited number of times per level.
+void Refiner::prove(const Task& task, const std::function<void()>& refine_again) {
+  if (!is_provable(task) || !measured_->is_within_bounds()) return;
+  for (; proofs_ < kMaxFailedProofs && measured_->prove() > 0; ++proofs_) refine_again();
 }
 
-// A bound that nobody asked for is not worth the time.
+// A default bound is not worth the time of a proof.
 bool Refiner::is_provable(const Task& task) const {
-  const auto is_asked = [](const Constraint& c) { return c.quantity == Quantity::max_distance && !c.is_default; };
-  return start_.is_whole && task.most_sites == kNone && std::ranges::any_of(task.metrics, is_asked);
+  const auto is_requested = [](const Constraint& c) { return c.quantity == Quantity::max_distance && !c.is_default; };
+  return start_.is_complete && task.max_sites == kNone && std::ranges::any_of(task.metrics, is_requested);
 }
 
 struct Refiner::State {
   AdaptiveSurface surface;
-  std::shared_ptr<const MeasuredCovering> work;  // on the ground of this surface
-  std::vector<CellId> placed_in;
-  MeshExtent extent;
+  std::shared_ptr<const MeasuredCovering> measured;  // refers to the surface data of `surface`
+  std::vector<CellId> inserted_in;
+  MeshStatistics statistics;
   std::array<MetricSummary, kMetricCount> metrics;
 };
 
 std::shared_ptr<const Refiner::State> Refiner::save_state() const {
   return std::make_shared<const State>(
-      State{surface_, work_ ? std::make_shared<const MeasuredCovering>(*work_) : nullptr, placed_in_, extent_, metrics_});
+      State{surface_, measured_ ? std::make_shared<const MeasuredCovering>(*measured_) : nullptr, inserted_in_, statistics_, metrics_});
 }
 
 void Refiner::restore_state(const State& state) {
   surface_ = state.surface;
-  ground_->remake();
-  work_ = state.work ? std::make_unique<MeasuredCovering>(*state.work) : nullptr;
-  placed_in_ = state.placed_in;
-  extent_ = state.extent;
+  surface_data_->rebuild();
+  measured_ = state.measured ? std::make_unique<MeasuredCovering>(*state.measured) : nullptr;
+  inserted_in_ = state.inserted_in;
+  statistics_ = state.statistics;
   metrics_ = state.metrics;
 }
 
-RefinedLevel Refiner::unchanged_level(const LevelGoal& asked) const {
+RefinedLevel Refiner::unchanged_level(const LevelGoal& requested) const {
   RefinedLevel same;
-  same.is_the_one_before = true;
-  same.figures = {metrics_, judge(asked, extent_, metrics_, {&extent_, is_first_, true, false, 0}), {}, {}};
+  same.unchanged_from_previous_level = true;
+  same.figures = {
+      metrics_, evaluate_constraints(requested, statistics_, metrics_, {&statistics_, is_first_refined_, true, false, 0}), {}, {}};
   return same;
 }
 
-// Well below a voxel smaller cells need not be better: where all are as small as they can be, the largest distance is a matter of chance.
-// So if a tight bound is not met, all of kLooserBounds above it are tried from the same start, whatever they give: a bound then never leads
-// farther from the surface than one of these would, had it been asked for. (Two bounds between them may still differ by chance.)
+// Well below a voxel smaller cells are not always better: once all are as small as possible, the
+// largest distance depends on chance. So if a tight bound is not satisfied, all of kLooserBounds
+// above it are tried from the same start. This guarantees that a tight bound never gives a larger
+// distance than one of these looser bounds would have. (Two bounds between them may still differ by
+// chance.)
 RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const RunControl& control) {
-  is_first_ = work_ == nullptr;
-  if (!is_first_) sites_before_ = partition().cell_count();
+  is_first_refined_ = measured_ == nullptr;
+  if (!is_first_refined_) previous_site_count_ = partition().cell_count();
   const double bound = tight_distance(goal);
   if (bound == 0) return refine_once(goal, goal, placement, control);
 
@@ -417,59 +431,60 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
     if (looser <= bound) break;
     restore_state(*start);
     RefinedLevel other = refine_once(with_distance(goal, looser), goal, placement, control);
-    if (other.is_the_one_before || reached(other) >= reached(best)) continue;
+    if (other.unchanged_from_previous_level || reached(other) >= reached(best)) continue;
     best = std::move(other);
     state_of_best = save_state();
   }
-  const bool was_better = !is_first_ && goal.size() == 1 && start->metrics[kMaxDistance].maximum <= reached(best);
+  const bool was_better = !is_first_refined_ && goal.size() == 1 && start->metrics[kMaxDistance].maximum <= reached(best);
   restore_state(was_better ? *start : *state_of_best);
   return was_better ? unchanged_level(goal) : best;
 }
 
-// @param goal   what to work for
-// @param asked  what the level is judged by
-RefinedLevel Refiner::refine_once(const LevelGoal& goal, const LevelGoal& asked, Placement placement, const RunControl& control) {
+// @param goal       the bounds to refine for
+// @param requested  the bounds that are reported
+RefinedLevel Refiner::refine_once(const LevelGoal& goal, const LevelGoal& requested, Placement placement, const RunControl& control) {
   RefinedLevel out;
-  divisions_ = 0;
+  subdivisions_ = 0;
   rounds_ = {};
   proofs_ = 0;
-  if (is_limited(goal) && static_cast<double>(sites_before_) >= goal.front().bound) return unchanged_level(asked);
-  if (work_ == nullptr) {
-    step_down(goal, placement, out, control);
+  if (is_limited(goal) && static_cast<double>(previous_site_count_) >= goal.front().bound) return unchanged_level(requested);
+  if (measured_ == nullptr) {
+    refine_coarser_complex(goal, placement, out, control);
   } else {
-    restart_at_vertices(control);
+    restart_with_sites_at_vertices(control);
   }
-  remember_placed_in();
-  IntersectionTracker meeting(embedded_.value_or(WrittenPositions()));
-  Task task = whole_task(goal, placement, out, control);
+  save_inserted_in();
+  IntersectionTracker tracker(output_positions_.value_or(OutputPositions()));
+  Task task = prepare_task(goal, placement, out, control);
   if (!is_limited(goal)) {
-    make_predicted_cells(task, out, control);
-    work_towards(task, meeting, out, control);
-  } else if (!refine_within_budget(task, goal.front().bound, meeting, out, control)) {
-    return unchanged_level(asked);
+    lower_predicted_radii(task, out, control);
+    refine_with_subdivision(task, tracker, out, control);
+  } else if (!refine_within_budget(task, goal.front().bound, tracker, out, control)) {
+    return unchanged_level(requested);
   }
-  finish(task, asked, meeting, out, control);
+  finish(task, requested, tracker, out, control);
   return out;
 }
 
-// Most of what a bound on the distance asks for at once, where the cells are over it: in rounds, each of twice as many cells, all of them
-// would be covered and measured several times. Not where vertices may run out, since they belong where the mesh is farthest.
-void Refiner::make_predicted_cells(const Task& task, RefinedLevel& out, const RunControl& control) {
+// Makes most of the cells that a bound on the distance requires at once, where cells violate it;
+// rounds would double the number of cells each time and would cover and measure all of them several
+// times. Not used with a limit on vertices, since these belong where the mesh is farthest.
+void Refiner::lower_predicted_radii(const Task& task, RefinedLevel& out, const RunControl& control) {
   const auto bound = std::ranges::find(task.metrics, Quantity::max_distance, &Constraint::quantity);
-  if (task.most_sites != kNone || bound == task.metrics.end()) return;
-  work_->demand(demands_of(task.metrics), task.placement);
-  work_->update(out.certificate, control);
+  if (task.max_sites != kNone || bound == task.metrics.end()) return;
+  measured_->set_bounds(relaxed_bounds(task.metrics), task.placement);
+  measured_->update(out.certificate, control);
   std::vector<CVertexId> at;
   const auto add = [&](CVertexId v) {
-    if (work_->errors()[partition().cell_of[v]].excess > 1) at.push_back(v);
+    if (measured_->errors()[partition().cell_of[v]].excess > 1) at.push_back(v);
   };
   std::ranges::for_each(coarser_.representative, add);
   if (coarser_.representative.empty()) {
     for (CVertexId v = 0; v < partition().cell_of.size(); ++v) add(v);
   }
-  std::vector<Covering::Radius> radii = predict_radii(*ground_, at, bound->bound);
-  for (Covering::Radius& r : radii) r.radius = std::max(r.radius, least_useful_radius(task, *ground_, r.at));
-  work_->covering().lower_radii(radii, control);
+  std::vector<Covering::Radius> radii = predict_radii(*surface_data_, at, bound->bound);
+  for (Covering::Radius& r : radii) r.radius = std::max(r.radius, min_useful_radius(task, *surface_data_, r.at));
+  measured_->covering().lower_radii(radii, control);
 }
 
 bool Refiner::refine_at(std::span<const Triangle> triangles, const LevelGoal& goal, Placement placement, RefinedLevel& level,
@@ -479,175 +494,182 @@ bool Refiner::refine_at(std::span<const Triangle> triangles, const LevelGoal& go
   std::ranges::sort(cells);
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
   if (!can_refine(cells)) return false;
-  divisions_ = 0;
-  work_->freeze_anchors(sites_before_);
-  restart_at_vertices(control);
+  subdivisions_ = 0;
+  measured_->fix_anchors(previous_site_count_);
+  restart_with_sites_at_vertices(control);
   refine_cells(cells, control);
-  const Task task = whole_task(goal, placement, level, control);
-  IntersectionTracker meeting(embedded_.value_or(WrittenPositions()));
-  work_towards(task, meeting, level, control);
+  const Task task = prepare_task(goal, placement, level, control);
+  IntersectionTracker tracker(output_positions_.value_or(OutputPositions()));
+  refine_with_subdivision(task, tracker, level, control);
   level.at_limit.clear();
-  finish(task, goal, meeting, level, control);
+  finish(task, goal, tracker, level, control);
   return true;
 }
 
-// With all vertices and edges free to change, and cells that can be as small as their vertices.
-void Refiner::restart_at_vertices(const RunControl& control) {
-  work_->try_again();
-  if (work_->places().anchor != partition().site) divide_surface({}, control);
+// Makes all vertices movable, all edges flippable, and allows cells as small as their vertices
+// permit.
+void Refiner::restart_with_sites_at_vertices(const RunControl& control) {
+  measured_->clear_fixed();
+  if (measured_->placement().anchor != partition().site) subdivide_surface({}, control);
 }
 
-// Topology, and that triangles do not intersect, may need more vertices than are left. Then the last ones are removed, until there is room.
-// @return false if no level with more vertices than the one before has few enough
-bool Refiner::refine_within_budget(Task& task, double most, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control) {
+// Topology, and avoiding intersections, may need more vertices than are left. Then the last sites
+// are removed until the limit is satisfied.
+// @return false if no level with more vertices than the previous one satisfies it
+bool Refiner::refine_within_budget(Task& task, double most, IntersectionTracker& tracker, RefinedLevel& out, const RunControl& control) {
   const std::uint32_t start = partition().cell_count();
-  work_towards(task, meeting, out, control);
+  refine_with_subdivision(task, tracker, out, control);
   double kept = most;
   for (double times = 1; partition().cell_count() > most; times *= 2) {
     kept = std::floor(kept - times * (partition().cell_count() - most));
     const bool has_room = kept > start;
     remove_sites(has_room ? static_cast<std::uint32_t>(kept) : start, control);
-    if (!has_room && !is_first_) return false;
-    task.most_sites = partition().cell_count();
-    out.vertices_ran_out = true;
-    work_->update(out.certificate, control);
-    if (embedded_) separate_intersections(meeting, out, control);
+    if (!has_room && !is_first_refined_) return false;
+    task.max_sites = partition().cell_count();
+    out.vertex_limit_reached = true;
+    measured_->update(out.certificate, control);
+    if (output_positions_) separate_intersections(tracker, out, control);
     if (!has_room) break;
   }
   return true;
 }
 
 void Refiner::remove_sites(std::uint32_t count, const RunControl& control) {
-  work_->remove_sites(count, control);
-  placed_in_.resize(std::min<std::size_t>(placed_in_.size(), count));
+  measured_->remove_sites(count, control);
+  inserted_in_.resize(std::min<std::size_t>(inserted_in_.size(), count));
 }
 
-// The level's triangles: shape, and no self-intersections; then what can be said of them.
-void Refiner::finish(const Task& task, const LevelGoal& asked, IntersectionTracker& meeting, RefinedLevel& out, const RunControl& control) {
-  work_->certify(out.certificate, control);
+// Completes the level's triangles: improves their shape, resolves self-intersections and describes
+// the result.
+void Refiner::finish(const Task& task, const LevelGoal& requested, IntersectionTracker& tracker, RefinedLevel& out,
+                     const RunControl& control) {
+  measured_->certify(out.certificate, control);
   std::vector<DualTriangle> triangles;
   improve_level_shape(task, triangles, out, control);
-  retry_bad_triangles(task, meeting, triangles, out, control);
+  retry_bad_triangles(task, tracker, triangles, out, control);
   control.report("refine", kShapeShare);
   repair_worst_cells(task, triangles, out, control);
-  if (embedded_) revert_intersecting_changes(task, meeting, triangles, out, control);
-  if (is_provable(task) && work_->is_within_bounds()) {
-    if (task.placement == Placement::balanced) work_->forget_proofs();  // vertices are moved without a look at all triangles around them
-    work_->prove();
+  if (output_positions_) revert_intersecting_changes(task, tracker, triangles, out, control);
+  if (is_provable(task) && measured_->is_within_bounds()) {
+    // balancing moves vertices without testing all triangles around them
+    if (task.placement == Placement::balanced) measured_->clear_proofs();
+    measured_->prove();
   }
-  out.figures.distance_at_most = is_provable(task) && work_->is_proved() ? work_->distance_bound() : std::nullopt;
-  work_->freeze_anchors(partition().cell_count());
-  out.triangles = cells_of(triangles);
-  report_going_on(control);
-  describe(task, asked, out);
+  out.figures.distance_at_most = is_provable(task) && measured_->is_proved() ? measured_->distance_bound() : std::nullopt;
+  measured_->fix_anchors(partition().cell_count());
+  out.triangles = to_triangles(triangles);
+  report_continuing(control);
+  describe(task, requested, out);
 }
 
 void Refiner::improve_level_shape(const Task& task, std::vector<DualTriangle>& triangles, RefinedLevel& out, const RunControl& control) {
-  const std::size_t moves = out.shape.moves, shifts = out.shape.shifts;  // these stay, flips do not
-  out.shape = improve_shape(*work_, *task.shape, triangles, control);
+  const std::size_t moves = out.shape.moves, shifts = out.shape.displacements;  // moves and displacements remain, flips do not
+  out.shape = improve_shape(*measured_, *task.shape, triangles, control);
   out.shape.moves += moves;
-  out.shape.shifts += shifts;
+  out.shape.displacements += shifts;
 }
 
-void Refiner::refine_and_improve(const Task& task, IntersectionTracker& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
+void Refiner::refine_and_improve(const Task& task, IntersectionTracker& tracker, std::vector<DualTriangle>& triangles, RefinedLevel& out,
                                  const RunControl& control) {
-  work_towards(task, meeting, out, control);
-  work_->certify(out.certificate, control);
+  refine_with_subdivision(task, tracker, out, control);
+  measured_->certify(out.certificate, control);
   improve_level_shape(task, triangles, out, control);
 }
 
-// Where neither a flip nor a move mends a triangle, smaller cells around it give another mesh, and another chance.
-void Refiner::retry_bad_triangles(const Task& task, IntersectionTracker& meeting, std::vector<DualTriangle>& triangles, RefinedLevel& out,
+// Where neither a flip nor a move improves a triangle, smaller cells around it yield another mesh,
+// which is improved again.
+void Refiner::retry_bad_triangles(const Task& task, IntersectionTracker& tracker, std::vector<DualTriangle>& triangles, RefinedLevel& out,
                                   const RunControl& control) {
   std::size_t fewest = out.shape.bad;
-  int in_vain = 0;
-  for (int chance = 0; chance < kMostChances && in_vain < kMostInVain && out.shape.bad > 0 && out.shape.bad < kFewTriangles; ++chance) {
-    if (task.most_sites != kNone || !make_smaller_at_bad_triangles(*work_, task, triangles)) break;
-    refine_and_improve(task, meeting, triangles, out, control);
-    const bool helps = static_cast<double>(out.shape.bad) <= (1 - kWorthAChance) * static_cast<double>(fewest);
-    in_vain = helps ? 0 : in_vain + 1;
+  int vain_retries = 0;
+  for (int retry = 0; retry < kMaxRetries && vain_retries < kMaxVainRetries && out.shape.bad > 0 && out.shape.bad < kMaxRetriedTriangles;
+       ++retry) {
+    if (task.max_sites != kNone || !shrink_cells_at_bad_triangles(*measured_, task, triangles)) break;
+    refine_and_improve(task, tracker, triangles, out, control);
+    const bool has_helped = static_cast<double>(out.shape.bad) <= (1 - kMinRetryGain) * static_cast<double>(fewest);
+    vain_retries = has_helped ? 0 : vain_retries + 1;
     fewest = std::min(fewest, out.shape.bad);
   }
 }
 
-// What nothing else can help: of the cells at their limit, the worst.
+// Improves the worst of the cells at the resolution limit by flips and moves.
 void Refiner::repair_worst_cells(const Task& task, std::vector<DualTriangle>& triangles, RefinedLevel& out, const RunControl& control) {
   std::vector<std::pair<double, CellId>> worst = cells_at_limit(task);
-  if (worst.size() > kMostMended) worst.resize(kMostMended);
-  std::vector<CellId> to_mend;
-  for (const auto& [excess, c] : worst) to_mend.push_back(c);
-  improve_errors(*work_, *task.shape, to_mend, triangles, out.shape, control);
+  if (worst.size() > kMaxRepairedCells) worst.resize(kMaxRepairedCells);
+  std::vector<CellId> to_repair;
+  for (const auto& [excess, c] : worst) to_repair.push_back(c);
+  improve_errors(*measured_, *task.shape, to_repair, triangles, out.shape, control);
 }
 
-void Refiner::revert_intersecting_changes(const Task& task, IntersectionTracker& meeting, std::vector<DualTriangle>& triangles,
+void Refiner::revert_intersecting_changes(const Task& task, IntersectionTracker& tracker, std::vector<DualTriangle>& triangles,
                                           RefinedLevel& out, const RunControl& control) {
-  for (int k = 0; !take_back_meeting(*work_, meeting, triangles, control).empty(); ++k) {
-    if (k == kMostChances) {  // the dual as it is does not meet itself
-      take_back_all(*work_, triangles, control);
+  for (int k = 0; !revert_intersecting(*measured_, tracker, triangles, control).empty(); ++k) {
+    if (k == kMaxRetries) {  // the dual itself has no self-intersections
+      revert_all(*measured_, triangles, control);
       break;
     }
-    refine_and_improve(task, meeting, triangles, out, control);
+    refine_and_improve(task, tracker, triangles, out, control);
     repair_worst_cells(task, triangles, out, control);
   }
-  improve_shape_carefully(*work_, *task.shape, meeting, triangles, out.shape, control);
-  // What balancing did since is not undone with a change that is taken back; nor need c-vertices do without others what they do with
-  // them.
+  improve_shape_without_intersections(*measured_, *task.shape, tracker, triangles, out.shape, control);
+  // Reverting a change does not undo what balancing has done since, and c-vertices may intersect
+  // without the others of a reverted group.
   do {
-    if (!take_back_meeting(*work_, meeting, triangles, control).empty()) {
-      take_back_all(*work_, triangles, control);
-      work_apart({}, meeting, out, control);
-      work_->certify(out.certificate, control);
-      triangles.assign(work_->triangles().begin(), work_->triangles().end());
+    if (!revert_intersecting(*measured_, tracker, triangles, control).empty()) {
+      revert_all(*measured_, triangles, control);
+      refine_and_separate({}, tracker, out, control);
+      measured_->certify(out.certificate, control);
+      triangles.assign(measured_->triangles().begin(), measured_->triangles().end());
     }
-  } while (settle_vertices(*work_, triangles, control));
+  } while (revert_conflicting_moves(*measured_, triangles, control));
 }
 
-// What the level reached, by what was asked for.
-void Refiner::describe(const Task& task, const LevelGoal& asked, RefinedLevel& out) {
-  const std::vector<MetricValues> values = work_->measure_metrics();
-  Obstacles obstacles{&extent_, is_first_, out.vertices_ran_out, false, 0};
-  for (const auto& [c, excess] : cells_over(asked, values)) {
-    const float radius = work_->covering().radius()[partition().site[c]];
+// Fills in the figures of the level, for the constraints as requested.
+void Refiner::describe(const Task& task, const LevelGoal& requested, RefinedLevel& out) {
+  const std::vector<MetricValues> values = measured_->measure_metrics();
+  Obstacles obstacles{&statistics_, is_first_refined_, out.vertex_limit_reached, false, 0};
+  for (const auto& [c, excess] : violating_cells(requested, values)) {
+    const float radius = measured_->covering().radius()[partition().site[c]];
     if (is_at_limit(task, c)) {
       out.at_limit.emplace_back(c, excess);
-    } else if (radius <= kChordSlack * task.shortest_edge * 1.0001f) {
-      obstacles.edges_in_the_way = true;
+    } else if (radius <= kChordSlack * task.min_edge * 1.0001f) {
+      obstacles.blocked_by_min_edge = true;
     }
   }
   obstacles.cells_at_limit = out.at_limit.size();
   out.figures.metrics = summarize(values);
   out.figures.distance = distances(values);
-  ground_->check_cancelled();
-  MeshExtent extent = extent_of(work_->mesh());
-  out.figures.constraints = judge(asked, extent, out.figures.metrics, obstacles);
-  extent_ = std::move(extent);
+  surface_data_->check_cancelled();
+  MeshStatistics statistics = mesh_statistics(measured_->mesh());
+  out.figures.constraints = evaluate_constraints(requested, statistics, out.figures.metrics, obstacles);
+  statistics_ = std::move(statistics);
   metrics_ = out.figures.metrics;
 }
 
 LevelFigures Refiner::describe_coarse(std::span<const Triangle> triangles, const LevelGoal& goal, const RunControl& control) {
   control.check_cancelled();
-  Covering covering(ground_->graph, options_);
+  Covering covering(surface_data_->graph, options_);
   covering.seed(start_.placement.anchor, {}, control);
   std::vector<DualTriangle> dual;
   dual.reserve(triangles.size());
   for (const Triangle& t : triangles) dual.push_back({t, kNone});
   control.check_cancelled();
-  const LevelMesh mesh = make_level_mesh(ground_->surfels, covering.partition(), dual, start_.placement, &control);
+  const LevelMesh mesh = make_level_mesh(surface_data_->surfels, covering.partition(), dual, start_.placement, &control);
   control.check_cancelled();
-  extent_ = extent_of(mesh);
-  const std::vector<MetricValues> values = measure_metrics(*ground_, covering, mesh);
+  statistics_ = mesh_statistics(mesh);
+  const std::vector<MetricValues> values = measure_metrics(*surface_data_, covering, mesh);
   metrics_ = summarize(values);
-  return {metrics_, judge(goal, extent_, metrics_, {}), distances(values), {}};
+  return {metrics_, evaluate_constraints(goal, statistics_, metrics_, {}), distances(values), {}};
 }
 
 std::vector<std::uint32_t> Refiner::parents() const {
-  std::vector<std::uint32_t> out(work_->covering().placed_in());
+  std::vector<std::uint32_t> out(measured_->covering().inserted_in());
   for (std::uint32_t c = 0; c < out.size(); ++c) {
-    if (c < placed_in_.size() && placed_in_[c] != kNone) out[c] = placed_in_[c];
-    if (c < sites_before_ || out[c] == kNone) {
+    if (c < inserted_in_.size() && inserted_in_[c] != kNone) out[c] = inserted_in_[c];
+    if (c < previous_site_count_ || out[c] == kNone) {
       out[c] = c;
     } else {
-      while (out[c] >= sites_before_) out[c] = out[out[c]];  // placed in the cell of a vertex that is new as well
+      while (out[c] >= previous_site_count_) out[c] = out[out[c]];  // inserted in the cell of a vertex that is new as well
     }
   }
   return out;

@@ -13,53 +13,56 @@
 
 namespace isoatlas::detail {
 
-// A cell is at the resolution limit when its radius is this share of the distance to its site's farthest neighbour: then its disk
-// holds hardly more than its site. (The paper stops at 1, where it can promise the aspect ratio; here every triangle is looked at.)
+// A cell is at the resolution limit if its radius is this share of the distance to its site's
+// farthest neighbour: then its disk contains little more than the site. (The paper stops at 1,
+// where it can guarantee the aspect ratio; here every triangle is tested.)
 inline constexpr float kLimitShare = 0.35f;
 
-// min-edge is asked of chords, radii are geodesic.
+// min-edge applies to chords, radii are geodesic.
 inline constexpr float kChordSlack = 1.25f;
 
-/// What one stretch of work is about: the metrics to meet, within limits that come before them.
+/// The constraints of one refinement run: the metrics to satisfy, and the limits that have priority
+/// over them.
 struct RefinementTask {
   std::vector<Constraint> metrics;
   Placement placement = Placement::surface;
-  std::uint32_t most_sites = kNone;
-  std::uint32_t least_sites = 0;
-  float shortest_edge = 0;
+  std::uint32_t max_sites = kNone;
+  std::uint32_t min_sites = 0;
+  float min_edge = 0;
   std::optional<ShapeGoal> shape;
   float limit_share = kLimitShare;
-  float useful_radius = 0;  ///< disks smaller than this bring no cell nearer to its bounds
+  float useful_radius = 0;  ///< smaller disks do not reduce the error of any cell
 };
 
-/// The smallest radius that a disk may get.
-inline float least_radius(const RefinementTask& task, const Ground& ground, CVertexId v) {
-  return std::max(task.limit_share * ground.reach[v], kChordSlack * task.shortest_edge);
+/// The smallest allowed radius of a disk.
+inline float min_radius(const RefinementTask& task, const SurfaceData& surface_data, CVertexId v) {
+  return std::max(task.limit_share * surface_data.farthest_neighbour[v], kChordSlack * task.min_edge);
 }
 
-/// The smallest radius that a disk may get for the sake of bounds.
-inline float least_useful_radius(const RefinementTask& task, const Ground& ground, CVertexId v) {
-  return std::max(least_radius(task, ground, v), task.useful_radius);
+/// The smallest radius of a disk that refinement to bounds uses.
+inline float min_useful_radius(const RefinementTask& task, const SurfaceData& surface_data, CVertexId v) {
+  return std::max(min_radius(task, surface_data, v), task.useful_radius);
 }
 
-/// What is asked for, bounds so many times as generous.
-std::vector<Constraint> demands_of(const std::vector<Constraint>& metrics, double generosity = 1);
+/// The bounds, relaxed by a factor >= 1.
+std::vector<Constraint> relaxed_bounds(const std::vector<Constraint>& metrics, double relaxation = 1);
 
 /// Makes the cells at badly shaped triangles smaller. @return whether any could be
-bool make_smaller_at_bad_triangles(MeasuredCovering& work, const RefinementTask& task, const std::vector<DualTriangle>& triangles);
+bool shrink_cells_at_bad_triangles(MeasuredCovering& measured, const RefinementTask& task, const std::vector<DualTriangle>& triangles);
 
-/// Adds sites and lowers radii in rounds until a task is done (docs/theory/05-refinement.md). One object for each level: it knows how far
-/// the level is.
+/// Inserts sites and lowers radii in rounds until a task is finished
+/// (docs/theory/05-refinement.md). Use one object per level: it tracks the progress of the level.
 class RefinementRounds {
  public:
-  /// Until the task is done as far as it can be, or vertices run out; what was done is added to `out`.
-  void work(MeasuredCovering& work, const RefinementTask& task, RefinedLevel& out, const RunControl& control);
+  /// Refines until all bounds are satisfied as far as possible, or vertices run out. Adds its
+  /// counts to `out`.
+  void refine(MeasuredCovering& measured, const RefinementTask& task, RefinedLevel& out, const RunControl& control);
 
  private:
-  void meet(MeasuredCovering& work, const RefinementTask& task, RefinedLevel& out, const RunControl& control);
-  double done_of_meeting(double worst);
+  void refine_to_bounds(MeasuredCovering& measured, const RefinementTask& task, RefinedLevel& out, const RunControl& control);
+  double progress_of(double worst);
 
-  double first_worst_ = 1;  // the largest excess so far
+  double first_worst_ = 1;  // largest excess so far
 };
 
 }  // namespace isoatlas::detail

@@ -9,11 +9,13 @@
 
 namespace isoatlas::detail {
 
-/// Which way a triangle faces, by its area. Of a sliver that says nothing: there, all those around it.
-/// @param corners  corners(t): the three of a triangle
-/// @param for_each_around  called with a callable add(t), for every corner with all triangles there
-template <class Corners, class ForEachAround>
-Vec3 facing(std::uint32_t triangle, Corners corners, ForEachAround for_each_around) {
+/// The direction that a triangle faces: its area vector. For a sliver that is unreliable; then the
+/// sum over all triangles around it.
+/// @param corners  corners(t): the three corners of a triangle
+/// @param for_each_neighbour  called with a callable add(t); must call it, for every corner, with
+///                            all triangles there
+template <class Corners, class ForEachNeighbour>
+Vec3 facing(std::uint32_t triangle, Corners corners, ForEachNeighbour for_each_neighbour) {
   constexpr double kSliver = 0.1;  // height over the longest edge
   const auto area = [&](std::uint32_t t) {
     const std::array<Vec3, 3> q = corners(t);
@@ -24,7 +26,7 @@ Vec3 facing(std::uint32_t triangle, Corners corners, ForEachAround for_each_arou
   const Vec3 own = area(triangle);
   if (length(own) >= kSliver * longest) return own;
   Vec3 sum;
-  for_each_around([&](std::uint32_t t) { sum = sum + area(t); });
+  for_each_neighbour([&](std::uint32_t t) { sum = sum + area(t); });
   return sum;
 }
 

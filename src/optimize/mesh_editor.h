@@ -10,61 +10,64 @@
 
 namespace isoatlas::detail {
 
-/// Changes a level's mesh between two updates of its covering: flips edges and moves vertices, measures what that concerns, and says what
-/// intersects then. Costs what is changed, but for the first look.
+/// Edits a level's mesh between two updates of its covering: flips edges and moves vertices,
+/// measures what this affects, and finds the intersections. Costs are proportional to the changes,
+/// except for the first intersection test.
 class MeshEditor {
  public:
-  /// @param triangles  the mesh's
-  /// @param meeting    is told what changes; may know an earlier mesh of these cells; none: intersections are not looked at
-  MeshEditor(MeasuredCovering& work, std::vector<DualTriangle>& triangles, IntersectionTracker* meeting, const RunControl& control);
+  /// @param triangles  those of the mesh
+  /// @param tracker    follows the changes; may hold an earlier mesh of these cells; none:
+  ///                   intersections are not tested
+  MeshEditor(MeasuredCovering& measured, std::vector<DualTriangle>& triangles, IntersectionTracker* tracker, const RunControl& control);
 
-  const MeasuredCovering& work() const { return work_; }
-  const LevelMesh& mesh() const { return work_.mesh(); }
-  const VertexPlacement& places() const { return work_.places(); }
-  const Ground& ground() const { return work_.ground(); }
-  double excess(CellId c) const { return work_.errors()[c].excess; }
+  const MeasuredCovering& measured() const { return measured_; }
+  const LevelMesh& mesh() const { return measured_.mesh(); }
+  const VertexPlacement& placement() const { return measured_.placement(); }
+  const SurfaceData& surface_data() const { return measured_.surface_data(); }
+  double excess(CellId c) const { return measured_.errors()[c].excess; }
   const DualTriangle& triangle(std::uint32_t t) const { return triangles_[t]; }
-  bool is_occupied(CVertexId v) const { return occupied_[v] != 0; }  ///< a vertex sits there
+  bool is_occupied(CVertexId v) const { return occupied_[v] != 0; }  ///< whether a vertex is placed there
 
-  // The mesh itself changes in measure().
+  // These changes are collected; the mesh itself changes in measure().
   void set_triangle(std::uint32_t t, const DualTriangle& to);
-  void move(CellId c, CVertexId anchor, Vec3 shift);
-  void shift(CellId c, Vec3 shift) { move(c, places().anchor[c], shift); }
-  void give_up(CellId c, std::uint8_t what);  ///< VertexPlacement::given_up is at least this from now on
+  void move(CellId c, CVertexId anchor, Vec3 displacement);
+  void displace(CellId c, Vec3 displacement) { move(c, placement().anchor[c], displacement); }
+  void fix(CellId c, std::uint8_t degree);  ///< raises VertexPlacement::fixed to at least this
 
-  /// Changes the mesh and measures the cells again that this may concern.
-  void measure(std::span<const CellId> concerned);
+  /// Applies the changes to the mesh and measures the affected cells again.
+  void measure(std::span<const CellId> affected);
 
-  /// The cells and those around them, so many rings, sorted.
-  std::vector<CellId> around(std::span<const CellId> cells, int rings) const;
-  /// The cells whose metrics a change of triangles or vertices of these cells concerns, sorted.
-  std::vector<CellId> concerned_by(std::span<const CellId> cells) const { return around(cells, rings_); }
+  /// The k-ring of the cells: the cells and all that at most k edges connect with them; sorted.
+  std::vector<CellId> k_ring(std::span<const CellId> cells, int k) const;
+  /// The cells whose errors depend on triangles or vertices of these cells, sorted.
+  std::vector<CellId> affected_by(std::span<const CellId> cells) const { return k_ring(cells, affected_ring_); }
 
-  /// The corners of triangles that intersect now, sorted; none if nobody asked to look.
-  std::vector<CellId> meeting_corners();
-  /// The triangles that have changed since the last call, or have a corner that moved, sorted; among them some that did not.
-  std::vector<std::uint32_t> take_changed();
+  /// The corners of triangles that intersect now, sorted; empty without a tracker.
+  std::vector<CellId> intersecting_corners();
+  /// The triangles that have changed, or have a corner that moved, since the last call; sorted; may
+  /// include unchanged ones.
+  std::vector<std::uint32_t> take_changed_triangles();
 
-  /// Vertices that are not shifted as before get that shift again where surfels of one grid cell would intersect.
-  /// @param before  the shift of each of the cells, one by one
-  /// @return those that got it
-  std::vector<CellId> keep_from_straying(std::span<const CellId> cells, std::span<const Vec3> before);
+  /// Reverts displacements where surfels of one grid cell would intersect.
+  /// @param before  for each of the cells, the displacement to return to
+  /// @return the cells whose vertices were reverted
+  std::vector<CellId> revert_conflicting_moves(std::span<const CellId> cells, std::span<const Vec3> before);
 
  private:
   void set_position(CVertexId v, Vec3 position);
 
-  MeasuredCovering& work_;
+  MeasuredCovering& measured_;
   std::vector<DualTriangle>& triangles_;
-  IntersectionTracker* meeting_;
+  IntersectionTracker* tracker_;
   const RunControl& control_;
-  int rings_;                           // of cells around a change that it concerns; balancing moves vertices beside it
-  std::vector<std::uint8_t> occupied_;  // per c-vertex
-  MeshEdit edit_;                       // not yet in the mesh
-  std::vector<std::uint32_t> changed_;  // triangles, since take_changed()
-  bool does_meeting_know_ = false;      // all but the following
-  std::vector<CellId> moved_;           // since the last look at intersections
-  std::vector<std::uint32_t> remade_;   // triangles, since then
-  std::vector<Vec3> positions_;         // per c-vertex of the surface, that of the vertex that sits there; empty: not needed yet
+  int affected_ring_;  // errors within this k-ring are affected by a change; balancing also moves vertices next to the change
+  std::vector<std::uint8_t> occupied_;             // per c-vertex
+  MeshEdit edit_;                                  // not yet applied to the mesh
+  std::vector<std::uint32_t> changed_;             // triangles changed since take_changed_triangles()
+  bool is_tracker_current_ = false;                // except for moved_ and changed_since_test_
+  std::vector<CellId> moved_;                      // cells whose vertices moved since the last intersection test
+  std::vector<std::uint32_t> changed_since_test_;  // triangles changed since the last intersection test
+  std::vector<Vec3> positions_;  // per c-vertex of the surface, the position of the vertex placed there; empty until needed
 };
 
 }  // namespace isoatlas::detail

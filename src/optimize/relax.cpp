@@ -19,71 +19,72 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr double kBeyond = 1.12;               // aims a little higher than the goal, so as to arrive
-constexpr int kSteps = 8;                      // more do not converge either, and move vertices further, into other triangles
-constexpr double kPush = 0.6, kPull = 0.3;     // shares of what is missing, of the shortest and the longest edge
-constexpr double kDrawBack = 0.15;             // share of the distance from the surface
-constexpr double kFarthest = 0.25;             // from the surface, voxels; while pushing
-constexpr double kFarthestFound = 0.4;         // at the end of it, and while searching
+constexpr double kOvershoot = 1.12;            // targets a little more than the goal, so that the goal is reached
+constexpr int kSteps = 8;                      // more steps do not converge either, and move vertices further, into other triangles
+constexpr double kPush = 0.6, kPull = 0.3;     // share of the missing length that is added to the shortest and taken from the longest edge
+constexpr double kSurfacePull = 0.15;          // share of the distance from the surface
+constexpr double kMaxOffset = 0.25;            // largest distance from the surface while pushing, in voxels
+constexpr double kMaxFinalOffset = 0.4;        // the same after pushing and while searching
 constexpr std::array kSearchSteps{0.2, 0.05};  // voxels
 constexpr int kSearchPasses = 4;
-constexpr double kWorthIt = 2e-3;
-constexpr double kSeparationWeight = 0.5;  // an edge as short as can be is half as bad as a triangle
+constexpr double kMinGain = 2e-3;
+constexpr double kSeparationWeight = 0.5;  // an edge of length 0 counts half as bad as a triangle of aspect 0
 constexpr std::size_t kPerPiece = 4096;    // triangles, of a parallel loop
-constexpr std::size_t kFewPerPiece = 64;   // vertices or triangles, each with what is around it
+constexpr std::size_t kFewPerPiece = 64;   // vertices or triangles, each with its neighbourhood
 constexpr int kNewtonSteps = 5;
 constexpr double kOnSurface = 0.02;
-constexpr double kLeastVolume = 0.25;  // share of what a component encloses that has to be left
-constexpr double kClosed = 1e-9;       // share of its area that the area vectors of a closed surface may add up to, by rounding
+constexpr double kMinVolumeShare = 0.25;   // smallest share of a component's enclosed volume that must remain
+constexpr double kClosedTolerance = 1e-9;  // of a closed surface: sum of its area vectors over its area, which is not 0 because of rounding
 
-bool can_move(const Roam& r) { return r.low.x < r.high.x || r.low.y < r.high.y || r.low.z < r.high.z; }
+bool has_room(const MoveBounds& r) { return r.low.x < r.high.x || r.low.y < r.high.y || r.low.z < r.high.z; }
 
-Vec3 clamped(Vec3 p, const Roam& r) {
+Vec3 clamped(Vec3 p, const MoveBounds& r) {
   return {std::clamp(p.x, r.low.x, r.high.x), std::clamp(p.y, r.low.y, r.high.y), std::clamp(p.z, r.low.z, r.high.z)};
 }
 
 class Relaxation {
  public:
   Relaxation(std::span<Vec3> points, std::span<const Triangle> triangles, const SlackRows<std::uint32_t>& triangles_of,
-             const std::function<Roam(std::uint32_t)>& roam, const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal,
-             const RunControl& control, std::span<const std::uint32_t> look)
+             const std::function<MoveBounds(std::uint32_t)>& bounds_of, const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal,
+             const RunControl& control, std::span<const std::uint32_t> candidates)
       : control_(control),
         poll_(control),
-        look_(look),
+        candidates_(candidates),
         points_(points),
         triangles_(triangles),
-        roam_(roam),
+        bounds_of_(bounds_of),
         field_(field),
         spacing_(spacing),
         goal_(goal),
         triangles_of_(triangles_of) {}
 
   std::vector<std::uint32_t> run() {
-    active_ = collect_pieces<std::uint32_t>(look_.size(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+    active_ = collect_pieces<std::uint32_t>(candidates_.size(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
       control_.check_cancelled();
-      std::ranges::copy_if(look_.subspan(begin, end - begin), std::back_inserter(found), [&](std::uint32_t t) { return needs_work(t); });
+      std::ranges::copy_if(candidates_.subspan(begin, end - begin), std::back_inserter(found),
+                           [&](std::uint32_t t) { return is_badly_shaped(t); });
     });
     if (active_.empty()) return {};
     start_.assign(points_.begin(), points_.end());
     push_.resize(points_.size());
     pushes_.assign(points_.size(), 0);
     is_touched_.assign(points_.size(), 0);
-    turn_.assign(points_.size(), 0);
+    round_.assign(points_.size(), 0);
     seen_.assign(triangles_.size(), 0);
     facing_.resize(triangles_.size());
     is_facing_known_.assign(triangles_.size(), 0);
     for (int step = 0; goal_.push && step < kSteps && !active_.empty(); ++step) {
       for (const std::uint32_t t : active_) {
         poll_.step();
-        push_apart(t);
+        push_ends_apart(t);
       }
       move_pushed();
     }
     revert_vertices_off_surface();
-    turn_back_where_turned();
+    revert_inverted();
     if (goal_.separation > 0) opposite_.assign(triangles_.size(), {kUnknown, kUnknown, kUnknown});
     search();
-    turn_back_flattened();
+    revert_flattened_components();
     std::erase_if(touched_, [&](std::uint32_t v) { return points_[v] == start_[v]; });
     std::sort(touched_.begin(), touched_.end());
     return std::move(touched_);
@@ -94,26 +95,26 @@ class Relaxation {
     const Triangle& c = triangles_[t];
     return {length(points_[c[1]] - points_[c[0]]), length(points_[c[2]] - points_[c[1]]), length(points_[c[0]] - points_[c[2]])};
   }
-  bool needs_work(std::uint32_t t) const {
+  bool is_badly_shaped(std::uint32_t t) const {
     const std::array<double, 3> e = edges(t);
     const auto [low, high] = std::minmax_element(e.begin(), e.end());
     return *low < goal_.aspect * *high || *low < goal_.separation;
   }
 
-  bool has_moved(std::uint32_t t) const {
+  bool has_moved_corner(std::uint32_t t) const {
     return std::any_of(triangles_[t].begin(), triangles_[t].end(), [&](std::uint32_t v) { return !(points_[v] == start_[v]); });
   }
 
   void touch(std::uint32_t v) {
     if (std::exchange(is_touched_[v], std::uint8_t{1}) == 0) touched_.push_back(v);
   }
-  // The triangles with a corner that was moved, sorted.
-  std::vector<std::uint32_t> triangles_that_moved() const {
+  // The triangles with a corner that has moved, sorted.
+  std::vector<std::uint32_t> moved_triangles() const {
     std::vector<std::uint32_t> out;
     for (const std::uint32_t v : touched_) {
       if (points_[v] == start_[v]) continue;
-      const auto around = triangles_of_.row(v);
-      out.insert(out.end(), around.begin(), around.end());
+      const auto one_ring = triangles_of_.row(v);
+      out.insert(out.end(), one_ring.begin(), one_ring.end());
     }
     std::sort(out.begin(), out.end());
     out.erase(std::unique(out.begin(), out.end()), out.end());
@@ -129,23 +130,23 @@ class Relaxation {
     push_[v] = push_[v] + by;
   }
 
-  // Shares a change of the length of an edge between its ends, as far as these can move.
+  // Distributes a change of an edge's length to its ends, as far as these are movable.
   void lengthen(std::uint32_t a, std::uint32_t b, double by) {
-    const bool a_moves = can_move(roam_(a)), b_moves = can_move(roam_(b));
+    const bool a_has_room = has_room(bounds_of_(a)), b_has_room = has_room(bounds_of_(b));
     Vec3 direction = normalized(points_[b] - points_[a]);
     if (direction == Vec3{}) direction = {a < b ? 1.0 : -1.0, 0, 0};
-    const double each = a_moves && b_moves ? 0.5 * by : by;
-    if (a_moves) push(a, -each * direction);
-    if (b_moves) push(b, each * direction);
+    const double each = a_has_room && b_has_room ? 0.5 * by : by;
+    if (a_has_room) push(a, -each * direction);
+    if (b_has_room) push(b, each * direction);
   }
 
-  void push_apart(std::uint32_t t) {
+  void push_ends_apart(std::uint32_t t) {
     const Triangle& c = triangles_[t];
     const std::array<double, 3> e = edges(t);
     const auto low = static_cast<std::size_t>(std::min_element(e.begin(), e.end()) - e.begin());
     const auto high = static_cast<std::size_t>(std::max_element(e.begin(), e.end()) - e.begin());
-    const double missing = kBeyond * goal_.aspect * e[high] - e[low];
-    if (e[low] < goal_.aspect * kBeyond * 0.98 * e[high]) {
+    const double missing = kOvershoot * goal_.aspect * e[high] - e[low];
+    if (e[low] < goal_.aspect * kOvershoot * 0.98 * e[high]) {
       lengthen(c[low], c[(low + 1) % 3], kPush * missing);
       lengthen(c[high], c[(high + 1) % 3], -kPull * missing);
     }
@@ -154,46 +155,46 @@ class Relaxation {
     }
   }
 
-  Vec3 drawn_back(Vec3 p) const {
+  Vec3 pulled_to_surface(Vec3 p) const {
     if (field_ == nullptr) return p;
     const InterpolatedField::Value f = field_->at({p.x / spacing_.x, p.y / spacing_.y, p.z / spacing_.z});
     const Vec3 gradient{f.gradient.x / spacing_.x, f.gradient.y / spacing_.y, f.gradient.z / spacing_.z};
     const double slope = length(gradient);
     const double offset = slope > 0 ? f.value / slope : 0;
     if (!std::isfinite(offset)) return p;
-    const double back = std::max(kDrawBack * std::abs(offset), std::abs(offset) - kFarthest);
-    return p - std::copysign(std::min(back, kFarthest), offset) * ((1 / slope) * gradient);
+    const double back = std::max(kSurfacePull * std::abs(offset), std::abs(offset) - kMaxOffset);
+    return p - std::copysign(std::min(back, kMaxOffset), offset) * ((1 / slope) * gradient);
   }
 
   void move_pushed() {
     for_each_index(pushed_.size(), kFewPerPiece, &control_, [&](std::size_t i) {
       const std::uint32_t v = pushed_[i];
       const Vec3 p = points_[v] + (1.0 / pushes_[v]) * push_[v];
-      const Roam roam = roam_(v);
-      points_[v] = clamped(drawn_back(clamped(p, roam)), roam);
+      const MoveBounds bounds_of = bounds_of_(v);
+      points_[v] = clamped(pulled_to_surface(clamped(p, bounds_of)), bounds_of);
       pushes_[v] = 0;
     });
-    std::vector<std::uint32_t> around;
+    std::vector<std::uint32_t> one_ring;
     for (const std::uint32_t v : pushed_) {
       poll_.step();
       for (const std::uint32_t t : triangles_of_.row(v)) {
-        if (std::exchange(seen_[t], std::uint8_t{1}) == 0) around.push_back(t);
+        if (std::exchange(seen_[t], std::uint8_t{1}) == 0) one_ring.push_back(t);
       }
     }
-    for (const std::uint32_t t : around) seen_[t] = 0;
+    for (const std::uint32_t t : one_ring) seen_[t] = 0;
     pushed_.clear();
-    active_ = collect_pieces<std::uint32_t>(around.size(), kFewPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+    active_ = collect_pieces<std::uint32_t>(one_ring.size(), kFewPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
       control_.check_cancelled();
       for (std::size_t i = begin; i < end; ++i) {
-        if (is_below_aim(around[i])) found.push_back(around[i]);
+        if (is_below_target(one_ring[i])) found.push_back(one_ring[i]);
       }
     });
     std::sort(active_.begin(), active_.end());
   }
-  bool is_below_aim(std::uint32_t t) const {
+  bool is_below_target(std::uint32_t t) const {
     const std::array<double, 3> e = edges(t);
     const auto [low, high] = std::minmax_element(e.begin(), e.end());
-    return *low < 0.98 * kBeyond * goal_.aspect * *high || *low < goal_.separation;
+    return *low < 0.98 * kOvershoot * goal_.aspect * *high || *low < goal_.separation;
   }
 
   Vec3 area(std::uint32_t t, std::span<const Vec3> at) const {
@@ -216,23 +217,24 @@ class Relaxation {
                });
   }
 
-  // Pushing draws back only as far as a vertex's cell allows.
+  // Pushing pulls vertices back only as far as their boxes allow.
   void revert_vertices_off_surface() {
     for (const std::uint32_t v : touched_) {
       poll_.step();
-      if (!(points_[v] == start_[v]) && off_surface(points_[v]) > std::max(kFarthestFound, off_surface(start_[v]))) points_[v] = start_[v];
+      if (!(points_[v] == start_[v]) && distance_to_surface(points_[v]) > std::max(kMaxFinalOffset, distance_to_surface(start_[v])))
+        points_[v] = start_[v];
     }
   }
 
-  // Corners of triangles that now face the other way go back to where they were, until there are none.
-  void turn_back_where_turned() {
-    const std::vector<std::uint32_t> moved = triangles_that_moved();
+  // Reverts the corners of inverted triangles until there are none.
+  void revert_inverted() {
+    const std::vector<std::uint32_t> moved = moved_triangles();
     for (bool any = true; any;) {
       any = false;
       for (const std::uint32_t t : moved) {
         poll_.step();
         const Triangle& c = triangles_[t];
-        if (!has_moved(t)) continue;
+        if (!has_moved_corner(t)) continue;
         if (dot(facing_at_start(t), area(t, points_)) >= 0) continue;
         for (const std::uint32_t v : c) points_[v] = start_[v];
         any = true;
@@ -240,64 +242,66 @@ class Relaxation {
     }
   }
 
-  // The vertex on the other side of the edge opposite to a triangle's corner: what a flip would join. Found when it is asked for.
+  // The vertex opposite to corner k across the opposite edge: a flip would connect the two.
+  // Computed on first use.
   std::uint32_t opposite(std::uint32_t t, std::size_t k) const {
-    std::uint32_t& known = opposite_[t][k];
-    if (known != kUnknown) return known;
-    known = kNone;
+    std::uint32_t& cached = opposite_[t][k];
+    if (cached != kUnknown) return cached;
+    cached = kNone;
     const std::uint32_t a = triangles_[t][(k + 1) % 3], b = triangles_[t][(k + 2) % 3];
     for (const std::uint32_t other : triangles_of_.row(a)) {
       const Triangle& c = triangles_[other];
       for (std::size_t m = 0; m < 3; ++m) {
-        if (other != t && c[m] == b && c[(m + 1) % 3] == a) known = c[(m + 2) % 3];
+        if (other != t && c[m] == b && c[(m + 1) % 3] == a) cached = c[(m + 2) % 3];
       }
     }
-    return known;
+    return cached;
   }
 
-  // What pushing leaves: vertices of triangles that are still bad go wherever the worst of the triangles around them gets better,
-  // step by step, each step as long as it helps.
+  // Moves the vertices of triangles that are still badly shaped to wherever the worst triangle of
+  // their one-ring improves, step by step, as long as a step helps.
   void search() {
     for (const double step : kSearchSteps) {
       control_.check_cancelled();
       std::vector<std::uint32_t> vertices =
-          collect_pieces<std::uint32_t>(look_.size(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+          collect_pieces<std::uint32_t>(candidates_.size(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
             control_.check_cancelled();
-            for (const std::uint32_t t : look_.subspan(begin, end - begin)) add_corners_if_bad(t, found);
+            for (const std::uint32_t t : candidates_.subspan(begin, end - begin)) add_corners_if_bad(t, found);
           });
-      for (const std::uint32_t t : triangles_that_moved()) {
+      for (const std::uint32_t t : moved_triangles()) {
         poll_.step();
         add_corners_if_bad(t, vertices);
       }
-      for (int pass = 0; pass < kSearchPasses && !vertices.empty(); ++pass) vertices = improve_in_turns(std::move(vertices), step);
+      for (int pass = 0; pass < kSearchPasses && !vertices.empty(); ++pass) vertices = improve_in_rounds(std::move(vertices), step);
     }
   }
   void add_corners_if_bad(std::uint32_t t, std::vector<std::uint32_t>& out) const {
-    if (goodness(t, kNone, {}) < 1) out.insert(out.end(), triangles_[t].begin(), triangles_[t].end());
+    if (quality(t, kNone, {}) < 1) out.insert(out.end(), triangles_[t].begin(), triangles_[t].end());
   }
 
-  // Improves vertices with the result that they have one after the other, in increasing order: each has its turn after the turns of all
-  // before it whose place it looks at. Those whose turn is the same do not look at each other, so they move at the same time.
-  // @return where to look again
-  std::vector<std::uint32_t> improve_in_turns(std::vector<std::uint32_t> vertices, double step) {
+  // Improves vertices with the same result as one after the other in increasing order: each vertex
+  // gets a round after the rounds of all previous vertices that it depends on. Vertices of one
+  // round do not depend on each other and are improved in parallel.
+  // @return the vertices to try again
+  std::vector<std::uint32_t> improve_in_rounds(std::vector<std::uint32_t> vertices, double step) {
     std::sort(vertices.begin(), vertices.end());
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-    std::erase_if(vertices, [&](std::uint32_t v) { return !can_move(roam_(v)); });
-    std::vector<std::uint32_t> first{0, 0};  // turns count from 1; filling `ordered` moves each to the end of its turn
+    std::erase_if(vertices, [&](std::uint32_t v) { return !has_room(bounds_of_(v)); });
+    std::vector<std::uint32_t> first{0, 0};  // rounds count from 1; filling `ordered` moves each entry to the end of its round
     for (const std::uint32_t v : vertices) {
       poll_.step();
       std::uint32_t last = 0;
-      for_each_in_sight(v, [&](std::uint32_t w) { last = std::max(last, turn_[w]); });
-      turn_[v] = last + 1;
+      for_each_dependency(v, [&](std::uint32_t w) { last = std::max(last, round_[w]); });
+      round_[v] = last + 1;
       if (first.size() < last + 3) first.push_back(0);
       ++first[last + 2];
     }
-    for (std::size_t turn = 1; turn < first.size(); ++turn) first[turn] += first[turn - 1];
+    for (std::size_t round = 1; round < first.size(); ++round) first[round] += first[round - 1];
     std::vector<std::uint32_t> ordered(vertices.size());
-    for (const std::uint32_t v : vertices) ordered[first[std::exchange(turn_[v], 0u)]++] = v;
-    std::vector<std::uint32_t> again;
-    for (std::size_t turn = 0; turn + 2 < first.size(); ++turn) {
-      const auto own = std::span(ordered).subspan(first[turn], first[turn + 1] - first[turn]);
+    for (const std::uint32_t v : vertices) ordered[first[std::exchange(round_[v], 0u)]++] = v;
+    std::vector<std::uint32_t> retry;
+    for (std::size_t round = 0; round + 2 < first.size(); ++round) {
+      const auto own = std::span(ordered).subspan(first[round], first[round + 1] - first[round]);
       const std::vector<std::uint32_t> found =
           collect_pieces<std::uint32_t>(own.size(), kFewPerPiece, [&](std::size_t begin, std::size_t end, auto& out) {
             control_.check_cancelled();
@@ -307,17 +311,17 @@ class Relaxation {
               for (const std::uint32_t t : triangles_of_.row(v)) add_corners_if_bad(t, out);
             }
           });
-      again.insert(again.end(), found.begin(), found.end());
+      retry.insert(retry.end(), found.begin(), found.end());
     }
     for (const std::uint32_t v : vertices) {
       if (!(points_[v] == start_[v])) touch(v);
     }
-    return again;
+    return retry;
   }
 
-  // All vertices at whose place improve() of v looks.
+  // All vertices whose points improve() of v uses.
   template <class Visit>
-  void for_each_in_sight(std::uint32_t v, Visit visit) const {
+  void for_each_dependency(std::uint32_t v, Visit visit) const {
     for (const std::uint32_t t : triangles_of_.row(v)) {
       for (std::size_t k = 0; k < 3; ++k) {
         visit(triangles_[t][k]);
@@ -327,8 +331,8 @@ class Relaxation {
     }
   }
 
-  // 1 is good enough. With vertex v at p.
-  double goodness(std::uint32_t t, std::uint32_t v, Vec3 p) const {
+  // Quality of a triangle with vertex v at p; 1 is good enough.
+  double quality(std::uint32_t t, std::uint32_t v, Vec3 p) const {
     const Triangle& c = triangles_[t];
     const std::array<Vec3, 3> q{c[0] == v ? p : points_[c[0]], c[1] == v ? p : points_[c[1]], c[2] == v ? p : points_[c[2]]};
     const std::array<double, 3> e{squared_length(q[1] - q[0]), squared_length(q[2] - q[1]), squared_length(q[0] - q[2])};
@@ -342,16 +346,16 @@ class Relaxation {
     }
     return std::min({1.0, aspect, kSeparationWeight + (1 - kSeparationWeight) * std::sqrt(closest) / goal_.separation});
   }
-  // @param enough  what is no better than this need not be known better
-  double worst_around(std::uint32_t v, Vec3 p, double enough) const {
+  // @param bound  a result that is no better than this need not be exact
+  double worst_in_ring(std::uint32_t v, Vec3 p, double bound) const {
     double worst = 1;
     for (const std::uint32_t t : triangles_of_.row(v)) {
-      worst = std::min(worst, goodness(t, v, p));
-      if (worst <= enough) break;
+      worst = std::min(worst, quality(t, v, p));
+      if (worst <= bound) break;
     }
     return worst;
   }
-  bool turns(std::uint32_t v, Vec3 p) {
+  bool would_invert(std::uint32_t v, Vec3 p) {
     for (const std::uint32_t t : triangles_of_.row(v)) {
       const Triangle& c = triangles_[t];
       const std::array<Vec3, 3> q{c[0] == v ? p : points_[c[0]], c[1] == v ? p : points_[c[1]], c[2] == v ? p : points_[c[2]]};
@@ -359,8 +363,9 @@ class Relaxation {
     }
     return false;
   }
-  // No less than its distance from the surface: that of the point found by going down the gradient; infinite if none is found.
-  double off_surface(Vec3 p) const {
+  // Upper bound of the distance from the surface: the distance of a point found by following the
+  // gradient; infinite if none is found.
+  double distance_to_surface(Vec3 p) const {
     if (field_ == nullptr) return 0;
     Vec3 q = p;
     for (int step = 0; step < kNewtonSteps; ++step) {
@@ -377,20 +382,20 @@ class Relaxation {
   }
   // Tries the directions to the corners, edges and faces of a cube.
   bool improve(std::uint32_t v, double step) {
-    double best = worst_around(v, points_[v], 0);
+    double best = worst_in_ring(v, points_[v], 0);
     if (best >= 1) return false;
-    const double farthest = std::max(kFarthestFound, off_surface(points_[v]));
-    const Roam roam = roam_(v);
+    const double farthest = std::max(kMaxFinalOffset, distance_to_surface(points_[v]));
+    const MoveBounds bounds_of = bounds_of_(v);
     const Vec3 from = points_[v];
     Vec3 found = from;
     for (int k = 0; k < 27; ++k) {
       const Vec3 d{k % 3 - 1.0, k / 3 % 3 - 1.0, k / 9 - 1.0};
       const double l = length(d);
       if (l == 0) continue;
-      const Vec3 p = clamped(from + (step / l) * d, roam);
+      const Vec3 p = clamped(from + (step / l) * d, bounds_of);
       if (p == from) continue;
-      const double worst = worst_around(v, p, best + kWorthIt);
-      if (worst <= best + kWorthIt || turns(v, p) || off_surface(p) > farthest) continue;
+      const double worst = worst_in_ring(v, p, best + kMinGain);
+      if (worst <= best + kMinGain || would_invert(v, p) || distance_to_surface(p) > farthest) continue;
       best = worst;
       found = p;
     }
@@ -399,8 +404,9 @@ class Relaxation {
     return true;
   }
 
-  // A component that encloses hardly anything could end inside out. What an open one encloses says nothing.
-  void turn_back_flattened() {
+  // Reverts components that enclose nearly nothing, since they might become inverted. The volume of
+  // an open component has no meaning here.
+  void revert_flattened_components() {
     control_.check_cancelled();
     if (std::ranges::all_of(touched_, [&](std::uint32_t v) { return points_[v] == start_[v]; })) return;
     const auto n = static_cast<std::uint32_t>(points_.size());
@@ -411,15 +417,15 @@ class Relaxation {
     });
     struct Shape {
       double before = 0, after = 0;  // six times the volume
-      Vec3 area;                     // sums to nothing if it is closed
+      Vec3 area;                     // the sum is zero for a closed component
       double size = 0;
     };
-    std::vector<Shape> shapes(n);  // per root
+    std::vector<Shape> shapes(n);  // per root of `sets`
     for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
       poll_.step();
       const Triangle& c = triangles_[t];
       const std::uint32_t root = sets.find(c[0]);
-      const auto volume = [&](std::span<const Vec3> at) {  // seen from the first vertex, for the sake of rounding
+      const auto volume = [&](std::span<const Vec3> at) {  // relative to the first vertex, to reduce rounding
         return dot(at[c[0]] - start_[root], cross(at[c[1]] - start_[root], at[c[2]] - start_[root]));
       };
       Shape& shape = shapes[root];
@@ -431,17 +437,17 @@ class Relaxation {
     }
     for (const std::uint32_t v : touched_) {
       const Shape& shape = shapes[sets.find(v)];
-      const bool is_open = length(shape.area) > kClosed * shape.size;
-      if (!is_open && shape.after * shape.before < kLeastVolume * shape.before * shape.before) points_[v] = start_[v];
+      const bool is_open = length(shape.area) > kClosedTolerance * shape.size;
+      if (!is_open && shape.after * shape.before < kMinVolumeShare * shape.before * shape.before) points_[v] = start_[v];
     }
   }
 
   const RunControl& control_;
-  CancelPoll poll_;  // of loops that are not parallel
-  std::span<const std::uint32_t> look_;
+  CancelPoll poll_;  // for loops that are not parallel
+  std::span<const std::uint32_t> candidates_;
   std::span<Vec3> points_;
   std::span<const Triangle> triangles_;
-  const std::function<Roam(std::uint32_t)>& roam_;
+  const std::function<MoveBounds(std::uint32_t)>& bounds_of_;
   const InterpolatedField* field_;
   Vec3 spacing_;
   RelaxGoal goal_;
@@ -452,27 +458,27 @@ class Relaxation {
   std::vector<std::uint32_t> active_, pushed_;  // triangles, vertices
   std::vector<Vec3> push_;                      // per vertex
   std::vector<std::uint32_t> pushes_;           // per vertex
-  std::vector<std::uint32_t> touched_;          // vertices that were moved; some may be back
+  std::vector<std::uint32_t> touched_;          // vertices that were moved; some may have been reverted
   std::vector<std::uint8_t> is_touched_;        // per vertex
-  std::vector<Vec3> facing_;                    // per triangle, at the start, if it is known
+  std::vector<Vec3> facing_;                    // per triangle, at the start, if known
   std::vector<std::uint8_t> is_facing_known_;   // per triangle
   std::vector<std::uint8_t> seen_;              // per triangle
-  std::vector<std::uint32_t> turn_;             // per vertex that is to be improved; 0: it is not, or was not given one yet
+  std::vector<std::uint32_t> round_;            // per vertex that is to be improved, its round; 0: not yet assigned, or not to be improved
 };
 
 }  // namespace
 
-Roam roam_of(Vec3 position, Vec3 spacing) {
+MoveBounds move_bounds_of(Vec3 position, Vec3 spacing) {
   const auto low = [](double x) { return x == std::floor(x) ? x : std::min(x, std::floor(x) + kWallMargin); };
   const auto high = [](double x) { return x == std::floor(x) ? x : std::max(x, std::floor(x) + 1 - kWallMargin); };
-  return {scaled({low(position.x), low(position.y), low(position.z)}, spacing),
-          scaled({high(position.x), high(position.y), high(position.z)}, spacing)};
+  return {to_metric({low(position.x), low(position.y), low(position.z)}, spacing),
+          to_metric({high(position.x), high(position.y), high(position.z)}, spacing)};
 }
 
 std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles, const SlackRows<std::uint32_t>& triangles_of,
-                                 const std::function<Roam(std::uint32_t)>& roam, const InterpolatedField* field, Vec3 spacing,
-                                 const RelaxGoal& goal, const RunControl& control, std::span<const std::uint32_t> look) {
-  return Relaxation(points, triangles, triangles_of, roam, field, spacing, goal, control, look).run();
+                                 const std::function<MoveBounds(std::uint32_t)>& bounds_of, const InterpolatedField* field, Vec3 spacing,
+                                 const RelaxGoal& goal, const RunControl& control, std::span<const std::uint32_t> candidates) {
+  return Relaxation(points, triangles, triangles_of, bounds_of, field, spacing, goal, control, candidates).run();
 }
 
 }  // namespace isoatlas::detail

@@ -11,10 +11,10 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr double kLeastAgreement = 0.3;  // cosine between normals before and after a change
+constexpr double kMinNormalCosine = 0.3;  // smallest cosine between normals before and after a change
 
-// What a score has to be after a change.
-double enough(double was, std::optional<double> gain) { return gain ? was + *gain : std::min(1.0, was); }
+// The score required after a change.
+double required_score(double before, std::optional<double> min_gain) { return min_gain ? before + *min_gain : std::min(1.0, before); }
 
 Vec3 normal_of(Vec3 a, Vec3 b, Vec3 c) { return normalized(cross(b - a, c - a)); }
 
@@ -36,8 +36,8 @@ Vec3 ShapeChanges::facing_of(std::uint32_t triangle) const {
       });
 }
 
-// The triangle on the other side of the edge from a to b, and its third corner.
-std::pair<std::uint32_t, CellId> ShapeChanges::across(CellId a, CellId b) const {
+// The triangle across the edge from a to b, and its third corner.
+std::pair<std::uint32_t, CellId> ShapeChanges::opposite(CellId a, CellId b) const {
   std::pair<std::uint32_t, CellId> out{kNone, kNone};
   for (const std::uint32_t t : mesh_.mesh().triangles_of.row(a)) {
     const auto& cell = mesh_.mesh().triangles[t];
@@ -55,54 +55,54 @@ bool ShapeChanges::are_neighbours(CellId a, CellId b) const {
   });
 }
 
-void ShapeChanges::consider_flips(std::uint32_t i, std::optional<double> gain, ShapeChange& best) const {
+void ShapeChanges::find_best_flip(std::uint32_t i, std::optional<double> min_gain, ShapeChange& best) const {
   const LevelMesh& mesh = mesh_.mesh();
   const Triangle& t = mesh.triangles[i];
   for (std::size_t k = 0; k < 3; ++k) {
     const CellId a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3];
-    const auto [j, d] = across(a, b);
-    if (j == kNone || !may_flip(a) || !may_flip(b) || !may_flip(c) || !may_flip(d)) continue;
+    const auto [j, d] = opposite(a, b);
+    if (j == kNone || !is_flippable(a) || !is_flippable(b) || !is_flippable(c) || !is_flippable(d)) continue;
     if (mesh.triangles_of.row(a).size() <= 3 || mesh.triangles_of.row(b).size() <= 3 || are_neighbours(c, d)) continue;
     const Vec3 pa = mesh.point[a], pb = mesh.point[b], pc = mesh.point[c], pd = mesh.point[d];
-    const double now = std::min(goal_.score(pa, pd, pc), goal_.score(pd, pb, pc));
-    if (now < enough(std::min(score(i), score(j)), gain) || now <= best.score) continue;
+    const double after = std::min(goal_.score(pa, pd, pc), goal_.score(pd, pb, pc));
+    if (after < required_score(std::min(score(i), score(j)), min_gain) || after <= best.score) continue;
     const Vec3 n = normalized(facing_of(i) + facing_of(j));
-    if (dot(n, normal_of(pa, pd, pc)) < kLeastAgreement || dot(n, normal_of(pd, pb, pc)) < kLeastAgreement) continue;
+    if (dot(n, normal_of(pa, pd, pc)) < kMinNormalCosine || dot(n, normal_of(pd, pb, pc)) < kMinNormalCosine) continue;
     ShapeChange change;
-    change.score = now;
+    change.score = after;
     change.i = i;
     change.j = j;
     change.first = {{d, c, a}, mesh_.triangle(i).at};
     change.second = {{c, d, b}, mesh_.triangle(j).at};
-    if (!is_refused(change)) best = change;
+    if (!is_rejected(change)) best = change;
   }
 }
 
-void ShapeChanges::consider_moves(CellId cell, std::optional<double> gain, ShapeChange& best) const {
+void ShapeChanges::find_best_move(CellId cell, std::optional<double> min_gain, ShapeChange& best) const {
   const LevelMesh& mesh = mesh_.mesh();
-  const Ground& ground = mesh_.ground();
-  const CVertexId from = mesh_.places().anchor[cell];
-  if (mesh_.work().is_frozen(cell) || !may_move(cell) || ground.graph.on_boundary[from]) return;
-  double was = std::numeric_limits<double>::infinity();
-  for (const std::uint32_t t : mesh.triangles_of.row(cell)) was = std::min(was, score(t));
+  const SurfaceData& surface_data = mesh_.surface_data();
+  const CVertexId from = mesh_.placement().anchor[cell];
+  if (mesh_.measured().has_fixed_anchor(cell) || !is_movable(cell) || surface_data.graph.on_boundary[from]) return;
+  double before = std::numeric_limits<double>::infinity();
+  for (const std::uint32_t t : mesh.triangles_of.row(cell)) before = std::min(before, score(t));
   const auto consider = [&](CVertexId to) {
-    if (mesh_.is_occupied(to) || ground.graph.on_boundary[to] || mesh_.work().partition().cell_of[to] != cell) return;
-    const Vec3 p = mesh.point[cell] + (ground.surfels.point[to] - mesh_.places().base(ground.surfels, cell));
-    double now = std::numeric_limits<double>::infinity();
+    if (mesh_.is_occupied(to) || surface_data.graph.on_boundary[to] || mesh_.measured().partition().cell_of[to] != cell) return;
+    const Vec3 p = mesh.point[cell] + (surface_data.surfels.point[to] - mesh_.placement().base_point(surface_data.surfels, cell));
+    double after = std::numeric_limits<double>::infinity();
     for (const std::uint32_t t : mesh.triangles_of.row(cell)) {
       std::array<Vec3, 3> q = mesh.corners(t);
       for (std::size_t k = 0; k < 3; ++k) {
         if (mesh.triangles[t][k] == cell) q[k] = p;
       }
-      if (dot(normal_of(q[0], q[1], q[2]), normalized(facing_of(t))) < kLeastAgreement) return;
-      now = std::min(now, goal_.score(q[0], q[1], q[2]));
+      if (dot(normal_of(q[0], q[1], q[2]), normalized(facing_of(t))) < kMinNormalCosine) return;
+      after = std::min(after, goal_.score(q[0], q[1], q[2]));
     }
-    if (now < enough(was, gain) || now <= best.score) return;
+    if (after < required_score(before, min_gain) || after <= best.score) return;
     ShapeChange change;
-    change.score = now;
+    change.score = after;
     change.cell = cell;
     change.to = to;
-    if (!is_refused(change)) best = change;
+    if (!is_rejected(change)) best = change;
   };
   for (const CVertexId v : mesh.c_vertices_of.row(cell)) consider(v);
 }
@@ -113,8 +113,10 @@ ShapeChanges::Key ShapeChanges::key(const ShapeChange& c) {
           1ull << 40};
 }
 
-bool ShapeChanges::is_refused(const ShapeChange& change) const { return std::binary_search(refused_.begin(), refused_.end(), key(change)); }
+bool ShapeChanges::is_rejected(const ShapeChange& change) const {
+  return std::binary_search(rejected_.begin(), rejected_.end(), key(change));
+}
 
-void ShapeChanges::sort_refused() { std::sort(refused_.begin(), refused_.end()); }
+void ShapeChanges::sort_rejected() { std::sort(rejected_.begin(), rejected_.end()); }
 
 }  // namespace isoatlas::detail

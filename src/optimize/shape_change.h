@@ -10,52 +10,53 @@
 
 namespace isoatlas::detail {
 
-/// A change of one place of a mesh.
+/// A change at one place of a mesh.
 struct ShapeChange {
-  double score = 0;  ///< worst of the triangles concerned, afterwards; 0: no change
-  // A flip: triangles i and j become these.
+  double score = 0;  ///< worst score of the affected triangles afterwards; 0: no change
+  // A flip replaces triangles i and j by these.
   std::uint32_t i = kNone, j = kNone;
   DualTriangle first, second;
-  // A move: cell's vertex goes to this c-vertex.
+  // A move places the cell's vertex at this c-vertex.
   CellId cell = kNone;
   CVertexId to = kNone;
 
   bool is_flip() const { return i != kNone; }
 };
 
-/// Finds changes for the better, among those that were not refused.
+/// Finds changes that improve the shape, among those that were not rejected.
 class ShapeChanges {
  public:
-  /// @param with_given_up  vertices and edges may change, too, that were given up
-  ShapeChanges(const MeshEditor& mesh, const ShapeGoal& goal, bool with_given_up)
-      : mesh_(mesh), goal_(goal), with_given_up_(with_given_up) {}
+  /// @param include_fixed  also changes vertices and edges that are fixed
+  ShapeChanges(const MeshEditor& mesh, const ShapeGoal& goal, bool include_fixed)
+      : mesh_(mesh), goal_(goal), include_fixed_(include_fixed) {}
 
-  bool may_move(CellId c) const { return with_given_up_ || mesh_.places().may_move(c); }
+  bool is_movable(CellId c) const { return include_fixed_ || mesh_.placement().is_movable(c); }
   double score(std::uint32_t triangle) const;
 
-  /// Of the flips of a triangle's edges, or the moves of a cell's vertex to other c-vertices of the cell, the one with the best score, if
-  /// that is better than `best`.
-  /// @param gain  by which the worst triangle has to become better; none: it may be as it was, or good enough
-  void consider_flips(std::uint32_t triangle, std::optional<double> gain, ShapeChange& best) const;
-  void consider_moves(CellId cell, std::optional<double> gain, ShapeChange& best) const;
+  /// Finds the best flip of a triangle's edges, or the best move of a cell's vertex to another
+  /// c-vertex of the cell, if its score is better than `best`.
+  /// @param min_gain  by how much the worst triangle must improve; none: it may stay equal, or be
+  ///                  good enough
+  void find_best_flip(std::uint32_t triangle, std::optional<double> min_gain, ShapeChange& best) const;
+  void find_best_move(CellId cell, std::optional<double> min_gain, ShapeChange& best) const;
 
-  /// It is not to be found again from the next call of sort_refused() on.
-  void refuse(const ShapeChange& change) { refused_.push_back(key(change)); }
-  void sort_refused();
+  /// The change will not be found again after the next sort_rejected().
+  void reject(const ShapeChange& change) { rejected_.push_back(key(change)); }
+  void sort_rejected();
 
  private:
   using Key = std::pair<std::uint64_t, std::uint64_t>;
   static Key key(const ShapeChange& change);
-  bool is_refused(const ShapeChange& change) const;
-  bool may_flip(CellId c) const { return with_given_up_ || mesh_.places().may_flip(c); }
-  std::pair<std::uint32_t, CellId> across(CellId a, CellId b) const;
+  bool is_rejected(const ShapeChange& change) const;
+  bool is_flippable(CellId c) const { return include_fixed_ || mesh_.placement().is_flippable(c); }
+  std::pair<std::uint32_t, CellId> opposite(CellId a, CellId b) const;
   bool are_neighbours(CellId a, CellId b) const;
   Vec3 facing_of(std::uint32_t triangle) const;
 
   const MeshEditor& mesh_;
   const ShapeGoal& goal_;
-  bool with_given_up_;
-  std::vector<Key> refused_;
+  bool include_fixed_;
+  std::vector<Key> rejected_;
 };
 
 }  // namespace isoatlas::detail

@@ -10,8 +10,8 @@
 namespace isoatlas::detail {
 
 ShapeGoal ShapeGoal::of(double aspect) {
-  const ShapeGoal usual;
-  return {aspect, usual.sine * std::min(1.0, aspect / usual.aspect)};
+  const ShapeGoal standard;
+  return {aspect, standard.sine * std::min(1.0, aspect / standard.aspect)};
 }
 
 double ShapeGoal::score(Vec3 a, Vec3 b, Vec3 c) const {

@@ -5,14 +5,14 @@
 
 namespace isoatlas::detail {
 
-/// What counts as a badly shaped triangle.
+/// The criterion for badly shaped triangles.
 struct ShapeGoal {
-  double aspect = 1.0 / 3;            ///< shortest over longest edge, at least
-  double sine = 0.30901699437494742;  ///< of the smallest angle, at least; of 18 degrees: (sqrt(5) - 1) / 4
+  double aspect = 1.0 / 3;            ///< smallest ratio of shortest to longest edge
+  double sine = 0.30901699437494742;  ///< smallest sine of the smallest angle; that of 18 degrees: (sqrt(5) - 1) / 4
 
-  /// The sine becomes smaller with an aspect ratio below 1/3.
+  /// The sine is lowered together with an aspect ratio below 1/3.
   static ShapeGoal of(double aspect);
-  /// 1 where both are just met, less where one is not.
+  /// At least 1 if both criteria are satisfied, less if one is violated.
   double score(Vec3 a, Vec3 b, Vec3 c) const;
 };
 

@@ -20,127 +20,132 @@ namespace isoatlas::detail {
 namespace {
 
 constexpr int kPasses = 24;
-constexpr std::size_t kFewKept = 10;  // no more passes for the sake of errors once fewer than one change in so many helps
-constexpr double kWorthIt = 1e-3;
+constexpr std::size_t kMinKeptDivisor = 10;  // passes that reduce errors end once fewer than one change in so many is kept
+constexpr double kMinGain = 1e-3;
 constexpr std::size_t kPerPiece = 4096;  // triangles, of a parallel loop
-constexpr std::size_t kTogether = 64;    // changes that are looked for before the first of them is taken
+constexpr std::size_t kBatch = 64;       // changes that are searched for before the first of them is applied
 constexpr int kRelaxRounds = 3;
-constexpr int kLooksBack = 4;  // after relaxing, for cells that it took over their bounds
+constexpr int kMaxReverts = 4;  // rounds of reverting cells that violate their bounds because of relaxation
 
-std::vector<CellId> all_cells(const MeasuredCovering& work) {
-  std::vector<CellId> out(work.mesh().cell_count());
+std::vector<CellId> all_cells(const MeasuredCovering& measured) {
+  std::vector<CellId> out(measured.mesh().cell_count());
   std::iota(out.begin(), out.end(), 0u);
   return out;
 }
 
-std::vector<double> excess_of_each(const MeasuredCovering& work, std::span<const CellId> cells) {
+std::vector<double> excess_of_each(const MeasuredCovering& measured, std::span<const CellId> cells) {
   std::vector<double> out;
   out.reserve(cells.size());
-  for (const CellId c : cells) out.push_back(work.errors()[c].excess);
+  for (const CellId c : cells) out.push_back(measured.errors()[c].excess);
   return out;
 }
 
-// A cell's excess is worse than before, and too much.
-bool is_worse(double now, double before) { return now > std::max(1.0, before * (1 + kWorthIt)); }
+// Whether a cell's excess has increased and violates a bound.
+bool is_worse(double after, double before) { return after > std::max(1.0, before * (1 + kMinGain)); }
 
-// Improves a mesh in passes, each of changes that are far from each other.
+// Improves a mesh in passes; each pass makes changes that are far from each other.
 class ShapeOptimizer {
  public:
-  // What a change is for: a triangle's shape, or the errors of a cell that is over its bounds.
+  // The purpose of a change: the shape of a triangle, or the error of a cell that violates its
+  // bounds.
   enum class Purpose { shape, errors };
 
-  /// @param meeting  careful: no change is kept that makes triangles intersect, and then also vertices and edges may change that were given
-  ///                 up; none: whether they do is not looked at
-  ShapeOptimizer(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles, const RunControl& control,
-                 IntersectionTracker* meeting = nullptr)
-      : mesh_(work, triangles, meeting, control),
-        changes_(mesh_, goal, meeting != nullptr),
+  /// @param tracker  if given, no change is kept that makes triangles intersect, and fixed vertices
+  ///                 and edges may change as well; none: intersections are not tested
+  ShapeOptimizer(MeasuredCovering& measured, const ShapeGoal& goal, std::vector<DualTriangle>& triangles, const RunControl& control,
+                 IntersectionTracker* tracker = nullptr)
+      : mesh_(measured, triangles, tracker, control),
+        changes_(mesh_, goal, tracker != nullptr),
         goal_(goal),
         control_(control),
-        is_careful_(meeting != nullptr) {}
+        avoids_intersections_(tracker != nullptr) {}
 
   void run(Purpose purpose, std::span<const CellId> cells, ShapeReport& report) {
     for (int k = 0; k < kPasses; ++k) {
-      report_going_on(control_);
+      report_continuing(control_);
       const std::size_t kept_before = report.flips + report.moves;
       const std::size_t tried = pass(purpose, cells, report);
       const std::size_t kept = report.flips + report.moves - kept_before;
-      if (tried == 0 || (purpose == Purpose::errors && kept * kFewKept < tried)) break;
+      if (tried == 0 || (purpose == Purpose::errors && kept * kMinKeptDivisor < tried)) break;
     }
     report.bad = bad_triangles().size();
   }
 
-  // Moves vertices that are not frozen a little. Where that takes a cell over its bounds they go back. @return false if none moved
-  bool relax_bad(ShapeReport& report) {
+  // Displaces vertices without fixed anchors. Where a cell violates its bounds because of that,
+  // they are reverted. @return false if none moved
+  bool relax_bad_triangles(ShapeReport& report) {
     const std::vector<Vec3> from = mesh_.mesh().point;
     std::vector<Vec3> points = from;
-    const std::vector<CellId> moved = relaxed(points);
+    const std::vector<CellId> moved = relax_points(points);
     if (moved.empty()) return false;
-    report_going_on(control_);
-    std::vector<Vec3> old_shift;
+    report_continuing(control_);
+    std::vector<Vec3> old_displacement;
     for (const CellId c : moved) {
-      old_shift.push_back(shift_of(c));
-      mesh_.shift(c, old_shift.back() + (points[c] - from[c]));
+      old_displacement.push_back(displacement_of(c));
+      mesh_.displace(c, old_displacement.back() + (points[c] - from[c]));
     }
-    const auto old_shift_of = [&](CellId c) {
-      return old_shift[static_cast<std::size_t>(std::ranges::lower_bound(moved, c) - moved.begin())];
+    const auto old_displacement_of = [&](CellId c) {
+      return old_displacement[static_cast<std::size_t>(std::ranges::lower_bound(moved, c) - moved.begin())];
     };
-    hold(mesh_.keep_from_straying(moved, old_shift));
-    const std::vector<CellError> before = mesh_.work().errors();
-    std::vector<CellId> concerned = mesh_.concerned_by(moved);
-    mesh_.measure(concerned);
-    const int looks = is_careful_ ? kLooksBack + 1 : kLooksBack;
-    for (int look = 0; look < looks; ++look) {
-      report_going_on(control_);
-      std::vector<CellId> worse = mesh_.meeting_corners();
-      std::ranges::copy_if(concerned, std::back_inserter(worse), [&](CellId c) { return is_worse(mesh_.excess(c), before[c].excess); });
+    mark_reverted(mesh_.revert_conflicting_moves(moved, old_displacement));
+    const std::vector<CellError> before = mesh_.measured().errors();
+    std::vector<CellId> affected = mesh_.affected_by(moved);
+    mesh_.measure(affected);
+    const int max_rounds = avoids_intersections_ ? kMaxReverts + 1 : kMaxReverts;
+    for (int round = 0; round < max_rounds; ++round) {
+      report_continuing(control_);
+      std::vector<CellId> worse = mesh_.intersecting_corners();
+      std::ranges::copy_if(affected, std::back_inserter(worse), [&](CellId c) { return is_worse(mesh_.excess(c), before[c].excess); });
       if (worse.empty()) break;
-      // At last everything around goes back, and if triangles must not intersect, everything.
-      worse = look >= kLooksBack ? moved : look + 1 < kLooksBack ? mesh_.around(worse, 1) : mesh_.concerned_by(worse);
+      // The last rounds revert everything in the affected ring and, if triangles must not
+      // intersect, everything.
+      worse = round >= kMaxReverts ? moved : round + 1 < kMaxReverts ? mesh_.k_ring(worse, 1) : mesh_.affected_by(worse);
       for (const CellId c : worse) {
-        if (std::ranges::binary_search(moved, c)) mesh_.shift(c, old_shift_of(c));
+        if (std::ranges::binary_search(moved, c)) mesh_.displace(c, old_displacement_of(c));
       }
-      hold(worse);
-      const std::vector<CellId> strayed = mesh_.keep_from_straying(moved, old_shift);
-      hold(strayed);
-      worse.insert(worse.end(), strayed.begin(), strayed.end());
-      concerned = mesh_.concerned_by(worse);
-      mesh_.measure(concerned);
+      mark_reverted(worse);
+      const std::vector<CellId> conflicting = mesh_.revert_conflicting_moves(moved, old_displacement);
+      mark_reverted(conflicting);
+      worse.insert(worse.end(), conflicting.begin(), conflicting.end());
+      affected = mesh_.affected_by(worse);
+      mesh_.measure(affected);
     }
-    for (std::size_t i = 0; i < moved.size(); ++i) report.shifts += !(shift_of(moved[i]) == old_shift[i]);
+    for (std::size_t i = 0; i < moved.size(); ++i) report.displacements += !(displacement_of(moved[i]) == old_displacement[i]);
     return true;
   }
 
  private:
-  Vec3 shift_of(CellId c) const { return mesh_.places().shift.empty() ? Vec3{} : mesh_.places().shift[c]; }
+  Vec3 displacement_of(CellId c) const { return mesh_.placement().displacement.empty() ? Vec3{} : mesh_.placement().displacement[c]; }
 
-  // Cells whose vertices are not moved again.
-  void hold(std::span<const CellId> cells) {
-    for (const CellId c : cells) held_.insert(c);
+  // Marks cells whose vertices are not displaced again.
+  void mark_reverted(std::span<const CellId> cells) {
+    for (const CellId c : cells) reverted_.insert(c);
   }
 
-  // Relaxes these points of vertices. @return those that moved, sorted
-  std::vector<CellId> relaxed(std::vector<Vec3>& points) {
-    const Ground& ground = mesh_.ground();
+  // Relaxes the points of vertices. @return those that moved, sorted
+  std::vector<CellId> relax_points(std::vector<Vec3>& points) {
+    const SurfaceData& surface_data = mesh_.surface_data();
     const LevelMesh& mesh = mesh_.mesh();
-    const VertexPlacement& places = mesh_.places();
-    const auto roam = [&](CellId c) -> Roam {
-      const CVertexId v = places.anchor[c];
+    const VertexPlacement& placement = mesh_.placement();
+    const auto bounds_of = [&](CellId c) -> MoveBounds {
+      const CVertexId v = placement.anchor[c];
       const Vec3 p = mesh.point[c];
-      if (mesh_.work().is_frozen(c) || !changes_.may_move(c) || held_.contains(c) || !ground.may_roam(v)) return {p, p};
-      const Vec3 balanced = p - places.base(ground.surfels, c);
-      const Roam at = roam_of(ground.complex.positions[v], ground.complex.spacing);
+      if (mesh_.measured().has_fixed_anchor(c) || !changes_.is_movable(c) || reverted_.contains(c) || !surface_data.is_movable(v))
+        return {p, p};
+      const Vec3 balanced = p - placement.base_point(surface_data.surfels, c);
+      const MoveBounds at = move_bounds_of(surface_data.complex.positions[v], surface_data.complex.spacing);
       return {at.low + balanced, at.high + balanced};
     };
-    const InterpolatedField* field = ground.isosurface == nullptr ? nullptr : &ground.isosurface->field();
+    const InterpolatedField* field = surface_data.isosurface == nullptr ? nullptr : &surface_data.isosurface->field();
     std::vector<std::uint32_t> bad = bad_triangles();
     std::ranges::sort(bad);
-    return relax(points, mesh.triangles, mesh.triangles_of, roam, field, ground.complex.spacing, {goal_.aspect, 0}, control_, bad);
+    return relax(points, mesh.triangles, mesh.triangles_of, bounds_of, field, surface_data.complex.spacing, {goal_.aspect, 0}, control_,
+                 bad);
   }
 
-  // The worst first.
+  // Sorted by score, the worst first.
   std::vector<std::uint32_t> bad_triangles() {
-    std::vector<std::uint32_t> changed = mesh_.take_changed();
+    std::vector<std::uint32_t> changed = mesh_.take_changed_triangles();
     if (!std::exchange(is_scored_, true)) {
       changed.resize(mesh_.mesh().triangles.size());
       std::iota(changed.begin(), changed.end(), 0u);
@@ -163,8 +168,8 @@ class ShapeOptimizer {
     return out;
   }
 
-  // Those of the cells that are over their bounds, the worst first.
-  std::vector<CellId> over_bounds(std::span<const CellId> cells) const {
+  // Those of the cells that violate their bounds, the worst first.
+  std::vector<CellId> violating_cells(std::span<const CellId> cells) const {
     std::vector<std::pair<double, CellId>> found;
     for (const CellId c : cells) {
       if (mesh_.excess(c) > 1) found.emplace_back(-mesh_.excess(c), c);
@@ -178,37 +183,37 @@ class ShapeOptimizer {
   // A change that is tried.
   struct Trial {
     ShapeChange change;
-    std::vector<CellId> concerned;
-    std::vector<double> excess_before;  // of these
-    // What it changes.
+    std::vector<CellId> affected;
+    std::vector<double> excess_before;  // per affected cell
+    // The state to return to.
     DualTriangle old_first, old_second;
     CVertexId old_anchor = kNone;
-    Vec3 old_shift{};
+    Vec3 old_displacement{};
     bool is_kept = true;
   };
 
-  // One change for every bad triangle, or for every cell to mend that is over its bounds, that has one and is far from the others'.
-  // @return how many were tried
-  std::size_t pass(Purpose purpose, std::span<const CellId> cells_to_mend, ShapeReport& report) {
-    std::vector<Trial> trials = purpose == Purpose::errors ? trials_at(cells_to_mend) : trials_at_bad_triangles();
+  // Tries one change for every badly shaped triangle, or for every cell to repair that violates its
+  // bounds, where there is one that is far from the other changes. @return number of changes tried
+  std::size_t pass(Purpose purpose, std::span<const CellId> cells_to_repair, ShapeReport& report) {
+    std::vector<Trial> trials = purpose == Purpose::errors ? trials_at(cells_to_repair) : trials_at_bad_triangles();
     if (trials.empty()) return 0;
     control_.check_cancelled();
     std::vector<CellId> cells;
     for (Trial& trial : trials) {
-      cells.insert(cells.end(), trial.concerned.begin(), trial.concerned.end());
+      cells.insert(cells.end(), trial.affected.begin(), trial.affected.end());
       apply(trial);
     }
     std::sort(cells.begin(), cells.end());
     mesh_.measure(cells);
-    std::vector<CellId> stale;  // around what was taken back
+    std::vector<CellId> stale;  // affected by reverted changes
     for (Trial& trial : trials) {
-      if (!is_better(trial, purpose)) take_back(trial, stale);
+      if (!is_better(trial, purpose)) revert(trial, stale);
     }
     measure_again(stale);
-    for (std::vector<CellId> corners = mesh_.meeting_corners(); !corners.empty(); corners = mesh_.meeting_corners()) {
+    for (std::vector<CellId> corners = mesh_.intersecting_corners(); !corners.empty(); corners = mesh_.intersecting_corners()) {
       const auto is_corner = [&](CellId c) { return std::ranges::binary_search(corners, c); };
       for (Trial& trial : trials) {
-        if (trial.is_kept && std::ranges::any_of(trial.concerned, is_corner)) take_back(trial, stale);
+        if (trial.is_kept && std::ranges::any_of(trial.affected, is_corner)) revert(trial, stale);
       }
       if (stale.empty()) break;
       measure_again(stale);
@@ -216,7 +221,7 @@ class ShapeOptimizer {
     for (const Trial& trial : trials) {
       if (trial.is_kept) ++(trial.change.is_flip() ? report.flips : report.moves);
     }
-    changes_.sort_refused();
+    changes_.sort_rejected();
     return trials.size();
   }
 
@@ -227,7 +232,7 @@ class ShapeOptimizer {
       return std::ranges::any_of(mesh_.mesh().triangles[t], [&](CellId c) { return taken_.contains(c); });
     };
     std::vector<std::uint32_t> next;
-    const auto take_next = [&] {
+    const auto try_next = [&] {
       const std::vector<ShapeChange> best = best_changes(next);
       for (std::size_t k = 0; k < next.size(); ++k) {
         if (!is_taken(next[k])) add_trial(best[k], next[k], out);
@@ -235,21 +240,21 @@ class ShapeOptimizer {
       next.clear();
     };
     for (const std::uint32_t t : bad_triangles()) {
-      if (is_taken(t)) continue;  // most end here
+      if (is_taken(t)) continue;  // the most frequent case
       next.push_back(t);
-      if (next.size() == kTogether) take_next();
+      if (next.size() == kBatch) try_next();
     }
-    take_next();
+    try_next();
     return out;
   }
 
-  // Per triangle, the change that makes it better most.
+  // Per triangle, the change that improves it most.
   std::vector<ShapeChange> best_changes(std::span<const std::uint32_t> triangles) const {
     control_.check_cancelled();
     std::vector<ShapeChange> best(triangles.size());
     for_each_index(triangles.size(), 1, [&](std::size_t k) {
-      changes_.consider_flips(triangles[k], kWorthIt, best[k]);
-      for (const CellId c : mesh_.mesh().triangles[triangles[k]]) changes_.consider_moves(c, kWorthIt, best[k]);
+      changes_.find_best_flip(triangles[k], kMinGain, best[k]);
+      for (const CellId c : mesh_.mesh().triangles[triangles[k]]) changes_.find_best_move(c, kMinGain, best[k]);
     });
     return best;
   }
@@ -259,25 +264,25 @@ class ShapeOptimizer {
     taken_.clear();
     const LevelMesh& mesh = mesh_.mesh();
     CancelPoll poll(control_);
-    for (const CellId c : over_bounds(cells)) {
+    for (const CellId c : violating_cells(cells)) {
       poll.step();
       if (taken_.contains(c)) continue;
       ShapeChange best;
-      for (const std::uint32_t t : mesh.triangles_of.row(c)) changes_.consider_flips(t, std::nullopt, best);
-      changes_.consider_moves(c, std::nullopt, best);
+      for (const std::uint32_t t : mesh.triangles_of.row(c)) changes_.find_best_flip(t, std::nullopt, best);
+      changes_.find_best_move(c, std::nullopt, best);
       add_trial(best, best.is_flip() ? best.i : mesh.triangles_of.row(c)[0], out);
     }
     return out;
   }
 
-  // Unless it concerns a cell that another one does.
+  // Adds a trial unless it affects a cell that another trial affects.
   void add_trial(const ShapeChange& change, std::uint32_t triangle, std::vector<Trial>& out) {
     if (change.score == 0) return;
-    std::vector<CellId> near = mesh_.concerned_by(mesh_.mesh().triangles[triangle]);
-    if (std::ranges::any_of(near, [&](CellId c) { return taken_.contains(c); })) return;
-    for (const CellId c : near) taken_.insert(c);
-    std::vector<double> before = excess_of_each(mesh_.work(), near);
-    out.push_back({change, std::move(near), std::move(before), {}, {}});
+    std::vector<CellId> affected = mesh_.affected_by(mesh_.mesh().triangles[triangle]);
+    if (std::ranges::any_of(affected, [&](CellId c) { return taken_.contains(c); })) return;
+    for (const CellId c : affected) taken_.insert(c);
+    std::vector<double> before = excess_of_each(mesh_.measured(), affected);
+    out.push_back({change, std::move(affected), std::move(before), {}, {}});
   }
 
   void apply(Trial& trial) {
@@ -288,34 +293,34 @@ class ShapeOptimizer {
       mesh_.set_triangle(c.i, c.first);
       mesh_.set_triangle(c.j, c.second);
     } else {
-      trial.old_anchor = mesh_.places().anchor[c.cell];
-      trial.old_shift = shift_of(c.cell);
+      trial.old_anchor = mesh_.placement().anchor[c.cell];
+      trial.old_displacement = displacement_of(c.cell);
       mesh_.move(c.cell, c.to, {});
     }
   }
 
-  void take_back(Trial& trial, std::vector<CellId>& stale) {
+  void revert(Trial& trial, std::vector<CellId>& stale) {
     const ShapeChange& c = trial.change;
     trial.is_kept = false;
-    stale.insert(stale.end(), trial.concerned.begin(), trial.concerned.end());
-    changes_.refuse(c);
+    stale.insert(stale.end(), trial.affected.begin(), trial.affected.end());
+    changes_.reject(c);
     if (c.is_flip()) {
       mesh_.set_triangle(c.i, trial.old_first);
       mesh_.set_triangle(c.j, trial.old_second);
     } else {
-      mesh_.move(c.cell, trial.old_anchor, trial.old_shift);
+      mesh_.move(c.cell, trial.old_anchor, trial.old_displacement);
     }
   }
 
   bool is_better(const Trial& trial, Purpose purpose) const {
-    double most_before = 0, most_after = 0;
-    for (std::size_t i = 0; i < trial.concerned.size(); ++i) {
-      const double was = trial.excess_before[i], is = mesh_.excess(trial.concerned[i]);
-      if (is_worse(is, was)) return false;
-      most_before = std::max(most_before, was);
-      most_after = std::max(most_after, is);
+    double max_before = 0, max_after = 0;
+    for (std::size_t i = 0; i < trial.affected.size(); ++i) {
+      const double before = trial.excess_before[i], after = mesh_.excess(trial.affected[i]);
+      if (is_worse(after, before)) return false;
+      max_before = std::max(max_before, before);
+      max_after = std::max(max_after, after);
     }
-    return purpose != Purpose::errors || most_after <= most_before * (1 - kWorthIt);
+    return purpose != Purpose::errors || max_after <= max_before * (1 - kMinGain);
   }
 
   void measure_again(std::vector<CellId>& stale) {
@@ -328,71 +333,74 @@ class ShapeOptimizer {
   ShapeChanges changes_;
   const ShapeGoal& goal_;
   const RunControl& control_;
-  bool is_careful_;
+  bool avoids_intersections_;
   bool is_scored_ = false;
-  std::vector<std::pair<double, std::uint32_t>> bad_;  // of triangles, but for those that have changed since; sorted
-  EpochSet held_;                                      // cells of which moving the vertex was taken back
-  EpochSet taken_;                                     // cells that a change of this pass concerns
+  // badly shaped triangles with their scores, except those that have changed since; sorted
+  std::vector<std::pair<double, std::uint32_t>> bad_;
+  EpochSet reverted_;  // cells whose vertices were reverted
+  EpochSet taken_;     // cells that are affected by a change of this pass
 };
 
-// Takes changes back. What that takes over its bounds follows.
-class ChangesBack {
+// Reverts changes, and further ones where a cell would violate its bounds because of that.
+class ChangeReverter {
  public:
-  ChangesBack(MeasuredCovering& work, std::vector<DualTriangle>& triangles, IntersectionTracker* meeting, const RunControl& control)
-      : mesh_(work, triangles, meeting, control), control_(control) {
+  ChangeReverter(MeasuredCovering& measured, std::vector<DualTriangle>& triangles, IntersectionTracker* tracker, const RunControl& control)
+      : mesh_(measured, triangles, tracker, control), control_(control) {
     for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-      if (triangles[t].cell != work.triangles()[t].cell) flipped_.push_back(t);
+      if (triangles[t].cell != measured.triangles()[t].cell) flipped_.push_back(t);
     }
   }
 
   MeshEditor& mesh() { return mesh_; }
 
-  // Flips around these cells; where there are none, moves. @return whether there was anything
-  bool take_back(std::vector<CellId> cells) {
-    const std::vector<CellError> before = mesh_.work().errors();
+  // Reverts flips around these cells, and moves where there are no flips. @return whether anything
+  // was reverted
+  bool revert(std::vector<CellId> cells) {
+    const std::vector<CellError> before = mesh_.measured().errors();
     bool any = false;
-    for (int look = 0; !cells.empty(); ++look) {
-      report_going_on(control_);
-      const std::vector<CellId> at_flips = take_back_flips(cells);
+    for (int round = 0; !cells.empty(); ++round) {
+      report_continuing(control_);
+      const std::vector<CellId> at_flips = revert_flips(cells);
       std::vector<CellId> changed = at_flips;
       for (const CellId c : cells) {
-        if (given_up(c) == 1 && std::ranges::binary_search(at_flips, c)) continue;
-        const bool was_given_up = given_up(c) == 3;
-        mesh_.give_up(c, 3);
-        if (put_back(c) || !was_given_up) changed.push_back(c);
+        if (fixed(c) == 1 && std::ranges::binary_search(at_flips, c)) continue;
+        const bool was_fixed = fixed(c) == 3;
+        mesh_.fix(c, 3);
+        if (return_to_site(c) || !was_fixed) changed.push_back(c);
       }
       if (changed.empty()) break;
       any = true;
-      const std::vector<CellId> concerned = mesh_.concerned_by(changed);
-      mesh_.measure(concerned);
+      const std::vector<CellId> affected = mesh_.affected_by(changed);
+      mesh_.measure(affected);
       std::vector<CellId> worse;
-      std::ranges::copy_if(concerned, std::back_inserter(worse), [&](CellId c) { return is_worse(mesh_.excess(c), before[c].excess); });
-      cells = worse.empty() ? worse : look + 1 < kLooksBack ? mesh_.around(worse, 1) : mesh_.concerned_by(worse);
+      std::ranges::copy_if(affected, std::back_inserter(worse), [&](CellId c) { return is_worse(mesh_.excess(c), before[c].excess); });
+      cells = worse.empty() ? worse : round + 1 < kMaxReverts ? mesh_.k_ring(worse, 1) : mesh_.affected_by(worse);
     }
     return any;
   }
 
-  // Vertices that are not frozen go back to their c-vertices where surfels of one grid cell intersect as all are now. @return whether any
-  // did
-  bool settle() {
-    std::vector<CellId> away;
-    for (CellId c = 0; c < mesh_.places().shift.size(); ++c) {
-      if (!mesh_.work().is_frozen(c) && !(mesh_.places().shift[c] == Vec3{})) away.push_back(c);
+  // Returns vertices without fixed anchors to their c-vertices where surfels of one grid cell
+  // intersect at the current positions. @return whether any was returned
+  bool revert_conflicting() {
+    std::vector<CellId> displaced;
+    for (CellId c = 0; c < mesh_.placement().displacement.size(); ++c) {
+      if (!mesh_.measured().has_fixed_anchor(c) && !(mesh_.placement().displacement[c] == Vec3{})) displaced.push_back(c);
     }
-    const std::vector<CellId> back = mesh_.keep_from_straying(away, std::vector<Vec3>(away.size()));
-    if (!back.empty()) mesh_.measure(mesh_.concerned_by(back));
-    return !back.empty();
+    const std::vector<CellId> returned = mesh_.revert_conflicting_moves(displaced, std::vector<Vec3>(displaced.size()));
+    if (!returned.empty()) mesh_.measure(mesh_.affected_by(returned));
+    return !returned.empty();
   }
 
  private:
-  std::uint8_t given_up(CellId c) const {
-    const std::vector<std::uint8_t>& of = mesh_.places().given_up;
+  std::uint8_t fixed(CellId c) const {
+    const std::vector<std::uint8_t>& of = mesh_.placement().fixed;
     return c < of.size() ? of[c] : std::uint8_t{0};
   }
 
-  // Flipped triangles become the dual's again, those that have a corner in common together. @return their corners, sorted
-  std::vector<CellId> take_back_flips(std::span<const CellId> cells) {
-    const std::vector<DualTriangle>& dual = mesh_.work().triangles();
+  // Replaces flipped triangles by the dual's; triangles with a common corner are replaced together.
+  // @return their corners, sorted
+  std::vector<CellId> revert_flips(std::span<const CellId> cells) {
+    const std::vector<DualTriangle>& dual = mesh_.measured().triangles();
     near_.clear();
     for (const CellId c : cells) near_.insert(c);
     std::vector<CellId> changed;
@@ -409,71 +417,73 @@ class ChangesBack {
         return true;
       });
     }
-    sort_once(changed);
-    for (const CellId c : changed) mesh_.give_up(c, 1);
+    sort_unique_ids(changed);
+    for (const CellId c : changed) mesh_.fix(c, 1);
     return changed;
   }
 
-  // A vertex that is not frozen to its site, if that is free. @return whether it was elsewhere
-  bool put_back(CellId c) {
-    if (mesh_.work().is_frozen(c)) return false;
-    const CVertexId site = mesh_.work().partition().site[c], anchor = mesh_.places().anchor[c];
-    const bool is_shifted = !mesh_.places().shift.empty() && !(mesh_.places().shift[c] == Vec3{});
+  // Returns a vertex without a fixed anchor to its site, unless another vertex is placed there.
+  // @return whether it has moved
+  bool return_to_site(CellId c) {
+    if (mesh_.measured().has_fixed_anchor(c)) return false;
+    const CVertexId site = mesh_.measured().partition().site[c], anchor = mesh_.placement().anchor[c];
+    const bool is_displaced = !mesh_.placement().displacement.empty() && !(mesh_.placement().displacement[c] == Vec3{});
     const bool moves = anchor != site && !mesh_.is_occupied(site);
-    if (is_shifted || moves) mesh_.move(c, moves ? site : anchor, {});
-    return is_shifted || moves;
+    if (is_displaced || moves) mesh_.move(c, moves ? site : anchor, {});
+    return is_displaced || moves;
   }
 
   MeshEditor mesh_;
   const RunControl& control_;
-  std::vector<std::uint32_t> flipped_;  // triangles that are not the dual's
+  std::vector<std::uint32_t> flipped_;  // triangles that differ from the dual
   EpochSet near_;                       // cells
 };
 
 }  // namespace
 
-ShapeReport improve_shape(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles, const RunControl& control) {
+ShapeReport improve_shape(MeasuredCovering& measured, const ShapeGoal& goal, std::vector<DualTriangle>& triangles,
+                          const RunControl& control) {
   ShapeReport report;
-  triangles.assign(work.triangles().begin(), work.triangles().end());
-  std::vector<CellId> over;
-  for (CellId c = 0; c < work.errors().size(); ++c) {
-    if (work.errors()[c].excess > 1) over.push_back(c);
+  triangles.assign(measured.triangles().begin(), measured.triangles().end());
+  std::vector<CellId> violating;
+  for (CellId c = 0; c < measured.errors().size(); ++c) {
+    if (measured.errors()[c].excess > 1) violating.push_back(c);
   }
-  work.remesh(triangles, {}, over);
-  ShapeOptimizer optimizer(work, goal, triangles, control);
+  measured.remesh(triangles, {}, violating);
+  ShapeOptimizer optimizer(measured, goal, triangles, control);
   optimizer.run(ShapeOptimizer::Purpose::shape, {}, report);
-  for (int round = 0; round < kRelaxRounds && report.bad > 0 && optimizer.relax_bad(report); ++round)
+  for (int round = 0; round < kRelaxRounds && report.bad > 0 && optimizer.relax_bad_triangles(report); ++round)
     optimizer.run(ShapeOptimizer::Purpose::shape, {}, report);
   return report;
 }
 
-void improve_shape_carefully(MeasuredCovering& work, const ShapeGoal& goal, IntersectionTracker& meeting,
-                             std::vector<DualTriangle>& triangles, ShapeReport& report, const RunControl& control) {
-  ShapeOptimizer optimizer(work, goal, triangles, control, &meeting);
-  for (int round = 0; round < kRelaxRounds && report.bad > 0 && optimizer.relax_bad(report); ++round)
+void improve_shape_without_intersections(MeasuredCovering& measured, const ShapeGoal& goal, IntersectionTracker& tracker,
+                                         std::vector<DualTriangle>& triangles, ShapeReport& report, const RunControl& control) {
+  ShapeOptimizer optimizer(measured, goal, triangles, control, &tracker);
+  for (int round = 0; round < kRelaxRounds && report.bad > 0 && optimizer.relax_bad_triangles(report); ++round)
     optimizer.run(ShapeOptimizer::Purpose::shape, {}, report);
 }
 
-void improve_errors(MeasuredCovering& work, const ShapeGoal& goal, std::span<const CellId> cells, std::vector<DualTriangle>& triangles,
+void improve_errors(MeasuredCovering& measured, const ShapeGoal& goal, std::span<const CellId> cells, std::vector<DualTriangle>& triangles,
                     ShapeReport& report, const RunControl& control) {
-  ShapeOptimizer(work, goal, triangles, control).run(ShapeOptimizer::Purpose::errors, cells, report);
+  ShapeOptimizer(measured, goal, triangles, control).run(ShapeOptimizer::Purpose::errors, cells, report);
 }
 
-std::vector<CellId> take_back_meeting(MeasuredCovering& work, IntersectionTracker& meeting, std::vector<DualTriangle>& triangles,
-                                      const RunControl& control) {
-  ChangesBack changes(work, triangles, &meeting, control);
+std::vector<CellId> revert_intersecting(MeasuredCovering& measured, IntersectionTracker& tracker, std::vector<DualTriangle>& triangles,
+                                        const RunControl& control) {
+  ChangeReverter changes(measured, triangles, &tracker, control);
   for (;;) {
-    std::vector<CellId> corners = changes.mesh().meeting_corners();
-    if (corners.empty() || !changes.take_back(corners)) return corners;
+    std::vector<CellId> corners = changes.mesh().intersecting_corners();
+    if (corners.empty() || !changes.revert(corners)) return corners;
   }
 }
 
-bool settle_vertices(MeasuredCovering& work, std::vector<DualTriangle>& triangles, const RunControl& control) {
-  return ChangesBack(work, triangles, nullptr, control).settle();
+bool revert_conflicting_moves(MeasuredCovering& measured, std::vector<DualTriangle>& triangles, const RunControl& control) {
+  return ChangeReverter(measured, triangles, nullptr, control).revert_conflicting();
 }
 
-void take_back_all(MeasuredCovering& work, std::vector<DualTriangle>& triangles, const RunControl& control) {
-  ChangesBack(work, triangles, nullptr, control).take_back(all_cells(work));
+void revert_all(MeasuredCovering& measured, std::vector<DualTriangle>& triangles, const RunControl& control) {
+  ChangeReverter(measured, triangles, nullptr, control).revert(all_cells(measured));
 }
 
 }  // namespace isoatlas::detail

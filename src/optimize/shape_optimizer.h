@@ -8,40 +8,45 @@
 namespace isoatlas::detail {
 
 struct ShapeReport {
-  std::size_t bad = 0;     ///< triangles below the goal at the end
-  std::size_t flips = 0;   ///< edges flipped
-  std::size_t moves = 0;   ///< vertices moved to another c-vertex
-  std::size_t shifts = 0;  ///< vertices moved a little, within their grid cell
+  std::size_t bad = 0;            ///< badly shaped triangles at the end
+  std::size_t flips = 0;          ///< number of flipped edges
+  std::size_t moves = 0;          ///< number of vertices moved to another c-vertex
+  std::size_t displacements = 0;  ///< number of vertices displaced within their grid cells
 };
 
-/// Works on badly shaped triangles one by one: flips one of their edges, or moves a vertex that is not frozen to another c-vertex
-/// near by. A change is kept if the worst of the triangles it touches becomes better and no cell's metrics get over their bounds.
-/// An edge is flipped only if the new one does not exist yet, so every flip leaves a simplicial manifold of the same topology.
+/// Improves badly shaped triangles one by one: flips one of their edges, or moves a vertex without
+/// a fixed anchor to another c-vertex near it. A change is kept if the worst of the triangles it
+/// affects improves and no cell violates its bounds because of it. An edge is flipped only if the
+/// new edge does not exist yet, so every flip preserves a simplicial manifold of the same topology.
 ///
-/// @param triangles  the mesh's, changed by flips
-ShapeReport improve_shape(MeasuredCovering& work, const ShapeGoal& goal, std::vector<DualTriangle>& triangles, const RunControl& control);
+/// @param triangles  those of the mesh; changed by flips
+ShapeReport improve_shape(MeasuredCovering& measured, const ShapeGoal& goal, std::vector<DualTriangle>& triangles,
+                          const RunControl& control);
 
-/// The same for those of `cells` that are over their bounds: a change is kept if the worst of the cells it concerns comes nearer to its
-/// bounds, none other gets over them, and no triangle becomes bad. @pre what improve_shape() left
-void improve_errors(MeasuredCovering& work, const ShapeGoal& goal, std::span<const CellId> cells, std::vector<DualTriangle>& triangles,
+/// The same for those of `cells` that violate their bounds: a change is kept if the error of the
+/// worst affected cell decreases, no other cell violates its bounds because of it, and no triangle
+/// becomes badly shaped. @pre `triangles` comes from improve_shape()
+void improve_errors(MeasuredCovering& measured, const ShapeGoal& goal, std::span<const CellId> cells, std::vector<DualTriangle>& triangles,
                     ShapeReport& report, const RunControl& control);
 
-/// Takes changes back around triangles that meet others where they should not: vertices there go back to their sites and stay, triangles
-/// become the dual's own again.
-/// @param meeting  may know an earlier mesh of these cells
-/// @return the corners of triangles that meet all the same, sorted
-std::vector<CellId> take_back_meeting(MeasuredCovering& work, IntersectionTracker& meeting, std::vector<DualTriangle>& triangles,
-                                      const RunControl& control);
+/// Reverts changes around triangles that intersect others: vertices there return to their sites and
+/// are fixed, and flipped triangles become the dual's again.
+/// @param tracker  may hold an earlier mesh of these cells
+/// @return the corners of triangles that still intersect, sorted
+std::vector<CellId> revert_intersecting(MeasuredCovering& measured, IntersectionTracker& tracker, std::vector<DualTriangle>& triangles,
+                                        const RunControl& control);
 
-/// Vertices go back to their c-vertices where surfels would meet if c-vertices were where their vertices are. @return whether any did
-bool settle_vertices(MeasuredCovering& work, std::vector<DualTriangle>& triangles, const RunControl& control);
+/// Returns vertices to their c-vertices where surfels would intersect if the c-vertices had the
+/// positions of their vertices. @return whether any was returned
+bool revert_conflicting_moves(MeasuredCovering& measured, std::vector<DualTriangle>& triangles, const RunControl& control);
 
-/// All changes.
-void take_back_all(MeasuredCovering& work, std::vector<DualTriangle>& triangles, const RunControl& control);
+/// Reverts all changes.
+void revert_all(MeasuredCovering& measured, std::vector<DualTriangle>& triangles, const RunControl& control);
 
-/// More of improve_shape(), also where something was taken back, a change at a time that makes no triangles meet. @pre none do
-/// @param meeting  may know an earlier mesh of these cells
-void improve_shape_carefully(MeasuredCovering& work, const ShapeGoal& goal, IntersectionTracker& meeting,
-                             std::vector<DualTriangle>& triangles, ShapeReport& report, const RunControl& control);
+/// Continues improve_shape(), also where changes were reverted, with changes that create no
+/// intersections. @pre there are none
+/// @param tracker  may hold an earlier mesh of these cells
+void improve_shape_without_intersections(MeasuredCovering& measured, const ShapeGoal& goal, IntersectionTracker& tracker,
+                                         std::vector<DualTriangle>& triangles, ShapeReport& report, const RunControl& control);
 
 }  // namespace isoatlas::detail

@@ -155,11 +155,11 @@ EvenSteps even_steps(const fs::path& path, const AxisCoordinates& coordinates, c
   if (!std::ranges::all_of(values, [](double value) { return std::isfinite(value); })) {
     throw bad_file(path, which + " are not finite");
   }
-  constexpr double kTolerance = 1e-3;     // of a step: far less than what a sample stands for
-  constexpr double kMostRounding = 1e-2;  // of a step
+  constexpr double kTolerance = 1e-3;    // of a step: far less than what a sample stands for
+  constexpr double kMaxRounding = 1e-2;  // of a step
   const double step = (values.back() - values.front()) / static_cast<double>(values.size() - 1);
   const double rounding = coordinates.rounding * std::max(std::abs(values.front()), std::abs(values.back()));
-  const double tolerance = std::abs(step) * kTolerance + std::min(rounding, std::abs(step) * kMostRounding);
+  const double tolerance = std::abs(step) * kTolerance + std::min(rounding, std::abs(step) * kMaxRounding);
   double smallest = values[1] - values[0], greatest = smallest, deviation = 0;
   for (std::size_t i = 1; i < values.size(); ++i) {
     smallest = std::min(smallest, values[i] - values[i - 1]);

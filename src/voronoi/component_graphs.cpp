@@ -9,18 +9,18 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::uint32_t kLeast = 1024;  // c-vertices of a group, but for the last one
+constexpr std::uint32_t kMinGroupSize = 1024;  // c-vertices per group; only the last one may have fewer
 
 }  // namespace
 
-ComponentGraphs::ComponentGraphs(const CVertexGraph& graph, const RunControl& control) : whole_(graph), first_{0} {
+ComponentGraphs::ComponentGraphs(const CVertexGraph& graph, const RunControl& control) : graph_(graph), first_{0} {
   CancelPoll poll(control);
   const CVertexId n = graph.c_vertex_count();
   std::vector<std::uint32_t> group_of(n, kNone), size;
   std::vector<CVertexId> front;
   const auto add_component = [&](CVertexId start) {
     if (group_of[start] != kNone) return;
-    if (size.empty() || size.back() >= kLeast) size.push_back(0);
+    if (size.empty() || size.back() >= kMinGroupSize) size.push_back(0);
     const auto group = static_cast<std::uint32_t>(size.size() - 1);
     front.push_back(start);
     group_of[start] = group;
@@ -43,12 +43,12 @@ ComponentGraphs::ComponentGraphs(const CVertexGraph& graph, const RunControl& co
 
   for (const std::uint32_t s : size) first_.push_back(first_.back() + s);
   c_vertices_.resize(n);
-  number_.resize(n);
+  id_in_group_.resize(n);
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
   for (CVertexId v = 0; v < n; ++v) {
     poll.step();
     const std::uint32_t group = group_of[v];
-    number_[v] = next[group] - first_[group];
+    id_in_group_[v] = next[group] - first_[group];
     c_vertices_[next[group]++] = v;
   }
   by_size_.resize(size.size());
@@ -56,24 +56,24 @@ ComponentGraphs::ComponentGraphs(const CVertexGraph& graph, const RunControl& co
   std::ranges::stable_sort(by_size_, std::ranges::greater{}, [&](std::uint32_t group) { return size[group]; });
 }
 
-CVertexGraph ComponentGraphs::graph_of(std::uint32_t group, const RunControl& control) const {
+CVertexGraph ComponentGraphs::subgraph(std::uint32_t group, const RunControl& control) const {
   CancelPoll poll(control);
   const std::span<const CVertexId> own = c_vertices(group);
   CVertexGraph out;
   out.first.resize(own.size() + 1);
   out.on_boundary.resize(own.size());
-  for (std::size_t k = 0; k < own.size(); ++k) out.first[k + 1] = out.first[k] + static_cast<std::uint32_t>(whole_.row(own[k]).size());
+  for (std::size_t k = 0; k < own.size(); ++k) out.first[k + 1] = out.first[k] + static_cast<std::uint32_t>(graph_.row(own[k]).size());
   out.neighbours.resize(out.first.back());
   out.is_diagonal.resize(out.first.back());
   for (std::size_t k = 0; k < own.size(); ++k) {
     poll.step();
     const CVertexId v = own[k];
-    std::ranges::transform(whole_.row(v), out.neighbours.begin() + out.first[k], [&](const CVertexGraph::Neighbour& w) {
-      return CVertexGraph::Neighbour{number_[w.id], w.weight};
+    std::ranges::transform(graph_.row(v), out.neighbours.begin() + out.first[k], [&](const CVertexGraph::Neighbour& w) {
+      return CVertexGraph::Neighbour{id_in_group_[w.id], w.weight};
     });
-    std::copy(whole_.is_diagonal.begin() + whole_.first[v], whole_.is_diagonal.begin() + whole_.first[v + 1],
+    std::copy(graph_.is_diagonal.begin() + graph_.first[v], graph_.is_diagonal.begin() + graph_.first[v + 1],
               out.is_diagonal.begin() + out.first[k]);
-    out.on_boundary[k] = whole_.on_boundary[v];
+    out.on_boundary[k] = graph_.on_boundary[v];
   }
   return out;
 }

@@ -21,7 +21,7 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr float kSlope = 1.0f / 3.0f;  // of radii along the surface, at most
+constexpr float kLipschitz = 1.0f / 3.0f;  // Lipschitz constant of the sizing field
 
 }  // namespace
 
@@ -41,7 +41,7 @@ void Covering::enqueue(CVertexId v) {
   (graph_.on_boundary[v] ? uncovered_boundary_ : uncovered_interior_).push(length_key(distance_[v], ~v));
 }
 
-void Covering::forget_changes() {
+void Covering::clear_changes() {
   changed_.clear();
   is_changed_.clear();
   all_changed_ = false;
@@ -52,7 +52,7 @@ const CellMembers& Covering::members() {
   return members_;
 }
 
-void Covering::put_in_cell(CVertexId v, CellId cell) {
+void Covering::assign_cell(CVertexId v, CellId cell) {
   CellId& now = partition_.cell_of[v];
   if (now == cell) return;
   reached_ += now == kNone;
@@ -68,95 +68,97 @@ void Covering::insert(CVertexId v, const RunControl& control) {
   CancelPoll poll(control);
   const CellId cell = site_count();
   partition_.site.push_back(v);
-  placed_in_.push_back(partition_.cell_of[v]);
+  inserted_in_.push_back(partition_.cell_of[v]);
   front_.clear();
   distance_[v] = 0;
   if (has_members_) members_.add_cells(1);
-  put_in_cell(v, cell);
+  assign_cell(v, cell);
   front_.push(length_key(0, v));
   while (!front_.empty()) {
     poll.step();
     const std::uint64_t key = front_.pop();
     const CVertexId w = key_id(key);
     if (key_length(key) > distance_[w]) continue;
-    if (!is_covered(w)) enqueue(w);  // only a c-vertex of a new component, or one whose radius was lowered just now
+    if (!is_covered(w)) enqueue(w);  // a c-vertex of a new component, or one whose radius was just lowered
     for (const CVertexGraph::Neighbour& n : graph_.row(w)) {
       const float d = distance_[w] + n.weight;
-      if (d >= distance_[n.id]) continue;  // equal distances stay with the earlier site
+      if (d >= distance_[n.id]) continue;  // ties go to the earlier site
       distance_[n.id] = d;
-      put_in_cell(n.id, cell);
+      assign_cell(n.id, cell);
       front_.push(length_key(d, n.id));
     }
   }
 }
 
-bool Covering::has_slope() const {
+bool Covering::is_lipschitz() const {
   constexpr float kRounding = 1e-5f;
   for (CVertexId v = 0; v < graph_.c_vertex_count(); ++v) {
     for (const CVertexGraph::Neighbour& n : graph_.row(v)) {
-      if (radius_[v] > (radius_[n.id] + n.weight * kSlope) * (1 + kRounding)) return false;
+      if (radius_[v] > (radius_[n.id] + n.weight * kLipschitz) * (1 + kRounding)) return false;
     }
   }
   return true;
 }
 
-// Distances and cells of the c-vertices that stay in their cells do not depend on later sites. (Nor does it matter in which order sites
-// come: distances are the smallest over all paths, and of equal ones the earliest site has the c-vertex.)
+// Distances and cells of c-vertices that keep their cell do not depend on later sites. The order of
+// insertion does not matter either: a distance is the minimum over all paths, and the earliest of
+// the nearest sites gets the c-vertex.
 void Covering::remove_sites(std::uint32_t count, const RunControl& control) {
   CancelPoll poll(control);
-  std::vector<CVertexId> freed;
-  for (CellId c = count; c < site_count(); ++c) members().for_each(c, [&](CVertexId v) { freed.push_back(v); });
-  for (const CVertexId v : freed) {
+  std::vector<CVertexId> unassigned;
+  for (CellId c = count; c < site_count(); ++c) members().for_each(c, [&](CVertexId v) { unassigned.push_back(v); });
+  for (const CVertexId v : unassigned) {
     poll.step();
     members_.erase(v, std::exchange(partition_.cell_of[v], kNone));
     distance_[v] = std::numeric_limits<float>::infinity();
   }
-  reached_ -= freed.size();
+  reached_ -= unassigned.size();
   partition_.site.resize(count);
-  placed_in_.resize(count);
+  inserted_in_.resize(count);
   if (has_members_) members_.remove_cells(count);
 
   MonotoneQueue front;
-  for (const CVertexId v : freed) {
+  for (const CVertexId v : unassigned) {
     poll.step();
     for (const CVertexGraph::Neighbour& w : graph_.row(v)) {
       if (partition_.cell_of[w.id] != kNone) front.push(length_key(distance_[w.id], w.id));
     }
   }
-  spread_distances(front, control);
-  for (const CVertexId v : freed) {
+  propagate_distances(front, control);
+  for (const CVertexId v : unassigned) {
     poll.step();
-    put_in_cell(v, std::exchange(partition_.cell_of[v], kNone));
+    assign_cell(v, std::exchange(partition_.cell_of[v], kNone));
   }
-  std::erase_if(freed, [&](CVertexId v) { return is_covered(v); });
-  raise_radii(freed, control);
-  assert(has_slope());
+  std::erase_if(unassigned, [&](CVertexId v) { return is_covered(v); });
+  raise_radii(unassigned, control);
+  assert(is_lipschitz());
 }
 
-std::vector<float> Covering::reach() const {
+std::vector<float> Covering::farthest_distances() const {
   std::vector<float> farthest(site_count(), 0);
   for (CVertexId v = 0; v < distance_.size(); ++v) {
-    float& most = farthest[partition_.cell_of[v]];
-    most = std::max(most, distance_[v]);
+    float& farthest_in_cell = farthest[partition_.cell_of[v]];
+    farthest_in_cell = std::max(farthest_in_cell, distance_[v]);
   }
   return farthest;
 }
 
 std::vector<CellId> Covering::shrink(std::span<const CellId> cells) {
-  const std::vector<float> farthest = reach();
+  const std::vector<float> farthest = farthest_distances();
   std::vector<CellId> single;
-  std::vector<Radius> lower;
+  std::vector<Radius> lowered;
   for (const CellId c : cells) {
     if (farthest[c] == 0) {
       single.push_back(c);
       continue;
     }
-    // Radii rise by a third of the distance: with two thirds of it at the site the farthest c-vertex is not covered any more.
+    // Radii grow by a third of the distance, so with 2/3 of this distance at the site the farthest
+    // c-vertex is no longer covered.
     const CVertexId site = partition_.site[c];
-    lower.push_back({site, std::min(0.7f * radius_[site], 0.66f * farthest[c])});
+    lowered.push_back({site, std::min(0.7f * radius_[site], 0.66f * farthest[c])});
   }
-  lower_radii(lower);
-  assert(has_slope());
+  lower_radii(lowered);
+  assert(is_lipschitz());
   return single;
 }
 
@@ -165,7 +167,7 @@ void Covering::lower_radius(CVertexId v, float radius, const RunControl& control
   front_.clear();
   radius_[v] = radius;
   front_.push(length_key(radius, v));
-  spread_radii(front_, control);
+  propagate_radii(front_, control);
 }
 
 void Covering::lower_radii(std::span<const Radius> radii, const RunControl& control) {
@@ -175,11 +177,11 @@ void Covering::lower_radii(std::span<const Radius> radii, const RunControl& cont
     radius_[r.at] = r.radius;
     front.push(length_key(r.radius, r.at));
   }
-  spread_radii(front, control);
+  propagate_radii(front, control);
 }
 
 template <class Queue>
-void Covering::spread_radii(Queue& front, const RunControl& control) {
+void Covering::propagate_radii(Queue& front, const RunControl& control) {
   CancelPoll poll(control);
   while (!front.empty()) {
     poll.step();
@@ -188,7 +190,7 @@ void Covering::spread_radii(Queue& front, const RunControl& control) {
     if (key_length(key) > radius_[w]) continue;
     if (partition_.cell_of[w] != kNone && !is_covered(w)) enqueue(w);
     for (const CVertexGraph::Neighbour& n : graph_.row(w)) {
-      const float r = radius_[w] + n.weight * kSlope;
+      const float r = radius_[w] + n.weight * kLipschitz;
       if (r >= radius_[n.id]) continue;
       radius_[n.id] = r;
       front.push(length_key(r, n.id));
@@ -196,7 +198,7 @@ void Covering::spread_radii(Queue& front, const RunControl& control) {
   }
 }
 
-void Covering::spread_distances(MonotoneQueue& front, const RunControl& control) {
+void Covering::propagate_distances(MonotoneQueue& front, const RunControl& control) {
   CancelPoll poll(control);
   while (!front.empty()) {
     poll.step();
@@ -206,7 +208,7 @@ void Covering::spread_distances(MonotoneQueue& front, const RunControl& control)
     for (const CVertexGraph::Neighbour& n : graph_.row(w)) {
       const float d = distance_[w] + n.weight;
       CellId& cell = partition_.cell_of[n.id];
-      // Equal distances go to the earlier site.
+      // Ties go to the earlier site.
       if (d > distance_[n.id] || (d == distance_[n.id] && partition_.cell_of[w] >= cell)) continue;
       distance_[n.id] = d;
       cell = partition_.cell_of[w];
@@ -215,7 +217,7 @@ void Covering::spread_distances(MonotoneQueue& front, const RunControl& control)
   }
 }
 
-void Covering::cover_by_radii(const RunControl& control) {
+void Covering::raise_radii_to_cover(const RunControl& control) {
   reached_ = 0;
   std::vector<CVertexId> uncovered;
   for (CVertexId v = 0; v < graph_.c_vertex_count(); ++v) {
@@ -224,28 +226,29 @@ void Covering::cover_by_radii(const RunControl& control) {
     if (!is_covered(v)) uncovered.push_back(v);
   }
   raise_radii(uncovered, control);
-  assert(has_slope());
+  assert(is_lipschitz());
 }
 
-// Radii that leave something uncovered become those that cover it, and those around them rise as far as the slope asks for: of all
-// radii with that slope that cover everything and are nowhere below those there were, the smallest.
+// Raises the radius of each uncovered c-vertex until it is covered, and the radii around it as far
+// as the Lipschitz condition requires. The result is the smallest Lipschitz sizing field that
+// covers everything and is nowhere below the old one.
 void Covering::raise_radii(std::span<const CVertexId> uncovered, const RunControl& control) {
   CancelPoll poll(control);
-  FarthestFirst rising;
+  FarthestFirst raised;
   for (const CVertexId v : uncovered) {
     radius_[v] = distance_[v] * (1.001f / (graph_.on_boundary[v] ? kBoundaryShare : 1.0f));
-    rising.push(length_key(radius_[v], ~v));
+    raised.push(length_key(radius_[v], ~v));
   }
-  while (!rising.empty()) {
+  while (!raised.empty()) {
     poll.step();
-    const std::uint64_t key = rising.pop();
+    const std::uint64_t key = raised.pop();
     const CVertexId v = ~key_id(key);
-    if (key_length(key) < radius_[v]) continue;  // has risen more since
+    if (key_length(key) < radius_[v]) continue;  // was raised further since
     for (const CVertexGraph::Neighbour& n : graph_.row(v)) {
-      const float r = radius_[v] - n.weight * kSlope;
+      const float r = radius_[v] - n.weight * kLipschitz;
       if (r <= radius_[n.id]) continue;
       radius_[n.id] = r;
-      rising.push(length_key(r, ~n.id));
+      raised.push(length_key(r, ~n.id));
     }
   }
 }
@@ -253,25 +256,25 @@ void Covering::raise_radii(std::span<const CVertexId> uncovered, const RunContro
 void Covering::seed(std::span<const CVertexId> sites, std::span<const Radius> radii, const RunControl& control) {
   for (const Radius& r : radii) radius_[r.at] = std::min(radius_[r.at], r.radius);
   MonotoneQueue front;
-  for (const Radius& r : radii) {  // most radii lower none beside them
-    const auto lowers = [&](const CVertexGraph::Neighbour& n) { return radius_[r.at] + n.weight * kSlope < radius_[n.id]; };
+  for (const Radius& r : radii) {  // most radii do not lower any neighbour's
+    const auto lowers = [&](const CVertexGraph::Neighbour& n) { return radius_[r.at] + n.weight * kLipschitz < radius_[n.id]; };
     if (std::ranges::any_of(graph_.row(r.at), lowers)) front.push(length_key(radius_[r.at], r.at));
   }
-  spread_radii(front, control);
+  propagate_radii(front, control);
 
   front.clear();
   for (const CVertexId v : sites) {
     distance_[v] = 0;
     partition_.cell_of[v] = site_count();
     partition_.site.push_back(v);
-    placed_in_.push_back(kNone);
+    inserted_in_.push_back(kNone);
     front.push(length_key(0, v));
   }
-  spread_distances(front, control);
-  cover_by_radii(control);
+  propagate_distances(front, control);
+  raise_radii_to_cover(control);
 }
 
-void Covering::continue_on(std::span<const std::uint8_t> changed, std::span<const CVertexId> sites, const RunControl& control) {
+void Covering::adapt_to(std::span<const std::uint8_t> changed, std::span<const CVertexId> sites, const RunControl& control) {
   const CVertexId n = graph_.c_vertex_count();
   const std::vector<CellId> cell_before = partition_.cell_of;
   const std::vector<CVertexId> site_before = std::exchange(partition_.site, {sites.begin(), sites.end()});
@@ -288,14 +291,15 @@ void Covering::continue_on(std::span<const std::uint8_t> changed, std::span<cons
     if (!changed[v]) continue;
     poll.step();
     for (const CVertexGraph::Neighbour& w : graph_.row(v)) {
-      if (radius_[v] + w.weight * kSlope < radius_[w.id]) front.push(length_key(radius_[v], v));
-      if (radius_[w.id] + w.weight * kSlope < radius_[v]) front.push(length_key(radius_[w.id], w.id));
+      if (radius_[v] + w.weight * kLipschitz < radius_[w.id]) front.push(length_key(radius_[v], v));
+      if (radius_[w.id] + w.weight * kLipschitz < radius_[v]) front.push(length_key(radius_[w.id], w.id));
     }
   }
-  spread_radii(front, control);
+  propagate_radii(front, control);
 
-  // A cell's distances are lengths of paths in the cell. So those of cells in which no row changed are still right, unless there are
-  // shorter paths now; the others are found anew, from their sites and from the cells around.
+  // A distance is the length of a path inside the cell. So distances of cells without a changed row
+  // are still valid unless a shorter path has appeared. The other cells are recomputed from their
+  // sites and from the cells around them.
   std::vector<std::uint8_t> is_stale(site_count(), 0);
   for (CVertexId v = 0; v < n; ++v) {
     if (changed[v] && partition_.cell_of[v] != kNone) is_stale[partition_.cell_of[v]] = 1;
@@ -325,8 +329,8 @@ void Covering::continue_on(std::span<const std::uint8_t> changed, std::span<cons
   for (CellId c = 0; c < site_count(); ++c) {
     if (is_stale[c]) front.push(length_key(0, partition_.site[c]));
   }
-  spread_distances(front, control);
-  cover_by_radii(control);
+  propagate_distances(front, control);
+  raise_radii_to_cover(control);
 
   for (CVertexId v = 0; v < n && !all_changed_; ++v) {
     const bool is_other = v >= cell_before.size() || partition_.cell_of[v] != cell_before[v];
@@ -341,7 +345,7 @@ CVertexId Covering::farthest_uncovered() {
       const CVertexId v = ~key_id(key);
       queued_[v] = 0;
       if (is_covered(v)) continue;
-      if (distance_[v] < key_length(key)) {  // nearer now than when it was filed
+      if (distance_[v] < key_length(key)) {  // out of date: it has become nearer since it was pushed
         enqueue(v);
         continue;
       }
@@ -351,10 +355,11 @@ CVertexId Covering::farthest_uncovered() {
   return kNone;
 }
 
-void Covering::cover_reached(const RunControl& control) {
+void Covering::cover_reached_components(const RunControl& control) {
   for (std::size_t inserted = 0;; ++inserted) {
-    if (inserted % 16 == 0) {  // large disks ask whether to stop while they look for events
-      const std::size_t uncovered = uncovered_boundary_.size() + uncovered_interior_.size();  // some are covered by now
+    if (inserted % 16 == 0) {  // event searches of large disks test for cancellation themselves
+      // an upper bound: the queues also hold c-vertices that have been covered since
+      const std::size_t uncovered = uncovered_boundary_.size() + uncovered_interior_.size();
       progress_ = std::max(progress_, static_cast<double>(reached_ - std::min(reached_, uncovered)) / graph_.c_vertex_count());
       control.report("cover", progress_);
     }
@@ -371,17 +376,17 @@ void Covering::add_disk(CVertexId v, const RunControl& control) {
 
 void Covering::cover(const RunControl& control) {
   if (site_count() == 0) {
-    if (const ComponentGraphs groups(graph_, control); groups.count() > 1) return cover_apart(groups, control);
+    if (const ComponentGraphs groups(graph_, control); groups.count() > 1) return cover_groups(groups, control);
   }
   cover_all(control);
 }
 
 void Covering::cover_all(const RunControl& control) {
   const CVertexId n = graph_.c_vertex_count();
-  cover_reached(control);
+  cover_reached_components(control);
   const auto start = [&](CVertexId v) {
     add_disk(v, control);
-    cover_reached(control);
+    cover_reached_components(control);
   };
   for (; next_boundary_ < n; ++next_boundary_) {
     if (graph_.on_boundary[next_boundary_] && partition_.cell_of[next_boundary_] == kNone) start(next_boundary_);
@@ -389,13 +394,14 @@ void Covering::cover_all(const RunControl& control) {
   for (; next_interior_ < n; ++next_interior_) {
     if (partition_.cell_of[next_interior_] == kNone) start(next_interior_);
   }
-  assert(has_slope());
+  assert(is_lipschitz());
 }
 
-// Each group by a covering of its own; then their sites one group after the other. @pre there are no sites
-void Covering::cover_apart(const ComponentGraphs& groups, const RunControl& control) {
-  std::vector<Partition> parts(groups.count());  // their cell_of stays empty
-  std::vector<std::vector<CellId>> placed_in(groups.count());
+// Covers each group with its own Covering and appends their sites group by group. @pre there are no
+// sites
+void Covering::cover_groups(const ComponentGraphs& groups, const RunControl& control) {
+  std::vector<Partition> partitions(groups.count());  // their cell_of stays empty
+  std::vector<std::vector<CellId>> inserted_in(groups.count());
   std::atomic<std::size_t> covered = 0;
   const std::thread::id caller = std::this_thread::get_id();
   RunControl quiet = control;
@@ -404,19 +410,19 @@ void Covering::cover_apart(const ComponentGraphs& groups, const RunControl& cont
     const std::uint32_t group = groups.by_size()[i];
     const std::span<const CVertexId> own = groups.c_vertices(group);
     control.check_cancelled();
-    const CVertexGraph graph = groups.graph_of(group, control);
-    Covering part(graph, options_);
-    if (!events_) part.ignore_events();
-    for (std::size_t k = 0; k < own.size(); ++k) part.radius_[k] = radius_[own[k]];
-    part.cover_all(quiet);
+    const CVertexGraph graph = groups.subgraph(group, control);
+    Covering group_covering(graph, options_);
+    if (!events_) group_covering.ignore_events();
+    for (std::size_t k = 0; k < own.size(); ++k) group_covering.radius_[k] = radius_[own[k]];
+    group_covering.cover_all(quiet);
     for (std::size_t k = 0; k < own.size(); ++k) {
-      distance_[own[k]] = part.distance_[k];
-      radius_[own[k]] = part.radius_[k];
-      partition_.cell_of[own[k]] = part.partition_.cell_of[k];
+      distance_[own[k]] = group_covering.distance_[k];
+      radius_[own[k]] = group_covering.radius_[k];
+      partition_.cell_of[own[k]] = group_covering.partition_.cell_of[k];
     }
-    for (CVertexId& v : part.partition_.site) v = own[v];
-    parts[group].site = std::move(part.partition_.site);
-    placed_in[group] = std::move(part.placed_in_);
+    for (CVertexId& v : group_covering.partition_.site) v = own[v];
+    partitions[group].site = std::move(group_covering.partition_.site);
+    inserted_in[group] = std::move(group_covering.inserted_in_);
     covered += own.size();
     if (std::this_thread::get_id() == caller) control.report("cover", static_cast<double>(covered) / graph_.c_vertex_count());
   });
@@ -424,8 +430,8 @@ void Covering::cover_apart(const ComponentGraphs& groups, const RunControl& cont
     const CellId first = site_count();
     control.check_cancelled();
     for (const CVertexId v : groups.c_vertices(group)) partition_.cell_of[v] += first;
-    partition_.site.insert(partition_.site.end(), parts[group].site.begin(), parts[group].site.end());
-    for (const CellId cell : placed_in[group]) placed_in_.push_back(cell == kNone ? kNone : first + cell);
+    partition_.site.insert(partition_.site.end(), partitions[group].site.begin(), partitions[group].site.end());
+    for (const CellId cell : inserted_in[group]) inserted_in_.push_back(cell == kNone ? kNone : first + cell);
   }
   reached_ = graph_.c_vertex_count();
   next_boundary_ = next_interior_ = graph_.c_vertex_count();

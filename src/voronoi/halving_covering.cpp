@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage one as the paper has it.
+// Stage one as the paper describes it.
 //
 // Based on:
 //   [gavriliu2001]  section 3.3, figures 3 (the loop), 4 (events), 5 (bins), 7 (halving).
-// Where the figures leave a choice or cannot be meant as they stand: docs/theory/04-covering.md.
+// Choices that the figures leave open, and corrections to them: docs/theory/04-covering.md.
 #include "voronoi/halving_covering.h"
 
 #include <algorithm>
@@ -32,13 +32,14 @@ class Halving {
     CVertexId id;
     float distance;
   };
-  // One disk on a c-vertex's list.
+  // One disk in the list of a c-vertex.
   struct Entry {
     DiskId disk;
     std::uint32_t next;
   };
-  // Of the other disks that have a c-vertex in common with one; kNone where there are none. Ties go to the earlier disk.
-  struct Meeting {
+  // The smallest and the largest of the disks that overlap a disk; kNone if there are none. Ties go
+  // to the earlier disk.
+  struct OverlappingDisks {
     DiskId smallest = kNone, largest = kNone;
   };
 
@@ -46,34 +47,34 @@ class Halving {
   bool is_forbidden(CVertexId v) const { return disks_of_[v] != kNone; }
   std::uint64_t bin_key(CVertexId v) const;
 
-  void place(CVertexId v);
+  void place_disk(CVertexId v);
   void enforce_radius_constraints(DiskId first);
   void halve(DiskId disk);
-  Meeting meeting(DiskId disk);
+  OverlappingDisks find_overlapping(DiskId disk);
   void grow(CVertexId centre, float radius);
-  void put_into_bin(CVertexId v, int i);
+  void move_to_bin(CVertexId v, int i);
   void forbid(CVertexId v, DiskId disk);
-  void allow(CVertexId v, DiskId disk);
+  void unforbid(CVertexId v, DiskId disk);
 
   const CVertexGraph& graph_;
   EventFinder events_;
   float max_radius_;
   std::vector<CVertexId> site_;          // per disk
-  std::vector<std::uint16_t> halvings_;  // per disk the i of R_g / 2^i
-  std::vector<std::uint16_t> bin_;       // per c-vertex the largest i it was told, forbidden or not
-  KeyHeap<std::greater<>> bins_;         // see bin_key(); what is out of date is dropped when popped
+  std::vector<std::uint16_t> halvings_;  // per disk, the i of R_g / 2^i
+  std::vector<std::uint16_t> bin_;       // per c-vertex, the largest i it was assigned, even while it is forbidden
+  KeyHeap<std::greater<>> bins_;         // see bin_key(); entries that are out of date are dropped when popped
   std::vector<std::uint32_t> disks_of_;  // per c-vertex, the first entry of its list; kNone: in no disk, so not forbidden
   std::vector<Entry> entries_;
-  std::uint32_t unused_ = kNone;  // first of a list of entries
-  std::size_t forbidden_ = 0;     // how many c-vertices are
+  std::uint32_t unused_ = kNone;  // first of the list of free entries
+  std::size_t forbidden_ = 0;     // number of forbidden c-vertices
 
-  std::vector<float> distance_;  // infinite but for the c-vertices of ball_
-  std::vector<Reached> ball_;    // what grow() found, nearest first
+  std::vector<float> distance_;  // infinite except for the c-vertices of ball_
+  std::vector<Reached> ball_;    // result of grow(), nearest first
   NearestFirst front_;
   std::vector<DiskId> to_check_;
 };
 
-// Lowest bin first; in a bin boundary c-vertices, then scan order.
+// Orders by bin, then boundary before interior c-vertices, then by id.
 std::uint64_t Halving::bin_key(CVertexId v) const {
   return static_cast<std::uint64_t>(bin_[v]) << 33 | static_cast<std::uint64_t>(graph_.on_boundary[v] ? 0 : 1) << 32 | v;
 }
@@ -81,15 +82,15 @@ std::uint64_t Halving::bin_key(CVertexId v) const {
 // Figure 3.
 DiskCovering Halving::cover(const RunControl& control) {
   for (CVertexId v = 0; v < graph_.c_vertex_count(); ++v) bins_.push(bin_key(v));
-  std::size_t most = 0;  // halving takes back some, progress does not
+  std::size_t most_forbidden = 0;  // halving lowers the count, but progress must not fall
   while (!bins_.empty()) {
     const std::uint64_t key = bins_.pop();
     const CVertexId v = key_id(key);
     if (is_forbidden(v) || key != bin_key(v)) continue;
     control.check_cancelled();
-    most = std::max(most, forbidden_);
-    if (site_.size() % 64 == 0) control.report("cover", static_cast<double>(most) / graph_.c_vertex_count());
-    place(v);
+    most_forbidden = std::max(most_forbidden, forbidden_);
+    if (site_.size() % 64 == 0) control.report("cover", static_cast<double>(most_forbidden) / graph_.c_vertex_count());
+    place_disk(v);
     enforce_radius_constraints(static_cast<DiskId>(site_.size() - 1));
   }
   DiskCovering out;
@@ -99,13 +100,15 @@ DiskCovering Halving::cover(const RunControl& control) {
   return out;
 }
 
-// A new disk, as large as bin, events and the smaller disks it meets allow, and figure 5 for every radius it had on the way.
-void Halving::place(CVertexId v) {
+// Adds a disk as large as its bin, topological events and the smaller disks it overlaps allow, and
+// applies figure 5 for every radius it had in between.
+void Halving::place_disk(CVertexId v) {
   int first = bin_[v];
   const float event = events_.event_radius(v, radius(first));
   while (radius(first) > event) ++first;
 
-  // Halving against smaller disks looks at what is inside only, and leaves alone what lies between two radii.
+  // Halving for smaller disks only considers the inside of the disk, and keeps what lies between
+  // two radii.
   grow(v, 3 * radius(first));
   int last = first;
   for (const Reached& x : ball_) {
@@ -124,23 +127,24 @@ void Halving::place(CVertexId v) {
       forbid(x.id, disk);
       continue;
     }
-    while (x.distance >= 2 * radius(i)) --i;  // ends at first - 1: x is nearer than 3 R_g / 2^first
-    put_into_bin(x.id, i);
+    while (x.distance >= 2 * radius(i)) --i;  // ends at first - 1, since x is nearer than 3 R_g / 2^first
+    move_to_bin(x.id, i);
   }
 }
 
-// Figure 7, with a stack for its recursion: the last disk is looked at until it is right, then the one before once more. Ends: a
-// disk is halved only while it is more than twice as large as another, so none gets smaller than the first one.
+// Figure 7, with a stack instead of recursion: the last disk is checked until it is right, then the
+// previous one is checked again. This ends: a disk is halved only while it is more than twice as
+// large as another one, so none gets smaller than the first one.
 void Halving::enforce_radius_constraints(DiskId first) {
   to_check_.assign(1, first);
   while (!to_check_.empty()) {
     const DiskId disk = to_check_.back();
-    const Meeting met = meeting(disk);
-    if (met.smallest != kNone && halvings_[met.smallest] > halvings_[disk] + 1) {
+    const OverlappingDisks overlapping = find_overlapping(disk);
+    if (overlapping.smallest != kNone && halvings_[overlapping.smallest] > halvings_[disk] + 1) {
       halve(disk);
-    } else if (met.largest != kNone && halvings_[met.largest] + 1 < halvings_[disk]) {
-      halve(met.largest);
-      to_check_.push_back(met.largest);
+    } else if (overlapping.largest != kNone && halvings_[overlapping.largest] + 1 < halvings_[disk]) {
+      halve(overlapping.largest);
+      to_check_.push_back(overlapping.largest);
     } else {
       to_check_.pop_back();
     }
@@ -152,16 +156,16 @@ void Halving::halve(DiskId disk) {
   grow(site_[disk], before);
   for (const Reached& x : ball_) {
     if (x.distance < now) continue;
-    allow(x.id, disk);
+    unforbid(x.id, disk);
     bin_[x.id] = std::max(bin_[x.id], halvings_[disk]);
     if (!is_forbidden(x.id)) bins_.push(bin_key(x.id));
   }
 }
 
-Halving::Meeting Halving::meeting(DiskId disk) {
+Halving::OverlappingDisks Halving::find_overlapping(DiskId disk) {
   const auto is_smaller = [&](DiskId a, DiskId b) { return halvings_[a] != halvings_[b] ? halvings_[a] > halvings_[b] : a < b; };
   const auto is_larger = [&](DiskId a, DiskId b) { return halvings_[a] != halvings_[b] ? halvings_[a] < halvings_[b] : a < b; };
-  Meeting out;
+  OverlappingDisks out;
   grow(site_[disk], radius(halvings_[disk]));
   for (const Reached& x : ball_) {
     for (std::uint32_t e = disks_of_[x.id]; e != kNone; e = entries_[e].next) {
@@ -174,7 +178,7 @@ Halving::Meeting Halving::meeting(DiskId disk) {
   return out;
 }
 
-// The disk D_centre^radius, into ball_.
+// Stores the disk D_centre^radius in ball_.
 void Halving::grow(CVertexId centre, float radius) {
   for (const Reached& x : ball_) distance_[x.id] = std::numeric_limits<float>::infinity();
   ball_.clear();
@@ -194,7 +198,7 @@ void Halving::grow(CVertexId centre, float radius) {
   }
 }
 
-void Halving::put_into_bin(CVertexId v, int i) {
+void Halving::move_to_bin(CVertexId v, int i) {
   if (i <= bin_[v]) return;
   bin_[v] = static_cast<std::uint16_t>(i);
   if (!is_forbidden(v)) bins_.push(bin_key(v));
@@ -212,7 +216,7 @@ void Halving::forbid(CVertexId v, DiskId disk) {
   disks_of_[v] = e;
 }
 
-void Halving::allow(CVertexId v, DiskId disk) {
+void Halving::unforbid(CVertexId v, DiskId disk) {
   std::uint32_t* at = &disks_of_[v];
   while (entries_[*at].disk != disk) at = &entries_[*at].next;
   const std::uint32_t e = *at;
@@ -235,7 +239,7 @@ void cover_from(const DiskCovering& disks, const CVertexGraph& graph, Covering& 
   covering.seed(disks.sites, radii, control);
 
   const Partition& partition = covering.partition();
-  for (bool again = true; again;) {  // ends: whatever is uncovered here brings a site
+  for (bool again = true; again;) {  // ends: whatever is uncovered here adds a site
     covering.cover(control);
     again = false;
     for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {

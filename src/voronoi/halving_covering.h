@@ -8,22 +8,27 @@
 
 namespace isoatlas::detail {
 
-/// Disks, each the c-vertices nearer to its site than its radius.
+/// A set of disks; each holds the c-vertices nearer to its site than its radius.
 struct DiskCovering {
   std::vector<CVertexId> sites;  ///< in the order in which the disks were placed
   std::vector<float> radii;      ///< per site, R_g / 2^i
 };
 
-/// The paper's own stage one: bins, forbidden c-vertices, radii that are halved one by one.
+/// Stage one as the paper describes it: bins, forbidden c-vertices, radii that are halved one at a
+/// time.
 ///
-/// Every c-vertex is in a disk; no site is in another's disk; radii of disks that have a c-vertex in common differ by at most a
-/// factor of two; no disk has a topological event. To be compared with Covering::cover(), which it can seed.
-/// @source paper, section 3.3, figures 3 to 7; where they leave a choice: docs/theory/04-covering.md
-/// @cost a Dijkstra over three radii per disk, one over a radius per halving; see there for what that comes to
+/// Every c-vertex is in a disk; no site is in another site's disk; radii of overlapping disks
+/// differ by at most a factor of two; no disk has a topological event. An alternative to
+/// Covering::cover(), which it can seed.
+/// @source paper, section 3.3, figures 3 to 7; choices that they leave open:
+///         docs/theory/04-covering.md
+/// @cost one Dijkstra search over three radii per disk and one over a radius per halving; total:
+///       see there
 DiskCovering cover_by_halving(const CVertexGraph& graph, const CoveringOptions& options, const RunControl& control);
 
-/// Starts from these disks, and adds sites until no interior site owns a boundary c-vertex, of which the paper does not speak.
-/// @pre nothing was inserted yet
+/// Starts a covering from these disks and inserts sites until no interior site owns a boundary
+/// c-vertex, a case that the paper does not discuss.
+/// @pre no site was inserted yet
 void cover_from(const DiskCovering& disks, const CVertexGraph& graph, Covering& covering, const RunControl& control);
 
 }  // namespace isoatlas::detail

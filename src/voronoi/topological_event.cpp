@@ -35,15 +35,16 @@ float EventFinder::event_radius(CVertexId v, float limit, const RunControl& cont
   distance_[v] = 0;
   front_.push(length_key(0, v));
 
-  // Grow in stages, and beyond the limit only while a split below it may still close within the persistence.
+  // Grow in stages. Growth beyond the limit is only needed while a split below the limit may still
+  // close within the persistence.
   bool pending = false;
   for (float radius = first_stage_;; radius *= 2) {
     const float last = pending ? limit + persistence_ : limit;
     const float reach = std::min(radius, last);
     settle_up_to(reach, control);
     const bool swallowed = front_.empty();
-    Finding found{kNever, kNever};
-    if (splits_ > 0) found = judge_splits(reach, swallowed, control);
+    SplitEvents found{kNever, kNever};
+    if (splits_ > 0) found = classify_splits(reach, swallowed, control);
     if (swallowed) found.event = std::min(found.event, distance_[settled_.back()]);
     if (found.event < limit && found.event <= found.pending) return found.event;
     pending = found.pending < limit;
@@ -73,12 +74,13 @@ void EventFinder::settle_up_to(float radius, const RunControl& control) {
       front_.push(length_key(d, n.id));
     }
   }
-  // Drop what is out of date, so that an empty front means a swallowed component.
+  // Drop entries that are out of date, so that an empty front means a swallowed component.
   while (!front_.empty() && stamp_[key_id(front_.top())] == 2 * round_ + 1) front_.pop();
 }
 
-// Maximal runs of settled neighbours around v. Two settled sides of a quad count as connected through their diagonal, so the
-// fourth corner between them does not part them. For a boundary c-vertex the row is a path that something unsettled closes.
+// Number of maximal runs of settled neighbours around v. Two settled sides of a quad count as
+// connected through their diagonal, so the fourth corner between them does not separate them. For a
+// boundary c-vertex the row is a path, closed by something that is not settled.
 int EventFinder::settled_arcs(CVertexId v) const {
   const std::uint32_t begin = graph_.first[v], end = graph_.first[v + 1];
   const bool boundary = graph_.on_boundary[v];
@@ -106,17 +108,18 @@ std::uint32_t EventFinder::find(std::uint32_t i) {
   return i;
 }
 
-// Which splits are events: undoes the growth from the far end, joining the pieces of what is not settled, and sees which of
-// them meet at a split and how high the lower one is. What is beyond reach hangs together with the outside for now, so an
-// infinite persistence is only believed from splits that lie deeper than the persistence asked for.
-EventFinder::Finding EventFinder::judge_splits(float reach, bool swallowed, const RunControl& control) {
+// Decides which splits are events. Undoes the growth from the last step to the first and joins the
+// components of the unsettled c-vertices; at a split this yields which components join and how high
+// the lower one is. Everything beyond the reach is connected to the outside for now, so an infinite
+// persistence is only certain for splits that lie deeper than the persistence asked for.
+EventFinder::SplitEvents EventFinder::classify_splits(float reach, bool swallowed, const RunControl& control) {
   const auto steps = static_cast<std::uint32_t>(settled_.size());
   const std::uint32_t outside = steps;
   parent_.resize(steps + 1);
   std::iota(parent_.begin(), parent_.end(), 0u);
   peak_.resize(steps + 1);
   peak_[outside] = kNever;
-  Finding found{kNever, kNever};  // steps go down, so the last ones found have the smallest distances
+  SplitEvents found{kNever, kNever};  // steps go down, so the last splits found have the smallest distances
 
   const auto unite = [&](std::uint32_t a, std::uint32_t b) {  // roots; the higher peak survives
     if (peak_[a] < peak_[b]) std::swap(a, b);
@@ -135,7 +138,8 @@ EventFinder::Finding EventFinder::judge_splits(float reach, bool swallowed, cons
       const CVertexId u = graph_.neighbours[i].id;
       return find(stamp_[u] == 2 * round_ + 1 ? step_[u] : outside);
     };
-    // A diagonal between two settled sides: those are joined through the quad, so it is neither a gap nor connected to w.
+    // A diagonal between two settled sides: these are connected through the quad, so it is neither
+    // a gap nor connected to w.
     const auto is_cut_off = [&](std::uint32_t i) {
       return graph_.is_diagonal[i] && is_settled(i - 1) && is_settled(i + 1 == end ? begin : i + 1);
     };
@@ -143,9 +147,10 @@ EventFinder::Finding EventFinder::judge_splits(float reach, bool swallowed, cons
     if (graph_.on_boundary[w]) mine = unite(mine, find(outside));
 
     if (split_[step]) {
-      // One unsettled neighbour for each gap between arcs. The gap that the boundary closes is the outside, joined above.
+      // One unsettled neighbour for each gap between arcs. The gap at the boundary is the outside,
+      // joined above.
       std::uint32_t merged = graph_.on_boundary[w] ? mine : kNone;
-      float died = -1;  // highest peak of a piece that ends here; infinite for a handle
+      float died = -1;  // highest peak of a component that ends here; infinite for a handle
       const auto gap = [&](std::uint32_t i) {
         const std::uint32_t p = piece(i);
         if (merged == kNone) {
@@ -163,9 +168,9 @@ EventFinder::Finding EventFinder::judge_splits(float reach, bool swallowed, cons
       if (!graph_.on_boundary[w]) {
         while (!is_settled(begin + start)) ++start;
       }
-      bool in_gap = graph_.on_boundary[w];  // the leading run belongs to the boundary's gap
+      bool in_gap = graph_.on_boundary[w];  // the leading run belongs to the gap at the boundary
       bool leading = in_gap;
-      std::uint32_t trailing = size;  // first entry of the trailing run, part of the boundary's gap as well
+      std::uint32_t trailing = size;  // first entry of the trailing run, which also belongs to the gap at the boundary
       if (graph_.on_boundary[w]) {
         while (trailing > 0 && !is_settled(begin + trailing - 1)) --trailing;
       }

@@ -38,7 +38,7 @@ RC_GTEST_PROP(AnyVolume, SurfaceIsValidAndHasTheReferenceTopology, (const Random
   RC_ASSERT(kinds_of(triangles_of(surface)) == want.kinds);
 }
 
-RC_GTEST_PROP(AnyVolume, CoarserComplexesKeepTheTopology, (const RandomCase& c)) {
+RC_GTEST_PROP(AnyVolume, CoarserComplexesPreserveTheTopology, (const RandomCase& c)) {
   const Samples samples = c.samples();
   RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
   const SurfaceComplex surface = parsed(c, to_volume(samples, SampleType::int32, c.spacing));
@@ -59,7 +59,7 @@ RC_GTEST_PROP(AnyVolume, MeshIsAManifoldWithTheReferenceTopology, (const RandomC
   ExtractOptions options = coarse_options();
   options.surface.isovalue = c.isovalue();
   options.surface.inside = c.inside();
-  options.surface.topology = Topology::faces;  // of which there is a second opinion
+  options.surface.topology = Topology::faces;  // for which there is an independent reference
   if (c.seed % 3 == 1) options.covering.max_radius = 0.5 + static_cast<double>(c.seed % 7);
   if (c.seed % 3 == 2) {  // large disks, so coarser complexes even for small volumes
     options.covering.max_radius = 1000;
@@ -76,19 +76,19 @@ RC_GTEST_PROP(AnyVolume, MeshIsAManifoldWithTheReferenceTopology, (const RandomC
   RC_ASSERT(first.report.reference == want);
   RC_ASSERT(first.finest().certificate.passed);
 
-  // In the volume, vertices all apart.
-  std::vector<std::array<double, 3>> places;
+  // Inside the volume, and no two vertices coincide.
+  std::vector<std::array<double, 3>> distinct_positions;
   const double rounding = 8 * c.rounding() / volume.view.grid.smallest_spacing();
   for (const Vec3& p : first.mesh().positions) {
     const Vec3 i = volume.view.grid.to_index(p);
     RC_ASSERT(i.x >= -rounding && i.y >= -rounding && i.z >= -rounding);
     RC_ASSERT(i.x <= (c.nx - 1) + rounding && i.y <= (c.ny - 1) + rounding && i.z <= (c.nz - 1) + rounding);
-    places.push_back({p.x, p.y, p.z});
+    distinct_positions.push_back({p.x, p.y, p.z});
   }
-  std::sort(places.begin(), places.end());
-  RC_ASSERT(std::adjacent_find(places.begin(), places.end()) == places.end());
+  std::sort(distinct_positions.begin(), distinct_positions.end());
+  RC_ASSERT(std::adjacent_find(distinct_positions.begin(), distinct_positions.end()) == distinct_positions.end());
 
-  // The same bytes on a second run, with another number of threads.
+  // A second run with another number of threads yields the same bytes.
   RunControl control;
   control.threads = 1 + static_cast<int>(c.seed % 4);
   const Extraction second = extract(volume, options, control);
@@ -98,13 +98,13 @@ RC_GTEST_PROP(AnyVolume, MeshIsAManifoldWithTheReferenceTopology, (const RandomC
   RC_ASSERT(std::memcmp(first.mesh().positions.data(), second.mesh().positions.data(), sizeof(Vec3) * first.mesh().positions.size()) == 0);
 }
 
-RC_GTEST_PROP(AnyVolume, ThePapersCoveringKeepsTheTopology, (const RandomCase& c)) {
+RC_GTEST_PROP(AnyVolume, ThePapersCoveringPreservesTheTopology, (const RandomCase& c)) {
   const Samples samples = c.samples();
   RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
   ExtractOptions options = coarse_options();
   options.surface.isovalue = c.isovalue();
   options.surface.inside = c.inside();
-  options.surface.topology = Topology::faces;  // of which there is a second opinion
+  options.surface.topology = Topology::faces;  // for which there is an independent reference
   options.covering.strategy = CoveringStrategy::halving;
   if (c.seed % 3 != 0) options.covering.max_radius = c.seed % 3 == 1 ? 1000 : 0.5 + static_cast<double>(c.seed % 7);
   if (c.seed % 4 == 0) options.covering.event_persistence = static_cast<double>(c.seed % 5);
@@ -121,7 +121,7 @@ RC_GTEST_PROP(AnyVolume, ThePapersCoveringKeepsTheTopology, (const RandomCase& c
   RC_ASSERT(kinds_of(extraction.mesh()) == want.kinds);
 }
 
-RC_GTEST_PROP(AnyVolume, TrilinearTopologyIsKept, (const RandomCase& c)) {
+RC_GTEST_PROP(AnyVolume, TrilinearTopologyIsPreserved, (const RandomCase& c)) {
   const Samples samples = c.samples();
   RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
   const Volume volume = c.volume(SampleType::int32);

@@ -13,7 +13,7 @@
 #include "complex/scoped_check.h"
 #include "property/random_case.h"
 #include "support/surfaces.h"
-#include "voronoi/repair.h"
+#include "voronoi/certified_dual.h"
 
 namespace isoatlas::detail {
 namespace {
@@ -60,9 +60,10 @@ std::vector<std::array<CellId, 3>> sorted_corners(std::span<const DualTriangle> 
   return out;
 }
 
-// A check of a scope finds there what a check of everything finds; after a change of some c-vertices every new fault is within the scope
-// that cells_near() gives, and the triangles that are kept are those of a check of everything. Round after round with the same objects.
-RC_GTEST_PROP(AnyPartition, ScopedCheckMissesNothing, (const RandomCase& c)) {
+// A scoped check finds in its scope what a complete check finds. After a change of some c-vertices
+// every new fault is within the scope that cells_near() returns, and the stored triangles are those
+// of a complete check. Repeated with the same objects.
+RC_GTEST_PROP(AnyPartition, ScopedCheckFindsAllFaults, (const RandomCase& c)) {
   const Samples samples = c.samples();
   RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
   const SurfaceComplex surface = surface_of(samples, c.isovalue(), c.inside());
@@ -70,7 +71,7 @@ RC_GTEST_PROP(AnyPartition, ScopedCheckMissesNothing, (const RandomCase& c)) {
   Random random(c.seed);
   const auto cells = static_cast<std::uint32_t>(1 + random.bits() % n);
   std::vector<CellId> cell_of(n);
-  // Blocks of the numbering, which runs along rows: many cells in pieces, many fine ones.
+  // Blocks of ids, which run along rows: many cells are not connected, many are valid.
   for (CVertexId v = 0; v < n; ++v) cell_of[v] = static_cast<CellId>(static_cast<std::uint64_t>(v) * cells / n);
   if (random.bits() & 1) std::iota(cell_of.begin(), cell_of.end(), 0u);
   std::vector<CVertexId> site;
@@ -89,7 +90,8 @@ RC_GTEST_PROP(AnyPartition, ScopedCheckMissesNothing, (const RandomCase& c)) {
       const auto v = static_cast<CVertexId>(random.bits() % n);
       const CellId to = cell_of[random.bits() % n];
       if (to == cell_of[v]) continue;
-      // Cells are not emptied by a covering, whose sites stay: so the cell that v leaves is near what changed. Here it may not be.
+      // A covering never empties a cell, since its site stays in it; so the cell that v leaves is
+      // near the change. Here it may not be.
       scope.push_back(cell_of[v]);
       members.erase(v, cell_of[v]);
       members.insert(v, to);

@@ -24,8 +24,8 @@ struct RandomCase {
   bool below = false;
   Vec3 spacing{1, 1, 1};
 
-  /// The volume somewhere in the world: as it is, rotated, mirrored, far from the origin, or so far that a voxel has 2^17 numbers to a
-  /// side.
+  /// The pose of the volume in the world: identity, rotated, mirrored, far from the origin, or so
+  /// far that a voxel has 2^17 numbers along an axis.
   int pose() const { return static_cast<int>(seed / 7 % 6); }
   Volume volume(SampleType type) const {
     Volume out = to_volume(samples(), type, spacing);
@@ -39,7 +39,7 @@ struct RandomCase {
     out.view.grid.origin = {away * (random.unit() - 0.5), -away, away * random.unit()};
     return out;
   }
-  /// The most by which the world's coordinates are rounded there.
+  /// The largest rounding of world coordinates in this pose.
   double rounding() const {
     const Grid grid = volume(SampleType::int32).view.grid;
     return 0x1p-52 * std::max({std::fabs(grid.origin.x), std::fabs(grid.origin.y), std::fabs(grid.origin.z), 100 * grid.spacing.x,
@@ -59,8 +59,9 @@ struct RandomCase {
 
 inline void showValue(const RandomCase& c, std::ostream& out) { out << c; }
 
-// RapidCheck's default is 100 cases of another seed each time: a test that passes or fails by chance says nothing of a change.
-// RC_PARAMS in the environment overrides this, which is how to look for bugs on new volumes.
+// RapidCheck's default is 100 cases with another seed each time; a test that passes or fails by
+// chance says nothing about a change. RC_PARAMS in the environment overrides this, to search for
+// bugs in new volumes.
 inline bool run_cases(int count) {
   const std::string parameters = "max_success=" + std::to_string(count) + " max_size=100 seed=2001";
   return setenv("RC_PARAMS", parameters.c_str(), 0) == 0;
@@ -74,7 +75,7 @@ template <>
 struct Arbitrary<isoatlas::detail::test::RandomCase> {
   static Gen<isoatlas::detail::test::RandomCase> arbitrary() {
     using isoatlas::detail::test::RandomCase;
-    // Sizes lean on no "size" parameter of RapidCheck: small and large volumes at any time.
+    // Sizes do not depend on RapidCheck's "size" parameter: volumes are small or large at any time.
     const auto length = gen::resize(100, gen::inRange<std::size_t>(2, 15));
     const auto whole = [](int low, int high) { return gen::resize(100, gen::inRange(low, high)); };
     return gen::build<RandomCase>(

@@ -36,7 +36,7 @@ inline LevelGoal random_goal(double voxel, Random& random) {
   return out;
 }
 
-/// Refining costs more than the rest, so it gets small ones: its bugs fit into them.
+/// Refining costs most, so it gets small volumes, which are sufficient to find its bugs.
 inline RandomCase smaller(RandomCase c) {
   c.nx = 2 + (c.nx - 2) / 2;
   c.ny = 2 + (c.ny - 2) / 2;

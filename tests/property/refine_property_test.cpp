@@ -9,7 +9,7 @@
 
 #include "complex/components.h"
 #include "core/vector_math.h"
-#include "geometry/triangle_tree.h"
+#include "geometry/triangle_bvh.h"
 #include "isosurface/parse_surface.h"
 #include "property/random_goals.h"
 #include "support/soundness.h"
@@ -33,7 +33,7 @@ void log_goals(const ExtractOptions& o) {
   for (const LevelGoal& goal : o.refine) RC_LOG() << "; " << text(goal);
 }
 
-// A small volume that has a surface, and what is asked of its levels.
+// A small volume that has a surface, and the options for its levels.
 struct LevelsCase {
   explicit LevelsCase(const RandomCase& any)
       : c(smaller(any)), samples(c.samples()), volume(c.volume(SampleType::int16)), options(with_random_goals(c)) {
@@ -116,15 +116,15 @@ RC_GTEST_PROP(AnyLevels, AreNestedManifoldsWithTheReferenceTopology, (const Rand
     RC_ASSERT(report.certificate.passed);
     RC_ASSERT(report.certificate.cells_checked == level.vertex_count);
 
-    // What the report says of the shape is said of the mesh that is handed out.
+    // The reported shape is that of the returned mesh.
     const MeshQuality quality = mesh_quality(mesh);
     RC_ASSERT(quality.edge_min == report.quality.edge_min);
     RC_ASSERT(quality.edge_max == report.quality.edge_max);
     RC_ASSERT(quality.aspect_min == report.quality.aspect_min);
     for (const Vec3& p : mesh.positions) RC_ASSERT(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
   }
-  std::set<std::array<double, 3>> places;
-  for (const Vec3& p : h.positions) RC_ASSERT(places.insert({p.x, p.y, p.z}).second);
+  std::set<std::array<double, 3>> distinct_positions;
+  for (const Vec3& p : h.positions) RC_ASSERT(distinct_positions.insert({p.x, p.y, p.z}).second);
 }
 
 double reached(Quantity quantity, const LevelReport& report, const MeshQuality& quality) {
@@ -143,7 +143,7 @@ double reached(Quantity quantity, const LevelReport& report, const MeshQuality& 
   }
 }
 
-RC_GTEST_PROP(AnyLevels, ConstraintsAreHonouredOrTheirFailureIsNamed, (const RandomCase& any)) {
+RC_GTEST_PROP(AnyLevels, ConstraintsAreSatisfiedOrTheirViolationIsReported, (const RandomCase& any)) {
   const auto [c, samples, volume, options] = LevelsCase(any);
   const Extraction e = extract(volume, options);
   for (std::size_t l = 0; l < e.report.levels.size(); ++l) {
@@ -163,12 +163,13 @@ RC_GTEST_PROP(AnyLevels, ConstraintsAreHonouredOrTheirFailureIsNamed, (const Ran
       RC_LOG() << " level " << l << ": " << name(goal[i].quantity) << " " << result.reached << " " << result.reason << ";";
       RC_ASSERT(result.wanted == goal[i]);
       const double have = reached(goal[i].quantity, report, quality);
-      // Shape is judged before positions are rounded to multiples of 2^-32 of a grid step, which short edges notice.
+      // Shape is evaluated before positions are rounded to multiples of 2^-32 of a grid step, which
+      // affects short edges.
       const Vec3 spacing = volume.view.grid.spacing;
       const double rounding = std::ldexp(std::max({spacing.x, spacing.y, spacing.z}), -31) + 4 * c.rounding();
       const double of_ratio = goal[i].quantity == Quantity::min_aspect && quality.edge_min > 0 ? 4 * rounding / quality.edge_min : 0;
       RC_ASSERT(have == result.reached || std::abs(have - result.reached) <= 1e-9 * (1 + have) + of_ratio + 4 * c.rounding());
-      // The comparison is made in voxels, so to rounding only.
+      // The comparison is made in voxels, so it is exact only up to rounding.
       const double slack = 1e-12 * goal[i].bound;
       const bool above = result.reached >= goal[i].bound - (result.met ? slack : -slack);
       const bool below = result.reached <= goal[i].bound + (result.met ? slack : -slack);
@@ -181,7 +182,7 @@ RC_GTEST_PROP(AnyLevels, ConstraintsAreHonouredOrTheirFailureIsNamed, (const Ran
     for (const CellAtLimit& cell : report.at_limit) RC_ASSERT(cell.excess > 1);
     if (l == 0 || goal.empty()) continue;
 
-    // The first constraint is held by whatever else is asked.
+    // The first constraint is satisfied whatever the others are.
     const ConstraintResult& first = report.constraints.front();
     if (first.wanted.quantity == Quantity::max_vertices && e.report.levels[l - 1].vertices <= first.wanted.bound &&
         report.parting_sites == 0)
@@ -190,8 +191,9 @@ RC_GTEST_PROP(AnyLevels, ConstraintsAreHonouredOrTheirFailureIsNamed, (const Ran
   }
 }
 
-// No point of the surface that is known exactly is farther from the mesh than the report says: c-vertices, and where the surface
-// meets grid edges. Looked for among all triangles, while the mesher looks around each cell.
+// No point of the surface that is known exactly (c-vertices, and where the surface intersects grid
+// edges) is farther from the mesh than reported. This test searches all triangles, the product only
+// those around each cell.
 RC_GTEST_PROP(AnyLevels, AreNowhereFartherThanReported, (const RandomCase& any)) {
   auto [c, samples, volume, options] = LevelsCase(any);
   options.space = Space::voxel;
@@ -199,19 +201,20 @@ RC_GTEST_PROP(AnyLevels, AreNowhereFartherThanReported, (const RandomCase& any))
   std::vector<Vec3> points = grid_edge_crossings(samples, c.isovalue(), c.inside());
   const SurfaceComplex surface = parsed(c, volume, options);
   points.insert(points.end(), surface.positions.begin(), surface.positions.end());
-  for (Vec3& p : points) p = scaled(p, c.spacing);
+  for (Vec3& p : points) p = to_metric(p, c.spacing);
   const double voxel = std::min({c.spacing.x, c.spacing.y, c.spacing.z});
   for (std::size_t l = 0; l < e.report.levels.size(); ++l) {
     TriangleMesh mesh = e.hierarchy.mesh(l);
-    for (Vec3& p : mesh.positions) p = scaled(p, c.spacing);
-    const TriangleTree tree(mesh.positions, mesh.triangles);
+    for (Vec3& p : mesh.positions) p = to_metric(p, c.spacing);
+    const TriangleBvh tree(mesh.positions, mesh.triangles);
     const double said = (*e.report.levels[l].metrics)[static_cast<std::size_t>(Quantity::max_distance)].maximum;
     for (const Vec3& p : points) RC_ASSERT(std::sqrt(tree.closest(p).squared_distance) <= said * (1 + 1e-6) + 1e-5 * voxel);
   }
 }
 
-// Points spread over the isosurface, which nobody looked at before, are as near as was proved. (The other way, in noise the closest point
-// is missed now and then: see TriangleProof.)
+// Points spread over the isosurface, which the product has not tested, are within the proved
+// distance. (For the other direction the search for closest points in noise misses some now and
+// then: see TriangleProof.)
 RC_GTEST_PROP(AnyLevels, AreAsNearAsProved, (const RandomCase& any)) {
   auto [c, samples, volume, options] = LevelsCase(any);
   for (LevelGoal& goal : options.refine) goal = Constraint{Quantity::max_distance, 0.6 * volume.view.grid.smallest_spacing()};
@@ -255,7 +258,7 @@ RC_GTEST_PROP(AnyLevels, AreTheSameBytesForAnyNumberOfThreads, (const RandomCase
   }
 }
 
-// A later level moves nothing of an earlier one.
+// A later level does not change an earlier one.
 RC_GTEST_PROP(AnyLevels, StayTheSameWhenMoreFollow, (const RandomCase& any)) {
   auto [c, samples, volume, options] = LevelsCase(any);
   const Extraction all = extract(volume, options);

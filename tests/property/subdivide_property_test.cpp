@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Adaptive supersampling of surface complexes of all kinds: still the same surface, and in pieces that stay in their grid cells.
+// Adaptive supersampling of all kinds of surface complexes: the surface stays the same, and pieces stay in their grid cells.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -28,7 +28,7 @@ struct Parsed {
   InterpolatedField field;
 };
 
-// Volumes are small here: what is divided is large.
+// Volumes are small, because subdivided complexes are large.
 Parsed parsed(RandomCase c, Interpolation interpolation = Interpolation::trilinear, std::uint32_t supersample = 1) {
   for (std::size_t* n : {&c.nx, &c.ny, &c.nz}) *n = 2 + (*n - 2) % 4;
   const Volume volume = to_volume(c.samples(), SampleType::int32, c.spacing);
@@ -40,8 +40,8 @@ Parsed parsed(RandomCase c, Interpolation interpolation = Interpolation::triline
   return {volume, options.rule, parse_surface(volume, options), InterpolatedField(volume, options.rule, interpolation, supersample)};
 }
 
-// Middles of points in one cell, and middles of these, are exact however long the axis: long double has eleven digits more.
-TEST(Rounded, MiddlesAreExact) {
+// Midpoints of points in one grid cell, and midpoints of these, are exact for any length of the axis: long double has eleven more digits.
+TEST(Rounded, MidpointsAreExact) {
   Random random(5);
   for (int i = 0; i < 100000; ++i) {
     const double start = std::ldexp(1.0 + random.unit(), static_cast<int>(random.between(-3, 31)));
@@ -52,34 +52,35 @@ TEST(Rounded, MiddlesAreExact) {
   }
 }
 
-RC_GTEST_PROP(AnySurface, StaysItselfWhereverItIsDivided, (const RandomCase& c)) {
+RC_GTEST_PROP(AnySurface, KeepsItsTopologyWhenSubdivided, (const RandomCase& c)) {
   const Parsed p = parsed(c);
   RC_PRE(!p.surface.positions.empty());
   const InterpolatedField& field = p.field;
   const TopologySummary want = summarize(find_components(p.surface).topology);
   Random random(c.seed + 11);
   SurfaceComplex complex = p.surface;
-  const CrowdedCells crowded(complex, field);
+  const MultiSheetCells multi_sheet(complex, field);
   for (int round = 0; round < 4; ++round) {
     std::vector<CVertexId> wanted;
     const auto share = random.between(1, 4);
     for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
       if (random.between(0, 3) < share) wanted.push_back(v);
     }
-    const SurfaceInGrid in{field, crowded.flags()};
+    const SurfaceInGrid in{field, multi_sheet.flags()};
     const std::vector<Fineness> was = fineness(complex, in);
-    const Subdivision divided = subdivide(complex, wanted, in);
-    RC_ASSERT(validate(divided.complex) == "");
-    const std::uint32_t before = complex.c_vertex_count(), after = divided.complex.c_vertex_count();
-    RC_ASSERT(divided.origin.size() == after - before);
-    for (CVertexId v = 0; v < before; ++v) RC_ASSERT(divided.complex.positions[v] == complex.positions[v]);
-    const Components components = find_components(divided.complex);
+    const Subdivision subdivision = subdivide(complex, wanted, in);
+    RC_ASSERT(validate(subdivision.complex) == "");
+    const std::uint32_t before = complex.c_vertex_count(), after = subdivision.complex.c_vertex_count();
+    RC_ASSERT(subdivision.origin.size() == after - before);
+    for (CVertexId v = 0; v < before; ++v) RC_ASSERT(subdivision.complex.positions[v] == complex.positions[v]);
+    const Components components = find_components(subdivision.complex);
     RC_ASSERT(summarize(components.topology) == want);
-    for (CVertexId v = before; v < after; ++v) RC_ASSERT(components.of_c_vertex[v] == components.of_c_vertex[divided.origin[v - before]]);
-    const std::vector<Fineness> is = fineness(divided.complex, in);
+    for (CVertexId v = before; v < after; ++v)
+      RC_ASSERT(components.of_c_vertex[v] == components.of_c_vertex[subdivision.origin[v - before]]);
+    const std::vector<Fineness> is = fineness(subdivision.complex, in);
     for (const CVertexId v : wanted) RC_ASSERT(is[v] > was[v] || is[v] == Fineness::pieces);
     for (CVertexId v = 0; v < before; ++v) RC_ASSERT(is[v] >= was[v]);
-    complex = divided.complex;
+    complex = subdivision.complex;
   }
 }
 
@@ -91,7 +92,7 @@ double largest_distance_on_walls(const Parsed& p) {
   double largest = 0;
   std::vector<CVertexId> all(parsed);
   std::iota(all.begin(), all.end(), 0);
-  surface.divide(all);
+  surface.subdivide(all);
   for (CVertexId v = parsed; v < surface.complex().c_vertex_count(); ++v) {
     const Vec3 q = surface.complex().positions[v];
     const int whole = (q.x == std::floor(q.x)) + (q.y == std::floor(q.y)) + (q.z == std::floor(q.z));
@@ -100,7 +101,7 @@ double largest_distance_on_walls(const Parsed& p) {
   return largest;
 }
 
-// A sample equal to the isovalue at a corner that a curve cuts off: the curve is at that corner, and not the other one on this wall.
+// A sample equal to the isovalue at a corner that a curve cuts off: the curve is at that corner, not at the other one on this wall.
 TEST(Subdivide, PointOnAWallIsNearTheCurveOfItsNodesWhereASampleEqualsTheIsovalue) {
   const Volume volume = to_volume({{2, 2, 3}, {0, -15, -24, 6, 0, -15, -24, 6, 0, -15, -24, 6}});
   const InsideRule rule{0, Inside::above, NonFinite::refuse};
@@ -109,7 +110,7 @@ TEST(Subdivide, PointOnAWallIsNearTheCurveOfItsNodesWhereASampleEqualsTheIsovalu
   EXPECT_LT(largest_distance_on_walls({volume, rule, parse_surface(volume, options), InterpolatedField(volume, rule)}), 0.25);
 }
 
-// Noise with samples equal to the isovalue, at most one to a wall: plateaus have a surface at no certain place.
+// Noise with samples equal to the isovalue, at most one per wall: on a plateau the position of the surface is undefined.
 TEST(Subdivide, PointsOnWallsAreNearTheIsosurface) {
   Random random(14);
   const InsideRule rule{0, Inside::above, NonFinite::refuse};
@@ -127,8 +128,8 @@ TEST(Subdivide, PointsOnWallsAreNearTheIsosurface) {
   }
 }
 
-// Wherever in their cells c-vertices are.
-void divided_everywhere_does_not_meet_itself(const Parsed& p, std::uint64_t seed) {
+// For any positions of the c-vertices in their grid cells.
+void subdivided_everywhere_has_no_self_intersections(const Parsed& p, std::uint64_t seed) {
   AdaptiveSurface surface(p.surface, find_components(p.surface), {}, p.field);
   Random random(seed + 3);
   const auto rounds = random.between(1, 3);
@@ -137,41 +138,41 @@ void divided_everywhere_does_not_meet_itself(const Parsed& p, std::uint64_t seed
     std::vector<CVertexId> moved;
     std::vector<Vec3> positions = complex.positions;
     for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
-      if (!surface.may_roam(v) || random.between(0, 2) == 0) continue;
-      const Roam roam = roam_of(complex.positions[v], {1, 1, 1});
+      if (!surface.is_movable(v) || random.between(0, 2) == 0) continue;
+      const MoveBounds bounds = move_bounds_of(complex.positions[v], {1, 1, 1});
       const auto between = [&](double low, double high) { return low + random.unit() * (high - low); };
-      positions[v] = {between(roam.low.x, roam.high.x), between(roam.low.y, roam.high.y), between(roam.low.z, roam.high.z)};
+      positions[v] = {between(bounds.low.x, bounds.high.x), between(bounds.low.y, bounds.high.y), between(bounds.low.z, bounds.high.z)};
       moved.push_back(v);
     }
     std::vector<Vec3> before;
     for (const CVertexId v : moved) before.push_back(complex.positions[v]);
     const std::vector<Vec3> as_moved = positions;
-    const std::vector<CVertexId> strays = surface.stray(moved, before, positions, moved);
+    const std::vector<CVertexId> conflicting_moves = surface.find_conflicting_moves(moved, before, positions, moved);
     RC_ASSERT(positions == as_moved);
-    for (const CVertexId v : strays) positions[v] = complex.positions[v];
+    for (const CVertexId v : conflicting_moves) positions[v] = complex.positions[v];
     for (const CVertexId v : moved) surface.move(v, positions[v]);
     std::vector<CVertexId> wanted;
     const std::vector<Fineness> now = surface.fineness();
     for (CVertexId v = 0; v < now.size(); ++v) {
       if (now[v] == Fineness::faces || (round > 0 && random.between(0, 3) == 0)) wanted.push_back(v);
     }
-    surface.divide(wanted);
+    surface.subdivide(wanted);
     RC_ASSERT(self_intersections(surface.complex().positions, triangles_of(surface.complex()).triangles).empty());
   }
 }
 
-RC_GTEST_PROP(AnySurface, DividedEverywhereDoesNotMeetItself, (const RandomCase& c)) {
+RC_GTEST_PROP(AnySurface, SubdividedEverywhereHasNoSelfIntersections, (const RandomCase& c)) {
   const Parsed p = parsed(c);
   RC_PRE(!p.surface.positions.empty());
-  divided_everywhere_does_not_meet_itself(p, c.seed);
+  subdivided_everywhere_has_no_self_intersections(p, c.seed);
 }
 
-RC_GTEST_PROP(AnySurface, DividedEverywhereDoesNotMeetItselfTricubicOrSupersampled, (const RandomCase& c)) {
+RC_GTEST_PROP(AnySurface, SubdividedEverywhereHasNoSelfIntersectionsTricubicOrSupersampled, (const RandomCase& c)) {
   const auto interpolation = c.seed % 3 == 0 ? Interpolation::trilinear : Interpolation::tricubic;
   const auto supersample = static_cast<std::uint32_t>(c.seed % 3 == 0 ? 2 + c.seed % 2 : 1 + c.seed / 3 % 3);
   const Parsed p = parsed(c, interpolation, supersample);
   RC_PRE(!p.surface.positions.empty());
-  divided_everywhere_does_not_meet_itself(p, c.seed);
+  subdivided_everywhere_has_no_self_intersections(p, c.seed);
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 #include "isosurface/parse_surface.h"
 #include "support/exact_volume.h"
 #include "support/surfaces.h"
-#include "voronoi/repair.h"
+#include "voronoi/certified_dual.h"
 
 namespace isoatlas::detail::test {
 
@@ -31,33 +31,34 @@ inline Function bumpy_ball() {
   };
 }
 
-/// Of unrounded samples, so that c-vertices are as near the true surface as the trilinear field is.
+/// From unrounded samples, so that c-vertices are as near the true surface as the trilinear field
+/// is.
 inline SurfaceComplex exact_surface(Size size, const Function& f, Vec3 spacing = {1, 1, 1}) {
   ParseOptions options;
   options.rule = {0, Inside::above, NonFinite::refuse};
   return parse_surface(exact_volume(size, f, spacing), options);
 }
 
-/// A level as stage one makes it, with all cells measured by closest points.
+/// A level as stage one creates it, with all cells measured by closest points.
 class TestLevel {
  public:
   TestLevel(SurfaceComplex complex, float max_radius)
-      : complex_(std::move(complex)), ground_(complex_), covering_(ground_.graph, disks(max_radius)) {
+      : complex_(std::move(complex)), surface_data_(complex_), covering_(surface_data_.graph, disks(max_radius)) {
     make();
   }
-  /// Distances from triangles, too. The surface is where the samples are 0.
+  /// Includes distances from triangles. The surface is where the samples are 0.
   TestLevel(Volume volume, float max_radius)
       : volume_(std::make_unique<Volume>(std::move(volume))),
         complex_(parse_surface(*volume_, parse())),
         isosurface_(std::make_unique<Isosurface>(*volume_, parse().rule, complex_)),
-        ground_(complex_, isosurface_.get()),
-        covering_(ground_.graph, disks(max_radius)) {
+        surface_data_(complex_, isosurface_.get()),
+        covering_(surface_data_.graph, disks(max_radius)) {
     make();
   }
   TestLevel(const TestLevel&) = delete;
 
   const Isosurface& isosurface() const { return *isosurface_; }
-  const Ground& ground() const { return ground_; }
+  const SurfaceData& surface_data() const { return surface_data_; }
   const Covering& covering() const { return covering_; }
   const Partition& partition() const { return covering_.partition(); }
   const LevelMesh& mesh() const { return mesh_; }
@@ -68,7 +69,7 @@ class TestLevel {
     return std::span<const ClosestPoint>(closest_).subspan(first, mesh_.c_vertices_of.row(c).size());
   }
   CellView cell(CellId c) const {
-    return {ground_.surfels,       ground_.graph,         covering_.distance(), partition().cell_of,        mesh_.normal,
+    return {surface_data_.surfels, surface_data_.graph,   covering_.distance(), partition().cell_of,        mesh_.normal,
             mesh_.triangles,       mesh_.triangle_normal, partition().site[c],  mesh_.c_vertices_of.row(c), closest(c),
             from_mesh_[c].distance};
   }
@@ -85,18 +86,18 @@ class TestLevel {
     CertifiedDual dual(complex_, covering_);
     dual.certify(certificate_, {});
     triangles_ = dual.triangles();
-    mesh_ = make_level_mesh(ground_.surfels, partition(), triangles_, {partition().site, {}});
+    mesh_ = make_level_mesh(surface_data_.surfels, partition(), triangles_, {partition().site, {}});
     std::vector<CellId> all(mesh_.cell_count());
     std::iota(all.begin(), all.end(), 0u);
-    find_closest(ground_.measured(), mesh_, all, closest_);
+    find_closest(surface_data_.measured_surface(), mesh_, all, closest_);
     from_mesh_.resize(all.size());
-    if (isosurface_) measure_from_mesh(ground_.measured(), mesh_, partition().cell_of, all, 0, Look::samples, from_mesh_);
+    if (isosurface_) measure_from_mesh(surface_data_.measured_surface(), mesh_, partition().cell_of, all, 0, Evidence::samples, from_mesh_);
   }
 
   std::unique_ptr<const Volume> volume_;
   SurfaceComplex complex_;
   std::unique_ptr<const Isosurface> isosurface_;
-  Ground ground_;
+  SurfaceData surface_data_;
   Covering covering_;
   CertificateReport certificate_;
   std::vector<DualTriangle> triangles_;

@@ -41,7 +41,7 @@ constexpr long double kError = 1e-17L;  // a hundred times 2^-63
 
 int sign(const Rational& x) { return x.sign(); }
 
-// On which side of the plane through a, b and c is d?
+// On which side of the plane through a, b and c the point d lies.
 int side(const Point& a, const Point& b, const Point& c, const Point& d) {
   const long double rough = determinant<long double>(a, b, c, d);
   const long double size = static_cast<long double>(largest_difference(a, b)) * largest_difference(a, c) * largest_difference(a, d);
@@ -59,7 +59,7 @@ int turn(const Point& a, const Point& b, const Point& c, std::size_t i, std::siz
 
 struct Corners {
   Point a, b, c;
-  // Two axes onto which it can be projected; equal if it has no area.
+  // Two axes onto which the triangle can be projected; equal if it has no area.
   std::array<std::size_t, 2> axes() const {
     for (const auto& [i, j] : {std::pair<std::size_t, std::size_t>{0, 1}, {1, 2}, {2, 0}}) {
       if (turn(a, b, c, i, j) != 0) return {i, j};
@@ -84,8 +84,8 @@ bool is_inside(const Point& p, const Corners& t, std::size_t i, std::size_t j) {
   return (u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0);
 }
 
-// Both closed; the triangle has an area.
-bool segment_meets(const Point& p, const Point& q, const Corners& t) {
+// Whether a closed segment intersects a closed triangle that has an area.
+bool segment_intersects(const Point& p, const Point& q, const Corners& t) {
   const int at_p = side(t.a, t.b, t.c, p), at_q = side(t.a, t.b, t.c, q);
   if (at_p * at_q > 0) return false;
   if (at_p == 0 && at_q == 0) {
@@ -102,7 +102,7 @@ class Meeting {
   explicit Meeting(const TriangleMesh& mesh) : mesh_(mesh) {}
 
   bool operator()(const Triangle& first, const Triangle& second) const {
-    Triangle s = first, t = second;  // turned so that common corners come first
+    Triangle s = first, t = second;  // rotated so that common corners come first
     std::size_t shared = 0;
     for (std::size_t i = 0; i < 3; ++i) {
       const auto found = std::find(t.begin() + static_cast<std::ptrdiff_t>(shared), t.end(), s[i]);
@@ -114,10 +114,10 @@ class Meeting {
     const Corners a = corners(s), b = corners(t);
     switch (shared) {
       case 0:
-        return segment_meets(a.a, a.b, b) || segment_meets(a.b, a.c, b) || segment_meets(a.c, a.a, b) || segment_meets(b.a, b.b, a) ||
-               segment_meets(b.b, b.c, a) || segment_meets(b.c, b.a, a);
-      case 1:  // both have a common point beyond the corner only if one leaves the other through the side across from it
-        return segment_meets(a.b, a.c, b) || segment_meets(b.b, b.c, a);
+        return segment_intersects(a.a, a.b, b) || segment_intersects(a.b, a.c, b) || segment_intersects(a.c, a.a, b) ||
+               segment_intersects(b.a, b.b, a) || segment_intersects(b.b, b.c, a) || segment_intersects(b.c, b.a, a);
+      case 1:  // they intersect beyond the corner only if one leaves the other through the side opposite to it
+        return segment_intersects(a.b, a.c, b) || segment_intersects(b.b, b.c, a);
       case 2: {
         if (side(a.a, a.b, a.c, b.c) != 0) return false;
         const auto [i, j] = a.axes();
@@ -175,8 +175,8 @@ std::vector<std::uint32_t> component_of_triangle(const TriangleMesh& mesh) {
 
 }  // namespace
 
-Judgement judge_embedding(const TriangleMesh& mesh) {
-  Judgement out;
+EmbeddingCheck check_embedding(const TriangleMesh& mesh) {
+  EmbeddingCheck out;
   const Meeting meet(mesh);
   std::vector<Box> boxes;
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -227,7 +227,8 @@ std::size_t misplaced_components(const TriangleMesh& mesh) {
     largest[component[i]] = {
         area, {(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3, (a.z + b.z + c.z) / 3}, {n.x / area, n.y / area, n.z / area}};
   }
-  // Windings of the outer side, from near to nearer, where nothing else of the mesh is between: 0 or -1, and one more inside.
+  // Winding numbers of the outer side, approaching it until nothing else of the mesh is between: 0
+  // or -1, and one more inside.
   std::size_t around_outside = 0, around_inside = 0, components = 0;
   for (const Largest& l : largest) {
     if (l.area == 0) continue;

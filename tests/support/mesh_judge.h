@@ -8,16 +8,17 @@
 
 namespace isoatlas::detail::test {
 
-struct Judgement {
-  std::size_t pairs = 0;         ///< of triangles that have more in common than the hull of their common corners
+struct EmbeddingCheck {
+  std::size_t pairs = 0;         ///< number of pairs of triangles that intersect beyond the hull of their common corners
   std::size_t without_area = 0;  ///< triangles with corners on one line; they are in no pair
 };
 
-/// Exact, by fractions where long doubles leave a sign open. @pre the mesh is a manifold
-Judgement judge_embedding(const TriangleMesh& mesh);
+/// Exact: fractions are used where long doubles leave a sign undecided. @pre the mesh is a manifold
+EmbeddingCheck check_embedding(const TriangleMesh& mesh);
 
-/// Components beside which the mesh does not wind 0 times around the outer side and once around the inner one (or -1 and 0 for all: what is
-/// inside surrounds it), by solid angles. @pre the mesh is closed and oriented, and has no self-intersections
+/// Number of components next to which the mesh does not wind 0 times around the outer side and once
+/// around the inner one (or -1 and 0 for all, if the inside surrounds the mesh), by solid angles.
+/// @pre the mesh is closed and oriented, and has no self-intersections
 std::size_t misplaced_components(const TriangleMesh& mesh);
 
 }  // namespace isoatlas::detail::test

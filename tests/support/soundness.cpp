@@ -9,7 +9,7 @@
 namespace isoatlas::detail::test {
 namespace {
 
-constexpr std::size_t kMostJudged = 100;  // components: each is compared with all triangles
+constexpr std::size_t kMaxCheckedComponents = 100;  // components: each is compared with all triangles
 
 bool is_finite(const Vec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
@@ -24,7 +24,7 @@ std::string wrong_with_level(const Extraction& e, const ExtractOptions& options,
   for (std::uint32_t v = before; v < level.vertex_count; ++v) {
     if (h.level_of(v) != l) return "level_of says otherwise of vertex " + std::to_string(v);
     if (l == 0 ? h.parent[v] != v : h.parent[v] >= before)
-      return "the parent of vertex " + std::to_string(v) + " is not in the level before";
+      return "the parent of vertex " + std::to_string(v) + " is not in the previous level";
   }
   const TriangleMesh mesh = h.mesh(l);
   for (const Vec3& p : mesh.positions) {
@@ -57,13 +57,13 @@ std::string wrong_with_level(const Extraction& e, const ExtractOptions& options,
     if (std::isnan(q)) return "the quality of its triangles is no number";
   }
   if (report.self_intersections || (kEmbedded && !options.allow_self_intersections)) {
-    const auto [pairs, without_area] = judge_embedding(mesh);
+    const auto [pairs, without_area] = check_embedding(mesh);
     if (report.quality.zero_area_triangles != without_area) return "the report miscounts triangles without area";
     if (kEmbedded && !options.allow_self_intersections && without_area > 0) return std::to_string(without_area) + " triangles have no area";
     if (report.self_intersections && *report.self_intersections != pairs)
       return std::to_string(pairs) + " pairs of triangles meet, the report says " + std::to_string(*report.self_intersections);
     if (kEmbedded && pairs > 0) return std::to_string(pairs) + " pairs of triangles meet";
-    if (report.topology.boundary_loops == 0 && report.topology.components <= kMostJudged) {
+    if (report.topology.boundary_loops == 0 && report.topology.components <= kMaxCheckedComponents) {
       if (const std::size_t wrong = misplaced_components(mesh); wrong > 0)
         return std::to_string(wrong) + " components are inverted or lie where they should not";
     }

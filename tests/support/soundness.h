@@ -8,13 +8,14 @@
 
 namespace isoatlas::detail::test {
 
-/// Levels that were asked to be embedded are: no two triangles of a level meet where they should not. false only counts them, and they must
-/// be as many as the report says.
+/// Levels that were requested to be embedded have no self-intersections. false only counts them,
+/// and their number must equal the reported one.
 inline constexpr bool kEmbedded = true;
 
-/// @param options  what was asked for
-/// @return an empty string, or what is wrong and where: every level a manifold, oriented, certified, of the reference surface's topology,
-///         counted here from the triangles; levels nested; positions finite; the report true
+/// @param options  of the extraction
+/// @return an empty string, or the first fault and its place: every level must be an oriented,
+///         certified manifold of the reference surface's topology, counted here from the triangles;
+///         levels must be nested, positions finite, and the report correct
 std::string what_is_wrong(const Extraction& extraction, const ExtractOptions& options);
 
 }  // namespace isoatlas::detail::test

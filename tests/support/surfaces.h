@@ -13,18 +13,19 @@
 
 namespace isoatlas::detail::test {
 
-/// The parsed surface of generated samples; fails loudly where it is not valid.
+/// The parsed surface of generated samples; the test fails if it is not valid.
 SurfaceComplex surface_of(const Samples& samples, double isovalue = 0, Inside inside = Inside::above, Vec3 spacing = {1, 1, 1},
                           Topology topology = Topology::trilinear);
 
-/// Quads cut along one diagonal.
+/// Splits quads along one diagonal.
 TriangleMesh triangles_of(const SurfaceComplex& complex);
 /// The (genus, loops) of a surface's components, counted by mesh_topology on its triangles.
 std::vector<TopologySummary::Kind> kinds_of(const TriangleMesh& mesh);
 std::string text(const std::vector<TopologySummary::Kind>& kinds);
 
-/// A flat disk of n x m c-vertices: the surface of a half-space z <= 0.5 in an n x m x 2 volume, without the boundary layer's
-/// rim: hand-made, so that positions and weights are whole numbers. C-vertex (x, y) is x + n y.
+/// A flat disk of n x m c-vertices: the surface of a half-space z <= 0.5 in an n x m x 2 volume
+/// without the rim in the boundary layer. Built by hand, so that positions and weights are whole
+/// numbers. C-vertex (x, y) is x + n y.
 SurfaceComplex flat_grid(std::uint32_t n, std::uint32_t m);
 /// The same, closed in x to a tube of circumference n (positions on a circle of that circumference).
 SurfaceComplex tube(std::uint32_t n, std::uint32_t m);
@@ -34,7 +35,8 @@ SurfaceComplex tetrahedron();
 double signed_volume(const TriangleMesh& mesh);
 std::pair<Vec3, Vec3> bounding_box(const TriangleMesh& mesh);
 
-/// Shortest paths in the graph, by Bellman-Ford in double precision: slow, and nothing like the code it checks.
+/// Shortest paths in the graph by Bellman-Ford in double precision: slow, and independent of the
+/// code it checks.
 std::vector<double> slow_distances(const CVertexGraph& graph, const std::vector<CVertexId>& sources);
 
 }  // namespace isoatlas::detail::test

@@ -14,7 +14,7 @@ namespace {
 
 using namespace test;
 
-std::size_t meeting_pairs(const Extraction& e, std::size_t level) {
+std::size_t count_intersecting_pairs(const Extraction& e, std::size_t level) {
   const TriangleMesh mesh = e.hierarchy.mesh(level);
   return self_intersections(mesh.positions, mesh.triangles).size();
 }
@@ -28,7 +28,7 @@ ExtractOptions asking(bool allowed, Placement placement) {
   return options;
 }
 
-TEST(Embedded, NothingIsLeftInAnyLevel) {
+TEST(Embedded, NoSelfIntersectionsInAnyLevel) {
   std::vector<Volume> volumes;
   for (const double level : {-0.9, 1.0}) volumes.push_back(to_volume(sampled({26, 24, 25}, gyroid(11.3, level))));
   for (std::uint64_t seed = 0; seed < 3; ++seed) volumes.push_back(to_volume(random_samples(Family::white_noise, {9, 10, 8}, seed)));
@@ -38,9 +38,9 @@ TEST(Embedded, NothingIsLeftInAnyLevel) {
       const Extraction allowed = extract(volumes[v], asking(true, placement)), asked = extract(volumes[v], asking(false, placement));
       for (std::size_t l = 0; l < 3; ++l) {
         SCOPED_TRACE("volume " + std::to_string(v) + ", level " + std::to_string(l));
-        before += meeting_pairs(allowed, l);
+        before += count_intersecting_pairs(allowed, l);
         EXPECT_FALSE(allowed.report.levels[l].self_intersections.has_value()) << "nobody looked";
-        EXPECT_EQ(meeting_pairs(asked, l), 0u);
+        EXPECT_EQ(count_intersecting_pairs(asked, l), 0u);
         EXPECT_EQ(asked.report.levels[l].self_intersections, 0u);
         EXPECT_EQ(asked.report.levels[l].topology, asked.report.reference);
         EXPECT_TRUE(asked.report.levels[l].certificate.passed);
@@ -50,9 +50,9 @@ TEST(Embedded, NothingIsLeftInAnyLevel) {
   EXPECT_GT(before, 0u) << "else this shows nothing";
 }
 
-// Positions in the space and precision of files: a voxel has 2^17 doubles to a side there, and 2^12 floats. Before that was looked at, the
-// first three of these had pairs.
-TEST(Embedded, AsFilesHaveIt) {
+// Positions in the space and precision of files: a voxel has 2^17 doubles along an axis there, and
+// 2^12 floats. Before these were tested, the first three had intersecting pairs.
+TEST(Embedded, InTheCoordinatesOfFiles) {
   const double c = std::cos(0.7), s = std::sin(0.7);
   for (const std::uint64_t seed : {14U, 21U, 28U, 35U}) {
     SCOPED_TRACE(seed);
@@ -81,10 +81,11 @@ TEST(Embedded, AsFilesHaveIt) {
   }
 }
 
-// Bounds that the grid is too coarse for: the surface is divided as often as allowed, and no oftener, and comes closer to them.
-TEST(AdaptiveSupersample, AsOftenAsAllowed) {
+// Bounds that the grid is too coarse for: the surface is subdivided exactly as often as allowed,
+// which reduces the distance.
+TEST(AdaptiveSupersample, SubdividesAsOftenAsAllowed) {
   ExtractOptions options = coarse_options();
-  options.allow_self_intersections = true;  // else the surface is also divided where triangles meet
+  options.allow_self_intersections = true;  // otherwise the surface is also subdivided where triangles intersect
   options.refine = {{{Quantity::max_distance, 0.02}}};
   std::vector<double> reached;
   for (const std::uint32_t times : {0u, 1u, 3u}) {
@@ -98,8 +99,8 @@ TEST(AdaptiveSupersample, AsOftenAsAllowed) {
   EXPECT_LT(reached[2], 0.6 * reached[0]);
 }
 
-// Triangles that are good enough for who asked are left alone.
-TEST(MinAspect, BelowAThirdIsLessWork) {
+// Triangles that satisfy the requested aspect ratio are not changed.
+TEST(MinAspect, BelowAThirdChangesFewerTriangles) {
   ExtractOptions options = coarse_options();
   options.allow_self_intersections = true;
   const Volume volume = to_volume(random_samples(Family::white_noise, {12, 12, 12}, 3));
@@ -115,8 +116,8 @@ TEST(MinAspect, BelowAThirdIsLessWork) {
   EXPECT_GT(work(0.4), usual);
 }
 
-// What is listed as badly shaped is, and nothing else.
-TEST(Embedded, BadTrianglesAreListedWithWhatKeepsThem) {
+// Exactly the badly shaped triangles are listed.
+TEST(Embedded, BadTrianglesAreListedWithTheirObstacles) {
   const Extraction e = extract(to_volume(random_samples(Family::white_noise, {12, 12, 12}, 3)), asking(false, Placement::surface));
   std::size_t listed = 0;
   for (const LevelReport& level : e.report.levels) {
@@ -138,8 +139,9 @@ TEST(Embedded, BadTrianglesAreListedWithWhatKeepsThem) {
   EXPECT_GT(listed, 0u) << "else this shows nothing";
 }
 
-// Turning a component outward lowers radii, so that cells may have to be added though no triangles meet. Found by fuzzing.
-TEST(Embedded, CellsAddedAfterAComponentWasTurnedAreMeshed) {
+// Orienting a component outward lowers radii, so cells may have to be added although no triangles
+// intersect. Found by fuzzing.
+TEST(Embedded, CellsAddedAfterAComponentWasInvertedAreMeshed) {
   Samples s = constant({3, 2, 6}, -128);
   s.values[1] = 1;
   s.values[2] = 0;

@@ -24,8 +24,8 @@ ExtractOptions at(double isovalue, Inside inside = Inside::above) {
   return out;
 }
 
-// Everything the report says about the mesh, counted again.
-void expect_honest(const Extraction& e, const std::string& what) {
+// Recounts everything that the report says about the mesh.
+void expect_correct_report(const Extraction& e, const std::string& what) {
   const MeshTopology topology = mesh_topology(e.mesh());
   ASSERT_TRUE(topology.is_manifold()) << what;
   ASSERT_TRUE(topology.is_oriented()) << what;
@@ -52,7 +52,7 @@ TEST(Extract, KnownShapes) {
   for (const KnownVolume& known : known_volumes()) {
     const Volume volume = to_volume(known.samples);
     const Extraction e = extract(volume, at(known.isovalue));
-    expect_honest(e, known.name);
+    expect_correct_report(e, known.name);
     EXPECT_EQ(e.finest().topology.kinds, known.kinds) << known.name << ": " << text(e.finest().topology.kinds);
     ExtractOptions faces = at(known.isovalue);
     faces.surface.topology = Topology::faces;
@@ -63,7 +63,7 @@ TEST(Extract, KnownShapes) {
   }
 }
 
-// Large disks ask for coarser complexes, small ones do not; both ways it is the same surface.
+// Large disks use coarser complexes, small ones do not; the surface is the same in both cases.
 TEST(Extract, KnownShapesWithAndWithoutCoarserComplexes) {
   bool coarsened = false, direct = false;
   for (const KnownVolume& known : known_volumes()) {
@@ -71,7 +71,7 @@ TEST(Extract, KnownShapesWithAndWithoutCoarserComplexes) {
       ExtractOptions o = at(known.isovalue);
       o.covering.max_radius = radius;
       const Extraction e = extract(to_volume(known.samples), o);
-      expect_honest(e, known.name);
+      expect_correct_report(e, known.name);
       EXPECT_EQ(e.finest().topology.kinds, known.kinds) << known.name << ": " << text(e.finest().topology.kinds);
       (e.report.coarser_c_vertices.empty() ? direct : coarsened) = true;
       if (HasFatalFailure()) return;
@@ -80,7 +80,7 @@ TEST(Extract, KnownShapesWithAndWithoutCoarserComplexes) {
   EXPECT_TRUE(coarsened && direct);
 }
 
-// In the volume's own space, with its voxels, from more c-vertices.
+// In the original volume's space, with its voxels, from more c-vertices.
 TEST(Extract, Supersampled) {
   const Volume volume = to_volume(sampled({26, 27, 28}, torus({12.6, 13.3, 13.4}, 8, 3.4), 1000), SampleType::float32, {1, 1, 2});
   for (const Interpolation interpolation : {Interpolation::trilinear, Interpolation::tricubic}) {
@@ -94,7 +94,7 @@ TEST(Extract, Supersampled) {
       RunControl one;
       one.threads = 1;
       const Extraction e = extract(volume, o), again = extract(volume, o, one);
-      expect_honest(e, "factor " + std::to_string(factor));
+      expect_correct_report(e, "factor " + std::to_string(factor));
       EXPECT_EQ(text(e.finest().topology.kinds), text({{1, 0, 1}}));
       EXPECT_TRUE(same_bytes(e.mesh(), again.mesh())) << "the number of threads";
       EXPECT_TRUE(e.finest().all_met());
@@ -112,7 +112,7 @@ TEST(Extract, GyroidCutByTheBoundary) {
     const TopologySummary want = reference_topology(s, 0);
     EXPECT_GT(want.boundary_loops, 1);
     const Extraction e = extract(to_volume(s), at(0));
-    expect_honest(e, "gyroid");
+    expect_correct_report(e, "gyroid");
     EXPECT_EQ(e.finest().topology, want) << text(e.finest().topology.kinds) << " instead of " << text(want.kinds);
   }
 }
@@ -124,12 +124,12 @@ TEST(Extract, WhiteNoise32) {
   ExtractOptions faces = at(0);
   faces.surface.topology = Topology::faces;
   const Extraction e = extract(to_volume(s), faces);
-  expect_honest(e, "white noise");
+  expect_correct_report(e, "white noise");
   EXPECT_EQ(e.finest().topology, want);
   EXPECT_EQ(e.report.tunnels, 0u);
   EXPECT_GT(e.report.double_segments, 0u);
   const Extraction trilinear = extract(to_volume(s), at(0));
-  expect_honest(trilinear, "white noise with tunnels");
+  expect_correct_report(trilinear, "white noise with tunnels");
   EXPECT_GT(trilinear.report.tunnels, 100u);
   EXPECT_EQ(trilinear.finest().topology.euler_characteristic,
             want.euler_characteristic - 2 * static_cast<std::int64_t>(trilinear.report.tunnels));
@@ -185,7 +185,8 @@ TEST(Orientation, BallCavityAndBelow) {
   }
 }
 
-// Every closed component of a solid encloses volume with the right sign, however coarse.
+// Every closed component of a solid encloses volume with the right sign at every level of
+// coarseness.
 TEST(Orientation, EveryComponentOfKnownShapesFacesOutwards) {
   for (const KnownVolume& known : known_volumes()) {
     const bool solids = known.name == "sphere" || known.name == "torus" || known.name == "torus about x" || known.name == "double torus" ||
@@ -227,7 +228,7 @@ TEST(Orientation, NestedShellsAlternate) {
 }
 
 // The plane z = 4.3 with the inside below: every triangle looks up.
-TEST(Orientation, HalfSpaceLooksAwayFromTheInside) {
+TEST(Orientation, HalfSpaceFacesAwayFromTheInside) {
   const Extraction e = extract(to_volume(sampled({9, 10, 11}, half_space({0, 0, 1}, 4.3))), at(0));
   double up = 0;
   for (const Triangle& t : e.mesh().triangles) {
@@ -298,7 +299,7 @@ TEST(Space, WorldOfAnAnisotropicTurnedGrid) {
   EXPECT_NEAR(mesh_quality(lps.mesh()).edge_min, lps.finest().quality.edge_min, 1e-12);
 }
 
-TEST(Space, TransformTurnsTrianglesOverWhereTheMapMirrors) {
+TEST(Space, TransformReversesTrianglesWhereTheMapMirrors) {
   Grid grid;
   grid.size = {4, 4, 4};
   grid.spacing = {2, 2, 2};

@@ -23,7 +23,8 @@ double solid_angle(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
   return 2 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
 }
 
-// Of two vertices of a level: how often the component of the second winds around the first.
+// Computes, for two vertices of a level, how often the component of the second winds around the
+// first.
 class Windings {
  public:
   explicit Windings(const TriangleMesh& mesh) : mesh_(mesh), topology_(mesh_topology(mesh)) {}
@@ -39,7 +40,7 @@ class Windings {
     return static_cast<int>(std::lround(sum / (4 * std::numbers::pi)));
   }
 
-  // Six times the volume's sign.
+  // Six times the signed volume is positive.
   bool faces_outward(std::uint32_t vertex) const {
     double sum = 0;
     for (const Triangle& t : mesh_.triangles) {
@@ -79,7 +80,7 @@ TEST(Nesting, IsTheSameAtEveryLevel) {
     for (std::size_t k = 0; k < 3; ++k) {
       EXPECT_EQ(e.report.levels[k].turned_components, 0U);
       const Windings level(meshes[k]);
-      for (const std::uint32_t a : level.one_of_each()) {  // vertices of a level have the same numbers in later ones
+      for (const std::uint32_t a : level.one_of_each()) {  // vertices keep their ids in later levels
         if (level.is_open(a)) continue;
         ASSERT_EQ(level.faces_outward(a), finest.faces_outward(a)) << "level " << k << ", vertex " << a;
         inward += finest.faces_outward(a) ? 0 : 1;

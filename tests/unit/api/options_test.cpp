@@ -43,7 +43,7 @@ TEST(Refuses, OneSampleAlongAnAxis) {
 TEST(Refuses, MoreSamplesThanAnyMemoryHolds) {
   Volume volume = ball();
   const std::size_t large = std::size_t{1} << 31;
-  volume.view.grid.size = {large, large, large};  // whose product is 0 in 64 bits of which some are lost
+  volume.view.grid.size = {large, large, large};  // the product overflows 64 bits and becomes 0
   expect_error(ErrorCode::bad_argument, {"2147483648 x 2147483648", "larger than any memory"}, volume, {});
 }
 
@@ -85,7 +85,7 @@ TEST(Refuses, NonFiniteIsovalueAndBadLengths) {
   expect_error(ErrorCode::bad_argument, {"persistence"}, ball(), o);
 }
 
-TEST(Refuses, NoSurfaceAndSaysTheRange) {
+TEST(Refuses, NoSurfaceAndReportsTheRange) {
   Samples s = constant({4, 4, 4}, 17);
   s.at(1, 1, 1) = -40;
   s.at(2, 1, 1) = 1234;
@@ -117,7 +117,7 @@ Volume with_nan() {
   return own(grid, SampleType::float32, std::move(values));
 }
 
-TEST(Refuses, GridsThatAreNone) {
+TEST(Refuses, InvalidGrids) {
   Volume volume = ball();
   const VolumeView good = volume;
   VolumeView bad = good;
@@ -133,7 +133,7 @@ TEST(Refuses, GridsThatAreNone) {
   bad.grid.spacing = {1e308, 1e308, 1e308};  // found by fuzzing: vertices at infinity
   expect_error(ErrorCode::bad_argument, {"beyond the range"}, bad, {});
   bad = good;
-  bad.grid.origin.z = 1e300;  // found by fuzzing: all vertices at one place
+  bad.grid.origin.z = 1e300;  // found by fuzzing: all vertices at one point
   expect_error(ErrorCode::bad_argument, {"along z", "too small"}, bad, {});
   bad = good;
   bad.grid.spacing = {5e-324, 5e-324, 5e-324};
@@ -149,7 +149,8 @@ TEST(Refuses, GridsThatAreNone) {
   expect_error(ErrorCode::bad_argument, {"type"}, bad, {});
 }
 
-// A ball of volume 1437 above a slab of 770 that the border cuts into two sheets, each with more area than the ball.
+// A ball of volume 1437 above a slab of 770 that the border cuts into two sheets, each with more
+// area than the ball.
 TEST(Components, ABallIsLargerThanASlabThatTheBorderCuts) {
   Samples samples = sampled({20, 20, 40}, sphere({9.5, 9.5, 12}, 7));
   for (std::size_t i = 0; i < 20 * 20 * 3; ++i) samples.at(i % 20, i / 20 % 20, 30 + i / 400) = 1000;
@@ -169,7 +170,7 @@ TEST(Components, ABallIsLargerThanASlabThatTheBorderCuts) {
 }
 
 // Balls of radius 6, 3 and 1.5, spacing 2: volumes 7238, 905 and 113.
-TEST(Components, SmallOnesAreLeftOutAsAskedAndListed) {
+TEST(Components, SmallOnesAreDroppedAndListed) {
   const Function balls = unite(unite(sphere({8.3, 8.4, 8.6}, 6), sphere({20.4, 8.5, 8.3}, 3)), sphere({28.4, 8.5, 8.3}, 1.5));
   const Volume volume = to_volume(sampled({32, 18, 18}, balls), SampleType::int32, {2, 2, 2});
   const auto left = [&](double smallest, std::size_t keep) {
@@ -210,7 +211,7 @@ TEST(Components, SmallOnesAreLeftOutAsAskedAndListed) {
   }
 }
 
-// Lengths are those of the spacing: on a sheared grid they are not those of the world.
+// Lengths use the spacing, which on a sheared grid does not give world lengths.
 TEST(Refuses, ToRefineOrMeasureOnAShearedGrid) {
   Volume volume = ball();
   volume.view.grid.direction[1] = {std::sqrt(0.5), std::sqrt(0.5), 0};
@@ -223,7 +224,7 @@ TEST(Refuses, ToRefineOrMeasureOnAShearedGrid) {
   EXPECT_NO_THROW(extract(volume, coarse_options()));
   volume.view.grid.direction[1] = {0, 2, 0};
   expect_error(ErrorCode::unsupported, {"y axis has length 2"}, volume, refine);
-  volume.view.grid.direction[1] = {5e-4, 1, 0};  // rounded in some header
+  volume.view.grid.direction[1] = {5e-4, 1, 0};  // as rounded in some headers
   EXPECT_NO_THROW(extract(volume, refine));
 }
 
@@ -231,7 +232,7 @@ TEST(NonFinite, RefusedWithCountAndPlace) {
   expect_error(ErrorCode::unsupported, {"1 NaN", "(3, 4, 3)", "SurfaceOptions::non_finite"}, with_nan(), {});
 }
 
-TEST(NonFinite, OnTheSideItIsPut) {
+TEST(NonFinite, OnTheChosenSide) {
   ExtractOptions o = coarse_options();
   o.surface.non_finite = NonFinite::above;
   EXPECT_EQ(extract(with_nan(), o).finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 1}}));
@@ -265,8 +266,8 @@ TEST(NonFinite, NothingFinite) {
   expect_error(ErrorCode::empty_surface, {"finite"}, own(grid, SampleType::float32, std::vector<float>(27, std::nanf(""))), o);
 }
 
-// Noise of NaN, infinities and numbers: whatever it is, the mesh is what a volume of plain signs would give where no face is
-// ambiguous, and a certified manifold always.
+// Noise of NaN, infinities and numbers: the mesh equals that of a volume of plain signs wherever no
+// face is ambiguous, and is always a certified manifold.
 TEST(NonFinite, NoiseOfEverything) {
   Random random(5);
   const double inf = std::numeric_limits<double>::infinity();
@@ -319,7 +320,8 @@ TEST(Extremes, HugeAndTinySamplesAndSpacings) {
   }
 }
 
-// The unit of length is the smallest spacing: no length may leave the range of float, or the covering never ends.
+// The unit of length is the smallest spacing: if a length left the range of float, the covering
+// would never end.
 TEST(Extremes, UnitsOfLengthDoNotMatter) {
   const Extraction one = scaled_torus(1, 1);
   for (const double spacing : {0x1p-600, 0x1p-160, 0x1p-40, 0x1p40, 0x1p160, 0x1p600}) {
@@ -342,7 +344,7 @@ TEST(Extremes, RadiusAndPersistenceOfAnyLength) {
   }
 }
 
-// A large persistence must not make every disk swallow the surface: this took minutes when it did.
+// A large persistence must not make every disk swallow the surface, which once took minutes.
 TEST(Extremes, LargePersistenceCostsNoMore) {
   const Volume volume = to_volume(sampled({64, 64, 64}, sphere({31.4, 31.6, 31.55}, 28)));
   ExtractOptions options = coarse_options();
@@ -352,7 +354,7 @@ TEST(Extremes, LargePersistenceCostsNoMore) {
   EXPECT_GT(e.mesh().triangles.size(), 4000u);
 }
 
-// A power of two changes no digit of any sample, so it changes nothing at all.
+// A power of two changes no digit of any sample, so the result is the same.
 TEST(Extremes, UnitsOfTheSamplesDoNotMatter) {
   const Extraction one = scaled_torus(1, 1);
   for (const double scale : {0x1p-400, 0x1p-60, 0x1p60, 0x1p400}) {
@@ -362,7 +364,7 @@ TEST(Extremes, UnitsOfTheSamplesDoNotMatter) {
   }
 }
 
-// Nor does a power of two in the spacing: all lengths scale.
+// A power of two in the spacing only scales all lengths.
 TEST(Extremes, UnitsOfTheWorldDoNotMatter) {
   const Extraction one = scaled_torus(1, 1);
   for (const double spacing : {0x1p-20, 0x1p-3, 4.0, 0x1p20}) {
@@ -403,7 +405,7 @@ TEST(Extremes, EveryRadiusAndPersistenceIsCertified) {
 
 // ------------------------------------------------------------------------------------------------ progress, cancellation
 
-TEST(Control, ProgressIsToldStageByStageWithFractions) {
+TEST(Control, ProgressIsReportedStageByStageWithFractions) {
   RunControl control;
   std::vector<std::string> stages;
   std::map<std::string, double> last;
@@ -421,7 +423,7 @@ TEST(Control, ProgressIsToldStageByStageWithFractions) {
   EXPECT_EQ(last.size(), stages.size()) << "a stage is not left and entered again";
 }
 
-TEST(Control, CancelledBeforehand) {
+TEST(Control, CancelledBeforeTheStart) {
   const std::atomic<bool> cancel{true};
   RunControl control;
   control.cancel = &cancel;
@@ -437,7 +439,7 @@ TEST(Control, CancelledInEveryStage) {
   };
   extract(volume, {}, watch);
   for (const std::string& stop : stages) {
-    if (stop == stages.back()) continue;  // the last stage may end before it looks
+    if (stop == stages.back()) continue;  // the last stage may end before it tests for cancellation
     std::atomic<bool> cancel{false};
     RunControl control;
     control.cancel = &cancel;

@@ -40,7 +40,7 @@ const ConstraintResult& result_of(const LevelReport& level, Quantity quantity) {
   return *it;
 }
 
-// Every level a manifold with the reference's topology, figures finite.
+// Every level is a manifold with the reference's topology and has finite figures.
 void expect_sound(const Extraction& e, const std::string& what) {
   for (std::size_t l = 0; l < e.hierarchy.levels.size(); ++l) {
     const TriangleMesh mesh = e.hierarchy.mesh(l);
@@ -77,8 +77,9 @@ std::vector<Shape> shapes() {
   return out;
 }
 
-// The bound is kept at samples the mesher chose; a quarter more is what may lie between them.
-TEST(Bounds, OnTheDistanceAreKeptBothWaysInNestedLevels) {
+// The bound holds at samples the mesher chose; between them the distance may be up to a quarter
+// larger.
+TEST(Bounds, OnTheDistanceHoldTwoSidedInNestedLevels) {
   for (const Shape& shape : shapes()) {
     const double voxel = shape.volume.view.grid.smallest_spacing();
     std::vector<LevelGoal> levels;
@@ -102,7 +103,7 @@ TEST(Bounds, OnTheDistanceAreKeptBothWaysInNestedLevels) {
   }
 }
 
-TEST(Bounds, OnEveryMetricAreReached) {
+TEST(Bounds, OnEveryMetricAreSatisfied) {
   const Volume volume = ball();
   for (const Constraint& c :
        {Constraint{Quantity::max_distance, 0.3}, Constraint{Quantity::mean_distance, 0.1}, Constraint{Quantity::area_curvature, 1.02},
@@ -119,9 +120,10 @@ TEST(Bounds, OnEveryMetricAreReached) {
   }
 }
 
-// Where cells are as small as they can be, smaller ones are no better. A bound leads no farther away than the looser ones that are tried
-// for it do when they are asked for themselves; between those it is a matter of chance, but not by much.
-TEST(Bounds, TighterOnesLeadNoFartherAway) {
+// Where cells are as small as possible, smaller ones are not better. A bound never gives a larger
+// distance than the looser bounds that are tried for it; other bounds may, by chance, but not by
+// much.
+TEST(Bounds, TighterOnesGiveNoLargerDistance) {
   for (const Family family : {Family::gyroid_cut, Family::white_noise}) {
     for (const std::uint64_t seed : {1U, 3U}) {
       SCOPED_TRACE(seed);
@@ -143,7 +145,7 @@ TEST(Bounds, TighterOnesLeadNoFartherAway) {
   }
 }
 
-// One measure for the whole run, whatever is tried on the way.
+// The progress is that of the whole run, whatever is tried in between.
 TEST(Progress, NeverFalls) {
   std::vector<double> told;
   RunControl control;
@@ -157,8 +159,8 @@ TEST(Progress, NeverFalls) {
   EXPECT_LE(told.back(), 1);
 }
 
-// A level that no tightening improves is there again, and the next one goes on from it.
-TEST(Bounds, LevelsAfterOneThatCannotBeMet) {
+// A level that cannot be improved repeats the previous one, and the next level continues from it.
+TEST(Bounds, LevelsAfterOneThatCannotBeSatisfied) {
   const Volume volume = to_volume(random_samples(Family::white_noise, {9, 10, 8}, 4));
   const Extraction e =
       extract(volume, asking({{{Quantity::max_distance, 0.4}}, {{Quantity::max_distance, 0.001}}, {{Quantity::normal_angle, 20}}}));
@@ -176,8 +178,8 @@ TEST(Bounds, LevelsAfterOneThatCannotBeMet) {
   }
 }
 
-// What the metric does not see between the points that it looks at, the measurement does, and refinement follows it; where bounds are not
-// proved, as between tricubic samples.
+// The measurement finds distances between the points that the metric tests, and refinement follows
+// it where bounds are not proved, as with tricubic interpolation.
 TEST(Bounds, HoldAtTheSamplesOfAMeasurement) {
   std::size_t more = 0;
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
@@ -221,7 +223,7 @@ TEST(Bounds, ScaleWithTheVolume) {
 
 // ----------------------------------------------------------------------------------------------------------- priorities
 
-TEST(Priorities, TheEarlierConstraintWins) {
+TEST(Priorities, TheEarlierConstraintHasPriority) {
   const Volume volume = ball();
   const Constraint few{Quantity::max_vertices, 80}, near{Quantity::max_distance, 0.1};
   const Extraction count_first = extract(volume, asking({{few, near}})), distance_first = extract(volume, asking({{near, few}}));
@@ -234,8 +236,8 @@ TEST(Priorities, TheEarlierConstraintWins) {
   EXPECT_NE(result_of(distance_first.finest(), Quantity::max_vertices).reason.find("max-distance comes first"), std::string::npos);
 }
 
-// Every step back has to lead to a smaller one.
-TEST(Priorities, ALimitOnVerticesEndsTheWorkInNoise) {
+// Every reverted step must lead to a smaller one.
+TEST(Priorities, ALimitOnVerticesEndsRefinementInNoise) {
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     const Volume volume = to_volume(random_samples(Family::gyroid_cut, {12, 12, 12}, seed));
     const Extraction coarse = extract(volume, asking({}));
@@ -246,7 +248,8 @@ TEST(Priorities, ALimitOnVerticesEndsTheWorkInNoise) {
   }
 }
 
-// Where parting triangles that meet took more vertices than were left, less is asked for; but not nothing.
+// Where resolving intersections took more vertices than were left, the level is refined less, but
+// still refined.
 TEST(Priorities, ALimitOnVerticesIsNearlyUsedUp) {
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     const Volume volume = to_volume(random_samples(Family::white_noise, {9, 9, 9}, seed));
@@ -274,7 +277,7 @@ TEST(Edges, FourVerticesAreEnoughForASphereIfTopologySaysSo) {
   EXPECT_EQ(r.met, e.finest().vertices <= 4);
 }
 
-TEST(Edges, OneVertexIsTooFewAndTheReasonSaysHowManyItTakes) {
+TEST(Edges, OneVertexIsTooFewAndTheReasonSaysHowManyAreNeeded) {
   const Extraction e =
       extract(ball(), asking({{{Quantity::max_vertices, 1}}, {{Quantity::max_distance, 0.5}}, {{Quantity::max_vertices, 1}}}));
   expect_sound(e, "ball");
@@ -282,11 +285,11 @@ TEST(Edges, OneVertexIsTooFewAndTheReasonSaysHowManyItTakes) {
   EXPECT_FALSE(first.met);
   EXPECT_EQ(first.reason, "topology alone needs " + std::to_string(e.report.levels[0].vertices));
   EXPECT_EQ(e.hierarchy.levels[1].triangles, e.hierarchy.levels[0].triangles) << "and not one more";
-  EXPECT_EQ(e.report.levels[3].constraints[0].reason, "the level before has " + std::to_string(e.report.levels[2].vertices))
+  EXPECT_EQ(e.report.levels[3].constraints[0].reason, "the previous level has " + std::to_string(e.report.levels[2].vertices))
       << "topology would do with less";
 }
 
-TEST(Edges, ABalancedLevelThatRepeatsTheCoarseOneHasItsPlaces) {
+TEST(Edges, ABalancedLevelThatRepeatsTheCoarseOneHasItsPositions) {
   ExtractOptions options = asking({{{Quantity::max_vertices, 1}}});
   options.placement = Placement::balanced;
   const Extraction e = extract(ball(), options);
@@ -319,7 +322,7 @@ TEST(Edges, LongestShortEdgeIsLongerThanTheObject) {
   EXPECT_NE(e.finest().constraints[1].reason.find("min-edge comes first"), std::string::npos);
 }
 
-TEST(Edges, AbsurdBoundsOfEveryQuantity) {
+TEST(Edges, ExtremeBoundsOfEveryQuantity) {
   const Volume volume = to_volume(sampled({8, 8, 8}, sphere({3.4, 3.6, 3.55}, 2.6)));
   for (std::size_t q = 0; q < kQuantityCount; ++q) {
     const auto quantity = static_cast<Quantity>(q);
@@ -333,7 +336,7 @@ TEST(Edges, AbsurdBoundsOfEveryQuantity) {
         expect_sound(e, std::string(name(quantity)) + " " + std::to_string(wanted));
         if (HasFatalFailure()) return;
         const ConstraintResult& result = e.report.levels[1].constraints[0];
-        // With all c-vertices as vertices none of them is off the mesh.
+        // If all c-vertices are vertices, none of them is off the mesh.
         const bool perfect = is_metric(quantity) && result.reached == (ratio ? 1 : 0);
         const bool generous = perfect || (is_lower_bound(quantity) ? bound < 1 : bound > 1);
         EXPECT_EQ(result.met, generous) << name(quantity) << " " << wanted;
@@ -394,13 +397,13 @@ TEST(Edges, OnlyShape) {
   EXPECT_GE(e.finest().quality.aspect_min, 0.4);
 }
 
-TEST(Edges, NoWishesForALevelKeepTheLevelBefore) {
+TEST(Edges, NoConstraintsForALevelKeepThePreviousLevel) {
   const Extraction e = extract(ball(), asking({{{Quantity::max_distance, 0.2}}, {}}));
   expect_sound(e, "ball");
   EXPECT_EQ(e.report.levels[2].vertices, e.report.levels[1].vertices);
 }
 
-TEST(Edges, TheCoarseLevelIsOnlyLookedAt) {
+TEST(Edges, TheCoarseLevelIsOnlyMeasured) {
   ExtractOptions options = asking({});
   const Extraction plain = extract(ball(), options);
   EXPECT_FALSE(plain.finest().metrics.has_value());
@@ -439,7 +442,7 @@ TEST(Refuses, BoundsThatAQuantityCannotHave) {
   refused({{Quantity::min_aspect, 1}}, "min-aspect");
 }
 
-TEST(Cancelling, WorksDuringRefinement) {
+TEST(Cancelling, StopsRefinement) {
   const Volume volume = ball(14);
   for (const int after : {0, 1, 4}) {
     std::atomic<bool> cancel{false};

@@ -51,7 +51,7 @@ std::vector<Case> cases() {
   return out;
 }
 
-// @return the number of looks
+// @return number of tests for cancellation
 int run(const Case& c, int threads, int stop) {
   RunControl control;
   control.threads = threads;
@@ -63,7 +63,7 @@ int run(const Case& c, int threads, int stop) {
 
 constexpr int kNever = 1 << 30, kStops = 60;
 
-TEST(Stop, AtAnyLook) {
+TEST(Stop, AtAnyTestForCancellation) {
   for (const Case& c : cases()) {
     const int all = run(c, 1, kNever);
     EXPECT_GT(all, 100) << c.name;
@@ -80,8 +80,9 @@ TEST(Stop, AtAnyLook) {
   }
 }
 
-// Each thread may look once more, at pieces of a loop that it has begun, or twice where two run beside each other.
-TEST(Stop, AtAnyLookWithThreads) {
+// Each thread may test once more, in pieces of a loop that it has begun, or twice if two loops run
+// in parallel.
+TEST(Stop, AtAnyTestForCancellationWithThreads) {
   constexpr int kThreads = 3;
   for (const Case& c : cases()) {
     const int all = run(c, kThreads, kNever);

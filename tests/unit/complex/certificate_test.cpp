@@ -17,7 +17,8 @@ namespace {
 
 using namespace test;
 
-// Cells by a rule on c-vertices that gives any number; equal numbers are one cell. kAlone: a cell of its own.
+// Assigns cells by a rule that maps c-vertices to any numbers; equal numbers are one cell. kAlone:
+// a cell of its own.
 constexpr int kAlone = -1;
 template <class Rule>
 Partition cells_by(const SurfaceComplex& surface, Rule rule) {
@@ -122,7 +123,7 @@ TEST(Certificate, DiskAndAnnulusThatSumToOne) {
   EXPECT_EQ(c.fault_of(p.cell_of[8 + 12 * 8]), kNotConnected) << "V - E + F is 1, so only connectedness tells";
 }
 
-TEST(Certificate, TwoCellsThatMeetTwiceAroundATube) {
+TEST(Certificate, TwoCellsWithTwoCommonArcsAroundATube) {
   const SurfaceComplex t = tube(12, 9);
   const Partition p = cells_by(t, [](CVertexId v) {
     const int row = static_cast<int>(v / 12);
@@ -168,7 +169,7 @@ TEST(Certificate, TwoHalvesOfABall) {
 }
 
 TEST(Certificate, CellWithASingleNeighbour) {
-  const SurfaceComplex grid = flat_grid(9, 9);  // a cell with a hole that another one fills
+  const SurfaceComplex grid = flat_grid(9, 9);  // a cell with a hole that another cell fills
   const Partition p = cells_by(grid, [](CVertexId v) {
     const int d = std::max(std::abs(static_cast<int>(v % 9) - 4), std::abs(static_cast<int>(v / 9) - 4));
     return d < 2 ? 1 : d == 2 ? 2 : kAlone;
@@ -178,8 +179,8 @@ TEST(Certificate, CellWithASingleNeighbour) {
   EXPECT_TRUE(c.fault_of(p.cell_of[2 + 9 * 2]) & kNotADisk);
 }
 
-TEST(Certificate, BoundaryMetTwice) {
-  const SurfaceComplex grid = flat_grid(9, 5);  // a column from one side to the other: a disk, but it cuts the surface in two
+TEST(Certificate, CellTouchesTheBoundaryTwice) {
+  const SurfaceComplex grid = flat_grid(9, 5);  // a column from one side to the other: a disk, but it separates the surface
   const Partition p = cells_by(grid, [](CVertexId v) { return v % 9 == 4 ? 1 : kAlone; });
   const PartitionCheck c = check(grid, p);
   EXPECT_EQ(c.fault_of(p.cell_of[4]), kBadBoundary);
@@ -205,7 +206,8 @@ TEST(Certificate, SiteNotOnTheBoundary) {
 }
 
 TEST(Certificate, TwoCellsOnATriangle) {
-  // A disk cut in two: one arc whose both ends are on the boundary, no triangle. The dual would be a single edge.
+  // A disk split in two: one arc with both ends on the boundary, and no triangle. The dual would be
+  // a single edge.
   const SurfaceComplex grid = flat_grid(6, 4);
   const PartitionCheck c = check(grid, cells_by(grid, [](CVertexId v) { return v % 6 < 3 ? 0 : 1; }));
   EXPECT_FALSE(c.passed());
@@ -237,15 +239,16 @@ TEST(CutFace, QuadsByTheirLabels) {
   EXPECT_EQ(cut(2, 1, 3, 1).joined, 1u);
   EXPECT_EQ(cut(2, 1, 3, 1).joined_corner, 1);
   EXPECT_EQ(cut(1, 2, 1, 2).joined, 1u) << "the shorter diagonal";
-  std::swap(quad.positions[0].x, quad.positions[1].x);  // still a loop; now 1-3 is shorter
+  std::swap(quad.positions[0].x, quad.positions[1].x);  // still a loop, but now 1-3 is shorter
   quad.positions = {{0, 0, 0}, {3, 0.5, 0}, {3, 2, 0}, {0, 1, 0}};
   EXPECT_EQ(cut(1, 2, 1, 2).joined, 2u);
   EXPECT_EQ(cut(1, 2, 3, 4).triangles, 2);
 }
 
-// Soundness: whatever partition the certificate passes, its dual is a simplicial manifold with the same components, genus and
-// loops. Random Voronoi cells by breadth-first search, few and many; many fail, all that pass are looked at.
-TEST(Certificate, WhatPassesIsHomeomorphic) {
+// Soundness: if a partition passes the certificate, its dual is a simplicial manifold with the same
+// components, genus and loops. Random Voronoi cells by breadth-first search, few and many; many
+// fail, and all that pass are checked.
+TEST(Certificate, IsSound) {
   Random random(11);
   int passed = 0, failed = 0;
   std::vector<SurfaceComplex> surfaces;
@@ -303,9 +306,9 @@ TEST(Certificate, WhatPassesIsHomeomorphic) {
   EXPECT_GT(failed, 100);
 }
 
-// And the other way round: a partition whose dual is not such a manifold, or another one, never passes. A passed partition
-// with two cells merged or one c-vertex given away.
-TEST(Certificate, WhatBreaksTheDualFails) {
+// Completeness: a partition whose dual is not such a manifold, or a different one, never passes.
+// Uses a passed partition with two cells merged or one c-vertex moved to another cell.
+TEST(Certificate, IsComplete) {
   Random random(12);
   int broken = 0;
   for (std::uint64_t seed = 0; seed < 16; ++seed) {

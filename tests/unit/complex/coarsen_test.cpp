@@ -15,7 +15,8 @@ namespace {
 
 using namespace test;
 
-// The coarser complex is one, stands on the finer one, and has its topology component by component.
+// The coarser complex is valid, has its c-vertices at those of the finer one, and has its topology
+// component by component.
 void expect_coarser(const SurfaceComplex& fine, double block, const std::string& what) {
   const Coarsened out = coarsen(fine, block);
   ASSERT_TRUE(out.certificate.passed) << what;
@@ -71,7 +72,7 @@ TEST(Coarsen, AnisotropicSpacing) {
   }
 }
 
-TEST(Coarsen, ShrinksATameSurface) {
+TEST(Coarsen, ReducesASmoothSurface) {
   const SurfaceComplex fine = surface_of(sampled({50, 50, 50}, sphere({24.4, 24.6, 24.55}, 20)));
   EXPECT_LT(coarsen(fine, 2).complex.c_vertex_count(), fine.c_vertex_count() / 2);
   EXPECT_LT(coarsen(fine, 4).complex.c_vertex_count(), fine.c_vertex_count() / 8);

@@ -59,14 +59,14 @@ TEST(ComponentSizes, OfBallsAndShells) {
   EXPECT_NEAR(std::max(two.of(0), two.of(1)), ball(6), 0.04 * ball(6)) << "a spacing of volume 1; chords cut off a little";
   EXPECT_NEAR(std::min(two.of(0), two.of(1)), ball(3), 0.12 * ball(3));
 
-  // A hollow is a component of its own, as large as what it leaves out.
+  // A cavity is a component of its own, as large as its volume.
   const Sized shells = sized(sampled({24, 24, 24}, nested_shells({11.4, 11.6, 11.3}, {9, 5})));
   ASSERT_EQ(shells.components.topology.size(), 2U);
   EXPECT_NEAR(std::max(shells.of(0), shells.of(1)), ball(9), 0.02 * ball(9));
   EXPECT_NEAR(std::min(shells.of(0), shells.of(1)), ball(5), 0.05 * ball(5));
 }
 
-TEST(ComponentSizes, TheBordersCapCloses) {
+TEST(ComponentSizes, IncludeTheCapOfTheBorder) {
   // The box below the sheet, whose sides are those of the volume: 15 x 15 x 7.5.
   const Sized sheet = sized(sampled({16, 16, 16}, half_space({0, 0, 1}, 7.5)));
   ASSERT_EQ(sheet.components.topology.size(), 1U);
@@ -79,8 +79,9 @@ TEST(ComponentSizes, TheBordersCapCloses) {
   EXPECT_NEAR(quarter.of(0), ball(8) / 4, 0.02 * ball(8));
 }
 
-// A slab that goes through the whole volume has two sides, neither of which encloses anything without the other.
-TEST(ComponentSizes, ComponentsThatTheCapConnectsAreOnePart) {
+// A slab that goes through the whole volume has two sides, neither of which encloses a volume
+// without the other.
+TEST(ComponentSizes, ComponentsConnectedByTheCapAreOnePart) {
   Samples samples = sampled({20, 20, 40}, sphere({9.5, 9.5, 12}, 7));
   for (std::size_t y = 0; y < 20; ++y) {
     for (std::size_t x = 0; x < 20; ++x) {
@@ -100,13 +101,14 @@ TEST(ComponentSizes, ComponentsThatTheCapConnectsAreOnePart) {
 }
 
 TEST(ComponentSizes, AllOfTheVolumeButAHole) {
-  // Outside is a tube through the volume.
+  // The outside is a tube through the volume.
   const Sized tube = sized(sampled({20, 20, 20}, [](double x, double y, double) { return std::hypot(x - 9.5, y - 9.5) - 5; }));
   ASSERT_EQ(tube.components.topology.size(), 1U);
   EXPECT_NEAR(tube.of(0), 19 * 19 * 19 - std::numbers::pi * 25 * 19, 0.03 * 19 * 19 * 19);
 }
 
-// In a volume with a border of samples outside, whatever they are, every part is a component with the same topology.
+// In a volume with a border of samples outside, every part is a component with the same topology,
+// for any samples.
 TEST(ComponentSizes, ClosedSurfacesAreThoseOfPaddedVolumes) {
   for (const Family family : {Family::white_noise, Family::few_values, Family::gyroid_cut, Family::checkerboard}) {
     for (std::uint64_t seed = 0; seed < 60; ++seed) {
@@ -127,7 +129,7 @@ TEST(ComponentSizes, ClosedSurfacesAreThoseOfPaddedVolumes) {
   }
 }
 
-TEST(ComponentSizes, EveryComponentIsOfAPart) {
+TEST(ComponentSizes, EveryComponentHasAPart) {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     const Samples samples = random_samples(Family::white_noise, {7, 6, 8}, seed);
     for (const Interpolation interpolation : {Interpolation::trilinear, Interpolation::tricubic}) {

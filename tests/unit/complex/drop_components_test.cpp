@@ -12,7 +12,7 @@ namespace {
 
 using namespace test;
 
-TEST(DropComponents, LeavesTheOthersAsTheyWere) {
+TEST(DropComponents, KeepsTheOtherComponents) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const SurfaceComplex whole = surface_of(random_samples(Family::white_noise, {8, 7, 9}, seed));
     const Components components = find_components(whole);

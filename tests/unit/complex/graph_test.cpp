@@ -16,7 +16,7 @@ namespace {
 
 using namespace test;
 
-// What the header says about rows, checked one by one with sets.
+// Checks the documented properties of rows one by one with sets.
 void expect_proper_graph(const SurfaceComplex& surface, const std::string& what) {
   const CVertexGraph graph = make_graph(surface);
   ASSERT_EQ(graph.c_vertex_count(), surface.c_vertex_count());
@@ -43,7 +43,7 @@ void expect_proper_graph(const SurfaceComplex& surface, const std::string& what)
     for (std::size_t i = 0; i < row.size(); ++i) {
       const bool is_diagonal = graph.is_diagonal[graph.first[v] + i] != 0;
       ASSERT_TRUE((is_diagonal ? diagonals : sides).insert(row[i].id).second) << what << ": neighbour twice";
-      const double d = length(scaled(surface.positions[v] - surface.positions[row[i].id], surface.spacing));
+      const double d = length(to_metric(surface.positions[v] - surface.positions[row[i].id], surface.spacing));
       ASSERT_NEAR(row[i].weight, d, 1e-6 * (1 + d)) << what;
       ASSERT_GT(row[i].weight, 0) << what;
       const bool last = i + 1 == row.size();
@@ -91,7 +91,7 @@ TEST(Graph, CVertexWithManyFaces) {
     SurfaceComplex fan;
     fan.positions.push_back({0, 0, 0});
     fan.on_boundary.push_back(open);
-    const auto spoke = [](std::uint32_t i) { return 1 + i * 37 % n; };  // ids in no order around the centre
+    const auto spoke = [](std::uint32_t i) { return 1 + i * 37 % n; };  // ids around the centre in no order
     for (std::uint32_t i = 0; i < n; ++i) fan.positions.push_back({}), fan.on_boundary.push_back(1);
     for (std::uint32_t i = 0; i < n; ++i) {
       const double angle = (open ? 5.0 : 2 * M_PI) * i / n;
@@ -111,9 +111,9 @@ TEST(Graph, CVertexWithManyFaces) {
   }
 }
 
-// Rows that become longer and shorter, move to the left and to the right, or only have other weights; and c-vertices that go, as where a
-// state is restored.
-TEST(Graph, RemakingIsMakingAnewAndTellsWhatChanged) {
+// Rows become longer and shorter, move to the left and to the right, or only change their weights;
+// and c-vertices are removed, as when a state is restored.
+TEST(Graph, RebuildingEqualsBuildingAndReportsChanges) {
   const auto same_row = [](const CVertexGraph& a, const CVertexGraph& b, CVertexId v) {
     return std::ranges::equal(a.row(v), b.row(v)) && a.on_boundary[v] == b.on_boundary[v] &&
            std::equal(a.is_diagonal.begin() + a.first[v], a.is_diagonal.begin() + a.first[v + 1], b.is_diagonal.begin() + b.first[v]);
@@ -122,7 +122,7 @@ TEST(Graph, RemakingIsMakingAnewAndTellsWhatChanged) {
   for (int round = 0; round < 60; ++round) {
     const Samples s = random_samples(Family::white_noise, {5, 4, 5}, random.between(0, 1 << 20));
     if (!has_surface(s, 0)) continue;
-    // Quads on the same c-vertices, some of them cut in two along either diagonal.
+    // Quads on the same c-vertices, some of them split along either diagonal.
     const SurfaceComplex quads = surface_of(s, 0);
     const auto some_cut = [&] {
       SurfaceComplex out = quads;
@@ -140,14 +140,14 @@ TEST(Graph, RemakingIsMakingAnewAndTellsWhatChanged) {
     for (int again = 0; again < 4; ++again) {
       const SurfaceComplex next = some_cut();
       const CVertexGraph before = graph, anew = make_graph(next);
-      const std::vector<std::uint8_t> changed = remake_graph(graph, next);
+      const std::vector<std::uint8_t> changed = rebuild_graph(graph, next);
       ASSERT_EQ(graph.first, anew.first);
       ASSERT_EQ(graph.neighbours, anew.neighbours);
       ASSERT_EQ(graph.is_diagonal, anew.is_diagonal);
       for (CVertexId v = 0; v < changed.size(); ++v) ASSERT_EQ(changed[v] != 0, !same_row(before, graph, v)) << v;
     }
     for (const SurfaceComplex& other : {tetrahedron(), quads}) {
-      remake_graph(graph, other);
+      rebuild_graph(graph, other);
       const CVertexGraph anew = make_graph(other);
       ASSERT_EQ(graph.first, anew.first);
       ASSERT_EQ(graph.neighbours, anew.neighbours);

@@ -13,7 +13,7 @@ using test::flat_grid;
 using test::tetrahedron;
 using test::tube;
 
-TEST(Validate, AcceptsWhatIsRight) {
+TEST(Validate, AcceptsValidComplexes) {
   EXPECT_EQ(validate(tetrahedron()), "");
   EXPECT_EQ(validate(flat_grid(4, 3)), "");
   EXPECT_EQ(validate(flat_grid(2, 2)), "");
@@ -106,9 +106,10 @@ TEST(Validate, TwoFansAtOneCVertex) {
 }
 
 TEST(Validate, SideThatIsAlsoADiagonal) {
-  // A tube of three columns: the sides are fine, but a quad's diagonal can be a side only if somebody makes it so.
+  // A tube of three columns: its sides are valid, but a quad's diagonal can coincide with a side of
+  // a modified face.
   SurfaceComplex c = flat_grid(3, 3);
-  // Cut the first quad in two triangles along 0-4, and make quad 1-2-5-4 use... the diagonal 4-0 of a new quad.
+  // Splits the first quad along 0-4 and lets a new quad use 4-0 as its diagonal.
   c.faces[0] = {{0, 1, 4, kNone}};
   c.faces.push_back({{0, 4, 3, kNone}});
   EXPECT_EQ(validate(c), "") << "cutting a quad is fine";

@@ -22,7 +22,7 @@ TEST(DisjointSets, RootIsTheSmallestMemberWhateverTheOrder) {
   for (int round = 0; round < 50; ++round) {
     const auto n = static_cast<std::uint32_t>(1 + random.bits() % 60);
     DisjointSets sets(n);
-    std::vector<std::uint32_t> label(n);  // the slow way: relabel everything
+    std::vector<std::uint32_t> label(n);  // the slow way: relabels everything
     for (std::uint32_t i = 0; i < n; ++i) label[i] = i;
     for (std::uint32_t k = 0; k < n; ++k) {
       const auto a = static_cast<std::uint32_t>(random.bits() % n), b = static_cast<std::uint32_t>(random.bits() % n);
@@ -53,7 +53,7 @@ TEST(DisjointSets, ThreadsThatUniteAtTheSameTimeGetTheSameSets) {
   }
 }
 
-TEST(DisjointSets, ResetTakesAWholeSetApart) {
+TEST(DisjointSets, ResetSplitsAWholeSet) {
   DisjointSets sets(6);
   sets.unite(1, 3);
   sets.unite(3, 5);
@@ -108,8 +108,8 @@ TEST(KeyHeap, PopsInOrderWithTiesByTheSmallerId) {
   }
 }
 
-// As Dijkstra's algorithm uses it: what is pushed is never shorter than what was popped last.
-TEST(MonotoneQueue, PopsTheShortestAndNothingIsLost) {
+// As in Dijkstra's algorithm: no pushed length is smaller than the last one popped.
+TEST(MonotoneQueue, PopsTheShortestAndLosesNothing) {
   Random random(3);
   MonotoneQueue queue;
   for (int run = 0; run < 20; ++run) {
@@ -136,7 +136,7 @@ TEST(MonotoneQueue, PopsTheShortestAndNothingIsLost) {
   }
 }
 
-TEST(CheckedId, RefusesWhatDoesNotFit) {
+TEST(CheckedId, RefusesCountsThatDoNotFit) {
   EXPECT_EQ(checked_id(kNone - 1, "things"), kNone - 1);
   try {
     checked_id(std::size_t{kNone}, "things");

@@ -63,7 +63,7 @@ TEST(CollectPieces, KeepsTheOrderOfThePieces) {
   }
 }
 
-TEST(RunBoth, CallsBothAndTellsWhatEitherThrows) {
+TEST(RunBoth, CallsBothAndRethrowsExceptions) {
   for (const int threads : {1, 2}) {
     const ThreadLimit limit(threads);
     std::atomic<int> calls = 0;
@@ -75,12 +75,12 @@ TEST(RunBoth, CallsBothAndTellsWhatEitherThrows) {
   }
 }
 
-TEST(ThreadLimit, HoldsInLoopsWithinLoops) {
+TEST(ThreadLimit, HoldsInNestedLoops) {
   const ThreadLimit limit(2);
   std::mutex mutex;
   std::set<std::thread::id> seen;
   for_each_index(64, 1, [&](std::size_t) {
-    const ThreadLimit more(0);  // does not count: the outer one does
+    const ThreadLimit more(0);  // has no effect: the outer limit applies
     for_each_index(64, 1, [&](std::size_t) {
       const std::lock_guard lock(mutex);
       seen.insert(std::this_thread::get_id());
@@ -100,7 +100,7 @@ TEST(ForEachPiece, ExceptionsReachTheCaller) {
   }
 }
 
-TEST(ThreadLimit, OneThreadMeansTheCallers) {
+TEST(ThreadLimit, OneThreadIsTheCaller) {
   const ThreadLimit limit(1);
   std::mutex mutex;
   std::set<std::thread::id> seen;
@@ -111,8 +111,8 @@ TEST(ThreadLimit, OneThreadMeansTheCallers) {
   EXPECT_EQ(seen, std::set{std::this_thread::get_id()});
 }
 
-// What a host and other calls have is not touched.
-TEST(ThreadLimit, ConcernsTheCallingThreadAlone) {
+// Other threads and other users of oneTBB are not affected.
+TEST(ThreadLimit, AffectsOnlyTheCallingThread) {
   using tbb::global_control;
   const std::size_t allowed = global_control::active_value(global_control::max_allowed_parallelism);
   const auto threads_in_a_loop = [] {
@@ -124,7 +124,7 @@ TEST(ThreadLimit, ConcernsTheCallingThreadAlone) {
   EXPECT_EQ(global_control::active_value(global_control::max_allowed_parallelism), allowed);
   EXPECT_EQ(threads_in_a_loop(), 1);
   std::thread([&] {
-    const int all = tbb::info::default_concurrency();  // more there are not, and TBB says so to everybody if it is asked for them
+    const int all = tbb::info::default_concurrency();  // TBB has no more threads, and prints a warning if more are requested
     const ThreadLimit many(1000);
     EXPECT_EQ(threads_in_a_loop(), all);
     const ThreadLimit nested(1);

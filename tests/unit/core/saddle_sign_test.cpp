@@ -128,7 +128,7 @@ TEST(SaddleSign, Integers64) {
     };
     expect_exact(any(), any(), any(), any(), static_cast<double>(any()));
   }
-  // Neighbours at the far ends of the ranges, where a double would see one value.
+  // Neighbours at the ends of the ranges, which are equal as doubles.
   for (const long double base : {18446744073709551600.0L, 9223372036854775790.0L, -9223372036854775808.0L}) {
     const double q = static_cast<double>(base);
     for (int i = 0; i < 5000; ++i) {

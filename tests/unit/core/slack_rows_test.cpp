@@ -13,7 +13,7 @@ namespace isoatlas::detail {
 namespace {
 
 // Thousands of changes, so that rows move and the array is compacted many times.
-TEST(SlackRows, AreWhatVectorsOfVectorsAre) {
+TEST(SlackRows, EqualVectorsOfVectors) {
   std::mt19937 random(5);
   const auto below = [&](std::size_t n) { return static_cast<std::uint32_t>(random() % n); };
   std::vector<std::vector<int>> wanted(20);
@@ -57,7 +57,7 @@ TEST(SlackRows, AreWhatVectorsOfVectorsAre) {
   }
 }
 
-TEST(EpochSet, ForgetsAllAtOnce) {
+TEST(EpochSet, ClearsInConstantTime) {
   EpochSet set;
   EXPECT_TRUE(set.insert(70));
   EXPECT_FALSE(set.insert(70));

@@ -22,7 +22,7 @@ TEST(WholeProgress, NeverFallsAndEndsAtOne) {
   whole.report("one", 0.5);
   whole.report("two", 0.25);
   whole.report("two", 0.1);   // less than before
-  whole.report("else", 0.9);  // part of the stage before it
+  whole.report("else", 0.9);  // counts as part of the previous stage
   whole.report("two", 7);
   whole.report("three", 1);
   const std::vector<std::pair<std::string, double>> want{{"one", 0},      {"one", 0.125}, {"two", 0.375}, {"two", 0.375},
@@ -30,7 +30,7 @@ TEST(WholeProgress, NeverFallsAndEndsAtOne) {
   EXPECT_EQ(told, want);
 }
 
-TEST(WholeProgress, AStageGoesOn) {
+TEST(WholeProgress, AStageContinues) {
   std::string stage;
   double fraction = 0;
   RunControl control;
@@ -45,7 +45,7 @@ TEST(WholeProgress, AStageGoesOn) {
   EXPECT_EQ(std::pair(stage, fraction), std::pair(std::string("one"), 0.1)) << "a report of work that is part of the stage";
   for (int k = 0; k < 1000; ++k) {
     const double before = fraction;
-    report_going_on(inner);
+    report_continuing(inner);
     EXPECT_EQ(stage, "one");
     EXPECT_GE(fraction, before);
     EXPECT_LE(fraction, 0.5);
@@ -57,19 +57,19 @@ TEST(WholeProgress, AStageGoesOn) {
   EXPECT_EQ(fraction, 0.5);
   whole.report("one", 0.3);
   EXPECT_EQ(stage, "two") << "the first one is over";
-  report_going_on(whole);
+  report_continuing(whole);
   EXPECT_GT(fraction, 0.5);
   EXPECT_FALSE(without_stages({}).progress);
 }
 
-TEST(WholeProgress, PiecesAreDoneOnceAndTold) {
+TEST(WholeProgress, PiecesAreProcessedOnceAndReported) {
   constexpr std::size_t kItems = 10000, kGrain = 3;
   int told = 0;
   RunControl control;
   control.progress = [&](std::string_view, double) { ++told; };
   for (const RunControl* who : {static_cast<const RunControl*>(nullptr), static_cast<const RunControl*>(&control)}) {
     std::vector<int> times(kItems, 0);
-    for_each_piece_going_on(kItems, kGrain, who, [&](std::size_t begin, std::size_t end) {
+    for_each_piece_reporting(kItems, kGrain, who, [&](std::size_t begin, std::size_t end) {
       EXPECT_LE(end - begin, kGrain);
       for (std::size_t i = begin; i < end; ++i) ++times[i];
     });
@@ -78,7 +78,7 @@ TEST(WholeProgress, PiecesAreDoneOnceAndTold) {
   EXPECT_EQ(told, 3);
 }
 
-TEST(WholeProgress, WithoutAListenerThereIsNone) {
+TEST(WholeProgress, WithoutAListenerNothingIsReported) {
   constexpr std::array<StageShare, 1> kStages{{{"one", 1}}};
   EXPECT_FALSE(with_whole_progress({}, kStages).progress);
 }

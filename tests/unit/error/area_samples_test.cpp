@@ -11,7 +11,7 @@
 namespace isoatlas::detail {
 namespace {
 
-TEST(AreaSamples, EachStandsForTheSameArea) {
+TEST(AreaSamples, EachRepresentsTheSameArea) {
   // Two triangles, one nine times as large as the other.
   const TriangleMesh mesh{{{0, 0, 0}, {3, 0, 0}, {0, 3, 0}, {5, 5, 5}, {6, 5, 5}, {5, 6, 5}}, {{0, 1, 2}, {3, 4, 5}}};
   const AreaSamples samples(mesh.positions, mesh.triangles, 10000);
@@ -28,7 +28,8 @@ TEST(AreaSamples, EachStandsForTheSameArea) {
   EXPECT_NEAR(near_corner, 1000, 30);
 }
 
-// Integrals over a triangle: the error falls nearly as 1 / samples, as it does for nothing random.
+// For integrals over a triangle the error falls nearly as 1 / samples, faster than for random
+// samples.
 TEST(AreaSamples, SpreadWellInOneTriangle) {
   const TriangleMesh mesh{{{0, 0, 0}, {4, 0, 0}, {1, 2, 0}}, {{0, 1, 2}}};
   for (const std::size_t n : {10, 100, 1000, 10000, 65536}) {
@@ -42,7 +43,7 @@ TEST(AreaSamples, SpreadWellInOneTriangle) {
     }
     EXPECT_NEAR(x, 5.0 / 3, 2.0 / static_cast<double>(n));
     EXPECT_NEAR(xx, (16 + 1 + 4) / 6.0, 8.0 / static_cast<double>(n));
-    EXPECT_LT(step, 8 / std::sqrt(static_cast<double>(n)));  // one is close to the next
+    EXPECT_LT(step, 8 / std::sqrt(static_cast<double>(n)));  // consecutive samples are close to each other
   }
 }
 

@@ -19,7 +19,7 @@ namespace {
 
 using namespace test;
 
-TEST(LevelMesh, BucketsHoldEveryTriangleAndCVertexWhereItBelongs) {
+TEST(LevelMesh, AdjacencyListsEveryTriangleAndCVertex) {
   const TestLevel level(exact_surface({28, 28, 28}, bumpy_ball()), 5);
   const LevelMesh& mesh = level.mesh();
   std::size_t corners = 0, c_vertices = 0;
@@ -33,17 +33,17 @@ TEST(LevelMesh, BucketsHoldEveryTriangleAndCVertexWhereItBelongs) {
     EXPECT_TRUE(std::is_sorted(own.begin(), own.end()));
     for (const CVertexId v : own) EXPECT_EQ(level.partition().cell_of[v], c);
     c_vertices += own.size();
-    EXPECT_EQ(mesh.point[c], level.ground().surfels.point[level.partition().site[c]]);
+    EXPECT_EQ(mesh.point[c], level.surface_data().surfels.point[level.partition().site[c]]);
   }
   EXPECT_EQ(corners, 3 * mesh.triangles.size());
-  EXPECT_EQ(c_vertices, level.ground().complex.c_vertex_count());
+  EXPECT_EQ(c_vertices, level.surface_data().complex.c_vertex_count());
   for (const Vec3 normal : mesh.triangle_normal) EXPECT_NEAR(length(normal), 1, 1e-12);
 }
 
-TEST(LevelMesh, BucketsOfNothingAndOfEmptyGroups) {
-  const Buckets none = make_buckets(0, [](auto) {});
+TEST(LevelMesh, AdjacencyOfNothingAndOfEmptyGroups) {
+  const CsrAdjacency none = make_csr_adjacency(0, [](auto) {});
   EXPECT_EQ(none.first.size(), 1u);
-  const Buckets some = make_buckets(4, [](auto add) {
+  const CsrAdjacency some = make_csr_adjacency(4, [](auto add) {
     add(2, 7);
     add(0, 5);
     add(2, 6);
@@ -58,20 +58,20 @@ TEST(LevelMesh, BucketsOfNothingAndOfEmptyGroups) {
 TEST(LevelMesh, PlacingMovesCornersAndNormals) {
   const TestLevel level(exact_volume({28, 28, 28}, bumpy_ball()), 6);
   LevelMesh mesh = level.mesh();
-  VertexPlacement places{level.partition().site, std::vector<float>(mesh.cell_count(), 0)};
-  places.offset[3] = 0.5f;
+  VertexPlacement placement{level.partition().site, std::vector<float>(mesh.cell_count(), 0)};
+  placement.normal_offset[3] = 0.5f;
   const std::vector<CellId> moved{3};
-  place(mesh, level.ground().surfels, moved, places);
+  update_points(mesh, level.surface_data().surfels, moved, placement);
   EXPECT_NEAR(length(mesh.point[3] - level.mesh().point[3]), 0.5, 1e-6);
-  const LevelMesh again = make_level_mesh(level.ground().surfels, level.partition(), level.triangles(), places);
+  const LevelMesh again = make_level_mesh(level.surface_data().surfels, level.partition(), level.triangles(), placement);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     EXPECT_EQ(mesh.corners(t), again.corners(t));
     EXPECT_EQ(mesh.triangle_normal[t], again.triangle_normal[t]);
   }
 }
 
-// The triangles around a cell and around its neighbours, one by one.
-TEST(FindClosest, IsTheClosestOfTheRing) {
+// Compares with all triangles around a cell and around its neighbours.
+TEST(FindClosest, IsTheClosestOfTheTwoRing) {
   for (const float disk : {3.0f, 7.0f}) {
     const TestLevel level(exact_surface({28, 28, 28}, bumpy_ball()), disk);
     const LevelMesh& mesh = level.mesh();
@@ -82,7 +82,7 @@ TEST(FindClosest, IsTheClosestOfTheRing) {
       }
       const auto own = mesh.c_vertices_of.row(c);
       for (std::size_t i = 0; i < own.size(); ++i) {
-        const Vec3 p = level.ground().surfels.point[own[i]];
+        const Vec3 p = level.surface_data().surfels.point[own[i]];
         double want = 1e30;
         for (const std::uint32_t t : ring) {
           const std::array<Vec3, 3> q = mesh.corners(t);
@@ -99,8 +99,9 @@ TEST(FindClosest, IsTheClosestOfTheRing) {
   }
 }
 
-// A mesh whose vertices are on the two brims of a deep, narrow valley is far from the surface, though its vertices are on it.
-TEST(MeasureFromMesh, SeesATriangleThatBridgesAFold) {
+// A mesh whose vertices are on the two brims of a deep, narrow valley is far from the surface,
+// although its vertices are on it.
+TEST(MeasureFromMesh, FindsATriangleThatBridgesAFold) {
   // The valley's walls have a slope of 2, its bottom is 8 below the brims.
   const Volume volume =
       exact_volume({21, 9, 20}, [](double x, double, double z) { return 12 - 2 * std::max(0.0, 4 - std::abs(x - 10)) - z; });
@@ -108,7 +109,7 @@ TEST(MeasureFromMesh, SeesATriangleThatBridgesAFold) {
   options.rule = {0, Inside::above, NonFinite::refuse};
   const SurfaceComplex sheet = parse_surface(volume, options);
   const Isosurface isosurface(volume, options.rule, sheet);
-  const Ground ground(sheet, &isosurface);
+  const SurfaceData surface_data(sheet, &isosurface);
   const auto at = [&](double x, double y) {
     CVertexId nearest = 0;
     const auto away = [&](CVertexId v) { return std::hypot(sheet.positions[v].x - x, sheet.positions[v].y - y); };
@@ -122,52 +123,52 @@ TEST(MeasureFromMesh, SeesATriangleThatBridgesAFold) {
     partition.cell_of[v] = sheet.positions[v].y > 4 ? 2 : sheet.positions[v].x < 10 ? 0 : 1;
   for (CellId c = 0; c < 3; ++c) partition.cell_of[partition.site[c]] = c;
   const std::vector<DualTriangle> dual{{{0, 1, 2}, 0}};
-  const LevelMesh mesh = make_level_mesh(ground.surfels, partition, dual, {partition.site, {}});
+  const LevelMesh mesh = make_level_mesh(surface_data.surfels, partition, dual, {partition.site, {}});
   const std::vector<CellId> all{0, 1, 2};
-  for (const Look look : {Look::samples, Look::proof}) {
+  for (const Evidence look : {Evidence::samples, Evidence::proof}) {
     std::vector<Farthest> from_mesh;
-    measure_from_mesh(ground.measured(), mesh, partition.cell_of, all, 0.5, look, from_mesh);
+    measure_from_mesh(surface_data.measured_surface(), mesh, partition.cell_of, all, 0.5, look, from_mesh);
     ASSERT_EQ(from_mesh.size(), 3u);
-    // Over the middle of the valley the walls are nearest: height 8 is 8 / sqrt(5) from them.
+    // Above the middle of the valley the walls are nearest: at height 8 they are 8 / sqrt(5) away.
     const float most = std::max({from_mesh[0].distance, from_mesh[1].distance, from_mesh[2].distance});
     EXPECT_GT(most, 2.5f);
     EXPECT_LT(most, 8 / std::sqrt(5.0f) + 0.1f);
   }
 }
 
-TEST(MeasureFromMesh, LeavesOtherCellsAlone) {
+TEST(MeasureFromMesh, KeepsOtherCells) {
   const TestLevel level(exact_volume({28, 28, 28}, bumpy_ball()), 6);
   const LevelMesh& mesh = level.mesh();
   std::vector<CellId> all(mesh.cell_count());
   std::iota(all.begin(), all.end(), 0u);
   const Farthest untouched{77, 7};
   std::vector<Farthest> whole, part(mesh.cell_count(), untouched);
-  measure_from_mesh(level.ground().measured(), mesh, level.partition().cell_of, all, 0, Look::samples, whole);
+  measure_from_mesh(level.surface_data().measured_surface(), mesh, level.partition().cell_of, all, 0, Evidence::samples, whole);
   const std::vector<CellId> some{1, 4, 9};
   for (const CellId c : some) part[c] = {};
-  measure_from_mesh(level.ground().measured(), mesh, level.partition().cell_of, some, 0, Look::samples, part);
+  measure_from_mesh(level.surface_data().measured_surface(), mesh, level.partition().cell_of, some, 0, Evidence::samples, part);
   for (CellId c = 0; c < mesh.cell_count(); ++c) {
     const bool asked = std::find(some.begin(), some.end(), c) != some.end();
     EXPECT_EQ(part[c], asked ? whole[c] : untouched) << c;
   }
-  std::vector<Farthest> known = whole;  // what is known already is not found again
-  measure_from_mesh(level.ground().measured(), mesh, level.partition().cell_of, all, 0, Look::samples, known);
+  std::vector<Farthest> known = whole;  // known distances are not found again
+  measure_from_mesh(level.surface_data().measured_surface(), mesh, level.partition().cell_of, all, 0, Evidence::samples, known);
   EXPECT_EQ(known, whole);
   for (Farthest& most : known) most.distance /= 2;
-  measure_from_mesh(level.ground().measured(), mesh, level.partition().cell_of, all, 0, Look::samples, known);
+  measure_from_mesh(level.surface_data().measured_surface(), mesh, level.partition().cell_of, all, 0, Evidence::samples, known);
   EXPECT_EQ(known, whole);
 }
 
-// Triangles that stay are not sampled again, others are.
-TEST(MeasureFromMesh, KnownErrorsAreThoseOfTheSameTriangle) {
+// Triangles that have not moved are not sampled again; others are.
+TEST(MeasureFromMesh, CachedErrorsAreThoseOfTheSameTriangle) {
   const TestLevel level(exact_volume({28, 28, 28}, bumpy_ball()), 6);
   LevelMesh mesh = level.mesh();
   std::vector<CellId> all(mesh.cell_count());
   std::iota(all.begin(), all.end(), 0u);
-  TriangleErrors errors;
+  TriangleErrorCache errors;
   std::vector<Farthest> once(all.size()), twice(all.size()), moved(all.size()), anew(all.size());
-  const auto measure = [&](std::vector<Farthest>& out, TriangleErrors* known) {
-    measure_from_mesh(level.ground().measured(), mesh, level.partition().cell_of, all, 0, Look::samples, out, known);
+  const auto measure = [&](std::vector<Farthest>& out, TriangleErrorCache* known) {
+    measure_from_mesh(level.surface_data().measured_surface(), mesh, level.partition().cell_of, all, 0, Evidence::samples, out, known);
   };
   measure(once, &errors);
   measure(twice, &errors);
@@ -179,31 +180,31 @@ TEST(MeasureFromMesh, KnownErrorsAreThoseOfTheSameTriangle) {
   EXPECT_NE(moved, once);
 }
 
-// What was found with one bound counts for another one, as far as it says enough.
-TEST(MeasureFromMesh, KnownErrorsCountForOtherBounds) {
+// Results for one bound are used for another one, if they are exact enough.
+TEST(MeasureFromMesh, CachedErrorsAreUsedForOtherBounds) {
   const TestLevel level(exact_volume({28, 28, 28}, bumpy_ball()), 6);
   const LevelMesh& mesh = level.mesh();
   std::vector<CellId> all(mesh.cell_count());
   std::iota(all.begin(), all.end(), 0u);
-  TriangleErrors sampled, proved;
+  TriangleErrorCache sampled, proved;
   Random random(4);
   std::size_t kinds[2] = {0, 0};
   for (int k = 0; k < 30; ++k) {
     const double enough = 0.05 + 1e-4 * static_cast<double>(random.bits() % 10000);
-    for (const Look look : {Look::samples, Look::proof}) {
+    for (const Evidence look : {Evidence::samples, Evidence::proof}) {
       std::vector<Farthest> known(all.size()), anew(all.size());
-      const auto measure = [&](std::vector<Farthest>& out, TriangleErrors* errors) {
-        measure_from_mesh(level.ground().measured(), mesh, level.partition().cell_of, all, enough, look, out, errors);
+      const auto measure = [&](std::vector<Farthest>& out, TriangleErrorCache* errors) {
+        measure_from_mesh(level.surface_data().measured_surface(), mesh, level.partition().cell_of, all, enough, look, out, errors);
       };
-      measure(known, look == Look::proof ? &proved : &sampled);
+      measure(known, look == Evidence::proof ? &proved : &sampled);
       measure(anew, nullptr);
       const auto farther = [](const Farthest& x, const Farthest& y) { return x.distance < y.distance; };
       const auto is_over = [&](const Farthest& f) { return static_cast<double>(f.distance) > enough; };
-      // A proof of a tighter bound may have found what one of this bound does not find.
+      // A proof of a tighter bound may have found points that one of this bound does not find.
       ASSERT_LE(is_over(*std::ranges::max_element(known, farther)), is_over(*std::ranges::max_element(anew, farther)))
           << "bound " << enough;
       for (const CellId c : all) {
-        if (look == Look::proof) break;  // which cell has the farthest point is a matter of how a triangle is divided
+        if (look == Evidence::proof) break;  // which cell has the farthest point depends on how a triangle is subdivided
         ++kinds[is_over(anew[c])];
         ASSERT_EQ(is_over(known[c]), is_over(anew[c])) << "bound " << enough << ", cell " << c;
         ASSERT_EQ(known[c], is_over(anew[c]) ? anew[c] : known[c]) << "bound " << enough << ", cell " << c;

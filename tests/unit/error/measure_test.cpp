@@ -101,7 +101,8 @@ TEST(Measure, HalfASphereIsFarFromTheOtherHalf) {
   const TriangleMesh mesh = uv_sphere(c, radius, 60, std::numbers::pi / 2);
   const Measurement m = measure(mesh, volume, {.space = Space::voxel, .samples = 50000});
   EXPECT_LT(m.mesh_to_surface.maximum, 0.04);
-  // Every point is closest to the equator; from the pole it is as far as a chord of a quarter, from a sample near it little less.
+  // Every point is closest to the equator. The distance of the pole is the chord of a quarter
+  // circle; samples near it are little less far.
   EXPECT_NEAR(m.surface_to_mesh.maximum, radius * std::numbers::sqrt2, 0.3);
   EXPECT_NEAR(m.surface_to_mesh.farthest.z, c.z - radius, 0.05);
   // The mean over the lower half of the chord 2 R sin(t / 2), t the angle from the equator, is 4/3 (sqrt 2 - 1) R.
@@ -112,7 +113,8 @@ TEST(Measure, HalfASphereIsFarFromTheOtherHalf) {
   EXPECT_EQ(m.p99(), m.surface_to_mesh.p99);
 }
 
-// A plane at an offset and one at an angle, in grids of any spacing, turned, sheared of origin, mirrored, in every space: the same.
+// A plane at an offset and a tilted one, in grids of any spacing, orientation and origin, sheared
+// and mirrored, in every space: the results are the same.
 TEST(Measure, PlanesInAnyGridAndSpace) {
   const double turn = 0.4, c = std::cos(turn), s = std::sin(turn);
   std::vector<Grid> grids(5);
@@ -151,7 +153,7 @@ TEST(Measure, PlanesInAnyGridAndSpace) {
         EXPECT_NEAR(m.mesh_area, 64 * voxel * voxel, 1e-9 * voxel * voxel);
         EXPECT_LT(m.normal_maximum, 1e-5) << g << " " << static_cast<int>(space);
         EXPECT_EQ(m.voxel, voxel);
-        EXPECT_GT(m.surface_to_mesh.maximum, 2 * voxel);  // the mesh is only a piece
+        EXPECT_GT(m.surface_to_mesh.maximum, 2 * voxel);  // the mesh is only a part of the surface
       }
       const double tilt = 10 * kDegrees;
       const Vec3 tilted = std::cos(tilt) * u + std::sin(tilt) * n;
@@ -171,7 +173,7 @@ TEST(Measure, PlanesInAnyGridAndSpace) {
   }
 }
 
-TEST(Measure, TurnedOverTrianglesAndTheOtherInside) {
+TEST(Measure, InvertedTrianglesAndTheOtherInside) {
   const Volume volume = exact_volume({12, 12, 12}, test::half_space({0, 0, 1}, 5.5));  // outside is up
   TriangleMesh mesh = square({5, 5, 5.5}, {3, 0, 0}, {0, 3, 0}, 2);
   const auto angle = [&](Inside inside) {
@@ -214,7 +216,7 @@ TEST(Measure, SameBytesForAnyNumberOfThreads) {
   }
 }
 
-TEST(Measure, TheSameWithAnIsosurfaceAtHand) {
+TEST(Measure, SameResultWithAGivenIsosurface) {
   Volume volume = test::to_volume(test::random_samples(test::Family::smooth_blobs, {20, 20, 20}, 4), SampleType::int32, {2, 2, 4});
   const TriangleMesh mesh = extracted(volume, Space::voxel, 100);
   const Measurement outer = measure(mesh, volume, {.space = Space::voxel, .samples = 4000});

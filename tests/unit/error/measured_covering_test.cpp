@@ -37,8 +37,8 @@ std::vector<std::array<CellId, 3>> set_of(const std::vector<DualTriangle>& trian
   return out;
 }
 
-// The points between c-vertices are nodes: on an edge of the grid that was parsed, all but those of faces that were split.
-TEST(BetweenPoints, AreOnEdgesOfTheGrid) {
+// Face nodes are on edges of the grid that was parsed, except those of faces that were split.
+TEST(FaceNodes, AreOnGridEdges) {
   const Volume volume = exact_volume({14, 15, 16}, sphere({6.4, 16.6, 7.55}, 9));
   for (const std::uint32_t factor : {1u, 3u}) {
     for (const Interpolation interpolation : {Interpolation::trilinear, Interpolation::tricubic}) {
@@ -48,7 +48,7 @@ TEST(BetweenPoints, AreOnEdgesOfTheGrid) {
       const SurfaceComplex surface = parse_surface(volume, options);
       const Isosurface isosurface(volume, options.rule, surface, interpolation, factor);
       const InterpolatedField field(volume, options.rule, interpolation);
-      const BetweenPoints between(surface, isosurface);
+      const FaceNodes between(surface, isosurface);
       std::size_t seen = 0;
       for (CVertexId v = 0; v < surface.c_vertex_count(); ++v) {
         between.for_each_at(v, [&](Vec3 p, const Face&) {
@@ -67,7 +67,7 @@ TEST(BetweenPoints, AreOnEdgesOfTheGrid) {
 void expect_same(const MeasuredCovering& a, const MeasuredCovering& b) {
   ASSERT_EQ(a.partition().site, b.partition().site);
   ASSERT_EQ(a.partition().cell_of, b.partition().cell_of);
-  ASSERT_EQ(a.places().anchor, b.places().anchor);
+  ASSERT_EQ(a.placement().anchor, b.placement().anchor);
   ASSERT_EQ(set_of(a.triangles()), set_of(b.triangles()));
   for (CellId c = 0; c < a.partition().cell_count(); ++c) {
     const double x = a.errors()[c].excess, y = b.errors()[c].excess;
@@ -93,14 +93,14 @@ std::vector<std::vector<Constraint>> demands() {
           {{Quantity::max_edge, 2}, {Quantity::max_distance, 0.5}}};
 }
 
-TEST(MeasuredCovering, PieceByPieceIsWhatAFreshLookFinds) {
+TEST(MeasuredCovering, IncrementalUpdatesEqualANewMeasurement) {
   Random random(7);
   for (const SurfaceComplex& surface : surfaces()) {
-    const Ground ground(surface);
-    for (const auto& demand : demands()) {
-      MeasuredCovering work(ground, disks(8), {}, {}, {});
+    const SurfaceData surface_data(surface);
+    for (const auto& set_bounds : demands()) {
+      MeasuredCovering work(surface_data, disks(8), {}, {}, {});
       CertificateReport report;
-      work.demand(demand, Placement::surface);
+      work.set_bounds(set_bounds, Placement::surface);
       work.update(report, {});
       for (int round = 0; round < 6; ++round) {
         insert_some(work, random, 4);
@@ -115,8 +115,9 @@ TEST(MeasuredCovering, PieceByPieceIsWhatAFreshLookFinds) {
   }
 }
 
-// The same where the trilinear isosurface is looked at as well, bounds become tighter on the way, and the first look is a quick one.
-TEST(MeasuredCovering, PieceByPieceBesideTheIsosurface) {
+// The same with the trilinear isosurface, with bounds that are tightened in between, and with a
+// quick first measurement.
+TEST(MeasuredCovering, IncrementalUpdatesEqualANewMeasurementWithTheIsosurface) {
   const std::vector<std::pair<Samples, Vec3>> cases{{sampled({24, 24, 24}, sphere({11.4, 11.6, 11.55}, 9)), {1, 1, 1}},
                                                     {sampled({20, 18, 19}, gyroid(11.3, 0.1)), {1, 2, 1.5}},
                                                     {random_samples(Family::white_noise, {7, 8, 6}, 3), {1, 1, 1}}};
@@ -126,26 +127,26 @@ TEST(MeasuredCovering, PieceByPieceBesideTheIsosurface) {
     ParseOptions parse;
     const SurfaceComplex surface = parse_surface(volume, parse);
     const Isosurface isosurface(volume, parse.rule, surface);
-    const Ground ground(surface, &isosurface);
-    MeasuredCovering work(ground, disks(8), {}, {}, {});
+    const SurfaceData surface_data(surface, &isosurface);
+    MeasuredCovering work(surface_data, disks(8), {}, {}, {});
     CertificateReport report;
     double bound = 2;
-    work.demand(std::array{Constraint{Quantity::max_distance, bound}}, Placement::surface, 0.5);
+    work.set_bounds(std::array{Constraint{Quantity::max_distance, bound}}, Placement::surface, 0.5);
     work.update(report, {});
     for (int round = 0; round < 10; ++round) {
       insert_some(work, random, 4);
       if (round % 2) {
-        work.tighten(0.6);
+        work.tighten_bounds(0.6);
         bound *= 0.6;
       }
       work.update(report, {});
       MeasuredCovering fresh(work);
-      fresh.demand(std::array{Constraint{Quantity::max_distance, bound * 2}}, Placement::surface);
-      fresh.demand(std::array{Constraint{Quantity::max_distance, bound}}, Placement::surface);
+      fresh.set_bounds(std::array{Constraint{Quantity::max_distance, bound * 2}}, Placement::surface);
+      fresh.set_bounds(std::array{Constraint{Quantity::max_distance, bound}}, Placement::surface);
       fresh.update(report, {});
       ASSERT_EQ(set_of(work.triangles()), set_of(fresh.triangles()));
       for (CellId c = 0; c < work.partition().cell_count(); ++c) {
-        // How far a cell is over its bound, or within it, may be known more or less closely; on which side it is may not.
+        // The exact excess may differ, but not on which side of its bound a cell is.
         const double x = work.errors()[c].excess, y = fresh.errors()[c].excess;
         ASSERT_TRUE((x > 1) == (y > 1) || std::abs(x - y) <= 1e-5) << x << " and " << y << " in cell " << c;
       }
@@ -153,16 +154,16 @@ TEST(MeasuredCovering, PieceByPieceBesideTheIsosurface) {
   }
 }
 
-// Sites are removed: partition and dual are what they were, whatever was done since; the errors are those of a fresh look. (Where two
-// triangles are as close, it depends on their numbers which of them counts.)
-TEST(MeasuredCovering, RemovingTheLastSitesTakesBackWhatWasDone) {
+// Removing sites restores partition and dual, whatever was done since; the errors equal those of a
+// new measurement. (If two triangles are equally close, their ids decide which one counts.)
+TEST(MeasuredCovering, RemoveSitesRestoresTheState) {
   Random random(11);
   for (const SurfaceComplex& surface : surfaces()) {
-    const Ground ground(surface);
-    for (const auto& demand : demands()) {
-      MeasuredCovering work(ground, disks(8), {}, {}, {});
+    const SurfaceData surface_data(surface);
+    for (const auto& set_bounds : demands()) {
+      MeasuredCovering work(surface_data, disks(8), {}, {}, {});
       CertificateReport report;
-      work.demand(demand, Placement::surface);
+      work.set_bounds(set_bounds, Placement::surface);
       work.update(report, {});
       for (int round = 0; round < 6; ++round) {
         const MeasuredCovering before(work);
@@ -176,17 +177,17 @@ TEST(MeasuredCovering, RemovingTheLastSitesTakesBackWhatWasDone) {
         ASSERT_EQ(report.repair_sites, repaired);
         ASSERT_EQ(work.partition().site, before.partition().site);
         ASSERT_EQ(work.partition().cell_of, before.partition().cell_of);
-        ASSERT_EQ(work.places().anchor, before.places().anchor);
+        ASSERT_EQ(work.placement().anchor, before.placement().anchor);
         ASSERT_EQ(set_of(work.triangles()), set_of(before.triangles()));
         MeasuredCovering anew(work);
         anew.update_all(report, {});
         expect_same(work, anew);
-        for (CellId c = 0; demand[0].quantity == Quantity::max_distance && c < work.errors().size(); ++c) {
+        for (CellId c = 0; set_bounds[0].quantity == Quantity::max_distance && c < work.errors().size(); ++c) {
           ASSERT_EQ(work.errors()[c].excess > 1, before.errors()[c].excess > 1) << c;
         }
         ASSERT_EQ(work.covering().distance(), before.covering().distance());
-        ASSERT_EQ(work.covering().placed_in(), before.covering().placed_in());
-        ASSERT_TRUE(work.covering().has_slope());
+        ASSERT_EQ(work.covering().inserted_in(), before.covering().inserted_in());
+        ASSERT_TRUE(work.covering().is_lipschitz());
         for (CVertexId v = 0; v < work.covering().distance().size(); ++v) ASSERT_TRUE(work.covering().is_covered(v));
         insert_some(work, random, 3);
         work.update(report, {});
@@ -202,18 +203,18 @@ TEST(MeasuredCovering, RemovingTheLastSitesTakesBackWhatWasDone) {
 TEST(MeasuredCovering, CopiesAreIndependent) {
   Random random(8);
   for (const SurfaceComplex& surface : surfaces()) {
-    const Ground ground(surface);
-    MeasuredCovering work(ground, disks(6), {}, {}, {});
+    const SurfaceData surface_data(surface);
+    MeasuredCovering work(surface_data, disks(6), {}, {}, {});
     CertificateReport report;
-    const auto demand = demands()[0];
-    work.demand(demand, Placement::surface);
+    const auto set_bounds = demands()[0];
+    work.set_bounds(set_bounds, Placement::surface);
     work.update(report, {});
     const MeasuredCovering kept(work), twin(work);
     insert_some(work, random, 10);
     work.update(report, {});
     ASSERT_GT(work.partition().cell_count(), kept.partition().cell_count());
     expect_same(kept, twin);
-    MeasuredCovering one(kept), other(kept);  // the same steps lead to the same place
+    MeasuredCovering one(kept), other(kept);  // the same steps lead to the same state
     Random first(81), second(81);
     insert_some(one, first, 10);
     insert_some(other, second, 10);
@@ -224,7 +225,7 @@ TEST(MeasuredCovering, CopiesAreIndependent) {
   }
 }
 
-TEST(CertifiedDual, UpdatesFindWhatAFullCheckFinds) {
+TEST(CertifiedDual, UpdatesEqualACompleteCheck) {
   Random random(9);
   for (const SurfaceComplex& surface : surfaces()) {
     const CVertexGraph graph = make_graph(surface);
@@ -263,7 +264,7 @@ void expect_full_check(const SurfaceComplex& complex, const Covering& covering, 
   ASSERT_EQ(set_of(dual.triangles()), set_of(full.triangles));
 }
 
-// Sites to other c-vertices of their cells, one in `share`. @return how many
+// Moves sites to other c-vertices of their cells, one in `share`. @return how many
 std::size_t move_some(std::vector<CVertexId>& sites, const std::vector<CellId>& cell_of, const std::vector<std::uint8_t>& on_boundary,
                       unsigned share, Random& random) {
   std::size_t moved = 0;
@@ -276,8 +277,8 @@ std::size_t move_some(std::vector<CVertexId>& sites, const std::vector<CellId>& 
   return moved;
 }
 
-// The same where sites move, between which the diagonals of quads with four cells are measured.
-TEST(CertifiedDual, ContinuesWhereSitesMove) {
+// The same where sites move, which changes the diagonals of quads with four cells.
+TEST(CertifiedDual, AdaptsToMovedSites) {
   Random random(12);
   std::size_t moved = 0;
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
@@ -295,8 +296,8 @@ TEST(CertifiedDual, ContinuesWhereSitesMove) {
       std::vector<CVertexId> sites = covering.partition().site;
       moved += move_some(sites, covering.partition().cell_of, graph.on_boundary, 40, random);
       const std::vector<std::uint8_t> changed(graph.c_vertex_count(), 0);
-      covering.continue_on(changed, sites);
-      dual.continue_on(changed);
+      covering.adapt_to(changed, sites);
+      dual.adapt_to(changed);
       covering.cover({});
       dual.update(report, {});
       expect_full_check(surface, covering, dual);
@@ -306,8 +307,8 @@ TEST(CertifiedDual, ContinuesWhereSitesMove) {
   EXPECT_GT(moved, 500U);
 }
 
-// The same where the complex becomes finer.
-TEST(CertifiedDual, ContinuesWhereTheComplexBecomesFiner) {
+// The same where the complex is subdivided.
+TEST(CertifiedDual, AdaptsToASubdividedComplex) {
   Random random(11);
   std::size_t moved = 0, finer = 0;
   for (std::uint64_t seed = 0; seed < 16; ++seed) {
@@ -323,17 +324,17 @@ TEST(CertifiedDual, ContinuesWhereTheComplexBecomesFiner) {
     dual.update(report, {});
     for (int round = 0; round < 5; ++round) {
       const std::vector<std::uint8_t> was_on_boundary = graph.on_boundary;
-      std::vector<CVertexId> to_cut;
+      std::vector<CVertexId> to_split;
       for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
-        if (random.bits() % (round % 2 ? 40 : 400) == 0) to_cut.push_back(v);
+        if (random.bits() % (round % 2 ? 40 : 400) == 0) to_split.push_back(v);
       }
       std::vector<CVertexId> sites = covering.partition().site;
       moved += move_some(sites, covering.partition().cell_of, was_on_boundary, 30, random);
-      cut_regions(surface, to_cut, {}, coarser);
-      const std::vector<std::uint8_t> changed = remake_graph(graph, coarser.complex);
+      split_regions(surface, to_split, {}, coarser);
+      const std::vector<std::uint8_t> changed = rebuild_graph(graph, coarser.complex);
       finer += changed.size() - was_on_boundary.size();
-      covering.continue_on(changed, sites);
-      dual.continue_on(changed);
+      covering.adapt_to(changed, sites);
+      dual.adapt_to(changed);
       covering.cover({});
       dual.update(report, {});
       expect_full_check(coarser.complex, covering, dual);
@@ -344,7 +345,7 @@ TEST(CertifiedDual, ContinuesWhereTheComplexBecomesFiner) {
   EXPECT_GT(finer, 100U);
 }
 
-TEST(Covering, SeedsAreAsInsertedOneByOne) {
+TEST(Covering, SeedEqualsInsertingOneByOne) {
   Random random(10);
   for (const SurfaceComplex& surface : surfaces()) {
     const CVertexGraph graph = make_graph(surface);
@@ -365,10 +366,11 @@ TEST(Covering, SeedsAreAsInsertedOneByOne) {
     EXPECT_EQ(seeded.partition().site, one_by_one.partition().site);
     EXPECT_EQ(seeded.partition().cell_of, one_by_one.partition().cell_of);
     EXPECT_EQ(seeded.distance(), one_by_one.distance());
-    // What would be left uncovered is covered by a larger radius; those around it are as large as the slope asks for, and no larger.
+    // An uncovered c-vertex gets a larger radius, and the radii around it grow as far as the
+    // Lipschitz condition requires.
     std::vector<float> wanted = one_by_one.radius();
     for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
-      if (seeded.partition().cell_of[v] == kNone || one_by_one.is_covered(v)) continue;  // or in a component without a site
+      if (seeded.partition().cell_of[v] == kNone || one_by_one.is_covered(v)) continue;  // or it is in a component without a site
       wanted[v] = one_by_one.distance()[v] * (1.001f / (graph.on_boundary[v] ? 0.55f : 1.0f));
     }
     for (bool any = true; any;) {
@@ -383,14 +385,14 @@ TEST(Covering, SeedsAreAsInsertedOneByOne) {
       }
     }
     for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
-      ASSERT_NEAR(seeded.radius()[v], wanted[v], 1e-5 * wanted[v]);  // up to rounding: sums along paths are made in another order
+      ASSERT_NEAR(seeded.radius()[v], wanted[v], 1e-5 * wanted[v]);  // up to rounding: sums along paths are computed in another order
       ASSERT_TRUE(seeded.partition().cell_of[v] == kNone || seeded.is_covered(v));
     }
-    EXPECT_EQ(seeded.placed_in(), std::vector<CellId>(20, kNone));
+    EXPECT_EQ(seeded.inserted_in(), std::vector<CellId>(20, kNone));
   }
 }
 
-TEST(Covering, RemembersInWhoseCellASiteWasPlaced) {
+TEST(Covering, RecordsTheCellASiteWasInsertedIn) {
   const SurfaceComplex grid = flat_grid(9, 3);
   const CVertexGraph graph = make_graph(grid);
   Covering covering(graph, disks(100));
@@ -398,8 +400,8 @@ TEST(Covering, RemembersInWhoseCellASiteWasPlaced) {
   covering.insert(8 + 9);
   covering.insert(6 + 9);  // nearer to the second
   covering.insert(1 + 9);
-  covering.insert(7 + 9);  // half way between the second and the third: the earlier one's
-  EXPECT_EQ(covering.placed_in(), (std::vector<CellId>{kNone, 0, 1, 0, 1}));
+  covering.insert(7 + 9);  // half-way between the second and the third site: belongs to the earlier one
+  EXPECT_EQ(covering.inserted_in(), (std::vector<CellId>{kNone, 0, 1, 0, 1}));
 }
 
 }  // namespace

@@ -20,12 +20,13 @@ using namespace test;
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-// Of unit slope in world units where it is a distance.
+// Has unit slope in world units if the function is a distance.
 Function scaled_distance(Vec3 spacing, const Function& f) {
   return [=](double x, double y, double z) { return f(x * spacing.x, y * spacing.y, z * spacing.z); };
 }
 
-// Nothing is lost by a mesh of a plane. Positions are float64, distances float32 of lengths up to 40: 1e-6 of them is rounding.
+// A mesh of a plane has no error. Positions are float64, distances are float32 of lengths up to 40,
+// so 1e-6 of them is rounding.
 TEST(Metrics, APlaneIsPerfect) {
   struct Plane {
     Vec3 normal, spacing;
@@ -33,7 +34,7 @@ TEST(Metrics, APlaneIsPerfect) {
   for (const auto& [normal, spacing] : {Plane{{0, 0, 1}, {1, 1, 1}}, Plane{{0.48, 0.36, 0.8}, {1, 1, 1}}, Plane{{1, 0, 0}, {1, 2, 0.5}},
                                         Plane{{0.48, 0.36, 0.8}, {1, 2, 1.5}}, Plane{{-0.6, 0.64, 0.48}, {3, 1, 1}}}) {
     const Vec3 n = normal;
-    const Vec3 middle = scaled({11.5, 11.5, 11.5}, spacing);
+    const Vec3 middle = to_metric({11.5, 11.5, 11.5}, spacing);
     const double offset = dot(n, middle) + 0.13;
     const TestLevel level(exact_surface({24, 24, 24},
                                         scaled_distance(spacing,
@@ -45,7 +46,7 @@ TEST(Metrics, APlaneIsPerfect) {
     int inner = 0;
     for (CellId c = 0; c < level.mesh().cell_count(); ++c) {
       const CellView cell = level.cell(c);
-      bool inside = true;  // at the border the mesh cuts corners, so that c-vertices there are beside it
+      bool inside = true;  // at the border the mesh cuts corners, so that c-vertices there are not above or below it
       for (const std::uint32_t t : level.mesh().triangles_of.row(c)) {
         for (const CellId other : level.mesh().triangles[t]) {
           inside = inside && !cell.graph.on_boundary[level.partition().site[other]];
@@ -74,22 +75,23 @@ class OnASphere : public ::testing::TestWithParam<double> {
     if (!one) one = std::make_unique<TestLevel>(exact_volume({48, 48, 48}, sphere({23.4, 23.6, 23.55}, kRadius)), disk);
     return *one;
   }
-  // Of the c-vertex of the cell's border that is farthest from the site, by angle at the centre.
+  // Of the c-vertex of the cell's border that is farthest from the site, as an angle at the centre.
   static double extent(const TestLevel& level, CellId c) {
     const Vec3 centre{23.4, 23.6, 23.55};
-    const Vec3 site = normalized(level.ground().surfels.point[level.partition().site[c]] - centre);
+    const Vec3 site = normalized(level.surface_data().surfels.point[level.partition().site[c]] - centre);
     double most = 0;
     for (const CVertexId v : level.mesh().c_vertices_of.row(c)) {
-      const Vec3 p = normalized(level.ground().surfels.point[v] - centre);
+      const Vec3 p = normalized(level.surface_data().surfels.point[v] - centre);
       most = std::max(most, std::atan2(length(cross(site, p)), dot(site, p)));
     }
     return most;
   }
 };
 
-// The largest distance is that of the middle of the triangle with the largest circumscribed circle, if the middle is within
-// it. C-vertices are half a voxel or so from the middle and 0.02 voxels off the sphere. The way back, from the
-// mesh, is taken to the surfels' tangent planes, which are another 0.03 above the sphere half a voxel aside.
+// The largest distance is that of the centre of the triangle with the largest circumscribed circle,
+// if the centre is inside the triangle. C-vertices are about half a voxel from the centre and 0.02
+// voxels off the sphere. The distance from the mesh is measured to the surfels' tangent planes,
+// which are another 0.03 above the sphere half a voxel aside.
 TEST_P(OnASphere, DistancesAreSagittas) {
   const TestLevel& level = OnASphere::level(GetParam());
   double largest = 0, from_mesh = 0, mean = 0, circle = 0;
@@ -116,14 +118,15 @@ TEST_P(OnASphere, DistancesAreSagittas) {
   EXPECT_LT(mean, 0.85 * largest);
 }
 
-// A cap of angular radius t over a flat triangle: surface over projection is about 2 / (1 + cos t); with normals interpolated
-// between corners the two nearly agree everywhere, so the smooth ratio is nearer to 1.
+// For a cap of angular radius t over a flat triangle, surface over projection is about 2 / (1 + cos
+// t). With normals interpolated between corners the two nearly agree everywhere, so the smooth
+// ratio is nearer to 1.
 TEST_P(OnASphere, AreaRatiosGoWithTheAngle) {
   const TestLevel& level = OnASphere::level(GetParam());
   double flat = 0, smooth = 0, widest = 0;
   for (CellId c = 0; c < level.mesh().cell_count(); ++c) {
     const CellView cell = level.cell(c);
-    double area = 0, seen = 0;  // once more, from the sphere itself
+    double area = 0, seen = 0;  // for comparison, computed from the sphere itself
     for (std::size_t i = 0; i < cell.c_vertices.size(); ++i) {
       const CVertexId v = cell.c_vertices[i];
       const Vec3 radial = normalized(cell.surfels.point[v] - Vec3{23.4, 23.6, 23.55});
@@ -143,8 +146,9 @@ TEST_P(OnASphere, AreaRatiosGoWithTheAngle) {
   EXPECT_LT(flat, 1 / std::cos(2 * widest));
 }
 
-// Surfel normals of a digital sphere are a degree or two off, and the sum of unsigned angles along a zigzag path is longer than
-// the turn: never shorter by more than the normals are off, and longer by the path's 8 % and some noise.
+// Surfel normals of a digital sphere are a degree or two off, and the sum of unsigned angles along
+// a zigzag path is longer than the turn: never shorter by more than the error of the normals, and
+// longer by the path's 8 % and some noise.
 TEST_P(OnASphere, AnglesAndRatiosAreThoseOfArcs) {
   const TestLevel& level = OnASphere::level(GetParam());
   for (CellId c = 0; c < level.mesh().cell_count(); ++c) {
@@ -178,7 +182,7 @@ TEST(Metrics, ACylinderTurnsOnlyAroundItsAxis) {
 }
 
 // On hand-made complexes, where weights are whole numbers.
-TEST(Metrics, AFlatGridHasNoAngleAndNoDetour) {
+TEST(Metrics, FlatGridHasNoAngleAndNoDetour) {
   const TestLevel level(flat_grid(23, 19), 6);
   for (CellId c = 0; c < level.mesh().cell_count(); ++c) {
     EXPECT_EQ(normal_angle(level.cell(c)), 0);
@@ -187,9 +191,9 @@ TEST(Metrics, AFlatGridHasNoAngleAndNoDetour) {
   }
 }
 
-TEST(Metrics, AMeshThatFacesAwayHasInfiniteAreaCurvature) {
+TEST(Metrics, InvertedMeshHasInfiniteAreaCurvature) {
   const SurfaceComplex grid = flat_grid(5, 5);
-  const Ground ground(grid);
+  const SurfaceData surface_data(grid);
   std::vector<float> geodesic(25, 1);
   std::vector<CellId> cell_of(25, 0);
   const std::vector<Vec3> vertex_normal{{0, 0, 1}};
@@ -197,7 +201,8 @@ TEST(Metrics, AMeshThatFacesAwayHasInfiniteAreaCurvature) {
   const std::vector<Vec3> triangle_normal{{0, 0, -1}};
   const std::vector<CVertexId> own{12};
   const std::vector<ClosestPoint> closest{{0, {1, 0, 0}, 0.5f}};
-  const CellView cell{ground.surfels, ground.graph, geodesic, cell_of, vertex_normal, triangles, triangle_normal, 12, own, closest, 0.75f};
+  const CellView cell{
+      surface_data.surfels, surface_data.graph, geodesic, cell_of, vertex_normal, triangles, triangle_normal, 12, own, closest, 0.75f};
   EXPECT_TRUE(std::isinf(area_curvature(cell)));
   EXPECT_NEAR(area_curvature_smooth(cell), 1, 1e-12) << "the vertices' normals are right";
   EXPECT_EQ(max_distance(cell), 0.75) << "the way from the mesh counts";
@@ -206,7 +211,7 @@ TEST(Metrics, AMeshThatFacesAwayHasInfiniteAreaCurvature) {
   EXPECT_EQ(normal_angle(cell), 0);
 }
 
-TEST(Surfels, ShareOutTheWholeArea) {
+TEST(Surfels, AreasSumToTheTotal) {
   for (const Vec3 spacing : {Vec3{1, 1, 1}, Vec3{1, 2, 0.5}}) {
     SurfaceComplex grid = flat_grid(7, 5);
     grid.spacing = spacing;
@@ -215,11 +220,11 @@ TEST(Surfels, ShareOutTheWholeArea) {
     for (const float a : surfels.area) sum += a;
     EXPECT_NEAR(sum, 6 * 4 * spacing.x * spacing.y, 1e-5);
     for (const Vec3 n : surfels.normal) EXPECT_NEAR(n.z, 1, 1e-12);
-    EXPECT_EQ(surfels.point[8], scaled(grid.positions[8], spacing));
+    EXPECT_EQ(surfels.point[8], to_metric(grid.positions[8], spacing));
   }
 }
 
-TEST(Quantities, NamesLeadBack) {
+TEST(Quantities, NamesAreUnique) {
   for (std::size_t q = 0; q < kQuantityCount; ++q) {
     const auto quantity = static_cast<Quantity>(q);
     EXPECT_EQ(quantity_named(name(quantity)), quantity);

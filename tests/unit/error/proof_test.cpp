@@ -38,7 +38,7 @@ Vec3 between(Vec3 low, Vec3 high, Random& random) {
   return {pick(low.x, high.x), pick(low.y, high.y), pick(low.z, high.z)};
 }
 
-TEST(GradientRange, HasTheGradientsOfAllPointsOfTheBox) {
+TEST(GradientRange, ContainsTheGradientsOfAllPointsOfTheBox) {
   Random random(3);
   for (const Volume& volume : volumes()) {
     for (const std::uint32_t factor : {1u, 3u}) {
@@ -53,7 +53,8 @@ TEST(GradientRange, HasTheGradientsOfAllPointsOfTheBox) {
         ASSERT_TRUE(range);
         for (int i = 0; i < 30; ++i) {
           const Vec3 p = between(low, high, random);
-          // As a function that is constant beyond the border, which at() is not told by its gradient.
+          // The field is extended by a constant beyond the border; the gradient returned by at()
+          // does not include this.
           const Vec3 q = between(low, high, random);
           const double change = field.at(q).value - field.at(p).value;
           double most = 1e-9, least = -1e-9;
@@ -92,7 +93,8 @@ std::vector<CellId> all_cells(const LevelMesh& mesh) {
 
 Vec3 to_index(Vec3 p, Vec3 spacing) { return {p.x / spacing.x, p.y / spacing.y, p.z / spacing.z}; }
 
-// Closest points are searched for, and in noise a nearer one is missed now and then; a change of sign says so, too.
+// Searches for closest points miss a nearer one in noise now and then; a change of sign finds it as
+// well.
 double distance(const TestLevel& level, Vec3 p, double enough) {
   const Vec3 spacing = level.isosurface().spacing();
   const double found = level.isosurface().closest(to_index(p, spacing)).distance;
@@ -121,7 +123,8 @@ double farthest_sample(const TestLevel& level, std::uint32_t triangle, double en
   return most;
 }
 
-// No sample of a triangle is farther than its proof says; and one whose samples are well within the bound is proved.
+// No sample of a triangle is farther than its proof claims, and a triangle whose samples are well
+// within the bound is proved.
 TEST(TriangleProof, HoldsAtAllSamplesAndFailsOnlyNearTheBound) {
   std::size_t proved = 0, failed = 0;
   for (const Volume& volume : volumes()) {
@@ -131,11 +134,12 @@ TEST(TriangleProof, HoldsAtAllSamplesAndFailsOnlyNearTheBound) {
       for (const double bound : {0.1, 0.5, 1.5}) {
         double most = 0;
         std::vector<Farthest> from_mesh;
-        measure_from_mesh(level.ground().measured(), mesh, level.partition().cell_of, all_cells(mesh), bound, Look::proof, from_mesh);
+        measure_from_mesh(level.surface_data().measured_surface(), mesh, level.partition().cell_of, all_cells(mesh), bound, Evidence::proof,
+                          from_mesh);
         for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
           const auto& cell = mesh.triangles[i];
           const bool is_proved = std::ranges::all_of(cell, [&](CellId c) { return from_mesh[c].at == kNone; });
-          // Others are only looked at to know whether all could have been proved.
+          // The others are only measured to know whether all could have been proved.
           const double farthest = is_proved ? farthest_sample(level, i, bound) : farthest_sample(level, i, 0);
           if (is_proved) {
             ASSERT_LE(farthest, bound * (1 + 1e-6));
@@ -155,7 +159,7 @@ TEST(TriangleProof, HoldsAtAllSamplesAndFailsOnlyNearTheBound) {
   EXPECT_GT(failed, 1000u);
 }
 
-// The same of the isosurface, at points of it in all grid cells.
+// The same for the isosurface, at points of it in all grid cells.
 TEST(SurfaceProof, HoldsAtAllPointsAndFailsOnlyNearTheBound) {
   std::size_t proved = 0, failed = 0;
   Random random(8);
@@ -163,10 +167,11 @@ TEST(SurfaceProof, HoldsAtAllPointsAndFailsOnlyNearTheBound) {
     for (const float disk : {3.0f, 6.0f}) {
       const TestLevel level(volume, disk);
       const LevelMesh& mesh = level.mesh();
-      const SurfaceComplex& complex = level.ground().complex;
+      const SurfaceComplex& complex = level.surface_data().complex;
       const InterpolatedField& field = level.isosurface().field();
-      const GridCells grid_cells(complex, field.last());
-      // Points found on segments across the surface: on the isosurface by a change of sign, whatever the product's search finds.
+      const GridCellIndex grid_cell_index(complex, field.last());
+      // Points on segments across the surface where the sign changes are on the isosurface,
+      // independently of the product's search.
       double most = 0;
       for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
         for (int k = 0; k < 4; ++k) {
@@ -178,7 +183,7 @@ TEST(SurfaceProof, HoldsAtAllPointsAndFailsOnlyNearTheBound) {
             const Vec3 middle = 0.5 * (a + b);
             ((field.at(middle).value >= 0) == (field.at(a).value >= 0) ? a : b) = middle;
           }
-          const Vec3 p = scaled(a, complex.spacing);
+          const Vec3 p = to_metric(a, complex.spacing);
           double squared = INFINITY;
           for (const Triangle& t : mesh.triangles)
             squared = std::min(squared, closest_on_triangle(p, mesh.point[t[0]], mesh.point[t[1]], mesh.point[t[2]]).squared_distance);
@@ -186,8 +191,8 @@ TEST(SurfaceProof, HoldsAtAllPointsAndFailsOnlyNearTheBound) {
         }
       }
       for (const double bound : {0.1, 0.5, 1.5, 4.0}) {
-        const auto left =
-            prove_surface_near(level.ground().measured(), grid_cells, mesh, level.partition().cell_of, all_cells(mesh), bound);
+        const auto left = prove_surface_near(level.surface_data().measured_surface(), grid_cell_index, mesh, level.partition().cell_of,
+                                             all_cells(mesh), bound);
         const bool all_proved = std::ranges::all_of(left, [](const Farthest& f) { return f.at == kNone; });
         if (most > bound * (1 + 1e-6)) {
           EXPECT_FALSE(all_proved) << most << " of " << bound;
@@ -205,12 +210,13 @@ TEST(SurfaceProof, HoldsAtAllPointsAndFailsOnlyNearTheBound) {
   EXPECT_GE(failed, 8u);
 }
 
-// Every grid cell that the isosurface crosses has a c-vertex, so that all of it is looked at.
-TEST(GridCells, HaveAllThatTheIsosurfaceCrosses) {
+// Every grid cell that the isosurface crosses has a c-vertex, so all of the isosurface is covered
+// by the proof.
+TEST(GridCellIndex, ListsAllThatTheIsosurfaceCrosses) {
   for (const Volume& volume : volumes()) {
     const TestLevel level(volume, 4);
     const InterpolatedField& field = level.isosurface().field();
-    const GridCells grid_cells(level.ground().complex, field.last());
+    const GridCellIndex grid_cell_index(level.surface_data().complex, field.last());
     const Size n = volume.view.grid.size;
     std::size_t crossed = 0;
     for (std::size_t z = 0; z + 1 < n[2]; ++z) {
@@ -222,9 +228,9 @@ TEST(GridCells, HaveAllThatTheIsosurfaceCrosses) {
             inside +=
                 field.at_sample(low + Vec3{static_cast<double>(k & 1), static_cast<double>(k >> 1 & 1), static_cast<double>(k >> 2)}) >= 0;
           if (inside == 0 || inside == 8) continue;
-          const GridCells::Key key = x + (n[0] - 1) * (y + (n[1] - 1) * z);
-          EXPECT_EQ(grid_cells.low(key), low);
-          EXPECT_FALSE(grid_cells.c_vertices(key).empty());
+          const GridCellIndex::Key key = x + (n[0] - 1) * (y + (n[1] - 1) * z);
+          EXPECT_EQ(grid_cell_index.low(key), low);
+          EXPECT_FALSE(grid_cell_index.c_vertices(key).empty());
           ++crossed;
         }
       }

@@ -23,7 +23,7 @@ bool bit(const SignBits& signs, std::size_t position, std::size_t y, std::size_t
   return (signs.row(y, z)[position / 64] >> (position % 64)) & 1;
 }
 
-// What the headers promise. NaN goes where the policy says; infinities go by their sign.
+// The documented rule. NaN is classified by the policy, infinities by their sign.
 template <class T>
 bool expected_inside(T v, const InsideRule& rule) {
   if constexpr (std::is_floating_point_v<T>) {
@@ -168,7 +168,7 @@ TEST(Classify, InfinityKeepsItsSideBeyondTheRangeOfFloat) {
   }
 }
 
-TEST(Classify, RefusesNonFiniteSamplesAndSaysWhere) {
+TEST(Classify, RefusesNonFiniteSamplesAndReportsWhere) {
   for (const float bad : {std::nanf(""), std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()}) {
     Grid grid;
     grid.size = {5, 4, 3};
@@ -207,7 +207,7 @@ TEST(Classify, RowsOfAnyLengthArePaddedByOneClampedSample) {
   }
 }
 
-TEST(Classify, NoticesASingleSampleOnTheOtherSide) {
+TEST(Classify, FindsASingleSampleOnTheOtherSide) {
   for (const std::size_t nx : {62u, 63u, 64u, 65u, 126u, 127u}) {
     for (std::size_t at = 0; at < nx; ++at) {
       for (const std::int8_t sign : {1, -1}) {

@@ -14,7 +14,7 @@ namespace {
 using test::own;
 using test::Random;
 
-TEST(Field, IsPositiveInsideWhicheverSideThatIs) {
+TEST(Field, IsPositiveInsideForEitherRule) {
   Grid grid;
   grid.size = {4, 1, 1};
   const Volume volume = own<std::int16_t>(grid, SampleType::int16, {-5, 10, 11, 30000});
@@ -40,7 +40,7 @@ TEST(Field, ExactKeepsEvery64BitInteger) {
   EXPECT_EQ(signed_field.exact(1) - signed_field.exact(0), 1.0L);
 }
 
-TEST(Field, StandInsForNonFiniteSamplesAreFiniteAndOnTheirSide) {
+TEST(Field, SubstitutesForNonFiniteSamplesAreFiniteAndOnTheirSide) {
   const double inf = std::numeric_limits<double>::infinity(), nan = std::nan("");
   Grid grid;
   grid.size = {6, 1, 1};

@@ -22,7 +22,7 @@ Volume small_volume(Family family, std::uint64_t seed, SampleType type = SampleT
   return to_volume(random_samples(family, {2 + seed % 5, 4, 3 + seed % 3}, seed), type);
 }
 
-TEST(UpsampledField, SamplesAreThoseOfTheWholeVolumeUpsampled) {
+TEST(UpsampledField, SamplesEqualTheUpsampledVolume) {
   for (const Interpolation interpolation : kBoth) {
     for (std::uint64_t seed = 0; seed < 40; ++seed) {
       const Volume volume = small_volume(static_cast<Family>(seed % kFamilies), seed);
@@ -47,8 +47,8 @@ TEST(UpsampledField, SamplesAreThoseOfTheWholeVolumeUpsampled) {
   }
 }
 
-// Large enough for cells that nothing is near.
-TEST(UpsampledField, CellsThatArePassedOverAreOnOneSide) {
+// Large enough for cells far from the surface.
+TEST(UpsampledField, SkippedCellsAreOnOneSide) {
   const Samples ball = sampled({18, 19, 20}, sphere({8.6, 9.3, 9.45}, 6), 8),
                 noise = random_samples(Family::sparse_specks, {18, 19, 20}, 3);
   for (const Interpolation interpolation : kBoth) {
@@ -64,7 +64,7 @@ TEST(UpsampledField, CellsThatArePassedOverAreOnOneSide) {
   }
 }
 
-// Plateaus at the isovalue are inside, whatever the isovalue.
+// Plateaus at the isovalue are inside, for any isovalue.
 TEST(UpsampledField, PlateausStayFlat) {
   for (const Interpolation interpolation : kBoth) {
     for (const double level : {0.1, 1.0 / 3, 1e300, 1.7e308, -1e-310}) {
@@ -78,8 +78,9 @@ TEST(UpsampledField, PlateausStayFlat) {
   }
 }
 
-// Large where the weights at the middle of the cell are below zero, which is where a value is farthest below all around it.
-TEST(UpsampledField, NothingIsPassedOverThatOvershoots) {
+// Samples are large where the weights at the centre of the cell are negative, which makes the value
+// there exceed all those around it most.
+TEST(UpsampledField, CellsThatOvershootAreNotSkipped) {
   const Volume volume = exact_volume({4, 4, 4}, [](double x, double y, double z) {
     const auto outer = [](double a) { return a == 0 || a == 3 ? 1 : 0; };
     return static_cast<double>((outer(x) + outer(y) + outer(z)) % 2);

@@ -12,7 +12,8 @@ namespace {
 
 using test::Random;
 
-// The square root of the distance to the best of a fine lattice of points of the triangle: slow, and from above.
+// The square root of the distance to the best of a fine lattice of points of the triangle: slow,
+// and an upper bound.
 double lattice_distance(Vec3 p, Vec3 a, Vec3 b, Vec3 c, int n) {
   double best = INFINITY;
   for (int i = 0; i <= n; ++i) {
@@ -64,7 +65,8 @@ TEST(ClosestPoint, RandomTrianglesAgainstALattice) {
   }
 }
 
-// Points, segments, and triangles so thin that their normal is rounding: never farther than the closest point of the sides.
+// Points, segments, and triangles so thin that their normal is rounding error: never farther than
+// the closest point of the sides.
 TEST(ClosestPoint, WithoutArea) {
   Random random(4);
   for (int k = 0; k < 4000; ++k) {

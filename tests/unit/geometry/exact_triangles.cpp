@@ -81,7 +81,7 @@ std::vector<Vec3> to_positions(const std::vector<LatticePoint>& points, double s
   return out;
 }
 
-bool slow_meet_beyond_shared(const std::vector<LatticePoint>& points, const Triangle& a, const Triangle& b) {
+bool slow_intersect_beyond_shared_simplex(const std::vector<LatticePoint>& points, const Triangle& a, const Triangle& b) {
   std::vector<std::uint32_t> shared;
   for (const std::uint32_t v : a)
     if (std::find(b.begin(), b.end(), v) != b.end() && std::find(shared.begin(), shared.end(), v) == shared.end()) shared.push_back(v);

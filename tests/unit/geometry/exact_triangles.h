@@ -14,7 +14,8 @@ using LatticePoint = std::array<std::int64_t, 3>;  // coordinates of at most 20,
 
 std::vector<Vec3> to_positions(const std::vector<LatticePoint>& points, double scale = 1, Vec3 offset = {});
 
-/// What meet_beyond_shared() promises, from its definition: an intersection of two convex sets is in a third if its corners are.
-bool slow_meet_beyond_shared(const std::vector<LatticePoint>& points, const Triangle& a, const Triangle& b);
+/// The definition of intersect_beyond_shared_simplex(), applied directly: an intersection of two
+/// convex sets is contained in a third if its corners are.
+bool slow_intersect_beyond_shared_simplex(const std::vector<LatticePoint>& points, const Triangle& a, const Triangle& b);
 
 }  // namespace isoatlas::detail::test

@@ -24,8 +24,9 @@ TEST(IntersectionTracker, LargestCornerOfEachPair) {
   EXPECT_EQ(meeting.largest_corners(std::vector<float>{0, 0, 0, 0, 0, 0, 9}), corners) << "none can be made smaller";
 }
 
-// Mesh after mesh, with triangles and positions that stay, move, come and go, the same as looking at everything.
-TEST(IntersectionTracker, SameAsLookingAtEverything) {
+// A sequence of meshes whose triangles and positions stay, move, appear and disappear gives the
+// same results as complete tests.
+TEST(IntersectionTracker, SameAsCompleteTests) {
   test::Random random(11);
   const auto somewhere = [&] {
     const auto at = [&] { return static_cast<double>(random.between(0, 1000)); };
@@ -45,8 +46,8 @@ TEST(IntersectionTracker, SameAsLookingAtEverything) {
     for (Triangle& t : triangles) std::sort(t.begin(), t.end());
     std::sort(triangles.begin(), triangles.end());
     triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
-    Triangle& turned = triangles[static_cast<std::size_t>(round) % triangles.size()];
-    std::rotate(turned.begin(), turned.begin() + 1, turned.end());  // the same triangle, written otherwise
+    Triangle& inverted = triangles[static_cast<std::size_t>(round) % triangles.size()];
+    std::rotate(inverted.begin(), inverted.begin() + 1, inverted.end());  // the same triangle with another first corner
     const std::vector<std::uint32_t> corners = meeting.update(positions, triangles, {});
     IntersectionTracker anew;
     ASSERT_EQ(corners, anew.update(positions, triangles, {})) << "round " << round;

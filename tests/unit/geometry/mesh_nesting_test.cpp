@@ -21,7 +21,7 @@ namespace {
 
 using namespace test;
 
-// A tetrahedron about `centre`; `size` below 0 turns it inside out.
+// A tetrahedron about `centre`; a negative `size` inverts it.
 void append_tetrahedron(TriangleMesh& mesh, Vec3 centre, double size) {
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
   for (const Vec3 d : {Vec3{1, 1, 1}, {-1, -1, 1}, {-1, 1, -1}, {1, -1, -1}}) {
@@ -42,9 +42,9 @@ Nesting nesting_of(const TriangleMesh& mesh) {
 
 TEST(MeshNesting, OfTetrahedraInEachOther) {
   TriangleMesh mesh;
-  append_tetrahedron(mesh, {0, 0, 0}, -3);   // in component 2, inside out
-  append_tetrahedron(mesh, {50, 0, 0}, 3);   // beside the others
-  append_tetrahedron(mesh, {0, 0, 0}, 12);   // around all but 1
+  append_tetrahedron(mesh, {0, 0, 0}, -3);   // in component 2, inverted
+  append_tetrahedron(mesh, {50, 0, 0}, 3);   // next to the others
+  append_tetrahedron(mesh, {0, 0, 0}, 12);   // encloses all but component 1
   append_tetrahedron(mesh, {0, 0, 0}, 0.5);  // in component 0
   append_tetrahedron(mesh, {4, 4, 4}, 0.5);  // in component 2
   EXPECT_EQ(nesting_of(mesh), (Nesting{{-1, 1, 1, 1, 1}, {2, kNone, kNone, 0, 2}}));
@@ -58,20 +58,21 @@ TEST(MeshNesting, OpenComponentsEncloseNothing) {
   EXPECT_EQ(nesting_of(mesh), (Nesting{{0, 1}, {kNone, kNone}}));
 }
 
-// The ray from the lowest vertex meets vertices, edges and planes of the others.
+// The ray from the lowest vertex intersects vertices, edges and planes of the others.
 TEST(MeshNesting, RaysThroughVerticesAndEdges) {
   TriangleMesh mesh;
   append_tetrahedron(mesh, {0, 0, 0}, 4);
   append_tetrahedron(mesh, {0, 0, 0}, 0.25);
   append_tetrahedron(mesh, {12, 0, 0}, 4);  // behind the first one along the ray
   append_tetrahedron(mesh, {12, 0, 0}, 0.25);
-  append_tetrahedron(mesh, {24, 4, 4}, 1);  // whose ray meets vertices of both
+  append_tetrahedron(mesh, {24, 4, 4}, 1);  // whose ray intersects vertices of both
   append_tetrahedron(mesh, {24, 3, 3}, 1);
   EXPECT_EQ(nesting_of(mesh).parent, (std::vector<std::uint32_t>{kNone, 0, kNone, 2, kNone, kNone}));
 }
 
-// Flat up to one unit in the last place: the sign of the volume is that of exact arithmetic.
-TEST(MeshNesting, SignsThatDoublesDoNotTell) {
+// Flat up to one unit in the last place: the sign of the volume must equal that of exact
+// arithmetic.
+TEST(MeshNesting, SignsThatDoublesDoNotDetermine) {
   const double a = 1e9, up = std::nextafter(a, 2 * a);
   TriangleMesh flat;
   flat.positions = {{a, a, a}, {a + 1, a, a}, {a, a + 1, a}, {a + 0.25, a + 0.25, up}};
@@ -82,12 +83,12 @@ TEST(MeshNesting, SignsThatDoublesDoNotTell) {
   flat.positions[3].z = a;
   EXPECT_EQ(nesting_of(flat).facing, (std::vector<std::int8_t>{0})) << "no volume";
   TriangleMesh tiny;
-  append_tetrahedron(tiny, {0, 0, 0}, 1e-110);  // whose volume no double has
+  append_tetrahedron(tiny, {0, 0, 0}, 1e-110);  // its volume is not a double
   EXPECT_EQ(nesting_of(tiny).facing, (std::vector<std::int8_t>{1}));
 }
 
-// The complexes of random volumes, whose nesting the parser's integers say.
-TEST(MeshNesting, OfParsedSurfacesIsTheOneOfTheirNodes) {
+// The complexes of random volumes, whose nesting is known from the parser's integers.
+TEST(MeshNesting, OfParsedSurfacesEqualsThatOfTheirNodes) {
   std::size_t enclosed = 0, inward = 0;
   const auto family_of = [](std::uint64_t seed) {
     return std::array{Family::smooth_blobs, Family::sparse_specks, Family::gyroid_cut}[seed % 3];

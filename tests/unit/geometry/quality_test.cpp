@@ -61,7 +61,7 @@ TEST(MeshQuality, ExactlyAThirdIsNotBelow) {
   EXPECT_EQ(mesh_quality(mesh).aspect_share_below_third, 0.5);
 }
 
-TEST(MeshQuality, CapsAreKnownByTheirAngle) {
+TEST(MeshQuality, CapsAreCountedByTheirAngle) {
   TriangleMesh mesh;  // edges of 1, 1 and nearly 2: an aspect ratio of a half
   add_triangle(mesh, {0, 0, 0}, {1, 1e-9, 0}, {2, 0, 0});
   add_triangle(mesh, {0, 0, 0}, {1, 0.3, 0}, {2, 0, 0});  // 146.6 degrees
@@ -81,11 +81,11 @@ TEST(MeshQuality, DihedralAnglesAreThoseInside) {
                     {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   EXPECT_NEAR(mesh_quality(cube).dihedral_min, 90, 1e-12);
   EXPECT_NEAR(mesh_quality(cube).dihedral_max, 180, 1e-12);
-  for (Triangle& t : cube.triangles) std::swap(t[1], t[2]);  // the border of a cavity: inside is around it
+  for (Triangle& t : cube.triangles) std::swap(t[1], t[2]);  // the border of a cavity: its inside surrounds it
   EXPECT_NEAR(mesh_quality(cube).dihedral_min, 180, 1e-12);
   EXPECT_NEAR(mesh_quality(cube).dihedral_max, 270, 1e-12);
 
-  TriangleMesh roof;  // two triangles that meet at 60 degrees, seen from above
+  TriangleMesh roof;  // two triangles at an angle of 60 degrees, seen from above
   roof.positions = {{0, 0, 0}, {0, 1, 0}, {1, 0.5, -std::sqrt(3.0)}, {-1, 0.5, -std::sqrt(3.0)}};
   roof.triangles = {{1, 0, 2}, {0, 1, 3}};
   EXPECT_NEAR(mesh_quality(roof).dihedral_min, 60, 1e-12);

@@ -27,7 +27,8 @@ std::vector<TrianglePair> pairs_of(const TriangleMesh& mesh, const SelfIntersect
   return self_intersections(mesh.positions, mesh.triangles, options, control);
 }
 
-// Triangles of all sizes among few lattice points, so that corners are shared, places taken twice and areas zero.
+// Triangles of all sizes among few lattice points, so that corners are shared, positions coincide
+// and areas are zero.
 struct LatticeSoup {
   std::vector<LatticePoint> points;
   std::vector<Triangle> triangles;
@@ -56,7 +57,7 @@ std::vector<TrianglePair> slow_pairs(const LatticeSoup& soup) {
   std::vector<TrianglePair> out;
   for (std::uint32_t i = 0; i < soup.triangles.size(); ++i)
     for (std::uint32_t j = i + 1; j < soup.triangles.size(); ++j)
-      if (test::slow_meet_beyond_shared(soup.points, soup.triangles[i], soup.triangles[j])) out.emplace_back(i, j);
+      if (test::slow_intersect_beyond_shared_simplex(soup.points, soup.triangles[i], soup.triangles[j])) out.emplace_back(i, j);
   return out;
 }
 
@@ -65,9 +66,9 @@ TriangleMesh ball(std::uint32_t n, Vec3 centre, double radius) {
   TriangleMesh mesh;
   const std::uint32_t rings = n / 2;
   const auto ring_vertex = [&](std::uint32_t ring, std::uint32_t k) { return 1 + (ring - 1) * n + k % n; };
-  const auto add = [&](double polar, double around) {
-    mesh.positions.push_back({centre.x + radius * std::sin(polar) * std::cos(around),
-                              centre.y + radius * std::sin(polar) * std::sin(around), centre.z + radius * std::cos(polar)});
+  const auto add = [&](double polar, double enclosing) {
+    mesh.positions.push_back({centre.x + radius * std::sin(polar) * std::cos(enclosing),
+                              centre.y + radius * std::sin(polar) * std::sin(enclosing), centre.z + radius * std::cos(polar)});
   };
   add(0, 0);
   for (std::uint32_t ring = 1; ring < rings; ++ring)
@@ -92,7 +93,7 @@ TriangleMesh both(TriangleMesh a, const TriangleMesh& b) {
   return a;
 }
 
-TEST(SelfIntersections, NothingHasNone) {
+TEST(SelfIntersections, EmptyMeshHasNone) {
   EXPECT_TRUE(self_intersections({}, {}).empty());
   EXPECT_TRUE(pairs_of({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}).empty());
   EXPECT_TRUE(pairs_of({{{0, 0, 0}}, {}}).empty());
@@ -104,7 +105,7 @@ TEST(SelfIntersections, NestedBallsHaveNone) {
   EXPECT_TRUE(pairs_of(both(ball(40, {0, 0, 0}, 1), ball(40, {0, 0, 0}, 1 + 0x1p-30))).empty());
 }
 
-TEST(SelfIntersections, BallsThatCrossMeetAlongACircle) {
+TEST(SelfIntersections, CrossingBallsIntersectAlongACircle) {
   const TriangleMesh mesh = both(ball(60, {0, 0, 0}, 1), ball(60, {0.9, 0.3, 0.2}, 1));
   const std::vector<TrianglePair> pairs = pairs_of(mesh);
   EXPECT_GT(pairs.size(), 100u);
@@ -120,7 +121,7 @@ TEST(SelfIntersections, AgreesWithAllPairsOfIntegers) {
     const std::vector<TrianglePair> wanted = slow_pairs(soup);
     EXPECT_FALSE(wanted.empty());
     ASSERT_EQ(pairs_of(soup.mesh()), wanted) << seed;
-    // Boxes that are wide in single precision only cost time.
+    // Wide boxes in single precision only cost time.
     ASSERT_EQ(pairs_of(soup.mesh(0x1p-30, {1000, 1000, 1000})), wanted) << seed;
     ASSERT_EQ(pairs_of(soup.mesh(0x1p-1074)), wanted) << seed;
     ASSERT_EQ(pairs_of(soup.mesh(0x1p1019)), wanted) << seed;
@@ -165,12 +166,12 @@ TEST(SelfIntersections, SamePairsForAnyNumberOfThreads) {
   for (const int threads : {2, 3, 8}) EXPECT_EQ(pairs_of(mesh, {}, threads), wanted) << threads;
 }
 
-TEST(SelfIntersections, InvolvingAListIsWhatAllPairsHaveOfIt) {
+TEST(SelfIntersections, InvolvingAListSelectsFromAllPairs) {
   const TriangleMesh mesh = random_soup(7, 200, 600).mesh();
   const std::vector<TrianglePair> all = pairs_of(mesh);
   Random random(2);
   for (const std::size_t length : {0, 1, 5, 100, 600}) {
-    std::vector<std::uint32_t> list;  // some twice
+    std::vector<std::uint32_t> list;  // some of them twice
     for (std::size_t i = 0; i < length; ++i) list.push_back(static_cast<std::uint32_t>(random.between(0, 599)));
     std::vector<TrianglePair> wanted;
     for (const auto& [a, b] : all)
@@ -183,7 +184,7 @@ TEST(SelfIntersections, InvolvingAListIsWhatAllPairsHaveOfIt) {
   EXPECT_EQ(pairs_of(mesh, {.involving = every}), all);
 }
 
-TEST(SelfIntersections, RefusesWhatIsNoMesh) {
+TEST(SelfIntersections, RefusesInvalidMeshes) {
   const auto refused = [](const TriangleMesh& mesh, const SelfIntersectionOptions& options, const std::string& part) {
     try {
       pairs_of(mesh, options);
@@ -222,8 +223,9 @@ TEST(SelfIntersections, CanBeCancelled) {
   EXPECT_THROW(self_intersections(mesh.positions, mesh.triangles, {}, control), Error);
 }
 
-// The tests' own judge, which shares nothing with the product, on soups in which most positions are special.
-TEST(MeshJudge, CountsWhatTheProductCounts) {
+// The tests' own reference, which shares nothing with the product, on soups in which most positions
+// are special.
+TEST(MeshJudge, CountsTheSameAsTheProduct) {
   test::Random random(3);
   std::size_t seen = 0, flat = 0;
   for (int round = 0; round < 300; ++round) {
@@ -245,7 +247,7 @@ TEST(MeshJudge, CountsWhatTheProductCounts) {
     for (const Triangle& t : mesh.triangles) without_area += has_area(mesh.positions, t) ? 0 : 1;
     for (const auto& [a, b] : self_intersections(mesh.positions, mesh.triangles))
       pairs += has_area(mesh.positions, mesh.triangles[a]) && has_area(mesh.positions, mesh.triangles[b]) ? 1 : 0;
-    const test::Judgement judged = test::judge_embedding(mesh);
+    const test::EmbeddingCheck judged = test::check_embedding(mesh);
     ASSERT_EQ(judged.pairs, pairs) << round;
     ASSERT_EQ(judged.without_area, without_area) << round;
     seen += pairs;
@@ -254,8 +256,9 @@ TEST(MeshJudge, CountsWhatTheProductCounts) {
   EXPECT_GT(flat, 5U);
 }
 
-// A cube in a cube, turned so that there is material between them; then each of them inverted, and the inner one outside.
-TEST(MeshJudge, SeesWhatIsMisplaced) {
+// A cube in a cube, oriented so that there is material between them; then each of them inverted,
+// and the inner one outside.
+TEST(MeshJudge, FindsMisplacedComponents) {
   const auto cubes = [](bool outer_inverted, bool inner_inverted, double inner_at) {
     TriangleMesh mesh;
     const std::array<Triangle, 12> faces{{{0, 2, 1},

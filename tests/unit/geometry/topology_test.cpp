@@ -15,7 +15,7 @@ using test::Random;
 
 TriangleMesh mesh_of(std::size_t vertices, std::vector<Triangle> triangles) {
   TriangleMesh out;
-  out.positions.resize(vertices);  // topology never looks at them
+  out.positions.resize(vertices);  // topology does not depend on positions
   out.triangles = std::move(triangles);
   return out;
 }
@@ -145,8 +145,8 @@ TEST(MeshTopology, DuplicateTriangle) {
   const MeshTopology t = mesh_topology(mesh_of(4, triangles));
   EXPECT_EQ(t.non_manifold_edges, 3u);
   // Alone, a doubled triangle has two triangles at every edge: manifold edges, but both run the same way.
-  const MeshTopology alone = mesh_topology(mesh_of(3, {{0, 1, 2}, {0, 1, 2}}));
-  EXPECT_EQ(alone.inconsistent_edges, 3u);
+  const MeshTopology single_corner = mesh_topology(mesh_of(3, {{0, 1, 2}, {0, 1, 2}}));
+  EXPECT_EQ(single_corner.inconsistent_edges, 3u);
 }
 
 TEST(MeshTopology, FlippedTriangle) {

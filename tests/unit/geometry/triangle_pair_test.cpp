@@ -15,12 +15,12 @@ namespace {
 
 using test::LatticePoint;
 using test::Random;
-using test::slow_meet_beyond_shared;
+using test::slow_intersect_beyond_shared_simplex;
 using test::to_positions;
 
 struct Case {
   std::string name;
-  bool meet;
+  bool intersect;
   std::vector<LatticePoint> points;
   Triangle a, b;
 };
@@ -112,11 +112,12 @@ class TrianglePair : public testing::TestWithParam<Case> {};
 
 TEST_P(TrianglePair, IsAsDrawn) {
   const Case& c = GetParam();
-  EXPECT_EQ(meet_beyond_shared(to_positions(c.points), c.a, c.b), c.meet);
-  EXPECT_EQ(slow_meet_beyond_shared(c.points, c.a, c.b), c.meet) << "the second opinion is wrong";
+  EXPECT_EQ(intersect_beyond_shared_simplex(to_positions(c.points), c.a, c.b), c.intersect);
+  EXPECT_EQ(slow_intersect_beyond_shared_simplex(c.points, c.a, c.b), c.intersect) << "the second opinion is wrong";
 }
 
-// Which triangle comes first and where its corners begin, which way it faces and which way is up make no difference.
+// The order of the triangles, their first corners, their orientation and the axes make no
+// difference.
 TEST_P(TrianglePair, DoesNotDependOnOrder) {
   const Case& c = GetParam();
   Triangle a = c.a;
@@ -127,23 +128,23 @@ TEST_P(TrianglePair, DoesNotDependOnOrder) {
     do {
       std::array<int, 3> axes{0, 1, 2};
       do {
-        std::vector<LatticePoint> turned;
-        for (const LatticePoint& p : c.points) turned.push_back({p[axes[0]], -p[axes[1]], p[axes[2]]});
-        const std::vector<Vec3> positions = to_positions(turned);
-        ASSERT_EQ(meet_beyond_shared(positions, a, b), c.meet);
-        ASSERT_EQ(meet_beyond_shared(positions, b, a), c.meet);
+        std::vector<LatticePoint> inverted;
+        for (const LatticePoint& p : c.points) inverted.push_back({p[axes[0]], -p[axes[1]], p[axes[2]]});
+        const std::vector<Vec3> positions = to_positions(inverted);
+        ASSERT_EQ(intersect_beyond_shared_simplex(positions, a, b), c.intersect);
+        ASSERT_EQ(intersect_beyond_shared_simplex(positions, b, a), c.intersect);
       } while (std::next_permutation(axes.begin(), axes.end()));
     } while (std::next_permutation(b.begin(), b.end()));
   } while (std::next_permutation(a.begin(), a.end()));
 }
 
-// From the smallest doubles there are to the largest, and far from the origin.
+// From the smallest doubles to the largest, and far from the origin.
 TEST_P(TrianglePair, DoesNotDependOnScale) {
   const Case& c = GetParam();
   for (const double scale : {0x1p-1074, 0x1p-1030, 0x1p-400, 0x1p-200, 0x1p200, 0x1p400, 0x1p1015})
-    EXPECT_EQ(meet_beyond_shared(to_positions(c.points, scale), c.a, c.b), c.meet) << scale;
-  EXPECT_EQ(meet_beyond_shared(to_positions(c.points, 1, {0x1p45, -0x1p46, 0x1p47}), c.a, c.b), c.meet);
-  EXPECT_EQ(meet_beyond_shared(to_positions(c.points, 0x1p-40, {1, 1, 1}), c.a, c.b), c.meet);
+    EXPECT_EQ(intersect_beyond_shared_simplex(to_positions(c.points, scale), c.a, c.b), c.intersect) << scale;
+  EXPECT_EQ(intersect_beyond_shared_simplex(to_positions(c.points, 1, {0x1p45, -0x1p46, 0x1p47}), c.a, c.b), c.intersect);
+  EXPECT_EQ(intersect_beyond_shared_simplex(to_positions(c.points, 0x1p-40, {1, 1, 1}), c.a, c.b), c.intersect);
 }
 
 INSTANTIATE_TEST_SUITE_P(Drawn, TrianglePair, testing::ValuesIn(cases()), [](const auto& drawn) { return drawn.param.name; });
@@ -151,14 +152,14 @@ INSTANTIATE_TEST_SUITE_P(Drawn, TrianglePair, testing::ValuesIn(cases()), [](con
 // Small boxes of lattice points, where nearly every position is special.
 TEST(TrianglePairRandom, AgreesWithIntegers) {
   Random random(4);
-  std::array<std::array<std::size_t, 2>, 4> seen{};  // by number of shared corners and answer
+  std::array<std::array<std::size_t, 2>, 4> seen{};  // by number of shared corners and result
   for (int round = 0; round < 300'000; ++round) {
     const std::int64_t range = std::array{1, 2, 3, 5, 10}[random.between(0, 4)];
     const std::int64_t depth = random.between(0, 3) == 0 ? 0 : range;  // a quarter of them in one plane
     std::vector<LatticePoint> points;
     for (int v = 0; v < 6; ++v)
       points.push_back({random.between(-range, range), random.between(-range, range), random.between(-depth, depth)});
-    // Vertices of b from `shift` on: corners shared with a, then others; now and then one twice.
+    // Vertices of b from `shift` on: corners shared with a, then others; sometimes one twice.
     const auto shared = static_cast<std::uint32_t>(random.between(0, 20) == 0 ? 3 : random.between(0, 2));
     Triangle a{0, 1, 2}, b{3 - shared, 4 - shared, 5 - shared};
     if (random.between(0, 19) == 0) a[random.between(0, 2)] = a[random.between(0, 2)];
@@ -167,9 +168,9 @@ TEST(TrianglePairRandom, AgreesWithIntegers) {
       std::rotate(t->begin(), t->begin() + random.between(0, 2), t->end());
       if (random.between(0, 1) == 0) std::swap((*t)[0], (*t)[1]);
     }
-    const bool meet = slow_meet_beyond_shared(points, a, b);
+    const bool intersect = slow_intersect_beyond_shared_simplex(points, a, b);
     const std::vector<Vec3> positions = to_positions(points, 1, {0.5, 1000, -3});
-    ++seen[shared][meet];
+    ++seen[shared][intersect];
     const auto told = [&] {
       std::string text;
       for (const Triangle& t : {a, b}) {
@@ -180,15 +181,15 @@ TEST(TrianglePairRandom, AgreesWithIntegers) {
       }
       return text;
     };
-    ASSERT_EQ(meet_beyond_shared(positions, a, b), meet) << told();
-    ASSERT_EQ(meet_beyond_shared(positions, b, a), meet) << told();
+    ASSERT_EQ(intersect_beyond_shared_simplex(positions, a, b), intersect) << told();
+    ASSERT_EQ(intersect_beyond_shared_simplex(positions, b, a), intersect) << told();
   }
   for (std::size_t shared = 0; shared < 3; ++shared)
     for (const std::size_t count : seen[shared]) EXPECT_GT(count, 5'000u) << shared;
 }
 
-// Up to eight triangles over few lattice points, as the surfels of a grid cell are.
-TEST(TrianglePairRandom, PairsAmongAFewAreThoseOfEachPair) {
+// Up to eight triangles over few lattice points, like the surfels of a grid cell.
+TEST(TrianglePairRandom, CountEqualsThatOfEachPair) {
   Random random(5);
   std::array<std::size_t, 4> seen{};  // by number of pairs, 3 or more in the last
   for (int round = 0; round < 20'000; ++round) {
@@ -205,10 +206,11 @@ TEST(TrianglePairRandom, PairsAmongAFewAreThoseOfEachPair) {
     }
     std::size_t pairs = 0;
     for (std::size_t i = 0; i < triangles.size(); ++i)
-      for (std::size_t j = i + 1; j < triangles.size(); ++j) pairs += meet_beyond_shared(positions, triangles[i], triangles[j]);
+      for (std::size_t j = i + 1; j < triangles.size(); ++j)
+        pairs += intersect_beyond_shared_simplex(positions, triangles[i], triangles[j]);
     ++seen[std::min<std::size_t>(pairs, 3)];
-    ASSERT_EQ(meeting_pairs(positions, triangles, 100), pairs);
-    ASSERT_EQ(meeting_pairs(positions, triangles, 2), std::min<std::size_t>(pairs, 2));
+    ASSERT_EQ(count_intersecting_pairs(positions, triangles, 100), pairs);
+    ASSERT_EQ(count_intersecting_pairs(positions, triangles, 2), std::min<std::size_t>(pairs, 2));
   }
   for (const std::size_t count : seen) EXPECT_GT(count, 500u);
 }

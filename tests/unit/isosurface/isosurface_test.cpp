@@ -27,12 +27,12 @@ Vec3 random_in(Random& random, Vec3 low, Vec3 high) {
 
 TEST(Isosurface, PlaneIsExactInAnyMetric) {
   for (const Vec3 spacing : {Vec3{1, 1, 1}, Vec3{1, 2.5, 1.25}, Vec3{0.01, 0.03, 0.02}}) {
-    const Vec3 n = normalized({0.3, -0.5, 0.8});  // in the metric
-    const double offset = dot(n, scaled({9, 10, 11}, spacing));
+    const Vec3 n = normalized({0.3, -0.5, 0.8});  // metric
+    const double offset = dot(n, to_metric({9, 10, 11}, spacing));
     const Volume volume = exact_volume(
         {20, 21, 22},
         [&](double x, double y, double z) {
-          return offset - dot(n, scaled({x, y, z}, spacing));
+          return offset - dot(n, to_metric({x, y, z}, spacing));
         },
         spacing);
     const Isosurface surface = isosurface_of(volume);
@@ -41,15 +41,15 @@ TEST(Isosurface, PlaneIsExactInAnyMetric) {
     for (int k = 0; k < 300; ++k) {
       // Points whose closest point of the plane is well inside the volume.
       const Vec3 p = random_in(random, {8, 9, 10}, {10, 11, 12});
-      const double d = dot(n, scaled(p, spacing)) - offset;
+      const double d = dot(n, to_metric(p, spacing)) - offset;
       const Isosurface::Hit hit = surface.closest(p);
       EXPECT_NEAR(hit.distance, std::abs(d), 1e-6 * std::abs(d) + 1e-9 * voxel);
-      EXPECT_LT(length(scaled(p - hit.point, spacing) - d * n), 2e-3 * std::abs(d) + 1e-9 * voxel);
+      EXPECT_LT(length(to_metric(p - hit.point, spacing) - d * n), 2e-3 * std::abs(d) + 1e-9 * voxel);
       EXPECT_LT(length(surface.normal(hit.point) - n), 1e-9);
-      EXPECT_NEAR(surface.closest_on_faces(p).distance, std::abs(d), 4e-3 * voxel);  // nodes keep off the samples
+      EXPECT_NEAR(surface.closest_on_faces(p).distance, std::abs(d), 4e-3 * voxel);  // nodes keep a distance from the samples
       const auto on = surface.onto_surface(hit.point + 0.1 * Vec3{1, 1, 1});
       ASSERT_TRUE(on);
-      EXPECT_NEAR(dot(n, scaled(*on, spacing)), offset, 1e-6 * voxel);
+      EXPECT_NEAR(dot(n, to_metric(*on, spacing)), offset, 1e-6 * voxel);
     }
   }
 }
@@ -91,7 +91,7 @@ TEST(Isosurface, OfATricubicFieldIsNearerTheTrueSphere) {
     EXPECT_LT(length(cubic.normal(cubic.closest(p).point) - (1 / r) * (p - c)), 0.03);
   }
   EXPECT_LT(off[1], off[0] / 20);
-  // Where it crosses grid edges.
+  // The intersections with grid edges.
   double worst[2] = {0, 0};
   int crossed = 0;
   for (int k = 0; k < 3000; ++k) {
@@ -108,7 +108,7 @@ TEST(Isosurface, OfATricubicFieldIsNearerTheTrueSphere) {
   EXPECT_LT(worst[1], worst[0] / 5);
 }
 
-// Many points of the trilinear surface: where it crosses lines parallel to the axes.
+// Points of the trilinear surface: its intersections with lines parallel to the axes.
 std::vector<Vec3> crossings(const InterpolatedField& field, int lines_per_cell) {
   std::vector<Vec3> out;
   const Vec3 last = field.last();
@@ -164,7 +164,7 @@ TEST(Isosurface, NoiseAgainstManyPointsOfTheSurface) {
 TEST(Isosurface, EndsAtTheVolumesBorder) {
   const Volume volume = exact_volume({8, 8, 8}, test::half_space({0.6, 0, 0.8}, 5.1));
   const Isosurface surface = isosurface_of(volume);
-  // Beside the volume: the closest point is on the border, in line with the surface there.
+  // Outside the volume: the closest point is on the border, in line with the surface there.
   for (const double beyond : {0.01, 0.5, 3.0, 40.0}) {
     const Isosurface::Hit hit = surface.closest({4.5, 7 + beyond, 3});
     EXPECT_NEAR(hit.distance, beyond, 1e-9);
@@ -173,7 +173,8 @@ TEST(Isosurface, EndsAtTheVolumesBorder) {
     EXPECT_NEAR(off.distance, std::hypot(beyond, 1), 1e-5);
     EXPECT_NEAR(off.point.x, 4.5, 2e-3 * (1 + beyond));
   }
-  // Where the plane leaves through a slanted edge: z = 0 at x = 8.5 lies outside, x = 7 at z = 1.125 is the end.
+  // The plane leaves through a slanted edge: z = 0 at x = 8.5 is outside, x = 7 at z = 1.125 is the
+  // end.
   const Isosurface::Hit corner = surface.closest({8.5, 3, 0});
   EXPECT_NEAR(corner.distance, std::hypot(1.5, 1.125), 1e-6);
 }
@@ -190,9 +191,9 @@ TEST(Isosurface, NothingWithinReach) {
   }
 }
 
-// Gradients that vanish, plateaus at the isovalue, single samples: whatever the field, an answer that is a point of the volume,
-// and not farther than the faces are plus what they can be off.
-TEST(Isosurface, AnswersWhateverTheField) {
+// Vanishing gradients, plateaus at the isovalue, single samples: for any field the result is a
+// point of the volume that is not farther than the faces plus their largest error.
+TEST(Isosurface, WorksForAnyField) {
   for (int family = 0; family < test::kFamilies; ++family) {
     for (const std::uint64_t seed : {1, 2}) {
       const Volume volume =
@@ -208,7 +209,7 @@ TEST(Isosurface, AnswersWhateverTheField) {
         if (k % 5 == 0) p = complex.positions[random.bits() % complex.positions.size()];
         const Isosurface::Hit hit = surface.closest(p), face = surface.closest_on_faces(p);
         ASSERT_TRUE(hit.found());
-        EXPECT_NEAR(length(scaled(p - hit.point, complex.spacing)), hit.distance, 1e-9);
+        EXPECT_NEAR(length(to_metric(p - hit.point, complex.spacing)), hit.distance, 1e-9);
         EXPECT_LE(hit.distance, face.distance + 1) << test::name(static_cast<test::Family>(family)) << " " << k;
         EXPECT_GE(std::min({hit.point.x, hit.point.y, hit.point.z}), 0);
         EXPECT_LE(hit.point.x, 8);

@@ -21,7 +21,7 @@ std::vector<TopologySummary::Kind> parsed_kinds(const SurfaceComplex& surface) {
   return summarize(find_components(surface).topology).kinds;
 }
 
-// The reference counts one disk per loop; tunnel_test.cpp judges the trilinear topology.
+// The reference counts one disk per loop; tunnel_test.cpp checks the trilinear topology.
 SurfaceComplex faces_surface_of(const Samples& samples, double isovalue, Inside inside = Inside::above) {
   return surface_of(samples, isovalue, inside, {1, 1, 1}, Topology::faces);
 }
@@ -31,11 +31,11 @@ void expect_like_reference(const Samples& samples, double isovalue, Inside insid
   const TopologySummary want = reference_topology(samples, isovalue, inside);
   const TopologySummary got = summarize(find_components(surface).topology);
   ASSERT_EQ(got, want) << what << ": " << text(got.kinds) << "instead of " << text(want.kinds);
-  // The triangles of the complex say the same, counted by yet another module.
+  // Another module counts the same from the triangles of the complex.
   ASSERT_EQ(kinds_of(triangles_of(surface)), want.kinds) << what;
 }
 
-TEST(ReferenceTopology, KnowsTheKnownShapes) {  // the judge is judged first
+TEST(ReferenceTopology, CountsTheKnownShapes) {  // checks the reference itself first
   for (const KnownVolume& known : known_volumes()) {
     EXPECT_EQ(reference_topology(known.samples, known.isovalue).kinds, known.faces_kinds)
         << known.name << ": " << text(reference_topology(known.samples, known.isovalue).kinds);
@@ -105,8 +105,8 @@ TEST(ParseSurface, RowsLongerThanOneWordOfSignBits) {
   }
 }
 
-// Inside::below is the same as negating samples and isovalue; and a surface does not care how the axes are named or which way
-// they run.
+// Inside::below is the same as negating samples and isovalue; and a surface does not depend on the
+// names and directions of the axes.
 TEST(ParseSurface, SymmetriesKeepTheTopology) {
   for (std::uint64_t seed = 0; seed < 48; ++seed) {
     const auto family = static_cast<Family>(seed % kFamilies);
@@ -148,7 +148,8 @@ TEST(ParseSurface, EverySampleTypeGivesTheSameComplex) {
   }
 }
 
-// 2^53 and more: the samples differ where doubles do not, so faces must be decided on the samples themselves.
+// 2^53 and more: the samples differ where doubles do not, so faces must be decided on the samples
+// themselves.
 TEST(ParseSurface, Integers64AreDecidedExactly) {
   Random random(9);
   for (int round = 0; round < 40; ++round) {
@@ -198,13 +199,14 @@ TEST(ParseSurface, NoSurface) {
 }
 
 TEST(ParseSurface, DoubleSegmentsAreFoundAndSplit) {
-  // Two diagonal inside samples on one face, joined there, and both cells beside it have one loop through all four nodes.
+  // Two diagonal inside samples on one face, joined there; both cells at the face have one loop
+  // through all four nodes.
   Samples s = constant({4, 4, 4}, -8);
   s.at(1, 1, 1) = s.at(2, 2, 1) = 9;
   const SurfaceComplex surface = surface_of(s);
   EXPECT_EQ(surface.double_segments, 1u);
   EXPECT_EQ(parsed_kinds(surface), (std::vector<TopologySummary::Kind>{{0, 0, 1}}));
-  // On smooth data there are none.
+  // Smooth data have none.
   EXPECT_EQ(surface_of(sampled({20, 20, 20}, sphere({9.4, 9.6, 9.5}, 7))).double_segments, 0u);
 }
 
@@ -215,7 +217,8 @@ TEST(ParseSurface, CancelledBeforehand) {
   EXPECT_THROW(parse_surface(to_volume(random_samples(Family::white_noise, {8, 8, 8}, 1)), {}, control), Error);
 }
 
-// The loops of every entry of the table, walked again the plain way: segments from sign changes on the six faces.
+// Follows the loops of every entry of the table again in a simple way: segments from sign changes
+// on the six faces.
 TEST(CellLoopTable, EveryEntryIsASetOfClosedLoops) {
   const CellLoopTable& table = CellLoopTable::get();
   int entries = 0;

@@ -95,7 +95,8 @@ TEST(Positions, PlainAverageIsFartherOffButWithinAQuarterVoxel) {
   for (std::size_t i = 0; i < plain.faces.size(); ++i) ASSERT_EQ(plain.faces[i].corner, projected.faces[i].corner);
 }
 
-// The plain average of nodes, worked out by hand: one inside corner of a cell, nodes at 1/4 of its three edges.
+// The plain average of nodes, computed by hand: one inside corner of a cell, nodes at 1/4 of its
+// three edges.
 TEST(Positions, PlainAverageByHand) {
   Samples s = constant({3, 3, 3}, -3);
   s.at(1, 1, 1) = 1;  // nodes at a quarter of the way to each of the six neighbours
@@ -177,7 +178,7 @@ SurfaceComplex parsed(const Samples& samples, Interpolation interpolation) {
   return parse_surface(to_volume(samples), options);
 }
 
-// Same faces; every c-vertex in the same cell or on the same border, none where another is.
+// The same faces; every c-vertex in the same cell or on the same border, and no two coincide.
 TEST(Positions, TricubicInterpolationMovesPointsWithinTheirCells) {
   for (std::uint64_t seed = 0; seed < 120; ++seed) {
     const auto family = static_cast<Family>(seed % kFamilies);
@@ -198,7 +199,7 @@ TEST(Positions, TricubicInterpolationMovesPointsWithinTheirCells) {
   }
 }
 
-// On a distance field what is between samples is all that keeps c-vertices off the true sphere.
+// On a distance field only interpolation keeps c-vertices off the true sphere.
 TEST(Positions, TricubicInterpolationIsNearerTheTrueSphere) {
   const Vec3 centre{13.3, 13.6, 13.45};
   const Volume volume = exact_volume({27, 28, 29}, sphere(centre, 10));
@@ -214,7 +215,7 @@ TEST(Positions, TricubicInterpolationIsNearerTheTrueSphere) {
       out.mean += d / surface.c_vertex_count();
     }
   }
-  EXPECT_LT(off[1].worst, off[0].worst / 2);  // some are held back by the walls of their cells
+  EXPECT_LT(off[1].worst, off[0].worst / 2);  // some are limited by the walls of their cells
   EXPECT_LT(off[1].mean, off[0].mean / 20);
   EXPECT_GT(off[0].mean, 0.005);  // 1 / (8 R) and less
 }

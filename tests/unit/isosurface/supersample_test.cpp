@@ -45,7 +45,7 @@ void expect_same_faces(const SurfaceComplex& a, const SurfaceComplex& b, std::ui
   ASSERT_EQ(a.double_segments, b.double_segments) << seed;
 }
 
-TEST(Supersample, TrilinearIsTheWholeVolumeUpsampled) {
+TEST(Supersample, TrilinearEqualsTheUpsampledVolume) {
   std::size_t parsed = 0;
   for (std::uint64_t seed = 0; seed < 160; ++seed) {
     const Case c = random_case(seed, Interpolation::trilinear);
@@ -65,8 +65,9 @@ TEST(Supersample, TrilinearIsTheWholeVolumeUpsampled) {
   EXPECT_GT(parsed, 100u);
 }
 
-// Topology is that of the whole volume upsampled; points are on the spline itself, in the same cells, and boundaries on the border.
-TEST(Supersample, TricubicIsTheWholeVolumeUpsampled) {
+// The topology is that of the whole volume upsampled; points are on the spline itself, in the same
+// cells, and boundaries on the border.
+TEST(Supersample, TricubicEqualsTheUpsampledVolume) {
   for (std::uint64_t seed = 0; seed < 120; ++seed) {
     const Case c = random_case(seed, Interpolation::tricubic);
     const SurfaceComplex fine = parse_surface(c.volume, c.options);
@@ -103,8 +104,9 @@ TEST(Supersample, TricubicPointsAreOnTheVolumesSpline) {
   EXPECT_LT(worst, 1e-4);
 }
 
-// A neck that only the spline has: samples in a checkerboard of two values, all outside, that it overshoots between.
-TEST(Supersample, FindsWhatNoSampleIsInside) {
+// A neck that only the spline has: samples in a checkerboard of two values, all outside, between
+// which it overshoots.
+TEST(Supersample, FindsANeckBetweenOutsideSamples) {
   const Volume volume = to_volume(sampled(
       {6, 6, 6},
       [](double x, double y, double z) {

@@ -12,8 +12,8 @@
 #include "complex/components.h"
 #include "core/saddle_sign.h"
 #include "isosurface/cell_loops.h"
+#include "isosurface/contains_tunnel.h"
 #include "isosurface/parse_surface.h"
-#include "isosurface/tunnel_is_there.h"
 #include "support/reference_topology.h"
 #include "support/surfaces.h"
 
@@ -23,7 +23,7 @@ namespace {
 using namespace test;
 
 using Cell = std::array<std::int64_t, 8>;
-using Classes = std::array<int, 8>;  // per corner, the least corner that is connected with it
+using Classes = std::array<int, 8>;  // per corner, the smallest corner connected with it
 
 // ---- what the program says of a cell, isovalue 0
 
@@ -50,7 +50,7 @@ Decision decide(const std::array<Value, 8>& f, long double isovalue = 0) {
   const std::uint16_t index = table.index(signs, static_cast<std::uint8_t>(joined));
   Decision out{&table[index], nullptr};
   for (const Tunnel& t : table.tunnels(index)) {
-    if (!tunnel_is_there(t, samples, isovalue)) continue;
+    if (!contains_tunnel(t, samples, isovalue)) continue;
     EXPECT_EQ(out.tunnel, nullptr) << "two tunnels in one cell";
     out.tunnel = &t;
   }
@@ -120,10 +120,10 @@ Samples refined(const Samples& s, std::int64_t n) {
   return out;
 }
 
-// In a cell on whose edges along one axis the function rises everywhere, or falls everywhere, the surface is a graph over the other
-// two axes: one disk per loop, whatever is said about tunnels. If all cells that it crosses are like that, counting loops is counting
-// the trilinear surface.
-bool loops_are_the_truth(const Samples& s) {
+// If the function is monotone on a cell's edges along one axis, the surface there is a graph over
+// the other two axes: one disk per loop, with any decision about tunnels. If all crossed cells are
+// like that, counting loops gives the topology of the trilinear surface.
+bool loops_determine_the_topology(const Samples& s) {
   for (std::size_t z = 0; z + 1 < s.size[2]; ++z) {
     for (std::size_t y = 0; y + 1 < s.size[1]; ++y) {
       for (std::size_t x = 0; x + 1 < s.size[0]; ++x) {
@@ -207,7 +207,8 @@ std::string text_of(const Cell& f) {
   return out;
 }
 
-// A cell with these signs; magnitudes of very different sizes in some rounds, so that saddles are wherever they can be.
+// A cell with these signs. In some rounds magnitudes are of very different sizes, so that saddles
+// are anywhere.
 Cell random_cell(Random& random, int pattern, int round) {
   Cell f;
   for (int c = 0; c < 8; ++c) {
@@ -252,9 +253,10 @@ void against_brute_force(const Cell& f, Tally& tally) {
   tally.tunnels += decision.tunnel != nullptr;
   for (const std::int64_t n : {1, 2, 4, 8, 16, 32, 64}) {
     const Samples fine = refined(coarse, n);
-    if (!loops_are_the_truth(fine)) continue;
+    if (!loops_determine_the_topology(fine)) continue;
     ASSERT_EQ(connected_corners(decision), connected_corners(fine)) << text_of(f) << "on a grid of " << n;
-    // Whole pieces of surface, counted. On the finer grids the parser's count of loops, itself checked elsewhere, is the faster one.
+    // The components of the surface. On the finer grids the parser's count of loops, which other
+    // tests check, is faster.
     const auto want = n <= 2 ? reference_topology(fine, 0).kinds : parsed_kinds(fine);
     ASSERT_EQ(text(kinds_in_cell(decision)), text(want)) << text_of(f) << "on a grid of " << n;
     return;
@@ -269,7 +271,7 @@ TEST(Tunnel, RandomCellsAgainstBruteForce) {
     against_brute_force(random_cell(random, 1 + i % 254, i / 254), all);
     if (HasFatalFailure()) return;
   }
-  // Half of them where it matters.
+  // Half of the patterns are those with tunnels.
   const std::vector<int> patterns = patterns_with_tunnels();
   const auto count = static_cast<int>(patterns.size());
   for (int i = 0; i < 10000; ++i) {
@@ -348,8 +350,8 @@ TEST(Tunnel, RandomCellsAreTheSameForAllSymmetries) {
   EXPECT_GT(tunnels, 100);
 }
 
-// Equal is inside: the same as at an isovalue that is lower by less than anything that matters.
-TEST(Tunnel, TiesAreThoseOfALittleMore) {
+// Equal counts as inside: the same as at an isovalue that is lower by an insignificant amount.
+TEST(Tunnel, TiesEqualASlightlyLowerIsovalue) {
   Random random(14);
   int tunnels = 0, zeros = 0;
   for (int i = 0; i < 100000; ++i) {
@@ -371,7 +373,7 @@ TEST(Tunnel, TiesAreThoseOfALittleMore) {
 }
 
 // Two opposite corners of 3 among corners of -1: the saddle in the middle of the cell is 0 exactly.
-TEST(Tunnel, ANeckOfNoWidthIsInside) {
+TEST(Tunnel, ANeckOfZeroWidthIsInside) {
   const auto is_there = [](double corner, double others, double isovalue) {
     std::array<double, 8> f;
     f.fill(others + isovalue);
@@ -405,7 +407,7 @@ TEST(Tunnel, ScalesAndOffsetsDoNotMatter) {
       for (int c = 0; c < 8; ++c) scaled[c] = std::ldexp(static_cast<double>(f[c]), shift);
       ASSERT_EQ(decide(scaled).tunnel, decision.tunnel) << text_of(f) << "times 2^" << shift;
     }
-    Cell large;  // 64-bit integers that no double tells apart
+    Cell large;  // 64-bit integers that are equal as doubles
     for (int c = 0; c < 8; ++c) large[c] = f[c] + (std::int64_t{1} << 62);
     ASSERT_EQ(decide(large, 0x1p62L).tunnel, decision.tunnel) << text_of(f);
     ++tested;
@@ -415,8 +417,8 @@ TEST(Tunnel, ScalesAndOffsetsDoNotMatter) {
 
 // ---- the table
 
-// The pieces of an annulus: a ring of three or more, each between the one before and the one after it, whose segments are those of two
-// loops; everything else is as without the tunnel.
+// The surfels of an annulus form a ring of three or more, each adjacent to the previous and the
+// next one, whose segments are those of two loops; everything else is as without the tunnel.
 TEST(Tunnel, EveryEntryIsARing) {
   const CellLoopTable& table = CellLoopTable::get();
   std::size_t seen = 0;
@@ -429,10 +431,10 @@ TEST(Tunnel, EveryEntryIsARing) {
       ASSERT_EQ(cut.corners, plain.corners);
       ASSERT_EQ(cut.crossed, plain.crossed);
       ASSERT_EQ(cut.joined_faces, plain.joined_faces);
-      ASSERT_LE(cut.surfels, kMostSurfels);
+      ASSERT_LE(cut.surfels, kMaxSurfels);
       std::set<int> cut_loops;
-      std::array<std::set<int>, kMostSurfels> beside, loops_of_surfel;
-      std::array<int, kMostSurfels> cuts{};
+      std::array<std::set<int>, kMaxSurfels> beside, loops_of_surfel;
+      std::array<int, kMaxSurfels> cuts{};
       for (int e = 0; e < 12; ++e) {
         if (!(plain.crossed >> e & 1)) continue;
         const int a = cut.surfel_of_edge[e], b = cut.other_surfel_of_edge[e];
@@ -485,7 +487,7 @@ TEST(TrilinearSurface, IsValidAndOfTheTopologyOfAFinerGrid) {
     Size size;
     for (std::size_t& n : size) n = static_cast<std::size_t>(random.between(2, 4));
     Samples s = random_samples(seed % 2 ? Family::white_noise : static_cast<Family>(seed / 2 % kFamilies), size, seed);
-    for (std::int64_t planted = random.between(0, 2); planted > 0; --planted) {  // wide tunnels, also beside each other
+    for (std::int64_t planted = random.between(0, 2); planted > 0; --planted) {  // wide tunnels, also next to each other
       const std::int64_t sign = random.between(0, 1) ? 1 : -1, diagonal = random.between(0, 3);
       std::array<std::size_t, 3> low;
       for (std::size_t a = 0; a < 3; ++a) low[a] = static_cast<std::size_t>(random.between(0, static_cast<std::int64_t>(size[a]) - 2));
@@ -506,7 +508,7 @@ TEST(TrilinearSurface, IsValidAndOfTheTopologyOfAFinerGrid) {
     all_tunnels += surface.tunnels;
     for (const std::int64_t n : {2, 4, 8, 16, 32}) {
       const Samples fine = refined(s, n);
-      if (!loops_are_the_truth(fine)) continue;
+      if (!loops_determine_the_topology(fine)) continue;
       ASSERT_EQ(text(topology.kinds), text(parsed_kinds(fine))) << "seed " << seed;
       ++compared;
       tunnels += surface.tunnels;
@@ -545,13 +547,13 @@ TEST(TrilinearSurface, TiesAndSymmetries) {
   EXPECT_GT(tunnels, 30u);
 }
 
-// Cells in which the level set of the trilinear interpolant is no surface. What is inside is joined there, as at a level that is a
-// little lower; a little higher it is not.
+// Cells in which the level set of the trilinear interpolant is not a surface. The inside is joined
+// there, as at a slightly lower level; at a slightly higher one it is not.
 TEST(TrilinearSurface, SingularCells) {
   struct Singular {
     std::string name;
     std::array<std::int64_t, 8> corner;  // x + 2 y + 4 z
-    std::size_t joined, parted;          // components of the trimmed surface at the level, and above it
+    std::size_t joined, separated;       // components of the trimmed surface at the level, and above it
   };
   const std::vector<Singular> cells{
       {"two planes that cross in a line", {1, -1, -1, 1, 1, -1, -1, 1}, 2, 2},
@@ -578,7 +580,7 @@ TEST(TrilinearSurface, SingularCells) {
       };
       EXPECT_EQ(kinds_at(0, inside), kinds_at(1, inside)) << "a level that is a little lower";
       EXPECT_EQ(components(kinds_at(0, inside)), cell.joined);
-      EXPECT_EQ(components(kinds_at(-1, inside)), cell.parted);
+      EXPECT_EQ(components(kinds_at(-1, inside)), cell.separated);
     }
   }
 }
@@ -594,8 +596,8 @@ TEST(TrilinearSurface, NoTwoCVerticesCoincide) {
   }
 }
 
-// Where no cell has a tunnel it is the same surface, byte for byte.
-TEST(TrilinearSurface, OtherwiseAsWithFaces) {
+// Where no cell has a tunnel, the surface is the same, byte for byte.
+TEST(TrilinearSurface, EqualsFacesWithoutTunnels) {
   const Samples s = sampled({20, 20, 20}, gyroid(9, 0.2));
   const SurfaceComplex faces = surface_of(s, 0, Inside::above, {1, 1, 1}, Topology::faces), trilinear = trilinear_surface_of(s);
   EXPECT_EQ(trilinear.tunnels, 0u);

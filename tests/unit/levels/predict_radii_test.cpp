@@ -19,16 +19,16 @@ std::vector<CVertexId> all_of(const SurfaceComplex& surface) {
   return out;
 }
 
-// A disk of radius r on a sphere of radius R is r^2 / 2R high: the right radius for a bound b is sqrt(2 b R), and the guess is a little
-// larger.
+// A disk of radius r on a sphere of radius R has height r^2 / 2R, so the right radius for a bound b
+// is sqrt(2 b R); the prediction is a little larger.
 TEST(PredictRadii, FollowTheCurvatureOfASphere) {
   for (const double spacing : {1.0, 0.25}) {
     for (const double radius : {8.0, 17.0}) {
       const SurfaceComplex surface =
           surface_of(sampled({40, 40, 40}, sphere({19.4, 19.6, 19.55}, radius)), 0, Inside::above, {spacing, spacing, spacing});
-      const Ground ground(surface);
+      const SurfaceData surface_data(surface);
       for (const double bound : {0.1, 0.5}) {
-        const std::vector<Covering::Radius> radii = predict_radii(ground, all_of(surface), bound * spacing);
+        const std::vector<Covering::Radius> radii = predict_radii(surface_data, all_of(surface), bound * spacing);
         ASSERT_EQ(radii.size(), surface.c_vertex_count());
         const double right = spacing * std::sqrt(2 * bound * radius);
         double sum = 0;
@@ -44,19 +44,19 @@ TEST(PredictRadii, FollowTheCurvatureOfASphere) {
   }
 }
 
-// Where it is flat, nothing is known beyond what was looked at.
+// Where the surface is flat, nothing is known beyond the neighbourhood.
 TEST(PredictRadii, AreLimitedOnAPlane) {
   const SurfaceComplex surface = surface_of(sampled({20, 20, 20}, [](double, double, double z) { return 9.5 - z; }));
-  const Ground ground(surface);
-  for (const Covering::Radius& r : predict_radii(ground, all_of(surface), 0.5)) {
-    EXPECT_GT(r.radius, 5 * ground.reach[r.at]);
-    EXPECT_LT(r.radius, 20 * ground.reach[r.at]);
+  const SurfaceData surface_data(surface);
+  for (const Covering::Radius& r : predict_radii(surface_data, all_of(surface), 0.5)) {
+    EXPECT_GT(r.radius, 5 * surface_data.farthest_neighbour[r.at]);
+    EXPECT_LT(r.radius, 20 * surface_data.farthest_neighbour[r.at]);
   }
 }
 
 TEST(PredictRadii, SayNothingOfATinyComponent) {
   const SurfaceComplex surface = tetrahedron();
-  EXPECT_TRUE(predict_radii(Ground(surface), all_of(surface), 0.5).empty());
+  EXPECT_TRUE(predict_radii(SurfaceData(surface), all_of(surface), 0.5).empty());
 }
 
 }  // namespace

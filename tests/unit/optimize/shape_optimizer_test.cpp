@@ -26,9 +26,9 @@ TEST(ShapeGoal, ScoresAspectAndAngle) {
   EXPECT_EQ(goal.score({1, 1, 1}, {1, 1, 1}, {1, 1, 1}), 0);
 }
 
-TriangleMesh mesh_of(const MeasuredCovering& work, const std::vector<DualTriangle>& triangles) {
+TriangleMesh mesh_of(const MeasuredCovering& measured, const std::vector<DualTriangle>& triangles) {
   TriangleMesh out;
-  out.positions = work.mesh().point;
+  out.positions = measured.mesh().point;
   for (const DualTriangle& t : triangles) out.triangles.push_back(t.cell);
   return out;
 }
@@ -41,43 +41,43 @@ TEST(ImproveShape, KeepsTheManifoldAndTheBounds) {
     if (!has_surface(samples, 0)) continue;
     const SurfaceComplex surface = surface_of(samples);
     const auto want = kinds_of(triangles_of(surface));
-    const Ground ground(surface);
+    const SurfaceData surface_data(surface);
     for (const Placement placement : {Placement::surface, Placement::balanced}) {
-      MeasuredCovering work(ground, disks(2.0f + static_cast<float>(seed % 3)), {}, {}, {});
+      MeasuredCovering measured(surface_data, disks(2.0f + static_cast<float>(seed % 3)), {}, {}, {});
       CertificateReport report;
-      const std::vector<Constraint> demand{{Quantity::max_distance, 0.5}, {Quantity::normal_angle, 60}};
-      work.demand(demand, placement);
-      work.update(report, {});
-      work.certify(report, {});
-      const CellId frozen = work.partition().cell_count() / 3;
-      work.freeze_anchors(frozen);
-      std::vector<CellId> all(work.partition().cell_count());
+      const std::vector<Constraint> set_bounds{{Quantity::max_distance, 0.5}, {Quantity::normal_angle, 60}};
+      measured.set_bounds(set_bounds, placement);
+      measured.update(report, {});
+      measured.certify(report, {});
+      const CellId frozen = measured.partition().cell_count() / 3;
+      measured.fix_anchors(frozen);
+      std::vector<CellId> all(measured.partition().cell_count());
       std::iota(all.begin(), all.end(), 0u);
-      work.remesh(work.triangles(), {}, all);  // exactly, of cells over their bounds, too
-      const std::vector<CellError> before = work.errors();
+      measured.remesh(measured.triangles(), {}, all);  // exact, also for cells that violate their bounds
+      const std::vector<CellError> before = measured.errors();
       ShapeGoal goal;
       goal.aspect = 0.5;
       std::vector<DualTriangle> triangles;
-      const ShapeReport shape = improve_shape(work, goal, triangles, {});
+      const ShapeReport shape = improve_shape(measured, goal, triangles, {});
       flips += shape.flips;
       moves += shape.moves;
-      ASSERT_EQ(triangles.size(), work.triangles().size());
-      const TriangleMesh mesh = mesh_of(work, triangles);
+      ASSERT_EQ(triangles.size(), measured.triangles().size());
+      const TriangleMesh mesh = mesh_of(measured, triangles);
       ASSERT_EQ(kinds_of(mesh), want) << "seed " << seed;
       std::size_t bad = 0;
       for (const DualTriangle& t : triangles)
         bad += goal.score(mesh.positions[t.cell[0]], mesh.positions[t.cell[1]], mesh.positions[t.cell[2]]) < 1;
       EXPECT_EQ(shape.bad, bad);
-      std::vector<CVertexId> at = work.places().anchor;
+      std::vector<CVertexId> at = measured.placement().anchor;
       for (CellId c = 0; c < at.size(); ++c) {
-        EXPECT_EQ(work.partition().cell_of[at[c]], c) << "in its own cell";
-        if (c < frozen || ground.graph.on_boundary[work.partition().site[c]]) {
-          EXPECT_EQ(at[c], work.partition().site[c]);
+        EXPECT_EQ(measured.partition().cell_of[at[c]], c) << "in its own cell";
+        if (c < frozen || surface_data.graph.on_boundary[measured.partition().site[c]]) {
+          EXPECT_EQ(at[c], measured.partition().site[c]);
         }
-        // A tenth of a percent in each of a dozen passes. Balanced, what moves along with a change that is taken back does not move
-        // all the way back, which in noise is worth more.
+        // A tenth of a percent in each of a dozen passes. With balancing, vertices next to a
+        // reverted change do not return completely, which makes more of a difference in noise.
         const double slack = placement == Placement::surface ? 1.02 : 1.5;
-        EXPECT_LE(work.errors()[c].excess, std::max(1.0, before[c].excess) * slack) << "seed " << seed << ", cell " << c;
+        EXPECT_LE(measured.errors()[c].excess, std::max(1.0, before[c].excess) * slack) << "seed " << seed << ", cell " << c;
       }
       std::sort(at.begin(), at.end());
       EXPECT_EQ(std::adjacent_find(at.begin(), at.end()), at.end()) << "no two vertices at one place";

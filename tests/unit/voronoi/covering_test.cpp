@@ -72,14 +72,15 @@ void expect_promises(const CVertexGraph& graph, const Covering& covering, const 
     }
     ASSERT_TRUE(has_parent) << what << ": a c-vertex whose way to its site leaves the cell";
   }
-  // Sites on the boundary own the boundary; where c-vertices were added the certificate sees to what matters of that.
+  // Boundary c-vertices belong to boundary sites. Where c-vertices were added, the certificate
+  // checks what matters of this.
   if (boundary == Boundary::owned_from_anywhere) return;
   for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
     ASSERT_TRUE(!graph.on_boundary[v] || graph.on_boundary[p.site[p.cell_of[v]]]) << what << ": boundary owned from inside";
   }
 }
 
-TEST(Covering, ComponentsAtTheSameTimeAreCoveredAsOneAfterTheOther) {
+TEST(Covering, ParallelComponentsEqualSequentialOnes) {
   for (std::uint64_t seed = 0; seed < kFamilies; ++seed) {
     const Samples s = random_samples(static_cast<Family>(seed), {30, 34, 32}, seed);
     if (!has_surface(s, 0)) continue;
@@ -88,7 +89,7 @@ TEST(Covering, ComponentsAtTheSameTimeAreCoveredAsOneAfterTheOther) {
     Covering apart(graph, options(6));
     apart.ignore_events();
     apart.cover({});
-    Covering in_turn(graph, options(6));  // with a site already, components follow each other
+    Covering in_turn(graph, options(6));  // with a site already, components are covered one after the other
     in_turn.ignore_events();
     const auto on_boundary = std::ranges::find(graph.on_boundary, std::uint8_t{1});
     in_turn.insert(on_boundary == graph.on_boundary.end() ? 0 : static_cast<CVertexId>(on_boundary - graph.on_boundary.begin()));
@@ -97,11 +98,11 @@ TEST(Covering, ComponentsAtTheSameTimeAreCoveredAsOneAfterTheOther) {
     EXPECT_EQ(apart.partition().cell_of, in_turn.partition().cell_of) << what;
     EXPECT_EQ(apart.distance(), in_turn.distance()) << what;
     EXPECT_EQ(apart.radius(), in_turn.radius()) << what;
-    EXPECT_EQ(apart.placed_in(), in_turn.placed_in()) << what;
+    EXPECT_EQ(apart.inserted_in(), in_turn.inserted_in()) << what;
   }
 }
 
-TEST(ComponentGraphs, AreTheWholeGraphInPieces) {
+TEST(ComponentGraphs, PartitionTheWholeGraph) {
   const CVertexGraph graph = make_graph(surface_of(random_samples(Family{}, {30, 34, 32}, 1), 0));
   const ComponentGraphs groups(graph);
   EXPECT_GT(groups.count(), 1u);
@@ -109,7 +110,7 @@ TEST(ComponentGraphs, AreTheWholeGraphInPieces) {
   for (std::uint32_t group = 0; group < groups.count(); ++group) {
     const auto own = groups.c_vertices(group);
     EXPECT_TRUE(std::ranges::is_sorted(own));
-    const CVertexGraph part = groups.graph_of(group);
+    const CVertexGraph part = groups.subgraph(group);
     ASSERT_EQ(part.c_vertex_count(), own.size());
     for (std::size_t k = 0; k < own.size(); ++k) {
       ++times[own[k]];
@@ -126,7 +127,7 @@ TEST(ComponentGraphs, AreTheWholeGraphInPieces) {
   EXPECT_TRUE(std::ranges::all_of(times, [](int n) { return n == 1; }));
 }
 
-TEST(Covering, KeepsItsPromises) {
+TEST(Covering, SatisfiesItsInvariants) {
   for (const auto& [what, surface] : surfaces()) {
     const CVertexGraph graph = make_graph(surface);
     for (const float radius : {2.5f, 6.0f, 30.0f}) {
@@ -139,9 +140,9 @@ TEST(Covering, KeepsItsPromises) {
   }
 }
 
-// A covering of a coarser complex, carried to the complex itself, whose distances are a little longer: radii rise where they have to,
-// and keep their slope.
-TEST(Covering, KeepsItsPromisesOnAFinerComplex) {
+// A covering of a coarser complex, transferred to the complex itself, whose distances are a little
+// longer: radii are raised where necessary and stay Lipschitz.
+TEST(Covering, SatisfiesItsInvariantsOnAFinerComplex) {
   std::size_t risen = 0;
   double largest_rise = 1;
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
@@ -173,8 +174,9 @@ TEST(Covering, KeepsItsPromisesOnAFinerComplex) {
   std::printf("%zu radii have risen, by a factor of %.2f at most\n", risen, largest_rise);
 }
 
-// A covering whose cells were made smaller, carried to a complex with more c-vertices in some places.
-TEST(Covering, KeepsItsPromisesWhereTheComplexBecomesFiner) {
+// A covering whose cells were made smaller, transferred to a complex with more c-vertices in some
+// places.
+TEST(Covering, SatisfiesItsInvariantsOnASubdividedComplex) {
   std::size_t sites = 0;
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
     SCOPED_TRACE(seed);
@@ -187,17 +189,17 @@ TEST(Covering, KeepsItsPromisesWhereTheComplexBecomesFiner) {
     std::vector<CellId> cells;
     for (CellId c = 0; c < start.site_count(); c += 3) cells.push_back(c);
     const std::vector<CellId> single = start.shrink(cells);
-    EXPECT_TRUE(start.has_slope());
+    EXPECT_TRUE(start.is_lipschitz());
     start.cover({});
     expect_promises(graph, start, "made smaller");
     if (HasFatalFailure()) return;
 
     const std::vector<std::uint8_t> was_on_boundary = graph.on_boundary;
     const auto c_vertices = static_cast<CVertexId>(was_on_boundary.size());
-    std::vector<CVertexId> to_cut;
-    for (CVertexId v = 0; v < c_vertices; v += 5) to_cut.push_back(v);
-    cut_regions(surface, to_cut, {}, coarser);
-    const std::vector<std::uint8_t> changed = remake_graph(graph, coarser.complex);
+    std::vector<CVertexId> to_split;
+    for (CVertexId v = 0; v < c_vertices; v += 5) to_split.push_back(v);
+    split_regions(surface, to_split, {}, coarser);
+    const std::vector<std::uint8_t> changed = rebuild_graph(graph, coarser.complex);
     for (const bool moves : {false, true}) {
       std::vector<CVertexId> at = start.partition().site;
       for (CVertexId v = 0; moves && v < c_vertices; v += 3) {  // some sites move to another c-vertex of their cell
@@ -205,8 +207,8 @@ TEST(Covering, KeepsItsPromisesWhereTheComplexBecomesFiner) {
         if (was_on_boundary[v] == was_on_boundary[at[c]]) at[c] = v;
       }
       Covering covering(start);
-      covering.forget_changes();
-      covering.continue_on(changed, at);
+      covering.clear_changes();
+      covering.adapt_to(changed, at);
       std::vector<CVertexId> other_cell;
       for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
         if (v >= c_vertices || covering.partition().cell_of[v] != start.partition().cell_of[v]) other_cell.push_back(v);
@@ -227,8 +229,8 @@ TEST(Covering, KeepsItsPromisesWhereTheComplexBecomesFiner) {
   EXPECT_GT(sites, 500U);
 }
 
-// Factor two and spacing: if two disks meet, their radii differ by less than a factor of two; a later site stands at least its
-// own radius away from every earlier one (0.55 of it on the boundary).
+// If two disks overlap, their radii differ by less than a factor of two; a later site is at least
+// its own radius away from every earlier one (0.55 of it on the boundary).
 TEST(Covering, NeighbouringDisksAndSpacing) {
   for (const auto& [what, surface] : surfaces()) {
     const CVertexGraph graph = make_graph(surface);
@@ -251,7 +253,7 @@ TEST(Covering, NeighbouringDisksAndSpacing) {
   }
 }
 
-// On a grid of whole numbers distances along rows are exact, so ties are ties.
+// On a grid of whole numbers distances along rows are exact, so ties are exact.
 TEST(Covering, TiesGoToTheEarlierSite) {
   const SurfaceComplex grid = flat_grid(9, 3);
   const CVertexGraph graph = make_graph(grid);
@@ -266,7 +268,7 @@ TEST(Covering, TiesGoToTheEarlierSite) {
   }
 }
 
-TEST(Covering, InsertOnlyEverLowersDistances) {
+TEST(Covering, InsertNeverIncreasesDistances) {
   const SurfaceComplex surface = surface_of(random_samples(Family::gyroid_cut, {10, 10, 10}, 3));
   const CVertexGraph graph = make_graph(surface);
   Covering covering(graph, options(100));
@@ -292,7 +294,7 @@ TEST(Covering, InsertOnlyEverLowersDistances) {
   }
 }
 
-TEST(Covering, WithoutTheLastSitesThePartitionIsWhatItWas) {
+TEST(Covering, RemoveSitesRestoresThePartition) {
   Random random(5);
   for (const auto& [what, surface] : surfaces()) {
     const CVertexGraph graph = make_graph(surface);
@@ -300,7 +302,7 @@ TEST(Covering, WithoutTheLastSitesThePartitionIsWhatItWas) {
     covering.cover({});
     for (int round = 0; round < 4; ++round) {
       const Covering before = covering;
-      covering.forget_changes();
+      covering.clear_changes();
       for (int k = 0; k < 8; ++k) {
         const auto v = static_cast<CVertexId>(random.bits() % graph.c_vertex_count());
         covering.lower_radius(v, 0.7f * covering.radius()[v]);
@@ -312,13 +314,13 @@ TEST(Covering, WithoutTheLastSitesThePartitionIsWhatItWas) {
       ASSERT_EQ(covering.partition().site, before.partition().site) << what;
       ASSERT_EQ(covering.partition().cell_of, before.partition().cell_of) << what;
       ASSERT_EQ(covering.distance(), before.distance()) << what;
-      ASSERT_EQ(covering.placed_in(), before.placed_in()) << what;
+      ASSERT_EQ(covering.inserted_in(), before.inserted_in()) << what;
       expect_promises(graph, covering, what, Boundary::owned_from_anywhere);
       const std::set<CVertexId> changed(covering.changed().begin(), covering.changed().end());
       for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
         ASSERT_TRUE(finer.cell_of[v] == before.partition().cell_of[v] || changed.contains(v))
             << what << ": " << v << " has changed its cell";
-        // By a thousandth of the largest more, so that rounding leaves nothing uncovered.
+        // Larger by a thousandth of the largest radius, so that rounding leaves nothing uncovered.
         ASSERT_LE(covering.radius()[v], before.radius()[v] + 0.01f) << what << ": radii rise only as far as something was uncovered";
       }
       const CellMembers& members = covering.members();
@@ -330,7 +332,7 @@ TEST(Covering, WithoutTheLastSitesThePartitionIsWhatItWas) {
   }
 }
 
-TEST(Covering, LoweringARadiusReachesAsFarAsItMust) {
+TEST(Covering, LowerRadiusPropagates) {
   const SurfaceComplex surface = surface_of(sampled({20, 20, 20}, sphere({9.4, 9.6, 9.55}, 7)));
   const CVertexGraph graph = make_graph(surface);
   Covering covering(graph, options(6));
@@ -341,7 +343,7 @@ TEST(Covering, LoweringARadiusReachesAsFarAsItMust) {
   for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) ASSERT_NEAR(covering.radius()[v], std::min(6.0, 1.5 + d[v] / 3), 1e-4);
 }
 
-TEST(Covering, LoweringManyRadiiAtOnceIsLoweringEach) {
+TEST(Covering, LowerRadiiEqualsLowerRadiusOfEach) {
   const SurfaceComplex surface = surface_of(sampled({20, 20, 20}, gyroid(11.3, 0.1)));
   const CVertexGraph graph = make_graph(surface);
   Covering one_by_one(graph, options(6)), at_once(graph, options(6));
@@ -353,7 +355,7 @@ TEST(Covering, LoweringManyRadiiAtOnceIsLoweringEach) {
   for (const Covering::Radius& r : radii) one_by_one.lower_radius(r.at, r.radius);
   at_once.lower_radii(radii);
   EXPECT_EQ(at_once.radius(), one_by_one.radius());
-  EXPECT_TRUE(at_once.has_slope());
+  EXPECT_TRUE(at_once.is_lipschitz());
   one_by_one.cover({});
   at_once.cover({});
   EXPECT_EQ(at_once.partition().site, one_by_one.partition().site);

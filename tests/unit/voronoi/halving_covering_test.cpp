@@ -10,7 +10,7 @@
 
 #include "support/reference_topology.h"
 #include "support/surfaces.h"
-#include "voronoi/repair.h"
+#include "voronoi/certified_dual.h"
 
 namespace isoatlas::detail {
 namespace {
@@ -72,7 +72,7 @@ void expect_promises(const CVertexGraph& graph, const DiskCovering& disks, const
   }
 }
 
-TEST(HalvingCovering, KeepsThePapersPromises) {
+TEST(HalvingCovering, SatisfiesThePapersConditions) {
   for (const auto& [what, surface] : surfaces()) {
     const CVertexGraph graph = make_graph(surface);
     for (const float radius : {2.5f, 8.0f, 1000.0f}) {
@@ -86,7 +86,8 @@ TEST(HalvingCovering, KeepsThePapersPromises) {
   }
 }
 
-// On whole numbers all can be done by hand: the first site at one end; every other at the nearest c-vertex that is not forbidden.
+// With whole numbers the result can be derived by hand: the first site is at one end, every other
+// one at the nearest c-vertex that is not forbidden.
 TEST(HalvingCovering, StripByHand) {
   const CVertexGraph graph = make_graph(flat_grid(33, 2));
   const DiskCovering disks = cover_by_halving(graph, options(4), {});
@@ -94,12 +95,14 @@ TEST(HalvingCovering, StripByHand) {
   EXPECT_EQ(disks.radii, std::vector<float>(9, 4));
 }
 
-// A tube of circumference 12 meets itself at a distance of 6, so of 16 / 2^i the radius is 4 everywhere.
+// A disk on a tube of circumference 12 touches itself at a distance of 6, so of 16 / 2^i the radius
+// is 4 everywhere.
 TEST(HalvingCovering, EventsHalveTheRadius) {
   const CVertexGraph graph = make_graph(tube(12, 41));
   const DiskCovering disks = cover_by_halving(graph, options(16), {});
   EXPECT_EQ(disks.radii, std::vector<float>(disks.radii.size(), 4));
-  // Bin 0 is what is three radii away from all disks; in it boundary c-vertices, then the others, go first as they are numbered.
+  // Bin 0 is three radii away from all disks; in it come boundary c-vertices, then the others, in
+  // the order of their ids.
   EXPECT_EQ(disks.sites[0], 0u);
   EXPECT_EQ(disks.sites[1], 12 * 40u) << "at the other end";
   const std::vector<double> d = slow_distances(graph, {0});
@@ -107,7 +110,7 @@ TEST(HalvingCovering, EventsHalveTheRadius) {
   EXPECT_LT(d[disks.sites[2]], 13.5);
 }
 
-// Small disks on the chimney, and from one that meets another to the next no more than a factor of two.
+// Disks on the chimney are small, and radii of overlapping disks differ by at most a factor of two.
 TEST(HalvingCovering, RadiiGrowByFactorsOfTwoAwayFromAChimney) {
   const SurfaceComplex surface = chimney();
   const CVertexGraph graph = make_graph(surface);
@@ -119,7 +122,7 @@ TEST(HalvingCovering, RadiiGrowByFactorsOfTwoAwayFromAChimney) {
   expect_promises(graph, disks, options(24), "chimney");
 }
 
-TEST(HalvingCovering, AnyLargestRadiusEnds) {
+TEST(HalvingCovering, TerminatesForAnyLargestRadius) {
   const SurfaceComplex surface = surface_of(random_samples(Family::gyroid_cut, {10, 10, 10}, 3));
   const CVertexGraph graph = make_graph(surface);
   for (const float radius : {1e30f, 1e-4f, 1e-30f}) {
@@ -132,7 +135,7 @@ TEST(HalvingCovering, AnyLargestRadiusEnds) {
   }
 }
 
-TEST(HalvingCovering, StartsACoveringThatIsCertified) {
+TEST(HalvingCovering, SeedsACertifiedCovering) {
   for (const auto& [what, surface] : surfaces()) {
     const CVertexGraph graph = make_graph(surface);
     for (const float radius : {4.0f, 1000.0f}) {

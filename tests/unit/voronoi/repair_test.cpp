@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "voronoi/repair.h"
+#include "voronoi/certified_dual.h"
 
 #include <gtest/gtest.h>
 
@@ -29,7 +29,7 @@ void expect_certified(const SurfaceComplex& surface, float radius, float persist
   ASSERT_EQ(report.cells_checked, covering.site_count()) << what;
   ASSERT_EQ(report.triples_checked, dual_of.triangles().size()) << what;
   const Partition& p = covering.partition();
-  // Looked at once more, from scratch and all of it.
+  // A complete check, independent of the local ones.
   const PartitionCheck again = check_partition(surface, p.cell_of, p.cell_count(), p.site);
   ASSERT_TRUE(again.passed()) << what;
   ASSERT_EQ(again.triangles.size(), dual_of.triangles().size()) << what;
@@ -64,8 +64,8 @@ TEST(Repair, RandomVolumes) {
   }
 }
 
-// Without events to limit the disks, repair has all the work.
-TEST(Repair, MakesGoodWhatEventsWouldHavePrevented) {
+// Without events to limit the disks, repair has to do all the work.
+TEST(Repair, WithoutTopologicalEvents) {
   for (const KnownVolume& known : known_volumes()) {
     expect_certified(surface_of(known.samples, known.isovalue), 1000, 500, known.name);
     if (HasFatalFailure()) return;

@@ -28,7 +28,7 @@ CVertexId nearest_to(const SurfaceComplex& surface, Vec3 p) {
   return best;
 }
 
-TEST(TopologicalEvent, TubeIsMetHalfWayAround) {
+TEST(TopologicalEvent, FrontTouchesItselfBehindATube) {
   for (const std::uint32_t around : {8u, 16u, 31u}) {
     const SurfaceComplex t = tube(around, 4 * around + 1);
     const CVertexGraph graph = make_graph(t);
@@ -52,7 +52,7 @@ TEST(TopologicalEvent, TubeOfAVolume) {
   EXPECT_LT(radius, 1.12 * M_PI * r + 1);
 }
 
-TEST(TopologicalEvent, TorusIsMetAroundItsTube) {
+TEST(TopologicalEvent, FrontTouchesItselfAroundATorus) {
   const SurfaceComplex surface = surface_of(sampled({44, 44, 14}, torus({21.4, 21.6, 6.55}, 15, 4.1)));
   const CVertexGraph graph = make_graph(surface);
   EventFinder finder(graph, 1.5f, 4);
@@ -110,7 +110,8 @@ TEST(TopologicalEvent, DoesNotDependOnTheFirstStageOrOnEarlierCalls) {
   }
 }
 
-// A plane with a chimney: the front closes behind it and leaves the chimney's top as an island that closes at its tip.
+// A plane with a chimney: the front closes behind the chimney and leaves its top as an island that
+// closes at the tip.
 TEST(TopologicalEvent, ChimneyCountsOnlyBelowItsPersistence) {
   constexpr double height = 14;
   const SurfaceComplex surface = surface_of(sampled({90, 80, 26}, [](double x, double y, double z) {
@@ -135,7 +136,7 @@ TEST(TopologicalEvent, ChimneyCountsOnlyBelowItsPersistence) {
 }
 
 // The same with a low bump: no event at the default persistence.
-TEST(TopologicalEvent, LowBumpDoesNotCount) {
+TEST(TopologicalEvent, LowBumpIsNoEvent) {
   const SurfaceComplex surface = surface_of(sampled({64, 64, 16}, [](double x, double y, double z) {
     return 5.4 + 1.2 * std::exp(-(std::pow(x - 31.4, 2) + std::pow(y - 31.6, 2)) / 4) - z;
   }));
@@ -154,8 +155,8 @@ TEST(TopologicalEvent, HandleHasInfinitePersistence) {
   EXPECT_LT(radius, 8);
 }
 
-// Whatever the shape: on a sphere or a disk every island closes again, so with an unlimited persistence only the end of the
-// component stops the disk; anywhere else a loop that never closes must stop it earlier.
+// On a sphere or a disk every island closes again, so with an unlimited persistence only the end of
+// the component stops the disk; on any other surface a loop that never closes must stop it earlier.
 TEST(TopologicalEvent, OnlyHandlesAndHolesNeverClose) {
   std::vector<std::pair<std::string, SurfaceComplex>> surfaces;
   for (const KnownVolume& known : known_volumes()) surfaces.emplace_back(known.name, surface_of(known.samples, known.isovalue));

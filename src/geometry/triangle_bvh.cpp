@@ -3,8 +3,8 @@
 //
 // Based on:
 //   [lee2003] OMT: cuts at multiples of a full node, so that all nodes but the last of each level are full.
-// Ours: implicit nodes, boxes as floats that never are too small.
-#include "geometry/triangle_tree.h"
+// Ours: implicit nodes; boxes as floats that are never too small.
+#include "geometry/triangle_bvh.h"
 
 #include <algorithm>
 #include <array>
@@ -18,8 +18,9 @@ namespace {
 
 constexpr std::size_t kGrain = 4096;  // items per piece of a parallel loop
 
-// Queries compare boxes in single precision. With boxes widened by this share of the largest coordinate, and squared distances
-// to them shortened, rounding never makes a box seem farther than it is, wherever the point.
+// Queries compare boxes in single precision. Boxes are widened by this share of the largest
+// coordinate and squared distances to them are shortened, so that rounding never makes a box seem
+// farther than it is, for any point.
 constexpr double kWiden = 0x1p-21;
 constexpr float kShorten = 1 - 0x1p-18f, kTiny = std::numeric_limits<float>::min();
 
@@ -28,13 +29,14 @@ struct Item {
   std::uint32_t triangle;
 };
 
-// Cuts items in two across the longest side of the centres' box, with a multiple of `block` before the cut, and so on with
-// both parts; where a part is one block or less, with blocks of its parts, down to `leaf`.
-class Cutter {
+// Splits items in two across the longest side of their centres' box, with a multiple of `block`
+// before the split, and recursively both parts; a part of at most one block is split into smaller
+// blocks, down to `leaf`.
+class Splitter {
  public:
-  Cutter(std::size_t leaf, std::size_t children, const RunControl& control) : leaf_(leaf), children_(children), control_(control) {}
+  Splitter(std::size_t leaf, std::size_t children, const RunControl& control) : leaf_(leaf), children_(children), control_(control) {}
 
-  void cut(Item* first, Item* last, std::size_t block) const {
+  void split(Item* first, Item* last, std::size_t block) const {
     const auto count = static_cast<std::size_t>(last - first);
     while (block > leaf_ && count <= block) block /= children_;
     if (count <= block) return;
@@ -44,14 +46,14 @@ class Cutter {
       return i.centre[axis] < j.centre[axis] || (i.centre[axis] == j.centre[axis] && i.triangle < j.triangle);
     });
     if (count <= 2 * kGrain) {
-      cut(first, middle, block);
-      cut(middle, last, block);
+      split(first, middle, block);
+      split(middle, last, block);
       return;
     }
     for_each_piece(2, 1, [&](std::size_t begin, std::size_t end) {
       control_.check_cancelled();
-      if (begin == 0) cut(first, middle, block);
-      if (end == 2) cut(middle, last, block);
+      if (begin == 0) split(first, middle, block);
+      if (end == 2) split(middle, last, block);
     });
   }
 
@@ -79,26 +81,26 @@ double axis(Vec3 p, int a) { return a == 0 ? p.x : a == 1 ? p.y : p.z; }
 
 }  // namespace
 
-TriangleTree::TriangleTree(std::vector<Vec3> positions, std::span<const Triangle> triangles, const RunControl& control)
-    : positions_(std::move(positions)) {
+TriangleBvh::TriangleBvh(std::vector<Vec3> points, std::span<const Triangle> triangles, const RunControl& control)
+    : points_(std::move(points)) {
   checked_id(triangles.size(), "triangles");
-  order(triangles, control);
+  sort_triangles(triangles, control);
   make_boxes(control);
 }
 
-void TriangleTree::order(std::span<const Triangle> triangles, const RunControl& control) {
+void TriangleBvh::sort_triangles(std::span<const Triangle> triangles, const RunControl& control) {
   std::vector<Item> items(triangles.size());
   for_each_piece(triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     control.check_cancelled();
     for (std::size_t t = begin; t < end; ++t) {
       const auto [a, b, c] = triangles[t];
-      const Vec3 sum = positions_[a] + positions_[b] + positions_[c];
+      const Vec3 sum = points_[a] + points_[b] + points_[c];
       items[t] = {{static_cast<float>(sum.x), static_cast<float>(sum.y), static_cast<float>(sum.z)}, static_cast<std::uint32_t>(t)};
     }
   });
-  std::size_t block = kLeaf;
+  std::size_t block = kLeafSize;
   while (block < items.size()) block *= kChildren;
-  Cutter(kLeaf, kChildren, control).cut(items.data(), items.data() + items.size(), block);
+  Splitter(kLeafSize, kChildren, control).split(items.data(), items.data() + items.size(), block);
   control.check_cancelled();
   slots_.resize(triangles.size());
   for_each_piece(triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -106,9 +108,9 @@ void TriangleTree::order(std::span<const Triangle> triangles, const RunControl& 
   });
 }
 
-void TriangleTree::make_boxes(const RunControl& control) {
+void TriangleBvh::make_boxes(const RunControl& control) {
   if (slots_.empty()) return;
-  const std::size_t leaves = (slots_.size() + kLeaf - 1) / kLeaf;
+  const std::size_t leaves = (slots_.size() + kLeafSize - 1) / kLeafSize;
   std::size_t total = 0;
   for (std::size_t boxes = leaves; levels_.empty() || boxes > 1;) {
     boxes = (boxes + kChildren - 1) / kChildren;
@@ -118,7 +120,7 @@ void TriangleTree::make_boxes(const RunControl& control) {
   nodes_.resize(total);
 
   double largest = 0;
-  for (const Vec3& p : positions_) largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  for (const Vec3& p : points_) largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
   const double widen = kWiden * largest;
 
   struct Interval {
@@ -129,8 +131,8 @@ void TriangleTree::make_boxes(const RunControl& control) {
     Interval out;
     const auto include = [&](double low, double high) { out = {std::min(out.low, low), std::max(out.high, high)}; };
     if (level == 0) {
-      for (std::size_t s = kLeaf * box; s < std::min(slots_.size(), kLeaf * (box + 1)); ++s) {
-        for (const std::uint32_t v : slots_[s].corners) include(axis(positions_[v], a), axis(positions_[v], a));
+      for (std::size_t s = kLeafSize * box; s < std::min(slots_.size(), kLeafSize * (box + 1)); ++s) {
+        for (const std::uint32_t v : slots_[s].corners) include(axis(points_[v], a), axis(points_[v], a));
       }
       return Interval{out.low - widen, out.high + widen};
     }
@@ -149,7 +151,7 @@ void TriangleTree::make_boxes(const RunControl& control) {
         for (std::size_t k = 0; k < kChildren; ++k) {
           for (int a = 0; a < 3; ++a) {
             const std::size_t box = kChildren * i + k;
-            if (box >= boxes) {  // a child that is not there is infinitely far
+            if (box >= boxes) {  // a missing child is infinitely far away
               node.centre[a][k] = 0;
               node.half[a][k] = -INFINITY;
               continue;
@@ -165,30 +167,29 @@ void TriangleTree::make_boxes(const RunControl& control) {
   }
 }
 
-TriangleTree::Hit TriangleTree::closest(Vec3 p, double at_most) const {
+TriangleBvh::Hit TriangleBvh::closest(Vec3 p, double max_distance) const {
   Hit best;
-  best.squared_distance = std::min(at_most * at_most, 1e300);  // less than infinity, where the children are that are not there
-  if (slots_.empty() || !(at_most >= 0)) return best;
+  best.squared_distance = std::min(max_distance * max_distance, 1e300);  // less than infinity, the distance of missing children
+  if (slots_.empty() || !(max_distance >= 0)) return best;
 
   const float q[3] = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
-  // Boxes not looked at yet, by level and number. A path down the tree leaves at most seven behind per level, and there are no
-  // more than ten levels: 8^10 leaves.
-  struct Waiting {
+  // Boxes still to be visited, by level and index. A path down the hierarchy leaves at most seven
+  // behind per level, and there are at most ten levels: 8^10 leaves.
+  struct Pending {
     float squared_distance, to_centre;
-    std::uint32_t level, number;
+    std::uint32_t level, index;
   };
-  std::array<Waiting, 10 * (kChildren - 1) + 1> stack;
-  std::size_t waiting = 0;
-  stack[waiting++] = {0, 0, static_cast<std::uint32_t>(levels_.size()), 0};  // level: one above that of the node itself
-  while (waiting > 0) {
-    const Waiting at = stack[--waiting];
+  std::array<Pending, 10 * (kChildren - 1) + 1> stack;
+  std::size_t pending = 0;
+  stack[pending++] = {0, 0, static_cast<std::uint32_t>(levels_.size()), 0};  // level: one above that of the node itself
+  while (pending > 0) {
+    const Pending at = stack[--pending];
     if (at.squared_distance > best.squared_distance) continue;
     if (at.level == 0) {
-      const std::size_t end = std::min(slots_.size(), kLeaf * (std::size_t{at.number} + 1));
-      for (std::size_t s = kLeaf * std::size_t{at.number}; s < end; ++s) {
+      const std::size_t end = std::min(slots_.size(), kLeafSize * (std::size_t{at.index} + 1));
+      for (std::size_t s = kLeafSize * std::size_t{at.index}; s < end; ++s) {
         const Slot& slot = slots_[s];
-        const TrianglePoint found =
-            closest_on_triangle(p, positions_[slot.corners[0]], positions_[slot.corners[1]], positions_[slot.corners[2]]);
+        const TrianglePoint found = closest_on_triangle(p, points_[slot.corners[0]], points_[slot.corners[1]], points_[slot.corners[2]]);
         if (found.squared_distance < best.squared_distance ||
             (found.squared_distance == best.squared_distance && slot.triangle < best.triangle)) {
           static_cast<TrianglePoint&>(best) = found;
@@ -197,9 +198,9 @@ TriangleTree::Hit TriangleTree::closest(Vec3 p, double at_most) const {
       }
       continue;
     }
-    const Node& node = nodes_[levels_[at.level - 1].first + at.number];
-    // Boxes contain each other and the point: the distance to them prunes, the distance to their centres says
-    // where to go first, to the last one pushed.
+    const Node& node = nodes_[levels_[at.level - 1].first + at.index];
+    // Boxes contain each other and possibly the point: the distance to a box prunes, the distance
+    // to its centre determines the order of visits; the last one pushed is visited first.
     float to_box[kChildren] = {}, to_centre[kChildren] = {};
     for (int a = 0; a < 3; ++a) {
       for (std::size_t k = 0; k < kChildren; ++k) {
@@ -210,19 +211,19 @@ TriangleTree::Hit TriangleTree::closest(Vec3 p, double at_most) const {
         to_centre[k] += from_centre * from_centre;
       }
     }
-    const std::size_t first = waiting;
+    const std::size_t first = pending;
     for (std::size_t k = 0; k < kChildren; ++k) {
       const float squared = to_box[k] * kShorten - kTiny;
       if (squared > best.squared_distance) continue;
-      stack[waiting] = {squared, to_centre[k], at.level - 1, static_cast<std::uint32_t>(kChildren * at.number + k)};
-      if (waiting > first && stack[waiting].to_centre > stack[waiting - 1].to_centre) std::swap(stack[waiting], stack[waiting - 1]);
-      ++waiting;
+      stack[pending] = {squared, to_centre[k], at.level - 1, static_cast<std::uint32_t>(kChildren * at.index + k)};
+      if (pending > first && stack[pending].to_centre > stack[pending - 1].to_centre) std::swap(stack[pending], stack[pending - 1]);
+      ++pending;
     }
   }
   return best;
 }
 
-void TriangleTree::leaves_near(Vec3 low, Vec3 high, std::uint32_t first, std::vector<std::uint32_t>& out) const {
+void TriangleBvh::leaves_near(Vec3 low, Vec3 high, std::uint32_t first, std::vector<std::uint32_t>& out) const {
   if (slots_.empty()) return;
   float centre[3], half[3];  // rounded so that the box is never too small
   for (int a = 0; a < 3; ++a) {
@@ -230,31 +231,32 @@ void TriangleTree::leaves_near(Vec3 low, Vec3 high, std::uint32_t first, std::ve
     centre[a] = static_cast<float>(0.5 * (l + h));
     half[a] = std::nextafter(static_cast<float>(std::max(h - centre[a], centre[a] - l)), INFINITY);
   }
-  struct Waiting {
-    std::uint32_t level, number;
+  struct Pending {
+    std::uint32_t level, index;
   };
-  std::array<Waiting, 10 * (kChildren - 1) + 1> stack;  // as in closest()
-  std::size_t waiting = 0;
-  stack[waiting++] = {static_cast<std::uint32_t>(levels_.size()), 0};
-  while (waiting > 0) {
-    const Waiting at = stack[--waiting];
+  std::array<Pending, 10 * (kChildren - 1) + 1> stack;  // as in closest()
+  std::size_t pending = 0;
+  stack[pending++] = {static_cast<std::uint32_t>(levels_.size()), 0};
+  while (pending > 0) {
+    const Pending at = stack[--pending];
     if (at.level == 0) {
-      out.push_back(at.number);
+      out.push_back(at.index);
       continue;
     }
-    const Node& node = nodes_[levels_[at.level - 1].first + at.number];
-    // Shortened by more than rounding lengthens it, the distance of two boxes that meet is not above the sum of their halves.
-    bool meets[kChildren];
+    const Node& node = nodes_[levels_[at.level - 1].first + at.index];
+    // Distances are shortened by more than rounding lengthens them, so the distance of two
+    // overlapping boxes is at most the sum of their halves.
+    bool overlaps[kChildren];
     for (std::size_t k = 0; k < kChildren; ++k) {
       bool all = true;
       for (int a = 0; a < 3; ++a) all &= std::fabs(centre[a] - node.centre[a][k]) * kShorten <= half[a] + node.half[a][k];
-      meets[k] = all;
+      overlaps[k] = all;
     }
     const std::uint32_t below = at.level - 1;
     for (std::size_t k = 0; k < kChildren; ++k) {
-      const auto number = static_cast<std::uint32_t>(kChildren * at.number + k);
+      const auto index = static_cast<std::uint32_t>(kChildren * at.index + k);
       // The last leaf below child k is leaf (number + 1) 8^below - 1.
-      if (meets[k] && ((std::uint64_t{number} + 1) << (3 * below)) > first) stack[waiting++] = {below, number};
+      if (overlaps[k] && ((std::uint64_t{index} + 1) << (3 * below)) > first) stack[pending++] = {below, index};
     }
   }
 }

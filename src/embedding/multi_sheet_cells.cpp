@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "embedding/crowded_cells.h"
+#include "embedding/multi_sheet_cells.h"
 
 #include <algorithm>
 #include <array>
@@ -18,55 +18,57 @@ namespace isoatlas::detail {
 namespace {
 
 constexpr std::size_t kCellsPerPiece = 64, kCVerticesPerPiece = 16384;  // of parallel loops
-// Where else they are looked for, in a cell, and from how many places.
+// The coordinates in a grid cell where other positions are tried, and the number of initial
+// placements.
 constexpr std::array kLattice{kWallMargin, 0.1, 0.25, 0.5, 0.75, 0.9, 1 - kWallMargin};
 constexpr int kAttempts = 12;
-// How far c-vertices are moved towards the middle of their surfel's border, one share after the other.
+// How far c-vertices are moved towards the centre of their surfel's border, one share after the
+// other.
 constexpr std::array kShares{0.25, 0.5, 0.75, 1.0};
 
-using Cell = std::array<double, 3>;
-Cell cell_of(Vec3 p) { return {std::floor(p.x), std::floor(p.y), std::floor(p.z)}; }
+using GridCell = std::array<double, 3>;
+GridCell grid_cell_of(Vec3 p) { return {std::floor(p.x), std::floor(p.y), std::floor(p.z)}; }
 bool is_in_cell(Vec3 p) { return p.x != std::floor(p.x) && p.y != std::floor(p.y) && p.z != std::floor(p.z); }
 
-Vec3 inside(const Cell& cell, Vec3 p) {
+Vec3 inside(const GridCell& cell, Vec3 p) {
   const auto clamp = [](double low, double x) { return std::clamp(x, low + kWallMargin, low + 1 - kWallMargin); };
   return {clamp(cell[0], p.x), clamp(cell[1], p.y), clamp(cell[2], p.z)};
 }
 
-// Parsing numbers the c-vertices of a cell one after the other.
+// Parsing gives the c-vertices of a grid cell consecutive ids.
 bool same_cell(const SurfaceComplex& complex, CVertexId a, CVertexId b) {
   const Vec3 p = complex.positions[a], q = complex.positions[b];
-  return is_in_cell(p) && is_in_cell(q) && cell_of(p) == cell_of(q);
+  return is_in_cell(p) && is_in_cell(q) && grid_cell_of(p) == grid_cell_of(q);
 }
-bool is_crowded(const SurfaceComplex& complex, CVertexId v) {
+bool is_multi_sheet(const SurfaceComplex& complex, CVertexId v) {
   return (v > 0 && same_cell(complex, v - 1, v)) || (v + 1 < complex.c_vertex_count() && same_cell(complex, v, v + 1));
 }
 
 }  // namespace
 
-CrowdedCells::CrowdedCells(const SurfaceComplex& complex, const InterpolatedField& field, const RunControl& control) {
+MultiSheetCells::MultiSheetCells(const SurfaceComplex& complex, const InterpolatedField& field, const RunControl& control) {
   const std::uint32_t n = complex.c_vertex_count();
-  cell_of_.assign(n, kNone);
+  grid_cell_of_.assign(n, kNone);
   c_vertices_ = collect_pieces<CVertexId>(n, kCVerticesPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
     control.check_cancelled();
     for (auto v = static_cast<CVertexId>(begin); v < end; ++v) {
-      if (is_crowded(complex, v)) found.push_back(v);
+      if (is_multi_sheet(complex, v)) found.push_back(v);
     }
   });
   control.check_cancelled();
   for (std::uint32_t i = 0; i < c_vertices_.size(); ++i) {
     if (i == 0 || !same_cell(complex, c_vertices_[i - 1], c_vertices_[i])) first_.push_back(i);
-    cell_of_[c_vertices_[i]] = static_cast<std::uint32_t>(first_.size() - 1);
+    grid_cell_of_[c_vertices_[i]] = static_cast<std::uint32_t>(first_.size() - 1);
   }
   if (c_vertices_.empty()) return;
   first_.push_back(static_cast<std::uint32_t>(c_vertices_.size()));
 
-  // Their faces as pieces of surfels, cell by cell.
+  // The faces around these c-vertices as pieces of surfels, by grid cell.
   flags_.assign(n, 0);
   for (const CVertexId v : c_vertices_) flags_[v] = 1;
   const SurfaceInGrid in{field, flags_, &control};
-  const std::vector<Fineness> now = fineness(complex, in);
-  ComplexPart part(complex, c_vertices_, now, flags_, &control);
+  const std::vector<Fineness> current = fineness(complex, in);
+  ComplexPart part(complex, c_vertices_, current, flags_, &control);
   std::erase_if(part.wanted, [&](CVertexId v) { return part.fineness[v] != Fineness::faces; });
   const Subdivision divided = part.subdivided(in);
   const auto number = [&](CVertexId v) { return v < part.c_vertex.size() ? part.c_vertex[v] : kNone; };
@@ -77,96 +79,100 @@ CrowdedCells::CrowdedCells(const SurfaceComplex& complex, const InterpolatedFiel
     if (!face.is_triangle()) continue;
     const auto own = std::find_if(face.corner.begin(), face.corner.begin() + 3, [&](CVertexId v) { return contains(number(v)); });
     if (own != face.corner.begin() + 3)
-      pieces.emplace_back(cell_of_[number(*own)], Triangle{face.corner[0], face.corner[1], face.corner[2]});
+      pieces.emplace_back(grid_cell_of_[number(*own)], Triangle{face.corner[0], face.corner[1], face.corner[2]});
   }
   control.check_cancelled();
   std::stable_sort(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   control.check_cancelled();
-  std::vector<std::uint32_t> place(divided.complex.c_vertex_count(), kNone);  // of the corners of the last cell's pieces
-  std::vector<std::uint32_t> cell_of_place(place.size(), kNone);
+  // per corner of the pieces of the last grid cell, its index there
+  std::vector<std::uint32_t> index_in_cell(divided.complex.c_vertex_count(), kNone);
+  std::vector<std::uint32_t> cell_of_index(index_in_cell.size(), kNone);
   std::vector<CVertexId> number_in_part(n, kNone);
   for (CVertexId v = 0; v < part.c_vertex.size(); ++v) number_in_part[part.c_vertex[v]] = v;
   auto piece = pieces.begin();
   first_piece_.push_back(0);
-  first_point_.push_back(0);
+  first_wall_position_.push_back(0);
   for (std::uint32_t cell = 0; cell + 1 < first_.size(); ++cell) {
     poll.step();
     std::uint32_t corners = 0;
     const auto add = [&](CVertexId v) {
-      cell_of_place[v] = cell;
-      place[v] = corners++;
+      cell_of_index[v] = cell;
+      index_in_cell[v] = corners++;
     };
     for (const CVertexId v : c_vertices(cell)) add(number_in_part[v]);
     for (; piece != pieces.end() && piece->first == cell; ++piece) {
       Triangle& t = pieces_.emplace_back();
       for (std::size_t k = 0; k < 3; ++k) {
         const CVertexId v = piece->second[k];
-        if (cell_of_place[v] != cell) {
+        if (cell_of_index[v] != cell) {
           add(v);
-          points_.push_back(divided.complex.positions[v]);
+          wall_positions_.push_back(divided.complex.positions[v]);
         }
-        t[k] = place[v];
+        t[k] = index_in_cell[v];
       }
     }
     first_piece_.push_back(static_cast<std::uint32_t>(pieces_.size()));
-    first_point_.push_back(static_cast<std::uint32_t>(points_.size()));
+    first_wall_position_.push_back(static_cast<std::uint32_t>(wall_positions_.size()));
   }
 }
 
-// The surfels of one crowded cell as triangles. Its c-vertices come first.
-class CrowdedCells::Surfels {
+// The surfels of one multi-sheet grid cell as triangles. Its c-vertices come first.
+class MultiSheetCells::Surfels {
  public:
-  Surfels(const CrowdedCells& in, std::uint32_t cell) : corners(in.c_vertices(cell).size()), triangles(in.pieces(cell)) {
-    corners.insert(corners.end(), in.points(cell).begin(), in.points(cell).end());
+  Surfels(const MultiSheetCells& in, std::uint32_t cell) : corners(in.c_vertices(cell).size()), triangles(in.pieces(cell)) {
+    corners.insert(corners.end(), in.wall_positions(cell).begin(), in.wall_positions(cell).end());
   }
 
-  /// How many pairs of triangles meet; where there are as many as `enough`, that.
-  std::size_t meeting_pairs(std::size_t enough) const { return isoatlas::detail::meeting_pairs(corners, triangles, enough); }
-  bool meet() const { return meeting_pairs(1) > 0; }
+  /// Number of intersecting pairs of triangles, at most `max_count`.
+  std::size_t count_intersecting_pairs(std::size_t max_count) const {
+    return isoatlas::detail::count_intersecting_pairs(corners, triangles, max_count);
+  }
+  bool intersect() const { return count_intersecting_pairs(1) > 0; }
 
   std::vector<Vec3> corners;
   std::span<const Triangle> triangles;
 };
 
-bool CrowdedCells::surfels_meet(std::uint32_t cell, std::span<const Vec3> positions) const {
+bool MultiSheetCells::surfels_intersect(std::uint32_t cell, std::span<const Vec3> positions) const {
   Surfels surfels(*this, cell);
   const std::span<const CVertexId> own = c_vertices(cell);
   for (std::size_t k = 0; k < own.size(); ++k) surfels.corners[k] = positions[own[k]];
-  return surfels.meet();
+  return surfels.intersect();
 }
 
-// One c-vertex after the other goes where on a lattice the fewest triangles meet, the nearest such place, until none do; where that ends
-// too early, once more from other places. @return whether it was found
-bool CrowdedCells::search_places(std::uint32_t cell, std::span<Vec3> places, const RunControl& control) const {
+// Moves one c-vertex after the other to the lattice position with the fewest intersecting pairs
+// (ties: nearest to its start), until none intersect. If that gets stuck, starts again from other
+// positions. @return whether positions without intersections were found
+bool MultiSheetCells::search_positions(std::uint32_t cell, std::span<Vec3> positions, const RunControl& control) const {
   Surfels surfels(*this, cell);
-  const Cell low = cell_of(places[0]);
-  const std::vector<Vec3> start(places.begin(), places.end());
+  const GridCell low = grid_cell_of(positions[0]);
+  const std::vector<Vec3> start(positions.begin(), positions.end());
   const auto lattice = [&](std::size_t i, std::size_t j, std::size_t k) {
     return rounded({low[0] + kLattice[i], low[1] + kLattice[j], low[2] + kLattice[k]});
   };
   std::uint64_t state = 1;
-  const auto any = [&] {  // a place of the lattice, the same ones every time
+  const auto any = [&] {  // a pseudo-random lattice position, the same sequence every time
     state = state * 6364136223846793005u + 1442695040888963407u;
     const std::uint64_t r = state >> 33;
     return lattice(r % kLattice.size(), r / kLattice.size() % kLattice.size(), r / kLattice.size() / kLattice.size() % kLattice.size());
   };
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    for (std::size_t v = 0; v < places.size(); ++v) surfels.corners[v] = attempt == 0 ? start[v] : any();
+    for (std::size_t v = 0; v < positions.size(); ++v) surfels.corners[v] = attempt == 0 ? start[v] : any();
     control.check_cancelled();
-    std::size_t least = surfels.meeting_pairs(kNone);
-    for (bool better = true; better && least > 0;) {
-      better = false;
-      for (std::size_t v = 0; v < places.size() && least > 0; ++v) {
+    std::size_t fewest_pairs = surfels.count_intersecting_pairs(kNone);
+    for (bool improved = true; improved && fewest_pairs > 0;) {
+      improved = false;
+      for (std::size_t v = 0; v < positions.size() && fewest_pairs > 0; ++v) {
         Vec3 best = surfels.corners[v];
         double nearest = INFINITY;
-        std::size_t fewest = least;
+        std::size_t fewest = fewest_pairs;
         for (std::size_t i = 0; i < kLattice.size(); ++i) {
           for (std::size_t j = 0; j < kLattice.size(); ++j) {
             for (std::size_t k = 0; k < kLattice.size(); ++k) {
               surfels.corners[v] = lattice(i, j, k);
               const double away = squared_length(surfels.corners[v] - start[v]);
-              const std::size_t pairs = surfels.meeting_pairs(fewest + 1);
-              if (pairs > fewest || (pairs == fewest && (pairs == least || away >= nearest))) continue;
+              const std::size_t pairs = surfels.count_intersecting_pairs(fewest + 1);
+              if (pairs > fewest || (pairs == fewest && (pairs == fewest_pairs || away >= nearest))) continue;
               fewest = pairs;
               nearest = away;
               best = surfels.corners[v];
@@ -174,19 +180,19 @@ bool CrowdedCells::search_places(std::uint32_t cell, std::span<Vec3> places, con
           }
         }
         surfels.corners[v] = best;
-        better = better || fewest < least;
-        least = fewest;
+        improved = improved || fewest < fewest_pairs;
+        fewest_pairs = fewest;
       }
     }
-    if (least > 0) continue;
-    std::copy(surfels.corners.begin(), surfels.corners.begin() + static_cast<std::ptrdiff_t>(places.size()), places.begin());
+    if (fewest_pairs > 0) continue;
+    std::copy(surfels.corners.begin(), surfels.corners.begin() + static_cast<std::ptrdiff_t>(positions.size()), positions.begin());
     return true;
   }
   return false;
 }
 
-// Per c-vertex of the cell, the middle of what is around it, off the walls.
-std::vector<Vec3> CrowdedCells::middles(std::uint32_t cell) const {
+// Per c-vertex of the grid cell, the mean of the points around it.
+std::vector<Vec3> MultiSheetCells::centres(std::uint32_t cell) const {
   std::vector<Vec3> out;
   const auto n = static_cast<std::uint32_t>(c_vertices(cell).size());
   for (std::uint32_t own = 0; own < n; ++own) {
@@ -196,7 +202,7 @@ std::vector<Vec3> CrowdedCells::middles(std::uint32_t cell) const {
       if (std::find(t.begin(), t.end(), own) == t.end()) continue;
       for (const std::uint32_t at : t) {
         if (at < n) continue;
-        sum = sum + points(cell)[at - n];
+        sum = sum + wall_positions(cell)[at - n];
         ++count;
       }
     }
@@ -205,7 +211,7 @@ std::vector<Vec3> CrowdedCells::middles(std::uint32_t cell) const {
   return out;
 }
 
-std::size_t CrowdedCells::separate(SurfaceComplex& complex, const RunControl& control) {
+std::size_t MultiSheetCells::separate(SurfaceComplex& complex, const RunControl& control) {
   if (first_.empty()) return 0;
   std::atomic<std::size_t> left = 0;
   for_each_piece(first_.size() - 1, kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
@@ -214,38 +220,40 @@ std::size_t CrowdedCells::separate(SurfaceComplex& complex, const RunControl& co
       const std::span<const CVertexId> own = c_vertices(cell);
       std::vector<Vec3> start;
       for (const CVertexId v : own) start.push_back(complex.positions[v]);
-      const auto fits = [&](auto place) {
-        for (std::size_t k = 0; k < own.size(); ++k) complex.positions[own[k]] = place(k);
-        return !surfels_meet(cell, complex.positions);
+      const auto are_separated_by = [&](auto position_of) {
+        for (std::size_t k = 0; k < own.size(); ++k) complex.positions[own[k]] = position_of(k);
+        return !surfels_intersect(cell, complex.positions);
       };
-      const auto off_walls = [&](std::size_t k, Vec3 p) { return rounded(inside(cell_of(start[k]), p)); };
-      if (fits([&](std::size_t k) { return off_walls(k, start[k]); }) || fits([&](std::size_t k) { return start[k]; })) continue;
-      const std::vector<Vec3> middle = middles(cell);
-      bool good = false;
-      for (std::size_t i = 0; i < kShares.size() && !good; ++i)
-        good = fits([&](std::size_t k) { return off_walls(k, start[k] + kShares[i] * (middle[k] - start[k])); });
-      if (!good) {
-        good = search_places(cell, start, control);
+      const auto away_from_walls = [&](std::size_t k, Vec3 p) { return rounded(inside(grid_cell_of(start[k]), p)); };
+      if (are_separated_by([&](std::size_t k) { return away_from_walls(k, start[k]); }) ||
+          are_separated_by([&](std::size_t k) { return start[k]; }))
+        continue;
+      const std::vector<Vec3> centre = centres(cell);
+      bool separated = false;
+      for (std::size_t i = 0; i < kShares.size() && !separated; ++i)
+        separated = are_separated_by([&](std::size_t k) { return away_from_walls(k, start[k] + kShares[i] * (centre[k] - start[k])); });
+      if (!separated) {
+        separated = search_positions(cell, start, control);
         for (std::size_t k = 0; k < own.size(); ++k) complex.positions[own[k]] = start[k];
       }
-      left += !good;
+      left += !separated;
     }
   });
   return left;
 }
 
-std::vector<CVertexId> CrowdedCells::meeting(std::span<const CVertexId> moved, std::span<const Vec3> positions,
-                                             const RunControl& control) const {
+std::vector<CVertexId> MultiSheetCells::intersecting(std::span<const CVertexId> moved, std::span<const Vec3> positions,
+                                                     const RunControl& control) const {
   std::vector<std::uint32_t> cells;
   for (const CVertexId v : moved) {
-    if (contains(v)) cells.push_back(cell_of_[v]);
+    if (contains(v)) cells.push_back(grid_cell_of_[v]);
   }
   std::sort(cells.begin(), cells.end());
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
   return collect_pieces<CVertexId>(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end, auto& out) {
     control.check_cancelled();
     for (std::size_t i = begin; i < end; ++i) {
-      if (!surfels_meet(cells[i], positions)) continue;
+      if (!surfels_intersect(cells[i], positions)) continue;
       const std::span<const CVertexId> own = c_vertices(cells[i]);
       out.insert(out.end(), own.begin(), own.end());
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "geometry/triangle_tree.h"
+#include "geometry/triangle_bvh.h"
 
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ struct Soup {
   std::vector<Triangle> triangles;
 };
 
-// Triangles of very different sizes about a few places, some without area, some twice.
+// Triangles of very different sizes about a few points, some without area, some twice.
 Soup random_soup(std::uint64_t seed, std::uint32_t triangles, double scale, Vec3 middle) {
   Random random(seed);
   const auto near = [&](Vec3 c, double s) { return c + s * Vec3{random.unit() - 0.5, random.unit() - 0.5, random.unit() - 0.5}; };
@@ -50,8 +50,8 @@ Soup random_soup(std::uint64_t seed, std::uint32_t triangles, double scale, Vec3
   return soup;
 }
 
-TriangleTree::Hit slow_closest(const Soup& soup, Vec3 p) {
-  TriangleTree::Hit best;
+TriangleBvh::Hit slow_closest(const Soup& soup, Vec3 p) {
+  TriangleBvh::Hit best;
   best.squared_distance = INFINITY;
   for (std::uint32_t t = 0; t < soup.triangles.size(); ++t) {
     const auto [a, b, c] = soup.triangles[t];
@@ -64,34 +64,34 @@ TriangleTree::Hit slow_closest(const Soup& soup, Vec3 p) {
   return best;
 }
 
-TEST(TriangleTree, SameAsLookingAtAll) {
+TEST(TriangleBvh, SameAsTestingAll) {
   for (const std::uint32_t n : {1u, 2u, 3u, 4u, 5u, 15u, 16u, 17u, 64u, 65u, 257u, 1500u}) {
     for (const auto& [scale, middle] : {std::pair(1.0, Vec3{}), std::pair(300.0, Vec3{1e4, -2e4, 0}), std::pair(1e15, Vec3{}),
                                         std::pair(1e-9, Vec3{}), std::pair(1.0, Vec3{1e6, 1e6, 1e6})}) {
       const Soup soup = random_soup(n, n, scale, middle);
-      const TriangleTree tree(soup.positions, soup.triangles);
+      const TriangleBvh bvh(soup.positions, soup.triangles);
       Random random(n + 1);
       for (int k = 0; k < 60; ++k) {
         const double spread = k % 3 == 0 ? 1e3 : k % 3 == 1 ? 2 : 0.5;
         Vec3 p = middle + spread * scale * Vec3{random.unit() - 0.5, random.unit() - 0.5, random.unit() - 0.5};
         if (k % 10 == 9) p = soup.positions[random.bits() % soup.positions.size()];
-        const TriangleTree::Hit found = tree.closest(p), slow = slow_closest(soup, p);
+        const TriangleBvh::Hit found = bvh.closest(p), slow = slow_closest(soup, p);
         ASSERT_EQ(found.triangle, slow.triangle) << n << " " << scale << " " << k;
         ASSERT_EQ(found.squared_distance, slow.squared_distance);
         ASSERT_EQ(found.point, slow.point);
         ASSERT_EQ(found.weight, slow.weight);
-        // A bound at the distance still finds it, one below does not.
+        // A bound equal to the distance still finds it, one below does not.
         const double d = std::sqrt(slow.squared_distance);
-        EXPECT_EQ(tree.closest(p, d * (1 + 1e-12)).triangle, slow.triangle);
+        EXPECT_EQ(bvh.closest(p, d * (1 + 1e-12)).triangle, slow.triangle);
         if (d > 0) {
-          EXPECT_FALSE(tree.closest(p, d * (1 - 1e-12)).found());
+          EXPECT_FALSE(bvh.closest(p, d * (1 - 1e-12)).found());
         }
       }
     }
   }
 }
 
-TEST(TriangleTree, EqualDistancesGoToTheSmallestId) {
+TEST(TriangleBvh, EqualDistancesGoToTheSmallestId) {
   // A fan of triangles about the origin, each listed many times.
   Soup soup;
   soup.positions = {{0, 0, 0}};
@@ -99,22 +99,22 @@ TEST(TriangleTree, EqualDistancesGoToTheSmallestId) {
   for (int copy = 0; copy < 50; ++copy) {
     for (std::uint32_t k = 0; k < 12; ++k) soup.triangles.push_back({0, 1 + k, 1 + (k + 1) % 12});
   }
-  const TriangleTree tree(soup.positions, soup.triangles);
-  EXPECT_EQ(tree.closest({0, 0, 2}).triangle, 0u);
-  EXPECT_EQ(tree.closest({0, 0, 2}, 2).triangle, 0u);
+  const TriangleBvh bvh(soup.positions, soup.triangles);
+  EXPECT_EQ(bvh.closest({0, 0, 2}).triangle, 0u);
+  EXPECT_EQ(bvh.closest({0, 0, 2}, 2).triangle, 0u);
   for (std::uint32_t k = 0; k < 12; ++k) {
     const double angle = (k + 0.5) * M_PI / 6;
-    EXPECT_EQ(tree.closest({0.5 * std::cos(angle), 0.5 * std::sin(angle), 1}).triangle, k);
+    EXPECT_EQ(bvh.closest({0.5 * std::cos(angle), 0.5 * std::sin(angle), 1}).triangle, k);
   }
 }
 
-// Every triangle whose box meets a box is in a leaf near it, and few others are.
-TEST(TriangleTree, LeavesNearABox) {
+// Every triangle whose box overlaps a box is in a leaf near it, and few others are.
+TEST(TriangleBvh, LeavesNearABox) {
   for (const std::uint32_t size : {1u, 4u, 5u, 33u, 3000u}) {
     const double scale = size % 2 == 0 ? 1 : 1e9;
     const Soup soup = random_soup(size, size, scale, {3 * scale, -5 * scale, 1000 * scale});
-    const TriangleTree tree(soup.positions, soup.triangles);
-    ASSERT_EQ(tree.leaf_count(), (size + 3) / 4);
+    const TriangleBvh bvh(soup.positions, soup.triangles);
+    ASSERT_EQ(bvh.leaf_count(), (size + 3) / 4);
     std::size_t met = 0, looked_at = 0;
     for (std::uint32_t t = 0; t < size; ++t) {
       const auto box = [&](const Triangle& triangle) {
@@ -127,23 +127,23 @@ TEST(TriangleTree, LeavesNearABox) {
         return out;
       };
       const auto [low, high] = box(soup.triangles[t]);
-      const std::uint32_t first = t % 3 == 0 ? 0 : t % tree.leaf_count();
+      const std::uint32_t first = t % 3 == 0 ? 0 : t % bvh.leaf_count();
       std::vector<std::uint32_t> leaves;
-      tree.leaves_near(low, high, first, leaves);
-      std::vector<int> near(tree.leaf_count(), 0);
+      bvh.leaves_near(low, high, first, leaves);
+      std::vector<int> near(bvh.leaf_count(), 0);
       for (const std::uint32_t leaf : leaves) {
-        ASSERT_LT(leaf, tree.leaf_count());
+        ASSERT_LT(leaf, bvh.leaf_count());
         ASSERT_GE(leaf, first);
         ASSERT_EQ(near[leaf]++, 0);
-        looked_at += tree.leaf_end(leaf) - TriangleTree::kLeaf * leaf;
+        looked_at += bvh.leaf_end(leaf) - TriangleBvh::kLeafSize * leaf;
       }
-      for (std::uint32_t slot = TriangleTree::kLeaf * first; slot < size; ++slot) {
-        const auto [other_low, other_high] = box(tree.corners_in(slot));
+      for (std::uint32_t slot = TriangleBvh::kLeafSize * first; slot < size; ++slot) {
+        const auto [other_low, other_high] = box(bvh.corners_in(slot));
         const bool meets = low.x <= other_high.x && other_low.x <= high.x && low.y <= other_high.y && other_low.y <= high.y &&
                            low.z <= other_high.z && other_low.z <= high.z;
         if (!meets) continue;
         ++met;
-        ASSERT_EQ(near[slot / TriangleTree::kLeaf], 1);
+        ASSERT_EQ(near[slot / TriangleBvh::kLeafSize], 1);
       }
     }
     if (size > 1000) {
@@ -152,38 +152,38 @@ TEST(TriangleTree, LeavesNearABox) {
   }
 }
 
-TEST(TriangleTree, Empty) {
-  const TriangleTree tree({}, {});
-  EXPECT_FALSE(tree.closest({1, 2, 3}).found());
+TEST(TriangleBvh, Empty) {
+  const TriangleBvh bvh({}, {});
+  EXPECT_FALSE(bvh.closest({1, 2, 3}).found());
   std::vector<std::uint32_t> leaves;
-  tree.leaves_near({0, 0, 0}, {1, 1, 1}, 0, leaves);
+  bvh.leaves_near({0, 0, 0}, {1, 1, 1}, 0, leaves);
   EXPECT_TRUE(leaves.empty());
-  EXPECT_EQ(tree.triangle_count(), 0u);
+  EXPECT_EQ(bvh.triangle_count(), 0u);
 }
 
-TEST(TriangleTree, EverySlotOnceAndNeighboursClose) {
+TEST(TriangleBvh, EverySlotOnceAndNeighboursClose) {
   const Soup soup = random_soup(9, 3000, 1, {});
-  const TriangleTree tree(soup.positions, soup.triangles);
+  const TriangleBvh bvh(soup.positions, soup.triangles);
   std::vector<int> seen(soup.triangles.size(), 0);
   double along = 0, as_listed = 0;
-  for (std::uint32_t s = 0; s < tree.triangle_count(); ++s) {
-    ++seen[tree.triangle_in(s)];
-    EXPECT_EQ(tree.corners_in(s), soup.triangles[tree.triangle_in(s)]);
+  for (std::uint32_t s = 0; s < bvh.triangle_count(); ++s) {
+    ++seen[bvh.triangle_in(s)];
+    EXPECT_EQ(bvh.corners_in(s), soup.triangles[bvh.triangle_in(s)]);
     if (s == 0) continue;
-    along += length(tree.positions()[tree.corners_in(s)[0]] - tree.positions()[tree.corners_in(s - 1)[0]]);
+    along += length(bvh.points()[bvh.corners_in(s)[0]] - bvh.points()[bvh.corners_in(s - 1)[0]]);
     as_listed += length(soup.positions[soup.triangles[s][0]] - soup.positions[soup.triangles[s - 1][0]]);
   }
   EXPECT_EQ(seen, std::vector<int>(soup.triangles.size(), 1));
   EXPECT_LT(along, 0.3 * as_listed);
 }
 
-TEST(TriangleTree, SameForAnyNumberOfThreads) {
+TEST(TriangleBvh, SameForAnyNumberOfThreads) {
   const Soup soup = random_soup(5, 20000, 1, {});
   const auto order = [&](int threads) {
     const ThreadLimit limit(threads);
-    const TriangleTree tree(soup.positions, soup.triangles);
+    const TriangleBvh bvh(soup.positions, soup.triangles);
     std::vector<std::uint32_t> out;
-    for (std::uint32_t s = 0; s < tree.triangle_count(); ++s) out.push_back(tree.triangle_in(s));
+    for (std::uint32_t s = 0; s < bvh.triangle_count(); ++s) out.push_back(bvh.triangle_in(s));
     return out;
   };
   EXPECT_EQ(order(1), order(2));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "levels/judge.h"
+#include "levels/constraint_results.h"
 
 #include <algorithm>
 #include <limits>
@@ -20,7 +20,7 @@ std::string count_text(std::size_t n) {
   return text;
 }
 
-double reached(Quantity quantity, const MeshExtent& mesh, const std::array<MetricSummary, kMetricCount>& metrics) {
+double reached(Quantity quantity, const MeshStatistics& mesh, const std::array<MetricSummary, kMetricCount>& metrics) {
   switch (quantity) {
     case Quantity::max_vertices:
     case Quantity::min_vertices:
@@ -36,32 +36,34 @@ double reached(Quantity quantity, const MeshExtent& mesh, const std::array<Metri
   }
 }
 
-// @param limits, aims  names of the constraints that came before: those that stop the work, and those that drive it
-std::string reason(const Constraint& c, const MeshExtent& mesh, const Obstacles& obstacles, const std::string& limits,
-                   const std::string& aims) {
-  if (obstacles.before == nullptr) {
+// @param limits, targets  names of the earlier constraints: those that limit refinement, and those
+//        that drive it
+std::string reason(const Constraint& c, const MeshStatistics& mesh, const Obstacles& obstacles, const std::string& limits,
+                   const std::string& targets) {
+  if (obstacles.previous == nullptr) {
     if (c.quantity == Quantity::max_vertices) return "topology alone needs " + count_text(mesh.vertices);
     return c.quantity == Quantity::min_edge ? "topology alone needs shorter edges" : "the coarse mesh is not refined";
   }
-  const auto first_comes = [](const std::string& names) { return names + " comes first"; };
-  const std::string whose = obstacles.before_is_coarse ? "topology alone" : "the level before";
+  const auto priority_of = [](const std::string& names) { return names + " comes first"; };
+  const std::string previous = obstacles.previous_is_coarse ? "topology alone" : "the previous level";
   switch (c.quantity) {
     case Quantity::max_vertices:
-      if (static_cast<double>(obstacles.before->vertices) > c.bound)
-        return whose + (obstacles.before_is_coarse ? " needs " : " has ") + count_text(obstacles.before->vertices);
-      return aims.empty() ? "topology alone needs " + count_text(mesh.vertices) : first_comes(aims);
+      if (static_cast<double>(obstacles.previous->vertices) > c.bound)
+        return previous + (obstacles.previous_is_coarse ? " needs " : " has ") + count_text(obstacles.previous->vertices);
+      return targets.empty() ? "topology alone needs " + count_text(mesh.vertices) : priority_of(targets);
     case Quantity::min_edge:
-      if (obstacles.before->shortest_edge < c.bound) return whose + (obstacles.before_is_coarse ? " needs" : " has") + " shorter edges";
-      return aims.empty() ? "topology or the bends of the surface bring some vertices closer" : first_comes(aims);
+      if (obstacles.previous->shortest_edge < c.bound)
+        return previous + (obstacles.previous_is_coarse ? " needs" : " has") + " shorter edges";
+      return targets.empty() ? "topology or the bends of the surface bring some vertices closer" : priority_of(targets);
     case Quantity::min_aspect:
-      if (!limits.empty()) return first_comes(limits);
+      if (!limits.empty()) return priority_of(limits);
       return count_text(
                  static_cast<std::size_t>(std::count_if(mesh.aspects.begin(), mesh.aspects.end(), [&](double a) { return a < c.bound; }))) +
              " triangles cannot be made better where c-vertices are this sparse";
     default:
       break;
   }
-  if (!limits.empty()) return first_comes(limits);
+  if (!limits.empty()) return priority_of(limits);
   if (c.quantity == Quantity::min_vertices)
     return "cells cannot be smaller: the surface has " + count_text(mesh.c_vertices) + " c-vertices; supersampling would give more";
   if (obstacles.cells_at_limit == 0) return "smaller cells did not help";
@@ -71,8 +73,8 @@ std::string reason(const Constraint& c, const MeshExtent& mesh, const Obstacles&
 
 }  // namespace
 
-MeshExtent extent_of(const LevelMesh& mesh) {
-  MeshExtent out;
+MeshStatistics mesh_statistics(const LevelMesh& mesh) {
+  MeshStatistics out;
   out.vertices = mesh.cell_count();
   for (CellId c = 0; c < mesh.cell_count(); ++c) out.c_vertices += mesh.c_vertices_of.row(c).size();
   out.shortest_edge = std::numeric_limits<double>::infinity();
@@ -88,23 +90,23 @@ MeshExtent extent_of(const LevelMesh& mesh) {
   return out;
 }
 
-std::vector<ConstraintResult> judge(const LevelGoal& goal, const MeshExtent& mesh, const std::array<MetricSummary, kMetricCount>& metrics,
-                                    const Obstacles& obstacles) {
+std::vector<ConstraintResult> evaluate_constraints(const LevelGoal& goal, const MeshStatistics& mesh,
+                                                   const std::array<MetricSummary, kMetricCount>& metrics, const Obstacles& obstacles) {
   std::vector<ConstraintResult> out;
-  std::string limits, aims;
+  std::string limits, targets;
   for (const Constraint& c : goal) {
     ConstraintResult& result = out.emplace_back();
     result.wanted = c;
     result.reached = reached(c.quantity, mesh, metrics);
     result.met = is_lower_bound(c.quantity) ? result.reached >= c.bound : result.reached <= c.bound;
-    if (!result.met) result.reason = reason(c, mesh, obstacles, limits, aims);
+    if (!result.met) result.reason = reason(c, mesh, obstacles, limits, targets);
     const auto add_to = [&](std::string& list) { list += (list.empty() ? "" : ", ") + std::string(name(c.quantity)); };
     if (c.quantity == Quantity::max_vertices) {
-      if (obstacles.vertices_ran_out) add_to(limits);
+      if (obstacles.vertex_limit_reached) add_to(limits);
     } else if (c.quantity == Quantity::min_edge) {
-      if (obstacles.edges_in_the_way) add_to(limits);
+      if (obstacles.blocked_by_min_edge) add_to(limits);
     } else {
-      add_to(aims);
+      add_to(targets);
     }
   }
   return out;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "embedding/watched_cells.h"
+#include "embedding/checked_cells.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,10 +15,10 @@ namespace {
 
 constexpr std::size_t kCellsPerPiece = 64, kFacesPerPiece = 8192;  // of parallel loops
 
-bool meet_anywhere(std::span<const Triangle> triangles, std::span<const Vec3> positions) {
+bool any_intersect(std::span<const Triangle> triangles, std::span<const Vec3> positions) {
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     for (std::size_t j = i + 1; j < triangles.size(); ++j) {
-      if (meet_beyond_shared(positions, triangles[i], triangles[j])) return true;
+      if (intersect_beyond_shared_simplex(positions, triangles[i], triangles[j])) return true;
     }
   }
   return false;
@@ -26,11 +26,11 @@ bool meet_anywhere(std::span<const Triangle> triangles, std::span<const Vec3> po
 
 }  // namespace
 
-WatchedCells::WatchedCells(const SurfaceComplex& complex, std::span<const Cell> cells, const RunControl& control)
+CheckedCells::CheckedCells(const SurfaceComplex& complex, std::span<const GridCell> cells, const RunControl& control)
     : complex_size_(complex.c_vertex_count()) {
   using Found = std::pair<std::uint32_t, Triangle>;
   const auto add = [&](Vec3 p, const Triangle& t, std::vector<Found>& found) {
-    const Cell cell{std::floor(p.x), std::floor(p.y), std::floor(p.z)};
+    const GridCell cell{std::floor(p.x), std::floor(p.y), std::floor(p.z)};
     const auto at = std::lower_bound(cells.begin(), cells.end(), cell);
     if (at == cells.end() || *at != cell) return;
     const auto c = static_cast<std::uint32_t>(at - cells.begin());
@@ -65,29 +65,29 @@ WatchedCells::WatchedCells(const SurfaceComplex& complex, std::span<const Cell> 
   }
   for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
   for (std::size_t v = 1; v < first_cell_.size(); ++v) first_cell_[v] += first_cell_[v - 1];
-  cells_of_.resize(3 * found.size());
+  grid_cells_of_.resize(3 * found.size());
   std::vector<std::uint32_t> next(first_cell_.begin(), first_cell_.end() - 1);
   for (const auto& [cell, t] : found) {
-    for (const CVertexId v : t) cells_of_[next[v]++] = cell;
+    for (const CVertexId v : t) grid_cells_of_[next[v]++] = cell;
   }
 }
 
-std::vector<CVertexId> WatchedCells::meeting(std::span<const CVertexId> moved, std::span<const Vec3> positions,
-                                             const RunControl& control) const {
+std::vector<CVertexId> CheckedCells::intersecting(std::span<const CVertexId> moved, std::span<const Vec3> positions,
+                                                  const RunControl& control) const {
   std::vector<std::uint32_t> cells;
   for (const CVertexId v : moved) {
-    if (contains(v)) cells.insert(cells.end(), cells_of_.begin() + first_cell_[v], cells_of_.begin() + first_cell_[v + 1]);
+    if (contains(v)) cells.insert(cells.end(), grid_cells_of_.begin() + first_cell_[v], grid_cells_of_.begin() + first_cell_[v + 1]);
   }
   std::sort(cells.begin(), cells.end());
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-  std::vector<std::uint8_t> meet(cells.size(), 0);
+  std::vector<std::uint8_t> intersect(cells.size(), 0);
   for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
     control.check_cancelled();
-    for (std::size_t i = begin; i < end; ++i) meet[i] = meet_anywhere(triangles(cells[i]), positions);
+    for (std::size_t i = begin; i < end; ++i) intersect[i] = any_intersect(triangles(cells[i]), positions);
   });
   std::vector<CVertexId> out;
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (!meet[i]) continue;
+    if (!intersect[i]) continue;
     for (const Triangle& t : triangles(cells[i])) out.insert(out.end(), t.begin(), t.end());
   }
   return out;

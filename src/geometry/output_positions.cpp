@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "geometry/written_positions.h"
+#include "geometry/output_positions.h"
 
 #include <algorithm>
 #include <array>
@@ -14,7 +14,7 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr double kMostRounding = 0.001;  // voxels
+constexpr double kMaxRounding = 0.001;  // in voxels
 
 Bounds box_of(const Grid& grid, Space space) {
   std::array<Vec3, 8> corners;
@@ -40,7 +40,7 @@ double rounding(const Bounds& box, Vec3 origin) {
 
 Vec3 float32_origin(const Grid& grid, Space space) { return float32_origin_of(box_of(grid, space)); }
 
-WrittenPositions::WrittenPositions(const Grid& grid, Space space, std::uint32_t supersample)
+OutputPositions::OutputPositions(const Grid& grid, Space space, std::uint32_t supersample)
     : grid_(grid), space_(space), steps_(supersample) {
   std::vector<Vec3> origins{Vec3{}};
   if (const Vec3 other = float32_origin(grid, space); other != Vec3{}) origins.push_back(other);
@@ -48,25 +48,25 @@ WrittenPositions::WrittenPositions(const Grid& grid, Space space, std::uint32_t 
   const double voxel = space == Space::voxel ? 1 : grid.smallest_spacing();
   for (const Vec3 origin : origins) {
     const double to_float = rounding(box, origin);
-    if (!(to_float <= kMostRounding * voxel)) continue;
+    if (!(to_float <= kMaxRounding * voxel)) continue;
     float32_origins_.push_back(origin);
     const double to_double = std::max(largest_coordinate(box.low), largest_coordinate(box.high)) * std::numeric_limits<double>::epsilon();
-    most_rounding_ = std::max(most_rounding_, 1.01 * (to_float + to_double));  // vertices are in the box, up to rounding
+    max_rounding_ = std::max(max_rounding_, 1.01 * (to_float + to_double));  // vertices are inside the box, up to rounding
   }
 }
 
-Vec3 WrittenPositions::in_space(Vec3 index) const {
+Vec3 OutputPositions::output_position(Vec3 index) const {
   return to_space(grid_, space_, {index.x / steps_, index.y / steps_, index.z / steps_});
 }
 
-Vec3 WrittenPositions::in_form(std::size_t form, Vec3 index) const {
-  const Vec3 p = in_space(index);
+Vec3 OutputPositions::in_form(std::size_t form, Vec3 index) const {
+  const Vec3 p = output_position(index);
   if (form == 0) return p;
   const Vec3 q = p - float32_origins_[form - 1];
   return {to_float32(q.x), to_float32(q.y), to_float32(q.z)};
 }
 
-std::vector<Vec3> WrittenPositions::in_form(std::size_t form, std::span<const Vec3> indices) const {
+std::vector<Vec3> OutputPositions::in_form(std::size_t form, std::span<const Vec3> indices) const {
   std::vector<Vec3> out;
   out.reserve(indices.size());
   for (const Vec3 index : indices) out.push_back(in_form(form, index));

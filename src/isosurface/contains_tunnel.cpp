@@ -6,7 +6,7 @@
 // where the two pairs have opposite signs; so the tunnel is there iff E has its maximum among these heights and is positive there.
 // With E = c (1-z)^2 + m z (1-z) + d z^2 that is: slopes m - 2c > 0 at the bottom and m - 2d > 0 at the top, m^2 - 4cd > 0, and the
 // right signs of the corners at the maximum, z = (m - 2c) / ((m - 2c) + (m - 2d)).
-#include "isosurface/tunnel_is_there.h"
+#include "isosurface/contains_tunnel.h"
 
 #include <algorithm>
 #include <boost/multiprecision/cpp_int.hpp>
@@ -23,8 +23,8 @@ namespace {
 using Real = long double;
 using Integer = boost::multiprecision::cpp_int;
 
-// A number and a bound of its distance from the exact one. The bounds use twice the unit of rounding, which more than makes up for
-// their own rounding. Products of four doubles neither over- nor underflow.
+// A number and a bound of its error. The bounds use twice the unit of rounding, which more than
+// compensates for their own rounding. Products of four doubles neither overflow nor underflow.
 struct Rounded {
   Real value, error;
 
@@ -43,10 +43,10 @@ std::optional<int> sign_of(const Rounded& x) {
 }
 std::optional<int> sign_of(const Integer& x) { return x.sign(); }
 
-// f: corners above the isovalue. Nothing if a sign is beyond the precision of Number.
+// f: corners minus the isovalue. Returns nothing if a sign is beyond the precision of Number.
 template <class Number>
 std::optional<bool> decide(const Tunnel& t, const std::array<Number, 8>& f) {
-  // The polynomials of E; those of a corner's height are bottom + z (top - bottom).
+  // The polynomials of E; the height of a corner is bottom + z (top - bottom).
   const auto bottom = [&](int vertical) { return f[static_cast<std::size_t>(vertical)]; };
   const auto top = [&](int vertical) { return f[static_cast<std::size_t>(vertical) + 4]; };
   const auto [j, k] = t.joined;
@@ -74,21 +74,21 @@ std::optional<bool> decide(const Tunnel& t, const std::array<Number, 8>& f) {
   return true;
 }
 
-// Doubles and 64-bit integers as integers, all times the same power of two.
+// Converts doubles and 64-bit integers to integers, all multiplied by the same power of two.
 std::array<Integer, 8> integers(const std::array<Real, 8>& samples, Real isovalue) {
-  int least = INT_MAX;
-  const auto look = [&](Real x) {
+  int least_exponent = INT_MAX;
+  const auto update_least = [&](Real x) {
     int exponent = 0;
     std::frexp(x, &exponent);
-    if (x != 0) least = std::min(least, exponent - LDBL_MANT_DIG);
+    if (x != 0) least_exponent = std::min(least_exponent, exponent - LDBL_MANT_DIG);
   };
-  std::for_each(samples.begin(), samples.end(), look);
-  look(isovalue);
+  std::for_each(samples.begin(), samples.end(), update_least);
+  update_least(isovalue);
   const auto integer = [&](Real x) {
     int exponent = 0;
     const Real mantissa = std::frexp(x, &exponent);
     if (x == 0) return Integer(0);
-    return Integer(Integer(std::ldexp(mantissa, LDBL_MANT_DIG)) << static_cast<unsigned>(exponent - LDBL_MANT_DIG - least));
+    return Integer(Integer(std::ldexp(mantissa, LDBL_MANT_DIG)) << static_cast<unsigned>(exponent - LDBL_MANT_DIG - least_exponent));
   };
   std::array<Integer, 8> out;
   for (std::size_t i = 0; i < 8; ++i) out[i] = integer(samples[i]) - integer(isovalue);
@@ -97,7 +97,7 @@ std::array<Integer, 8> integers(const std::array<Real, 8>& samples, Real isovalu
 
 }  // namespace
 
-bool tunnel_is_there(const Tunnel& tunnel, const std::array<long double, 8>& samples, long double isovalue) {
+bool contains_tunnel(const Tunnel& tunnel, const std::array<long double, 8>& samples, long double isovalue) {
   std::array<Rounded, 8> f;
   for (std::size_t i = 0; i < 8; ++i) f[i] = Rounded::rounded(samples[i] - isovalue, 0);
   if (const auto decided = decide(tunnel, f)) return *decided;
