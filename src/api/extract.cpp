@@ -102,7 +102,7 @@ void drop_excluded_components(SurfaceComplex& whole, Components& components, Nes
   report.kept = std::move(chosen.kept);
   report.dropped = std::move(chosen.dropped);
   if (whole.faces.empty()) {
-    throw Error(ErrorCode::empty_surface, "every component is smaller than asked for: the largest has a size of " +
+    throw Error(ErrorCode::empty_surface, "every component is smaller than the minimum size: the largest has a size of " +
                                               std::to_string(report.dropped.front().size) + " cubic units");
   }
   if (report.dropped.empty()) return;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Samples of the mesh are moved to the isosurface, samples of the isosurface to the mesh.
+// Measures two-sided distances: from samples of the mesh to the isosurface, and from samples of the
+// isosurface to the mesh.
 #include "isoatlas/measure.h"
 
 #include <algorithm>
