@@ -1,5 +1,5 @@
 # What users of the library link: isoatlas::isoatlas and, for files, isoatlas::io. In another project they are static
-# unless BUILD_SHARED_LIBS says otherwise. With ISOATLAS_INSTALL both kinds of the core are built.
+# unless BUILD_SHARED_LIBS is set. With ISOATLAS_INSTALL both kinds of the core are built.
 
 if(ISOATLAS_INSTALL OR BUILD_SHARED_LIBS)
   isoatlas_library(isoatlas_shared SHARED OUTPUT isoatlas MODULES ${core_modules} LINK isoatlas_core_modules)

@@ -105,7 +105,7 @@ void drop_excluded_components(SurfaceComplex& whole, Components& components, Nes
   report.kept = std::move(chosen.kept);
   report.dropped = std::move(chosen.dropped);
   if (whole.faces.empty()) {
-    throw Error(ErrorCode::empty_surface, "every component is smaller than asked for: the largest has a size of " +
+    throw Error(ErrorCode::empty_surface, "every component is smaller than the minimum size: the largest has a size of " +
                                               std::to_string(report.dropped.front().size) + " cubic units");
   }
   if (report.dropped.empty()) return;
@@ -170,8 +170,9 @@ Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_optio
   report.tunnels = whole.tunnels;
   report.reference = summarize(reference.topology);
   const std::unique_ptr<const Isosurface> isosurface =
-      only_coarse ? nullptr
-                  : std::make_unique<const Isosurface>(in_voxels, parse.rule, whole, options.surface.interpolation, options.supersample, control);
+      only_coarse
+          ? nullptr
+          : std::make_unique<const Isosurface>(in_voxels, parse.rule, whole, options.surface.interpolation, options.supersample, control);
   report_continuing(control);
   AdaptiveSurface surface(std::move(whole), std::move(reference), std::move(nesting),
                           InterpolatedField(in_voxels, parse.rule, options.surface.interpolation, options.supersample), control);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one type that carries a surface through the program.
+// The data type that represents a surface in all stages.
 #pragma once
 
 #include <array>

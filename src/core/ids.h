@@ -10,10 +10,10 @@
 
 namespace isoatlas::detail {
 
-// 32-bit ids are used everywhere after parsing; their names say which array an id addresses. `cell`
-// and `CellId` always mean a Voronoi cell (or another region of a partition), a cell of eight
-// samples is a grid cell. Exceptions: in src/field and src/isosurface, which know no partitions, a
-// cell is a grid cell.
+// 32-bit ids are used everywhere after parsing; their names state which array an id addresses.
+// `cell` and `CellId` always mean a Voronoi cell (or another region of a partition); a cell of
+// eight samples is called grid cell. Exception: src/field and src/isosurface know no partitions; a
+// cell there is a grid cell.
 using CVertexId = std::uint32_t;    ///< c-vertex of a surface complex
 using FaceId = std::uint32_t;       ///< face of a surface complex
 using CellId = std::uint32_t;       ///< Voronoi cell (region) of a partition of a surface complex's c-vertices

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parallel loops that give the same bytes for any number of threads: every iteration writes only its own slots.
-// Parallel loops on top of oneTBB, which only this module includes.
+// Parallel loops that give the same bytes for any number of threads: every iteration writes only
+// its own slots. The only file that includes oneTBB is parallel.cpp.
 #pragma once
 
 #include <algorithm>

@@ -3,8 +3,9 @@
 //
 // Based on:
 //   [shewchuk1997]  Adaptive precision floating-point arithmetic and fast robust geometric predicates, sections 2.1 to 2.5.
-// Ours: everything in long double, whose exponent range is so much larger than double's that neither products nor
-// their rounding errors over- or underflow for double inputs, and whose 64-bit mantissa holds 64-bit integers.
+// Ours: all arithmetic is in long double, whose exponent range is so much larger than double's that
+// neither products nor their rounding errors overflow or underflow for double inputs, and whose
+// 64-bit mantissa holds 64-bit integers.
 #include "core/saddle_sign.h"
 
 #include <array>

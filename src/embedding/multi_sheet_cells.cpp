@@ -70,11 +70,11 @@ MultiSheetCells::MultiSheetCells(const SurfaceComplex& complex, const Interpolat
   const std::vector<Fineness> current = fineness(complex, in);
   ComplexPart part(complex, c_vertices_, current, flags_, &control);
   std::erase_if(part.wanted, [&](CVertexId v) { return part.fineness[v] != Fineness::faces; });
-  const Subdivision divided = part.subdivided(in);
+  const Subdivision subdivision = part.subdivided(in);
   const auto number = [&](CVertexId v) { return v < part.c_vertex.size() ? part.c_vertex[v] : kNone; };
   CancelPoll poll(control);
   std::vector<std::pair<std::uint32_t, Triangle>> pieces;
-  for (const Face& face : divided.complex.faces) {
+  for (const Face& face : subdivision.complex.faces) {
     poll.step();
     if (!face.is_triangle()) continue;
     const auto own = std::find_if(face.corner.begin(), face.corner.begin() + 3, [&](CVertexId v) { return contains(number(v)); });
@@ -85,7 +85,7 @@ MultiSheetCells::MultiSheetCells(const SurfaceComplex& complex, const Interpolat
   std::stable_sort(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   control.check_cancelled();
   // per corner of the pieces of the last grid cell, its index there
-  std::vector<std::uint32_t> index_in_cell(divided.complex.c_vertex_count(), kNone);
+  std::vector<std::uint32_t> index_in_cell(subdivision.complex.c_vertex_count(), kNone);
   std::vector<std::uint32_t> cell_of_index(index_in_cell.size(), kNone);
   std::vector<CVertexId> number_in_part(n, kNone);
   for (CVertexId v = 0; v < part.c_vertex.size(); ++v) number_in_part[part.c_vertex[v]] = v;
@@ -106,7 +106,7 @@ MultiSheetCells::MultiSheetCells(const SurfaceComplex& complex, const Interpolat
         const CVertexId v = piece->second[k];
         if (cell_of_index[v] != cell) {
           add(v);
-          wall_positions_.push_back(divided.complex.positions[v]);
+          wall_positions_.push_back(subdivision.complex.positions[v]);
         }
         t[k] = index_in_cell[v];
       }

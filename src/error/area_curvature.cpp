@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Area curvature 1 (paper, 3.5): surfel areas over their projections along the normals of the closest triangles, as flat
-// shading shows them. Ratio >= 1.
+// Area curvature 1 (paper, 3.5): surfel areas over their projections along the normals of the
+// closest triangles, as in flat shading. Ratio >= 1.
 #include "error/area_ratio.h"
 #include "error/metrics.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Area curvature 2 (paper, 3.5): as area curvature 1, with the normal interpolated between the closest triangle's corners, as
-// smooth shading shows it. Ratio >= 1.
+// Area curvature 2 (paper, 3.5): like area curvature 1, with the normal interpolated between the
+// closest triangle's corners, as in smooth shading. Ratio >= 1.
 #include "error/area_ratio.h"
 #include "error/metrics.h"
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Samples of the mesh are moved to the isosurface, samples of the isosurface to the mesh.
+// Measures two-sided distances: from samples of the mesh to the isosurface, and from samples of the
+// isosurface to the mesh.
 #include "isoatlas/measure.h"
 
 #include <algorithm>
@@ -179,8 +180,8 @@ OneSidedDistance summarize(std::vector<double> distance, std::size_t by_area, do
 
 double angle_between(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), dot(a, b)) * 180 / std::numbers::pi; }
 
-void measure_mesh_to_surface(const MeshView& mesh, const TriangleBvh& bvh, const Isosurface& surface, std::size_t samples,
-                             Measurement& out, DistantSamples& distant, const RunControl& control) {
+void measure_mesh_to_surface(const MeshView& mesh, const TriangleBvh& bvh, const Isosurface& surface, std::size_t samples, Measurement& out,
+                             DistantSamples& distant, const RunControl& control) {
   const Vec3 spacing = surface.spacing();
   const std::vector<Triangle> triangles = triangles_in_slot_order(bvh);
   const AreaSamples area_samples(bvh.points(), triangles, samples);
@@ -218,8 +219,8 @@ void measure_mesh_to_surface(const MeshView& mesh, const TriangleBvh& bvh, const
   out.normal_p99 = quantile(angle, 0.99);
 }
 
-void measure_surface_to_mesh(const MeshView& mesh, const TriangleBvh& bvh, const Isosurface& surface, std::size_t samples,
-                             Measurement& out, DistantSamples& distant, const RunControl& control) {
+void measure_surface_to_mesh(const MeshView& mesh, const TriangleBvh& bvh, const Isosurface& surface, std::size_t samples, Measurement& out,
+                             DistantSamples& distant, const RunControl& control) {
   const Vec3 spacing = surface.spacing();
   const std::span<const Vec3> c_vertices = surface.faces().points();
   const RefinedFaces refined(surface, control);

@@ -19,7 +19,7 @@ constexpr std::size_t kTrianglesPerPiece = 32;
 constexpr std::array kFirstRadius{0.45, 1.0};  // largest radius of patches that are tested, in voxels, per kind of evidence
 constexpr double kSmallRadius = 0.05;          // below this radius a search for the closest point is worth its cost
 constexpr double kMinRadius = 5e-3;
-constexpr double kFarVoxels = 2;           // in voxels; beyond this distance the field between says nothing
+constexpr double kFarVoxels = 2;           // in voxels; beyond this distance the field between has no significance
 constexpr std::size_t kMaxGridCells = 27;  // that a patch may intersect
 constexpr double kRounding = 1e-6;         // of coordinates on the border, in grid cells
 constexpr int kMaxPieces = 64;             // of a patch's side, for the first subdivision

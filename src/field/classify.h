@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Inside or outside: the one rule that decides all topology, applied to samples in their native type.
+// Inside or outside: the rule that determines the topology, applied to samples in their native
+// type.
 #pragma once
 
 #include <cstdint>

@@ -70,8 +70,8 @@ std::array<double, N> rescaled(std::array<double, N> f) {
     largest = std::max(largest, std::abs(x));
   }
   if (largest > kHuge || (largest < kTiny && largest > 0)) {
-    const int shift = -std::ilogb(largest);
-    for (double& x : f) x = std::ldexp(x, shift);
+    const int exponent = -std::ilogb(largest);
+    for (double& x : f) x = std::ldexp(x, exponent);
   }
   return f;
 }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Based on:
 //   [gavriliu2001]  section 3.2: the volume may be supersampled first, trilinear or tricubic.
-// Ours: upsampled samples are not kept; interpolation along an axis starts from a sample and adds differences, so that a plateau at the
-// isovalue stays one; cells that cannot be crossed are skipped.
+// Ours: upsampled samples are not stored; interpolation along an axis starts from a sample and adds
+// differences, so that a plateau at the isovalue stays a plateau; cells that cannot be crossed are
+// skipped.
 #include "field/upsampled_field.h"
 
 #include <algorithm>

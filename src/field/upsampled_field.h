@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A volume as if it had more samples.
+// A volume with interpolated samples between its own.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Positions as files store them: what is promised of a mesh holds for the written coordinates.
+// Positions as files store them. Guarantees about a mesh hold for these coordinates.
 #pragma once
 
 #include <cstddef>

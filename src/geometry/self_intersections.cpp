@@ -48,7 +48,7 @@ std::vector<TrianglePair> self_intersections(std::span<const Vec3> positions, st
     wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
     if (!wanted.empty() && wanted.back() >= triangles.size())
       throw Error(ErrorCode::bad_argument,
-                  "triangle " + std::to_string(wanted.back()) + " of " + std::to_string(triangles.size()) + " is to be looked at");
+                  "the list has triangle " + std::to_string(wanted.back()) + " of " + std::to_string(triangles.size()));
     if (wanted.empty()) return {};
   } else {
     wanted.resize(triangles.size());

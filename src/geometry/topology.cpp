@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Topology of a list of triangles, counted from nothing but the list: the independent check of every mesh we make.
+// Topology of a list of triangles, counted from the list alone: the independent check of every
+// mesh.
 #include <algorithm>
 #include <string>
 

@@ -3,7 +3,7 @@
 //
 // Predicates are those of CGAL's Kernel (LGPL), which filters floating-point arithmetic and is exact where that cannot decide.
 // Ours: which of them are evaluated for triangles that share corners or have no area, and the floating-point filter before them.
-// docs/theory/06-self-intersections.md has the argument.
+// docs/theory/06-self-intersections.md explains why this is correct.
 #include "geometry/triangle_pair.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>

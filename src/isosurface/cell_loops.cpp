@@ -279,15 +279,15 @@ CellLoops with_annulus(CellLoops cell, const std::vector<Loop>& loops, std::arra
   const Loop& a = loops[ends[0]];
   const bool same_direction = has_inside_on_the_left(cell, a) == has_inside_on_the_left(cell, loops[ends[1]]);
   const Loop b = same_direction ? reversed(loops[ends[1]]) : loops[ends[1]];
-  const auto cut = [&](std::size_t i) { return i * b.size() / a.size(); };  // node i of a is cut to this node of b, shifted by `shift`
-  std::size_t shift = 0;
+  const auto cut = [&](std::size_t i) { return i * b.size() / a.size(); };  // node i of a is cut to this node of b, rotated by `rotation`
+  std::size_t rotation = 0;
   double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < b.size(); ++k) {
     double sum = 0;
     for (std::size_t i = 0; i < a.size(); ++i) sum += squared_length(midpoint(a[i].edge) - midpoint(b[(cut(i) + k) % b.size()].edge));
     if (sum < smallest) {
       smallest = sum;
-      shift = k;
+      rotation = k;
     }
   }
   const std::size_t first = cell.surfels;
@@ -295,7 +295,7 @@ CellLoops with_annulus(CellLoops cell, const std::vector<Loop>& loops, std::arra
     const std::size_t piece = first + i, before = first + (i + a.size() - 1) % a.size();
     assign(a[i], piece, before);
     for (std::size_t k = cut(i); k < cut(i + 1); ++k) {
-      const LoopNode& node = b[(k + shift) % b.size()];
+      const LoopNode& node = b[(k + rotation) % b.size()];
       assign(node, piece, k == cut(i) ? before : piece);
     }
   }

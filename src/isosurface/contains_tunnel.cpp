@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The tunnel test, derived in docs/theory/01-surface.md.
 //
-// In the slice at height z the corners are linear in z; E(z) = product of the two joined ones - product of the two of the ring is
-// a quadratic, and the sign of E says which pair the slice joins. The table says that the ring is joined at both ends of the heights
-// where the two pairs have opposite signs; so the tunnel is there iff E has its maximum among these heights and is positive there.
-// With E = c (1-z)^2 + m z (1-z) + d z^2 that is: slopes m - 2c > 0 at the bottom and m - 2d > 0 at the top, m^2 - 4cd > 0, and the
-// right signs of the corners at the maximum, z = (m - 2c) / ((m - 2c) + (m - 2d)).
+// In the slice at height z the corners are linear in z; E(z) = product of the two joined ones -
+// product of the two of the ring is a quadratic, and the sign of E determines which pair the slice
+// joins. By the table the ring is joined at both ends of the heights where the two pairs have
+// opposite signs; so the cell contains the tunnel iff E has its maximum among these heights and is
+// positive there. With E = c (1-z)^2 + m z (1-z) + d z^2 this means: slopes m - 2c > 0 at the
+// bottom and m - 2d > 0 at the top, m^2 - 4cd > 0, and the right signs of the corners at the
+// maximum, z = (m - 2c) / ((m - 2c) + (m - 2d)).
 #include "isosurface/contains_tunnel.h"
 
 #include <algorithm>

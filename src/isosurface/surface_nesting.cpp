@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Below the lowest node of a closed component there is no other part of it, so the sample there is beyond what it encloses; and what
-// the line through that sample has crossed on its way up from below the volume is what the component lies in. docs/theory/02-certificate.md
+// Below the lowest node of a closed component there is no other part of it, so the sample there is
+// outside of what it encloses. The component lies in those components that the line through this
+// sample has entered and not left on its way up from below the volume.
+// docs/theory/02-certificate.md
 #include "isosurface/surface_nesting.h"
 
 #include <algorithm>

@@ -42,7 +42,8 @@ bool satisfies_distance(const RefinedLevel& level) {
 }
 
 bool is_complete(const ExtractOptions& options) {
-  return options.components.min_size == 0 && options.components.keep_largest == 0 && options.surface.interpolation == Interpolation::trilinear;
+  return options.components.min_size == 0 && options.components.keep_largest == 0 &&
+         options.surface.interpolation == Interpolation::trilinear;
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ours. That the distance of a mesh from a smooth surface goes with the square of its triangles' size is classic.
+// Ours. Uses the classic result that the distance of a mesh from a smooth surface is proportional
+// to the square of its triangles' size.
 #include "levels/predict_radii.h"
 
 #include <algorithm>

@@ -563,10 +563,10 @@ void Refiner::finish(const Task& task, const LevelGoal& requested, IntersectionT
 }
 
 void Refiner::improve_level_shape(const Task& task, std::vector<DualTriangle>& triangles, RefinedLevel& out, const RunControl& control) {
-  const std::size_t moves = out.shape.moves, shifts = out.shape.displacements;  // moves and displacements remain, flips do not
+  const std::size_t moves = out.shape.moves, displacements = out.shape.displacements;  // moves and displacements remain, flips do not
   out.shape = improve_shape(*measured_, *task.shape, triangles, control);
   out.shape.moves += moves;
-  out.shape.displacements += shifts;
+  out.shape.displacements += displacements;
 }
 
 void Refiner::refine_and_improve(const Task& task, IntersectionTracker& tracker, std::vector<DualTriangle>& triangles, RefinedLevel& out,

@@ -111,7 +111,7 @@ std::uint32_t EventFinder::find(std::uint32_t i) {
 // Decides which splits are events. Undoes the growth from the last step to the first and joins the
 // components of the unsettled c-vertices; at a split this yields which components join and how high
 // the lower one is. Everything beyond the reach is connected to the outside for now, so an infinite
-// persistence is only certain for splits that lie deeper than the persistence asked for.
+// persistence is only certain for splits that lie deeper than the given persistence.
 EventFinder::SplitEvents EventFinder::classify_splits(float reach, bool swallowed, const RunControl& control) {
   const auto steps = static_cast<std::uint32_t>(settled_.size());
   const std::uint32_t outside = steps;

@@ -42,7 +42,7 @@ class EventFinder {
   const CVertexGraph& graph_;
   float persistence_, first_stage_;
 
-  // Scratch, valid where stamp_ says so: 2 * round_ means reached, 2 * round_ + 1 settled.
+  // Scratch memory, valid where stamp_ is 2 * round_ (reached) or 2 * round_ + 1 (settled).
   std::uint32_t round_ = 0;
   std::vector<std::uint32_t> stamp_;
   std::vector<float> distance_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What must hold for every volume, on 100 random ones.
+// Invariants of every volume, tested on 100 random ones.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A random small volume and what to do with it, so that RapidCheck can shrink it and a person can make it again:
-// random_samples(family, size, seed).
+// A random small volume and its options, in a form that RapidCheck can shrink and that can be
+// reproduced by random_samples(family, size, seed).
 #pragma once
 
 #include <rapidcheck.h>
@@ -60,7 +60,7 @@ struct RandomCase {
 inline void showValue(const RandomCase& c, std::ostream& out) { out << c; }
 
 // RapidCheck's default is 100 cases with another seed each time; a test that passes or fails by
-// chance says nothing about a change. RC_PARAMS in the environment overrides this, to search for
+// chance proves nothing about a change. RC_PARAMS in the environment overrides this, to search for
 // bugs in new volumes.
 inline bool run_cases(int count) {
   const std::string parameters = "max_success=" + std::to_string(count) + " max_size=100 seed=2001";

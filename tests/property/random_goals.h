@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Random goals for the levels of a random case: any quantities in any order, with bounds from hopeless to trivial.
+// Random goals for the levels of a random case: any quantities in any order, with bounds from
+// impossible to trivial.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What must hold of the levels of any volume, whatever is asked of them.
+// Invariants of the levels of any volume, for any options.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -207,8 +207,8 @@ RC_GTEST_PROP(AnyLevels, AreNowhereFartherThanReported, (const RandomCase& any))
     TriangleMesh mesh = e.hierarchy.mesh(l);
     for (Vec3& p : mesh.positions) p = to_metric(p, c.spacing);
     const TriangleBvh tree(mesh.positions, mesh.triangles);
-    const double said = (*e.report.levels[l].metrics)[static_cast<std::size_t>(Quantity::max_distance)].maximum;
-    for (const Vec3& p : points) RC_ASSERT(std::sqrt(tree.closest(p).squared_distance) <= said * (1 + 1e-6) + 1e-5 * voxel);
+    const double reported = (*e.report.levels[l].metrics)[static_cast<std::size_t>(Quantity::max_distance)].maximum;
+    for (const Vec3& p : points) RC_ASSERT(std::sqrt(tree.closest(p).squared_distance) <= reported * (1 + 1e-6) + 1e-5 * voxel);
   }
 }
 

@@ -13,7 +13,7 @@ function(isoatlas_test name)
   add_executable(${target} ${ARG_SOURCES})
   target_link_libraries(${target} PRIVATE isoatlas_test_support ${ARG_LINK} GTest::gtest GTest::gtest_main)
   isoatlas_flags(${target})
-  # Tests are full of small literals: conversions between integer types say nothing here.
+  # Tests are full of small literals: conversions between integer types are harmless here.
   target_compile_options(${target} PRIVATE -Wno-conversion)
   gtest_discover_tests(${target} TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60
     PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})

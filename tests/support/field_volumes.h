@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Volumes in the forms that people's programs write: tests/data/field, whose README.md says what each is.
+// Volumes in the forms that common programs write: tests/data/field, whose README.md describes each of them.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -61,7 +61,7 @@ void expect_error(ErrorCode code, const std::string& fragment, const std::filesy
     const std::string message = error.what();
     EXPECT_EQ(error.code(), code) << message;
     EXPECT_NE(message.find(path.filename().string()), std::string::npos) << message;
-    EXPECT_NE(message.find(fragment), std::string::npos) << message << "\n  does not say: " << fragment;
+    EXPECT_NE(message.find(fragment), std::string::npos) << message << "\n  does not contain: " << fragment;
     EXPECT_TRUE(std::ranges::none_of(message, [](unsigned char c) { return c < ' '; })) << message;
     for (const char* noise : {"(0x55", "(0x56", "(0x7f", "itk::ERROR", "ITK ERROR", ".cxx"}) {
       EXPECT_EQ(message.find(noise), std::string::npos) << message;

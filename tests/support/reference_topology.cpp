@@ -115,7 +115,7 @@ TopologySummary reference_topology(const Samples& samples, double isovalue, Insi
 
   std::map<Place, ComponentTopology> components;
   for (const auto& [node, parent] : pieces.parent) components[pieces.find(node)].euler_characteristic += 1;
-  std::multimap<Place, Place> border;  // both ways along segments on the volume's faces
+  std::multimap<Place, Place> border;  // in both directions along segments on the volume's faces
   for (const auto& [face, segments] : faces) {
     const bool on_border = [&] {
       for (int a = 0; a < 3; ++a) {

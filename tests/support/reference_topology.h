@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A slow second opinion on the topology of an isosurface, sharing nothing with src/.
+// A slow reference for the topology of an isosurface, sharing nothing with src/.
 #pragma once
 
 #include "isoatlas/extract.h"

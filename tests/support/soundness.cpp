@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "support/mesh_judge.h"
+#include "support/mesh_reference.h"
 
 namespace isoatlas::detail::test {
 namespace {
@@ -22,7 +22,7 @@ std::string wrong_with_level(const Extraction& e, const ExtractOptions& options,
   if (level.placed.size() != (options.placement == Placement::balanced && l > 0 ? level.vertex_count : 0u))
     return "placed has another size";
   for (std::uint32_t v = before; v < level.vertex_count; ++v) {
-    if (h.level_of(v) != l) return "level_of says otherwise of vertex " + std::to_string(v);
+    if (h.level_of(v) != l) return "level_of is wrong for vertex " + std::to_string(v);
     if (l == 0 ? h.parent[v] != v : h.parent[v] >= before)
       return "the parent of vertex " + std::to_string(v) + " is not in the previous level";
   }
@@ -61,15 +61,16 @@ std::string wrong_with_level(const Extraction& e, const ExtractOptions& options,
     if (report.quality.zero_area_triangles != without_area) return "the report miscounts triangles without area";
     if (kEmbedded && !options.allow_self_intersections && without_area > 0) return std::to_string(without_area) + " triangles have no area";
     if (report.self_intersections && *report.self_intersections != pairs)
-      return std::to_string(pairs) + " pairs of triangles meet, the report says " + std::to_string(*report.self_intersections);
-    if (kEmbedded && pairs > 0) return std::to_string(pairs) + " pairs of triangles meet";
+      return std::to_string(pairs) + " pairs of triangles intersect, the report has " + std::to_string(*report.self_intersections);
+    if (kEmbedded && pairs > 0) return std::to_string(pairs) + " pairs of triangles intersect";
     if (report.topology.boundary_loops == 0 && report.topology.components <= kMaxCheckedComponents) {
       if (const std::size_t wrong = misplaced_components(mesh); wrong > 0)
         return std::to_string(wrong) + " components are inverted or lie where they should not";
     }
   }
-  if (report.self_intersections.has_value() == options.allow_self_intersections) return "self-intersections are not reported as asked";
-  if (report.measured.has_value() != (options.measure_samples > 0)) return "it is not measured as asked";
+  if (report.self_intersections.has_value() == options.allow_self_intersections)
+    return "self-intersections are not reported as the options require";
+  if (report.measured.has_value() != (options.measure_samples > 0)) return "it is not measured as the options require";
   if (report.measured && !std::isfinite(report.measured->maximum())) return "its distance is not finite";
   return "";
 }
@@ -81,7 +82,7 @@ std::string what_is_wrong(const Extraction& e, const ExtractOptions& options) {
   if (h.levels.size() != options.refine.size() + 1 || e.report.levels.size() != h.levels.size()) return "another number of levels";
   if (h.parent.size() != h.positions.size()) return "another number of parents than of vertices";
   if (h.levels.back().vertex_count != h.positions.size()) return "vertices beyond the last level";
-  if (options.surface.topology == Topology::faces && e.report.tunnels > 0) return "tunnels, though faces were asked for";
+  if (options.surface.topology == Topology::faces && e.report.tunnels > 0) return "tunnels, although the topology is that of faces";
   for (std::size_t l = 0; l < h.levels.size(); ++l) {
     if (const std::string wrong = wrong_with_level(e, options, l); !wrong.empty()) return "level " + std::to_string(l) + ": " + wrong;
   }

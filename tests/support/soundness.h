@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What must hold of any extraction, whatever went in: said in words rather than by a test framework, so that fuzzers may ask too.
+// Invariants of any extraction, for any input. Returns text instead of using a test framework, so that fuzzers can use it, too.
 #pragma once
 
 #include <string>

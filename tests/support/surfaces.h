@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Surfaces and meshes to test with, and what can be measured on them.
+// Surfaces and meshes for tests, and measures of them.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Volume files put together byte by byte, and what was decided about them.
+// Volume files assembled byte by byte, and the expected results of reading them.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -55,9 +55,9 @@ inline std::string decision(const VolumeFile& file, const std::string& key) {
   return "";
 }
 
-inline void expect_one_warning(const VolumeFile& file, const std::string& says) {
+inline void expect_one_warning(const VolumeFile& file, const std::string& text) {
   ASSERT_EQ(file.source.warnings.size(), 1u);
-  EXPECT_NE(file.source.warnings[0].find(says), std::string::npos) << file.source.warnings[0];
+  EXPECT_NE(file.source.warnings[0].find(text), std::string::npos) << file.source.warnings[0];
 }
 
 inline void expect_near(const Vec3& value, const Vec3& expected, double tolerance = 1e-7) {

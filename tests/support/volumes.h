@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Generated volumes. All samples are whole numbers, so that every sample type can hold them and a second opinion on their
-// topology (reference_topology.h) can be exact.
+// Generated volumes. All samples are whole numbers, so that every sample type can hold them and a
+// reference for their topology (reference_topology.h) can be exact.
 #pragma once
 
 #include <array>

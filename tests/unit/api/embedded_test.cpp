@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Levels whose triangles are asked not to meet where they should not.
+// Levels without self-intersections.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ std::size_t count_intersecting_pairs(const Extraction& e, std::size_t level) {
   return self_intersections(mesh.positions, mesh.triangles).size();
 }
 
-ExtractOptions asking(bool allowed, Placement placement) {
+ExtractOptions options_with(bool allowed, Placement placement) {
   ExtractOptions options = coarse_options();
   options.allow_self_intersections = allowed;
   options.placement = placement;
@@ -35,15 +35,16 @@ TEST(Embedded, NoSelfIntersectionsInAnyLevel) {
   std::size_t before = 0;
   for (std::size_t v = 0; v < volumes.size(); ++v) {
     for (const Placement placement : {Placement::surface, Placement::balanced}) {
-      const Extraction allowed = extract(volumes[v], asking(true, placement)), asked = extract(volumes[v], asking(false, placement));
+      const Extraction allowed = extract(volumes[v], options_with(true, placement)),
+                       embedded = extract(volumes[v], options_with(false, placement));
       for (std::size_t l = 0; l < 3; ++l) {
         SCOPED_TRACE("volume " + std::to_string(v) + ", level " + std::to_string(l));
         before += count_intersecting_pairs(allowed, l);
         EXPECT_FALSE(allowed.report.levels[l].self_intersections.has_value()) << "nobody looked";
-        EXPECT_EQ(count_intersecting_pairs(asked, l), 0u);
-        EXPECT_EQ(asked.report.levels[l].self_intersections, 0u);
-        EXPECT_EQ(asked.report.levels[l].topology, asked.report.reference);
-        EXPECT_TRUE(asked.report.levels[l].certificate.passed);
+        EXPECT_EQ(count_intersecting_pairs(embedded, l), 0u);
+        EXPECT_EQ(embedded.report.levels[l].self_intersections, 0u);
+        EXPECT_EQ(embedded.report.levels[l].topology, embedded.report.reference);
+        EXPECT_TRUE(embedded.report.levels[l].certificate.passed);
       }
     }
   }
@@ -118,15 +119,15 @@ TEST(MinAspect, BelowAThirdChangesFewerTriangles) {
 
 // Exactly the badly shaped triangles are listed.
 TEST(Embedded, BadTrianglesAreListedWithTheirObstacles) {
-  const Extraction e = extract(to_volume(random_samples(Family::white_noise, {12, 12, 12}, 3)), asking(false, Placement::surface));
+  const Extraction e = extract(to_volume(random_samples(Family::white_noise, {12, 12, 12}, 3)), options_with(false, Placement::surface));
   std::size_t listed = 0;
   for (const LevelReport& level : e.report.levels) {
-    const auto badness = [](const BadTriangle& t) { return std::min(3 * t.aspect_ratio, (180 - t.largest_angle) / 30); };
+    const auto shape_score = [](const BadTriangle& t) { return std::min(3 * t.aspect_ratio, (180 - t.largest_angle) / 30); };
     std::size_t needles = 0, caps = 0;
     for (std::size_t i = 0; i < level.bad_triangles.size(); ++i) {
       const BadTriangle& t = level.bad_triangles[i];
-      EXPECT_LT(badness(t), 1);
-      EXPECT_GE(badness(t), i == 0 ? 0 : badness(level.bad_triangles[i - 1])) << "worst first";
+      EXPECT_LT(shape_score(t), 1);
+      EXPECT_GE(shape_score(t), i == 0 ? 0 : shape_score(level.bad_triangles[i - 1])) << "worst first";
       needles += t.aspect_ratio < 1.0 / 3 ? 1 : 0;
       caps += t.largest_angle > 150 ? 1 : 0;
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// extract() on shapes whose topology and size are known from outside.
+// extract() on shapes of known topology and size.
 #include "isoatlas/extract.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ ExtractOptions at(double isovalue, Inside inside = Inside::above) {
   return out;
 }
 
-// Recounts everything that the report says about the mesh.
+// Recounts everything that the report contains about the mesh.
 void expect_correct_report(const Extraction& e, const std::string& what) {
   const MeshTopology topology = mesh_topology(e.mesh());
   ASSERT_TRUE(topology.is_manifold()) << what;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Components face and lie the same at every level. The judge adds up solid angles, and knows neither grids nor predicates.
+// Orientation and nesting of components are the same at every level. The reference sums solid angles and uses neither grids nor predicates.
 #include <gtest/gtest.h>
 
 #include <cmath>

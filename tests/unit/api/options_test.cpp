@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What extract() refuses and how it says so; progress and cancellation; samples that are not finite.
+// Input that extract() refuses and the error messages; progress and cancellation; samples that are not finite.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -22,7 +22,7 @@ void expect_error(ErrorCode code, const std::vector<std::string>& words, const V
                   const RunControl& control = {}) {
   try {
     extract(volume, options, control);
-    FAIL() << "no error; expected one that says " << (words.empty() ? "" : words[0]);
+    FAIL() << "no error; expected one that contains " << (words.empty() ? "" : words[0]);
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), code) << e.what();
     for (const std::string& word : words) EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what();
@@ -200,7 +200,7 @@ TEST(Components, SmallOnesAreDroppedAndListed) {
   ASSERT_EQ(report.kept.size(), 1u);
   EXPECT_NEAR(report.kept[0].size, 7238, 300);
   EXPECT_EQ(report.kept[0].c_vertices, report.c_vertices);
-  EXPECT_TRUE(left(0, 0).kept.empty()) << "nobody asked for sizes";
+  EXPECT_TRUE(left(0, 0).kept.empty()) << "sizes were not requested";
 
   ExtractOptions all = coarse_options();
   all.components.min_size = 1e5;
@@ -433,11 +433,11 @@ TEST(Control, CancelledBeforeTheStart) {
 TEST(Control, CancelledInEveryStage) {
   const Volume volume = to_volume(random_samples(Family::white_noise, {14, 14, 14}, 2));
   std::vector<std::string> stages;
-  RunControl watch;
-  watch.progress = [&](std::string_view stage, double) {
+  RunControl observed;
+  observed.progress = [&](std::string_view stage, double) {
     if (stages.empty() || stages.back() != stage) stages.emplace_back(stage);
   };
-  extract(volume, {}, watch);
+  extract(volume, {}, observed);
   for (const std::string& stop : stages) {
     if (stop == stages.back()) continue;  // the last stage may end before it tests for cancellation
     std::atomic<bool> cancel{false};

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A computation that is cancelled ends at its next look at `cancel`, wherever that is. How far looks are apart: bench/stop_gaps.py.
+// A cancelled computation ends at its next test of `cancel`, wherever that is. Distances between tests: bench/stop_gaps.py.
 //
-// This program has its own RunControl::check_cancelled() and report(), which count the looks and can stop at any of them. The library's
-// are then not linked.
+// This program has its own RunControl::check_cancelled() and report(), which count the tests and
+// can stop at any of them. They replace those of the library.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -75,7 +75,7 @@ TEST(Stop, AtAnyTestForCancellation) {
       } catch (const Error& e) {
         ASSERT_EQ(e.code(), ErrorCode::cancelled) << c.name << ", look " << stop << ": " << e.what();
       }
-      EXPECT_EQ(looks, stop) << c.name << ": it went on";
+      EXPECT_EQ(looks, stop) << c.name << ": it continued";
     }
   }
 }
@@ -94,7 +94,7 @@ TEST(Stop, AtAnyTestForCancellationWithThreads) {
       } catch (const Error& e) {
         ASSERT_EQ(e.code(), ErrorCode::cancelled) << c.name << ", look " << stop << ": " << e.what();
       }
-      EXPECT_LT(looks, stop + 2 * kThreads) << c.name << ": it went on";
+      EXPECT_LT(looks, stop + 2 * kThreads) << c.name << ": it continued";
     }
   }
 }

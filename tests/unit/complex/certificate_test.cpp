@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The certificate must pass what is right and catch every kind of planted fault; and what it passes must be homeomorphic.
+// The certificate must pass valid partitions and detect every kind of planted fault; and partitions
+// that pass must have a homeomorphic dual.
 #include "complex/certificate.h"
 
 #include <gtest/gtest.h>
@@ -120,7 +121,7 @@ TEST(Certificate, DiskAndAnnulusThatSumToOne) {
     return std::max(std::abs(x - 3), std::abs(y - 3)) == 1 || (x == 8 && y == 8) ? 1 : kAlone;
   });
   const PartitionCheck c = check(grid, p);
-  EXPECT_EQ(c.fault_of(p.cell_of[8 + 12 * 8]), kNotConnected) << "V - E + F is 1, so only connectedness tells";
+  EXPECT_EQ(c.fault_of(p.cell_of[8 + 12 * 8]), kNotConnected) << "V - E + F is 1, so only connectedness is violated";
 }
 
 TEST(Certificate, TwoCellsWithTwoCommonArcsAroundATube) {

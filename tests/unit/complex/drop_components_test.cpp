@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is left of a surface when some of its components go.
+// The remaining surface after some of its components were removed.
 #include "complex/drop_components.h"
 
 #include <gtest/gtest.h>

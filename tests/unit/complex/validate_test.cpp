@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// validate() must find what is planted: a check that cannot fail is worth nothing.
+// validate() must detect planted faults.
 #include <gtest/gtest.h>
 
 #include <algorithm>

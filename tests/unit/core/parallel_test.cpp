@@ -145,8 +145,8 @@ TEST(RunControl, CancelAndProgress) {
   RunControl control;
   EXPECT_NO_THROW(control.check_cancelled());
   EXPECT_NO_THROW(control.report("stage", 0.5));
-  std::vector<std::string> told;
-  control.progress = [&](std::string_view stage, double) { told.emplace_back(stage); };
+  std::vector<std::string> reported;
+  control.progress = [&](std::string_view stage, double) { reported.emplace_back(stage); };
   std::atomic<bool> cancel{false};
   control.cancel = &cancel;
   control.report("first", 0);
@@ -157,7 +157,7 @@ TEST(RunControl, CancelAndProgress) {
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ErrorCode::cancelled);
   }
-  EXPECT_EQ(told, std::vector<std::string>{"first"});
+  EXPECT_EQ(reported, std::vector<std::string>{"first"});
 }
 
 }  // namespace

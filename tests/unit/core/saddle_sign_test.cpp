@@ -21,12 +21,12 @@ cpp_int exact(long double v) {
   int exponent = 0;
   const long double m = std::frexp(std::fabs(v), &exponent);
   cpp_int out = static_cast<std::uint64_t>(std::ldexp(m, 64));
-  const int shift = exponent - 64 + 1140;
-  if (shift >= 0) {
-    out <<= shift;
+  const int binary_exponent = exponent - 64 + 1140;
+  if (binary_exponent >= 0) {
+    out <<= binary_exponent;
   } else {
-    EXPECT_EQ((out >> -shift) << -shift, out) << "the test's own scale is too coarse";
-    out >>= -shift;
+    EXPECT_EQ((out >> -binary_exponent) << -binary_exponent, out) << "the test's own scale is too coarse";
+    out >>= -binary_exponent;
   }
   return v < 0 ? -out : out;
 }
@@ -68,7 +68,7 @@ TEST(SaddleSign, DoublesOfOneMagnitude) {
 }
 
 // (a - q)(b - q) and (c - q)(d - q) are the same product grouped in two ways, then one sample moves by one unit in the last
-// place: only exact arithmetic can tell.
+// place: only exact arithmetic can decide this.
 TEST(SaddleSign, ExactTiesAndTheirNeighbours) {
   Random random(3);
   int ties = 0;

@@ -13,9 +13,9 @@ namespace isoatlas::detail {
 namespace {
 
 TEST(WholeProgress, NeverFallsAndEndsAtOne) {
-  std::vector<std::pair<std::string, double>> told;
+  std::vector<std::pair<std::string, double>> reported;
   RunControl control;
-  control.progress = [&](std::string_view stage, double fraction) { told.emplace_back(stage, fraction); };
+  control.progress = [&](std::string_view stage, double fraction) { reported.emplace_back(stage, fraction); };
   constexpr std::array<StageShare, 3> kStages{{{"one", 1}, {"two", 2}, {"three", 1}}};
   const RunControl whole = with_whole_progress(control, kStages);
   whole.report("one", 0);
@@ -27,7 +27,7 @@ TEST(WholeProgress, NeverFallsAndEndsAtOne) {
   whole.report("three", 1);
   const std::vector<std::pair<std::string, double>> want{{"one", 0},      {"one", 0.125}, {"two", 0.375}, {"two", 0.375},
                                                          {"else", 0.375}, {"two", 0.75},  {"three", 1}};
-  EXPECT_EQ(told, want);
+  EXPECT_EQ(reported, want);
 }
 
 TEST(WholeProgress, AStageContinues) {
@@ -64,9 +64,9 @@ TEST(WholeProgress, AStageContinues) {
 
 TEST(WholeProgress, PiecesAreProcessedOnceAndReported) {
   constexpr std::size_t kItems = 10000, kGrain = 3;
-  int told = 0;
+  int reported = 0;
   RunControl control;
-  control.progress = [&](std::string_view, double) { ++told; };
+  control.progress = [&](std::string_view, double) { ++reported; };
   for (const RunControl* who : {static_cast<const RunControl*>(nullptr), static_cast<const RunControl*>(&control)}) {
     std::vector<int> times(kItems, 0);
     for_each_piece_reporting(kItems, kGrain, who, [&](std::size_t begin, std::size_t end) {
@@ -75,7 +75,7 @@ TEST(WholeProgress, PiecesAreProcessedOnceAndReported) {
     });
     EXPECT_EQ(std::ranges::count(times, 1), static_cast<std::ptrdiff_t>(kItems));
   }
-  EXPECT_EQ(told, 3);
+  EXPECT_EQ(reported, 3);
 }
 
 TEST(WholeProgress, WithoutAListenerNothingIsReported) {

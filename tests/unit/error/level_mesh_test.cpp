@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the mesh of a level says of itself, and distances between it and the surface, against brute force.
+// The adjacency of a level's mesh, and distances between it and the surface, against brute force.
 #include "error/level_mesh.h"
 
 #include <gtest/gtest.h>
@@ -148,8 +148,8 @@ TEST(MeasureFromMesh, KeepsOtherCells) {
   for (const CellId c : some) part[c] = {};
   measure_from_mesh(level.surface_data().measured_surface(), mesh, level.partition().cell_of, some, 0, Evidence::samples, part);
   for (CellId c = 0; c < mesh.cell_count(); ++c) {
-    const bool asked = std::find(some.begin(), some.end(), c) != some.end();
-    EXPECT_EQ(part[c], asked ? whole[c] : untouched) << c;
+    const bool is_listed = std::find(some.begin(), some.end(), c) != some.end();
+    EXPECT_EQ(part[c], is_listed ? whole[c] : untouched) << c;
   }
   std::vector<Farthest> known = whole;  // known distances are not found again
   measure_from_mesh(level.surface_data().measured_surface(), mesh, level.partition().cell_of, all, 0, Evidence::samples, known);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is kept up to date piece by piece is what a look at everything finds.
+// Incremental updates yield the same state as complete ones.
 #include "error/measured_covering.h"
 
 #include <gtest/gtest.h>

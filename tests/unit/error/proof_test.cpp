@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is proved of distances holds at many points that nobody chose, and proofs do not fail where they need not.
+// Proved distances hold at many independent points, and proofs succeed well within the bound.
 #include <gtest/gtest.h>
 
 #include <algorithm>

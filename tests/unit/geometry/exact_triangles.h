@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A slow second opinion on triangles with whole-number corners: every corner of the intersection as a fraction of integers.
+// A slow reference for triangles with whole-number corners: every corner of the intersection as a
+// fraction of integers.
 #pragma once
 
 #include <array>

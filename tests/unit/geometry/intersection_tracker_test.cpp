@@ -15,13 +15,13 @@ const std::vector<Vec3> kPositions{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, -1}, 
 const std::vector<Triangle> kTriangles{{0, 1, 2}, {3, 4, 5}, {2, 1, 6}};
 
 TEST(IntersectionTracker, LargestCornerOfEachPair) {
-  IntersectionTracker meeting;
-  const std::vector<std::uint32_t> corners = meeting.update(kPositions, kTriangles, {});
+  IntersectionTracker tracker;
+  const std::vector<std::uint32_t> corners = tracker.update(kPositions, kTriangles, {});
   EXPECT_EQ(corners, (std::vector<std::uint32_t>{0, 1, 2, 3, 4, 5}));
-  EXPECT_EQ(meeting.pair_count(), 1u);
-  EXPECT_EQ(meeting.largest_corners(std::vector<float>{1, 1, 1, 3, 1, 2, 9}), (std::vector<std::uint32_t>{3}));
-  EXPECT_EQ(meeting.largest_corners(std::vector<float>{1, 2, 2, 2, 1, 1, 9}), (std::vector<std::uint32_t>{1})) << "ties: the first";
-  EXPECT_EQ(meeting.largest_corners(std::vector<float>{0, 0, 0, 0, 0, 0, 9}), corners) << "none can be made smaller";
+  EXPECT_EQ(tracker.pair_count(), 1u);
+  EXPECT_EQ(tracker.largest_corners(std::vector<float>{1, 1, 1, 3, 1, 2, 9}), (std::vector<std::uint32_t>{3}));
+  EXPECT_EQ(tracker.largest_corners(std::vector<float>{1, 2, 2, 2, 1, 1, 9}), (std::vector<std::uint32_t>{1})) << "ties: the first";
+  EXPECT_EQ(tracker.largest_corners(std::vector<float>{0, 0, 0, 0, 0, 0, 9}), corners) << "none can be made smaller";
 }
 
 // A sequence of meshes whose triangles and positions stay, move, appear and disappear gives the
@@ -40,7 +40,7 @@ TEST(IntersectionTracker, SameAsCompleteTests) {
   };
   std::vector<Triangle> triangles(40);
   std::generate(triangles.begin(), triangles.end(), any_triangle);
-  IntersectionTracker meeting;
+  IntersectionTracker tracker;
   std::size_t seen = 0;
   for (int round = 0; round < 200; ++round) {
     for (Triangle& t : triangles) std::sort(t.begin(), t.end());
@@ -48,11 +48,11 @@ TEST(IntersectionTracker, SameAsCompleteTests) {
     triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
     Triangle& inverted = triangles[static_cast<std::size_t>(round) % triangles.size()];
     std::rotate(inverted.begin(), inverted.begin() + 1, inverted.end());  // the same triangle with another first corner
-    const std::vector<std::uint32_t> corners = meeting.update(positions, triangles, {});
+    const std::vector<std::uint32_t> corners = tracker.update(positions, triangles, {});
     IntersectionTracker anew;
     ASSERT_EQ(corners, anew.update(positions, triangles, {})) << "round " << round;
-    ASSERT_EQ(meeting.pair_count(), anew.pair_count()) << "round " << round;
-    seen += meeting.pair_count();
+    ASSERT_EQ(tracker.pair_count(), anew.pair_count()) << "round " << round;
+    seen += tracker.pair_count();
     positions[static_cast<std::size_t>(random.between(0, 59))] = somewhere();
     if (random.between(0, 1) == 0) positions.push_back(somewhere());
     triangles[static_cast<std::size_t>(random.between(0, static_cast<std::int64_t>(triangles.size()) - 1))] = any_triangle();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which component lies in which, and which way it faces: against what the parser's integers say, and where doubles do not tell.
+// Nesting and facing of components: against the parser's integers, and where doubles do not suffice.
 #include "geometry/mesh_nesting.h"
 
 #include <gtest/gtest.h>

@@ -12,7 +12,7 @@
 #include "exact_triangles.h"
 #include "geometry/triangle_pair.h"
 #include "isoatlas/error.h"
-#include "support/mesh_judge.h"
+#include "support/mesh_reference.h"
 #include "support/volumes.h"
 
 namespace isoatlas::detail {
@@ -207,7 +207,7 @@ TEST(SelfIntersections, RefusesInvalidMeshes) {
   refused(good, {.involving = list}, "triangle 1 of 1");
 }
 
-TEST(SelfIntersections, MeetingPlaceIsInBothBoxes) {
+TEST(SelfIntersections, IntersectionPlaceIsInBothBoxes) {
   const std::vector<Vec3> positions{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, -1}, {2, 1, 3}, {9, 3, 0}};
   const Vec3 at = meeting_place(positions, {0, 1, 2}, {3, 4, 5});
   EXPECT_EQ(at.x, 2.5);
@@ -225,7 +225,7 @@ TEST(SelfIntersections, CanBeCancelled) {
 
 // The tests' own reference, which shares nothing with the product, on soups in which most positions
 // are special.
-TEST(MeshJudge, CountsTheSameAsTheProduct) {
+TEST(MeshReference, CountsTheSameAsTheProduct) {
   test::Random random(3);
   std::size_t seen = 0, flat = 0;
   for (int round = 0; round < 300; ++round) {
@@ -247,9 +247,9 @@ TEST(MeshJudge, CountsTheSameAsTheProduct) {
     for (const Triangle& t : mesh.triangles) without_area += has_area(mesh.positions, t) ? 0 : 1;
     for (const auto& [a, b] : self_intersections(mesh.positions, mesh.triangles))
       pairs += has_area(mesh.positions, mesh.triangles[a]) && has_area(mesh.positions, mesh.triangles[b]) ? 1 : 0;
-    const test::EmbeddingCheck judged = test::check_embedding(mesh);
-    ASSERT_EQ(judged.pairs, pairs) << round;
-    ASSERT_EQ(judged.without_area, without_area) << round;
+    const test::EmbeddingCheck reference = test::check_embedding(mesh);
+    ASSERT_EQ(reference.pairs, pairs) << round;
+    ASSERT_EQ(reference.without_area, without_area) << round;
     seen += pairs;
   }
   EXPECT_GT(seen, 1000U);
@@ -258,7 +258,7 @@ TEST(MeshJudge, CountsTheSameAsTheProduct) {
 
 // A cube in a cube, oriented so that there is material between them; then each of them inverted,
 // and the inner one outside.
-TEST(MeshJudge, FindsMisplacedComponents) {
+TEST(MeshReference, FindsMisplacedComponents) {
   const auto cubes = [](bool outer_inverted, bool inner_inverted, double inner_at) {
     TriangleMesh mesh;
     const std::array<Triangle, 12> faces{{{0, 2, 1},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// mesh_topology on meshes drawn by hand, whose answers are known.
+// mesh_topology on hand-made meshes of known topology.
 #include <gtest/gtest.h>
 
 #include "core/ids.h"
@@ -41,7 +41,7 @@ std::vector<Triangle> band(std::uint32_t n, bool twisted) {
   return out;
 }
 
-// n x m quads closed both ways.
+// n x m quads closed in both directions.
 std::vector<Triangle> torus(std::uint32_t n, std::uint32_t m) {
   std::vector<Triangle> out;
   for (std::uint32_t y = 0; y < m; ++y) {

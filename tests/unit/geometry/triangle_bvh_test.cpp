@@ -115,7 +115,7 @@ TEST(TriangleBvh, LeavesNearABox) {
     const Soup soup = random_soup(size, size, scale, {3 * scale, -5 * scale, 1000 * scale});
     const TriangleBvh bvh(soup.positions, soup.triangles);
     ASSERT_EQ(bvh.leaf_count(), (size + 3) / 4);
-    std::size_t met = 0, looked_at = 0;
+    std::size_t overlapping = 0, tested = 0;
     for (std::uint32_t t = 0; t < size; ++t) {
       const auto box = [&](const Triangle& triangle) {
         std::array<Vec3, 2> out{soup.positions[triangle[0]], soup.positions[triangle[0]]};
@@ -135,19 +135,19 @@ TEST(TriangleBvh, LeavesNearABox) {
         ASSERT_LT(leaf, bvh.leaf_count());
         ASSERT_GE(leaf, first);
         ASSERT_EQ(near[leaf]++, 0);
-        looked_at += bvh.leaf_end(leaf) - TriangleBvh::kLeafSize * leaf;
+        tested += bvh.leaf_end(leaf) - TriangleBvh::kLeafSize * leaf;
       }
       for (std::uint32_t slot = TriangleBvh::kLeafSize * first; slot < size; ++slot) {
         const auto [other_low, other_high] = box(bvh.corners_in(slot));
-        const bool meets = low.x <= other_high.x && other_low.x <= high.x && low.y <= other_high.y && other_low.y <= high.y &&
-                           low.z <= other_high.z && other_low.z <= high.z;
-        if (!meets) continue;
-        ++met;
+        const bool overlaps = low.x <= other_high.x && other_low.x <= high.x && low.y <= other_high.y && other_low.y <= high.y &&
+                              low.z <= other_high.z && other_low.z <= high.z;
+        if (!overlaps) continue;
+        ++overlapping;
         ASSERT_EQ(near[slot / TriangleBvh::kLeafSize], 1);
       }
     }
     if (size > 1000) {
-      EXPECT_LT(looked_at, 10 * met + 40 * size);
+      EXPECT_LT(tested, 10 * overlapping + 40 * size);
     }
   }
 }

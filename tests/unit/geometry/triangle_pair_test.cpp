@@ -79,7 +79,7 @@ std::vector<Case> cases() {
       {"folded_onto_itself", true, with({{0, 4, 0}}), first, {1, 0, 3}},
       // All corners.
       {"twice", true, with({}), first, first},
-      {"twice_turned_over", true, with({}), first, {2, 1, 0}},
+      {"twice_reversed", true, with({}), first, {2, 1, 0}},
       // Without area.
       {"segment_through", true, with({{1, 1, -1}, {1, 1, 1}, {1, 1, 0}}), first, apart},
       {"segment_ends_before", false, with({{1, 1, 1}, {1, 1, 3}, {1, 1, 2}}), first, apart},
@@ -159,7 +159,7 @@ TEST(TrianglePairRandom, AgreesWithIntegers) {
     std::vector<LatticePoint> points;
     for (int v = 0; v < 6; ++v)
       points.push_back({random.between(-range, range), random.between(-range, range), random.between(-depth, depth)});
-    // Vertices of b from `shift` on: corners shared with a, then others; sometimes one twice.
+    // Corners of b: first those shared with a, then others; sometimes one twice.
     const auto shared = static_cast<std::uint32_t>(random.between(0, 20) == 0 ? 3 : random.between(0, 2));
     Triangle a{0, 1, 2}, b{3 - shared, 4 - shared, 5 - shared};
     if (random.between(0, 19) == 0) a[random.between(0, 2)] = a[random.between(0, 2)];
@@ -171,7 +171,7 @@ TEST(TrianglePairRandom, AgreesWithIntegers) {
     const bool intersect = slow_intersect_beyond_shared_simplex(points, a, b);
     const std::vector<Vec3> positions = to_positions(points, 1, {0.5, 1000, -3});
     ++seen[shared][intersect];
-    const auto told = [&] {
+    const auto description = [&] {
       std::string text;
       for (const Triangle& t : {a, b}) {
         for (const std::uint32_t v : t)
@@ -181,8 +181,8 @@ TEST(TrianglePairRandom, AgreesWithIntegers) {
       }
       return text;
     };
-    ASSERT_EQ(intersect_beyond_shared_simplex(positions, a, b), intersect) << told();
-    ASSERT_EQ(intersect_beyond_shared_simplex(positions, b, a), intersect) << told();
+    ASSERT_EQ(intersect_beyond_shared_simplex(positions, a, b), intersect) << description();
+    ASSERT_EQ(intersect_beyond_shared_simplex(positions, b, a), intersect) << description();
   }
   for (std::size_t shared = 0; shared < 3; ++shared)
     for (const std::size_t count : seen[shared]) EXPECT_GT(count, 5'000u) << shared;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The topology of the parsed surface against shapes that are known, and against a second way of counting.
+// The topology of the parsed surface against known shapes, and against an independent way of
+// counting.
 #include "isosurface/parse_surface.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where c-vertices are: on the surface, in the volume, on its faces where they are on the boundary, and never two at one place.
+// Positions of c-vertices: on the surface, in the volume, on its faces if they are on the boundary,
+// and all different.
 #include <gtest/gtest.h>
 
 #include <algorithm>

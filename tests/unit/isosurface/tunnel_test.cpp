@@ -25,7 +25,7 @@ using namespace test;
 using Cell = std::array<std::int64_t, 8>;
 using Classes = std::array<int, 8>;  // per corner, the smallest corner connected with it
 
-// ---- what the program says of a cell, isovalue 0
+// ---- the program's decision for a cell, isovalue 0
 
 struct Decision {
   const CellLoops* plain;
@@ -402,10 +402,10 @@ TEST(Tunnel, ScalesAndOffsetsDoNotMatter) {
     const Cell f = random_cell(random, patterns[i % patterns.size()], 2);
     const Decision decision = decide(f);
     if (decision.tunnel == nullptr) continue;
-    for (const int shift : {-1070, -500, 500, 1010}) {
+    for (const int exponent : {-1070, -500, 500, 1010}) {
       std::array<double, 8> scaled;
-      for (int c = 0; c < 8; ++c) scaled[c] = std::ldexp(static_cast<double>(f[c]), shift);
-      ASSERT_EQ(decide(scaled).tunnel, decision.tunnel) << text_of(f) << "times 2^" << shift;
+      for (int c = 0; c < 8; ++c) scaled[c] = std::ldexp(static_cast<double>(f[c]), exponent);
+      ASSERT_EQ(decide(scaled).tunnel, decision.tunnel) << text_of(f) << "times 2^" << exponent;
     }
     Cell large;  // 64-bit integers that are equal as doubles
     for (int c = 0; c < 8; ++c) large[c] = f[c] + (std::int64_t{1} << 62);
@@ -558,7 +558,7 @@ TEST(TrilinearSurface, SingularCells) {
   const std::vector<Singular> cells{
       {"two planes that cross in a line", {1, -1, -1, 1, 1, -1, -1, 1}, 2, 2},
       {"three planes that cross in a point", {1, -1, -1, 1, -1, 1, 1, -1}, 4, 4},
-      {"two cones that meet in a point", {3, -1, -1, -1, -1, -1, -1, 3}, 1, 2},
+      {"two cones with a common apex", {3, -1, -1, -1, -1, -1, -1, 3}, 1, 2},
       {"a saddle on one face", {1, -1, -1, 1, -5, -5, -5, -5}, 1, 2},
       {"saddles on two opposite faces", {1, -1, -1, 1, 2, -2, -2, 2}, 2, 2},
   };

@@ -54,7 +54,7 @@ TEST(PredictRadii, AreLimitedOnAPlane) {
   }
 }
 
-TEST(PredictRadii, SayNothingOfATinyComponent) {
+TEST(PredictRadii, AreEmptyForATinyComponent) {
   const SurfaceComplex surface = tetrahedron();
   EXPECT_TRUE(predict_radii(SurfaceData(surface), all_of(surface), 0.5).empty());
 }

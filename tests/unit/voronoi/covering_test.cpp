@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The promises of the covering, each checked from outside: distances, radii, who is covered, and what follows from it.
+// The invariants of the covering, each checked independently: distances, radii, coverage, and their
+// consequences.
 #include "voronoi/covering.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the paper promises of its disks, each checked from outside; and that a covering can start from them.
+// The conditions that the paper states for its disks, each checked independently; and that a
+// covering can start from them.
 #include "voronoi/halving_covering.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Event radii where geometry says what they are. Graph distances are up to 8 % longer than geodesic ones.
+// Event radii that are known from geometry. Graph distances are up to 8 % longer than geodesic ones.
 #include "voronoi/topological_event.h"
 
 #include <gtest/gtest.h>
@@ -145,7 +145,7 @@ TEST(TopologicalEvent, LowBumpIsNoEvent) {
   EXPECT_EQ(finder.event_radius(nearest_to(surface, {31.4 - 10, 31.6, 5.4}), 18), 18);
 }
 
-// A handle never closes: however large the persistence asked for, it limits the disk.
+// A handle never closes: it limits the disk for any persistence.
 TEST(TopologicalEvent, HandleHasInfinitePersistence) {
   const SurfaceComplex t = tube(12, 121);
   const CVertexGraph graph = make_graph(t);

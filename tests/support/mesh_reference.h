@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A second opinion on meshes: where they meet themselves, and how their components lie. Slow, and shares nothing with the product.
+// Reference tests for meshes: self-intersections, and the nesting of components. Slow, and shares nothing with the product.
 #pragma once
 
 #include <cstddef>

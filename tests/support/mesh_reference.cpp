@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "support/mesh_judge.h"
+#include "support/mesh_reference.h"
 
 #include <algorithm>
 #include <array>
@@ -72,7 +72,7 @@ bool is_between(const Point& p, const Point& a, const Point& b, std::size_t i, s
   return std::min(a[i], b[i]) <= p[i] && p[i] <= std::max(a[i], b[i]) && std::min(a[j], b[j]) <= p[j] && p[j] <= std::max(a[j], b[j]);
 }
 
-bool segments_meet(const Point& p, const Point& q, const Point& a, const Point& b, std::size_t i, std::size_t j) {
+bool segments_intersect(const Point& p, const Point& q, const Point& a, const Point& b, std::size_t i, std::size_t j) {
   const int pa = turn(p, q, a, i, j), pb = turn(p, q, b, i, j), ap = turn(a, b, p, i, j), aq = turn(a, b, q, i, j);
   if (pa * pb < 0 && ap * aq < 0) return true;
   return (pa == 0 && is_between(a, p, q, i, j)) || (pb == 0 && is_between(b, p, q, i, j)) || (ap == 0 && is_between(p, a, b, i, j)) ||
@@ -90,16 +90,16 @@ bool segment_intersects(const Point& p, const Point& q, const Corners& t) {
   if (at_p * at_q > 0) return false;
   if (at_p == 0 && at_q == 0) {
     const auto [i, j] = t.axes();
-    return is_inside(p, t, i, j) || is_inside(q, t, i, j) || segments_meet(p, q, t.a, t.b, i, j) || segments_meet(p, q, t.b, t.c, i, j) ||
-           segments_meet(p, q, t.c, t.a, i, j);
+    return is_inside(p, t, i, j) || is_inside(q, t, i, j) || segments_intersect(p, q, t.a, t.b, i, j) ||
+           segments_intersect(p, q, t.b, t.c, i, j) || segments_intersect(p, q, t.c, t.a, i, j);
   }
   const int u = side(p, q, t.a, t.b), v = side(p, q, t.b, t.c), w = side(p, q, t.c, t.a);
   return (u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0);
 }
 
-class Meeting {
+class PairIntersection {
  public:
-  explicit Meeting(const TriangleMesh& mesh) : mesh_(mesh) {}
+  explicit PairIntersection(const TriangleMesh& mesh) : mesh_(mesh) {}
 
   bool operator()(const Triangle& first, const Triangle& second) const {
     Triangle s = first, t = second;  // rotated so that common corners come first
@@ -177,10 +177,10 @@ std::vector<std::uint32_t> component_of_triangle(const TriangleMesh& mesh) {
 
 EmbeddingCheck check_embedding(const TriangleMesh& mesh) {
   EmbeddingCheck out;
-  const Meeting meet(mesh);
+  const PairIntersection intersect(mesh);
   std::vector<Box> boxes;
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-    const Corners c = meet.corners(mesh.triangles[i]);
+    const Corners c = intersect.corners(mesh.triangles[i]);
     if (const auto axes = c.axes(); axes[0] == axes[1]) {
       ++out.without_area;
       continue;
@@ -197,7 +197,7 @@ EmbeddingCheck check_embedding(const TriangleMesh& mesh) {
     for (std::size_t j = i + 1; j < boxes.size() && boxes[j].low[0] <= boxes[i].high[0]; ++j) {
       const Box &a = boxes[i], &b = boxes[j];
       if (a.low[1] > b.high[1] || b.low[1] > a.high[1] || a.low[2] > b.high[2] || b.low[2] > a.high[2]) continue;
-      out.pairs += meet(mesh.triangles[a.triangle], mesh.triangles[b.triangle]) ? 1 : 0;
+      out.pairs += intersect(mesh.triangles[a.triangle], mesh.triangles[b.triangle]) ? 1 : 0;
     }
   }
   return out;
