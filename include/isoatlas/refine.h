@@ -4,13 +4,17 @@
 
 #include <array>
 #include <cstddef>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "isoatlas/export.h"
+#include "isoatlas/volume.h"
 
 namespace isoatlas {
 
@@ -27,11 +31,12 @@ enum class Quantity {
   min_edge,               ///< no shorter edge; world length
   max_edge,               ///< no longer edge; world length
   min_aspect,             ///< no triangle with a smaller ratio of shortest to longest edge; (0, 1)
+  custom,                 ///< a metric of the caller's own, bounded from above: Constraint::custom
 };
 inline constexpr std::size_t kMetricCount = 6;
-inline constexpr std::size_t kQuantityCount = 11;
+inline constexpr std::size_t kQuantityCount = 11;  ///< without `custom`
 
-enum class Unit { length, ratio, degrees, count };
+enum class Unit { length, ratio, degrees, count, number };
 
 ISOATLAS_API std::string_view name(Quantity quantity);                       ///< as on the command line: "max-distance" ... "min-aspect"
 ISOATLAS_API std::optional<Quantity> quantity_named(std::string_view name);  ///< none if there is no such quantity
@@ -55,12 +60,29 @@ struct Length {
 };
 inline const Length vx{1, true};  ///< one voxel: the smallest spacing
 
+/// A Voronoi cell of the surface and the mesh around its vertex, for a metric of the caller's own. World coordinates.
+struct CellGeometry {
+  Vec3 vertex;                                       ///< of the mesh
+  Vec3 normal;                                       ///< of the isosurface there, unit, outward
+  std::span<const Vec3> points;                      ///< P x 3: the c-vertices of the cell, on the isosurface
+  std::span<const Vec3> normals;                     ///< P x 3: unit normals there, outward; zero where there is none
+  std::span<const double> areas;                     ///< P: area of the isosurface that belongs to each
+  std::span<const std::array<Vec3, 3>> triangles{};  ///< T x 3 x 3: the triangles with a corner at the vertex, which is their first one
+};
+
+/// A metric of the caller's own. The function is called by several threads at once; it must depend on its argument alone.
+struct CustomMetric {
+  std::string name;  ///< for the report
+  std::function<double(const CellGeometry&)> value;
+};
+
 /// A soft constraint: one quantity and its bound.
 struct Constraint {
   Quantity quantity = Quantity::max_distance;
   double bound = 0;
-  bool is_default = false;  ///< nobody asked for it: worked for like the others, but no failure where it is not met
-  bool in_voxels = false;   ///< the bound is a length in voxels; extract() reports it in world units
+  bool is_default = false;                       ///< nobody asked for it: worked for like the others, but no failure where it is not met
+  bool in_voxels = false;                        ///< the bound is a length in voxels; extract() reports it in world units
+  std::shared_ptr<const CustomMetric> custom{};  ///< of Quantity::custom
   friend bool operator==(const Constraint&, const Constraint&) = default;
 };
 
@@ -68,6 +90,19 @@ struct Constraint {
 inline Constraint within(Length distance) { return {Quantity::max_distance, distance.value, false, distance.in_voxels}; }
 /// Any quantity with its bound; a length may be in voxels.
 inline Constraint bounded(Quantity quantity, Length bound) { return {quantity, bound.value, false, bound.in_voxels}; }
+
+/// A metric of the caller's own, bounded from above in every cell: cells that violate it become smaller.
+inline Constraint bounded(std::string name, std::function<double(const CellGeometry&)> metric, double bound) {
+  Constraint out{Quantity::custom, bound};
+  out.custom = std::make_shared<const CustomMetric>(CustomMetric{std::move(name), std::move(metric)});
+  return out;
+}
+
+/// A sizing field: no edge is longer than the field says at its middle. Reported as "sizing-field", the largest ratio of the two.
+ISOATLAS_API Constraint sized_by(std::function<double(Vec3)> longest_edge);
+
+/// The name of the quantity, or of the caller's metric.
+ISOATLAS_API std::string_view name(const Constraint& constraint);
 
 /// What one level has to be, the more important constraints first: where they pull apart, an earlier one wins.
 /// Topology always comes before all of them.

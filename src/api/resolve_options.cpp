@@ -2,8 +2,12 @@
 #include "api/resolve_options.h"
 
 #include <algorithm>
+#include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
+#include "core/vector_math.h"
 #include "isoatlas/error.h"
 
 namespace isoatlas::detail {
@@ -15,6 +19,32 @@ void resolve(std::optional<Length>& length, const Grid& grid) {
   if (length && length->in_voxels) *length = length->value * grid.smallest_spacing();
 }
 
+// Inside the library a cell's points are index times spacing, in voxels.
+std::shared_ptr<const CustomMetric> in_metric_coordinates(const CustomMetric& metric, const Grid& grid) {
+  const double voxel = grid.smallest_spacing();
+  const bool is_mirrored = grid.mirrored();
+  const auto direction = grid.direction;
+  const Vec3 origin = grid.origin;
+  const auto turned = [direction](Vec3 v) { return v.x * direction[0] + v.y * direction[1] + v.z * direction[2]; };
+  const auto world = [turned, origin, voxel](Vec3 point) { return origin + voxel * turned(point); };
+  const auto value = [metric, turned, world, voxel, is_mirrored](const CellGeometry& cell) {
+    const auto mapped = [](std::span<const Vec3> from, const auto& map) {
+      std::vector<Vec3> out;
+      out.reserve(from.size());
+      for (const Vec3& p : from) out.push_back(map(p));
+      return out;
+    };
+    const std::vector<Vec3> points = mapped(cell.points, world), normals = mapped(cell.normals, turned);
+    std::vector<double> areas(cell.areas.begin(), cell.areas.end());
+    for (double& area : areas) area *= voxel * voxel;
+    std::vector<std::array<Vec3, 3>> triangles;
+    triangles.reserve(cell.triangles.size());
+    for (const auto& t : cell.triangles) triangles.push_back({world(t[0]), world(t[is_mirrored ? 2 : 1]), world(t[is_mirrored ? 1 : 2])});
+    return metric.value({world(cell.vertex), turned(cell.normal), points, normals, areas, triangles});
+  };
+  return std::make_shared<const CustomMetric>(CustomMetric{metric.name, value});
+}
+
 }  // namespace
 
 double default_voxel(const Grid& grid) {
@@ -24,6 +54,11 @@ double default_voxel(const Grid& grid) {
 
 LevelGoal in_world(LevelGoal goal, const Grid& grid) {
   for (Constraint& c : goal) {
+    if (c.custom) {
+      if (c.quantity != Quantity::custom || !c.custom->value)
+        throw Error(ErrorCode::bad_argument, "the metric " + c.custom->name + " has no function, or is of another quantity than custom");
+      c.custom = in_metric_coordinates(*c.custom, grid);
+    }
     if (!c.in_voxels) continue;
     if (unit(c.quantity) != Unit::length)
       throw Error(ErrorCode::bad_argument, std::string(name(c.quantity)) + " is not a length: its bound cannot be in voxels");

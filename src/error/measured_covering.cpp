@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "error/measured_covering.h"
+#include "error/custom_metric.h"
 
 #include <algorithm>
 #include <cmath>
@@ -315,9 +316,10 @@ void MeasuredCovering::measure(std::vector<CellId> cells, Thoroughness thoroughn
   for (const CellId c : cells) proved_[c] = 0;
   if (placement_mode_ == Placement::balanced) balance(surface, cells, mesh_, vertex_placement_);
   const std::optional<double> bound = distance_bound();
-  const bool uses_own_data_only = placement_mode_ == Placement::surface && std::ranges::all_of(bounds_, [](const Constraint& c) {
-                                    return c.quantity == Quantity::max_distance || c.quantity == Quantity::max_edge;
-                                  });
+  const bool uses_own_data_only =
+      placement_mode_ == Placement::surface && std::ranges::all_of(bounds_, [](const Constraint& c) {
+        return c.quantity == Quantity::max_distance || c.quantity == Quantity::max_edge || c.quantity == Quantity::custom;
+      });
   const bool need_closest = std::any_of(bounds_.begin(), bounds_.end(), [](const Constraint& c) {
     return c.quantity != Quantity::max_distance && needs_closest(c.quantity);
   });
@@ -341,6 +343,7 @@ void MeasuredCovering::measure(std::vector<CellId> cells, Thoroughness thoroughn
       CellError& error = errors_[c] = {};
       for (const Constraint& d : bounds_) {
         const double value = d.quantity == Quantity::max_edge                        ? longest_edge(mesh_, c)
+                             : d.quantity == Quantity::custom                        ? custom_value(*d.custom, surface.surfels, mesh_, c)
                              : d.quantity == Quantity::max_distance && !need_closest ? static_cast<double>(farthest[i].farthest.distance)
                                                                                      : evaluate(d.quantity, cell);
         error.excess = std::max(error.excess, excess_of(d.quantity, value, d.bound));

@@ -91,16 +91,17 @@ MeshStatistics mesh_statistics(const LevelMesh& mesh) {
 }
 
 std::vector<ConstraintResult> evaluate_constraints(const LevelGoal& goal, const MeshStatistics& mesh,
-                                                   const std::array<MetricSummary, kMetricCount>& metrics, const Obstacles& obstacles) {
+                                                   const std::array<MetricSummary, kMetricCount>& metrics,
+                                                   const CustomMaximum& custom_maximum, const Obstacles& obstacles) {
   std::vector<ConstraintResult> out;
   std::string limits, targets;
   for (const Constraint& c : goal) {
     ConstraintResult& result = out.emplace_back();
     result.wanted = c;
-    result.reached = reached(c.quantity, mesh, metrics);
+    result.reached = c.custom ? custom_maximum(*c.custom) : reached(c.quantity, mesh, metrics);
     result.met = is_lower_bound(c.quantity) ? result.reached >= c.bound : result.reached <= c.bound;
     if (!result.met) result.reason = reason(c, mesh, obstacles, limits, targets);
-    const auto add_to = [&](std::string& list) { list += (list.empty() ? "" : ", ") + std::string(name(c.quantity)); };
+    const auto add_to = [&](std::string& list) { list += (list.empty() ? "" : ", ") + std::string(name(c)); };
     if (c.quantity == Quantity::max_vertices) {
       if (obstacles.vertex_limit_reached) add_to(limits);
     } else if (c.quantity == Quantity::min_edge) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "error/level_mesh.h"
@@ -28,8 +29,12 @@ struct Obstacles {
   std::size_t cells_at_limit = 0;     ///< number of cells that violate a bound and cannot become smaller
 };
 
+/// The largest value of a caller's metric in the cells of a mesh.
+using CustomMaximum = std::function<double(const CustomMetric&)>;
+
 /// The results of the constraints, in their order, with the reason for each that is violated.
 std::vector<ConstraintResult> evaluate_constraints(const LevelGoal& goal, const MeshStatistics& mesh,
-                                                   const std::array<MetricSummary, kMetricCount>& metrics, const Obstacles& obstacles);
+                                                   const std::array<MetricSummary, kMetricCount>& metrics,
+                                                   const CustomMaximum& custom_maximum, const Obstacles& obstacles);
 
 }  // namespace isoatlas::detail

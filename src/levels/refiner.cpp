@@ -6,6 +6,7 @@
 //   [boissonnat2005]  Provably good sampling and meshing of surfaces (a new vertex where the mesh is farthest from the surface).
 // Ours: steps finer than halving, priorities between soft constraints, shape as a reason to refine (docs/theory/05-refinement.md).
 #include "levels/refiner.h"
+#include "error/custom_metric.h"
 
 #include <algorithm>
 #include <array>
@@ -62,7 +63,7 @@ std::vector<float> distances(std::span<const MetricValues> values) {
   return out;
 }
 
-bool drives_refinement(Quantity q) { return is_metric(q) || q == Quantity::max_edge; }
+bool drives_refinement(Quantity q) { return is_metric(q) || q == Quantity::max_edge || q == Quantity::custom; }
 
 bool is_limited(const LevelGoal& goal) { return !goal.empty() && goal.front().quantity == Quantity::max_vertices; }
 
@@ -281,7 +282,9 @@ std::vector<std::pair<CellId, double>> Refiner::violating_cells(const LevelGoal&
     double excess = 0;
     for (const Constraint& m : requested) {
       if (!drives_refinement(m.quantity)) continue;
-      const double value = is_metric(m.quantity) ? values[c][static_cast<std::size_t>(m.quantity)] : longest_edge(measured_->mesh(), c);
+      const double value = is_metric(m.quantity) ? values[c][static_cast<std::size_t>(m.quantity)]
+                           : m.custom            ? custom_value(*m.custom, surface_data_->surfels, measured_->mesh(), c)
+                                                 : longest_edge(measured_->mesh(), c);
       excess = std::max(excess, excess_of(m.quantity, value, m.bound));
     }
     if (excess > 1) out.emplace_back(c, excess);
@@ -407,7 +410,10 @@ RefinedLevel Refiner::unchanged_level(const LevelGoal& requested) const {
   RefinedLevel same;
   same.unchanged_from_previous_level = true;
   same.figures = {
-      metrics_, evaluate_constraints(requested, statistics_, metrics_, {&statistics_, is_first_refined_, true, false, 0}), {}, {}};
+      metrics_,
+      evaluate_constraints(requested, statistics_, metrics_, custom_maxima(), {&statistics_, is_first_refined_, true, false, 0}),
+      {},
+      {}};
   return same;
 }
 
@@ -641,25 +647,40 @@ void Refiner::describe(const Task& task, const LevelGoal& requested, RefinedLeve
   out.figures.distance = distances(values);
   surface_data_->check_cancelled();
   MeshStatistics statistics = mesh_statistics(measured_->mesh());
-  out.figures.constraints = evaluate_constraints(requested, statistics, out.figures.metrics, obstacles);
+  out.figures.constraints = evaluate_constraints(requested, statistics, out.figures.metrics, custom_maxima(), obstacles);
   statistics_ = std::move(statistics);
   metrics_ = out.figures.metrics;
 }
 
+LevelMesh Refiner::coarse_mesh(const Covering& covering, const RunControl* control) const {
+  std::vector<DualTriangle> dual;
+  dual.reserve(coarse_triangles_.size());
+  for (const Triangle& t : coarse_triangles_) dual.push_back({t, kNone});
+  return make_level_mesh(surface_data_->surfels, covering.partition(), dual, start_.placement, control);
+}
+
+// Of the last level: before the first refined one, of the coarse one.
+CustomMaximum Refiner::custom_maxima() const {
+  return [this](const CustomMetric& metric) {
+    if (measured_) return custom_maximum(metric, surface_data_->surfels, measured_->mesh());
+    Covering covering(surface_data_->graph, options_);
+    covering.seed(start_.placement.anchor, {}, {});
+    return custom_maximum(metric, surface_data_->surfels, coarse_mesh(covering, nullptr));
+  };
+}
+
 LevelFigures Refiner::describe_coarse(std::span<const Triangle> triangles, const LevelGoal& goal, const RunControl& control) {
   control.check_cancelled();
+  coarse_triangles_.assign(triangles.begin(), triangles.end());
   Covering covering(surface_data_->graph, options_);
   covering.seed(start_.placement.anchor, {}, control);
-  std::vector<DualTriangle> dual;
-  dual.reserve(triangles.size());
-  for (const Triangle& t : triangles) dual.push_back({t, kNone});
   control.check_cancelled();
-  const LevelMesh mesh = make_level_mesh(surface_data_->surfels, covering.partition(), dual, start_.placement, &control);
+  const LevelMesh mesh = coarse_mesh(covering, &control);
   control.check_cancelled();
   statistics_ = mesh_statistics(mesh);
   const std::vector<MetricValues> values = measure_metrics(*surface_data_, covering, mesh);
   metrics_ = summarize(values);
-  return {metrics_, evaluate_constraints(goal, statistics_, metrics_, {}), distances(values), {}};
+  return {metrics_, evaluate_constraints(goal, statistics_, metrics_, custom_maxima(), {}), distances(values), {}};
 }
 
 std::vector<std::uint32_t> Refiner::parents() const {

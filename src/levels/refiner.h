@@ -90,6 +90,8 @@ class Refiner {
   void repair_worst_cells(const Task& task, std::vector<DualTriangle>& triangles, RefinedLevel& out, const RunControl& control);
   void revert_intersecting_changes(const Task& task, IntersectionTracker& tracker, std::vector<DualTriangle>& triangles, RefinedLevel& out,
                                    const RunControl& control);
+  LevelMesh coarse_mesh(const Covering& covering, const RunControl* control) const;
+  CustomMaximum custom_maxima() const;
   void describe(const Task& task, const LevelGoal& requested, RefinedLevel& out);
   bool refine_cells(std::span<const CellId> cells, const RunControl& control);
   bool can_refine(std::span<const CellId> cells) const;
@@ -124,6 +126,7 @@ class Refiner {
   std::uint32_t subdivisions_ = 0;     // of this level, because of bounds
   int proofs_ = 0;                     // number of failed proofs for this level
   MeshStatistics statistics_;          // of the last level, as are the metrics below
+  std::vector<Triangle> coarse_triangles_;
   std::array<MetricSummary, kMetricCount> metrics_{};
 };
 

@@ -20,6 +20,8 @@ std::string_view text(Unit unit) {
       return "degrees";
     case Unit::count:
       return "count";
+    case Unit::number:
+      return "number";
   }
   return "";
 }
@@ -74,7 +76,7 @@ void print(const Json& value, std::string& text, const std::string& indent, bool
 }
 
 Json constraint_value(const ConstraintResult& result) {
-  return {{"quantity", name(result.wanted.quantity)},
+  return {{"quantity", name(result.wanted)},
           {"wanted", result.wanted.bound},
           {"reached", result.reached},
           {"unit", text(unit(result.wanted.quantity))},
@@ -148,7 +150,7 @@ Json to_value(const Measurement& measurement) {
 
 Json to_value(const LevelGoal& goal) {
   Json list = Json::array();
-  for (const Constraint& constraint : goal) list.push_back({{"quantity", name(constraint.quantity)}, {"bound", constraint.bound}});
+  for (const Constraint& constraint : goal) list.push_back({{"quantity", name(constraint)}, {"bound", constraint.bound}});
   return list;
 }
 

@@ -98,6 +98,8 @@ TypedConstraint parse_bound(Quantity quantity, std::string_view text) {
       return {quantity, parse_degrees(quantity, text)};
     case Unit::count:
       return {quantity, parse_count(quantity, text)};
+    case Unit::number:  // of the caller's own metrics, which cannot be typed
+      break;
   }
   return {quantity};
 }

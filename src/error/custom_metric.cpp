@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "error/custom_metric.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "core/parallel.h"
+#include "isoatlas/error.h"
+
+namespace isoatlas::detail {
+namespace {
+
+constexpr std::size_t kCellsPerPiece = 64;
+
+}  // namespace
+
+double custom_value(const CustomMetric& metric, const Surfels& surfels, const LevelMesh& mesh, CellId cell) {
+  const auto c_vertices = mesh.c_vertices_of.row(cell);
+  std::vector<Vec3> points, normals;
+  std::vector<double> areas;
+  for (const CVertexId v : c_vertices) {
+    points.push_back(surfels.point[v]);
+    normals.push_back(surfels.normal[v]);
+    areas.push_back(surfels.area[v]);
+  }
+  std::vector<std::array<Vec3, 3>> triangles;
+  for (const std::uint32_t t : mesh.triangles_of.row(cell)) {
+    std::array<Vec3, 3> corners = mesh.corners(t);
+    const auto own = std::ranges::find(mesh.triangles[t], cell) - mesh.triangles[t].begin();
+    std::ranges::rotate(corners, corners.begin() + own);
+    triangles.push_back(corners);
+  }
+  const double value = metric.value({mesh.point[cell], mesh.normal[cell], points, normals, areas, triangles});
+  if (std::isnan(value)) throw Error(ErrorCode::bad_argument, "the metric " + metric.name + " is not a number");
+  return value;
+}
+
+double custom_maximum(const CustomMetric& metric, const Surfels& surfels, const LevelMesh& mesh) {
+  std::vector<double> values(mesh.cell_count());
+  for_each_index(values.size(), kCellsPerPiece,
+                 [&](std::size_t c) { values[c] = custom_value(metric, surfels, mesh, static_cast<CellId>(c)); });
+  return values.empty() ? 0 : std::ranges::max(values);
+}
+
+}  // namespace isoatlas::detail
