@@ -106,6 +106,7 @@ std::string bound_text(Quantity quantity, double bound, LengthUnit world) {
     case Unit::length:
       return with_unit(bound, world);
     case Unit::ratio:
+    case Unit::number:
       break;
   }
   return number_text(bound);

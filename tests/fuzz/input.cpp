@@ -174,6 +174,8 @@ LevelGoal read_goal(Bytes& bytes, double voxel) {
       case Unit::count:
         bound = bytes.one_of(std::array{4.0, 20.0, 100.0, 1.0, 0.5, 1e9, 1e300, 0.0});
         break;
+      case Unit::number:
+        break;
     }
     goal.push_back({quantity, bound});
   }

@@ -22,6 +22,8 @@ inline double random_bound(Quantity quantity, double voxel, Random& random) {
       return 3 * std::pow(40.0, u);
     case Unit::count:
       return static_cast<double>(random.between(1, 250));
+    case Unit::number:
+      break;
   }
   return 1;
 }

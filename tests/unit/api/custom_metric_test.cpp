@@ -45,7 +45,8 @@ double longest_edge_over(const TriangleMesh& mesh, const std::function<double(Ve
 
 TEST(CustomMetric, SeesTheCellInTheWorld) {
   double area = 0;  // of the last evaluation of every cell
-  std::map<std::array<double, 3>, double> area_at;
+  std::map<std::array<long, 3>, double> area_at;
+  const auto key = [](Vec3 p) { return std::array<long, 3>{std::lround(p.x * 1e6), std::lround(p.y * 1e6), std::lround(p.z * 1e6)}; };
   std::mutex mutex;
   const auto metric = [&](const CellGeometry& cell) {
     EXPECT_NEAR(length(cell.vertex - kCentre), 2, 0.05);
@@ -64,11 +65,11 @@ TEST(CustomMetric, SeesTheCellInTheWorld) {
       EXPECT_GT(dot(cross(t[1] - t[0], t[2] - t[0]), t[0] - kCentre), 0);  // counter-clockwise seen from outside
     }
     const std::lock_guard lock(mutex);
-    area_at[{cell.vertex.x, cell.vertex.y, cell.vertex.z}] = sum;
+    area_at[key(cell.vertex)] = sum;
     return 0.5;
   };
   const Extraction e = extract(ball(), 0, {{bounded("nothing", metric, 1)}});
-  for (const Vec3& p : e.mesh().positions) area += area_at.at({p.x, p.y, p.z});
+  for (const Vec3& p : e.mesh().positions) area += area_at.at(key(p));
   EXPECT_NEAR(area, 4 * std::numbers::pi * 4, 0.5);
   const ConstraintResult& result = e.finest().constraints.at(0);
   EXPECT_EQ(name(result.wanted), "nothing");

@@ -16,6 +16,17 @@
 namespace isoatlas::detail {
 namespace {
 
+ConstraintResult result_of(Quantity quantity, double bound, bool is_default, double reached, bool met, const char* reason) {
+  ConstraintResult out;
+  out.wanted.quantity = quantity;
+  out.wanted.bound = bound;
+  out.wanted.is_default = is_default;
+  out.reached = reached;
+  out.met = met;
+  out.reason = reason;
+  return out;
+}
+
 using Json = nlohmann::json;
 
 // A report in which everything is there.
@@ -36,8 +47,8 @@ struct Full {
       level.topology = {.components = 1, .euler_characteristic = 2, .genus = 0, .boundary_loops = 0, .kinds = {{0, 0, 1}}};
       level.quality.aspect_median = 0.5;
       level.metrics.emplace()[0] = {2.5, 0.5};
-      level.constraints = {{{Quantity::max_vertices, 5}, 10, false, "topology needs 10"},
-                           {{Quantity::max_distance, 3}, 2.5, true, "unused"}};
+      level.constraints.push_back(result_of(Quantity::max_vertices, 5, false, 10, false, "topology needs 10"));
+      level.constraints.push_back(result_of(Quantity::max_distance, 3, false, 2.5, true, "unused"));
       level.at_limit.assign(1200, {{1, 2, 3}, 1.5});
       level.bad_triangles.assign(1200, {{1, 2, 3}, 0.2, 95, ShapeObstacle::earlier_level});
       level.self_intersections = 0;
@@ -127,7 +138,8 @@ TEST(Report, RoundingIsInTheMeshsUnitsEverywhere) {
 TEST(Report, AnUnmetBoundThatNobodyAskedForIsNoFailure) {
   Full full;
   LevelReport& level = full.report.levels[0];
-  level.constraints = {{{Quantity::max_distance, 3, true}, 4, false, "max-vertices comes first"}};
+  level.constraints.clear();
+  level.constraints.push_back(result_of(Quantity::max_distance, 3, true, 4, false, "max-vertices comes first"));
   EXPECT_TRUE(level.all_met());
   const Json constraint = full.json()["levels"][0]["constraints"][0];
   EXPECT_EQ(constraint["met"], false);
