@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <cstdlib>
 #include <functional>
 #include <string>
 #include <vector>
@@ -13,6 +14,10 @@
 #include "isoatlas/volume.h"
 
 namespace isoatlas::detail::test {
+
+/// Whether tests that take many seconds are wanted: the test api.thorough, of `scripts/test.sh --all`, sets ISOATLAS_THOROUGH.
+inline bool is_thorough() { return std::getenv("ISOATLAS_THOROUGH") != nullptr; }
+inline constexpr const char* kThoroughOnly = "takes many seconds: set ISOATLAS_THOROUGH";
 
 /// Options for the coarse mesh alone.
 inline ExtractOptions coarse_options(double isovalue = 0) {

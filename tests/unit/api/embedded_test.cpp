@@ -29,6 +29,7 @@ ExtractOptions options_with(bool allowed, Placement placement) {
 }
 
 TEST(Embedded, NoSelfIntersectionsInAnyLevel) {
+  if (!is_thorough()) GTEST_SKIP() << kThoroughOnly;
   std::vector<Volume> volumes;
   for (const double level : {-0.9, 1.0}) volumes.push_back(to_volume(sampled({26, 24, 25}, gyroid(11.3, level))));
   for (std::uint64_t seed = 0; seed < 3; ++seed) volumes.push_back(to_volume(random_samples(Family::white_noise, {9, 10, 8}, seed)));

@@ -124,6 +124,7 @@ TEST(Bounds, OnEveryMetricAreSatisfied) {
 // distance than the looser bounds that are tried for it; other bounds may, by chance, but not by
 // much.
 TEST(Bounds, TighterOnesGiveNoLargerDistance) {
+  if (!is_thorough()) GTEST_SKIP() << kThoroughOnly;
   for (const Family family : {Family::gyroid_cut, Family::white_noise}) {
     for (const std::uint64_t seed : {1U, 3U}) {
       SCOPED_TRACE(seed);
@@ -347,6 +348,7 @@ TEST(Edges, ExtremeBoundsOfEveryQuantity) {
 }
 
 TEST(Edges, TheSmallestVolumes) {
+  if (!is_thorough()) GTEST_SKIP() << kThoroughOnly;
   for (int signs = 1; signs < 255; ++signs) {
     Samples s = constant({2, 2, 2}, -3);
     for (std::size_t i = 0; i < 8; ++i) {

@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# Property and adversarial tests with new random seeds until the time is up (default: one hour). Each seed is logged before it runs in
+# build/nightly/seeds.log; a failure ends the script and prints the command that repeats it.
+#   scripts/nightly.sh [SECONDS]
+set -euo pipefail
+cd "$(dirname "$0")/.."
+end=$(($(date +%s) + ${1:-3600}))
+scripts/install_dependencies.sh test
+[ -f build/release/build.ninja ] || cmake --preset release > /dev/null
+cmake --build build/release --target test_property test_levels_property
+mkdir -p build/nightly
+log=build/nightly/seeds.log
+while [ "$(date +%s)" -lt "$end" ]; do
+  seed=$(od -An -N4 -tu4 /dev/urandom | tr -d ' ')
+  for test in property levels_property; do
+    parameters="max_success=30 max_size=100 seed=$seed"
+    echo "$(date -u +%FT%TZ) $test $seed" >> "$log"
+    if ! RC_PARAMS="$parameters" "build/release/bin/test_$test" --gtest_brief=1 > "build/nightly/$test.log" 2>&1; then
+      tail -n 40 "build/nightly/$test.log"
+      echo "failed; again with: RC_PARAMS='$parameters' build/release/bin/test_$test" | tee -a "$log"
+      exit 1
+    fi
+  done
+done
+echo "passed: $(wc -l < "$log") runs in $log"
