@@ -79,7 +79,7 @@ void check_options(const ExtractOptions& options) {
       require(std::isfinite(c.bound) && c.bound > 0, what + " needs a bound above 0");
       require(!is_ratio || c.bound > 1, what + " needs a bound above 1: it is a ratio that is 1 at best");
       require(c.quantity != Quantity::min_aspect || c.bound < 1, what + " needs a bound below 1");
-      if (c.custom) continue;  // several may be asked for
+      if (c.custom) continue;  // several are permitted
       require(c.quantity != Quantity::custom, "a custom constraint needs a metric");
       require(!std::exchange(seen[static_cast<std::size_t>(c.quantity)], true), what + " is given twice for one level");
     }

@@ -196,6 +196,7 @@ class Help(ToolTest):
         "levels": "--json -h --help",
         "report": "-o --output -q --quiet -h --help",
         "picture": "-o --output --level --style --size --view --up --zoom -q --quiet -h --help",
+        "completion": "-h --help",
     }
 
     def test_pages_have_every_section_and_option(self):

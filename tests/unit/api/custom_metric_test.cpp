@@ -114,7 +114,7 @@ TEST(CustomMetric, GoesWithOtherConstraintsAndSeveralLevels) {
   ASSERT_EQ(e.report.levels.size(), 3u);
   EXPECT_TRUE(e.report.levels[1].all_met());
   EXPECT_TRUE(e.finest().all_met());
-  // A level that is not refined, since it has its vertices, is judged all the same.
+  // A level that is not refined, since it has its vertices, is evaluated all the same.
   ExtractOptions few;
   few.refine = {{{Quantity::max_vertices, 1}, edges}};
   const ConstraintResult result = extract(ball(), few).finest().constraints.at(1);

@@ -46,7 +46,7 @@ TEST(View, EverySampleTypeHasItsName) {
   EXPECT_EQ(sample_type_of<double>(), SampleType::float64);
 }
 
-TEST(View, NeedsAsManySamplesAsItSays) {
+TEST(View, NeedsExactlyItsNumberOfSamples) {
   const std::vector<float> samples(24);
   EXPECT_NO_THROW(VolumeView::of(samples, {2, 3, 4}));
   EXPECT_EQ(code_of([&] { VolumeView::of(samples, {2, 3, 5}); }), ErrorCode::bad_argument);
@@ -220,7 +220,7 @@ TEST(Mesh, ViewsOfLevelsAreTheirMeshes) {
   }
 }
 
-TEST(Errors, SayWhatToDoInTheLibrarysWords) {
+TEST(Errors, NameTheRemedyInTheWordsOfTheLibrary) {
   std::vector<float> samples = ball_samples(17, 15, 14);
   samples[5] = std::nanf("");
   try {
