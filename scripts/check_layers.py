@@ -18,7 +18,7 @@ PUBLIC = {"error.h": "core", "run_control.h": "core", "version.h": "core", "volu
           "self_intersections.h": "geometry", "options.h": "levels", "report.h": "levels", "extract.h": "api", "isoatlas.h": "api",
           "text_file.h": "files", "volume_file.h": "volume_files", "mesh_file.h": "mesh_files"}
 # Libraries that only one module may see.
-PRIVATE_LIBRARIES = {r"tbb/": {"core"}, r"itk": set(), r"(dcmtk|charls|openjpeg|nifti|tiff|png|openssl/)": {"volume_files"}, r"pugixml": {"volume_files", "mesh_files"}, r"(tiny_gltf|zip\.h)": {"mesh_files"}, r"vtk[A-Z]": {"mesh_files", "page", "picture"}, r"(expat|lzma|lz4)\.h": {"files"}, r"X11/": {"picture"}, r"meshoptimizer": {"page"}, r"nlohmann/": {"mesh_files", "report", "page"}, r"CGAL/": {"geometry"}, r"boost/": {"isosurface"}, r"CLI/": set()}
+PRIVATE_LIBRARIES = {r"tbb/": {"core"}, r"itk": set(), r"(dcmtk|charls|openjpeg|nifti|tiff|png|openssl/)": {"volume_files"}, r"pugixml": {"volume_files", "mesh_files"}, r"(tiny_gltf|zip\.h)": {"mesh_files"}, r"vtk[A-Z]": {"mesh_files", "page", "picture"}, r"(expat|lzma|lz4)\.h": {"files"}, r"X11/": {"picture"}, r"meshoptimizer": {"page"}, r"nlohmann/": {"mesh_files", "report", "page"}, r"CGAL/": {"geometry"}, r"boost/": {"core"}, r"CLI/": set()}
 
 
 def depends():

@@ -8,6 +8,7 @@
 #include <limits>
 #include <type_traits>
 
+#include "core/exact_numbers.h"
 #include "field/classify.h"
 #include "field/sample_type.h"
 
@@ -35,11 +36,11 @@ class Field {
   double sample(std::size_t i) const { return replace_non_finite(samples_[i]); }
 
   /// The sample itself, for exact decisions.
-  long double exact(std::size_t i) const {
+  ExactSample exact(std::size_t i) const {
     if constexpr (std::is_floating_point_v<T>) {
       return replace_non_finite(samples_[i]);
     } else {
-      return static_cast<long double>(samples_[i]);
+      return samples_[i];
     }
   }
   double isovalue() const { return isovalue_; }

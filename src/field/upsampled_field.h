@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/exact_numbers.h"
 #include "field/classify.h"
 #include "field/field.h"
 #include "isoatlas/volume.h"
@@ -37,7 +38,7 @@ class UpsampledField {
 
   // As in Field; x runs fastest.
   double operator[](std::size_t i) const { return sign_ * (sample(i) - rule_.isovalue); }
-  long double exact(std::size_t i) const { return sample(i); }
+  ExactSample exact(std::size_t i) const { return sample(i); }
   double isovalue() const { return rule_.isovalue; }
 
   /// The values of a TricubicCell that equals the volume's tricubic interpolant in the cell that

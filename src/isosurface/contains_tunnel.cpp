@@ -11,39 +11,10 @@
 #include "isosurface/contains_tunnel.h"
 
 #include <algorithm>
-#include <boost/multiprecision/cpp_int.hpp>
-#include <cfloat>
-#include <climits>
-#include <cmath>
 #include <optional>
-
-static_assert(LDBL_MANT_DIG >= 64 && LDBL_MAX_EXP >= 16384, "needs a long double wider than double (x87 or IEEE quadruple)");
 
 namespace isoatlas::detail {
 namespace {
-
-using Real = long double;
-using Integer = boost::multiprecision::cpp_int;
-
-// A number and a bound of its error. The bounds use twice the unit of rounding, which more than
-// compensates for their own rounding. Products of four doubles neither overflow nor underflow.
-struct Rounded {
-  Real value, error;
-
-  friend Rounded operator+(Rounded a, Rounded b) { return rounded(a.value + b.value, a.error + b.error); }
-  friend Rounded operator-(Rounded a, Rounded b) { return rounded(a.value - b.value, a.error + b.error); }
-  friend Rounded operator*(Rounded a, Rounded b) {
-    return rounded(a.value * b.value, std::fabs(a.value) * b.error + std::fabs(b.value) * a.error + a.error * b.error);
-  }
-  static Rounded rounded(Real value, Real error) { return {value, error + LDBL_EPSILON * (std::fabs(value) + error)}; }
-};
-
-std::optional<int> sign_of(const Rounded& x) {
-  if (std::fabs(x.value) > x.error) return x.value > 0 ? 1 : -1;
-  if (x.error == 0) return 0;
-  return {};
-}
-std::optional<int> sign_of(const Integer& x) { return x.sign(); }
 
 // f: corners minus the isovalue. Returns nothing if a sign is beyond the precision of Number.
 template <class Number>
@@ -76,34 +47,20 @@ std::optional<bool> decide(const Tunnel& t, const std::array<Number, 8>& f) {
   return true;
 }
 
-// Converts doubles and 64-bit integers to integers, all multiplied by the same power of two.
-std::array<Integer, 8> integers(const std::array<Real, 8>& samples, Real isovalue) {
-  int least_exponent = INT_MAX;
-  const auto update_least = [&](Real x) {
-    int exponent = 0;
-    std::frexp(x, &exponent);
-    if (x != 0) least_exponent = std::min(least_exponent, exponent - LDBL_MANT_DIG);
-  };
-  std::for_each(samples.begin(), samples.end(), update_least);
-  update_least(isovalue);
-  const auto integer = [&](Real x) {
-    int exponent = 0;
-    const Real mantissa = std::frexp(x, &exponent);
-    if (x == 0) return Integer(0);
-    return Integer(Integer(std::ldexp(mantissa, LDBL_MANT_DIG)) << static_cast<unsigned>(exponent - LDBL_MANT_DIG - least_exponent));
-  };
-  std::array<Integer, 8> out;
-  for (std::size_t i = 0; i < 8; ++i) out[i] = integer(samples[i]) - integer(isovalue);
-  return out;
-}
-
 }  // namespace
 
-bool contains_tunnel(const Tunnel& tunnel, const std::array<long double, 8>& samples, long double isovalue) {
+bool contains_tunnel(const Tunnel& tunnel, const std::array<ExactSample, 8>& samples, const ExactSample& isovalue) {
   std::array<Rounded, 8> f;
-  for (std::size_t i = 0; i < 8; ++i) f[i] = Rounded::rounded(samples[i] - isovalue, 0);
+  for (std::size_t i = 0; i < 8; ++i) f[i] = rounded_difference(samples[i], isovalue);
   if (const auto decided = decide(tunnel, f)) return *decided;
-  return *decide(tunnel, integers(samples, isovalue));
+
+  std::array<ExactSample, 9> all;
+  std::copy(samples.begin(), samples.end(), all.begin());
+  all[8] = isovalue;
+  const std::array<Integer, 9> integers = common_integers(all);
+  std::array<Integer, 8> exact;
+  for (std::size_t i = 0; i < 8; ++i) exact[i] = integers[i] - integers[8];
+  return *decide(tunnel, exact);
 }
 
 }  // namespace isoatlas::detail

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "core/exact_numbers.h"
 #include "isosurface/cell_loops.h"
 
 namespace isoatlas::detail {
@@ -14,6 +15,6 @@ namespace isoatlas::detail {
 /// @param tunnel   from CellLoopTable::tunnels() for the cell's corners and the exact decisions on
 ///                 its faces
 /// @cost  a floating-point filter nearly always suffices; otherwise integers as long as necessary
-bool contains_tunnel(const Tunnel& tunnel, const std::array<long double, 8>& samples, long double isovalue);
+bool contains_tunnel(const Tunnel& tunnel, const std::array<ExactSample, 8>& samples, const ExactSample& isovalue);
 
 }  // namespace isoatlas::detail

@@ -225,11 +225,11 @@ class Parser {
 
   // The cell's entry in the table with the tunnel between two of its loops, if it has one.
   std::uint16_t decide_tunnel(std::uint16_t loops, const std::array<std::size_t, 8>& sample) const {
-    const long double sign = options_.rule.inside == Inside::above ? 1 : -1;
-    std::array<long double, 8> f;
-    for (std::size_t k = 0; k < 8; ++k) f[k] = sign * field_.exact(sample[k]);
+    const auto inside_above = [&](const ExactSample& x) { return options_.rule.inside == Inside::above ? x : -x; };
+    std::array<ExactSample, 8> f;
+    for (std::size_t k = 0; k < 8; ++k) f[k] = inside_above(field_.exact(sample[k]));
     for (const Tunnel& tunnel : table_.tunnels(loops)) {
-      if (contains_tunnel(tunnel, f, sign * field_.isovalue())) return tunnel.entry;
+      if (contains_tunnel(tunnel, f, inside_above(field_.isovalue()))) return tunnel.entry;
     }
     return loops;
   }

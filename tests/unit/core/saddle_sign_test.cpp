@@ -38,7 +38,11 @@ int exact_sign(long double a, long double b, long double c, long double d, long 
 }
 
 void expect_exact(long double a, long double b, long double c, long double d, long double q) {
-  ASSERT_EQ(saddle_sign(a, b, c, d, q), exact_sign(a, b, c, d, q))
+  const auto sample = [](long double x) {
+    const auto high = static_cast<double>(x);
+    return ExactSample(high, static_cast<double>(x - high));
+  };
+  ASSERT_EQ(saddle_sign(sample(a), sample(b), sample(c), sample(d), sample(q)), exact_sign(a, b, c, d, q))
       << std::hexfloat << a << ", " << b << ", " << c << ", " << d << ", " << q;
 }
 
@@ -136,6 +140,23 @@ TEST(SaddleSign, Integers64) {
       expect_exact(near(), near(), near(), near(), q);
     }
   }
+}
+
+TEST(ExactSample, HoldsEveryIntegerExactly) {
+  Random random(8);
+  const auto expect_whole = [](auto value) {
+    const ExactSample sample = value;
+    EXPECT_EQ(cpp_int(static_cast<std::int64_t>(sample.low)) + cpp_int(sample.high), cpp_int(value));
+    EXPECT_EQ(static_cast<double>(static_cast<std::int64_t>(sample.low)), sample.low);
+  };
+  for (int i = 0; i < 10000; ++i) {
+    expect_whole(random.bits() >> (i % 64));
+    expect_whole(static_cast<std::int64_t>(random.bits()) >> (i % 64));
+  }
+  expect_whole(std::numeric_limits<std::uint64_t>::max());
+  expect_whole(std::numeric_limits<std::int64_t>::max());
+  expect_whole(std::numeric_limits<std::int64_t>::min());
+  expect_whole(std::int8_t{-128});
 }
 
 TEST(SaddleSign, HugeBesideTiny) {

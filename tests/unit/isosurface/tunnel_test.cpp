@@ -32,25 +32,31 @@ struct Decision {
   const Tunnel* tunnel = nullptr;
 };
 
+// A long double of x87 as its double and the rest.
+ExactSample exact(long double x) {
+  const auto high = static_cast<double>(x);
+  return {high, static_cast<double>(x - high)};
+}
+
 template <class Value>
 Decision decide(const std::array<Value, 8>& f, long double isovalue = 0) {
   const CellLoopTable& table = CellLoopTable::get();
-  std::array<long double, 8> samples;
+  std::array<ExactSample, 8> samples;
   unsigned corners = 0, joined = 0;
   for (int c = 0; c < 8; ++c) {
-    samples[c] = static_cast<long double>(f[c]);
-    if (samples[c] >= isovalue) corners |= 1u << c;
+    samples[c] = f[c];
+    if (static_cast<long double>(f[c]) >= isovalue) corners |= 1u << c;
   }
   const auto signs = static_cast<std::uint8_t>(corners);
   for (int face = 0; face < 6; ++face) {
     const auto at = [&](int bu, int bv) { return face_corner(face / 2, face % 2, bu, bv); };
-    const int sign = saddle_sign(samples[at(0, 0)], samples[at(1, 1)], samples[at(1, 0)], samples[at(0, 1)], isovalue);
+    const int sign = saddle_sign(samples[at(0, 0)], samples[at(1, 1)], samples[at(1, 0)], samples[at(0, 1)], exact(isovalue));
     if ((corners >> at(0, 0) & 1) ? sign >= 0 : sign <= 0) joined |= 1u << face;
   }
   const std::uint16_t index = table.index(signs, static_cast<std::uint8_t>(joined));
   Decision out{&table[index], nullptr};
   for (const Tunnel& t : table.tunnels(index)) {
-    if (!contains_tunnel(t, samples, isovalue)) continue;
+    if (!contains_tunnel(t, samples, exact(isovalue))) continue;
     EXPECT_EQ(out.tunnel, nullptr) << "two tunnels in one cell";
     out.tunnel = &t;
   }
