@@ -65,7 +65,7 @@ napoleon_custom_sections = [("Warns", "returns_style")]
 
 # What other projects document, and what is inside namespaces that doxygen leaves out.
 nitpick_ignore_regex = [
-    ("cpp:identifier", r"isoatlas|std|size_t|u?int\d+_t"),
+    ("cpp:identifier", r"isoatlas|std|size_t|ptrdiff_t|u?int\d+_t|Sample|Range|F"),  # the last three: of templates
     # "@throws Error(bad_file)": breathe takes the code for a type; "@throws as extract()".
     ("cpp:identifier", "as|bad_argument|bad_file|unsupported|empty_surface|internal|out_of_memory|cancelled"),
     ("py:.*", r"(?!isoatlas).*"),

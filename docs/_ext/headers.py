@@ -47,6 +47,7 @@ class Header(SphinxDirective):
             options = [":members:", ":undoc-members:"] if directive in ("doxygenstruct", "doxygenclass") else []
             for line in [f".. {directive}:: {name}", *(f"   {option}" for option in options), ""]:
                 text.append(line, header)
+        self.state.inline_text("", self.lineno)  # prepares what "@throws" needs, also where no other text comes before it
         node = nodes.Element()
         self.state.nested_parse(text, self.content_offset, node)
         for paragraph in list(node.findall(nodes.paragraph)):
