@@ -8,7 +8,7 @@
 namespace isoatlas::detail::tool {
 namespace {
 
-constexpr std::size_t kColumns = 80, kIndent = 4, kDeepIndent = 10;
+constexpr std::size_t kColumns = 80, kIndent = 4, kDeepIndent = 10, kCommandWidth = 12;
 
 /// Fills lines with the words of `text`; an empty line in it separates paragraphs.
 std::string filled(const std::string& text, std::size_t indent) {
@@ -63,9 +63,11 @@ std::string ManPage::make_help(const CLI::App* app, std::string name, CLI::AppFo
   page += section("Description", filled(text_.description, kIndent));
 
   std::string commands;
-  for (const CLI::App* command : app->get_subcommands([](const CLI::App*) { return true; }))
-    commands +=
-        indent + command->get_name() + std::string(kDeepIndent - command->get_name().size(), ' ') + command->get_description() + "\n";
+  for (const CLI::App* command : app->get_subcommands([](const CLI::App*) { return true; })) {
+    std::string column = command->get_name();
+    column.resize(std::max(kCommandWidth, column.size() + 1), ' ');
+    commands += indent + column + command->get_description() + "\n";
+  }
   if (!commands.empty()) page += section("Commands", commands);
 
   for (const std::string& group : text_.groups) {

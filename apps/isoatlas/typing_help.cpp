@@ -185,7 +185,7 @@ std::string find_mistake(const CLI::App& app, const Words& words) {
 }
 
 std::string usage(const CLI::App& app) {
-  constexpr std::size_t kNameWidth = 10;
+  constexpr std::size_t kNameWidth = 12;
   std::string text = "usage: isoatlas COMMAND ...\n\n";
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
     std::string name = command->get_name();
