@@ -51,7 +51,7 @@ std::size_t VolumeView::offset_of_first(std::size_t count, const Size3& size, co
     least += std::min<std::ptrdiff_t>(reach, 0);
     most += std::max<std::ptrdiff_t>(reach, 0);
   }
-  const bool is_empty = std::ranges::count(size, std::size_t{0}) > 0;
+  const bool is_empty = std::count(size.begin(), size.end(), std::size_t{0}) > 0;
   const std::size_t needed = is_empty ? 0 : static_cast<std::size_t>(most - least) + 1;
   const bool is_exact = strides == Strides{};
   if (is_exact ? count != needed : count < needed) {

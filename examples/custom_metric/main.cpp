@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// An error metric of your own: the normals of a cell may differ from the normal at its vertex by at most 20 degrees.
+#include <isoatlas/isoatlas.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <numbers>
+
+int main() {
+  using namespace isoatlas;
+  const auto bend = [](const CellGeometry& cell) {
+    double largest = 0;
+    for (const Vec3& n : cell.normals) {
+      const double cosine = n.x * cell.normal.x + n.y * cell.normal.y + n.z * cell.normal.z;
+      largest = std::max(largest, std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi);
+    }
+    return largest;
+  };
+  const auto torus = [](Vec3 p) { return 0.3 - std::hypot(std::hypot(p.x, p.y) - 0.7, p.z); };
+  const Volume volume = sample(torus, {-1.2, -1.2, -0.5}, {1.2, 1.2, 0.5}, 0.025);
+  const Extraction result = extract(volume, 0, {bounded("bend", bend, 20)});
+
+  const ConstraintResult& outcome = result.finest().constraints.at(0);
+  std::cout << name(outcome.wanted) << (outcome.met ? " at most " : " above ") << outcome.wanted.bound << ", genus "
+            << result.finest().topology.genus << '\n';
+}
