@@ -24,10 +24,11 @@ cp /etc/resolv.conf /etc/hosts "$root/debian/etc/"
 [ -d /usr/share/keyrings ] && cp -rn /usr/share/keyrings/. "$root/debian/usr/share/keyrings/"
 cp "$package" "$root/debian/root/isoatlas.deb"
 cp -r "$consumer" "$root/debian/root/consumer"
-in_root apt-get update -qq
+in_root apt-get update -qq || skip "the new root reaches no mirror"
 
 # What the package needs is fetched first: the network is not what is measured.
-in_root apt-get install -y -qq --no-install-recommends --download-only /root/isoatlas.deb > /dev/null
+in_root apt-get install -y -qq --no-install-recommends --download-only /root/isoatlas.deb > /dev/null ||
+  skip "the packages that it depends on cannot be fetched"
 start=$(date +%s)
 in_root dpkg -i /root/isoatlas.deb > /dev/null 2>&1 || in_root apt-get install -f -y -qq --no-install-recommends > /dev/null
 in_root isoatlas extract /usr/share/isoatlas/samples/protein_iron.nhdr --iso 100 --max-distance 0.5vx -o /root/protein.ply
@@ -35,7 +36,7 @@ echo "from dpkg -i to a mesh: $(($(date +%s) - start)) s"
 in_root isoatlas check /root/protein.ply > /dev/null
 in_root sh -c 'test -s /usr/share/man/man1/isoatlas-extract.1.gz || test -s /usr/share/man/man1/isoatlas-extract.1'
 
-in_root apt-get install -y -qq --no-install-recommends g++ cmake make pkg-config > /dev/null
+in_root apt-get install -y -qq --no-install-recommends g++ cmake make pkg-config > /dev/null || skip "no compiler can be fetched"
 in_root sh -c 'cmake -S /root/consumer -B /root/build > /dev/null && cmake --build /root/build > /dev/null && /root/build/consumer'
 in_root sh -c 'g++ -std=c++20 /root/consumer/main.cpp $(pkg-config --cflags --libs isoatlas) -o /root/by_pkgconfig && /root/by_pkgconfig'
 in_root dpkg -r isoatlas > /dev/null
