@@ -64,7 +64,6 @@ EXCEPTIONS = [
     ("", r"parting_sites|turned_components|divided_c_vertices|deepest_division|report\.shifts|shape\.shifts", "public report field, not renamed yet"),
     ("", r"ShapeObstacle::crowded|kMostDivisions|radius_field", "public enumerator, not renamed yet"),
     ("src/core/distance_queue.h", r"bucket", "the buckets of a radix heap"),
-    ("src/field/classify.cpp", r"say with --nan", "tells the user which option to give; quoted in generated documents"),
     ("tests/unit/error/measure_test.cpp", r"/ rings, around", "two variables side by side"),
     ("tests/unit/api/embedded_test.cpp", r"level\.shifts", "public report field, not renamed yet"),
 ]

@@ -38,11 +38,11 @@ std::string joined(std::span<const std::string_view> words) {
   return out;
 }
 
-/// "-o --output": what is typed for an option.
-std::string names_of(const CLI::Option& option) {
-  std::string out;
-  for (const std::string& name : option.get_snames()) out += (out.empty() ? "-" : " -") + name;
-  for (const std::string& name : option.get_lnames()) out += (out.empty() ? "--" : " --") + name;
+/// "-o", "--output": what is typed for an option.
+std::vector<std::string> names_of(const CLI::Option& option) {
+  std::vector<std::string> out;
+  for (const std::string& name : option.get_snames()) out.push_back("-" + name);
+  for (const std::string& name : option.get_lnames()) out.push_back("--" + name);
   return out;
 }
 
@@ -73,7 +73,8 @@ std::string bash_script(const CLI::App& app) {
   for (const CLI::App* command : commands_of(app)) {
     commands += (commands.empty() ? "" : " ") + command->get_name();
     std::string names;
-    for (const CLI::Option* option : options_of(*command)) names += (names.empty() ? "" : " ") + names_of(*option);
+    for (const CLI::Option* option : options_of(*command))
+      for (const std::string& name : names_of(*option)) names += (names.empty() ? "" : " ") + name;
     options += "    " + command->get_name() + ") options=\"" + names + "\" ;;\n";
   }
   for (const OptionWords& option : option_words())
@@ -109,10 +110,8 @@ std::string zsh_script(const CLI::App& app) {
     for (const CLI::Option* option : options_of(*command)) {
       const auto words = words_of(*option);
       const std::string value = !takes_value(*option) ? "" : words.empty() ? ":value:_files" : ":value:(" + joined(words) + ")";
-      for (const std::string& name : option->get_snames())
-        cases += " \\\n        '*-" + name + "[" + summary(option->get_description()) + "]" + value + "'";
-      for (const std::string& name : option->get_lnames())
-        cases += " \\\n        '*--" + name + "[" + summary(option->get_description()) + "]" + value + "'";
+      const std::string rest = "[" + summary(option->get_description()) + "]" + value + "'";
+      for (const std::string& name : names_of(*option)) cases += " \\\n        '*" + name + rest;
     }
     cases += " \\\n        '*:file:_files'\n      ;;\n";
   }

@@ -54,6 +54,16 @@ std::string option_entry(const CLI::Option& option) {
 
 }  // namespace
 
+std::string command_list(const CLI::App& app, std::size_t indent) {
+  std::string lines;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    std::string name = command->get_name();
+    name.resize(std::max(kCommandWidth, name.size() + 1), ' ');
+    lines += std::string(indent, ' ') + name + command->get_description() + "\n";
+  }
+  return lines;
+}
+
 std::string ManPage::make_help(const CLI::App* app, std::string name, CLI::AppFormatMode) const {
   if (name.empty()) name = app->get_name();
   const std::string indent(kIndent, ' ');
@@ -62,13 +72,7 @@ std::string ManPage::make_help(const CLI::App* app, std::string name, CLI::AppFo
   if (!text_.common_options.empty()) page += section("Common options", indented(text_.common_options));
   page += section("Description", filled(text_.description, kIndent));
 
-  std::string commands;
-  for (const CLI::App* command : app->get_subcommands([](const CLI::App*) { return true; })) {
-    std::string column = command->get_name();
-    column.resize(std::max(kCommandWidth, column.size() + 1), ' ');
-    commands += indent + column + command->get_description() + "\n";
-  }
-  if (!commands.empty()) page += section("Commands", commands);
+  if (const std::string commands = command_list(*app, kIndent); !commands.empty()) page += section("Commands", commands);
 
   for (const std::string& group : text_.groups) {
     std::string entries;

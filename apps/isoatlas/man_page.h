@@ -8,6 +8,9 @@
 
 namespace isoatlas::detail::tool {
 
+/// The commands of the tool with their descriptions, one per line.
+std::string command_list(const CLI::App& app, std::size_t indent);
+
 /// Makes --help of a command read like a manual page: what CLI11 knows of the options, between prose.
 /// The command's description is the NAME line.
 class ManPage : public CLI::FormatterBase {

@@ -8,6 +8,7 @@
 
 #include "command_words.h"
 #include "file_kinds.h"
+#include "man_page.h"
 #include "nearest_name.h"
 #include "option_mistakes.h"
 #include "other_programs.h"
@@ -185,14 +186,8 @@ std::string find_mistake(const CLI::App& app, const Words& words) {
 }
 
 std::string usage(const CLI::App& app) {
-  constexpr std::size_t kNameWidth = 12;
-  std::string text = "usage: isoatlas COMMAND ...\n\n";
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
-    std::string name = command->get_name();
-    name.resize(std::max(kNameWidth, name.size() + 1), ' ');
-    text += "  " + name + command->get_description() + "\n";
-  }
-  return text + "\n`isoatlas help COMMAND` explains a command, `isoatlas help` all of them.\n";
+  return "usage: isoatlas COMMAND ...\n\n" + command_list(app, 2) +
+         "\n`isoatlas help COMMAND` explains a command, `isoatlas help` all of them.\n";
 }
 
 }  // namespace isoatlas::detail::tool

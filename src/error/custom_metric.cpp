@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "core/parallel.h"
+#include "core/vector_math.h"
 #include "isoatlas/error.h"
 
 namespace isoatlas::detail {
@@ -45,3 +47,23 @@ double custom_maximum(const CustomMetric& metric, const Surfels& surfels, const 
 }
 
 }  // namespace isoatlas::detail
+
+namespace isoatlas {
+
+Constraint sized_by(std::function<double(Vec3)> longest_edge) {
+  using namespace detail;
+  const auto largest_ratio = [longest_edge = std::move(longest_edge)](const CellGeometry& cell) {
+    double largest = 0;
+    for (const std::array<Vec3, 3>& t : cell.triangles) {
+      for (const Vec3& end : {t[1], t[2]}) {
+        const double allowed = longest_edge(0.5 * (t[0] + end));
+        if (!(allowed > 0)) throw Error(ErrorCode::bad_argument, "the sizing field is not positive everywhere");
+        largest = std::max(largest, length(end - t[0]) / allowed);
+      }
+    }
+    return largest;
+  };
+  return bounded("sizing-field", largest_ratio, 1);
+}
+
+}  // namespace isoatlas

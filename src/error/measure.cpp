@@ -22,6 +22,7 @@
 #include "field/check_volume.h"
 #include "field/dense_volume.h"
 #include "field/to_space.h"
+#include "geometry/require_corners.h"
 #include "isosurface/parse_surface.h"
 
 namespace isoatlas::detail {
@@ -37,13 +38,7 @@ void require(bool good, const std::string& message) {
 
 void check_mesh(const MeshView& mesh, Vec3 spacing) {
   require(!mesh.triangles.empty(), "the mesh has no triangles");
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    for (const std::uint32_t v : mesh.triangles[t]) {
-      if (v < mesh.positions.size()) continue;
-      throw Error(ErrorCode::bad_argument, "triangle " + std::to_string(t) + " uses vertex " + std::to_string(v) + ", but there are only " +
-                                               std::to_string(mesh.positions.size()));
-    }
-  }
+  require_corners(mesh);
   const double farthest = kMaxVoxels * std::min({spacing.x, spacing.y, spacing.z});
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
     const Vec3 p = to_metric(mesh.positions[v], spacing);
@@ -314,15 +309,13 @@ Measurement measure(const MeshView& mesh, const VolumeView& any_volume, const Me
   require(options.samples > 0, "no samples are wanted");
   const ThreadLimit threads(control.threads);
   const Grid& grid = volume.grid;
-  const double voxel = grid.smallest_spacing(), flip = options.space == Space::ras ? -1 : 1;
+  const double voxel = grid.smallest_spacing();
 
   // To sample-index coordinates; as in extract(), the unit of length is the smallest spacing.
   TriangleMesh index{{mesh.positions.begin(), mesh.positions.end()}, {mesh.triangles.begin(), mesh.triangles.end()}};
-  if (options.space != Space::voxel) {
-    for (Vec3& p : index.positions) p = grid.to_index({flip * p.x, flip * p.y, p.z});
-    if (grid.mirrored()) {
-      for (Triangle& t : index.triangles) std::swap(t[1], t[2]);
-    }
+  for (Vec3& p : index.positions) p = from_space(grid, options.space, p);
+  if (options.space != Space::voxel && grid.mirrored()) {
+    for (Triangle& t : index.triangles) std::swap(t[1], t[2]);
   }
   VolumeView in_voxels = volume;
   in_voxels.grid.spacing = {grid.spacing.x / voxel, grid.spacing.y / voxel, grid.spacing.z / voxel};

@@ -37,4 +37,10 @@ Vec3 to_space(const Grid& grid, Space space, Vec3 index) {
   return {flip * w.x, flip * w.y, w.z};
 }
 
+Vec3 from_space(const Grid& grid, Space space, Vec3 position) {
+  if (space == Space::voxel) return position;
+  const double flip = space == Space::ras ? -1 : 1;
+  return grid.to_index({flip * position.x, flip * position.y, position.z});
+}
+
 }  // namespace isoatlas::detail

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
-#include <string>
 #include <vector>
 
 #include "core/parallel.h"
@@ -8,6 +6,9 @@
 #include "field/check_volume.h"
 #include "field/dense_volume.h"
 #include "field/interpolated_field.h"
+#include "field/to_space.h"
+#include "geometry/bounds.h"
+#include "geometry/require_corners.h"
 #include "geometry/vertex_normals.h"
 #include "isoatlas/error.h"
 #include "isoatlas/normals.h"
@@ -18,31 +19,12 @@ namespace {
 
 constexpr std::size_t kVerticesPerPiece = 1024;
 
-void require_corners(const MeshView& mesh) {
-  for (const Triangle& t : mesh.triangles) {
-    for (const std::uint32_t v : t) {
-      if (v >= mesh.positions.size())
-        throw Error(ErrorCode::bad_argument,
-                    "a triangle uses vertex " + std::to_string(v) + ", but there are only " + std::to_string(mesh.positions.size()));
-    }
-  }
-}
-
-double longest_side(const MeshView& mesh) {
-  Vec3 low = mesh.positions.empty() ? Vec3{} : mesh.positions[0], high = low;
-  for (const Vec3& p : mesh.positions) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  }
-  const double side = std::max({high.x - low.x, high.y - low.y, high.z - low.z});
-  return side > 0 ? side : 1;
-}
-
 }  // namespace
 
 std::vector<Vec3> vertex_normals(const MeshView& mesh) {
   require_corners(mesh);
-  return detail::vertex_normals(mesh, longest_side(mesh));
+  const double size = mesh.positions.empty() ? 0 : bounds_of(mesh.positions).longest();
+  return detail::vertex_normals(mesh, size > 0 ? size : 1);
 }
 
 std::vector<Vec3> vertex_normals(const MeshView& mesh, const VolumeView& any_volume, const SurfaceOptions& surface, Space space,
@@ -57,8 +39,7 @@ std::vector<Vec3> vertex_normals(const MeshView& mesh, const VolumeView& any_vol
   const Vec3 last = field.last();
   const auto is_inside = [](double x, double most) { return x >= -1e-6 && x <= most + 1e-6; };
   for_each_index(mesh.positions.size(), kVerticesPerPiece, &control, [&](std::size_t v) {
-    const Vec3 p = mesh.positions[v];
-    const Vec3 index = space == Space::voxel ? p : grid.to_index({flip * p.x, flip * p.y, p.z});
+    const Vec3 index = from_space(grid, space, mesh.positions[v]);
     if (!is_inside(index.x, last.x) || !is_inside(index.y, last.y) || !is_inside(index.z, last.z)) return;
     const Vec3 slope = field.at(index).gradient;  // grows inwards
     Vec3 normal{-slope.x, -slope.y, -slope.z};

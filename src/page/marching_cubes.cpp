@@ -17,6 +17,7 @@
 
 #include "core/disjoint_sets.h"
 #include "core/vector_math.h"
+#include "field/to_space.h"
 #include "page/page.h"
 
 namespace isoatlas::detail {
@@ -94,9 +95,7 @@ void keep_components_at(TriangleMesh& mesh, std::span<const Vec3> points, Vec3 s
 }  // namespace
 
 std::vector<Vec3> to_index(std::vector<Vec3> positions, const Grid& grid, Space space) {
-  if (space == Space::voxel) return positions;
-  const double flip = space == Space::ras ? -1 : 1;
-  for (Vec3& p : positions) p = grid.to_index({flip * p.x, flip * p.y, p.z});
+  for (Vec3& p : positions) p = from_space(grid, space, p);
   return positions;
 }
 

@@ -17,9 +17,6 @@ namespace {
 // Fewer vertices than a tetrahedron's make no closed surface.
 constexpr std::uint32_t kLeastVertices = 4;
 
-// What one level is refined to when nobody says anything: below half a voxel a mesh follows the trilinear surface.
-constexpr TypedConstraint kDefault{Quantity::max_distance, 0.5, true, true};
-
 [[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::bad_argument, message); }
 
 std::string in_quotes(std::string_view text) { return std::string("'").append(text).append("'"); }
@@ -71,6 +68,10 @@ Quantity parse_quantity(std::string_view text) {
   std::string names;
   for (std::size_t i = 0; i < kQuantityCount; ++i) names += (i == 0 ? "" : ", ") + std::string(name(static_cast<Quantity>(i)));
   refuse("there is no " + in_quotes(text) + ", expected one of " + names);
+}
+
+void add_default(std::vector<TypedConstraint>& goal) {
+  for (const Constraint& c : default_goal()) goal.push_back({c.quantity, c.bound, c.in_voxels, c.is_default});
 }
 
 void require_each_quantity_once(const std::vector<TypedConstraint>& goal, std::size_t level) {
@@ -140,16 +141,16 @@ TypedGoals plan_levels(const std::vector<GoalArgument>& arguments, bool only_coa
   } else if (goals.refine.empty()) {
     std::vector<TypedConstraint> goal = goal_of(kNone, 1);
     // Last: what somebody asked for is more important than what nobody did.
-    if (std::none_of(goal.begin(), goal.end(), [](const TypedConstraint& c) { return is_metric(c.quantity); })) goal.push_back(kDefault);
+    if (std::none_of(goal.begin(), goal.end(), [](const TypedConstraint& c) { return is_metric(c.quantity); })) add_default(goal);
     goals.refine.push_back(std::move(goal));
   }
   return goals;
 }
 
 Constraint TypedConstraint::in_world(const Grid& grid) const {
-  if (is_default && in_voxels) return {quantity, bound * default_voxel(grid), true};
+  if (in_voxels) return detail::in_world(LevelGoal{Constraint{quantity, bound, is_default, true}}, grid).front();
   try {
-    return {quantity, TypedLength{bound, in_voxels, unit}.in_world(grid), is_default};
+    return {quantity, world_length(bound, unit, grid), is_default};
   } catch (const Error& error) {
     refuse(std::string(name(quantity)) + ": " + error.what());
   }

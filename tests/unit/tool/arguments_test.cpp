@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <CLI/CLI.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include "completion.h"
 
 namespace isoatlas::detail::tool {
 namespace {
@@ -76,6 +79,30 @@ TEST(ExtractArguments, Measure) {
   EXPECT_EQ(parsed({}).options.measure_samples, 0U);
   EXPECT_EQ(parsed({"--measure"}).options.measure_samples, 200'000U);
   EXPECT_EQ(parsed({"--measure-samples", "12"}).options.measure_samples, 12U);
+}
+
+// What the shell completes is accepted by the options.
+TEST(Completion, WordsAreThoseThatOptionsTake) {
+  CLI::App app;
+  ExtractArguments extract;
+  InfoArguments info;
+  CheckArguments check;
+  std::size_t words = 0;
+  for (CLI::App* command : {add_extract_command(app, extract), add_info_command(app, info), add_check_command(app, check)}) {
+    for (CLI::Option* option : command->get_options()) {
+      for (const std::string_view word : words_of(*option)) {
+        option->clear();
+        option->add_result(std::string(word));
+        EXPECT_NO_THROW(option->run_callback()) << command->get_name() << " " << option->get_name() << " " << word;
+        ++words;
+      }
+      if (words_of(*option).empty()) continue;
+      option->clear();
+      option->add_result("nonsense");
+      EXPECT_THROW(option->run_callback(), CLI::ValidationError) << option->get_name();
+    }
+  }
+  EXPECT_GT(words, 40U);
 }
 
 }  // namespace
