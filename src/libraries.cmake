@@ -20,7 +20,7 @@ endif()
 
 if(ISOATLAS_BUILD_IO)
   if(TARGET isoatlas_shared)
-    # The internals of the core that it needs are inside a second time, hidden: the core's library does not export them.
+    # It contains a hidden copy of the internals that it needs, because the core's library does not export them.
     isoatlas_library(isoatlas_io_shared SHARED OUTPUT isoatlas_io MODULES ${io_modules}
       LINK isoatlas_shared isoatlas_core_modules isoatlas_io_modules)
     target_link_libraries(isoatlas_io_shared INTERFACE isoatlas_shared)

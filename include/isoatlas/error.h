@@ -20,9 +20,9 @@ enum class ErrorCode {
   cancelled,      ///< the caller asked to stop                                 exit 130
 };
 
-/// What the caller can do about an error, for programs that say it in the words of their own options.
+/// What the caller can do about an error. A program with options of its own can name these instead.
 enum class Remedy : std::uint8_t {
-  none,          ///< the problem itself says it
+  none,          ///< the problem itself states it
   place_nan,     ///< "set SurfaceOptions::non_finite to below or above"
   only_coarse,   ///< "leave ExtractOptions::refine and ::coarse empty, or resample the volume to a box-shaped grid"
   allow_memory,  ///< "set ReadOptions::max_memory to allow more"

@@ -11,8 +11,8 @@
 
 namespace isoatlas {
 
-/// A scalar field that is given by a function of a point in the world, such as a distance or an implicit function. Both functions are
-/// called by several threads at once.
+/// A scalar field given by a function of a point in the world, for example a distance or an implicit function. Several threads call the
+/// functions at the same time.
 struct ScalarField {
   std::function<double(Vec3)> value;
   std::function<Vec3(Vec3)> gradient{};  ///< optional; vertex_normals() uses it
@@ -30,7 +30,9 @@ struct ScalarField {
 /// @cost   one call per sample; 8 bytes per sample
 ISOATLAS_API Volume sample(const ScalarField& field, const Grid& grid, const RunControl& control = {});
 
-/// The same in a box of the world with about so much between samples: exactly, along an axis that is a multiple of `spacing`.
+/// The same in a box of the world. Along each axis the samples are `spacing` apart, adjusted so that a whole number of steps fits.
+/// @throws Error(bad_argument) if the box has no length along an axis, or the spacing is not positive or gives more than a million samples
+///         along an axis; and as above
 ISOATLAS_API Volume sample(const ScalarField& field, Vec3 low, Vec3 high, double spacing, const RunControl& control = {});
 
 }  // namespace isoatlas

@@ -33,7 +33,7 @@ struct ISOATLAS_API Hierarchy {
   std::uint32_t level_of(std::uint32_t vertex) const;
   /// The triangles of a level with its vertices: `placed` if it has them, else its prefix of `positions`.
   TriangleMesh mesh(std::size_t level) const;
-  /// The same without a copy, as long as the hierarchy is there and not changed.
+  /// The same without a copy; valid as long as the hierarchy exists and does not change.
   MeshView view(std::size_t level) const;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// All of the core library. Files in and out: isoatlas/io.h, in the library isoatlas_io.
+// The whole core library. isoatlas/io.h, of the library isoatlas_io, reads and writes files.
 #pragma once
 
 #include "isoatlas/certificate.h"

@@ -21,7 +21,7 @@ struct TriangleMesh {
   std::vector<Triangle> triangles;
 };
 
-/// A mesh whose arrays somebody else owns.
+/// A mesh that does not own its arrays.
 struct MeshView {
   std::span<const Vec3> positions;      ///< V x 3
   std::span<const Triangle> triangles;  ///< T x 3, corners < V

@@ -111,8 +111,8 @@ struct LevelGoal : std::vector<Constraint> {
   LevelGoal(const Constraint& constraint) : std::vector<Constraint>{constraint} {}
 };
 
-/// What a level is refined to where nobody says anything: half a voxel. Where layers are more than four times as thick as the smallest
-/// spacing, an eighth of the largest spacing: between them the surface is interpolated, and following it more closely would be in vain.
+/// The default bound on the distance: half a voxel, or an eighth of the largest spacing where that is more. The surface between thick
+/// layers is interpolated, so a mesh that follows it more closely is not closer to the object.
 inline LevelGoal default_goal() { return Constraint{Quantity::max_distance, 0.5, true, true}; }
 
 /// Where a level's vertices sit. surface: on the isosurface, the same in all levels. balanced: per level, moved along the

@@ -76,12 +76,12 @@ constexpr SampleType sample_type_of() {
   return static_cast<SampleType>(2 * log_size + (std::is_signed_v<T> ? 0 : 1));
 }
 
-/// The samples of a volume, which somebody else owns, in native byte order.
+/// A volume that does not own its samples, which are in native byte order.
 struct ISOATLAS_API VolumeView {
   Grid grid;
   SampleType type = SampleType::float32;
   const void* samples = nullptr;  ///< sample (0, 0, 0)
-  Strides strides{};              ///< all 0: x fastest, without gaps. Functions that need many samples copy others once, O(N)
+  Strides strides{};              ///< all 0: x fastest, without gaps; any other volume is copied once by each function, O(N)
 
   /// A view of a vector, span, array or other contiguous range of numbers, with spacing 1.
   /// @throws Error(bad_argument) if there are not size.x * size.y * size.z of them, x fastest
@@ -91,8 +91,7 @@ struct ISOATLAS_API VolumeView {
       of(Range&& samples, const Size3& size) {
     return of(std::span<const std::ranges::range_value_t<Range>>(samples), size, Strides{});
   }
-  /// A view of samples that are not x fastest, or have gaps between them. `samples` begins with sample (0, 0, 0) or, where a stride is
-  /// negative, before it.
+  /// A view of samples in another order, or with gaps between them. `samples` starts with the sample that is first in memory.
   /// @throws Error(bad_argument) if a sample would be outside `samples`
   template <Sample T>
   static VolumeView of(std::span<const T> samples, const Size3& size, const Strides& strides) {
@@ -119,7 +118,7 @@ struct Volume {
   std::shared_ptr<const void> owner;
 
   operator const VolumeView&() const& { return view; }
-  operator VolumeView() && = delete;  ///< it would point to samples that are gone
+  operator VolumeView() && = delete;  ///< the view would outlive the samples
 };
 
 struct SampleSummary {

@@ -13,7 +13,7 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr double kThickLayers = 4;  // layers count from so many smallest spacings on
+constexpr double kThickLayers = 4;  // a layer is thick if it exceeds this many smallest spacings
 
 void resolve(std::optional<Length>& length, const Grid& grid) {
   if (length && length->in_voxels) *length = length->value * grid.smallest_spacing();
@@ -25,22 +25,23 @@ std::shared_ptr<const CustomMetric> in_metric_coordinates(const CustomMetric& me
   const bool is_mirrored = grid.mirrored();
   const auto direction = grid.direction;
   const Vec3 origin = grid.origin;
-  const auto turned = [direction](Vec3 v) { return v.x * direction[0] + v.y * direction[1] + v.z * direction[2]; };
-  const auto world = [turned, origin, voxel](Vec3 point) { return origin + voxel * turned(point); };
-  const auto value = [metric, turned, world, voxel, is_mirrored](const CellGeometry& cell) {
+  const auto to_world_direction = [direction](Vec3 v) { return v.x * direction[0] + v.y * direction[1] + v.z * direction[2]; };
+  const auto to_world = [to_world_direction, origin, voxel](Vec3 point) { return origin + voxel * to_world_direction(point); };
+  const auto value = [metric, to_world_direction, to_world, voxel, is_mirrored](const CellGeometry& cell) {
     const auto mapped = [](std::span<const Vec3> from, const auto& map) {
       std::vector<Vec3> out;
       out.reserve(from.size());
       for (const Vec3& p : from) out.push_back(map(p));
       return out;
     };
-    const std::vector<Vec3> points = mapped(cell.points, world), normals = mapped(cell.normals, turned);
+    const std::vector<Vec3> points = mapped(cell.points, to_world), normals = mapped(cell.normals, to_world_direction);
     std::vector<double> areas(cell.areas.begin(), cell.areas.end());
     for (double& area : areas) area *= voxel * voxel;
     std::vector<std::array<Vec3, 3>> triangles;
     triangles.reserve(cell.triangles.size());
-    for (const auto& t : cell.triangles) triangles.push_back({world(t[0]), world(t[is_mirrored ? 2 : 1]), world(t[is_mirrored ? 1 : 2])});
-    return metric.value({world(cell.vertex), turned(cell.normal), points, normals, areas, triangles});
+    for (const auto& t : cell.triangles)
+      triangles.push_back({to_world(t[0]), to_world(t[is_mirrored ? 2 : 1]), to_world(t[is_mirrored ? 1 : 2])});
+    return metric.value({to_world(cell.vertex), to_world_direction(cell.normal), points, normals, areas, triangles});
   };
   return std::make_shared<const CustomMetric>(CustomMetric{metric.name, value});
 }

@@ -5,9 +5,9 @@
 
 namespace isoatlas::detail {
 
-/// The voxel that the default bound is half of: the smallest spacing, or a quarter of the largest one where that is more. Between layers
-/// that are far apart the surface is interpolated: a mesh that followed it more closely would not be nearer to what was scanned, nor could
-/// it, since the surface complex has one c-vertex per grid cell.
+/// The length of which the default bound is a half: the smallest spacing, or a quarter of the largest one if that is more. The surface
+/// between thick layers is interpolated. A mesh that follows it more closely is not closer to the scanned object, and usually cannot be
+/// made, since the surface complex has one c-vertex per grid cell.
 double default_voxel(const Grid& grid);
 
 /// A goal with all lengths in world units.

@@ -56,7 +56,7 @@ inline Rounded rounded_difference(const ExactSample& a, const ExactSample& b) {
   return Rounded(a.high - b.high, 0) + Rounded(a.low - b.low, 0);
 }
 
-/// The sign (-1, 0, 1), or nothing if the error does not permit to know it.
+/// The sign, -1 or 1; nothing if it is within the error.
 inline std::optional<int> sign_of(const Rounded& x) {
   if (std::fabs(x.value) > x.error && std::isfinite(x.value)) return x.value > 0 ? 1 : -1;
   return {};
