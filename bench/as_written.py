@@ -57,7 +57,7 @@ def main():
                 files = {e: judged(args.oracle, folder / f"m-{k}.{e}") for e in ("ply", "stl")}
                 pairs = [files[e]["self_intersections"]["pairs"] for e in files]
                 flat = [files[e]["faces_with_zero_area"] for e in files]
-                turned = mesh.levels[k].report["turned_components"]
+                turned = mesh.levels[k].report["inverted_components"]
                 angles, dihedral = quality["angle_degrees"], quality["dihedral_degrees"]
                 lines.append(f"| {label if k == 0 else ''} | {name} | {len(mesh.levels[k].faces):,} | {pairs[0]}, {pairs[1]} | {flat[0]}, {flat[1]} | {turned} | "
                              f"{angles['minimum']:.3g} to {angles['maximum']:.6g} | {angles['above_150']:,} | {dihedral['minimum']:.4g} to {dihedral['maximum']:.5g} |")

@@ -128,7 +128,7 @@ def main():
             total.update({"pairs": sum(found), "before": sum(found_without), "triangles": fine["triangles"], "bad": fine["bad_triangles"]["count"]})
             lines.append(f"| {label}{' (smooth)' if label in SMOOTH else ''} | {found[0]} / {found[1]} / {found[2]} | {found_without[0]} / {found_without[1]} / {found_without[2]} | "
                          f"{fine['triangles']:,} | {fine['triangles'] / fine_without['triangles']:.2f} | {seconds:.1f} | {seconds / seconds_without:.1f} | "
-                         f"{report['divided']['added_c_vertices']:,} ({report['divided']['deepest']}) | {percent(shape['share_below_third'])} | {shape['minimum']:.3f} | "
+                         f"{report['subdivision']['added_c_vertices']:,} ({report['subdivision']['max_depth']}) | {percent(shape['share_below_third'])} | {shape['minimum']:.3f} | "
                          f"{', '.join(f'{n} {o}' for o, n in why.most_common()) or '-'} |")
             print(lines[-1], flush=True)
     text = f"""{TITLE}

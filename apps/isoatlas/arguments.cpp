@@ -231,8 +231,8 @@ Largest radius of the disks that cover the surface; smaller means more triangles
 volume.
 )", [&](const std::string& text) { set(arguments, "max-radius", text); });
   add_value(*command, kMesh, "--covering", "NAME", R"(
-How disks cover the surface. radius-field: their radii follow a field that grows slowly away from where it has to be
-small. halving: the paper's own, for comparison: radii are halved until neighbours fit. Default: radius-field.
+How disks cover the surface. sizing-field: their radii follow a field that grows slowly away from where it has to be
+small. halving: the paper's own, for comparison: radii are halved until neighbours fit. Default: sizing-field.
 )", [&](const std::string& text) { set(arguments, "covering", text); });
   add_value(*command, kMesh, "--event-persistence", "LENGTH", R"(
 Holes in a growing disk that close again within this length do not limit it. Larger ignores more noise in the choice of

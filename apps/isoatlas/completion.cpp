@@ -22,7 +22,7 @@ const std::array<OptionWords, 10>& option_words() {
       {"--nan", {"above", "below"}},
       {"--topology", {"trilinear", "faces"}},
       {"--interpolation", {"trilinear", "tricubic"}},
-      {"--covering", {"radius-field", "halving"}},
+      {"--covering", {"sizing-field", "halving"}},
       {"--placement", {"surface", "balanced"}},
       {"--space", {"lps", "ras", "voxel"}},
       {"--format", {"ply", "stl", "obj", "off", "vtp", "3mf", "gii", "glb"}},

@@ -44,8 +44,8 @@ std::string measured_text(const LevelReport& level, LengthUnit unit) {
   std::string text =
       "measured at most " + with_unit(maximum, unit) + " (99 % within " + with_unit(level.measured->p99() + level.rounding, unit) + ")";
   for (const ConstraintResult& result : level.constraints)
-    if (result.wanted.quantity == Quantity::max_distance && maximum > result.wanted.bound)
-      text += ", MORE than the bound " + with_unit(result.wanted.bound, unit);
+    if (result.constraint.quantity == Quantity::max_distance && maximum > result.constraint.bound)
+      text += ", MORE than the bound " + with_unit(result.constraint.bound, unit);
   return text;
 }
 
@@ -61,12 +61,12 @@ std::string level_text(const LevelReport& level, std::uint32_t supersample, Leng
   std::string text = counted(level.vertices, "vertex") + ", " + counted(level.triangles, "triangle");
   std::string unmet;
   for (const ConstraintResult& result : level.constraints) {
-    const std::string quantity(name(result.wanted.quantity));
-    if (is_metric(result.wanted.quantity)) text += ", " + quantity + " " + bound_text(result.wanted.quantity, result.reached, unit);
-    if (result.wanted.quantity == Quantity::max_distance) text += rounding_text(level, result.reached, unit);
+    const std::string quantity(name(result.constraint.quantity));
+    if (is_metric(result.constraint.quantity)) text += ", " + quantity + " " + bound_text(result.constraint.quantity, result.reached, unit);
+    if (result.constraint.quantity == Quantity::max_distance) text += rounding_text(level, result.reached, unit);
     const std::string bound =
-        result.wanted.is_default ? " (default " + bound_text(result.wanted.quantity, result.wanted.bound, unit) + ")" : "";
-    if (result.met) {
+        result.constraint.is_default ? " (default " + bound_text(result.constraint.quantity, result.constraint.bound, unit) + ")" : "";
+    if (result.satisfied) {
       text += bound;
     } else {
       unmet += (unmet.empty() ? "" : ", ") + quantity + bound;
@@ -98,7 +98,7 @@ std::string distance_sampling(const ExtractReport& report) {
 /// Of all levels. Which component lies in which is compared only where triangles may not intersect.
 std::string counted_again_text(const ExtractReport& report) {
   const auto same = [&](const LevelReport& level) { return level.topology == report.reference; };
-  const auto placed = [](const LevelReport& level) { return level.turned_components == 0; };
+  const auto placed = [](const LevelReport& level) { return level.inverted_components == 0; };
   const std::string what = report.levels.back().self_intersections ? "orientation and nesting" : "orientation";
   return std::string(std::ranges::all_of(report.levels, same) ? "same topology" : "OTHER TOPOLOGY") + ", " +
          (std::ranges::all_of(report.levels, placed) ? what : "but NOT the same " + what);
@@ -134,11 +134,11 @@ void print_level_details(std::ostream& out, const LevelReport& level, std::size_
     say(std::string(name(metric)), metric_text(metric, (*level.metrics)[i], unit));
   }
   for (const ConstraintResult& result : level.constraints)
-    say(result.met                 ? "met"
-        : result.wanted.is_default ? "not met"
+    say(result.satisfied                 ? "satisfied"
+        : result.constraint.is_default ? "not met"
                                    : "NOT MET",
-        std::string(name(result.wanted.quantity)) + " " + bound_text(result.wanted.quantity, result.wanted.bound, unit) +
-            (result.wanted.is_default ? " (default)" : "") + ": reached " + bound_text(result.wanted.quantity, result.reached, unit));
+        std::string(name(result.constraint.quantity)) + " " + bound_text(result.constraint.quantity, result.constraint.bound, unit) +
+            (result.constraint.is_default ? " (default)" : "") + ": reached " + bound_text(result.constraint.quantity, result.reached, unit));
   if (!level.measured) return;
   const auto distances = [unit](const OneSidedDistance& d) {
     return "at most " + with_unit(d.maximum, unit) + ", 99 % within " + with_unit(d.p99, unit) + ", on average " + with_unit(d.mean, unit);
@@ -209,9 +209,9 @@ bool print_unmet(const ExtractReport& report, const ReportContext& context) {
     const LevelReport& level = report.levels[k];
     if (level.self_intersections.value_or(0) > 0)
       say(level_name(k) + ": " + counted(*level.self_intersections, "self-intersection") + ", near " +
-          places_text(level.self_intersection_places) + ": the surface is too close to itself there; --supersample 2 may separate it");
-    if (level.turned_components > 0)
-      say(level_name(k) + ": " + counted(level.turned_components, "component") +
+          places_text(level.self_intersection_positions) + ": the surface is too close to itself there; --supersample 2 may separate it");
+    if (level.inverted_components > 0)
+      say(level_name(k) + ": " + counted(level.inverted_components, "component") +
           " inverted, or inside another component than on the isosurface; a finer level or --supersample 2 may mend it");
   }
   for (const ReportFile& file : context.files) {
@@ -227,15 +227,15 @@ bool print_unmet(const ExtractReport& report, const ReportContext& context) {
   }
   for (std::size_t k = 0; k < report.levels.size(); ++k) {
     for (const ConstraintResult& result : report.levels[k].constraints) {
-      if (result.met || result.wanted.is_default) continue;
-      const Quantity quantity = result.wanted.quantity;
+      if (result.satisfied || result.constraint.is_default) continue;
+      const Quantity quantity = result.constraint.quantity;
       std::cerr << one_line("isoatlas: " + level_name(k) + ": " + std::string(name(quantity)) + " " +
-                            bound_text(quantity, result.wanted.bound, unit) + ": reached " + bound_text(quantity, result.reached, unit) +
+                            bound_text(quantity, result.constraint.bound, unit) + ": reached " + bound_text(quantity, result.reached, unit) +
                             (result.reason.empty() ? "" : ": " + result.reason))
                 << "\n";
     }
   }
-  return is_embedded && std::all_of(report.levels.begin(), report.levels.end(), [](const LevelReport& level) { return level.all_met(); });
+  return is_embedded && std::all_of(report.levels.begin(), report.levels.end(), [](const LevelReport& level) { return level.all_satisfied(); });
 }
 
 void print_rounding(const ReportContext& context) {

@@ -22,6 +22,6 @@ int main() {
   const Extraction result = extract(volume, 0, {bounded("bend", bend, 20)});
 
   const ConstraintResult& outcome = result.finest().constraints.at(0);
-  std::cout << name(outcome.wanted) << (outcome.met ? " at most " : " above ") << outcome.wanted.bound << ", genus "
+  std::cout << name(outcome.constraint) << (outcome.satisfied ? " at most " : " above ") << outcome.constraint.bound << ", genus "
             << result.finest().topology.genus << '\n';
 }

@@ -13,6 +13,6 @@ int main() {
   const Extraction sized = extract(volume, 0, {sized_by(longest_edge)});
   const Extraction even = extract(volume, 0, {bounded(Quantity::max_edge, 0.1)});
 
-  std::cout << "edges " << (sized.finest().all_met() ? "as requested" : "too long") << ", "
+  std::cout << "edges " << (sized.finest().all_satisfied() ? "as requested" : "too long") << ", "
             << even.finest().triangles / sized.finest().triangles << " times fewer triangles than with short edges everywhere\n";
 }

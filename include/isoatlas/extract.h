@@ -26,7 +26,7 @@ struct Extraction {
 /// @throws Error(bad_argument)  size < 2 along an axis, spacing not positive or different by more than 1e6 between axes, origin,
 ///                              direction or a corner of the volume not finite, fewer than 2^16 doubles to a voxel there, direction
 ///                              singular, isovalue not finite, max_radius <= 0, event_persistence < 0, supersample 0 or so large that
-///                              there are too many samples, adaptive_supersample > kMostDivisions, min_component_size < 0 or not finite,
+///                              there are too many samples, adaptive_supersample > kMaxSubdivisions, min_component_size < 0 or not finite,
 ///                              a bound that its quantity cannot have
 /// @throws Error(unsupported)   NaN or infinity while non_finite is `refuse` (message: count and first index); a direction that is
 ///                              not orthonormal, unless `refine` and `coarse` are empty and nothing is to be measured

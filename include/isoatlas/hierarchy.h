@@ -16,7 +16,7 @@ struct ISOATLAS_API Hierarchy {
   struct Level {
     std::uint32_t vertex_count = 0;   ///< the level's vertices are [0, vertex_count); never less than in the level before
     std::vector<Triangle> triangles;  ///< T x 3, corners < vertex_count
-    std::vector<Vec3> placed;         ///< with Placement::balanced, vertex_count positions for this level; else, and in level 0, empty
+    std::vector<Vec3> own_positions;         ///< with Placement::balanced, vertex_count positions for this level; else, and in level 0, empty
     /// Per vertex the largest distance between its cell's part of the isosurface and the mesh, both ways, in world units: what
     /// `max-distance` bounds. Empty if nothing was measured.
     std::vector<float> distance;
@@ -31,13 +31,13 @@ struct ISOATLAS_API Hierarchy {
 
   /// The first level that has the vertex. Throws Error(bad_argument) if none has it.
   std::uint32_t level_of(std::uint32_t vertex) const;
-  /// The triangles of a level with its vertices: `placed` if it has them, else its prefix of `positions`.
+  /// The triangles of a level with its vertices: `own_positions` if it has them, else its prefix of `positions`.
   TriangleMesh mesh(std::size_t level) const;
   /// The same without a copy; valid as long as the hierarchy exists and does not change.
   MeshView view(std::size_t level) const;
 };
 
-/// Levels that come as meshes of their own, coarse to fine, as one: `placed` where a level's vertices are not, bit by bit, the first ones
+/// Levels that come as meshes of their own, coarse to fine, as one: `own_positions` where a level's vertices are not, bit by bit, the first ones
 /// of the finest level; no parents. @pre there are levels
 ISOATLAS_API Hierarchy hierarchy_of(std::vector<TriangleMesh> levels);
 

@@ -103,7 +103,7 @@ ISOATLAS_API std::vector<Vec3> stored_positions(const Hierarchy& hierarchy, std:
 
 struct HierarchyFile {
   /// `parent` is empty: files do not keep it. A level whose vertices are not bit by bit the first ones of the finest level has its
-  /// own in `placed`; in a file with Placement::surface that is a fault of the file.
+  /// own in `own_positions`; in a file with Placement::surface that is a fault of the file.
   Hierarchy hierarchy;
   HierarchyFileInfo info;
 };

@@ -13,15 +13,15 @@ namespace isoatlas {
 
 /// How stage one covers the surface by disks; certificate and repair have the last word either way (docs/theory/04-covering.md).
 enum class CoveringStrategy : std::uint8_t {
-  radius_field,  ///< a radius per c-vertex that grows by a third of the distance at most, sites farthest first
+  sizing_field,  ///< a radius per c-vertex that grows by a third of the distance at most, sites farthest first
   halving,       ///< the paper's own: bins of radii R_g / 2^i, every radius halved until it fits its neighbours'
 };
 
-constexpr std::uint32_t kMostDivisions = 8;  ///< more often the surface is not divided for a bound
+constexpr std::uint32_t kMaxSubdivisions = 8;  ///< more often the surface is not divided for a bound
 
 /// How stage one chooses the sizes of triangles.
 struct CoveringChoice {
-  CoveringStrategy strategy = CoveringStrategy::radius_field;
+  CoveringStrategy strategy = CoveringStrategy::sizing_field;
   /// Largest disk radius R_g of the paper's stage one; none: half the longest side of the volume.
   std::optional<Length> max_radius{};
   /// Topological events that close again within this length do not limit a disk; none: 1.5 voxels, with halving 0.

@@ -126,9 +126,9 @@ struct MetricSummary {
 
 /// A constraint, and what became of it.
 struct ConstraintResult {
-  Constraint wanted;
+  Constraint constraint;
   double reached = 0;
-  bool met = false;
+  bool satisfied = false;
   std::string reason;  ///< if not met: what stood in its way, with figures
 };
 
@@ -137,7 +137,7 @@ enum class ShapeObstacle {
   none,               ///< nothing in particular: no place within reach is better and within the bounds
   earlier_level,      ///< they are vertices of an earlier level
   self_intersection,  ///< elsewhere triangles would meet
-  crowded,            ///< other pieces of the surface are in the same grid cell
+  multi_sheet,        ///< other pieces of the surface are in the same grid cell
 };
 
 }  // namespace isoatlas

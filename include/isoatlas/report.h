@@ -55,7 +55,7 @@ struct ISOATLAS_API LevelReport {
   std::size_t vertices = 0, triangles = 0;
   TopologySummary topology;           ///< counted on the finished triangles, independently
   CertificateReport certificate;      ///< of the level's partition
-  std::size_t turned_components = 0;  ///< components that still do not face outward on the whole, see docs/theory/02-certificate.md
+  std::size_t inverted_components = 0;  ///< components that still do not face outward on the whole, see docs/theory/02-certificate.md
   MeshQuality quality;                ///< measured in world units, whatever the mesh's space
   std::optional<std::array<MetricSummary, kMetricCount>> metrics;  ///< none for a coarse mesh that is all that was asked for
   /// In the order given. Of max-distance the larger one of the metric and of what was measured, if that was asked for.
@@ -66,19 +66,19 @@ struct ISOATLAS_API LevelReport {
   std::vector<CellAtLimit> at_limit;  ///< worst first; supersampling would help there
   std::size_t refine_rounds = 0;
   /// For the triangles' shape: edges flipped, vertices moved to a better c-vertex, and vertices moved within their grid cells.
-  std::size_t flips = 0, moves = 0, shifts = 0;
+  std::size_t flips = 0, moves = 0, displacements = 0;
   std::vector<BadTriangle> bad_triangles;  ///< what is left, worst first
   /// Pairs of triangles that meet where they should not, counted on the finished mesh in the output's space; none: they are allowed.
   std::optional<std::size_t> self_intersections;
-  std::vector<Vec3> self_intersection_places;  ///< near the first few of them, in the mesh's space
-  std::size_t parting_sites = 0;               ///< sites added to take such triangles apart
+  std::vector<Vec3> self_intersection_positions;  ///< near the first few of them, in the mesh's space
+  std::size_t sites_for_intersections = 0;               ///< sites added to take such triangles apart
   std::optional<Measurement> measured;         ///< if asked for
   /// Largest distance in world units by which a written file rounds a position of this level; 0 from extract(). What writes files sets it
   /// and adds it to the lengths in `metrics`, `distance_at_most` and `constraints`.
   double rounding = 0;
   double seconds = 0;
 
-  bool all_met() const;  ///< all constraints but those that nobody asked for
+  bool all_satisfied() const;  ///< all constraints but those that nobody asked for
 };
 
 /// A component whose size was looked at, to keep it or to leave it out.
@@ -99,9 +99,9 @@ struct ExtractReport {
   TopologySummary reference;                    ///< counted on the reference surface complex, without what was dropped
   std::vector<RankedComponent> kept, dropped;   ///< as ExtractOptions asked, largest first; both empty if all were to be kept
   /// Adaptive supersampling: more c-vertices where triangles met, or where a bound could not be kept.
-  std::size_t divided_c_vertices = 0;  ///< around which all faces were divided, every time counted
+  std::size_t subdivided_c_vertices = 0;  ///< around which all faces were divided, every time counted
   std::size_t added_c_vertices = 0;
-  int deepest_division = 0;      ///< how often faces were divided where that was done most often
+  int max_subdivision_depth = 0;      ///< how often faces were divided where that was done most often
   CertificateReport coarsening;  ///< certificate of the partition into blocks; repair_rounds are the rounds of check and cut
   std::vector<LevelReport> levels;
   std::vector<StageTime> seconds;  ///< in order: surface, components, coarsen, cover, certify, mesh, check, refine

@@ -41,6 +41,6 @@ ISOATLAS_API std::vector<TrianglePair> self_intersections(std::span<const Vec3> 
                                                           const SelfIntersectionOptions& options = {}, const RunControl& control = {});
 
 /// Near where two triangles meet: the middle of what their boxes have in common. To find the place, not to compute with it.
-ISOATLAS_API Vec3 meeting_place(std::span<const Vec3> positions, const Triangle& a, const Triangle& b);
+ISOATLAS_API Vec3 intersection_position(std::span<const Vec3> positions, const Triangle& a, const Triangle& b);
 
 }  // namespace isoatlas

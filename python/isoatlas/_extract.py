@@ -44,7 +44,7 @@ def extract(
     max_edge: Length | None = None,
     min_aspect: float | None = None,
     max_radius: Length | None = None,
-    covering: Literal["radius-field", "halving"] = "radius-field",
+    covering: Literal["sizing-field", "halving"] = "sizing-field",
     event_persistence: Length | None = None,
     allow_self_intersections: bool = False,
     placement: Literal["surface", "balanced"] = "surface",
@@ -119,7 +119,7 @@ def extract(
         Shortest over longest edge of a triangle, between 0 and 1.
     max_radius : float or str, optional
         Largest radius of the disks that cover the surface. Default: half the longest side of the volume.
-    covering : {"radius-field", "halving"}
+    covering : {"sizing-field", "halving"}
         How disks cover the surface; ``"halving"`` is the paper's own.
     event_persistence : float or str, optional
         Holes in a growing disk that close again within this length do not limit it. Default: ``"1.5vx"``, with ``"halving"`` 0.

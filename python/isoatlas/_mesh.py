@@ -100,11 +100,11 @@ class Mesh:
     def unmet(self) -> list[str]:
         """A line for each bound that was asked for and could not be met, as the command line prints it; empty: all are met."""
         return [
-            f"level {k}: {c['quantity']} {_bound_text(c['wanted'], c['unit'])}: reached {_bound_text(c['reached'], c['unit'])}"
+            f"level {k}: {c['quantity']} {_bound_text(c['bound'], c['unit'])}: reached {_bound_text(c['reached'], c['unit'])}"
             + (f": {c['reason']}" if c["reason"] else "")
             for k, level in enumerate(self.report["levels"])
             for c in level.get("constraints", ())
-            if not c["met"] and not c["default"]
+            if not c["satisfied"] and not c["default"]
         ]
 
     def save(self, path: str | os.PathLike[str], *, report: str | os.PathLike[str] | None = None, glb_per_level: bool = False) -> None:

@@ -70,14 +70,14 @@ void Axes::to_caller(Extraction& extraction, Space space) const {
   for (Vec3& p : hierarchy.positions) move(p);
   if (hierarchy.float32_origin) move(*hierarchy.float32_origin);
   for (Hierarchy::Level& level : hierarchy.levels) {
-    for (Vec3& p : level.placed) move(p);
+    for (Vec3& p : level.own_positions) move(p);
     if (mirrors()) turn_over(level.triangles);
   }
   for (RankedComponent& component : extraction.report.kept) move(component.position);
   for (RankedComponent& component : extraction.report.dropped) move(component.position);
   for (LevelReport& level : extraction.report.levels) {
     for (CellAtLimit& cell : level.at_limit) move(cell.position);
-    for (Vec3& place : level.self_intersection_places) move(place);
+    for (Vec3& place : level.self_intersection_positions) move(place);
     for (BadTriangle& triangle : level.bad_triangles) move(triangle.position);
     if (level.measured) to_caller(*level.measured, space);
   }

@@ -175,7 +175,7 @@ const Hierarchy::Level& level_at(const Levels& levels, std::size_t level) {
 py::array vertices_of(const std::shared_ptr<Levels>& levels, std::size_t level) {
   static_assert(sizeof(Vec3) == 3 * sizeof(double));
   const Hierarchy::Level& it = level_at(*levels, level);
-  return view_of<double>(it.placed.empty() ? levels->hierarchy.positions.data() : it.placed.data(), it.vertex_count, levels);
+  return view_of<double>(it.own_positions.empty() ? levels->hierarchy.positions.data() : it.own_positions.data(), it.vertex_count, levels);
 }
 
 py::array faces_of(const std::shared_ptr<Levels>& levels, std::size_t level) {

@@ -68,7 +68,7 @@ void check_options(const ExtractOptions& options) {
           "the event persistence must be a length >= 0");
   require(std::isfinite(options.components.min_size) && options.components.min_size >= 0, "the smallest component must have a size >= 0");
   require(options.supersample >= 1, "the factor of supersampling must be at least 1");
-  require(options.adaptive_supersample <= kMostDivisions, "adaptive supersampling may divide the surface at most 8 times");
+  require(options.adaptive_supersample <= kMaxSubdivisions, "adaptive supersampling may divide the surface at most 8 times");
   std::vector<const LevelGoal*> goals{&options.coarse};
   for (const LevelGoal& goal : options.refine) goals.push_back(&goal);
   for (const LevelGoal* goal : goals) {
@@ -232,9 +232,9 @@ Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_optio
   hierarchy.parent.resize(hierarchy.positions.size());
   std::iota(hierarchy.parent.begin(), hierarchy.parent.end(), 0u);
   const auto fill_subdivision_report = [&] {
-    report.divided_c_vertices = surface.subdivision_count();
+    report.subdivided_c_vertices = surface.subdivision_count();
     report.added_c_vertices = surface.added_count();
-    report.deepest_division = surface.max_depth();
+    report.max_subdivision_depth = surface.max_depth();
   };
   fill_subdivision_report();
   if (only_coarse) return out;

@@ -37,7 +37,7 @@ std::vector<ShapeObstacle> obstacles(const VertexPlacement& placement, const Ada
   for (CellId c = 0; c < placement.anchor.size(); ++c) {
     out.push_back(c < earlier                                ? ShapeObstacle::earlier_level
                   : !placement.is_movable(c)                 ? ShapeObstacle::self_intersection
-                  : !surface.is_movable(placement.anchor[c]) ? ShapeObstacle::crowded
+                  : !surface.is_movable(placement.anchor[c]) ? ShapeObstacle::multi_sheet
                                                              : ShapeObstacle::none);
   }
   return out;

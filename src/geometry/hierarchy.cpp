@@ -19,17 +19,17 @@ TriangleMesh Hierarchy::mesh(std::size_t level) const {
   const Level& l = levels.at(level);
   TriangleMesh out;
   out.triangles = l.triangles;
-  if (l.placed.empty()) {
+  if (l.own_positions.empty()) {
     out.positions.assign(positions.begin(), positions.begin() + l.vertex_count);
   } else {
-    out.positions = l.placed;
+    out.positions = l.own_positions;
   }
   return out;
 }
 
 MeshView Hierarchy::view(std::size_t level) const {
   const Level& l = levels.at(level);
-  return {l.placed.empty() ? std::span(positions).first(l.vertex_count) : std::span(l.placed), l.triangles};
+  return {l.own_positions.empty() ? std::span(positions).first(l.vertex_count) : std::span(l.own_positions), l.triangles};
 }
 
 Hierarchy hierarchy_of(std::vector<TriangleMesh> levels) {
@@ -41,7 +41,7 @@ Hierarchy hierarchy_of(std::vector<TriangleMesh> levels) {
     Hierarchy::Level& level = out.levels.emplace_back();
     level.vertex_count = static_cast<std::uint32_t>(n);
     level.triangles = std::move(mesh.triangles);
-    if (!is_prefix) level.placed = std::move(mesh.positions);
+    if (!is_prefix) level.own_positions = std::move(mesh.positions);
   }
   return out;
 }

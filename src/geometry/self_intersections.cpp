@@ -61,7 +61,7 @@ std::vector<TrianglePair> self_intersections(std::span<const Vec3> positions, st
   return CloseTriangles().update(positions, triangles, wanted, intersect, control);
 }
 
-Vec3 meeting_place(std::span<const Vec3> positions, const Triangle& a, const Triangle& b) {
+Vec3 intersection_position(std::span<const Vec3> positions, const Triangle& a, const Triangle& b) {
   const auto lowest = [&](const Triangle& t, double Vec3::*x) {
     return std::min({positions[t[0]].*x, positions[t[1]].*x, positions[t[2]].*x});
   };

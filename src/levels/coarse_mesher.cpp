@@ -159,7 +159,7 @@ void CoarseMesher::mesh(LevelReport& report, const RunControl& caller_control) {
       while (dual.repair_first());
     } else {
       const ResolvedIntersections resolved = resolve_intersections(dual, surface_, tracker_, control);
-      report.parting_sites += resolved.sites_for_intersections;
+      report.sites_for_intersections += resolved.sites_for_intersections;
       report.certificate.repair_sites += resolved.sites_for_nesting;
     }
     state_->dual.certify(report.certificate, control);

@@ -97,10 +97,10 @@ std::vector<ConstraintResult> evaluate_constraints(const LevelGoal& goal, const 
   std::string limits, targets;
   for (const Constraint& c : goal) {
     ConstraintResult& result = out.emplace_back();
-    result.wanted = c;
+    result.constraint = c;
     result.reached = c.custom ? custom_maximum(*c.custom) : reached(c.quantity, mesh, metrics);
-    result.met = is_lower_bound(c.quantity) ? result.reached >= c.bound : result.reached <= c.bound;
-    if (!result.met) result.reason = reason(c, mesh, obstacles, limits, targets);
+    result.satisfied = is_lower_bound(c.quantity) ? result.reached >= c.bound : result.reached <= c.bound;
+    if (!result.satisfied) result.reason = reason(c, mesh, obstacles, limits, targets);
     const auto add_to = [&](std::string& list) { list += (list.empty() ? "" : ", ") + std::string(name(c)); };
     if (c.quantity == Quantity::max_vertices) {
       if (obstacles.vertex_limit_reached) add_to(limits);

@@ -115,7 +115,7 @@ void fill_self_intersections(const TriangleMesh& mesh, LevelReport& report, cons
   const std::vector<TrianglePair> pairs = self_intersections(mesh.positions, mesh.triangles, {}, control);
   report.self_intersections = pairs.size();
   for (const auto& [a, b] : std::span(pairs).first(std::min(pairs.size(), kMaxListedIntersections)))
-    report.self_intersection_places.push_back(meeting_place(mesh.positions, mesh.triangles[a], mesh.triangles[b]));
+    report.self_intersection_positions.push_back(intersection_position(mesh.positions, mesh.triangles[a], mesh.triangles[b]));
 }
 
 }  // namespace
@@ -152,7 +152,7 @@ void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<co
         report.quality.zero_area_triangles = static_cast<std::size_t>(
             std::ranges::count_if(mesh.triangles, [&](const Triangle& t) { return !has_area(mesh.positions, t); }));
         quiet.check_cancelled();
-        report.turned_components = count_misplaced(mesh, component_of, surface, !options.allow_self_intersections);
+        report.inverted_components = count_misplaced(mesh, component_of, surface, !options.allow_self_intersections);
       });
   report_continuing(control);
 }
@@ -161,8 +161,8 @@ void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<co
 
 namespace isoatlas {
 
-bool LevelReport::all_met() const {
-  return std::all_of(constraints.begin(), constraints.end(), [](const ConstraintResult& c) { return c.met || c.wanted.is_default; });
+bool LevelReport::all_satisfied() const {
+  return std::all_of(constraints.begin(), constraints.end(), [](const ConstraintResult& c) { return c.satisfied || c.constraint.is_default; });
 }
 
 TopologySummary summarize(const std::vector<ComponentTopology>& components) {

@@ -28,17 +28,17 @@ LevelGoal in_units_of(LevelGoal goal, double length) {
 // cell, the measurement others.
 void apply_measurement(LevelReport& report) {
   for (ConstraintResult& result : report.constraints) {
-    if (result.wanted.quantity != Quantity::max_distance || report.measured->maximum() <= result.reached) continue;
-    const bool was_met = result.met;
+    if (result.constraint.quantity != Quantity::max_distance || report.measured->maximum() <= result.reached) continue;
+    const bool was_satisfied = result.satisfied;
     result.reached = report.measured->maximum();
-    result.met = result.reached <= result.wanted.bound;
-    if (was_met && !result.met) result.reason = "satisfied at the points that refinement tests, but not at all samples of the measurement";
+    result.satisfied = result.reached <= result.constraint.bound;
+    if (was_satisfied && !result.satisfied) result.reason = "satisfied at the points that refinement tests, but not at all samples of the measurement";
   }
 }
 
 bool satisfies_distance(const RefinedLevel& level) {
   return std::ranges::all_of(level.figures.constraints,
-                             [](const ConstraintResult& result) { return result.wanted.quantity != Quantity::max_distance || result.met; });
+                             [](const ConstraintResult& result) { return result.constraint.quantity != Quantity::max_distance || result.satisfied; });
 }
 
 bool is_complete(const ExtractOptions& options) {
@@ -77,7 +77,7 @@ void LevelMaker::fill_report(const LevelGoal& goal, const LevelFigures& figures,
   if (figures.distance_at_most) report.distance_at_most = *figures.distance_at_most * voxel;
   report.constraints = figures.constraints;
   for (std::size_t i = 0; i < goal.size(); ++i) {
-    report.constraints[i].wanted = goal[i];
+    report.constraints[i].constraint = goal[i];
     if (unit(goal[i].quantity) == Unit::length) report.constraints[i].reached *= voxel;
   }
 }
@@ -164,7 +164,7 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
     same.seconds = seconds();
     reports.push_back(std::move(same));
     Hierarchy::Level again = hierarchy.levels.back();
-    if (options_.placement == Placement::balanced && again.placed.empty()) again.placed = hierarchy.positions;
+    if (options_.placement == Placement::balanced && again.own_positions.empty()) again.own_positions = hierarchy.positions;
     hierarchy.levels.push_back(std::move(again));
     return;
   }
@@ -176,8 +176,8 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
   report.refine_rounds = refined.rounds;
   report.flips = refined.shape.flips;
   report.moves = refined.shape.moves;
-  report.shifts = refined.shape.displacements;
-  report.parting_sites = refined.sites_for_intersections;
+  report.displacements = refined.shape.displacements;
+  report.sites_for_intersections = refined.sites_for_intersections;
 
   const SurfaceComplex& surface = source_.surface.complex();
   const Partition& partition = refiner_.partition();
@@ -198,7 +198,7 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
   const std::vector<std::uint32_t> parents = refiner_.parents();
   hierarchy.parent.insert(hierarchy.parent.end(), parents.begin() + static_cast<std::ptrdiff_t>(hierarchy.parent.size()), parents.end());
   Hierarchy::Level level{vertices, std::move(mesh.triangles), {}, world_lengths(refined.figures.distance)};
-  if (options_.placement == Placement::balanced) level.placed = std::move(mesh.positions);
+  if (options_.placement == Placement::balanced) level.own_positions = std::move(mesh.positions);
   hierarchy.levels.push_back(std::move(level));
   report.seconds = seconds();
 }

@@ -85,8 +85,8 @@ std::string fault_of(const Hierarchy& hierarchy, const HierarchyFileInfo& info) 
   for (std::size_t k = 0; k < hierarchy.levels.size(); ++k) {
     const Hierarchy::Level& level = hierarchy.levels[k];
     const std::string where = "level " + std::to_string(k) + ": ";
-    if (level.vertex_count < most || (level.placed.empty() && level.vertex_count > hierarchy.positions.size()) ||
-        (!level.placed.empty() && level.placed.size() != level.vertex_count)) {
+    if (level.vertex_count < most || (level.own_positions.empty() && level.vertex_count > hierarchy.positions.size()) ||
+        (!level.own_positions.empty() && level.own_positions.size() != level.vertex_count)) {
       return where + "its " + std::to_string(level.vertex_count) + " vertices are not those of the level before and more";
     }
     if (const std::string fault = fault_of(level.distance, level.vertex_count); !fault.empty()) {

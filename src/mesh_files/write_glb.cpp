@@ -147,7 +147,7 @@ Glb make_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const st
   for (std::size_t k = level_count; k-- > 0;) {  // finest first
     const TriangleMesh mesh = hierarchy.mesh(k);
     // Levels share their vertices: each uses the first ones of one view.
-    const bool has_own = !hierarchy.levels[k].placed.empty();
+    const bool has_own = !hierarchy.levels[k].own_positions.empty();
     std::vector<Float3> own;
     std::size_t position_view = shared_view;
     if (has_own || shared.empty()) {

@@ -41,11 +41,11 @@ void state_rounding(LevelReport& level, double rounding, const std::string& path
   }
   if (level.distance_at_most) *level.distance_at_most += rounding;
   for (ConstraintResult& result : level.constraints) {
-    const double change = rounding * change_per_rounding(result.wanted.quantity);
+    const double change = rounding * change_per_rounding(result.constraint.quantity);
     result.reached = std::max(0.0, result.reached + change);
-    const bool is_within = change >= 0 ? result.reached <= result.wanted.bound : result.reached >= result.wanted.bound;
-    if (result.met && change != 0 && !is_within) {
-      result.met = false;
+    const bool is_within = change >= 0 ? result.reached <= result.constraint.bound : result.reached >= result.constraint.bound;
+    if (result.satisfied && change != 0 && !is_within) {
+      result.satisfied = false;
       result.reason = "positions are rounded to float32 in " + path + ", by up to " + number(rounding);
     }
   }

@@ -171,12 +171,12 @@ Json append_geometry(const Hierarchy& hierarchy, const std::filesystem::path& pa
     triangles.push_back(decoded_triangles(codes.back(), level.triangles.size()));
     if (normalised(triangles.back()) != normalised(level.triangles))
       throw Error(ErrorCode::internal, "triangles that were encoded for a page are others when decoded");
-    if (level.placed.empty()) shared.push_back(k);
+    if (level.own_positions.empty()) shared.push_back(k);
   }
 
   Json out;
   std::vector<Vec3> positions = hierarchy.positions;
-  if (shared.empty()) positions = hierarchy.levels.back().placed;  // the page looks here for the extent, and has none of its own
+  if (shared.empty()) positions = hierarchy.levels.back().own_positions;  // the page looks here for the extent, and has none of its own
   out["positions"] = encoded_positions(hierarchy, positions, shared, triangles, path).append_to(bytes);
   Json& levels = out["levels"] = Json::array();
   for (std::size_t k = 0; k < level_count; ++k) {
@@ -184,7 +184,7 @@ Json append_geometry(const Hierarchy& hierarchy, const std::filesystem::path& pa
     Json entry = {{"vertices", level.vertex_count}};
     entry["triangles"] = range(codes[k], bytes);
     entry["triangles"]["count"] = level.triangles.size();
-    if (!level.placed.empty()) entry["placed"] = encoded_positions(hierarchy, level.placed, {k}, triangles, path).append_to(bytes);
+    if (!level.own_positions.empty()) entry["own_positions"] = encoded_positions(hierarchy, level.own_positions, {k}, triangles, path).append_to(bytes);
     const auto finite = [](float d) { return std::isfinite(d); };
     if (!level.distance.empty() && std::all_of(level.distance.begin(), level.distance.end(), finite))
       entry["distance"] = append_distances(level.distance, bytes);

@@ -76,13 +76,13 @@ void print(const Json& value, std::string& text, const std::string& indent, bool
 }
 
 Json constraint_value(const ConstraintResult& result) {
-  return {{"quantity", name(result.wanted)},
-          {"wanted", result.wanted.bound},
+  return {{"quantity", name(result.constraint)},
+          {"bound", result.constraint.bound},
           {"reached", result.reached},
-          {"unit", text(unit(result.wanted.quantity))},
-          {"met", result.met},
-          {"default", result.wanted.is_default},
-          {"reason", result.met ? Json() : Json(result.reason)}};
+          {"unit", text(unit(result.constraint.quantity))},
+          {"satisfied", result.satisfied},
+          {"default", result.constraint.is_default},
+          {"reason", result.satisfied ? Json() : Json(result.reason)}};
 }
 
 Json metrics_value(const LevelReport& level) {
@@ -162,8 +162,8 @@ std::string_view text(ShapeObstacle obstacle) {
       return "earlier-level";
     case ShapeObstacle::self_intersection:
       return "self-intersection";
-    case ShapeObstacle::crowded:
-      return "crowded";
+    case ShapeObstacle::multi_sheet:
+      return "multi-sheet";
   }
   return "";
 }
@@ -171,7 +171,7 @@ std::string_view text(ShapeObstacle obstacle) {
 Json to_value(const LevelReport& level, std::size_t number) {
   Json json = {{"level", number}, {"vertices", level.vertices}, {"triangles", level.triangles}};
   add_topology(json, level.topology);
-  json["turned_components"] = level.turned_components;
+  json["inverted_components"] = level.inverted_components;
   json["certificate"] = to_value(level.certificate);
   json["quality"] = to_value(level.quality);
   json["metrics"] = metrics_value(level);
@@ -185,7 +185,7 @@ Json to_value(const LevelReport& level, std::size_t number) {
   json["refine_rounds"] = level.refine_rounds;
   json["flips"] = level.flips;
   json["moves"] = level.moves;
-  json["shifts"] = level.shifts;
+  json["displacements"] = level.displacements;
   Json bad = Json::array();
   for (std::size_t i = 0; i < std::min(level.bad_triangles.size(), kMostCellsAtLimit); ++i) {
     const BadTriangle& t = level.bad_triangles[i];
@@ -196,9 +196,9 @@ Json to_value(const LevelReport& level, std::size_t number) {
   }
   json["bad_triangles"] = {{"count", level.bad_triangles.size()}, {"worst", std::move(bad)}};
   json["self_intersections"] = level.self_intersections ? Json(*level.self_intersections) : Json();
-  Json& meeting = json["self_intersection_places"] = Json::array();
-  for (const Vec3& place : level.self_intersection_places) meeting.push_back(to_value(place));
-  json["parting_sites"] = level.parting_sites;
+  Json& meeting = json["self_intersection_positions"] = Json::array();
+  for (const Vec3& place : level.self_intersection_positions) meeting.push_back(to_value(place));
+  json["sites_for_intersections"] = level.sites_for_intersections;
   json["measured"] = level.measured ? to_value(*level.measured) : Json();
   return json;
 }

@@ -52,7 +52,7 @@ std::string_view text(Space space) {
   return "";
 }
 
-std::string_view text(CoveringStrategy strategy) { return strategy == CoveringStrategy::radius_field ? "radius-field" : "halving"; }
+std::string_view text(CoveringStrategy strategy) { return strategy == CoveringStrategy::sizing_field ? "sizing-field" : "halving"; }
 
 std::string_view text(Placement placement) { return placement == Placement::surface ? "surface" : "balanced"; }
 
@@ -154,7 +154,7 @@ SelfIntersectionReport find_self_intersections(const TriangleMesh& mesh, const R
   const std::vector<TrianglePair> pairs = self_intersections(mesh.positions, mesh.triangles, {}, control);
   report.pairs = pairs.size();
   for (const TrianglePair& pair : std::span(pairs).first(std::min(pairs.size(), kMost)))
-    report.first.push_back({pair, meeting_place(mesh.positions, mesh.triangles[pair.first], mesh.triangles[pair.second])});
+    report.first.push_back({pair, intersection_position(mesh.positions, mesh.triangles[pair.first], mesh.triangles[pair.second])});
   return report;
 }
 
@@ -198,8 +198,8 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
   json["coarsening"] = {{"rounds", report.coarsening.repair_rounds},
                         {"c_vertices", report.coarser_c_vertices},
                         {"certificate", report.coarser_c_vertices.empty() ? Json() : to_value(report.coarsening)}};
-  json["divided"] = {
-      {"c_vertices", report.divided_c_vertices}, {"added_c_vertices", report.added_c_vertices}, {"deepest", report.deepest_division}};
+  json["subdivision"] = {
+      {"c_vertices", report.subdivided_c_vertices}, {"added_c_vertices", report.added_c_vertices}, {"max_depth", report.max_subdivision_depth}};
   Json& levels = json["levels"] = Json::array();
   for (std::size_t k = 0; k < report.levels.size(); ++k) {
     Json level = {{"path", path_of_level(context.files, k)}};

@@ -44,7 +44,7 @@ Space parse_space(std::string_view text) {
 }
 
 CoveringStrategy parse_covering(std::string_view text) {
-  return choose<CoveringStrategy>({{"radius-field", CoveringStrategy::radius_field}, {"halving", CoveringStrategy::halving}}, text);
+  return choose<CoveringStrategy>({{"sizing-field", CoveringStrategy::sizing_field}, {"halving", CoveringStrategy::halving}}, text);
 }
 
 Placement parse_placement(std::string_view text) {

@@ -15,7 +15,7 @@ Topology parse_topology(std::string_view text);            ///< trilinear, faces
 Interpolation parse_interpolation(std::string_view text);  ///< trilinear, tricubic
 NonFinite parse_non_finite(std::string_view text);         ///< below, above; `refuse` is what it is without an answer
 Space parse_space(std::string_view text);                  ///< lps, ras, voxel
-CoveringStrategy parse_covering(std::string_view text);    ///< radius-field, halving
+CoveringStrategy parse_covering(std::string_view text);    ///< sizing-field, halving
 Placement parse_placement(std::string_view text);          ///< surface, balanced
 SampleType parse_sample_type(std::string_view text);       ///< int8 ... float64
 bool parse_is_big_endian(std::string_view text);           ///< little, big

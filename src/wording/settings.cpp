@@ -97,7 +97,7 @@ void set(ExtractSettings& settings, std::string_view name, std::string_view text
     options.supersample = *factor;
   } else if (name == "adaptive-supersample") {
     const auto times = parse_whole<std::uint32_t>(text);
-    if (!times || *times > kMostDivisions) refuse_value("a whole number from 0 to 8", text);
+    if (!times || *times > kMaxSubdivisions) refuse_value("a whole number from 0 to 8", text);
     options.adaptive_supersample = *times;
   } else if (name == "min-component-size") {
     settings.min_component_size = space_size_of(text);

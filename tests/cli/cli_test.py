@@ -364,15 +364,15 @@ class Extract(ToolTest):
         self.put_sphere(n=24)
         arguments = ["extract", "sphere.nrrd", "--iso", "0", "--coarse", "-q", "--report", "s.json"]
         meshes, said = {}, {}
-        for name in (None, "radius-field", "halving"):
+        for name in (None, "sizing-field", "halving"):
             self.succeed(*arguments, *(["--covering", name] if name else []), "-o", "s.off")
             meshes[name] = (self.folder / "s.off").read_bytes()
             report = json.loads((self.folder / "s.json").read_text())
             said[name] = report["parameters"]["covering"]
             self.assertIs(report["levels"][0]["certificate"]["passed"], True)
             self.assertEqual(report["levels"][0]["kinds"], [{"genus": 0, "boundary_loops": 0, "count": 1}])
-        self.assertEqual(said, {None: "radius-field", "radius-field": "radius-field", "halving": "halving"})
-        self.assertEqual(meshes[None], meshes["radius-field"])
+        self.assertEqual(said, {None: "sizing-field", "sizing-field": "sizing-field", "halving": "halving"})
+        self.assertEqual(meshes[None], meshes["sizing-field"])
         self.assertNotEqual(meshes[None], meshes["halving"])
         self.succeed("extract", "sphere.nrrd", "--iso", "0", "--covering", "halving", "--refine", "max-distance:0.5vx", "-o", "s.off", "-q")
 
@@ -461,7 +461,7 @@ class Extract(ToolTest):
         arguments = ["extract", "s.nrrd", "--iso", "0", "-o", "n.ply", "--report", "r.json", "--max-vertices", "12"]
         self.assertRegex(self.succeed(*arguments), r"level 1 .*; not met: max-distance \(default 0\.5\)")
         distance = json.loads((self.folder / "r.json").read_text())["levels"][1]["constraints"][1]
-        self.assertEqual((distance["quantity"], distance["met"], distance["default"]), ("max-distance", False, True))
+        self.assertEqual((distance["quantity"], distance["satisfied"], distance["default"]), ("max-distance", False, True))
         asked = self.run_tool(*arguments, "--max-distance", "0.5vx")
         self.assertRegex(asked.stderr, r"\Aisoatlas: level 1: max-distance 0\.5: reached [^\n]+\n\Z")
         self.assertEqual(asked.returncode, 1)
@@ -777,10 +777,10 @@ class Rounding(ToolTest):
         result, level, _ = self.extract("far.stl", "--max-distance", "0.55", "-q")
         self.assertEqual(result.returncode, 1)
         self.assertRegex(result.stderr, r"(?m)^isoatlas: level 1: max-distance 0\.55: reached 0\.79\d*: positions are rounded to float32 in far\.stl")
-        self.assertFalse(level["constraints"][0]["met"])
+        self.assertFalse(level["constraints"][0]["satisfied"])
         result, level, _ = self.extract("far.stl", "--min-vertices", "40", "--max-distance", "2", "-q")
         self.assertEqual(result.returncode, 0)
-        self.assertTrue(level["constraints"][1]["met"])
+        self.assertTrue(level["constraints"][1]["satisfied"])
         self.assertLessEqual(self.measured("far.stl"), 2)
         for name in ("far.ply", "far.glb", "far.vtp", "far.3mf"):
             result, level, _ = self.extract(name, "--max-distance", "0.5", "-q")
@@ -993,7 +993,7 @@ class BadArguments(ToolTest):
             "--keep-components": ["0", "-1", "1.5", "all", ""],
             "--max-radius": ["0", "-1", "3 furlongs", "vx", "mm", "1vxmm", "inf", "nanmm", "", "2.5 px", "1e999"],
             "--event-persistence": ["-1", "abc", "3px", "infvx"],
-            "--covering": ["bins", "", "radius field", "halving,radius-field"],
+            "--covering": ["bins", "", "radius field", "halving,sizing-field"],
             "--threads": ["-1", "1.5", "many", "", "99999999999"],
             "--inside": ["outside", "", "0"],
             "--topology": ["cubic", "", "face"],

@@ -187,7 +187,7 @@ ExtractOptions read_options(Bytes& bytes, double voxel) {
   out.refine.clear();
   out.surface.interpolation = bytes.coin() ? Interpolation::tricubic : Interpolation::trilinear;
   out.supersample = bytes.one_of(std::array<std::uint32_t, 8>{1, 1, 1, 1, 1, 2, 3, 0});
-  out.covering.strategy = bytes.coin() ? CoveringStrategy::halving : CoveringStrategy::radius_field;
+  out.covering.strategy = bytes.coin() ? CoveringStrategy::halving : CoveringStrategy::sizing_field;
   out.surface.inside = bytes.coin() ? Inside::below : Inside::above;
   out.surface.non_finite = bytes.one_of(std::array{NonFinite::refuse, NonFinite::below, NonFinite::above});
   out.surface.topology = bytes.coin() ? Topology::faces : Topology::trilinear;

@@ -135,15 +135,15 @@ export function makeResult(geometry, levels, topology, options = {}) {
     genus: topology.genus,
     boundary_loops: topology.loops,
     kinds: topology.kinds,
-    ...(options.turned_components === undefined ? {} : {turned_components: options.turned_components}),
+    ...(options.inverted_components === undefined ? {} : {inverted_components: options.inverted_components}),
     self_intersections: level === 0 ? 0 : options.self_intersections === undefined ? 0 : options.self_intersections,
     certificate: {passed: true, cells_checked: mesh.positions.length, arcs_checked: mesh.positions.length * 3, triples_checked: mesh.triangles.length, repair_rounds: 1, repair_sites: 4},
     quality: {aspect_ratio: aspect(mesh), angle_degrees: {minimum: 21, maximum: 110}},
     metrics: options.distances === false ? null : {"max-distance": {maximum: 1.6842 / 4 ** level, mean: 0.4 / 4 ** level, unit: "world"}},
     ...(level === 2 ? {distance_at_most: 0.106} : {}),
     constraints: level === 0 ? [] : [
-      {quantity: "max-distance", wanted: 1.7 / 4 ** level, reached: 1.6842 / 4 ** level, unit: "world", met: true, default: false, reason: null},
-      {quantity: "min-aspect", wanted: 1 / 3, reached: 0.31, unit: "ratio", met: false, default: true, reason: "a vertex of an earlier level stands in the way"},
+      {quantity: "max-distance", bound: 1.7 / 4 ** level, reached: 1.6842 / 4 ** level, unit: "world", satisfied: true, default: false, reason: null},
+      {quantity: "min-aspect", bound: 1 / 3, reached: 0.31, unit: "ratio", satisfied: false, default: true, reason: "a vertex of an earlier level stands in the way"},
     ],
   }));
   return {
@@ -164,7 +164,7 @@ export function makeResult(geometry, levels, topology, options = {}) {
       levels: levels.map((mesh, level) => ({
         vertices: mesh.positions.length,
         triangles: geometry.triangles(mesh.triangles),
-        ...(placed ? {placed: geometry.positions(mesh.positions, low, step)} : {}),
+        ...(placed ? {own_positions: geometry.positions(mesh.positions, low, step)} : {}),
         ...(options.distances === false ? {} : {
           distance: {...geometry.add(Uint8Array.from(mesh.positions, (p) => Math.round(255 * (0.5 + 0.5 * Math.sin(0.21 * p[0] - 0.13 * p[2])) ** 2))), maximum: 1.6842 / 4 ** level},
         }),
@@ -222,12 +222,12 @@ function dust(count) {
 }
 
 export const pages = {
-  ring: () => page((g) => makeResult(g, ringAndBall(4), RING, {turned_components: 0})),
+  ring: () => page((g) => makeResult(g, ringAndBall(4), RING, {inverted_components: 0})),
   large: () => page((g) => makeResult(g, nested(torus(40, 20, [0, 0, 0], 40, 16), 4), TORUS, {title: "large.nrrd"})),  // 1,600 to 102,400 triangles
   balanced: () => page((g) => {
     const [coarse, fine] = ringAndBall(2);
     const shrunk = {positions: coarse.positions.map((p) => p.map((x) => 0.97 * x)), triangles: coarse.triangles};
-    return makeResult(g, [shrunk, fine], RING, {placed: true, title: "balanced", turned_components: 1, kept: {components: 3, parts: 1, largest: 12.5}, dropped: {components: 7, parts: 7, largest: 0.25}});
+    return makeResult(g, [shrunk, fine], RING, {placed: true, title: "balanced", inverted_components: 1, kept: {components: 3, parts: 1, largest: 12.5}, dropped: {components: 7, parts: 7, largest: 0.25}});
   }),
   bare: () => page((g) => makeResult(g, ringAndBall(2), RING, {title: "bare.glb", distances: false, command: null, parameters: null, input: null, surface: null, reference: null, marching_cubes: null, self_intersections: null})),
   terse: () => page((g) => terse(makeResult(g, ringAndBall(3), RING, {title: "terse.vtm"}))),

@@ -102,7 +102,7 @@ RC_GTEST_PROP(AnyLevels, AreNestedManifoldsWithTheReferenceTopology, (const Rand
     }
     before = level.vertex_count;
     for (const Triangle& t : level.triangles) RC_ASSERT(std::max({t[0], t[1], t[2]}) < level.vertex_count);
-    RC_ASSERT(level.placed.size() == (options.placement == Placement::balanced && l > 0 ? level.vertex_count : 0u));
+    RC_ASSERT(level.own_positions.size() == (options.placement == Placement::balanced && l > 0 ? level.vertex_count : 0u));
 
     const TriangleMesh mesh = h.mesh(l);
     const MeshTopology topology = mesh_topology(mesh);
@@ -156,12 +156,12 @@ RC_GTEST_PROP(AnyLevels, ConstraintsAreSatisfiedOrTheirViolationIsReported, (con
       RC_ASSERT(metric.mean <= metric.maximum * (1 + 1e-9));
     }
     RC_ASSERT(report.constraints.size() == goal.size());
-    RC_ASSERT(report.all_met() == std::all_of(report.constraints.begin(), report.constraints.end(), [](const auto& r) { return r.met; }));
+    RC_ASSERT(report.all_satisfied() == std::all_of(report.constraints.begin(), report.constraints.end(), [](const auto& r) { return r.satisfied; }));
     const MeshQuality quality = mesh_quality(e.hierarchy.mesh(l));
     for (std::size_t i = 0; i < goal.size(); ++i) {
       const ConstraintResult& result = report.constraints[i];
       RC_LOG() << " level " << l << ": " << name(goal[i].quantity) << " " << result.reached << " " << result.reason << ";";
-      RC_ASSERT(result.wanted == goal[i]);
+      RC_ASSERT(result.constraint == goal[i]);
       const double have = reached(goal[i].quantity, report, quality);
       // Shape is evaluated before positions are rounded to multiples of 2^-32 of a grid step, which
       // affects short edges.
@@ -171,10 +171,10 @@ RC_GTEST_PROP(AnyLevels, ConstraintsAreSatisfiedOrTheirViolationIsReported, (con
       RC_ASSERT(have == result.reached || std::abs(have - result.reached) <= 1e-9 * (1 + have) + of_ratio + 4 * c.rounding());
       // The comparison is made in voxels, so it is exact only up to rounding.
       const double slack = 1e-12 * goal[i].bound;
-      const bool above = result.reached >= goal[i].bound - (result.met ? slack : -slack);
-      const bool below = result.reached <= goal[i].bound + (result.met ? slack : -slack);
-      RC_ASSERT(result.met == (is_lower_bound(goal[i].quantity) ? above : below));
-      RC_ASSERT(result.reason.empty() == result.met);
+      const bool above = result.reached >= goal[i].bound - (result.satisfied ? slack : -slack);
+      const bool below = result.reached <= goal[i].bound + (result.satisfied ? slack : -slack);
+      RC_ASSERT(result.satisfied == (is_lower_bound(goal[i].quantity) ? above : below));
+      RC_ASSERT(result.reason.empty() == result.satisfied);
       RC_ASSERT(result.reason.find('\n') == std::string::npos);
       RC_ASSERT(!result.reason.starts_with("0 "));
     }
@@ -184,10 +184,10 @@ RC_GTEST_PROP(AnyLevels, ConstraintsAreSatisfiedOrTheirViolationIsReported, (con
 
     // The first constraint is satisfied whatever the others are.
     const ConstraintResult& first = report.constraints.front();
-    if (first.wanted.quantity == Quantity::max_vertices && e.report.levels[l - 1].vertices <= first.wanted.bound &&
-        report.parting_sites == 0)
-      RC_ASSERT(first.met);
-    if (is_metric(first.wanted.quantity) && !first.met && goal.size() == 1) RC_ASSERT(!report.at_limit.empty());
+    if (first.constraint.quantity == Quantity::max_vertices && e.report.levels[l - 1].vertices <= first.constraint.bound &&
+        report.sites_for_intersections == 0)
+      RC_ASSERT(first.satisfied);
+    if (is_metric(first.constraint.quantity) && !first.satisfied && goal.size() == 1) RC_ASSERT(!report.at_limit.empty());
   }
 }
 
@@ -250,7 +250,7 @@ RC_GTEST_PROP(AnyLevels, AreTheSameBytesForAnyNumberOfThreads, (const RandomCase
   for (std::size_t l = 0; l < a.hierarchy.levels.size(); ++l) {
     RC_ASSERT(a.hierarchy.levels[l].vertex_count == b.hierarchy.levels[l].vertex_count);
     RC_ASSERT(a.hierarchy.levels[l].triangles == b.hierarchy.levels[l].triangles);
-    RC_ASSERT(same_bytes(a.hierarchy.levels[l].placed, b.hierarchy.levels[l].placed));
+    RC_ASSERT(same_bytes(a.hierarchy.levels[l].own_positions, b.hierarchy.levels[l].own_positions));
     for (std::size_t m = 0; m < kMetricCount; ++m) {
       RC_ASSERT((*a.report.levels[l].metrics)[m].maximum == (*b.report.levels[l].metrics)[m].maximum);
       RC_ASSERT((*a.report.levels[l].metrics)[m].mean == (*b.report.levels[l].metrics)[m].mean);

@@ -68,7 +68,7 @@ def test_too_much_supersampling_is_refused_with_the_same_words(tool, tmp_path):
 
 def test_values_are_taken_without_regard_to_case_and_blanks():
     volume = torus()
-    options = {"space": " LPS", "inside": "Above", "covering": "radius_field", "max_distance": "0.5 VX", "coarse": False}
+    options = {"space": " LPS", "inside": "Above", "covering": "sizing_field", "max_distance": "0.5 VX", "coarse": False}
     assert isoatlas.extract(volume, 0.0, **options).levels
 
 

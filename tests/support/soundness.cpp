@@ -19,7 +19,7 @@ std::string wrong_with_level(const Extraction& e, const ExtractOptions& options,
   const LevelReport& report = e.report.levels[l];
   const std::uint32_t before = l == 0 ? 0 : h.levels[l - 1].vertex_count;
   if (level.vertex_count < before || level.vertex_count > h.positions.size()) return "its vertices are not those of a hierarchy";
-  if (level.placed.size() != (options.placement == Placement::balanced && l > 0 ? level.vertex_count : 0u))
+  if (level.own_positions.size() != (options.placement == Placement::balanced && l > 0 ? level.vertex_count : 0u))
     return "placed has another size";
   for (std::uint32_t v = before; v < level.vertex_count; ++v) {
     if (h.level_of(v) != l) return "level_of is wrong for vertex " + std::to_string(v);
@@ -44,8 +44,8 @@ std::string wrong_with_level(const Extraction& e, const ExtractOptions& options,
   const LevelGoal& goal = l == 0 ? options.coarse : options.refine[l - 1];
   if (report.constraints.size() != goal.size()) return "constraints are missing in the report";
   for (const ConstraintResult& r : report.constraints) {
-    if (r.met != r.reason.empty()) return "constraint on " + std::string(name(r.wanted.quantity)) + ": met or not? " + r.reason;
-    if (std::isnan(r.reached)) return "constraint on " + std::string(name(r.wanted.quantity)) + " reached no number";
+    if (r.satisfied != r.reason.empty()) return "constraint on " + std::string(name(r.constraint.quantity)) + ": met or not? " + r.reason;
+    if (std::isnan(r.reached)) return "constraint on " + std::string(name(r.constraint.quantity)) + " reached no number";
   }
   if (report.metrics) {
     for (const MetricSummary& m : *report.metrics) {

@@ -23,7 +23,7 @@ interface LevelGeometry {
   /** In meshoptimizer's index codec. */
   triangles: Range & {count: number};
   /** With balanced placement each level has positions of its own. */
-  placed?: QuantisedPositions | null;
+  own_positions?: QuantisedPositions | null;
   /** One byte per vertex: the largest distance of its cell from the surface, in steps of maximum / 255; absent: not known. */
   distance?: (Range & {maximum: number}) | null;
 }
@@ -42,10 +42,10 @@ export interface Metric {
 
 export interface Constraint {
   quantity: string;
-  wanted: number;
+  bound: number;
   reached: number | null;
   unit: string;
-  met: boolean;
+  satisfied: boolean;
   default?: boolean;
   reason: string | null;
 }
@@ -77,7 +77,7 @@ export interface LevelFacts {
   kinds?: Kind[] | null;
   self_intersections?: number | null;
   /** Closed components that face another way, or lie in another component, than on the isosurface. */
-  turned_components?: number | null;
+  inverted_components?: number | null;
   certificate?: {passed: boolean; cells_checked: number; arcs_checked: number; triples_checked: number; repair_sites: number} | null;
   quality?: {aspect_ratio?: Partial<AspectRatio> | null} | null;
   metrics?: Record<string, Metric | null> | null;
@@ -208,7 +208,7 @@ export async function readMesh(result: Result): Promise<Mesh> {
   const source = geometryBytes();
   const {positions, levels} = result.geometry;
   const grid = gridOf(source, positions);
-  const finest = levels[levels.length - 1].placed;
+  const finest = levels[levels.length - 1].own_positions;
   const {centre, half} = finest ? boxOf(gridOf(source, finest), finest) : boxOf(grid, positions);
   const shared = positionsOf(grid, positions, centre);
   const levelOf = new Uint8Array(levels[levels.length - 1].vertices);
@@ -219,7 +219,7 @@ export async function readMesh(result: Result): Promise<Mesh> {
     return {
       facts: result.levels[k],
       vertices: level.vertices,
-      positions: level.placed ? positionsOf(gridOf(source, level.placed), level.placed, centre) : shared.subarray(0, 3 * level.vertices),
+      positions: level.own_positions ? positionsOf(gridOf(source, level.own_positions), level.own_positions, centre) : shared.subarray(0, 3 * level.vertices),
       triangles: trianglesOf(source, level.triangles),
       distance: level.distance ? {steps: slice(source, level.distance), maximum: level.distance.maximum} : null,
     };

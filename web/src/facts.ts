@@ -58,12 +58,12 @@ function levelTable(result: Result, shown: number, shapes: LevelShape[]): HTMLEl
 const UNITS: Record<string, string> = {degrees: "°", ratio: "", count: ""};
 
 function constraintLine(constraint: Constraint, unit: string): HTMLElement {
-  const {quantity, wanted, reached, met, reason} = constraint;
+  const {quantity, bound, reached, satisfied, reason} = constraint;
   const written = constraint.unit === "world" ? ` ${unit}` : (UNITS[constraint.unit] ?? ` ${constraint.unit}`);
   const sign = quantity.startsWith("min-") ? "≥" : "≤";
   const is = reached === null ? "∞" : number(reached);
-  const line = element("li", {}, check(met), ` ${quantity} ${sign} ${number(wanted)}${written}: ${is}${written}`);
-  if (!met && reason) line.append(element("span", {class: "soft"}, ` – ${reason}`));
+  const line = element("li", {}, check(satisfied), ` ${quantity} ${sign} ${number(bound)}${written}: ${is}${written}`);
+  if (!satisfied && reason) line.append(element("span", {class: "soft"}, ` – ${reason}`));
   return line;
 }
 
@@ -138,7 +138,7 @@ function topology(result: Result, level: LevelFacts, shape: LevelShape): Child[]
 }
 
 function certificate(level: LevelFacts): Child[] {
-  const {certificate: c, self_intersections: pairs, turned_components: misplaced} = level;
+  const {certificate: c, self_intersections: pairs, inverted_components: misplaced} = level;
   const lines: HTMLElement[] = [];
   const line = (good: boolean | null, text: string): void => void lines.push(element("li", {}, good === null ? "– " : check(good), ` ${text}`));
   if (c) {

@@ -72,9 +72,9 @@ TEST(CustomMetric, SeesTheCellInTheWorld) {
   for (const Vec3& p : e.mesh().positions) area += area_at.at(key(p));
   EXPECT_NEAR(area, 4 * std::numbers::pi * 4, 0.5);
   const ConstraintResult& result = e.finest().constraints.at(0);
-  EXPECT_EQ(name(result.wanted), "nothing");
+  EXPECT_EQ(name(result.constraint), "nothing");
   EXPECT_EQ(result.reached, 0.5);
-  EXPECT_TRUE(result.met);
+  EXPECT_TRUE(result.satisfied);
 }
 
 TEST(CustomMetric, BoundsTheSizeOfCells) {
@@ -87,7 +87,7 @@ TEST(CustomMetric, BoundsTheSizeOfCells) {
   std::size_t before = 0;
   for (const double bound : {4.0, 1.0, 0.25}) {
     const Extraction e = extract(volume, 0, {{bounded("area", area, bound)}});
-    EXPECT_TRUE(e.finest().constraints.at(0).met) << bound;
+    EXPECT_TRUE(e.finest().constraints.at(0).satisfied) << bound;
     EXPECT_LE(e.finest().constraints.at(0).reached, bound);
     EXPECT_GT(e.finest().vertices, before);
     EXPECT_GE(static_cast<double>(e.finest().vertices), 4 * std::numbers::pi * 4 / bound - 1);
@@ -100,7 +100,7 @@ TEST(CustomMetric, SizingFieldBoundsEdgesWhereTheyAre) {
   const auto allowed = [](Vec3 p) { return 0.35 + 0.35 * (p.z - (kCentre.z - 2)); };  // fine below, coarse above
   const Extraction sized = extract(volume, 0, {{sized_by(allowed)}}), even = extract(volume, 0, {{bounded(Quantity::max_edge, 0.35)}});
   const ConstraintResult& result = sized.finest().constraints.at(0);
-  EXPECT_TRUE(result.met) << result.reached;
+  EXPECT_TRUE(result.satisfied) << result.reached;
   EXPECT_LE(longest_edge_over(sized.mesh(), allowed), 1);
   EXPECT_NEAR(longest_edge_over(sized.mesh(), allowed), result.reached, 1e-6);
   EXPECT_LT(2 * sized.finest().vertices, even.finest().vertices);
@@ -112,13 +112,13 @@ TEST(CustomMetric, GoesWithOtherConstraintsAndSeveralLevels) {
   const auto edges = sized_by([](Vec3) { return 1.0; });
   const Extraction e = extract(ball(), 0, {{edges}, {within(0.02), edges, sized_by([](Vec3) { return 0.6; })}});
   ASSERT_EQ(e.report.levels.size(), 3u);
-  EXPECT_TRUE(e.report.levels[1].all_met());
-  EXPECT_TRUE(e.finest().all_met());
+  EXPECT_TRUE(e.report.levels[1].all_satisfied());
+  EXPECT_TRUE(e.finest().all_satisfied());
   // A level that is not refined, since it has its vertices, is evaluated all the same.
   ExtractOptions few;
   few.refine = {{{Quantity::max_vertices, 1}, edges}};
   const ConstraintResult result = extract(ball(), few).finest().constraints.at(1);
-  EXPECT_FALSE(result.met);
+  EXPECT_FALSE(result.satisfied);
   EXPECT_GT(result.reached, 1);
   EXPECT_TRUE(std::isfinite(result.reached));
 }

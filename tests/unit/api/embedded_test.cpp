@@ -94,7 +94,7 @@ TEST(AdaptiveSupersample, SubdividesAsOftenAsAllowed) {
     options.adaptive_supersample = times;
     const Extraction e = extract(to_volume(random_samples(Family::white_noise, {6, 6, 6}, 3)), options);
     EXPECT_EQ(e.report.added_c_vertices > 0, times > 0);
-    EXPECT_LE(e.report.deepest_division, static_cast<int>(times));
+    EXPECT_LE(e.report.max_subdivision_depth, static_cast<int>(times));
     reached.push_back(e.finest().constraints.front().reached);
   }
   EXPECT_LE(reached[1], reached[0]);
@@ -110,7 +110,7 @@ TEST(MinAspect, BelowAThirdChangesFewerTriangles) {
     options.refine = {{{Quantity::max_distance, 0.5}, {Quantity::min_aspect, aspect}}};
     const LevelReport level = extract(volume, options).finest();
     EXPECT_EQ(level.bad_triangles.empty(), level.quality.aspect_min >= aspect && level.quality.angles_above_150 == 0) << aspect;
-    return level.flips + level.moves + level.shifts;
+    return level.flips + level.moves + level.displacements;
   };
   const std::size_t usual = work(1.0 / 3);
   EXPECT_LT(work(0.1), usual / 2);

@@ -97,7 +97,7 @@ TEST(Extract, Supersampled) {
       expect_correct_report(e, "factor " + std::to_string(factor));
       EXPECT_EQ(text(e.finest().topology.kinds), text({{1, 0, 1}}));
       EXPECT_TRUE(same_bytes(e.mesh(), again.mesh())) << "the number of threads";
-      EXPECT_TRUE(e.finest().all_met());
+      EXPECT_TRUE(e.finest().all_satisfied());
       EXPECT_LT(e.finest().measured->maximum(), 0.55);
       EXPECT_EQ(e.finest().measured->voxel, 1);
       if (factor == 1) c_vertices = e.report.c_vertices;
@@ -196,7 +196,7 @@ TEST(Orientation, EveryComponentOfKnownShapesFacesOutwards) {
     const bool hollows = known.name == "cavity" || known.name == "one-voxel hole" || known.name.starts_with("two holes across");
     if (!solids && !hollows) continue;
     const Extraction e = extract(to_volume(known.samples), at(known.isovalue));
-    for (const LevelReport& level : e.report.levels) EXPECT_EQ(level.turned_components, 0u) << known.name;
+    for (const LevelReport& level : e.report.levels) EXPECT_EQ(level.inverted_components, 0u) << known.name;
     const MeshTopology topology = mesh_topology(e.mesh());
     for (std::size_t c = 0; c < topology.components.size(); ++c) {
       TriangleMesh part;

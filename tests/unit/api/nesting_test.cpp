@@ -78,7 +78,7 @@ TEST(Nesting, IsTheSameAtEveryLevel) {
     for (std::size_t k = 0; k < 3; ++k) meshes.push_back(e.hierarchy.mesh(k));
     const Windings finest(meshes[2]);
     for (std::size_t k = 0; k < 3; ++k) {
-      EXPECT_EQ(e.report.levels[k].turned_components, 0U);
+      EXPECT_EQ(e.report.levels[k].inverted_components, 0U);
       const Windings level(meshes[k]);
       for (const std::uint32_t a : level.one_of_each()) {  // vertices keep their ids in later levels
         if (level.is_open(a)) continue;

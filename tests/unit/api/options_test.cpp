@@ -310,7 +310,7 @@ TEST(Extremes, HugeAndTinySamplesAndSpacings) {
     for (const double spacing : {1e-6, 1.0, 1e6}) {
       const Extraction e = scaled_torus(scale, spacing);
       EXPECT_EQ(e.finest().topology.kinds, (std::vector<TopologySummary::Kind>{{1, 0, 1}})) << scale << " " << spacing;
-      EXPECT_EQ(e.finest().turned_components, 0u) << scale << " " << spacing;
+      EXPECT_EQ(e.finest().inverted_components, 0u) << scale << " " << spacing;
       EXPECT_LE(e.mesh().triangles.size(), 2 * triangles) << "as coarse as ever, " << scale << " " << spacing;
       for (const Vec3& p : e.mesh().positions) ASSERT_TRUE(std::isfinite(p.x + p.y + p.z));
       const auto [low, high] = bounding_box(e.mesh());

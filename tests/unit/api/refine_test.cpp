@@ -35,7 +35,7 @@ Volume ball(double radius = 9) {
 
 const ConstraintResult& result_of(const LevelReport& level, Quantity quantity) {
   const auto it =
-      std::find_if(level.constraints.begin(), level.constraints.end(), [&](const auto& r) { return r.wanted.quantity == quantity; });
+      std::find_if(level.constraints.begin(), level.constraints.end(), [&](const auto& r) { return r.constraint.quantity == quantity; });
   if (it == level.constraints.end()) throw std::runtime_error("no such constraint");
   return *it;
 }
@@ -52,7 +52,7 @@ void expect_sound(const Extraction& e, const std::string& what) {
     ASSERT_EQ(distance.size(), mesh.positions.size()) << what << ", level " << l;
     ASSERT_EQ(*std::max_element(distance.begin(), distance.end()), static_cast<float>((*e.report.levels[l].metrics)[0].maximum))
         << what << ", level " << l;
-    for (const ConstraintResult& r : e.report.levels[l].constraints) ASSERT_EQ(r.met, r.reason.empty()) << what << ": " << r.reason;
+    for (const ConstraintResult& r : e.report.levels[l].constraints) ASSERT_EQ(r.satisfied, r.reason.empty()) << what << ": " << r.reason;
   }
 }
 
@@ -94,7 +94,7 @@ TEST(Bounds, OnTheDistanceHoldTwoSidedInNestedLevels) {
       for (std::size_t l = 0; l < levels.size(); ++l) {
         const LevelReport& report = e.report.levels[l + 1];
         const double bound = levels[l].front().bound;
-        EXPECT_TRUE(report.all_met()) << what << ": " << report.constraints.front().reason;
+        EXPECT_TRUE(report.all_satisfied()) << what << ": " << report.constraints.front().reason;
         EXPECT_LE((*report.metrics)[0].maximum, bound);
         EXPECT_LE(measure(e.hierarchy.mesh(l + 1), shape.volume, options).maximum(), 1.25 * bound) << what << ", bound " << bound;
         EXPECT_GE(report.vertices, e.report.levels[l].vertices);
@@ -113,7 +113,7 @@ TEST(Bounds, OnEveryMetricAreSatisfied) {
       const Extraction e = extract(volume, options_with({{c}}, placement));
       expect_sound(e, std::string(name(c.quantity)));
       if (HasFatalFailure()) return;
-      EXPECT_TRUE(e.finest().all_met()) << name(c.quantity) << " " << e.finest().constraints[0].reached << ": "
+      EXPECT_TRUE(e.finest().all_satisfied()) << name(c.quantity) << " " << e.finest().constraints[0].reached << ": "
                                         << e.finest().constraints[0].reason;
       EXPECT_LT(e.finest().vertices, e.report.c_vertices / 2) << name(c.quantity) << ": no more than that";
     }
@@ -133,7 +133,7 @@ TEST(Bounds, TighterOnesGiveNoLargerDistance) {
       for (const double bound : {0.5, 0.45, 0.4, 0.35, 0.32, 0.256, 0.2, 0.01}) {
         const Extraction e = extract(volume, options_with({{{Quantity::max_distance, bound}}}));
         const ConstraintResult& result = e.finest().constraints.front();
-        EXPECT_EQ(result.met, result.reached <= bound);
+        EXPECT_EQ(result.satisfied, result.reached <= bound);
         EXPECT_LE(result.reached, tried) << bound;
         EXPECT_LE(result.reached, std::max(bound, 1.2 * before)) << bound;
         EXPECT_EQ(e.finest().topology, e.report.reference);
@@ -215,7 +215,7 @@ TEST(Bounds, ScaleWithTheVolume) {
     EXPECT_EQ(e.mesh().triangles, one.mesh().triangles);
     for (std::size_t i = 0; i < 2; ++i) {
       EXPECT_EQ(e.finest().constraints[i].reached, scale * one.finest().constraints[i].reached);
-      EXPECT_EQ(e.finest().constraints[i].met, one.finest().constraints[i].met);
+      EXPECT_EQ(e.finest().constraints[i].satisfied, one.finest().constraints[i].satisfied);
     }
     EXPECT_EQ((*e.finest().metrics)[0].mean, scale * (*one.finest().metrics)[0].mean);
     EXPECT_EQ((*e.finest().metrics)[4].mean, (*one.finest().metrics)[4].mean) << "ratios do not";
@@ -229,12 +229,12 @@ TEST(Priorities, TheEarlierConstraintHasPriority) {
   const Constraint few{Quantity::max_vertices, 80}, near{Quantity::max_distance, 0.1};
   const Extraction count_first = extract(volume, options_with({{few, near}})),
                    distance_first = extract(volume, options_with({{near, few}}));
-  EXPECT_TRUE(result_of(count_first.finest(), Quantity::max_vertices).met);
+  EXPECT_TRUE(result_of(count_first.finest(), Quantity::max_vertices).satisfied);
   EXPECT_GT(count_first.finest().vertices, 40u) << "the room is used";
-  EXPECT_FALSE(result_of(count_first.finest(), Quantity::max_distance).met);
+  EXPECT_FALSE(result_of(count_first.finest(), Quantity::max_distance).satisfied);
   EXPECT_NE(result_of(count_first.finest(), Quantity::max_distance).reason.find("max-vertices comes first"), std::string::npos);
-  EXPECT_TRUE(result_of(distance_first.finest(), Quantity::max_distance).met);
-  EXPECT_FALSE(result_of(distance_first.finest(), Quantity::max_vertices).met);
+  EXPECT_TRUE(result_of(distance_first.finest(), Quantity::max_distance).satisfied);
+  EXPECT_FALSE(result_of(distance_first.finest(), Quantity::max_vertices).satisfied);
   EXPECT_NE(result_of(distance_first.finest(), Quantity::max_vertices).reason.find("max-distance comes first"), std::string::npos);
 }
 
@@ -276,7 +276,7 @@ TEST(Edges, FourVerticesAreEnoughForASphere) {
   expect_sound(e, "ball");
   const ConstraintResult& r = result_of(e.finest(), Quantity::max_vertices);
   EXPECT_EQ(r.reached, static_cast<double>(e.finest().vertices));
-  EXPECT_EQ(r.met, e.finest().vertices <= 4);
+  EXPECT_EQ(r.satisfied, e.finest().vertices <= 4);
 }
 
 TEST(Edges, OneVertexIsTooFewAndTheReasonHasTheNumberNeeded) {
@@ -284,7 +284,7 @@ TEST(Edges, OneVertexIsTooFewAndTheReasonHasTheNumberNeeded) {
       extract(ball(), options_with({{{Quantity::max_vertices, 1}}, {{Quantity::max_distance, 0.5}}, {{Quantity::max_vertices, 1}}}));
   expect_sound(e, "ball");
   const ConstraintResult& first = e.report.levels[1].constraints[0];
-  EXPECT_FALSE(first.met);
+  EXPECT_FALSE(first.satisfied);
   EXPECT_EQ(first.reason, "topology alone needs " + std::to_string(e.report.levels[0].vertices));
   EXPECT_EQ(e.hierarchy.levels[1].triangles, e.hierarchy.levels[0].triangles) << "and not one more";
   EXPECT_EQ(e.report.levels[3].constraints[0].reason, "the previous level has " + std::to_string(e.report.levels[2].vertices))
@@ -296,7 +296,7 @@ TEST(Edges, ABalancedLevelThatRepeatsTheCoarseOneHasItsPositions) {
   options.placement = Placement::balanced;
   const Extraction e = extract(ball(), options);
   expect_sound(e, "ball");
-  EXPECT_TRUE(e.hierarchy.levels[1].placed == e.hierarchy.positions);
+  EXPECT_TRUE(e.hierarchy.levels[1].own_positions == e.hierarchy.positions);
 }
 
 TEST(Edges, MoreVerticesThanCVertices) {
@@ -304,14 +304,14 @@ TEST(Edges, MoreVerticesThanCVertices) {
   const Extraction e = extract(volume, options_with({{{Quantity::min_vertices, 1e9}}}));
   expect_sound(e, "ball");
   const ConstraintResult& r = e.finest().constraints[0];
-  EXPECT_FALSE(r.met);
+  EXPECT_FALSE(r.satisfied);
   EXPECT_NE(r.reason.find(std::to_string(e.report.c_vertices) + " c-vertices"), std::string::npos) << r.reason;
   EXPECT_GT(e.finest().vertices, e.report.c_vertices / 2);
 }
 
 TEST(Edges, MinimumBeforeALimitIsFilledEvenly) {
   const Extraction e = extract(ball(14), options_with({{{Quantity::min_vertices, 300}, {Quantity::max_vertices, 400}}}));
-  EXPECT_TRUE(e.finest().all_met());
+  EXPECT_TRUE(e.finest().all_satisfied());
   EXPECT_LT(e.finest().quality.edge_max, 5 * e.finest().quality.edge_min) << "not all in one place";
 }
 
@@ -319,7 +319,7 @@ TEST(Edges, LongestShortEdgeIsLongerThanTheObject) {
   const Extraction e = extract(ball(), options_with({{{Quantity::min_edge, 1000}, {Quantity::max_distance, 0.1}}}));
   expect_sound(e, "ball");
   EXPECT_EQ(e.finest().vertices, e.report.levels[0].vertices) << "nothing may be added";
-  EXPECT_FALSE(e.finest().constraints[0].met);
+  EXPECT_FALSE(e.finest().constraints[0].satisfied);
   EXPECT_NE(e.finest().constraints[0].reason.find("topology alone needs shorter edges"), std::string::npos);
   EXPECT_NE(e.finest().constraints[1].reason.find("min-edge comes first"), std::string::npos);
 }
@@ -341,7 +341,7 @@ TEST(Edges, ExtremeBoundsOfEveryQuantity) {
         // If all c-vertices are vertices, none of them is off the mesh.
         const bool perfect = is_metric(quantity) && result.reached == (ratio ? 1 : 0);
         const bool generous = perfect || (is_lower_bound(quantity) ? bound < 1 : bound > 1);
-        EXPECT_EQ(result.met, generous) << name(quantity) << " " << wanted;
+        EXPECT_EQ(result.satisfied, generous) << name(quantity) << " " << wanted;
       }
     }
   }
@@ -373,8 +373,8 @@ TEST(Edges, SurfacesThatAreAllBoundary) {
       const Extraction e = extract(to_volume(s), options_with({{{Quantity::max_distance, 0.05}}, {{Quantity::max_edge, 1}}}, placement));
       expect_sound(e, "strip");
       if (placement == Placement::surface) continue;
-      for (std::size_t v = 0; v < e.hierarchy.levels[1].placed.size(); ++v) {
-        EXPECT_EQ(e.hierarchy.levels[1].placed[v], e.hierarchy.positions[v]) << "boundary vertices stay";
+      for (std::size_t v = 0; v < e.hierarchy.levels[1].own_positions.size(); ++v) {
+        EXPECT_EQ(e.hierarchy.levels[1].own_positions[v], e.hierarchy.positions[v]) << "boundary vertices stay";
       }
     }
   }
@@ -391,13 +391,13 @@ TEST(Edges, TheSameGoalTwiceAddsNothingTheSecondTime) {
   const LevelGoal goal{{Quantity::max_distance, 0.2}};
   const Extraction e = extract(ball(), options_with({goal, goal}));
   EXPECT_EQ(e.report.levels[2].vertices, e.report.levels[1].vertices);
-  EXPECT_TRUE(e.finest().all_met());
+  EXPECT_TRUE(e.finest().all_satisfied());
 }
 
 TEST(Edges, OnlyShape) {
   const Extraction e = extract(ball(), options_with({{{Quantity::min_aspect, 0.4}}}));
   expect_sound(e, "ball");
-  EXPECT_TRUE(e.finest().all_met()) << e.finest().constraints[0].reason;
+  EXPECT_TRUE(e.finest().all_satisfied()) << e.finest().constraints[0].reason;
   EXPECT_GE(e.finest().quality.aspect_min, 0.4);
 }
 
@@ -415,7 +415,7 @@ TEST(Edges, TheCoarseLevelIsOnlyMeasured) {
   const Extraction e = extract(ball(), options);
   EXPECT_EQ(e.mesh().triangles, plain.mesh().triangles);
   EXPECT_EQ(e.finest().constraints[0].reason, "the coarse mesh is not refined");
-  EXPECT_TRUE(e.finest().constraints[1].met);
+  EXPECT_TRUE(e.finest().constraints[1].satisfied);
   EXPECT_EQ(e.finest().constraints[2].reason, "topology alone needs " + std::to_string(e.finest().vertices));
 }
 

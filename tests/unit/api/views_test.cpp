@@ -111,13 +111,13 @@ TEST(Options, OneLevelWithinHalfAVoxelByDefault) {
   const Extraction e = extract(volume, 0);
   ASSERT_EQ(e.report.levels.size(), 2u);
   const ConstraintResult& result = e.finest().constraints.at(0);
-  EXPECT_TRUE(result.wanted.is_default);
-  EXPECT_EQ(result.wanted.bound, 0.25);
-  EXPECT_TRUE(result.met);
+  EXPECT_TRUE(result.constraint.is_default);
+  EXPECT_EQ(result.constraint.bound, 0.25);
+  EXPECT_TRUE(result.satisfied);
   EXPECT_EQ(extract(volume, ExtractOptions{}).report.levels.size(), 2u);
 
   volume.grid.spacing = {0.5, 0.5, 4};  // thick layers: an eighth of the largest
-  EXPECT_EQ(extract(volume, 0).finest().constraints.at(0).wanted.bound, 0.5);
+  EXPECT_EQ(extract(volume, 0).finest().constraints.at(0).constraint.bound, 0.5);
 }
 
 TEST(Options, LengthsAreInTheWorldOrInVoxels) {
@@ -126,14 +126,14 @@ TEST(Options, LengthsAreInTheWorldOrInVoxels) {
   volume.grid.spacing = {0.5, 0.5, 0.5};
   const Extraction world = extract(volume, 0, {within(0.1)}), voxels = extract(volume, 0, {within(0.2 * vx)});
   EXPECT_TRUE(same(world.mesh(), voxels.mesh()));
-  EXPECT_EQ(voxels.finest().constraints.at(0).wanted.bound, 0.1);
-  EXPECT_FALSE(voxels.finest().constraints.at(0).wanted.in_voxels);
+  EXPECT_EQ(voxels.finest().constraints.at(0).constraint.bound, 0.1);
+  EXPECT_FALSE(voxels.finest().constraints.at(0).constraint.in_voxels);
   ExtractOptions options;
   options.refine = {{within(1 * vx), bounded(Quantity::max_edge, 3 * vx)}, within(0.2 * vx)};
   options.covering.max_radius = 4 * vx;
   const Extraction both = extract(volume, options);
   ASSERT_EQ(both.report.levels.size(), 3u);
-  EXPECT_EQ(both.report.levels[1].constraints.at(1).wanted.bound, 1.5);
+  EXPECT_EQ(both.report.levels[1].constraints.at(1).constraint.bound, 1.5);
   EXPECT_EQ(code_of([&] { extract(volume, 0, {bounded(Quantity::max_vertices, 100 * vx)}); }), ErrorCode::bad_argument);
 }
 

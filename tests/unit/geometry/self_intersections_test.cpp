@@ -209,7 +209,7 @@ TEST(SelfIntersections, RefusesInvalidMeshes) {
 
 TEST(SelfIntersections, IntersectionPlaceIsInBothBoxes) {
   const std::vector<Vec3> positions{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, -1}, {2, 1, 3}, {9, 3, 0}};
-  const Vec3 at = meeting_place(positions, {0, 1, 2}, {3, 4, 5});
+  const Vec3 at = intersection_position(positions, {0, 1, 2}, {3, 4, 5});
   EXPECT_EQ(at.x, 2.5);
   EXPECT_EQ(at.y, 2);
   EXPECT_EQ(at.z, 0);

@@ -75,7 +75,7 @@ Hierarchy sphere(const Shape& shape) {
     for (std::uint32_t v = 0; v < level.vertex_count; ++v) {
       Vec3 p = positions[v];
       p.z += 0.1 * shape.scale / static_cast<double>(k + 1);
-      level.placed.push_back(p);
+      level.own_positions.push_back(p);
     }
   }
   return hierarchy;
@@ -116,7 +116,7 @@ void expect_same(const HierarchyFile& read, const Hierarchy& hierarchy, const Hi
     EXPECT_EQ(mesh_topology(read.hierarchy.mesh(k)).components, mesh_topology(hierarchy.mesh(k)).components);
     EXPECT_EQ(nlohmann::json::parse(read.info.levels[k]), nlohmann::json::parse(info.levels[k]));
     // Nested levels stay so, bit by bit: none needs positions of its own.
-    EXPECT_TRUE(info.placement == Placement::balanced || read.hierarchy.levels[k].placed.empty());
+    EXPECT_TRUE(info.placement == Placement::balanced || read.hierarchy.levels[k].own_positions.empty());
   }
   EXPECT_EQ(read.info.mesh.space, info.mesh.space);
   EXPECT_EQ(read.info.mesh.comment, info.mesh.comment);
@@ -333,7 +333,7 @@ TEST(HierarchyFiles, WrongLevelsAreNotWritten) {
     hierarchy.levels[2].vertex_count = 1000;
     refuse("level 2", hierarchy);
     hierarchy = sphere({.is_balanced = true});
-    hierarchy.levels[1].placed.pop_back();
+    hierarchy.levels[1].own_positions.pop_back();
     refuse("level 1", hierarchy);
     hierarchy = sphere({});
     hierarchy.positions[3].y = std::numeric_limits<double>::infinity();
@@ -460,8 +460,8 @@ TEST(HierarchyFiles, LevelsThatAreNotNestedAreRead) {
   write_hierarchy(sphere(shape), folder / "a.glb", info);
   const HierarchyFile file = read_hierarchy(folder / "a.glb");
   EXPECT_EQ(file.info.placement, Placement::surface);
-  EXPECT_FALSE(file.hierarchy.levels[0].placed.empty());
-  EXPECT_TRUE(file.hierarchy.levels[2].placed.empty());
+  EXPECT_FALSE(file.hierarchy.levels[0].own_positions.empty());
+  EXPECT_TRUE(file.hierarchy.levels[2].own_positions.empty());
 }
 
 /// A .glb with its JSON changed.

@@ -10,10 +10,10 @@ namespace {
 
 ConstraintResult result(Quantity quantity, double bound, double reached, bool is_default = false) {
   ConstraintResult out;
-  out.wanted = {.quantity = quantity, .bound = bound};
-  out.wanted.is_default = is_default;
+  out.constraint = {.quantity = quantity, .bound = bound};
+  out.constraint.is_default = is_default;
   out.reached = reached;
-  out.met = quantity == Quantity::min_edge || quantity == Quantity::min_aspect ? reached >= bound : reached <= bound;
+  out.satisfied = quantity == Quantity::min_edge || quantity == Quantity::min_aspect ? reached >= bound : reached <= bound;
   return out;
 }
 
@@ -44,7 +44,7 @@ TEST(StatedRounding, LengthsIncludeItAndOtherQuantitiesDoNot) {
   const std::vector<double> reached{0.4625, 0.4625, 4.125, 2.875, 20, 90};
   for (std::size_t i = 0; i < reached.size(); ++i) {
     EXPECT_DOUBLE_EQ(level.constraints[i].reached, reached[i]) << i;
-    EXPECT_TRUE(level.constraints[i].met) << i;
+    EXPECT_TRUE(level.constraints[i].satisfied) << i;
     EXPECT_EQ(level.constraints[i].reason, "");
   }
   for (std::size_t i = 0; i < kMetricCount; ++i) {
@@ -63,12 +63,12 @@ TEST(StatedRounding, ABoundThatOnlyTheFileViolatesIsNotMet) {
   report.levels[1].constraints[4].reason = "too coarse";
   state_rounding(report, {file("a.stl", {1}, 0.1)}, {}, Space::lps);
   const std::vector<ConstraintResult>& results = report.levels[1].constraints;
-  for (const ConstraintResult& r : results) EXPECT_FALSE(r.met);
+  for (const ConstraintResult& r : results) EXPECT_FALSE(r.satisfied);
   EXPECT_EQ(results[0].reason, "positions are rounded to float32 in a.stl, by up to 0.1");
   EXPECT_EQ(results[4].reason, "too coarse");  // not met anyway
-  EXPECT_FALSE(report.levels[1].all_met());
+  EXPECT_FALSE(report.levels[1].all_satisfied());
   report.levels[1].constraints = {results[1]};
-  EXPECT_TRUE(report.levels[1].all_met());  // nobody asked for the default
+  EXPECT_TRUE(report.levels[1].all_satisfied());  // nobody asked for the default
 }
 
 TEST(StatedRounding, TheWorstFileOfALevelCounts) {
@@ -76,9 +76,9 @@ TEST(StatedRounding, TheWorstFileOfALevelCounts) {
   state_rounding(report, {file("a.glb", {0, 1}, 0.01), file("a-0.glb", {0}, 0.02), file("a-1.glb", {1}, 0.1), file("b.ply", {1}, 0)}, {},
                  Space::lps);
   EXPECT_EQ(report.levels[0].rounding, 0.02);
-  EXPECT_TRUE(report.levels[0].constraints[0].met);
+  EXPECT_TRUE(report.levels[0].constraints[0].satisfied);
   EXPECT_EQ(report.levels[1].rounding, 0.1);
-  EXPECT_FALSE(report.levels[1].constraints[0].met);
+  EXPECT_FALSE(report.levels[1].constraints[0].satisfied);
 }
 
 TEST(StatedRounding, OfSampleIndicesIsALengthInTheWorld) {

@@ -159,7 +159,7 @@ TEST_F(PageEntries, OfAReportFileFindItsMeshes) {
   write_mesh(extraction_.hierarchy.mesh(1), folder_ / "a-1.ply");
   const PageEntry both = report_of({{"a-0.ply", {0}, 1}, {"a-1.ply", {1}, 1}});
   EXPECT_EQ(both.hierarchy.levels.size(), 2u);
-  EXPECT_TRUE(both.hierarchy.levels[0].placed.empty()) << "nested: the positions are shared";
+  EXPECT_TRUE(both.hierarchy.levels[0].own_positions.empty()) << "nested: the positions are shared";
   const PageEntry finest = report_of({{"a-1.ply", {1}, 1}});
   EXPECT_EQ(finest.hierarchy.levels.size(), 1u);
   EXPECT_EQ(json::parse(finest.facts)["levels"][0]["level"], 1);

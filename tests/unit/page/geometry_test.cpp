@@ -64,8 +64,8 @@ TEST(PageGeometry, LevelsComeBackAsTheyWere) {
       const Json& level = json["levels"][k];
       const TriangleMesh mesh = hierarchy.mesh(k);
       EXPECT_EQ(level["vertices"], mesh.positions.size());
-      EXPECT_EQ(level.contains("placed"), !hierarchy.levels[k].placed.empty());
-      const Json& where = level.contains("placed") ? level["placed"] : json["positions"];
+      EXPECT_EQ(level.contains("own_positions"), !hierarchy.levels[k].own_positions.empty());
+      const Json& where = level.contains("own_positions") ? level["own_positions"] : json["positions"];
       const std::vector<Vec3> positions = positions_of(bytes, where);
       ASSERT_GE(positions.size(), mesh.positions.size());
       const double step = where["step"];

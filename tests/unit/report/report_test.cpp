@@ -18,11 +18,11 @@ namespace {
 
 ConstraintResult result_of(Quantity quantity, double bound, bool is_default, double reached, bool met, const char* reason) {
   ConstraintResult out;
-  out.wanted.quantity = quantity;
-  out.wanted.bound = bound;
-  out.wanted.is_default = is_default;
+  out.constraint.quantity = quantity;
+  out.constraint.bound = bound;
+  out.constraint.is_default = is_default;
   out.reached = reached;
-  out.met = met;
+  out.satisfied = met;
   out.reason = reason;
   return out;
 }
@@ -140,12 +140,12 @@ TEST(Report, AnUnmetBoundThatNobodyAskedForIsNoFailure) {
   LevelReport& level = full.report.levels[0];
   level.constraints.clear();
   level.constraints.push_back(result_of(Quantity::max_distance, 3, true, 4, false, "max-vertices comes first"));
-  EXPECT_TRUE(level.all_met());
+  EXPECT_TRUE(level.all_satisfied());
   const Json constraint = full.json()["levels"][0]["constraints"][0];
-  EXPECT_EQ(constraint["met"], false);
+  EXPECT_EQ(constraint["satisfied"], false);
   EXPECT_EQ(constraint["default"], true);
-  level.constraints[0].wanted.is_default = false;
-  EXPECT_FALSE(level.all_met());
+  level.constraints[0].constraint.is_default = false;
+  EXPECT_FALSE(level.all_satisfied());
 }
 
 TEST(Report, PathsNeedNotBeUtf8) {

@@ -29,7 +29,7 @@ TEST(Choices, EverySampleTypeHasItsName) {
 TEST(Choices, CaseBlanksAndUnderscoresDoNotCount) {
   EXPECT_EQ(parse_space("LPS"), Space::lps);
   EXPECT_EQ(parse_inside(" Below\n"), Inside::below);
-  EXPECT_EQ(parse_covering("Radius_Field"), CoveringStrategy::radius_field);
+  EXPECT_EQ(parse_covering("Sizing_Field"), CoveringStrategy::sizing_field);
 }
 
 TEST(Choices, AnythingElseIsRefusedWithTheNames) {
