@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures isoatlas::extract, vtkMarchingCubes and vtkFlyingEdges3D on the same samples in one process, in turns, and prints one JSON
-// line. bench/compare.py builds this file and vtk_image.h against old commits as well, so they use nothing but the public API.
+// Measures isoatlas::extract, vtkMarchingCubes and vtkFlyingEdges3D on the same samples in one
+// process, in turns, and prints one JSON line. bench/compare.py builds this file and vtk_image.h
+// against old commits as well, so they use nothing but the public API.
 #include <malloc.h>
 #include <vtkFlyingEdges3D.h>
 #include <vtkImageData.h>
@@ -68,7 +69,8 @@ T parse_number(std::string_view option, std::string_view text) {
   T value{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size())
-    throw std::invalid_argument(std::string(option) + ": expected a number, got '" + std::string(text) + "'");
+    throw std::invalid_argument(std::string(option) + ": expected a number, got '" +
+                                std::string(text) + "'");
   return value;
 }
 
@@ -104,7 +106,8 @@ Arguments parse_arguments(int argc, char** argv) {
     }
   }
   if (positional.size() != 2) throw std::invalid_argument("expected VOLUME and ISOVALUE");
-  if (out.max_vertices && out.refine.empty()) throw std::invalid_argument("--max-vertices: expected --refine as well");
+  if (out.max_vertices && out.refine.empty())
+    throw std::invalid_argument("--max-vertices: expected --refine as well");
   out.volume = positional[0];
   out.isovalue = parse_number<double>("ISOVALUE", positional[1]);
   return out;
@@ -162,7 +165,9 @@ Seconds now() {
   timespec cpu{}, wall{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &cpu);
   clock_gettime(CLOCK_MONOTONIC, &wall);
-  const auto seconds = [](const timespec& t) { return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec); };
+  const auto seconds = [](const timespec& t) {
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+  };
   return {seconds(cpu), seconds(wall)};
 }
 
@@ -186,13 +191,14 @@ std::optional<std::size_t> status_bytes(std::string_view key) {
   std::ifstream file("/proc/self/status");
   for (std::string line; std::getline(file, line);) {
     if (!line.starts_with(key) || line[key.size()] != ':') continue;
-    return 1024 * static_cast<std::size_t>(std::strtoull(line.c_str() + key.size() + 1, nullptr, 10));
+    return 1024 *
+           static_cast<std::size_t>(std::strtoull(line.c_str() + key.size() + 1, nullptr, 10));
   }
   return std::nullopt;
 }
 
-// Growth of the resident set from construction to its peak before growth() is called. Memory that earlier runs have freed goes back to
-// the system first, so that it is not missing from the figure.
+// Growth of the resident set from construction to its peak before growth() is called. Memory that
+// earlier runs have freed goes back to the system first, so that it is not missing from the figure.
 class PeakMemory {
  public:
   PeakMemory() {
@@ -230,7 +236,9 @@ class Alarm {
  private:
   void wait(double seconds) {
     std::unique_lock lock(mutex_);
-    if (!condition_.wait_for(lock, std::chrono::duration<double>(seconds), [this] { return is_over_; })) expired = true;
+    if (!condition_.wait_for(lock, std::chrono::duration<double>(seconds),
+                             [this] { return is_over_; }))
+      expired = true;
   }
   std::mutex mutex_;
   std::condition_variable condition_;
@@ -244,7 +252,8 @@ struct FilterRuns {
   std::string to_json() const { return runs.to_json().add("triangles", triangles).text(); }
 };
 
-// The whole job of a contour filter without normals and scalars, which isoatlas does not compute either.
+// The whole job of a contour filter without normals and scalars, which isoatlas does not compute
+// either.
 template <class Filter>
 void run_filter(vtkImageData* image, double isovalue, FilterRuns& out) {
   malloc_trim(0);
@@ -286,7 +295,9 @@ isoatlas::ExtractOptions extract_options(const Arguments& arguments, const isoat
   options.allow_self_intersections = arguments.allow_self_intersections;
   for (const double bound : arguments.refine) {
     isoatlas::LevelGoal goal;
-    if (arguments.max_vertices) goal.push_back({isoatlas::Quantity::max_vertices, static_cast<double>(*arguments.max_vertices)});
+    if (arguments.max_vertices)
+      goal.push_back(
+          {isoatlas::Quantity::max_vertices, static_cast<double>(*arguments.max_vertices)});
     goal.push_back({isoatlas::Quantity::max_distance, bound * grid.smallest_spacing()});
     goal.back().is_default = arguments.by_default;
     options.refine.push_back(std::move(goal));
@@ -303,13 +314,17 @@ struct ExtractRuns {
   std::string to_json() const {
     JsonObject stage_object;
     for (const auto& [stage, seconds] : stages) stage_object.add(stage, seconds);
-    return runs.to_json().add("peak_bytes", peak_bytes).add_text("stages_s", stage_object.text()).text();
+    return runs.to_json()
+        .add("peak_bytes", peak_bytes)
+        .add_text("stages_s", stage_object.text())
+        .text();
   }
 };
 
 // Returns the time used if the run was cancelled at its time limit.
-std::optional<Seconds> run_extract(const isoatlas::Volume& volume, const isoatlas::ExtractOptions& options, const Arguments& arguments,
-                                   ExtractRuns& out) {
+std::optional<Seconds> run_extract(const isoatlas::Volume& volume,
+                                   const isoatlas::ExtractOptions& options,
+                                   const Arguments& arguments, ExtractRuns& out) {
   out.last.reset();
   Alarm alarm(arguments.time_limit);
   isoatlas::RunControl control;
@@ -325,7 +340,8 @@ std::optional<Seconds> run_extract(const isoatlas::Volume& volume, const isoatla
   }
   out.runs.add(since(start));
   out.peak_bytes.push_back(memory.growth());
-  for (const isoatlas::StageTime& stage : out.last->report.seconds) out.stages[stage.stage].push_back(stage.seconds);
+  for (const isoatlas::StageTime& stage : out.last->report.seconds)
+    out.stages[stage.stage].push_back(stage.seconds);
   return std::nullopt;
 }
 
@@ -340,17 +356,22 @@ std::string levels_json(const isoatlas::Extraction& result, double voxel) {
         .add("triangles", level.triangles)
         .add("share_below_third", level.quality.aspect_share_below_third)
         .add("aspect_min", level.quality.aspect_min)
-        .add("self_intersections", isoatlas::self_intersections(mesh.positions, mesh.triangles).size())
+        .add("self_intersections",
+             isoatlas::self_intersections(mesh.positions, mesh.triangles).size())
         .add("seconds", level.seconds);
     std::optional<double> distance;
-    if (level.metrics) distance = (*level.metrics)[static_cast<std::size_t>(isoatlas::Quantity::max_distance)].maximum / voxel;
+    if (level.metrics)
+      distance =
+          (*level.metrics)[static_cast<std::size_t>(isoatlas::Quantity::max_distance)].maximum /
+          voxel;
     object.add("max_distance_voxels", distance);
     out += (k == 0 ? "" : ", ") + object.text();
   }
   return out + "]";
 }
 
-// Loads libraries, starts threads and fills caches, which would else be counted for whichever program comes first.
+// Loads libraries, starts threads and fills caches, which would else be counted for whichever
+// program comes first.
 void warm_up(const Arguments& arguments) {
   constexpr std::size_t kSize = 12;
   std::vector<float> samples(kSize * kSize * kSize);
@@ -359,7 +380,8 @@ void warm_up(const Arguments& arguments) {
       const float d = static_cast<float>(coordinate) - 5.5F;
       return d * d;
     };
-    samples[i] = 16.1F - squared(i % kSize) - squared(i / kSize % kSize) - squared(i / kSize / kSize);
+    samples[i] =
+        16.1F - squared(i % kSize) - squared(i / kSize % kSize) - squared(i / kSize / kSize);
   }
   isoatlas::Volume volume;
   view_of(volume).grid.size = {kSize, kSize, kSize};
@@ -403,20 +425,25 @@ int main(int argc, char** argv) try {
   JsonObject out;
   out.add("volume", arguments.volume.filename().string())
       .add("isovalue", arguments.isovalue)
-      .add("size", std::vector<std::size_t>(view_of(volume).grid.size.begin(), view_of(volume).grid.size.end()))
+      .add("size", std::vector<std::size_t>(view_of(volume).grid.size.begin(),
+                                            view_of(volume).grid.size.end()))
       .add("threads", static_cast<std::size_t>(arguments.threads))
       .add("refine_voxels", arguments.refine)
       .add("max_vertices", arguments.max_vertices)
       .add("allow_self_intersections", arguments.allow_self_intersections);
   if (cancelled_after) {
-    out.add_text("cancelled_after", JsonObject().add("cpu_s", cancelled_after->cpu).add("wall_s", cancelled_after->wall).text());
+    out.add_text("cancelled_after", JsonObject()
+                                        .add("cpu_s", cancelled_after->cpu)
+                                        .add("wall_s", cancelled_after->wall)
+                                        .text());
   } else {
     out.add("c_vertices", ours.last->report.c_vertices)
         .add_text("isoatlas", ours.to_json())
         .add_text("levels", levels_json(*ours.last, view_of(volume).grid.smallest_spacing()));
   }
   if (arguments.with_vtk) {
-    out.add_text("marching_cubes", marching_cubes.to_json()).add_text("flying_edges", flying_edges.to_json());
+    out.add_text("marching_cubes", marching_cubes.to_json())
+        .add_text("flying_edges", flying_edges.to_json());
   }
   std::printf("%s\n", out.text().c_str());
   return 0;

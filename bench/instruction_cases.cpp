@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Extracts one of some small generated volumes with one thread, for bench/instructions.py and bench/stop_gaps.py, which count the
-// instructions of extract_case() under valgrind.
+// Extracts one of some small generated volumes with one thread, for bench/instructions.py and
+// bench/stop_gaps.py, which count the instructions of extract_case() under valgrind.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -19,9 +19,10 @@ struct Case {
   const char* name;
   std::array<std::size_t, 3> size;
   isoatlas::Vec3 spacing;
-  std::function<double(double x, double y, double z)> value;  // at a sample index; the isovalue is 0
-  double refine_voxels;                                       // 0: coarse mesh only
-  bool is_proved = true;                                      // or it is a default bound, which is not
+  std::function<double(double x, double y, double z)>
+      value;              // at a sample index; the isovalue is 0
+  double refine_voxels;   // 0: coarse mesh only
+  bool is_proved = true;  // or it is a default bound, which is not
   std::size_t measure_samples = 0;
 };
 
@@ -30,7 +31,8 @@ double square(double x) { return x * x; }
 // A torus and a ball above it. Polynomials, so the samples are the same on every machine.
 double torus_and_ball(double x, double y, double z) {
   const double r2 = square(x - 14.3) + square(y - 15.1);
-  const double torus = 4 * square(8.0) * r2 - square(r2 + square(z - 12.2) + square(8.0) - square(3.6));
+  const double torus =
+      4 * square(8.0) * r2 - square(r2 + square(z - 12.2) + square(8.0) - square(3.6));
   const double ball = square(3.7) - square(x - 15.6) - square(y - 14.8) - square(z - 25.4);
   return std::max(torus / 500, ball);
 }
@@ -65,7 +67,8 @@ const std::vector<Case>& cases() {
 }  // namespace
 
 // The name is not mangled, so that valgrind can be told to count this function alone.
-extern "C" __attribute__((noinline)) std::size_t extract_case(const isoatlas::VolumeView* volume, const isoatlas::ExtractOptions* options) {
+extern "C" __attribute__((noinline)) std::size_t extract_case(
+    const isoatlas::VolumeView* volume, const isoatlas::ExtractOptions* options) {
   isoatlas::RunControl control;
   control.threads = 1;
   return isoatlas::extract(*volume, *options, control).finest().triangles;
@@ -79,7 +82,8 @@ int main(int argc, char** argv) try {
     for (std::size_t z = 0; z < one.size[2]; ++z)
       for (std::size_t y = 0; y < one.size[1]; ++y)
         for (std::size_t x = 0; x < one.size[0]; ++x)
-          samples.push_back(static_cast<float>(one.value(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z))));
+          samples.push_back(static_cast<float>(
+              one.value(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z))));
     isoatlas::VolumeView volume;
     volume.grid.size = one.size;
     volume.grid.spacing = one.spacing;
@@ -88,7 +92,9 @@ int main(int argc, char** argv) try {
     isoatlas::ExtractOptions options;
     options.refine.clear();
     if (one.refine_voxels > 0)
-      options.refine.push_back({{isoatlas::Quantity::max_distance, one.refine_voxels * volume.grid.smallest_spacing(), !one.is_proved}});
+      options.refine.push_back(
+          {{isoatlas::Quantity::max_distance, one.refine_voxels * volume.grid.smallest_spacing(),
+            !one.is_proved}});
     options.measure_samples = one.measure_samples;
     std::printf("%zu triangles\n", extract_case(&volume, &options));
     return 0;

@@ -41,11 +41,13 @@ inline int vtk_type(isoatlas::SampleType type) {
 inline vtkSmartPointer<vtkImageData> vtk_image(const isoatlas::VolumeView& volume) {
   const auto& grid = volume.grid;
   auto image = vtkSmartPointer<vtkImageData>::New();
-  image->SetDimensions(static_cast<int>(grid.size[0]), static_cast<int>(grid.size[1]), static_cast<int>(grid.size[2]));
+  image->SetDimensions(static_cast<int>(grid.size[0]), static_cast<int>(grid.size[1]),
+                       static_cast<int>(grid.size[2]));
   image->SetSpacing(grid.spacing.x, grid.spacing.y, grid.spacing.z);
   vtkSmartPointer<vtkDataArray> scalars;
   scalars.TakeReference(vtkDataArray::CreateDataArray(vtk_type(volume.type)));
-  scalars->SetVoidArray(const_cast<void*>(volume.samples), static_cast<vtkIdType>(grid.sample_count()), 1);
+  scalars->SetVoidArray(const_cast<void*>(volume.samples),
+                        static_cast<vtkIdType>(grid.sample_count()), 1);
   image->GetPointData()->SetScalars(scalars);
   return image;
 }

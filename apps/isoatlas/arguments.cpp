@@ -21,8 +21,8 @@ namespace {
 
 /// An option with a value that `read` makes something of; what that throws names the option.
 template <class Read>
-CLI::Option* add_value(CLI::App& app, const char* group, const std::string& name, const char* placeholder, const std::string& description,
-                       Read read) {
+CLI::Option* add_value(CLI::App& app, const char* group, const std::string& name,
+                       const char* placeholder, const std::string& description, Read read) {
   const auto callback = [read, name](const std::string& text) {
     try {
       read(text);
@@ -30,7 +30,9 @@ CLI::Option* add_value(CLI::App& app, const char* group, const std::string& name
       throw CLI::ValidationError(name, error.what());
     }
   };
-  return app.add_option_function<std::string>(name, callback, description)->type_name(placeholder)->group(group);
+  return app.add_option_function<std::string>(name, callback, description)
+      ->type_name(placeholder)
+      ->group(group);
 }
 
 // Options read as a page: prose at the margin, then what it does.
@@ -100,9 +102,11 @@ void add_volume(CLI::App& app, VolumeArguments& volume) {
 
 /// The formats that are one file: an extension in any case, with or without its dot.
 std::string stream_format(const std::string& text) {
-  constexpr std::array<std::string_view, 8> kFormats{"ply", "stl", "obj", "off", "vtp", "3mf", "gii", "glb"};
+  constexpr std::array<std::string_view, 8> kFormats{"ply", "stl", "obj", "off",
+                                                     "vtp", "3mf", "gii", "glb"};
   const std::string format = lower_case(text.starts_with('.') ? text.substr(1) : text);
-  if (std::ranges::find(kFormats, format) == kFormats.end()) refuse_value("one of ply, stl, obj, off, vtp, 3mf, gii, glb", text);
+  if (std::ranges::find(kFormats, format) == kFormats.end())
+    refuse_value("one of ply, stl, obj, off, vtp, 3mf, gii, glb", text);
   return format;
 }
 
@@ -167,7 +171,8 @@ or an eighth of the largest spacing where that is more.
 }
 // clang-format on
 
-CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description, ManPage::Text page) {
+CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
+                      ManPage::Text page) {
   CLI::App* command = app.add_subcommand(name, description);
   command->formatter(std::make_shared<ManPage>(std::move(page)));
   command->set_help_flag("-h,--help", "Print this page.")->group(kRunning);
@@ -299,9 +304,11 @@ Also print all levels' metrics, timings, coarser complexes, repairs and memory.
 // clang-format on
 
 CLI::App* add_info_command(CLI::App& app, InfoArguments& arguments) {
-  CLI::App* command = add_command(app, "info", "describe a volume and suggest isovalues", info_page());
+  CLI::App* command =
+      add_command(app, "info", "describe a volume and suggest isovalues", info_page());
   add_volume(*command, arguments.volume);
-  command->add_flag("--json", arguments.json, "Print JSON (docs/reference/report.md).")->group(kOutput);
+  command->add_flag("--json", arguments.json, "Print JSON (docs/reference/report.md).")
+      ->group(kOutput);
   return command;
 }
 
@@ -352,19 +359,31 @@ Default: 200000.
 // clang-format on
 
 CLI::App* add_levels_command(CLI::App& app, LevelsArguments& arguments) {
-  CLI::App* command = add_command(app, "levels", "compare the levels of detail in a file", levels_page());
-  command->add_option("FILE", arguments.file, "A .glb or .vtm that `extract` wrote, or its report. See FILES.")->required()->group(kInput);
-  command->add_flag("--json", arguments.json, "Print JSON (docs/reference/report.md).")->group(kOutput);
+  CLI::App* command =
+      add_command(app, "levels", "compare the levels of detail in a file", levels_page());
+  command
+      ->add_option("FILE", arguments.file,
+                   "A .glb or .vtm that `extract` wrote, or its report. See FILES.")
+      ->required()
+      ->group(kInput);
+  command->add_flag("--json", arguments.json, "Print JSON (docs/reference/report.md).")
+      ->group(kOutput);
   return command;
 }
 
 CLI::App* add_report_command(CLI::App& app, ReportArguments& arguments) {
   CLI::App* command = add_command(app, "report", "show results in 3-D on one page", report_page());
-  command->add_option("RESULT", arguments.results, "What `extract` wrote: a report, a file of levels, or one mesh. See FILES.")
+  command
+      ->add_option("RESULT", arguments.results,
+                   "What `extract` wrote: a report, a file of levels, or one mesh. See FILES.")
       ->required()
       ->group(kInput);
-  command->add_option("-o,--output", arguments.page, "The page to write.")->type_name("FILE")->required()->group(kOutput);
-  command->add_flag("-q,--quiet", arguments.quiet, "Print nothing unless something is wrong.")->group(kRunning);
+  command->add_option("-o,--output", arguments.page, "The page to write.")
+      ->type_name("FILE")
+      ->required()
+      ->group(kOutput);
+  command->add_flag("-q,--quiet", arguments.quiet, "Print nothing unless something is wrong.")
+      ->group(kRunning);
   return command;
 }
 
@@ -372,7 +391,8 @@ namespace {
 
 Vec3 parse_direction(const std::string& text) {
   constexpr const char* kExpected = "three numbers like 0.45,-1,0.35, not all 0";
-  const auto [x, y, z] = parse_triple<double>(text, kExpected, [](double v) { return std::isfinite(v); });
+  const auto [x, y, z] =
+      parse_triple<double>(text, kExpected, [](double v) { return std::isfinite(v); });
   if (x == 0 && y == 0 && z == 0) refuse_value(kExpected, text);
   return Vec3{x, y, z};
 }
@@ -387,7 +407,8 @@ Vec3 parse_view(const std::string& text) {
   if (word == "right") return {-1, 0, 0};
   if (word == "top") return {0, 0, 1};
   if (word == "bottom") return {0, 0, -1};
-  refuse_value("one of front, back, left, right, top, bottom, or three numbers like 0.45,-1,0.35", text);
+  refuse_value("one of front, back, left, right, top, bottom, or three numbers like 0.45,-1,0.35",
+               text);
 }
 
 }  // namespace
@@ -441,8 +462,11 @@ How much larger than to fit into the picture. Default: 1.
 // clang-format on
 
 CLI::App* add_completion_command(CLI::App& app, CompletionArguments& arguments) {
-  CLI::App* command = add_command(app, "completion", "print a script that completes command lines", completion_page());
-  command->add_option("SHELL", arguments.shell, "The shell: bash, zsh or fish.")->required()->group(kInput);
+  CLI::App* command = add_command(app, "completion", "print a script that completes command lines",
+                                  completion_page());
+  command->add_option("SHELL", arguments.shell, "The shell: bash, zsh or fish.")
+      ->required()
+      ->group(kInput);
   return command;
 }
 
@@ -452,7 +476,8 @@ void describe_tool(CLI::App& app) {
   app.formatter(std::make_shared<ManPage>(tool_page()));
   app.require_subcommand(1);
   app.set_help_flag("-h,--help", "Print this page.")->group(kRunning);
-  app.set_version_flag("--version", "isoatlas " ISOATLAS_VERSION, "Print the version.")->group(kRunning);
+  app.set_version_flag("--version", "isoatlas " ISOATLAS_VERSION, "Print the version.")
+      ->group(kRunning);
 }
 
 }  // namespace isoatlas::detail::tool

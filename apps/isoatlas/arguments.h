@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the commands take from the command line: the options, their help, and nothing of what they do.
+// What the commands take from the command line: the options, their help, and nothing of what they
+// do.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -25,12 +26,14 @@ struct VolumeArguments {
 struct ExtractArguments : ExtractSettings {
   VolumeArguments volume;
   std::filesystem::path mesh;
-  std::string format;  ///< of a mesh that goes to standard output: an extension without its dot; empty: not said
+  std::string format;  ///< of a mesh that goes to standard output: an extension without its dot;
+                       ///< empty: not said
   std::optional<std::filesystem::path> report, page;
-  bool glb_per_level = false;  ///< besides `mesh`, which is a .glb, one for each level, and a manifest
-  bool coarse = false;         ///< nothing but level 0
-  bool strict = false;         ///< write nothing where something is not as asked for or promised
-  std::string command;         ///< the whole command line, for people to run again
+  bool glb_per_level =
+      false;            ///< besides `mesh`, which is a .glb, one for each level, and a manifest
+  bool coarse = false;  ///< nothing but level 0
+  bool strict = false;  ///< write nothing where something is not as asked for or promised
+  std::string command;  ///< the whole command line, for people to run again
   bool quiet = false, verbose = false;
 };
 

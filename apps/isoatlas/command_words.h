@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The words after a command as CLI11 will take them, before it does: mistakes can then be named in the order in which people
-// want to hear of them.
+// The words after a command as CLI11 will take them, before it does: mistakes can then be named in
+// the order in which people want to hear of them.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -20,7 +20,8 @@ struct OptionWord {
 
 struct PositionalWord {
   std::string text;
-  std::optional<std::size_t> after_value_of = {};  ///< it stands right behind the value of this one of the options
+  std::optional<std::size_t> after_value_of =
+      {};  ///< it stands right behind the value of this one of the options
 };
 
 struct CommandWords {
@@ -34,7 +35,8 @@ bool is_option_like(std::string_view word);
 /// Does the option stand with a value?
 bool takes_value(const CLI::Option& option);
 
-/// What `words`, those behind its name, are to `command`. An option takes the next word as its value unless that is option-like.
+/// What `words`, those behind its name, are to `command`. An option takes the next word as its
+/// value unless that is option-like.
 CommandWords read_words(const CLI::App& command, const std::vector<std::string>& words);
 
 }  // namespace isoatlas::detail::tool

@@ -27,7 +27,9 @@ const std::array<OptionWords, 10>& option_words() {
       {"--space", {"lps", "ras", "voxel"}},
       {"--format", {"ply", "stl", "obj", "off", "vtp", "3mf", "gii", "glb"}},
       {"--raw-endian", {"little", "big"}},
-      {"--raw-type", {"int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32", "float64"}},
+      {"--raw-type",
+       {"int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32",
+        "float64"}},
   }};
   return kWords;
 }
@@ -57,7 +59,8 @@ std::vector<const CLI::App*> commands_of(const CLI::App& app) {
   return app.get_subcommands([](const CLI::App*) { return true; });
 }
 
-/// The first sentence of a description, for a line beside the option, in single quotes of any shell.
+/// The first sentence of a description, for a line beside the option, in single quotes of any
+/// shell.
 std::string summary(const std::string& description) {
   std::string out;
   for (const char c : description.substr(0, description.find_first_of(".;:"))) {
@@ -78,8 +81,8 @@ std::string bash_script(const CLI::App& app) {
     options += "    " + command->get_name() + ") options=\"" + names + "\" ;;\n";
   }
   for (const OptionWords& option : option_words())
-    values +=
-        "    " + std::string(option.option) + ") COMPREPLY=($(compgen -W \"" + joined(option.words) + "\" -- \"$word\")); return ;;\n";
+    values += "    " + std::string(option.option) + ") COMPREPLY=($(compgen -W \"" +
+              joined(option.words) + "\" -- \"$word\")); return ;;\n";
   return R"(# bash completion for isoatlas
 _isoatlas() {
   local word="${COMP_WORDS[COMP_CWORD]}" before="${COMP_WORDS[COMP_CWORD-1]}" options=""
@@ -109,7 +112,9 @@ std::string zsh_script(const CLI::App& app) {
     cases += "    " + command->get_name() + ")\n      _arguments";
     for (const CLI::Option* option : options_of(*command)) {
       const auto words = words_of(*option);
-      const std::string value = !takes_value(*option) ? "" : words.empty() ? ":value:_files" : ":value:(" + joined(words) + ")";
+      const std::string value = !takes_value(*option) ? ""
+                                : words.empty()       ? ":value:_files"
+                                                      : ":value:(" + joined(words) + ")";
       const std::string rest = "[" + summary(option->get_description()) + "]" + value + "'";
       for (const std::string& name : names_of(*option)) cases += " \\\n        '*" + name + rest;
     }
@@ -139,7 +144,8 @@ std::string fish_script(const CLI::App& app) {
   std::string out = "# fish completion for isoatlas\n";
   for (const CLI::App* command : commands_of(app)) {
     const std::string& name = command->get_name();
-    out += "complete -c isoatlas -n __fish_use_subcommand -f -a " + name + " -d '" + summary(command->get_description()) + "'\n";
+    out += "complete -c isoatlas -n __fish_use_subcommand -f -a " + name + " -d '" +
+           summary(command->get_description()) + "'\n";
     for (const CLI::Option* option : options_of(*command)) {
       out += "complete -c isoatlas -n '__fish_seen_subcommand_from " + name + "'";
       for (const std::string& letter : option->get_snames()) out += " -s " + letter;
@@ -166,7 +172,8 @@ std::string completion_script(const CLI::App& app, std::string_view shell) {
   if (shell == "bash") return bash_script(app);
   if (shell == "zsh") return zsh_script(app);
   if (shell == "fish") return fish_script(app);
-  throw Error(ErrorCode::bad_argument, "completion: expected bash, zsh or fish, got '" + std::string(shell) + "'");
+  throw Error(ErrorCode::bad_argument,
+              "completion: expected bash, zsh or fish, got '" + std::string(shell) + "'");
 }
 
 }  // namespace isoatlas::detail::tool

@@ -12,8 +12,9 @@ namespace isoatlas::detail::tool {
 /// The words that an option takes, if it takes nothing else; empty for all other options.
 std::span<const std::string_view> words_of(const CLI::Option& option);
 
-/// A script for `shell` ("bash", "zsh" or "fish") that completes the commands and options of `app`, and the words of options.
-/// Other values are completed as file names. @throws Error(bad_argument) for another shell
+/// A script for `shell` ("bash", "zsh" or "fish") that completes the commands and options of `app`,
+/// and the words of options. Other values are completed as file names. @throws Error(bad_argument)
+/// for another shell
 std::string completion_script(const CLI::App& app, std::string_view shell);
 
 }  // namespace isoatlas::detail::tool

@@ -11,7 +11,8 @@ namespace isoatlas::detail::tool {
 inline std::string error_text(const Error& error) {
   switch (error.remedy()) {
     case Remedy::place_nan:
-      return error.problem() + ": say with --nan below or --nan above on which side of the isovalue NaN lies";
+      return error.problem() +
+             ": say with --nan below or --nan above on which side of the isovalue NaN lies";
     case Remedy::only_coarse:
       return error.problem() + "; use --coarse, or resample the volume to a box-shaped grid";
     case Remedy::allow_memory:

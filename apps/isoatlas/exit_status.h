@@ -7,15 +7,18 @@
 namespace isoatlas::detail::tool {
 
 inline constexpr int kSuccess = 0;
-/// `isoatlas check` and `levels`: not a consistently oriented manifold, one that meets itself, or far from its volume.
+/// `isoatlas check` and `levels`: not a consistently oriented manifold, one that meets itself, or
+/// far from its volume.
 inline constexpr int kCheckFailed = 1;
-/// `isoatlas extract`: a constraint that was asked for is not met, triangles meet or components are misplaced; everything was written, with
+/// `isoatlas extract`: a constraint that was asked for is not met, triangles meet or components are
+/// misplaced; everything was written, with
 /// --strict nothing.
 inline constexpr int kUnmet = 1;
-inline constexpr int kBadInput = 2;      ///< an argument or a file; nothing was written
-inline constexpr int kInternal = 3;      ///< a bug of isoatlas; nothing was written
-inline constexpr int kOutOfMemory = 4;   ///< nothing was written
-inline constexpr int kSignalBase = 128;  ///< interrupted: this plus the signal's number, as shells have it
+inline constexpr int kBadInput = 2;     ///< an argument or a file; nothing was written
+inline constexpr int kInternal = 3;     ///< a bug of isoatlas; nothing was written
+inline constexpr int kOutOfMemory = 4;  ///< nothing was written
+inline constexpr int kSignalBase =
+    128;  ///< interrupted: this plus the signal's number, as shells have it
 
 inline int exit_status(ErrorCode code) {
   switch (code) {

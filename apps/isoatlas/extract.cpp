@@ -41,13 +41,16 @@ class Stopwatch {
 void warn_of_memory(std::uint64_t bytes, std::uint32_t factor) {
   constexpr std::uint64_t kMuch = std::uint64_t{4} << 30;
   if (bytes < kMuch) return;
-  std::cerr << "isoatlas: warning: --supersample " << factor << " takes about " << bytes_text(static_cast<double>(bytes)) << " of memory\n";
+  std::cerr << "isoatlas: warning: --supersample " << factor << " takes about "
+            << bytes_text(static_cast<double>(bytes)) << " of memory\n";
 }
 
 /// The library does not know what the volume is called; its messages should.
-Extraction extract_from(const fs::path& path, const VolumeView& volume, const ExtractOptions& options, const RunControl& control) {
+Extraction extract_from(const fs::path& path, const VolumeView& volume,
+                        const ExtractOptions& options, const RunControl& control) {
   try {
-    warn_of_memory(require_memory_for_supersampling(volume, options, 0, control), options.supersample);
+    warn_of_memory(require_memory_for_supersampling(volume, options, 0, control),
+                   options.supersample);
     return extract(volume, options, control);
   } catch (const Error& error) {
     throw error.with_prefix(volume_name(path) + ": ");
@@ -65,7 +68,8 @@ ExtractOptions options_in_world(const ExtractArguments& arguments, const Grid& g
 
 /// What was sent to standard output stays there.
 int interrupted_while_sending(const Interruption& interruption) {
-  std::cerr << "isoatlas: interrupted; standard output has got a part, no file was written" << std::endl;
+  std::cerr << "isoatlas: interrupted; standard output has got a part, no file was written"
+            << std::endl;
   return interruption.exit_status();
 }
 
@@ -80,9 +84,10 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
     progress.erase();
     outputs.discard();
   });
-  const RunControl control{.progress = [&](std::string_view stage, double fraction) { progress.show(stage, fraction); },
-                           .cancel = &interruption.requested(),
-                           .threads = arguments.threads};
+  const RunControl control{
+      .progress = [&](std::string_view stage, double fraction) { progress.show(stage, fraction); },
+      .cancel = &interruption.requested(),
+      .threads = arguments.threads};
   ReportContext context;
   context.threads = arguments.threads;
   context.command = arguments.command;
@@ -94,7 +99,8 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   print_warnings(arguments.volume.path, file.source);
   Volume volume = std::move(file.volume);
   context.read_seconds = reading.seconds();
-  context.volume = {arguments.volume.path.string(), std::move(file.source), "", volume.view.grid, volume.view.type};
+  context.volume = {arguments.volume.path.string(), std::move(file.source), "", volume.view.grid,
+                    volume.view.type};
   if (arguments.report || arguments.page) context.volume.sample_digest = sample_digest(volume);
   context.options = options_in_world(arguments, volume.view.grid);
   const ExtractOptions& options = context.options;
@@ -106,7 +112,9 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
     progress.show("compare", std::nullopt);
     std::vector<Vec3> kept;
     for (const RankedComponent& component : report.kept) kept.push_back(component.position);
-    marching_cubes = marching_cubes_quality(volume, options.surface.isovalue, to_index(std::move(kept), volume.view.grid, options.space));
+    marching_cubes =
+        marching_cubes_quality(volume, options.surface.isovalue,
+                               to_index(std::move(kept), volume.view.grid, options.space));
   }
   volume = {};  // writing needs memory too
 
@@ -132,7 +140,8 @@ int run_extract(const ExtractArguments& arguments, Interruption& interruption) {
   if (arguments.page) {
     progress.show("page", std::nullopt);
     add_noticeable_rounding(extraction.hierarchy, report, grid);
-    const PageEntry entry = entry_of_report(json, arguments.page->string(), std::move(extraction.hierarchy), marching_cubes);
+    const PageEntry entry = entry_of_report(json, arguments.page->string(),
+                                            std::move(extraction.hierarchy), marching_cubes);
     outputs.write_text(*arguments.page, page_html({&entry, 1}, *arguments.page));
   }
   const bool is_complete = outputs.commit(interruption);

@@ -13,23 +13,29 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::bad_argument, message); }
+[[noreturn]] void refuse(const std::string& message) {
+  throw Error(ErrorCode::bad_argument, message);
+}
 
 constexpr const char* kDefaultFormat = "ply";
 
 void require_possible_stream(const ExtractArguments& arguments) {
-  if (arguments.glb_per_level) refuse("-o -: --glb-per-level makes several files, expected a name for them");
-  if (isatty(STDOUT_FILENO) != 0) refuse("-o -: standard output is a terminal, expected a pipe or a file to put the mesh into");
+  if (arguments.glb_per_level)
+    refuse("-o -: --glb-per-level makes several files, expected a name for them");
+  if (isatty(STDOUT_FILENO) != 0)
+    refuse("-o -: standard output is a terminal, expected a pipe or a file to put the mesh into");
 }
 
 /// The temporary file of a mesh that goes to standard output.
 std::optional<StandardOutputFile> stream_of(const ExtractArguments& arguments) {
   const bool is_stream = is_standard_stream(arguments.mesh);
   if (!arguments.format.empty() && !is_stream)
-    refuse("--format goes with -o -, found -o " + arguments.mesh.string() + ": the extension of a name is the format");
+    refuse("--format goes with -o -, found -o " + arguments.mesh.string() +
+           ": the extension of a name is the format");
   if (!is_stream) return std::nullopt;
   require_possible_stream(arguments);
-  return std::optional<StandardOutputFile>(std::in_place, "mesh." + (arguments.format.empty() ? kDefaultFormat : arguments.format));
+  return std::optional<StandardOutputFile>(
+      std::in_place, "mesh." + (arguments.format.empty() ? kDefaultFormat : arguments.format));
 }
 
 std::vector<MeshOutputs::Other> others_of(const ExtractArguments& arguments) {
@@ -39,7 +45,9 @@ std::vector<MeshOutputs::Other> others_of(const ExtractArguments& arguments) {
   return others;
 }
 
-std::string shown(const fs::path& path) { return is_standard_stream(path) ? kStandardOutputName : path.string(); }
+std::string shown(const fs::path& path) {
+  return is_standard_stream(path) ? kStandardOutputName : path.string();
+}
 
 }  // namespace
 
@@ -56,17 +64,22 @@ ExtractOutputs::ExtractOutputs(const ExtractArguments& arguments, std::size_t le
       continue;
     }
     if (!streamed.empty())
-      refuse("the " + streamed + " and the " + other.what + " would both go to standard output, expected a name for one");
+      refuse("the " + streamed + " and the " + other.what +
+             " would both go to standard output, expected a name for one");
     streamed = other.what;
     stream_text_name_ = other.path;
   }
   // A volume from standard input has no name that an output could have.
-  meshes_.check(level_count, is_standard_stream(arguments.volume.path) ? fs::path() : arguments.volume.path, named);
-  if (arguments.report && !is_standard_stream(*arguments.report)) require_report_name(*arguments.report);
+  meshes_.check(level_count,
+                is_standard_stream(arguments.volume.path) ? fs::path() : arguments.volume.path,
+                named);
+  if (arguments.report && !is_standard_stream(*arguments.report))
+    require_report_name(*arguments.report);
   if (arguments.page && !is_standard_stream(*arguments.page)) require_page_name(*arguments.page);
 }
 
-std::vector<FileRounding> ExtractOutputs::roundings(const Hierarchy& hierarchy, const MeshFileInfo& info) const {
+std::vector<FileRounding> ExtractOutputs::roundings(const Hierarchy& hierarchy,
+                                                    const MeshFileInfo& info) const {
   if (!stream_file_) return meshes_.roundings(hierarchy, info);
   try {
     std::vector<FileRounding> result = meshes_.roundings(hierarchy, info);
@@ -77,7 +90,8 @@ std::vector<FileRounding> ExtractOutputs::roundings(const Hierarchy& hierarchy, 
   }
 }
 
-std::vector<ReportFile> ExtractOutputs::write_meshes(const Hierarchy& hierarchy, const HierarchyFileInfo& info,
+std::vector<ReportFile> ExtractOutputs::write_meshes(const Hierarchy& hierarchy,
+                                                     const HierarchyFileInfo& info,
                                                      const RunControl* intersection_control) {
   if (!stream_file_) return meshes_.write(hierarchy, info, files_, intersection_control);
   try {
@@ -100,9 +114,11 @@ void ExtractOutputs::write_text(const fs::path& name, const std::string& text) {
 
 bool ExtractOutputs::commit(Interruption& interruption) {
   if (uses_standard_output()) {
-    interruption.settle();  // what was sent cannot be called back: from here on this thread looks for interruptions itself
-    const bool sent =
-        stream_file_ ? stream_file_->send(interruption.requested()) : send_to_standard_output(stream_text_, interruption.requested());
+    interruption.settle();  // what was sent cannot be called back: from here on this thread looks
+                            // for interruptions itself
+    const bool sent = stream_file_
+                          ? stream_file_->send(interruption.requested())
+                          : send_to_standard_output(stream_text_, interruption.requested());
     if (!sent) return false;
   }
   interruption.commit([&] { files_.commit(); });
@@ -118,7 +134,8 @@ std::string ExtractOutputs::names(std::size_t mesh_bytes) const {
   std::string text = kStandardOutputName;
   if (!stream_file_) {
     const std::vector<fs::path> paths = meshes_.paths(level_count_);
-    text = paths.front().string() + (paths.size() > 1 ? " and " + counted(paths.size() - 1, "more file") : "");
+    text = paths.front().string() +
+           (paths.size() > 1 ? " and " + counted(paths.size() - 1, "more file") : "");
   }
   text += " (" + bytes_text(static_cast<double>(mesh_bytes)) + ")";
   for (const auto& [path, what] : others_) text += ", " + what + " " + shown(path);

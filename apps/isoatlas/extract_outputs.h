@@ -15,11 +15,12 @@
 
 namespace isoatlas::detail::tool {
 
-/// Meshes, report and page: files that appear together or not at all. One of the three may be named "-": it goes to standard output
-/// when all else is ready to appear.
+/// Meshes, report and page: files that appear together or not at all. One of the three may be named
+/// "-": it goes to standard output when all else is ready to appear.
 class ExtractOutputs {
  public:
-  /// Everything that can be wrong with the names is found here. @throws Error as MeshOutputs::check()
+  /// Everything that can be wrong with the names is found here. @throws Error as
+  /// MeshOutputs::check()
   ExtractOutputs(const ExtractArguments& arguments, std::size_t level_count);
 
   /// Then what is said to people goes to standard error.
@@ -30,12 +31,14 @@ class ExtractOutputs {
 
   /// Writes the meshes to where they are staged, and says under which names they will be there.
   /// @param intersection_control  as MeshOutputs::write()
-  std::vector<ReportFile> write_meshes(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const RunControl* intersection_control);
+  std::vector<ReportFile> write_meshes(const Hierarchy& hierarchy, const HierarchyFileInfo& info,
+                                       const RunControl* intersection_control);
 
   /// The same with a report or a page, whose name is one of the arguments.
   void write_text(const std::filesystem::path& name, const std::string& text);
 
-  /// @return false if the run was interrupted while standard output was being sent: nothing else was written then
+  /// @return false if the run was interrupted while standard output was being sent: nothing else
+  /// was written then
   bool commit(Interruption& interruption);
 
   /// Removes all that is unfinished; may be called from another thread.

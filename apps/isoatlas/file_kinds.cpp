@@ -24,14 +24,16 @@ constexpr std::string_view kPictures = ".png .jpg .jpeg .bmp .gif";
 /// False for what has no bytes to look at: folders, pipes, empty files, files that may not be read.
 bool has_contents(const fs::path& path) {
   std::error_code error;
-  return fs::is_regular_file(path, error) && fs::file_size(path, error) > 0 && std::ifstream(path).good();
+  return fs::is_regular_file(path, error) && fs::file_size(path, error) > 0 &&
+         std::ifstream(path).good();
 }
 
 bool is_volume(const fs::path& path) {
   try {
     io::format_of(path);
     // A legacy VTK file may also hold a mesh, of which no reader here knows.
-    return !has_extension(path, ".vtk") || io::first_bytes(path, 1024).find("POLYDATA") == std::string::npos;
+    return !has_extension(path, ".vtk") ||
+           io::first_bytes(path, 1024).find("POLYDATA") == std::string::npos;
   } catch (const Error&) {
     return false;
   }
@@ -50,12 +52,14 @@ fs::path header_of(const fs::path& path) {
 /// For a link to nothing, where it leads; else a file beside it whose name is nearly the same.
 std::string advice_on_missing(const fs::path& path) {
   std::error_code no_link;
-  if (const fs::path target = fs::read_symlink(path, no_link); !no_link) return "it is a link to " + target.string();
+  if (const fs::path target = fs::read_symlink(path, no_link); !no_link)
+    return "it is a link to " + target.string();
   constexpr std::size_t kMostFiles = 10'000;
   std::vector<std::string> names;
   std::error_code error;
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  for (fs::directory_iterator entry(folder, error); !error && entry != fs::directory_iterator() && names.size() < kMostFiles;
+  for (fs::directory_iterator entry(folder, error);
+       !error && entry != fs::directory_iterator() && names.size() < kMostFiles;
        entry.increment(error))
     names.push_back(entry->path().filename().string());
   std::ranges::sort(names);
@@ -77,7 +81,8 @@ std::string advice_on_volume_place(FileKind kind, const fs::path& path, bool is_
     case FileKind::unknown: {
       if (!has_contents(path)) return "";
       const fs::path header = header_of(path);
-      return header.empty() ? "--raw-size and --raw-type describe a file without header" : "its header seems to be " + header.string();
+      return header.empty() ? "--raw-size and --raw-type describe a file without header"
+                            : "its header seems to be " + header.string();
     }
     default:
       return "";
@@ -85,10 +90,12 @@ std::string advice_on_volume_place(FileKind kind, const fs::path& path, bool is_
 }
 
 std::string advice_on_mesh_place(std::string_view command, FileKind kind, const fs::path& path) {
-  const bool takes_levels = command != "check", takes_json = command == "levels" || command == "report";
+  const bool takes_levels = command != "check",
+             takes_json = command == "levels" || command == "report";
   switch (kind) {
     case FileKind::volume:
-      return command == "check" ? "it is a volume: isoatlas extract meshes it, and a volume to measure against stands with --volume"
+      return command == "check" ? "it is a volume: isoatlas extract meshes it, and a volume to "
+                                  "measure against stands with --volume"
                                 : "it is a volume: isoatlas extract meshes it";
     case FileKind::folder:
       return "isoatlas extract and isoatlas info read folders of slices";
@@ -97,7 +104,9 @@ std::string advice_on_mesh_place(std::string_view command, FileKind kind, const 
     case FileKind::levels:
       return takes_levels ? "" : "isoatlas levels reads it";
     case FileKind::json:
-      return takes_json ? "" : "isoatlas levels and isoatlas report read the reports of isoatlas extract";
+      return takes_json
+                 ? ""
+                 : "isoatlas levels and isoatlas report read the reports of isoatlas extract";
     case FileKind::page:
       return "a browser shows pages";
     case FileKind::unknown:
@@ -122,7 +131,8 @@ FileKind kind_of_file(const fs::path& path) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) return FileKind::folder;
   const FileKind kind = kind_of_name(path);
-  if (kind == FileKind::mesh || kind == FileKind::levels || !fs::is_regular_file(path, ignored)) return kind;
+  if (kind == FileKind::mesh || kind == FileKind::levels || !fs::is_regular_file(path, ignored))
+    return kind;
   if (is_volume(path)) return FileKind::volume;
   return kind == FileKind::volume ? FileKind::unknown : kind;
 }
@@ -132,20 +142,26 @@ std::string advice_for_file(std::string_view command, const fs::path& path) {
   if (!fs::exists(path, ignored)) return advice_on_missing(path);
   const bool is_of_check = command == "check --volume";
   const FileKind kind = kind_of_file(path);
-  if (command == "extract" || command == "info" || is_of_check) return advice_on_volume_place(kind, path, is_of_check);
+  if (command == "extract" || command == "info" || is_of_check)
+    return advice_on_volume_place(kind, path, is_of_check);
   return advice_on_mesh_place(command, kind, path);
 }
 
 void require_page_name(const fs::path& path) {
   if (path == "-")
-    throw Error(ErrorCode::bad_argument, "isoatlas report writes a file and not to standard output, expected a name ending in .html");
+    throw Error(ErrorCode::bad_argument,
+                "isoatlas report writes a file and not to standard output, expected a name ending "
+                "in .html");
   if (kind_of_name(path) != FileKind::page)
-    throw Error(ErrorCode::bad_argument, path.string() + ": is no name of a page, expected one that ends in .html or .htm");
+    throw Error(ErrorCode::bad_argument,
+                path.string() + ": is no name of a page, expected one that ends in .html or .htm");
 }
 
 void require_report_name(const fs::path& path) {
   if (kind_of_name(path) == FileKind::page)
-    throw Error(ErrorCode::bad_argument, path.string() + ": a report is JSON, expected a name ending in .json; --html writes a page");
+    throw Error(ErrorCode::bad_argument,
+                path.string() +
+                    ": a report is JSON, expected a name ending in .json; --html writes a page");
 }
 
 std::string name_without_extensions(const fs::path& path) {

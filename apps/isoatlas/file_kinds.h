@@ -25,9 +25,10 @@ FileKind kind_of_name(const std::filesystem::path& path);
 /// By what is there: a folder, the mark of a volume format; else by the name.
 FileKind kind_of_file(const std::filesystem::path& path);
 
-/// What to do with the file `path` where `command` ("extract"; for what stands with its --volume "check --volume") does not take it:
-/// names the right command or option, or a file with nearly this name where there is none. Empty if the command takes files of its
-/// kind, or the kind is not known.
+/// What to do with the file `path` where `command` ("extract"; for what stands with its --volume
+/// "check --volume") does not take it: names the right command or option, or a file with nearly
+/// this name where there is none. Empty if the command takes files of its kind, or the kind is not
+/// known.
 std::string advice_for_file(std::string_view command, const std::filesystem::path& path);
 
 /// Pages and reports are written under names that say what they are.

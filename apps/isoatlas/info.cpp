@@ -27,7 +27,8 @@ std::string vector_text(Vec3 v, double scale) {
 
 double component(Vec3 v, std::size_t i) { return i == 0 ? v.x : i == 1 ? v.y : v.z; }
 
-/// Which way each axis points, most of all, in a world whose x, y and z grow towards left, posterior and superior.
+/// Which way each axis points, most of all, in a world whose x, y and z grow towards left,
+/// posterior and superior.
 struct Orientation {
   std::array<const char*, 3> towards{};
   double tilt_degrees = 0;  ///< largest angle between an axis and the world axis it is named after
@@ -36,12 +37,14 @@ struct Orientation {
 Orientation orientation(const Grid& grid) {
   static constexpr const char* kPositive[] = {"Left", "Posterior", "Superior"};
   static constexpr const char* kNegative[] = {"Right", "Anterior", "Inferior"};
-  // Each axis gets its own world axis, so that no letter comes twice however oblique the grid: the best of six ways.
+  // Each axis gets its own world axis, so that no letter comes twice however oblique the grid: the
+  // best of six ways.
   std::array<std::size_t, 3> order{0, 1, 2}, best_order = order;
   double best = -1;
   do {
     double sum = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) sum += std::abs(component(grid.direction[axis], order[axis]));
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      sum += std::abs(component(grid.direction[axis], order[axis]));
     if (sum > best) best = sum, best_order = order;
   } while (std::next_permutation(order.begin(), order.end()));
 
@@ -63,22 +66,30 @@ std::string orientation_text(const Grid& grid) {
     words += std::string(axis == 0 ? "" : ", ") + "xyz"[axis] + " towards " + found.towards[axis];
   }
   const bool oblique = found.tilt_degrees > 0.05;
-  return code + " (" + words + ")" + (oblique ? ", oblique by " + number_text(std::round(found.tilt_degrees * 10) / 10) + " degrees" : "");
+  return code + " (" + words + ")" +
+         (oblique
+              ? ", oblique by " + number_text(std::round(found.tilt_degrees * 10) / 10) + " degrees"
+              : "");
 }
 
 /// " mm"; nothing where the volume states no unit.
-std::string unit_text(const Grid& grid) { return grid.unit == LengthUnit::unknown ? "" : " " + std::string(symbol(grid.unit)); }
+std::string unit_text(const Grid& grid) {
+  return grid.unit == LengthUnit::unknown ? "" : " " + std::string(symbol(grid.unit));
+}
 
 void print_source(const VolumeSource& source) {
-  std::cout << row("format", source.format + (source.reader.empty() ? "" : ", read by " + source.reader));
+  std::cout << row("format",
+                   source.format + (source.reader.empty() ? "" : ", read by " + source.reader));
   for (std::size_t i = 0; i < source.decisions.size(); ++i)
-    std::cout << row(i == 0 ? "read as" : "", source.decisions[i].key + ": " + one_line(source.decisions[i].value));
+    std::cout << row(i == 0 ? "read as" : "",
+                     source.decisions[i].key + ": " + one_line(source.decisions[i].value));
   for (const FileChoice& choice : source.choices) {
     if (choice.selected && choice.entries.size() == 1) continue;
     std::cout << row(choice.name, one_line(choice_text(choice)));
     for (std::size_t i = 0; i < choice.entries.size(); ++i) {
       const std::string number = std::to_string(i);
-      std::cout << row("", number + (choice.entries[i] == number ? "" : "  " + one_line(choice.entries[i])));
+      std::cout << row(
+          "", number + (choice.entries[i] == number ? "" : "  " + one_line(choice.entries[i])));
     }
   }
 }
@@ -90,22 +101,29 @@ void print_geometry(const VolumeView& volume) {
   };
   const std::size_t bytes = grid.sample_count() * bytes_per_sample(volume.type);
   std::cout << row("size", size_text(grid.size) + ", " + counted(grid.sample_count(), "sample"))
-            << row("type", std::string(name(volume.type)) + ", " + bytes_text(static_cast<double>(bytes)) + " in memory")
+            << row("type", std::string(name(volume.type)) + ", " +
+                               bytes_text(static_cast<double>(bytes)) + " in memory")
             << row("spacing", vector_text(grid.spacing, 0) + unit_text(grid))
-            << row("extent", extent(0) + " x " + extent(1) + " x " + extent(2) + unit_text(grid) + ", first to last sample")
-            << row("origin", vector_text(grid.origin, grid.smallest_spacing())) << row("orientation", orientation_text(grid));
+            << row("extent", extent(0) + " x " + extent(1) + " x " + extent(2) + unit_text(grid) +
+                                 ", first to last sample")
+            << row("origin", vector_text(grid.origin, grid.smallest_spacing()))
+            << row("orientation", orientation_text(grid));
   for (std::size_t r = 0; r < 3; ++r)
     std::cout << row(r == 0 ? "direction" : "",
-                     vector_text({component(grid.direction[0], r), component(grid.direction[1], r), component(grid.direction[2], r)}, 1));
+                     vector_text({component(grid.direction[0], r), component(grid.direction[1], r),
+                                  component(grid.direction[2], r)},
+                                 1));
 }
 
 void print_histogram(const SampleHistogram& histogram, const SampleSummary& summary, bool utf8) {
   constexpr std::size_t kColumns = 64;
   constexpr int kRows = 6, kWidestColumn = 8;
   const SampleHistogram drawn = coarsened(histogram, kColumns);
-  const int column_width = std::clamp(static_cast<int>(kColumns / drawn.counts.size()), 1, kWidestColumn);
+  const int column_width =
+      std::clamp(static_cast<int>(kColumns / drawn.counts.size()), 1, kWidestColumn);
   std::string label = "histogram";
-  for (const std::string& line : draw_histogram(drawn.counts, kRows, column_width, Scale::logarithmic, utf8)) {
+  for (const std::string& line :
+       draw_histogram(drawn.counts, kRows, column_width, Scale::logarithmic, utf8)) {
     std::cout << row(label, line);
     label.clear();
   }
@@ -115,7 +133,8 @@ void print_histogram(const SampleHistogram& histogram, const SampleSummary& summ
   std::cout << row("", low + std::string(gap, ' ') + high);
 }
 
-void print_suggestions(const std::vector<SuggestedIsovalue>& suggestions, const SampleHistogram& histogram) {
+void print_suggestions(const std::vector<SuggestedIsovalue>& suggestions,
+                       const SampleHistogram& histogram) {
   if (suggestions.empty()) {
     std::cout << row("isovalues", "none: all samples are equal");
     return;
@@ -127,7 +146,8 @@ void print_suggestions(const std::vector<SuggestedIsovalue>& suggestions, const 
     std::cout << row(label, value + "  " + suggestion.reason);
     label.clear();
   }
-  if (histogram.of_integers) std::cout << row("", "half-way between integers, so that no sample equals the isovalue");
+  if (histogram.of_integers)
+    std::cout << row("", "half-way between integers, so that no sample equals the isovalue");
 }
 
 }  // namespace
@@ -135,7 +155,8 @@ void print_suggestions(const std::vector<SuggestedIsovalue>& suggestions, const 
 namespace {
 
 /// @param volume  null where a choice has to be made first
-InfoReport info_report(const std::string& path, const VolumeSource& source, const Volume* volume, const SampleHistogram* histogram,
+InfoReport info_report(const std::string& path, const VolumeSource& source, const Volume* volume,
+                       const SampleHistogram* histogram,
                        const std::optional<SampleSummary>& summary) {
   InfoReport info;
   info.volume.path = path;
@@ -153,18 +174,21 @@ InfoReport info_report(const std::string& path, const VolumeSource& source, cons
 
 void print_samples(const SampleSummary& summary) {
   const auto& first = summary.first_non_finite;
-  std::string not_finite = count_text(summary.nan_count) + " NaN, " + count_text(summary.infinity_count) + " infinite";
+  std::string not_finite =
+      count_text(summary.nan_count) + " NaN, " + count_text(summary.infinity_count) + " infinite";
   if (summary.nan_count + summary.infinity_count > 0)
-    not_finite += ", first at (" + std::to_string(first[0]) + ", " + std::to_string(first[1]) + ", " + std::to_string(first[2]) +
-                  "); isoatlas extract needs --nan";
-  if (summary.finite_count > 0) std::cout << row("range", number_text(summary.minimum) + " to " + number_text(summary.maximum));
+    not_finite += ", first at (" + std::to_string(first[0]) + ", " + std::to_string(first[1]) +
+                  ", " + std::to_string(first[2]) + "); isoatlas extract needs --nan";
+  if (summary.finite_count > 0)
+    std::cout << row("range", number_text(summary.minimum) + " to " + number_text(summary.maximum));
   std::cout << row("not finite", not_finite);
 }
 
 /// Of a file that holds several volumes: which there are.
 int list_choices(const InfoArguments& arguments, const ChoiceNeeded& needed) {
   if (arguments.json) {
-    std::cout << to_json(info_report(arguments.volume.path.string(), needed.source(), nullptr, nullptr, std::nullopt));
+    std::cout << to_json(info_report(arguments.volume.path.string(), needed.source(), nullptr,
+                                     nullptr, std::nullopt));
   } else {
     std::cout << one_line(volume_name(arguments.volume.path)) << "\n";
     print_source(needed.source());
@@ -176,8 +200,8 @@ int describe(const InfoArguments& arguments, const VolumeFile& file) {
   const SampleSummary summary = summarize(file.volume);
   std::optional<SampleHistogram> histogram;
   if (summary.finite_count > 0) histogram = sample_histogram(file.volume, summary);
-  const InfoReport info =
-      info_report(arguments.volume.path.string(), file.source, &file.volume, histogram ? &*histogram : nullptr, summary);
+  const InfoReport info = info_report(arguments.volume.path.string(), file.source, &file.volume,
+                                      histogram ? &*histogram : nullptr, summary);
   if (arguments.json) {
     std::cout << to_json(info);
     return kSuccess;

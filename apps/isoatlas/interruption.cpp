@@ -67,13 +67,15 @@ void Interruption::watch() {
 
   std::unique_lock lock(mutex_);
   if (settled_changed_.wait_for(lock, kGrace, [this] { return settled_; })) return;
-  // From here to the end the lock is held: the main thread can neither commit nor say anything else.
+  // From here to the end the lock is held: the main thread can neither commit nor say anything
+  // else.
   for (const auto* run : cleanups_) (*run)();
   std::fprintf(stderr, "isoatlas: %s\n", kInterruptedMessage);
   _exit(exit_status());
 }
 
-Interruption::Cleanup::Cleanup(Interruption& interruption, std::function<void()> run) : interruption_(interruption), run_(std::move(run)) {
+Interruption::Cleanup::Cleanup(Interruption& interruption, std::function<void()> run)
+    : interruption_(interruption), run_(std::move(run)) {
   const std::lock_guard lock(interruption_.mutex_);
   interruption_.cleanups_.push_back(&run_);
 }

@@ -14,14 +14,14 @@ namespace isoatlas::detail::tool {
 
 /// Waits for SIGINT, SIGTERM and SIGHUP on a thread of its own.
 ///
-/// The signals are blocked everywhere else, so no code runs inside a signal handler and every line here may lock and
-/// allocate. When one arrives, requested() becomes true and the computation has kGrace to come back by itself. What
-/// does not look at the flag (a file being read by ITK, a mesh being written) is cut short after that: the cleanups
-/// run, then the process exits. Between commit() and that end there is a lock, so outputs appear as a whole or not at
-/// all.
+/// The signals are blocked everywhere else, so no code runs inside a signal handler and every line
+/// here may lock and allocate. When one arrives, requested() becomes true and the computation has
+/// kGrace to come back by itself. What does not look at the flag (a file being read by ITK, a mesh
+/// being written) is cut short after that: the cleanups run, then the process exits. Between
+/// commit() and that end there is a lock, so outputs appear as a whole or not at all.
 ///
-/// Make one, first thing in main(): threads made earlier would not have the signals blocked. Signals that the caller of
-/// the tool ignores (nohup, shells' background jobs) stay ignored.
+/// Make one, first thing in main(): threads made earlier would not have the signals blocked.
+/// Signals that the caller of the tool ignores (nohup, shells' background jobs) stay ignored.
 class Interruption {
  public:
   Interruption();
@@ -32,13 +32,16 @@ class Interruption {
   const std::atomic<bool>& requested() const { return requested_; }
   int exit_status() const;  ///< 128 + signal
 
-  /// Runs `last_step`, after which an interruption comes too late; throws Error(cancelled) if one came first.
+  /// Runs `last_step`, after which an interruption comes too late; throws Error(cancelled) if one
+  /// came first.
   void commit(const std::function<void()>& last_step);
 
-  /// Nothing is left to interrupt: the command has returned or thrown. Does not return if the end has already begun.
+  /// Nothing is left to interrupt: the command has returned or thrown. Does not return if the end
+  /// has already begun.
   void settle();
 
-  /// While it lives, `run` is done before a forced end; it must be safe to call while other threads go on.
+  /// While it lives, `run` is done before a forced end; it must be safe to call while other threads
+  /// go on.
   class Cleanup {
    public:
     Cleanup(Interruption& interruption, std::function<void()> run);

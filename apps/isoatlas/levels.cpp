@@ -29,7 +29,8 @@ struct Levels {
   std::string about_nesting;
 };
 
-/// Counted from the triangles; of what the file says of itself only the distances and the other metrics remain.
+/// Counted from the triangles; of what the file says of itself only the distances and the other
+/// metrics remain.
 LevelFacts count_again(const TriangleMesh& mesh, const std::optional<LevelFacts>& said) {
   LevelFacts facts;
   if (said) {
@@ -47,9 +48,10 @@ LevelFacts count_again(const TriangleMesh& mesh, const std::optional<LevelFacts>
   return facts;
 }
 
-/// The first vertex of the coarser level that the finer one has elsewhere, or not at all; none if its vertices are the finer one's
-/// first, bit by bit.
-std::optional<std::size_t> first_difference(const std::vector<Vec3>& coarse, const std::vector<Vec3>& fine) {
+/// The first vertex of the coarser level that the finer one has elsewhere, or not at all; none if
+/// its vertices are the finer one's first, bit by bit.
+std::optional<std::size_t> first_difference(const std::vector<Vec3>& coarse,
+                                            const std::vector<Vec3>& fine) {
   for (std::size_t v = 0; v < coarse.size(); ++v)
     if (v >= fine.size() || std::memcmp(&coarse[v], &fine[v], sizeof(Vec3)) != 0) return v;
   return std::nullopt;
@@ -59,22 +61,27 @@ Levels levels_of_meshes(const fs::path& path) {
   const HierarchyFile file = read_hierarchy(path);
   Levels levels;
   levels.nested = true;
-  levels.about_nesting = "yes: every vertex of a level is in the next one, at the same index, bit by bit";
+  levels.about_nesting =
+      "yes: every vertex of a level is in the next one, at the same index, bit by bit";
   TriangleMesh coarser;
   for (std::size_t k = 0; k < file.hierarchy.levels.size(); ++k) {
     TriangleMesh mesh = file.hierarchy.mesh(k);
-    levels.facts.push_back(count_again(mesh, file.info.levels.empty() ? std::nullopt : facts_of_level(file.info.levels[k], path.string())));
+    levels.facts.push_back(count_again(
+        mesh, file.info.levels.empty() ? std::nullopt
+                                       : facts_of_level(file.info.levels[k], path.string())));
     const auto difference = first_difference(coarser.positions, mesh.positions);
     if (difference && *levels.nested) {
       levels.nested = false;
-      levels.about_nesting = "NO: vertex " + count_text(*difference) + " of level " + std::to_string(k - 1) +
-                             " is not at its place in level " + std::to_string(k);
+      levels.about_nesting = "NO: vertex " + count_text(*difference) + " of level " +
+                             std::to_string(k - 1) + " is not at its place in level " +
+                             std::to_string(k);
     }
     coarser = std::move(mesh);
   }
   if (file.info.placement == Placement::balanced) {
     levels.nested = std::nullopt;
-    levels.about_nesting = "by index only: with balanced placement each level has its vertices at places of its own";
+    levels.about_nesting =
+        "by index only: with balanced placement each level has its vertices at places of its own";
   } else if (levels.facts.size() == 1) {
     levels.about_nesting = "yes: there is one level";
   }
@@ -84,8 +91,11 @@ Levels levels_of_meshes(const fs::path& path) {
 Levels read_levels(const fs::path& path) {
   if (is_hierarchy_path(path)) return levels_of_meshes(path);
   if (!has_extension(path, ".json"))
-    throw Error(ErrorCode::unsupported, path.string() + ": unknown format for levels of detail, expected .glb, .vtm or .json");
-  return {facts_of_levels(read_text_file(path), path.string()), std::nullopt, "not known: the file has no vertices"};
+    throw Error(
+        ErrorCode::unsupported,
+        path.string() + ": unknown format for levels of detail, expected .glb, .vtm or .json");
+  return {facts_of_levels(read_text_file(path), path.string()), std::nullopt,
+          "not known: the file has no vertices"};
 }
 
 /// A label, then a column for each level.
@@ -93,8 +103,10 @@ class Table {
  public:
   explicit Table(const std::vector<LevelFacts>& levels) : levels_(levels) {}
 
-  void line(const std::string& label, const std::function<std::string(const LevelFacts&)>& cell) const {
-    std::cout << "  " << label << std::string(kLabelWidth - std::min(kLabelWidth, label.size()), ' ');
+  void line(const std::string& label,
+            const std::function<std::string(const LevelFacts&)>& cell) const {
+    std::cout << "  " << label
+              << std::string(kLabelWidth - std::min(kLabelWidth, label.size()), ' ');
     for (const LevelFacts& level : levels_) {
       const std::string text = cell(level);
       std::cout << std::string(kColumnWidth - std::min(kColumnWidth - 1, text.size()), ' ') << text;
@@ -108,12 +120,15 @@ class Table {
 };
 
 /// A ratio is infinite where a cell's triangles face away from its part of the surface.
-std::string metric_text(double value) { return std::isinf(value) ? "unbounded" : number_text(value); }
+std::string metric_text(double value) {
+  return std::isinf(value) ? "unbounded" : number_text(value);
+}
 
 /// What is proved of the distances, or else how densely they were sampled. Empty if there are none.
 std::string distance_sampling(const LevelFacts& finest) {
   if (finest.distance_at_most)
-    return proof_text(*finest.distance_at_most) + (finest.measured ? "; " + sampling_text(*finest.measured) : "");
+    return proof_text(*finest.distance_at_most) +
+           (finest.measured ? "; " + sampling_text(*finest.measured) : "");
   if (finest.measured) return sampling_text(*finest.measured);
   if (!finest.metrics[static_cast<std::size_t>(Quantity::max_distance)]) return "";
   return "sampled at about 2 points per voxel face of the isosurface, and on every triangle";
@@ -129,27 +144,42 @@ void print_table(const std::string& path, const Levels& levels) {
   for (std::size_t i = 0; i < kMetricCount; ++i) {
     const std::string metric(name(static_cast<Quantity>(i)));
     const auto known = [i](double MetricSummary::*part) {
-      return [i, part](const LevelFacts& l) { return l.metrics[i] ? metric_text(*l.metrics[i].*part) : "-"; };
+      return [i, part](const LevelFacts& l) {
+        return l.metrics[i] ? metric_text(*l.metrics[i].*part) : "-";
+      };
     };
     table.line(metric + ", maximum", known(&MetricSummary::maximum));
     table.line(std::string(metric.size(), ' ') + "  mean", known(&MetricSummary::mean));
   }
-  if (std::ranges::any_of(levels.facts, [](const LevelFacts& l) { return l.measured.has_value(); })) {
-    table.line("measured distance, maximum", [](const LevelFacts& l) { return l.measured ? number_text(l.measured->maximum()) : "-"; });
+  if (std::ranges::any_of(levels.facts,
+                          [](const LevelFacts& l) { return l.measured.has_value(); })) {
+    table.line("measured distance, maximum", [](const LevelFacts& l) {
+      return l.measured ? number_text(l.measured->maximum()) : "-";
+    });
   }
-  table.line("aspect ratio, minimum", [](const LevelFacts& l) { return ratio_text(l.quality.aspect_min); });
-  table.line("              1st percentile", [](const LevelFacts& l) { return ratio_text(l.quality.aspect_p01); });
-  table.line("              median", [](const LevelFacts& l) { return ratio_text(l.quality.aspect_median); });
-  table.line("              below 1/3", [](const LevelFacts& l) { return percent_text(l.quality.aspect_share_below_third); });
-  table.line("angle, minimum", [](const LevelFacts& l) { return number_text(l.quality.angle_min); });
-  table.line("manifold", [](const LevelFacts& l) { return !l.is_manifold ? "-" : *l.is_manifold ? "yes" : "NO"; });
+  table.line("aspect ratio, minimum",
+             [](const LevelFacts& l) { return ratio_text(l.quality.aspect_min); });
+  table.line("              1st percentile",
+             [](const LevelFacts& l) { return ratio_text(l.quality.aspect_p01); });
+  table.line("              median",
+             [](const LevelFacts& l) { return ratio_text(l.quality.aspect_median); });
+  table.line("              below 1/3",
+             [](const LevelFacts& l) { return percent_text(l.quality.aspect_share_below_third); });
+  table.line("angle, minimum",
+             [](const LevelFacts& l) { return number_text(l.quality.angle_min); });
+  table.line("manifold", [](const LevelFacts& l) {
+    return !l.is_manifold ? "-" : *l.is_manifold ? "yes" : "NO";
+  });
   table.line("components", [](const LevelFacts& l) { return count_text(l.topology.components); });
   const auto defined = [](std::int64_t TopologySummary::*part) {
-    return [part](const LevelFacts& l) { return l.is_manifold.value_or(true) ? std::to_string(l.topology.*part) : "-"; };
+    return [part](const LevelFacts& l) {
+      return l.is_manifold.value_or(true) ? std::to_string(l.topology.*part) : "-";
+    };
   };
   table.line("genus", defined(&TopologySummary::genus));
   table.line("boundary loops", defined(&TopologySummary::boundary_loops));
-  if (const std::string sampling = distance_sampling(levels.facts.back()); !sampling.empty()) std::cout << row("distances", sampling);
+  if (const std::string sampling = distance_sampling(levels.facts.back()); !sampling.empty())
+    std::cout << row("distances", sampling);
   std::cout << row("nested", levels.about_nesting);
 }
 
@@ -162,7 +192,8 @@ int run_levels(const LevelsArguments& arguments) {
   else
     print_table(arguments.file.string(), levels);
   const bool good =
-      std::all_of(levels.facts.begin(), levels.facts.end(), [](const LevelFacts& level) { return level.is_manifold.value_or(true); });
+      std::all_of(levels.facts.begin(), levels.facts.end(),
+                  [](const LevelFacts& level) { return level.is_manifold.value_or(true); });
   return good ? kSuccess : kCheckFailed;
 }
 

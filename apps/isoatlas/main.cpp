@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The command line tool: parse, run one command, turn what was thrown into one line and an exit status.
+// The command line tool: parse, run one command, turn what was thrown into one line and an exit
+// status.
 #include <algorithm>
 #include <CLI/CLI.hpp>
 #include <exception>
@@ -33,7 +34,10 @@ int fail(int status, const std::string& message) {
 }
 
 int fail_internal(const std::string& message) {
-  return fail(kInternal, message + "; nothing was written. This is a bug of isoatlas: please report it with the input");
+  return fail(
+      kInternal,
+      message +
+          "; nothing was written. This is a bug of isoatlas: please report it with the input");
 }
 
 int interrupted(const Interruption& interruption) {
@@ -43,9 +47,12 @@ int interrupted(const Interruption& interruption) {
 
 /// Names the page of the command that was typed.
 std::string see_help(const CLI::App& app, const std::vector<std::string>& words) {
-  const auto is_typed = [&](const CLI::App* command) { return !words.empty() && command->get_name() == words.front(); };
+  const auto is_typed = [&](const CLI::App* command) {
+    return !words.empty() && command->get_name() == words.front();
+  };
   const auto commands = app.get_subcommands(is_typed);
-  return " (see isoatlas " + (commands.empty() ? "" : commands.front()->get_name() + " ") + "--help)";
+  return " (see isoatlas " + (commands.empty() ? "" : commands.front()->get_name() + " ") +
+         "--help)";
 }
 
 /// A file that a command reads, and the command's name as advice_for_file() takes it.
@@ -70,7 +77,8 @@ std::string advice_on_isovalue(const std::vector<Input>& inputs) {
   return "; `isoatlas info " + inputs.front().path.string() + "` suggests isovalues";
 }
 
-int run(const std::function<int()>& command, Interruption& interruption, const std::vector<Input>& inputs) {
+int run(const std::function<int()>& command, Interruption& interruption,
+        const std::vector<Input>& inputs) {
   // settle() first in every handler: from there on this thread alone speaks.
   try {
     const int status = command();
@@ -132,7 +140,8 @@ int main(int argc, char** argv) {
     std::cerr << usage(app);
     return kBadInput;
   }
-  if (const std::string mistake = find_mistake(app, words); !mistake.empty()) return fail(kBadInput, mistake + see_help(app, words));
+  if (const std::string mistake = find_mistake(app, words); !mistake.empty())
+    return fail(kBadInput, mistake + see_help(app, words));
   try {
     std::reverse(words.begin(), words.end());  // as CLI11 takes them
     app.parse(words);
@@ -148,16 +157,22 @@ int main(int argc, char** argv) {
     return run(command, interruption, inputs);
   };
   if (extract_command->parsed())
-    return run_on([&] { return run_extract(extract_arguments, interruption); }, {{"extract", extract_arguments.volume.path}});
-  if (info_command->parsed()) return run_on([&] { return run_info(info_arguments); }, {{"info", info_arguments.volume.path}});
-  if (levels_command->parsed()) return run_on([&] { return run_levels(levels_arguments); }, {{"levels", levels_arguments.file}});
+    return run_on([&] { return run_extract(extract_arguments, interruption); },
+                  {{"extract", extract_arguments.volume.path}});
+  if (info_command->parsed())
+    return run_on([&] { return run_info(info_arguments); }, {{"info", info_arguments.volume.path}});
+  if (levels_command->parsed())
+    return run_on([&] { return run_levels(levels_arguments); },
+                  {{"levels", levels_arguments.file}});
   if (report_command->parsed()) {
     std::vector<Input> results;
-    for (const std::filesystem::path& result : report_arguments.results) results.push_back({"report", result});
+    for (const std::filesystem::path& result : report_arguments.results)
+      results.push_back({"report", result});
     return run_on([&] { return run_report(report_arguments, interruption); }, results);
   }
   if (picture_command->parsed())
-    return run_on([&] { return run_picture(picture_arguments, interruption); }, {{"picture", picture_arguments.mesh}});
+    return run_on([&] { return run_picture(picture_arguments, interruption); },
+                  {{"picture", picture_arguments.mesh}});
   if (completion_command->parsed()) {
     const auto print = [&] {
       std::cout << completion_script(app, completion_arguments.shell);
@@ -165,6 +180,7 @@ int main(int argc, char** argv) {
     };
     return run_on(print, {});
   }
-  return run_on([&] { return run_check(check_arguments, interruption); },
-                {{"check", check_arguments.mesh}, {"check --volume", check_arguments.volume.value_or("")}});
+  return run_on(
+      [&] { return run_check(check_arguments, interruption); },
+      {{"check", check_arguments.mesh}, {"check --volume", check_arguments.volume.value_or("")}});
 }

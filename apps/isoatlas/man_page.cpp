@@ -36,19 +36,25 @@ std::string filled(const std::string& text, std::size_t indent) {
 std::string indented(const std::string& text) {
   std::istringstream lines(text);
   std::string line, result;
-  while (std::getline(lines, line)) result += (line.empty() ? "" : std::string(kIndent, ' ')) + line + "\n";
+  while (std::getline(lines, line))
+    result += (line.empty() ? "" : std::string(kIndent, ' ')) + line + "\n";
   return result;
 }
 
 std::string section(std::string title, const std::string& body) {
-  std::transform(title.begin(), title.end(), title.begin(), [](unsigned char c) { return std::toupper(c); });
+  std::transform(title.begin(), title.end(), title.begin(),
+                 [](unsigned char c) { return std::toupper(c); });
   return title + "\n" + body + "\n";
 }
 
 std::string option_entry(const CLI::Option& option) {
-  std::string names = option.get_positional() ? option.get_name(true) : option.get_name(false, true);
-  for (std::size_t comma = names.find(','); comma != std::string::npos; comma = names.find(',', comma + 2)) names.replace(comma, 1, ", ");
-  if (!option.get_positional() && option.get_expected_max() > 0) names += " " + option.get_type_name();
+  std::string names =
+      option.get_positional() ? option.get_name(true) : option.get_name(false, true);
+  for (std::size_t comma = names.find(','); comma != std::string::npos;
+       comma = names.find(',', comma + 2))
+    names.replace(comma, 1, ", ");
+  if (!option.get_positional() && option.get_expected_max() > 0)
+    names += " " + option.get_type_name();
   return std::string(kIndent, ' ') + names + "\n" + filled(option.get_description(), kDeepIndent);
 }
 
@@ -69,14 +75,17 @@ std::string ManPage::make_help(const CLI::App* app, std::string name, CLI::AppFo
   const std::string indent(kIndent, ' ');
   std::string page = section("Name", indent + name + " - " + app->get_description() + "\n");
   page += section("Synopsis", indented(text_.synopsis));
-  if (!text_.common_options.empty()) page += section("Common options", indented(text_.common_options));
+  if (!text_.common_options.empty())
+    page += section("Common options", indented(text_.common_options));
   page += section("Description", filled(text_.description, kIndent));
 
-  if (const std::string commands = command_list(*app, kIndent); !commands.empty()) page += section("Commands", commands);
+  if (const std::string commands = command_list(*app, kIndent); !commands.empty())
+    page += section("Commands", commands);
 
   for (const std::string& group : text_.groups) {
     std::string entries;
-    for (const CLI::Option* option : app->get_options([&](const CLI::Option* o) { return o->get_group() == group; }))
+    for (const CLI::Option* option :
+         app->get_options([&](const CLI::Option* o) { return o->get_group() == group; }))
       entries += option_entry(*option);
     page += section(group, entries);
   }

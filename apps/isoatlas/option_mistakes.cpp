@@ -16,7 +16,9 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-std::string without_dashes(const std::string& name) { return name.substr(std::min(name.find_first_not_of('-'), name.size())); }
+std::string without_dashes(const std::string& name) {
+  return name.substr(std::min(name.find_first_not_of('-'), name.size()));
+}
 
 /// Long names, without dashes.
 Names names_of_options(const CLI::App& command) {
@@ -37,7 +39,8 @@ std::string others_with(const CLI::App& app, const CLI::App& command, const std:
   for (const CLI::App* other : app.get_subcommands([](const CLI::App*) { return true; }))
     if (other != &command && has_option(*other, name)) others.push_back(other->get_name());
   std::string list;
-  for (std::size_t i = 0; i < others.size(); ++i) list += (i == 0 ? "isoatlas " : i + 1 < others.size() ? ", " : " and ") + others[i];
+  for (std::size_t i = 0; i < others.size(); ++i)
+    list += (i == 0 ? "isoatlas " : i + 1 < others.size() ? ", " : " and ") + others[i];
   return list;
 }
 
@@ -45,27 +48,34 @@ std::string others_with(const CLI::App& app, const CLI::App& command, const std:
 std::string advice_of_other_programs(const CLI::App& command, const std::string& name) {
   for (const OtherOption& other : options_called(plain_word(name))) {
     if (!other.is_option()) return ": " + std::string(other.text);
-    if (has_option(command, other.option())) return ", did you mean " + std::string(other.text) + "?";
+    if (has_option(command, other.option()))
+      return ", did you mean " + std::string(other.text) + "?";
   }
   return "";
 }
 
 /// The letters at the start of "iso100" and "iso:100".
 std::string leading_name(const std::string& name) {
-  const auto end = std::ranges::find_if(name, [](unsigned char c) { return std::isalpha(c) == 0 && c != '-' && c != '_'; });
+  const auto end = std::ranges::find_if(
+      name, [](unsigned char c) { return std::isalpha(c) == 0 && c != '-' && c != '_'; });
   return {name.begin(), end};
 }
 
 std::string advice_on(const CLI::App& app, const CLI::App& command, const std::string& typed) {
   const std::string name = without_dashes(typed);
   const Names own = names_of_options(command);
-  const auto did_you_mean = [](const std::string& nearest) { return ", did you mean --" + nearest + "?"; };
+  const auto did_you_mean = [](const std::string& nearest) {
+    return ", did you mean --" + nearest + "?";
+  };
   for (const std::string& known : own)
     if (plain_word(known) == plain_word(name)) return did_you_mean(known);
-  if (const std::string advice = advice_of_other_programs(command, name); !advice.empty()) return advice;
-  if (const std::string others = others_with(app, command, typed); !others.empty()) return ", it is an option of " + others;
+  if (const std::string advice = advice_of_other_programs(command, name); !advice.empty())
+    return advice;
+  if (const std::string others = others_with(app, command, typed); !others.empty())
+    return ", it is an option of " + others;
   for (const std::string& part : {name, leading_name(name)})
-    if (const std::string nearest = nearest_name(part, own); !nearest.empty()) return did_you_mean(nearest);
+    if (const std::string nearest = nearest_name(part, own); !nearest.empty())
+      return did_you_mean(nearest);
   for (const CLI::App* other : app.get_subcommands([](const CLI::App*) { return true; }))
     if (const std::string nearest = nearest_name(name, names_of_options(*other)); !nearest.empty())
       return ", did you mean --" + nearest + " of isoatlas " + other->get_name() + "?";
@@ -76,19 +86,24 @@ std::string advice_on(const CLI::App& app, const CLI::App& command, const std::s
 std::string advice_on_file(const OptionWord& word) {
   std::error_code ignored;
   const bool is_file = std::filesystem::exists(word.typed, ignored);
-  const bool is_like_a_name = !word.typed.starts_with("--") && std::filesystem::path(word.typed).has_extension();
+  const bool is_like_a_name =
+      !word.typed.starts_with("--") && std::filesystem::path(word.typed).has_extension();
   return is_file || is_like_a_name ? "; the file of that name is ./" + word.typed : "";
 }
 
-std::string with_value(const OptionWord& word, const std::string& value) { return word.name + " " + value; }
+std::string with_value(const OptionWord& word, const std::string& value) {
+  return word.name + " " + value;
+}
 
 }  // namespace
 
-std::string find_unknown_option(const CLI::App& app, const CLI::App& command, const CommandWords& words) {
+std::string find_unknown_option(const CLI::App& app, const CLI::App& command,
+                                const CommandWords& words) {
   for (const OptionWord& word : words.options) {
     if (word.option != nullptr) continue;
     const bool has_one_dash = !word.name.starts_with("--");
-    if (has_one_dash && has_option(command, "-" + word.name)) return word.name + " has one dash, expected two: -" + word.name;
+    if (has_one_dash && has_option(command, "-" + word.name))
+      return word.name + " has one dash, expected two: -" + word.name;
     const std::string file = advice_on_file(word);
     return "isoatlas " + command.get_name() + " has no option " +
            (file.empty() ? word.name + advice_on(app, command, word.name) : word.typed + file);
@@ -105,11 +120,15 @@ std::string find_missing_value(const CLI::App&, const CLI::App&, const CommandWo
       if (i + 1 == words.options.size()) return word.name + " has no value, " + expected;
       const OptionWord& next = words.options[i + 1];
       const std::string file = advice_on_file(next);
-      return word.name + " has no value, " + expected + ", found " + (file.empty() ? next.name : next.typed + file);
+      return word.name + " has no value, " + expected + ", found " +
+             (file.empty() ? next.name : next.typed + file);
     }
-    if (word.value->empty()) return word.name + " has an empty value, " + expected + ": is a variable of the shell not set?";
+    if (word.value->empty())
+      return word.name + " has an empty value, " + expected +
+             ": is a variable of the shell not set?";
     if (!word.name.starts_with("--") && word.value->starts_with('='))
-      return word.name + *word.value + ": a name of one letter stands without '=', expected " + with_value(word, word.value->substr(1));
+      return word.name + *word.value + ": a name of one letter stands without '=', expected " +
+             with_value(word, word.value->substr(1));
   }
   return "";
 }
@@ -118,11 +137,12 @@ std::string find_repeated_option(const CLI::App&, const CLI::App&, const Command
   for (std::size_t i = 0; i < words.options.size(); ++i) {
     const OptionWord& word = words.options[i];
     const bool is_single =
-        word.option != nullptr && takes_value(*word.option) && word.option->get_multi_option_policy() != CLI::MultiOptionPolicy::TakeAll;
+        word.option != nullptr && takes_value(*word.option) &&
+        word.option->get_multi_option_policy() != CLI::MultiOptionPolicy::TakeAll;
     for (std::size_t k = 0; is_single && k < i; ++k) {
       if (words.options[k].option != word.option) continue;
-      return word.name + " is given twice, with " + words.options[k].value.value_or("") + " and " + word.value.value_or("") +
-             ", expected once";
+      return word.name + " is given twice, with " + words.options[k].value.value_or("") + " and " +
+             word.value.value_or("") + ", expected once";
     }
   }
   return "";

@@ -22,37 +22,54 @@ bool has_word(std::string_view words, std::string_view word) {
 
 constexpr Synonyms kCommands[] = {
     {"extract",
-     "mesh mesher meshing convert isosurface iso contour surface marching-cubes marchingcubes mc polygonize polygonise triangulate "
-     "segment threshold export generate create make build run reconstruct stl vtk vol2mesh remesh simplify decimate"},
+     "mesh mesher meshing convert isosurface iso contour surface marching-cubes marchingcubes mc "
+     "polygonize polygonise triangulate "
+     "segment threshold export generate create make build run reconstruct stl vtk vol2mesh remesh "
+     "simplify decimate"},
     {"report", "view viewer show open display html page web browse"},
-    {"picture", "view viewer show open display picture render screenshot plot draw image png snapshot thumbnail"},
-    {"info", "inspect describe header stat stats statistics histogram list ls summary about metadata show open dump"},
-    {"check", "validate verify test measure compare distance hausdorff quality analyze analyse diff repair"},
+    {"picture",
+     "view viewer show open display picture render screenshot plot draw image png snapshot "
+     "thumbnail"},
+    {"info",
+     "inspect describe header stat stats statistics histogram list ls summary about metadata show "
+     "open dump"},
+    {"check",
+     "validate verify test measure compare distance hausdorff quality analyze analyse diff repair"},
     {"levels", "lod lods level"},
     {"completion", "completions complete bash zsh fish"},
 };
 
 constexpr Synonyms kOptions[] = {
-    {"--iso", "threshold thresh isovalue iso-value isolevel iso-level level value contour isosurface"},
+    {"--iso",
+     "threshold thresh isovalue iso-value isolevel iso-level level value contour isosurface"},
     {"the file to read stands without an option, the isovalue goes with --iso", "i"},
-    {"--output", "out output-file outfile out-file output-mesh outmesh save save-as export dest destination target to output-path"},
+    {"--output",
+     "out output-file outfile out-file output-mesh outmesh save save-as export dest destination "
+     "target to output-path"},
     {"--volume", "volume image reference ref vol compare-to"},
-    {"the file to read stands without an option", "input in input-file infile file volume image vol in-file f mesh"},
-    {"--max-distance", "tolerance tol error max-error maxerror accuracy precision deviation hausdorff eps epsilon max-deviation step-size"},
+    {"the file to read stands without an option",
+     "input in input-file infile file volume image vol in-file f mesh"},
+    {"--max-distance",
+     "tolerance tol error max-error maxerror accuracy precision deviation hausdorff eps epsilon "
+     "max-deviation step-size"},
     {"--max-vertices",
-     "decimate decimation reduce reduction simplify target-reduction target-vertices num-vertices vertices n-vertices nvertices "
+     "decimate decimation reduce reduction simplify target-reduction target-vertices num-vertices "
+     "vertices n-vertices nvertices "
      "max-verts"},
     {"--max-vertices N, about half as many as triangles",
-     "target-faces faces max-faces triangles max-triangles num-triangles num-faces target-triangles n-faces nfaces polygons"},
+     "target-faces faces max-faces triangles max-triangles num-triangles num-faces "
+     "target-triangles n-faces nfaces polygons"},
     {"meshes are not smoothed; smooth the volume before, or allow a larger --max-distance",
      "smooth smoothing laplacian taubin smooth-iterations gaussian sigma"},
-    {"--max-edge", "edge-length target-edge-length max-edge-length element-size mesh-size cell-size"},
+    {"--max-edge",
+     "edge-length target-edge-length max-edge-length element-size mesh-size cell-size"},
     {"--min-edge", "min-edge-length"},
     {"--normal-angle", "angle max-angle feature-angle"},
     {"--min-aspect", "quality aspect aspect-ratio min-quality"},
     {"--supersample", "upsample resample oversample subsample super-sample"},
     {"--spacing", "voxel-size voxelsize pixel-size pixelsize resolution scale voxel pixdim"},
-    {"--raw-spacing", "voxel-size voxelsize pixel-size pixelsize resolution scale voxel pixdim spacing"},
+    {"--raw-spacing",
+     "voxel-size voxelsize pixel-size pixelsize resolution scale voxel pixdim spacing"},
     {"--size", "resolution width height geometry window window-size dimensions"},
     {"--raw-size", "size dims dimensions dimension shape dim"},
     {"--raw-type", "type dtype datatype data-type sample-type format"},
@@ -63,9 +80,12 @@ constexpr Synonyms kOptions[] = {
     {"--array", "field scalars variable array-name"},
     {"--max-memory", "memory mem ram memory-limit"},
     {"--raw-offset", "offset header-size skip header raw-header"},
-    {"the extension of the output's name is its format", "format output-format file-format type ascii binary"},
-    {"--keep-components 1", "largest largest-component keep-largest biggest only-largest largest-only connected"},
-    {"--min-component-size", "min-size min-component remove-islands islands remove-small min-volume"},
+    {"the extension of the output's name is its format",
+     "format output-format file-format type ascii binary"},
+    {"--keep-components 1",
+     "largest largest-component keep-largest biggest only-largest largest-only connected"},
+    {"--min-component-size",
+     "min-size min-component remove-islands islands remove-small min-volume"},
     {"--refine", "lod lods levels level-of-detail subdivide refinement"},
     {"--inside below", "invert flip flip-normals reverse reverse-normals inverse"},
     {"--space ras", "ras to-ras"},

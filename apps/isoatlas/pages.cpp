@@ -37,7 +37,8 @@ const std::string kToolExitStatus = R"(0    done
      nothing was written
 )";
 
-const std::string kCheckExitStatus = R"(0    a manifold, consistently oriented, with at least one triangle
+const std::string kCheckExitStatus =
+    R"(0    a manifold, consistently oriented, with at least one triangle
      (and with --self-intersections: none found)
 1    not so, or nowhere near the volume of --volume
 2    invalid argument or file
@@ -46,7 +47,8 @@ const std::string kCheckExitStatus = R"(0    a manifold, consistently oriented, 
 129  stopped by SIGHUP, 130 by Ctrl-C (SIGINT), 143 by SIGTERM
 )";
 
-const std::string kLevelsExitStatus = R"(0    every level is a manifold, consistently oriented, with triangles
+const std::string kLevelsExitStatus =
+    R"(0    every level is a manifold, consistently oriented, with triangles
 1    not so
 2    invalid argument or file
 3    a bug of isoatlas
@@ -54,7 +56,8 @@ const std::string kLevelsExitStatus = R"(0    every level is a manifold, consist
 129  stopped by SIGHUP, 130 by Ctrl-C (SIGINT), 143 by SIGTERM
 )";
 
-const std::string kVolumeFiles = R"(Volumes: NRRD (.nrrd, .nhdr), NIfTI-1 and -2 (.nii, .nii.gz, .hdr, .img),
+const std::string kVolumeFiles =
+    R"(Volumes: NRRD (.nrrd, .nhdr), NIfTI-1 and -2 (.nii, .nii.gz, .hdr, .img),
 MetaImage (.mha, .mhd), TIFF (.tif, .tiff; ImageJ, OME, LSM), DICOM (.dcm,
 or a folder), a folder of TIFF or PNG slices, VTK (.vtk, .vti, .vtr, .pvti,
 .pvtr), MGH (.mgh, .mgz), MRC (.mrc, .map, .rec), NumPy (.npy), and
@@ -143,7 +146,9 @@ isoatlas extract fuel.raw --raw-size 64,64,64 --raw-type uint8 --iso 70.5 \
     Headerless samples.
 )"},
                    {"Exit status", kExtractExitStatus},
-                   {"Files", kVolumeFiles + R"(Meshes: .ply and .stl (binary), .obj, .off, .vtp, .3mf, .gii: the finest
+                   {"Files",
+                    kVolumeFiles +
+                        R"(Meshes: .ply and .stl (binary), .obj, .off, .vtp, .3mf, .gii: the finest
 level, or with {level} in the name each level in a file of its own; .glb:
 all levels, the extension MSFT_lod; .vtm: all levels, with a folder beside
 it. The extension decides. What is rounded to float (.stl, .gii, .glb) is
@@ -202,7 +207,8 @@ isoatlas check head.ply --self-intersections
 isoatlas check head.ply --volume head.nrrd --iso 80.5
 )"},
                    {"Exit status", kCheckExitStatus},
-                   {"Files", R"(Meshes: .ply, .stl, .obj, .off, .vtp, .3mf, .gii. Polygons are cut into
+                   {"Files",
+                    R"(Meshes: .ply, .stl, .obj, .off, .vtp, .3mf, .gii. Polygons are cut into
 triangles; corners of an STL file at equal positions are one vertex. The
 unit that a .3mf or .gii states is converted to the volume's.
 )" + kVolumeFiles}},
@@ -225,7 +231,8 @@ into the file; "-" where it has none.
 isoatlas levels report.json
 )"},
                    {"Exit status", kLevelsExitStatus},
-                   {"Files", R"(.glb and .vtm of isoatlas extract; .json: its report (then nothing can be
+                   {"Files",
+                    R"(.glb and .vtm of isoatlas extract; .json: its report (then nothing can be
 counted again) or the list of levels that --glb-per-level wrote.
 )"}},
   };
@@ -240,14 +247,16 @@ needs nothing but a browser. With a report the page also says which command made
 triangles with marching cubes, if the volume is still where it was.
 )",
       .groups = {kInput, kOutput, kRunning},
-      .sections = {{"Examples", R"(isoatlas extract head.nrrd --iso 80.5 -o head.glb --report head.json
+      .sections = {{"Examples",
+                    R"(isoatlas extract head.nrrd --iso 80.5 -o head.glb --report head.json
 isoatlas report head.json -o head.html
 
 isoatlas report head.glb other.ply -o both.html
     Two results on one page, to compare.
 )"},
                    {"Exit status", kExitStatus},
-                   {"Files", R"(.json: the report of isoatlas extract, whose meshes and volume are looked
+                   {"Files",
+                    R"(.json: the report of isoatlas extract, whose meshes and volume are looked
 for where it says and then beside it. .glb, .vtm: levels of detail. .ply,
 .stl, .obj, .off, .vtp, .3mf, .gii: one mesh, of any program.
 )"}},
@@ -269,7 +278,8 @@ isoatlas picture head.ply --view left -o left.jpg
 isoatlas picture head.glb --level 0 --style hidden-line -o coarse.png
 )"},
                    {"Exit status", kExitStatus},
-                   {"Files", R"(.glb, .vtm: levels of detail. .ply, .stl, .obj, .off, .vtp, .3mf, .gii: one
+                   {"Files",
+                    R"(.glb, .vtm: levels of detail. .ply, .stl, .obj, .off, .vtp, .3mf, .gii: one
 mesh.
 )"}},
   };

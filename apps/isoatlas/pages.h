@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The prose of the help pages; what they say of the options stands with the options, in arguments.cpp.
+// The prose of the help pages; what they say of the options stands with the options, in
+// arguments.cpp.
 #pragma once
 
 #include "man_page.h"

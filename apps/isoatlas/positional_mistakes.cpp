@@ -19,16 +19,19 @@ namespace {
 using Positionals = std::vector<PositionalWord>;
 
 const CLI::Option* positional_of(const CLI::App& command) {
-  const auto options = command.get_options([](const CLI::Option* option) { return option->get_positional(); });
+  const auto options =
+      command.get_options([](const CLI::Option* option) { return option->get_positional(); });
   return options.empty() ? nullptr : options.front();
 }
 
 bool is_given(const CommandWords& words, const CLI::Option* option) {
-  return std::ranges::any_of(words.options, [option](const OptionWord& word) { return word.option == option; });
+  return std::ranges::any_of(words.options,
+                             [option](const OptionWord& word) { return word.option == option; });
 }
 
 /// The option if the command has it and it was not given.
-const CLI::Option* free_option(const CLI::App& command, const CommandWords& words, const std::string& name) {
+const CLI::Option* free_option(const CLI::App& command, const CommandWords& words,
+                               const std::string& name) {
   const CLI::Option* option = command.get_option_no_throw(name);
   return option == nullptr || is_given(words, option) ? nullptr : option;
 }
@@ -42,14 +45,19 @@ std::string value_in_pieces(const CommandWords& words) {
     const PositionalWord& piece = words.positionals[i];
     if (!piece.after_value_of) continue;
     const OptionWord& option = words.options[*piece.after_value_of];
-    const auto whole = [&](const std::string& between) { return option.name + " " + *option.value + between + piece.text; };
-    const std::string problem = "'" + piece.text + "' stands apart from the value of " + option.name + ", expected ";
+    const auto whole = [&](const std::string& between) {
+      return option.name + " " + *option.value + between + piece.text;
+    };
+    const std::string problem =
+        "'" + piece.text + "' stands apart from the value of " + option.name + ", expected ";
     if (std::ranges::find(kUnits, piece.text) != kUnits.end()) return problem + whole("");
     if (option.name == "--refine" && piece.text.find(':') != std::string::npos)
       return problem + whole(",") + " for one level, or --refine again for another";
-    if (option.option->get_type_name().find(',') == std::string::npos || !is_number(piece.text)) continue;
+    if (option.option->get_type_name().find(',') == std::string::npos || !is_number(piece.text))
+      continue;
     std::string value = whole(",");
-    for (std::size_t k = i + 1; k < words.positionals.size() && is_number(words.positionals[k].text); ++k)
+    for (std::size_t k = i + 1;
+         k < words.positionals.size() && is_number(words.positionals[k].text); ++k)
       value += "," + words.positionals[k].text;
     return problem + "commas: " + value;
   }
@@ -63,7 +71,8 @@ std::string name_in_pieces(const Positionals& words) {
     for (std::size_t last = first + 1; last < words.size(); ++last) {
       name += " " + words[last].text;
       std::error_code ignored;
-      if (std::filesystem::exists(name, ignored)) return "a name with blanks needs quotes, expected \"" + name + "\"";
+      if (std::filesystem::exists(name, ignored))
+        return "a name with blanks needs quotes, expected \"" + name + "\"";
     }
   }
   return "";
@@ -75,28 +84,37 @@ std::string advice_on_slices(const CLI::App& command, const Positionals& words) 
   const std::filesystem::path folder = std::filesystem::path(words.front().text).parent_path();
   const bool are_slices = std::ranges::all_of(words, [&](const PositionalWord& word) {
     const std::filesystem::path path = word.text;
-    return path.parent_path() == folder && (has_extension(path, ".tif .tiff .png") || kind_of_file(path) == FileKind::volume);
+    return path.parent_path() == folder &&
+           (has_extension(path, ".tif .tiff .png") || kind_of_file(path) == FileKind::volume);
   });
   if (!are_slices) return "";
-  return "; slices are read as a folder: isoatlas " + command.get_name() + " " + (folder.empty() ? "." : folder.string());
+  return "; slices are read as a folder: isoatlas " + command.get_name() + " " +
+         (folder.empty() ? "." : folder.string());
 }
 
 /// The option behind which a word without one was meant to stand.
-std::string missing_option(const CLI::App& command, const CommandWords& words, const std::string& word) {
+std::string missing_option(const CLI::App& command, const CommandWords& words,
+                           const std::string& word) {
   const auto goes_with = [&](const char* what, const std::string& option) {
-    return "'" + word + "' stands without an option: the " + what + " goes with " + option + ", expected " + option + " " + word;
+    return "'" + word + "' stands without an option: the " + what + " goes with " + option +
+           ", expected " + option + " " + word;
   };
   const FileKind kind = kind_of_name(word);
   const bool is_mesh = kind == FileKind::mesh || kind == FileKind::levels;
   const bool is_extract = command.get_name() == "extract";
-  if (is_number(word) && free_option(command, words, "--iso") != nullptr) return goes_with("isovalue", "--iso");
-  if (is_extract && is_mesh && free_option(command, words, "-o") != nullptr) return goes_with("output", "-o");
-  if (is_extract && kind == FileKind::page && free_option(command, words, "--html") != nullptr) return goes_with("page", "--html");
-  if (is_extract && kind == FileKind::json && free_option(command, words, "--report") != nullptr) return goes_with("report", "--report");
-  const bool is_output =
-      (command.get_name() == "picture" && kind == FileKind::picture) || (command.get_name() == "report" && kind == FileKind::page);
+  if (is_number(word) && free_option(command, words, "--iso") != nullptr)
+    return goes_with("isovalue", "--iso");
+  if (is_extract && is_mesh && free_option(command, words, "-o") != nullptr)
+    return goes_with("output", "-o");
+  if (is_extract && kind == FileKind::page && free_option(command, words, "--html") != nullptr)
+    return goes_with("page", "--html");
+  if (is_extract && kind == FileKind::json && free_option(command, words, "--report") != nullptr)
+    return goes_with("report", "--report");
+  const bool is_output = (command.get_name() == "picture" && kind == FileKind::picture) ||
+                         (command.get_name() == "report" && kind == FileKind::page);
   if (is_output && free_option(command, words, "-o") != nullptr) return goes_with("output", "-o");
-  if (kind == FileKind::volume && free_option(command, words, "--volume") != nullptr) return goes_with("volume", "--volume");
+  if (kind == FileKind::volume && free_option(command, words, "--volume") != nullptr)
+    return goes_with("volume", "--volume");
   return "";
 }
 
@@ -107,38 +125,52 @@ std::string synopsis_of(const CLI::App& command) {
 }
 
 /// What goes missing most, with an example after the name of the file that was given.
-std::string explained(const std::string& command, const std::string& option, const std::string& file) {
+std::string explained(const std::string& command, const std::string& option,
+                      const std::string& file) {
   const std::string name = file.empty() ? "head" : name_without_extensions(file);
-  if (option == "iso") return ": the isovalue, of which `isoatlas info " + (file.empty() ? "head.nrrd" : file) + "` suggests some";
+  if (option == "iso")
+    return ": the isovalue, of which `isoatlas info " + (file.empty() ? "head.nrrd" : file) +
+           "` suggests some";
   if (option != "output") return "";
   if (command == "extract") return ": the mesh to write, like -o " + name + ".ply";
-  return command == "report" ? ": the page to write, like -o " + name + ".html" : ": the picture to write, like -o " + name + ".png";
+  return command == "report" ? ": the page to write, like -o " + name + ".html"
+                             : ": the picture to write, like -o " + name + ".png";
 }
 
 }  // namespace
 
-std::string find_leftover_word(const CLI::App&, const CLI::App& command, const CommandWords& words) {
+std::string find_leftover_word(const CLI::App&, const CLI::App& command,
+                               const CommandWords& words) {
   const CLI::Option* positional = positional_of(command);
   const Positionals& found = words.positionals;
   if (positional == nullptr || found.empty()) return "";
   const bool reads_streams = command.get_name() == "extract" || command.get_name() == "info";
   if (!reads_streams && std::ranges::find(found, "-", &PositionalWord::text) != found.end())
-    return "isoatlas " + command.get_name() + " does not read standard input, expected the name of a file";
+    return "isoatlas " + command.get_name() +
+           " does not read standard input, expected the name of a file";
   const bool takes_many = positional->get_items_expected_max() > 1;
-  if (takes_many && !(found.size() > 1 && kind_of_name(found.back().text) == FileKind::page)) return "";
+  if (takes_many && !(found.size() > 1 && kind_of_name(found.back().text) == FileKind::page))
+    return "";
   if (takes_many) return missing_option(command, words, found.back().text);
   if (found.size() == 1) return "";
   for (const PositionalWord& word : found) {
-    const bool is_option = is_option_like(word.text) && command.get_option_no_throw(word.text) != nullptr;
+    const bool is_option =
+        is_option_like(word.text) && command.get_option_no_throw(word.text) != nullptr;
     if (is_option)
-      return word.text + " stands behind --, which ends the options; expected -- behind all of them, before a name like -a.nii";
+      return word.text +
+             " stands behind --, which ends the options; expected -- behind all of them, before a "
+             "name like -a.nii";
   }
   if (std::string pieces = value_in_pieces(words); !pieces.empty()) return pieces;
   if (std::string pieces = name_in_pieces(found); !pieces.empty()) return pieces;
-  for (std::size_t i = 1; i <= found.size(); ++i)  // the first word last: it is the most likely to be where it should be
-    if (std::string mistake = missing_option(command, words, found[i % found.size()].text); !mistake.empty()) return mistake;
-  return "isoatlas " + command.get_name() + " takes one " + positional->get_name(true) + ", found '" + found[0].text + "' and '" +
-         found[1].text + "'" + advice_on_slices(command, found);
+  for (std::size_t i = 1; i <= found.size();
+       ++i)  // the first word last: it is the most likely to be where it should be
+    if (std::string mistake = missing_option(command, words, found[i % found.size()].text);
+        !mistake.empty())
+      return mistake;
+  return "isoatlas " + command.get_name() + " takes one " + positional->get_name(true) +
+         ", found '" + found[0].text + "' and '" + found[1].text + "'" +
+         advice_on_slices(command, found);
 }
 
 std::string find_missing_word(const CLI::App&, const CLI::App& command, const CommandWords& words) {
@@ -152,8 +184,10 @@ std::string find_missing_word(const CLI::App&, const CLI::App& command, const Co
     if (option == positional || !option->get_required() || is_given(words, option)) continue;
     const std::string name = option->get_single_name();
     const bool has_letter = !option->get_snames().empty();
-    return (has_letter ? "-" + option->get_snames().front() + " (--" + name + ")" : "--" + name) + " is missing" +
-           explained(command.get_name(), name, has_positional ? words.positionals.front().text : "");
+    return (has_letter ? "-" + option->get_snames().front() + " (--" + name + ")" : "--" + name) +
+           " is missing" +
+           explained(command.get_name(), name,
+                     has_positional ? words.positionals.front().text : "");
   }
   return "";
 }

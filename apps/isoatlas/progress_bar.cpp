@@ -44,11 +44,13 @@ std::string bar(double fraction, int width, bool utf8) {
 
 }  // namespace
 
-ProgressBar::ProgressBar(bool wanted) : active_(wanted && can_redraw_stderr()), utf8_(terminal_is_utf8()) {
+ProgressBar::ProgressBar(bool wanted)
+    : active_(wanted && can_redraw_stderr()), utf8_(terminal_is_utf8()) {
   if (!active_) return;
   clock_ = std::jthread([this](const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
-    while (!erased_.wait_for(lock, stop, kTick, [this] { return !active_; }) && !stop.stop_requested()) {
+    while (!erased_.wait_for(lock, stop, kTick, [this] { return !active_; }) &&
+           !stop.stop_requested()) {
       if (!stage_.empty()) draw(Clock::now());
     }
   });
@@ -90,7 +92,8 @@ std::string ProgressBar::line(Clock::time_point now) const {
   constexpr double kLeastSeconds = 2, kLeastShare = 0.05;
   std::string result(stage_.substr(0, kStageWidth));
   result.resize(kStageWidth + 1, ' ');
-  const double seconds = std::chrono::duration<double>(now - started_).count(), share = std::clamp(fraction_.value_or(0), 0.0, 1.0);
+  const double seconds = std::chrono::duration<double>(now - started_).count(),
+               share = std::clamp(fraction_.value_or(0), 0.0, 1.0);
   if (fraction_) {
     const int width = std::min(terminal_columns() - kStageWidth - kNumbersWidth, kWidestBar);
     if (width > 4) result += bar(share, width, utf8_) + " ";

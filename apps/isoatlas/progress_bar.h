@@ -11,7 +11,8 @@
 
 namespace isoatlas::detail::tool {
 
-/// One line on stderr that is redrawn now and then and gone at the end; silent unless stderr is a terminal.
+/// One line on stderr that is redrawn now and then and gone at the end; silent unless stderr is a
+/// terminal.
 class ProgressBar {
  public:
   explicit ProgressBar(bool wanted);
@@ -19,7 +20,8 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// `fraction` of the whole in [0, 1]; none: it is not known. Redrawn now and then without being called, as time goes on.
+  /// `fraction` of the whole in [0, 1]; none: it is not known. Redrawn now and then without being
+  /// called, as time goes on.
   void show(std::string_view stage, std::optional<double> fraction);
   void clear_line();  ///< makes room for a message
   void erase();       ///< nothing is drawn after it

@@ -21,7 +21,8 @@ int run_report(const ReportArguments& arguments, Interruption& interruption) {
   require_pages();
   for (const fs::path& result : arguments.results)
     if (same_file(result, arguments.page))
-      throw Error(ErrorCode::bad_argument, arguments.page.string() + ": the page would replace a result");
+      throw Error(ErrorCode::bad_argument,
+                  arguments.page.string() + ": the page would replace a result");
   require_page_name(arguments.page);
   check_output_path(arguments.page);
   OutputFiles outputs;
@@ -32,14 +33,15 @@ int run_report(const ReportArguments& arguments, Interruption& interruption) {
     entries.push_back(entry_of_file(result));
     for (const fs::path& source : entries.back().sources)
       if (same_file(source, arguments.page))
-        throw Error(ErrorCode::bad_argument, arguments.page.string() + ": the page would replace " + source.string() + ", which it shows");
+        throw Error(ErrorCode::bad_argument, arguments.page.string() + ": the page would replace " +
+                                                 source.string() + ", which it shows");
   }
   const std::string page = page_html(entries, arguments.page);
   outputs.write(arguments.page, [&](const fs::path& staged) { write_text_file(page, staged); });
   interruption.commit([&] { outputs.commit(); });
   if (!arguments.quiet)
-    std::cout << row(
-        "wrote", arguments.page.string() + ": " + counted(entries.size(), "result") + ", " + bytes_text(static_cast<double>(page.size())));
+    std::cout << row("wrote", arguments.page.string() + ": " + counted(entries.size(), "result") +
+                                  ", " + bytes_text(static_cast<double>(page.size())));
   return kSuccess;
 }
 

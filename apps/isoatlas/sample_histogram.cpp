@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Based on: N. Otsu, A threshold selection method from gray-level histograms, IEEE Trans. SMC 9(1), 1979.
+// Based on: N. Otsu, A threshold selection method from gray-level histograms, IEEE Trans. SMC 9(1),
+// 1979.
 #include "sample_histogram.h"
 
 #include <algorithm>
@@ -13,7 +14,9 @@ namespace {
 
 template <class Visitor>
 void visit_samples(const VolumeView& volume, Visitor visit) {
-  const auto as = [&]<class Sample>(Sample) { visit(std::span(static_cast<const Sample*>(volume.samples), volume.grid.sample_count())); };
+  const auto as = [&]<class Sample>(Sample) {
+    visit(std::span(static_cast<const Sample*>(volume.samples), volume.grid.sample_count()));
+  };
   switch (volume.type) {
     case SampleType::int8:
       return as(std::int8_t{});
@@ -38,9 +41,12 @@ void visit_samples(const VolumeView& volume, Visitor visit) {
   }
 }
 
-bool is_integer(SampleType type) { return type != SampleType::float32 && type != SampleType::float64; }
+bool is_integer(SampleType type) {
+  return type != SampleType::float32 && type != SampleType::float64;
+}
 
-/// Sums over the bins before a given one, so that any class's weight and mean come from two look-ups.
+/// Sums over the bins before a given one, so that any class's weight and mean come from two
+/// look-ups.
 struct Moments {
   std::vector<double> weight{0}, sum{0};
 
@@ -82,7 +88,8 @@ std::vector<double> three_classes(const std::vector<std::size_t>& counts, const 
   std::size_t lower = 0, upper = 0;
   for (std::size_t i = 1; i + 1 < counts.size(); ++i) {
     for (std::size_t j = i + 1; j < counts.size(); ++j) {
-      const double spread = moments.spread(0, i) + moments.spread(i, j) + moments.spread(j, counts.size());
+      const double spread =
+          moments.spread(0, i) + moments.spread(i, j) + moments.spread(j, counts.size());
       if (spread > best) best = spread, lower = i, upper = j;
     }
   }
@@ -105,7 +112,8 @@ bool looks_like_distances(const SampleSummary& summary) {
 
 }  // namespace
 
-SampleHistogram sample_histogram(const VolumeView& volume, const SampleSummary& summary, std::size_t most_bins) {
+SampleHistogram sample_histogram(const VolumeView& volume, const SampleSummary& summary,
+                                 std::size_t most_bins) {
   SampleHistogram histogram;
   if (summary.finite_count == 0) return histogram;
   histogram.of_integers = is_integer(volume.type);
@@ -139,11 +147,13 @@ SampleHistogram coarsened(const SampleHistogram& histogram, std::size_t most_bin
   if (merged <= 1) return result;
   result.width *= static_cast<double>(merged);
   result.counts.assign((histogram.counts.size() + merged - 1) / merged, 0);
-  for (std::size_t i = 0; i < histogram.counts.size(); ++i) result.counts[i / merged] += histogram.counts[i];
+  for (std::size_t i = 0; i < histogram.counts.size(); ++i)
+    result.counts[i / merged] += histogram.counts[i];
   return result;
 }
 
-std::vector<SuggestedIsovalue> suggest_isovalues(const SampleHistogram& histogram, const SampleSummary& summary) {
+std::vector<SuggestedIsovalue> suggest_isovalues(const SampleHistogram& histogram,
+                                                 const SampleSummary& summary) {
   std::vector<SuggestedIsovalue> suggestions;
   const auto suggest = [&](double value, const std::string& reason) {
     if (value <= summary.minimum || value >= summary.maximum) return;
@@ -161,7 +171,8 @@ std::vector<SuggestedIsovalue> suggest_isovalues(const SampleHistogram& histogra
     else
       suggest(0, reason);
   }
-  const auto occupied = std::count_if(histogram.counts.begin(), histogram.counts.end(), [](std::size_t n) { return n > 0; });
+  const auto occupied = std::count_if(histogram.counts.begin(), histogram.counts.end(),
+                                      [](std::size_t n) { return n > 0; });
   const Moments moments(histogram.counts);
   if (occupied >= 2)
     for (const double split : two_classes(histogram.counts, moments))
@@ -169,7 +180,8 @@ std::vector<SuggestedIsovalue> suggest_isovalues(const SampleHistogram& histogra
   if (occupied >= 3)
     for (const double split : three_classes(histogram.counts, moments))
       suggest(value_at(histogram, split), "one of two that split them into three classes");
-  std::sort(suggestions.begin(), suggestions.end(), [](const auto& a, const auto& b) { return a.value < b.value; });
+  std::sort(suggestions.begin(), suggestions.end(),
+            [](const auto& a, const auto& b) { return a.value < b.value; });
   return suggestions;
 }
 

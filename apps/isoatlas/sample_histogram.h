@@ -10,8 +10,9 @@
 
 namespace isoatlas::detail::tool {
 
-/// Bin i counts the finite samples in [lowest + i * width, lowest + (i + 1) * width); the last bin takes its upper end
-/// too. For integer types `width` is a whole number, so every bin holds as many different values as any other.
+/// Bin i counts the finite samples in [lowest + i * width, lowest + (i + 1) * width); the last bin
+/// takes its upper end too. For integer types `width` is a whole number, so every bin holds as many
+/// different values as any other.
 struct SampleHistogram {
   double lowest = 0, width = 1;
   bool of_integers = false;
@@ -19,7 +20,8 @@ struct SampleHistogram {
 };
 
 /// One pass over the samples. Empty if no sample is finite.
-SampleHistogram sample_histogram(const VolumeView& volume, const SampleSummary& summary, std::size_t most_bins = 4096);
+SampleHistogram sample_histogram(const VolumeView& volume, const SampleSummary& summary,
+                                 std::size_t most_bins = 4096);
 
 /// The same with neighbouring bins merged, for drawing.
 SampleHistogram coarsened(const SampleHistogram& histogram, std::size_t most_bins);
@@ -29,9 +31,11 @@ struct SuggestedIsovalue {
   std::string reason;
 };
 
-/// Isovalues worth a try, increasing: thresholds that split the samples into two and into three classes (Otsu), and
-/// zero where the samples look like a signed distance field. For integer types all of them lie half-way between two
-/// integers: no sample equals them, so the surface passes through no sample.
-std::vector<SuggestedIsovalue> suggest_isovalues(const SampleHistogram& histogram, const SampleSummary& summary);
+/// Isovalues worth a try, increasing: thresholds that split the samples into two and into three
+/// classes (Otsu), and zero where the samples look like a signed distance field. For integer types
+/// all of them lie half-way between two integers: no sample equals them, so the surface passes
+/// through no sample.
+std::vector<SuggestedIsovalue> suggest_isovalues(const SampleHistogram& histogram,
+                                                 const SampleSummary& summary);
 
 }  // namespace isoatlas::detail::tool

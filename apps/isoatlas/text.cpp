@@ -22,7 +22,8 @@ std::string formatted(const char* format, double value) {
 }  // namespace
 
 bool terminal_is_utf8() {
-  for (const char* variable : {"LC_ALL", "LC_CTYPE", "LANG"}) {  // in the order in which the C library asks them
+  for (const char* variable :
+       {"LC_ALL", "LC_CTYPE", "LANG"}) {  // in the order in which the C library asks them
     const char* value = std::getenv(variable);
     if (value == nullptr || *value == '\0') continue;
     const std::string locale = lower_case(value);
@@ -46,7 +47,9 @@ std::string one_line(std::string_view text) {
 
 std::string number_text(double value) {
   std::array<char, 64> buffer{};
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::general, 6).ptr;
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value,
+                                 std::chars_format::general, 6)
+                       .ptr;
   return {buffer.data(), end};
 }
 
@@ -54,7 +57,8 @@ std::string point_text(Vec3 p) {
   constexpr double kFar = 1e4;
   std::string text;
   for (const double x : {p.x, p.y, p.z})
-    text += (text.empty() ? "(" : ", ") + (std::fabs(x) < kFar ? number_text(x) : formatted("%.2f", x));
+    text +=
+        (text.empty() ? "(" : ", ") + (std::fabs(x) < kFar ? number_text(x) : formatted("%.2f", x));
   return text + ")";
 }
 
@@ -87,7 +91,8 @@ std::string seconds_text(double seconds) {
   if (seconds < 0.9995) return formatted("%.0f ms", seconds * 1e3);
   if (seconds < 60) return formatted("%.2f s", seconds);
   const double minutes = std::floor(seconds / 60);
-  return formatted("%.0f min ", minutes) + formatted("%02.0f s", std::floor(seconds - 60 * minutes));
+  return formatted("%.0f min ", minutes) +
+         formatted("%02.0f s", std::floor(seconds - 60 * minutes));
 }
 
 std::string with_unit(double length, LengthUnit unit) {
@@ -113,11 +118,13 @@ std::string bound_text(Quantity quantity, double bound, LengthUnit world) {
 }
 
 std::string size_text(const std::array<std::size_t, 3>& size) {
-  return std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " + std::to_string(size[2]);
+  return std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " +
+         std::to_string(size[2]);
 }
 
 std::string command_text(const std::vector<std::string>& arguments) {
-  constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=:,./@%";
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=:,./@%";
   std::string out = "isoatlas";
   for (const std::string& argument : arguments) {
     out += ' ';
@@ -133,9 +140,9 @@ std::string command_text(const std::vector<std::string>& arguments) {
 }
 
 std::string topology_text(const TopologySummary& topology) {
-  return counted(topology.components, "component") + ", genus " + std::to_string(topology.genus) + ", " +
-         counted(static_cast<std::uint64_t>(topology.boundary_loops), "boundary loop") + ", Euler characteristic " +
-         std::to_string(topology.euler_characteristic);
+  return counted(topology.components, "component") + ", genus " + std::to_string(topology.genus) +
+         ", " + counted(static_cast<std::uint64_t>(topology.boundary_loops), "boundary loop") +
+         ", Euler characteristic " + std::to_string(topology.euler_characteristic);
 }
 
 std::string kinds_text(const TopologySummary& topology, std::size_t most) {
@@ -145,10 +152,13 @@ std::string kinds_text(const TopologySummary& topology, std::size_t most) {
     const auto& kind = topology.kinds[i];
     if (i > 0) text += ", ";
     text += count_text(kind.count) + " x (genus " + std::to_string(kind.genus) + ", ";
-    text += kind.boundary_loops == 0 ? "closed" : counted(static_cast<std::uint64_t>(kind.boundary_loops), "boundary loop");
+    text += kind.boundary_loops == 0
+                ? "closed"
+                : counted(static_cast<std::uint64_t>(kind.boundary_loops), "boundary loop");
     text += ")";
   }
-  if (listed < topology.kinds.size()) text += " and " + counted(topology.kinds.size() - listed, "other kind");
+  if (listed < topology.kinds.size())
+    text += " and " + counted(topology.kinds.size() - listed, "other kind");
   return text;
 }
 
@@ -159,9 +169,11 @@ std::string proof_text(double distance_at_most) {
 
 std::string sampling_text(const Measurement& measured) {
   const auto samples = [](const OneSidedDistance& side) {
-    return count_text(side.samples) + " points (" + number_text(std::round(10 * side.samples_per_voxel_face) / 10) + " per voxel face)";
+    return count_text(side.samples) + " points (" +
+           number_text(std::round(10 * side.samples_per_voxel_face) / 10) + " per voxel face)";
   };
-  return "sampled at " + samples(measured.mesh_to_surface) + " of the mesh and " + samples(measured.surface_to_mesh) + " of the isosurface";
+  return "sampled at " + samples(measured.mesh_to_surface) + " of the mesh and " +
+         samples(measured.surface_to_mesh) + " of the isosurface";
 }
 
 std::string row(const std::string& label, const std::string& value) {
@@ -171,7 +183,8 @@ std::string row(const std::string& label, const std::string& value) {
   return std::string(2, ' ') + padded + value + "\n";
 }
 
-std::vector<std::string> draw_histogram(std::span<const std::size_t> counts, int rows, int column_width, Scale scale, bool utf8) {
+std::vector<std::string> draw_histogram(std::span<const std::size_t> counts, int rows,
+                                        int column_width, Scale scale, bool utf8) {
   static constexpr std::array<const char*, 9> kBlocks{" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
   const std::size_t highest = counts.empty() ? 0 : *std::max_element(counts.begin(), counts.end());
   const auto height = [&](std::size_t count) {  // in [0, 1]
@@ -187,7 +200,9 @@ std::vector<std::string> draw_histogram(std::span<const std::size_t> counts, int
     for (int r = 0; r < rows; ++r) {
       const int filled = std::clamp(eighths - 8 * (rows - 1 - r), 0, 8);
       const char* ascii = filled >= 4 ? "#" : filled > 0 ? "." : " ";
-      for (int c = 0; c < column_width; ++c) lines[static_cast<std::size_t>(r)] += utf8 ? kBlocks[static_cast<std::size_t>(filled)] : ascii;
+      for (int c = 0; c < column_width; ++c)
+        lines[static_cast<std::size_t>(r)] +=
+            utf8 ? kBlocks[static_cast<std::size_t>(filled)] : ascii;
     }
   }
   return lines;

@@ -24,7 +24,8 @@ using Words = std::vector<std::string>;
 
 Words names_of_commands(const CLI::App& app) {
   Words names;
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) names.push_back(command->get_name());
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(command->get_name());
   return names;
 }
 
@@ -37,7 +38,8 @@ const CLI::App* command_named(const CLI::App& app, const std::string& name) {
 /// "extract, info or check"
 std::string listed(const Words& names, const std::string& last = "or") {
   std::string list;
-  for (std::size_t i = 0; i < names.size(); ++i) list += (i == 0 ? "" : i + 1 < names.size() ? ", " : " " + last + " ") + names[i];
+  for (std::size_t i = 0; i < names.size(); ++i)
+    list += (i == 0 ? "" : i + 1 < names.size() ? ", " : " " + last + " ") + names[i];
   return list;
 }
 
@@ -46,17 +48,21 @@ bool exists(const std::string& path) {
   return fs::exists(path, ignored);
 }
 
-/// TypedLength in bytes of the hyphen, dash or minus sign of typography at the start of `word`, 0 if there is none.
+/// TypedLength in bytes of the hyphen, dash or minus sign of typography at the start of `word`, 0
+/// if there is none.
 std::size_t typographic_dash(std::string_view word) {
   // U+2010 to U+2015, U+2212, U+FE58, U+FE63, U+FF0D
-  for (const std::string_view dash : {"\u2010", "\u2011", "\u2012", "\u2013", "\u2014", "\u2015", "\u2212", "\uFE58", "\uFE63", "\uFF0D"})
+  for (const std::string_view dash : {"\u2010", "\u2011", "\u2012", "\u2013", "\u2014", "\u2015",
+                                      "\u2212", "\uFE58", "\uFE63", "\uFF0D"})
     if (word.starts_with(dash)) return dash.size();
   return 0;
 }
 
 bool starts_with_typographic_quote(std::string_view word) {
-  constexpr std::array<std::string_view, 8> kQuotes{"\u2018", "\u2019", "\u201A", "\u201C", "\u201D", "\u201E", "\u00AB", "\u00BB"};
-  return std::ranges::any_of(kQuotes, [word](std::string_view quote) { return word.starts_with(quote); });
+  constexpr std::array<std::string_view, 8> kQuotes{"\u2018", "\u2019", "\u201A", "\u201C",
+                                                    "\u201D", "\u201E", "\u00AB", "\u00BB"};
+  return std::ranges::any_of(kQuotes,
+                             [word](std::string_view quote) { return word.starts_with(quote); });
 }
 
 /// What text editors and web pages make of "--" and quotes.
@@ -66,18 +72,23 @@ std::string find_typography(const Words& words) {
     const std::string_view rest = std::string_view(word).substr(word.starts_with('-') ? 1 : 0);
     if (typographic_dash(rest) > 0) {
       std::string_view name = word;
-      while (name.starts_with('-') || typographic_dash(name) > 0) name.remove_prefix(std::max<std::size_t>(1, typographic_dash(name)));
-      const bool is_long = name.substr(0, name.find('=')).size() > 1 && !name.starts_with('.') && name.find_first_of("0123456789") != 0;
-      return "'" + word + "' begins with a dash that is not the keyboard's, expected " + (is_long ? "--" : "-") + std::string(name);
+      while (name.starts_with('-') || typographic_dash(name) > 0)
+        name.remove_prefix(std::max<std::size_t>(1, typographic_dash(name)));
+      const bool is_long = name.substr(0, name.find('=')).size() > 1 && !name.starts_with('.') &&
+                           name.find_first_of("0123456789") != 0;
+      return "'" + word + "' begins with a dash that is not the keyboard's, expected " +
+             (is_long ? "--" : "-") + std::string(name);
     }
-    if (starts_with_typographic_quote(word)) return "'" + word + "' has quotation marks that are not the keyboard's, expected ' or \"";
+    if (starts_with_typographic_quote(word))
+      return "'" + word + "' has quotation marks that are not the keyboard's, expected ' or \"";
   }
   return "";
 }
 
 bool has_option(const Words& words, std::initializer_list<std::string_view> names) {
   return std::ranges::any_of(words, [&](const std::string& word) {
-    return std::ranges::find(names, std::string_view(word).substr(0, word.find('='))) != names.end();
+    return std::ranges::find(names, std::string_view(word).substr(0, word.find('='))) !=
+           names.end();
   });
 }
 
@@ -111,7 +122,8 @@ std::string guessed_command(const Words& words) {
 }
 
 bool looks_like_file(const std::string& word) {
-  return word.find('/') != std::string::npos || kind_of_name(word) != FileKind::unknown || fs::path(word).has_extension() || exists(word);
+  return word.find('/') != std::string::npos || kind_of_name(word) != FileKind::unknown ||
+         fs::path(word).has_extension() || exists(word);
 }
 
 Words with_command_first(const std::string& command, Words words) {
@@ -122,7 +134,8 @@ Words with_command_first(const std::string& command, Words words) {
 std::string forgotten_command(const CLI::App& app, const Words& words) {
   const std::string command = guessed_command(words);
   return "the command is missing, expected one of " + listed(names_of_commands(app)) +
-         (command.empty() ? "" : "; did you mean: " + command_text(with_command_first(command, words)));
+         (command.empty() ? ""
+                          : "; did you mean: " + command_text(with_command_first(command, words)));
 }
 
 /// An option stands first that the tool itself does not have.
@@ -130,31 +143,39 @@ std::string option_before_command(const CLI::App& app, const Words& words) {
   for (std::size_t i = 1; i < words.size(); ++i) {
     if (command_named(app, words[i]) == nullptr) continue;
     Words sorted = words;
-    std::rotate(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(i), sorted.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+    std::rotate(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(i),
+                sorted.begin() + static_cast<std::ptrdiff_t>(i) + 1);
     return "the command comes first, expected: " + command_text(sorted);
   }
   if (words.size() == 1) {
     const bool wants_version = plain_word(words[0]) == "-v";
-    return "there is no option " + words[0] + (wants_version ? ", did you mean --version?" : " that stands without a command");
+    return "there is no option " + words[0] +
+           (wants_version ? ", did you mean --version?" : " that stands without a command");
   }
   return forgotten_command(app, words);
 }
 
 std::string wrong_command(const CLI::App& app, const Words& words) {
   const std::string& word = words.front();
-  if (is_option_like(word)) return app.get_option_no_throw(word) != nullptr ? "" : option_before_command(app, words);
+  if (is_option_like(word))
+    return app.get_option_no_throw(word) != nullptr ? "" : option_before_command(app, words);
   const Words names = names_of_commands(app);
   const std::string nearest = nearest_name(word, names);
   const std::vector<std::string_view> meant = commands_called(plain_word(word));
-  if (meant.empty() && nearest.empty() && looks_like_file(word)) return forgotten_command(app, words);
+  if (meant.empty() && nearest.empty() && looks_like_file(word))
+    return forgotten_command(app, words);
   const std::string list = nearest.empty() ? listed(Words(meant.begin(), meant.end())) : nearest;
-  return "there is no command '" + word + "'" + (list.empty() ? "" : ", did you mean " + list + "?") + (list.empty() ? "; the" : " The") +
+  return "there is no command '" + word + "'" +
+         (list.empty() ? "" : ", did you mean " + list + "?") + (list.empty() ? "; the" : " The") +
          " commands are " + listed(names, "and");
 }
 
 bool asks_for_help(const CommandWords& words) {
-  const bool says_help = !words.positionals.empty() && words.positionals.front().text == "help" && !exists("help");
-  return says_help || std::ranges::any_of(words.options, [](const OptionWord& word) { return word.name == "-h" || word.name == "--help"; });
+  const bool says_help =
+      !words.positionals.empty() && words.positionals.front().text == "help" && !exists("help");
+  return says_help || std::ranges::any_of(words.options, [](const OptionWord& word) {
+           return word.name == "-h" || word.name == "--help";
+         });
 }
 
 }  // namespace
@@ -170,7 +191,8 @@ std::vector<std::string> in_standard_form(const CLI::App& app, Words words) {
     return {words.front(), "--help"};
   }
   const CLI::App* command = command_named(app, first);
-  if (command != nullptr && asks_for_help(read_words(*command, {words.begin() + 1, words.end()}))) return {first, "--help"};
+  if (command != nullptr && asks_for_help(read_words(*command, {words.begin() + 1, words.end()})))
+    return {first, "--help"};
   return words;
 }
 
@@ -180,7 +202,8 @@ std::string find_mistake(const CLI::App& app, const Words& words) {
   if (command == nullptr) return wrong_command(app, words);
   const CommandWords read = read_words(*command, {words.begin() + 1, words.end()});
   if (asks_for_help(read)) return "";
-  for (const auto find : {find_unknown_option, find_missing_value, find_repeated_option, find_leftover_word, find_missing_word})
+  for (const auto find : {find_unknown_option, find_missing_value, find_repeated_option,
+                          find_leftover_word, find_missing_word})
     if (std::string mistake = find(app, *command, read); !mistake.empty()) return mistake;
   return "";
 }

@@ -13,11 +13,15 @@ VolumeFile read_volume_input(const std::filesystem::path& path, const ReadOption
     return read_volume_file(path, options);
   } catch (const ChoiceNeeded& needed) {
     const std::string option = "--" + needed.choice().name;
-    throw ChoiceNeeded(needed.what() + ("; choose with " + option + ", for example " + option + " 0"), needed.choice(), needed.source());
+    throw ChoiceNeeded(
+        needed.what() + ("; choose with " + option + ", for example " + option + " 0"),
+        needed.choice(), needed.source());
   }
 }
 
-std::string volume_name(const std::filesystem::path& path) { return path == "-" ? "standard input" : path.string(); }
+std::string volume_name(const std::filesystem::path& path) {
+  return path == "-" ? "standard input" : path.string();
+}
 
 void print_warnings(const std::filesystem::path& path, const VolumeSource& source) {
   for (const std::string& warning : source.warnings)

@@ -39,7 +39,8 @@ inline TriangleMesh triangle_mesh(vtkPolyData* surface) {
   vtkNew<vtkIdList> corners;
   vtkCellArray* cells = surface->GetPolys();
   for (cells->InitTraversal(); cells->GetNextCell(corners) != 0;)
-    mesh.triangles.push_back({static_cast<std::uint32_t>(corners->GetId(0)), static_cast<std::uint32_t>(corners->GetId(1)),
+    mesh.triangles.push_back({static_cast<std::uint32_t>(corners->GetId(0)),
+                              static_cast<std::uint32_t>(corners->GetId(1)),
                               static_cast<std::uint32_t>(corners->GetId(2))});
   return mesh;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// CGAL Mesh_3: the boundary of the solid in which the trilinear interpolant is above the isovalue, without features. Mesh_3 is GPL, so
-// this program is only for measuring and is never linked into isoatlas (README.md).
+// CGAL Mesh_3: the boundary of the solid in which the trilinear interpolant is above the isovalue,
+// without features. Mesh_3 is GPL, so this program is only for measuring and is never linked into
+// isoatlas (README.md).
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Labeled_mesh_domain_3.h>
 #include <CGAL/make_mesh_3.h>
@@ -28,15 +29,19 @@ using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 
 constexpr double kFacetAngle = 30;       // degrees; the largest for which Mesh_3 is sure to end
 constexpr double kFacetSizeVoxels = 20;  // with a larger size it misses thin parts
-constexpr double kRelativeError = 1e-6;  // of points on the surface, relative to the extent of the volume
+constexpr double kRelativeError =
+    1e-6;  // of points on the surface, relative to the extent of the volume
 
-// The trilinear interpolant minus the isovalue, or its negative: negative inside. Inside is the side to which fewer samples of the
-// volume's border belong. Positive outside of the volume, which closes the surface at the border if it reaches that.
+// The trilinear interpolant minus the isovalue, or its negative: negative inside. Inside is the
+// side to which fewer samples of the volume's border belong. Positive outside of the volume, which
+// closes the surface at the border if it reaches that.
 template <class Sample>
 class Interpolant {
  public:
   Interpolant(const isoatlas::VolumeView& volume, double isovalue)
-      : grid_(volume.grid), samples_(static_cast<const Sample*>(volume.samples)), isovalue_(isovalue) {
+      : grid_(volume.grid),
+        samples_(static_cast<const Sample*>(volume.samples)),
+        isovalue_(isovalue) {
     const auto [nx, ny, nz] = grid_.size;
     std::size_t border = 0, above = 0;
     for (std::size_t z = 0; z < nz; ++z)
@@ -50,7 +55,8 @@ class Interpolant {
   }
 
   double operator()(const Kernel::Point_3& p) const {
-    const double at[3] = {p.x() / grid_.spacing.x, p.y() / grid_.spacing.y, p.z() / grid_.spacing.z};
+    const double at[3] = {p.x() / grid_.spacing.x, p.y() / grid_.spacing.y,
+                          p.z() / grid_.spacing.z};
     std::size_t low[3];
     double t[3];
     for (int a = 0; a < 3; ++a) {
@@ -62,8 +68,12 @@ class Interpolant {
     }
     const Sample* corner = samples_ + low[0] + grid_.size[0] * (low[1] + grid_.size[1] * low[2]);
     const std::size_t dy = grid_.size[0], dz = grid_.size[0] * grid_.size[1];
-    const auto along_x = [&](const Sample* s) { return (1 - t[0]) * static_cast<double>(s[0]) + t[0] * static_cast<double>(s[1]); };
-    const auto along_y = [&](const Sample* s) { return (1 - t[1]) * along_x(s) + t[1] * along_x(s + dy); };
+    const auto along_x = [&](const Sample* s) {
+      return (1 - t[0]) * static_cast<double>(s[0]) + t[0] * static_cast<double>(s[1]);
+    };
+    const auto along_y = [&](const Sample* s) {
+      return (1 - t[1]) * along_x(s) + t[1] * along_x(s + dy);
+    };
     return sign_ * ((1 - t[2]) * along_y(corner) + t[2] * along_y(corner + dz) - isovalue_);
   }
 
@@ -73,7 +83,8 @@ class Interpolant {
   double isovalue_, sign_ = 1;
 };
 
-std::function<double(const Kernel::Point_3&)> interpolant(const isoatlas::VolumeView& volume, double isovalue) {
+std::function<double(const Kernel::Point_3&)> interpolant(const isoatlas::VolumeView& volume,
+                                                          double isovalue) {
   using enum isoatlas::SampleType;
   switch (volume.type) {
     case int8:
@@ -103,12 +114,15 @@ std::function<double(const Kernel::Point_3&)> interpolant(const isoatlas::Volume
 isoatlas::TriangleMesh surface_of(const Complex& complex) {
   isoatlas::TriangleMesh mesh;
   std::map<Triangulation::Vertex_handle, std::uint32_t> index;
-  for (auto facet = complex.facets_in_complex_begin(); facet != complex.facets_in_complex_end(); ++facet) {
+  for (auto facet = complex.facets_in_complex_begin(); facet != complex.facets_in_complex_end();
+       ++facet) {
     isoatlas::Triangle triangle{};
     for (int k = 0; k < 3; ++k) {
       const auto vertex = facet->first->vertex((facet->second + 1 + k) % 4);
-      const auto [entry, is_new] = index.try_emplace(vertex, static_cast<std::uint32_t>(mesh.positions.size()));
-      if (is_new) mesh.positions.push_back({vertex->point().x(), vertex->point().y(), vertex->point().z()});
+      const auto [entry, is_new] =
+          index.try_emplace(vertex, static_cast<std::uint32_t>(mesh.positions.size()));
+      if (is_new)
+        mesh.positions.push_back({vertex->point().x(), vertex->point().y(), vertex->point().z()});
       triangle[static_cast<std::size_t>(k)] = entry->second;
     }
     mesh.triangles.push_back(triangle);  // not oriented: distances and shapes do not need it
@@ -116,19 +130,25 @@ isoatlas::TriangleMesh surface_of(const Complex& complex) {
   return mesh;
 }
 
-isoatlas::TriangleMesh mesh_3(const isoatlas::VolumeView& volume, double isovalue, double facet_distance) {
+isoatlas::TriangleMesh mesh_3(const isoatlas::VolumeView& volume, double isovalue,
+                              double facet_distance) {
   const double voxel = volume.grid.smallest_spacing();
   namespace parameters = CGAL::parameters;
   CGAL::get_default_random() = CGAL::Random(0);  // the same mesh in every run
   const auto& grid = volume.grid;
-  const auto end = [](std::size_t size, double spacing) { return static_cast<double>(size) * spacing; };
-  const CGAL::Bbox_3 box(-grid.spacing.x, -grid.spacing.y, -grid.spacing.z, end(grid.size[0], grid.spacing.x),
-                         end(grid.size[1], grid.spacing.y), end(grid.size[2], grid.spacing.z));
-  const Domain domain =
-      Domain::create_implicit_mesh_domain(interpolant(volume, isovalue), box, parameters::relative_error_bound = kRelativeError);
-  const Criteria criteria(parameters::facet_angle = kFacetAngle, parameters::facet_size = kFacetSizeVoxels * voxel,
+  const auto end = [](std::size_t size, double spacing) {
+    return static_cast<double>(size) * spacing;
+  };
+  const CGAL::Bbox_3 box(-grid.spacing.x, -grid.spacing.y, -grid.spacing.z,
+                         end(grid.size[0], grid.spacing.x), end(grid.size[1], grid.spacing.y),
+                         end(grid.size[2], grid.spacing.z));
+  const Domain domain = Domain::create_implicit_mesh_domain(
+      interpolant(volume, isovalue), box, parameters::relative_error_bound = kRelativeError);
+  const Criteria criteria(parameters::facet_angle = kFacetAngle,
+                          parameters::facet_size = kFacetSizeVoxels * voxel,
                           parameters::facet_distance = facet_distance * voxel);
-  return surface_of(CGAL::make_mesh_3<Complex>(domain, criteria, parameters::no_perturb(), parameters::no_exude(), parameters::manifold()));
+  return surface_of(CGAL::make_mesh_3<Complex>(domain, criteria, parameters::no_perturb(),
+                                               parameters::no_exude(), parameters::manifold()));
 }
 
 }  // namespace
@@ -136,14 +156,17 @@ isoatlas::TriangleMesh mesh_3(const isoatlas::VolumeView& volume, double isovalu
 int main(int argc, char** argv) {
   using namespace isoatlas;
   using namespace isoatlas::detail;
-  return bench::run_peer(argc, argv, [](const VolumeView& volume, double isovalue, const bench::Goal& goal) {
-    bench::Peer peer;
-    peer.name = "mesh_3";
-    peer.parameter = "facet_distance, voxels";
-    peer.coarsest = 4;
-    peer.finest = 0.02;
-    peer.start = goal.distance_voxels / 2;
-    peer.mesh = [volume, isovalue](double facet_distance) { return mesh_3(volume, isovalue, facet_distance); };
-    return peer;
-  });
+  return bench::run_peer(argc, argv,
+                         [](const VolumeView& volume, double isovalue, const bench::Goal& goal) {
+                           bench::Peer peer;
+                           peer.name = "mesh_3";
+                           peer.parameter = "facet_distance, voxels";
+                           peer.coarsest = 4;
+                           peer.finest = 0.02;
+                           peer.start = goal.distance_voxels / 2;
+                           peer.mesh = [volume, isovalue](double facet_distance) {
+                             return mesh_3(volume, isovalue, facet_distance);
+                           };
+                           return peer;
+                         });
 }

@@ -28,7 +28,8 @@ constexpr const char* kUsage =
   --repeats N        runs of both programs at the parameter that was found; times are their medians (default 3)
 )";
 constexpr std::size_t kSamples = 200'000;
-constexpr double kCloseEnough = 1.02;  // the parameters of the best mesh and of the next coarser one differ by less
+constexpr double kCloseEnough =
+    1.02;  // the parameters of the best mesh and of the next coarser one differ by less
 
 struct Arguments {
   std::filesystem::path volume;
@@ -101,10 +102,11 @@ struct Judged {
 
   std::string to_json(double cpu) const {
     char text[300];
-    std::snprintf(text, sizeof text,
-                  R"({"parameter": %.6g, "triangles": %zu, "distance_voxels": %.6g, "share_below_third": %.6g, "cpu_s": %.6g, )"
-                  R"("components": %zu, "non_manifold_edges": %zu})",
-                  parameter, triangles, distance, share_below_third, cpu, components, non_manifold_edges);
+    std::snprintf(
+        text, sizeof text,
+        R"({"parameter": %.6g, "triangles": %zu, "distance_voxels": %.6g, "share_below_third": %.6g, "cpu_s": %.6g, )"
+        R"("components": %zu, "non_manifold_edges": %zu})",
+        parameter, triangles, distance, share_below_third, cpu, components, non_manifold_edges);
     return text;
   }
 };
@@ -151,13 +153,14 @@ TriangleMesh extract_ours(const VolumeView& volume, const Arguments& arguments) 
   return mesh;
 }
 
-// The coarsest mesh found that is within `distance`, or the finest one if that is not; and whether it is within `distance`. Doubles or
-// halves the parameter until it has one mesh on either side, then bisects on a logarithmic scale.
+// The coarsest mesh found that is within `distance`, or the finest one if that is not; and whether
+// it is within `distance`. Doubles or halves the parameter until it has one mesh on either side,
+// then bisects on a logarithmic scale.
 std::pair<Judged, bool> search(const Peer& peer, const Judge& judge, double distance) {
   const auto at = [&](double parameter) {
     const Judged out = judge(peer.mesh(parameter), parameter);
-    std::fprintf(stderr, "%s: %s %.5g: %zu triangles, distance %.4f voxels\n", peer.name.c_str(), peer.parameter.c_str(), parameter,
-                 out.triangles, out.distance);
+    std::fprintf(stderr, "%s: %s %.5g: %zu triangles, distance %.4f voxels\n", peer.name.c_str(),
+                 peer.parameter.c_str(), parameter, out.triangles, out.distance);
     return out;
   };
   const double finer = peer.finest > peer.coarsest ? 2 : 0.5;
@@ -221,8 +224,9 @@ int run_peer(int argc, char** argv, const MakePeer& make_peer) try {
   std::printf(
       R"({"name": "%s", "parameter": "%s", "wanted_distance_voxels": %.6g, "reached": %s, "repeats": %zu, "isoatlas": %s, "peer": %s})"
       "\n",
-      peer.name.c_str(), peer.parameter.c_str(), distance, reached ? "true" : "false", our_seconds.size(),
-      ours.to_json(median(our_seconds)).c_str(), theirs.to_json(median(their_seconds)).c_str());
+      peer.name.c_str(), peer.parameter.c_str(), distance, reached ? "true" : "false",
+      our_seconds.size(), ours.to_json(median(our_seconds)).c_str(),
+      theirs.to_json(median(their_seconds)).c_str());
   return 0;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "%s: %s\n", std::filesystem::path(argv[0]).filename().c_str(), error.what());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An error metric of your own: the normals of a cell may differ from the normal at its vertex by at most 20 degrees.
+// An error metric of your own: the normals of a cell may differ from the normal at its vertex by at
+// most 20 degrees.
 #include <isoatlas/isoatlas.h>
 
 #include <algorithm>
@@ -13,7 +14,8 @@ int main() {
     double largest = 0;
     for (const Vec3& n : cell.normals) {
       const double cosine = n.x * cell.normal.x + n.y * cell.normal.y + n.z * cell.normal.z;
-      largest = std::max(largest, std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi);
+      largest =
+          std::max(largest, std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi);
     }
     return largest;
   };
@@ -22,6 +24,6 @@ int main() {
   const Extraction result = extract(volume, 0, {bounded("bend", bend, 20)});
 
   const ConstraintResult& outcome = result.finest().constraints.at(0);
-  std::cout << name(outcome.constraint) << (outcome.satisfied ? " at most " : " above ") << outcome.constraint.bound << ", genus "
-            << result.finest().topology.genus << '\n';
+  std::cout << name(outcome.constraint) << (outcome.satisfied ? " at most " : " above ")
+            << outcome.constraint.bound << ", genus " << result.finest().topology.genus << '\n';
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The C++ of docs/get-started.md, which shows the parts between the marks. Run it in the folder that has samples/.
+// The C++ of docs/get-started.md, which shows the parts between the marks. Run it in the folder
+// that has samples/.
 #include <isoatlas/extract.h>
 #include <isoatlas/io.h>
 #include <isoatlas/self_intersections.h>
@@ -20,6 +21,7 @@ int main() {
   const isoatlas::TriangleMesh mesh = result.mesh();
   const isoatlas::MeshTopology topology = isoatlas::mesh_topology(mesh);
   const std::size_t pairs = isoatlas::self_intersections(mesh.positions, mesh.triangles).size();
-  std::cout << "manifold " << topology.is_manifold() << " genus " << topology.genus() << " self-intersections " << pairs << '\n';
+  std::cout << "manifold " << topology.is_manifold() << " genus " << topology.genus()
+            << " self-intersections " << pairs << '\n';
   // [end]
 }

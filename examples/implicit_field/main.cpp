@@ -8,7 +8,10 @@
 int main() {
   using namespace isoatlas;
   const ScalarField gyroid(
-      [](Vec3 p) { return std::sin(p.x) * std::cos(p.y) + std::sin(p.y) * std::cos(p.z) + std::sin(p.z) * std::cos(p.x); },
+      [](Vec3 p) {
+        return std::sin(p.x) * std::cos(p.y) + std::sin(p.y) * std::cos(p.z) +
+               std::sin(p.z) * std::cos(p.x);
+      },
       [](Vec3 p) {
         return Vec3{std::cos(p.x) * std::cos(p.y) - std::sin(p.z) * std::sin(p.x),
                     std::cos(p.y) * std::cos(p.z) - std::sin(p.x) * std::sin(p.y),
@@ -19,6 +22,9 @@ int main() {
   const TriangleMesh mesh = result.mesh();
   const std::vector<Vec3> normals = vertex_normals(mesh, gyroid);
 
-  std::cout << "genus " << result.finest().topology.genus << ", " << result.finest().topology.boundary_loops << " boundary loops, "
-            << (normals.size() == mesh.positions.size() ? "a normal for each vertex" : "normals are missing") << '\n';
+  std::cout << "genus " << result.finest().topology.genus << ", "
+            << result.finest().topology.boundary_loops << " boundary loops, "
+            << (normals.size() == mesh.positions.size() ? "a normal for each vertex"
+                                                        : "normals are missing")
+            << '\n';
 }

@@ -9,10 +9,13 @@ int main() {
   using namespace isoatlas;
   const auto ball = [](Vec3 p) { return 1 - std::hypot(p.x, p.y, p.z); };
   const Volume volume = sample(ball, {-1.2, -1.2, -1.2}, {1.2, 1.2, 1.2}, 0.03);
-  const auto longest_edge = [](Vec3 p) { return 0.1 + 0.3 * std::hypot(p.x, p.y, p.z - 1); };  // from 0.1 at the north pole
+  const auto longest_edge = [](Vec3 p) {
+    return 0.1 + 0.3 * std::hypot(p.x, p.y, p.z - 1);
+  };  // from 0.1 at the north pole
   const Extraction sized = extract(volume, 0, {sized_by(longest_edge)});
   const Extraction even = extract(volume, 0, {bounded(Quantity::max_edge, 0.1)});
 
   std::cout << "edges " << (sized.finest().all_satisfied() ? "as requested" : "too long") << ", "
-            << even.finest().triangles / sized.finest().triangles << " times fewer triangles than with short edges everywhere\n";
+            << even.finest().triangles / sized.finest().triangles
+            << " times fewer triangles than with short edges everywhere\n";
 }

@@ -24,22 +24,31 @@ enum class ErrorCode {
 enum class Remedy : std::uint8_t {
   none,          ///< the problem itself states it
   place_nan,     ///< "set SurfaceOptions::non_finite to below or above"
-  only_coarse,   ///< "leave ExtractOptions::refine and ::coarse empty, or resample the volume to a box-shaped grid"
+  only_coarse,   ///< "leave ExtractOptions::refine and ::coarse empty, or resample the volume to a
+                 ///< box-shaped grid"
   allow_memory,  ///< "set ReadOptions::max_memory to allow more"
 };
 
-/// The one exception type of the library. what() is one line: what, where, what was expected, what to do.
+/// The one exception type of the library. what() is one line: what, where, what was expected, what
+/// to do.
 class ISOATLAS_API Error : public std::runtime_error {
  public:
   Error(ErrorCode code, const std::string& problem, Remedy remedy = Remedy::none)
-      : std::runtime_error(problem + in_words(remedy)), code_(code), remedy_(remedy), problem_size_(problem.size()) {}
+      : std::runtime_error(problem + in_words(remedy)),
+        code_(code),
+        remedy_(remedy),
+        problem_size_(problem.size()) {}
 
   ErrorCode code() const noexcept { return code_; }
   Remedy remedy() const noexcept { return remedy_; }
-  std::string problem() const { return std::string(what()).substr(0, problem_size_); }  ///< what() without the remedy
+  std::string problem() const {
+    return std::string(what()).substr(0, problem_size_);
+  }  ///< what() without the remedy
 
   /// The same error with something before its problem, such as the path of the file it is about.
-  Error with_prefix(const std::string& prefix) const { return {code_, prefix + problem(), remedy_}; }
+  Error with_prefix(const std::string& prefix) const {
+    return {code_, prefix + problem(), remedy_};
+  }
 
  private:
   static std::string in_words(Remedy remedy) {
@@ -49,7 +58,8 @@ class ISOATLAS_API Error : public std::runtime_error {
       case Remedy::place_nan:
         return "; set SurfaceOptions::non_finite to below or above";
       case Remedy::only_coarse:
-        return "; leave ExtractOptions::refine and ::coarse empty, or resample the volume to a box-shaped grid";
+        return "; leave ExtractOptions::refine and ::coarse empty, or resample the volume to a "
+               "box-shaped grid";
       case Remedy::allow_memory:
         return "; set ReadOptions::max_memory to allow more";
     }

@@ -13,8 +13,9 @@ namespace isoatlas {
 
 /// A list in a file from which one entry is read.
 struct FileChoice {
-  std::string name = {};                     ///< "channel", "time", "layer", "array" or "series", as in ReadOptions
-  std::vector<std::string> entries = {};     ///< what each is called in the file; a number where it has no name
+  std::string name = {};  ///< "channel", "time", "layer", "array" or "series", as in ReadOptions
+  std::vector<std::string> entries =
+      {};  ///< what each is called in the file; a number where it has no name
   std::optional<std::size_t> selected = {};  ///< the entry that was read
 };
 
@@ -31,8 +32,9 @@ struct VolumeSource {
   std::vector<ReadDecision> decisions = {};
   std::vector<std::string> warnings = {};  ///< one line each, without the path
   std::vector<FileChoice> choices = {};
-  bool has_spacing = true;      ///< the file states the distance between samples
-  Vec3 origin_in_samples = {};  ///< the part of the origin that the file states in samples along x, y and z
+  bool has_spacing = true;  ///< the file states the distance between samples
+  Vec3 origin_in_samples =
+      {};  ///< the part of the origin that the file states in samples along x, y and z
 };
 
 }  // namespace isoatlas

@@ -28,13 +28,16 @@ struct ArrayVolume {
   VolumeView view() const;  ///< in the library's
 };
 
-/// @param array      3-D, of one of the sample types, native byte order, aligned, dense: some order of its axes makes it C-contiguous
-/// @param order      "ijk": coordinates run along the axes of the array, in their order; "xyz": in the opposite order
+/// @param array      3-D, of one of the sample types, native byte order, aligned, dense: some order
+/// of its axes makes it C-contiguous
+/// @param order      "ijk": coordinates run along the axes of the array, in their order; "xyz": in
+/// the opposite order
 /// @param spacing    in the order of the coordinates, as all that follows
 /// @param direction  3 x 3, rows first; column k is the unit vector of coordinate k's axis
 /// @throws Error(bad_argument) if the order is another
-ArrayVolume array_volume(const py::array& array, const std::string& order, const std::array<double, 3>& spacing,
-                         const std::array<double, 3>& origin, const std::array<std::array<double, 3>, 3>& direction,
+ArrayVolume array_volume(const py::array& array, const std::string& order,
+                         const std::array<double, 3>& spacing, const std::array<double, 3>& origin,
+                         const std::array<std::array<double, 3>, 3>& direction,
                          const std::string& path, LengthUnit unit, VolumeSource source);
 
 /// Throws std::invalid_argument if it is none.

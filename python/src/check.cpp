@@ -18,18 +18,21 @@ namespace {
 /// A C-contiguous n x 3 array as a list of its rows.
 template <class Item, class Array>
 std::vector<Item> rows_of(const Array& array) {
-  if (array.ndim() != 2 || array.shape(1) != 3) throw std::invalid_argument("the array is not n x 3");
+  if (array.ndim() != 2 || array.shape(1) != 3)
+    throw std::invalid_argument("the array is not n x 3");
   std::vector<Item> rows;
   rows.reserve(static_cast<std::size_t>(array.shape(0)));
-  for (auto [row, i] = std::pair(array.data(), py::ssize_t{0}); i < array.shape(0); ++i, row += 3) rows.push_back({row[0], row[1], row[2]});
+  for (auto [row, i] = std::pair(array.data(), py::ssize_t{0}); i < array.shape(0); ++i, row += 3)
+    rows.push_back({row[0], row[1], row[2]});
   return rows;
 }
 
 }  // namespace
 
-std::string check_mesh(const py::array_t<double, py::array::c_style>& vertices, const py::array_t<std::uint32_t, py::array::c_style>& faces,
-                       bool self_intersections, const std::optional<ArrayVolume>& volume, const Words& measure, int threads,
-                       const py::object& progress) {
+std::string check_mesh(const py::array_t<double, py::array::c_style>& vertices,
+                       const py::array_t<std::uint32_t, py::array::c_style>& faces,
+                       bool self_intersections, const std::optional<ArrayVolume>& volume,
+                       const Words& measure, int threads, const py::object& progress) {
   const auto mesh = std::make_shared<TriangleMesh>();
   mesh->positions = rows_of<Vec3>(vertices);
   mesh->triangles = rows_of<Triangle>(faces);
@@ -47,10 +50,12 @@ std::string check_mesh(const py::array_t<double, py::array::c_style>& vertices, 
     view = volume->view();
     axes = volume->axes;
     if (distance.options.space == Space::ras && !volume->is_xyz)
-      throw Error(ErrorCode::bad_argument, "space: ras is about x, y and z, expected order='xyz' with it");
+      throw Error(ErrorCode::bad_argument,
+                  "space: ras is about x, y and z, expected order='xyz' with it");
     distance.volume_path = volume->path;
   }
-  const auto work = [mesh, self_intersections, view, axes, wanted = distance](const RunControl& control) {
+  const auto work = [mesh, self_intersections, view, axes,
+                     wanted = distance](const RunControl& control) {
     const MeshTopology topology = mesh_topology(*mesh);
     const MeshQuality quality = mesh_quality(*mesh);
     control.check_cancelled();
@@ -71,8 +76,9 @@ std::string check_mesh(const py::array_t<double, py::array::c_style>& vertices, 
     }
     return to_json("", topology, quality, meetings ? &*meetings : nullptr, axes ? &found : nullptr);
   };
-  return make_interruptibly(work,
-                            {.progress = progress, .threads = threads, .keep_alive = volume ? py::object(volume->array) : py::none()});
+  return make_interruptibly(work, {.progress = progress,
+                                   .threads = threads,
+                                   .keep_alive = volume ? py::object(volume->array) : py::none()});
 }
 
 }  // namespace isoatlas::detail::python

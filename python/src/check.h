@@ -18,8 +18,9 @@ namespace isoatlas::detail::python {
 /// @param volume    none: no distance is measured
 /// @param measure   names as on the command line, without dashes
 /// @throws Error as mesh_topology(), self_intersections() and measure()
-std::string check_mesh(const py::array_t<double, py::array::c_style>& vertices, const py::array_t<std::uint32_t, py::array::c_style>& faces,
-                       bool self_intersections, const std::optional<ArrayVolume>& volume, const Words& measure, int threads,
-                       const py::object& progress);
+std::string check_mesh(const py::array_t<double, py::array::c_style>& vertices,
+                       const py::array_t<std::uint32_t, py::array::c_style>& faces,
+                       bool self_intersections, const std::optional<ArrayVolume>& volume,
+                       const Words& measure, int threads, const py::object& progress);
 
 }  // namespace isoatlas::detail::python

@@ -33,7 +33,8 @@ const char* class_name(ErrorCode code) {
 std::string error_text(const Error& error) {
   switch (error.remedy()) {
     case Remedy::place_nan:
-      return error.problem() + ": say with nan='below' or nan='above' on which side of the isovalue NaN lies";
+      return error.problem() +
+             ": say with nan='below' or nan='above' on which side of the isovalue NaN lies";
     case Remedy::only_coarse:
       return error.problem() + "; use coarse=True, or resample the volume to a box-shaped grid";
     case Remedy::allow_memory:
@@ -46,10 +47,11 @@ std::string error_text(const Error& error) {
 
 void set_error(ErrorCode code, const std::string& message) {
   std::string text = message;
-  if (code == ErrorCode::internal) text += ". This is a bug of isoatlas: please report it with the input";
+  if (code == ErrorCode::internal)
+    text += ". This is a bug of isoatlas: please report it with the input";
   // A path in the message may hold bytes that are not UTF-8.
-  const auto decoded =
-      py::reinterpret_steal<py::object>(PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "surrogateescape"));
+  const auto decoded = py::reinterpret_steal<py::object>(
+      PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "surrogateescape"));
   const py::object type = py::module_::import("isoatlas.errors").attr(class_name(code));
   PyErr_SetObject(type.ptr(), decoded.ptr());
 }

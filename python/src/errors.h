@@ -5,7 +5,8 @@
 
 namespace isoatlas::detail::python {
 
-/// Makes an exception of isoatlas.errors of each Error that leaves a function of this module: one class per code.
+/// Makes an exception of isoatlas.errors of each Error that leaves a function of this module: one
+/// class per code.
 void translate_errors();
 
 }  // namespace isoatlas::detail::python

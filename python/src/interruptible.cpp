@@ -37,7 +37,8 @@ struct Shared {
   std::condition_variable changed;
   bool is_done = false;
   std::exception_ptr error;
-  std::vector<News> news;  ///< since the last look, one entry per stage: none of them goes unseen, and nobody calls Python a million times
+  std::vector<News> news;  ///< since the last look, one entry per stage: none of them goes unseen,
+                           ///< and nobody calls Python a million times
 
   void tell(std::string_view stage, double fraction) {
     const std::lock_guard lock(mutex);
@@ -60,7 +61,8 @@ struct GivenUp {
   std::function<void()> discard;
 };
 
-// Guarded by the interpreter's lock. Never destroyed: at the end of the process there is no interpreter to return objects to.
+// Guarded by the interpreter's lock. Never destroyed: at the end of the process there is no
+// interpreter to return objects to.
 std::vector<GivenUp>& given_up() {
   static auto* const list = new std::vector<GivenUp>;
   return *list;
@@ -79,10 +81,11 @@ void forget_what_has_ended() {
   });
 }
 
-/// What work uses is taken down at the end of the process, under work that still goes on. So the process ends without that; the interpreter
-/// is finished by then, and the status known.
+/// What work uses is taken down at the end of the process, under work that still goes on. So the
+/// process ends without that; the interpreter is finished by then, and the status known.
 void end_at_once(int status, void* /*unused*/) {
-  if (std::ranges::all_of(given_up(), [](const GivenUp& work) { return is_done(*work.shared); })) return;
+  if (std::ranges::all_of(given_up(), [](const GivenUp& work) { return is_done(*work.shared); }))
+    return;
   for (const GivenUp& work : given_up()) {
     if (work.discard && !is_done(*work.shared)) work.discard();
   }
@@ -109,18 +112,22 @@ void run_interruptibly(std::function<void(const RunControl&)> work, const Watch&
   forget_what_has_ended();
   const auto shared = std::make_shared<Shared>();
   const bool is_watched = !watch.progress.is_none();
-  std::thread thread([shared, is_watched, threads = watch.threads, work = std::move(work)]() mutable {
-    RunControl control{.progress = {}, .cancel = &shared->cancel, .threads = threads};
-    if (is_watched) control.progress = [&](std::string_view stage, double fraction) { shared->tell(stage, fraction); };
-    std::exception_ptr error;
-    try {
-      work(control);
-    } catch (...) {
-      error = std::current_exception();
-    }
-    work = nullptr;  // who waits may use what the work had
-    shared->finish(std::move(error));
-  });
+  std::thread thread(
+      [shared, is_watched, threads = watch.threads, work = std::move(work)]() mutable {
+        RunControl control{.progress = {}, .cancel = &shared->cancel, .threads = threads};
+        if (is_watched)
+          control.progress = [&](std::string_view stage, double fraction) {
+            shared->tell(stage, fraction);
+          };
+        std::exception_ptr error;
+        try {
+          work(control);
+        } catch (...) {
+          error = std::current_exception();
+        }
+        work = nullptr;  // who waits may use what the work had
+        shared->finish(std::move(error));
+      });
 
   try {
     for (bool is_done = false; !is_done;) {

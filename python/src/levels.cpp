@@ -19,7 +19,9 @@ namespace isoatlas::detail::python {
 namespace fs = std::filesystem;
 namespace {
 
-[[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::bad_argument, message); }
+[[noreturn]] void refuse(const std::string& message) {
+  throw Error(ErrorCode::bad_argument, message);
+}
 
 std::string python_name(std::string name) {
   std::ranges::replace(name, '-', '_');
@@ -44,22 +46,27 @@ TypedConstraint constraint_of(const std::string& name, const std::string& text) 
 }
 
 TypedGoals goals_of(const ExtractWords& words) {
-  if (words.coarse && !words.refine.empty()) refuse("coarse makes no level but the coarsest, expected it without refine");
+  if (words.coarse && !words.refine.empty())
+    refuse("coarse makes no level but the coarsest, expected it without refine");
   std::vector<GoalArgument> arguments;
   for (const auto& [name, text] : words.constraints) {
     try {
       arguments.push_back({false, {constraint_of(name, text)}});
     } catch (const Error& error) {
       const std::string message = error.what();
-      throw Error(error.code(), message.starts_with(name) ? python_name(name) + message.substr(name.size()) : message);
+      throw Error(error.code(), message.starts_with(name)
+                                    ? python_name(name) + message.substr(name.size())
+                                    : message);
     }
   }
   for (const auto& level : words.refine) {
     GoalArgument argument{true, {}};
     of_option("refine", [&] {
-      if (const auto* text = std::get_if<std::string>(&level)) argument.constraints = parse_level(*text);
+      if (const auto* text = std::get_if<std::string>(&level))
+        argument.constraints = parse_level(*text);
       if (const auto* pairs = std::get_if<Words>(&level))
-        for (const auto& [name, text] : *pairs) argument.constraints.push_back(constraint_of(name, text));
+        for (const auto& [name, text] : *pairs)
+          argument.constraints.push_back(constraint_of(name, text));
     });
     arguments.push_back(std::move(argument));
   }
@@ -68,7 +75,8 @@ TypedGoals goals_of(const ExtractWords& words) {
 
 ExtractSettings settings_of(const ExtractWords& words) {
   ExtractSettings settings;
-  for (const auto& [name, text] : words.settings) of_option(name, [&, &name = name, &text = text] { set(settings, name, text); });
+  for (const auto& [name, text] : words.settings)
+    of_option(name, [&, &name = name, &text = text] { set(settings, name, text); });
   settings.options.allow_self_intersections = words.allow_self_intersections;
   settings.goals = goals_of(words);
   return settings;
@@ -80,11 +88,13 @@ Error error_of_samples(const Error& error, const ArrayVolume& volume, NonFinite 
   const SampleSummary summary = summarize(volume.view());
   if (summary.nan_count + summary.infinity_count == 0) return error;
   const auto [x, y, z] = summary.first_non_finite;
-  const Vec3 first = volume.axes.to_caller({static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)});
+  const Vec3 first = volume.axes.to_caller(
+      {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)});
   const auto index = [](double i) { return std::to_string(static_cast<std::size_t>(i)); };
   return {error.code(),
           std::to_string(summary.nan_count) + " NaN and " + std::to_string(summary.infinity_count) +
-              " infinite samples, the first at index (" + index(first.x) + ", " + index(first.y) + ", " + index(first.z) + ")",
+              " infinite samples, the first at index (" + index(first.x) + ", " + index(first.y) +
+              ", " + index(first.z) + ")",
           error.remedy()};
 }
 
@@ -93,21 +103,27 @@ std::string warning_of(const std::vector<ReportFile>& files) {
   for (const ReportFile& file : files) {
     for (std::size_t i = 0; i < file.self_intersections.size(); ++i) {
       if (const std::size_t pairs = file.self_intersections[i].pairs; pairs > 0)
-        return file.path + ": level " + std::to_string(file.levels[i]) + ": " + std::to_string(pairs) +
-               " self-intersections caused by rounding to float32; .ply, .obj and .vtp keep all digits";
+        return file.path + ": level " + std::to_string(file.levels[i]) + ": " +
+               std::to_string(pairs) +
+               " self-intersections caused by rounding to float32; .ply, .obj and .vtp keep all "
+               "digits";
     }
   }
   return "";
 }
 
-Error error_of_file(const Error& error, const std::string& path) { return path.empty() ? error : error.with_prefix(path + ": "); }
+Error error_of_file(const Error& error, const std::string& path) {
+  return path.empty() ? error : error.with_prefix(path + ": ");
+}
 
 }  // namespace
 
-std::shared_ptr<Levels> extract_levels(const ArrayVolume& volume, const ExtractWords& words, const py::object& progress) {
+std::shared_ptr<Levels> extract_levels(const ArrayVolume& volume, const ExtractWords& words,
+                                       const py::object& progress) {
   const ExtractSettings settings = settings_of(words);
   const Space space = settings.options.space;
-  if (space == Space::ras && !volume.is_xyz) refuse("space: ras is about x, y and z, expected order='xyz' with it");
+  if (space == Space::ras && !volume.is_xyz)
+    refuse("space: ras is about x, y and z, expected order='xyz' with it");
   const VolumeView view = volume.view();
   auto levels = std::make_shared<Levels>();
   Levels::Made& made = levels->made.emplace();
@@ -127,17 +143,19 @@ std::shared_ptr<Levels> extract_levels(const ArrayVolume& volume, const ExtractW
   };
   Extraction extraction;
   try {
-    std::tie(extraction, made.context.volume.sample_digest) =
-        make_interruptibly(measured, {.progress = progress, .threads = settings.threads, .keep_alive = volume.array});
+    std::tie(extraction, made.context.volume.sample_digest) = make_interruptibly(
+        measured, {.progress = progress, .threads = settings.threads, .keep_alive = volume.array});
   } catch (const Error& error) {
-    throw error_of_file(error_of_samples(error, volume, settings.options.surface.non_finite), volume.path);
+    throw error_of_file(error_of_samples(error, volume, settings.options.surface.non_finite),
+                        volume.path);
   }
   volume.axes.to_caller(extraction, space);
   levels->hierarchy = std::move(extraction.hierarchy);
   made.report = std::move(extraction.report);
   made.context.peak_memory_bytes = peak_memory_bytes();
   levels->info = file_info(made.report, made.context.options, view.grid.unit);
-  if (!volume.is_xyz && space != Space::voxel) levels->info.mesh.space.clear();  // nobody said what the array's axes are
+  if (!volume.is_xyz && space != Space::voxel)
+    levels->info.mesh.space.clear();  // nobody said what the array's axes are
   return levels;
 }
 
@@ -159,9 +177,10 @@ namespace {
 /// rows x 3 of somebody else's numbers.
 template <class Number>
 py::array view_of(const void* numbers, std::size_t rows, const std::shared_ptr<Levels>& owner) {
-  const py::array_t<Number> array({rows, std::size_t{3}}, {3 * sizeof(Number), sizeof(Number)}, static_cast<const Number*>(numbers),
-                                  py::cast(owner));
-  array.attr("setflags")(py::arg("write") = false);  // levels share their vertices, and save() writes them
+  const py::array_t<Number> array({rows, std::size_t{3}}, {3 * sizeof(Number), sizeof(Number)},
+                                  static_cast<const Number*>(numbers), py::cast(owner));
+  array.attr("setflags")(py::arg("write") =
+                             false);  // levels share their vertices, and save() writes them
   return array;
 }
 
@@ -175,7 +194,9 @@ const Hierarchy::Level& level_at(const Levels& levels, std::size_t level) {
 py::array vertices_of(const std::shared_ptr<Levels>& levels, std::size_t level) {
   static_assert(sizeof(Vec3) == 3 * sizeof(double));
   const Hierarchy::Level& it = level_at(*levels, level);
-  return view_of<double>(it.own_positions.empty() ? levels->hierarchy.positions.data() : it.own_positions.data(), it.vertex_count, levels);
+  return view_of<double>(
+      it.own_positions.empty() ? levels->hierarchy.positions.data() : it.own_positions.data(),
+      it.vertex_count, levels);
 }
 
 py::array faces_of(const std::shared_ptr<Levels>& levels, std::size_t level) {
@@ -187,20 +208,25 @@ py::array faces_of(const std::shared_ptr<Levels>& levels, std::size_t level) {
 py::object distance_of(const std::shared_ptr<Levels>& levels, std::size_t level) {
   const std::vector<float>& distance = level_at(*levels, level).distance;
   if (distance.empty()) return py::none();
-  const py::array_t<float> array({distance.size()}, {sizeof(float)}, distance.data(), py::cast(levels));
+  const py::array_t<float> array({distance.size()}, {sizeof(float)}, distance.data(),
+                                 py::cast(levels));
   array.attr("setflags")(py::arg("write") = false);
   return array;
 }
 
-std::string report_of(const Levels& levels) { return levels.made ? to_json(levels.made->report, levels.made->context) : std::string(); }
+std::string report_of(const Levels& levels) {
+  return levels.made ? to_json(levels.made->report, levels.made->context) : std::string();
+}
 
-std::string save_levels(const std::shared_ptr<Levels>& levels, const std::string& path, const std::optional<std::string>& report,
-                        bool glb_per_level) {
-  if (report && !levels->made) refuse("report: these levels were read from a file, expected a result of extract()");
+std::string save_levels(const std::shared_ptr<Levels>& levels, const std::string& path,
+                        const std::optional<std::string>& report, bool glb_per_level) {
+  if (report && !levels->made)
+    refuse("report: these levels were read from a file, expected a result of extract()");
   const MeshOutputs meshes(path, glb_per_level);
   std::vector<MeshOutputs::Other> others;
   if (report) others.push_back({*report, "report"});
-  meshes.check(levels->hierarchy.levels.size(), levels->made ? levels->made->context.volume.path : std::string(), others);
+  meshes.check(levels->hierarchy.levels.size(),
+               levels->made ? levels->made->context.volume.path : std::string(), others);
   const auto files_of_run = std::make_shared<OutputFiles>();
   const auto tracker = std::make_shared<std::string>();
   run_interruptibly(
@@ -212,18 +238,23 @@ std::string save_levels(const std::shared_ptr<Levels>& levels, const std::string
         if (levels->made) {
           const ReportContext& context = levels->made->context;
           stated = levels->made->report;
-          state_rounding(stated, meshes.roundings(levels->hierarchy, info.mesh), context.volume.grid, context.options.space);
+          state_rounding(stated, meshes.roundings(levels->hierarchy, info.mesh),
+                         context.volume.grid, context.options.space);
           info.levels = file_info(stated, context.options, context.volume.grid.unit).levels;
         }
         const bool looks = levels->made && !levels->made->context.options.allow_self_intersections;
-        const std::vector<ReportFile> files = meshes.write(levels->hierarchy, info, outputs, looks ? &control : nullptr);
+        const std::vector<ReportFile> files =
+            meshes.write(levels->hierarchy, info, outputs, looks ? &control : nullptr);
         *tracker = warning_of(files);
         if (report) {
           ReportContext context = levels->made->context;
           context.files = files;
-          context.write_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+          context.write_seconds =
+              std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
           context.peak_memory_bytes = peak_memory_bytes();
-          outputs.write(*report, [&](const fs::path& staged) { write_text_file(to_json(stated, context), staged); });
+          outputs.write(*report, [&](const fs::path& staged) {
+            write_text_file(to_json(stated, context), staged);
+          });
         }
         control.check_cancelled();
         outputs.commit();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// isoatlas._core: what the Python layer (python/isoatlas/) calls. Arguments come checked and in one form each; see its files for what users
-// may pass.
+// isoatlas._core: what the Python layer (python/isoatlas/) calls. Arguments come checked and in one
+// form each; see its files for what users may pass.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -27,9 +27,13 @@ using namespace isoatlas::detail::python;
 using py::literals::operator""_a;
 
 // A path is bytes; what is not UTF-8 comes from Python as surrogates.
-std::string path_of(const py::object& path) { return py::bytes(py::module_::import("os").attr("fsencode")(path)); }
+std::string path_of(const py::object& path) {
+  return py::bytes(py::module_::import("os").attr("fsencode")(path));
+}
 
-std::optional<std::string> path_or_none(const py::object& path) { return path.is_none() ? std::nullopt : std::optional(path_of(path)); }
+std::optional<std::string> path_or_none(const py::object& path) {
+  return path.is_none() ? std::nullopt : std::optional(path_of(path));
+}
 
 ReadOptions read_options_of(const Words& words) {
   ReadOptions options;
@@ -45,43 +49,51 @@ ReadOptions read_options_of(const Words& words) {
   return options;
 }
 
-/// (array, spacing, origin, direction, unit, source) with the array's axes z, y, x and the rest x, y, z.
+/// (array, spacing, origin, direction, unit, source) with the array's axes z, y, x and the rest x,
+/// y, z.
 py::tuple read_volume_as_array(const py::object& path, const Words& words) {
   const auto work = [path = path_of(path), options = read_options_of(words)](const RunControl&) {
     try {
       return read_volume_file(path, options);
     } catch (const ChoiceNeeded& needed) {
-      throw Error(needed.code(), needed.what() + ("; choose with " + needed.choice().name + "=0, for example"));
+      throw Error(needed.code(),
+                  needed.what() + ("; choose with " + needed.choice().name + "=0, for example"));
     }
   };
   VolumeFile file = make_interruptibly(work, {});
   const Volume& volume = file.volume;
 
   using Owner = std::shared_ptr<const void>;
-  const py::capsule owner(new Owner(volume.owner), [](void* it) { delete static_cast<Owner*>(it); });
+  const py::capsule owner(new Owner(volume.owner),
+                          [](void* it) { delete static_cast<Owner*>(it); });
   const Grid& grid = volume.view.grid;
-  const py::array array(py::dtype(std::string(name(volume.view.type))), {grid.size[2], grid.size[1], grid.size[0]}, volume.view.samples,
-                        owner);
+  const py::array array(py::dtype(std::string(name(volume.view.type))),
+                        {grid.size[2], grid.size[1], grid.size[0]}, volume.view.samples, owner);
   const auto tuple = [](Vec3 v) { return py::make_tuple(v.x, v.y, v.z); };
   const auto& d = grid.direction;
-  const py::tuple direction = py::make_tuple(py::make_tuple(d[0].x, d[1].x, d[2].x), py::make_tuple(d[0].y, d[1].y, d[2].y),
-                                             py::make_tuple(d[0].z, d[1].z, d[2].z));
-  return py::make_tuple(array, tuple(grid.spacing), tuple(grid.origin), direction, std::string(symbol(grid.unit)), std::move(file.source));
+  const py::tuple direction =
+      py::make_tuple(py::make_tuple(d[0].x, d[1].x, d[2].x), py::make_tuple(d[0].y, d[1].y, d[2].y),
+                     py::make_tuple(d[0].z, d[1].z, d[2].z));
+  return py::make_tuple(array, tuple(grid.spacing), tuple(grid.origin), direction,
+                        std::string(symbol(grid.unit)), std::move(file.source));
 }
 
 py::dict decisions_of(const VolumeSource& source) {
   py::dict decisions;
-  for (const ReadDecision& decision : source.decisions) decisions[py::str(decision.key)] = decision.value;
+  for (const ReadDecision& decision : source.decisions)
+    decisions[py::str(decision.key)] = decision.value;
   return decisions;
 }
 
 py::dict choices_of(const VolumeSource& source) {
   py::dict choices;
-  for (const FileChoice& choice : source.choices) choices[py::str(choice.name)] = py::tuple(py::cast(choice.entries));
+  for (const FileChoice& choice : source.choices)
+    choices[py::str(choice.name)] = py::tuple(py::cast(choice.entries));
   return choices;
 }
 
-// Before 2.12 pybind11 reads arrays as NumPy 1 lays them out. With NumPy 2 every element would be the first one.
+// Before 2.12 pybind11 reads arrays as NumPy 1 lays them out. With NumPy 2 every element would be
+// the first one.
 void require_known_numpy() {
 #if PYBIND11_VERSION_HEX < 0x020C0000
   const auto version = py::module_::import("numpy").attr("__version__").cast<std::string>();
@@ -103,24 +115,36 @@ PYBIND11_MODULE(_core, module) {
   py::class_<VolumeSource>(module, "VolumeSource", "How a volume file was understood.")
       .def_readonly("format", &VolumeSource::format, "The file's format, for example 'NIfTI-1'.")
       .def_readonly("reader", &VolumeSource::reader, "The library that read it.")
-      .def_property_readonly("decisions", &decisions_of, "What the reader decided: a dict of texts.")
-      .def_property_readonly("choices", &choices_of, "The lists in the file from which one entry was read: a dict of tuples.")
+      .def_property_readonly("decisions", &decisions_of,
+                             "What the reader decided: a dict of texts.")
       .def_property_readonly(
-          "warnings", [](const VolumeSource& source) { return py::tuple(py::cast(source.warnings)); },
+          "choices", &choices_of,
+          "The lists in the file from which one entry was read: a dict of tuples.")
+      .def_property_readonly(
+          "warnings",
+          [](const VolumeSource& source) { return py::tuple(py::cast(source.warnings)); },
           "What had to be assumed: a tuple of texts.")
-      .def("__repr__", [](const VolumeSource& source) { return "<isoatlas.VolumeSource: " + source.format + ">"; });
+      .def("__repr__", [](const VolumeSource& source) {
+        return "<isoatlas.VolumeSource: " + source.format + ">";
+      });
 
   py::class_<ArrayVolume>(module, "ArrayVolume")
-      .def(py::init([](const py::array& array, const std::string& order, const std::array<double, 3>& spacing,
-                       const std::array<double, 3>& origin, const std::array<std::array<double, 3>, 3>& direction, const py::object& path,
-                       const std::string& unit, const VolumeSource* source) {
-             return array_volume(array, order, spacing, origin, direction, path.is_none() ? std::string() : path_of(path),
-                                 length_unit_named(unit), source == nullptr ? VolumeSource{} : *source);
-           }),
-           "array"_a, "order"_a, "spacing"_a, "origin"_a, "direction"_a, "path"_a, "unit"_a, "source"_a.none(true));
+      .def(
+          py::init([](const py::array& array, const std::string& order,
+                      const std::array<double, 3>& spacing, const std::array<double, 3>& origin,
+                      const std::array<std::array<double, 3>, 3>& direction, const py::object& path,
+                      const std::string& unit, const VolumeSource* source) {
+            return array_volume(array, order, spacing, origin, direction,
+                                path.is_none() ? std::string() : path_of(path),
+                                length_unit_named(unit),
+                                source == nullptr ? VolumeSource{} : *source);
+          }),
+          "array"_a, "order"_a, "spacing"_a, "origin"_a, "direction"_a, "path"_a, "unit"_a,
+          "source"_a.none(true));
 
   py::class_<ExtractWords>(module, "ExtractWords")
-      .def(py::init([](const Words& settings, const Words& constraints, const decltype(ExtractWords::refine)& refine, bool coarse,
+      .def(py::init([](const Words& settings, const Words& constraints,
+                       const decltype(ExtractWords::refine)& refine, bool coarse,
                        bool allow_self_intersections) {
              return ExtractWords{settings, constraints, refine, coarse, allow_self_intersections};
            }),
@@ -135,21 +159,27 @@ PYBIND11_MODULE(_core, module) {
       .def("level_reports", [](const Levels& levels) { return levels.info.levels; })
       .def_property_readonly("space", [](const Levels& levels) { return levels.info.mesh.space; })
       .def_property_readonly("placement",
-                             [](const Levels& levels) { return levels.info.placement == Placement::balanced ? "balanced" : "surface"; })
+                             [](const Levels& levels) {
+                               return levels.info.placement == Placement::balanced ? "balanced"
+                                                                                   : "surface";
+                             })
       .def(
           "save",
-          [](const std::shared_ptr<Levels>& levels, const py::object& path, const py::object& report, bool glb_per_level) {
+          [](const std::shared_ptr<Levels>& levels, const py::object& path,
+             const py::object& report, bool glb_per_level) {
             return save_levels(levels, path_of(path), path_or_none(report), glb_per_level);
           },
           "path"_a, "report"_a, "glb_per_level"_a);
 
   module.def("extract", &extract_levels, "volume"_a, "words"_a, "progress"_a);
   module.def(
-      "length_unit", [](const std::string& name) { return std::string(symbol(length_unit_named(name))); }, "name"_a);
+      "length_unit",
+      [](const std::string& name) { return std::string(symbol(length_unit_named(name))); },
+      "name"_a);
   module.def("read_volume", &read_volume_as_array, "path"_a, "options"_a);
   module.def(
       "read_levels", [](const py::object& path) { return read_levels(path_of(path)); }, "path"_a);
-  module.def("check", &check_mesh, "vertices"_a.noconvert(), "faces"_a.noconvert(), "self_intersections"_a, "volume"_a.none(true),
-             "measure"_a, "threads"_a, "progress"_a);
+  module.def("check", &check_mesh, "vertices"_a.noconvert(), "faces"_a.noconvert(),
+             "self_intersections"_a, "volume"_a.none(true), "measure"_a, "threads"_a, "progress"_a);
   module.def("given_up_work", &given_up_work);
 }

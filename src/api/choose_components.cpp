@@ -12,8 +12,9 @@
 namespace isoatlas::detail {
 namespace {
 
-std::vector<RankedComponent> describe(const SurfaceComplex& complex, const Components& components, const ComponentSizes& sizes,
-                                      const ExtractOptions& options, const Grid& grid) {
+std::vector<RankedComponent> describe(const SurfaceComplex& complex, const Components& components,
+                                      const ComponentSizes& sizes, const ExtractOptions& options,
+                                      const Grid& grid) {
   const std::size_t n = components.topology.size();
   const double cubic_voxel = std::pow(grid.smallest_spacing(), 3);
   std::vector<RankedComponent> out(n);
@@ -34,18 +35,21 @@ std::vector<RankedComponent> describe(const SurfaceComplex& complex, const Compo
 
 }  // namespace
 
-ChosenComponents choose_components(SurfaceComplex& complex, const Components& components, const ComponentSizes& sizes,
-                                   const ExtractOptions& options, const Grid& grid) {
+ChosenComponents choose_components(SurfaceComplex& complex, const Components& components,
+                                   const ComponentSizes& sizes, const ExtractOptions& options,
+                                   const Grid& grid) {
   std::vector<RankedComponent> all = describe(complex, components, sizes, options, grid);
   // Sorts by size and keeps the components of one part together. Parts of equal size are in the
   // scan order of their first components.
   std::vector<ComponentId> first_of_part(sizes.enclosed.size(), kNone);
-  for (ComponentId c = static_cast<ComponentId>(all.size()); c-- > 0;) first_of_part[sizes.part_of[c]] = c;
+  for (ComponentId c = static_cast<ComponentId>(all.size()); c-- > 0;)
+    first_of_part[sizes.part_of[c]] = c;
   std::vector<ComponentId> order(all.size());
   for (ComponentId c = 0; c < order.size(); ++c) order[c] = c;
   std::ranges::sort(order, [&](ComponentId a, ComponentId b) {
     if (all[a].size != all[b].size) return all[a].size > all[b].size;
-    const ComponentId first_a = first_of_part[sizes.part_of[a]], first_b = first_of_part[sizes.part_of[b]];
+    const ComponentId first_a = first_of_part[sizes.part_of[a]],
+                      first_b = first_of_part[sizes.part_of[b]];
     return first_a != first_b ? first_a < first_b : a < b;
   });
 
@@ -56,7 +60,8 @@ ChosenComponents choose_components(SurfaceComplex& complex, const Components& co
     const ComponentId c = order[i];
     part += i > 0 && sizes.part_of[order[i - 1]] != sizes.part_of[c] ? 1 : 0;
     all[c].part = part;
-    const bool too_many = options.components.keep_largest > 0 && part >= options.components.keep_largest;
+    const bool too_many =
+        options.components.keep_largest > 0 && part >= options.components.keep_largest;
     is_dropped[c] = too_many || all[c].size < options.components.min_size;
     (is_dropped[c] ? chosen.dropped : chosen.kept).push_back(all[c]);
   }

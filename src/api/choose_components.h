@@ -17,7 +17,8 @@ struct ChosenComponents {
 
 /// Removes from `complex` the components that the options exclude.
 /// @param sizes  of `components`, which are those of `complex`
-ChosenComponents choose_components(SurfaceComplex& complex, const Components& components, const ComponentSizes& sizes,
-                                   const ExtractOptions& options, const Grid& grid);
+ChosenComponents choose_components(SurfaceComplex& complex, const Components& components,
+                                   const ComponentSizes& sizes, const ExtractOptions& options,
+                                   const Grid& grid);
 
 }  // namespace isoatlas::detail

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The place to start reading: volume -> surface complex -> coarser complex -> covering -> certified dual -> checked mesh -> finer levels.
+// The place to start reading: volume -> surface complex -> coarser complex -> covering -> certified
+// dual -> checked mesh -> finer levels.
 #include "isoatlas/extract.h"
 
 #include <algorithm>
@@ -42,7 +43,8 @@ constexpr double kMinBlockVoxels = 1.5;
 
 class StageClock {
  public:
-  explicit StageClock(ExtractReport& report) : report_(report), start_(Clock::now()), last_(start_) {}
+  explicit StageClock(ExtractReport& report)
+      : report_(report), start_(Clock::now()), last_(start_) {}
   void finished(const char* stage) {
     const auto now = Clock::now();
     report_.seconds.push_back({stage, std::chrono::duration<double>(now - last_).count()});
@@ -61,14 +63,18 @@ void require(bool good, const std::string& message) {
 }
 
 void check_options(const ExtractOptions& options) {
-  require(!options.covering.max_radius || (std::isfinite(options.covering.max_radius->value) && options.covering.max_radius->value > 0),
+  require(!options.covering.max_radius || (std::isfinite(options.covering.max_radius->value) &&
+                                           options.covering.max_radius->value > 0),
           "the largest radius must be a positive length");
   require(!options.covering.event_persistence ||
-              (std::isfinite(options.covering.event_persistence->value) && options.covering.event_persistence->value >= 0),
+              (std::isfinite(options.covering.event_persistence->value) &&
+               options.covering.event_persistence->value >= 0),
           "the event persistence must be a length >= 0");
-  require(std::isfinite(options.components.min_size) && options.components.min_size >= 0, "the smallest component must have a size >= 0");
+  require(std::isfinite(options.components.min_size) && options.components.min_size >= 0,
+          "the smallest component must have a size >= 0");
   require(options.supersample >= 1, "the factor of supersampling must be at least 1");
-  require(options.adaptive_supersample <= kMaxSubdivisions, "adaptive supersampling may divide the surface at most 8 times");
+  require(options.adaptive_supersample <= kMaxSubdivisions,
+          "adaptive supersampling may divide the surface at most 8 times");
   std::vector<const LevelGoal*> goals{&options.coarse};
   for (const LevelGoal& goal : options.refine) goals.push_back(&goal);
   for (const LevelGoal* goal : goals) {
@@ -77,23 +83,28 @@ void check_options(const ExtractOptions& options) {
       const std::string what(name(c));
       const bool is_ratio = is_metric(c.quantity) && unit(c.quantity) == Unit::ratio;
       require(std::isfinite(c.bound) && c.bound > 0, what + " needs a bound above 0");
-      require(!is_ratio || c.bound > 1, what + " needs a bound above 1: it is a ratio that is 1 at best");
+      require(!is_ratio || c.bound > 1,
+              what + " needs a bound above 1: it is a ratio that is 1 at best");
       require(c.quantity != Quantity::min_aspect || c.bound < 1, what + " needs a bound below 1");
       if (c.custom) continue;  // several are permitted
       require(c.quantity != Quantity::custom, "a custom constraint needs a metric");
-      require(!std::exchange(seen[static_cast<std::size_t>(c.quantity)], true), what + " is given twice for one level");
+      require(!std::exchange(seen[static_cast<std::size_t>(c.quantity)], true),
+              what + " is given twice for one level");
     }
   }
 }
 
 // The paper's figure 4 has no persistence.
-float default_persistence(CoveringStrategy strategy) { return strategy == CoveringStrategy::halving ? 0.0f : 1.5f; }
+float default_persistence(CoveringStrategy strategy) {
+  return strategy == CoveringStrategy::halving ? 0.0f : 1.5f;
+}
 
 // Removes the components that the options exclude, from the surface and from what was derived from
 // it.
-void drop_excluded_components(SurfaceComplex& whole, Components& components, Nesting& nesting, const VolumeView& volume_in_voxels,
-                              const ParseOptions& parse, const VolumeView& volume, const ExtractOptions& options, ExtractReport& report,
-                              const RunControl& control) {
+void drop_excluded_components(SurfaceComplex& whole, Components& components, Nesting& nesting,
+                              const VolumeView& volume_in_voxels, const ParseOptions& parse,
+                              const VolumeView& volume, const ExtractOptions& options,
+                              ExtractReport& report, const RunControl& control) {
   ComponentSizes sizes;
   if (whole.boundary.empty()) {
     sizes = component_sizes(whole, components, whole);
@@ -107,8 +118,9 @@ void drop_excluded_components(SurfaceComplex& whole, Components& components, Nes
   report.kept = std::move(chosen.kept);
   report.dropped = std::move(chosen.dropped);
   if (whole.faces.empty()) {
-    throw Error(ErrorCode::empty_surface, "every component is smaller than the minimum size: the largest has a size of " +
-                                              std::to_string(report.dropped.front().size) + " cubic units");
+    throw Error(ErrorCode::empty_surface,
+                "every component is smaller than the minimum size: the largest has a size of " +
+                    std::to_string(report.dropped.front().size) + " cubic units");
   }
   if (report.dropped.empty()) return;
   control.check_cancelled();
@@ -116,15 +128,19 @@ void drop_excluded_components(SurfaceComplex& whole, Components& components, Nes
   nesting = without(nesting, chosen.is_dropped);
 }
 
-// Measured on medical scans: all stages up to the coarse mesh take about a third of the time of a refined level.
+// Measured on medical scans: all stages up to the coarse mesh take about a third of the time of a
+// refined level.
 std::vector<StageShare> stage_shares(const ExtractOptions& options) {
-  return {{"surface", 2}, {"components", 2}, {"coarsen", 2}, {"cover", 2},
-          {"certify", 2}, {"mesh", 9},       {"check", 1},   {"refine", 60.0 * static_cast<double>(options.refine.size())}};
+  return {{"surface", 2}, {"components", 2},
+          {"coarsen", 2}, {"cover", 2},
+          {"certify", 2}, {"mesh", 9},
+          {"check", 1},   {"refine", 60.0 * static_cast<double>(options.refine.size())}};
 }
 
 }  // namespace
 
-Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_options, const RunControl& caller_control) try {
+Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_options,
+                   const RunControl& caller_control) try {
   const ExtractOptions options = in_world(any_options, any_volume.grid);
   const RunControl control = with_whole_progress(caller_control, stage_shares(options));
   check_volume(any_volume, options.surface.isovalue);
@@ -132,7 +148,8 @@ Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_optio
   const VolumeView& volume = dense.view;
   check_options(options);
   // Bounds and distances are world lengths; the coarse mesh alone needs none.
-  const bool only_coarse = options.refine.empty() && options.measure_samples == 0 && options.coarse.empty();
+  const bool only_coarse =
+      options.refine.empty() && options.measure_samples == 0 && options.coarse.empty();
   if (!only_coarse) require_orthonormal(volume.grid);
   const ThreadLimit threads(control.threads);
   Extraction out;
@@ -143,7 +160,9 @@ Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_optio
   const double voxel = grid.smallest_spacing();
   VolumeView in_voxels = volume;
   in_voxels.grid.spacing = {grid.spacing.x / voxel, grid.spacing.y / voxel, grid.spacing.z / voxel};
-  const auto voxels = [&](double world) { return static_cast<float>(std::min(world / voxel, 1e30)); };
+  const auto voxels = [&](double world) {
+    return static_cast<float>(std::min(world / voxel, 1e30));
+  };
 
   control.report("surface", 0);
   ParseOptions parse;
@@ -164,7 +183,8 @@ Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_optio
   nodes = {};
   control.check_cancelled();
   if (options.components.min_size > 0 || options.components.keep_largest > 0) {
-    drop_excluded_components(whole, reference, nesting, in_voxels, parse, volume, options, report, control);
+    drop_excluded_components(whole, reference, nesting, in_voxels, parse, volume, options, report,
+                             control);
   }
   report.c_vertices = whole.positions.size();
   report.faces = whole.faces.size();
@@ -172,20 +192,27 @@ Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_optio
   report.tunnels = whole.tunnels;
   report.reference = summarize(reference.topology);
   const std::unique_ptr<const Isosurface> isosurface =
-      only_coarse
-          ? nullptr
-          : std::make_unique<const Isosurface>(in_voxels, parse.rule, whole, options.surface.interpolation, options.supersample, control);
+      only_coarse ? nullptr
+                  : std::make_unique<const Isosurface>(in_voxels, parse.rule, whole,
+                                                       options.surface.interpolation,
+                                                       options.supersample, control);
   report_continuing(control);
-  AdaptiveSurface surface(std::move(whole), std::move(reference), std::move(nesting),
-                          InterpolatedField(in_voxels, parse.rule, options.surface.interpolation, options.supersample), control);
+  AdaptiveSurface surface(
+      std::move(whole), std::move(reference), std::move(nesting),
+      InterpolatedField(in_voxels, parse.rule, options.surface.interpolation, options.supersample),
+      control);
   clock.finished("components");
 
   double longest = 0;
   for (std::size_t a = 0; a < 3; ++a) {
     const Vec3 s = in_voxels.grid.spacing;
-    longest = std::max(longest, static_cast<double>(grid.size[a] - 1) * (a == 0 ? s.x : a == 1 ? s.y : s.z));
+    longest = std::max(longest, static_cast<double>(grid.size[a] - 1) * (a == 0   ? s.x
+                                                                         : a == 1 ? s.y
+                                                                                  : s.z));
   }
-  const double max_radius = options.covering.max_radius ? std::max(1e-4f, voxels(options.covering.max_radius->value)) : longest / 2;
+  const double max_radius = options.covering.max_radius
+                                ? std::max(1e-4f, voxels(options.covering.max_radius->value))
+                                : longest / 2;
 
   control.report("coarsen", 0);
   const double cell = 1.0 / options.supersample;  // side of a cell of the parsed grid, in voxels
@@ -201,10 +228,12 @@ Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_optio
   control.report("cover", 0);
   CoveringOptions cover;
   cover.max_radius = static_cast<float>(max_radius);
-  cover.event_persistence = options.covering.event_persistence ? voxels(options.covering.event_persistence->value)
-                                                               : default_persistence(options.covering.strategy);
+  cover.event_persistence = options.covering.event_persistence
+                                ? voxels(options.covering.event_persistence->value)
+                                : default_persistence(options.covering.strategy);
   cover.first_stage = static_cast<float>(4 * cell);
-  auto mesher = std::make_unique<CoarseMesher>(surface, coarser, cover, options, OutputPositions(grid, options.space, options.supersample));
+  auto mesher = std::make_unique<CoarseMesher>(
+      surface, coarser, cover, options, OutputPositions(grid, options.space, options.supersample));
   mesher->cover(control);
   clock.finished("cover");
 
@@ -222,13 +251,16 @@ Extraction extract(const VolumeView& any_volume, const ExtractOptions& any_optio
   control.report("check", 0);
   TriangleMesh mesh = level.mesh;
   const std::vector<ShapeObstacle> obstacles_of_level = obstacles(level.placement, surface, 0);
-  finish_level(mesh, level.topology, level.placement.anchor, surface, obstacles_of_level, options.coarse, grid, options, coarse, control);
+  finish_level(mesh, level.topology, level.placement.anchor, surface, obstacles_of_level,
+               options.coarse, grid, options, coarse, control);
   clock.finished("check");
 
   Hierarchy& hierarchy = out.hierarchy;
-  if (const Vec3 origin = float32_origin(grid, options.space); origin != Vec3{}) hierarchy.float32_origin = origin;
+  if (const Vec3 origin = float32_origin(grid, options.space); origin != Vec3{})
+    hierarchy.float32_origin = origin;
   hierarchy.positions = std::move(mesh.positions);
-  hierarchy.levels.push_back({checked_id(hierarchy.positions.size(), "vertices"), std::move(mesh.triangles), {}, {}});
+  hierarchy.levels.push_back(
+      {checked_id(hierarchy.positions.size(), "vertices"), std::move(mesh.triangles), {}, {}});
   hierarchy.parent.resize(hierarchy.positions.size());
   std::iota(hierarchy.parent.begin(), hierarchy.parent.end(), 0u);
   const auto fill_subdivision_report = [&] {

@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::size_t kRowsPerPiece = 4096;  // rows per piece of a parallel loop
 
-struct Corner {  // a face's corner at a c-vertex: the next and previous neighbour and the diagonal between them
+struct Corner {  // a face's corner at a c-vertex: the next and previous neighbour and the diagonal
+                 // between them
   CVertexId next, diagonal, previous;
 };
 
@@ -23,7 +24,8 @@ Corner corner_at(const Face& face, CVertexId v) {
   const int size = face.size();
   int k = 0;
   while (face.corner[k] != v) ++k;
-  return {face.corner[(k + 1) % size], size == 4 ? face.corner[(k + 2) % 4] : kNone, face.corner[(k + size - 1) % size]};
+  return {face.corner[(k + 1) % size], size == 4 ? face.corner[(k + 2) % 4] : kNone,
+          face.corner[(k + size - 1) % size]};
 }
 
 // Builds the rows of a complex's graph one by one.
@@ -53,7 +55,8 @@ class GraphRowBuilder {
     std::array<Corner, kMaxLocalCorners> few;
     std::vector<Corner> many;
     if (count > kMaxLocalCorners) many.resize(count);
-    const std::span<Corner> corners = count > kMaxLocalCorners ? std::span(many) : std::span(few).first(count);
+    const std::span<Corner> corners =
+        count > kMaxLocalCorners ? std::span(many) : std::span(few).first(count);
     for (std::size_t k = 0; k < count; ++k) corners[k] = corner_at(complex_.faces[faces[k]], v);
     if (count > kMaxLocalCorners) std::ranges::sort(corners, {}, &Corner::next);
     const auto starting_at = [&](CVertexId id) {
@@ -68,7 +71,8 @@ class GraphRowBuilder {
       while (std::binary_search(ends.begin(), ends.end(), at->next)) ++at;
     }
     const auto push = [&](CVertexId id, bool diagonal) {
-      const double d = std::sqrt(squared_distance(complex_.positions[v], complex_.positions[id], complex_.spacing));
+      const double d = std::sqrt(
+          squared_distance(complex_.positions[v], complex_.positions[id], complex_.spacing));
       row.neighbours.push_back({id, static_cast<float>(d)});
       row.is_diagonal.push_back(diagonal);
     };
@@ -91,8 +95,8 @@ class GraphRowBuilder {
 
 // Resizes rows and moves those that have not changed; the caller fills in the others.
 template <class Item>
-void relocate_rows(std::vector<Item>& items, std::span<const std::uint32_t> from, std::span<const std::uint32_t> to,
-                   std::span<const std::uint8_t> changed) {
+void relocate_rows(std::vector<Item>& items, std::span<const std::uint32_t> from,
+                   std::span<const std::uint32_t> to, std::span<const std::uint8_t> changed) {
   const std::size_t old_count = std::min(from.size(), to.size()) - 1, total = to.back();
   if (total > items.capacity()) items.reserve(total + total / 8);
   items.resize(std::max<std::size_t>(items.size(), total));
@@ -100,10 +104,12 @@ void relocate_rows(std::vector<Item>& items, std::span<const std::uint32_t> from
   // Rows that move to the left are moved first: they never overwrite a row that still has to move
   // to the right.
   for (std::size_t v = 0; v < old_count; ++v) {
-    if (!changed[v] && to[v] < from[v]) std::copy(begin + from[v], begin + from[v + 1], begin + to[v]);
+    if (!changed[v] && to[v] < from[v])
+      std::copy(begin + from[v], begin + from[v + 1], begin + to[v]);
   }
   for (std::size_t v = old_count; v-- > 0;) {
-    if (!changed[v] && to[v] > from[v]) std::copy_backward(begin + from[v], begin + from[v + 1], begin + to[v + 1]);
+    if (!changed[v] && to[v] > from[v])
+      std::copy_backward(begin + from[v], begin + from[v + 1], begin + to[v + 1]);
   }
   items.resize(total);
 }
@@ -117,15 +123,18 @@ CVertexGraph make_graph(const SurfaceComplex& complex, const RunControl* control
   return graph;
 }
 
-std::vector<std::uint8_t> rebuild_graph(CVertexGraph& graph, const SurfaceComplex& complex, const RunControl* control) {
+std::vector<std::uint8_t> rebuild_graph(CVertexGraph& graph, const SurfaceComplex& complex,
+                                        const RunControl* control) {
   const std::uint32_t n = complex.c_vertex_count(), old_count = std::min(n, graph.c_vertex_count());
   checked_id(8 * complex.faces.size() + complex.boundary.size(), "edges of the graph");
   const GraphRowBuilder rows(complex, control);
   std::vector<std::uint8_t> changed(n, 1);
   std::vector<std::uint32_t> first(n + 1, 0);
   const auto is_unchanged = [&](CVertexId v, const GraphRowBuilder::Row& row) {
-    return graph.on_boundary[v] == complex.on_boundary[v] && std::ranges::equal(graph.row(v), row.neighbours) &&
-           std::equal(row.is_diagonal.begin(), row.is_diagonal.end(), graph.is_diagonal.begin() + graph.first[v]);
+    return graph.on_boundary[v] == complex.on_boundary[v] &&
+           std::ranges::equal(graph.row(v), row.neighbours) &&
+           std::equal(row.is_diagonal.begin(), row.is_diagonal.end(),
+                      graph.is_diagonal.begin() + graph.first[v]);
   };
   for_each_piece(n, kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
     if (control != nullptr) control->check_cancelled();

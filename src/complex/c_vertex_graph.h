@@ -24,19 +24,24 @@ struct CVertexGraph {
   };
   std::vector<std::uint32_t> first;  ///< row v is [first[v], first[v + 1])
   std::vector<Neighbour> neighbours;
-  std::vector<std::uint8_t> is_diagonal;  ///< parallel to neighbours: 1 across a quad, 0 along a side
+  std::vector<std::uint8_t>
+      is_diagonal;  ///< parallel to neighbours: 1 across a quad, 0 along a side
   std::vector<std::uint8_t> on_boundary;  ///< per c-vertex
 
   std::uint32_t c_vertex_count() const { return static_cast<std::uint32_t>(first.size() - 1); }
-  std::span<const Neighbour> row(CVertexId v) const { return {neighbours.data() + first[v], neighbours.data() + first[v + 1]}; }
+  std::span<const Neighbour> row(CVertexId v) const {
+    return {neighbours.data() + first[v], neighbours.data() + first[v + 1]};
+  }
 };
 
-/// O(C + sum of valence log valence). 9 bytes per entry: about 6 entries per c-vertex of a triangle complex, 8 of a quad one.
+/// O(C + sum of valence log valence). 9 bytes per entry: about 6 entries per c-vertex of a triangle
+/// complex, 8 of a quad one.
 CVertexGraph make_graph(const SurfaceComplex& complex, const RunControl* control = nullptr);
 
 /// Updates the graph of a complex that has changed. @pre c-vertices kept their ids
 /// @return per c-vertex, 1 if its row has changed or is new
 /// @cost   as make_graph()
-std::vector<std::uint8_t> rebuild_graph(CVertexGraph& graph, const SurfaceComplex& complex, const RunControl* control = nullptr);
+std::vector<std::uint8_t> rebuild_graph(CVertexGraph& graph, const SurfaceComplex& complex,
+                                        const RunControl* control = nullptr);
 
 }  // namespace isoatlas::detail

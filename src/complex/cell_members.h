@@ -14,15 +14,21 @@ class CellMembers {
  public:
   CellMembers() = default;
   /// @param cell_of  per c-vertex; kNone: in no cell
-  CellMembers(std::span<const CellId> cell_of, std::uint32_t cells) : lists_(cells), links_(cell_of.size()) {
-    for (auto v = static_cast<CVertexId>(cell_of.size()); v-- > 0;) {  // backwards, so that each list starts in increasing order
+  CellMembers(std::span<const CellId> cell_of, std::uint32_t cells)
+      : lists_(cells), links_(cell_of.size()) {
+    for (auto v = static_cast<CVertexId>(cell_of.size());
+         v-- > 0;) {  // backwards, so that each list starts in increasing order
       if (cell_of[v] != kNone) insert(v, cell_of[v]);
     }
   }
 
   void add_cells(std::size_t count) { lists_.resize(lists_.size() + count); }
-  void remove_cells(std::size_t from) { lists_.resize(from); }                      ///< @pre the cells from `from` on are empty
-  void add_c_vertices(std::size_t count) { links_.resize(links_.size() + count); }  ///< in no cell yet
+  void remove_cells(std::size_t from) {
+    lists_.resize(from);
+  }  ///< @pre the cells from `from` on are empty
+  void add_c_vertices(std::size_t count) {
+    links_.resize(links_.size() + count);
+  }  ///< in no cell yet
 
   std::uint32_t cell_count() const { return static_cast<std::uint32_t>(lists_.size()); }
   std::uint32_t count(CellId cell) const { return lists_[cell].count; }

@@ -4,10 +4,11 @@
 // Based on:
 //   [edelsbrunner1997]  Triangulating topological spaces: the closed ball property.
 //   [gavriliu2001]      sections 3.2 and 3.6.
-// Ours: the property is checked by counting, so that a passed check is a proof. A cell is a disk iff it is connected and
-// V - E + F = 1 for the part of the complex spanned by its c-vertices. Given that, all borders of a cell form one circle, and
-// pairs and triples are counted by the ends of arcs: every dual triangle is an end of three arcs, every boundary side between
-// two cells an end of one.
+// Ours: the property is checked by counting, so that a passed check is a proof. A cell is a disk
+// iff it is connected and V - E + F = 1 for the part of the complex spanned by its c-vertices.
+// Given that, all borders of a cell form one circle, and pairs and triples are counted by the ends
+// of arcs: every dual triangle is an end of three arcs, every boundary side between two cells an
+// end of one.
 #include "complex/certificate.h"
 
 #include <algorithm>
@@ -22,15 +23,19 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kFacesPerPiece = 8192, kCellsPerPiece = 16384;  // per piece of a parallel loop
-constexpr std::int64_t kPieceWeight = std::int64_t{1} << 36;          // larger than twice the number of all c-vertices, sides or faces
+constexpr std::size_t kFacesPerPiece = 8192,
+                      kCellsPerPiece = 16384;  // per piece of a parallel loop
+constexpr std::int64_t kPieceWeight =
+    std::int64_t{1} << 36;  // larger than twice the number of all c-vertices, sides or faces
 
 // A counter per cell that several threads may add to. Consecutive additions are mostly to the same
 // cell and are combined.
 class CellCounts {
  public:
   explicit CellCounts(std::uint32_t cells) : count_(cells) {}
-  std::int64_t operator[](CellId cell) const { return count_[cell].load(std::memory_order_relaxed); }
+  std::int64_t operator[](CellId cell) const {
+    return count_[cell].load(std::memory_order_relaxed);
+  }
 
   class Adder {  // used by one thread
    public:
@@ -61,8 +66,9 @@ class CellCounts {
 
 class CompleteCheck {
  public:
-  CompleteCheck(const SurfaceComplex& complex, std::span<const CellId> cell_of, std::uint32_t cells, std::span<const CVertexId> site,
-                std::span<const std::uint8_t> scope, const RunControl& control)
+  CompleteCheck(const SurfaceComplex& complex, std::span<const CellId> cell_of, std::uint32_t cells,
+                std::span<const CVertexId> site, std::span<const std::uint8_t> scope,
+                const RunControl& control)
       : complex_(complex),
         cell_of_(cell_of),
         cells_(cells),
@@ -77,11 +83,13 @@ class CompleteCheck {
 
   PartitionCheck run() {
     check_.triangles =
-        collect_pieces<DualTriangle>(complex_.faces.size(), kFacesPerPiece, [&](std::size_t begin, std::size_t end, auto& triangles) {
-          control_.check_cancelled();
-          CellCounts::Adder counts(counts_);
-          for (std::size_t f = begin; f < end; ++f) count_face(complex_.faces[f], counts, triangles);
-        });
+        collect_pieces<DualTriangle>(complex_.faces.size(), kFacesPerPiece,
+                                     [&](std::size_t begin, std::size_t end, auto& triangles) {
+                                       control_.check_cancelled();
+                                       CellCounts::Adder counts(counts_);
+                                       for (std::size_t f = begin; f < end; ++f)
+                                         count_face(complex_.faces[f], counts, triangles);
+                                     });
     checked_id(3 * check_.triangles.size() + complex_.boundary.size(), "ends of arcs");
     for_each_piece(cell_of_.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
       control_.check_cancelled();
@@ -101,7 +109,8 @@ class CompleteCheck {
   // Cells must be connected through sides and chosen diagonals and have V - E + F = 1. Every side
   // is counted half from each of its faces; boundary sides get their other half in
   // count_boundary(). So all counts are doubled.
-  void count_face(const Face& face, CellCounts::Adder& counts, std::vector<DualTriangle>& triangles) {
+  void count_face(const Face& face, CellCounts::Adder& counts,
+                  std::vector<DualTriangle>& triangles) {
     const int size = face.size();
     std::array<CellId, 4> c;
     bool wanted = scope_.empty(), is_uniform = true;
@@ -147,7 +156,8 @@ class CompleteCheck {
         continue;
       }
       ++first_[std::min(a, b)];
-      for (const CellId c : {a, b}) boundary_ends_[c] = std::min<std::uint8_t>(3, boundary_ends_[c] + 1);
+      for (const CellId c : {a, b})
+        boundary_ends_[c] = std::min<std::uint8_t>(3, boundary_ends_[c] + 1);
     }
   }
 
@@ -157,25 +167,28 @@ class CompleteCheck {
       for (const CellId c : t.cell) has_triangle[c] = 1;
     }
     std::atomic<std::size_t> checked = 0;
-    check_.faulty_cells = collect_pieces<FaultyCell>(cells_, kCellsPerPiece, [&](std::size_t begin, std::size_t end, auto& faulty) {
-      control_.check_cancelled();
-      std::size_t checked_here = 0;
-      for (auto c = static_cast<CellId>(begin); c < end; ++c) {
-        const std::int64_t count = counts_[c];
-        if (count == 0 || !in_scope(c)) continue;  // no c-vertices
-        ++checked_here;
-        std::uint8_t fault = 0;
-        if (count != kPieceWeight + 2) {
-          const std::int64_t components = (count + kPieceWeight / 2) / kPieceWeight;
-          if (components != 1) fault |= kNotConnected;
-          if (count != components * kPieceWeight + 2) fault |= kNotADisk;
-        }
-        if (!has_triangle[c]) fault |= kNoTriangle;
-        if (touches_boundary_[c] && (boundary_ends_[c] != 2 || (!site_.empty() && !complex_.on_boundary[site_[c]]))) fault |= kBadBoundary;
-        if (fault != 0) faulty.push_back({c, fault});
-      }
-      checked += checked_here;
-    });
+    check_.faulty_cells = collect_pieces<FaultyCell>(
+        cells_, kCellsPerPiece, [&](std::size_t begin, std::size_t end, auto& faulty) {
+          control_.check_cancelled();
+          std::size_t checked_here = 0;
+          for (auto c = static_cast<CellId>(begin); c < end; ++c) {
+            const std::int64_t count = counts_[c];
+            if (count == 0 || !in_scope(c)) continue;  // no c-vertices
+            ++checked_here;
+            std::uint8_t fault = 0;
+            if (count != kPieceWeight + 2) {
+              const std::int64_t components = (count + kPieceWeight / 2) / kPieceWeight;
+              if (components != 1) fault |= kNotConnected;
+              if (count != components * kPieceWeight + 2) fault |= kNotADisk;
+            }
+            if (!has_triangle[c]) fault |= kNoTriangle;
+            if (touches_boundary_[c] &&
+                (boundary_ends_[c] != 2 || (!site_.empty() && !complex_.on_boundary[site_[c]])))
+              fault |= kBadBoundary;
+            if (fault != 0) faulty.push_back({c, fault});
+          }
+          checked += checked_here;
+        });
     check_.cells = checked;
   }
 
@@ -207,14 +220,17 @@ class CompleteCheck {
       std::uint32_t from = start;
       for (std::size_t c = i * kCellsPerPiece; c < last; from = first_[c++]) {
         if (from != first_[c])
-          std::sort(ends_.begin() + from, ends_.begin() + first_[c], [](const ArcEnd& a, const ArcEnd& b) { return a.high < b.high; });
+          std::sort(ends_.begin() + from, ends_.begin() + first_[c],
+                    [](const ArcEnd& a, const ArcEnd& b) { return a.high < b.high; });
       }
       check_pairs(
-          std::span(ends_).subspan(start, from - start), [&](CellId a, CellId b) { return in_scope(a) || in_scope(b); }, parts[i]);
+          std::span(ends_).subspan(start, from - start),
+          [&](CellId a, CellId b) { return in_scope(a) || in_scope(b); }, parts[i]);
     });
     for (const PartitionCheck& part : parts) {
       check_.pairs += part.pairs;
-      check_.pair_faults.insert(check_.pair_faults.end(), part.pair_faults.begin(), part.pair_faults.end());
+      check_.pair_faults.insert(check_.pair_faults.end(), part.pair_faults.begin(),
+                                part.pair_faults.end());
     }
   }
 
@@ -224,9 +240,11 @@ class CompleteCheck {
   std::span<const CVertexId> site_;
   std::span<const std::uint8_t> scope_;
   const RunControl& control_;
-  CellCounts counts_;                        // per cell, twice V - E + F, plus kPieceWeight times the number of its components
-  DisjointSets cell_components_;             // joins the c-vertices of each component of a cell
-  std::vector<std::uint8_t> boundary_ends_;  // per cell, number of boundary sides that leave it; 3 stands for more
+  CellCounts
+      counts_;  // per cell, twice V - E + F, plus kPieceWeight times the number of its components
+  DisjointSets cell_components_;  // joins the c-vertices of each component of a cell
+  std::vector<std::uint8_t>
+      boundary_ends_;  // per cell, number of boundary sides that leave it; 3 stands for more
   std::vector<std::uint8_t> touches_boundary_;
   std::vector<std::uint32_t> first_;  // per cell, index of its ends of arcs
   std::vector<ArcEnd> ends_;
@@ -235,8 +253,9 @@ class CompleteCheck {
 
 }  // namespace
 
-PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const CellId> cell_of, std::uint32_t cells,
-                               std::span<const CVertexId> site, std::span<const std::uint8_t> scope, const RunControl& control) {
+PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const CellId> cell_of,
+                               std::uint32_t cells, std::span<const CVertexId> site,
+                               std::span<const std::uint8_t> scope, const RunControl& control) {
   return CompleteCheck(complex, cell_of, cells, site, scope, control).run();
 }
 
@@ -252,7 +271,8 @@ void fill_report(const PartitionCheck& check, CertificateReport& report) {
   report.triples_checked = check.triangles.size();
 }
 
-SurfaceComplex dual_complex(const SurfaceComplex& complex, const Partition& partition, std::span<const DualTriangle> triangles) {
+SurfaceComplex dual_complex(const SurfaceComplex& complex, const Partition& partition,
+                            std::span<const DualTriangle> triangles) {
   SurfaceComplex out;
   const std::uint32_t n = partition.cell_count();
   out.spacing = complex.spacing;

@@ -15,7 +15,8 @@ enum CellFault : std::uint8_t {
   kNotConnected = 1,  ///< several components, connected by neither sides nor chosen diagonals
   kNotADisk = 2,      ///< V - E + F of the cell is not 1
   kNoTriangle = 4,    ///< no dual triangle has the cell as a corner
-  kBadBoundary = 8,   ///< touches the boundary, but not in one arc, or its site is not on the boundary
+  kBadBoundary =
+      8,  ///< touches the boundary, but not in one arc, or its site is not on the boundary
 };
 
 /// Two adjacent cells that do not share exactly one arc with a dual triangle at one end, or whose
@@ -49,13 +50,16 @@ struct ArcEnd {
 /// @param is_wanted  whether a pair of cells is to be checked
 template <class IsWanted>
 void check_pairs(std::span<const ArcEnd> ends, IsWanted is_wanted, PartitionCheck& check) {
-  // Every arc must have two ends, at least one of them a triangle, and not the same third cell at both.
+  // Every arc must have two ends, at least one of them a triangle, and not the same third cell at
+  // both.
   for (std::size_t i = 0, j; i < ends.size(); i = j) {
     j = i;
     while (j < ends.size() && ends[j].low == ends[i].low && ends[j].high == ends[i].high) ++j;
     if (!is_wanted(ends[i].low, ends[i].high)) continue;
     ++check.pairs;
-    const bool good = j - i == 2 && ends[i].third != ends[i + 1].third;  // two boundary ends have equal thirds, kNone
+    const bool good =
+        j - i == 2 &&
+        ends[i].third != ends[i + 1].third;  // two boundary ends have equal thirds, kNone
     if (!good) check.pair_faults.push_back({ends[i].low, ends[i].high});
   }
 }
@@ -73,8 +77,10 @@ void check_pairs(std::span<const ArcEnd> ends, IsWanted is_wanted, PartitionChec
 /// @cost  O(C α(C)); floating point is only used to choose the diagonals of quads with four cells,
 ///        where either is valid
 /// @source Edelsbrunner and Shah 1997; paper, section 3.6
-PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const CellId> cell_of, std::uint32_t cells,
-                               std::span<const CVertexId> site, std::span<const std::uint8_t> scope = {}, const RunControl& control = {});
+PartitionCheck check_partition(const SurfaceComplex& complex, std::span<const CellId> cell_of,
+                               std::uint32_t cells, std::span<const CVertexId> site,
+                               std::span<const std::uint8_t> scope = {},
+                               const RunControl& control = {});
 
 /// Fills in the counts of a check and whether it passed.
 void fill_report(const PartitionCheck& check, CertificateReport& report);

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Certified coarser complexes by blocks.
 //
-// Ours: space is cut into blocks; a region is a connected piece of the surface within one block (union-find over sides, no
-// distances). Regions that fail the certificate are split by blocks of half the size, down to single c-vertices, until all
-// pass. With every c-vertex its own region the dual is the complex itself, which is simplicial, so this ends.
+// Ours: space is cut into blocks; a region is a connected piece of the surface within one block
+// (union-find over sides, no distances). Regions that fail the certificate are split by blocks of
+// half the size, down to single c-vertices, until all pass. With every c-vertex its own region the
+// dual is the complex itself, which is simplicial, so this ends.
 #include "complex/coarsen.h"
 
 #include <algorithm>
@@ -46,7 +47,8 @@ class BlockRegions {
     scale_ = {s.x / block_length, s.y / block_length, s.z / block_length};
     const double smallest = std::min({s.x, s.y, s.z});
     levels_ = 1 + std::max(0, static_cast<int>(std::ceil(std::log2(block_length / smallest))));
-    for_each_index(complex.c_vertex_count(), kPerPiece, [&](std::size_t v) { block_[v] = block_at(static_cast<CVertexId>(v), 0); });
+    for_each_index(complex.c_vertex_count(), kPerPiece,
+                   [&](std::size_t v) { block_[v] = block_at(static_cast<CVertexId>(v), 0); });
     for_each_index(complex.faces.size(), kPerPiece, [&](std::size_t f) {
       for_each_side(complex.faces[f], [&](CVertexId a, CVertexId b) {
         if (block_[a] == block_[b]) sets_.unite(a, b);
@@ -112,9 +114,12 @@ class BlockRegions {
     });
     for_each_index(complex_.faces.size(), kPerPiece, [&](std::size_t f) {
       const Face& face = complex_.faces[f];
-      if (!was_split_[face.corner[0]] && !was_split_[face.corner[1]] && !was_split_[face.corner[2]]) return;
+      if (!was_split_[face.corner[0]] && !was_split_[face.corner[1]] && !was_split_[face.corner[2]])
+        return;
       for_each_side(face, [&](CVertexId a, CVertexId b) {
-        if (region_[a] == region_[b] && was_split_[a] && level_[a] < levels_ && block_[a] == block_[b]) sets_.unite(a, b);
+        if (region_[a] == region_[b] && was_split_[a] && level_[a] < levels_ &&
+            block_[a] == block_[b])
+          sets_.unite(a, b);
       });
     });
     label_regions();
@@ -135,12 +140,15 @@ class BlockRegions {
   std::uint64_t block_at(CVertexId v, int level) const {
     const Vec3 p = scaled(complex_.positions[v], scale_);
     const double halvings = std::ldexp(1.0, level);
-    const auto index = [&](double x) { return static_cast<std::uint64_t>(x * halvings) & 0x1FFFFFu; };
+    const auto index = [&](double x) {
+      return static_cast<std::uint64_t>(x * halvings) & 0x1FFFFFu;
+    };
     return index(p.x) | index(p.y) << 21 | index(p.z) << 42;
   }
 
   void label_regions() {
-    for_each_index(complex_.c_vertex_count(), kPerPiece, [&](std::size_t v) { region_[v] = sets_.find(static_cast<CVertexId>(v)); });
+    for_each_index(complex_.c_vertex_count(), kPerPiece,
+                   [&](std::size_t v) { region_[v] = sets_.find(static_cast<CVertexId>(v)); });
     std::fill(members_.begin(), members_.end(), 0u);
     for (const CellId r : region_) ++members_[r];
   }
@@ -152,8 +160,8 @@ class BlockRegions {
     for (const PairFault& p : faulty_single_pairs_) is_involved[p.a] = is_involved[p.b] = 1;
     for (const Face& face : complex_.faces) {
       const int size = face.size();
-      const bool touched =
-          std::any_of(face.corner.begin(), face.corner.begin() + size, [&](CVertexId v) { return is_involved[region_[v]]; });
+      const bool touched = std::any_of(face.corner.begin(), face.corner.begin() + size,
+                                       [&](CVertexId v) { return is_involved[region_[v]]; });
       if (!touched) continue;
       for (int k = 0; k < size; ++k) {
         const CellId r = region_[face.corner[k]];
@@ -217,7 +225,8 @@ Partition with_representatives(const SurfaceComplex& complex, std::span<const Ce
 // Finds inverted components among those of few regions: only their topology has been checked so
 // far. Larger components are not tested.
 // @return per region (identified by a c-vertex), 1 if it belongs to an inverted component
-std::vector<std::uint8_t> inverted_small_components(const SurfaceComplex& complex, std::span<const CellId> region_of,
+std::vector<std::uint8_t> inverted_small_components(const SurfaceComplex& complex,
+                                                    std::span<const CellId> region_of,
                                                     std::span<const DualTriangle> triangles) {
   constexpr std::uint32_t kMaxSmallRegions = 32;
   constexpr double kMinCosine = 0.5;  // well above 0, so that later stages can move vertices
@@ -233,7 +242,9 @@ std::vector<std::uint8_t> inverted_small_components(const SurfaceComplex& comple
     if (region_of[v] == v) ++regions[sets.find(v)];
   }
   std::vector<std::uint8_t> out(n, 0);
-  const auto is_small = [&](CellId region) { return regions[sets.find(region)] <= kMaxSmallRegions; };
+  const auto is_small = [&](CellId region) {
+    return regions[sets.find(region)] <= kMaxSmallRegions;
+  };
   if (std::none_of(region_of.begin(), region_of.end(), is_small)) return out;
 
   const std::vector<Vec3> outward = area_vectors(complex, region_of, n);
@@ -247,8 +258,8 @@ std::vector<std::uint8_t> inverted_small_components(const SurfaceComplex& comple
     small_triangles.push_back({t.cell[0], t.cell[1], t.cell[2]});
     for (const CellId c : t.cell) component_of[c] = sets.find(c);
   }
-  const std::vector<std::uint8_t> inverted =
-      inverted_components(position, small_triangles, complex.spacing, component_of, n, outward, kMinCosine);
+  const std::vector<std::uint8_t> inverted = inverted_components(
+      position, small_triangles, complex.spacing, component_of, n, outward, kMinCosine);
   for (const Triangle& t : small_triangles) {
     if (!inverted[component_of[t[0]]]) continue;
     for (const CellId c : t) out[c] = 1;
@@ -280,14 +291,17 @@ Coarsened coarsen(const SurfaceComplex& complex, double block_length, const RunC
   BlockRegions regions(complex, block_length);
   Coarsened out;
   bool orientation_checked = false;
-  std::vector<std::uint8_t> scope;  // after a split, only the neighbourhood is checked again; the last check is complete
+  std::vector<std::uint8_t>
+      scope;  // after a split, only the neighbourhood is checked again; the last check is complete
   for (;;) {
     report_continuing(control);
     PartitionCheck check = check_partition(complex, regions.region_of(), n, {}, scope, control);
     ++out.certificate.repair_rounds;
     if (!check.passed()) {
       control.check_cancelled();
-      if (!regions.split(check)) throw Error(ErrorCode::internal, "the certificate fails with every c-vertex its own region");
+      if (!regions.split(check))
+        throw Error(ErrorCode::internal,
+                    "the certificate fails with every c-vertex its own region");
       scope = regions.near_last_split();
       continue;
     }
@@ -296,9 +310,11 @@ Coarsened coarsen(const SurfaceComplex& complex, double block_length, const RunC
       continue;
     }
     control.check_cancelled();
-    if (!orientation_checked) {  // only once: components that are still inverted are so in the input
+    if (!orientation_checked) {  // only once: components that are still inverted are so in the
+                                 // input
       orientation_checked = true;
-      if (regions.split_completely(inverted_small_components(complex, regions.region_of(), check.triangles))) {
+      if (regions.split_completely(
+              inverted_small_components(complex, regions.region_of(), check.triangles))) {
         scope = regions.near_last_split();
         continue;
       }
@@ -307,7 +323,8 @@ Coarsened coarsen(const SurfaceComplex& complex, double block_length, const RunC
     control.check_cancelled();
     Partition partition = with_representatives(complex, regions.region_of());
     for (DualTriangle& t : check.triangles) {
-      for (CellId& c : t.cell) c = partition.cell_of[c];  // a region was identified by one of its c-vertices
+      for (CellId& c : t.cell)
+        c = partition.cell_of[c];  // a region was identified by one of its c-vertices
     }
     control.check_cancelled();
     out.complex = dual_complex(complex, partition, check.triangles);
@@ -318,15 +335,17 @@ Coarsened coarsen(const SurfaceComplex& complex, double block_length, const RunC
   }
 }
 
-void split_regions(const SurfaceComplex& complex, std::span<const CVertexId> regions, std::span<const CVertexId> touched,
-                   Coarsened& coarser, const RunControl& control) {
+void split_regions(const SurfaceComplex& complex, std::span<const CVertexId> regions,
+                   std::span<const CVertexId> touched, Coarsened& coarser,
+                   const RunControl& control) {
   const std::uint32_t n = complex.c_vertex_count();
   std::vector<CellId>& region_of = coarser.region_of;
   std::vector<CVertexId>& representative = coarser.representative;
   ComplexAdjacency adjacency;
   CellMembers members;
-  run_both([&] { adjacency = ComplexAdjacency(complex, control); },
-           [&] { members = CellMembers(region_of, static_cast<std::uint32_t>(representative.size())); });
+  run_both(
+      [&] { adjacency = ComplexAdjacency(complex, control); },
+      [&] { members = CellMembers(region_of, static_cast<std::uint32_t>(representative.size())); });
   ScopedCheck scoped;
   std::vector<CVertexId> changed(touched.begin(), touched.end());
   const auto make_single = [&](CVertexId v) {
@@ -358,7 +377,8 @@ void split_regions(const SurfaceComplex& complex, std::span<const CVertexId> reg
   std::sort(failed.begin(), failed.end());
   failed.erase(std::unique(failed.begin(), failed.end()), failed.end());
   split(failed);
-  std::vector<CellId> scope = scoped.cells_near(complex, adjacency, region_of, changed, control), checked = scope;
+  std::vector<CellId> scope = scoped.cells_near(complex, adjacency, region_of, changed, control),
+                      checked = scope;
   for (;;) {
     report_continuing(control);
     PartitionCheck check = scoped.run(complex, adjacency, region_of, members, {}, scope, control);
@@ -367,11 +387,14 @@ void split_regions(const SurfaceComplex& complex, std::span<const CVertexId> reg
       control.check_cancelled();
       std::sort(checked.begin(), checked.end());
       checked.erase(std::unique(checked.begin(), checked.end()), checked.end());
-      if (checked.size() > scope.size()) check = scoped.run(complex, adjacency, region_of, members, {}, checked, control);
+      if (checked.size() > scope.size())
+        check = scoped.run(complex, adjacency, region_of, members, {}, checked, control);
       control.check_cancelled();
-      coarser.triangles.replace(checked, check.triangles, static_cast<CellId>(representative.size()), control);
+      coarser.triangles.replace(checked, check.triangles,
+                                static_cast<CellId>(representative.size()), control);
       control.check_cancelled();
-      coarser.complex = dual_complex(complex, {region_of, representative}, coarser.triangles.list());
+      coarser.complex =
+          dual_complex(complex, {region_of, representative}, coarser.triangles.list());
       return;
     }
     EpochSet is_failed;
@@ -380,13 +403,18 @@ void split_regions(const SurfaceComplex& complex, std::span<const CVertexId> reg
       if (members.count(r) > 1 && is_failed.insert(r)) failed.push_back(r);
     };
     for (const FaultyCell& f : check.faulty_cells) fail(f.cell);
-    for (const PairFault& p : check.pair_faults) fail(members.count(p.b) > members.count(p.a) ? p.b : p.a);
-    if (failed.empty()) {  // the arcs of two single c-vertices are faulty because of the regions around them
+    for (const PairFault& p : check.pair_faults)
+      fail(members.count(p.b) > members.count(p.a) ? p.b : p.a);
+    if (failed.empty()) {  // the arcs of two single c-vertices are faulty because of the regions
+                           // around them
       std::vector<CVertexId> single;
-      for (const PairFault& p : check.pair_faults) single.insert(single.end(), {representative[p.a], representative[p.b]});
-      for (const CellId r : scoped.cells_near(complex, adjacency, region_of, single, control)) fail(r);
+      for (const PairFault& p : check.pair_faults)
+        single.insert(single.end(), {representative[p.a], representative[p.b]});
+      for (const CellId r : scoped.cells_near(complex, adjacency, region_of, single, control))
+        fail(r);
     }
-    if (failed.empty()) throw Error(ErrorCode::internal, "the certificate fails with every c-vertex its own region");
+    if (failed.empty())
+      throw Error(ErrorCode::internal, "the certificate fails with every c-vertex its own region");
     changed.clear();
     split(failed);
     scope = scoped.cells_near(complex, adjacency, region_of, changed, control);
@@ -396,9 +424,11 @@ void split_regions(const SurfaceComplex& complex, std::span<const CVertexId> reg
 
 void certify_regions(const SurfaceComplex& complex, Coarsened& coarser, const RunControl& control) {
   const PartitionCheck check =
-      check_partition(complex, coarser.region_of, static_cast<CellId>(coarser.representative.size()), {}, {}, control);
+      check_partition(complex, coarser.region_of,
+                      static_cast<CellId>(coarser.representative.size()), {}, {}, control);
   if (!check.passed() || fingerprint(check.triangles) != fingerprint(coarser.triangles.list()))
-    throw Error(ErrorCode::internal, "the coarser complex is not certified; please report the volume and the options");
+    throw Error(ErrorCode::internal,
+                "the coarser complex is not certified; please report the volume and the options");
   fill_report(check, coarser.certificate);
 }
 

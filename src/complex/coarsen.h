@@ -12,11 +12,14 @@
 namespace isoatlas::detail {
 
 struct Coarsened {
-  SurfaceComplex complex;                 ///< all triangles; homeomorphic to the input
-  std::vector<CVertexId> representative;  ///< per c-vertex of `complex`, the c-vertex of the input at its position
-  std::vector<CellId> region_of;          ///< per c-vertex of the input, the c-vertex of `complex` that represents it
-  DualTriangles triangles;                ///< the faces of `complex`
-  CertificateReport certificate;          ///< of the partition; `repair_rounds` counts the rounds of checks and splits
+  SurfaceComplex complex;  ///< all triangles; homeomorphic to the input
+  std::vector<CVertexId>
+      representative;  ///< per c-vertex of `complex`, the c-vertex of the input at its position
+  std::vector<CellId>
+      region_of;  ///< per c-vertex of the input, the c-vertex of `complex` that represents it
+  DualTriangles triangles;  ///< the faces of `complex`
+  CertificateReport
+      certificate;  ///< of the partition; `repair_rounds` counts the rounds of checks and splits
 };
 
 /// A certified coarser complex: c-vertices are joined within blocks of space as long as the
@@ -26,7 +29,8 @@ struct Coarsened {
 /// @param block_length  edge of the largest blocks, world units
 /// @post  homeomorphic to the input, component by component; deterministic
 /// @cost  O(C) per round, 3 to 10 rounds
-Coarsened coarsen(const SurfaceComplex& complex, double block_length, const RunControl& control = {});
+Coarsened coarsen(const SurfaceComplex& complex, double block_length,
+                  const RunControl& control = {});
 
 /// Refines a coarser complex to its input in some places. Its c-vertices keep their ids and
 /// positions; new ones are appended.
@@ -39,13 +43,15 @@ Coarsened coarsen(const SurfaceComplex& complex, double block_length, const RunC
 ///                 position now
 /// @post  as of coarsen(), which may require that other regions are split too; but only the
 ///        neighbourhood of the changes was checked: see certify_regions()
-void split_regions(const SurfaceComplex& complex, std::span<const CVertexId> regions, std::span<const CVertexId> touched,
-                   Coarsened& coarser, const RunControl& control = {});
+void split_regions(const SurfaceComplex& complex, std::span<const CVertexId> regions,
+                   std::span<const CVertexId> touched, Coarsened& coarser,
+                   const RunControl& control = {});
 
 /// Computes the complete certificate of the regions, after split_regions().
 /// @param complex  the same as there
 /// @throws Error(internal) if it fails or its faces differ from the coarser complex, which would be
 ///         a bug
-void certify_regions(const SurfaceComplex& complex, Coarsened& coarser, const RunControl& control = {});
+void certify_regions(const SurfaceComplex& complex, Coarsened& coarser,
+                     const RunControl& control = {});
 
 }  // namespace isoatlas::detail

@@ -15,13 +15,17 @@ namespace isoatlas::detail {
 class ComplexAdjacency {
  public:
   ComplexAdjacency() = default;
-  /// O(F). 12 bytes per c-vertex and 4 per corner of a face, 8 more per c-vertex if there is a boundary.
+  /// O(F). 12 bytes per c-vertex and 4 per corner of a face, 8 more per c-vertex if there is a
+  /// boundary.
   explicit ComplexAdjacency(const SurfaceComplex& complex, const RunControl& control = {});
 
   std::span<const FaceId> faces_of(CVertexId v) const { return faces_.row(v); }
-  /// The c-vertex after v on its boundary loop, in the direction of the boundary sides; kNone inside the surface.
+  /// The c-vertex after v on its boundary loop, in the direction of the boundary sides; kNone
+  /// inside the surface.
   CVertexId next_on_boundary(CVertexId v) const { return v < next_.size() ? next_[v] : kNone; }
-  CVertexId previous_on_boundary(CVertexId v) const { return v < previous_.size() ? previous_[v] : kNone; }
+  CVertexId previous_on_boundary(CVertexId v) const {
+    return v < previous_.size() ? previous_[v] : kNone;
+  }
 
  private:
   SlackRows<FaceId> faces_;

@@ -18,7 +18,9 @@ std::vector<double> enclosed_volumes(const SurfaceComplex& complex, const Compon
   for (const Face& face : complex.faces) {
     const ComponentId c = components.of_c_vertex[face.corner[0]];
     const Vec3 origin = complex.positions[first[c]];
-    const auto at = [&](int k) { return to_metric(complex.positions[face.corner[k]] - origin, complex.spacing); };
+    const auto at = [&](int k) {
+      return to_metric(complex.positions[face.corner[k]] - origin, complex.spacing);
+    };
     for (int k = 2; k < face.size(); ++k) six_volumes[c] += dot(at(0), cross(at(k - 1), at(k)));
   }
   for (double& volume : six_volumes) volume = std::abs(volume) / 6;
@@ -27,7 +29,8 @@ std::vector<double> enclosed_volumes(const SurfaceComplex& complex, const Compon
 
 }  // namespace
 
-ComponentSizes component_sizes(const SurfaceComplex& complex, const Components& components, const SurfaceComplex& closed) {
+ComponentSizes component_sizes(const SurfaceComplex& complex, const Components& components,
+                               const SurfaceComplex& closed) {
   ComponentSizes sizes;
   sizes.part_of.assign(components.topology.size(), kNone);
   if (&closed == &complex) {
@@ -43,8 +46,11 @@ ComponentSizes component_sizes(const SurfaceComplex& complex, const Components& 
   for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
     if (complex.on_boundary[v]) continue;
     CVertexId counterpart = next;
-    while (counterpart < closed.c_vertex_count() && !(closed.positions[counterpart] == complex.positions[v])) ++counterpart;
-    if (counterpart == closed.c_vertex_count()) break;  // c-vertices of split faces, at the end of both
+    while (counterpart < closed.c_vertex_count() &&
+           !(closed.positions[counterpart] == complex.positions[v]))
+      ++counterpart;
+    if (counterpart == closed.c_vertex_count())
+      break;  // c-vertices of split faces, at the end of both
     next = counterpart + 1;
     sizes.part_of[components.of_c_vertex[v]] = parts.of_c_vertex[counterpart];
   }

@@ -19,6 +19,7 @@ struct ComponentSizes {
 /// @param closed  the surface of the same volume parsed with ParseOptions::closed and otherwise
 ///                equal options, or `complex` itself if it has no boundary
 /// @cost  O(F) for the faces of both
-ComponentSizes component_sizes(const SurfaceComplex& complex, const Components& components, const SurfaceComplex& closed);
+ComponentSizes component_sizes(const SurfaceComplex& complex, const Components& components,
+                               const SurfaceComplex& closed);
 
 }  // namespace isoatlas::detail

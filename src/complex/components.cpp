@@ -14,7 +14,8 @@ constexpr std::size_t kFacesPerPiece = 16384;  // faces per piece of a parallel 
 std::vector<std::uint8_t> open_flags(const Components& components) {
   std::vector<std::uint8_t> is_open;
   is_open.reserve(components.topology.size());
-  for (const ComponentTopology& topology : components.topology) is_open.push_back(topology.boundary_loops > 0 ? 1 : 0);
+  for (const ComponentTopology& topology : components.topology)
+    is_open.push_back(topology.boundary_loops > 0 ? 1 : 0);
   return is_open;
 }
 
@@ -40,13 +41,16 @@ Components find_components(const SurfaceComplex& complex) {
     }
     twice_euler[out.of_c_vertex[v]] += 2;
   }
-  for (const Face& face : complex.faces) twice_euler[out.of_c_vertex[face.corner[0]]] += 2 - face.size();
+  for (const Face& face : complex.faces)
+    twice_euler[out.of_c_vertex[face.corner[0]]] += 2 - face.size();
   for (const BoundarySide& s : complex.boundary) twice_euler[out.of_c_vertex[s.from]] -= 1;
 
   out.topology.resize(twice_euler.size());
-  for (std::size_t c = 0; c < twice_euler.size(); ++c) out.topology[c].euler_characteristic = twice_euler[c] / 2;
+  for (std::size_t c = 0; c < twice_euler.size(); ++c)
+    out.topology[c].euler_characteristic = twice_euler[c] / 2;
 
-  // Every boundary c-vertex has one boundary side in and one out, so loops are the components of the boundary sides.
+  // Every boundary c-vertex has one boundary side in and one out, so loops are the components of
+  // the boundary sides.
   DisjointSets loops(complex.boundary.empty() ? 0 : n);
   for (const BoundarySide& s : complex.boundary) loops.unite(s.from, s.to);
   for (const BoundarySide& s : complex.boundary) {

@@ -17,8 +17,8 @@ struct Components {
 /// Per component, 1 if it has a boundary.
 std::vector<std::uint8_t> open_flags(const Components& components);
 
-/// Connected components with Euler characteristic V - E + F and boundary loops, counted on the complex.
-/// O(C α(C)) time, 8 bytes per c-vertex.
+/// Connected components with Euler characteristic V - E + F and boundary loops, counted on the
+/// complex. O(C α(C)) time, 8 bytes per c-vertex.
 Components find_components(const SurfaceComplex& complex);
 
 }  // namespace isoatlas::detail

@@ -4,18 +4,22 @@
 
 namespace isoatlas::detail {
 
-inline FaceCut cut_face(const SurfaceComplex& complex, const Face& face, const std::array<CellId, 4>& c, std::span<const CVertexId> site) {
+inline FaceCut cut_face(const SurfaceComplex& complex, const Face& face,
+                        const std::array<CellId, 4>& c, std::span<const CVertexId> site) {
   FaceCut out;
   if (face.is_triangle()) {
-    if (c[0] != c[1] && c[1] != c[2] && c[2] != c[0]) out.triangle[out.triangles++] = {{c[0], c[1], c[2]}, face.corner[0]};
+    if (c[0] != c[1] && c[1] != c[2] && c[2] != c[0])
+      out.triangle[out.triangles++] = {{c[0], c[1], c[2]}, face.corner[0]};
     return out;
   }
   const auto corner_distance = [&](int i, int j) {
-    return squared_distance(complex.positions[face.corner[i]], complex.positions[face.corner[j]], complex.spacing);
+    return squared_distance(complex.positions[face.corner[i]], complex.positions[face.corner[j]],
+                            complex.spacing);
   };
   const bool first = c[0] == c[2], second = c[1] == c[3];  // equal cells across the quad
   if (first || second) {
-    if (c[0] == c[1] || c[1] == c[2] || c[2] == c[3] || c[3] == c[0]) return out;  // already joined along a side, at most two cells
+    if (c[0] == c[1] || c[1] == c[2] || c[2] == c[3] || c[3] == c[0])
+      return out;  // already joined along a side, at most two cells
     const bool join_first = first && (!second || corner_distance(0, 2) <= corner_distance(1, 3));
     out.joined_corner = join_first ? 0 : 1;
     out.joined = c[out.joined_corner];
@@ -35,15 +39,18 @@ inline FaceCut cut_face(const SurfaceComplex& complex, const Face& face, const s
     d13 = corner_distance(1, 3);
   } else {
     const auto site_distance = [&](int i, int j) {
-      return squared_distance(complex.positions[site[c[i]]], complex.positions[site[c[j]]], complex.spacing);
+      return squared_distance(complex.positions[site[c[i]]], complex.positions[site[c[j]]],
+                              complex.spacing);
     };
     d02 = site_distance(0, 2);
     d13 = site_distance(1, 3);
   }
   if (d02 <= d13) {
-    out.triangle = {DualTriangle{{c[0], c[1], c[2]}, face.corner[1]}, DualTriangle{{c[0], c[2], c[3]}, face.corner[3]}};
+    out.triangle = {DualTriangle{{c[0], c[1], c[2]}, face.corner[1]},
+                    DualTriangle{{c[0], c[2], c[3]}, face.corner[3]}};
   } else {
-    out.triangle = {DualTriangle{{c[1], c[2], c[3]}, face.corner[2]}, DualTriangle{{c[1], c[3], c[0]}, face.corner[0]}};
+    out.triangle = {DualTriangle{{c[1], c[2], c[3]}, face.corner[2]},
+                    DualTriangle{{c[1], c[3], c[0]}, face.corner[0]}};
   }
   out.triangles = 2;
   return out;

@@ -5,7 +5,8 @@
 
 namespace isoatlas::detail {
 
-void drop_components(SurfaceComplex& complex, const Components& components, const std::vector<std::uint8_t>& dropped) {
+void drop_components(SurfaceComplex& complex, const Components& components,
+                     const std::vector<std::uint8_t>& dropped) {
   const auto is_dropped = [&](CVertexId v) { return dropped[components.of_c_vertex[v]] != 0; };
   std::vector<CVertexId> new_id(complex.c_vertex_count(), kNone);
   CVertexId kept = 0;

@@ -18,7 +18,8 @@ bool same_corners(const std::array<CellId, 3>& a, const std::array<CellId, 3>& b
 
 }  // namespace
 
-DualTriangles::DualTriangles(std::vector<DualTriangle> triangles, std::uint32_t cells) : list_(std::move(triangles)) {
+DualTriangles::DualTriangles(std::vector<DualTriangle> triangles, std::uint32_t cells)
+    : list_(std::move(triangles)) {
   std::vector<std::uint32_t> count(cells, 0);
   for (const DualTriangle& t : list_) {
     for (const CellId c : t.cell) ++count[c];
@@ -29,8 +30,8 @@ DualTriangles::DualTriangles(std::vector<DualTriangle> triangles, std::uint32_t 
   }
 }
 
-void DualTriangles::replace(std::span<const CellId> scope, std::span<const DualTriangle> triangles, std::uint32_t cells,
-                            const RunControl& control) {
+void DualTriangles::replace(std::span<const CellId> scope, std::span<const DualTriangle> triangles,
+                            std::uint32_t cells, const RunControl& control) {
   CancelPoll poll(control);
   if (cells > of_cell_.row_count()) of_cell_.resize_rows(cells);
   std::vector<std::uint32_t> old;
@@ -51,14 +52,15 @@ void DualTriangles::replace(std::span<const CellId> scope, std::span<const DualT
     for (const std::uint32_t i : of_cell_.row(t.cell[0])) {
       if (!same_corners(list_[i].cell, t.cell)) continue;
       const auto at = std::lower_bound(old.begin(), old.end(), i) - old.begin();
-      if (std::exchange(is_kept[static_cast<std::size_t>(at)], std::uint8_t{1})) continue;  // there are two with these corners
+      if (std::exchange(is_kept[static_cast<std::size_t>(at)], std::uint8_t{1}))
+        continue;  // there are two with these corners
       list_[i].at = t.at;
       found = true;
       break;
     }
     if (!found) added.push_back(t);
   }
-  std::size_t reused = 0;                       // number of added triangles that reuse the id of a removed one
+  std::size_t reused = 0;  // number of added triangles that reuse the id of a removed one
   for (std::size_t k = old.size(); k-- > 0;) {  // from the last one, so that earlier ids stay valid
     if (is_kept[k]) continue;
     poll.step();

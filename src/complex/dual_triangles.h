@@ -26,7 +26,8 @@ class DualTriangles {
   /// @param cells  the number of cells now; triangles with a corner in a cell beyond are replaced
   ///               as well
   /// @cost  number of removed and added triangles, times its logarithm
-  void replace(std::span<const CellId> scope, std::span<const DualTriangle> triangles, std::uint32_t cells, const RunControl& control = {});
+  void replace(std::span<const CellId> scope, std::span<const DualTriangle> triangles,
+               std::uint32_t cells, const RunControl& control = {});
 
  private:
   void add(const DualTriangle& triangle);

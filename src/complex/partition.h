@@ -11,14 +11,17 @@ namespace isoatlas::detail {
 /// A partition of the c-vertices of a complex into cells, each with one c-vertex as its site.
 struct Partition {
   std::vector<CellId> cell_of;  ///< per c-vertex, < site.size()
-  std::vector<CVertexId> site;  ///< per cell, a c-vertex of the cell; on the boundary if the cell touches the boundary
+  std::vector<CVertexId>
+      site;  ///< per cell, a c-vertex of the cell; on the boundary if the cell touches the boundary
   std::uint32_t cell_count() const { return static_cast<std::uint32_t>(site.size()); }
 };
 
-/// The dual of a partition has one triangle for every face, or half of a quad, with three different cells at its corners.
+/// The dual of a partition has one triangle for every face, or half of a quad, with three different
+/// cells at its corners.
 struct DualTriangle {
   std::array<CellId, 3> cell;  ///< in the order of the face's corners, so oriented as the face
-  CVertexId at = kNone;        ///< a corner of the face: where the three cells are adjacent on the surface
+  CVertexId at =
+      kNone;  ///< a corner of the face: where the three cells are adjacent on the surface
 };
 
 /// The dual of one face under a partition: which of its sides and diagonals lie inside a cell, and
@@ -34,11 +37,13 @@ struct FaceCut {
 
 /// For ABCD the diagonals are measured between the cells' sites; if `site` is empty, between the
 /// face's corners.
-inline FaceCut cut_face(const SurfaceComplex& complex, const Face& face, const std::array<CellId, 4>& c, std::span<const CVertexId> site);
+inline FaceCut cut_face(const SurfaceComplex& complex, const Face& face,
+                        const std::array<CellId, 4>& c, std::span<const CVertexId> site);
 
 /// The dual of a certified partition: again a surface complex of triangles, homeomorphic to the
 /// original. Its c-vertex i is the site of cell i.
-SurfaceComplex dual_complex(const SurfaceComplex& complex, const Partition& partition, std::span<const DualTriangle> triangles);
+SurfaceComplex dual_complex(const SurfaceComplex& complex, const Partition& partition,
+                            std::span<const DualTriangle> triangles);
 
 }  // namespace isoatlas::detail
 

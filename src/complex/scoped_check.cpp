@@ -19,9 +19,16 @@ constexpr std::size_t kCompleteCheckFraction = 16;
 // One check. check_partition() explains the counting, which is the same.
 class ScopedCheck::Run {
  public:
-  Run(ScopedCheck& scratch, const SurfaceComplex& complex, const ComplexAdjacency& adjacency, std::span<const CellId> cell_of,
-      const CellMembers& members, std::span<const CVertexId> site, const RunControl& control)
-      : s_(scratch), complex_(complex), adjacency_(adjacency), cell_of_(cell_of), members_(members), site_(site), poll_(control) {}
+  Run(ScopedCheck& scratch, const SurfaceComplex& complex, const ComplexAdjacency& adjacency,
+      std::span<const CellId> cell_of, const CellMembers& members, std::span<const CVertexId> site,
+      const RunControl& control)
+      : s_(scratch),
+        complex_(complex),
+        adjacency_(adjacency),
+        cell_of_(cell_of),
+        members_(members),
+        site_(site),
+        poll_(control) {}
 
   PartitionCheck run(std::span<const CellId> scope) {
     start(scope);
@@ -40,8 +47,9 @@ class ScopedCheck::Run {
     sort_ends();
     check_pairs(
         s_.sorted_ends_, [](CellId, CellId) { return true; }, check_);
-    std::sort(check_.pair_faults.begin(), check_.pair_faults.end(),
-              [](const PairFault& x, const PairFault& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; });
+    std::sort(
+        check_.pair_faults.begin(), check_.pair_faults.end(),
+        [](const PairFault& x, const PairFault& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; });
     return std::move(check_);
   }
 
@@ -114,7 +122,8 @@ class ScopedCheck::Run {
   void count_boundary(CVertexId v) {
     const CVertexId next = adjacency_.next_on_boundary(v);
     if (next == kNone) return;
-    const CellId own = cell_of_[v], after = cell_of_[next], before = cell_of_[adjacency_.previous_on_boundary(v)];
+    const CellId own = cell_of_[v], after = cell_of_[next],
+                 before = cell_of_[adjacency_.previous_on_boundary(v)];
     CellCount& of_cell = count(own);
     of_cell.touches_boundary = true;
     if (after == own) {
@@ -145,8 +154,9 @@ class ScopedCheck::Run {
     std::uint32_t from = 0;
     for (const CellCount& of_cell : s_.counts_) {
       const auto begin = s_.sorted_ends_.begin();
-      std::sort(begin + from, begin + of_cell.arc_ends,
-                [](const ArcEnd& x, const ArcEnd& y) { return x.low != y.low ? x.low < y.low : x.high < y.high; });
+      std::sort(begin + from, begin + of_cell.arc_ends, [](const ArcEnd& x, const ArcEnd& y) {
+        return x.low != y.low ? x.low < y.low : x.high < y.high;
+      });
       from = of_cell.arc_ends;
     }
   }
@@ -162,7 +172,8 @@ class ScopedCheck::Run {
     });
     if (of_cell.twice_euler != 2) fault |= kNotADisk;
     if (!of_cell.has_triangle) fault |= kNoTriangle;
-    if (of_cell.touches_boundary && (of_cell.boundary_ends != 2 || (!site_.empty() && !complex_.on_boundary[site_[cell]])))
+    if (of_cell.touches_boundary &&
+        (of_cell.boundary_ends != 2 || (!site_.empty() && !complex_.on_boundary[site_[cell]])))
       fault |= kBadBoundary;
     if (fault != 0) check_.faulty_cells.push_back({cell, fault});
   }
@@ -177,8 +188,9 @@ class ScopedCheck::Run {
   PartitionCheck check_;
 };
 
-PartitionCheck ScopedCheck::run(const SurfaceComplex& complex, const ComplexAdjacency& adjacency, std::span<const CellId> cell_of,
-                                const CellMembers& members, std::span<const CVertexId> site, std::span<const CellId> scope,
+PartitionCheck ScopedCheck::run(const SurfaceComplex& complex, const ComplexAdjacency& adjacency,
+                                std::span<const CellId> cell_of, const CellMembers& members,
+                                std::span<const CVertexId> site, std::span<const CellId> scope,
                                 const RunControl& control) {
   std::size_t c_vertices = 0;
   for (const CellId c : scope) c_vertices += members.count(c);
@@ -190,8 +202,10 @@ PartitionCheck ScopedCheck::run(const SurfaceComplex& complex, const ComplexAdja
   return Run(*this, complex, adjacency, cell_of, members, site, control).run(scope);
 }
 
-std::vector<CellId> ScopedCheck::cells_near(const SurfaceComplex& complex, const ComplexAdjacency& adjacency,
-                                            std::span<const CellId> cell_of, std::span<const CVertexId> changed,
+std::vector<CellId> ScopedCheck::cells_near(const SurfaceComplex& complex,
+                                            const ComplexAdjacency& adjacency,
+                                            std::span<const CellId> cell_of,
+                                            std::span<const CVertexId> changed,
                                             const RunControl& control) {
   std::vector<CellId> cells;
   in_scope_.clear();

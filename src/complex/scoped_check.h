@@ -18,15 +18,18 @@ class ScopedCheck {
   /// @param scope  the cells to check, each once; arcs and triples are checked if one of their
   ///               cells is in the scope, and `triangles` of the result are those with such a
   ///               corner
-  PartitionCheck run(const SurfaceComplex& complex, const ComplexAdjacency& adjacency, std::span<const CellId> cell_of,
-                     const CellMembers& members, std::span<const CVertexId> site, std::span<const CellId> scope,
+  PartitionCheck run(const SurfaceComplex& complex, const ComplexAdjacency& adjacency,
+                     std::span<const CellId> cell_of, const CellMembers& members,
+                     std::span<const CVertexId> site, std::span<const CellId> scope,
                      const RunControl& control = {});
 
   /// The cells that may have become faulty or correct because of a change of the partition: all
   /// that share a face with a changed c-vertex. Sorted.
   /// @cost  the faces around the changed c-vertices
-  std::vector<CellId> cells_near(const SurfaceComplex& complex, const ComplexAdjacency& adjacency, std::span<const CellId> cell_of,
-                                 std::span<const CVertexId> changed, const RunControl& control = {});
+  std::vector<CellId> cells_near(const SurfaceComplex& complex, const ComplexAdjacency& adjacency,
+                                 std::span<const CellId> cell_of,
+                                 std::span<const CVertexId> changed,
+                                 const RunControl& control = {});
 
  private:
   struct CellCount {

@@ -15,9 +15,12 @@ std::string validate(const SurfaceComplex& complex) {
   std::ostringstream out;
   if (complex.on_boundary.size() != n) return "on_boundary has a wrong size";
 
-  std::map<std::pair<CVertexId, CVertexId>, int> directed;                // directed side -> faces that run along it
-  std::map<std::pair<CVertexId, CVertexId>, std::set<FaceId>> diagonals;  // undirected diagonal -> quads
-  std::vector<std::vector<std::pair<CVertexId, CVertexId>>> links(n);     // per c-vertex (next, previous) in each face
+  std::map<std::pair<CVertexId, CVertexId>, int>
+      directed;  // directed side -> faces that run along it
+  std::map<std::pair<CVertexId, CVertexId>, std::set<FaceId>>
+      diagonals;  // undirected diagonal -> quads
+  std::vector<std::vector<std::pair<CVertexId, CVertexId>>> links(
+      n);  // per c-vertex (next, previous) in each face
   for (FaceId f = 0; f < complex.face_count(); ++f) {
     const Face& face = complex.faces[f];
     const int size = face.size();
@@ -57,7 +60,8 @@ std::string validate(const SurfaceComplex& complex) {
     const bool twin = directed.count({side.second, side.first}) > 0;
     if (twin == (boundary.count(side) > 0)) {
       out << "side " << side.first << "->" << side.second
-          << (twin ? " is listed as boundary but has a twin" : " has no twin and is not listed as boundary");
+          << (twin ? " is listed as boundary but has a twin"
+                   : " has no twin and is not listed as boundary");
       return out.str();
     }
     if (diagonals.count(std::minmax(side.first, side.second))) {
@@ -93,7 +97,8 @@ std::string validate(const SurfaceComplex& complex) {
         ++starts;
       }
     }
-    if (starts > 1 || (starts == 1) != (boundary_degree[v] == 2) || (boundary_degree[v] != 0 && boundary_degree[v] != 2)) {
+    if (starts > 1 || (starts == 1) != (boundary_degree[v] == 2) ||
+        (boundary_degree[v] != 0 && boundary_degree[v] != 2)) {
       out << "c-vertex " << v << ": its faces are not one fan";
       return out.str();
     }

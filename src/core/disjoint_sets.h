@@ -48,8 +48,12 @@ class DisjointSets {
   void reset(std::uint32_t i) { set_parent(i, i); }
 
  private:
-  std::uint32_t parent_of(std::uint32_t i) const { return parent_[i].load(std::memory_order_relaxed); }
-  void set_parent(std::uint32_t i, std::uint32_t parent) { parent_[i].store(parent, std::memory_order_relaxed); }
+  std::uint32_t parent_of(std::uint32_t i) const {
+    return parent_[i].load(std::memory_order_relaxed);
+  }
+  void set_parent(std::uint32_t i, std::uint32_t parent) {
+    parent_[i].store(parent, std::memory_order_relaxed);
+  }
 
   std::vector<std::atomic<std::uint32_t>> parent_;
 };

@@ -15,7 +15,9 @@ namespace isoatlas::detail {
 inline std::uint64_t length_key(float length, std::uint32_t id) {
   return static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(length)) << 32 | id;
 }
-inline float key_length(std::uint64_t key) { return std::bit_cast<float>(static_cast<std::uint32_t>(key >> 32)); }
+inline float key_length(std::uint64_t key) {
+  return std::bit_cast<float>(static_cast<std::uint32_t>(key >> 32));
+}
 inline std::uint32_t key_id(std::uint64_t key) { return static_cast<std::uint32_t>(key); }
 
 /// Binary heap of such keys; clear() keeps the memory for reuse.
@@ -70,12 +72,16 @@ class MonotoneQueue {
   static std::uint32_t bits_of(std::uint64_t key) { return static_cast<std::uint32_t>(key >> 32); }
   // The bucket of a key is the highest bit in which its length differs from the last one popped:
   // all lengths in a bucket are smaller than those in the next.
-  std::size_t bucket_of(std::uint64_t key) const { return static_cast<std::size_t>(std::bit_width(bits_of(key) ^ last_)); }
+  std::size_t bucket_of(std::uint64_t key) const {
+    return static_cast<std::size_t>(std::bit_width(bits_of(key) ^ last_));
+  }
 
   void refill() {
-    const auto next = std::find_if(buckets_.begin() + 1, buckets_.end(), [](const auto& keys) { return !keys.empty(); });
+    const auto next = std::find_if(buckets_.begin() + 1, buckets_.end(),
+                                   [](const auto& keys) { return !keys.empty(); });
     last_ = bits_of(*std::min_element(next->begin(), next->end()));
-    for (const std::uint64_t key : *next) buckets_[bucket_of(key)].push_back(key);  // into earlier ones
+    for (const std::uint64_t key : *next)
+      buckets_[bucket_of(key)].push_back(key);  // into earlier ones
     next->clear();
   }
 
@@ -85,6 +91,7 @@ class MonotoneQueue {
 };
 
 using NearestFirst = KeyHeap<std::greater<>>;  ///< pops the smallest length, ties by the smaller id
-using FarthestFirst = KeyHeap<std::less<>>;    ///< pops the largest; store ~id for ties by the smaller id
+using FarthestFirst =
+    KeyHeap<std::less<>>;  ///< pops the largest; store ~id for ties by the smaller id
 
 }  // namespace isoatlas::detail

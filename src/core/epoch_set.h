@@ -18,7 +18,8 @@ class EpochSet {
   }
   /// @return false if it was already contained
   bool insert(std::uint32_t i) {
-    if (i >= stamps_.size()) stamps_.resize(std::max<std::size_t>(std::size_t{i} + 1, 2 * stamps_.size()), 0);
+    if (i >= stamps_.size())
+      stamps_.resize(std::max<std::size_t>(std::size_t{i} + 1, 2 * stamps_.size()), 0);
     if (stamps_[i] == epoch_) return false;
     stamps_[i] = epoch_;
     return true;

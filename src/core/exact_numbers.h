@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Samples without rounding, and two kinds of numbers to compute signs with: doubles with a bound of their error, which nearly always
-// suffice, and integers as long as necessary.
+// Samples without rounding, and two kinds of numbers to compute signs with: doubles with a bound of
+// their error, which nearly always suffice, and integers as long as necessary.
 #pragma once
 
 #include <algorithm>
@@ -33,18 +33,21 @@ struct ExactSample {
   ExactSample operator-() const { return {-high, -low}; }
 };
 
-/// A number and a bound of its error. The bounds use twice the unit of rounding, which more than compensates for their own rounding.
-/// A value that is not finite, or so small that a product may have lost all digits, decides nothing.
+/// A number and a bound of its error. The bounds use twice the unit of rounding, which more than
+/// compensates for their own rounding. A value that is not finite, or so small that a product may
+/// have lost all digits, decides nothing.
 struct Rounded {
   double value = 0, error = 0;
 
   Rounded() = default;
-  Rounded(double v, double e) : value(v), error(e + DBL_EPSILON * (std::fabs(v) + e) + kUnderflow) {}
+  Rounded(double v, double e)
+      : value(v), error(e + DBL_EPSILON * (std::fabs(v) + e) + kUnderflow) {}
 
   friend Rounded operator+(Rounded a, Rounded b) { return {a.value + b.value, a.error + b.error}; }
   friend Rounded operator-(Rounded a, Rounded b) { return {a.value - b.value, a.error + b.error}; }
   friend Rounded operator*(Rounded a, Rounded b) {
-    return {a.value * b.value, std::fabs(a.value) * b.error + std::fabs(b.value) * a.error + a.error * b.error};
+    return {a.value * b.value,
+            std::fabs(a.value) * b.error + std::fabs(b.value) * a.error + a.error * b.error};
   }
 
  private:

@@ -12,12 +12,16 @@ namespace isoatlas::detail {
 /// The text with ASCII letters in lower case; all other bytes are unchanged, in every locale.
 inline std::string lower_case(std::string_view text) {
   std::string lower(text);
-  std::ranges::transform(lower, lower.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  std::ranges::transform(lower, lower.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
   return lower;
 }
 
 /// The extension in lower case, with its dot: ".nrrd"; empty if the name has none.
-inline std::string lower_case_extension(const std::filesystem::path& path) { return lower_case(path.extension().string()); }
+inline std::string lower_case_extension(const std::filesystem::path& path) {
+  return lower_case(path.extension().string());
+}
 
 /// Whether the file's name, in any case, ends with one of `extensions`, which are separated by
 /// blanks: ".nii .nii.gz".

@@ -16,7 +16,8 @@ struct Nesting {
   /// per component: 1 outward, -1 inward (it bounds a cavity), 0 undefined (it is open or has no
   /// volume)
   std::vector<std::int8_t> facing;
-  std::vector<std::uint32_t> parent;  ///< per component: the innermost one that encloses it; kNone: there is none, or it is open
+  std::vector<std::uint32_t> parent;  ///< per component: the innermost one that encloses it; kNone:
+                                      ///< there is none, or it is open
   friend bool operator==(const Nesting&, const Nesting&) = default;
 };
 
@@ -24,7 +25,8 @@ struct Nesting {
 inline std::vector<std::uint8_t> differences(const Nesting& nesting, const Nesting& wanted) {
   std::vector<std::uint8_t> differ(wanted.facing.size(), 0);
   for (std::size_t c = 0; c < differ.size(); ++c) {
-    differ[c] = nesting.facing[c] != wanted.facing[c] || nesting.parent[c] != wanted.parent[c] ? 1 : 0;
+    differ[c] =
+        nesting.facing[c] != wanted.facing[c] || nesting.parent[c] != wanted.parent[c] ? 1 : 0;
   }
   return differ;
 }
@@ -51,10 +53,12 @@ inline Nesting without(const Nesting& nesting, std::span<const std::uint8_t> dro
 
 /// Computes the parents from the sets of enclosing components.
 /// @param enclosing  per component, those that enclose it, in any order
-inline std::vector<std::uint32_t> parents_of(std::span<const std::vector<std::uint32_t>> enclosing) {
+inline std::vector<std::uint32_t> parents_of(
+    std::span<const std::vector<std::uint32_t>> enclosing) {
   std::vector<std::uint32_t> parent(enclosing.size(), kNone);
   for (std::size_t c = 0; c < enclosing.size(); ++c) {
-    for (const std::uint32_t outer : enclosing[c]) {  // the innermost one has the most enclosing components
+    for (const std::uint32_t outer :
+         enclosing[c]) {  // the innermost one has the most enclosing components
       std::uint32_t& best = parent[c];
       if (best == kNone || enclosing[outer].size() > enclosing[best].size() ||
           (enclosing[outer].size() == enclosing[best].size() && outer < best))

@@ -14,7 +14,8 @@ namespace isoatlas::detail {
 
 namespace {
 
-thread_local tbb::task_arena* limited = nullptr;  // of this thread's ThreadLimit; null: loops use the current arena
+thread_local tbb::task_arena* limited =
+    nullptr;  // of this thread's ThreadLimit; null: loops use the current arena
 
 // Threads that work on a loop inherit the limit of the thread that started it.
 class InheritedLimit {
@@ -48,7 +49,8 @@ ThreadLimit::~ThreadLimit() {
   delete state_;
 }
 
-void for_each_piece(std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body) {
+void for_each_piece(std::size_t n, std::size_t grain,
+                    const std::function<void(std::size_t, std::size_t)>& body) {
   if (n == 0) return;
   const auto loop = [&, limit = limited] {
     tbb::parallel_for(

@@ -29,7 +29,8 @@ class ThreadLimit {
 
 /// Calls body(begin, end) on pieces of [0, n) of at most `grain` items. Exceptions thrown by a
 /// piece reach the caller.
-void for_each_piece(std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body);
+void for_each_piece(std::size_t n, std::size_t grain,
+                    const std::function<void(std::size_t, std::size_t)>& body);
 
 /// Calls both, in parallel if a thread is free. Neither may depend on the other.
 void run_both(const std::function<void()>& first, const std::function<void()>& second);
@@ -57,7 +58,9 @@ void for_each_index(std::size_t n, std::size_t grain, const RunControl* control,
 template <class Item, class Collect>
 std::vector<Item> collect_pieces(std::size_t n, std::size_t grain, const Collect& collect) {
   std::vector<std::vector<Item>> found((n + grain - 1) / grain);
-  for_each_index(found.size(), 1, [&](std::size_t piece) { collect(piece * grain, std::min(n, (piece + 1) * grain), found[piece]); });
+  for_each_index(found.size(), 1, [&](std::size_t piece) {
+    collect(piece * grain, std::min(n, (piece + 1) * grain), found[piece]);
+  });
   std::size_t count = 0;
   for (const auto& part : found) count += part.size();
   std::vector<Item> out;

@@ -6,7 +6,8 @@
 namespace isoatlas {
 
 void RunControl::check_cancelled() const {
-  if (cancel && cancel->load(std::memory_order_relaxed)) throw Error(ErrorCode::cancelled, "interrupted");
+  if (cancel && cancel->load(std::memory_order_relaxed))
+    throw Error(ErrorCode::cancelled, "interrupted");
 }
 
 void RunControl::report(std::string_view stage, double fraction) const {

@@ -11,6 +11,7 @@ namespace isoatlas::detail {
 ///
 /// @pre  all arguments finite
 /// @cost a floating-point filter nearly always decides; otherwise integers as long as necessary
-int saddle_sign(const ExactSample& a, const ExactSample& b, const ExactSample& c, const ExactSample& d, const ExactSample& q);
+int saddle_sign(const ExactSample& a, const ExactSample& b, const ExactSample& c,
+                const ExactSample& d, const ExactSample& q);
 
 }  // namespace isoatlas::detail

@@ -36,7 +36,9 @@ class SlackRows {
     rows_.resize(count);
   }
 
-  std::span<const Item> row(std::uint32_t r) const { return {items_.data() + rows_[r].first, rows_[r].size}; }
+  std::span<const Item> row(std::uint32_t r) const {
+    return {items_.data() + rows_[r].first, rows_[r].size};
+  }
   std::span<Item> row(std::uint32_t r) { return {items_.data() + rows_[r].first, rows_[r].size}; }
 
   void push_back(std::uint32_t r, const Item& item) {

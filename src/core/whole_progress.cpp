@@ -38,7 +38,8 @@ RunControl with_whole_progress(const RunControl& control, std::span<const StageS
     before += s.share;
   }
   const auto last_report = std::make_shared<LastReport>();
-  out.progress = [report = control.progress, intervals, last_report](std::string_view stage, double fraction) {
+  out.progress = [report = control.progress, intervals, last_report](std::string_view stage,
+                                                                     double fraction) {
     const auto found = std::ranges::find(intervals, stage, &Interval::stage);
     const bool is_over = found != intervals.end() && found->to <= last_report->fraction;
     if (stage == kContinues) {
@@ -46,7 +47,9 @@ RunControl with_whole_progress(const RunControl& control, std::span<const StageS
     } else if (!is_over) {
       last_report->stage = stage;
       if (found != intervals.end()) {
-        last_report->fraction = std::max(last_report->fraction, found->from + std::clamp(fraction, 0.0, 1.0) * (found->to - found->from));
+        last_report->fraction =
+            std::max(last_report->fraction,
+                     found->from + std::clamp(fraction, 0.0, 1.0) * (found->to - found->from));
         last_report->end = found->to;
       }
     }
@@ -62,7 +65,8 @@ void for_each_piece_reporting(std::size_t n, std::size_t grain, const RunControl
   const std::size_t block = kPiecesPerReport * grain;
   for (std::size_t first = 0; first < n; first += block) {
     if (first > 0 && control != nullptr) report_continuing(*control);
-    for_each_piece(std::min(block, n - first), grain, [&](std::size_t begin, std::size_t end) { body(first + begin, first + end); });
+    for_each_piece(std::min(block, n - first), grain,
+                   [&](std::size_t begin, std::size_t end) { body(first + begin, first + end); });
   }
 }
 

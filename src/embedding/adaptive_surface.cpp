@@ -19,7 +19,9 @@ namespace {
 
 // Number of axes along which a point is on a layer of samples: 0 inside a grid cell, 1 on a wall, 2
 // on an edge.
-int integer_coordinates(Vec3 p) { return (p.x == std::floor(p.x)) + (p.y == std::floor(p.y)) + (p.z == std::floor(p.z)); }
+int integer_coordinates(Vec3 p) {
+  return (p.x == std::floor(p.x)) + (p.y == std::floor(p.y)) + (p.z == std::floor(p.z));
+}
 
 using GridCell = CheckedCells::GridCell;
 constexpr std::size_t kPerPiece = 8192;  // c-vertices or faces, of a parallel loop
@@ -39,8 +41,8 @@ void sort_unique(std::vector<GridCell>& cells) {
 
 }  // namespace
 
-AdaptiveSurface::AdaptiveSurface(SurfaceComplex complex, Components components, Nesting nesting, InterpolatedField field,
-                                 const RunControl& control)
+AdaptiveSurface::AdaptiveSurface(SurfaceComplex complex, Components components, Nesting nesting,
+                                 InterpolatedField field, const RunControl& control)
     : complex_(std::move(complex)),
       components_(std::move(components)),
       nesting_(std::move(nesting)),
@@ -49,7 +51,8 @@ AdaptiveSurface::AdaptiveSurface(SurfaceComplex complex, Components components, 
       multi_sheet_cells_(complex_, field_, control_),
       parsed_count_(complex_.c_vertex_count()),
       depth_(parsed_count_, 0) {
-  for_each_index(parsed_count_, kPerPiece, [&](std::size_t v) { complex_.positions[v] = rounded(complex_.positions[v]); });
+  for_each_index(parsed_count_, kPerPiece,
+                 [&](std::size_t v) { complex_.positions[v] = rounded(complex_.positions[v]); });
   original_positions_ = complex_.positions;
   report_continuing(control_);
   multi_sheet_cells_.separate(complex_, control_);
@@ -63,7 +66,8 @@ AdaptiveSurface::AdaptiveSurface(SurfaceComplex complex, Components components, 
 void AdaptiveSurface::update_checked_cells() {
   const std::uint32_t n = complex_.c_vertex_count();
   const std::vector<Fineness> current = fineness();
-  std::vector<std::uint8_t> is_in_checked_cell(n, 0);  // inside a multi-sheet grid cell, which will be checked
+  std::vector<std::uint8_t> is_in_checked_cell(
+      n, 0);  // inside a multi-sheet grid cell, which will be checked
   std::vector<std::uint8_t> in_two_curves(n, 0);
   fixed_.assign(n, 0);
   CancelPoll poll(control_);
@@ -77,19 +81,24 @@ void AdaptiveSurface::update_checked_cells() {
   });
   control_.check_cancelled();
   std::vector<GridCell> cells = cells_with_small_pieces_;
-  const auto add_inside = [&](const Face& face, std::vector<CVertexId>& found) {  // finds c-vertices inside such grid cells
-    const int size = face.size();
-    const auto end = face.corner.begin() + size;
-    if (std::none_of(face.corner.begin(), end, [&](CVertexId v) { return in_two_curves[v] || is_in_checked_cell[v]; })) return;
-    for (int k = 0; k < size; ++k) {
-      const CVertexId v = face.corner[k];
-      if (integer_coordinates(complex_.positions[v]) > 0) continue;
-      if (in_two_curves[face.corner[(k + 1) % size]] || in_two_curves[face.corner[(k + 2) % size]] || is_in_checked_cell[v])
-        found.push_back(v);
-    }
-  };
-  std::vector<CVertexId> inside =
-      collect_pieces<CVertexId>(complex_.face_count(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+  const auto add_inside =
+      [&](const Face& face,
+          std::vector<CVertexId>& found) {  // finds c-vertices inside such grid cells
+        const int size = face.size();
+        const auto end = face.corner.begin() + size;
+        if (std::none_of(face.corner.begin(), end,
+                         [&](CVertexId v) { return in_two_curves[v] || is_in_checked_cell[v]; }))
+          return;
+        for (int k = 0; k < size; ++k) {
+          const CVertexId v = face.corner[k];
+          if (integer_coordinates(complex_.positions[v]) > 0) continue;
+          if (in_two_curves[face.corner[(k + 1) % size]] ||
+              in_two_curves[face.corner[(k + 2) % size]] || is_in_checked_cell[v])
+            found.push_back(v);
+        }
+      };
+  std::vector<CVertexId> inside = collect_pieces<CVertexId>(
+      complex_.face_count(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
         control_.check_cancelled();
         for (std::size_t f = begin; f < end; ++f) add_inside(complex_.faces[f], found);
       });
@@ -117,20 +126,26 @@ void AdaptiveSurface::update_checked_cells() {
   sort_unique(unsplit);
   is_in_unsplit_cell_.assign(n, 0);
   for_each_index(inside.size(), kPerPiece, &control_, [&](std::size_t i) {
-    is_in_unsplit_cell_[inside[i]] = std::binary_search(unsplit.begin(), unsplit.end(), grid_cell_of(complex_.positions[inside[i]]));
+    is_in_unsplit_cell_[inside[i]] = std::binary_search(
+        unsplit.begin(), unsplit.end(), grid_cell_of(complex_.positions[inside[i]]));
   });
   for (const Face& face : complex_.faces) {
-    if (std::none_of(face.corner.begin(), face.corner.begin() + face.size(), [&](CVertexId v) { return is_in_unsplit_cell_[v]; })) continue;
-    for (int k = 0; k < face.size(); ++k) fixed_[face.corner[k]] |= integer_coordinates(complex_.positions[face.corner[k]]) > 0;
+    if (std::none_of(face.corner.begin(), face.corner.begin() + face.size(),
+                     [&](CVertexId v) { return is_in_unsplit_cell_[v]; }))
+      continue;
+    for (int k = 0; k < face.size(); ++k)
+      fixed_[face.corner[k]] |= integer_coordinates(complex_.positions[face.corner[k]]) > 0;
   }
   report_continuing(control_);
   std::vector<GridCell> checkable;
-  std::set_difference(cells.begin(), cells.end(), unsplit.begin(), unsplit.end(), std::back_inserter(checkable));
+  std::set_difference(cells.begin(), cells.end(), unsplit.begin(), unsplit.end(),
+                      std::back_inserter(checkable));
   checked_cells_ = CheckedCells(complex_, checkable, control_);
 }
 
-std::vector<CVertexId> AdaptiveSurface::find_conflicting_moves(std::span<const CVertexId> moved, std::span<const Vec3> before,
-                                                               std::span<Vec3> positions, std::span<const CVertexId> check) const {
+std::vector<CVertexId> AdaptiveSurface::find_conflicting_moves(
+    std::span<const CVertexId> moved, std::span<const Vec3> before, std::span<Vec3> positions,
+    std::span<const CVertexId> check) const {
   struct Mover {
     CVertexId v;
     std::uint32_t number;  // index in `moved`
@@ -150,7 +165,8 @@ std::vector<CVertexId> AdaptiveSurface::find_conflicting_moves(std::span<const C
     next.clear();
     for (const CVertexId v : reverted) {
       const auto mover = std::ranges::lower_bound(movers, v, {}, &Mover::v);
-      if (mover == movers.end() || mover->v != v || std::exchange(mover->is_reverted, true)) continue;
+      if (mover == movers.end() || mover->v != v || std::exchange(mover->is_reverted, true))
+        continue;
       changed.emplace_back(v, std::exchange(positions[v], before[mover->number]));
       next.push_back(v);
     }
@@ -162,7 +178,8 @@ std::vector<CVertexId> AdaptiveSurface::find_conflicting_moves(std::span<const C
 
 // Multi-sheet grid cells are subdivided as a whole or not at all, so that they can be checked. This
 // includes those that a face to be subdivided reaches into.
-std::vector<CVertexId> AdaptiveSurface::with_multi_sheet_cells(std::span<const CVertexId> wanted) const {
+std::vector<CVertexId> AdaptiveSurface::with_multi_sheet_cells(
+    std::span<const CVertexId> wanted) const {
   std::vector<std::uint8_t> is_wanted(complex_.c_vertex_count(), 0);
   for (const CVertexId v : wanted) is_wanted[v] = 1;
   std::vector<CVertexId> out(wanted.begin(), wanted.end());
@@ -180,7 +197,8 @@ std::vector<CVertexId> AdaptiveSurface::with_multi_sheet_cells(std::span<const C
     for (const Face& face : complex_.faces) {
       if (face.is_triangle()) continue;
       const auto end = face.corner.begin() + face.size();
-      if (std::none_of(face.corner.begin(), end, [&](CVertexId v) { return is_wanted[v]; })) continue;
+      if (std::none_of(face.corner.begin(), end, [&](CVertexId v) { return is_wanted[v]; }))
+        continue;
       for (auto v = face.corner.begin(); v != end; ++v) {
         if (multi_sheet_cells_.contains(*v)) add_cell_of(*v);
       }
@@ -191,7 +209,8 @@ std::vector<CVertexId> AdaptiveSurface::with_multi_sheet_cells(std::span<const C
 
 // Only c-vertices that are alone in a grid cell, where they may be anywhere as long as nothing
 // around them is subdivided.
-void AdaptiveSurface::move_off_walls(std::span<const CVertexId> wanted, std::span<const CVertexId> fixed) {
+void AdaptiveSurface::move_off_walls(std::span<const CVertexId> wanted,
+                                     std::span<const CVertexId> fixed) {
   std::vector<std::uint8_t> is_fixed(complex_.c_vertex_count(), 0);
   for (const CVertexId v : fixed) is_fixed[v] = 1;
   for (const Face& face : complex_.faces) {
@@ -201,7 +220,9 @@ void AdaptiveSurface::move_off_walls(std::span<const CVertexId> wanted, std::spa
   for (const CVertexId v : wanted) {
     Vec3& p = complex_.positions[v];
     if (is_fixed[v] || multi_sheet_cells_.contains(v) || integer_coordinates(p) > 0) continue;
-    const auto inside = [](double x) { return std::clamp(x, std::floor(x) + kWallMargin, std::floor(x) + 1 - kWallMargin); };
+    const auto inside = [](double x) {
+      return std::clamp(x, std::floor(x) + kWallMargin, std::floor(x) + 1 - kWallMargin);
+    };
     const Vec3 kept = rounded({inside(p.x), inside(p.y), inside(p.z)});
     if (kept == p) continue;
     p = kept;
@@ -211,7 +232,8 @@ void AdaptiveSurface::move_off_walls(std::span<const CVertexId> wanted, std::spa
 
 // Subdivides the faces around each c-vertex to the next fineness. Where pieces become smaller,
 // everything else in their grid cells has to consist of pieces first, so that they can be compared.
-void AdaptiveSurface::subdivide(std::span<const CVertexId> wanted, std::span<const CVertexId> fixed) {
+void AdaptiveSurface::subdivide(std::span<const CVertexId> wanted,
+                                std::span<const CVertexId> fixed) {
   const std::vector<Fineness> old_fineness = fineness();
   touched_.clear();
   move_off_walls(wanted, fixed);
@@ -220,7 +242,8 @@ void AdaptiveSurface::subdivide(std::span<const CVertexId> wanted, std::span<con
   std::vector<GridCell> cells;
   for (const Face& face : complex_.faces) {
     const auto end = face.corner.begin() + face.size();
-    if (std::any_of(face.corner.begin(), end, [&](CVertexId v) { return is_wanted[v]; })) cells.push_back(grid_cell_of(complex_, face));
+    if (std::any_of(face.corner.begin(), end, [&](CVertexId v) { return is_wanted[v]; }))
+      cells.push_back(grid_cell_of(complex_, face));
   }
   control_.check_cancelled();
   sort_unique(cells);
@@ -230,7 +253,8 @@ void AdaptiveSurface::subdivide(std::span<const CVertexId> wanted, std::span<con
     for (CVertexId v = 0; v < complex_.c_vertex_count() && !cells.empty(); ++v) {
       const Vec3 p = complex_.positions[v];
       if (current[v] == Fineness::pieces || integer_coordinates(p) > 0) continue;
-      if (std::binary_search(cells.begin(), cells.end(), grid_cell_of(p))) not_in_pieces.push_back(v);
+      if (std::binary_search(cells.begin(), cells.end(), grid_cell_of(p)))
+        not_in_pieces.push_back(v);
     }
     control_.check_cancelled();
     if (not_in_pieces.empty()) break;
@@ -238,17 +262,20 @@ void AdaptiveSurface::subdivide(std::span<const CVertexId> wanted, std::span<con
     subdivide_once(with_multi_sheet_cells(not_in_pieces), current);
   }
   std::vector<CVertexId> left;
-  std::copy_if(wanted.begin(), wanted.end(), std::back_inserter(left), [&](CVertexId v) { return current[v] == old_fineness[v]; });
+  std::copy_if(wanted.begin(), wanted.end(), std::back_inserter(left),
+               [&](CVertexId v) { return current[v] == old_fineness[v]; });
   subdivide_once(with_multi_sheet_cells(left), current);
   report_continuing(control_);
   update_checked_cells();
 }
 
-void AdaptiveSurface::subdivide_once(std::span<const CVertexId> wanted, const std::vector<Fineness>& old_fineness) {
+void AdaptiveSurface::subdivide_once(std::span<const CVertexId> wanted,
+                                     const std::vector<Fineness>& old_fineness) {
   const CVertexId before = complex_.c_vertex_count();
   int new_depth = 0;
   for (const CVertexId v : wanted) new_depth = std::max(new_depth, depth_[v] + 1);
-  const Subdivision subdivision = subdivide_in_place(complex_, wanted, old_fineness, {field_, multi_sheet_cells_.flags(), &control_});
+  const Subdivision subdivision = subdivide_in_place(
+      complex_, wanted, old_fineness, {field_, multi_sheet_cells_.flags(), &control_});
   report_continuing(control_);
   touched_.insert(touched_.end(), subdivision.touched.begin(), subdivision.touched.end());
   std::vector<ComponentId> component;
@@ -263,18 +290,24 @@ void AdaptiveSurface::subdivide_once(std::span<const CVertexId> wanted, const st
   subdivision_count_ += wanted.size();
   added_count_ += subdivision.origin.size();
   if (!subdivision.origin.empty()) max_depth_ = std::max(max_depth_, new_depth);
-  if (std::any_of(wanted.begin(), wanted.end(), [&](CVertexId v) { return old_fineness[v] == Fineness::pieces; }))
+  if (std::any_of(wanted.begin(), wanted.end(),
+                  [&](CVertexId v) { return old_fineness[v] == Fineness::pieces; }))
     flatten_intersecting_pieces(subdivision, before);
 }
 
 // Pieces of flat triangles that are flat themselves intersect no more than the triangles do. So
 // wherever pieces in one grid cell intersect, its new points go back to the midpoints of their
 // sides.
-void AdaptiveSurface::flatten_intersecting_pieces(const Subdivision& subdivision, CVertexId first_new) {
-  const auto is_midpoint = [&](CVertexId v) { return v >= first_new && subdivision.between[v - first_new][0] != kNone; };
+void AdaptiveSurface::flatten_intersecting_pieces(const Subdivision& subdivision,
+                                                  CVertexId first_new) {
+  const auto is_midpoint = [&](CVertexId v) {
+    return v >= first_new && subdivision.between[v - first_new][0] != kNone;
+  };
   std::vector<std::pair<GridCell, Triangle>> pieces;  // of the grid cells with such points
   CancelPoll poll(control_);
-  const auto has_midpoint = [&](const Face& face) { return std::any_of(face.corner.begin(), face.corner.begin() + 3, is_midpoint); };
+  const auto has_midpoint = [&](const Face& face) {
+    return std::any_of(face.corner.begin(), face.corner.begin() + 3, is_midpoint);
+  };
   std::vector<GridCell> cells;
   for (const Face& face : complex_.faces) {
     poll.step();
@@ -292,7 +325,8 @@ void AdaptiveSurface::flatten_intersecting_pieces(const Subdivision& subdivision
     pieces.emplace_back(cell, Triangle{face.corner[0], face.corner[1], face.corner[2]});
   }
   control_.check_cancelled();
-  std::stable_sort(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::stable_sort(pieces.begin(), pieces.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
   for (bool again = true; again;) {  // repeats, because a point on a wall is in two grid cells
     again = false;
     for (std::size_t from = 0, to; from < pieces.size(); from = to) {
@@ -302,7 +336,8 @@ void AdaptiveSurface::flatten_intersecting_pieces(const Subdivision& subdivision
       bool intersect = false;
       for (std::size_t i = from; i < to && !intersect; ++i) {
         for (std::size_t j = i + 1; j < to && !intersect; ++j)
-          intersect = intersect_beyond_shared_simplex(complex_.positions, pieces[i].second, pieces[j].second);
+          intersect = intersect_beyond_shared_simplex(complex_.positions, pieces[i].second,
+                                                      pieces[j].second);
       }
       if (!intersect) continue;
       for (std::size_t i = from; i < to; ++i) {

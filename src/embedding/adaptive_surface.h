@@ -23,7 +23,8 @@ class AdaptiveSurface {
   /// @pre the complex is as it was parsed. C-vertices are moved where several surfels of one grid
   ///      cell would intersect.
   /// @param control  for cancellation and progress, here and in subdivide()
-  AdaptiveSurface(SurfaceComplex complex, Components components, Nesting nesting, InterpolatedField field, const RunControl& control = {});
+  AdaptiveSurface(SurfaceComplex complex, Components components, Nesting nesting,
+                  InterpolatedField field, const RunControl& control = {});
 
   const SurfaceComplex& complex() const { return complex_; }
   const Components& components() const { return components_; }
@@ -39,7 +40,8 @@ class AdaptiveSurface {
   }  ///< per c-vertex; O(F)
   /// Of some c-vertices. O(F) with a small constant
   std::vector<Fineness> fineness(std::span<const CVertexId> c_vertices) const {
-    return isoatlas::detail::fineness(complex_, {field_, multi_sheet_cells_.flags(), &control_}, c_vertices);
+    return isoatlas::detail::fineness(complex_, {field_, multi_sheet_cells_.flags(), &control_},
+                                      c_vertices);
   }
 
   /// See the function of this name in subdivide.h. Everything that was derived from the complex
@@ -67,13 +69,15 @@ class AdaptiveSurface {
   /// @param check      the grid cells of these are checked: all that have moved since surfels were
   ///                   known not to intersect
   /// @cost  the grid cells around what moved
-  std::vector<CVertexId> find_conflicting_moves(std::span<const CVertexId> moved, std::span<const Vec3> before, std::span<Vec3> positions,
+  std::vector<CVertexId> find_conflicting_moves(std::span<const CVertexId> moved,
+                                                std::span<const Vec3> before,
+                                                std::span<Vec3> positions,
                                                 std::span<const CVertexId> check) const;
 
   /// Number of c-vertices around which faces were subdivided, counted each time.
   std::size_t subdivision_count() const { return subdivision_count_; }
   std::size_t added_count() const { return added_count_; }  ///< number of added c-vertices
-  int max_depth() const { return max_depth_; }              ///< largest number of subdivisions of a face
+  int max_depth() const { return max_depth_; }  ///< largest number of subdivisions of a face
 
  private:
   void update_checked_cells();

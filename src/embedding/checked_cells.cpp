@@ -26,7 +26,8 @@ bool any_intersect(std::span<const Triangle> triangles, std::span<const Vec3> po
 
 }  // namespace
 
-CheckedCells::CheckedCells(const SurfaceComplex& complex, std::span<const GridCell> cells, const RunControl& control)
+CheckedCells::CheckedCells(const SurfaceComplex& complex, std::span<const GridCell> cells,
+                           const RunControl& control)
     : complex_size_(complex.c_vertex_count()) {
   using Found = std::pair<std::uint32_t, Triangle>;
   const auto add = [&](Vec3 p, const Triangle& t, std::vector<Found>& found) {
@@ -36,24 +37,31 @@ CheckedCells::CheckedCells(const SurfaceComplex& complex, std::span<const GridCe
     const auto c = static_cast<std::uint32_t>(at - cells.begin());
     if (found.empty() || found.back() != std::pair(c, t)) found.emplace_back(c, t);
   };
-  const auto is_inside = [](Vec3 p) { return p.x != std::floor(p.x) && p.y != std::floor(p.y) && p.z != std::floor(p.z); };
+  const auto is_inside = [](Vec3 p) {
+    return p.x != std::floor(p.x) && p.y != std::floor(p.y) && p.z != std::floor(p.z);
+  };
   const std::size_t faces = cells.empty() ? 0 : complex.face_count();
-  auto found = collect_pieces<Found>(faces, kFacesPerPiece, [&](std::size_t begin, std::size_t end, std::vector<Found>& out) {
-    control.check_cancelled();
-    for (const Face& face : std::span(complex.faces).subspan(begin, end - begin)) {
-      if (!face.is_triangle()) continue;
-      const Triangle t{face.corner[0], face.corner[1], face.corner[2]};
-      bool any_inside = false;
-      for (const CVertexId v : t) {
-        if (!is_inside(complex.positions[v])) continue;
-        add(complex.positions[v], t, out);
-        any_inside = true;
-      }
-      if (!any_inside) add((1.0 / 3) * (complex.positions[t[0]] + complex.positions[t[1]] + complex.positions[t[2]]), t, out);
-    }
-  });
+  auto found = collect_pieces<Found>(
+      faces, kFacesPerPiece, [&](std::size_t begin, std::size_t end, std::vector<Found>& out) {
+        control.check_cancelled();
+        for (const Face& face : std::span(complex.faces).subspan(begin, end - begin)) {
+          if (!face.is_triangle()) continue;
+          const Triangle t{face.corner[0], face.corner[1], face.corner[2]};
+          bool any_inside = false;
+          for (const CVertexId v : t) {
+            if (!is_inside(complex.positions[v])) continue;
+            add(complex.positions[v], t, out);
+            any_inside = true;
+          }
+          if (!any_inside)
+            add((1.0 / 3) *
+                    (complex.positions[t[0]] + complex.positions[t[1]] + complex.positions[t[2]]),
+                t, out);
+        }
+      });
   control.check_cancelled();
-  std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
   control.check_cancelled();
   found.erase(std::unique(found.begin(), found.end()), found.end());
   first_.assign(cells.size() + 1, 0);
@@ -72,18 +80,22 @@ CheckedCells::CheckedCells(const SurfaceComplex& complex, std::span<const GridCe
   }
 }
 
-std::vector<CVertexId> CheckedCells::intersecting(std::span<const CVertexId> moved, std::span<const Vec3> positions,
+std::vector<CVertexId> CheckedCells::intersecting(std::span<const CVertexId> moved,
+                                                  std::span<const Vec3> positions,
                                                   const RunControl& control) const {
   std::vector<std::uint32_t> cells;
   for (const CVertexId v : moved) {
-    if (contains(v)) cells.insert(cells.end(), grid_cells_of_.begin() + first_cell_[v], grid_cells_of_.begin() + first_cell_[v + 1]);
+    if (contains(v))
+      cells.insert(cells.end(), grid_cells_of_.begin() + first_cell_[v],
+                   grid_cells_of_.begin() + first_cell_[v + 1]);
   }
   std::sort(cells.begin(), cells.end());
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
   std::vector<std::uint8_t> intersect(cells.size(), 0);
   for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
     control.check_cancelled();
-    for (std::size_t i = begin; i < end; ++i) intersect[i] = any_intersect(triangles(cells[i]), positions);
+    for (std::size_t i = begin; i < end; ++i)
+      intersect[i] = any_intersect(triangles(cells[i]), positions);
   });
   std::vector<CVertexId> out;
   for (std::size_t i = 0; i < cells.size(); ++i) {

@@ -22,16 +22,20 @@ class CheckedCells {
   CheckedCells() = default;
   /// @param cells  sorted, each once; all faces around c-vertices inside them are triangles
   /// @cost  O(F log cells)
-  CheckedCells(const SurfaceComplex& complex, std::span<const GridCell> cells, const RunControl& control = {});
+  CheckedCells(const SurfaceComplex& complex, std::span<const GridCell> cells,
+               const RunControl& control = {});
 
   /// Whether v is in a checked grid cell or on its walls.
-  bool contains(CVertexId v) const { return v < complex_size_ && first_cell_[v] != first_cell_[v + 1]; }
+  bool contains(CVertexId v) const {
+    return v < complex_size_ && first_cell_[v] != first_cell_[v + 1];
+  }
 
   /// Of the checked grid cells that contain one of `moved`: all c-vertices of those in which
   /// triangles intersect at these positions; some may be listed several times.
   /// @param positions  per c-vertex
   /// @cost  an exact test of these grid cells; parallel
-  std::vector<CVertexId> intersecting(std::span<const CVertexId> moved, std::span<const Vec3> positions,
+  std::vector<CVertexId> intersecting(std::span<const CVertexId> moved,
+                                      std::span<const Vec3> positions,
                                       const RunControl& control = {}) const;
 
  private:
@@ -40,8 +44,8 @@ class CheckedCells {
   }
 
   std::uint32_t complex_size_ = 0;
-  std::vector<std::uint32_t> first_;          // per cell, in triangles_
-  std::vector<Triangle> triangles_;           // cell by cell; a triangle in two grid cells is stored twice
+  std::vector<std::uint32_t> first_;  // per cell, in triangles_
+  std::vector<Triangle> triangles_;   // cell by cell; a triangle in two grid cells is stored twice
   std::vector<std::uint32_t> first_cell_;     // per c-vertex, in grid_cells_of_
   std::vector<std::uint32_t> grid_cells_of_;  // may list a grid cell several times
 };

@@ -28,10 +28,14 @@ constexpr std::array kShares{0.25, 0.5, 0.75, 1.0};
 
 using GridCell = std::array<double, 3>;
 GridCell grid_cell_of(Vec3 p) { return {std::floor(p.x), std::floor(p.y), std::floor(p.z)}; }
-bool is_in_cell(Vec3 p) { return p.x != std::floor(p.x) && p.y != std::floor(p.y) && p.z != std::floor(p.z); }
+bool is_in_cell(Vec3 p) {
+  return p.x != std::floor(p.x) && p.y != std::floor(p.y) && p.z != std::floor(p.z);
+}
 
 Vec3 inside(const GridCell& cell, Vec3 p) {
-  const auto clamp = [](double low, double x) { return std::clamp(x, low + kWallMargin, low + 1 - kWallMargin); };
+  const auto clamp = [](double low, double x) {
+    return std::clamp(x, low + kWallMargin, low + 1 - kWallMargin);
+  };
   return {clamp(cell[0], p.x), clamp(cell[1], p.y), clamp(cell[2], p.z)};
 }
 
@@ -41,20 +45,23 @@ bool same_cell(const SurfaceComplex& complex, CVertexId a, CVertexId b) {
   return is_in_cell(p) && is_in_cell(q) && grid_cell_of(p) == grid_cell_of(q);
 }
 bool is_multi_sheet(const SurfaceComplex& complex, CVertexId v) {
-  return (v > 0 && same_cell(complex, v - 1, v)) || (v + 1 < complex.c_vertex_count() && same_cell(complex, v, v + 1));
+  return (v > 0 && same_cell(complex, v - 1, v)) ||
+         (v + 1 < complex.c_vertex_count() && same_cell(complex, v, v + 1));
 }
 
 }  // namespace
 
-MultiSheetCells::MultiSheetCells(const SurfaceComplex& complex, const InterpolatedField& field, const RunControl& control) {
+MultiSheetCells::MultiSheetCells(const SurfaceComplex& complex, const InterpolatedField& field,
+                                 const RunControl& control) {
   const std::uint32_t n = complex.c_vertex_count();
   grid_cell_of_.assign(n, kNone);
-  c_vertices_ = collect_pieces<CVertexId>(n, kCVerticesPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
-    control.check_cancelled();
-    for (auto v = static_cast<CVertexId>(begin); v < end; ++v) {
-      if (is_multi_sheet(complex, v)) found.push_back(v);
-    }
-  });
+  c_vertices_ = collect_pieces<CVertexId>(
+      n, kCVerticesPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+        control.check_cancelled();
+        for (auto v = static_cast<CVertexId>(begin); v < end; ++v) {
+          if (is_multi_sheet(complex, v)) found.push_back(v);
+        }
+      });
   control.check_cancelled();
   for (std::uint32_t i = 0; i < c_vertices_.size(); ++i) {
     if (i == 0 || !same_cell(complex, c_vertices_[i - 1], c_vertices_[i])) first_.push_back(i);
@@ -71,18 +78,23 @@ MultiSheetCells::MultiSheetCells(const SurfaceComplex& complex, const Interpolat
   ComplexPart part(complex, c_vertices_, current, flags_, &control);
   std::erase_if(part.wanted, [&](CVertexId v) { return part.fineness[v] != Fineness::faces; });
   const Subdivision subdivision = part.subdivided(in);
-  const auto number = [&](CVertexId v) { return v < part.c_vertex.size() ? part.c_vertex[v] : kNone; };
+  const auto number = [&](CVertexId v) {
+    return v < part.c_vertex.size() ? part.c_vertex[v] : kNone;
+  };
   CancelPoll poll(control);
   std::vector<std::pair<std::uint32_t, Triangle>> pieces;
   for (const Face& face : subdivision.complex.faces) {
     poll.step();
     if (!face.is_triangle()) continue;
-    const auto own = std::find_if(face.corner.begin(), face.corner.begin() + 3, [&](CVertexId v) { return contains(number(v)); });
+    const auto own = std::find_if(face.corner.begin(), face.corner.begin() + 3,
+                                  [&](CVertexId v) { return contains(number(v)); });
     if (own != face.corner.begin() + 3)
-      pieces.emplace_back(grid_cell_of_[number(*own)], Triangle{face.corner[0], face.corner[1], face.corner[2]});
+      pieces.emplace_back(grid_cell_of_[number(*own)],
+                          Triangle{face.corner[0], face.corner[1], face.corner[2]});
   }
   control.check_cancelled();
-  std::stable_sort(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::stable_sort(pieces.begin(), pieces.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
   control.check_cancelled();
   // per corner of the pieces of the last grid cell, its index there
   std::vector<std::uint32_t> index_in_cell(subdivision.complex.c_vertex_count(), kNone);
@@ -119,7 +131,8 @@ MultiSheetCells::MultiSheetCells(const SurfaceComplex& complex, const Interpolat
 // The surfels of one multi-sheet grid cell as triangles. Its c-vertices come first.
 class MultiSheetCells::Surfels {
  public:
-  Surfels(const MultiSheetCells& in, std::uint32_t cell) : corners(in.c_vertices(cell).size()), triangles(in.pieces(cell)) {
+  Surfels(const MultiSheetCells& in, std::uint32_t cell)
+      : corners(in.c_vertices(cell).size()), triangles(in.pieces(cell)) {
     corners.insert(corners.end(), in.wall_positions(cell).begin(), in.wall_positions(cell).end());
   }
 
@@ -143,7 +156,8 @@ bool MultiSheetCells::surfels_intersect(std::uint32_t cell, std::span<const Vec3
 // Moves one c-vertex after the other to the lattice position with the fewest intersecting pairs
 // (ties: nearest to its start), until none intersect. If that gets stuck, starts again from other
 // positions. @return whether positions without intersections were found
-bool MultiSheetCells::search_positions(std::uint32_t cell, std::span<Vec3> positions, const RunControl& control) const {
+bool MultiSheetCells::search_positions(std::uint32_t cell, std::span<Vec3> positions,
+                                       const RunControl& control) const {
   Surfels surfels(*this, cell);
   const GridCell low = grid_cell_of(positions[0]);
   const std::vector<Vec3> start(positions.begin(), positions.end());
@@ -154,10 +168,12 @@ bool MultiSheetCells::search_positions(std::uint32_t cell, std::span<Vec3> posit
   const auto any = [&] {  // a pseudo-random lattice position, the same sequence every time
     state = state * 6364136223846793005u + 1442695040888963407u;
     const std::uint64_t r = state >> 33;
-    return lattice(r % kLattice.size(), r / kLattice.size() % kLattice.size(), r / kLattice.size() / kLattice.size() % kLattice.size());
+    return lattice(r % kLattice.size(), r / kLattice.size() % kLattice.size(),
+                   r / kLattice.size() / kLattice.size() % kLattice.size());
   };
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    for (std::size_t v = 0; v < positions.size(); ++v) surfels.corners[v] = attempt == 0 ? start[v] : any();
+    for (std::size_t v = 0; v < positions.size(); ++v)
+      surfels.corners[v] = attempt == 0 ? start[v] : any();
     control.check_cancelled();
     std::size_t fewest_pairs = surfels.count_intersecting_pairs(kNone);
     for (bool improved = true; improved && fewest_pairs > 0;) {
@@ -172,7 +188,8 @@ bool MultiSheetCells::search_positions(std::uint32_t cell, std::span<Vec3> posit
               surfels.corners[v] = lattice(i, j, k);
               const double away = squared_length(surfels.corners[v] - start[v]);
               const std::size_t pairs = surfels.count_intersecting_pairs(fewest + 1);
-              if (pairs > fewest || (pairs == fewest && (pairs == fewest_pairs || away >= nearest))) continue;
+              if (pairs > fewest || (pairs == fewest && (pairs == fewest_pairs || away >= nearest)))
+                continue;
               fewest = pairs;
               nearest = away;
               best = surfels.corners[v];
@@ -185,7 +202,9 @@ bool MultiSheetCells::search_positions(std::uint32_t cell, std::span<Vec3> posit
       }
     }
     if (fewest_pairs > 0) continue;
-    std::copy(surfels.corners.begin(), surfels.corners.begin() + static_cast<std::ptrdiff_t>(positions.size()), positions.begin());
+    std::copy(surfels.corners.begin(),
+              surfels.corners.begin() + static_cast<std::ptrdiff_t>(positions.size()),
+              positions.begin());
     return true;
   }
   return false;
@@ -224,14 +243,18 @@ std::size_t MultiSheetCells::separate(SurfaceComplex& complex, const RunControl&
         for (std::size_t k = 0; k < own.size(); ++k) complex.positions[own[k]] = position_of(k);
         return !surfels_intersect(cell, complex.positions);
       };
-      const auto away_from_walls = [&](std::size_t k, Vec3 p) { return rounded(inside(grid_cell_of(start[k]), p)); };
+      const auto away_from_walls = [&](std::size_t k, Vec3 p) {
+        return rounded(inside(grid_cell_of(start[k]), p));
+      };
       if (are_separated_by([&](std::size_t k) { return away_from_walls(k, start[k]); }) ||
           are_separated_by([&](std::size_t k) { return start[k]; }))
         continue;
       const std::vector<Vec3> centre = centres(cell);
       bool separated = false;
       for (std::size_t i = 0; i < kShares.size() && !separated; ++i)
-        separated = are_separated_by([&](std::size_t k) { return away_from_walls(k, start[k] + kShares[i] * (centre[k] - start[k])); });
+        separated = are_separated_by([&](std::size_t k) {
+          return away_from_walls(k, start[k] + kShares[i] * (centre[k] - start[k]));
+        });
       if (!separated) {
         separated = search_positions(cell, start, control);
         for (std::size_t k = 0; k < own.size(); ++k) complex.positions[own[k]] = start[k];
@@ -242,7 +265,8 @@ std::size_t MultiSheetCells::separate(SurfaceComplex& complex, const RunControl&
   return left;
 }
 
-std::vector<CVertexId> MultiSheetCells::intersecting(std::span<const CVertexId> moved, std::span<const Vec3> positions,
+std::vector<CVertexId> MultiSheetCells::intersecting(std::span<const CVertexId> moved,
+                                                     std::span<const Vec3> positions,
                                                      const RunControl& control) const {
   std::vector<std::uint32_t> cells;
   for (const CVertexId v : moved) {
@@ -250,14 +274,15 @@ std::vector<CVertexId> MultiSheetCells::intersecting(std::span<const CVertexId> 
   }
   std::sort(cells.begin(), cells.end());
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-  return collect_pieces<CVertexId>(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end, auto& out) {
-    control.check_cancelled();
-    for (std::size_t i = begin; i < end; ++i) {
-      if (!surfels_intersect(cells[i], positions)) continue;
-      const std::span<const CVertexId> own = c_vertices(cells[i]);
-      out.insert(out.end(), own.begin(), own.end());
-    }
-  });
+  return collect_pieces<CVertexId>(cells.size(), kCellsPerPiece,
+                                   [&](std::size_t begin, std::size_t end, auto& out) {
+                                     control.check_cancelled();
+                                     for (std::size_t i = begin; i < end; ++i) {
+                                       if (!surfels_intersect(cells[i], positions)) continue;
+                                       const std::span<const CVertexId> own = c_vertices(cells[i]);
+                                       out.insert(out.end(), own.begin(), own.end());
+                                     }
+                                   });
 }
 
 }  // namespace isoatlas::detail

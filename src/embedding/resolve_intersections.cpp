@@ -13,17 +13,23 @@ constexpr double kMaxRemainingShare = 0.7;
 
 // The vertices around which the mesh must be finer for the components to have the right orientation
 // and nesting. @pre no self-intersections
-std::vector<CellId> find_misplaced_vertices(const GrowingDual& dual, const AdaptiveSurface& surface, std::span<const Vec3> positions,
-                                            std::span<const Triangle> triangles, const RunControl& control) {
+std::vector<CellId> find_misplaced_vertices(const GrowingDual& dual, const AdaptiveSurface& surface,
+                                            std::span<const Vec3> positions,
+                                            std::span<const Triangle> triangles,
+                                            const RunControl& control) {
   std::vector<ComponentId> component_of;
-  for (const CVertexId v : dual.sites_on_surface()) component_of.push_back(surface.components().of_c_vertex[v]);
-  const Nesting nesting = mesh_nesting(positions, triangles, component_of, open_flags(surface.components()), control);
-  return misplaced_vertices(positions, triangles, component_of, nesting, surface.nesting(), control);
+  for (const CVertexId v : dual.sites_on_surface())
+    component_of.push_back(surface.components().of_c_vertex[v]);
+  const Nesting nesting =
+      mesh_nesting(positions, triangles, component_of, open_flags(surface.components()), control);
+  return misplaced_vertices(positions, triangles, component_of, nesting, surface.nesting(),
+                            control);
 }
 
 }  // namespace
 
-ResolvedIntersections resolve_intersections(GrowingDual& dual, const AdaptiveSurface& surface, IntersectionTracker& tracker,
+ResolvedIntersections resolve_intersections(GrowingDual& dual, const AdaptiveSurface& surface,
+                                            IntersectionTracker& tracker,
                                             const RunControl& control) {
   ResolvedIntersections out;
   std::size_t pairs_before = 0;
@@ -40,18 +46,22 @@ ResolvedIntersections resolve_intersections(GrowingDual& dual, const AdaptiveSur
     const bool is_embedded = cells.empty();
     if (is_embedded) cells = find_misplaced_vertices(dual, surface, positions, triangles, control);
     const std::vector<CellId> single = covering.shrink(cells);
-    covering.cover(control);  // also covers what repair_first() has left uncovered by lowering radii
+    covering.cover(
+        control);  // also covers what repair_first() has left uncovered by lowering radii
     bool any = covering.site_count() > before;
     const bool has_helped =
-        any && (is_embedded || static_cast<double>(tracker.pair_count()) <= kMaxRemainingShare * static_cast<double>(pairs_before));
+        any && (is_embedded || static_cast<double>(tracker.pair_count()) <=
+                                   kMaxRemainingShare * static_cast<double>(pairs_before));
     pairs_before = tracker.pair_count();
     if (!single.empty() && !has_helped) any = dual.subdivide(single) || any;
-    (is_embedded ? out.sites_for_nesting : out.sites_for_intersections) += dual.covering().site_count() - before;
+    (is_embedded ? out.sites_for_nesting : out.sites_for_intersections) +=
+        dual.covering().site_count() - before;
     if (!any) return out;
   }
 }
 
-std::vector<CVertexId> filter_subdividable(const AdaptiveSurface& surface, std::vector<CVertexId> c_vertices) {
+std::vector<CVertexId> filter_subdividable(const AdaptiveSurface& surface,
+                                           std::vector<CVertexId> c_vertices) {
   const std::vector<Fineness> fineness = surface.fineness(c_vertices);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < c_vertices.size(); ++i) {

@@ -43,11 +43,13 @@ struct ResolvedIntersections {
 /// are single c-vertices, the complex is subdivided into pieces that stay in their grid cells and
 /// so do not intersect. Subdivision comes last, since it adds half as many c-vertices again in an
 /// edge mask, and is mostly not needed. Intersections that cannot be resolved remain.
-ResolvedIntersections resolve_intersections(GrowingDual& dual, const AdaptiveSurface& surface, IntersectionTracker& tracker,
+ResolvedIntersections resolve_intersections(GrowingDual& dual, const AdaptiveSurface& surface,
+                                            IntersectionTracker& tracker,
                                             const RunControl& control);
 
 /// Those of the c-vertices around which faces can be subdivided into pieces that stay in their grid
 /// cells.
-std::vector<CVertexId> filter_subdividable(const AdaptiveSurface& surface, std::vector<CVertexId> c_vertices);
+std::vector<CVertexId> filter_subdividable(const AdaptiveSurface& surface,
+                                           std::vector<CVertexId> c_vertices);
 
 }  // namespace isoatlas::detail

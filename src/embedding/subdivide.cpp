@@ -21,7 +21,8 @@ namespace {
 // keep kNodeMargin.)
 constexpr double kNodeMargin = 2 * kWallMargin;
 constexpr int kNewtonSteps = 3;
-constexpr double kShortestSplitSide = 0.02;  // shortest side within a grid cell that is split; in sample-index units
+constexpr double kShortestSplitSide =
+    0.02;  // shortest side within a grid cell that is split; in sample-index units
 constexpr double kTowardsCurve = 0.75;
 constexpr std::size_t kFacesPerPiece = 4096;  // faces or sides per piece of a parallel loop
 
@@ -40,7 +41,9 @@ struct Box {
       high[a] = std::max(high[a], std::ceil(p[a]));
     }
   }
-  bool is_in_one_cell() const { return high[0] - low[0] <= 1 && high[1] - low[1] <= 1 && high[2] - low[2] <= 1; }
+  bool is_in_one_cell() const {
+    return high[0] - low[0] <= 1 && high[1] - low[1] <= 1 && high[2] - low[2] <= 1;
+  }
 };
 
 Box box_of(const SurfaceComplex& complex, const Face& face) {
@@ -103,8 +106,11 @@ bool crosses_wall(const SurfaceComplex& complex, CVertexId a, CVertexId b) {
 
 // Whether a side that crosses a wall must be split there so that its faces are pieces of cones;
 // otherwise they might intersect others.
-bool needs_point_on_wall(const SurfaceComplex& complex, const SurfaceInGrid& in, CVertexId a, CVertexId b) {
-  const auto is_multi_sheet = [&](CVertexId v) { return v < in.multi_sheet.size() && in.multi_sheet[v] != 0; };
+bool needs_point_on_wall(const SurfaceComplex& complex, const SurfaceInGrid& in, CVertexId a,
+                         CVertexId b) {
+  const auto is_multi_sheet = [&](CVertexId v) {
+    return v < in.multi_sheet.size() && in.multi_sheet[v] != 0;
+  };
   if (is_multi_sheet(a) || is_multi_sheet(b)) return true;
   const Point p = as_array(complex.positions[a]), q = as_array(complex.positions[b]);
   Point on_wall;
@@ -123,17 +129,25 @@ Fineness fineness_of(const SurfaceComplex& complex, const SurfaceInGrid& in, con
   if (box_of(complex, face).is_in_one_cell()) return Fineness::pieces;
   for (std::size_t k = 0; k < 3; ++k) {
     const CVertexId a = face.corner[k], b = face.corner[(k + 1) % 3];
-    if (crosses_wall(complex, a, b) && needs_point_on_wall(complex, in, a, b)) return Fineness::faces;
+    if (crosses_wall(complex, a, b) && needs_point_on_wall(complex, in, a, b))
+      return Fineness::faces;
   }
   return Fineness::fans;
 }
 
 class Subdivider {
  public:
-  Subdivider(const SurfaceComplex& complex, std::span<const CVertexId> wanted, std::span<const Fineness> current, const SurfaceInGrid& in)
-      : complex_(complex), in_(in), field_(in.field), poll_(in.control), targets_(complex.c_vertex_count(), Target::nothing) {
+  Subdivider(const SurfaceComplex& complex, std::span<const CVertexId> wanted,
+             std::span<const Fineness> current, const SurfaceInGrid& in)
+      : complex_(complex),
+        in_(in),
+        field_(in.field),
+        poll_(in.control),
+        targets_(complex.c_vertex_count(), Target::nothing) {
     for (const CVertexId v : wanted) {
-      targets_[v] = current[v] == Fineness::faces ? Target::fans : current[v] == Fineness::fans ? Target::pieces : Target::smaller_pieces;
+      targets_[v] = current[v] == Fineness::faces  ? Target::fans
+                    : current[v] == Fineness::fans ? Target::pieces
+                                                   : Target::smaller_pieces;
     }
     // For a node, the sides opposite to it are the ones that cross walls.
     std::vector<std::pair<CVertexId, Target>> opposite;
@@ -144,7 +158,8 @@ class Subdivider {
       for (std::size_t k = 0; k < 3; ++k) {
         const CVertexId a = c[(k + 1) % 3];
         const Target target = std::min(targets_[c[k]], Target::pieces);
-        if (target > targets_[a] && current[a] != Fineness::pieces && crosses_wall(complex, a, c[(k + 2) % 3]))
+        if (target > targets_[a] && current[a] != Fineness::pieces &&
+            crosses_wall(complex, a, c[(k + 2) % 3]))
           opposite.emplace_back(a, target);
       }
     }
@@ -155,7 +170,8 @@ class Subdivider {
     out_.complex = complex_;
     find_sides();
     std::vector<Vec3> midpoints(sides_.size());
-    for_each_index(sides_.size(), kFacesPerPiece, in_.control, [&](std::size_t i) { midpoints[i] = midpoint(sides_[i]); });
+    for_each_index(sides_.size(), kFacesPerPiece, in_.control,
+                   [&](std::size_t i) { midpoints[i] = midpoint(sides_[i]); });
     for (std::size_t i = 0; i < sides_.size(); ++i) {
       poll_.step();
       add_c_vertex(midpoints[i], sides_[i].a, sides_[i].is_boundary);
@@ -192,10 +208,12 @@ class Subdivider {
   bool is_marked(CVertexId a, CVertexId b) const {
     const Target largest = std::max(targets_[a], targets_[b]);
     if (largest == Target::nothing) return false;
-    if (crosses_wall(complex_, a, b)) return largest >= Target::pieces || needs_point_on_wall(complex_, in_, a, b);
+    if (crosses_wall(complex_, a, b))
+      return largest >= Target::pieces || needs_point_on_wall(complex_, in_, a, b);
     // Triangles that are not in one grid cell yet are split at walls first.
     return largest == Target::smaller_pieces &&
-           squared_distance(complex_.positions[a], complex_.positions[b], {1, 1, 1}) > kShortestSplitSide * kShortestSplitSide;
+           squared_distance(complex_.positions[a], complex_.positions[b], {1, 1, 1}) >
+               kShortestSplitSide * kShortestSplitSide;
   }
 
   CVertexId add_c_vertex(Vec3 position, CVertexId origin, bool on_boundary) {
@@ -221,19 +239,24 @@ class Subdivider {
   // Every marked side once, with the nodes of its one or two faces.
   void find_sides() {
     std::vector<Side> found =
-        collect_pieces<Side>(complex_.face_count(), kFacesPerPiece, [&](std::size_t begin, std::size_t end, auto& sides) {
-          if (in_.control != nullptr) in_.control->check_cancelled();
-          for (std::size_t f = begin; f < end; ++f) {
-            if (is_split(complex_.faces[f])) add_sides(complex_.faces[f], sides);
-          }
-        });
+        collect_pieces<Side>(complex_.face_count(), kFacesPerPiece,
+                             [&](std::size_t begin, std::size_t end, auto& sides) {
+                               if (in_.control != nullptr) in_.control->check_cancelled();
+                               for (std::size_t f = begin; f < end; ++f) {
+                                 if (is_split(complex_.faces[f]))
+                                   add_sides(complex_.faces[f], sides);
+                               }
+                             });
     if (in_.control != nullptr) in_.control->check_cancelled();
-    const auto order = [](const Side& x, const Side& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); };
+    const auto order = [](const Side& x, const Side& y) {
+      return std::pair(x.a, x.b) < std::pair(y.a, y.b);
+    };
     std::stable_sort(found.begin(), found.end(), order);
     for (std::size_t i = 0; i < found.size();) {
       const bool has_two_faces = i + 1 < found.size() && found[i + 1].same_as(found[i]);
       const Side &first = found[i], &second = found[i + (has_two_faces ? 1 : 0)];
-      sides_.push_back({first.a, first.b, first.node, second.node, crosses_wall(complex_, first.a, first.b), !has_two_faces});
+      sides_.push_back({first.a, first.b, first.node, second.node,
+                        crosses_wall(complex_, first.a, first.b), !has_two_faces});
       i += has_two_faces ? 2 : 1;
     }
   }
@@ -248,7 +271,9 @@ class Subdivider {
     if (a > b) std::swap(a, b);
     const auto at =
         std::lower_bound(sides_.begin(), sides_.end(), std::pair(a, b),
-                         [](const SplitSide& s, const std::pair<CVertexId, CVertexId>& key) { return std::pair(s.a, s.b) < key; });
+                         [](const SplitSide& s, const std::pair<CVertexId, CVertexId>& key) {
+                           return std::pair(s.a, s.b) < key;
+                         });
     if (at == sides_.end() || at->a != a || at->b != b) return kNone;
     return complex_.c_vertex_count() + static_cast<CVertexId>(at - sides_.begin());
   }
@@ -279,7 +304,9 @@ class Subdivider {
     if (axis >= 3) return mean_of(face);
     Point low;
     for (std::size_t a = 0; a < 3; ++a)
-      low[a] = a == axis ? box.low[a] : box.high[a] - box.low[a] == 2 ? box.low[a] + 1 : border_of(face, a);
+      low[a] = a == axis                       ? box.low[a]
+               : box.high[a] - box.low[a] == 2 ? box.low[a] + 1
+                                               : border_of(face, a);
     const double t = field_.zero_on_edge(as_vector(low), static_cast<int>(axis)).value_or(0.5);
     low[axis] += std::clamp(t, kNodeMargin, 1 - kNodeMargin);
     return as_vector(low);
@@ -324,7 +351,8 @@ class Subdivider {
       if (!is_integer(m[a])) along[1] = a;
       if (is_integer(n[a]) && n[a] == m[a]) wall = a;
     }
-    if (along[0] == 3 || along[1] == 3 || wall == 3 || along[0] == wall || along[1] == wall) return chord;
+    if (along[0] == 3 || along[1] == 3 || wall == 3 || along[0] == wall || along[1] == wall)
+      return chord;
     const BilinearWall wall_field(field_, chord);
     // Chords of two curves never intersect. The curves themselves are only known to be disjoint if
     // the field on walls is the bilinear one that parsing used.
@@ -340,17 +368,20 @@ class Subdivider {
       const Vec3 direction = chord - as_vector(corner);
       const Point w = as_array(direction);
       double longest = INFINITY;  // until it leaves the wall's square
-      for (const std::size_t a : along) longest = std::min(longest, w[a] == 0 ? INFINITY : 1 / std::abs(w[a]));
+      for (const std::size_t a : along)
+        longest = std::min(longest, w[a] == 0 ? INFINITY : 1 / std::abs(w[a]));
       if (!std::isfinite(longest)) return chord;
       to = as_array(as_vector(corner) + longest * direction);
     }
     const Vec3 p = as_vector(from), q = as_vector(to);
-    const double f0 = wall_field.value(p), f1 = wall_field.value(0.5 * (p + q)), f2 = wall_field.value(q);
+    const double f0 = wall_field.value(p), f1 = wall_field.value(0.5 * (p + q)),
+                 f2 = wall_field.value(q);
     // Along a line the bilinear function is quadratic.
     const double c = f0, b = -3 * f0 + 4 * f1 - f2, a = 2 * f0 - 4 * f1 + 2 * f2;
     double best = INFINITY;
     const auto offer = [&](double t) {
-      if (t >= 0 && t <= 1) best = std::min(best, t);  // t is 0 or 1 at samples equal to the isovalue
+      if (t >= 0 && t <= 1)
+        best = std::min(best, t);  // t is 0 or 1 at samples equal to the isovalue
     };
     const double discriminant = b * b - 4 * a * c;
     if (discriminant >= 0) {
@@ -391,7 +422,8 @@ class Subdivider {
       high[x] = fixed[x] ? pa[x] : box.high[x] - kWallMargin;
     }
     const Vec3 spacing = complex_.spacing;
-    const Point weight{1 / (spacing.x * spacing.x), 1 / (spacing.y * spacing.y), 1 / (spacing.z * spacing.z)};
+    const Point weight{1 / (spacing.x * spacing.x), 1 / (spacing.y * spacing.y),
+                       1 / (spacing.z * spacing.z)};
     const auto inside = [&](Point p) {
       for (std::size_t x = 0; x < 3; ++x) p[x] = std::clamp(p[x], low[x], high[x]);
       return p;
@@ -432,7 +464,8 @@ class Subdivider {
       split_around_node(f, face);
       return;
     }
-    if (!face.is_triangle()) {  // on an edge of the volume: split along the diagonal from the c-vertex inside the grid cell
+    if (!face.is_triangle()) {  // on an edge of the volume: split along the diagonal from the
+                                // c-vertex inside the grid cell
       int from = 0;
       for (int k = 0; k < size; ++k) {
         if (!complex_.on_boundary[face.corner[k]]) from = k;
@@ -448,7 +481,8 @@ class Subdivider {
   void split_around_node(FaceId f, const Face& face) {
     const Vec3 node = node_of(face);
     bool on_border = false;
-    for (int k = 0; k < 4; ++k) on_border = on_border || is_border(face.corner[k], face.corner[(k + 1) % 4]);
+    for (int k = 0; k < 4; ++k)
+      on_border = on_border || is_border(face.corner[k], face.corner[(k + 1) % 4]);
     const CVertexId centre = add_c_vertex(node, face.corner[0], on_border);
     bool first = true;
     for (int k = 0; k < 4; ++k) {
@@ -487,7 +521,8 @@ class Subdivider {
     // 1.
     std::size_t k = 0;
     while (m[k] == kNone || (marked == 2 && m[(k + 1) % 3] == kNone)) ++k;
-    const CVertexId a = c[k], b = c[(k + 1) % 3], d = c[(k + 2) % 3], ab = m[k], bd = m[(k + 1) % 3];
+    const CVertexId a = c[k], b = c[(k + 1) % 3], d = c[(k + 2) % 3], ab = m[k],
+                    bd = m[(k + 1) % 3];
     if (marked == 1) {
       add_face(f, first, a, ab, d);
       add_face(f, first, ab, b, d);
@@ -495,7 +530,8 @@ class Subdivider {
     }
     add_face(f, first, ab, b, bd);
     const auto squared = [&](CVertexId x, CVertexId y) {
-      return squared_distance(out_.complex.positions[x], out_.complex.positions[y], complex_.spacing);
+      return squared_distance(out_.complex.positions[x], out_.complex.positions[y],
+                              complex_.spacing);
     };
     if (squared(a, bd) <= squared(ab, d)) {
       add_face(f, first, a, ab, bd);
@@ -513,7 +549,8 @@ class Subdivider {
     for (std::size_t i = 0; i < n; ++i) {
       const BoundarySide side = boundary[i];
       CVertexId m = midpoint_of(side.from, side.to);
-      const auto at = std::lower_bound(border_nodes_.begin(), border_nodes_.end(), std::array<CVertexId, 3>{side.from, side.to, 0});
+      const auto at = std::lower_bound(border_nodes_.begin(), border_nodes_.end(),
+                                       std::array<CVertexId, 3>{side.from, side.to, 0});
       if (at != border_nodes_.end() && (*at)[0] == side.from && (*at)[1] == side.to) m = (*at)[2];
       if (m == kNone) continue;
       boundary[i] = {side.from, m};
@@ -525,15 +562,18 @@ class Subdivider {
   const SurfaceInGrid& in_;
   const InterpolatedField& field_;
   CancelPoll poll_;
-  std::vector<Target> targets_;                         // per c-vertex
-  std::vector<SplitSide> sides_;                        // sorted by their ends; the i-th has the i-th new c-vertex
-  std::vector<std::array<CVertexId, 3>> border_nodes_;  // ends of a border side and the node between them
+  std::vector<Target> targets_;   // per c-vertex
+  std::vector<SplitSide> sides_;  // sorted by their ends; the i-th has the i-th new c-vertex
+  std::vector<std::array<CVertexId, 3>>
+      border_nodes_;  // ends of a border side and the node between them
   Subdivision out_;
 };
 
 }  // namespace
 
-bool has_two_curves(const InterpolatedField& field, Vec3 point) { return BilinearWall(field, point).has_two_curves(); }
+bool has_two_curves(const InterpolatedField& field, Vec3 point) {
+  return BilinearWall(field, point).has_two_curves();
+}
 
 std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGrid& in) {
   std::vector<Fineness> out(complex.c_vertex_count(), Fineness::pieces);
@@ -544,12 +584,14 @@ std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGri
   for (FaceId f = 0; f < complex.face_count(); ++f) {
     poll.step();
     const Face& face = complex.faces[f];
-    for (int k = 0; k < face.size(); ++k) out[face.corner[k]] = std::min(out[face.corner[k]], of_face[f]);
+    for (int k = 0; k < face.size(); ++k)
+      out[face.corner[k]] = std::min(out[face.corner[k]], of_face[f]);
   }
   return out;
 }
 
-std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGrid& in, std::span<const CVertexId> c_vertices) {
+std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGrid& in,
+                               std::span<const CVertexId> c_vertices) {
   CancelPoll poll(in.control);
   std::vector<std::uint8_t> is_listed(complex.c_vertex_count(), 0);
   for (const CVertexId v : c_vertices) is_listed[v] = 1;
@@ -565,28 +607,33 @@ std::vector<Fineness> fineness(const SurfaceComplex& complex, const SurfaceInGri
   return out;
 }
 
-Subdivision subdivide(const SurfaceComplex& complex, std::span<const CVertexId> wanted, std::span<const Fineness> current,
-                      const SurfaceInGrid& in) {
+Subdivision subdivide(const SurfaceComplex& complex, std::span<const CVertexId> wanted,
+                      std::span<const Fineness> current, const SurfaceInGrid& in) {
   return Subdivider(complex, wanted, current, in).run();
 }
 
-ComplexPart::ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId> around, std::span<const Fineness> current,
+ComplexPart::ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId> around,
+                         std::span<const Fineness> current,
                          std::span<const std::uint8_t> is_multi_sheet, const RunControl* control) {
   CancelPoll poll(control);
   enum : std::uint8_t { kWanted = 1, kNear = 2, kIn = 4 };
   std::vector<std::uint8_t> mark(whole.c_vertex_count(), 0);
   for (const CVertexId v : around) mark[v] = kWanted;
-  const auto corners = [](const Face& f) { return std::span(f.corner).first(static_cast<std::size_t>(f.size())); };
+  const auto corners = [](const Face& f) {
+    return std::span(f.corner).first(static_cast<std::size_t>(f.size()));
+  };
   const auto has = [&](const Face& f, std::uint8_t bits) {
     return std::ranges::any_of(corners(f), [&](CVertexId v) { return (mark[v] & bits) != 0; });
   };
   const auto faces_with = [&](std::uint8_t bits) {
-    return collect_pieces<FaceId>(whole.face_count(), kFacesPerPiece, [&](std::size_t begin, std::size_t end, std::vector<FaceId>& found) {
-      if (control != nullptr) control->check_cancelled();
-      for (auto f = static_cast<FaceId>(begin); f < end; ++f) {
-        if (has(whole.faces[f], bits)) found.push_back(f);
-      }
-    });
+    return collect_pieces<FaceId>(
+        whole.face_count(), kFacesPerPiece,
+        [&](std::size_t begin, std::size_t end, std::vector<FaceId>& found) {
+          if (control != nullptr) control->check_cancelled();
+          for (auto f = static_cast<FaceId>(begin); f < end; ++f) {
+            if (has(whole.faces[f], bits)) found.push_back(f);
+          }
+        });
   };
   for (const FaceId f : faces_with(kWanted)) {
     poll.step();
@@ -622,16 +669,19 @@ ComplexPart::ComplexPart(const SurfaceComplex& whole, std::span<const CVertexId>
   }
 }
 
-Subdivision subdivide_in_place(SurfaceComplex& whole, std::span<const CVertexId> wanted, std::span<const Fineness> current,
-                               const SurfaceInGrid& in) {
+Subdivision subdivide_in_place(SurfaceComplex& whole, std::span<const CVertexId> wanted,
+                               std::span<const Fineness> current, const SurfaceInGrid& in) {
   if (wanted.empty()) return {};
   const ComplexPart part(whole, wanted, current, in.multi_sheet, in.control);
   Subdivision out = part.subdivided(in);
   const SurfaceComplex& subdivided_part = out.complex;
   const CVertexId before = whole.c_vertex_count(), own = part.complex.c_vertex_count();
-  const auto number = [&](CVertexId v) { return v == kNone ? kNone : v < own ? part.c_vertex[v] : before + (v - own); };
+  const auto number = [&](CVertexId v) {
+    return v == kNone ? kNone : v < own ? part.c_vertex[v] : before + (v - own);
+  };
   append(whole.positions, subdivided_part.positions.begin() + own, subdivided_part.positions.end());
-  append(whole.on_boundary, subdivided_part.on_boundary.begin() + own, subdivided_part.on_boundary.end());
+  append(whole.on_boundary, subdivided_part.on_boundary.begin() + own,
+         subdivided_part.on_boundary.end());
   std::vector<Face> more_faces;
   checked_id(whole.faces.size() + subdivided_part.faces.size(), "faces");
   CancelPoll poll(in.control);
@@ -642,7 +692,8 @@ Subdivision subdivide_in_place(SurfaceComplex& whole, std::span<const CVertexId>
     if (f < part.face.size()) {
       Face& own_face = whole.faces[part.face[f]];
       if (own_face.corner == face.corner) continue;
-      out.touched.insert(out.touched.end(), own_face.corner.begin(), own_face.corner.begin() + own_face.size());
+      out.touched.insert(out.touched.end(), own_face.corner.begin(),
+                         own_face.corner.begin() + own_face.size());
       own_face = face;
     } else {
       more_faces.push_back(face);
@@ -650,7 +701,8 @@ Subdivision subdivide_in_place(SurfaceComplex& whole, std::span<const CVertexId>
   }
   append(whole.faces, more_faces.begin(), more_faces.end());
   for (std::size_t i = 0; i < subdivided_part.boundary.size(); ++i) {
-    const BoundarySide side{number(subdivided_part.boundary[i].from), number(subdivided_part.boundary[i].to)};
+    const BoundarySide side{number(subdivided_part.boundary[i].from),
+                            number(subdivided_part.boundary[i].to)};
     if (i < part.side.size()) {
       whole.boundary[part.side[i]] = side;
     } else {

@@ -10,7 +10,8 @@ double area_curvature_smooth(const CellView& cell) {
   return area_ratio(cell, [&](const ClosestPoint& p) {
     const std::array<CellId, 3>& at = cell.triangles[p.triangle];
     Vec3 sum;
-    for (std::size_t k = 0; k < 3; ++k) sum = sum + static_cast<double>(p.weight[k]) * cell.vertex_normal[at[k]];
+    for (std::size_t k = 0; k < 3; ++k)
+      sum = sum + static_cast<double>(p.weight[k]) * cell.vertex_normal[at[k]];
     return normalized(sum);
   });
 }

@@ -9,7 +9,9 @@
 
 namespace isoatlas::detail {
 
-inline bool is_at_vertex(const ClosestPoint& p) { return p.distance == 0 && (p.weight[0] == 1 || p.weight[1] == 1 || p.weight[2] == 1); }
+inline bool is_at_vertex(const ClosestPoint& p) {
+  return p.distance == 0 && (p.weight[0] == 1 || p.weight[1] == 1 || p.weight[2] == 1);
+}
 
 /// Both area curvatures (paper, 3.5): the area of the cell's surfels divided by these areas
 /// projected along the mesh's normals,

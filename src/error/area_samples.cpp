@@ -13,7 +13,8 @@ constexpr int kHalvings = 18;  // of a triangle: a patch is 2^-18 of its area
 
 }  // namespace
 
-AreaSamples::AreaSamples(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::size_t count)
+AreaSamples::AreaSamples(std::span<const Vec3> positions, std::span<const Triangle> triangles,
+                         std::size_t count)
     : positions_(positions), triangles_(triangles), samples_(count) {
   const auto n = static_cast<std::uint32_t>(triangles.size());
   std::vector<double> cumulative(n);  // cumulative area, including this triangle
@@ -32,7 +33,8 @@ AreaSamples::AreaSamples(std::span<const Vec3> positions, std::span<const Triang
     const double at = (static_cast<double>(i) + 0.5) / static_cast<double>(count) * whole;
     while (t + 1 < n && cumulative[t] < at) ++t;
     const double before = t == 0 ? 0 : cumulative[t - 1];
-    samples_[i] = {t, static_cast<float>(std::clamp((at - before) / (cumulative[t] - before), 0.0, 1.0))};
+    samples_[i] = {
+        t, static_cast<float>(std::clamp((at - before) / (cumulative[t] - before), 0.0, 1.0))};
   }
 }
 
@@ -42,7 +44,8 @@ Vec3 AreaSamples::point(std::size_t i) const {
   // corner, and so on recursively.
   const Triangle& corners = triangles_[samples_[i].triangle];
   Vec3 from = positions_[corners[0]], apex = positions_[corners[1]], to = positions_[corners[2]];
-  const double sides[3] = {squared_length(to - from), squared_length(apex - from), squared_length(to - apex)};
+  const double sides[3] = {squared_length(to - from), squared_length(apex - from),
+                           squared_length(to - apex)};
   if (sides[1] > sides[0] && sides[1] >= sides[2]) {
     std::swap(apex, to);
   } else if (sides[2] > sides[0]) {

@@ -20,7 +20,8 @@ namespace isoatlas::detail {
 class AreaSamples {
  public:
   /// @pre at least one triangle if `count` > 0
-  AreaSamples(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::size_t count);
+  AreaSamples(std::span<const Vec3> positions, std::span<const Triangle> triangles,
+              std::size_t count);
 
   std::size_t size() const { return samples_.size(); }
   double area() const { return area_; }  ///< of all triangles

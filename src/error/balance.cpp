@@ -12,12 +12,15 @@ namespace {
 
 constexpr int kRounds = 2;  // closest points are recomputed in each
 constexpr int kSweeps = 8;
-constexpr double kMaxShareOfEdge = 0.2;  // no vertex moves farther than this share of its shortest edge
-constexpr double kMinCosine = 0.25;      // damps the step where triangle and vertex normals differ strongly
+constexpr double kMaxShareOfEdge =
+    0.2;  // no vertex moves farther than this share of its shortest edge
+constexpr double kMinCosine =
+    0.25;  // damps the step where triangle and vertex normals differ strongly
 
 }  // namespace
 
-void balance(const MeasuredSurface& surface, std::span<const CellId> cells, LevelMesh& mesh, VertexPlacement& placement) {
+void balance(const MeasuredSurface& surface, std::span<const CellId> cells, LevelMesh& mesh,
+             VertexPlacement& placement) {
   const std::uint32_t all = mesh.cell_count();
   std::vector<float>& normal_offset = placement.normal_offset;
   normal_offset.resize(all, 0);
@@ -53,10 +56,12 @@ void balance(const MeasuredSurface& surface, std::span<const CellId> cells, Leve
           const ClosestPoint& p = closest[i++];
           const Triangle& t = mesh.triangles[p.triangle];
           const Vec3 normal = mesh.triangle_normal[p.triangle];
-          double residual = 0;  // summed by corner, so that the rounding of the weights has no effect
+          double residual =
+              0;  // summed by corner, so that the rounding of the weights has no effect
           for (std::size_t k = 0; k < 3; ++k) {
             const Vec3 from = placement.point(surface.surfels, t[k]);
-            residual += static_cast<double>(p.weight[k]) * dot(normal, surface.surfels.point[v] - from);
+            residual +=
+                static_cast<double>(p.weight[k]) * dot(normal, surface.surfels.point[v] - from);
           }
           for (std::size_t k = 0; k < 3; ++k) {
             const CellId c = t[k];
@@ -70,7 +75,9 @@ void balance(const MeasuredSurface& surface, std::span<const CellId> cells, Leve
       }
       for (const CellId c : cells) {
         if (movable[c] && weight[c] > 0)
-          normal_offset[c] = std::clamp(normal_offset[c] + static_cast<float>(correction[c] / weight[c]), -max_offset[c], max_offset[c]);
+          normal_offset[c] =
+              std::clamp(normal_offset[c] + static_cast<float>(correction[c] / weight[c]),
+                         -max_offset[c], max_offset[c]);
       }
     }
     update_points(mesh, surface.surfels, cells, placement);

@@ -14,6 +14,7 @@ namespace isoatlas::detail {
 /// those with a neighbour outside `cells`, are not moved.
 ///
 /// @param placement  its normal offsets are the start and the result; anchors do not change
-void balance(const MeasuredSurface& surface, std::span<const CellId> cells, LevelMesh& mesh, VertexPlacement& placement);
+void balance(const MeasuredSurface& surface, std::span<const CellId> cells, LevelMesh& mesh,
+             VertexPlacement& placement);
 
 }  // namespace isoatlas::detail

@@ -23,15 +23,17 @@ struct ClosestPoint {
 struct CellView {
   const Surfels& surfels;
   const CVertexGraph& graph;
-  std::span<const float> geodesic;        ///< per c-vertex of the surface, its distance to its site in G
-  std::span<const CellId> cell_of;        ///< per c-vertex of the surface
-  std::span<const Vec3> vertex_normal;    ///< per cell, unit normal of the isosurface at its site
-  std::span<const Triangle> triangles;    ///< of the mesh; corners are cells
-  std::span<const Vec3> triangle_normal;  ///< per triangle, unit, outward; zero for triangles without area
+  std::span<const float> geodesic;  ///< per c-vertex of the surface, its distance to its site in G
+  std::span<const CellId> cell_of;  ///< per c-vertex of the surface
+  std::span<const Vec3> vertex_normal;  ///< per cell, unit normal of the isosurface at its site
+  std::span<const Triangle> triangles;  ///< of the mesh; corners are cells
+  std::span<const Vec3>
+      triangle_normal;  ///< per triangle, unit, outward; zero for triangles without area
   CVertexId site;
   std::span<const CVertexId> c_vertices;  ///< of the cell
-  std::span<const ClosestPoint> closest;  ///< per c-vertex of the cell; only filled if needs_closest() of the metric
-  float from_mesh = 0;                    ///< largest distance from the cell's mesh triangles to the surface
+  std::span<const ClosestPoint>
+      closest;          ///< per c-vertex of the cell; only filled if needs_closest() of the metric
+  float from_mesh = 0;  ///< largest distance from the cell's mesh triangles to the surface
 };
 
 }  // namespace isoatlas::detail

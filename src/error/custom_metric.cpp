@@ -18,7 +18,8 @@ constexpr std::size_t kCellsPerPiece = 64;
 
 }  // namespace
 
-double custom_value(const CustomMetric& metric, const Surfels& surfels, const LevelMesh& mesh, CellId cell) {
+double custom_value(const CustomMetric& metric, const Surfels& surfels, const LevelMesh& mesh,
+                    CellId cell) {
   const auto c_vertices = mesh.c_vertices_of.row(cell);
   std::vector<Vec3> points, normals;
   std::vector<double> areas;
@@ -34,15 +35,18 @@ double custom_value(const CustomMetric& metric, const Surfels& surfels, const Le
     std::ranges::rotate(corners, corners.begin() + own);
     triangles.push_back(corners);
   }
-  const double value = metric.value({mesh.point[cell], mesh.normal[cell], points, normals, areas, triangles});
-  if (std::isnan(value)) throw Error(ErrorCode::bad_argument, "the metric " + metric.name + " is not a number");
+  const double value =
+      metric.value({mesh.point[cell], mesh.normal[cell], points, normals, areas, triangles});
+  if (std::isnan(value))
+    throw Error(ErrorCode::bad_argument, "the metric " + metric.name + " is not a number");
   return value;
 }
 
 double custom_maximum(const CustomMetric& metric, const Surfels& surfels, const LevelMesh& mesh) {
   std::vector<double> values(mesh.cell_count());
-  for_each_index(values.size(), kCellsPerPiece,
-                 [&](std::size_t c) { values[c] = custom_value(metric, surfels, mesh, static_cast<CellId>(c)); });
+  for_each_index(values.size(), kCellsPerPiece, [&](std::size_t c) {
+    values[c] = custom_value(metric, surfels, mesh, static_cast<CellId>(c));
+  });
   return values.empty() ? 0 : std::ranges::max(values);
 }
 
@@ -57,7 +61,8 @@ Constraint sized_by(std::function<double(Vec3)> longest_edge) {
     for (const std::array<Vec3, 3>& t : cell.triangles) {
       for (const Vec3& end : {t[1], t[2]}) {
         const double allowed = longest_edge(0.5 * (t[0] + end));
-        if (!(allowed > 0)) throw Error(ErrorCode::bad_argument, "the sizing field is not positive everywhere");
+        if (!(allowed > 0))
+          throw Error(ErrorCode::bad_argument, "the sizing field is not positive everywhere");
         largest = std::max(largest, length(end - t[0]) / allowed);
       }
     }

@@ -7,8 +7,10 @@
 
 namespace isoatlas::detail {
 
-/// The caller's metric of one cell. @throws Error(bad_argument) if it is NaN, and whatever the caller's function throws
-double custom_value(const CustomMetric& metric, const Surfels& surfels, const LevelMesh& mesh, CellId cell);
+/// The caller's metric of one cell. @throws Error(bad_argument) if it is NaN, and whatever the
+/// caller's function throws
+double custom_value(const CustomMetric& metric, const Surfels& surfels, const LevelMesh& mesh,
+                    CellId cell);
 
 /// Its maximum over all cells.
 double custom_maximum(const CustomMetric& metric, const Surfels& surfels, const LevelMesh& mesh);

@@ -20,24 +20,28 @@ constexpr std::size_t kFewCVertices = 12;  // number of c-vertices of a cell tha
 
 }  // namespace
 
-void find_closest(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cells, std::vector<ClosestPoint>& out) {
+void find_closest(const MeasuredSurface& surface, const LevelMesh& mesh,
+                  std::span<const CellId> cells, std::vector<ClosestPoint>& out) {
   std::vector<std::size_t> first(cells.size() + 1, 0);
-  for (std::size_t i = 0; i < cells.size(); ++i) first[i + 1] = first[i] + mesh.c_vertices_of.row(cells[i]).size();
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    first[i + 1] = first[i] + mesh.c_vertices_of.row(cells[i]).size();
   out.resize(first.back());
-  for_each_piece_reporting(cells.size(), kCellsPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
-    surface.check_cancelled();
-    TwoRing ring(mesh);
-    for (std::size_t i = begin; i < end; ++i) {
-      ring.set_cell(cells[i]);
-      std::size_t at = first[i];
-      for (const CVertexId v : mesh.c_vertices_of.row(cells[i])) {
-        const auto [triangle, p] = ring.closest(surface.original_points[v]);
-        out[at++] = {triangle,
-                     {static_cast<float>(p.weight[0]), static_cast<float>(p.weight[1]), static_cast<float>(p.weight[2])},
-                     static_cast<float>(std::sqrt(p.squared_distance))};
-      }
-    }
-  });
+  for_each_piece_reporting(
+      cells.size(), kCellsPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
+        surface.check_cancelled();
+        TwoRing ring(mesh);
+        for (std::size_t i = begin; i < end; ++i) {
+          ring.set_cell(cells[i]);
+          std::size_t at = first[i];
+          for (const CVertexId v : mesh.c_vertices_of.row(cells[i])) {
+            const auto [triangle, p] = ring.closest(surface.original_points[v]);
+            out[at++] = {triangle,
+                         {static_cast<float>(p.weight[0]), static_cast<float>(p.weight[1]),
+                          static_cast<float>(p.weight[2])},
+                         static_cast<float>(std::sqrt(p.squared_distance))};
+          }
+        }
+      });
 }
 
 FaceNodes::FaceNodes(const SurfaceComplex& complex, const Isosurface& isosurface)
@@ -45,7 +49,8 @@ FaceNodes::FaceNodes(const SurfaceComplex& complex, const Isosurface& isosurface
       isosurface_(isosurface),
       faces_of_(make_csr_adjacency(complex.c_vertex_count(),
                                    [&](auto add) {
-                                     for (FaceId f = 0; f < complex.face_count(); ++f) add(complex.faces[f].corner[0], f);
+                                     for (FaceId f = 0; f < complex.face_count(); ++f)
+                                       add(complex.faces[f].corner[0], f);
                                    })),
       points_(complex.face_count()),
       is_known_(complex.face_count(), 0) {}
@@ -54,7 +59,8 @@ namespace {
 
 // The node of a face is on the grid edge that the face goes around; its corners are in the four
 // grid cells at that edge.
-std::optional<Vec3> node_of(const Face& face, const SurfaceComplex& complex, const Isosurface& isosurface) {
+std::optional<Vec3> node_of(const Face& face, const SurfaceComplex& complex,
+                            const Isosurface& isosurface) {
   std::array<double, 3> lowest, highest;
   lowest.fill(std::numeric_limits<double>::infinity());
   highest.fill(-std::numeric_limits<double>::infinity());
@@ -101,62 +107,77 @@ namespace {
 
 // Updates `farthest` by the face nodes of a cell that are farther.
 // @param ring  of the cell
-void update_farthest_node(const MeasuredSurface& surface, const FaceNodes& face_nodes, const LevelMesh& mesh, CellId cell,
-                          double exact_above, TwoRing& ring, Farthest& farthest) {
+void update_farthest_node(const MeasuredSurface& surface, const FaceNodes& face_nodes,
+                          const LevelMesh& mesh, CellId cell, double exact_above, TwoRing& ring,
+                          Farthest& farthest) {
   for (const CVertexId v : mesh.c_vertices_of.row(cell)) {
     face_nodes.for_each_at(v, [&](Vec3 p, const Face& face) {
       const auto known = std::max(exact_above, static_cast<double>(farthest.distance));
       const auto d = static_cast<float>(std::sqrt(ring.closest(p, known).second.squared_distance));
       if (d <= farthest.distance) return;
-      const auto from_vertex = [&](CVertexId c) { return squared_length(surface.surfels.point[c] - mesh.point[cell]); };
-      const auto is_nearer = [&](CVertexId a, CVertexId b) { return from_vertex(a) < from_vertex(b); };
-      farthest = {d, *std::max_element(face.corner.begin(), face.corner.begin() + face.size(), is_nearer)};
+      const auto from_vertex = [&](CVertexId c) {
+        return squared_length(surface.surfels.point[c] - mesh.point[cell]);
+      };
+      const auto is_nearer = [&](CVertexId a, CVertexId b) {
+        return from_vertex(a) < from_vertex(b);
+      };
+      farthest = {
+          d, *std::max_element(face.corner.begin(), face.corner.begin() + face.size(), is_nearer)};
     });
   }
 }
 
 }  // namespace
 
-std::vector<CellDistance> find_farthest(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cells,
-                                        double exact_above, Thoroughness thoroughness, const FaceNodes* face_nodes) {
+std::vector<CellDistance> find_farthest(const MeasuredSurface& surface, const LevelMesh& mesh,
+                                        std::span<const CellId> cells, double exact_above,
+                                        Thoroughness thoroughness, const FaceNodes* face_nodes) {
   std::vector<CellDistance> out(cells.size());
-  for_each_piece_reporting(cells.size(), kCellsPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
-    surface.check_cancelled();
-    TwoRing ring(mesh);
-    for (std::size_t i = begin; i < end; ++i) {
-      ring.set_cell(cells[i]);
-      Farthest farthest;
-      const auto c_vertices = mesh.c_vertices_of.row(cells[i]);
-      const auto test = [&](CVertexId v) {
-        const auto d = static_cast<float>(std::sqrt(ring.closest(surface.original_points[v], exact_above).second.squared_distance));
-        if (d > farthest.distance) farthest = {d, v};
-      };
-      const std::size_t step = thoroughness == Thoroughness::exact ? 1 : std::max<std::size_t>(1, c_vertices.size() / kFewCVertices);
-      for (std::size_t k = 0; k < c_vertices.size(); k += step) test(c_vertices[k]);
-      if (!(farthest.distance > exact_above)) {
-        for (std::size_t k = 0; k < c_vertices.size(); ++k) {
-          if (k % step != 0) test(c_vertices[k]);
+  for_each_piece_reporting(
+      cells.size(), kCellsPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
+        surface.check_cancelled();
+        TwoRing ring(mesh);
+        for (std::size_t i = begin; i < end; ++i) {
+          ring.set_cell(cells[i]);
+          Farthest farthest;
+          const auto c_vertices = mesh.c_vertices_of.row(cells[i]);
+          const auto test = [&](CVertexId v) {
+            const auto d = static_cast<float>(std::sqrt(
+                ring.closest(surface.original_points[v], exact_above).second.squared_distance));
+            if (d > farthest.distance) farthest = {d, v};
+          };
+          const std::size_t step =
+              thoroughness == Thoroughness::exact
+                  ? 1
+                  : std::max<std::size_t>(1, c_vertices.size() / kFewCVertices);
+          for (std::size_t k = 0; k < c_vertices.size(); k += step) test(c_vertices[k]);
+          if (!(farthest.distance > exact_above)) {
+            for (std::size_t k = 0; k < c_vertices.size(); ++k) {
+              if (k % step != 0) test(c_vertices[k]);
+            }
+          }
+          if (face_nodes != nullptr && !(farthest.distance > exact_above))
+            update_farthest_node(surface, *face_nodes, mesh, cells[i], exact_above, ring, farthest);
+          out[i] = {farthest, !ring.uses_neighbours()};
         }
-      }
-      if (face_nodes != nullptr && !(farthest.distance > exact_above))
-        update_farthest_node(surface, *face_nodes, mesh, cells[i], exact_above, ring, farthest);
-      out[i] = {farthest, !ring.uses_neighbours()};
-    }
-  });
+      });
   return out;
 }
 
-std::vector<Farthest> measure_face_nodes(const MeasuredSurface& surface, const FaceNodes& face_nodes, const LevelMesh& mesh,
-                                         std::span<const CellId> cells, double exact_above, std::vector<Farthest> farthest) {
+std::vector<Farthest> measure_face_nodes(const MeasuredSurface& surface,
+                                         const FaceNodes& face_nodes, const LevelMesh& mesh,
+                                         std::span<const CellId> cells, double exact_above,
+                                         std::vector<Farthest> farthest) {
   farthest.resize(cells.size());
-  for_each_piece_reporting(cells.size(), kCellsPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
-    surface.check_cancelled();
-    TwoRing ring(mesh);
-    for (std::size_t i = begin; i < end; ++i) {
-      ring.set_cell(cells[i]);
-      update_farthest_node(surface, face_nodes, mesh, cells[i], exact_above, ring, farthest[i]);
-    }
-  });
+  for_each_piece_reporting(
+      cells.size(), kCellsPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
+        surface.check_cancelled();
+        TwoRing ring(mesh);
+        for (std::size_t i = begin; i < end; ++i) {
+          ring.set_cell(cells[i]);
+          update_farthest_node(surface, face_nodes, mesh, cells[i], exact_above, ring, farthest[i]);
+        }
+      });
   return farthest;
 }
 

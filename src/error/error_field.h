@@ -15,7 +15,8 @@ namespace isoatlas::detail {
 /// The data of the surface that measuring needs and that do not change.
 struct MeasuredSurface {
   const Surfels& surfels;
-  std::span<const Vec3> original_points;  ///< per c-vertex, its original point, unaffected by later moves; metric
+  std::span<const Vec3>
+      original_points;  ///< per c-vertex, its original point, unaffected by later moves; metric
   const CVertexGraph& graph;
   Vec3 spacing;
   const Isosurface* isosurface;  ///< none: only c-vertices are known
@@ -27,7 +28,8 @@ struct MeasuredSurface {
 
 /// Finds, for the c-vertices of some cells, the closest points of the mesh. `out` lists them cell
 /// by cell in the order of `cells`. Parallel over cells.
-void find_closest(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cells, std::vector<ClosestPoint>& out);
+void find_closest(const MeasuredSurface& surface, const LevelMesh& mesh,
+                  std::span<const CellId> cells, std::vector<ClosestPoint>& out);
 
 /// An upper bound of a cell's distance from the mesh, and the c-vertex where it occurs.
 struct Farthest {
@@ -71,15 +73,18 @@ struct CellDistance {
 /// than the returned value. If quick, once one c-vertex of a cell is farther than that, the other
 /// c-vertices and the nodes are not tested. Parallel over cells.
 /// @param face_nodes  none: only c-vertices are tested
-std::vector<CellDistance> find_farthest(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cells,
-                                        double exact_above, Thoroughness thoroughness, const FaceNodes* face_nodes);
+std::vector<CellDistance> find_farthest(const MeasuredSurface& surface, const LevelMesh& mesh,
+                                        std::span<const CellId> cells, double exact_above,
+                                        Thoroughness thoroughness, const FaceNodes* face_nodes);
 
 /// Per cell of `cells`, the largest distance from its face nodes to the mesh, with the corner of
 /// the node's face that is farthest from the cell's vertex. A distance up to `exact_above` is only
 /// known to be no larger than the returned value. Parallel over cells.
 /// @param farthest  per cell of `cells`, a distance that is already known: only larger ones are
 ///                  searched for; empty: none is known
-std::vector<Farthest> measure_face_nodes(const MeasuredSurface& surface, const FaceNodes& face_nodes, const LevelMesh& mesh,
-                                         std::span<const CellId> cells, double exact_above, std::vector<Farthest> farthest = {});
+std::vector<Farthest> measure_face_nodes(const MeasuredSurface& surface,
+                                         const FaceNodes& face_nodes, const LevelMesh& mesh,
+                                         std::span<const CellId> cells, double exact_above,
+                                         std::vector<Farthest> farthest = {});
 
 }  // namespace isoatlas::detail

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Directional curvature 1 (paper, 3.5): geodesic over straight distance between the site and a c-vertex of the cell's border,
-// the largest. Ratio >= 1.
+// Directional curvature 1 (paper, 3.5): geodesic over straight distance between the site and a
+// c-vertex of the cell's border, the largest. Ratio >= 1.
 //
-// Shortest paths in G zigzag, up to 8 % longer than geodesics even in a plane; so the section of the surface above the straight
-// line is measured as well (its points projected onto the nearest surfel's tangent plane), and the shorter of the two counts:
-// both are at least as long as the geodesic, up to the polygon's error.
+// Shortest paths in G zigzag, up to 8 % longer than geodesics even in a plane; so the section of
+// the surface above the straight line is measured as well (its points projected onto the nearest
+// surfel's tangent plane), and the shorter of the two counts: both are at least as long as the
+// geodesic, up to the polygon's error.
 #include <algorithm>
 #include <vector>
 
@@ -49,13 +50,17 @@ double geodesic_ratio(const CellView& cell) {
   std::vector<Candidate> candidates;
   for (const CVertexId v : cell.c_vertices) {
     const double straight = straight_to(v);
-    if (straight > 0 && is_on_border(cell, v)) candidates.push_back({cell.geodesic[v] / straight, v});
+    if (straight > 0 && is_on_border(cell, v))
+      candidates.push_back({cell.geodesic[v] / straight, v});
   }
-  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) { return a.bound > b.bound; });
+  std::sort(candidates.begin(), candidates.end(),
+            [](const Candidate& a, const Candidate& b) { return a.bound > b.bound; });
   double largest = 1;
   for (const Candidate& c : candidates) {
     if (c.bound <= largest) break;
-    largest = std::max(largest, std::min(c.bound, section_length(cell, site, cell.surfels.point[c.c_vertex]) / straight_to(c.c_vertex)));
+    largest = std::max(
+        largest, std::min(c.bound, section_length(cell, site, cell.surfels.point[c.c_vertex]) /
+                                       straight_to(c.c_vertex)));
   }
   return largest;
 }

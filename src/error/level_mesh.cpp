@@ -23,7 +23,8 @@ void set_normal(LevelMesh& mesh, std::uint32_t triangle) {
 void set_normals(LevelMesh& mesh, std::vector<std::uint32_t> triangles) {
   std::sort(triangles.begin(), triangles.end());
   triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
-  for_each_index(triangles.size(), kPerPiece, [&](std::size_t i) { set_normal(mesh, triangles[i]); });
+  for_each_index(triangles.size(), kPerPiece,
+                 [&](std::size_t i) { set_normal(mesh, triangles[i]); });
 }
 
 }  // namespace
@@ -35,8 +36,9 @@ std::vector<Triangle> to_triangles(std::span<const DualTriangle> dual) {
   return out;
 }
 
-LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition, std::span<const DualTriangle> dual,
-                          const VertexPlacement& placement, const RunControl* control) {
+LevelMesh make_level_mesh(const Surfels& surfels, const Partition& partition,
+                          std::span<const DualTriangle> dual, const VertexPlacement& placement,
+                          const RunControl* control) {
   CancelPoll poll(control);
   LevelMesh mesh;
   const std::uint32_t cells = partition.cell_count();
@@ -71,15 +73,19 @@ void update_cells(LevelMesh& mesh, const CellMembers& members, std::span<const C
   }
 }
 
-std::vector<std::uint8_t> update_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual,
-                                           const VertexPlacement& placement, const RunControl* control) {
+std::vector<std::uint8_t> update_triangles(LevelMesh& mesh, const Surfels& surfels,
+                                           std::span<const DualTriangle> dual,
+                                           const VertexPlacement& placement,
+                                           const RunControl* control) {
   std::vector<CellId> all(mesh.c_vertices_of.row_count());
   std::iota(all.begin(), all.end(), 0u);
   return update_triangles(mesh, surfels, dual, placement, all, control);
 }
 
-std::vector<std::uint8_t> update_triangles(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> dual,
-                                           const VertexPlacement& placement, std::span<const CellId> may_have_moved,
+std::vector<std::uint8_t> update_triangles(LevelMesh& mesh, const Surfels& surfels,
+                                           std::span<const DualTriangle> dual,
+                                           const VertexPlacement& placement,
+                                           std::span<const CellId> may_have_moved,
                                            const RunControl* control) {
   CancelPoll poll(control);
   const std::uint32_t cells = mesh.c_vertices_of.row_count();
@@ -89,7 +95,8 @@ std::vector<std::uint8_t> update_triangles(LevelMesh& mesh, const Surfels& surfe
   mesh.normal.resize(cells);
   std::vector<std::uint32_t> changed_triangles;
   std::vector<Vec3> points(may_have_moved.size());
-  for_each_index(points.size(), kPerPiece, control, [&](std::size_t i) { points[i] = placement.point(surfels, may_have_moved[i]); });
+  for_each_index(points.size(), kPerPiece, control,
+                 [&](std::size_t i) { points[i] = placement.point(surfels, may_have_moved[i]); });
   std::vector<CellId> moved_cells;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const CellId c = may_have_moved[i];
@@ -109,7 +116,8 @@ std::vector<std::uint8_t> update_triangles(LevelMesh& mesh, const Surfels& surfe
       changed_cells[c] = 1;
     }
   };
-  for (auto t = static_cast<std::uint32_t>(dual.size()); t < mesh.triangles.size(); ++t) erase_from_rows(t);
+  for (auto t = static_cast<std::uint32_t>(dual.size()); t < mesh.triangles.size(); ++t)
+    erase_from_rows(t);
   const std::size_t before = std::min(mesh.triangles.size(), dual.size());
   mesh.triangles.resize(dual.size());
   mesh.triangle_normal.resize(dual.size());
@@ -134,8 +142,8 @@ std::vector<std::uint8_t> update_triangles(LevelMesh& mesh, const Surfels& surfe
   return changed_cells;
 }
 
-void apply_edit(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> triangles, const VertexPlacement& placement,
-                const MeshEdit& edit, const RunControl* control) {
+void apply_edit(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTriangle> triangles,
+                const VertexPlacement& placement, const MeshEdit& edit, const RunControl* control) {
   CancelPoll poll(control);
   for (const CellId c : edit.vertices) {
     mesh.normal[c] = surfels.normal[placement.anchor[c]];
@@ -154,8 +162,8 @@ void apply_edit(LevelMesh& mesh, const Surfels& surfels, std::span<const DualTri
   }
 }
 
-void update_points(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells, const VertexPlacement& placement,
-                   const RunControl* control) {
+void update_points(LevelMesh& mesh, const Surfels& surfels, std::span<const CellId> cells,
+                   const VertexPlacement& placement, const RunControl* control) {
   CancelPoll poll(control);
   std::vector<std::uint32_t> triangles;
   for (const CellId c : cells) {

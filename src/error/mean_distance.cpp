@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Average distance from the surface (paper, 3.5): mean over the cell's c-vertices of the distance to the mesh. World length.
+// Average distance from the surface (paper, 3.5): mean over the cell's c-vertices of the distance
+// to the mesh. World length.
 #include "error/metrics.h"
 
 namespace isoatlas::detail {

@@ -28,7 +28,8 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr double kMaxVoxels = 1e15;  // the bounding volume hierarchy computes squares in single precision; this leaves a margin
+constexpr double kMaxVoxels = 1e15;  // the bounding volume hierarchy computes squares in single
+                                     // precision; this leaves a margin
 constexpr std::size_t kGrain = 512;  // samples per piece of a parallel loop
 constexpr std::size_t kSamplesPerReport = 65536;  // samples between two reports of progress
 
@@ -42,9 +43,11 @@ void check_mesh(const MeshView& mesh, Vec3 spacing) {
   const double farthest = kMaxVoxels * std::min({spacing.x, spacing.y, spacing.z});
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
     const Vec3 p = to_metric(mesh.positions[v], spacing);
-    if (std::abs(p.x) <= farthest && std::abs(p.y) <= farthest && std::abs(p.z) <= farthest) continue;  // false for NaN
+    if (std::abs(p.x) <= farthest && std::abs(p.y) <= farthest && std::abs(p.z) <= farthest)
+      continue;  // false for NaN
     throw Error(ErrorCode::bad_argument,
-                "vertex " + std::to_string(v) + " of the mesh is not finite or more than 1e15 voxels away from the volume");
+                "vertex " + std::to_string(v) +
+                    " of the mesh is not finite or more than 1e15 voxels away from the volume");
   }
 }
 
@@ -77,13 +80,15 @@ class SpecialPoints {
       return (1.0 / 3) * (mesh_.positions[a] + mesh_.positions[b] + mesh_.positions[c]);
     }
     i -= mesh_.triangles.size();
-    if (i < edges_.size()) return 0.5 * (mesh_.positions[edges_[i] >> 32] + mesh_.positions[edges_[i] & 0xFFFFFFFF]);
+    if (i < edges_.size())
+      return 0.5 * (mesh_.positions[edges_[i] >> 32] + mesh_.positions[edges_[i] & 0xFFFFFFFF]);
     return mesh_.positions[vertices_[i - edges_.size()]];
   }
   Triangle corners(std::size_t i) const {
     if (is_centroid(i)) return mesh_.triangles[i];
     i -= mesh_.triangles.size();
-    const std::uint32_t low = i < edges_.size() ? static_cast<std::uint32_t>(edges_[i] >> 32) : vertices_[i - edges_.size()];
+    const std::uint32_t low = i < edges_.size() ? static_cast<std::uint32_t>(edges_[i] >> 32)
+                                                : vertices_[i - edges_.size()];
     const std::uint32_t high = i < edges_.size() ? static_cast<std::uint32_t>(edges_[i]) : low;
     return {low, high, high};
   }
@@ -120,7 +125,8 @@ struct RefinedFaces {
         const auto m = static_cast<std::uint32_t>(c_vertices + s);
         points[m] = moved ? to_metric(*moved, surface.spacing()) : middle;
         // Where the field vanishes nearby, the point can end up anywhere.
-        if (squared_length(points[m] - middle) > 0.25 * squared_length(points[b] - points[a])) points[m] = middle;
+        if (squared_length(points[m] - middle) > 0.25 * squared_length(points[b] - points[a]))
+          points[m] = middle;
         triangles[2 * s] = {a, m, c};
         triangles[2 * s + 1] = {m, b, c};
       }
@@ -136,10 +142,11 @@ void for_each_sample(std::size_t n, const char* stage, const RunControl& control
                      const std::function<void(std::size_t, std::size_t)>& body) {
   for (std::size_t done = 0; done < n; done += kSamplesPerReport) {
     control.report(stage, static_cast<double>(done) / static_cast<double>(n));
-    for_each_piece(std::min(kSamplesPerReport, n - done), kGrain, [&](std::size_t begin, std::size_t end) {
-      control.check_cancelled();
-      body(done + begin, done + end);
-    });
+    for_each_piece(std::min(kSamplesPerReport, n - done), kGrain,
+                   [&](std::size_t begin, std::size_t end) {
+                     control.check_cancelled();
+                     body(done + begin, done + end);
+                   });
   }
 }
 
@@ -151,8 +158,8 @@ double quantile(std::vector<double>& values, double share) {
 }
 
 // @param distance  of all samples; those spread by area come first
-OneSidedDistance summarize(std::vector<double> distance, std::size_t by_area, double area, double voxel,
-                           const std::function<Vec3(std::size_t)>& point) {
+OneSidedDistance summarize(std::vector<double> distance, std::size_t by_area, double area,
+                           double voxel, const std::function<Vec3(std::size_t)>& point) {
   OneSidedDistance out;
   out.samples = distance.size();
   const double faces = area / (voxel * voxel);
@@ -173,37 +180,49 @@ OneSidedDistance summarize(std::vector<double> distance, std::size_t by_area, do
   return out;
 }
 
-double angle_between(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), dot(a, b)) * 180 / std::numbers::pi; }
+double angle_between(Vec3 a, Vec3 b) {
+  return std::atan2(length(cross(a, b)), dot(a, b)) * 180 / std::numbers::pi;
+}
 
-void measure_mesh_to_surface(const MeshView& mesh, const TriangleBvh& bvh, const Isosurface& surface, std::size_t samples, Measurement& out,
+void measure_mesh_to_surface(const MeshView& mesh, const TriangleBvh& bvh,
+                             const Isosurface& surface, std::size_t samples, Measurement& out,
                              DistantSamples& distant, const RunControl& control) {
   const Vec3 spacing = surface.spacing();
   const std::vector<Triangle> triangles = triangles_in_slot_order(bvh);
   const AreaSamples area_samples(bvh.points(), triangles, samples);
   control.check_cancelled();
   const SpecialPoints special(mesh);
-  const auto point = [&](std::size_t i) { return i < samples ? to_index(area_samples.point(i), spacing) : special.point(i - samples); };
+  const auto point = [&](std::size_t i) {
+    return i < samples ? to_index(area_samples.point(i), spacing) : special.point(i - samples);
+  };
   const std::size_t inside_triangles = samples + mesh.triangles.size();
   std::vector<double> distance(samples + special.size());
   std::vector<double> angle(inside_triangles, -1);  // -1: there is no normal
-  for_each_sample(distance.size(), "mesh to surface", control, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Isosurface::Hit hit = surface.closest(point(i));
-      distance[i] = hit.distance;
-      if (i >= inside_triangles) continue;
-      const auto [a, b, c] = mesh.triangles[i < samples ? bvh.triangle_in(area_samples.triangle(i)) : i - samples];
-      const Vec3 p = bvh.points()[a], face_normal = normalized(cross(bvh.points()[b] - p, bvh.points()[c] - p));
-      const Vec3 normal = surface.normal(hit.point);
-      if (!(face_normal == Vec3{}) && !(normal == Vec3{})) angle[i] = angle_between(face_normal, normal);
-    }
-  });
+  for_each_sample(
+      distance.size(), "mesh to surface", control, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+          const Isosurface::Hit hit = surface.closest(point(i));
+          distance[i] = hit.distance;
+          if (i >= inside_triangles) continue;
+          const auto [a, b, c] =
+              mesh.triangles[i < samples ? bvh.triangle_in(area_samples.triangle(i)) : i - samples];
+          const Vec3 p = bvh.points()[a],
+                     face_normal = normalized(cross(bvh.points()[b] - p, bvh.points()[c] - p));
+          const Vec3 normal = surface.normal(hit.point);
+          if (!(face_normal == Vec3{}) && !(normal == Vec3{}))
+            angle[i] = angle_between(face_normal, normal);
+        }
+      });
   for (std::size_t i = 0; i < distance.size(); ++i) {
     if (distance[i] <= distant.bound) continue;
-    distant.corners.push_back(i < samples ? mesh.triangles[bvh.triangle_in(area_samples.triangle(i))] : special.corners(i - samples));
+    distant.corners.push_back(i < samples
+                                  ? mesh.triangles[bvh.triangle_in(area_samples.triangle(i))]
+                                  : special.corners(i - samples));
   }
   control.check_cancelled();
   out.mesh_area = area_samples.area();
-  out.mesh_to_surface = summarize(std::move(distance), samples, area_samples.area(), out.voxel, point);
+  out.mesh_to_surface =
+      summarize(std::move(distance), samples, area_samples.area(), out.voxel, point);
 
   out.normal_maximum = std::max(0.0, *std::max_element(angle.begin(), angle.end()));
   angle.resize(samples);
@@ -214,7 +233,8 @@ void measure_mesh_to_surface(const MeshView& mesh, const TriangleBvh& bvh, const
   out.normal_p99 = quantile(angle, 0.99);
 }
 
-void measure_surface_to_mesh(const MeshView& mesh, const TriangleBvh& bvh, const Isosurface& surface, std::size_t samples, Measurement& out,
+void measure_surface_to_mesh(const MeshView& mesh, const TriangleBvh& bvh,
+                             const Isosurface& surface, std::size_t samples, Measurement& out,
                              DistantSamples& distant, const RunControl& control) {
   const Vec3 spacing = surface.spacing();
   const std::span<const Vec3> c_vertices = surface.faces().points();
@@ -222,30 +242,35 @@ void measure_surface_to_mesh(const MeshView& mesh, const TriangleBvh& bvh, const
   control.check_cancelled();
   const AreaSamples area_samples(refined.points, refined.triangles, samples);
   const auto point = [&](std::size_t i) {
-    const Vec3 index = to_index(i < samples ? area_samples.point(i) : c_vertices[i - samples], spacing);
+    const Vec3 index =
+        to_index(i < samples ? area_samples.point(i) : c_vertices[i - samples], spacing);
     return surface.onto_surface(index).value_or(index);
   };
   std::vector<double> distance(samples + c_vertices.size());
   std::vector<std::uint32_t> nearest(distance.size());  // the nearest triangle
-  for_each_sample(distance.size(), "surface to mesh", control, [&](std::size_t begin, std::size_t end) {
-    double reach = INFINITY;  // the distance of one sample bounds that of the next; the slack is for rounding
-    Vec3 last;
-    for (std::size_t i = begin; i < end; ++i) {
-      const Vec3 p = to_metric(point(i), spacing);
-      if (i > begin) reach = (1 + 1e-9) * (distance[i - 1] + length(p - last)) + 1e-6 * out.voxel;
-      TriangleBvh::Hit hit = bvh.closest(p, reach);
-      if (!hit.found()) hit = bvh.closest(p);  // so far away that the slack was too small
-      distance[i] = std::sqrt(hit.squared_distance);
-      nearest[i] = hit.triangle;
-      last = p;
-    }
-  });
+  for_each_sample(
+      distance.size(), "surface to mesh", control, [&](std::size_t begin, std::size_t end) {
+        double reach = INFINITY;  // the distance of one sample bounds that of the next; the slack
+                                  // is for rounding
+        Vec3 last;
+        for (std::size_t i = begin; i < end; ++i) {
+          const Vec3 p = to_metric(point(i), spacing);
+          if (i > begin)
+            reach = (1 + 1e-9) * (distance[i - 1] + length(p - last)) + 1e-6 * out.voxel;
+          TriangleBvh::Hit hit = bvh.closest(p, reach);
+          if (!hit.found()) hit = bvh.closest(p);  // so far away that the slack was too small
+          distance[i] = std::sqrt(hit.squared_distance);
+          nearest[i] = hit.triangle;
+          last = p;
+        }
+      });
   for (std::size_t i = 0; i < distance.size(); ++i) {
     if (distance[i] > distant.bound) distant.corners.push_back(mesh.triangles[nearest[i]]);
   }
   control.check_cancelled();
   out.surface_area = area_samples.area();
-  out.surface_to_mesh = summarize(std::move(distance), samples, area_samples.area(), out.voxel, point);
+  out.surface_to_mesh =
+      summarize(std::move(distance), samples, area_samples.area(), out.voxel, point);
 }
 
 void scale(OneSidedDistance& d, double unit) {
@@ -254,13 +279,14 @@ void scale(OneSidedDistance& d, double unit) {
 
 }  // namespace
 
-Measurement measure(const MeshView& mesh, const Isosurface& surface, std::size_t samples, const RunControl& control) {
+Measurement measure(const MeshView& mesh, const Isosurface& surface, std::size_t samples,
+                    const RunControl& control) {
   DistantSamples none{INFINITY, {}};
   return measure(mesh, surface, samples, none, control);
 }
 
-Measurement measure(const MeshView& mesh, const Isosurface& surface, std::size_t samples, DistantSamples& distant,
-                    const RunControl& control) {
+Measurement measure(const MeshView& mesh, const Isosurface& surface, std::size_t samples,
+                    DistantSamples& distant, const RunControl& control) {
   require(samples > 0, "no samples are wanted");
   const Vec3 spacing = surface.spacing();
   check_mesh(mesh, spacing);
@@ -293,14 +319,17 @@ void transform_to(Measurement& measurement, const Grid& grid, Space space) {
 namespace isoatlas {
 using namespace detail;
 
-double Measurement::maximum() const { return std::max(mesh_to_surface.maximum, surface_to_mesh.maximum); }
+double Measurement::maximum() const {
+  return std::max(mesh_to_surface.maximum, surface_to_mesh.maximum);
+}
 double Measurement::p99() const { return std::max(mesh_to_surface.p99, surface_to_mesh.p99); }
 double Measurement::mean() const { return std::max(mesh_to_surface.mean, surface_to_mesh.mean); }
 
-Measurement measure(const MeshView& mesh, const VolumeView& any_volume, const MeasureOptions& options,
-                    const RunControl& caller_control) try {
+Measurement measure(const MeshView& mesh, const VolumeView& any_volume,
+                    const MeasureOptions& options, const RunControl& caller_control) try {
   const SurfaceOptions& wanted = options.surface;
-  constexpr std::array<StageShare, 3> kStages{{{"surface", 1}, {"mesh to surface", 5}, {"surface to mesh", 3}}};
+  constexpr std::array<StageShare, 3> kStages{
+      {{"surface", 1}, {"mesh to surface", 5}, {"surface to mesh", 3}}};
   const RunControl control = with_whole_progress(caller_control, kStages);
   check_volume(any_volume, wanted.isovalue);
   const Volume dense = dense_volume(any_volume);
@@ -312,7 +341,8 @@ Measurement measure(const MeshView& mesh, const VolumeView& any_volume, const Me
   const double voxel = grid.smallest_spacing();
 
   // To sample-index coordinates; as in extract(), the unit of length is the smallest spacing.
-  TriangleMesh index{{mesh.positions.begin(), mesh.positions.end()}, {mesh.triangles.begin(), mesh.triangles.end()}};
+  TriangleMesh index{{mesh.positions.begin(), mesh.positions.end()},
+                     {mesh.triangles.begin(), mesh.triangles.end()}};
   for (Vec3& p : index.positions) p = from_space(grid, options.space, p);
   if (options.space != Space::voxel && grid.mirrored()) {
     for (Triangle& t : index.triangles) std::swap(t[1], t[2]);

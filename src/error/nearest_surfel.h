@@ -15,7 +15,8 @@ struct NearestSurfel {
 /// Follows decreasing distance in G from `start` to a c-vertex none of whose neighbours is nearer
 /// to p. If p is near the surface, this is the nearest c-vertex on the sheet of `start`. O(length
 /// of the path).
-inline NearestSurfel walk_to_nearest(const Surfels& surfels, const CVertexGraph& graph, CVertexId start, Vec3 p) {
+inline NearestSurfel walk_to_nearest(const Surfels& surfels, const CVertexGraph& graph,
+                                     CVertexId start, Vec3 p) {
   NearestSurfel at{start, squared_length(surfels.point[start] - p)};
   for (CVertexId from = kNone; from != at.id;) {
     from = at.id;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Directional curvature 2 (paper, 3.5): the angles between the normals of consecutive c-vertices, summed along the geodesic
-// from the site to a c-vertex of the cell's border, the largest sum. Degrees.
+// Directional curvature 2 (paper, 3.5): the angles between the normals of consecutive c-vertices,
+// summed along the geodesic from the site to a c-vertex of the cell's border, the largest sum.
+// Degrees.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -25,11 +26,14 @@ double normal_angle(const CellView& cell) {
     return cell.geodesic[a] != cell.geodesic[b] ? cell.geodesic[a] < cell.geodesic[b] : a < b;
   };
   std::sort(order.begin(), order.end(), nearer);
-  std::vector<std::pair<CVertexId, double>> sums;  // sorted by c-vertex: cells list theirs in increasing order
+  std::vector<std::pair<CVertexId, double>>
+      sums;  // sorted by c-vertex: cells list theirs in increasing order
   sums.reserve(order.size());
   for (const CVertexId v : cell.c_vertices) sums.emplace_back(v, 0.0);
   const auto sum_of = [&](CVertexId v) -> double& {
-    return std::lower_bound(sums.begin(), sums.end(), v, [](const auto& s, CVertexId id) { return s.first < id; })->second;
+    return std::lower_bound(sums.begin(), sums.end(), v,
+                            [](const auto& s, CVertexId id) { return s.first < id; })
+        ->second;
   };
   double largest = 0;
   for (const CVertexId v : order) {
@@ -44,8 +48,10 @@ double normal_angle(const CellView& cell) {
         reached = d;
       }
     }
-    if (previous == kNone) continue;  // its geodesic ran through c-vertices that another site owns now
-    const double sum = sum_of(previous) + angle_between(cell.surfels.normal[previous], cell.surfels.normal[v]);
+    if (previous == kNone)
+      continue;  // its geodesic ran through c-vertices that another site owns now
+    const double sum =
+        sum_of(previous) + angle_between(cell.surfels.normal[previous], cell.surfels.normal[v]);
     sum_of(v) = sum;
     if (sum > largest && is_on_border(cell, v)) largest = sum;
   }

@@ -29,11 +29,14 @@ constexpr std::array<Description, kQuantityCount + 1> kDescriptions{{
 
 }  // namespace
 
-std::string_view name(Quantity quantity) { return kDescriptions[static_cast<std::size_t>(quantity)].name; }
+std::string_view name(Quantity quantity) {
+  return kDescriptions[static_cast<std::size_t>(quantity)].name;
+}
 
 std::optional<Quantity> quantity_named(std::string_view name) {
   const auto end = kDescriptions.begin() + kQuantityCount;  // `custom` cannot be named
-  const auto it = std::find_if(kDescriptions.begin(), end, [&](const Description& d) { return d.name == name; });
+  const auto it = std::find_if(kDescriptions.begin(), end,
+                               [&](const Description& d) { return d.name == name; });
   if (it == end) return std::nullopt;
   return static_cast<Quantity>(it - kDescriptions.begin());
 }

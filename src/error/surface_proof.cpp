@@ -24,7 +24,8 @@ struct Box {
   Vec3 low;
   double size;
   Vec3 corner(std::size_t k) const {
-    return low + size * Vec3{static_cast<double>(k & 1), static_cast<double>(k >> 1 & 1), static_cast<double>(k >> 2)};
+    return low + size * Vec3{static_cast<double>(k & 1), static_cast<double>(k >> 1 & 1),
+                             static_cast<double>(k >> 2)};
   }
 };
 
@@ -52,11 +53,13 @@ class ClippedBox {
     // field.
     Vec3 slope;
     for (std::size_t k = 0; k < 8; ++k)
-      slope = slope + (0.25 * value[k]) * Vec3{k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0, k & 4 ? 1.0 : -1.0};
+      slope = slope +
+              (0.25 * value[k]) * Vec3{k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0, k & 4 ? 1.0 : -1.0};
     std::array<double, 8> linear;
     double lowest = INFINITY, highest = -INFINITY, largest = 0;
     for (std::size_t k = 0; k < 8; ++k) {
-      linear[k] = mean + 0.5 * dot(slope, Vec3{k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0, k & 4 ? 1.0 : -1.0});
+      linear[k] =
+          mean + 0.5 * dot(slope, Vec3{k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0, k & 4 ? 1.0 : -1.0});
       lowest = std::min(lowest, linear[k] - value[k]);
       highest = std::max(highest, linear[k] - value[k]);
       largest = std::max(largest, std::abs(value[k]));
@@ -110,9 +113,14 @@ class ClippedBox {
 
 class GridCellSearch {
  public:
-  GridCellSearch(const MeasuredSurface& surface, const GridCellIndex& grid_cell_index, const LevelMesh& mesh,
-                 std::span<const CellId> cell_of, double bound)
-      : surface_(surface), grid_cell_index_(grid_cell_index), mesh_(mesh), cell_of_(cell_of), bound_(bound), ring_(mesh) {}
+  GridCellSearch(const MeasuredSurface& surface, const GridCellIndex& grid_cell_index,
+                 const LevelMesh& mesh, std::span<const CellId> cell_of, double bound)
+      : surface_(surface),
+        grid_cell_index_(grid_cell_index),
+        mesh_(mesh),
+        cell_of_(cell_of),
+        bound_(bound),
+        ring_(mesh) {}
 
   Farthest search(CellId cell) {
     ring_.set_cell(cell);
@@ -124,7 +132,8 @@ class GridCellSearch {
     }
     std::ranges::sort(keys_);
     keys_.erase(std::unique(keys_.begin(), keys_.end()), keys_.end());
-    for (std::size_t i = 0; i < keys_.size() && farthest_.at == kNone; ++i) search_grid_cell(keys_[i]);
+    for (std::size_t i = 0; i < keys_.size() && farthest_.at == kNone; ++i)
+      search_grid_cell(keys_[i]);
     return farthest_;
   }
 
@@ -146,14 +155,16 @@ class GridCellSearch {
       const Vec3 centre = clipped_.centre();
       if (farthest_from(ring_.closest(centre, 0.5 * bound_).first) <= bound_) continue;
       const auto [triangle, point] = ring_.closest(centre);
-      const double far = farthest_from(triangle), near = std::sqrt(point.squared_distance) - clipped_.radius(centre);
+      const double far = farthest_from(triangle),
+                   near = std::sqrt(point.squared_distance) - clipped_.radius(centre);
       if (far <= bound_) continue;
       // Other sheets in the grid cell are proved with the cells of their nearest c-vertices.
       if (belongs_to_others(key)) continue;
       const CVertexId nearest = nearest_c_vertex(key, centre);
       const bool is_own = cell_of_[nearest] == cell_;
       if (box.size > kMinBoxSize && (near <= bound_ || !is_own)) {
-        for (std::size_t k = 0; k < 8; ++k) boxes_.push_back({Box{box.low, 0.5 * box.size}.corner(k), 0.5 * box.size});
+        for (std::size_t k = 0; k < 8; ++k)
+          boxes_.push_back({Box{box.low, 0.5 * box.size}.corner(k), 0.5 * box.size});
         continue;
       }
       if (!is_own) continue;
@@ -177,11 +188,14 @@ class GridCellSearch {
     const std::span<const CVertexId> c_vertices = grid_cell_index_.c_vertices(key);
     const auto is_nearer = [&](CVertexId a, CVertexId b) {
       const Vec3 p = surface_.surfels.point[a], q = surface_.surfels.point[b];
-      return std::ranges::all_of(clipped_.corners(), [&](Vec3 x) { return squared_length(x - p) < squared_length(x - q); });
+      return std::ranges::all_of(clipped_.corners(), [&](Vec3 x) {
+        return squared_length(x - p) < squared_length(x - q);
+      });
     };
     return std::ranges::all_of(c_vertices, [&](CVertexId own) {
-      return cell_of_[own] != cell_ ||
-             std::ranges::any_of(c_vertices, [&](CVertexId other) { return cell_of_[other] != cell_ && is_nearer(other, own); });
+      return cell_of_[own] != cell_ || std::ranges::any_of(c_vertices, [&](CVertexId other) {
+               return cell_of_[other] != cell_ && is_nearer(other, own);
+             });
     });
   }
 
@@ -211,7 +225,10 @@ class GridCellSearch {
 }  // namespace
 
 GridCellIndex::GridCellIndex(const SurfaceComplex& complex, Vec3 last, const RunControl* control)
-    : complex_(complex), size_x_(static_cast<Key>(last.x)), size_y_(static_cast<Key>(last.y)), size_z_(static_cast<Key>(last.z)) {
+    : complex_(complex),
+      size_x_(static_cast<Key>(last.x)),
+      size_y_(static_cast<Key>(last.y)),
+      size_z_(static_cast<Key>(last.z)) {
   std::vector<std::pair<Key, CVertexId>> all;
   all.reserve(complex.c_vertex_count());
   CancelPoll poll(control);
@@ -259,16 +276,19 @@ Vec3 GridCellIndex::low(Key cell) const {
           static_cast<double>(cell / size_x_ / size_y_)};
 }
 
-std::vector<Farthest> prove_surface_near(const MeasuredSurface& surface, const GridCellIndex& grid_cell_index, const LevelMesh& mesh,
-                                         std::span<const CellId> cell_of, std::span<const CellId> cells, double bound) {
+std::vector<Farthest> prove_surface_near(const MeasuredSurface& surface,
+                                         const GridCellIndex& grid_cell_index,
+                                         const LevelMesh& mesh, std::span<const CellId> cell_of,
+                                         std::span<const CellId> cells, double bound) {
   std::vector<Farthest> out(cells.size());
-  for_each_piece_reporting(cells.size(), kCellsPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
-    GridCellSearch search(surface, grid_cell_index, mesh, cell_of, bound);
-    for (std::size_t i = begin; i < end; ++i) {
-      surface.check_cancelled();
-      out[i] = search.search(cells[i]);
-    }
-  });
+  for_each_piece_reporting(cells.size(), kCellsPerPiece, surface.control,
+                           [&](std::size_t begin, std::size_t end) {
+                             GridCellSearch search(surface, grid_cell_index, mesh, cell_of, bound);
+                             for (std::size_t i = begin; i < end; ++i) {
+                               surface.check_cancelled();
+                               out[i] = search.search(cells[i]);
+                             }
+                           });
   return out;
 }
 

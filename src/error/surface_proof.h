@@ -52,7 +52,9 @@ class GridCellIndex {
 ///         near there; kNone if the bound is proved. Nothing is proved where the field is not
 ///         trilinear. Parallel over cells
 /// @cost   about 2 microseconds per grid cell
-std::vector<Farthest> prove_surface_near(const MeasuredSurface& surface, const GridCellIndex& grid_cell_index, const LevelMesh& mesh,
-                                         std::span<const CellId> cell_of, std::span<const CellId> cells, double bound);
+std::vector<Farthest> prove_surface_near(const MeasuredSurface& surface,
+                                         const GridCellIndex& grid_cell_index,
+                                         const LevelMesh& mesh, std::span<const CellId> cell_of,
+                                         std::span<const CellId> cells, double bound);
 
 }  // namespace isoatlas::detail

@@ -18,7 +18,9 @@ Surfels make_surfels(const SurfaceComplex& complex, const RunControl* control) {
   out.point.resize(n);
   out.normal.resize(n);
   out.area.assign(n, 0);
-  for_each_index(n, kPerPiece, control, [&](std::size_t v) { out.point[v] = to_metric(complex.positions[v], complex.spacing); });
+  for_each_index(n, kPerPiece, control, [&](std::size_t v) {
+    out.point[v] = to_metric(complex.positions[v], complex.spacing);
+  });
   CancelPoll poll(control);
   for (const Face& face : complex.faces) {
     poll.step();
@@ -34,7 +36,8 @@ Surfels make_surfels(const SurfaceComplex& complex, const RunControl* control) {
       out.area[face.corner[k]] += share;
     }
   }
-  for_each_index(n, kPerPiece, control, [&](std::size_t v) { out.normal[v] = normalized(out.normal[v]); });
+  for_each_index(n, kPerPiece, control,
+                 [&](std::size_t v) { out.normal[v] = normalized(out.normal[v]); });
   return out;
 }
 

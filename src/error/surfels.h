@@ -12,8 +12,10 @@ namespace isoatlas::detail {
 /// area; metric. Computed once (paper, 3.5).
 struct Surfels {
   std::vector<Vec3> point;
-  std::vector<Vec3> normal;  ///< from inside to outside; zero if the faces around the c-vertex cancel out
-  std::vector<float> area;   ///< sum over the faces around the c-vertex, each divided evenly among its corners
+  std::vector<Vec3>
+      normal;  ///< from inside to outside; zero if the faces around the c-vertex cancel out
+  std::vector<float>
+      area;  ///< sum over the faces around the c-vertex, each divided evenly among its corners
 };
 
 /// O(F). 52 bytes per c-vertex.

@@ -16,10 +16,13 @@ namespace isoatlas::detail {
 namespace {
 
 constexpr std::size_t kTrianglesPerPiece = 32;
-constexpr std::array kFirstRadius{0.45, 1.0};  // largest radius of patches that are tested, in voxels, per kind of evidence
-constexpr double kSmallRadius = 0.05;          // below this radius a search for the closest point is worth its cost
+constexpr std::array kFirstRadius{
+    0.45, 1.0};  // largest radius of patches that are tested, in voxels, per kind of evidence
+constexpr double kSmallRadius =
+    0.05;  // below this radius a search for the closest point is worth its cost
 constexpr double kMinRadius = 5e-3;
-constexpr double kFarVoxels = 2;           // in voxels; beyond this distance the field between has no significance
+constexpr double kFarVoxels =
+    2;  // in voxels; beyond this distance the field between has no significance
 constexpr std::size_t kMaxGridCells = 27;  // that a patch may intersect
 constexpr double kRounding = 1e-6;         // of coordinates on the border, in grid cells
 constexpr int kMaxPieces = 64;             // of a patch's side, for the first subdivision
@@ -34,7 +37,8 @@ struct Patch {
 
 Patch whole_triangle(const std::array<Vec3, 3>& corners) {
   Patch out{corners[0], corners[1] - corners[0], corners[2] - corners[0], 0};
-  for (const Vec3& corner : corners) out.radius = std::max(out.radius, length(corner - out.centroid()));
+  for (const Vec3& corner : corners)
+    out.radius = std::max(out.radius, length(corner - out.centroid()));
   return out;
 }
 
@@ -71,7 +75,8 @@ class PatchSearch {
   int measure_and_count_pieces(const Patch& patch) {
     const double largest = std::max(exact_above_, farthest_);
     const bool is_far = largest > kFarVoxels * voxel_;
-    const double first = is_far ? 0.5 * largest : kFirstRadius[static_cast<std::size_t>(evidence_)] * voxel_;
+    const double first =
+        is_far ? 0.5 * largest : kFirstRadius[static_cast<std::size_t>(evidence_)] * voxel_;
     if (patch.radius > (1 + 1e-9) * first) return pieces_of(patch.radius / first, kMaxPieces);
     // Once a point is too far away, only larger distances at the centroids matter.
     const bool needs_proof = evidence_ == Evidence::proof && farthest_ <= exact_above_;
@@ -79,7 +84,8 @@ class PatchSearch {
     if (needs_proof && !is_far) {
       const double ratio = proof_ratio(patch, largest);
       if (ratio <= 1) return 1;
-      if (std::isfinite(ratio) && patch.radius > kSmallRadius * voxel_) return pieces_of(ratio, kMaxPiecesAfterTest);
+      if (std::isfinite(ratio) && patch.radius > kSmallRadius * voxel_)
+        return pieces_of(ratio, kMaxPiecesAfterTest);
     } else if (!is_far) {
       const double rough = isosurface_.distance_upper_bound(index, cursor_);
       if (rough <= largest) {
@@ -95,7 +101,8 @@ class PatchSearch {
     }
     if (!needs_proof || d > exact_above_ || d + patch.radius <= exact_above_) return 1;
     if (patch.radius > kMinRadius * voxel_)
-      return pieces_of(patch.radius / std::max(exact_above_ - d, kMinRadius * voxel_), kMaxPiecesAfterTest);
+      return pieces_of(patch.radius / std::max(exact_above_ - d, kMinRadius * voxel_),
+                       kMaxPiecesAfterTest);
     farthest_ = d + patch.radius;  // an upper bound, since the exact value is not known
     return 1;
   }
@@ -112,11 +119,13 @@ class PatchSearch {
     const Vec3 step = to_index((1 / steepness) * slope);
     double ratio = INFINITY;
     // First try a distance little larger than necessary, since other sheets may be near.
-    const double normal_offset = here.value / steepness, margin = std::min(reach - std::abs(normal_offset), patch.radius);
+    const double normal_offset = here.value / steepness,
+                 margin = std::min(reach - std::abs(normal_offset), patch.radius);
     if (margin > 0)
-      ratio =
-          proof_ratio_between(patch, index, std::max(0.0, margin - normal_offset) * step, std::min(0.0, -margin - normal_offset) * step);
-    if (ratio > 1) ratio = std::min(ratio, proof_ratio_between(patch, index, reach * step, -reach * step));
+      ratio = proof_ratio_between(patch, index, std::max(0.0, margin - normal_offset) * step,
+                                  std::min(0.0, -margin - normal_offset) * step);
+    if (ratio > 1)
+      ratio = std::min(ratio, proof_ratio_between(patch, index, reach * step, -reach * step));
     return ratio <= 1 ? ratio : std::min(ratio, proof_ratio_near_surface(patch, index, reach));
   }
 
@@ -132,21 +141,25 @@ class PatchSearch {
   // Outside the volume the field is that of the nearest point of the border, so that distances
   // would be underestimated.
   bool is_in_volume(const Patch& patch) const {
-    return std::ranges::all_of(std::array{patch.a, patch.a + patch.u, patch.a + patch.v}, [&](Vec3 p) {
-      const Vec3 index = to_index(p);
-      return length(isosurface_.field().clamped(index) - index) <= kRounding;
-    });
+    return std::ranges::all_of(
+        std::array{patch.a, patch.a + patch.u, patch.a + patch.v}, [&](Vec3 p) {
+          const Vec3 index = to_index(p);
+          return length(isosurface_.field().clamped(index) - index) <= kRounding;
+        });
   }
 
   // If the patch moved up is inside and the patch moved down is outside, then the isosurface lies
   // between for each of its points.
   double proof_ratio_between(const Patch& patch, Vec3 index, Vec3 up, Vec3 down) const {
     const Vec3 inside = index + up, outside = index + down;
-    const double high = isosurface_.field().at(inside).value, low = isosurface_.field().at(outside).value;
+    const double high = isosurface_.field().at(inside).value,
+                 low = isosurface_.field().at(outside).value;
     if (!(high > 0 && low < 0)) return INFINITY;
     const Vec3 third = (1.0 / 3) * (patch.u + patch.v);
-    const std::array<Vec3, 3> corner{to_index(-1 * third), to_index(patch.u - third), to_index(patch.v - third)};
-    return std::max(max_decrease(inside, corner, 1) / high, max_decrease(outside, corner, -1) / -low);
+    const std::array<Vec3, 3> corner{to_index(-1 * third), to_index(patch.u - third),
+                                     to_index(patch.v - third)};
+    return std::max(max_decrease(inside, corner, 1) / high,
+                    max_decrease(outside, corner, -1) / -low);
   }
 
   // How much the field can decrease (side 1) or increase (side -1) from a point to the corners of a
@@ -165,11 +178,16 @@ class PatchSearch {
   }
 
   static double max_along(const InterpolatedField::Range& g, Vec3 reach) {
-    const auto largest = [](double low, double high, double w) { return std::max(low * w, high * w); };
-    return largest(g.low.x, g.high.x, reach.x) + largest(g.low.y, g.high.y, reach.y) + largest(g.low.z, g.high.z, reach.z);
+    const auto largest = [](double low, double high, double w) {
+      return std::max(low * w, high * w);
+    };
+    return largest(g.low.x, g.high.x, reach.x) + largest(g.low.y, g.high.y, reach.y) +
+           largest(g.low.z, g.high.z, reach.z);
   }
 
-  static int pieces_of(double ratio, int largest) { return std::clamp(static_cast<int>(std::ceil(std::min(ratio, 1e6))), 2, largest); }
+  static int pieces_of(double ratio, int largest) {
+    return std::clamp(static_cast<int>(std::ceil(std::min(ratio, 1e6))), 2, largest);
+  }
 
   void split(const Patch& patch, int pieces) {
     const double share = 1.0 / pieces;
@@ -195,8 +213,8 @@ class PatchSearch {
   std::vector<Patch> patches_;
 };
 
-TriangleError measure_triangle(const MeasuredSurface& surface, const LevelMesh& mesh, std::uint32_t triangle, double exact_above,
-                               PatchSearch& search) {
+TriangleError measure_triangle(const MeasuredSurface& surface, const LevelMesh& mesh,
+                               std::uint32_t triangle, double exact_above, PatchSearch& search) {
   const std::array<Vec3, 3> corners = mesh.corners(triangle);
   search.search(corners);
   TriangleError out;
@@ -204,7 +222,9 @@ TriangleError measure_triangle(const MeasuredSurface& surface, const LevelMesh& 
   if (search.distance() <= exact_above) return out;
   std::size_t nearest = 0;
   for (std::size_t k = 1; k < 3; ++k) {
-    if (squared_length(search.point() - corners[k]) < squared_length(search.point() - corners[nearest])) nearest = k;
+    if (squared_length(search.point() - corners[k]) <
+        squared_length(search.point() - corners[nearest]))
+      nearest = k;
   }
   out.cell = mesh.triangles[triangle][nearest];
   const CVertexId start = mesh.c_vertices_of.row(out.cell)[0];
@@ -226,22 +246,27 @@ std::uint64_t TriangleErrorCache::fingerprint(const LevelMesh& mesh, std::uint32
   for (std::size_t k = 0; k < 3; ++k) {
     const CellId c = mesh.triangles[triangle][k];
     add(c + 1ull);
-    for (const double x : {mesh.point[c].x, mesh.point[c].y, mesh.point[c].z}) add(std::bit_cast<std::uint64_t>(x));
+    for (const double x : {mesh.point[c].x, mesh.point[c].y, mesh.point[c].z})
+      add(std::bit_cast<std::uint64_t>(x));
   }
   return out;
 }
 
-const TriangleError* TriangleErrorCache::find(const LevelMesh& mesh, std::uint32_t triangle, double exact_above) const {
+const TriangleError* TriangleErrorCache::find(const LevelMesh& mesh, std::uint32_t triangle,
+                                              double exact_above) const {
   const Entry& cache = entries_[triangle];
   if (cache.fingerprint != fingerprint(mesh, triangle)) return nullptr;
   const TriangleError& error = cache.error;
-  return error.upper_bound <= exact_above || (error.sample.at != kNone && static_cast<double>(error.sample.distance) > exact_above)
+  return error.upper_bound <= exact_above ||
+                 (error.sample.at != kNone &&
+                  static_cast<double>(error.sample.distance) > exact_above)
              ? &error
              : nullptr;
 }
 
-void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cell_of,
-                       std::span<const CellId> cells, double exact_above, Evidence evidence, std::vector<Farthest>& from_mesh,
+void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh,
+                       std::span<const CellId> cell_of, std::span<const CellId> cells,
+                       double exact_above, Evidence evidence, std::vector<Farthest>& from_mesh,
                        TriangleErrorCache* cache) {
   std::vector<std::uint8_t> wanted(mesh.cell_count(), 0);
   for (const CellId c : cells) wanted[c] = 1;
@@ -249,23 +274,31 @@ void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, st
   std::vector<std::uint32_t> triangles;
   for (const CellId c : cells) {
     for (const std::uint32_t t : mesh.triangles_of.row(c)) {
-      const auto& corner = mesh.triangles[t];  // each triangle is listed once, by its first corner that is wanted
-      if (c == (wanted[corner[0]] ? corner[0] : wanted[corner[1]] ? corner[1] : corner[2])) triangles.push_back(t);
+      const auto& corner =
+          mesh.triangles[t];  // each triangle is listed once, by its first corner that is wanted
+      if (c == (wanted[corner[0]] ? corner[0] : wanted[corner[1]] ? corner[1] : corner[2]))
+        triangles.push_back(t);
     }
   }
   if (cache != nullptr) cache->resize(mesh.triangles.size());
   std::vector<TriangleError> errors(triangles.size());
-  for_each_piece_reporting(triangles.size(), kTrianglesPerPiece, surface.control, [&](std::size_t begin, std::size_t end) {
-    surface.check_cancelled();
-    PatchSearch search(*surface.isosurface, exact_above, evidence);
-    for (std::size_t i = begin; i < end; ++i) {
-      const std::uint32_t t = triangles[i];
-      if (evidence == Evidence::proof) surface.check_cancelled();  // proving one triangle takes as long as sampling a whole piece
-      const TriangleError* found = cache != nullptr ? cache->find(mesh, t, exact_above) : nullptr;
-      errors[i] = found != nullptr ? *found : measure_triangle(surface, mesh, t, exact_above, search);
-      if (found == nullptr && cache != nullptr) cache->store(mesh, t, errors[i]);
-    }
-  });
+  for_each_piece_reporting(
+      triangles.size(), kTrianglesPerPiece, surface.control,
+      [&](std::size_t begin, std::size_t end) {
+        surface.check_cancelled();
+        PatchSearch search(*surface.isosurface, exact_above, evidence);
+        for (std::size_t i = begin; i < end; ++i) {
+          const std::uint32_t t = triangles[i];
+          if (evidence == Evidence::proof)
+            surface
+                .check_cancelled();  // proving one triangle takes as long as sampling a whole piece
+          const TriangleError* found =
+              cache != nullptr ? cache->find(mesh, t, exact_above) : nullptr;
+          errors[i] =
+              found != nullptr ? *found : measure_triangle(surface, mesh, t, exact_above, search);
+          if (found == nullptr && cache != nullptr) cache->store(mesh, t, errors[i]);
+        }
+      });
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     const Farthest& sample = errors[i].sample;
     if (sample.at == kNone) continue;
@@ -274,7 +307,8 @@ void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, st
     const CellId there = cell_of[sample.at];
     const CellId cell = std::ranges::find(corners, there) != corners.end() ? there : errors[i].cell;
     Farthest& largest = from_mesh[cell];
-    if (wanted[cell] && (sample.distance > largest.distance || (sample.distance == largest.distance && sample.at < largest.at)))
+    if (wanted[cell] && (sample.distance > largest.distance ||
+                         (sample.distance == largest.distance && sample.at < largest.at)))
       largest = sample;
   }
 }

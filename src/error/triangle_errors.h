@@ -16,7 +16,8 @@ enum class Evidence { samples, proof };
 
 /// The distance of a triangle from the isosurface.
 struct TriangleError {
-  Farthest sample;         ///< the farthest point found and a c-vertex near it; kNone: no point farther than `upper_bound` was found
+  Farthest sample;  ///< the farthest point found and a c-vertex near it; kNone: no point farther
+                    ///< than `upper_bound` was found
   CellId cell = kNone;     ///< of the triangle's corner nearest to that point
   double upper_bound = 0;  ///< no tested point is farther than this
 };
@@ -29,7 +30,8 @@ class TriangleErrorCache {
   /// @param exact_above  errors up to this are only needed as an upper bound
   /// @return none if the triangle with this id was another one, has moved or was not measured
   ///         exactly enough
-  const TriangleError* find(const LevelMesh& mesh, std::uint32_t triangle, double exact_above) const;
+  const TriangleError* find(const LevelMesh& mesh, std::uint32_t triangle,
+                            double exact_above) const;
   void store(const LevelMesh& mesh, std::uint32_t triangle, const TriangleError& error) {
     entries_[triangle] = {fingerprint(mesh, triangle), error};
   }
@@ -56,8 +58,9 @@ class TriangleErrorCache {
 /// @param exact_above  errors up to this are only needed as an upper bound
 /// @param cache  results for triangles measured before, by the same kind of evidence on the same
 ///               surface; none: all are measured
-void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh, std::span<const CellId> cell_of,
-                       std::span<const CellId> cells, double exact_above, Evidence evidence, std::vector<Farthest>& from_mesh,
+void measure_from_mesh(const MeasuredSurface& surface, const LevelMesh& mesh,
+                       std::span<const CellId> cell_of, std::span<const CellId> cells,
+                       double exact_above, Evidence evidence, std::vector<Farthest>& from_mesh,
                        TriangleErrorCache* cache = nullptr);
 
 }  // namespace isoatlas::detail

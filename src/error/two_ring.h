@@ -61,9 +61,12 @@ class TwoRing {
       }
     }
     const auto others = triangles_.begin() + static_cast<std::ptrdiff_t>(own_count_);
-    const auto is_own = [&](std::uint32_t t) { return std::find(triangles_.begin(), others, t) != others; };
+    const auto is_own = [&](std::uint32_t t) {
+      return std::find(triangles_.begin(), others, t) != others;
+    };
     std::sort(others, triangles_.end());
-    triangles_.erase(std::remove_if(others, std::unique(others, triangles_.end()), is_own), triangles_.end());
+    triangles_.erase(std::remove_if(others, std::unique(others, triangles_.end()), is_own),
+                     triangles_.end());
     make_balls(own_count_);
   }
 
@@ -72,7 +75,8 @@ class TwoRing {
     for (auto* v : {&x_, &y_, &z_, &radius_, &ball_distance_}) v->resize(n);
     for (std::size_t k = from; k < n; ++k) {
       const std::array<Vec3, 3> corners = mesh_.corners(triangles_[k]);
-      const Vec3 centre = (1.0 / 3.0) * (corners[0] + corners[1] + corners[2]), seen = centre - mesh_.point[cell_];
+      const Vec3 centre = (1.0 / 3.0) * (corners[0] + corners[1] + corners[2]),
+                 seen = centre - mesh_.point[cell_];
       double squared = 0;
       for (const Vec3& p : corners) squared = std::max(squared, squared_length(p - centre));
       x_[k] = static_cast<float>(seen.x);
@@ -85,16 +89,21 @@ class TwoRing {
   // Updates `found` if a triangle of [begin, end) is nearer.
   void update_closest(std::size_t begin, std::size_t end, Vec3 p, TrianglePoint& found) {
     const Vec3 seen = p - mesh_.point[cell_];
-    const auto px = static_cast<float>(seen.x), py = static_cast<float>(seen.y), pz = static_cast<float>(seen.z);
-    const auto reach = [&] { return static_cast<float>(std::sqrt(found.squared_distance) + kRounding * length(seen)); };
+    const auto px = static_cast<float>(seen.x), py = static_cast<float>(seen.y),
+               pz = static_cast<float>(seen.z);
+    const auto reach = [&] {
+      return static_cast<float>(std::sqrt(found.squared_distance) + kRounding * length(seen));
+    };
     float search_radius = reach();
     for (std::size_t k = begin; k < end; ++k) {
-      const float dx = x_[k] - px, dy = y_[k] - py, dz = z_[k] - pz, limit = search_radius + radius_[k];
+      const float dx = x_[k] - px, dy = y_[k] - py, dz = z_[k] - pz,
+                  limit = search_radius + radius_[k];
       ball_distance_[k] = dx * dx + dy * dy + dz * dz - limit * limit;
     }
     for (std::size_t k = begin; k < end; ++k) {
       if (ball_distance_[k] >= 0 || k == last_closest_) continue;
-      const float dx = x_[k] - px, dy = y_[k] - py, dz = z_[k] - pz, limit = search_radius + radius_[k];
+      const float dx = x_[k] - px, dy = y_[k] - py, dz = z_[k] - pz,
+                  limit = search_radius + radius_[k];
       if (dx * dx + dy * dy + dz * dz >= limit * limit) continue;  // a nearer one was found since
       const TrianglePoint other = closest_on(k, p);
       if (other.squared_distance >= found.squared_distance) continue;

@@ -13,10 +13,12 @@ constexpr std::size_t kPerPiece = 2048;  // vertices, of a parallel loop
 }  // namespace
 
 Vec3 base_position(const SurfaceComplex& complex, const VertexPlacement& placement, CellId c) {
-  return displaced_position(complex, placement.anchor[c], placement.displacement.empty() ? Vec3{} : placement.displacement[c]);
+  return displaced_position(complex, placement.anchor[c],
+                            placement.displacement.empty() ? Vec3{} : placement.displacement[c]);
 }
 
-Vec3 vertex_position(const SurfaceComplex& complex, const Surfels& surfels, const VertexPlacement& placement, CellId c) {
+Vec3 vertex_position(const SurfaceComplex& complex, const Surfels& surfels,
+                     const VertexPlacement& placement, CellId c) {
   const Vec3 p = base_position(complex, placement, c);
   if (placement.normal_offset.empty()) return p;
   const Vec3 s = complex.spacing, n = surfels.normal[placement.anchor[c]];
@@ -24,14 +26,17 @@ Vec3 vertex_position(const SurfaceComplex& complex, const Surfels& surfels, cons
   return p + Vec3{d * n.x / s.x, d * n.y / s.y, d * n.z / s.z};
 }
 
-std::vector<Vec3> vertex_positions(const SurfaceComplex& complex, const Surfels& surfels, const VertexPlacement& placement) {
+std::vector<Vec3> vertex_positions(const SurfaceComplex& complex, const Surfels& surfels,
+                                   const VertexPlacement& placement) {
   std::vector<Vec3> out(placement.anchor.size());
-  for_each_index(out.size(), kPerPiece,
-                 [&](std::size_t c) { out[c] = vertex_position(complex, surfels, placement, static_cast<CellId>(c)); });
+  for_each_index(out.size(), kPerPiece, [&](std::size_t c) {
+    out[c] = vertex_position(complex, surfels, placement, static_cast<CellId>(c));
+  });
   return out;
 }
 
-std::vector<ShapeObstacle> obstacles(const VertexPlacement& placement, const AdaptiveSurface& surface, CellId earlier) {
+std::vector<ShapeObstacle> obstacles(const VertexPlacement& placement,
+                                     const AdaptiveSurface& surface, CellId earlier) {
   std::vector<ShapeObstacle> out;
   out.reserve(placement.anchor.size());
   for (CellId c = 0; c < placement.anchor.size(); ++c) {

@@ -15,7 +15,8 @@
 namespace isoatlas::detail {
 namespace {
 
-// "value >= isovalue" as a comparison in the sample's own type: value >= threshold, unless no value or every value is.
+// "value >= isovalue" as a comparison in the sample's own type: value >= threshold, unless no value
+// or every value is.
 template <class T>
 struct Threshold {
   T value{};
@@ -28,7 +29,8 @@ template <class T>
 Threshold<T> threshold_for(double isovalue, bool upwards) {
   using Limits = std::numeric_limits<T>;
   if constexpr (std::is_floating_point_v<T>) {
-    if (std::abs(isovalue) > static_cast<double>(Limits::max())) {  // between the largest finite value and infinity
+    if (std::abs(isovalue) >
+        static_cast<double>(Limits::max())) {  // between the largest finite value and infinity
       if (upwards) return {isovalue > 0 ? Limits::infinity() : Limits::lowest(), false};
       return {isovalue > 0 ? Limits::max() : -Limits::infinity(), false};
     }
@@ -51,7 +53,8 @@ template <class T>
 bool any_non_finite(const T* row, std::size_t n) {
   // Tests bit patterns, so that the compiler can vectorize it.
   using Bits = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
-  constexpr Bits kExponent = sizeof(T) == 4 ? Bits{0x7F800000u} : static_cast<Bits>(0x7FF0000000000000u);
+  constexpr Bits kExponent =
+      sizeof(T) == 4 ? Bits{0x7F800000u} : static_cast<Bits>(0x7FF0000000000000u);
   Bits found = 0;
   for (std::size_t i = 0; i < n; ++i) {
     found |= static_cast<Bits>((std::bit_cast<Bits>(row[i]) & kExponent) == kExponent);
@@ -59,7 +62,8 @@ bool any_non_finite(const T* row, std::size_t n) {
   return found != 0;
 }
 
-// Packs 0/1 bytes, 8 at a time: the multiplication gathers the low bit of each byte into the top byte.
+// Packs 0/1 bytes, 8 at a time: the multiplication gathers the low bit of each byte into the top
+// byte.
 std::uint64_t pack64(const std::uint8_t* flags) {
   std::uint64_t word = 0;
   for (int k = 0; k < 8; ++k) {
@@ -76,8 +80,8 @@ std::uint64_t pack64(const std::uint8_t* flags) {
 }
 
 template <class T, class IsInside>
-void classify_rows(const VolumeView& volume, const T* samples, IsInside is_inside, SignBits& out, const RunControl& control,
-                   std::atomic<bool>& non_finite) {
+void classify_rows(const VolumeView& volume, const T* samples, IsInside is_inside, SignBits& out,
+                   const RunControl& control, std::atomic<bool>& non_finite) {
   const auto [nx, ny, nz] = volume.grid.size;
   std::atomic<std::uint64_t> seen{0};  // bit 0: some inside, bit 1: some outside
   for_each_piece(nz, 1, [&, nx = nx, ny = ny](std::size_t z0, std::size_t z1) {
@@ -90,7 +94,8 @@ void classify_rows(const VolumeView& volume, const T* samples, IsInside is_insid
         if constexpr (std::is_floating_point_v<T>) {
           if (any_non_finite(row, nx)) non_finite.store(true, std::memory_order_relaxed);
         }
-        for (std::size_t i = 0; i < nx; ++i) flags[i + 1] = static_cast<std::uint8_t>(is_inside(row[i]));
+        for (std::size_t i = 0; i < nx; ++i)
+          flags[i + 1] = static_cast<std::uint8_t>(is_inside(row[i]));
         flags[0] = flags[1];
         flags[nx + 1] = flags[nx];
         std::uint64_t* bits = out.bits.data() + (y + ny * z) * out.words;
@@ -127,9 +132,12 @@ SignBits classify(const VolumeView& volume, const InsideRule& rule, const RunCon
     const bool nan_inside = rule.non_finite == (above ? NonFinite::above : NonFinite::below);
     const Threshold<T> threshold = threshold_for<T>(rule.isovalue, above);
     const T t = threshold.value;
-    const auto run = [&](auto is_inside) { classify_rows(volume, samples, is_inside, out, control, non_finite); };
+    const auto run = [&](auto is_inside) {
+      classify_rows(volume, samples, is_inside, out, control, non_finite);
+    };
     if (threshold.none) {
-      run([](T) { return false; });  // the isovalue is outside the type's range; NaN does not matter, since the surface is empty
+      run([](T) { return false; });  // the isovalue is outside the type's range; NaN does not
+                                     // matter, since the surface is empty
     } else if (above) {
       if (nan_inside) {
         run([t](T v) { return !(v < t); });
@@ -148,8 +156,9 @@ SignBits classify(const VolumeView& volume, const InsideRule& rule, const RunCon
     const SampleSummary s = summarize(volume);
     const auto [x, y, z] = s.first_non_finite;
     throw Error(ErrorCode::unsupported,
-                std::to_string(s.nan_count) + " NaN and " + std::to_string(s.infinity_count) + " infinite samples, the first at index (" +
-                    std::to_string(x) + ", " + std::to_string(y) + ", " + std::to_string(z) + ")",
+                std::to_string(s.nan_count) + " NaN and " + std::to_string(s.infinity_count) +
+                    " infinite samples, the first at index (" + std::to_string(x) + ", " +
+                    std::to_string(y) + ", " + std::to_string(z) + ")",
                 Remedy::place_nan);
   }
   return out;

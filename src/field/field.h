@@ -20,13 +20,16 @@ template <class T>
 class Field {
  public:
   Field(const VolumeView& volume, const InsideRule& rule)
-      : samples_(static_cast<const T*>(volume.samples)), isovalue_(rule.isovalue), sign_(rule.inside == Inside::above ? 1 : -1) {
+      : samples_(static_cast<const T*>(volume.samples)),
+        isovalue_(rule.isovalue),
+        sign_(rule.inside == Inside::above ? 1 : -1) {
     if constexpr (std::is_floating_point_v<T>) {
       if (rule.non_finite != NonFinite::refuse) {
         // A substitute as far from the isovalue as the farthest finite sample, so that
         // interpolation stays meaningful.
         const SampleSummary s = summarize(volume);
-        non_finite_offset_ = std::max({std::abs(s.maximum - isovalue_), std::abs(s.minimum - isovalue_), 1e-300});
+        non_finite_offset_ =
+            std::max({std::abs(s.maximum - isovalue_), std::abs(s.minimum - isovalue_), 1e-300});
         nan_side_ = rule.non_finite == NonFinite::above ? 1 : -1;
       }
     }
@@ -48,7 +51,8 @@ class Field {
  private:
   double replace_non_finite(T v) const {
     if constexpr (std::is_floating_point_v<T>) {
-      if (!std::isfinite(v)) return isovalue_ + non_finite_offset_ * (std::isnan(v) ? nan_side_ : v > 0 ? 1 : -1);
+      if (!std::isfinite(v))
+        return isovalue_ + non_finite_offset_ * (std::isnan(v) ? nan_side_ : v > 0 ? 1 : -1);
     }
     return static_cast<double>(v);
   }
@@ -77,7 +81,8 @@ std::array<double, N> rescaled(std::array<double, N> f) {
   return f;
 }
 
-/// The trilinear interpolant of one cell in local coordinates [0,1]^3, from its 8 corner values (corner = x + 2y + 4z).
+/// The trilinear interpolant of one cell in local coordinates [0,1]^3, from its 8 corner values
+/// (corner = x + 2y + 4z).
 class TrilinearCell {
  public:
   explicit TrilinearCell(const std::array<double, 8>& f)
@@ -90,13 +95,17 @@ class TrilinearCell {
         cyz_(f[6] - f[2] - f[4] + f[0]),
         cxyz_(f[7] - f[3] - f[5] - f[6] + f[1] + f[2] + f[4] - f[0]) {}
 
-  double value(Vec3 p) const { return c0_ + p.x * (cx_ + p.y * (cxy_ + p.z * cxyz_) + p.z * cxz_) + p.y * (cy_ + p.z * cyz_) + p.z * cz_; }
+  double value(Vec3 p) const {
+    return c0_ + p.x * (cx_ + p.y * (cxy_ + p.z * cxyz_) + p.z * cxz_) + p.y * (cy_ + p.z * cyz_) +
+           p.z * cz_;
+  }
   /// Calls add(axis, lowest, highest) for each component of the gradient, with its range over the
   /// box from `low` to `high`. Each component is linear in each of the two coordinates that it
   /// depends on, so its extremes are at corners.
   template <class Add>
   void for_each_slope(Vec3 low, Vec3 high, Add add) const {
-    const auto range = [&](std::size_t axis, double c, double cu, double cv, double u0, double u1, double v0, double v1) {
+    const auto range = [&](std::size_t axis, double c, double cu, double cv, double u0, double u1,
+                           double v0, double v1) {
       const auto at = [&](double u, double v) { return c + u * (cu + v * cxyz_) + v * cv; };
       const double a = at(u0, v0), b = at(u0, v1), d = at(u1, v0), e = at(u1, v1);
       add(axis, std::min(std::min(a, b), std::min(d, e)), std::max(std::max(a, b), std::max(d, e)));
@@ -107,7 +116,8 @@ class TrilinearCell {
   }
 
   Vec3 gradient(Vec3 p) const {
-    return {cx_ + p.y * (cxy_ + p.z * cxyz_) + p.z * cxz_, cy_ + p.x * (cxy_ + p.z * cxyz_) + p.z * cyz_,
+    return {cx_ + p.y * (cxy_ + p.z * cxyz_) + p.z * cxz_,
+            cy_ + p.x * (cxy_ + p.z * cxyz_) + p.z * cyz_,
             cz_ + p.x * (cxz_ + p.y * cxyz_) + p.y * cyz_};
   }
 
@@ -121,8 +131,10 @@ class TrilinearCell {
 /// @source Catmull, Rom, A class of local interpolating splines, 1974; with tension 1/2
 struct CubicWeights {
   explicit CubicWeights(double t)
-      : value{-0.5 * t * (1 - t) * (1 - t), 1 + t * t * (1.5 * t - 2.5), t * (0.5 + t * (2 - 1.5 * t)), -0.5 * t * t * (1 - t)},
-        slope{-0.5 + t * (2 - 1.5 * t), t * (4.5 * t - 5), 0.5 + t * (4 - 4.5 * t), t * (1.5 * t - 1)} {}
+      : value{-0.5 * t * (1 - t) * (1 - t), 1 + t * t * (1.5 * t - 2.5),
+              t * (0.5 + t * (2 - 1.5 * t)), -0.5 * t * t * (1 - t)},
+        slope{-0.5 + t * (2 - 1.5 * t), t * (4.5 * t - 5), 0.5 + t * (4 - 4.5 * t),
+              t * (1.5 * t - 1)} {}
   std::array<double, 4> value, slope;
 };
 
@@ -133,7 +145,8 @@ inline double weighted(const std::array<double, 4>& weight, const double* f) {
 /// The samples along one axis that a tricubic cell depends on, from one before `low` to two after;
 /// beyond the border, the sample on it.
 constexpr std::array<std::size_t, 4> cubic_samples(std::size_t low, std::size_t n) {
-  return {low == 0 ? 0 : low - 1, low, low + 1 < n ? low + 1 : n - 1, low + 2 < n ? low + 2 : n - 1};
+  return {low == 0 ? 0 : low - 1, low, low + 1 < n ? low + 1 : n - 1,
+          low + 2 < n ? low + 2 : n - 1};
 }
 
 /// The 4 x 4 x 4 values at these samples, x + 4y + 16z.
@@ -151,8 +164,8 @@ std::array<double, 64> values_around(const Field<T>& field, const std::array<std
   return f;
 }
 
-/// The tricubic interpolant of one cell in local coordinates [0,1]^3, from the 4 x 4 x 4 values around it (x + 4y + 16z; the corners
-/// of the cell are those at 1 and 2).
+/// The tricubic interpolant of one cell in local coordinates [0,1]^3, from the 4 x 4 x 4 values
+/// around it (x + 4y + 16z; the corners of the cell are those at 1 and 2).
 class TricubicCell {
  public:
   explicit TricubicCell(const std::array<double, 64>& f) : f_(f) {}
@@ -174,13 +187,17 @@ class TricubicCell {
       dx[k] = weighted(y.value, slope.data());
       dy[k] = weighted(y.slope, row.data());
     }
-    return {weighted(z.value, value.data()), {weighted(z.value, dx.data()), weighted(z.value, dy.data()), weighted(z.slope, value.data())}};
+    return {weighted(z.value, value.data()),
+            {weighted(z.value, dx.data()), weighted(z.value, dy.data()),
+             weighted(z.slope, value.data())}};
   }
   double value(Vec3 p) const { return at(p).value; }
   Vec3 gradient(Vec3 p) const { return at(p).gradient; }
 
   /// The index of the value at a corner (x + 2y + 4z).
-  static constexpr std::size_t corner(std::size_t c) { return 21 + (c & 1) + 4 * (c >> 1 & 1) + 16 * (c >> 2); }
+  static constexpr std::size_t corner(std::size_t c) {
+    return 21 + (c & 1) + 4 * (c >> 1 & 1) + 16 * (c >> 2);
+  }
   /// The four values of the spline along the cell's edge that starts at `corner` (x + 2y + 4z).
   std::array<double, 4> along(std::size_t corner, int axis) const {
     const std::size_t step = std::size_t{1} << (2 * axis);

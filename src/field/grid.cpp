@@ -22,7 +22,8 @@ Vec3 Grid::to_index(Vec3 world) const {
   const Vec3 w = world - origin;
   const auto& [x, y, z] = direction;
   const double determinant = dot(x, cross(y, z));
-  return {dot(w, cross(y, z)) / (determinant * spacing.x), dot(w, cross(z, x)) / (determinant * spacing.y),
+  return {dot(w, cross(y, z)) / (determinant * spacing.x),
+          dot(w, cross(z, x)) / (determinant * spacing.y),
           dot(w, cross(x, y)) / (determinant * spacing.z)};
 }
 

@@ -23,7 +23,8 @@ class InterpolatedField {
   /// @pre  every size >= 2, supersample >= 1
   /// @cost one pass over the samples if they are floating-point numbers and the rule admits NaN,
   ///       otherwise O(1)
-  InterpolatedField(const VolumeView& volume, const InsideRule& rule, Interpolation interpolation = Interpolation::trilinear,
+  InterpolatedField(const VolumeView& volume, const InsideRule& rule,
+                    Interpolation interpolation = Interpolation::trilinear,
                     std::uint32_t supersample = 1);
 
   struct Value {
@@ -40,7 +41,8 @@ class InterpolatedField {
   /// field.
   class Cursor {
     friend InterpolatedField;
-    std::size_t first = static_cast<std::size_t>(-1);  // its first sample; the default value: no cell yet
+    std::size_t first =
+        static_cast<std::size_t>(-1);  // its first sample; the default value: no cell yet
     TrilinearCell cell{{}};
   };
   /// The same, faster if the last point of `cursor` was in the same cell.
@@ -75,8 +77,12 @@ class InterpolatedField {
   std::uint32_t supersample() const { return supersample_; }
 
  private:
-  TrilinearCell cell_at(const std::array<std::size_t, 3>& c) const { return TrilinearCell(samples_->corners(first_sample(c))); }
-  std::size_t first_sample(const std::array<std::size_t, 3>& c) const { return c[0] + size_[0] * (c[1] + size_[1] * c[2]); }
+  TrilinearCell cell_at(const std::array<std::size_t, 3>& c) const {
+    return TrilinearCell(samples_->corners(first_sample(c)));
+  }
+  std::size_t first_sample(const std::array<std::size_t, 3>& c) const {
+    return c[0] + size_[0] * (c[1] + size_[1] * c[2]);
+  }
   struct Samples {
     virtual ~Samples() = default;
     virtual double value(std::size_t sample) const = 0;

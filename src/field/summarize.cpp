@@ -21,7 +21,8 @@ SampleSummary summarize_samples(const Grid& grid, const T* samples) {
     if constexpr (std::is_floating_point_v<T>) {
       if (!std::isfinite(v)) {
         if (out.nan_count + out.infinity_count == 0) {
-          out.first_non_finite = {i % grid.size[0], i / grid.size[0] % grid.size[1], i / grid.size[0] / grid.size[1]};
+          out.first_non_finite = {i % grid.size[0], i / grid.size[0] % grid.size[1],
+                                  i / grid.size[0] / grid.size[1]};
         }
         ++(std::isnan(v) ? out.nan_count : out.infinity_count);
         continue;
@@ -43,8 +44,9 @@ SampleSummary summarize_samples(const Grid& grid, const T* samples) {
 SampleSummary summarize(const VolumeView& any_volume) {
   const Volume kept = dense_volume(any_volume);
   const VolumeView& volume = kept.view;
-  return visit_sample_type(volume.type,
-                           [&]<class T>(const T*) { return summarize_samples(volume.grid, static_cast<const T*>(volume.samples)); });
+  return visit_sample_type(volume.type, [&]<class T>(const T*) {
+    return summarize_samples(volume.grid, static_cast<const T*>(volume.samples));
+  });
 }
 
 }  // namespace isoatlas

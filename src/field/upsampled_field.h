@@ -31,7 +31,8 @@ class UpsampledField {
   /// @pre    every size >= 2, factor >= 1
   /// @throws Error(bad_argument) too many samples along an axis or in all
   /// @cost   as for Field
-  UpsampledField(const VolumeView& volume, const InsideRule& rule, Interpolation interpolation, std::uint32_t factor);
+  UpsampledField(const VolumeView& volume, const InsideRule& rule, Interpolation interpolation,
+                 std::uint32_t factor);
 
   static constexpr bool kAnyRange = true;
   const std::array<std::size_t, 3>& size() const { return fine_; }
@@ -44,7 +45,8 @@ class UpsampledField {
   /// The values of a TricubicCell that equals the volume's tricubic interpolant in the cell that
   /// starts at `low`.
   /// @param flat  axes along which the result is to be constant
-  std::array<double, 64> around(const std::array<std::size_t, 3>& low, const std::array<bool, 3>& flat) const;
+  std::array<double, 64> around(const std::array<std::size_t, 3>& low,
+                                const std::array<bool, 3>& flat) const;
 
   /// One bit per upsampled sample. Cells of the volume that the samples around them prove to be on
   /// one side are not evaluated.
@@ -54,7 +56,8 @@ class UpsampledField {
   SignBits classify(const RunControl& control) const;
 
  private:
-  using Around = std::array<std::array<std::size_t, 4>, 3>;  // indices along the axes; trilinear interpolation uses the middle two
+  using Around = std::array<std::array<std::size_t, 4>, 3>;  // indices along the axes; trilinear
+                                                             // interpolation uses the middle two
   struct Samples;
   template <class T>
   struct SamplesOf;
@@ -62,22 +65,28 @@ class UpsampledField {
     double t;
     CubicWeights cubic;
   };
-  using Spline = std::array<std::array<double, 4>, 4>;  // maps values around a cell to those around a part of it
+  using Spline = std::array<std::array<double, 4>,
+                            4>;  // maps values around a cell to those around a part of it
   template <std::size_t W>
   struct Block;
 
   Around around_cell(const std::array<std::size_t, 3>& cell) const;
   double sample(std::size_t i) const;
   template <std::size_t W>
-  double sample_in(const std::array<std::size_t, 3>& cell, const std::array<std::size_t, 3>& phase) const;
+  double sample_in(const std::array<std::size_t, 3>& cell,
+                   const std::array<std::size_t, 3>& phase) const;
   template <std::size_t W>
   Block<W> block_of(const std::array<std::size_t, 3>& cell) const;
   template <std::size_t W, std::size_t N>
   std::array<double, N> between(const std::array<double, W * N>& f, std::size_t phase) const;
   template <std::size_t W>
   void set_signs(const std::array<std::size_t, 3>& cell, SignBits& out) const;
-  std::size_t phases(std::size_t cell, int axis) const { return cell + 1 == size_[static_cast<std::size_t>(axis)] ? 1 : factor_; }
-  bool is_inside(double value) const { return rule_.inside == Inside::above ? value >= rule_.isovalue : value <= rule_.isovalue; }
+  std::size_t phases(std::size_t cell, int axis) const {
+    return cell + 1 == size_[static_cast<std::size_t>(axis)] ? 1 : factor_;
+  }
+  bool is_inside(double value) const {
+    return rule_.inside == Inside::above ? value >= rule_.isovalue : value <= rule_.isovalue;
+  }
   int side_of(double low, double high) const;
 
   VolumeView volume_;

@@ -15,35 +15,44 @@ Strides dense_strides(const std::array<std::size_t, 3>& size) {
   return {1, nx, nx * ny};
 }
 
-Strides strides_of(const VolumeView& view) { return view.strides == Strides{} ? dense_strides(view.grid.size) : view.strides; }
+Strides strides_of(const VolumeView& view) {
+  return view.strides == Strides{} ? dense_strides(view.grid.size) : view.strides;
+}
 
 const void* sample_at(const VolumeView& view, const std::array<std::size_t, 3>& index) {
   const Strides strides = strides_of(view);
   std::ptrdiff_t offset = 0;
   for (std::size_t a = 0; a < 3; ++a) offset += static_cast<std::ptrdiff_t>(index[a]) * strides[a];
-  return static_cast<const char*>(view.samples) + offset * static_cast<std::ptrdiff_t>(bytes_per_sample(view.type));
+  return static_cast<const char*>(view.samples) +
+         offset * static_cast<std::ptrdiff_t>(bytes_per_sample(view.type));
 }
 
 }  // namespace
 
-bool VolumeView::is_dense() const { return strides == Strides{} || strides == dense_strides(grid.size); }
+bool VolumeView::is_dense() const {
+  return strides == Strides{} || strides == dense_strides(grid.size);
+}
 
 VolumeView VolumeView::box(const Size3& first, const Size3& last) const {
   VolumeView out = *this;
   for (std::size_t a = 0; a < 3; ++a) {
     if (first[a] > last[a] || last[a] >= grid.size[a]) {
-      throw Error(ErrorCode::bad_argument, "the box reaches from sample " + std::to_string(first[a]) + " to " + std::to_string(last[a]) +
-                                               " along " + "xyz"[a] + ", expected a part of 0 to " + std::to_string(grid.size[a] - 1));
+      throw Error(ErrorCode::bad_argument,
+                  "the box reaches from sample " + std::to_string(first[a]) + " to " +
+                      std::to_string(last[a]) + " along " + "xyz"[a] +
+                      ", expected a part of 0 to " + std::to_string(grid.size[a] - 1));
     }
     out.grid.size[a] = last[a] - first[a] + 1;
   }
   out.strides = strides_of(*this);
   out.samples = sample_at(*this, first);
-  out.grid.origin = grid.to_world({static_cast<double>(first[0]), static_cast<double>(first[1]), static_cast<double>(first[2])});
+  out.grid.origin = grid.to_world({static_cast<double>(first[0]), static_cast<double>(first[1]),
+                                   static_cast<double>(first[2])});
   return out;
 }
 
-std::size_t VolumeView::offset_of_first(std::size_t count, const Size3& size, const Strides& strides) {
+std::size_t VolumeView::offset_of_first(std::size_t count, const Size3& size,
+                                        const Strides& strides) {
   const Strides steps = strides == Strides{} ? dense_strides(size) : strides;
   std::ptrdiff_t least = 0, most = 0;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -55,9 +64,10 @@ std::size_t VolumeView::offset_of_first(std::size_t count, const Size3& size, co
   const std::size_t needed = is_empty ? 0 : static_cast<std::size_t>(most - least) + 1;
   const bool is_exact = strides == Strides{};
   if (is_exact ? count != needed : count < needed) {
-    throw Error(ErrorCode::bad_argument, std::to_string(count) + " samples for " + std::to_string(size[0]) + " x " +
-                                             std::to_string(size[1]) + " x " + std::to_string(size[2]) + ", expected " +
-                                             (is_exact ? "" : "at least ") + std::to_string(needed));
+    throw Error(ErrorCode::bad_argument,
+                std::to_string(count) + " samples for " + std::to_string(size[0]) + " x " +
+                    std::to_string(size[1]) + " x " + std::to_string(size[2]) + ", expected " +
+                    (is_exact ? "" : "at least ") + std::to_string(needed));
   }
   return static_cast<std::size_t>(-least);
 }

@@ -17,12 +17,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Creates a file nobody else has, beside `target`. The name is short, so that it fits wherever the target's name fits.
+// Creates a file nobody else has, beside `target`. The name is short, so that it fits wherever the
+// target's name fits.
 fs::path create_beside(const fs::path& target, const fs::path& destination) {
   static std::atomic<unsigned> counter{0};
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
   for (;;) {
-    fs::path name = folder / (".isoatlas." + std::to_string(::getpid()) + "." + std::to_string(counter++) + ".part");
+    fs::path name = folder / (".isoatlas." + std::to_string(::getpid()) + "." +
+                              std::to_string(counter++) + ".part");
     const int descriptor = ::open(name.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
     if (descriptor >= 0) {
       ::close(descriptor);
@@ -32,25 +34,29 @@ fs::path create_beside(const fs::path& target, const fs::path& destination) {
       throw bad_file(destination, "cannot be written: there is no folder " + folder.string());
     }
     if (errno != EEXIST) {
-      throw bad_file(destination, "cannot be written: " + system_text(errno) + " (folder " + folder.string() + ")");
+      throw bad_file(destination, "cannot be written: " + system_text(errno) + " (folder " +
+                                      folder.string() + ")");
     }
   }
 }
 
-// Data and length are on the disk before the name is: after a power cut there is the old file or the new one.
+// Data and length are on the disk before the name is: after a power cut there is the old file or
+// the new one.
 bool flush_to_disk(const fs::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) {
     return false;
   }
-  const bool flushed = ::fsync(descriptor) == 0 || errno == EINVAL;  // EINVAL: a file system that has no fsync
+  const bool flushed =
+      ::fsync(descriptor) == 0 || errno == EINVAL;  // EINVAL: a file system that has no fsync
   const int error = errno;
   ::close(descriptor);
   errno = error;
   return flushed;
 }
 
-// A stream keeps no reason for a write that failed: writing once more to the file, which is lost anyway, finds it.
+// A stream keeps no reason for a write that failed: writing once more to the file, which is lost
+// anyway, finds it.
 std::string reason_of_failed_write(const fs::path& path) {
   constexpr std::size_t kBytes = 65536;
   const std::string zeros(kBytes, '\0');
@@ -70,7 +76,8 @@ std::string reason_of_failed_write(const fs::path& path) {
 
 }  // namespace
 
-AtomicFile::AtomicFile(const fs::path& destination) : destination_(destination), target_(destination) {
+AtomicFile::AtomicFile(const fs::path& destination)
+    : destination_(destination), target_(destination) {
   std::error_code error;
   const fs::file_status status = fs::status(destination, error);
   if (fs::is_directory(status)) {

@@ -25,7 +25,8 @@ namespace {
 
 constexpr std::size_t kChunk = std::size_t{1} << 18;
 
-/// Decompresses from the bytes it is given. `done` is set at the end of a member; several members may follow each other.
+/// Decompresses from the bytes it is given. `done` is set at the end of a member; several members
+/// may follow each other.
 class Decompressor {
  public:
   virtual ~Decompressor() = default;
@@ -122,7 +123,8 @@ struct ByteSource::Stream {
       }
       if (end == 0) {
         if (!between_members) {
-          throw bad_file(path, "is cut off: its compressed samples end after " + std::to_string(total + made) + " bytes");
+          throw bad_file(path, "is cut off: its compressed samples end after " +
+                                   std::to_string(total + made) + " bytes");
         }
         break;
       }
@@ -135,7 +137,8 @@ struct ByteSource::Stream {
       }
       between_members = is_first_member = false;
       try {
-        const std::size_t room = std::min<std::size_t>(bytes - made, std::numeric_limits<int>::max());
+        const std::size_t room =
+            std::min<std::size_t>(bytes - made, std::numeric_limits<int>::max());
         const auto step = decompressor->step(packed.data() + begin, end - begin, to + made, room);
         if (step.used == 0 && step.made == 0 && !step.at_end) {
           throw "stuck";
@@ -144,7 +147,8 @@ struct ByteSource::Stream {
         made += step.made;
         between_members = step.at_end;
       } catch (const char*) {
-        throw bad_file(path, "its compressed samples are damaged after " + std::to_string(total + made) + " bytes");
+        throw bad_file(path, "its compressed samples are damaged after " +
+                                 std::to_string(total + made) + " bytes");
       }
     }
     return made;
@@ -154,7 +158,8 @@ struct ByteSource::Stream {
   bool starts_member() {
     constexpr std::size_t kMark = 3;
     if (end - begin < kMark) {
-      std::copy(packed.begin() + static_cast<std::ptrdiff_t>(begin), packed.begin() + static_cast<std::ptrdiff_t>(end), packed.begin());
+      std::copy(packed.begin() + static_cast<std::ptrdiff_t>(begin),
+                packed.begin() + static_cast<std::ptrdiff_t>(end), packed.begin());
       end -= std::exchange(begin, 0);
       end += read_file(packed.data() + end, packed.size() - end);
     }
@@ -171,7 +176,8 @@ Packing packing_of(const fs::path& path) {
   return Packing::none;
 }
 
-ByteSource::ByteSource(const fs::path& path, std::uint64_t offset, Packing packing) : stream_(std::make_unique<Stream>()) {
+ByteSource::ByteSource(const fs::path& path, std::uint64_t offset, Packing packing)
+    : stream_(std::make_unique<Stream>()) {
   stream_->path = path;
   errno = 0;
   stream_->file.reset(std::fopen(path.c_str(), "rb"));
@@ -190,7 +196,8 @@ ByteSource::ByteSource(ByteSource&&) noexcept = default;
 
 std::size_t ByteSource::read(void* to, std::size_t bytes) {
   char* const chars = static_cast<char*>(to);
-  const std::size_t count = stream_->decompressor ? stream_->read_unpacked(chars, bytes) : stream_->read_file(chars, bytes);
+  const std::size_t count = stream_->decompressor ? stream_->read_unpacked(chars, bytes)
+                                                  : stream_->read_file(chars, bytes);
   stream_->total += count;
   return count;
 }
@@ -201,7 +208,8 @@ void ByteSource::skip(std::uint64_t bytes) {
     const auto wanted = static_cast<std::size_t>(std::min<std::uint64_t>(left, buffer.size()));
     const std::size_t count = read(buffer.data(), wanted);
     if (count < wanted) {
-      throw bad_file(stream_->path, "is cut off: it ends " + std::to_string(left - count) + " bytes before its samples begin");
+      throw bad_file(stream_->path, "is cut off: it ends " + std::to_string(left - count) +
+                                        " bytes before its samples begin");
     }
     left -= count;
   }

@@ -9,9 +9,14 @@
 
 namespace isoatlas::detail::io {
 
-enum class Packing { none, deflate, bzip2 };  ///< deflate: gzip or zlib, whichever the stream's header says
+enum class Packing {
+  none,
+  deflate,
+  bzip2
+};  ///< deflate: gzip or zlib, whichever the stream's header says
 
-/// The packing that the file's first bytes state: gzip and bzip2 have marks of their own, anything else is `none`.
+/// The packing that the file's first bytes state: gzip and bzip2 have marks of their own, anything
+/// else is `none`.
 Packing packing_of(const std::filesystem::path& path);
 
 /// Reads one stream once, front to back. Checksums of compressed streams are checked.
@@ -24,18 +29,21 @@ class ByteSource {
   ByteSource(ByteSource&&) noexcept;
 
   /// Reads at most `bytes` bytes and returns how many; fewer only at the end of the stream.
-  /// @throws Error(bad_file) if a compressed stream is damaged or cut off, or the disk cannot be read
+  /// @throws Error(bad_file) if a compressed stream is damaged or cut off, or the disk cannot be
+  /// read
   std::size_t read(void* to, std::size_t bytes);
 
   /// Skips exactly so many bytes. @throws Error(bad_file) if there are fewer
   void skip(std::uint64_t bytes);
 
   /// Reads exactly `bytes` bytes into `to`.
-  /// @throws Error(bad_file) "is cut off ...: the header promises ... bytes of samples, the file has ..."
+  /// @throws Error(bad_file) "is cut off ...: the header promises ... bytes of samples, the file
+  /// has ..."
   void read_samples(void* to, std::uint64_t bytes);
 
-  /// Reads on, at most to `limit` bytes or a little more, and returns how many bytes there were, at most `limit`. A compressed
-  /// stream's checksum is at its end, so call this after the samples: it is checked unless more than `limit` bytes are left.
+  /// Reads on, at most to `limit` bytes or a little more, and returns how many bytes there were, at
+  /// most `limit`. A compressed stream's checksum is at its end, so call this after the samples: it
+  /// is checked unless more than `limit` bytes are left.
   std::uint64_t count_rest(std::uint64_t limit);
 
  private:

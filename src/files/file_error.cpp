@@ -35,7 +35,8 @@ std::string one_line(std::string_view text, std::size_t limit) {
 
 namespace {
 
-constexpr std::size_t kMessageLimit = 2000;  // paths are shown whole; what() is never pages of somebody's header
+constexpr std::size_t kMessageLimit =
+    2000;  // paths are shown whole; what() is never pages of somebody's header
 
 Error file_error(ErrorCode code, const std::filesystem::path& path, std::string_view what) {
   return Error(code, one_line(path.string() + ": " + std::string(what), kMessageLimit));
@@ -43,12 +44,17 @@ Error file_error(ErrorCode code, const std::filesystem::path& path, std::string_
 
 }  // namespace
 
-Error bad_file(const std::filesystem::path& path, std::string_view what) { return file_error(ErrorCode::bad_file, path, what); }
+Error bad_file(const std::filesystem::path& path, std::string_view what) {
+  return file_error(ErrorCode::bad_file, path, what);
+}
 
-Error unsupported(const std::filesystem::path& path, std::string_view what) { return file_error(ErrorCode::unsupported, path, what); }
+Error unsupported(const std::filesystem::path& path, std::string_view what) {
+  return file_error(ErrorCode::unsupported, path, what);
+}
 
 Error out_of_memory(const std::filesystem::path& path, std::uint64_t bytes) {
-  return file_error(ErrorCode::out_of_memory, path, "no memory for its " + std::to_string(bytes) + " bytes");
+  return file_error(ErrorCode::out_of_memory, path,
+                    "no memory for its " + std::to_string(bytes) + " bytes");
 }
 
 std::string system_text(int error) { return std::generic_category().message(error); }
@@ -63,7 +69,8 @@ std::uint64_t readable_file_size(const std::filesystem::path& path) {
     throw bad_file(path, "cannot be opened: " + error.message());
   }
   if (!std::filesystem::is_regular_file(status)) {
-    throw bad_file(path, std::filesystem::is_directory(status) ? "is a folder, expected a file" : "is not a regular file");
+    throw bad_file(path, std::filesystem::is_directory(status) ? "is a folder, expected a file"
+                                                               : "is not a regular file");
   }
   errno = 0;
   if (!std::ifstream(path, std::ios::binary)) {

@@ -13,8 +13,8 @@
 
 namespace isoatlas::detail::io {
 
-/// Text from a file or from another library, made fit for a message: control characters and runs of blanks become one
-/// blank, the end is cut at `limit` bytes.
+/// Text from a file or from another library, made fit for a message: control characters and runs of
+/// blanks become one blank, the end is cut at `limit` bytes.
 std::string one_line(std::string_view text, std::size_t limit = 240);
 
 Error bad_file(const std::filesystem::path& path, std::string_view what);
@@ -30,7 +30,8 @@ std::uint64_t readable_file_size(const std::filesystem::path& path);
 /// The whole file. Throws Error(bad_file), Error(out_of_memory).
 std::string file_contents(const std::filesystem::path& path);
 
-/// Runs `work`; whatever a reader or a writer lets out, the caller gets an Error that names the file.
+/// Runs `work`; whatever a reader or a writer lets out, the caller gets an Error that names the
+/// file.
 template <class Work>
 auto translate_exceptions(const std::filesystem::path& path, Work work) {
   try {

@@ -44,7 +44,8 @@ bool FileText::fill() {
   first_ = 0;
   const std::uint64_t read_position = buffer_position_ + last_;
   const std::uint64_t left = end_ > read_position ? end_ - read_position : 0;
-  const std::size_t wanted = static_cast<std::size_t>(std::min<std::uint64_t>(buffer_.size() - last_, left));
+  const std::size_t wanted =
+      static_cast<std::size_t>(std::min<std::uint64_t>(buffer_.size() - last_, left));
   errno = 0;
   const std::size_t count = std::fread(buffer_.data() + last_, 1, wanted, file_.get());
   if (count < wanted && std::ferror(file_.get()) != 0) {
@@ -62,7 +63,8 @@ std::string_view FileText::word() {
   } while (first_ == last_ && fill());
   std::size_t length = 0;
   for (;;) {
-    while (first_ + length < last_ && length < kLongestWord && !is_blank(buffer_[first_ + length])) {
+    while (first_ + length < last_ && length < kLongestWord &&
+           !is_blank(buffer_[first_ + length])) {
       ++length;
     }
     if (first_ + length < last_ || length == kLongestWord || !fill()) {

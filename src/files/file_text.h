@@ -23,7 +23,8 @@ class FileText {
   explicit FileText(const std::filesystem::path& path, std::uint64_t begin = 0,
                     std::uint64_t end = std::numeric_limits<std::int64_t>::max());
 
-  /// The next word between blanks and line ends, valid until the next call; empty at the end. Longer ones are cut.
+  /// The next word between blanks and line ends, valid until the next call; empty at the end.
+  /// Longer ones are cut.
   std::string_view word();
 
   /// The rest of the line without its end, \n or \r\n; at most kLongestWord bytes of it.

@@ -15,7 +15,9 @@ std::mutex& library_mutex() {
 }  // namespace
 
 LibraryMessages::LibraryMessages()
-    : lock_(library_mutex()), cerr_buffer_(std::cerr.rdbuf(sink_.rdbuf())), cout_buffer_(std::cout.rdbuf(sink_.rdbuf())) {}
+    : lock_(library_mutex()),
+      cerr_buffer_(std::cerr.rdbuf(sink_.rdbuf())),
+      cout_buffer_(std::cout.rdbuf(sink_.rdbuf())) {}
 
 LibraryMessages::~LibraryMessages() {
   std::cout.rdbuf(cout_buffer_);

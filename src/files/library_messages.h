@@ -7,10 +7,11 @@
 
 namespace isoatlas::detail::io {
 
-/// Keeps the messages that decoding libraries write to std::cerr and std::cout away from the terminal while it lives.
+/// Keeps the messages that decoding libraries write to std::cerr and std::cout away from the
+/// terminal while it lives.
 ///
-/// Those streams, and the error handlers of libtiff, belong to the whole process, hence the lock: files that need it
-/// are read one at a time.
+/// Those streams, and the error handlers of libtiff, belong to the whole process, hence the lock:
+/// files that need it are read one at a time.
 class LibraryMessages {
  public:
   LibraryMessages();

@@ -16,8 +16,8 @@ namespace fs = std::filesystem;
 namespace {
 
 Error too_short(const fs::path& path, std::uint64_t promised, std::uint64_t stored) {
-  return bad_file(path, "is cut off or damaged: the header promises " + std::to_string(promised) + " bytes of samples, the file has " +
-                            std::to_string(stored));
+  return bad_file(path, "is cut off or damaged: the header promises " + std::to_string(promised) +
+                            " bytes of samples, the file has " + std::to_string(stored));
 }
 
 }  // namespace
@@ -28,9 +28,11 @@ void require_stored_bytes(const fs::path& path, std::uint64_t promised, std::uin
   }
 }
 
-void require_possible_bytes(const fs::path& path, std::uint64_t promised, std::uint64_t stored, std::uint64_t most_per_stored_byte) {
+void require_possible_bytes(const fs::path& path, std::uint64_t promised, std::uint64_t stored,
+                            std::uint64_t most_per_stored_byte) {
   if (promised / most_per_stored_byte > stored) {
-    throw bad_file(path, "the header promises " + std::to_string(promised) + " bytes of samples, far more than a file of " +
+    throw bad_file(path, "the header promises " + std::to_string(promised) +
+                             " bytes of samples, far more than a file of " +
                              std::to_string(stored) + " bytes can hold");
   }
 }
@@ -49,19 +51,22 @@ void require_ending(const fs::path& path, std::string_view ending) {
   }
 }
 
-void check_data_file(const fs::path& header_file, const fs::path& data_file, const std::function<void()>& check) {
+void check_data_file(const fs::path& header_file, const fs::path& data_file,
+                     const std::function<void()>& check) {
   try {
     check();
   } catch (const Error& error) {
     if (data_file == header_file) {
       throw;
     }
-    throw Error(error.code(), one_line(header_file.string() + ": its data file " + error.what(), 4096));
+    throw Error(error.code(),
+                one_line(header_file.string() + ": its data file " + error.what(), 4096));
   }
 }
 
 std::string first_bytes(const fs::path& path, std::size_t limit) {
-  const std::unique_ptr<gzFile_s, int (*)(gzFile_s*)> file(gzopen(path.c_str(), "rb"), gzclose);  // plain files too
+  const std::unique_ptr<gzFile_s, int (*)(gzFile_s*)> file(gzopen(path.c_str(), "rb"),
+                                                           gzclose);  // plain files too
   if (!file) {
     throw bad_file(path, "cannot be opened");
   }

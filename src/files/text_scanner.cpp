@@ -10,17 +10,23 @@ namespace {
 
 constexpr std::string_view kBlanks = " \t\r\v\f";
 
-// Line ends are \n, \r\n (whose \r is a blank), or \r in files of old Macs. The first one says which.
+// Line ends are \n, \r\n (whose \r is a blank), or \r in files of old Macs. The first one says
+// which.
 char line_end_of(std::string_view text) {
   const std::size_t first = text.find_first_of("\r\n");
-  const bool is_old_mac = first < text.size() && text[first] == '\r' && !text.substr(first).starts_with("\r\n");
+  const bool is_old_mac =
+      first < text.size() && text[first] == '\r' && !text.substr(first).starts_with("\r\n");
   return is_old_mac ? '\r' : '\n';
 }
 
 }  // namespace
 
-TextScanner::TextScanner(std::string_view text, std::filesystem::path path, std::size_t lines_before)
-    : rest_(text), line_end_(line_end_of(text)), line_number_(lines_before), path_(std::move(path)) {
+TextScanner::TextScanner(std::string_view text, std::filesystem::path path,
+                         std::size_t lines_before)
+    : rest_(text),
+      line_end_(line_end_of(text)),
+      line_number_(lines_before),
+      path_(std::move(path)) {
   if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);  // byte order mark of UTF-8
 }
 

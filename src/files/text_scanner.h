@@ -10,8 +10,8 @@
 
 namespace isoatlas::detail::io {
 
-/// Walks through a text file by lines and blank-separated words, for readers whose errors name the line.
-/// The text outlives the scanner. Numbers are read the same in every locale.
+/// Walks through a text file by lines and blank-separated words, for readers whose errors name the
+/// line. The text outlives the scanner. Numbers are read the same in every locale.
 class TextScanner {
  public:
   /// `lines_before` are the lines of the file before `text`.
@@ -23,7 +23,8 @@ class TextScanner {
   /// The next word of this line; empty at its end.
   std::string_view word();
 
-  /// The next word of the text, from later lines if need be. Throws Error(bad_file) at the end of the text.
+  /// The next word of the text, from later lines if need be. Throws Error(bad_file) at the end of
+  /// the text.
   std::string_view next_word();
 
   /// The next word of this line as a number. Throws Error(bad_file) naming `what` if it is not one.

@@ -24,10 +24,12 @@ namespace {
 
 class FileBytes final : public ByteStream {
  public:
-  FileBytes(const fs::path& path, std::uint64_t begin, std::uint64_t end) : source_(path, begin, Packing::none), left_(end - begin) {}
+  FileBytes(const fs::path& path, std::uint64_t begin, std::uint64_t end)
+      : source_(path, begin, Packing::none), left_(end - begin) {}
 
   std::size_t read(char* to, std::size_t bytes) override {
-    const std::size_t count = source_.read(to, static_cast<std::size_t>(std::min<std::uint64_t>(bytes, left_)));
+    const std::size_t count =
+        source_.read(to, static_cast<std::size_t>(std::min<std::uint64_t>(bytes, left_)));
     left_ -= count;
     return count;
   }
@@ -45,7 +47,8 @@ void read_exactly(const fs::path& path, ByteStream& bytes, char* to, std::uint64
 
 class BinaryValues final : public VtkValues {
  public:
-  BinaryValues(const fs::path& path, std::unique_ptr<ByteStream> bytes, SampleType type, bool is_big_endian)
+  BinaryValues(const fs::path& path, std::unique_ptr<ByteStream> bytes, SampleType type,
+               bool is_big_endian)
       : path_(path),
         bytes_(std::move(bytes)),
         value_bytes_(bytes_per_sample(type)),
@@ -68,7 +71,8 @@ class BinaryValues final : public VtkValues {
 // Eight values in a byte, the first in its highest bit.
 class BitValues final : public VtkValues {
  public:
-  BitValues(const fs::path& path, std::unique_ptr<ByteStream> bytes) : path_(path), bytes_(std::move(bytes)) {}
+  BitValues(const fs::path& path, std::unique_ptr<ByteStream> bytes)
+      : path_(path), bytes_(std::move(bytes)) {}
 
   void read(void* to, std::uint64_t count) override {
     auto* const values = static_cast<std::uint8_t*>(to);
@@ -93,11 +97,13 @@ bool is_in_range(long double value) {
   if constexpr (std::is_floating_point_v<T>) {
     return std::fabs(value) <= static_cast<long double>(std::numeric_limits<T>::max());
   }
-  return (value == std::floor(value) && value >= static_cast<long double>(std::numeric_limits<T>::min()) &&
+  return (value == std::floor(value) &&
+          value >= static_cast<long double>(std::numeric_limits<T>::min()) &&
           value <= static_cast<long double>(std::numeric_limits<T>::max()));
 }
 
-// The same in every locale. Integers may be written like 3.0 or 1e3, and numbers below the smallest float are 0.
+// The same in every locale. Integers may be written like 3.0 or 1e3, and numbers below the smallest
+// float are 0.
 template <class T>
 bool parse_value(std::string_view word, T& value) {
   if (parse_number(word, value)) {
@@ -120,7 +126,9 @@ bool parse_colour(std::string_view word, std::uint8_t& value) {
   return true;
 }
 
-bool parse_bit(std::string_view word, std::uint8_t& value) { return parse_value(word, value) && value <= 1; }
+bool parse_bit(std::string_view word, std::uint8_t& value) {
+  return parse_value(word, value) && value <= 1;
+}
 
 class TextValues final : public VtkValues {
  public:
@@ -129,7 +137,8 @@ class TextValues final : public VtkValues {
 
   void read(void* to, std::uint64_t count) override {
     if (is_colour_ || type_.is_bit) {
-      return read_each(static_cast<std::uint8_t*>(to), count, is_colour_ ? parse_colour : parse_bit);
+      return read_each(static_cast<std::uint8_t*>(to), count,
+                       is_colour_ ? parse_colour : parse_bit);
     }
     visit_sample_type(type_.sample, [&](auto* sample) {
       using T = std::remove_const_t<std::remove_pointer_t<decltype(sample)>>;
@@ -143,8 +152,10 @@ class TextValues final : public VtkValues {
     for (std::uint64_t i = 0; i < count; ++i, ++values_read_) {
       const std::string_view word = text_.word();
       if (!parse(word, values[i])) {
-        throw bad_file(path_, "is cut off or damaged: after " + std::to_string(values_read_) + " numbers it has " +
-                                  (word.empty() ? "nothing" : "'" + one_line(word, 40) + "'") + ", expected a value of type " +
+        throw bad_file(path_, "is cut off or damaged: after " + std::to_string(values_read_) +
+                                  " numbers it has " +
+                                  (word.empty() ? "nothing" : "'" + one_line(word, 40) + "'") +
+                                  ", expected a value of type " +
                                   std::string(is_colour_ ? "colour, from 0 to 1" : type_.name()));
       }
     }
@@ -159,29 +170,33 @@ class TextValues final : public VtkValues {
 
 }  // namespace
 
-std::unique_ptr<ByteStream> file_bytes(const fs::path& path, std::uint64_t begin, std::uint64_t end) {
+std::unique_ptr<ByteStream> file_bytes(const fs::path& path, std::uint64_t begin,
+                                       std::uint64_t end) {
   return std::make_unique<FileBytes>(path, begin, end);
 }
 
-std::unique_ptr<VtkValues> binary_values(const fs::path& path, std::unique_ptr<ByteStream> bytes, VtkType type, bool is_big_endian) {
+std::unique_ptr<VtkValues> binary_values(const fs::path& path, std::unique_ptr<ByteStream> bytes,
+                                         VtkType type, bool is_big_endian) {
   if (type.is_bit) {
     return std::make_unique<BitValues>(path, std::move(bytes));
   }
   return std::make_unique<BinaryValues>(path, std::move(bytes), type.sample, is_big_endian);
 }
 
-std::unique_ptr<VtkValues> text_values(const fs::path& path, FileText text, VtkType type, bool is_colour) {
+std::unique_ptr<VtkValues> text_values(const fs::path& path, FileText text, VtkType type,
+                                       bool is_colour) {
   return std::make_unique<TextValues>(path, std::move(text), type, is_colour);
 }
 
-void read_component(VtkValues& values, SampleType type, std::uint64_t components, std::uint64_t component, std::uint64_t count,
-                    std::byte* to) {
+void read_component(VtkValues& values, SampleType type, std::uint64_t components,
+                    std::uint64_t component, std::uint64_t count, std::byte* to) {
   if (components == 1) {
     return values.read(to, count);
   }
   constexpr std::uint64_t kChunk = std::uint64_t{1} << 16;
   const std::size_t value_bytes = bytes_per_sample(type);
-  const std::uint64_t chunk = std::clamp<std::uint64_t>(kChunk / components, 1, std::max<std::uint64_t>(count, 1));
+  const std::uint64_t chunk =
+      std::clamp<std::uint64_t>(kChunk / components, 1, std::max<std::uint64_t>(count, 1));
   std::vector<std::byte> tuples(static_cast<std::size_t>(chunk * components * value_bytes));
   for (std::uint64_t done = 0; done < count;) {
     const std::uint64_t now = std::min(chunk, count - done);

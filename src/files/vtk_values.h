@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The values of one array of a VTK file, front to back, whatever they are stored as. VTK's own readers return what was in
-// memory where values are missing, so these here are exact: each value is from the file, or there is an error.
+// The values of one array of a VTK file, front to back, whatever they are stored as. VTK's own
+// readers return what was in memory where values are missing, so these here are exact: each value
+// is from the file, or there is an error.
 #pragma once
 
 #include <cstddef>
@@ -36,21 +37,25 @@ class VtkValues {
 class ByteStream {
  public:
   virtual ~ByteStream() = default;
-  /// Reads at most `bytes` bytes and returns how many; fewer only at the end. @throws Error(bad_file) if they are damaged
+  /// Reads at most `bytes` bytes and returns how many; fewer only at the end. @throws
+  /// Error(bad_file) if they are damaged
   virtual std::size_t read(char* to, std::size_t bytes) = 0;
 };
 
 /// The bytes of a file from `begin` on, before `end`.
-std::unique_ptr<ByteStream> file_bytes(const std::filesystem::path& path, std::uint64_t begin, std::uint64_t end);
+std::unique_ptr<ByteStream> file_bytes(const std::filesystem::path& path, std::uint64_t begin,
+                                       std::uint64_t end);
 
-std::unique_ptr<VtkValues> binary_values(const std::filesystem::path& path, std::unique_ptr<ByteStream> bytes, VtkType type,
+std::unique_ptr<VtkValues> binary_values(const std::filesystem::path& path,
+                                         std::unique_ptr<ByteStream> bytes, VtkType type,
                                          bool is_big_endian);
 
 /// @param is_colour  fractions from 0 to 1, which stand for 0 to 255
-std::unique_ptr<VtkValues> text_values(const std::filesystem::path& path, FileText text, VtkType type, bool is_colour = false);
+std::unique_ptr<VtkValues> text_values(const std::filesystem::path& path, FileText text,
+                                       VtkType type, bool is_colour = false);
 
 /// Reads the next `count` tuples of `components` values each and keeps one component of them.
-void read_component(VtkValues& values, SampleType type, std::uint64_t components, std::uint64_t component, std::uint64_t count,
-                    std::byte* to);
+void read_component(VtkValues& values, SampleType type, std::uint64_t components,
+                    std::uint64_t component, std::uint64_t count, std::byte* to);
 
 }  // namespace isoatlas::detail::io

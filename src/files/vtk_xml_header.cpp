@@ -23,14 +23,17 @@ namespace {
 // Reads elements as far as <AppendedData>, behind which there need not be XML.
 class ElementReader {
  public:
-  explicit ElementReader(const fs::path& path) : path_(path), parser_(XML_ParserCreate(nullptr), XML_ParserFree) {
+  explicit ElementReader(const fs::path& path)
+      : path_(path), parser_(XML_ParserCreate(nullptr), XML_ParserFree) {
     if (!parser_) {
       throw std::bad_alloc();
     }
     XML_SetUserData(parser_.get(), this);
     XML_SetElementHandler(
         parser_.get(),
-        [](void* self, const XML_Char* name, const XML_Char** attributes) { static_cast<ElementReader*>(self)->start(name, attributes); },
+        [](void* self, const XML_Char* name, const XML_Char** attributes) {
+          static_cast<ElementReader*>(self)->start(name, attributes);
+        },
         [](void* self, const XML_Char*) { static_cast<ElementReader*>(self)->end(); });
   }
 
@@ -40,8 +43,10 @@ class ElementReader {
     while (!is_stopped_) {
       file.read(chunk.data(), static_cast<std::streamsize>(chunk.size()));
       const auto count = static_cast<int>(file.gcount());
-      if (XML_Parse(parser_.get(), chunk.data(), count, count == 0 ? 1 : 0) == XML_STATUS_ERROR && !is_stopped_) {
-        throw bad_file(path_, "is not well-formed XML: line " + std::to_string(XML_GetCurrentLineNumber(parser_.get())) + ": " +
+      if (XML_Parse(parser_.get(), chunk.data(), count, count == 0 ? 1 : 0) == XML_STATUS_ERROR &&
+          !is_stopped_) {
+        throw bad_file(path_, "is not well-formed XML: line " +
+                                  std::to_string(XML_GetCurrentLineNumber(parser_.get())) + ": " +
                                   XML_ErrorString(XML_GetErrorCode(parser_.get())));
       }
       if (count == 0) {
@@ -83,14 +88,19 @@ class ElementReader {
     XML_StopParser(parser_.get(), XML_FALSE);
   }
 
-  std::uint64_t position() const { return static_cast<std::uint64_t>(XML_GetCurrentByteIndex(parser_.get())); }
-  std::uint64_t position_behind() const { return position() + static_cast<std::uint64_t>(XML_GetCurrentByteCount(parser_.get())); }
+  std::uint64_t position() const {
+    return static_cast<std::uint64_t>(XML_GetCurrentByteIndex(parser_.get()));
+  }
+  std::uint64_t position_behind() const {
+    return position() + static_cast<std::uint64_t>(XML_GetCurrentByteCount(parser_.get()));
+  }
 
   void start(const XML_Char* name, const XML_Char** attributes) {
     guarded([&] {
       constexpr std::size_t kMostDepth = 32;
       if (open_.size() == kMostDepth) {
-        throw bad_file(path_, "has XML elements in more than " + std::to_string(kMostDepth) + " levels, expected a VTK file");
+        throw bad_file(path_, "has XML elements in more than " + std::to_string(kMostDepth) +
+                                  " levels, expected a VTK file");
       }
       if (!open_.empty()) {
         end_stretch(open_.back());
@@ -168,7 +178,8 @@ void find_appended_data(VtkXmlHeader& header) {
   header.appended_begin += underscore + 1;
 
   const std::uint64_t file_bytes = readable_file_size(header.path);
-  const std::uint64_t tail_begin = std::max(header.appended_begin, file_bytes - std::min(file_bytes, 2 * kMostBlanks));
+  const std::uint64_t tail_begin =
+      std::max(header.appended_begin, file_bytes - std::min(file_bytes, 2 * kMostBlanks));
   text.assign(static_cast<std::size_t>(file_bytes - std::min(file_bytes, tail_begin)), '\0');
   file.clear();
   file.seekg(static_cast<std::streamoff>(tail_begin));
@@ -184,23 +195,28 @@ void find_appended_data(VtkXmlHeader& header) {
 void read_encoding(VtkXmlHeader& header) {
   const std::string number = header.root.attribute_or("header_type", "UInt32");
   if (number != "UInt32" && number != "UInt64") {
-    throw unsupported(header.path, "its header_type is '" + one_line(number, 40) + "', expected UInt32 or UInt64");
+    throw unsupported(header.path, "its header_type is '" + one_line(number, 40) +
+                                       "', expected UInt32 or UInt64");
   }
   header.number_bytes = number == "UInt64" ? 8 : 4;
   const std::string order = header.root.attribute_or("byte_order", "LittleEndian");
   if (order != "LittleEndian" && order != "BigEndian") {
-    throw bad_file(header.path, "its byte_order is '" + one_line(order, 40) + "', expected LittleEndian or BigEndian");
+    throw bad_file(header.path, "its byte_order is '" + one_line(order, 40) +
+                                    "', expected LittleEndian or BigEndian");
   }
   header.is_big_endian = order == "BigEndian";
   const std::string compressor = header.root.attribute_or("compressor", "");
-  constexpr std::array<std::pair<std::string_view, VtkCompressor>, 4> kCompressors{{{"", VtkCompressor::none},
-                                                                                    {"vtkZLibDataCompressor", VtkCompressor::zlib},
-                                                                                    {"vtkLZ4DataCompressor", VtkCompressor::lz4},
-                                                                                    {"vtkLZMADataCompressor", VtkCompressor::lzma}}};
-  const auto* const found = std::ranges::find(kCompressors, compressor, [](const auto& entry) { return entry.first; });
+  constexpr std::array<std::pair<std::string_view, VtkCompressor>, 4> kCompressors{
+      {{"", VtkCompressor::none},
+       {"vtkZLibDataCompressor", VtkCompressor::zlib},
+       {"vtkLZ4DataCompressor", VtkCompressor::lz4},
+       {"vtkLZMADataCompressor", VtkCompressor::lzma}}};
+  const auto* const found =
+      std::ranges::find(kCompressors, compressor, [](const auto& entry) { return entry.first; });
   if (found == kCompressors.end()) {
     throw unsupported(header.path, "is compressed by '" + one_line(compressor, 40) +
-                                       "', expected one of vtkZLibDataCompressor, vtkLZ4DataCompressor, vtkLZMADataCompressor");
+                                       "', expected one of vtkZLibDataCompressor, "
+                                       "vtkLZ4DataCompressor, vtkLZMADataCompressor");
   }
   header.compressor = found->second;
 }
@@ -208,17 +224,21 @@ void read_encoding(VtkXmlHeader& header) {
 }  // namespace
 
 const std::string* XmlElement::attribute(std::string_view attribute_name) const {
-  const auto found = std::ranges::find(attributes, attribute_name, [](const auto& entry) { return std::string_view(entry.first); });
+  const auto found = std::ranges::find(
+      attributes, attribute_name, [](const auto& entry) { return std::string_view(entry.first); });
   return found == attributes.end() ? nullptr : &found->second;
 }
 
-std::string XmlElement::attribute_or(std::string_view attribute_name, const std::string& otherwise) const {
+std::string XmlElement::attribute_or(std::string_view attribute_name,
+                                     const std::string& otherwise) const {
   const std::string* const value = attribute(attribute_name);
   return value == nullptr ? otherwise : *value;
 }
 
 const XmlElement* XmlElement::child(std::string_view child_name) const {
-  const auto found = std::ranges::find(children, child_name, [](const XmlElement& element) { return std::string_view(element.name); });
+  const auto found = std::ranges::find(children, child_name, [](const XmlElement& element) {
+    return std::string_view(element.name);
+  });
   return found == children.end() ? nullptr : &*found;
 }
 
@@ -227,14 +247,16 @@ VtkXmlHeader read_vtk_xml_header(const fs::path& path) {
   require_ending(path, "</VTKFile>");
   ElementReader(path).read(header);
   if (header.root.name != "VTKFile") {
-    throw bad_file(path, "begins with the XML element '" + one_line(header.root.name, 40) + "', expected VTKFile");
+    throw bad_file(path, "begins with the XML element '" + one_line(header.root.name, 40) +
+                             "', expected VTKFile");
   }
   find_appended_data(header);
   read_encoding(header);
   return header;
 }
 
-std::vector<double> numbers_of(const VtkXmlHeader& header, const XmlElement& element, std::string_view attribute, std::size_t count) {
+std::vector<double> numbers_of(const VtkXmlHeader& header, const XmlElement& element,
+                               std::string_view attribute, std::size_t count) {
   const std::string* const text = element.attribute(attribute);
   std::vector<double> numbers;
   if (text == nullptr) {
@@ -250,7 +272,8 @@ std::vector<double> numbers_of(const VtkXmlHeader& header, const XmlElement& ele
     begin = text->find_first_not_of(kBlanks, end);
   }
   if (numbers.empty() || (count > 0 && numbers.size() != count)) {
-    throw bad_file(header.path, "its " + std::string(attribute) + " is '" + one_line(*text, 80) + "', expected " +
+    throw bad_file(header.path, "its " + std::string(attribute) + " is '" + one_line(*text, 80) +
+                                    "', expected " +
                                     (count > 0 ? std::to_string(count) + " " : "") + "numbers");
   }
   return numbers;

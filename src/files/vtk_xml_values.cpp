@@ -23,9 +23,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::uint64_t kMostBytesPerByte = 10'000;  // LZMA, the strongest of VTK's compressors, on constant data
+constexpr std::uint64_t kMostBytesPerByte =
+    10'000;  // LZMA, the strongest of VTK's compressors, on constant data
 
-// Text in which four characters stand for three bytes. It may be several texts one after the other, each with its padding.
+// Text in which four characters stand for three bytes. It may be several texts one after the other,
+// each with its padding.
 class Base64Bytes final : public ByteStream {
  public:
   Base64Bytes(const fs::path& path, std::unique_ptr<ByteStream> text)
@@ -65,10 +67,12 @@ class Base64Bytes final : public ByteStream {
     std::array<int, 256> digits{};
     digits.fill(kOther);
     int value = 0;
-    for (const char c : std::string_view("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/")) {
+    for (const char c :
+         std::string_view("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/")) {
       digits[static_cast<unsigned char>(c)] = value++;
     }
-    for (const char c : std::string_view(" \t\r\n=")) digits[static_cast<unsigned char>(c)] = kBlank;
+    for (const char c : std::string_view(" \t\r\n="))
+      digits[static_cast<unsigned char>(c)] = kBlank;
     return digits;
   }();
 
@@ -81,35 +85,47 @@ class Base64Bytes final : public ByteStream {
 };
 
 // Decompresses into exactly `to_bytes` bytes; false if that is not what comes out.
-bool decompress(VtkCompressor compressor, const std::vector<char>& from, char* to, std::size_t to_bytes) {
+bool decompress(VtkCompressor compressor, const std::vector<char>& from, char* to,
+                std::size_t to_bytes) {
   const auto* const from_bytes = reinterpret_cast<const std::uint8_t*>(from.data());
   if (compressor == VtkCompressor::zlib) {
     uLongf made = static_cast<uLongf>(to_bytes);
-    return uncompress(reinterpret_cast<Bytef*>(to), &made, from_bytes, static_cast<uLong>(from.size())) == Z_OK && made == to_bytes;
+    return uncompress(reinterpret_cast<Bytef*>(to), &made, from_bytes,
+                      static_cast<uLong>(from.size())) == Z_OK &&
+           made == to_bytes;
   }
   if (compressor == VtkCompressor::lz4) {
     constexpr std::size_t kMost = std::numeric_limits<int>::max();
     return from.size() <= kMost && to_bytes <= kMost &&
-           LZ4_decompress_safe(from.data(), to, static_cast<int>(from.size()), static_cast<int>(to_bytes)) == static_cast<int>(to_bytes);
+           LZ4_decompress_safe(from.data(), to, static_cast<int>(from.size()),
+                               static_cast<int>(to_bytes)) == static_cast<int>(to_bytes);
   }
   std::uint64_t memory = std::uint64_t{1} << 28;  // more than the strongest preset needs
   std::size_t used = 0, made = 0;
   auto* const to_begin = reinterpret_cast<std::uint8_t*>(to);
-  return lzma_stream_buffer_decode(&memory, 0, nullptr, from_bytes, &used, from.size(), to_begin, &made, to_bytes) == LZMA_OK &&
+  return lzma_stream_buffer_decode(&memory, 0, nullptr, from_bytes, &used, from.size(), to_begin,
+                                   &made, to_bytes) == LZMA_OK &&
          made == to_bytes;
 }
 
 struct Blocks {
-  std::uint64_t count = 0, bytes = 0, last_bytes = 0;  // decompressed; last_bytes 0: as long as the others
+  std::uint64_t count = 0, bytes = 0,
+                last_bytes = 0;  // decompressed; last_bytes 0: as long as the others
   std::vector<std::uint64_t> packed_bytes = {};
 
-  std::uint64_t total_bytes() const { return count * bytes - (count > 0 && last_bytes > 0 ? bytes - last_bytes : 0); }
+  std::uint64_t total_bytes() const {
+    return count * bytes - (count > 0 && last_bytes > 0 ? bytes - last_bytes : 0);
+  }
 };
 
 class BlockBytes final : public ByteStream {
  public:
-  BlockBytes(const fs::path& path, std::unique_ptr<ByteStream> packed, VtkCompressor compressor, Blocks blocks)
-      : path_(path), packed_(std::move(packed)), compressor_(compressor), blocks_(std::move(blocks)) {}
+  BlockBytes(const fs::path& path, std::unique_ptr<ByteStream> packed, VtkCompressor compressor,
+             Blocks blocks)
+      : path_(path),
+        packed_(std::move(packed)),
+        compressor_(compressor),
+        blocks_(std::move(blocks)) {}
 
   std::size_t read(char* to, std::size_t bytes) override {
     std::size_t made = 0;
@@ -139,14 +155,17 @@ class BlockBytes final : public ByteStream {
  private:
   std::size_t next_block_bytes() const {
     const bool is_last = next_ + 1 == blocks_.count;
-    return static_cast<std::size_t>(is_last && blocks_.last_bytes > 0 ? blocks_.last_bytes : blocks_.bytes);
+    return static_cast<std::size_t>(is_last && blocks_.last_bytes > 0 ? blocks_.last_bytes
+                                                                      : blocks_.bytes);
   }
 
   void unpack(char* to, std::size_t bytes) {
-    packed_block_.resize(static_cast<std::size_t>(blocks_.packed_bytes[static_cast<std::size_t>(next_)]));
+    packed_block_.resize(
+        static_cast<std::size_t>(blocks_.packed_bytes[static_cast<std::size_t>(next_)]));
     if (packed_->read(packed_block_.data(), packed_block_.size()) != packed_block_.size() ||
         !decompress(compressor_, packed_block_, to, bytes)) {
-      throw bad_file(path_, "its compressed data is damaged in block " + std::to_string(next_) + " of " + std::to_string(blocks_.count));
+      throw bad_file(path_, "its compressed data is damaged in block " + std::to_string(next_) +
+                                " of " + std::to_string(blocks_.count));
     }
     ++next_;
   }
@@ -163,10 +182,15 @@ class BlockBytes final : public ByteStream {
 // Where one array is, for all steps of opening it.
 class ArrayOpener {
  public:
-  ArrayOpener(const VtkXmlHeader& header, const XmlElement& array, VtkType type, std::uint64_t count)
-      : header_(header), type_(type), count_(count), name_("its array '" + one_line(array.attribute_or("Name", ""), 80) + "'") {
+  ArrayOpener(const VtkXmlHeader& header, const XmlElement& array, VtkType type,
+              std::uint64_t count)
+      : header_(header),
+        type_(type),
+        count_(count),
+        name_("its array '" + one_line(array.attribute_or("Name", ""), 80) + "'") {
     const std::string* const offset = array.attribute("offset");
-    is_appended_ = array.attribute_or("format", offset == nullptr ? "ascii" : "appended") == "appended";
+    is_appended_ =
+        array.attribute_or("format", offset == nullptr ? "ascii" : "appended") == "appended";
     is_text_ = !is_appended_ && array.attribute_or("format", "ascii") != "binary";
     begin_ = array.text_begin;
     end_ = array.text_end;
@@ -183,7 +207,8 @@ class ArrayOpener {
       return text_values(header_.path, FileText(header_.path, begin_, end_), type_);
     }
     const std::uint64_t bytes = type_.stored_bytes(count_);
-    require_possible_bytes(header_.path, bytes, stored, header_.compressor == VtkCompressor::none ? 1 : kMostBytesPerByte);
+    require_possible_bytes(header_.path, bytes, stored,
+                           header_.compressor == VtkCompressor::none ? 1 : kMostBytesPerByte);
     std::unique_ptr<ByteStream> stream = encoded_bytes();
     if (header_.compressor == VtkCompressor::none) {
       require_bytes(next_number(*stream), bytes);
@@ -191,12 +216,14 @@ class ArrayOpener {
     } else {
       Blocks blocks = read_block_table(*stream);
       require_bytes(blocks.total_bytes(), bytes);
-      stream = std::make_unique<BlockBytes>(header_.path, std::move(stream), header_.compressor, std::move(blocks));
+      stream = std::make_unique<BlockBytes>(header_.path, std::move(stream), header_.compressor,
+                                            std::move(blocks));
     }
     return binary_values(header_.path, std::move(stream), type_, header_.is_big_endian);
   }
 
-  // VTK stores strings one after the other, each with a zero behind it; in text files as numbers of characters.
+  // VTK stores strings one after the other, each with a zero behind it; in text files as numbers of
+  // characters.
   std::string first_string() {
     if (is_text_) {
       return first_string_in_text();
@@ -211,7 +238,8 @@ class ArrayOpener {
       Blocks blocks = read_block_table(*stream);
       bytes = blocks.total_bytes();
       require_possible_bytes(header_.path, bytes, stored, kMostBytesPerByte);
-      stream = std::make_unique<BlockBytes>(header_.path, std::move(stream), header_.compressor, std::move(blocks));
+      stream = std::make_unique<BlockBytes>(header_.path, std::move(stream), header_.compressor,
+                                            std::move(blocks));
     }
     require_string_length(bytes);
     std::string text(static_cast<std::size_t>(bytes), '\0');
@@ -225,14 +253,16 @@ class ArrayOpener {
   std::unique_ptr<ByteStream> encoded_bytes() const {
     std::unique_ptr<ByteStream> stream = file_bytes(header_.path, begin_, end_);
     const bool is_raw = is_appended_ && header_.is_appended_raw;
-    return is_raw ? std::move(stream) : std::make_unique<Base64Bytes>(header_.path, std::move(stream));
+    return is_raw ? std::move(stream)
+                  : std::make_unique<Base64Bytes>(header_.path, std::move(stream));
   }
 
   void require_string_length(std::uint64_t bytes) const {
     constexpr std::uint64_t kMost = std::uint64_t{1} << 26;
     if (bytes > kMost) {
-      throw unsupported(header_.path,
-                        name_ + " has " + std::to_string(bytes) + " bytes of text, expected at most " + std::to_string(kMost));
+      throw unsupported(header_.path, name_ + " has " + std::to_string(bytes) +
+                                          " bytes of text, expected at most " +
+                                          std::to_string(kMost));
     }
   }
 
@@ -243,7 +273,8 @@ class ArrayOpener {
       unsigned code = 0;
       const auto [word_end, error] = std::from_chars(word.data(), word.data() + word.size(), code);
       if (error != std::errc{} || word_end != word.data() + word.size() || code > 0xFF) {
-        throw bad_file(header_.path, name_ + " has '" + one_line(word, 40) + "', expected the number of a character");
+        throw bad_file(header_.path, name_ + " has '" + one_line(word, 40) +
+                                         "', expected the number of a character");
       }
       if (code == 0) {
         break;
@@ -259,17 +290,21 @@ class ArrayOpener {
     const char* const text_end = offset_text.data() + offset_text.size();
     const auto [end, error] = std::from_chars(offset_text.data(), text_end, offset);
     if (error != std::errc{} || end != text_end) {
-      throw bad_file(header_.path, name_ + " has the offset '" + one_line(offset_text, 40) + "', expected a number of bytes");
+      throw bad_file(header_.path, name_ + " has the offset '" + one_line(offset_text, 40) +
+                                       "', expected a number of bytes");
     }
     if (offset >= header_.appended_end - header_.appended_begin) {
-      throw bad_file(header_.path, "is cut off or damaged: " + name_ + " begins at " + std::to_string(offset) + " in appended data of " +
-                                       std::to_string(header_.appended_end - header_.appended_begin) + " bytes");
+      throw bad_file(header_.path,
+                     "is cut off or damaged: " + name_ + " begins at " + std::to_string(offset) +
+                         " in appended data of " +
+                         std::to_string(header_.appended_end - header_.appended_begin) + " bytes");
     }
     begin_ = header_.appended_begin + offset;
     end_ = header_.appended_end;
   }
 
-  // More numbers than samples: the extent is not that of the values, and each row would begin in the wrong place.
+  // More numbers than samples: the extent is not that of the values, and each row would begin in
+  // the wrong place.
   void require_no_more_numbers() const {
     FileText text(header_.path, begin_, end_);
     std::uint64_t found = 0;
@@ -277,7 +312,8 @@ class ArrayOpener {
       ++found;
     }
     if (found != count_) {
-      throw bad_file(header_.path, "is cut off or damaged: " + name_ + " has " + (found > count_ ? "more" : std::to_string(found)) +
+      throw bad_file(header_.path, "is cut off or damaged: " + name_ + " has " +
+                                       (found > count_ ? "more" : std::to_string(found)) +
                                        " numbers, expected " + std::to_string(count_));
     }
   }
@@ -289,15 +325,18 @@ class ArrayOpener {
     }
     std::uint64_t number = 0;
     for (std::size_t i = 0; i < header_.number_bytes; ++i) {
-      number = number << 8U | static_cast<unsigned char>(bytes[header_.is_big_endian ? i : header_.number_bytes - 1 - i]);
+      number = number << 8U | static_cast<unsigned char>(
+                                  bytes[header_.is_big_endian ? i : header_.number_bytes - 1 - i]);
     }
     return number;
   }
 
   void require_bytes(std::uint64_t found, std::uint64_t bytes) const {
     if (found != bytes) {
-      throw bad_file(header_.path, "is cut off or damaged: " + name_ + " has " + std::to_string(found) + " bytes of values, expected " +
-                                       std::to_string(bytes) + " (" + std::to_string(count_) + " of " + std::string(type_.name()) + ")");
+      throw bad_file(header_.path, "is cut off or damaged: " + name_ + " has " +
+                                       std::to_string(found) + " bytes of values, expected " +
+                                       std::to_string(bytes) + " (" + std::to_string(count_) +
+                                       " of " + std::string(type_.name()) + ")");
     }
   }
 
@@ -305,20 +344,25 @@ class ArrayOpener {
   void require_stored(std::uint64_t bytes) const {
     const std::uint64_t in_file = end_ - begin_;
     const bool is_base64 = !is_appended_ || !header_.is_appended_raw;
-    const std::uint64_t most = is_base64 ? in_file / 4 * 3 + 3 : in_file - std::min<std::uint64_t>(in_file, header_.number_bytes);
+    const std::uint64_t most =
+        is_base64 ? in_file / 4 * 3 + 3
+                  : in_file - std::min<std::uint64_t>(in_file, header_.number_bytes);
     require_stored_bytes(header_.path, bytes, most);
   }
 
-  // The number of blocks, the size of a block, the size of the last one if it is smaller, and all compressed sizes.
+  // The number of blocks, the size of a block, the size of the last one if it is smaller, and all
+  // compressed sizes.
   Blocks read_block_table(ByteStream& stream) const {
     Blocks blocks;
     blocks.count = next_number(stream);
     blocks.bytes = next_number(stream);
     blocks.last_bytes = next_number(stream);
     const std::uint64_t in_file = end_ - begin_;
-    bool is_possible = blocks.count <= in_file / header_.number_bytes && blocks.last_bytes <= blocks.bytes &&
+    bool is_possible = blocks.count <= in_file / header_.number_bytes &&
+                       blocks.last_bytes <= blocks.bytes &&
                        (blocks.count > 0 ? blocks.bytes > 0 : blocks.last_bytes == 0) &&
-                       blocks.bytes <= std::numeric_limits<std::uint64_t>::max() / 2 / std::max<std::uint64_t>(blocks.count, 1);
+                       blocks.bytes <= std::numeric_limits<std::uint64_t>::max() / 2 /
+                                           std::max<std::uint64_t>(blocks.count, 1);
     std::uint64_t packed_bytes = 0;
     for (std::uint64_t i = 0; is_possible && i < blocks.count; ++i) {
       blocks.packed_bytes.push_back(next_number(stream));
@@ -327,8 +371,9 @@ class ArrayOpener {
       is_possible = is_possible && packed_bytes <= in_file;
     }
     if (!is_possible) {
-      throw bad_file(header_.path, "its compressed data is damaged: " + std::to_string(blocks.count) + " blocks of " +
-                                       std::to_string(blocks.bytes) + " bytes");
+      throw bad_file(header_.path,
+                     "its compressed data is damaged: " + std::to_string(blocks.count) +
+                         " blocks of " + std::to_string(blocks.bytes) + " bytes");
     }
     return blocks;
   }
@@ -344,29 +389,32 @@ class ArrayOpener {
 }  // namespace
 
 std::optional<VtkType> vtk_xml_type(const VtkXmlHeader& header, const XmlElement& array) {
-  constexpr std::array<std::pair<std::string_view, VtkType>, 11> kTypes{{{"Int8", {SampleType::int8}},
-                                                                         {"UInt8", {SampleType::uint8}},
-                                                                         {"Int16", {SampleType::int16}},
-                                                                         {"UInt16", {SampleType::uint16}},
-                                                                         {"Int32", {SampleType::int32}},
-                                                                         {"UInt32", {SampleType::uint32}},
-                                                                         {"Int64", {SampleType::int64}},
-                                                                         {"UInt64", {SampleType::uint64}},
-                                                                         {"Float32", {SampleType::float32}},
-                                                                         {"Float64", {SampleType::float64}},
-                                                                         {"Bit", {SampleType::uint8, true}}}};
+  constexpr std::array<std::pair<std::string_view, VtkType>, 11> kTypes{
+      {{"Int8", {SampleType::int8}},
+       {"UInt8", {SampleType::uint8}},
+       {"Int16", {SampleType::int16}},
+       {"UInt16", {SampleType::uint16}},
+       {"Int32", {SampleType::int32}},
+       {"UInt32", {SampleType::uint32}},
+       {"Int64", {SampleType::int64}},
+       {"UInt64", {SampleType::uint64}},
+       {"Float32", {SampleType::float32}},
+       {"Float64", {SampleType::float64}},
+       {"Bit", {SampleType::uint8, true}}}};
   const std::string type = array.attribute_or("type", "");
   if (type == "String") {
     return std::nullopt;
   }
-  const auto* const found = std::ranges::find(kTypes, type, [](const auto& entry) { return entry.first; });
+  const auto* const found =
+      std::ranges::find(kTypes, type, [](const auto& entry) { return entry.first; });
   if (found == kTypes.end()) {
     throw bad_file(header.path, "has an array of unknown data type '" + one_line(type, 40) + "'");
   }
   return found->second;
 }
 
-std::unique_ptr<VtkValues> open_xml_values(const VtkXmlHeader& header, const XmlElement& array, VtkType type, std::uint64_t count) {
+std::unique_ptr<VtkValues> open_xml_values(const VtkXmlHeader& header, const XmlElement& array,
+                                           VtkType type, std::uint64_t count) {
   return ArrayOpener(header, array, type, count).open();
 }
 

@@ -16,9 +16,11 @@ namespace isoatlas::detail::io {
 /// @throws Error(bad_file) if there is no such type
 std::optional<VtkType> vtk_xml_type(const VtkXmlHeader& header, const XmlElement& array);
 
-/// Opens the values, after checking as far as that goes without reading them that there are exactly `count`.
+/// Opens the values, after checking as far as that goes without reading them that there are exactly
+/// `count`.
 /// @throws Error(bad_file) if there are not
-std::unique_ptr<VtkValues> open_xml_values(const VtkXmlHeader& header, const XmlElement& array, VtkType type, std::uint64_t count);
+std::unique_ptr<VtkValues> open_xml_values(const VtkXmlHeader& header, const XmlElement& array,
+                                           VtkType type, std::uint64_t count);
 
 /// The first of an array's strings; empty if it has none. Longer ones than 64 MiB are refused.
 /// @throws Error(bad_file) if the array is damaged

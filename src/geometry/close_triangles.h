@@ -31,15 +31,18 @@ class CloseTriangles {
   /// @return the pairs with at least one of these that pass the test: sorted, the smaller id first
   /// @cost   O(T log T) where most changed; otherwise amortized O(changed (log T)^2), and little
   ///         more than O(changed log T)
-  std::vector<TrianglePair> update(std::span<const Vec3> positions, std::span<const Triangle> triangles,
-                                   std::span<const std::uint32_t> changed, const PairTest& is_wanted, const RunControl& control);
+  std::vector<TrianglePair> update(std::span<const Vec3> positions,
+                                   std::span<const Triangle> triangles,
+                                   std::span<const std::uint32_t> changed,
+                                   const PairTest& is_wanted, const RunControl& control);
 
  private:
   // Translates and scales positions so that they are centred at the origin and no longer than 2,
   // for boxes in single precision. Neither step reverses an order of coordinates, so boxes that
   // overlap still do.
   struct Scaling {
-    double first = 1, second = 1;  // in two steps, because one power of two alone may not be a double
+    double first = 1,
+           second = 1;  // in two steps, because one power of two alone may not be a double
     Vec3 middle;
     Vec3 operator()(Vec3 p) const { return second * (first * p) - middle; }
   };
@@ -53,12 +56,13 @@ class CloseTriangles {
   };
   static Scaling centred_scaling(std::span<const Vec3> positions);
   double scaled_margin() const;
-  void add_bvh(std::vector<std::uint32_t> ids, std::span<const Vec3> positions, std::span<const Triangle> triangles,
-               const RunControl& control);
+  void add_bvh(std::vector<std::uint32_t> ids, std::span<const Vec3> positions,
+               std::span<const Triangle> triangles, const RunControl& control);
   void remove_from_bvh(std::uint32_t t);
   std::vector<std::uint32_t> current(const IndexedBvh& bvh) const;
-  std::vector<TrianglePair> all_pairs(std::span<const Vec3> positions, std::span<const Triangle> triangles, const PairTest& is_wanted,
-                                      const RunControl& control);
+  std::vector<TrianglePair> all_pairs(std::span<const Vec3> positions,
+                                      std::span<const Triangle> triangles,
+                                      const PairTest& is_wanted, const RunControl& control);
 
   double margin_;
   Scaling scaling_;

@@ -38,7 +38,8 @@ inline TrianglePoint closest_on_triangle(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
   const Vec3 normal = cross(ab, ac);
   const double squared = squared_length(normal);
   const bool thin = !(squared > kThin * squared_length(ab) * squared_length(ac));
-  const double wb = dot(cross(ap, ac), normal), wc = dot(cross(ab, ap), normal), wa = squared - wb - wc;
+  const double wb = dot(cross(ap, ac), normal), wc = dot(cross(ab, ap), normal),
+               wa = squared - wb - wc;
   TrianglePoint best;
   best.squared_distance = std::numeric_limits<double>::infinity();
   if (squared > 0 && wa >= 0 && wb >= 0 && wc >= 0) {

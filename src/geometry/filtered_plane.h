@@ -10,7 +10,9 @@
 
 namespace isoatlas::detail {
 
-inline double largest_coordinate(Vec3 v) { return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}); }
+inline double largest_coordinate(Vec3 v) {
+  return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
+}
 
 // Whether products below neither underflow nor overflow.
 inline bool is_moderate(double x) { return x > 1e-60 && x < 1e60; }
@@ -48,7 +50,8 @@ class FilteredPlane {
   static constexpr double kError = 1.1e-14;
 
   Vec3 apex_, normal_;
-  double relative_error_ = 0;  // factor of the largest coordinate of the difference; if the normal is 0, no height exceeds it
+  double relative_error_ = 0;  // factor of the largest coordinate of the difference; if the normal
+                               // is 0, no height exceeds it
   double constant_error_ = 0;  // independent of the difference
 };
 

@@ -29,7 +29,9 @@ TriangleMesh Hierarchy::mesh(std::size_t level) const {
 
 MeshView Hierarchy::view(std::size_t level) const {
   const Level& l = levels.at(level);
-  return {l.own_positions.empty() ? std::span(positions).first(l.vertex_count) : std::span(l.own_positions), l.triangles};
+  return {l.own_positions.empty() ? std::span(positions).first(l.vertex_count)
+                                  : std::span(l.own_positions),
+          l.triangles};
 }
 
 Hierarchy hierarchy_of(std::vector<TriangleMesh> levels) {
@@ -37,7 +39,9 @@ Hierarchy hierarchy_of(std::vector<TriangleMesh> levels) {
   out.positions = levels.back().positions;
   for (TriangleMesh& mesh : levels) {
     const std::size_t n = mesh.positions.size();
-    const bool is_prefix = n <= out.positions.size() && std::memcmp(mesh.positions.data(), out.positions.data(), n * sizeof(Vec3)) == 0;
+    const bool is_prefix =
+        n <= out.positions.size() &&
+        std::memcmp(mesh.positions.data(), out.positions.data(), n * sizeof(Vec3)) == 0;
     Hierarchy::Level& level = out.levels.emplace_back();
     level.vertex_count = static_cast<std::uint32_t>(n);
     level.triangles = std::move(mesh.triangles);

@@ -15,7 +15,8 @@ namespace isoatlas::detail {
 /// triangles that changed are tested again.
 class IntersectionTracker {
  public:
-  explicit IntersectionTracker(OutputPositions forms = {}) : forms_(std::move(forms)), close_(forms_.max_rounding()) {}
+  explicit IntersectionTracker(OutputPositions forms = {})
+      : forms_(std::move(forms)), close_(forms_.max_rounding()) {}
 
   /// Tests all forms of the positions.
   /// @param positions  in sample-index coordinates
@@ -24,15 +25,18 @@ class IntersectionTracker {
   ///         sorted
   /// @cost   as self_intersections() for the first call; then the neighbourhood of changed
   ///         triangles, and a comparison with the last mesh
-  std::vector<std::uint32_t> update(std::span<const Vec3> positions, std::span<const Triangle> triangles, const RunControl& control);
+  std::vector<std::uint32_t> update(std::span<const Vec3> positions,
+                                    std::span<const Triangle> triangles, const RunControl& control);
 
   /// The same if only these vertices have moved since the last mesh.
   /// @param at       their new positions
   /// @param changed  the ids of triangles with other corners or a corner that moved, sorted
   /// @param corners  of these triangles
   /// @cost   the neighbourhood of changed triangles
-  std::vector<std::uint32_t> update(std::span<const std::uint32_t> vertices, std::span<const Vec3> at,
-                                    std::span<const std::uint32_t> changed, std::span<const Triangle> corners, const RunControl& control);
+  std::vector<std::uint32_t> update(std::span<const std::uint32_t> vertices,
+                                    std::span<const Vec3> at,
+                                    std::span<const std::uint32_t> changed,
+                                    std::span<const Triangle> corners, const RunControl& control);
 
   /// For each intersecting pair the largest corner, or all six if the largest has size 0; sorted.
   std::vector<std::uint32_t> largest_corners(std::span<const float> size_of_vertex) const;
@@ -40,9 +44,11 @@ class IntersectionTracker {
   std::size_t pair_count() const { return pairs_.size(); }  ///< of the last mesh
 
  private:
-  std::vector<std::uint32_t> update_mesh(std::span<const Vec3> positions, std::span<const Triangle> triangles);
+  std::vector<std::uint32_t> update_mesh(std::span<const Vec3> positions,
+                                         std::span<const Triangle> triangles);
   void move(std::uint32_t vertex, Vec3 to);
-  std::vector<std::uint32_t> test(std::span<const std::uint32_t> changed, const RunControl& control);
+  std::vector<std::uint32_t> test(std::span<const std::uint32_t> changed,
+                                  const RunControl& control);
   bool has_area_in_all_forms(const Triangle& t) const;
   bool intersect_in_any_form(std::uint32_t first, std::uint32_t second) const;
 

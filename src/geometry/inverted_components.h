@@ -19,8 +19,10 @@ namespace isoatlas::detail {
 /// @param min_cosine    a component counts as inverted if the mean cosine between triangles and
 ///                      outward directions is below this, e.g. 0
 /// @return per component, 1 if it is inverted; a component without area is not
-std::vector<std::uint8_t> inverted_components(std::span<const Vec3> positions, std::span<const Triangle> triangles, Vec3 spacing,
-                                              std::span<const std::uint32_t> component_of, std::size_t components,
-                                              std::span<const Vec3> outward, double min_cosine);
+std::vector<std::uint8_t> inverted_components(std::span<const Vec3> positions,
+                                              std::span<const Triangle> triangles, Vec3 spacing,
+                                              std::span<const std::uint32_t> component_of,
+                                              std::size_t components, std::span<const Vec3> outward,
+                                              double min_cosine);
 
 }  // namespace isoatlas::detail

@@ -15,8 +15,10 @@ namespace isoatlas::detail {
 /// coordinates. Parameters as below.
 /// @cost  O(T); a component whose volume is so small that doubles do not determine its sign takes
 ///        about 100 times as long
-std::vector<std::int8_t> mesh_facing(std::span<const Vec3> positions, std::span<const Triangle> triangles,
-                                     std::span<const std::uint32_t> component_of, std::span<const std::uint8_t> is_open);
+std::vector<std::int8_t> mesh_facing(std::span<const Vec3> positions,
+                                     std::span<const Triangle> triangles,
+                                     std::span<const std::uint32_t> component_of,
+                                     std::span<const std::uint8_t> is_open);
 
 /// The nesting of a mesh, exact for all finite coordinates below 1e18. Where triangles intersect, a
 /// component counts as enclosing a point of another one if it winds around it.
@@ -24,7 +26,8 @@ std::vector<std::int8_t> mesh_facing(std::span<const Vec3> positions, std::span<
 /// @param component_of  per vertex, < is_open.size()
 /// @param is_open       per component, 1 if it has a boundary
 /// @cost  O(T log T)
-Nesting mesh_nesting(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::span<const std::uint32_t> component_of,
+Nesting mesh_nesting(std::span<const Vec3> positions, std::span<const Triangle> triangles,
+                     std::span<const std::uint32_t> component_of,
                      std::span<const std::uint8_t> is_open, const RunControl& control = {});
 
 /// The vertices around which the mesh must be refined to get the wanted nesting: those of
@@ -32,8 +35,10 @@ Nesting mesh_nesting(std::span<const Vec3> positions, std::span<const Triangle> 
 /// triangle of each component that wrongly encloses, or wrongly does not enclose, another one.
 /// Increasing.
 /// @cost  O(T) for each component that lies in a wrong component
-std::vector<std::uint32_t> misplaced_vertices(std::span<const Vec3> positions, std::span<const Triangle> triangles,
-                                              std::span<const std::uint32_t> component_of, const Nesting& nesting, const Nesting& wanted,
+std::vector<std::uint32_t> misplaced_vertices(std::span<const Vec3> positions,
+                                              std::span<const Triangle> triangles,
+                                              std::span<const std::uint32_t> component_of,
+                                              const Nesting& nesting, const Nesting& wanted,
                                               const RunControl& control = {});
 
 }  // namespace isoatlas::detail

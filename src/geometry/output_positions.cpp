@@ -19,26 +19,33 @@ constexpr double kMaxRounding = 0.001;  // in voxels
 Bounds box_of(const Grid& grid, Space space) {
   std::array<Vec3, 8> corners;
   for (unsigned corner = 0; corner < 8; ++corner) {
-    const auto at = [&](unsigned a) { return corner >> a & 1 ? static_cast<double>(grid.size[a] - 1) : 0.0; };
+    const auto at = [&](unsigned a) {
+      return corner >> a & 1 ? static_cast<double>(grid.size[a] - 1) : 0.0;
+    };
     corners[corner] = to_space(grid, space, {at(0), at(1), at(2)});
   }
   return bounds_of(corners);
 }
 
-double largest_coordinate(Vec3 p) { return std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}); }
+double largest_coordinate(Vec3 p) {
+  return std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+}
 
 // The largest rounding of a coordinate of the volume to float32.
 double rounding(const Bounds& box, Vec3 origin) {
-  const double reach = std::max(largest_coordinate(box.low - origin), largest_coordinate(box.high - origin));
+  const double reach =
+      std::max(largest_coordinate(box.low - origin), largest_coordinate(box.high - origin));
   if (!(reach < std::numeric_limits<float>::max())) return std::numeric_limits<double>::infinity();
-  const double step =
-      std::max(reach * std::numeric_limits<float>::epsilon(), static_cast<double>(std::numeric_limits<float>::denorm_min()));
+  const double step = std::max(reach * std::numeric_limits<float>::epsilon(),
+                               static_cast<double>(std::numeric_limits<float>::denorm_min()));
   return step / 2;
 }
 
 }  // namespace
 
-Vec3 float32_origin(const Grid& grid, Space space) { return float32_origin_of(box_of(grid, space)); }
+Vec3 float32_origin(const Grid& grid, Space space) {
+  return float32_origin_of(box_of(grid, space));
+}
 
 OutputPositions::OutputPositions(const Grid& grid, Space space, std::uint32_t supersample)
     : grid_(grid), space_(space), steps_(supersample) {
@@ -50,8 +57,11 @@ OutputPositions::OutputPositions(const Grid& grid, Space space, std::uint32_t su
     const double to_float = rounding(box, origin);
     if (!(to_float <= kMaxRounding * voxel)) continue;
     float32_origins_.push_back(origin);
-    const double to_double = std::max(largest_coordinate(box.low), largest_coordinate(box.high)) * std::numeric_limits<double>::epsilon();
-    max_rounding_ = std::max(max_rounding_, 1.01 * (to_float + to_double));  // vertices are inside the box, up to rounding
+    const double to_double = std::max(largest_coordinate(box.low), largest_coordinate(box.high)) *
+                             std::numeric_limits<double>::epsilon();
+    max_rounding_ =
+        std::max(max_rounding_,
+                 1.01 * (to_float + to_double));  // vertices are inside the box, up to rounding
   }
 }
 

@@ -23,11 +23,13 @@ constexpr double kCapAngle = 150;
 // triangles that run from p to q and from q to p.
 double interior_dihedral_angle(Vec3 p, Vec3 q, Vec3 left, Vec3 right) {
   const Vec3 first = cross(q - p, left - p), second = cross(p - q, right - q);
-  const double between = std::atan2(length(cross(first, second)), dot(first, second)) * 180 / std::numbers::pi;
+  const double between =
+      std::atan2(length(cross(first, second)), dot(first, second)) * 180 / std::numbers::pi;
   return dot(first, right - p) > 0 ? 180 + between : 180 - between;
 }
 
-void measure_dihedral_angles(const MeshView& mesh, MeshQuality& quality, const RunControl& control) {
+void measure_dihedral_angles(const MeshView& mesh, MeshQuality& quality,
+                             const RunControl& control) {
   struct Side {
     std::uint32_t low, high, opposite;
     bool ascends;  // the triangle runs from low to high
@@ -42,7 +44,8 @@ void measure_dihedral_angles(const MeshView& mesh, MeshQuality& quality, const R
   }
   control.check_cancelled();
   std::ranges::sort(sides, [](const Side& a, const Side& b) {
-    return std::tie(a.low, a.high, a.opposite, a.ascends) < std::tie(b.low, b.high, b.opposite, b.ascends);
+    return std::tie(a.low, a.high, a.opposite, a.ascends) <
+           std::tie(b.low, b.high, b.opposite, b.ascends);
   });
   CancelPoll poll(control);
   for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
@@ -51,7 +54,8 @@ void measure_dihedral_angles(const MeshView& mesh, MeshQuality& quality, const R
     if (a.low != b.low || a.high != b.high || a.ascends == b.ascends) continue;
     const Side &up = a.ascends ? a : b, &down = a.ascends ? b : a;
     const Vec3 p = mesh.positions[a.low], q = mesh.positions[a.high];
-    const double angle = interior_dihedral_angle(p, q, mesh.positions[up.opposite], mesh.positions[down.opposite]);
+    const double angle =
+        interior_dihedral_angle(p, q, mesh.positions[up.opposite], mesh.positions[down.opposite]);
     quality.dihedral_min = std::min(quality.dihedral_min, angle);
     quality.dihedral_max = std::max(quality.dihedral_max, angle);
   }
@@ -101,7 +105,8 @@ MeshQuality mesh_quality(const MeshView& mesh, const RunControl& control) {
   q.aspect_min = quantile(0);
   q.aspect_p01 = quantile(0.01);
   q.aspect_median = quantile(0.5);
-  q.aspect_share_below_third = static_cast<double>(below) / static_cast<double>(mesh.triangles.size());
+  q.aspect_share_below_third =
+      static_cast<double>(below) / static_cast<double>(mesh.triangles.size());
   return q;
 }
 

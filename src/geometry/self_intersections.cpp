@@ -28,16 +28,19 @@ void check_input(std::span<const Vec3> positions, std::span<const Triangle> tria
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     for (const std::uint32_t v : triangles[t]) {
       if (v >= positions.size())
-        throw Error(ErrorCode::bad_argument,
-                    "triangle " + std::to_string(t) + " has vertex " + std::to_string(v) + " of " + std::to_string(positions.size()));
+        throw Error(ErrorCode::bad_argument, "triangle " + std::to_string(t) + " has vertex " +
+                                                 std::to_string(v) + " of " +
+                                                 std::to_string(positions.size()));
     }
   }
 }
 
 }  // namespace
 
-std::vector<TrianglePair> self_intersections(std::span<const Vec3> positions, std::span<const Triangle> triangles,
-                                             const SelfIntersectionOptions& options, const RunControl& control) {
+std::vector<TrianglePair> self_intersections(std::span<const Vec3> positions,
+                                             std::span<const Triangle> triangles,
+                                             const SelfIntersectionOptions& options,
+                                             const RunControl& control) {
   const ThreadLimit threads(control.threads);
   control.report("intersect", 0);
   check_input(positions, triangles);
@@ -47,8 +50,9 @@ std::vector<TrianglePair> self_intersections(std::span<const Vec3> positions, st
     std::sort(wanted.begin(), wanted.end());
     wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
     if (!wanted.empty() && wanted.back() >= triangles.size())
-      throw Error(ErrorCode::bad_argument,
-                  "the list has triangle " + std::to_string(wanted.back()) + " of " + std::to_string(triangles.size()));
+      throw Error(ErrorCode::bad_argument, "the list has triangle " +
+                                               std::to_string(wanted.back()) + " of " +
+                                               std::to_string(triangles.size()));
     if (wanted.empty()) return {};
   } else {
     wanted.resize(triangles.size());
@@ -69,7 +73,8 @@ Vec3 intersection_position(std::span<const Vec3> positions, const Triangle& a, c
     return std::max({positions[t[0]].*x, positions[t[1]].*x, positions[t[2]].*x});
   };
   const auto middle = [&](double Vec3::*x) {  // of the intersection of both boxes
-    return 0.5 * std::max(lowest(a, x), lowest(b, x)) + 0.5 * std::min(highest(a, x), highest(b, x));
+    return 0.5 * std::max(lowest(a, x), lowest(b, x)) +
+           0.5 * std::min(highest(a, x), highest(b, x));
   };
   return {middle(&Vec3::x), middle(&Vec3::y), middle(&Vec3::z)};
 }

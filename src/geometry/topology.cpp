@@ -63,7 +63,9 @@ MeshTopology mesh_topology(const MeshView& mesh, const RunControl& control) {
     poll.step();
     for (const std::uint32_t v : t) {
       if (v >= n) {
-        throw Error(ErrorCode::bad_argument, "triangle corner " + std::to_string(v) + " is not one of " + std::to_string(n) + " vertices");
+        throw Error(ErrorCode::bad_argument, "triangle corner " + std::to_string(v) +
+                                                 " is not one of " + std::to_string(n) +
+                                                 " vertices");
       }
     }
     sets.unite(t[0], t[1]);
@@ -99,7 +101,8 @@ MeshTopology mesh_topology(const MeshView& mesh, const RunControl& control) {
     }
     out.components[out.component_of_vertex[v]].euler_characteristic += 1;
   }
-  for (const Triangle& t : mesh.triangles) out.components[out.component_of_vertex[t[0]]].euler_characteristic += 1;
+  for (const Triangle& t : mesh.triangles)
+    out.components[out.component_of_vertex[t[0]]].euler_characteristic += 1;
 
   // Edges, sorted by (low, high).
   control.check_cancelled();
@@ -112,7 +115,8 @@ MeshTopology mesh_topology(const MeshView& mesh, const RunControl& control) {
     poll.step();
     std::size_t j = i;
     std::uint32_t forward = 0;
-    while (j < half_edges.size() && half_edges[j].low == half_edges[i].low && half_edges[j].high == half_edges[i].high) {
+    while (j < half_edges.size() && half_edges[j].low == half_edges[i].low &&
+           half_edges[j].high == half_edges[i].high) {
       forward += half_edges[j++].forward;
     }
     const std::uint32_t a = half_edges[i].low, b = half_edges[i].high;
@@ -133,7 +137,8 @@ MeshTopology mesh_topology(const MeshView& mesh, const RunControl& control) {
     i = j;
   }
   for (std::uint32_t v = 0; v < n; ++v) {
-    if (boundary_degree[v] > 0 && loops.find(v) == v) ++out.components[out.component_of_vertex[v]].boundary_loops;
+    if (boundary_degree[v] > 0 && loops.find(v) == v)
+      ++out.components[out.component_of_vertex[v]].boundary_loops;
   }
 
   // A vertex is regular iff its triangles form one fan: chain them across shared edges around the

@@ -2,7 +2,8 @@
 // Bounding boxes over triangles, packed from the top down.
 //
 // Based on:
-//   [lee2003] OMT: cuts at multiples of a full node, so that all nodes but the last of each level are full.
+//   [lee2003] OMT: cuts at multiples of a full node, so that all nodes but the last of each level
+//   are full.
 // Ours: implicit nodes; boxes as floats that are never too small.
 #include "geometry/triangle_bvh.h"
 
@@ -34,7 +35,8 @@ struct Item {
 // blocks, down to `leaf`.
 class Splitter {
  public:
-  Splitter(std::size_t leaf, std::size_t children, const RunControl& control) : leaf_(leaf), children_(children), control_(control) {}
+  Splitter(std::size_t leaf, std::size_t children, const RunControl& control)
+      : leaf_(leaf), children_(children), control_(control) {}
 
   void split(Item* first, Item* last, std::size_t block) const {
     const auto count = static_cast<std::size_t>(last - first);
@@ -43,7 +45,8 @@ class Splitter {
     const std::size_t axis = longest_axis(first, last), blocks = (count + block - 1) / block;
     Item* const middle = first + blocks / 2 * block;
     std::nth_element(first, middle, last, [axis](const Item& i, const Item& j) {
-      return i.centre[axis] < j.centre[axis] || (i.centre[axis] == j.centre[axis] && i.triangle < j.triangle);
+      return i.centre[axis] < j.centre[axis] ||
+             (i.centre[axis] == j.centre[axis] && i.triangle < j.triangle);
     });
     if (count <= 2 * kGrain) {
       split(first, middle, block);
@@ -81,7 +84,8 @@ double axis(Vec3 p, int a) { return a == 0 ? p.x : a == 1 ? p.y : p.z; }
 
 }  // namespace
 
-TriangleBvh::TriangleBvh(std::vector<Vec3> points, std::span<const Triangle> triangles, const RunControl& control)
+TriangleBvh::TriangleBvh(std::vector<Vec3> points, std::span<const Triangle> triangles,
+                         const RunControl& control)
     : points_(std::move(points)) {
   checked_id(triangles.size(), "triangles");
   sort_triangles(triangles, control);
@@ -95,7 +99,8 @@ void TriangleBvh::sort_triangles(std::span<const Triangle> triangles, const RunC
     for (std::size_t t = begin; t < end; ++t) {
       const auto [a, b, c] = triangles[t];
       const Vec3 sum = points_[a] + points_[b] + points_[c];
-      items[t] = {{static_cast<float>(sum.x), static_cast<float>(sum.y), static_cast<float>(sum.z)}, static_cast<std::uint32_t>(t)};
+      items[t] = {{static_cast<float>(sum.x), static_cast<float>(sum.y), static_cast<float>(sum.z)},
+                  static_cast<std::uint32_t>(t)};
     }
   });
   std::size_t block = kLeafSize;
@@ -104,7 +109,8 @@ void TriangleBvh::sort_triangles(std::span<const Triangle> triangles, const RunC
   control.check_cancelled();
   slots_.resize(triangles.size());
   for_each_piece(triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s < end; ++s) slots_[s] = {triangles[items[s].triangle], items[s].triangle};
+    for (std::size_t s = begin; s < end; ++s)
+      slots_[s] = {triangles[items[s].triangle], items[s].triangle};
   });
 }
 
@@ -120,7 +126,8 @@ void TriangleBvh::make_boxes(const RunControl& control) {
   nodes_.resize(total);
 
   double largest = 0;
-  for (const Vec3& p : points_) largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  for (const Vec3& p : points_)
+    largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
   const double widen = kWiden * largest;
 
   struct Interval {
@@ -129,16 +136,22 @@ void TriangleBvh::make_boxes(const RunControl& control) {
   // The extent of box `box` along an axis: of the slots of a leaf, or of the node below.
   const auto extent = [&](std::size_t level, std::size_t box, int a) {
     Interval out;
-    const auto include = [&](double low, double high) { out = {std::min(out.low, low), std::max(out.high, high)}; };
+    const auto include = [&](double low, double high) {
+      out = {std::min(out.low, low), std::max(out.high, high)};
+    };
     if (level == 0) {
-      for (std::size_t s = kLeafSize * box; s < std::min(slots_.size(), kLeafSize * (box + 1)); ++s) {
-        for (const std::uint32_t v : slots_[s].corners) include(axis(points_[v], a), axis(points_[v], a));
+      for (std::size_t s = kLeafSize * box; s < std::min(slots_.size(), kLeafSize * (box + 1));
+           ++s) {
+        for (const std::uint32_t v : slots_[s].corners)
+          include(axis(points_[v], a), axis(points_[v], a));
       }
       return Interval{out.low - widen, out.high + widen};
     }
     const Node& node = nodes_[levels_[level - 1].first + box];
     for (std::size_t k = 0; k < kChildren; ++k) {
-      if (node.half[a][k] >= 0) include(double{node.centre[a][k]} - node.half[a][k], double{node.centre[a][k]} + node.half[a][k]);
+      if (node.half[a][k] >= 0)
+        include(double{node.centre[a][k]} - node.half[a][k],
+                double{node.centre[a][k]} + node.half[a][k]);
     }
     return out;
   };
@@ -159,7 +172,8 @@ void TriangleBvh::make_boxes(const RunControl& control) {
             const Interval e = extent(level, box, a);
             const auto centre = static_cast<float>(0.5 * (e.low + e.high));
             node.centre[a][k] = centre;
-            node.half[a][k] = std::nextafter(static_cast<float>(std::max(e.high - centre, centre - e.low)), INFINITY);
+            node.half[a][k] = std::nextafter(
+                static_cast<float>(std::max(e.high - centre, centre - e.low)), INFINITY);
           }
         }
       }
@@ -169,7 +183,8 @@ void TriangleBvh::make_boxes(const RunControl& control) {
 
 TriangleBvh::Hit TriangleBvh::closest(Vec3 p, double max_distance) const {
   Hit best;
-  best.squared_distance = std::min(max_distance * max_distance, 1e300);  // less than infinity, the distance of missing children
+  best.squared_distance = std::min(max_distance * max_distance,
+                                   1e300);  // less than infinity, the distance of missing children
   if (slots_.empty() || !(max_distance >= 0)) return best;
 
   const float q[3] = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
@@ -181,7 +196,8 @@ TriangleBvh::Hit TriangleBvh::closest(Vec3 p, double max_distance) const {
   };
   std::array<Pending, 10 * (kChildren - 1) + 1> stack;
   std::size_t pending = 0;
-  stack[pending++] = {0, 0, static_cast<std::uint32_t>(levels_.size()), 0};  // level: one above that of the node itself
+  stack[pending++] = {0, 0, static_cast<std::uint32_t>(levels_.size()),
+                      0};  // level: one above that of the node itself
   while (pending > 0) {
     const Pending at = stack[--pending];
     if (at.squared_distance > best.squared_distance) continue;
@@ -189,7 +205,8 @@ TriangleBvh::Hit TriangleBvh::closest(Vec3 p, double max_distance) const {
       const std::size_t end = std::min(slots_.size(), kLeafSize * (std::size_t{at.index} + 1));
       for (std::size_t s = kLeafSize * std::size_t{at.index}; s < end; ++s) {
         const Slot& slot = slots_[s];
-        const TrianglePoint found = closest_on_triangle(p, points_[slot.corners[0]], points_[slot.corners[1]], points_[slot.corners[2]]);
+        const TrianglePoint found = closest_on_triangle(
+            p, points_[slot.corners[0]], points_[slot.corners[1]], points_[slot.corners[2]]);
         if (found.squared_distance < best.squared_distance ||
             (found.squared_distance == best.squared_distance && slot.triangle < best.triangle)) {
           static_cast<TrianglePoint&>(best) = found;
@@ -215,15 +232,18 @@ TriangleBvh::Hit TriangleBvh::closest(Vec3 p, double max_distance) const {
     for (std::size_t k = 0; k < kChildren; ++k) {
       const float squared = to_box[k] * kShorten - kTiny;
       if (squared > best.squared_distance) continue;
-      stack[pending] = {squared, to_centre[k], at.level - 1, static_cast<std::uint32_t>(kChildren * at.index + k)};
-      if (pending > first && stack[pending].to_centre > stack[pending - 1].to_centre) std::swap(stack[pending], stack[pending - 1]);
+      stack[pending] = {squared, to_centre[k], at.level - 1,
+                        static_cast<std::uint32_t>(kChildren * at.index + k)};
+      if (pending > first && stack[pending].to_centre > stack[pending - 1].to_centre)
+        std::swap(stack[pending], stack[pending - 1]);
       ++pending;
     }
   }
   return best;
 }
 
-void TriangleBvh::leaves_near(Vec3 low, Vec3 high, std::uint32_t first, std::vector<std::uint32_t>& out) const {
+void TriangleBvh::leaves_near(Vec3 low, Vec3 high, std::uint32_t first,
+                              std::vector<std::uint32_t>& out) const {
   if (slots_.empty()) return;
   float centre[3], half[3];  // rounded so that the box is never too small
   for (int a = 0; a < 3; ++a) {
@@ -249,14 +269,16 @@ void TriangleBvh::leaves_near(Vec3 low, Vec3 high, std::uint32_t first, std::vec
     bool overlaps[kChildren];
     for (std::size_t k = 0; k < kChildren; ++k) {
       bool all = true;
-      for (int a = 0; a < 3; ++a) all &= std::fabs(centre[a] - node.centre[a][k]) * kShorten <= half[a] + node.half[a][k];
+      for (int a = 0; a < 3; ++a)
+        all &= std::fabs(centre[a] - node.centre[a][k]) * kShorten <= half[a] + node.half[a][k];
       overlaps[k] = all;
     }
     const std::uint32_t below = at.level - 1;
     for (std::size_t k = 0; k < kChildren; ++k) {
       const auto index = static_cast<std::uint32_t>(kChildren * at.index + k);
       // The last leaf below child k is leaf (number + 1) 8^below - 1.
-      if (overlaps[k] && ((std::uint64_t{index} + 1) << (3 * below)) > first) stack[pending++] = {below, index};
+      if (overlaps[k] && ((std::uint64_t{index} + 1) << (3 * below)) > first)
+        stack[pending++] = {below, index};
     }
   }
 }

@@ -25,7 +25,8 @@ namespace isoatlas::detail {
 class TriangleBvh {
  public:
   struct Hit : TrianglePoint {
-    std::uint32_t triangle = kNone;  ///< index in the constructor's list; kNone: none is within `max_distance`
+    std::uint32_t triangle =
+        kNone;  ///< index in the constructor's list; kNone: none is within `max_distance`
     bool found() const { return triangle != kNone; }
   };
 
@@ -33,7 +34,8 @@ class TriangleBvh {
   /// @param triangles  corners < points.size(); may be degenerate
   /// @cost  O(T log T)
   /// @post  the same hierarchy for any number of threads
-  TriangleBvh(std::vector<Vec3> points, std::span<const Triangle> triangles, const RunControl& control = {});
+  TriangleBvh(std::vector<Vec3> points, std::span<const Triangle> triangles,
+              const RunControl& control = {});
 
   /// The closest point of all triangles, if it is no farther than `max_distance`. Of triangles at
   /// equal distance the smallest id. O(log T) for points near the triangles; a tight `max_distance`
@@ -58,7 +60,9 @@ class TriangleBvh {
   // leaf_count().
   static constexpr std::uint32_t kLeafSize = 4;  // triangles per leaf
   std::uint32_t leaf_count() const { return (triangle_count() + kLeafSize - 1) / kLeafSize; }
-  std::uint32_t leaf_end(std::uint32_t leaf) const { return std::min(triangle_count(), kLeafSize * (leaf + 1)); }
+  std::uint32_t leaf_end(std::uint32_t leaf) const {
+    return std::min(triangle_count(), kLeafSize * (leaf + 1));
+  }
 
  private:
   struct Slot {
@@ -66,7 +70,8 @@ class TriangleBvh {
     std::uint32_t triangle;
   };
   static constexpr std::size_t kChildren = 8;  // boxes per node
-  struct alignas(32) Node {                    // the boxes of its children, axis by axis so that all are compared at once
+  struct alignas(
+      32) Node {  // the boxes of its children, axis by axis so that all are compared at once
     float centre[3][kChildren], half[3][kChildren];
   };
   struct Level {
@@ -78,7 +83,8 @@ class TriangleBvh {
 
   std::vector<Vec3> points_;
   std::vector<Slot> slots_;
-  std::vector<Node> nodes_;    // lowest level first; child k of node i is node 8 i + k of the level below, or that leaf
+  std::vector<Node> nodes_;    // lowest level first; child k of node i is node 8 i + k of the level
+                               // below, or that leaf
   std::vector<Level> levels_;  // lowest level first
 };
 

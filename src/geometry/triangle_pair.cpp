@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decides whether two triangles of a mesh intersect beyond what they share.
 //
-// Predicates are those of CGAL's Kernel (LGPL), which filters floating-point arithmetic and is exact where that cannot decide.
-// Ours: which of them are evaluated for triangles that share corners or have no area, and the floating-point filter before them.
+// Predicates are those of CGAL's Kernel (LGPL), which filters floating-point arithmetic and is
+// exact where that cannot decide. Ours: which of them are evaluated for triangles that share
+// corners or have no area, and the floating-point filter before them.
 // docs/theory/06-self-intersections.md explains why this is correct.
 #include "geometry/triangle_pair.h"
 
@@ -40,8 +41,9 @@ struct Simplex {
 // The simplex spanned by three points.
 Simplex hull(const Point& p, const Point& q, const Point& r) {
   if (!CGAL::collinear(p, q, r)) return {3, {p, q, r}};
-  const auto [first, last] =
-      std::minmax({p, q, r}, [](const Point& i, const Point& j) { return CGAL::lexicographically_xyz_smaller(i, j); });
+  const auto [first, last] = std::minmax({p, q, r}, [](const Point& i, const Point& j) {
+    return CGAL::lexicographically_xyz_smaller(i, j);
+  });
   if (first == last) return {1, {first}};
   return {2, {first, last}};
 }
@@ -92,16 +94,20 @@ struct Corners {
 
 Corners sort_corners(Triangle a, Triangle b) {
   Corners out;
-  const auto in = [](const auto& first, const auto& last, std::uint32_t v) { return std::find(first, last, v) != last; };
+  const auto in = [](const auto& first, const auto& last, std::uint32_t v) {
+    return std::find(first, last, v) != last;
+  };
   for (const std::uint32_t v : a)
-    if (in(b.begin(), b.end(), v) && !in(out.a.begin(), out.a.begin() + out.shared, v)) out.a[out.shared++] = v;
+    if (in(b.begin(), b.end(), v) && !in(out.a.begin(), out.a.begin() + out.shared, v))
+      out.a[out.shared++] = v;
   std::copy_n(out.a.begin(), out.shared, out.b.begin());
   // Appends the corners that are not shared: each triangle without one copy of each shared corner.
   const auto append_rest = [&out](const Triangle& t, std::array<std::uint32_t, 3>& corners) {
     std::size_t filled = out.shared;
     std::array<bool, 3> used{};
     for (const std::uint32_t v : t) {
-      const auto at = static_cast<std::size_t>(std::find(corners.begin(), corners.begin() + out.shared, v) - corners.begin());
+      const auto at = static_cast<std::size_t>(
+          std::find(corners.begin(), corners.begin() + out.shared, v) - corners.begin());
       if (at < out.shared && !used[at])
         used[at] = true;
       else
@@ -119,7 +125,8 @@ Corners sort_corners(Triangle a, Triangle b) {
 bool is_certainly_obtuse(Vec3 from, Vec3 to, Vec3 p, Vec3 q, double slack = 0) {
   constexpr double kError = 5e-14;
   const Vec3 edge = to - from, to_p = p - from, to_q = q - from;
-  const double u = largest_coordinate(edge), v = largest_coordinate(to_p), w = largest_coordinate(to_q);
+  const double u = largest_coordinate(edge), v = largest_coordinate(to_p),
+               w = largest_coordinate(to_q);
   if (!is_moderate(u) || !is_moderate(v) || !is_moderate(w)) return false;
   const double e = 2 * slack, size = u * u * v * w, moved = (u + e) * (u + e) * (v + e) * (w + e);
   return dot(cross(edge, to_p), cross(edge, to_q)) < -kError * size - 12 * (moved - size);
@@ -157,7 +164,8 @@ struct PlaneSides {
 
 // The edge that two triangles share, and their two other corners.
 struct Hinge {
-  Hinge(const Triangle& a, const PlaneSides& sides_a, const Triangle& b, const PlaneSides& sides_b) {
+  Hinge(const Triangle& a, const PlaneSides& sides_a, const Triangle& b,
+        const PlaneSides& sides_b) {
     std::size_t n = 0;
     for (std::size_t k = 0; k < 3; ++k) {
       (sides_a.is_shared[k] ? edge[n++] : rest_a) = a[k];
@@ -171,14 +179,16 @@ struct Hinge {
 // For two triangles without a shared corner, each with corners on both sides of the other's plane:
 // the planes intersect in a line, each triangle intersects it in an interval, and two signs
 // determine whether these overlap ([guigue2003]). None: doubles do not suffice.
-std::optional<bool> intervals_overlap(std::span<const Vec3> positions, const Triangle& a, const PlaneSides& sides_a, const Triangle& b,
+std::optional<bool> intervals_overlap(std::span<const Vec3> positions, const Triangle& a,
+                                      const PlaneSides& sides_a, const Triangle& b,
                                       const PlaneSides& sides_b) {
   const std::size_t i = sides_a.single_corner(), j = sides_b.single_corner();
   std::array p{positions[a[i]], positions[a[(i + 1) % 3]], positions[a[(i + 2) % 3]]};
   std::array q{positions[b[j]], positions[b[(j + 1) % 3]], positions[b[(j + 2) % 3]]};
   if (sides_a.side[i] < 0) std::swap(q[1], q[2]);
   if (sides_b.side[j] < 0) std::swap(p[1], p[2]);
-  const int first = FilteredPlane(p[1], q[0], p[0]).side(q[1]), second = FilteredPlane(p[0], q[0], p[2]).side(q[2]);
+  const int first = FilteredPlane(p[1], q[0], p[0]).side(q[1]),
+            second = FilteredPlane(p[0], q[0], p[2]).side(q[2]);
   if (first > 0 || second > 0) return false;
   if (first < 0 && second < 0) return true;
   return std::nullopt;
@@ -187,15 +197,16 @@ std::optional<bool> intervals_overlap(std::span<const Vec3> positions, const Tri
 // Whether two triangles intersect beyond what they share; none: doubles do not suffice.
 // @param side_of_a, side_of_b  the side of a corner of the other triangle
 template <class SideOfA, class SideOfB>
-std::optional<bool> intersect_filtered(std::span<const Vec3> positions, const Triangle& a, const Triangle& b, SideOfA side_of_a,
-                                       SideOfB side_of_b) {
+std::optional<bool> intersect_filtered(std::span<const Vec3> positions, const Triangle& a,
+                                       const Triangle& b, SideOfA side_of_a, SideOfB side_of_b) {
   const PlaneSides sides_b(b, a, side_of_a);
   if (sides_b.is_on_one_side()) return false;
   const PlaneSides sides_a(a, b, side_of_b);
   if (sides_a.is_on_one_side()) return false;
   if (sides_a.shared == 2 && sides_b.shared == 2) {
     const Hinge hinge(a, sides_a, b, sides_b);
-    if (is_certainly_obtuse(positions[hinge.edge[0]], positions[hinge.edge[1]], positions[hinge.rest_a], positions[hinge.rest_b]))
+    if (is_certainly_obtuse(positions[hinge.edge[0]], positions[hinge.edge[1]],
+                            positions[hinge.rest_a], positions[hinge.rest_b]))
       return false;
     return std::nullopt;
   }
@@ -203,45 +214,57 @@ std::optional<bool> intersect_filtered(std::span<const Vec3> positions, const Tr
   if (sides_a.shared == 0) return intervals_overlap(positions, a, sides_a, b, sides_b);
   // Seen from the shared corner, two arcs that each cross the other's great circle either cross, or
   // one crosses the antipode of the other.
-  return sides_b.side[(sides_b.first_shared() + 1) % 3] != sides_a.side[(sides_a.first_shared() + 1) % 3];
+  return sides_b.side[(sides_b.first_shared() + 1) % 3] !=
+         sides_a.side[(sides_a.first_shared() + 1) % 3];
 }
 
 // Decides the pairs that doubles cannot decide.
-bool intersect_exactly(std::span<const Vec3> positions, const Triangle& first, const Triangle& second) {
+bool intersect_exactly(std::span<const Vec3> positions, const Triangle& first,
+                       const Triangle& second) {
   const Corners corners = sort_corners(first, second);
-  const auto point = [&positions](std::uint32_t v) { return Point(positions[v].x, positions[v].y, positions[v].z); };
+  const auto point = [&positions](std::uint32_t v) {
+    return Point(positions[v].x, positions[v].y, positions[v].z);
+  };
   const std::array a{point(corners.a[0]), point(corners.a[1]), point(corners.a[2])};
   const std::array b{point(corners.b[0]), point(corners.b[1]), point(corners.b[2])};
 
   // Exact version of the tests above. It also holds for triangles without area, for which all
   // orientations are zero.
-  const auto is_on_one_side = [&corners](const std::array<Point, 3>& t, const std::array<Point, 3>& from) {
-    const auto side = [&from](const Point& p) { return CGAL::orientation(from[0], from[1], from[2], p); };
+  const auto is_on_one_side = [&corners](const std::array<Point, 3>& t,
+                                         const std::array<Point, 3>& from) {
+    const auto side = [&from](const Point& p) {
+      return CGAL::orientation(from[0], from[1], from[2], p);
+    };
     const CGAL::Orientation last = side(t[2]);
     if (last == CGAL::COPLANAR) return false;
-    return corners.shared == 2 || (side(t[1]) == last && (corners.shared == 1 || side(t[0]) == last));
+    return corners.shared == 2 ||
+           (side(t[1]) == last && (corners.shared == 1 || side(t[0]) == last));
   };
   if (corners.shared == 3) return true;
   if (is_on_one_side(a, b) || is_on_one_side(b, a)) return false;
 
   if (corners.shared == 0) return intersect(hull(a[0], a[1], a[2]), hull(b[0], b[1], b[2]));
-  if (corners.shared == 1 || a[0] == a[1]) return intersect_beyond(a[0], hull(a[0], a[1], a[2]), hull(b[0], b[1], b[2]));
+  if (corners.shared == 1 || a[0] == a[1])
+    return intersect_beyond(a[0], hull(a[0], a[1], a[2]), hull(b[0], b[1], b[2]));
 
   // A shared edge of positive length, and all corners in one plane.
   const Point &from = a[0], &to = a[1], &p = a[2], &q = b[2];
   const bool p_on_line = CGAL::collinear(from, to, p), q_on_line = CGAL::collinear(from, to, q);
   if (!p_on_line && !q_on_line) return CGAL::coplanar_orientation(from, to, p, q) == CGAL::POSITIVE;
-  if (p_on_line != q_on_line) return false;  // the triangle with an area contains no more of the edge's line than the edge
+  if (p_on_line != q_on_line)
+    return false;  // the triangle with an area contains no more of the edge's line than the edge
   // Two segments along that line: they overlap if both extend beyond the same end of the edge.
   const auto beyond = [](const Point& i, const Point& j, const Point& x) {
     return CGAL::collinear_are_strictly_ordered_along_line(i, j, x);
   };
-  return (beyond(from, to, p) && beyond(from, to, q)) || (beyond(to, from, p) && beyond(to, from, q));
+  return (beyond(from, to, p) && beyond(from, to, q)) ||
+         (beyond(to, from, p) && beyond(to, from, q));
 }
 
 }  // namespace
 
-bool intersect_beyond_shared_simplex(std::span<const Vec3> positions, const Triangle& a, const Triangle& b) {
+bool intersect_beyond_shared_simplex(std::span<const Vec3> positions, const Triangle& a,
+                                     const Triangle& b) {
   const FilteredPlane plane_a(positions, a), plane_b(positions, b);
   const std::optional<bool> filtered = intersect_filtered(
       positions, a, b, [&](std::uint32_t corner) { return plane_a.side(positions[corner]); },
@@ -249,29 +272,38 @@ bool intersect_beyond_shared_simplex(std::span<const Vec3> positions, const Tria
   return filtered ? *filtered : intersect_exactly(positions, a, b);
 }
 
-bool are_certainly_disjoint(std::span<const Vec3> positions, const Triangle& a, const Triangle& b, double slack) {
+bool are_certainly_disjoint(std::span<const Vec3> positions, const Triangle& a, const Triangle& b,
+                            double slack) {
   const FilteredPlane plane_a(positions, a, slack);
-  const PlaneSides sides_b(b, a, [&](std::uint32_t corner) { return plane_a.side(positions[corner]); });
+  const PlaneSides sides_b(b, a,
+                           [&](std::uint32_t corner) { return plane_a.side(positions[corner]); });
   if (sides_b.is_on_one_side()) return true;
   const FilteredPlane plane_b(positions, b, slack);
-  const PlaneSides sides_a(a, b, [&](std::uint32_t corner) { return plane_b.side(positions[corner]); });
+  const PlaneSides sides_a(a, b,
+                           [&](std::uint32_t corner) { return plane_b.side(positions[corner]); });
   if (sides_a.is_on_one_side()) return true;
   if (sides_a.shared != 2 || sides_b.shared != 2) return false;
   const Hinge hinge(a, sides_a, b, sides_b);
-  return is_certainly_obtuse(positions[hinge.edge[0]], positions[hinge.edge[1]], positions[hinge.rest_a], positions[hinge.rest_b], slack);
+  return is_certainly_obtuse(positions[hinge.edge[0]], positions[hinge.edge[1]],
+                             positions[hinge.rest_a], positions[hinge.rest_b], slack);
 }
 
 bool has_area(std::span<const Vec3> positions, const Triangle& t) {
   const Vec3 along = positions[t[1]] - positions[t[0]], across = positions[t[2]] - positions[t[0]];
   const double u = largest_coordinate(along), v = largest_coordinate(across);
-  // A coordinate of the normal is a difference of two products, each with a relative error below 4 times 2^-53.
+  // A coordinate of the normal is a difference of two products, each with a relative error below 4
+  // times 2^-53.
   constexpr double kError = 1e-15;
-  if (is_moderate(u) && is_moderate(v) && largest_coordinate(cross(along, across)) > kError * u * v) return true;
-  const auto point = [&positions](std::uint32_t corner) { return Point(positions[corner].x, positions[corner].y, positions[corner].z); };
+  if (is_moderate(u) && is_moderate(v) && largest_coordinate(cross(along, across)) > kError * u * v)
+    return true;
+  const auto point = [&positions](std::uint32_t corner) {
+    return Point(positions[corner].x, positions[corner].y, positions[corner].z);
+  };
   return !CGAL::collinear(point(t[0]), point(t[1]), point(t[2]));
 }
 
-std::size_t count_intersecting_pairs(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::size_t max_count) {
+std::size_t count_intersecting_pairs(std::span<const Vec3> positions,
+                                     std::span<const Triangle> triangles, std::size_t max_count) {
   std::vector<std::int8_t> sides;  // per position, for one triangle after the other
   sides.reserve(triangles.size() * positions.size());
   for (const Triangle& t : triangles) {
@@ -284,8 +316,11 @@ std::size_t count_intersecting_pairs(std::span<const Vec3> positions, std::span<
       const auto side_of = [&](std::size_t t) {
         return [&, t](std::uint32_t corner) -> int { return sides[t * positions.size() + corner]; };
       };
-      const std::optional<bool> filtered = intersect_filtered(positions, triangles[i], triangles[j], side_of(i), side_of(j));
-      if ((filtered ? *filtered : intersect_exactly(positions, triangles[i], triangles[j])) && ++out >= max_count) return out;
+      const std::optional<bool> filtered =
+          intersect_filtered(positions, triangles[i], triangles[j], side_of(i), side_of(j));
+      if ((filtered ? *filtered : intersect_exactly(positions, triangles[i], triangles[j])) &&
+          ++out >= max_count)
+        return out;
     }
   }
   return out;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loops of cells, and the tunnels that may join two of them; the argument is in docs/theory/01-surface.md.
+// Loops of cells, and the tunnels that may join two of them; the argument is in
+// docs/theory/01-surface.md.
 #include "isosurface/cell_loops.h"
 
 #include <algorithm>
@@ -74,7 +75,8 @@ std::vector<Loop> loops_of(const CellLoops& cell) {
     int at = start, from = -1;
     do {
       left = static_cast<std::uint16_t>(left & ~(1u << at));
-      // A loop may use both segments between the same two edges only if it has two nodes, which cannot happen in a cube.
+      // A loop may use both segments between the same two edges only if it has two nodes, which
+      // cannot happen in a cube.
       const Segment next = segments[at][0].to != from ? segments[at][0] : segments[at][1];
       loop.push_back({at, next.face});
       from = at;
@@ -90,7 +92,8 @@ void find_double_faces(CellLoops& cell) {
     const int axis = face / 2, side = face % 2;
     bool one = true;
     const auto first = cell.surfel(face_edge_along_u(axis, side, 0), axis);
-    for (const int e : {face_edge_along_u(axis, side, 1), face_edge_along_v(axis, side, 0), face_edge_along_v(axis, side, 1)}) {
+    for (const int e : {face_edge_along_u(axis, side, 1), face_edge_along_v(axis, side, 0),
+                        face_edge_along_v(axis, side, 1)}) {
       one &= cell.surfel(e, axis) == first;
     }
     if (one) cell.double_faces = static_cast<std::uint8_t>(cell.double_faces | (1u << face));
@@ -104,10 +107,12 @@ CellLoops cell_with(std::uint8_t corners, std::uint8_t ambiguous, std::uint8_t j
   cell.joined_faces = static_cast<std::uint8_t>(joined & ambiguous);
   for (int e = 0; e < 12; ++e) {
     const auto [low, high] = edge_corners(e);
-    if (is_inside(cell, low) != is_inside(cell, high)) cell.crossed = static_cast<std::uint16_t>(cell.crossed | (1u << e));
+    if (is_inside(cell, low) != is_inside(cell, high))
+      cell.crossed = static_cast<std::uint16_t>(cell.crossed | (1u << e));
   }
   for (const Loop& loop : loops_of(cell)) {
-    for (const LoopNode& node : loop) cell.surfel_of_edge[node.edge] = cell.other_surfel_of_edge[node.edge] = cell.loops;
+    for (const LoopNode& node : loop)
+      cell.surfel_of_edge[node.edge] = cell.other_surfel_of_edge[node.edge] = cell.loops;
     ++cell.loops;
   }
   cell.surfels = cell.loops;
@@ -121,8 +126,12 @@ struct Sweep {
   const CellLoops& cell;
   int axis;
 
-  int corner(int vertical, int side) const { return face_corner(axis, side, vertical & 1, vertical >> 1); }
-  bool changes(int vertical, int side, bool inside) const { return is_inside(cell, corner(vertical, side)) != inside; }
+  int corner(int vertical, int side) const {
+    return face_corner(axis, side, vertical & 1, vertical >> 1);
+  }
+  bool changes(int vertical, int side, bool inside) const {
+    return is_inside(cell, corner(vertical, side)) != inside;
+  }
 
   // At one end (side 0: the lower one) of the heights where the corners of both diagonals have
   // opposite signs: whether the slice's saddle joins the ring there. Corners that have another sign
@@ -130,7 +139,8 @@ struct Sweep {
   // its neighbours are joined.
   bool ring_is_joined(const Tunnel& t, int side) const {
     bool any_changes = false;
-    for (int k = 0; k < 2; ++k) any_changes |= changes(t.joined[k], side, t.inside) || changes(t.ring[k], side, !t.inside);
+    for (int k = 0; k < 2; ++k)
+      any_changes |= changes(t.joined[k], side, t.inside) || changes(t.ring[k], side, !t.inside);
     if (!any_changes) return is_joined(cell, 2 * axis + side) != t.inside;
     return std::any_of(t.joined.begin(), t.joined.end(), [&](int j) {
       if (!changes(j, side, t.inside)) return false;
@@ -138,7 +148,8 @@ struct Sweep {
         if (!changes(r, side, !t.inside)) return true;
         // Then the face that contains both is ambiguous. Between the two changes it has the ring's
         // sign if j changes last.
-        const int face = (j ^ r) == 1 ? 2 * ((axis + 2) % 3) + (j >> 1) : 2 * ((axis + 1) % 3) + (j & 1);
+        const int face =
+            (j ^ r) == 1 ? 2 * ((axis + 2) % 3) + (j >> 1) : 2 * ((axis + 1) % 3) + (j & 1);
         return is_joined(cell, face) != t.inside;
       });
     });
@@ -178,7 +189,9 @@ std::array<int, 8> regions_of(const CellLoops& cell) {
 
 // The loops at the two ends of a tunnel, the smaller index first: they separate the regions that it
 // joins from that of the ring.
-std::optional<std::array<std::size_t, 2>> loops_at_ends(const Sweep& sweep, const std::vector<Loop>& loops, const Tunnel& t) {
+std::optional<std::array<std::size_t, 2>> loops_at_ends(const Sweep& sweep,
+                                                        const std::vector<Loop>& loops,
+                                                        const Tunnel& t) {
   const std::array<int, 8> region = regions_of(sweep.cell);
   const auto region_of = [&](int vertical, bool inside) {
     const int side = sweep.changes(vertical, 0, inside) ? 1 : 0;
@@ -195,7 +208,8 @@ std::optional<std::array<std::size_t, 2>> loops_at_ends(const Sweep& sweep, cons
     }
   }
   std::sort(out.begin(), out.end());
-  if (region_of(t.ring[1], !t.inside) != ring || out[1] == loops.size() || out[0] == out[1]) return {};
+  if (region_of(t.ring[1], !t.inside) != ring || out[1] == loops.size() || out[0] == out[1])
+    return {};
   return out;
 }
 
@@ -218,20 +232,23 @@ std::vector<PossibleTunnel> possible_tunnels(const Sweep& sweep, const std::vect
 }
 
 // The tunnels along z that are also found by sweeps along the other axes.
-std::vector<PossibleTunnel> possible_tunnels(const CellLoops& cell, const std::vector<Loop>& loops) {
+std::vector<PossibleTunnel> possible_tunnels(const CellLoops& cell,
+                                             const std::vector<Loop>& loops) {
   std::vector<PossibleTunnel> out = possible_tunnels(Sweep{cell, 2}, loops);
   for (const int axis : {0, 1}) {
     const std::vector<PossibleTunnel> others = possible_tunnels(Sweep{cell, axis}, loops);
     std::erase_if(out, [&](const PossibleTunnel& a) {
-      return std::none_of(others.begin(), others.end(),
-                          [&](const PossibleTunnel& b) { return a.tunnel.inside == b.tunnel.inside && a.ends == b.ends; });
+      return std::none_of(others.begin(), others.end(), [&](const PossibleTunnel& b) {
+        return a.tunnel.inside == b.tunnel.inside && a.ends == b.ends;
+      });
     });
   }
   return out;
 }
 
 Vec3 corner_position(int corner) {
-  return {static_cast<double>(corner & 1), static_cast<double>(corner >> 1 & 1), static_cast<double>(corner >> 2)};
+  return {static_cast<double>(corner & 1), static_cast<double>(corner >> 1 & 1),
+          static_cast<double>(corner >> 2)};
 }
 
 Vec3 midpoint(int edge) {
@@ -242,7 +259,8 @@ Vec3 midpoint(int edge) {
 // In reversed order, the face of a node's segment is that of the previous node.
 Loop reversed(const Loop& loop) {
   Loop out;
-  for (std::size_t k = loop.size(); k-- > 0;) out.push_back({loop[k].edge, loop[(k + loop.size() - 1) % loop.size()].face});
+  for (std::size_t k = loop.size(); k-- > 0;)
+    out.push_back({loop[k].edge, loop[(k + loop.size() - 1) % loop.size()].face});
   return out;
 }
 
@@ -259,14 +277,18 @@ bool has_inside_on_the_left(const CellLoops& cell, const Loop& loop) {
 // The cell with the annulus between two of its loops cut into surfels, one per node of the shorter
 // loop: each is bounded by a segment of that loop, a cut, one or more segments of the longer loop
 // and a cut.
-CellLoops with_annulus(CellLoops cell, const std::vector<Loop>& loops, std::array<std::size_t, 2> ends) {
+CellLoops with_annulus(CellLoops cell, const std::vector<Loop>& loops,
+                       std::array<std::size_t, 2> ends) {
   cell.has_tunnel = true;
   cell.double_faces = 0;
   cell.surfels = 0;
-  const auto assign = [&](const LoopNode& node, std::size_t surfel_after, std::size_t surfel_before) {
+  const auto assign = [&](const LoopNode& node, std::size_t surfel_after,
+                          std::size_t surfel_before) {
     const bool first_is_after = node.face / 2 == (node.edge / 4 + 1) % 3;
-    cell.surfel_of_edge[node.edge] = static_cast<std::uint8_t>(first_is_after ? surfel_after : surfel_before);
-    cell.other_surfel_of_edge[node.edge] = static_cast<std::uint8_t>(first_is_after ? surfel_before : surfel_after);
+    cell.surfel_of_edge[node.edge] =
+        static_cast<std::uint8_t>(first_is_after ? surfel_after : surfel_before);
+    cell.other_surfel_of_edge[node.edge] =
+        static_cast<std::uint8_t>(first_is_after ? surfel_before : surfel_after);
   };
   for (std::size_t k = 0; k < loops.size(); ++k) {
     if (k == ends[0] || k == ends[1]) continue;
@@ -277,14 +299,18 @@ CellLoops with_annulus(CellLoops cell, const std::vector<Loop>& loops, std::arra
   if (loops[ends[0]].size() > loops[ends[1]].size()) std::swap(ends[0], ends[1]);
   // As boundaries of the annulus the two loops run in opposite directions.
   const Loop& a = loops[ends[0]];
-  const bool same_direction = has_inside_on_the_left(cell, a) == has_inside_on_the_left(cell, loops[ends[1]]);
+  const bool same_direction =
+      has_inside_on_the_left(cell, a) == has_inside_on_the_left(cell, loops[ends[1]]);
   const Loop b = same_direction ? reversed(loops[ends[1]]) : loops[ends[1]];
-  const auto cut = [&](std::size_t i) { return i * b.size() / a.size(); };  // node i of a is cut to this node of b, rotated by `rotation`
+  const auto cut = [&](std::size_t i) {
+    return i * b.size() / a.size();
+  };  // node i of a is cut to this node of b, rotated by `rotation`
   std::size_t rotation = 0;
   double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < b.size(); ++k) {
     double sum = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) sum += squared_length(midpoint(a[i].edge) - midpoint(b[(cut(i) + k) % b.size()].edge));
+    for (std::size_t i = 0; i < a.size(); ++i)
+      sum += squared_length(midpoint(a[i].edge) - midpoint(b[(cut(i) + k) % b.size()].edge));
     if (sum < smallest) {
       smallest = sum;
       rotation = k;
@@ -311,7 +337,9 @@ CellLoopTable::CellLoopTable() {
     std::uint8_t ambiguous = 0;
     for (int axis = 0; axis < 3; ++axis) {
       for (int side = 0; side < 2; ++side) {
-        const auto bit = [&](int bu, int bv) { return (corners >> face_corner(axis, side, bu, bv)) & 1; };
+        const auto bit = [&](int bu, int bv) {
+          return (corners >> face_corner(axis, side, bu, bv)) & 1;
+        };
         if (bit(0, 0) == bit(1, 1) && bit(1, 0) == bit(0, 1) && bit(0, 0) != bit(1, 0)) {
           ambiguous = static_cast<std::uint8_t>(ambiguous | (1u << (2 * axis + side)));
         }
@@ -324,7 +352,8 @@ CellLoopTable::CellLoopTable() {
       std::uint8_t joined = 0;
       int bit = 0;
       for (int face = 0; face < 6; ++face) {
-        if ((ambiguous >> face) & 1) joined = static_cast<std::uint8_t>(joined | (((decisions >> bit++) & 1u) << face));
+        if ((ambiguous >> face) & 1)
+          joined = static_cast<std::uint8_t>(joined | (((decisions >> bit++) & 1u) << face));
       }
       entries_.push_back(cell_with(static_cast<std::uint8_t>(corners), ambiguous, joined));
     }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the isosurface crosses one cell: which crossed edges (nodes) belong to which piece of surface (surfel).
+// How the isosurface crosses one cell: which crossed edges (nodes) belong to which piece of surface
+// (surfel).
 #pragma once
 
 #include <array>
@@ -20,12 +21,14 @@ namespace isoatlas::detail {
 inline constexpr std::size_t kMaxSurfels = 4;
 
 struct CellLoops {
-  std::uint8_t corners = 0;          ///< bit per corner, 1 = inside
-  std::uint8_t loops = 0;            ///< number of closed loops of nodes, 0 to 4
-  std::uint8_t surfels = 0;          ///< one per loop; with a tunnel, the pieces of the annulus instead of its two loops
+  std::uint8_t corners = 0;  ///< bit per corner, 1 = inside
+  std::uint8_t loops = 0;    ///< number of closed loops of nodes, 0 to 4
+  std::uint8_t surfels =
+      0;  ///< one per loop; with a tunnel, the pieces of the annulus instead of its two loops
   std::uint8_t ambiguous_faces = 0;  ///< bit per face with diagonal signs
   std::uint8_t joined_faces = 0;     ///< those of them whose inside corners are joined
-  std::uint8_t double_faces = 0;     ///< those of the ambiguous faces whose two segments are sides of the same surfel
+  std::uint8_t double_faces =
+      0;  ///< those of the ambiguous faces whose two segments are sides of the same surfel
   bool has_tunnel = false;
   std::uint16_t crossed = 0;  ///< bit per edge that carries a node
   /// Per crossed edge along axis a, the surfel of the node's segment on the face of the cell normal
@@ -42,9 +45,11 @@ struct CellLoops {
 /// height, the corners of one diagonal are joined, while above and below those of the other one
 /// are. Corners here are vertical edges: (x, y) = x + 2 y.
 struct Tunnel {
-  std::array<std::uint8_t, 2> joined, ring;  ///< the vertical edges that it joins, and those of the ring around it
-  bool inside;                               ///< whether the ends of the tunnel are inside and the ring is outside, or vice versa
-  std::uint16_t entry;                       ///< the cell's entry in the table if it has the tunnel
+  std::array<std::uint8_t, 2> joined,
+      ring;  ///< the vertical edges that it joins, and those of the ring around it
+  bool
+      inside;  ///< whether the ends of the tunnel are inside and the ring is outside, or vice versa
+  std::uint16_t entry;  ///< the cell's entry in the table if it has the tunnel
 };
 
 /// All ways in which the surface can cross a cell: 256 sign patterns times the decisions on their
@@ -93,9 +98,13 @@ constexpr int face_corner(int axis, int side, int bu, int bv) {
   return (side << axis) | (bu << u) | (bv << v);
 }
 /// The edge of a face (axis, side) that runs along u at v = bv.
-constexpr int face_edge_along_u(int axis, int side, int bv) { return 4 * ((axis + 1) % 3) + bv + 2 * side; }
+constexpr int face_edge_along_u(int axis, int side, int bv) {
+  return 4 * ((axis + 1) % 3) + bv + 2 * side;
+}
 /// The edge of a face (axis, side) that runs along v at u = bu.
-constexpr int face_edge_along_v(int axis, int side, int bu) { return 4 * ((axis + 2) % 3) + side + 2 * bu; }
+constexpr int face_edge_along_v(int axis, int side, int bu) {
+  return 4 * ((axis + 2) % 3) + side + 2 * bu;
+}
 /// The lower and the upper corner of an edge.
 constexpr std::array<int, 2> edge_corners(int edge) {
   const int a = edge / 4, u = (a + 1) % 3, v = (a + 2) % 3;

@@ -36,7 +36,8 @@ Vec3 onto_surface_of(const Cell& cell, const Vec3 start, Vec3 spacing) {
   double value = cell.value(start);
   for (int step = 0; step < 2 && best_value > 0; ++step) {
     const Vec3 g = cell.gradient(p);
-    const Vec3 direction{g.x / (spacing.x * spacing.x), g.y / (spacing.y * spacing.y), g.z / (spacing.z * spacing.z)};
+    const Vec3 direction{g.x / (spacing.x * spacing.x), g.y / (spacing.y * spacing.y),
+                         g.z / (spacing.z * spacing.z)};
     const double slope = dot(g, direction);
     if (!(slope > 0)) break;
     const double s = value / slope;
@@ -56,7 +57,8 @@ Vec3 node_in_cell(const CellValues& cell, int edge) {
   const int axis = edge / 4;
   double t = node_parameter(cell.corner[low], cell.corner[high]);
   if (cell.cubic) t = node_parameter(cell.cubic->along(low, axis), t);
-  Vec3 p{static_cast<double>(low & 1), static_cast<double>(low >> 1 & 1), static_cast<double>(low >> 2 & 1)};
+  Vec3 p{static_cast<double>(low & 1), static_cast<double>(low >> 1 & 1),
+         static_cast<double>(low >> 2 & 1)};
   (axis == 0 ? p.x : axis == 1 ? p.y : p.z) = t;
   return p;
 }
@@ -75,7 +77,8 @@ Vec3 clamp_off_walls(Vec3 p) {
 }
 
 Vec3 onto_surface(const CellValues& cell, Vec3 start, Vec3 spacing) {
-  return cell.cubic ? onto_surface_of(*cell.cubic, start, spacing) : onto_surface_of(TrilinearCell(cell.corner), start, spacing);
+  return cell.cubic ? onto_surface_of(*cell.cubic, start, spacing)
+                    : onto_surface_of(TrilinearCell(cell.corner), start, spacing);
 }
 
 }  // namespace isoatlas::detail

@@ -26,7 +26,8 @@ std::optional<bool> decide(const Tunnel& t, const std::array<Number, 8>& f) {
   const auto [r, s] = t.ring;
   const Number c = bottom(j) * bottom(k) - bottom(r) * bottom(s);
   const Number d = top(j) * top(k) - top(r) * top(s);
-  const Number m = bottom(j) * top(k) + top(j) * bottom(k) - bottom(r) * top(s) - top(r) * bottom(s);
+  const Number m =
+      bottom(j) * top(k) + top(j) * bottom(k) - bottom(r) * top(s) - top(r) * bottom(s);
   const Number rise = m - (c + c), fall = m - (d + d);
   for (const Number* slope : {&rise, &fall}) {
     const auto sign = sign_of(*slope);
@@ -49,7 +50,8 @@ std::optional<bool> decide(const Tunnel& t, const std::array<Number, 8>& f) {
 
 }  // namespace
 
-bool contains_tunnel(const Tunnel& tunnel, const std::array<ExactSample, 8>& samples, const ExactSample& isovalue) {
+bool contains_tunnel(const Tunnel& tunnel, const std::array<ExactSample, 8>& samples,
+                     const ExactSample& isovalue) {
   std::array<Rounded, 8> f;
   for (std::size_t i = 0; i < 8; ++i) f[i] = rounded_difference(samples[i], isovalue);
   if (const auto decided = decide(tunnel, f)) return *decided;

@@ -15,6 +15,7 @@ namespace isoatlas::detail {
 /// @param tunnel   from CellLoopTable::tunnels() for the cell's corners and the exact decisions on
 ///                 its faces
 /// @cost  a floating-point filter nearly always suffices; otherwise integers as long as necessary
-bool contains_tunnel(const Tunnel& tunnel, const std::array<ExactSample, 8>& samples, const ExactSample& isovalue);
+bool contains_tunnel(const Tunnel& tunnel, const std::array<ExactSample, 8>& samples,
+                     const ExactSample& isovalue);
 
 }  // namespace isoatlas::detail

@@ -27,25 +27,30 @@ std::vector<Vec3> vertex_normals(const MeshView& mesh) {
   return detail::vertex_normals(mesh, size > 0 ? size : 1);
 }
 
-std::vector<Vec3> vertex_normals(const MeshView& mesh, const VolumeView& any_volume, const SurfaceOptions& surface, Space space,
+std::vector<Vec3> vertex_normals(const MeshView& mesh, const VolumeView& any_volume,
+                                 const SurfaceOptions& surface, Space space,
                                  const RunControl& control) {
   std::vector<Vec3> out = vertex_normals(mesh);
   check_volume(any_volume, surface.isovalue);
   const Volume kept = dense_volume(any_volume);
   const Grid& grid = kept.view.grid;
-  const InterpolatedField field(kept.view, {surface.isovalue, surface.inside, surface.non_finite}, surface.interpolation);
+  const InterpolatedField field(kept.view, {surface.isovalue, surface.inside, surface.non_finite},
+                                surface.interpolation);
   const ThreadLimit threads(control.threads);
   const double flip = space == Space::ras ? -1 : 1;
   const Vec3 last = field.last();
   const auto is_inside = [](double x, double most) { return x >= -1e-6 && x <= most + 1e-6; };
   for_each_index(mesh.positions.size(), kVerticesPerPiece, &control, [&](std::size_t v) {
     const Vec3 index = from_space(grid, space, mesh.positions[v]);
-    if (!is_inside(index.x, last.x) || !is_inside(index.y, last.y) || !is_inside(index.z, last.z)) return;
+    if (!is_inside(index.x, last.x) || !is_inside(index.y, last.y) || !is_inside(index.z, last.z))
+      return;
     const Vec3 slope = field.at(index).gradient;  // grows inwards
     Vec3 normal{-slope.x, -slope.y, -slope.z};
     if (space != Space::voxel) {
-      const Vec3 along{normal.x / grid.spacing.x, normal.y / grid.spacing.y, normal.z / grid.spacing.z};
-      const Vec3 world = along.x * grid.direction[0] + along.y * grid.direction[1] + along.z * grid.direction[2];
+      const Vec3 along{normal.x / grid.spacing.x, normal.y / grid.spacing.y,
+                       normal.z / grid.spacing.z};
+      const Vec3 world =
+          along.x * grid.direction[0] + along.y * grid.direction[1] + along.z * grid.direction[2];
       normal = {flip * world.x, flip * world.y, world.z};
     }
     if (const Vec3 unit = normalized(normal); !(unit == Vec3{})) out[v] = unit;
@@ -58,7 +63,9 @@ std::vector<Vec3> vertex_normals(const MeshView& mesh, const ScalarField& field,
   std::vector<Vec3> out = vertex_normals(mesh);
   const double outward = inside == Inside::above ? -1 : 1;
   for_each_index(mesh.positions.size(), kVerticesPerPiece, [&](std::size_t v) {
-    if (const Vec3 unit = normalized(outward * field.gradient(mesh.positions[v])); !(unit == Vec3{})) out[v] = unit;
+    if (const Vec3 unit = normalized(outward * field.gradient(mesh.positions[v]));
+        !(unit == Vec3{}))
+      out[v] = unit;
   });
   return out;
 }

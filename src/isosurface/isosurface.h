@@ -25,11 +25,13 @@ class Isosurface {
   ///                 and factor
   /// @cost  O(F log F); one pass over the volume in addition if samples may be NaN
   Isosurface(const VolumeView& volume, const InsideRule& rule, const SurfaceComplex& complex,
-             Interpolation interpolation = Interpolation::trilinear, std::uint32_t supersample = 1, const RunControl& control = {});
+             Interpolation interpolation = Interpolation::trilinear, std::uint32_t supersample = 1,
+             const RunControl& control = {});
 
   struct Hit {
     Vec3 point{};
-    double distance = std::numeric_limits<double>::infinity();  ///< infinity: nothing is within `max_distance`
+    double distance =
+        std::numeric_limits<double>::infinity();  ///< infinity: nothing is within `max_distance`
     bool found() const { return distance < std::numeric_limits<double>::infinity(); }
   };
 
@@ -59,7 +61,8 @@ class Isosurface {
   /// The smaller of the distances that find_nearby() and, above `exact_above`, closest() find.
   double distance(Vec3 p, double exact_above) const;
 
-  /// A point of the surface near p (within one smallest spacing), by Newton's method along the gradient.
+  /// A point of the surface near p (within one smallest spacing), by Newton's method along the
+  /// gradient.
   std::optional<Vec3> onto_surface(Vec3 p) const;
 
   /// The point where the surface intersects the grid edge from the sample at `low` to the next one

@@ -4,11 +4,13 @@
 // Based on:
 //   [gavriliu2001]   section 3.2: surfels, nodes, c-vertices and their neighbourhood.
 //   [nielson1991]    The asymptotic decider: resolving the ambiguity in marching cubes.
-// Ours: everything is decided on sign bits, 64 samples at a time, so that the volume is read once and the rest of the cost is
-// that of the surface; the zero-thickness layer; the splitting of double segments.
+// Ours: everything is decided on sign bits, 64 samples at a time, so that the volume is read once
+// and the rest of the cost is that of the surface; the zero-thickness layer; the splitting of
+// double segments.
 //
-// Cells are those of the volume extended by one clamped sample on every side: cell (cx, cy, cz), 0 <= cx <= nx, lies between
-// extended samples cx and cx + 1, and extended sample s is sample clamp(s - 1). A cell of the outer layer has no thickness.
+// Cells are those of the volume extended by one clamped sample on every side: cell (cx, cy, cz), 0
+// <= cx <= nx, lies between extended samples cx and cx + 1, and extended sample s is sample clamp(s
+// - 1). A cell of the outer layer has no thickness.
 #include "isosurface/parse_surface.h"
 
 #include <algorithm>
@@ -34,11 +36,13 @@ namespace {
 struct CrossedCell {         // a grid cell that the surface crosses
   std::uint32_t x;           // position in its row
   CVertexId first_c_vertex;  // relative to its slice
-  FaceId first_face;         // relative to its slice; faces of the nodes on the three edges at its lowest corner
-  std::uint16_t loops;       // index into CellLoopTable
+  FaceId first_face;  // relative to its slice; faces of the nodes on the three edges at its lowest
+                      // corner
+  std::uint16_t loops;  // index into CellLoopTable
 };
 
-struct DoubleFace {  // an ambiguous grid face with two segments that both connect the same two surfels
+struct DoubleFace {  // an ambiguous grid face with two segments that both connect the same two
+                     // surfels
   std::uint32_t cell;
   std::uint32_t neighbour;
   int axis;
@@ -64,10 +68,12 @@ struct Slice {  // all grid cells with one cz
 template <class T>
 class VolumeField : public Field<T> {
  public:
-  VolumeField(const VolumeView& volume, const InsideRule& rule) : Field<T>(volume, rule), size_(volume.grid.size) {}
+  VolumeField(const VolumeView& volume, const InsideRule& rule)
+      : Field<T>(volume, rule), size_(volume.grid.size) {}
   static constexpr bool kAnyRange = std::is_same_v<T, double>;
   const std::array<std::size_t, 3>& size() const { return size_; }
-  std::array<double, 64> around(const std::array<std::size_t, 3>& low, const std::array<bool, 3>& flat) const {
+  std::array<double, 64> around(const std::array<std::size_t, 3>& low,
+                                const std::array<bool, 3>& flat) const {
     const auto along = [&](std::size_t a) {
       return flat[a] ? std::array{low[a], low[a], low[a], low[a]} : cubic_samples(low[a], size_[a]);
     };
@@ -81,8 +87,8 @@ class VolumeField : public Field<T> {
 template <class Samples>
 class Parser {
  public:
-  Parser(const Samples& samples, Vec3 spacing, const ParseOptions& options, const RunControl& control, const SignBits& signs,
-         std::vector<VerticalNode>* nodes)
+  Parser(const Samples& samples, Vec3 spacing, const ParseOptions& options,
+         const RunControl& control, const SignBits& signs, std::vector<VerticalNode>* nodes)
       : size_(samples.size()),
         spacing_(spacing),
         options_(options),
@@ -125,9 +131,12 @@ class Parser {
   }
   // Whether a cell is in the layer around the volume and its far side counts as outside.
   bool is_cap(const std::array<std::size_t, 3>& c) const {
-    return options_.closed && (is_in_layer(c[0], 0) || is_in_layer(c[1], 1) || is_in_layer(c[2], 2));
+    return options_.closed &&
+           (is_in_layer(c[0], 0) || is_in_layer(c[1], 1) || is_in_layer(c[2], 2));
   }
-  bool is_in_layer(std::size_t c, int axis) const { return c == 0 || c == size_[static_cast<std::size_t>(axis)]; }
+  bool is_in_layer(std::size_t c, int axis) const {
+    return c == 0 || c == size_[static_cast<std::size_t>(axis)];
+  }
   std::size_t row_of(std::size_t cy, std::size_t cz) const { return cy + (size_[1] + 1) * cz; }
 
   // Calls f(cx) for every crossed cell of a row, in order.
@@ -145,15 +154,18 @@ class Parser {
       const std::uint64_t any_here = any, all_here = all;
       any = all = 0;
       if (w + 1 < signs_.words) load(w + 1);
-      std::uint64_t crossed = (any_here | any_here >> 1 | any << 63) & ~(all_here & (all_here >> 1 | all << 63));
+      std::uint64_t crossed =
+          (any_here | any_here >> 1 | any << 63) & ~(all_here & (all_here >> 1 | all << 63));
       if (64 * (w + 1) > cells) crossed &= (std::uint64_t{1} << (cells - 64 * w)) - 1;
-      for (; crossed != 0; crossed &= crossed - 1) f(64 * w + static_cast<std::size_t>(std::countr_zero(crossed)));
+      for (; crossed != 0; crossed &= crossed - 1)
+        f(64 * w + static_cast<std::size_t>(std::countr_zero(crossed)));
     }
   }
 
   // Of extended samples.
   const std::uint64_t* sign_row(std::size_t y, std::size_t z) const {
-    if (options_.closed && (y == 0 || y > size_[1] || z == 0 || z > size_[2])) return outside_row_.data();
+    if (options_.closed && (y == 0 || y > size_[1] || z == 0 || z > size_[2]))
+      return outside_row_.data();
     return signs_.row(sample_of(y, 1), sample_of(z, 2));
   }
   std::array<const std::uint64_t*, 4> sign_rows(std::size_t cy, std::size_t cz) const {
@@ -187,7 +199,8 @@ class Parser {
     const std::array<std::size_t, 2> y{sample_of(cy, 1), sample_of(cy + 1, 1)};
     const std::array<std::size_t, 2> z{sample_of(cz, 2), sample_of(cz + 1, 2)};
     std::array<std::size_t, 8> out;
-    for (std::size_t c = 0; c < 8; ++c) out[c] = x[c & 1] + size_[0] * (y[c >> 1 & 1] + size_[1] * z[c >> 2]);
+    for (std::size_t c = 0; c < 8; ++c)
+      out[c] = x[c & 1] + size_[0] * (y[c >> 1 & 1] + size_[1] * z[c >> 2]);
     return out;
   }
 
@@ -196,8 +209,9 @@ class Parser {
     CellValues out;
     if (options_.interpolation == Interpolation::tricubic && !is_cap(c)) {
       // In the layer around the volume the field is constant across the layer.
-      const std::array<double, 64> f = in_range(field_.around({sample_of(c[0], 0), sample_of(c[1], 1), sample_of(c[2], 2)},
-                                                              {is_in_layer(c[0], 0), is_in_layer(c[1], 1), is_in_layer(c[2], 2)}));
+      const std::array<double, 64> f = in_range(
+          field_.around({sample_of(c[0], 0), sample_of(c[1], 1), sample_of(c[2], 2)},
+                        {is_in_layer(c[0], 0), is_in_layer(c[1], 1), is_in_layer(c[2], 2)}));
       for (std::size_t k = 0; k < 8; ++k) out.corner[k] = f[TricubicCell::corner(k)];
       out.cubic.emplace(f);
     } else {
@@ -215,8 +229,11 @@ class Parser {
     unsigned joined = 0;
     for (unsigned rest = table_.ambiguous_faces(corners); rest != 0; rest &= rest - 1) {
       const int face = std::countr_zero(rest), axis = face / 2, side = face % 2;
-      const auto exact = [&](int bu, int bv) { return field_.exact(sample[face_corner(axis, side, bu, bv)]); };
-      const int sign = saddle_sign(exact(0, 0), exact(1, 1), exact(1, 0), exact(0, 1), field_.isovalue());
+      const auto exact = [&](int bu, int bv) {
+        return field_.exact(sample[face_corner(axis, side, bu, bv)]);
+      };
+      const int sign =
+          saddle_sign(exact(0, 0), exact(1, 1), exact(1, 0), exact(0, 1), field_.isovalue());
       const bool first_diagonal_inside = (corners >> face_corner(axis, side, 0, 0)) & 1;
       if (first_diagonal_inside ? sign >= 0 : sign <= 0) joined |= 1u << face;
     }
@@ -225,7 +242,9 @@ class Parser {
 
   // The cell's entry in the table with the tunnel between two of its loops, if it has one.
   std::uint16_t decide_tunnel(std::uint16_t loops, const std::array<std::size_t, 8>& sample) const {
-    const auto inside_above = [&](const ExactSample& x) { return options_.rule.inside == Inside::above ? x : -x; };
+    const auto inside_above = [&](const ExactSample& x) {
+      return options_.rule.inside == Inside::above ? x : -x;
+    };
     std::array<ExactSample, 8> f;
     for (std::size_t k = 0; k < 8; ++k) f[k] = inside_above(field_.exact(sample[k]));
     for (const Tunnel& tunnel : table_.tunnels(loops)) {
@@ -236,10 +255,13 @@ class Parser {
 
   // The nodes on the three edges at a cell's lowest corner that have a face: those on edges of the
   // original grid.
-  unsigned owned_nodes(const CellLoops& loops, std::size_t cx, std::size_t cy, std::size_t cz) const {
-    const unsigned crossed = (loops.crossed & 1u) | (loops.crossed >> 4 & 1u) << 1 | (loops.crossed >> 8 & 1u) << 2;
+  unsigned owned_nodes(const CellLoops& loops, std::size_t cx, std::size_t cy,
+                       std::size_t cz) const {
+    const unsigned crossed =
+        (loops.crossed & 1u) | (loops.crossed >> 4 & 1u) << 1 | (loops.crossed >> 8 & 1u) << 2;
     if (options_.closed) return crossed;  // includes edges across the layer
-    const unsigned possible = (cy >= 1 && cz >= 1 ? 1u : 0) | (cz >= 1 && cx >= 1 ? 2u : 0) | (cx >= 1 && cy >= 1 ? 4u : 0);
+    const unsigned possible = (cy >= 1 && cz >= 1 ? 1u : 0) | (cz >= 1 && cx >= 1 ? 2u : 0) |
+                              (cx >= 1 && cy >= 1 ? 4u : 0);
     return crossed & possible;
   }
 
@@ -264,15 +286,17 @@ class Parser {
             if (table_.needs_samples(signs)) {
               const std::array<std::size_t, 8> sample = sample_indices(cx, cy, cz);
               loops = table_.index(signs, decide_faces(signs, sample));
-              if (options_.topology == Topology::trilinear && !is_cap({cx, cy, cz}) && !table_.tunnels(loops).empty()) {
+              if (options_.topology == Topology::trilinear && !is_cap({cx, cy, cz}) &&
+                  !table_.tunnels(loops).empty()) {
                 loops = decide_tunnel(loops, sample);
                 if (table_[loops].has_tunnel) slice.tunnel_cells.push_back({i, cy, cz});
               }
             }
-            cells_[i++] = {static_cast<std::uint32_t>(cx), static_cast<CVertexId>(slice.c_vertices), static_cast<FaceId>(slice.faces),
-                           loops};
+            cells_[i++] = {static_cast<std::uint32_t>(cx), static_cast<CVertexId>(slice.c_vertices),
+                           static_cast<FaceId>(slice.faces), loops};
             slice.c_vertices += table_[loops].surfels;
-            slice.faces += static_cast<std::size_t>(std::popcount(owned_nodes(table_[loops], cx, cy, cz)));
+            slice.faces +=
+                static_cast<std::size_t>(std::popcount(owned_nodes(table_[loops], cx, cy, cz)));
           });
         }
       }
@@ -326,10 +350,12 @@ class Parser {
         const bool keep_average = is_cap(c) || (f.cubic && layer && loops.surfels > 1);
         for (std::size_t surfel = 0; surfel < loops.surfels; ++surfel) {
           Vec3 p = (1.0 / nodes[surfel]) * sum[surfel];
-          if (loops.has_tunnel) p = clamp_off_walls(p);  // all nodes of a surfel of an annulus may be on one wall
+          if (loops.has_tunnel)
+            p = clamp_off_walls(p);  // all nodes of a surfel of an annulus may be on one wall
           if (options_.vertices_on_surface && !keep_average) p = onto_surface(f, p, spacing_);
           const CVertexId id = first + cell.first_c_vertex + static_cast<CVertexId>(surfel);
-          complex_.positions[id] = {low[0] + width[0] * p.x, low[1] + width[1] * p.y, low[2] + width[2] * p.z};
+          complex_.positions[id] = {low[0] + width[0] * p.x, low[1] + width[1] * p.y,
+                                    low[2] + width[2] * p.z};
           complex_.on_boundary[id] = layer && !options_.closed;
         }
       }
@@ -337,11 +363,13 @@ class Parser {
   }
 
   CVertexId c_vertex(const CrossedCell& cell, std::size_t cz, int edge) const {
-    return slices_[cz].first_c_vertex + cell.first_c_vertex + table_[cell.loops].surfel_of_edge[edge];
+    return slices_[cz].first_c_vertex + cell.first_c_vertex +
+           table_[cell.loops].surfel_of_edge[edge];
   }
   // The c-vertex of the surfel with the node's segment on the cell's face normal to face_axis.
   CVertexId c_vertex(const CrossedCell& cell, std::size_t cz, int edge, int face_axis) const {
-    return slices_[cz].first_c_vertex + cell.first_c_vertex + table_[cell.loops].surfel(edge, face_axis);
+    return slices_[cz].first_c_vertex + cell.first_c_vertex +
+           table_[cell.loops].surfel(edge, face_axis);
   }
 
   // Makes one face per node. A node is handled by the cell at whose lowest corner its grid edge
@@ -374,19 +402,20 @@ class Parser {
         const auto previous_in_row = [&] { return cells_.data() + (i - 1); };
         if (owned & 1) {  // x-edge: u = y, v = z
           make_face(next++, 0, c, loops,
-                    {c_vertex(*cursor[2], cz - 1, 3), c_vertex(*cursor[1], cz - 1, 2), c_vertex(cell, cz, 0), c_vertex(*cursor[0], cz, 1)},
+                    {c_vertex(*cursor[2], cz - 1, 3), c_vertex(*cursor[1], cz - 1, 2),
+                     c_vertex(cell, cz, 0), c_vertex(*cursor[0], cz, 1)},
                     slice);
         }
         if (owned & 2) {  // y-edge: u = z, v = x
           make_face(next++, 1, c, loops,
-                    {c_vertex(*(cursor[1] - 1), cz - 1, 7), c_vertex(*previous_in_row(), cz, 6), c_vertex(cell, cz, 4),
-                     c_vertex(*cursor[1], cz - 1, 5)},
+                    {c_vertex(*(cursor[1] - 1), cz - 1, 7), c_vertex(*previous_in_row(), cz, 6),
+                     c_vertex(cell, cz, 4), c_vertex(*cursor[1], cz - 1, 5)},
                     slice);
         }
         if (owned & 4) {  // z-edge: u = x, v = y
           make_face(next++, 2, c, loops,
-                    {c_vertex(*(cursor[0] - 1), cz, 11), c_vertex(*cursor[0], cz, 10), c_vertex(cell, cz, 8),
-                     c_vertex(*previous_in_row(), cz, 9)},
+                    {c_vertex(*(cursor[0] - 1), cz, 11), c_vertex(*cursor[0], cz, 10),
+                     c_vertex(cell, cz, 8), c_vertex(*previous_in_row(), cz, 9)},
                     slice);
         }
         if (loops.double_faces & 0b010101) {
@@ -394,9 +423,11 @@ class Parser {
             // In a cell of the outer layer the two segments of a face are on two loops; so the
             // lower neighbour exists.
             if (!((loops.double_faces >> (2 * axis)) & 1)) continue;
-            const CrossedCell* const lower = axis == 0 ? previous_in_row() : cursor[static_cast<std::size_t>(axis - 1)];
+            const CrossedCell* const lower =
+                axis == 0 ? previous_in_row() : cursor[static_cast<std::size_t>(axis - 1)];
             if ((table_[lower->loops].double_faces >> (2 * axis + 1)) & 1) {
-              slice.double_faces.push_back({i, static_cast<std::uint32_t>(lower - cells_.data()), axis, cy, cz});
+              slice.double_faces.push_back(
+                  {i, static_cast<std::uint32_t>(lower - cells_.data()), axis, cy, cz});
             }
           }
         }
@@ -405,12 +436,15 @@ class Parser {
   }
 
   // @param corner  the c-vertices around the node in the cells (u-,v-), (u+,v-), (u+,v+), (u-,v+)
-  void make_face(FaceId id, int axis, const std::array<std::size_t, 3>& c, const CellLoops& loops, std::array<CVertexId, 4> corner,
-                 Slice& slice) {
-    const bool outside_is_up = loops.corners & 1;  // the edge starts inside, so the surface faces its upper end
-    const std::size_t u = static_cast<std::size_t>((axis + 1) % 3), v = static_cast<std::size_t>((axis + 2) % 3);
+  void make_face(FaceId id, int axis, const std::array<std::size_t, 3>& c, const CellLoops& loops,
+                 std::array<CVertexId, 4> corner, Slice& slice) {
+    const bool outside_is_up =
+        loops.corners & 1;  // the edge starts inside, so the surface faces its upper end
+    const std::size_t u = static_cast<std::size_t>((axis + 1) % 3),
+                      v = static_cast<std::size_t>((axis + 2) % 3);
     const auto side = [&](int from, int to) {
-      slice.boundary.push_back(outside_is_up ? BoundarySide{corner[from], corner[to]} : BoundarySide{corner[to], corner[from]});
+      slice.boundary.push_back(outside_is_up ? BoundarySide{corner[from], corner[to]}
+                                             : BoundarySide{corner[to], corner[from]});
     };
     if (!options_.closed) {
       if (c[v] == 1) side(0, 1);
@@ -419,7 +453,9 @@ class Parser {
       if (c[u] == 1) side(3, 0);
     }
     if (axis == 2 && nodes_ != nullptr) {
-      const auto sample = [&](int a) { return static_cast<std::uint32_t>(c[static_cast<std::size_t>(a)] - 1); };
+      const auto sample = [&](int a) {
+        return static_cast<std::uint32_t>(c[static_cast<std::size_t>(a)] - 1);
+      };
       slice.nodes.push_back({sample(0), sample(1), sample(2), corner[0], outside_is_up});
     }
     if (!outside_is_up) std::swap(corner[1], corner[3]);
@@ -427,8 +463,10 @@ class Parser {
   }
 
   const CrossedCell& find_cell(std::size_t cx, std::size_t cy, std::size_t cz) const {
-    const auto first = cells_.begin() + row_first_[row_of(cy, cz)], last = cells_.begin() + row_first_[row_of(cy, cz) + 1];
-    return *std::lower_bound(first, last, cx, [](const CrossedCell& cell, std::size_t x) { return cell.x < x; });
+    const auto first = cells_.begin() + row_first_[row_of(cy, cz)],
+               last = cells_.begin() + row_first_[row_of(cy, cz) + 1];
+    return *std::lower_bound(first, last, cx,
+                             [](const CrossedCell& cell, std::size_t x) { return cell.x < x; });
   }
 
   void split_irregular_faces() {
@@ -449,18 +487,21 @@ class Parser {
     split_faces(complex_, std::move(nodes), std::move(midpoints), control_);
   }
 
-  void split_double_segments(const DoubleFace& d, std::vector<SplitNode>& nodes, std::vector<SegmentMidpoint>& midpoints) {
+  void split_double_segments(const DoubleFace& d, std::vector<SplitNode>& nodes,
+                             std::vector<SegmentMidpoint>& midpoints) {
     const CrossedCell& cell = cells_[d.cell];
     const CellLoops& loops = table_[cell.loops];
     const int axis = d.axis;
     const std::array<std::size_t, 3> c{cell.x, d.cy, d.cz};
     const CVertexId a = c_vertex(cell, d.cz, face_edge_along_u(axis, 0, 0), axis);
-    const CVertexId b = c_vertex(cells_[d.neighbour], axis == 2 ? d.cz - 1 : d.cz, face_edge_along_u(axis, 1, 0), axis);
+    const CVertexId b = c_vertex(cells_[d.neighbour], axis == 2 ? d.cz - 1 : d.cz,
+                                 face_edge_along_u(axis, 1, 0), axis);
     const CellValues f = values(c);
     const bool around_inside = !((loops.joined_faces >> (2 * axis)) & 1);
     for (int bu = 0; bu < 2; ++bu) {
       for (int bv = 0; bv < 2; ++bv) {
-        if (((loops.corners >> face_corner(axis, 0, bu, bv)) & 1) != (around_inside ? 1 : 0)) continue;
+        if (((loops.corners >> face_corner(axis, 0, bu, bv)) & 1) != (around_inside ? 1 : 0))
+          continue;
         const SplitNode on_u = node_on(c, f, face_edge_along_u(axis, 0, bv), false),
                         on_v = node_on(c, f, face_edge_along_v(axis, 0, bu), false);
         const CVertexId id = add_c_vertex(complex_, 0.5 * (on_u.position + on_v.position));
@@ -474,7 +515,8 @@ class Parser {
   }
 
   // The node on an edge of cell c with the values f.
-  SplitNode node_on(std::array<std::size_t, 3> c, const CellValues& f, int edge, bool is_cut) const {
+  SplitNode node_on(std::array<std::size_t, 3> c, const CellValues& f, int edge,
+                    bool is_cut) const {
     const Vec3 p = node_in_cell(f, edge);
     const auto along = [&](int axis, double x) {
       const std::size_t at = c[static_cast<std::size_t>(axis)];
@@ -488,16 +530,25 @@ class Parser {
     const CrossedCell& cell = find_cell(c[0], c[1], c[2]);
     const unsigned owned = owned_nodes(table_[cell.loops], c[0], c[1], c[2]);
     const auto before = static_cast<FaceId>(std::popcount(owned & ((1u << axis) - 1)));
-    const auto border = [&](std::size_t a) { return static_cast<std::uint8_t>(!options_.closed && (c[a] == 1 || c[a] == size_[a])); };
-    const std::vector<CVertexId> corners = is_cut ? corners_around(axis, c) : std::vector<CVertexId>();
-    return {slices_[c[2]].first_face + cell.first_face + before, is_cut, {border(0), border(1), border(2)}, axis, position, corners};
+    const auto border = [&](std::size_t a) {
+      return static_cast<std::uint8_t>(!options_.closed && (c[a] == 1 || c[a] == size_[a]));
+    };
+    const std::vector<CVertexId> corners =
+        is_cut ? corners_around(axis, c) : std::vector<CVertexId>();
+    return {slices_[c[2]].first_face + cell.first_face + before,
+            is_cut,
+            {border(0), border(1), border(2)},
+            axis,
+            position,
+            corners};
   }
 
   // The c-vertices around the node on the grid edge along `axis` at the lower corner of cell `at`,
   // counter-clockwise as seen from outside: one for each of the four cells in the order of
   // make_face(), two for a cell whose annulus is cut at the node.
   std::vector<CVertexId> corners_around(int axis, const std::array<std::size_t, 3>& at) const {
-    const auto u = static_cast<std::size_t>((axis + 1) % 3), v = static_cast<std::size_t>((axis + 2) % 3);
+    const auto u = static_cast<std::size_t>((axis + 1) % 3),
+               v = static_cast<std::size_t>((axis + 2) % 3);
     std::vector<CVertexId> corners;
     bool outside_is_up = false;
     for (const int k : {0, 1, 2, 3}) {
@@ -510,8 +561,10 @@ class Parser {
       outside_is_up = (table_[cell.loops].corners >> edge_corners(edge)[0]) & 1;
       // Goes from cell 0 to cell 1 across the face normal to u, to cell 2 across the one normal to
       // v, and so on.
-      const auto into = static_cast<int>(k % 2 == 0 ? v : u), out_of = static_cast<int>(k % 2 == 0 ? u : v);
-      const CVertexId first = c_vertex(cell, c[2], edge, into), second = c_vertex(cell, c[2], edge, out_of);
+      const auto into = static_cast<int>(k % 2 == 0 ? v : u),
+                 out_of = static_cast<int>(k % 2 == 0 ? u : v);
+      const CVertexId first = c_vertex(cell, c[2], edge, into),
+                      second = c_vertex(cell, c[2], edge, out_of);
       corners.push_back(first);
       if (second != first) corners.push_back(second);
     }
@@ -526,8 +579,9 @@ class Parser {
   const SignBits& signs_;
   const Samples& field_;
   const CellLoopTable& table_;
-  std::vector<VerticalNode>* nodes_;        // none: nodes are not collected
-  std::vector<std::uint64_t> outside_row_;  // the signs of a row beyond the border of a closed surface
+  std::vector<VerticalNode>* nodes_;  // none: nodes are not collected
+  std::vector<std::uint64_t>
+      outside_row_;  // the signs of a row beyond the border of a closed surface
 
   std::vector<std::uint32_t> row_first_;  // per row (cy, cz), its first cell; one more at the end
   std::vector<CrossedCell> cells_;        // crossed cells in scan order
@@ -548,15 +602,17 @@ void clear_row_ends(SignBits& signs, std::size_t row_samples) {
 
 }  // namespace
 
-SurfaceComplex parse_surface(const VolumeView& volume, const ParseOptions& options, const RunControl& control,
-                             std::vector<VerticalNode>* nodes) {
+SurfaceComplex parse_surface(const VolumeView& volume, const ParseOptions& options,
+                             const RunControl& control, std::vector<VerticalNode>* nodes) {
   SurfaceComplex empty;
   empty.spacing = (1.0 / options.supersample) * volume.grid.spacing;
   const auto parse = [&](const auto& samples, SignBits& signs) {
     if (options.closed) clear_row_ends(signs, samples.size()[0]);
     return Parser(samples, empty.spacing, options, control, signs, nodes).run();
   };
-  const auto has_surface = [&](const SignBits& signs) { return signs.any_inside && (signs.any_outside || options.closed); };
+  const auto has_surface = [&](const SignBits& signs) {
+    return signs.any_inside && (signs.any_outside || options.closed);
+  };
   if (options.supersample > 1) {
     const UpsampledField samples(volume, options.rule, options.interpolation, options.supersample);
     SignBits signs = samples.classify(control);
@@ -564,7 +620,9 @@ SurfaceComplex parse_surface(const VolumeView& volume, const ParseOptions& optio
   }
   SignBits signs = classify(volume, options.rule, control);
   if (!has_surface(signs)) return empty;
-  return visit_sample_type(volume.type, [&]<class T>(const T*) { return parse(VolumeField<T>(volume, options.rule), signs); });
+  return visit_sample_type(volume.type, [&]<class T>(const T*) {
+    return parse(VolumeField<T>(volume, options.rule), signs);
+  });
 }
 
 }  // namespace isoatlas::detail

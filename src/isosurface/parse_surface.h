@@ -13,10 +13,12 @@ namespace isoatlas::detail {
 
 struct ParseOptions {
   InsideRule rule;
-  bool vertices_on_surface = true;  ///< Newton steps onto the isosurface; false: plain average of the nodes
+  bool vertices_on_surface =
+      true;  ///< Newton steps onto the isosurface; false: plain average of the nodes
   Topology topology = Topology::trilinear;
   Interpolation interpolation = Interpolation::trilinear;  ///< on which surface points are placed
-  std::uint32_t supersample = 1;  ///< >= 1: parses the volume upsampled by this factor per axis, see UpsampledField
+  std::uint32_t supersample =
+      1;  ///< >= 1: parses the volume upsampled by this factor per axis, see UpsampledField
   /// Everything beyond the volume's border counts as outside: the surface is closed by faces in the
   /// border.
   bool closed = false;
@@ -24,9 +26,10 @@ struct ParseOptions {
 
 /// Where the surface crosses a grid edge along z.
 struct VerticalNode {
-  std::uint32_t x, y, z;  ///< the sample at the lower end; of the upsampled samples if these were parsed
-  CVertexId c_vertex;     ///< one of the c-vertices around it
-  bool outside_is_up;     ///< the lower end is inside
+  std::uint32_t x, y,
+      z;  ///< the sample at the lower end; of the upsampled samples if these were parsed
+  CVertexId c_vertex;  ///< one of the c-vertices around it
+  bool outside_is_up;  ///< the lower end is inside
 };
 
 /// The reference surface of a volume at an isovalue, as a surface complex: one c-vertex per surfel,
@@ -48,7 +51,8 @@ struct VerticalNode {
 /// @cost   O(N) for N samples, one pass over them; then O(C) for C c-vertices. With supersampling
 ///         N/8 bytes for N upsampled samples
 /// @source paper section 3.2; deviations: docs/theory/01-surface.md
-SurfaceComplex parse_surface(const VolumeView& volume, const ParseOptions& options, const RunControl& control = {},
+SurfaceComplex parse_surface(const VolumeView& volume, const ParseOptions& options,
+                             const RunControl& control = {},
                              std::vector<VerticalNode>* nodes = nullptr);
 
 }  // namespace isoatlas::detail

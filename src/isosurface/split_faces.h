@@ -13,11 +13,13 @@ namespace isoatlas::detail {
 /// A node whose face is replaced by a fan of triangles about it.
 struct SplitNode {
   FaceId face;
-  bool is_cut;                         ///< an annulus is cut there, so the face has more than four corners
-  std::array<std::uint8_t, 3> border;  ///< per axis, 1 if the node is on a face of the volume normal to it
-  int axis;                            ///< axis of the grid edge that it is on
+  bool is_cut;  ///< an annulus is cut there, so the face has more than four corners
+  std::array<std::uint8_t, 3>
+      border;  ///< per axis, 1 if the node is on a face of the volume normal to it
+  int axis;    ///< axis of the grid edge that it is on
   Vec3 position;
-  std::vector<CVertexId> corners;  ///< only if it is cut: the corners of the face, counter-clockwise
+  std::vector<CVertexId>
+      corners;  ///< only if it is cut: the corners of the face, counter-clockwise
 };
 
 /// A c-vertex between the corners a and b of a face.
@@ -35,6 +37,7 @@ CVertexId add_c_vertex(SurfaceComplex& complex, Vec3 position);
 /// more than four corners.
 /// @param nodes    in any order; a node may be listed several times
 /// @param middles  in any order
-void split_faces(SurfaceComplex& complex, std::vector<SplitNode> nodes, std::vector<SegmentMidpoint> midpoints, const RunControl& control);
+void split_faces(SurfaceComplex& complex, std::vector<SplitNode> nodes,
+                 std::vector<SegmentMidpoint> midpoints, const RunControl& control);
 
 }  // namespace isoatlas::detail

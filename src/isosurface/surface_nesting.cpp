@@ -15,14 +15,17 @@ namespace isoatlas::detail {
 
 Nesting surface_nesting(const Components& components, std::span<const VerticalNode> nodes) {
   const std::size_t n = components.topology.size();
-  const auto component_of = [&](const VerticalNode& node) { return components.of_c_vertex[node.c_vertex]; };
+  const auto component_of = [&](const VerticalNode& node) {
+    return components.of_c_vertex[node.c_vertex];
+  };
   const auto is_closed = [&](ComponentId c) { return components.topology[c].boundary_loops == 0; };
   // Per component, its lowest node. (A surfel is not contained in one face of its cell, so the
   // lowest cells have nodes on vertical edges.)
   std::vector<const VerticalNode*> lowest(n, nullptr);
   for (const VerticalNode& node : nodes) {
     const VerticalNode*& best = lowest[component_of(node)];
-    if (best == nullptr || std::tie(node.z, node.y, node.x) < std::tie(best->z, best->y, best->x)) best = &node;
+    if (best == nullptr || std::tie(node.z, node.y, node.x) < std::tie(best->z, best->y, best->x))
+      best = &node;
   }
   Nesting nesting;
   nesting.facing.assign(n, 0);
@@ -38,12 +41,16 @@ Nesting surface_nesting(const Components& components, std::span<const VerticalNo
 
   std::vector<const VerticalNode*> on_columns;
   for (const VerticalNode& node : nodes) {
-    if (is_closed(component_of(node)) && std::ranges::binary_search(columns, Column{node.y, node.x})) on_columns.push_back(&node);
+    if (is_closed(component_of(node)) &&
+        std::ranges::binary_search(columns, Column{node.y, node.x}))
+      on_columns.push_back(&node);
   }
-  std::ranges::sort(on_columns,
-                    [](const VerticalNode* a, const VerticalNode* b) { return std::tie(a->y, a->x, a->z) < std::tie(b->y, b->x, b->z); });
+  std::ranges::sort(on_columns, [](const VerticalNode* a, const VerticalNode* b) {
+    return std::tie(a->y, a->x, a->z) < std::tie(b->y, b->x, b->z);
+  });
   std::vector<std::vector<std::uint32_t>> enclosing(n);
-  std::map<ComponentId, int> winding;  // of the components that the column has crossed so far; closed components have 0 again at its end
+  std::map<ComponentId, int> winding;  // of the components that the column has crossed so far;
+                                       // closed components have 0 again at its end
   for (const VerticalNode* node : on_columns) {
     const ComponentId c = component_of(*node);
     if (node == lowest[c]) {

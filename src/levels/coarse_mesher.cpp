@@ -27,8 +27,10 @@ constexpr int kRelaxRounds = 4;  // each around the vertices that were reverted 
 // Inserts sites in every marked component where it is farthest from its sites: one, or from round 3
 // on all c-vertices at least half as far as the farthest, so that few rounds suffice. @return false
 // if no site could be inserted
-bool refine_components(const SurfaceComplex& complex, Covering& covering, std::span<const ComponentId> component_of_cell,
-                       const std::vector<std::uint8_t>& marked, int round, CertificateReport& certificate) {
+bool refine_components(const SurfaceComplex& complex, Covering& covering,
+                       std::span<const ComponentId> component_of_cell,
+                       const std::vector<std::uint8_t>& marked, int round,
+                       CertificateReport& certificate) {
   const Partition& partition = covering.partition();
   const std::vector<float>& distance = covering.distance();
   const std::uint32_t before = covering.site_count();
@@ -42,7 +44,9 @@ bool refine_components(const SurfaceComplex& complex, Covering& covering, std::s
   std::vector<CVertexId> chosen;
   for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
     const CVertexId best = farthest[component_of(v)];
-    if (v == best || (round >= 3 && best != kNone && distance[v] > 0 && distance[v] >= distance[best] / 2)) chosen.push_back(v);
+    if (v == best ||
+        (round >= 3 && best != kNone && distance[v] > 0 && distance[v] >= distance[best] / 2))
+      chosen.push_back(v);
   }
   for (const CVertexId v : chosen) {
     covering.lower_radius(v, distance[v]);
@@ -53,7 +57,8 @@ bool refine_components(const SurfaceComplex& complex, Covering& covering, std::s
 }
 
 // Per vertex, the triangles with a corner there.
-SlackRows<std::uint32_t> triangles_around(std::span<const Triangle> triangles, std::size_t vertices) {
+SlackRows<std::uint32_t> triangles_around(std::span<const Triangle> triangles,
+                                          std::size_t vertices) {
   std::vector<std::uint32_t> count(vertices, 0);
   for (const Triangle& t : triangles) {
     for (const std::uint32_t v : t) ++count[v];
@@ -68,7 +73,8 @@ SlackRows<std::uint32_t> triangles_around(std::span<const Triangle> triangles, s
 
 }  // namespace
 
-CoarseMesher::CoarseState::CoarseState(const SurfaceComplex& surface_complex, const CoveringOptions& options, const RunControl& control)
+CoarseMesher::CoarseState::CoarseState(const SurfaceComplex& surface_complex,
+                                       const CoveringOptions& options, const RunControl& control)
     : complex(surface_complex),
       positions(surface_complex.positions),
       graph(make_graph(surface_complex, &control)),
@@ -78,17 +84,24 @@ CoarseMesher::CoarseState::CoarseState(const SurfaceComplex& surface_complex, co
 // Adapts to a complex that was refined.
 void CoarseMesher::CoarseState::adapt_to(const RunControl& control) {
   std::vector<std::uint8_t> changed = rebuild_graph(graph, complex, &control);
-  for (CVertexId v = 0; v < positions.size(); ++v) changed[v] |= !(positions[v] == complex.positions[v]);
+  for (CVertexId v = 0; v < positions.size(); ++v)
+    changed[v] |= !(positions[v] == complex.positions[v]);
   positions = complex.positions;
   covering.adapt_to(changed, std::vector<CVertexId>(covering.partition().site), control);
   covering.ignore_events();
   dual.adapt_to(changed);
 }
 
-CoarseMesher::CoarseMesher(AdaptiveSurface& surface, Coarsened& coarser, const CoveringOptions& cover, const ExtractOptions& options,
+CoarseMesher::CoarseMesher(AdaptiveSurface& surface, Coarsened& coarser,
+                           const CoveringOptions& cover, const ExtractOptions& options,
                            OutputPositions output_positions)
-    : surface_(surface), coarser_(coarser), cover_(cover), options_(options), tracker_(std::move(output_positions)) {
-  state_ = std::make_unique<CoarseState>(is_coarser() ? coarser_.complex : surface_.complex(), cover_, surface_.control());
+    : surface_(surface),
+      coarser_(coarser),
+      cover_(cover),
+      options_(options),
+      tracker_(std::move(output_positions)) {
+  state_ = std::make_unique<CoarseState>(is_coarser() ? coarser_.complex : surface_.complex(),
+                                         cover_, surface_.control());
 }
 
 void CoarseMesher::cover(const RunControl& control) {
@@ -100,7 +113,9 @@ void CoarseMesher::cover(const RunControl& control) {
   }
 }
 
-void CoarseMesher::certify(LevelReport& report, const RunControl& control) { state_->dual.certify(report.certificate, control); }
+void CoarseMesher::certify(LevelReport& report, const RunControl& control) {
+  state_->dual.certify(report.certificate, control);
+}
 
 std::vector<CVertexId> CoarseMesher::sites() const {
   std::vector<CVertexId> out = state_->covering.partition().site;
@@ -139,8 +154,12 @@ class CoarseMesher::Dual : public GrowingDual {
   std::vector<Vec3> positions() const override { return mesher_.mesh_.positions; }
   std::vector<Triangle> triangles() const override { return mesher_.mesh_.triangles; }
   std::vector<CVertexId> sites_on_surface() const override { return mesher_.sites(); }
-  bool repair_first() override { return mesher_.refine_inverted_components(round_++, certificate_); }
-  bool subdivide(std::span<const CellId> single) override { return mesher_.refine_single_cells(single, control_); }
+  bool repair_first() override {
+    return mesher_.refine_inverted_components(round_++, certificate_);
+  }
+  bool subdivide(std::span<const CellId> single) override {
+    return mesher_.refine_single_cells(single, control_);
+  }
 
  private:
   CoarseMesher& mesher_;
@@ -151,14 +170,16 @@ class CoarseMesher::Dual : public GrowingDual {
 
 // Rounds only certify what has changed; a complete certificate follows at the end.
 void CoarseMesher::mesh(LevelReport& report, const RunControl& caller_control) {
-  const RunControl control = without_stages(caller_control);  // nested cover/certify calls must not report progress
+  const RunControl control =
+      without_stages(caller_control);  // nested cover/certify calls must not report progress
   Dual dual(*this, report.certificate, control);
   do {
     if (options_.allow_self_intersections) {
       do dual.update();
       while (dual.repair_first());
     } else {
-      const ResolvedIntersections resolved = resolve_intersections(dual, surface_, tracker_, control);
+      const ResolvedIntersections resolved =
+          resolve_intersections(dual, surface_, tracker_, control);
       report.sites_for_intersections += resolved.sites_for_intersections;
       report.certificate.repair_sites += resolved.sites_for_nesting;
     }
@@ -177,19 +198,23 @@ void CoarseMesher::mesh(LevelReport& report, const RunControl& caller_control) {
 CoarseLevel CoarseMesher::take_level() {
   coarser_.region_of = {};
   coarser_.triangles = {};
-  return {std::move(mesh_), std::move(topology_), std::move(placement_), state_->covering.partition().site, state_->covering.radius()};
+  return {std::move(mesh_), std::move(topology_), std::move(placement_),
+          state_->covering.partition().site, state_->covering.radius()};
 }
 
-std::vector<std::uint8_t> CoarseMesher::inverted_components(std::span<const ComponentId> component_of) const {
+std::vector<std::uint8_t> CoarseMesher::inverted_components(
+    std::span<const ComponentId> component_of) const {
   const std::vector<std::int8_t>& wanted = surface_.nesting().facing;
-  const std::vector<std::int8_t> facing = mesh_facing(mesh_.positions, mesh_.triangles, component_of, open_flags(surface_.components()));
+  const std::vector<std::int8_t> facing = mesh_facing(
+      mesh_.positions, mesh_.triangles, component_of, open_flags(surface_.components()));
   std::vector<std::uint8_t> inverted(wanted.size());
   for (std::size_t c = 0; c < wanted.size(); ++c) inverted[c] = facing[c] != wanted[c];
   return inverted;
 }
 
 Nesting CoarseMesher::nesting(std::span<const ComponentId> component_of) const {
-  return mesh_nesting(mesh_.positions, mesh_.triangles, component_of, open_flags(surface_.components()), surface_.control());
+  return mesh_nesting(mesh_.positions, mesh_.triangles, component_of,
+                      open_flags(surface_.components()), surface_.control());
 }
 
 // Moves vertices that are too close to each other for later levels to have well-shaped triangles
@@ -206,7 +231,8 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
   std::vector<MoveBounds> bounds;
   for (const CVertexId v : at) {
     start.push_back(to_metric(surface.positions[v], s));
-    bounds.push_back(surface_.is_movable(v) ? move_bounds_of(surface.positions[v], s) : MoveBounds{start.back(), start.back()});
+    bounds.push_back(surface_.is_movable(v) ? move_bounds_of(surface.positions[v], s)
+                                            : MoveBounds{start.back(), start.back()});
   }
   control.check_cancelled();
   const SlackRows<std::uint32_t> triangles_of = triangles_around(mesh_.triangles, at.size());
@@ -227,15 +253,18 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
     control.check_cancelled();
     const std::vector<Vec3> before = points;
     const std::vector<std::uint32_t> moved = relax(
-        points, mesh_.triangles, triangles_of, [&](std::uint32_t i) { return bounds[i]; }, field, s, goal, control, candidates);
+        points, mesh_.triangles, triangles_of, [&](std::uint32_t i) { return bounds[i]; }, field, s,
+        goal, control, candidates);
     std::vector<Vec3> positions_before;  // of the moved vertices
     for (const std::uint32_t i : moved) {
       positions_before.push_back(positions[at[i]]);
       move_vertex(i, points[i]);
     }
     std::vector<std::uint8_t> revert_count(at.size(), 0);
-    for (std::vector<std::uint32_t> last = moved; !last.empty();) {  // nothing intersected before these moved
-      const std::vector<std::uint8_t> is_reverted = find_moves_to_revert(moved, positions_before, positions, last, component_of, control);
+    for (std::vector<std::uint32_t> last = moved;
+         !last.empty();) {  // nothing intersected before these moved
+      const std::vector<std::uint8_t> is_reverted =
+          find_moves_to_revert(moved, positions_before, positions, last, component_of, control);
       last.clear();
       for (const std::uint32_t i : moved) {
         if (is_reverted[i] == 0 || points[i] == before[i]) continue;
@@ -246,26 +275,30 @@ void CoarseMesher::relax_vertices(const RunControl& control) {
     candidates.clear();
     for (const std::uint32_t i : moved) {
       placement_.fixed[i] = revert_count[i] > 1 ? 3 : 0;
-      if (revert_count[i] > 0) candidates.insert(candidates.end(), triangles_of.row(i).begin(), triangles_of.row(i).end());
+      if (revert_count[i] > 0)
+        candidates.insert(candidates.end(), triangles_of.row(i).begin(), triangles_of.row(i).end());
     }
     std::ranges::sort(candidates);
     candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
   }
-  if (!options_.allow_self_intersections && nesting(component_of) != surface_.nesting()) {  // rare: return to the certified positions
+  if (!options_.allow_self_intersections &&
+      nesting(component_of) != surface_.nesting()) {  // rare: return to the certified positions
     for (std::uint32_t i = 0; i < at.size(); ++i) move_vertex(i, start[i]);
   }
   placement_.anchor = at;
   placement_.displacement.clear();
-  for (std::size_t i = 0; i < at.size(); ++i) placement_.displacement.push_back(points[i] - start[i]);
+  for (std::size_t i = 0; i < at.size(); ++i)
+    placement_.displacement.push_back(points[i] - start[i]);
 }
 
 // Per vertex, 1 if its move must be reverted.
 // @param before     for each moved vertex, its position before the move
 // @param positions  per c-vertex of the surface
 // @param check      the vertices moved since surfels were known not to intersect
-std::vector<std::uint8_t> CoarseMesher::find_moves_to_revert(std::span<const std::uint32_t> moved, std::span<const Vec3> before,
-                                                             std::span<Vec3> positions, std::span<const std::uint32_t> check,
-                                                             std::span<const ComponentId> component_of, const RunControl& control) {
+std::vector<std::uint8_t> CoarseMesher::find_moves_to_revert(
+    std::span<const std::uint32_t> moved, std::span<const Vec3> before, std::span<Vec3> positions,
+    std::span<const std::uint32_t> check, std::span<const ComponentId> component_of,
+    const RunControl& control) {
   const std::vector<CVertexId> at = sites();
   std::vector<std::uint8_t> out(at.size(), 0);
   const auto c_vertices = [&](std::span<const std::uint32_t> vertices) {
@@ -273,12 +306,15 @@ std::vector<std::uint8_t> CoarseMesher::find_moves_to_revert(std::span<const std
     for (const std::uint32_t i : vertices) of.push_back(at[i]);
     return of;
   };
-  std::vector<CVertexId> conflicting = surface_.find_conflicting_moves(c_vertices(moved), before, positions, c_vertices(check));
+  std::vector<CVertexId> conflicting =
+      surface_.find_conflicting_moves(c_vertices(moved), before, positions, c_vertices(check));
   std::sort(conflicting.begin(), conflicting.end());
-  for (const std::uint32_t i : moved) out[i] = std::binary_search(conflicting.begin(), conflicting.end(), at[i]);
+  for (const std::uint32_t i : moved)
+    out[i] = std::binary_search(conflicting.begin(), conflicting.end(), at[i]);
   bool any = !conflicting.empty();
   if (!options_.allow_self_intersections) {
-    for (const std::uint32_t i : tracker_.update(mesh_.positions, mesh_.triangles, control)) out[i] = 1;
+    for (const std::uint32_t i : tracker_.update(mesh_.positions, mesh_.triangles, control))
+      out[i] = 1;
     any = any || tracker_.pair_count() > 0;
   }
   if (any) return out;
@@ -293,7 +329,8 @@ bool CoarseMesher::refine_inverted_components(int round, CertificateReport& cert
   const std::vector<ComponentId> component_of = components();
   const std::vector<std::uint8_t> inverted = inverted_components(component_of);
   return std::ranges::count(inverted, std::uint8_t{1}) > 0 &&
-         refine_components(state_->complex, state_->covering, component_of, inverted, round, certificate);
+         refine_components(state_->complex, state_->covering, component_of, inverted, round,
+                           certificate);
 }
 
 // The regions at the sites of the cells that represent several c-vertices.
@@ -327,8 +364,9 @@ bool CoarseMesher::refine_single_cells(std::span<const CellId> cells, const RunC
   }
   report_continuing(control);
   if (is_coarser()) {
-    split_regions(surface_.complex(), to_split, to_subdivide.empty() ? std::span<const CVertexId>() : surface_.touched(), coarser_,
-                  control);
+    split_regions(surface_.complex(), to_split,
+                  to_subdivide.empty() ? std::span<const CVertexId>() : surface_.touched(),
+                  coarser_, control);
     were_regions_split_ = true;
   }
   report_continuing(control);

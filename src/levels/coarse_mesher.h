@@ -33,8 +33,8 @@ class CoarseMesher {
   /// @param output_positions  computes the positions that must not intersect
   /// @param coarser  the complex to cover; is refined where triangles intersect; without
   ///                 c-vertices: the surface itself is covered
-  CoarseMesher(AdaptiveSurface& surface, Coarsened& coarser, const CoveringOptions& cover, const ExtractOptions& options,
-               OutputPositions output_positions);
+  CoarseMesher(AdaptiveSurface& surface, Coarsened& coarser, const CoveringOptions& cover,
+               const ExtractOptions& options, OutputPositions output_positions);
 
   void cover(const RunControl& control);
   void certify(LevelReport& report, const RunControl& control);
@@ -48,7 +48,8 @@ class CoarseMesher {
 
  private:
   struct CoarseState {
-    CoarseState(const SurfaceComplex& surface_complex, const CoveringOptions& options, const RunControl& control);
+    CoarseState(const SurfaceComplex& surface_complex, const CoveringOptions& options,
+                const RunControl& control);
     void adapt_to(const RunControl& control);
     const SurfaceComplex& complex;
     std::vector<Vec3> positions;  // of its c-vertices when the graph was built
@@ -61,12 +62,16 @@ class CoarseMesher {
   class Dual;
   void relax_vertices(const RunControl& control);
   void update_mesh();
-  std::vector<ComponentId> components() const;                                                     ///< per vertex
-  std::vector<std::uint8_t> inverted_components(std::span<const ComponentId> component_of) const;  ///< per component, 1 if it is inverted
+  std::vector<ComponentId> components() const;  ///< per vertex
+  std::vector<std::uint8_t> inverted_components(
+      std::span<const ComponentId> component_of) const;  ///< per component, 1 if it is inverted
   Nesting nesting(std::span<const ComponentId> component_of) const;
-  std::vector<std::uint8_t> find_moves_to_revert(std::span<const std::uint32_t> moved, std::span<const Vec3> before,
-                                                 std::span<Vec3> positions, std::span<const std::uint32_t> check,
-                                                 std::span<const ComponentId> component_of, const RunControl& control);
+  std::vector<std::uint8_t> find_moves_to_revert(std::span<const std::uint32_t> moved,
+                                                 std::span<const Vec3> before,
+                                                 std::span<Vec3> positions,
+                                                 std::span<const std::uint32_t> check,
+                                                 std::span<const ComponentId> component_of,
+                                                 const RunControl& control);
   bool refine_inverted_components(int round, CertificateReport& certificate);
   std::vector<CVertexId> regions_to_split(std::span<const CellId> cells) const;
   bool refine_single_cells(std::span<const CellId> cells, const RunControl& control);

@@ -23,43 +23,58 @@ namespace {
 
 // Checks that the topology counted on the output triangles equals that of the reference in every
 // component. `component_of` is the reference component of each mesh vertex.
-void check_mesh(const MeshTopology& mesh, const Components& reference, const std::vector<ComponentId>& component_of) {
-  const auto fail = [](const std::string& what) { throw Error(ErrorCode::internal, "the finished mesh failed its check: " + what); };
-  if (mesh.unused_vertices != 0) fail(std::to_string(mesh.unused_vertices) + " vertices without a triangle");
+void check_mesh(const MeshTopology& mesh, const Components& reference,
+                const std::vector<ComponentId>& component_of) {
+  const auto fail = [](const std::string& what) {
+    throw Error(ErrorCode::internal, "the finished mesh failed its check: " + what);
+  };
+  if (mesh.unused_vertices != 0)
+    fail(std::to_string(mesh.unused_vertices) + " vertices without a triangle");
   if (!mesh.is_manifold())
-    fail(std::to_string(mesh.non_manifold_edges) + " edges and " + std::to_string(mesh.non_manifold_vertices) +
-         " vertices are not manifold, " + std::to_string(mesh.degenerate_triangles) + " triangles repeat a vertex");
-  if (!mesh.is_oriented()) fail(std::to_string(mesh.inconsistent_edges) + " edges between triangles of opposite orientation");
+    fail(std::to_string(mesh.non_manifold_edges) + " edges and " +
+         std::to_string(mesh.non_manifold_vertices) + " vertices are not manifold, " +
+         std::to_string(mesh.degenerate_triangles) + " triangles repeat a vertex");
+  if (!mesh.is_oriented())
+    fail(std::to_string(mesh.inconsistent_edges) +
+         " edges between triangles of opposite orientation");
   if (mesh.components.size() != reference.topology.size())
-    fail(std::to_string(mesh.components.size()) + " components instead of " + std::to_string(reference.topology.size()));
+    fail(std::to_string(mesh.components.size()) + " components instead of " +
+         std::to_string(reference.topology.size()));
   std::vector<std::uint32_t> counterpart(reference.topology.size(), kNone);
   for (std::size_t v = 0; v < component_of.size(); ++v) {
     std::uint32_t& c = counterpart[component_of[v]];
     if (c == kNone) c = mesh.component_of_vertex[v];
-    if (c != mesh.component_of_vertex[v]) fail("vertex " + std::to_string(v) + " is connected to the wrong component");
+    if (c != mesh.component_of_vertex[v])
+      fail("vertex " + std::to_string(v) + " is connected to the wrong component");
   }
   for (std::size_t c = 0; c < counterpart.size(); ++c) {
     if (counterpart[c] == kNone) fail("component " + std::to_string(c) + " is missing");
     const ComponentTopology& expected = reference.topology[c];
     const ComponentTopology& found = mesh.components[counterpart[c]];
     if (expected == found) continue;
-    fail("component " + std::to_string(c) + " has Euler characteristic " + std::to_string(found.euler_characteristic) + " and " +
-         std::to_string(found.boundary_loops) + " boundary loops instead of " + std::to_string(expected.euler_characteristic) + " and " +
+    fail("component " + std::to_string(c) + " has Euler characteristic " +
+         std::to_string(found.euler_characteristic) + " and " +
+         std::to_string(found.boundary_loops) + " boundary loops instead of " +
+         std::to_string(expected.euler_characteristic) + " and " +
          std::to_string(expected.boundary_loops));
   }
 }
 
 // Number of components whose orientation or, if `nested`, nesting differs from that of the
 // isosurface.
-std::size_t count_misplaced(const TriangleMesh& mesh, std::span<const ComponentId> component_of, const AdaptiveSurface& surface,
-                            bool nested) {
+std::size_t count_misplaced(const TriangleMesh& mesh, std::span<const ComponentId> component_of,
+                            const AdaptiveSurface& surface, bool nested) {
   const std::vector<std::uint8_t> is_open = open_flags(surface.components());
   const Nesting& wanted = surface.nesting();
   if (nested) {
-    const auto misplaced = differences(mesh_nesting(mesh.positions, mesh.triangles, component_of, is_open, surface.control()), wanted);
-    return static_cast<std::size_t>(std::count(misplaced.begin(), misplaced.end(), std::uint8_t{1}));
+    const auto misplaced = differences(
+        mesh_nesting(mesh.positions, mesh.triangles, component_of, is_open, surface.control()),
+        wanted);
+    return static_cast<std::size_t>(
+        std::count(misplaced.begin(), misplaced.end(), std::uint8_t{1}));
   }
-  const std::vector<std::int8_t> facing = mesh_facing(mesh.positions, mesh.triangles, component_of, is_open);
+  const std::vector<std::int8_t> facing =
+      mesh_facing(mesh.positions, mesh.triangles, component_of, is_open);
   std::size_t inverted = 0;
   for (std::size_t c = 0; c < facing.size(); ++c) inverted += facing[c] != wanted.facing[c] ? 1 : 0;
   return inverted;
@@ -75,7 +90,8 @@ double shape_score(const BadTriangle& t, double least_aspect) {
 }
 
 // @param output  the same mesh in the output space
-std::vector<BadTriangle> bad_triangles(const TriangleMesh& world, const TriangleMesh& output, std::span<const ShapeObstacle> obstacles,
+std::vector<BadTriangle> bad_triangles(const TriangleMesh& world, const TriangleMesh& output,
+                                       std::span<const ShapeObstacle> obstacles,
                                        const LevelGoal& goal) {
   double min_aspect = kMinAspect;
   for (const Constraint& c : goal) {
@@ -92,7 +108,8 @@ std::vector<BadTriangle> bad_triangles(const TriangleMesh& world, const Triangle
     }
     const auto [low, high] = std::minmax_element(edge.begin(), edge.end());
     const double aspect = *high > 0 ? *low / *high : 0;
-    const auto across = static_cast<std::size_t>(high - edge.begin());  // the longest side, opposite to the largest angle
+    const auto across = static_cast<std::size_t>(
+        high - edge.begin());  // the longest side, opposite to the largest angle
     const std::size_t obtuse = (across + 2) % 3;
     const Vec3 u = side[obtuse], v = -1.0 * side[(obtuse + 2) % 3];
     const bool is_cap = dot(u, v) < cap_cosine * edge[obtuse] * edge[(obtuse + 2) % 3];
@@ -102,27 +119,35 @@ std::vector<BadTriangle> bad_triangles(const TriangleMesh& world, const Triangle
     const auto k = static_cast<std::size_t>(low - edge.begin());
     const ShapeObstacle a = obstacles[aspect < min_aspect ? t[k] : t[obtuse]],
                         b = obstacles[aspect < min_aspect ? t[(k + 1) % 3] : t[obtuse]];
-    const ShapeObstacle obstacle = a == ShapeObstacle::none || b == ShapeObstacle::none ? ShapeObstacle::none : std::max(a, b);
+    const ShapeObstacle obstacle =
+        a == ShapeObstacle::none || b == ShapeObstacle::none ? ShapeObstacle::none : std::max(a, b);
     const double angle = std::atan2(length(cross(u, v)), dot(u, v)) * 180 / std::numbers::pi;
-    out.push_back({(1.0 / 3) * (output.positions[t[0]] + output.positions[t[1]] + output.positions[t[2]]), aspect, angle, obstacle});
+    out.push_back(
+        {(1.0 / 3) * (output.positions[t[0]] + output.positions[t[1]] + output.positions[t[2]]),
+         aspect, angle, obstacle});
   }
-  std::stable_sort(out.begin(), out.end(),
-                   [&](const BadTriangle& a, const BadTriangle& b) { return shape_score(a, min_aspect) < shape_score(b, min_aspect); });
+  std::stable_sort(out.begin(), out.end(), [&](const BadTriangle& a, const BadTriangle& b) {
+    return shape_score(a, min_aspect) < shape_score(b, min_aspect);
+  });
   return out;
 }
 
-void fill_self_intersections(const TriangleMesh& mesh, LevelReport& report, const RunControl& control) {
-  const std::vector<TrianglePair> pairs = self_intersections(mesh.positions, mesh.triangles, {}, control);
+void fill_self_intersections(const TriangleMesh& mesh, LevelReport& report,
+                             const RunControl& control) {
+  const std::vector<TrianglePair> pairs =
+      self_intersections(mesh.positions, mesh.triangles, {}, control);
   report.self_intersections = pairs.size();
   for (const auto& [a, b] : std::span(pairs).first(std::min(pairs.size(), kMaxListedIntersections)))
-    report.self_intersection_positions.push_back(intersection_position(mesh.positions, mesh.triangles[a], mesh.triangles[b]));
+    report.self_intersection_positions.push_back(
+        intersection_position(mesh.positions, mesh.triangles[a], mesh.triangles[b]));
 }
 
 }  // namespace
 
-void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<const CVertexId> sites, const AdaptiveSurface& surface,
-                  std::span<const ShapeObstacle> obstacles, const LevelGoal& goal, const Grid& grid, const ExtractOptions& options,
-                  LevelReport& report, const RunControl& control) {
+void finish_level(TriangleMesh& mesh, const MeshTopology& topology,
+                  std::span<const CVertexId> sites, const AdaptiveSurface& surface,
+                  std::span<const ShapeObstacle> obstacles, const LevelGoal& goal, const Grid& grid,
+                  const ExtractOptions& options, LevelReport& report, const RunControl& control) {
   const Components& reference = surface.components();
   std::vector<ComponentId> component_of;
   component_of.reserve(sites.size());
@@ -149,10 +174,11 @@ void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<co
       },
       [&] {
         report.quality = mesh_quality(measured, quiet);
-        report.quality.zero_area_triangles = static_cast<std::size_t>(
-            std::ranges::count_if(mesh.triangles, [&](const Triangle& t) { return !has_area(mesh.positions, t); }));
+        report.quality.zero_area_triangles = static_cast<std::size_t>(std::ranges::count_if(
+            mesh.triangles, [&](const Triangle& t) { return !has_area(mesh.positions, t); }));
         quiet.check_cancelled();
-        report.inverted_components = count_misplaced(mesh, component_of, surface, !options.allow_self_intersections);
+        report.inverted_components =
+            count_misplaced(mesh, component_of, surface, !options.allow_self_intersections);
       });
   report_continuing(control);
 }
@@ -162,7 +188,9 @@ void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<co
 namespace isoatlas {
 
 bool LevelReport::all_satisfied() const {
-  return std::all_of(constraints.begin(), constraints.end(), [](const ConstraintResult& c) { return c.satisfied || c.constraint.is_default; });
+  return std::all_of(constraints.begin(), constraints.end(), [](const ConstraintResult& c) {
+    return c.satisfied || c.constraint.is_default;
+  });
 }
 
 TopologySummary summarize(const std::vector<ComponentTopology>& components) {

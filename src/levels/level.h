@@ -31,8 +31,9 @@ void to_output_space(TriangleMesh& mesh, const Grid& grid, const ExtractOptions&
 /// @param surface    the reference
 /// @throws Error(internal) if the triangles do not have, component by component, the topology of
 ///         the reference
-void finish_level(TriangleMesh& mesh, const MeshTopology& topology, std::span<const CVertexId> sites, const AdaptiveSurface& surface,
-                  std::span<const ShapeObstacle> obstacles, const LevelGoal& goal, const Grid& grid, const ExtractOptions& options,
-                  LevelReport& report, const RunControl& control);
+void finish_level(TriangleMesh& mesh, const MeshTopology& topology,
+                  std::span<const CVertexId> sites, const AdaptiveSurface& surface,
+                  std::span<const ShapeObstacle> obstacles, const LevelGoal& goal, const Grid& grid,
+                  const ExtractOptions& options, LevelReport& report, const RunControl& control);
 
 }  // namespace isoatlas::detail

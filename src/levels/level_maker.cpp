@@ -28,17 +28,23 @@ LevelGoal in_units_of(LevelGoal goal, double length) {
 // cell, the measurement others.
 void apply_measurement(LevelReport& report) {
   for (ConstraintResult& result : report.constraints) {
-    if (result.constraint.quantity != Quantity::max_distance || report.measured->maximum() <= result.reached) continue;
+    if (result.constraint.quantity != Quantity::max_distance ||
+        report.measured->maximum() <= result.reached)
+      continue;
     const bool was_satisfied = result.satisfied;
     result.reached = report.measured->maximum();
     result.satisfied = result.reached <= result.constraint.bound;
-    if (was_satisfied && !result.satisfied) result.reason = "satisfied at the points that refinement tests, but not at all samples of the measurement";
+    if (was_satisfied && !result.satisfied)
+      result.reason =
+          "satisfied at the points that refinement tests, but not at all samples of the "
+          "measurement";
   }
 }
 
 bool satisfies_distance(const RefinedLevel& level) {
-  return std::ranges::all_of(level.figures.constraints,
-                             [](const ConstraintResult& result) { return result.constraint.quantity != Quantity::max_distance || result.satisfied; });
+  return std::ranges::all_of(level.figures.constraints, [](const ConstraintResult& result) {
+    return result.constraint.quantity != Quantity::max_distance || result.satisfied;
+  });
 }
 
 bool is_complete(const ExtractOptions& options) {
@@ -48,14 +54,17 @@ bool is_complete(const ExtractOptions& options) {
 
 }  // namespace
 
-LevelMaker::LevelMaker(const LevelSource& source, const ExtractOptions& options, const RunControl& control)
+LevelMaker::LevelMaker(const LevelSource& source, const ExtractOptions& options,
+                       const RunControl& control)
     : source_(source),
       options_(options),
       control_(control),
       refiner_(
           source.surface, source.isosurface, source.coarser, source.options,
           {source.coarse.site, source.coarse.radius, source.coarse.placement, is_complete(options)},
-          options.allow_self_intersections ? std::nullopt : std::optional(OutputPositions(source.grid, options.space, options.supersample)),
+          options.allow_self_intersections
+              ? std::nullopt
+              : std::optional(OutputPositions(source.grid, options.space, options.supersample)),
           options.adaptive_supersample) {}
 
 Vec3 LevelMaker::to_output_space(Vec3 index) const {
@@ -66,7 +75,8 @@ Vec3 LevelMaker::to_output_space(Vec3 index) const {
 }
 
 // Converts from voxels to world lengths.
-void LevelMaker::fill_report(const LevelGoal& goal, const LevelFigures& figures, LevelReport& report) const {
+void LevelMaker::fill_report(const LevelGoal& goal, const LevelFigures& figures,
+                             LevelReport& report) const {
   const double voxel = source_.grid.smallest_spacing();
   report.metrics = figures.metrics;
   for (std::size_t m = 0; m < kMetricCount; ++m) {
@@ -83,7 +93,8 @@ void LevelMaker::fill_report(const LevelGoal& goal, const LevelFigures& figures,
 }
 
 std::vector<float> LevelMaker::world_lengths(std::vector<float> voxels) const {
-  for (float& length : voxels) length = static_cast<float>(length * source_.grid.smallest_spacing());
+  for (float& length : voxels)
+    length = static_cast<float>(length * source_.grid.smallest_spacing());
   return voxels;
 }
 
@@ -98,16 +109,19 @@ void LevelMaker::fill_measurement(Measurement measured, LevelReport& report) con
 void LevelMaker::describe_coarse(Hierarchy& hierarchy, LevelReport& report) {
   const TriangleMesh& mesh = source_.coarse.mesh;
   const LevelGoal& goal = options_.coarse;
-  const LevelFigures figures = refiner_.describe_coarse(mesh.triangles, in_units_of(goal, source_.grid.smallest_spacing()), control_);
+  const LevelFigures figures = refiner_.describe_coarse(
+      mesh.triangles, in_units_of(goal, source_.grid.smallest_spacing()), control_);
   fill_report(goal, figures, report);
   hierarchy.levels.front().distance = world_lengths(figures.distance);
-  if (options_.measure_samples > 0) fill_measurement(measure(mesh, source_.isosurface, options_.measure_samples, control_), report);
+  if (options_.measure_samples > 0)
+    fill_measurement(measure(mesh, source_.isosurface, options_.measure_samples, control_), report);
 }
 
 // In sample-index coordinates.
 TriangleMesh LevelMaker::mesh_of(const RefinedLevel& refined) const {
   TriangleMesh mesh;
-  mesh.positions = vertex_positions(source_.surface.complex(), refiner_.surfels(), refiner_.placement());
+  mesh.positions =
+      vertex_positions(source_.surface.complex(), refiner_.surfels(), refiner_.placement());
   mesh.triangles = refined.triangles;
   return mesh;
 }
@@ -115,7 +129,8 @@ TriangleMesh LevelMaker::mesh_of(const RefinedLevel& refined) const {
 // Measures a level and refines it where a measured distance violates the bound, as long as cells
 // there can become smaller; returns the best level found. Does nothing if refinement could not even
 // satisfy the bound at its own sample points.
-Measurement LevelMaker::refine_to_measured_bound(const LevelGoal& goal, RefinedLevel& refined, const RunControl& control) {
+Measurement LevelMaker::refine_to_measured_bound(const LevelGoal& goal, RefinedLevel& refined,
+                                                 const RunControl& control) {
   const LevelGoal in_voxels = in_units_of(goal, source_.grid.smallest_spacing());
   double bound = std::numeric_limits<double>::infinity();
   for (const Constraint& c : in_voxels) {
@@ -126,14 +141,18 @@ Measurement LevelMaker::refine_to_measured_bound(const LevelGoal& goal, RefinedL
   std::shared_ptr<const Refiner::State> state_of_best;
   for (int round = 0;; ++round) {
     DistantSamples distant{bound, {}};
-    Measurement measured = measure(mesh_of(refined), source_.isosurface, options_.measure_samples, distant, control);
-    if (distant.corners.empty() || refined.vertex_limit_reached || !satisfies_distance(refined)) return measured;
+    Measurement measured =
+        measure(mesh_of(refined), source_.isosurface, options_.measure_samples, distant, control);
+    if (distant.corners.empty() || refined.vertex_limit_reached || !satisfies_distance(refined))
+      return measured;
     if (!best || measured.maximum() < best->maximum()) {
       best = std::move(measured);
       best_level = refined;
       state_of_best = refiner_.save_state();
     }
-    if (round == kMaxMeasuredRounds || !refiner_.refine_at(distant.corners, in_voxels, options_.placement, refined, control)) break;
+    if (round == kMaxMeasuredRounds ||
+        !refiner_.refine_at(distant.corners, in_voxels, options_.placement, refined, control))
+      break;
   }
   refiner_.restore_state(*state_of_best);
   refined = std::move(best_level);
@@ -145,17 +164,23 @@ RunControl LevelMaker::control_of_level(std::size_t refined_before) const {
   RunControl out = control_;
   if (!out.progress) return out;
   const auto levels = static_cast<double>(std::max<std::size_t>(1, options_.refine.size()));
-  out.progress = [report = control_.progress, refined_before, levels](std::string_view stage, double fraction) {
-    report(stage, stage == "refine" ? (static_cast<double>(refined_before) + fraction) / levels : fraction);
+  out.progress = [report = control_.progress, refined_before, levels](std::string_view stage,
+                                                                      double fraction) {
+    report(stage, stage == "refine" ? (static_cast<double>(refined_before) + fraction) / levels
+                                    : fraction);
   };
   return out;
 }
 
-void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vector<LevelReport>& reports) {
+void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy,
+                           std::vector<LevelReport>& reports) {
   const auto start = std::chrono::steady_clock::now();
-  const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
+  const auto seconds = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
   const RunControl control = control_of_level(reports.size() - 1);
-  RefinedLevel refined = refiner_.refine(in_units_of(goal, source_.grid.smallest_spacing()), options_.placement, control);
+  RefinedLevel refined = refiner_.refine(in_units_of(goal, source_.grid.smallest_spacing()),
+                                         options_.placement, control);
   if (refined.unchanged_from_previous_level) {
     LevelReport same = reports.back();
     same.refine_rounds = 0;
@@ -164,7 +189,8 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
     same.seconds = seconds();
     reports.push_back(std::move(same));
     Hierarchy::Level again = hierarchy.levels.back();
-    if (options_.placement == Placement::balanced && again.own_positions.empty()) again.own_positions = hierarchy.positions;
+    if (options_.placement == Placement::balanced && again.own_positions.empty())
+      again.own_positions = hierarchy.positions;
     hierarchy.levels.push_back(std::move(again));
     return;
   }
@@ -182,11 +208,13 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
   const SurfaceComplex& surface = source_.surface.complex();
   const Partition& partition = refiner_.partition();
   TriangleMesh mesh = mesh_of(refined);
-  for (const auto& [cell, excess] : refined.at_limit) report.at_limit.push_back({to_output_space(mesh.positions[cell]), excess});
+  for (const auto& [cell, excess] : refined.at_limit)
+    report.at_limit.push_back({to_output_space(mesh.positions[cell]), excess});
   const MeshTopology topology = mesh_topology(mesh, control);
   report_continuing(control);
   if (measured) fill_measurement(std::move(*measured), report);
-  finish_level(mesh, topology, partition.site, source_.surface, refiner_.obstacles(), goal, source_.grid, options_, report, control_);
+  finish_level(mesh, topology, partition.site, source_.surface, refiner_.obstacles(), goal,
+               source_.grid, options_, report, control_);
 
   // Appends new vertices; earlier ones are already there.
   const std::uint32_t vertices = partition.cell_count();
@@ -194,10 +222,14 @@ void LevelMaker::add_level(const LevelGoal& goal, Hierarchy& hierarchy, std::vec
   for (auto v = static_cast<CellId>(hierarchy.positions.size()); v < vertices; ++v)
     on_surface.positions.push_back(base_position(surface, refiner_.placement(), v));
   isoatlas::detail::to_output_space(on_surface, source_.grid, options_);
-  hierarchy.positions.insert(hierarchy.positions.end(), on_surface.positions.begin(), on_surface.positions.end());
+  hierarchy.positions.insert(hierarchy.positions.end(), on_surface.positions.begin(),
+                             on_surface.positions.end());
   const std::vector<std::uint32_t> parents = refiner_.parents();
-  hierarchy.parent.insert(hierarchy.parent.end(), parents.begin() + static_cast<std::ptrdiff_t>(hierarchy.parent.size()), parents.end());
-  Hierarchy::Level level{vertices, std::move(mesh.triangles), {}, world_lengths(refined.figures.distance)};
+  hierarchy.parent.insert(hierarchy.parent.end(),
+                          parents.begin() + static_cast<std::ptrdiff_t>(hierarchy.parent.size()),
+                          parents.end());
+  Hierarchy::Level level{
+      vertices, std::move(mesh.triangles), {}, world_lengths(refined.figures.distance)};
   if (options_.placement == Placement::balanced) level.own_positions = std::move(mesh.positions);
   hierarchy.levels.push_back(std::move(level));
   report.seconds = seconds();

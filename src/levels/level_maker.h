@@ -36,7 +36,8 @@ class LevelMaker {
   std::vector<float> world_lengths(std::vector<float> voxels) const;
   void fill_measurement(Measurement measured, LevelReport& report) const;
   TriangleMesh mesh_of(const RefinedLevel& refined) const;
-  Measurement refine_to_measured_bound(const LevelGoal& goal, RefinedLevel& refined, const RunControl& control);
+  Measurement refine_to_measured_bound(const LevelGoal& goal, RefinedLevel& refined,
+                                       const RunControl& control);
   RunControl control_of_level(std::size_t refined_before) const;
 
   LevelSource source_;

@@ -14,7 +14,8 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kGrain = 2048, kCancelInterval = 32;  // c-vertices per piece; between tests for cancellation
+constexpr std::size_t kGrain = 2048,
+                      kCancelInterval = 32;  // c-vertices per piece; between tests for cancellation
 // Radius of the neighbourhood in distances to the farthest neighbour in G: large enough that noise
 // of less than a voxel does not look like curvature.
 constexpr double kNeighbourhoodRadius = 2.5;
@@ -40,7 +41,9 @@ class Neighbourhood {
       normal = normal + surfels.normal[u];
       sum = sum + (surfels.point[u] - surfels.point[v]);
       for (const CVertexGraph::Neighbour& n : surface_data_.graph.row(u)) {
-        if (seen_.insert(n.id) && squared_length(surfels.point[n.id] - surfels.point[v]) <= reach * reach) neighbours_.push_back(n.id);
+        if (seen_.insert(n.id) &&
+            squared_length(surfels.point[n.id] - surfels.point[v]) <= reach * reach)
+          neighbours_.push_back(n.id);
       }
     }
     if (neighbours_.size() < kMinNeighbours || normal == Vec3{}) return -1;
@@ -63,15 +66,18 @@ class Neighbourhood {
 
 }  // namespace
 
-std::vector<Covering::Radius> predict_radii(const SurfaceData& surface_data, std::span<const CVertexId> at, double bound) {
+std::vector<Covering::Radius> predict_radii(const SurfaceData& surface_data,
+                                            std::span<const CVertexId> at, double bound) {
   std::vector<Covering::Radius> out(at.size());
   for_each_piece(at.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     Neighbourhood neighbourhood(surface_data);
     for (std::size_t i = begin; i < end; ++i) {
       if (i % kCancelInterval == 0) surface_data.check_cancelled();
-      const double reach = kNeighbourhoodRadius * static_cast<double>(surface_data.farthest_neighbour[at[i]]);
+      const double reach =
+          kNeighbourhoodRadius * static_cast<double>(surface_data.farthest_neighbour[at[i]]);
       const double height = neighbourhood.height(at[i], reach);
-      const double factor = height < 0 ? INFINITY : std::min(kMaxFactor, kRadiusFactor * std::sqrt(bound / height));
+      const double factor =
+          height < 0 ? INFINITY : std::min(kMaxFactor, kRadiusFactor * std::sqrt(bound / height));
       out[i] = {at[i], static_cast<float>(reach * factor)};
     }
   });

@@ -15,6 +15,7 @@ namespace isoatlas::detail {
 /// are found when the mesh is measured, and cells that are too small are not. C-vertices with too
 /// few neighbours are left out.
 /// @cost  O(at.size()), about 50 c-vertices each. Parallel
-std::vector<Covering::Radius> predict_radii(const SurfaceData& surface_data, std::span<const CVertexId> at, double bound);
+std::vector<Covering::Radius> predict_radii(const SurfaceData& surface_data,
+                                            std::span<const CVertexId> at, double bound);
 
 }  // namespace isoatlas::detail

@@ -3,8 +3,10 @@
 //
 // Based on:
 //   [gavriliu2001]  sections 3.4 and 3.5, figure 8.
-//   [boissonnat2005]  Provably good sampling and meshing of surfaces (a new vertex where the mesh is farthest from the surface).
-// Ours: steps finer than halving, priorities between soft constraints, shape as a reason to refine (docs/theory/05-refinement.md).
+//   [boissonnat2005]  Provably good sampling and meshing of surfaces (a new vertex where the mesh
+//   is farthest from the surface).
+// Ours: steps finer than halving, priorities between soft constraints, shape as a reason to refine
+// (docs/theory/05-refinement.md).
 #include "levels/refiner.h"
 #include "error/custom_metric.h"
 
@@ -49,7 +51,8 @@ constexpr std::size_t kMinSubdivided = 6, kSubdividedDivisor = 20;
 constexpr double kMaxRemainingShare = 0.75, kFewRemaining = 0.1;
 
 // @param to  the c-vertices on another complex; empty: the same complex
-std::vector<Covering::Radius> radii_of(std::span<const float> radius, std::span<const CVertexId> to) {
+std::vector<Covering::Radius> radii_of(std::span<const float> radius,
+                                       std::span<const CVertexId> to) {
   std::vector<Covering::Radius> out;
   out.reserve(radius.size());
   for (CVertexId v = 0; v < radius.size(); ++v) out.push_back({to.empty() ? v : to[v], radius[v]});
@@ -59,13 +62,18 @@ std::vector<Covering::Radius> radii_of(std::span<const float> radius, std::span<
 std::vector<float> distances(std::span<const MetricValues> values) {
   std::vector<float> out;
   out.reserve(values.size());
-  for (const MetricValues& v : values) out.push_back(static_cast<float>(v[static_cast<std::size_t>(Quantity::max_distance)]));
+  for (const MetricValues& v : values)
+    out.push_back(static_cast<float>(v[static_cast<std::size_t>(Quantity::max_distance)]));
   return out;
 }
 
-bool drives_refinement(Quantity q) { return is_metric(q) || q == Quantity::max_edge || q == Quantity::custom; }
+bool drives_refinement(Quantity q) {
+  return is_metric(q) || q == Quantity::max_edge || q == Quantity::custom;
+}
 
-bool is_limited(const LevelGoal& goal) { return !goal.empty() && goal.front().quantity == Quantity::max_vertices; }
+bool is_limited(const LevelGoal& goal) {
+  return !goal.empty() && goal.front().quantity == Quantity::max_vertices;
+}
 
 constexpr auto kMaxDistance = static_cast<std::size_t>(Quantity::max_distance);
 // In voxels: bounds that are tried in addition if a tighter one cannot be satisfied.
@@ -74,9 +82,10 @@ constexpr std::array kLooserBounds{0.5, 0.4, 0.32, 0.256};
 // The bound on the distance if the user set a tight one with the highest priority and no limit on
 // vertices; otherwise 0.
 double tight_distance(const LevelGoal& goal) {
-  if (std::ranges::find(goal, Quantity::max_vertices, &Constraint::quantity) != goal.end()) return 0;
-  const bool is_tight = !goal.empty() && goal.front().quantity == Quantity::max_distance && !goal.front().is_default &&
-                        goal.front().bound < kLooserBounds.front();
+  if (std::ranges::find(goal, Quantity::max_vertices, &Constraint::quantity) != goal.end())
+    return 0;
+  const bool is_tight = !goal.empty() && goal.front().quantity == Quantity::max_distance &&
+                        !goal.front().is_default && goal.front().bound < kLooserBounds.front();
   return is_tight ? goal.front().bound : 0;
 }
 
@@ -89,8 +98,9 @@ LevelGoal with_distance(LevelGoal goal, double bound) {
 
 }  // namespace
 
-Refiner::Refiner(AdaptiveSurface& surface, const Isosurface& isosurface, const Coarsened& coarser, const CoveringOptions& options,
-                 Start start, std::optional<OutputPositions> output_positions, std::uint32_t max_subdivisions)
+Refiner::Refiner(AdaptiveSurface& surface, const Isosurface& isosurface, const Coarsened& coarser,
+                 const CoveringOptions& options, Start start,
+                 std::optional<OutputPositions> output_positions, std::uint32_t max_subdivisions)
     : options_(options),
       surface_(surface),
       isosurface_(isosurface),
@@ -101,7 +111,8 @@ Refiner::Refiner(AdaptiveSurface& surface, const Isosurface& isosurface, const C
       surface_data_(std::make_unique<SurfaceData>(surface.complex(), &isosurface, &surface)),
       previous_site_count_(static_cast<std::uint32_t>(start_.placement.anchor.size())) {}
 
-void Refiner::refine_coarser_complex(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control) {
+void Refiner::refine_coarser_complex(const LevelGoal& goal, Placement placement, RefinedLevel& out,
+                                     const RunControl& control) {
   const std::vector<CVertexId>& on = coarser_.representative;
   std::vector<CVertexId> sites = start_.placement.anchor;
   std::vector<Covering::Radius> radii;
@@ -109,14 +120,16 @@ void Refiner::refine_coarser_complex(const LevelGoal& goal, Placement placement,
     radii = radii_of(start_.radius, {});
   } else {
     const SurfaceData surface_data(coarser_.complex, nullptr, nullptr, &control);
-    MeasuredCovering coarse(surface_data, options_, start_.site, radii_of(start_.radius, {}), control);
+    MeasuredCovering coarse(surface_data, options_, start_.site, radii_of(start_.radius, {}),
+                            control);
     Task task;
     task.placement = placement;
     task.limit_share = kCoarserLimitShare;
     for (const Constraint& c : goal) {
       if (drives_refinement(c.quantity)) task.metrics.push_back(c);
       // Leave some vertices for refinement on the surface itself.
-      if (c.quantity == Quantity::max_vertices) task.max_sites = static_cast<std::uint32_t>(0.6 * std::min(c.bound, 4e9));
+      if (c.quantity == Quantity::max_vertices)
+        task.max_sites = static_cast<std::uint32_t>(0.6 * std::min(c.bound, 4e9));
       if (c.quantity == Quantity::min_edge) task.min_edge = static_cast<float>(c.bound);
     }
     if (!task.metrics.empty() && coarse.covering().site_count() < task.max_sites) {
@@ -136,7 +149,8 @@ void Refiner::refine_coarser_complex(const LevelGoal& goal, Placement placement,
 // @return whether any of the cells, or the surface there, can be refined
 bool Refiner::refine_cells(std::span<const CellId> cells, const RunControl& control) {
   const std::vector<CellId> single = measured_->covering().shrink(cells);
-  if (single.size() < cells.size()) return true;  // subdivide the surface only where nothing else helps
+  if (single.size() < cells.size())
+    return true;  // subdivide the surface only where nothing else helps
   return subdivide(single, control);
 }
 
@@ -171,7 +185,9 @@ class Refiner::Dual : public GrowingDual {
   Covering& covering() override { return refiner_.measured_->covering(); }
   void update() override { refiner_.measured_->update(certificate_, control_); }
   std::vector<Vec3> positions() const override { return refiner_.measured_->positions(); }
-  std::vector<Triangle> triangles() const override { return to_triangles(refiner_.measured_->triangles()); }
+  std::vector<Triangle> triangles() const override {
+    return to_triangles(refiner_.measured_->triangles());
+  }
   std::vector<CVertexId> sites_on_surface() const override { return refiner_.partition().site; }
   bool subdivide(std::span<const CellId> single) override {
     update();  // the other cells have become smaller
@@ -185,7 +201,8 @@ class Refiner::Dual : public GrowingDual {
 };
 
 // @return whether anything has changed
-bool Refiner::separate_intersections(IntersectionTracker& tracker, RefinedLevel& out, const RunControl& control) {
+bool Refiner::separate_intersections(IntersectionTracker& tracker, RefinedLevel& out,
+                                     const RunControl& control) {
   const std::uint32_t sites = partition().cell_count();
   Dual dual(*this, out.certificate, control);
   const bool any = resolve_intersections(dual, surface_, tracker, control).has_changed;
@@ -194,7 +211,8 @@ bool Refiner::separate_intersections(IntersectionTracker& tracker, RefinedLevel&
 }
 
 // Refines for the task until there are no self-intersections.
-void Refiner::refine_and_separate(const Task& task, IntersectionTracker& tracker, RefinedLevel& out, const RunControl& control) {
+void Refiner::refine_and_separate(const Task& task, IntersectionTracker& tracker, RefinedLevel& out,
+                                  const RunControl& control) {
   do {
     rounds_.refine(*measured_, task, out, control);
   } while (separate_intersections(tracker, out, control));
@@ -223,10 +241,12 @@ void Refiner::subdivide_surface(std::span<const CVertexId> wanted, const RunCont
     reverted.push_back(c < previous_site_count_ ? positions[v] : surface_.complex().positions[v]);
   }
   report_continuing(control);
-  std::vector<CVertexId> conflicting_moves = surface_.find_conflicting_moves(displaced, reverted, positions, displaced);
+  std::vector<CVertexId> conflicting_moves =
+      surface_.find_conflicting_moves(displaced, reverted, positions, displaced);
   std::sort(conflicting_moves.begin(), conflicting_moves.end());
   for (std::size_t i = 0; i < displaced.size(); ++i)
-    surface_.move(displaced[i], std::binary_search(conflicting_moves.begin(), conflicting_moves.end(), displaced[i])
+    surface_.move(displaced[i], std::binary_search(conflicting_moves.begin(),
+                                                   conflicting_moves.end(), displaced[i])
                                     ? reverted[i]
                                     : positions[displaced[i]]);
   std::vector<CVertexId> fixed;  // anchors of vertices of earlier levels
@@ -240,7 +260,8 @@ void Refiner::subdivide_surface(std::span<const CVertexId> wanted, const RunCont
 // Collects the constraints in their order. Before a limit takes effect, refines for the earlier
 // constraints.
 // @return the task with all constraints; the last ones are not refined for yet
-Refiner::Task Refiner::prepare_task(const LevelGoal& goal, Placement placement, RefinedLevel& out, const RunControl& control) {
+Refiner::Task Refiner::prepare_task(const LevelGoal& goal, Placement placement, RefinedLevel& out,
+                                    const RunControl& control) {
   Task task;
   task.placement = placement;
   ShapeGoal shape;
@@ -271,32 +292,38 @@ Refiner::Task Refiner::prepare_task(const LevelGoal& goal, Placement placement, 
   }
   task.shape = shape;
   const auto bound = std::ranges::find(task.metrics, Quantity::max_distance, &Constraint::quantity);
-  if (bound != task.metrics.end() && task.metrics.size() == 1) task.useful_radius = static_cast<float>(kUsefulShare * bound->bound);
+  if (bound != task.metrics.end() && task.metrics.size() == 1)
+    task.useful_radius = static_cast<float>(kUsefulShare * bound->bound);
   return task;
 }
 
 // Cells that violate a bound, with their excess, the worst first.
-std::vector<std::pair<CellId, double>> Refiner::violating_cells(const LevelGoal& requested, std::span<const MetricValues> values) const {
+std::vector<std::pair<CellId, double>> Refiner::violating_cells(
+    const LevelGoal& requested, std::span<const MetricValues> values) const {
   std::vector<std::pair<CellId, double>> out;
   for (CellId c = 0; c < values.size(); ++c) {
     double excess = 0;
     for (const Constraint& m : requested) {
       if (!drives_refinement(m.quantity)) continue;
-      const double value = is_metric(m.quantity) ? values[c][static_cast<std::size_t>(m.quantity)]
-                           : m.custom            ? custom_value(*m.custom, surface_data_->surfels, measured_->mesh(), c)
-                                                 : longest_edge(measured_->mesh(), c);
+      const double value =
+          is_metric(m.quantity) ? values[c][static_cast<std::size_t>(m.quantity)]
+          : m.custom ? custom_value(*m.custom, surface_data_->surfels, measured_->mesh(), c)
+                     : longest_edge(measured_->mesh(), c);
       excess = std::max(excess, excess_of(m.quantity, value, m.bound));
     }
     if (excess > 1) out.emplace_back(c, excess);
   }
-  std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::stable_sort(out.begin(), out.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
   return out;
 }
 
 // The c-vertices of the cells' sites and their neighbours, in the order of the cells, up to a
 // limit: if the surface is at the resolution limit nearly everywhere, a finer volume is needed.
-std::vector<CVertexId> Refiner::c_vertices_near(std::span<const std::pair<double, CellId>> cells) const {
-  const std::size_t room = std::max<std::size_t>(kMinSubdivided, surface_.complex().c_vertex_count() / kSubdividedDivisor);
+std::vector<CVertexId> Refiner::c_vertices_near(
+    std::span<const std::pair<double, CellId>> cells) const {
+  const std::size_t room = std::max<std::size_t>(
+      kMinSubdivided, surface_.complex().c_vertex_count() / kSubdividedDivisor);
   std::vector<std::uint8_t> is_taken(surface_.complex().c_vertex_count(), 0);
   std::vector<CVertexId> out;
   const auto take = [&](CVertexId v) {
@@ -327,11 +354,13 @@ std::vector<std::pair<double, CellId>> Refiner::cells_at_limit(const Task& task)
 
 bool Refiner::is_at_limit(const Task& task, CellId c) const {
   const CVertexId v = partition().site[c];
-  return measured_->covering().radius()[v] <= std::max(kLimitShare * surface_data_->farthest_neighbour[v], task.useful_radius) * 1.0001f;
+  return measured_->covering().radius()[v] <=
+         std::max(kLimitShare * surface_data_->farthest_neighbour[v], task.useful_radius) * 1.0001f;
 }
 
 // Refines for the task, and subdivides the surface where it has too few c-vertices.
-void Refiner::refine_with_subdivision(const Task& task, IntersectionTracker& tracker, RefinedLevel& out, const RunControl& control) {
+void Refiner::refine_with_subdivision(const Task& task, IntersectionTracker& tracker,
+                                      RefinedLevel& out, const RunControl& control) {
   const auto refine_task = [&] {
     if (output_positions_) {
       refine_and_separate(task, tracker, out, control);
@@ -342,7 +371,8 @@ void Refiner::refine_with_subdivision(const Task& task, IntersectionTracker& tra
   refine_task();
   // Balance all vertices at once instead of piece by piece, then refine where this increased
   // errors.
-  for (int balance_round = 0; task.placement == Placement::balanced && balance_round < kMaxBalanceRounds && !out.vertex_limit_reached;
+  for (int balance_round = 0; task.placement == Placement::balanced &&
+                              balance_round < kMaxBalanceRounds && !out.vertex_limit_reached;
        ++balance_round) {
     const std::uint32_t sites = partition().cell_count();
     measured_->update_all(out.certificate, control);
@@ -350,7 +380,8 @@ void Refiner::refine_with_subdivision(const Task& task, IntersectionTracker& tra
     if (partition().cell_count() == sites) break;
   }
   const auto subdivide_and_refine = [&] {
-    double before = std::numeric_limits<double>::infinity(), worst_before = before;  // number of violating cells and their largest excess
+    double before = std::numeric_limits<double>::infinity(),
+           worst_before = before;  // number of violating cells and their largest excess
     for (; subdivisions_ < max_subdivisions_ && !out.vertex_limit_reached; ++subdivisions_) {
       const std::vector<std::pair<double, CellId>> cells = cells_at_limit(task);
       if (cells.empty()) break;
@@ -380,8 +411,11 @@ void Refiner::prove(const Task& task, const std::function<void()>& refine_again)
 
 // A default bound is not worth the time of a proof.
 bool Refiner::is_provable(const Task& task) const {
-  const auto is_requested = [](const Constraint& c) { return c.quantity == Quantity::max_distance && !c.is_default; };
-  return start_.is_complete && task.max_sites == kNone && std::ranges::any_of(task.metrics, is_requested);
+  const auto is_requested = [](const Constraint& c) {
+    return c.quantity == Quantity::max_distance && !c.is_default;
+  };
+  return start_.is_complete && task.max_sites == kNone &&
+         std::ranges::any_of(task.metrics, is_requested);
 }
 
 struct Refiner::State {
@@ -394,7 +428,8 @@ struct Refiner::State {
 
 std::shared_ptr<const Refiner::State> Refiner::save_state() const {
   return std::make_shared<const State>(
-      State{surface_, measured_ ? std::make_shared<const MeasuredCovering>(*measured_) : nullptr, inserted_in_, statistics_, metrics_});
+      State{surface_, measured_ ? std::make_shared<const MeasuredCovering>(*measured_) : nullptr,
+            inserted_in_, statistics_, metrics_});
 }
 
 void Refiner::restore_state(const State& state) {
@@ -409,11 +444,11 @@ void Refiner::restore_state(const State& state) {
 RefinedLevel Refiner::unchanged_level(const LevelGoal& requested) const {
   RefinedLevel same;
   same.unchanged_from_previous_level = true;
-  same.figures = {
-      metrics_,
-      evaluate_constraints(requested, statistics_, metrics_, custom_maxima(), {&statistics_, is_first_refined_, true, false, 0}),
-      {},
-      {}};
+  same.figures = {metrics_,
+                  evaluate_constraints(requested, statistics_, metrics_, custom_maxima(),
+                                       {&statistics_, is_first_refined_, true, false, 0}),
+                  {},
+                  {}};
   return same;
 }
 
@@ -422,13 +457,16 @@ RefinedLevel Refiner::unchanged_level(const LevelGoal& requested) const {
 // above it are tried from the same start. This guarantees that a tight bound never gives a larger
 // distance than one of these looser bounds would have. (Two bounds between them may still differ by
 // chance.)
-RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const RunControl& control) {
+RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement,
+                             const RunControl& control) {
   is_first_refined_ = measured_ == nullptr;
   if (!is_first_refined_) previous_site_count_ = partition().cell_count();
   const double bound = tight_distance(goal);
   if (bound == 0) return refine_once(goal, goal, placement, control);
 
-  const auto reached = [](const RefinedLevel& level) { return level.figures.metrics[kMaxDistance].maximum; };
+  const auto reached = [](const RefinedLevel& level) {
+    return level.figures.metrics[kMaxDistance].maximum;
+  };
   const std::shared_ptr<const State> start = save_state();
   RefinedLevel best = refine_once(goal, goal, placement, control);
   if (reached(best) <= bound) return best;
@@ -441,19 +479,22 @@ RefinedLevel Refiner::refine(const LevelGoal& goal, Placement placement, const R
     best = std::move(other);
     state_of_best = save_state();
   }
-  const bool was_better = !is_first_refined_ && goal.size() == 1 && start->metrics[kMaxDistance].maximum <= reached(best);
+  const bool was_better = !is_first_refined_ && goal.size() == 1 &&
+                          start->metrics[kMaxDistance].maximum <= reached(best);
   restore_state(was_better ? *start : *state_of_best);
   return was_better ? unchanged_level(goal) : best;
 }
 
 // @param goal       the bounds to refine for
 // @param requested  the bounds that are reported
-RefinedLevel Refiner::refine_once(const LevelGoal& goal, const LevelGoal& requested, Placement placement, const RunControl& control) {
+RefinedLevel Refiner::refine_once(const LevelGoal& goal, const LevelGoal& requested,
+                                  Placement placement, const RunControl& control) {
   RefinedLevel out;
   subdivisions_ = 0;
   rounds_ = {};
   proofs_ = 0;
-  if (is_limited(goal) && static_cast<double>(previous_site_count_) >= goal.front().bound) return unchanged_level(requested);
+  if (is_limited(goal) && static_cast<double>(previous_site_count_) >= goal.front().bound)
+    return unchanged_level(requested);
   if (measured_ == nullptr) {
     refine_coarser_complex(goal, placement, out, control);
   } else {
@@ -475,7 +516,8 @@ RefinedLevel Refiner::refine_once(const LevelGoal& goal, const LevelGoal& reques
 // Makes most of the cells that a bound on the distance requires at once, where cells violate it;
 // rounds would double the number of cells each time and would cover and measure all of them several
 // times. Not used with a limit on vertices, since these belong where the mesh is farthest.
-void Refiner::lower_predicted_radii(const Task& task, RefinedLevel& out, const RunControl& control) {
+void Refiner::lower_predicted_radii(const Task& task, RefinedLevel& out,
+                                    const RunControl& control) {
   const auto bound = std::ranges::find(task.metrics, Quantity::max_distance, &Constraint::quantity);
   if (task.max_sites != kNone || bound == task.metrics.end()) return;
   measured_->set_bounds(relaxed_bounds(task.metrics), task.placement);
@@ -489,12 +531,13 @@ void Refiner::lower_predicted_radii(const Task& task, RefinedLevel& out, const R
     for (CVertexId v = 0; v < partition().cell_of.size(); ++v) add(v);
   }
   std::vector<Covering::Radius> radii = predict_radii(*surface_data_, at, bound->bound);
-  for (Covering::Radius& r : radii) r.radius = std::max(r.radius, min_useful_radius(task, *surface_data_, r.at));
+  for (Covering::Radius& r : radii)
+    r.radius = std::max(r.radius, min_useful_radius(task, *surface_data_, r.at));
   measured_->covering().lower_radii(radii, control);
 }
 
-bool Refiner::refine_at(std::span<const Triangle> triangles, const LevelGoal& goal, Placement placement, RefinedLevel& level,
-                        const RunControl& control) {
+bool Refiner::refine_at(std::span<const Triangle> triangles, const LevelGoal& goal,
+                        Placement placement, RefinedLevel& level, const RunControl& control) {
   std::vector<CellId> cells;
   for (const Triangle& t : triangles) cells.insert(cells.end(), t.begin(), t.end());
   std::ranges::sort(cells);
@@ -522,7 +565,8 @@ void Refiner::restart_with_sites_at_vertices(const RunControl& control) {
 // Topology, and avoiding intersections, may need more vertices than are left. Then the last sites
 // are removed until the limit is satisfied.
 // @return false if no level with more vertices than the previous one satisfies it
-bool Refiner::refine_within_budget(Task& task, double most, IntersectionTracker& tracker, RefinedLevel& out, const RunControl& control) {
+bool Refiner::refine_within_budget(Task& task, double most, IntersectionTracker& tracker,
+                                   RefinedLevel& out, const RunControl& control) {
   const std::uint32_t start = partition().cell_count();
   refine_with_subdivision(task, tracker, out, control);
   double kept = most;
@@ -547,8 +591,8 @@ void Refiner::remove_sites(std::uint32_t count, const RunControl& control) {
 
 // Completes the level's triangles: improves their shape, resolves self-intersections and describes
 // the result.
-void Refiner::finish(const Task& task, const LevelGoal& requested, IntersectionTracker& tracker, RefinedLevel& out,
-                     const RunControl& control) {
+void Refiner::finish(const Task& task, const LevelGoal& requested, IntersectionTracker& tracker,
+                     RefinedLevel& out, const RunControl& control) {
   measured_->certify(out.certificate, control);
   std::vector<DualTriangle> triangles;
   improve_level_shape(task, triangles, out, control);
@@ -561,21 +605,26 @@ void Refiner::finish(const Task& task, const LevelGoal& requested, IntersectionT
     if (task.placement == Placement::balanced) measured_->clear_proofs();
     measured_->prove();
   }
-  out.figures.distance_at_most = is_provable(task) && measured_->is_proved() ? measured_->distance_bound() : std::nullopt;
+  out.figures.distance_at_most =
+      is_provable(task) && measured_->is_proved() ? measured_->distance_bound() : std::nullopt;
   measured_->fix_anchors(partition().cell_count());
   out.triangles = to_triangles(triangles);
   report_continuing(control);
   describe(task, requested, out);
 }
 
-void Refiner::improve_level_shape(const Task& task, std::vector<DualTriangle>& triangles, RefinedLevel& out, const RunControl& control) {
-  const std::size_t moves = out.shape.moves, displacements = out.shape.displacements;  // moves and displacements remain, flips do not
+void Refiner::improve_level_shape(const Task& task, std::vector<DualTriangle>& triangles,
+                                  RefinedLevel& out, const RunControl& control) {
+  const std::size_t moves = out.shape.moves,
+                    displacements =
+                        out.shape.displacements;  // moves and displacements remain, flips do not
   out.shape = improve_shape(*measured_, *task.shape, triangles, control);
   out.shape.moves += moves;
   out.shape.displacements += displacements;
 }
 
-void Refiner::refine_and_improve(const Task& task, IntersectionTracker& tracker, std::vector<DualTriangle>& triangles, RefinedLevel& out,
+void Refiner::refine_and_improve(const Task& task, IntersectionTracker& tracker,
+                                 std::vector<DualTriangle>& triangles, RefinedLevel& out,
                                  const RunControl& control) {
   refine_with_subdivision(task, tracker, out, control);
   measured_->certify(out.certificate, control);
@@ -584,22 +633,27 @@ void Refiner::refine_and_improve(const Task& task, IntersectionTracker& tracker,
 
 // Where neither a flip nor a move improves a triangle, smaller cells around it yield another mesh,
 // which is improved again.
-void Refiner::retry_bad_triangles(const Task& task, IntersectionTracker& tracker, std::vector<DualTriangle>& triangles, RefinedLevel& out,
+void Refiner::retry_bad_triangles(const Task& task, IntersectionTracker& tracker,
+                                  std::vector<DualTriangle>& triangles, RefinedLevel& out,
                                   const RunControl& control) {
   std::size_t fewest = out.shape.bad;
   int vain_retries = 0;
-  for (int retry = 0; retry < kMaxRetries && vain_retries < kMaxVainRetries && out.shape.bad > 0 && out.shape.bad < kMaxRetriedTriangles;
+  for (int retry = 0; retry < kMaxRetries && vain_retries < kMaxVainRetries && out.shape.bad > 0 &&
+                      out.shape.bad < kMaxRetriedTriangles;
        ++retry) {
-    if (task.max_sites != kNone || !shrink_cells_at_bad_triangles(*measured_, task, triangles)) break;
+    if (task.max_sites != kNone || !shrink_cells_at_bad_triangles(*measured_, task, triangles))
+      break;
     refine_and_improve(task, tracker, triangles, out, control);
-    const bool has_helped = static_cast<double>(out.shape.bad) <= (1 - kMinRetryGain) * static_cast<double>(fewest);
+    const bool has_helped =
+        static_cast<double>(out.shape.bad) <= (1 - kMinRetryGain) * static_cast<double>(fewest);
     vain_retries = has_helped ? 0 : vain_retries + 1;
     fewest = std::min(fewest, out.shape.bad);
   }
 }
 
 // Improves the worst of the cells at the resolution limit by flips and moves.
-void Refiner::repair_worst_cells(const Task& task, std::vector<DualTriangle>& triangles, RefinedLevel& out, const RunControl& control) {
+void Refiner::repair_worst_cells(const Task& task, std::vector<DualTriangle>& triangles,
+                                 RefinedLevel& out, const RunControl& control) {
   std::vector<std::pair<double, CellId>> worst = cells_at_limit(task);
   if (worst.size() > kMaxRepairedCells) worst.resize(kMaxRepairedCells);
   std::vector<CellId> to_repair;
@@ -607,8 +661,9 @@ void Refiner::repair_worst_cells(const Task& task, std::vector<DualTriangle>& tr
   improve_errors(*measured_, *task.shape, to_repair, triangles, out.shape, control);
 }
 
-void Refiner::revert_intersecting_changes(const Task& task, IntersectionTracker& tracker, std::vector<DualTriangle>& triangles,
-                                          RefinedLevel& out, const RunControl& control) {
+void Refiner::revert_intersecting_changes(const Task& task, IntersectionTracker& tracker,
+                                          std::vector<DualTriangle>& triangles, RefinedLevel& out,
+                                          const RunControl& control) {
   for (int k = 0; !revert_intersecting(*measured_, tracker, triangles, control).empty(); ++k) {
     if (k == kMaxRetries) {  // the dual itself has no self-intersections
       revert_all(*measured_, triangles, control);
@@ -617,7 +672,8 @@ void Refiner::revert_intersecting_changes(const Task& task, IntersectionTracker&
     refine_and_improve(task, tracker, triangles, out, control);
     repair_worst_cells(task, triangles, out, control);
   }
-  improve_shape_without_intersections(*measured_, *task.shape, tracker, triangles, out.shape, control);
+  improve_shape_without_intersections(*measured_, *task.shape, tracker, triangles, out.shape,
+                                      control);
   // Reverting a change does not undo what balancing has done since, and c-vertices may intersect
   // without the others of a reverted group.
   do {
@@ -647,7 +703,8 @@ void Refiner::describe(const Task& task, const LevelGoal& requested, RefinedLeve
   out.figures.distance = distances(values);
   surface_data_->check_cancelled();
   MeshStatistics statistics = mesh_statistics(measured_->mesh());
-  out.figures.constraints = evaluate_constraints(requested, statistics, out.figures.metrics, custom_maxima(), obstacles);
+  out.figures.constraints =
+      evaluate_constraints(requested, statistics, out.figures.metrics, custom_maxima(), obstacles);
   statistics_ = std::move(statistics);
   metrics_ = out.figures.metrics;
 }
@@ -656,7 +713,8 @@ LevelMesh Refiner::coarse_mesh(const Covering& covering, const RunControl* contr
   std::vector<DualTriangle> dual;
   dual.reserve(coarse_triangles_.size());
   for (const Triangle& t : coarse_triangles_) dual.push_back({t, kNone});
-  return make_level_mesh(surface_data_->surfels, covering.partition(), dual, start_.placement, control);
+  return make_level_mesh(surface_data_->surfels, covering.partition(), dual, start_.placement,
+                         control);
 }
 
 // Of the last level: before the first refined one, of the coarse one.
@@ -669,7 +727,8 @@ CustomMaximum Refiner::custom_maxima() const {
   };
 }
 
-LevelFigures Refiner::describe_coarse(std::span<const Triangle> triangles, const LevelGoal& goal, const RunControl& control) {
+LevelFigures Refiner::describe_coarse(std::span<const Triangle> triangles, const LevelGoal& goal,
+                                      const RunControl& control) {
   control.check_cancelled();
   coarse_triangles_.assign(triangles.begin(), triangles.end());
   Covering covering(surface_data_->graph, options_);
@@ -680,7 +739,10 @@ LevelFigures Refiner::describe_coarse(std::span<const Triangle> triangles, const
   statistics_ = mesh_statistics(mesh);
   const std::vector<MetricValues> values = measure_metrics(*surface_data_, covering, mesh);
   metrics_ = summarize(values);
-  return {metrics_, evaluate_constraints(goal, statistics_, metrics_, custom_maxima(), {}), distances(values), {}};
+  return {metrics_,
+          evaluate_constraints(goal, statistics_, metrics_, custom_maxima(), {}),
+          distances(values),
+          {}};
 }
 
 std::vector<std::uint32_t> Refiner::parents() const {
@@ -690,7 +752,8 @@ std::vector<std::uint32_t> Refiner::parents() const {
     if (c < previous_site_count_ || out[c] == kNone) {
       out[c] = c;
     } else {
-      while (out[c] >= previous_site_count_) out[c] = out[out[c]];  // inserted in the cell of a vertex that is new as well
+      while (out[c] >= previous_site_count_)
+        out[c] = out[out[c]];  // inserted in the cell of a vertex that is new as well
     }
   }
   return out;

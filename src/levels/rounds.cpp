@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Based on:
 //   [gavriliu2001]  section 3.4, figure 8.
-//   [boissonnat2005]  Provably good sampling and meshing of surfaces (a new vertex where the mesh is farthest from the surface).
+//   [boissonnat2005]  Provably good sampling and meshing of surfaces (a new vertex where the mesh
+//   is farthest from the surface).
 // Ours: steps finer than halving, priorities between soft constraints, shape as a reason to refine.
 #include "levels/rounds.h"
 
@@ -65,7 +66,8 @@ class RefinementRun {
   }
 
  private:
-  using Cells = std::vector<std::pair<double, CellId>>;  // with negated excess, so that sorting puts the worst first
+  using Cells = std::vector<std::pair<double, CellId>>;  // with negated excess, so that sorting
+                                                         // puts the worst first
 
   std::uint32_t sites() const { return covering_.site_count(); }
   bool is_limited() const { return task_.max_sites != kNone; }
@@ -75,7 +77,9 @@ class RefinementRun {
   bool is_filling(double worst) const { return has_too_few() && worst <= 1; }
   CVertexId site(CellId c) const { return covering_.partition().site[c]; }
   double excess(CellId c) const { return measured_.errors()[c].excess; }
-  float min_radius_at(CVertexId v) const { return min_useful_radius(task_, measured_.surface_data(), v); }
+  float min_radius_at(CVertexId v) const {
+    return min_useful_radius(task_, measured_.surface_data(), v);
+  }
   bool can_shrink(CellId c) const { return covering_.radius()[site(c)] > min_radius_at(site(c)); }
   bool can_split(CellId c) const {
     const CVertexId x = measured_.errors()[c].worst;
@@ -87,7 +91,10 @@ class RefinementRun {
   // last vertex and increased the largest error. A single cell that needs too many vertices is
   // excluded.
   void revert_if_too_much(const RunControl& control) {
-    const auto is_too_much = [&] { return sites() > task_.max_sites || (sites() == task_.max_sites && worst_open() > worst_before_); };
+    const auto is_too_much = [&] {
+      return sites() > task_.max_sites ||
+             (sites() == task_.max_sites && worst_open() > worst_before_);
+    };
     was_reverted_ = previous_site_count_ != kNone && is_too_much();
     if (!was_reverted_) {
       failures_ = 0;
@@ -125,7 +132,8 @@ class RefinementRun {
     if (worst <= 1 && !has_too_few()) return out;
     const double from = worst > 1 ? std::max(1.0, kBand * worst) : 0.8 * worst;
     for (CellId c = 0; c < sites(); ++c) {
-      if (excess(c) >= from && (excess(c) > 1 || is_filling(worst)) && is_refinable(c)) out.emplace_back(-excess(c), c);
+      if (excess(c) >= from && (excess(c) > 1 || is_filling(worst)) && is_refinable(c))
+        out.emplace_back(-excess(c), c);
     }
     std::sort(out.begin(), out.end());
     return out;
@@ -136,7 +144,8 @@ class RefinementRun {
   bool improve_shape() {
     if (!task_.shape) return false;
     save_state();
-    if (is_limited() && !was_reverted_) batch_ = std::max<std::size_t>(1, (task_.max_sites - sites()) / 6);
+    if (is_limited() && !was_reverted_)
+      batch_ = std::max<std::size_t>(1, (task_.max_sites - sites()) / 6);
     if (!is_limited()) batch_ = kNone;
     std::vector<std::pair<double, CVertexId>> bad;
     for (std::size_t i = 0; i < measured_.mesh().triangles.size(); ++i) {
@@ -144,8 +153,11 @@ class RefinementRun {
       const double score = task_.shape->score(a, b, c);
       if (score >= 1) continue;
       const CVertexId v = measured_.triangles()[i].at;
-      if (!covering_.is_covered(v) || covering_.distance()[v] < min_radius(task_, measured_.surface_data(), v)) continue;
-      if (std::ranges::find(excluded_for_shape_, v) == excluded_for_shape_.end()) bad.emplace_back(score, v);
+      if (!covering_.is_covered(v) ||
+          covering_.distance()[v] < min_radius(task_, measured_.surface_data(), v))
+        continue;
+      if (std::ranges::find(excluded_for_shape_, v) == excluded_for_shape_.end())
+        bad.emplace_back(score, v);
     }
     std::sort(bad.begin(), bad.end());
     if (bad.size() > batch_) bad.resize(batch_);
@@ -162,7 +174,9 @@ class RefinementRun {
   void limit_to_budget(Cells& chosen, double worst) {
     if (!is_limited() && !has_too_few()) return;
     // A new site leads to a few more.
-    const std::size_t room = (is_filling(worst) ? std::min(task_.min_sites, task_.max_sites) : task_.max_sites) - sites();
+    const std::size_t room =
+        (is_filling(worst) ? std::min(task_.min_sites, task_.max_sites) : task_.max_sites) -
+        sites();
     const std::size_t wanted = batch_ == kNone ? room : was_reverted_ ? batch_ : 2 * batch_;
     batch_ = std::min({wanted, std::max<std::size_t>(1, room / 3), chosen.size()});
     chosen.resize(batch_);
@@ -174,13 +188,16 @@ class RefinementRun {
     std::vector<Covering::Radius> lowered;
     for (const auto& [minus_excess, c] : chosen) {
       const CVertexId v = site(c), x = measured_.errors()[c].worst;
-      const auto is_far = [&] { return !evenly && covering_.distance()[x] >= kMinSiteDistance * covering_.radius()[x]; };
+      const auto is_far = [&] {
+        return !evenly && covering_.distance()[x] >= kMinSiteDistance * covering_.radius()[x];
+      };
       if (can_split(c) && (!can_shrink(c) || is_far())) {
         lowered.push_back({x, covering_.distance()[x]});
         covering_.insert(x);
       } else {
         const double step = std::clamp(1 / std::sqrt(-minus_excess), kMinStep, kMaxStep);
-        lowered.push_back({v, std::max(min_radius_at(v), static_cast<float>(step) * covering_.radius()[v])});
+        lowered.push_back(
+            {v, std::max(min_radius_at(v), static_cast<float>(step) * covering_.radius()[v])});
       }
     }
     covering_.lower_radii(lowered);
@@ -218,7 +235,8 @@ double initial_relaxation(std::span<const CellError> errors, double cells) {
 // the bound, so large steps lead to about 0.6 of the vertices, and small ones use the rest: bounds
 // that are satisfied are measured completely, bounds that run out of vertices are not.
 double next_step(double share_used) {
-  return share_used < 0.5 ? std::clamp(share_used / 0.6, 0.1, 0.7) : std::clamp(share_used, 0.85, 0.97);
+  return share_used < 0.5 ? std::clamp(share_used / 0.6, 0.1, 0.7)
+                          : std::clamp(share_used, 0.85, 0.97);
 }
 
 }  // namespace
@@ -226,11 +244,14 @@ double next_step(double share_used) {
 std::vector<Constraint> relaxed_bounds(const std::vector<Constraint>& metrics, double relaxation) {
   std::vector<Constraint> out;
   for (const Constraint& c : metrics) out.push_back(scaled(c, relaxation));
-  if (out.empty()) out.push_back({Quantity::max_distance, std::numeric_limits<double>::max()});  // no bound; only ranks cells
+  if (out.empty())
+    out.push_back({Quantity::max_distance,
+                   std::numeric_limits<double>::max()});  // no bound; only ranks cells
   return out;
 }
 
-bool shrink_cells_at_bad_triangles(MeasuredCovering& measured, const RefinementTask& task, const std::vector<DualTriangle>& triangles) {
+bool shrink_cells_at_bad_triangles(MeasuredCovering& measured, const RefinementTask& task,
+                                   const std::vector<DualTriangle>& triangles) {
   const Covering& covering = measured.covering();
   std::vector<Covering::Radius> lowered;
   for (std::size_t i = 0; i < triangles.size(); ++i) {
@@ -238,7 +259,8 @@ bool shrink_cells_at_bad_triangles(MeasuredCovering& measured, const RefinementT
     if (task.shape->score(corner[0], corner[1], corner[2]) >= 1) continue;
     for (const CellId c : measured.mesh().triangles[i]) {
       const CVertexId v = measured.partition().site[c];
-      const float radius = covering.radius()[v], limit = min_radius(task, measured.surface_data(), v);
+      const float radius = covering.radius()[v],
+                  limit = min_radius(task, measured.surface_data(), v);
       if (radius <= limit) continue;
       lowered.push_back({v, std::max(limit, 0.8f * radius)});
     }
@@ -250,7 +272,8 @@ bool shrink_cells_at_bad_triangles(MeasuredCovering& measured, const RefinementT
 // Refines until the task is finished as far as possible, or vertices run out. With a limit on
 // vertices, bounds are first relaxed and then tightened step by step, so that the available
 // vertices go where they reduce the largest error over the whole surface.
-void RefinementRounds::refine(MeasuredCovering& measured, const RefinementTask& task, RefinedLevel& out, const RunControl& control) {
+void RefinementRounds::refine(MeasuredCovering& measured, const RefinementTask& task,
+                              RefinedLevel& out, const RunControl& control) {
   measured.set_bounds(relaxed_bounds(task.metrics), task.placement);
   if (task.max_sites == kNone || task.metrics.empty()) {
     refine_to_bounds(measured, task, out, control);
@@ -264,16 +287,20 @@ void RefinementRounds::refine(MeasuredCovering& measured, const RefinementTask& 
   while (relaxation > 1) {
     refine_to_bounds(measured, bounds_only, out, control);
     if (out.vertex_limit_reached) return;
-    const double step = std::max(next_step(static_cast<double>(measured.covering().site_count()) / task.max_sites), 1 / relaxation);
+    const double step =
+        std::max(next_step(static_cast<double>(measured.covering().site_count()) / task.max_sites),
+                 1 / relaxation);
     relaxation *= step;
     measured.tighten_bounds(step);
   }
   refine_to_bounds(measured, task, out, control);
 }
 
-void RefinementRounds::refine_to_bounds(MeasuredCovering& measured, const RefinementTask& task, RefinedLevel& out,
-                                        const RunControl& control) {
-  RefinementRun(measured, task, out).run(control, [&](double worst) { control.report("refine", kBoundsShare * progress_of(worst)); });
+void RefinementRounds::refine_to_bounds(MeasuredCovering& measured, const RefinementTask& task,
+                                        RefinedLevel& out, const RunControl& control) {
+  RefinementRun(measured, task, out).run(control, [&](double worst) {
+    control.report("refine", kBoundsShare * progress_of(worst));
+  });
 }
 
 // The worst error decreases by about the same factor in each round, and rounds take longer and

@@ -36,19 +36,23 @@ struct RefinementTask {
 
 /// The smallest allowed radius of a disk.
 inline float min_radius(const RefinementTask& task, const SurfaceData& surface_data, CVertexId v) {
-  return std::max(task.limit_share * surface_data.farthest_neighbour[v], kChordSlack * task.min_edge);
+  return std::max(task.limit_share * surface_data.farthest_neighbour[v],
+                  kChordSlack * task.min_edge);
 }
 
 /// The smallest radius of a disk that refinement to bounds uses.
-inline float min_useful_radius(const RefinementTask& task, const SurfaceData& surface_data, CVertexId v) {
+inline float min_useful_radius(const RefinementTask& task, const SurfaceData& surface_data,
+                               CVertexId v) {
   return std::max(min_radius(task, surface_data, v), task.useful_radius);
 }
 
 /// The bounds, relaxed by a factor >= 1.
-std::vector<Constraint> relaxed_bounds(const std::vector<Constraint>& metrics, double relaxation = 1);
+std::vector<Constraint> relaxed_bounds(const std::vector<Constraint>& metrics,
+                                       double relaxation = 1);
 
 /// Makes the cells at badly shaped triangles smaller. @return whether any could be
-bool shrink_cells_at_bad_triangles(MeasuredCovering& measured, const RefinementTask& task, const std::vector<DualTriangle>& triangles);
+bool shrink_cells_at_bad_triangles(MeasuredCovering& measured, const RefinementTask& task,
+                                   const std::vector<DualTriangle>& triangles);
 
 /// Inserts sites and lowers radii in rounds until a task is finished
 /// (docs/theory/05-refinement.md). Use one object per level: it tracks the progress of the level.
@@ -56,10 +60,12 @@ class RefinementRounds {
  public:
   /// Refines until all bounds are satisfied as far as possible, or vertices run out. Adds its
   /// counts to `out`.
-  void refine(MeasuredCovering& measured, const RefinementTask& task, RefinedLevel& out, const RunControl& control);
+  void refine(MeasuredCovering& measured, const RefinementTask& task, RefinedLevel& out,
+              const RunControl& control);
 
  private:
-  void refine_to_bounds(MeasuredCovering& measured, const RefinementTask& task, RefinedLevel& out, const RunControl& control);
+  void refine_to_bounds(MeasuredCovering& measured, const RefinementTask& task, RefinedLevel& out,
+                        const RunControl& control);
   double progress_of(double worst);
 
   double first_worst_ = 1;  // largest excess so far

@@ -9,7 +9,8 @@
 
 namespace isoatlas::detail::io {
 
-inline constexpr std::string_view kBase64Digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+inline constexpr std::string_view kBase64Digits =
+    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
 inline std::string to_base64(std::string_view bytes) {
   std::string text;
@@ -27,7 +28,8 @@ inline std::string to_base64(std::string_view bytes) {
   return text;
 }
 
-/// The bytes of a base64 text up to its first '='; what is no digit is passed over, as line breaks are.
+/// The bytes of a base64 text up to its first '='; what is no digit is passed over, as line breaks
+/// are.
 inline std::string from_base64(std::string_view text) {
   std::array<std::int8_t, 256> value{};
   value.fill(-1);

@@ -28,7 +28,8 @@ struct MeshFormat {
   void (*write)(const TriangleMesh&, const MeshFileInfo&, io::AtomicFile&);
   bool is_single_precision = false;
   bool has_indices = true;
-  io::StoredForm (*form)(const TriangleMesh&, const MeshFileInfo&) = nullptr;  ///< none: coordinates are stored as given
+  io::StoredForm (*form)(const TriangleMesh&,
+                         const MeshFileInfo&) = nullptr;  ///< none: coordinates are stored as given
 };
 
 constexpr std::array kMeshFormats{
@@ -44,7 +45,8 @@ constexpr std::array kMeshFormats{
 // The format whose extension ends the file's name in any case, or null.
 template <class Formats>
 auto find_format(const Formats& formats, const fs::path& path) -> decltype(formats.data()) {
-  const auto found = std::ranges::find_if(formats, [&](const auto& format) { return has_extension(path, format.extension); });
+  const auto found = std::ranges::find_if(
+      formats, [&](const auto& format) { return has_extension(path, format.extension); });
   return found == formats.end() ? nullptr : &*found;
 }
 
@@ -54,13 +56,16 @@ constexpr const char* kOrLevels = ", or .glb or .vtm for levels of detail";
 const MeshFormat& mesh_format(const fs::path& path, const std::string& besides) {
   const MeshFormat* format = find_format(kMeshFormats, path);
   if (format == nullptr) {
-    const std::string found = is_hierarchy_path(path) ? "is a file of levels of detail" : "unknown mesh format";
+    const std::string found =
+        is_hierarchy_path(path) ? "is a file of levels of detail" : "unknown mesh format";
     throw io::unsupported(path, found + ", expected one of " + io::mesh_extensions() + besides);
   }
   return *format;
 }
 
-const MeshFormat& format_to_write(const fs::path& path) { return mesh_format(path, is_hierarchy_path(path) ? "" : kOrLevels); }
+const MeshFormat& format_to_write(const fs::path& path) {
+  return mesh_format(path, is_hierarchy_path(path) ? "" : kOrLevels);
+}
 
 enum class MeshFault { none, position_not_finite, corner_out_of_range };
 
@@ -73,14 +78,16 @@ MeshCheck check_mesh(const TriangleMesh& mesh) {
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
     const Vec3& p = mesh.positions[v];
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
-      return {MeshFault::position_not_finite, "the position of vertex " + std::to_string(v) + " is not finite"};
+      return {MeshFault::position_not_finite,
+              "the position of vertex " + std::to_string(v) + " is not finite"};
     }
   }
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (const std::uint32_t corner : mesh.triangles[t]) {
       if (corner >= mesh.positions.size()) {
-        return {MeshFault::corner_out_of_range, "triangle " + std::to_string(t) + " uses vertex " + std::to_string(corner) +
-                                                    ", but there are only " + std::to_string(mesh.positions.size())};
+        return {MeshFault::corner_out_of_range,
+                "triangle " + std::to_string(t) + " uses vertex " + std::to_string(corner) +
+                    ", but there are only " + std::to_string(mesh.positions.size())};
       }
     }
   }
@@ -105,14 +112,18 @@ void check_mesh_path(const fs::path& path) {
 
 namespace {
 
-StoredPositions write_as_given(const MeshFormat& format, const TriangleMesh& mesh, const MeshFileInfo& info, const fs::path& path) {
+StoredPositions write_as_given(const MeshFormat& format, const TriangleMesh& mesh,
+                               const MeshFileInfo& info, const fs::path& path) {
   io::AtomicFile file(path);
   format.write(mesh, info, file);
-  StoredPositions stored{.single_precision = format.is_single_precision, .space = info.space, .unit = info.unit};
+  StoredPositions stored{
+      .single_precision = format.is_single_precision, .space = info.space, .unit = info.unit};
   if (format.is_single_precision && file.is_temporary()) {
     file.flush();
-    stored.largest_rounding = io::require_same_mesh(mesh, format.read(file.written_path()), !format.has_indices, path);
-    io::require_rounding_within(io::largest_rounding(mesh.positions, {}, path), stored.largest_rounding, path);
+    stored.largest_rounding =
+        io::require_same_mesh(mesh, format.read(file.written_path()), !format.has_indices, path);
+    io::require_rounding_within(io::largest_rounding(mesh.positions, {}, path),
+                                stored.largest_rounding, path);
   }
   file.commit();
   return stored;
@@ -120,10 +131,12 @@ StoredPositions write_as_given(const MeshFormat& format, const TriangleMesh& mes
 
 }  // namespace
 
-StoredPositions write_mesh(const TriangleMesh& mesh, const fs::path& path, const MeshFileInfo& info) {
+StoredPositions write_mesh(const TriangleMesh& mesh, const fs::path& path,
+                           const MeshFileInfo& info) {
   const MeshFormat& format = format_to_write(path);
   if (const MeshCheck check = check_mesh(mesh); check.fault != MeshFault::none) {
-    throw Error(ErrorCode::bad_argument, io::one_line(path.string() + ": not written: " + check.text));
+    throw Error(ErrorCode::bad_argument,
+                io::one_line(path.string() + ": not written: " + check.text));
   }
   // One line each: a newline would end the comment and start a line of the file's own grammar.
   const MeshFileInfo clean_info{io::one_line(info.space), io::one_line(info.comment), info.unit};
@@ -133,13 +146,15 @@ StoredPositions write_mesh(const TriangleMesh& mesh, const fs::path& path, const
     }
     const io::StoredForm form = format.form(mesh, clean_info);
     StoredPositions stored = write_as_given(format, form.mesh, form.info, path);
-    stored.largest_rounding = io::convert_length(stored.largest_rounding, form.info.unit, clean_info.unit);
+    stored.largest_rounding =
+        io::convert_length(stored.largest_rounding, form.info.unit, clean_info.unit);
     stored.notes = form.notes;
     return stored;
   });
 }
 
-double rounding_of_mesh_file(const TriangleMesh& mesh, const fs::path& path, const MeshFileInfo& info) {
+double rounding_of_mesh_file(const TriangleMesh& mesh, const fs::path& path,
+                             const MeshFileInfo& info) {
   const MeshFormat& format = format_to_write(path);
   if (!format.is_single_precision) {
     return 0;
@@ -148,19 +163,23 @@ double rounding_of_mesh_file(const TriangleMesh& mesh, const fs::path& path, con
     return io::largest_rounding(mesh.positions, {}, path);
   }
   const io::StoredForm form = format.form(mesh, info);
-  return io::convert_length(io::largest_rounding(form.mesh.positions, {}, path), form.info.unit, info.unit);
+  return io::convert_length(io::largest_rounding(form.mesh.positions, {}, path), form.info.unit,
+                            info.unit);
 }
 
-std::vector<Vec3> stored_positions(const TriangleMesh& mesh, const fs::path& path, const MeshFileInfo& info) {
+std::vector<Vec3> stored_positions(const TriangleMesh& mesh, const fs::path& path,
+                                   const MeshFileInfo& info) {
   const MeshFormat& format = format_to_write(path);
-  std::vector<Vec3> positions = format.form == nullptr ? mesh.positions : format.form(mesh, info).mesh.positions;
+  std::vector<Vec3> positions =
+      format.form == nullptr ? mesh.positions : format.form(mesh, info).mesh.positions;
   return format.is_single_precision ? io::all_rounded(positions, {}, path) : positions;
 }
 
 TriangleMesh read_mesh(const fs::path& path) {
   return io::translate_exceptions(path, [&] {
     io::readable_file_size(path);
-    TriangleMesh mesh = mesh_format(path, is_hierarchy_path(path) ? "; isoatlas levels reads it" : "").read(path);
+    TriangleMesh mesh =
+        mesh_format(path, is_hierarchy_path(path) ? "; isoatlas levels reads it" : "").read(path);
     if (mesh.triangles.empty()) {
       throw io::bad_file(path, "has no triangles");
     }
@@ -174,7 +193,9 @@ TriangleMesh read_mesh(const fs::path& path) {
 MeshFileInfo mesh_file_info(const fs::path& path) {
   return io::translate_exceptions(path, [&] {
     io::readable_file_size(path);
-    MeshFileInfo info = mesh_format(path, is_hierarchy_path(path) ? "; isoatlas levels reads it" : "").read_info(path);
+    MeshFileInfo info =
+        mesh_format(path, is_hierarchy_path(path) ? "; isoatlas levels reads it" : "")
+            .read_info(path);
     return MeshFileInfo{io::one_line(info.space, 32), io::one_line(info.comment), info.unit};
   });
 }
@@ -188,7 +209,8 @@ HierarchyFile read_levels(const fs::path& path) {
   return io::translate_exceptions(path, [&] {
     io::readable_file_size(path);
     if (find_format(kMeshFormats, path) == nullptr) {
-      throw io::unsupported(path, "unknown format, expected one of " + io::mesh_extensions() + kOrLevels);
+      throw io::unsupported(path,
+                            "unknown format, expected one of " + io::mesh_extensions() + kOrLevels);
     }
     return HierarchyFile{hierarchy_of({read_mesh(path)}), {mesh_file_info(path), {}, {}}};
   });

@@ -26,12 +26,14 @@ struct HierarchyFormat {
   io::StoredLevels (*read)(const fs::path&);
   StoredPositions (*write)(const Hierarchy&, const HierarchyFileInfo&, const fs::path&);
   bool has_pieces;
-  double (*rounding)(const Hierarchy&, const fs::path&);                           ///< none: all digits are kept
+  double (*rounding)(const Hierarchy&, const fs::path&);  ///< none: all digits are kept
   std::vector<Vec3> (*positions)(const Hierarchy&, std::size_t, const fs::path&);  ///< likewise
 };
 
-constexpr std::array kFormats{HierarchyFormat{".glb", io::read_glb, io::write_glb, false, io::rounding_in_glb, io::positions_in_glb},
-                              HierarchyFormat{".vtm", io::read_vtm, io::write_vtm, true, nullptr, nullptr}};
+constexpr std::array kFormats{
+    HierarchyFormat{".glb", io::read_glb, io::write_glb, false, io::rounding_in_glb,
+                    io::positions_in_glb},
+    HierarchyFormat{".vtm", io::read_vtm, io::write_vtm, true, nullptr, nullptr}};
 
 const HierarchyFormat* find_format(const fs::path& path) {
   const std::string extension = lower_case_extension(path);
@@ -55,7 +57,9 @@ std::string fault_of(const TriangleMesh& mesh) {
     }
   }
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (std::ranges::any_of(mesh.triangles[t], [&](std::uint32_t corner) { return corner >= mesh.positions.size(); })) {
+    if (std::ranges::any_of(mesh.triangles[t], [&](std::uint32_t corner) {
+          return corner >= mesh.positions.size();
+        })) {
       return "triangle " + std::to_string(t) + " has a corner out of range";
     }
   }
@@ -64,7 +68,8 @@ std::string fault_of(const TriangleMesh& mesh) {
 
 std::string fault_of(const std::vector<float>& distances, std::size_t vertex_count) {
   if (!distances.empty() && distances.size() != vertex_count) {
-    return "there are " + std::to_string(distances.size()) + " distances for " + std::to_string(vertex_count) + " vertices";
+    return "there are " + std::to_string(distances.size()) + " distances for " +
+           std::to_string(vertex_count) + " vertices";
   }
   for (std::size_t v = 0; v < distances.size(); ++v) {
     if (!(distances[v] >= 0) || std::isinf(distances[v])) {
@@ -79,15 +84,18 @@ std::string fault_of(const Hierarchy& hierarchy, const HierarchyFileInfo& info) 
     return "there are no levels";
   }
   if (!info.levels.empty() && info.levels.size() != hierarchy.levels.size()) {
-    return "there are " + std::to_string(info.levels.size()) + " texts for " + std::to_string(hierarchy.levels.size()) + " levels";
+    return "there are " + std::to_string(info.levels.size()) + " texts for " +
+           std::to_string(hierarchy.levels.size()) + " levels";
   }
   std::uint32_t most = 0;
   for (std::size_t k = 0; k < hierarchy.levels.size(); ++k) {
     const Hierarchy::Level& level = hierarchy.levels[k];
     const std::string where = "level " + std::to_string(k) + ": ";
-    if (level.vertex_count < most || (level.own_positions.empty() && level.vertex_count > hierarchy.positions.size()) ||
+    if (level.vertex_count < most ||
+        (level.own_positions.empty() && level.vertex_count > hierarchy.positions.size()) ||
         (!level.own_positions.empty() && level.own_positions.size() != level.vertex_count)) {
-      return where + "its " + std::to_string(level.vertex_count) + " vertices are not those of the level before and more";
+      return where + "its " + std::to_string(level.vertex_count) +
+             " vertices are not those of the level before and more";
     }
     if (const std::string fault = fault_of(level.distance, level.vertex_count); !fault.empty()) {
       return where + fault;
@@ -96,7 +104,8 @@ std::string fault_of(const Hierarchy& hierarchy, const HierarchyFileInfo& info) 
     if (const std::string fault = fault_of(hierarchy.mesh(k)); !fault.empty()) {
       return where + fault;
     }
-    if (!info.levels.empty() && !nlohmann::json::parse(info.levels[k], nullptr, false).is_object()) {
+    if (!info.levels.empty() &&
+        !nlohmann::json::parse(info.levels[k], nullptr, false).is_object()) {
       return where + "what is said of it is no JSON object";
     }
   }
@@ -128,31 +137,37 @@ void check_hierarchy_path(const fs::path& path, std::size_t level_count) {
     return;
   }
   if (!fs::is_directory(status)) {
-    throw io::bad_file(path, "cannot be written: " + folder.string() + " is no folder, and its levels go there");
+    throw io::bad_file(
+        path, "cannot be written: " + folder.string() + " is no folder, and its levels go there");
   }
   for (std::size_t k = 0; k < level_count; ++k) {
     const io::AtomicFile piece(io::vtm_piece(path, k));
   }
 }
 
-StoredPositions write_hierarchy(const Hierarchy& hierarchy, const fs::path& path, const HierarchyFileInfo& info) {
+StoredPositions write_hierarchy(const Hierarchy& hierarchy, const fs::path& path,
+                                const HierarchyFileInfo& info) {
   const HierarchyFormat& format = format_of(path);
   if (const std::string fault = fault_of(hierarchy, info); !fault.empty()) {
     throw Error(ErrorCode::bad_argument, io::one_line(path.string() + ": not written: " + fault));
   }
   HierarchyFileInfo clean_info = info;
-  clean_info.mesh = {io::one_line(info.mesh.space), io::one_line(info.mesh.comment), info.mesh.unit};
+  clean_info.mesh = {io::one_line(info.mesh.space), io::one_line(info.mesh.comment),
+                     info.mesh.unit};
   return io::translate_exceptions(path, [&] { return format.write(hierarchy, clean_info, path); });
 }
 
 double rounding_of_hierarchy_file(const Hierarchy& hierarchy, const fs::path& path) {
   const HierarchyFormat& format = format_of(path);
-  return format.rounding == nullptr || hierarchy.levels.empty() ? 0 : format.rounding(hierarchy, path);
+  return format.rounding == nullptr || hierarchy.levels.empty() ? 0
+                                                                : format.rounding(hierarchy, path);
 }
 
-std::vector<Vec3> stored_positions(const Hierarchy& hierarchy, std::size_t level, const fs::path& path) {
+std::vector<Vec3> stored_positions(const Hierarchy& hierarchy, std::size_t level,
+                                   const fs::path& path) {
   const HierarchyFormat& format = format_of(path);
-  return format.positions == nullptr ? hierarchy.mesh(level).positions : format.positions(hierarchy, level, path);
+  return format.positions == nullptr ? hierarchy.mesh(level).positions
+                                     : format.positions(hierarchy, level, path);
 }
 
 HierarchyFile read_hierarchy(const fs::path& path) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// VTK's XML multi-block file: a list of .vtp files, one for each level, in a folder beside it, named as VTK's own writer names them.
+// VTK's XML multi-block file: a list of .vtp files, one for each level, in a folder beside it,
+// named as VTK's own writer names them.
 
 #include <memory>
 #include <string>
@@ -51,7 +52,8 @@ class NewFolder {
     std::error_code error;
     is_new_ = fs::create_directory(folder_, error);
     if (error || !fs::is_directory(folder_, error)) {
-      throw bad_file(path, "cannot be written: no folder " + folder_.string() + " can be made for its levels");
+      throw bad_file(
+          path, "cannot be written: no folder " + folder_.string() + " can be made for its levels");
     }
   }
   ~NewFolder() {
@@ -83,7 +85,8 @@ std::vector<fs::path> blocks_of(const fs::path& path) {
       throw unsupported(path, "has blocks within blocks, expected one file for each level");
     }
     if (file == nullptr) {
-      throw unsupported(path, "its block " + std::to_string(blocks.size()) + " is empty, expected a file for each level");
+      throw unsupported(path, "its block " + std::to_string(blocks.size()) +
+                                  " is empty, expected a file for each level");
     }
     blocks.emplace_back(*file);
   }
@@ -100,7 +103,8 @@ fs::path vtm_piece(const fs::path& path, std::size_t level) {
   return path.parent_path() / stem / (stem + "_" + std::to_string(level) + ".vtp");
 }
 
-StoredPositions write_vtm(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const fs::path& path) {
+StoredPositions write_vtm(const Hierarchy& hierarchy, const HierarchyFileInfo& info,
+                          const fs::path& path) {
   AtomicFile index(path);
   const fs::path folder = vtm_piece(path, 0).parent_path();
   NewFolder new_folder(folder, path);
@@ -120,7 +124,8 @@ StoredPositions write_vtm(const Hierarchy& hierarchy, const HierarchyFileInfo& i
             escaped((folder.filename() / piece.filename()).generic_string()) + "\"/>\n";
   }
   index.stream() << "<?xml version=\"1.0\"?>\n"
-                    "<VTKFile type=\"vtkMultiBlockDataSet\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+                    "<VTKFile type=\"vtkMultiBlockDataSet\" version=\"1.0\" "
+                    "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
                     "  <vtkMultiBlockDataSet>\n"
                  << list << "  </vtkMultiBlockDataSet>\n</VTKFile>\n";
   // The list last: it never names a file that is not there.
@@ -141,7 +146,8 @@ StoredLevels read_vtm(const fs::path& path) {
     std::map<std::string, std::string> fields;
     levels.meshes.push_back(read_vtp(piece, fields, levels.distances.emplace_back()));
     levels.info.mesh = {fields["SPACE"], fields["COMMENT"]};
-    levels.info.placement = fields[kPlacementField] == "balanced" ? Placement::balanced : Placement::surface;
+    levels.info.placement =
+        fields[kPlacementField] == "balanced" ? Placement::balanced : Placement::surface;
     levels.info.levels.push_back(fields[kLevelField].empty() ? "null" : fields[kLevelField]);
     any_json = any_json || levels.info.levels.back() != "null";
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// 3D Manufacturing Format, core specification 1.3: a ZIP package with one XML part that holds the mesh. Written by the specification,
-// as lib3mf keeps coordinates as floats and puts random identifiers into its files.
+// 3D Manufacturing Format, core specification 1.3: a ZIP package with one XML part that holds the
+// mesh. Written by the specification, as lib3mf keeps coordinates as floats and puts random
+// identifiers into its files.
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -35,11 +36,13 @@ constexpr const char* kCoreNamespace = "http://schemas.microsoft.com/3dmanufactu
 constexpr const char* kSpaceName = "isoatlas:space";
 constexpr const char* kProgramName = "Application";
 
-constexpr std::array kUnits{std::pair{"micron", LengthUnit::micrometre}, std::pair{"millimeter", LengthUnit::millimetre},
-                            std::pair{"centimeter", LengthUnit::centimetre}, std::pair{"inch", LengthUnit::inch},
-                            std::pair{"meter", LengthUnit::metre}};
+constexpr std::array kUnits{
+    std::pair{"micron", LengthUnit::micrometre}, std::pair{"millimeter", LengthUnit::millimetre},
+    std::pair{"centimeter", LengthUnit::centimetre}, std::pair{"inch", LengthUnit::inch},
+    std::pair{"meter", LengthUnit::metre}};
 
-// ------------------------------------------------------------------------------------------------------------- out
+// -------------------------------------------------------------------------------------------------------------
+// out
 
 // The shortest digits that read back as the same number.
 template <class Number>
@@ -51,7 +54,8 @@ void append(std::string& text, Number number) {
 
 // Elements like <vertex x="1" y="2" z="3"/>, one on a line.
 template <class Number>
-void append_element(std::string& text, const std::array<std::string_view, 4>& parts, const std::array<Number, 3>& values) {
+void append_element(std::string& text, const std::array<std::string_view, 4>& parts,
+                    const std::array<Number, 3>& values) {
   for (std::size_t i = 0; i < 3; ++i) {
     text += parts[i];
     append(text, values[i]);
@@ -60,7 +64,8 @@ void append_element(std::string& text, const std::array<std::string_view, 4>& pa
 }
 
 std::string model_xml(const TriangleMesh& mesh, const MeshFileInfo& info) {
-  const auto unit = std::ranges::find(kUnits, info.unit, [](const auto& entry) { return entry.second; });
+  const auto unit =
+      std::ranges::find(kUnits, info.unit, [](const auto& entry) { return entry.second; });
   std::string xml = R"(<?xml version="1.0" encoding="UTF-8"?>)"
                     "\n"
                     R"(<model unit=")";
@@ -69,7 +74,8 @@ std::string model_xml(const TriangleMesh& mesh, const MeshFileInfo& info) {
   xml += kCoreNamespace;
   xml += R"(" xmlns:isoatlas="urn:isoatlas:mesh">)"
          "\n";
-  for (const auto& [name, value] : {std::pair{kProgramName, info.comment}, std::pair{kSpaceName, info.space}}) {
+  for (const auto& [name, value] :
+       {std::pair{kProgramName, info.comment}, std::pair{kSpaceName, info.space}}) {
     if (!value.empty()) {
       xml += std::string("<metadata name=\"") + name + "\">" + xml_text(value) + "</metadata>\n";
     }
@@ -87,7 +93,9 @@ std::string model_xml(const TriangleMesh& mesh, const MeshFileInfo& info) {
   for (const Triangle& t : mesh.triangles) {
     append_element<std::uint32_t>(xml, {"<triangle v1=\"", "\" v2=\"", "\" v3=\"", "\"/>\n"}, t);
   }
-  xml += "</triangles>\n</mesh>\n</object>\n</resources>\n<build>\n<item objectid=\"1\"/>\n</build>\n</model>\n";
+  xml +=
+      "</triangles>\n</mesh>\n</object>\n</resources>\n<build>\n<item "
+      "objectid=\"1\"/>\n</build>\n</model>\n";
   return xml;
 }
 
@@ -109,11 +117,14 @@ std::string relationships_xml() {
 )";
 }
 
-// -------------------------------------------------------------------------------------------------------------- in
+// --------------------------------------------------------------------------------------------------------------
+// in
 
-pugi::xml_document parsed(std::string& xml, unsigned int options, const std::string& part, const fs::path& path) {
+pugi::xml_document parsed(std::string& xml, unsigned int options, const std::string& part,
+                          const fs::path& path) {
   pugi::xml_document document;
-  const pugi::xml_parse_result result = document.load_buffer_inplace(xml.data(), xml.size(), options);
+  const pugi::xml_parse_result result =
+      document.load_buffer_inplace(xml.data(), xml.size(), options);
   if (!result && result.status == pugi::status_out_of_memory) {
     throw out_of_memory(path, xml.size());
   }
@@ -123,7 +134,8 @@ pugi::xml_document parsed(std::string& xml, unsigned int options, const std::str
   return document;
 }
 
-// The root element, null if it is not a model. Its elements have no prefix afterwards, even if the core namespace has one.
+// The root element, null if it is not a model. Its elements have no prefix afterwards, even if the
+// core namespace has one.
 pugi::xml_node model_in(pugi::xml_document& document) {
   const pugi::xml_node root = document.document_element();
   const std::string name = root.name();
@@ -133,7 +145,8 @@ pugi::xml_node model_in(pugi::xml_document& document) {
   }
   const std::string prefix = name.substr(0, colon + 1);
   if (name.substr(colon + 1) != "model" ||
-      std::string_view(root.attribute(("xmlns:" + name.substr(0, colon)).c_str()).value()) != kCoreNamespace) {
+      std::string_view(root.attribute(("xmlns:" + name.substr(0, colon)).c_str()).value()) !=
+          kCoreNamespace) {
     return {};
   }
   struct Walker final : pugi::xml_tree_walker {
@@ -148,16 +161,20 @@ pugi::xml_node model_in(pugi::xml_document& document) {
   return root;
 }
 
-// Extensions for colours and identifiers can be ignored; those for slices, beams, encryption and others cannot.
+// Extensions for colours and identifiers can be ignored; those for slices, beams, encryption and
+// others cannot.
 void require_known_extensions(const pugi::xml_node& model, const fs::path& path) {
-  constexpr std::array<std::string_view, 4> kKnown{kCoreNamespace, "http://schemas.microsoft.com/3dmanufacturing/material/2015/02",
-                                                   "http://schemas.microsoft.com/3dmanufacturing/production/2015/06",
-                                                   "http://schemas.microsoft.com/3dmanufacturing/trianglesets/2021/07"};
+  constexpr std::array<std::string_view, 4> kKnown{
+      kCoreNamespace, "http://schemas.microsoft.com/3dmanufacturing/material/2015/02",
+      "http://schemas.microsoft.com/3dmanufacturing/production/2015/06",
+      "http://schemas.microsoft.com/3dmanufacturing/trianglesets/2021/07"};
   std::istringstream prefixes(model.attribute("requiredextensions").value());
   for (std::string prefix; prefixes >> prefix;) {
     const std::string name = model.attribute(("xmlns:" + prefix).c_str()).value();
     if (std::ranges::find(kKnown, name) == kKnown.end()) {
-      throw unsupported(path, "needs the 3MF extension " + one_line(name.empty() ? prefix : name, 100) + ", which is not read");
+      throw unsupported(path, "needs the 3MF extension " +
+                                  one_line(name.empty() ? prefix : name, 100) +
+                                  ", which is not read");
     }
   }
 }
@@ -167,7 +184,8 @@ std::string model_part(const ZipReader& archive, const fs::path& path) {
   constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 20;
   std::string xml = archive.part(kRelationships, kMostBytes);
   const pugi::xml_document document = parsed(xml, pugi::parse_default, kRelationships, path);
-  for (const pugi::xml_node relationship : document.child("Relationships").children("Relationship")) {
+  for (const pugi::xml_node relationship :
+       document.child("Relationships").children("Relationship")) {
     if (std::string(relationship.attribute("Type").value()) == kModelType) {
       const std::string target = relationship.attribute("Target").value();
       return target.starts_with('/') ? target.substr(1) : target;
@@ -209,11 +227,13 @@ Vec3 applied(const Transform& t, const Vec3& p) {
 
 // First `inner`, then `outer`.
 Transform composed(const Transform& inner, const Transform& outer) {
-  return {turned(inner[0], outer), turned(inner[1], outer), turned(inner[2], outer), applied(outer, inner[3])};
+  return {turned(inner[0], outer), turned(inner[1], outer), turned(inner[2], outer),
+          applied(outer, inner[3])};
 }
 
 bool is_mirroring(const Transform& t) {
-  const Vec3 cross{t[1].y * t[2].z - t[1].z * t[2].y, t[1].z * t[2].x - t[1].x * t[2].z, t[1].x * t[2].y - t[1].y * t[2].x};
+  const Vec3 cross{t[1].y * t[2].z - t[1].z * t[2].y, t[1].z * t[2].x - t[1].x * t[2].z,
+                   t[1].x * t[2].y - t[1].y * t[2].x};
   return t[0].x * cross.x + t[0].y * cross.y + t[0].z * cross.z < 0;
 }
 
@@ -234,10 +254,13 @@ class ModelReader {
   // `place` names the object and says where it goes.
   void add_object(const pugi::xml_node& place, const Transform& outer, int depth) {
     constexpr int kMostDepth = 32;
-    constexpr std::size_t kMostPlaced = 1'000'000;                    // a few components can stand for any number of copies
+    constexpr std::size_t kMostPlaced =
+        1'000'000;  // a few components can stand for any number of copies
     for (const pugi::xml_attribute attribute : place.attributes()) {  // of the production extension
       if (std::string_view(attribute.name()).ends_with(":path")) {
-        throw unsupported(path_, "keeps its meshes in several parts, expected all of them in one, as the core specification has it");
+        throw unsupported(path_,
+                          "keeps its meshes in several parts, expected all of them in one, as the "
+                          "core specification has it");
       }
     }
     const std::string id = place.attribute("objectid").value();
@@ -246,13 +269,15 @@ class ModelReader {
       throw bad_file(path_, "has no object " + one_line(id, 40) + ", which it uses");
     }
     if (depth > kMostDepth || ++placed_ > kMostPlaced) {
-      throw bad_file(path_, depth > kMostDepth ? "its objects are nested too deeply" : "its objects are used too often");
+      throw bad_file(path_, depth > kMostDepth ? "its objects are nested too deeply"
+                                               : "its objects are used too often");
     }
     const Transform transform = composed(transform_of(place), outer);
     if (const pugi::xml_node mesh = object->second.child("mesh")) {
       add_mesh(mesh, transform);
     }
-    for (const pugi::xml_node component : object->second.child("components").children("component")) {
+    for (const pugi::xml_node component :
+         object->second.child("components").children("component")) {
       add_object(component, transform, depth + 1);
     }
   }
@@ -266,7 +291,8 @@ class ModelReader {
     Transform transform{};
     for (Vec3& row : transform) {
       if (!take_number(text, row.x) || !take_number(text, row.y) || !take_number(text, row.z)) {
-        throw bad_file(path_, "has a transform '" + one_line(attribute.value(), 80) + "', expected twelve numbers");
+        throw bad_file(path_, "has a transform '" + one_line(attribute.value(), 80) +
+                                  "', expected twelve numbers");
       }
     }
     return transform;
@@ -281,7 +307,8 @@ class ModelReader {
     const bool is_mirrored = is_mirroring(transform);
     for (const pugi::xml_node triangle : mesh.child("triangles").children("triangle")) {
       const std::size_t count = mesh_.positions.size() - first;
-      Triangle t{corner(triangle, "v1", first, count), corner(triangle, "v2", first, count), corner(triangle, "v3", first, count)};
+      Triangle t{corner(triangle, "v1", first, count), corner(triangle, "v2", first, count),
+                 corner(triangle, "v3", first, count)};
       if (is_mirrored) {
         std::swap(t[1], t[2]);
       }
@@ -293,23 +320,27 @@ class ModelReader {
   double coordinate(const pugi::xml_node& vertex, const char* name) const {
     double value = 0;
     if (!take_only_number(vertex.attribute(name).value(), value)) {
-      throw bad_file(path_, std::string("the ") + name + " coordinate of a vertex is '" + one_line(vertex.attribute(name).value(), 40) +
+      throw bad_file(path_, std::string("the ") + name + " coordinate of a vertex is '" +
+                                one_line(vertex.attribute(name).value(), 40) +
                                 "', expected a number");
     }
     return value;
   }
 
-  std::uint32_t corner(const pugi::xml_node& triangle, const char* name, std::size_t first, std::size_t count) const {
+  std::uint32_t corner(const pugi::xml_node& triangle, const char* name, std::size_t first,
+                       std::size_t count) const {
     std::uint32_t value = 0;
     if (!take_only_number(triangle.attribute(name).value(), value) || value >= count) {
-      throw bad_file(path_, std::string("a triangle has the corner ") + name + "='" + one_line(triangle.attribute(name).value(), 40) +
+      throw bad_file(path_, std::string("a triangle has the corner ") + name + "='" +
+                                one_line(triangle.attribute(name).value(), 40) +
                                 "', expected one of " + std::to_string(count) + " vertices");
     }
     return vertex_index(static_cast<std::int64_t>(first + value));
   }
 
   void require_memory() const {
-    const std::uint64_t bytes = mesh_.positions.size() * sizeof(Vec3) + mesh_.triangles.size() * sizeof(Triangle);
+    const std::uint64_t bytes =
+        mesh_.positions.size() * sizeof(Vec3) + mesh_.triangles.size() * sizeof(Triangle);
     if (bytes > most_bytes_ || mesh_.positions.size() >= kIndexOutOfRange) {
       throw out_of_memory(path_, bytes);
     }
@@ -325,7 +356,8 @@ class ModelReader {
 }  // namespace
 
 TriangleMesh read_3mf(const fs::path& path) {
-  constexpr std::uint64_t kTreePerByte = 20;  // the tree of "<a/>" takes so many times the memory of its text
+  constexpr std::uint64_t kTreePerByte =
+      20;  // the tree of "<a/>" takes so many times the memory of its text
   const ZipReader archive(path);
   const std::string part = model_part(archive, path);
   std::string xml = archive.part(part, default_memory_limit() / kTreePerByte);
@@ -349,8 +381,11 @@ MeshFileInfo info_in_3mf(const fs::path& path) {
   const pugi::xml_node model = model_in(document);
   MeshFileInfo info;
   const std::string unit = model.attribute("unit").value();
-  const auto found = std::ranges::find(kUnits, unit, [](const auto& entry) { return std::string_view(entry.first); });
-  info.unit = unit.empty() ? LengthUnit::millimetre : found == kUnits.end() ? LengthUnit::unknown : found->second;
+  const auto found = std::ranges::find(
+      kUnits, unit, [](const auto& entry) { return std::string_view(entry.first); });
+  info.unit = unit.empty()            ? LengthUnit::millimetre
+              : found == kUnits.end() ? LengthUnit::unknown
+                                      : found->second;
   for (const pugi::xml_node metadata : model.children("metadata")) {
     const std::string name = metadata.attribute("name").value();
     if (name == kSpaceName) {
@@ -363,8 +398,10 @@ MeshFileInfo info_in_3mf(const fs::path& path) {
 }
 
 void write_3mf(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file) {
-  const std::string bytes = zip_bytes(
-      {{kContentTypes, content_types_xml()}, {kRelationships, relationships_xml()}, {kModel, model_xml(mesh, info)}}, file.destination());
+  const std::string bytes = zip_bytes({{kContentTypes, content_types_xml()},
+                                       {kRelationships, relationships_xml()},
+                                       {kModel, model_xml(mesh, info)}},
+                                      file.destination());
   file.stream().write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// GIfTI 1.0, the surface format of neuroimaging: an XML file with an array of points and one of triangles. Each array is text,
-// or base64 of its bytes, or base64 of its bytes compressed by zlib.
+// GIfTI 1.0, the surface format of neuroimaging: an XML file with an array of points and one of
+// triangles. Each array is text, or base64 of its bytes, or base64 of its bytes compressed by zlib.
 #include <zlib.h>
 
 #include <algorithm>
@@ -34,40 +34,48 @@ constexpr const char* kSpace = "SPACE";  // 3D Slicer's word for it, as in our o
 constexpr const char* kDescription = "Description";
 constexpr const char* kUnknownSpace = "unknown";
 
-// ------------------------------------------------------------------------------------------------------------- out
+// -------------------------------------------------------------------------------------------------------------
+// out
 
 std::string metadata_xml(const std::vector<std::pair<const char*, std::string>>& entries) {
   std::string xml = "<MetaData>\n";
   for (const auto& [name, value] : entries) {
     if (!value.empty()) {
-      xml += std::string("<MD><Name>") + name + "</Name><Value>" + xml_text(value) + "</Value></MD>\n";
+      xml +=
+          std::string("<MD><Name>") + name + "</Name><Value>" + xml_text(value) + "</Value></MD>\n";
     }
   }
   return xml + "</MetaData>\n";
 }
 
 template <class Row>
-std::string array_xml(const char* intent, const char* type, const std::vector<Row>& rows, const std::string& about, const fs::path& path) {
+std::string array_xml(const char* intent, const char* type, const std::vector<Row>& rows,
+                      const std::string& about, const fs::path& path) {
   uLongf packed_bytes = compressBound(rows.size() * sizeof(Row));
   std::string packed(packed_bytes, '\0');
-  if (compress2(reinterpret_cast<Bytef*>(packed.data()), &packed_bytes, reinterpret_cast<const Bytef*>(rows.data()),
-                rows.size() * sizeof(Row), Z_DEFAULT_COMPRESSION) != Z_OK) {
+  if (compress2(reinterpret_cast<Bytef*>(packed.data()), &packed_bytes,
+                reinterpret_cast<const Bytef*>(rows.data()), rows.size() * sizeof(Row),
+                Z_DEFAULT_COMPRESSION) != Z_OK) {
     throw bad_file(path, "cannot be written: zlib cannot compress its arrays");
   }
   packed.resize(packed_bytes);
-  return std::string("<DataArray Intent=\"") + intent + "\" DataType=\"" + type + "\" ArrayIndexingOrder=\"RowMajorOrder\" " +
-         "Dimensionality=\"2\" Dim0=\"" + std::to_string(rows.size()) + "\" Dim1=\"3\" Encoding=\"GZipBase64Binary\" " +
-         "Endian=\"LittleEndian\" ExternalFileName=\"\" ExternalFileOffset=\"\">\n" + about + "<Data>" + to_base64(packed) +
-         "</Data>\n</DataArray>\n";
+  return std::string("<DataArray Intent=\"") + intent + "\" DataType=\"" + type +
+         "\" ArrayIndexingOrder=\"RowMajorOrder\" " + "Dimensionality=\"2\" Dim0=\"" +
+         std::to_string(rows.size()) + "\" Dim1=\"3\" Encoding=\"GZipBase64Binary\" " +
+         "Endian=\"LittleEndian\" ExternalFileName=\"\" ExternalFileOffset=\"\">\n" + about +
+         "<Data>" + to_base64(packed) + "</Data>\n</DataArray>\n";
 }
 
 std::string coordinate_system_xml(const MeshFileInfo& info) {
   const char* space = info.space == "RAS" ? "NIFTI_XFORM_SCANNER_ANAT" : "NIFTI_XFORM_UNKNOWN";
-  return std::string("<CoordinateSystemTransformMatrix>\n<DataSpace>") + space + "</DataSpace>\n<TransformedSpace>" + space +
-         "</TransformedSpace>\n<MatrixData>\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n</MatrixData>\n</CoordinateSystemTransformMatrix>\n";
+  return std::string("<CoordinateSystemTransformMatrix>\n<DataSpace>") + space +
+         "</DataSpace>\n<TransformedSpace>" + space +
+         "</TransformedSpace>\n<MatrixData>\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 "
+         "1\n</MatrixData>\n</CoordinateSystemTransformMatrix>\n";
 }
 
-// -------------------------------------------------------------------------------------------------------------- in
+// --------------------------------------------------------------------------------------------------------------
+// in
 
 struct ElementType {
   std::string_view name;
@@ -82,21 +90,25 @@ double value_of(const char* bytes) {
   return static_cast<double>(value);
 }
 
-constexpr std::array kTypes{
-    ElementType{"NIFTI_TYPE_FLOAT32", 4, value_of<float>},      ElementType{"NIFTI_TYPE_FLOAT64", 8, value_of<double>},
-    ElementType{"NIFTI_TYPE_UINT8", 1, value_of<std::uint8_t>}, ElementType{"NIFTI_TYPE_INT16", 2, value_of<std::int16_t>},
-    ElementType{"NIFTI_TYPE_INT32", 4, value_of<std::int32_t>}, ElementType{"NIFTI_TYPE_UINT32", 4, value_of<std::uint32_t>},
-    ElementType{"NIFTI_TYPE_INT64", 8, value_of<std::int64_t>}};
+constexpr std::array kTypes{ElementType{"NIFTI_TYPE_FLOAT32", 4, value_of<float>},
+                            ElementType{"NIFTI_TYPE_FLOAT64", 8, value_of<double>},
+                            ElementType{"NIFTI_TYPE_UINT8", 1, value_of<std::uint8_t>},
+                            ElementType{"NIFTI_TYPE_INT16", 2, value_of<std::int16_t>},
+                            ElementType{"NIFTI_TYPE_INT32", 4, value_of<std::int32_t>},
+                            ElementType{"NIFTI_TYPE_UINT32", 4, value_of<std::uint32_t>},
+                            ElementType{"NIFTI_TYPE_INT64", 8, value_of<std::int64_t>}};
 
 // One <DataArray> of rows of three numbers.
 class ArrayReader {
  public:
-  ArrayReader(const pugi::xml_node& array, const std::string& name, const fs::path& path) : array_(array), name_(name), path_(path) {}
+  ArrayReader(const pugi::xml_node& array, const std::string& name, const fs::path& path)
+      : array_(array), name_(name), path_(path) {}
 
   std::vector<Vec3> rows() const {
     const std::uint64_t count = row_count();
     const std::string encoding = attribute("Encoding");
-    const std::vector<double> values = encoding == "ASCII" ? numbers_in_text(3 * count) : numbers_in_bytes(3 * count, encoding);
+    const std::vector<double> values =
+        encoding == "ASCII" ? numbers_in_text(3 * count) : numbers_in_bytes(3 * count, encoding);
     const bool by_rows = attribute("ArrayIndexingOrder") != "ColumnMajorOrder";
     std::vector<Vec3> result(count);
     for (std::size_t i = 0; i < count; ++i) {
@@ -110,14 +122,18 @@ class ArrayReader {
  private:
   std::string attribute(const char* key) const { return array_.attribute(key).value(); }
 
-  Error error(const std::string& what) const { return bad_file(path_, "its array of " + name_ + " " + what); }
+  Error error(const std::string& what) const {
+    return bad_file(path_, "its array of " + name_ + " " + what);
+  }
 
   std::uint64_t row_count() const {
     const std::string text = attribute("Dim0");
     std::uint64_t count = 0;
-    if (attribute("Dimensionality") != "2" || attribute("Dim1") != "3" || !parse_number(text, count)) {
-      throw error("is " + one_line(attribute("Dimensionality"), 20) + "-dimensional with Dim0=\"" + one_line(text, 20) + "\" and Dim1=\"" +
-                  one_line(attribute("Dim1"), 20) + "\", expected rows of 3");
+    if (attribute("Dimensionality") != "2" || attribute("Dim1") != "3" ||
+        !parse_number(text, count)) {
+      throw error("is " + one_line(attribute("Dimensionality"), 20) + "-dimensional with Dim0=\"" +
+                  one_line(text, 20) + "\" and Dim1=\"" + one_line(attribute("Dim1"), 20) +
+                  "\", expected rows of 3");
     }
     constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
     if (count > kMost) {
@@ -137,13 +153,15 @@ class ArrayReader {
       text.remove_prefix(first == std::string_view::npos ? text.size() : first);
       const auto [end, failure] = leading_number(text, value);
       if (failure != std::errc()) {
-        throw error("has '" + one_line(text.substr(0, 20)) + "', expected " + std::to_string(count) + " numbers");
+        throw error("has '" + one_line(text.substr(0, 20)) + "', expected " +
+                    std::to_string(count) + " numbers");
       }
       text.remove_prefix(static_cast<std::size_t>(end - text.data()));
     }
-    if (const std::size_t more = text.find_first_not_of(" \t\r\n"); more != std::string_view::npos) {
-      throw error("has '" + one_line(text.substr(more, 20)) + "' behind its " + std::to_string(count) +
-                  " numbers, expected no more of them");
+    if (const std::size_t more = text.find_first_not_of(" \t\r\n");
+        more != std::string_view::npos) {
+      throw error("has '" + one_line(text.substr(more, 20)) + "' behind its " +
+                  std::to_string(count) + " numbers, expected no more of them");
     }
     return values;
   }
@@ -152,7 +170,8 @@ class ArrayReader {
     const std::string type_name = attribute("DataType");
     const auto type = std::ranges::find(kTypes, type_name, &ElementType::name);
     if (type == kTypes.end()) {
-      throw error("has the type '" + one_line(type_name, 40) + "', expected NIFTI_TYPE_FLOAT32 or NIFTI_TYPE_INT32");
+      throw error("has the type '" + one_line(type_name, 40) +
+                  "', expected NIFTI_TYPE_FLOAT32 or NIFTI_TYPE_INT32");
     }
     std::string bytes = unpacked(count * type->bytes, encoding);
     const bool is_big_endian = attribute("Endian") == "BigEndian";
@@ -170,7 +189,8 @@ class ArrayReader {
   std::string unpacked(std::uint64_t promised, const std::string& encoding) const {
     const bool is_packed = encoding == "GZipBase64Binary";
     if (!is_packed && encoding != "Base64Binary") {
-      throw unsupported(path_, "keeps its array of " + name_ + " with the encoding '" + one_line(encoding, 40) +
+      throw unsupported(path_, "keeps its array of " + name_ + " with the encoding '" +
+                                   one_line(encoding, 40) +
                                    "', expected GZipBase64Binary, Base64Binary or ASCII");
     }
     std::string bytes = from_base64(data());
@@ -179,7 +199,8 @@ class ArrayReader {
       bytes = inflated(bytes, promised);
     }
     if (bytes.size() != promised) {
-      throw error("is cut off or damaged: " + std::to_string(promised) + " bytes were promised, there are " + std::to_string(bytes.size()));
+      throw error("is cut off or damaged: " + std::to_string(promised) +
+                  " bytes were promised, there are " + std::to_string(bytes.size()));
     }
     return bytes;
   }
@@ -235,7 +256,8 @@ pugi::xml_document parsed(std::string& xml, const fs::path& path) {
   return document;
 }
 
-pugi::xml_node only_array(const pugi::xml_node& gifti, const char* intent, const std::string& name, const fs::path& path) {
+pugi::xml_node only_array(const pugi::xml_node& gifti, const char* intent, const std::string& name,
+                          const fs::path& path) {
   pugi::xml_node found;
   for (const pugi::xml_node array : gifti.children("DataArray")) {
     if (std::string_view(array.attribute("Intent").value()) != intent) {
@@ -254,7 +276,8 @@ pugi::xml_node only_array(const pugi::xml_node& gifti, const char* intent, const
 
 // Whole numbers in range are kept, all else becomes an index that no mesh has.
 std::uint32_t corner(double value) {
-  return value >= 0 && value < kIndexOutOfRange && value == static_cast<double>(static_cast<std::uint32_t>(value))
+  return value >= 0 && value < kIndexOutOfRange &&
+                 value == static_cast<double>(static_cast<std::uint32_t>(value))
              ? static_cast<std::uint32_t>(value)
              : kIndexOutOfRange;
 }
@@ -268,7 +291,8 @@ TriangleMesh read_gii(const fs::path& path) {
   const pugi::xml_node gifti = document.child("GIFTI");
   TriangleMesh mesh;
   mesh.positions = ArrayReader(only_array(gifti, kPoints, "points", path), "points", path).rows();
-  for (const Vec3& row : ArrayReader(only_array(gifti, kTriangles, "triangles", path), "triangles", path).rows()) {
+  for (const Vec3& row :
+       ArrayReader(only_array(gifti, kTriangles, "triangles", path), "triangles", path).rows()) {
     mesh.triangles.push_back({corner(row.x), corner(row.y), corner(row.z)});
   }
   return mesh;
@@ -277,7 +301,8 @@ TriangleMesh read_gii(const fs::path& path) {
 MeshFileInfo info_in_gii(const fs::path& path) {
   std::string xml = file_contents(path);
   const pugi::xml_document document = parsed(xml, path);
-  MeshFileInfo info{.space = "RAS", .comment = "", .unit = LengthUnit::millimetre};  // what GIfTI is agreed to be
+  MeshFileInfo info{
+      .space = "RAS", .comment = "", .unit = LengthUnit::millimetre};  // what GIfTI is agreed to be
   for (const pugi::xml_node entry : document.child("GIFTI").child("MetaData").children("MD")) {
     const std::string name = entry.child("Name").child_value();
     if (name == kSpace) {
@@ -304,16 +329,22 @@ void write_gii(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& f
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
     points.push_back(rounded(mesh.positions[v], v, file.destination()));
   }
-  file.stream() << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-                   "<!DOCTYPE GIFTI SYSTEM \"http://www.nitrc.org/frs/download.php/115/gifti.dtd\">\n"
-                   "<GIFTI Version=\"1.0\" NumberOfDataArrays=\"2\">\n"
-                << metadata_xml({{kDescription, info.comment}, {kSpace, info.space.empty() ? kUnknownSpace : info.space}})
-                << "<LabelTable/>\n"
-                << array_xml(kPoints, "NIFTI_TYPE_FLOAT32", points,
-                             metadata_xml({{"GeometricType", "Reconstruction"}}) + coordinate_system_xml(info), file.destination())
-                << array_xml(kTriangles, "NIFTI_TYPE_INT32", mesh.triangles,
-                             metadata_xml({{"TopologicalType", is_closed_manifold(mesh) ? "Closed" : "Open"}}), file.destination())
-                << "</GIFTI>\n";
+  file.stream()
+      << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+         "<!DOCTYPE GIFTI SYSTEM \"http://www.nitrc.org/frs/download.php/115/gifti.dtd\">\n"
+         "<GIFTI Version=\"1.0\" NumberOfDataArrays=\"2\">\n"
+      << metadata_xml({{kDescription, info.comment},
+                       {kSpace, info.space.empty() ? kUnknownSpace : info.space}})
+      << "<LabelTable/>\n"
+      << array_xml(
+             kPoints, "NIFTI_TYPE_FLOAT32", points,
+             metadata_xml({{"GeometricType", "Reconstruction"}}) + coordinate_system_xml(info),
+             file.destination())
+      << array_xml(
+             kTriangles, "NIFTI_TYPE_INT32", mesh.triangles,
+             metadata_xml({{"TopologicalType", is_closed_manifold(mesh) ? "Closed" : "Open"}}),
+             file.destination())
+      << "</GIFTI>\n";
 }
 
 }  // namespace isoatlas::detail::io

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Wavefront OBJ: `v` and `f` lines; the rest (normals, texture, groups, materials) is passed over.
 //
-// Not through vtkOBJReader: it stores float positions and, where a file has normals or texture coordinates, makes a
-// vertex of its own for every corner, which tears the mesh into loose triangles.
+// Not through vtkOBJReader: it stores float positions and, where a file has normals or texture
+// coordinates, makes a vertex of its own for every corner, which tears the mesh into loose
+// triangles.
 #include <string>
 
 #include "files/file_error.h"
@@ -15,7 +16,8 @@ namespace isoatlas::detail::io {
 
 namespace {
 
-// The next word of a statement, which a backslash at the end of a line continues in the next; empty at its end.
+// The next word of a statement, which a backslash at the end of a line continues in the next; empty
+// at its end.
 std::string_view word_of_statement(TextScanner& scanner) {
   for (;;) {
     std::string_view word = scanner.word();
@@ -43,7 +45,8 @@ TriangleMesh read_obj(const std::filesystem::path& path) {
   std::vector<std::uint32_t> corners;
   // "7", "7/1", "7/1/2" or "7//2": the position comes first
   const auto corner_of = [&](std::string_view corner) {
-    const std::int64_t index = scanner.to_integer(corner.substr(0, corner.find('/')), "a vertex number");
+    const std::int64_t index =
+        scanner.to_integer(corner.substr(0, corner.find('/')), "a vertex number");
     if (index == 0) {
       throw scanner.error("vertex number 0, but vertices are numbered from 1");
     }
@@ -53,17 +56,22 @@ TriangleMesh read_obj(const std::filesystem::path& path) {
   while (scanner.next_line()) {
     const std::string_view keyword = scanner.word();
     if (keyword == "v") {
-      const double x = scanner.to_number(word_of_statement(scanner), "the x coordinate of a vertex");
-      const double y = scanner.to_number(word_of_statement(scanner), "the y coordinate of a vertex");
-      const double z = scanner.to_number(word_of_statement(scanner), "the z coordinate of a vertex");
+      const double x =
+          scanner.to_number(word_of_statement(scanner), "the x coordinate of a vertex");
+      const double y =
+          scanner.to_number(word_of_statement(scanner), "the y coordinate of a vertex");
+      const double z =
+          scanner.to_number(word_of_statement(scanner), "the z coordinate of a vertex");
       mesh.positions.push_back({x, y, z});
     } else if (keyword == "f") {
       corners.clear();
-      for (std::string_view corner = word_of_statement(scanner); !corner.empty(); corner = word_of_statement(scanner)) {
+      for (std::string_view corner = word_of_statement(scanner); !corner.empty();
+           corner = word_of_statement(scanner)) {
         corners.push_back(corner_of(corner));
       }
       if (corners.size() < 3) {
-        throw scanner.error("a face with " + std::to_string(corners.size()) + " corners, expected at least 3");
+        throw scanner.error("a face with " + std::to_string(corners.size()) +
+                            " corners, expected at least 3");
       }
       polygons.append(corners);
     }
@@ -74,7 +82,8 @@ TriangleMesh read_obj(const std::filesystem::path& path) {
 
 void write_obj(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file) {
   OutputBuffer out(file.stream());
-  for (const std::string& comment : {info.comment, info.space.empty() ? "" : "SPACE=" + info.space}) {
+  for (const std::string& comment :
+       {info.comment, info.space.empty() ? "" : "SPACE=" + info.space}) {
     if (!comment.empty()) {
       out.text("# " + comment + "\n");
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Object File Format, ascii: "OFF", then the numbers of vertices, faces and edges, then one line each. Variants with
-// colours or normals (COFF, NOFF, ...) keep the position first in the line, the rest of which is passed over.
+// Object File Format, ascii: "OFF", then the numbers of vertices, faces and edges, then one line
+// each. Variants with colours or normals (COFF, NOFF, ...) keep the position first in the line, the
+// rest of which is passed over.
 #include <algorithm>
 #include <array>
 #include <string>
@@ -31,8 +32,9 @@ TriangleMesh read_off(const std::filesystem::path& path) {
   const std::string text = file_contents(path);
   TextScanner scanner(text, path);
   const std::string_view keyword = first_word_of_next_line(scanner);
-  constexpr std::array<std::string_view, 11> kKnown{"OFF",    "COFF",    "NOFF",  "STOFF",  "CNOFF",  "STCOFF",
-                                                    "STNOFF", "STCNOFF", "NCOFF", "NSTOFF", "NCSTOFF"};
+  constexpr std::array<std::string_view, 11> kKnown{"OFF",   "COFF",   "NOFF",   "STOFF",
+                                                    "CNOFF", "STCOFF", "STNOFF", "STCNOFF",
+                                                    "NCOFF", "NSTOFF", "NCSTOFF"};
   if (std::ranges::find(kKnown, keyword) == kKnown.end()) {
     throw scanner.error("found '" + one_line(keyword, 40) + "', expected OFF");
   }
@@ -48,8 +50,8 @@ TriangleMesh read_off(const std::filesystem::path& path) {
   // "0 0 0\n" and "0\n" are the shortest lines
   const auto remaining = static_cast<std::int64_t>(scanner.remaining()) + 1;
   if (vertices < 0 || faces < 0 || vertices > remaining / 6 || faces > remaining / 2) {
-    throw scanner.error("promises " + std::to_string(vertices) + " vertices and " + std::to_string(faces) +
-                        " faces, the file is too short for them");
+    throw scanner.error("promises " + std::to_string(vertices) + " vertices and " +
+                        std::to_string(faces) + " faces, the file is too short for them");
   }
 
   TriangleMesh mesh;
@@ -57,14 +59,16 @@ TriangleMesh read_off(const std::filesystem::path& path) {
   mesh.positions.reserve(static_cast<std::size_t>(vertices));
   mesh.triangles.reserve(static_cast<std::size_t>(faces));
   for (std::int64_t v = 0; v < vertices; ++v) {
-    const double x = scanner.to_number(first_word_of_next_line(scanner), "the x coordinate of a vertex");
+    const double x =
+        scanner.to_number(first_word_of_next_line(scanner), "the x coordinate of a vertex");
     const double y = scanner.number("the y coordinate of a vertex");
     const double z = scanner.number("the z coordinate of a vertex");
     mesh.positions.push_back({x, y, z});
   }
   std::vector<std::uint32_t> corners;
   for (std::int64_t f = 0; f < faces; ++f) {
-    const std::int64_t count = scanner.to_integer(first_word_of_next_line(scanner), "the number of corners of a face");
+    const std::int64_t count =
+        scanner.to_integer(first_word_of_next_line(scanner), "the number of corners of a face");
     if (count < 0) {
       throw scanner.error("a face with " + std::to_string(count) + " corners");
     }
@@ -81,7 +85,8 @@ TriangleMesh read_off(const std::filesystem::path& path) {
 void write_off(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file) {
   OutputBuffer out(file.stream());
   out.text("OFF\n");
-  for (const std::string& comment : {info.comment, info.space.empty() ? "" : "SPACE=" + info.space}) {
+  for (const std::string& comment :
+       {info.comment, info.space.empty() ? "" : "SPACE=" + info.space}) {
     if (!comment.empty()) {
       out.text("# " + comment + "\n");
     }

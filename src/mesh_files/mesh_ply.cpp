@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stanford PLY. Written binary little endian with double positions; read in all three encodings.
 //
-// Not through VTK: its PLY reader and writer keep float positions, so scanner coordinates some 1000 mm from the origin
-// lose all but 0.0001 mm and two vertices of a small triangle can become one.
+// Not through VTK: its PLY reader and writer keep float positions, so scanner coordinates some 1000
+// mm from the origin lose all but 0.0001 mm and two vertices of a small triangle can become one.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -47,8 +47,9 @@ PlyType ply_type(const TextScanner& scanner, std::string_view word) {
     PlyType type;
   };
   static constexpr std::array kNames{
-      Name{"char", "int8", PlyType::int8},        Name{"uchar", "uint8", PlyType::uint8},      Name{"short", "int16", PlyType::int16},
-      Name{"ushort", "uint16", PlyType::uint16},  Name{"int", "int32", PlyType::int32},        Name{"uint", "uint32", PlyType::uint32},
+      Name{"char", "int8", PlyType::int8},        Name{"uchar", "uint8", PlyType::uint8},
+      Name{"short", "int16", PlyType::int16},     Name{"ushort", "uint16", PlyType::uint16},
+      Name{"int", "int32", PlyType::int32},       Name{"uint", "uint32", PlyType::uint32},
       Name{"float", "float32", PlyType::float32}, Name{"double", "float64", PlyType::float64},
   };
   for (const Name& name : kNames) {
@@ -127,7 +128,8 @@ PlyHeader read_header(const std::string& contents, const std::filesystem::path& 
 // Values from the body, one after the other. All PLY types fit in a double exactly.
 class AsciiValues {
  public:
-  AsciiValues(std::string_view body, const std::filesystem::path& path, std::size_t lines_before) : scanner_(body, path, lines_before) {}
+  AsciiValues(std::string_view body, const std::filesystem::path& path, std::size_t lines_before)
+      : scanner_(body, path, lines_before) {}
   double next(PlyType) { return scanner_.to_number(scanner_.next_word(), "a number"); }
   // The end of the text will say it: nothing is allocated ahead.
   std::uint64_t most_values(PlyType) const { return std::numeric_limits<std::uint64_t>::max(); }
@@ -186,11 +188,13 @@ class BinaryValues {
 
 bool is_vertex_list(const PlyProperty& property) {
   return property.list_count_type &&
-         (property.name == "vertex_indices" || property.name == "vertex_index" || property.name == "vertex_indexes");
+         (property.name == "vertex_indices" || property.name == "vertex_index" ||
+          property.name == "vertex_indexes");
 }
 
 std::int64_t to_index(double value) {
-  return value >= 0 && value < 4294967295.0 && value == static_cast<double>(static_cast<std::int64_t>(value))
+  return value >= 0 && value < 4294967295.0 &&
+                 value == static_cast<double>(static_cast<std::int64_t>(value))
              ? static_cast<std::int64_t>(value)
              : -1;
 }
@@ -208,12 +212,14 @@ TriangleMesh read_body(Values& values, const PlyHeader& header, const std::files
     const bool is_face = element.name == "face";
     const PlyProperty& first = element.properties.front();
     if (element.count > values.most_values(first.list_count_type.value_or(first.type))) {
-      throw bad_file(path, "promises " + std::to_string(element.count) + " elements '" + one_line(element.name, 40) +
-                               "', the file is too short for them");
+      throw bad_file(path, "promises " + std::to_string(element.count) + " elements '" +
+                               one_line(element.name, 40) + "', the file is too short for them");
     }
     if (is_vertex) {
       for (const std::string_view axis : {"x", "y", "z"}) {
-        if (std::ranges::none_of(element.properties, [&](const PlyProperty& p) { return p.name == axis && !p.list_count_type; })) {
+        if (std::ranges::none_of(element.properties, [&](const PlyProperty& p) {
+              return p.name == axis && !p.list_count_type;
+            })) {
           throw bad_file(path, "its vertices have no " + std::string(axis) + " coordinate");
         }
       }
@@ -258,8 +264,9 @@ TriangleMesh read_body(Values& values, const PlyHeader& header, const std::files
 TriangleMesh read_ply(const std::filesystem::path& path) {
   const std::string contents = file_contents(path);
   const PlyHeader header = read_header(contents, path);
-  const bool has_strips =
-      std::ranges::any_of(header.elements, [](const PlyElement& element) { return element.name == "tristrips" && element.count > 0; });
+  const bool has_strips = std::ranges::any_of(header.elements, [](const PlyElement& element) {
+    return element.name == "tristrips" && element.count > 0;
+  });
   if (has_strips) {
     throw unsupported(path, "holds triangle strips, expected faces");
   }
@@ -273,10 +280,12 @@ TriangleMesh read_ply(const std::filesystem::path& path) {
 }
 
 void write_ply(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file) {
-  static_assert(std::endian::native == std::endian::little, "positions and indices are written as they are in memory");
+  static_assert(std::endian::native == std::endian::little,
+                "positions and indices are written as they are in memory");
   OutputBuffer out(file.stream());
   out.text("ply\nformat binary_little_endian 1.0\n");
-  for (const std::string& comment : {info.comment, info.space.empty() ? "" : "SPACE=" + info.space}) {
+  for (const std::string& comment :
+       {info.comment, info.space.empty() ? "" : "SPACE=" + info.space}) {
     if (!comment.empty()) {
       out.text("comment " + comment + "\n");
     }
@@ -286,7 +295,8 @@ void write_ply(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& f
   out.text("element face " + std::to_string(mesh.triangles.size()) + "\n");
   // Most readers expect int; indices beyond it are still exact as uint.
   const bool fits_int = mesh.positions.size() <= std::size_t{1} << 31;
-  out.text(std::string("property list uchar ") + (fits_int ? "int" : "uint") + " vertex_indices\nend_header\n");
+  out.text(std::string("property list uchar ") + (fits_int ? "int" : "uint") +
+           " vertex_indices\nend_header\n");
   for (const Vec3& p : mesh.positions) {
     out.bytes(p);
   }

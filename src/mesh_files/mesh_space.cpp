@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which space a mesh file says its coordinates are in. The way to say it is 3D Slicer's: "SPACE=RAS" in a comment or in the
-// header, in .vtp a text field of that name.
+// Which space a mesh file says its coordinates are in. The way to say it is 3D Slicer's:
+// "SPACE=RAS" in a comment or in the header, in .vtp a text field of that name.
 
 #include <algorithm>
 #include <cctype>
@@ -21,16 +21,20 @@ std::string space_in_text(const std::filesystem::path& path) {
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(file.gcount()));
   std::size_t found = text.find(kKey);
-  while (found != std::string::npos && found > 0 && std::isalnum(static_cast<unsigned char>(text[found - 1])) != 0) {
+  while (found != std::string::npos && found > 0 &&
+         std::isalnum(static_cast<unsigned char>(text[found - 1])) != 0) {
     found = text.find(kKey, found + 1);  // COLORSPACE=
   }
   if (found == std::string::npos) return {};
   const auto first = text.begin() + static_cast<std::ptrdiff_t>(found + kKey.size());
-  return {first, std::find_if_not(first, text.end(), [](unsigned char c) { return std::isalpha(c); })};
+  return {first,
+          std::find_if_not(first, text.end(), [](unsigned char c) { return std::isalpha(c); })};
 }
 
 }  // namespace
 
-MeshFileInfo info_in_text(const std::filesystem::path& path) { return {.space = space_in_text(path), .comment = ""}; }
+MeshFileInfo info_in_text(const std::filesystem::path& path) {
+  return {.space = space_in_text(path), .comment = ""};
+}
 
 }  // namespace isoatlas::detail::io

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// STL: triangles as three float positions, no indices. Whoever reads one finds the shared vertices by equal positions.
+// STL: triangles as three float positions, no indices. Whoever reads one finds the shared vertices
+// by equal positions.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -31,7 +32,8 @@ Float3 normal_of(const Vec3& a, const Vec3& b, const Vec3& c) {
   if (!std::isfinite(length) || length == 0) {
     return {0, 0, 0};  // readers then take the normal from the corners
   }
-  return {static_cast<float>(n.x / length), static_cast<float>(n.y / length), static_cast<float>(n.z / length)};
+  return {static_cast<float>(n.x / length), static_cast<float>(n.y / length),
+          static_cast<float>(n.z / length)};
 }
 
 TriangleMesh read_binary(const std::string& contents, std::uint32_t triangle_count) {
@@ -40,7 +42,9 @@ TriangleMesh read_binary(const std::string& contents, std::uint32_t triangle_cou
   PositionTable<float> table(std::size_t{3} * triangle_count);
   for (std::size_t t = 0; t < triangle_count; ++t) {
     std::array<Float3, 3> corners;
-    std::memcpy(corners.data(), contents.data() + kHeaderBytes + 4 + t * kTriangleBytes + sizeof(Float3), sizeof corners);
+    std::memcpy(corners.data(),
+                contents.data() + kHeaderBytes + 4 + t * kTriangleBytes + sizeof(Float3),
+                sizeof corners);
     Triangle triangle{};
     for (std::size_t k = 0; k < 3; ++k) {
       triangle[k] = table.number_of(corners[k]);
@@ -54,7 +58,8 @@ TriangleMesh read_binary(const std::string& contents, std::uint32_t triangle_cou
 TriangleMesh read_ascii(const std::string& contents, const std::filesystem::path& path) {
   TextScanner scanner(contents, path);
   TriangleMesh mesh;
-  PositionTable<double> table(contents.size() / 12);  // "vertex 0 0 0" is the shortest line of a corner
+  PositionTable<double> table(contents.size() /
+                              12);  // "vertex 0 0 0" is the shortest line of a corner
   std::vector<std::uint32_t> corners;
   bool is_inside_solid = false;
   bool is_inside_loop = false;
@@ -80,12 +85,14 @@ TriangleMesh read_ascii(const std::string& contents, const std::filesystem::path
       corners.push_back(table.number_of({x, y, z}));
     } else if (keyword == "endloop") {
       if (corners.size() != 3) {
-        throw scanner.error("a facet with " + std::to_string(corners.size()) + " corners, expected 3");
+        throw scanner.error("a facet with " + std::to_string(corners.size()) +
+                            " corners, expected 3");
       }
       mesh.triangles.push_back({corners[0], corners[1], corners[2]});
       is_inside_loop = false;
     } else if (!keyword.empty() && keyword != "facet" && keyword != "endfacet") {
-      throw scanner.error("found '" + one_line(keyword, 40) + "', expected a line of an ascii STL file");
+      throw scanner.error("found '" + one_line(keyword, 40) +
+                          "', expected a line of an ascii STL file");
     }
   }
   if (is_inside_solid || is_inside_loop) {
@@ -105,20 +112,23 @@ TriangleMesh read_stl(const std::filesystem::path& path) {
   if (contents.size() >= kHeaderBytes + sizeof triangle_count) {
     std::memcpy(&triangle_count, contents.data() + kHeaderBytes, sizeof triangle_count);
   }
-  const std::uint64_t binary_bytes = kHeaderBytes + sizeof triangle_count + std::uint64_t{triangle_count} * kTriangleBytes;
+  const std::uint64_t binary_bytes =
+      kHeaderBytes + sizeof triangle_count + std::uint64_t{triangle_count} * kTriangleBytes;
   if (contents.size() == binary_bytes) {
     return read_binary(contents, triangle_count);
   }
   const std::size_t first = contents.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
-  const bool is_text = contents.find('\0') == std::string::npos;  // every triangle ends in two zero bytes
+  const bool is_text =
+      contents.find('\0') == std::string::npos;  // every triangle ends in two zero bytes
   if (is_text && first != std::string::npos && lower_case(contents.substr(first, 5)) == "solid") {
     return read_ascii(contents, path);
   }
   if (contents.size() < kHeaderBytes + sizeof triangle_count) {
     throw bad_file(path, "is too short for an STL file");
   }
-  throw bad_file(path, "promises " + std::to_string(triangle_count) + " triangles, which are " + std::to_string(binary_bytes) +
-                           " bytes, but has " + std::to_string(contents.size()));
+  throw bad_file(path, "promises " + std::to_string(triangle_count) + " triangles, which are " +
+                           std::to_string(binary_bytes) + " bytes, but has " +
+                           std::to_string(contents.size()));
 }
 
 void write_stl(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file) {
@@ -126,7 +136,8 @@ void write_stl(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& f
     throw bad_file(file.destination(), "not written: more triangles than an STL file can count");
   }
   OutputBuffer out(file.stream());
-  // Never "solid" at the start: that marks an ascii file. The space comes first, the comment may be cut.
+  // Never "solid" at the start: that marks an ascii file. The space comes first, the comment may be
+  // cut.
   std::string header = info.space.empty() ? "STL" : "SPACE=" + info.space;
   header += info.comment.empty() ? "" : " " + info.comment;
   header.resize(kHeaderBytes, '\0');

@@ -13,7 +13,9 @@ namespace isoatlas::detail::io {
 /// Collects small pieces and hands them to a stream in large ones. Call flush() at the end.
 class OutputBuffer {
  public:
-  explicit OutputBuffer(std::ostream& stream) : stream_(stream) { buffer_.reserve(kCapacity + 4096); }
+  explicit OutputBuffer(std::ostream& stream) : stream_(stream) {
+    buffer_.reserve(kCapacity + 4096);
+  }
 
   void text(std::string_view text) {
     buffer_ += text;

@@ -12,7 +12,8 @@ namespace isoatlas::detail::io {
 
 namespace {
 
-// Longer ones stay fans: cutting takes the square of the number of corners, and more where it is hard.
+// Longer ones stay fans: cutting takes the square of the number of corners, and more where it is
+// hard.
 constexpr std::size_t kMostCorners = 1000;
 
 /// Twice the area of a polygon that need not be flat, along its mean normal (Newell's formula).
@@ -30,15 +31,20 @@ struct Point {
 };
 
 /// Positive where c is to the left of the way from a to b.
-double turn(Point a, Point b, Point c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
+double turn(Point a, Point b, Point c) {
+  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+}
 
 /// The polygon without the coordinate along which its normal is longest, counter-clockwise.
-std::vector<Point> flattened(std::span<const Vec3> positions, std::span<const std::uint32_t> corners, Vec3 normal) {
+std::vector<Point> flattened(std::span<const Vec3> positions,
+                             std::span<const std::uint32_t> corners, Vec3 normal) {
   const Vec3 n{std::fabs(normal.x), std::fabs(normal.y), std::fabs(normal.z)};
   std::vector<Point> points;
   for (const std::uint32_t v : corners) {
     const Vec3 p = positions[v];
-    Point point = n.x >= n.y && n.x >= n.z ? Point{p.y, p.z} : n.y >= n.z ? Point{p.z, p.x} : Point{p.x, p.y};
+    Point point = n.x >= n.y && n.x >= n.z ? Point{p.y, p.z}
+                  : n.y >= n.z             ? Point{p.z, p.x}
+                                           : Point{p.x, p.y};
     const double along = n.x >= n.y && n.x >= n.z ? normal.x : n.y >= n.z ? normal.y : normal.z;
     if (along < 0) std::swap(point.x, point.y);
     points.push_back(point);
@@ -46,7 +52,8 @@ std::vector<Point> flattened(std::span<const Vec3> positions, std::span<const st
   return points;
 }
 
-/// Cuts off one ear after the other: a corner whose triangle lies inside the polygon. None: at some step there was no ear.
+/// Cuts off one ear after the other: a corner whose triangle lies inside the polygon. None: at some
+/// step there was no ear.
 std::optional<std::vector<std::array<std::size_t, 3>>> cut_ears(std::span<const Point> points) {
   std::vector<std::size_t> left(points.size());
   for (std::size_t i = 0; i < left.size(); ++i) left[i] = i;
@@ -56,7 +63,8 @@ std::optional<std::vector<std::array<std::size_t, 3>>> cut_ears(std::span<const 
     return std::ranges::none_of(left, [&](std::size_t i) {
       if (i == a || i == b || i == c) return false;
       const Point p = points[i];
-      return turn(points[a], points[b], p) >= 0 && turn(points[b], points[c], p) >= 0 && turn(points[c], points[a], p) >= 0;
+      return turn(points[a], points[b], p) >= 0 && turn(points[b], points[c], p) >= 0 &&
+             turn(points[c], points[a], p) >= 0;
     });
   };
   while (left.size() > 3) {
@@ -86,13 +94,16 @@ void PolygonCutter::append(std::span<const std::uint32_t> corners) {
 void PolygonCutter::cut_concave() {
   const std::vector<Vec3>& positions = mesh_.positions;
   for (const Polygon& polygon : polygons_) {
-    const std::span<const std::uint32_t> corners(corners_.data() + polygon.first_corner, polygon.corner_count);
-    if (std::ranges::any_of(corners, [&](std::uint32_t v) { return v >= positions.size(); })) continue;  // read_mesh refuses it
+    const std::span<const std::uint32_t> corners(corners_.data() + polygon.first_corner,
+                                                 polygon.corner_count);
+    if (std::ranges::any_of(corners, [&](std::uint32_t v) { return v >= positions.size(); }))
+      continue;  // read_mesh refuses it
     const Vec3 normal = area_normal(positions, corners);
     bool is_sound = true;
     for (std::size_t i = 1; is_sound && i + 1 < corners.size(); ++i) {
       const Vec3 origin = positions[corners[0]];
-      is_sound = dot(normal, cross(positions[corners[i]] - origin, positions[corners[i + 1]] - origin)) >= 0;
+      is_sound = dot(normal, cross(positions[corners[i]] - origin,
+                                   positions[corners[i + 1]] - origin)) >= 0;
     }
     if (is_sound) continue;
     if (const auto cut = cut_ears(flattened(positions, corners, normal))) {

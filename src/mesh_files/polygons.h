@@ -12,13 +12,15 @@ namespace isoatlas::detail::io {
 
 constexpr std::uint32_t kIndexOutOfRange = std::numeric_limits<std::uint32_t>::max();
 
-/// An index from a file as a vertex index. What does not fit becomes kIndexOutOfRange, which no mesh has:
-/// read_mesh's check of all indices reports it.
+/// An index from a file as a vertex index. What does not fit becomes kIndexOutOfRange, which no
+/// mesh has: read_mesh's check of all indices reports it.
 inline std::uint32_t vertex_index(std::int64_t index) {
-  return index >= 0 && index < std::int64_t{kIndexOutOfRange} ? static_cast<std::uint32_t>(index) : kIndexOutOfRange;
+  return index >= 0 && index < std::int64_t{kIndexOutOfRange} ? static_cast<std::uint32_t>(index)
+                                                              : kIndexOutOfRange;
 }
 
-/// Cuts the polygons of a file into triangles. Fewer than three corners (points, lines) add nothing.
+/// Cuts the polygons of a file into triangles. Fewer than three corners (points, lines) add
+/// nothing.
 class PolygonCutter {
  public:
   explicit PolygonCutter(TriangleMesh& mesh) : mesh_(mesh) {}
@@ -26,7 +28,8 @@ class PolygonCutter {
   /// Adds a polygon as triangles around its first corner.
   void append(std::span<const std::uint32_t> corners);
 
-  /// Replaces the fans of concave polygons by triangles inside them. Call it when all positions are known.
+  /// Replaces the fans of concave polygons by triangles inside them. Call it when all positions are
+  /// known.
   void cut_concave();
 
  private:

@@ -12,16 +12,18 @@
 
 namespace isoatlas::detail::io {
 
-/// Numbers positions in the order of their first appearance; equal positions get one number. 0 and -0 are equal.
+/// Numbers positions in the order of their first appearance; equal positions get one number. 0 and
+/// -0 are equal.
 ///
-/// Floats are compared as floats, not widened to double: g++ 12 with -O2 drops both conversions of a double that is
-/// narrowed and widened again, and would tell apart what a float cannot.
+/// Floats are compared as floats, not widened to double: g++ 12 with -O2 drops both conversions of
+/// a double that is narrowed and widened again, and would tell apart what a float cannot.
 template <class Coordinate>
 class PositionTable {
  public:
   using Position = std::array<Coordinate, 3>;
 
-  explicit PositionTable(std::size_t most_positions) : slots_(std::bit_ceil(std::max<std::size_t>(16, 2 * most_positions)), kEmpty) {}
+  explicit PositionTable(std::size_t most_positions)
+      : slots_(std::bit_ceil(std::max<std::size_t>(16, 2 * most_positions)), kEmpty) {}
 
   std::uint32_t number_of(const Position& position) {
     const std::size_t mask = slots_.size() - 1;

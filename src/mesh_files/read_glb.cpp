@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Levels of detail from binary glTF, by tinygltf: nothing here is shared with the writer, whose files it certifies.
+// Levels of detail from binary glTF, by tinygltf: nothing here is shared with the writer, whose
+// files it certifies.
 #include <tiny_gltf.h>
 
 #include <algorithm>
@@ -25,7 +26,8 @@ std::uint32_t number_at(const std::string& contents, std::size_t offset) {
   return number;
 }
 
-// What tinygltf does not look at before it reads: the length in the header, and lists in lists in lists, which it descends into.
+// What tinygltf does not look at before it reads: the length in the header, and lists in lists in
+// lists, which it descends into.
 void require_container(const std::string& contents, const fs::path& path) {
   constexpr std::size_t kJsonStart = 20;
   constexpr int kMostDepth = 64;
@@ -33,7 +35,8 @@ void require_container(const std::string& contents, const fs::path& path) {
     throw bad_file(path, "is not a binary glTF file");
   }
   if (number_at(contents, 8) != contents.size()) {
-    throw bad_file(path, "promises " + std::to_string(number_at(contents, 8)) + " bytes, but has " + std::to_string(contents.size()));
+    throw bad_file(path, "promises " + std::to_string(number_at(contents, 8)) + " bytes, but has " +
+                             std::to_string(contents.size()));
   }
   if (number_at(contents, 12) > contents.size() - kJsonStart) {
     throw bad_file(path, "its JSON is cut off");
@@ -57,20 +60,26 @@ void require_container(const std::string& contents, const fs::path& path) {
   }
 }
 
-// Extensions for appearance can be ignored; extensions that move vertices or store them in another way cannot.
+// Extensions for appearance can be ignored; extensions that move vertices or store them in another
+// way cannot.
 void require_known_extensions(const std::string& contents, const fs::path& path) {
   constexpr std::size_t kJson = 20;  // after the file's and the chunk's headers
   std::uint32_t bytes = 0;
   if (contents.size() < kJson) return;  // require_container has reported it
   std::memcpy(&bytes, contents.data() + 12, sizeof bytes);
   const nlohmann::json json = nlohmann::json::parse(contents.substr(kJson, bytes), nullptr, false);
-  if (!json.is_object() || !json.contains("extensionsRequired") || !json["extensionsRequired"].is_array()) return;
+  if (!json.is_object() || !json.contains("extensionsRequired") ||
+      !json["extensionsRequired"].is_array())
+    return;
   for (const nlohmann::json& extension : json["extensionsRequired"]) {
     const std::string name = extension.is_string() ? extension.get<std::string>() : "";
-    constexpr std::array<std::string_view, 6> kKnown{"KHR_materials_", "KHR_texture_", "EXT_texture_",
-                                                     "KHR_lights_",    "MSFT_lod",     "EXT_mesh_manifold"};
-    if (std::ranges::none_of(kKnown, [&](std::string_view known) { return name.starts_with(known); })) {
-      throw unsupported(path, "needs the glTF extension " + one_line(name, 80) + ", which is not read");
+    constexpr std::array<std::string_view, 6> kKnown{"KHR_materials_", "KHR_texture_",
+                                                     "EXT_texture_",   "KHR_lights_",
+                                                     "MSFT_lod",       "EXT_mesh_manifold"};
+    if (std::ranges::none_of(kKnown,
+                             [&](std::string_view known) { return name.starts_with(known); })) {
+      throw unsupported(path,
+                        "needs the glTF extension " + one_line(name, 80) + ", which is not read");
     }
   }
 }
@@ -83,17 +92,22 @@ tinygltf::Model load(std::string contents, const fs::path& path) {
   tinygltf::FsCallbacks files{};
   files.FileExists = [](const std::string&, void*) { return false; };
   files.ExpandFilePath = [](const std::string& name, void*) { return name; };
-  files.ReadWholeFile = [](std::vector<unsigned char>*, std::string*, const std::string&, void*) { return false; };
-  files.WriteWholeFile = [](std::string*, const std::string&, const std::vector<unsigned char>&, void*) { return false; };
+  files.ReadWholeFile = [](std::vector<unsigned char>*, std::string*, const std::string&, void*) {
+    return false;
+  };
+  files.WriteWholeFile = [](std::string*, const std::string&, const std::vector<unsigned char>&,
+                            void*) { return false; };
   loader.SetFsCallbacks(files);
-  loader.SetImageLoader(
-      [](tinygltf::Image*, const int, std::string*, std::string*, int, int, const unsigned char*, int, void*) { return true; }, nullptr);
+  loader.SetImageLoader([](tinygltf::Image*, const int, std::string*, std::string*, int, int,
+                           const unsigned char*, int, void*) { return true; },
+                        nullptr);
   loader.SetStoreOriginalJSONForExtrasAndExtensions(true);
   tinygltf::Model model;
   std::string error;
   std::string warning;
   const auto size = static_cast<unsigned int>(contents.size());
-  if (!loader.LoadBinaryFromMemory(&model, &error, &warning, reinterpret_cast<const unsigned char*>(contents.data()), size)) {
+  if (!loader.LoadBinaryFromMemory(&model, &error, &warning,
+                                   reinterpret_cast<const unsigned char*>(contents.data()), size)) {
     throw bad_file(path, "is not a glTF 2.0 file: " + one_line(error));
   }
   return model;
@@ -108,10 +122,13 @@ class Reader {
     const PlacedNode place = finest_node();
     const tinygltf::Node& finest = node(place.index);
     std::vector<const tinygltf::Node*> nodes{&finest};
-    if (const auto lod = finest.extensions.find("MSFT_lod"); lod != finest.extensions.end() && lod->second.Has("ids")) {
+    if (const auto lod = finest.extensions.find("MSFT_lod");
+        lod != finest.extensions.end() && lod->second.Has("ids")) {
       const tinygltf::Value& ids = lod->second.Get("ids");
       for (std::size_t i = 0; i < ids.ArrayLen(); ++i) {
-        nodes.push_back(&node(ids.Get(static_cast<int>(i)).IsInt() ? ids.Get(static_cast<int>(i)).GetNumberAsInt() : -1));
+        nodes.push_back(&node(ids.Get(static_cast<int>(i)).IsInt()
+                                  ? ids.Get(static_cast<int>(i)).GetNumberAsInt()
+                                  : -1));
       }
     }
     std::ranges::reverse(nodes);  // the extension has the finest first
@@ -165,7 +182,8 @@ class Reader {
     Vec3 parent;  // where the node's own coordinates begin
   };
 
-  // The only node of the scene with a mesh. Cameras, lights and empty nodes may be beside and around it.
+  // The only node of the scene with a mesh. Cameras, lights and empty nodes may be beside and
+  // around it.
   PlacedNode finest_node() const {
     std::vector<PlacedNode> open, found;
     if (model_.scenes.empty()) {  // without scenes all nodes are shown
@@ -180,7 +198,8 @@ class Reader {
         if (!is_child[i]) open.push_back({static_cast<int>(i), {}});
       }
     } else {
-      for (const int root : at(model_.scenes, std::max(model_.defaultScene, 0), "scene").nodes) open.push_back({root, {}});
+      for (const int root : at(model_.scenes, std::max(model_.defaultScene, 0), "scene").nodes)
+        open.push_back({root, {}});
     }
     std::size_t visits = 0;
     while (!open.empty() && found.size() < 2) {
@@ -197,14 +216,19 @@ class Reader {
       }
     }
     if (found.size() != 1) {
-      throw unsupported(path_, found.empty() ? std::string("has a scene without a mesh")
-                                             : std::string("has a scene of several meshes, expected one mesh and its levels of detail"));
+      throw unsupported(
+          path_,
+          found.empty()
+              ? std::string("has a scene without a mesh")
+              : std::string(
+                    "has a scene of several meshes, expected one mesh and its levels of detail"));
     }
     return found.front();
   }
 
   Vec3 translation_of(const tinygltf::Node& n) const {
-    constexpr std::array<double, 16> kIdentity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};  // columns
+    constexpr std::array<double, 16> kIdentity{1, 0, 0, 0, 0, 1, 0, 0,
+                                               0, 0, 1, 0, 0, 0, 0, 1};  // columns
     const bool turns = !n.rotation.empty() && n.rotation != std::vector<double>{0, 0, 0, 1};
     const bool scales = !n.scale.empty() && n.scale != std::vector<double>{1, 1, 1};
     const bool has_matrix = n.matrix.size() == kIdentity.size();
@@ -215,13 +239,16 @@ class Reader {
       throw unsupported(path_, "has a node that is turned or scaled, expected translations only");
     }
     if (has_matrix) return {n.matrix[12], n.matrix[13], n.matrix[14]};
-    return n.translation.size() == 3 ? Vec3{n.translation[0], n.translation[1], n.translation[2]} : Vec3{};
+    return n.translation.size() == 3 ? Vec3{n.translation[0], n.translation[1], n.translation[2]}
+                                     : Vec3{};
   }
 
   // Our part of what an object says beyond glTF; null if there is none.
   nlohmann::json ours(const std::string& extras) const {
     const nlohmann::json json = nlohmann::json::parse(extras, nullptr, false);
-    return json.is_object() && json.contains("isoatlas") && json["isoatlas"].is_object() ? json["isoatlas"] : nlohmann::json();
+    return json.is_object() && json.contains("isoatlas") && json["isoatlas"].is_object()
+               ? json["isoatlas"]
+               : nlohmann::json();
   }
 
   struct Elements {
@@ -241,10 +268,12 @@ class Reader {
     const std::vector<unsigned char>& bytes = at(model_.buffers, view.buffer, "buffer").data;
     const std::size_t stride = view.byteStride == 0 ? element_bytes : view.byteStride;
     const std::size_t count = accessor.count;
-    const bool fits = view.byteOffset <= bytes.size() && view.byteLength <= bytes.size() - view.byteOffset && stride >= element_bytes &&
-                      accessor.byteOffset <= view.byteLength &&
-                      (count == 0 || (view.byteLength - accessor.byteOffset >= element_bytes &&
-                                      (count - 1) <= (view.byteLength - accessor.byteOffset - element_bytes) / stride));
+    const bool fits =
+        view.byteOffset <= bytes.size() && view.byteLength <= bytes.size() - view.byteOffset &&
+        stride >= element_bytes && accessor.byteOffset <= view.byteLength &&
+        (count == 0 ||
+         (view.byteLength - accessor.byteOffset >= element_bytes &&
+          (count - 1) <= (view.byteLength - accessor.byteOffset - element_bytes) / stride));
     if (!fits) {
       throw bad_file(path_, "promises more elements than it has");
     }
@@ -253,16 +282,18 @@ class Reader {
 
   TriangleMesh mesh_of(const tinygltf::Mesh& gltf_mesh, Vec3 translation) const {
     if (gltf_mesh.primitives.size() != 1) {
-      throw unsupported(path_, "has a mesh of " + std::to_string(gltf_mesh.primitives.size()) + " primitives, expected one");
+      throw unsupported(path_, "has a mesh of " + std::to_string(gltf_mesh.primitives.size()) +
+                                   " primitives, expected one");
     }
     const tinygltf::Primitive& primitive = gltf_mesh.primitives[0];
     const auto position = primitive.attributes.find("POSITION");
-    if ((primitive.mode != TINYGLTF_MODE_TRIANGLES && primitive.mode != -1) || position == primitive.attributes.end() ||
-        primitive.indices < 0) {
+    if ((primitive.mode != TINYGLTF_MODE_TRIANGLES && primitive.mode != -1) ||
+        position == primitive.attributes.end() || primitive.indices < 0) {
       throw unsupported(path_, "has a mesh that is no list of triangles with indices");
     }
     TriangleMesh mesh;
-    if (at(model_.accessors, position->second, "accessor").componentType != TINYGLTF_COMPONENT_TYPE_FLOAT) {
+    if (at(model_.accessors, position->second, "accessor").componentType !=
+        TINYGLTF_COMPONENT_TYPE_FLOAT) {
       throw unsupported(path_, "has positions that are not float");
     }
     const Elements positions = elements(position->second, TINYGLTF_TYPE_VEC3, 3 * sizeof(float));
@@ -279,7 +310,8 @@ class Reader {
   std::vector<float> distance_of(const tinygltf::Mesh& gltf_mesh) const {
     const auto attribute = gltf_mesh.primitives[0].attributes.find("_MAX_DISTANCE");
     if (attribute == gltf_mesh.primitives[0].attributes.end() ||
-        at(model_.accessors, attribute->second, "accessor").componentType != TINYGLTF_COMPONENT_TYPE_FLOAT) {
+        at(model_.accessors, attribute->second, "accessor").componentType !=
+            TINYGLTF_COMPONENT_TYPE_FLOAT) {
       return {};
     }
     const Elements values = elements(attribute->second, TINYGLTF_TYPE_SCALAR, sizeof(float));

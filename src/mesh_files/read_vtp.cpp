@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// VTK's XML poly data. VTK's own reader returns what was in memory where values are missing and allocates whatever
-// sizes a damaged file states, so this one reads the arrays that a mesh needs: points, polygons and strips.
+// VTK's XML poly data. VTK's own reader returns what was in memory where values are missing and
+// allocates whatever sizes a damaged file states, so this one reads the arrays that a mesh needs:
+// points, polygons and strips.
 #include <algorithm>
 #include <array>
 #include <memory>
@@ -36,29 +37,35 @@ VtkXmlHeader read_poly_data_header(const fs::path& path) {
   return header;
 }
 
-std::uint64_t count_of(const VtkXmlHeader& header, const XmlElement& element, std::string_view name, std::uint64_t otherwise) {
-  const std::vector<double> numbers = numbers_of(header, element, name, element.attribute(name) == nullptr ? 0 : 1);
+std::uint64_t count_of(const VtkXmlHeader& header, const XmlElement& element, std::string_view name,
+                       std::uint64_t otherwise) {
+  const std::vector<double> numbers =
+      numbers_of(header, element, name, element.attribute(name) == nullptr ? 0 : 1);
   if (numbers.empty()) {
     return otherwise;
   }
   const double count = numbers.front();
   constexpr double kMost = 1e15;  // below which a double is exact
-  if (!(count >= 0 && count <= kMost) || count != static_cast<double>(static_cast<std::uint64_t>(count))) {
-    throw bad_file(header.path, "its " + std::string(name) + " is '" + one_line(*element.attribute(name), 40) + "', expected a count");
+  if (!(count >= 0 && count <= kMost) ||
+      count != static_cast<double>(static_cast<std::uint64_t>(count))) {
+    throw bad_file(header.path, "its " + std::string(name) + " is '" +
+                                    one_line(*element.attribute(name), 40) + "', expected a count");
   }
   return static_cast<std::uint64_t>(count);
 }
 
 const XmlElement* named_array(const XmlElement& element, std::string_view name) {
-  const auto found = std::ranges::find_if(
-      element.children, [&](const XmlElement& child) { return child.name == "DataArray" && child.attribute_or("Name", "") == name; });
+  const auto found = std::ranges::find_if(element.children, [&](const XmlElement& child) {
+    return child.name == "DataArray" && child.attribute_or("Name", "") == name;
+  });
   return found == element.children.end() ? nullptr : &*found;
 }
 
-/// Calls `use` with each value in turn, in a type of its own. Memory grows with the values that are there, not with
-/// those that the file promises.
+/// Calls `use` with each value in turn, in a type of its own. Memory grows with the values that are
+/// there, not with those that the file promises.
 template <class Use>
-void for_each_value(const VtkXmlHeader& header, const XmlElement& array, std::uint64_t count, Use use) {
+void for_each_value(const VtkXmlHeader& header, const XmlElement& array, std::uint64_t count,
+                    Use use) {
   const std::optional<VtkType> type = vtk_xml_type(header, array);
   if (!type) {
     throw bad_file(header.path, "has an array of strings where numbers are expected");
@@ -79,19 +86,22 @@ void for_each_value(const VtkXmlHeader& header, const XmlElement& array, std::ui
   });
 }
 
-std::vector<std::int64_t> integers(const VtkXmlHeader& header, const XmlElement& array, std::uint64_t count) {
+std::vector<std::int64_t> integers(const VtkXmlHeader& header, const XmlElement& array,
+                                   std::uint64_t count) {
   std::vector<std::int64_t> all;
   for_each_value(header, array, count, [&](auto value) {
     if constexpr (std::is_integral_v<decltype(value)>) {
       all.push_back(std::in_range<std::int64_t>(value) ? static_cast<std::int64_t>(value) : -1);
     } else {
-      throw bad_file(header.path, "its vertex numbers are " + array.attribute_or("type", "") + ", expected integers");
+      throw bad_file(header.path, "its vertex numbers are " + array.attribute_or("type", "") +
+                                      ", expected integers");
     }
   });
   return all;
 }
 
-void append_points(TriangleMesh& mesh, const VtkXmlHeader& header, const XmlElement& piece, std::uint64_t count) {
+void append_points(TriangleMesh& mesh, const VtkXmlHeader& header, const XmlElement& piece,
+                   std::uint64_t count) {
   const XmlElement* const points = piece.child("Points");
   const XmlElement* const array = points == nullptr ? nullptr : points->child("DataArray");
   if (count == 0) {
@@ -100,8 +110,10 @@ void append_points(TriangleMesh& mesh, const VtkXmlHeader& header, const XmlElem
   if (array == nullptr) {
     throw bad_file(header.path, "has no array of points");
   }
-  if (const std::uint64_t components = count_of(header, *array, "NumberOfComponents", 1); components != 3) {
-    throw bad_file(header.path, "has points of " + std::to_string(components) + " coordinates, expected 3");
+  if (const std::uint64_t components = count_of(header, *array, "NumberOfComponents", 1);
+      components != 3) {
+    throw bad_file(header.path,
+                   "has points of " + std::to_string(components) + " coordinates, expected 3");
   }
   std::array<double, 3> point{};
   std::size_t coordinate = 0;
@@ -118,27 +130,32 @@ void append_points(TriangleMesh& mesh, const VtkXmlHeader& header, const XmlElem
 void append_strip(TriangleMesh& mesh, const std::vector<std::uint32_t>& corners) {
   for (std::size_t i = 2; i < corners.size(); ++i) {
     const bool is_even = i % 2 == 0;
-    mesh.triangles.push_back({corners[i - 2], corners[is_even ? i - 1 : i], corners[is_even ? i : i - 1]});
+    mesh.triangles.push_back(
+        {corners[i - 2], corners[is_even ? i - 1 : i], corners[is_even ? i : i - 1]});
   }
 }
 
-/// Cells are two arrays: all their points one after the other, and where each cell's points end among them.
+/// Cells are two arrays: all their points one after the other, and where each cell's points end
+/// among them.
 template <class AppendCell>
-void append_cells(const VtkXmlHeader& header, const XmlElement& piece, const char* kind, std::uint64_t first_point,
-                  AppendCell append_cell) {
+void append_cells(const VtkXmlHeader& header, const XmlElement& piece, const char* kind,
+                  std::uint64_t first_point, AppendCell append_cell) {
   const std::uint64_t count = count_of(header, piece, std::string("NumberOf") + kind, 0);
   if (count == 0) {
     return;
   }
   const XmlElement* const cells = piece.child(kind);
-  const XmlElement* const connectivity = cells == nullptr ? nullptr : named_array(*cells, "connectivity");
+  const XmlElement* const connectivity =
+      cells == nullptr ? nullptr : named_array(*cells, "connectivity");
   const XmlElement* const offsets = cells == nullptr ? nullptr : named_array(*cells, "offsets");
   if (connectivity == nullptr || offsets == nullptr) {
-    throw bad_file(header.path, "has no arrays 'connectivity' and 'offsets' of its " + std::string(kind));
+    throw bad_file(header.path,
+                   "has no arrays 'connectivity' and 'offsets' of its " + std::string(kind));
   }
   const std::vector<std::int64_t> ends = integers(header, *offsets, count);
   if (ends.front() < 0 || !std::ranges::is_sorted(ends)) {
-    throw bad_file(header.path, "its list of polygons is damaged: the offsets of its " + std::string(kind) + " decrease");
+    throw bad_file(header.path, "its list of polygons is damaged: the offsets of its " +
+                                    std::string(kind) + " decrease");
   }
   const auto points = integers(header, *connectivity, static_cast<std::uint64_t>(ends.back()));
   std::vector<std::uint32_t> corners;
@@ -147,17 +164,20 @@ void append_cells(const VtkXmlHeader& header, const XmlElement& piece, const cha
     corners.clear();
     for (; i < static_cast<std::size_t>(end); ++i) {
       const bool is_possible = points[i] >= 0 && points[i] < std::int64_t{kIndexOutOfRange};
-      corners.push_back(vertex_index(is_possible ? points[i] + static_cast<std::int64_t>(first_point) : -1));
+      corners.push_back(
+          vertex_index(is_possible ? points[i] + static_cast<std::int64_t>(first_point) : -1));
     }
     append_cell(corners);
   }
 }
 
-void append_distances(std::vector<float>& distance, const VtkXmlHeader& header, const XmlElement& piece, std::uint64_t count) {
+void append_distances(std::vector<float>& distance, const VtkXmlHeader& header,
+                      const XmlElement& piece, std::uint64_t count) {
   const XmlElement* const data = piece.child("PointData");
   const XmlElement* const array = data == nullptr ? nullptr : named_array(*data, kVtpDistance);
   if (array != nullptr && count_of(header, *array, "NumberOfComponents", 1) == 1) {
-    for_each_value(header, *array, count, [&](auto value) { distance.push_back(static_cast<float>(value)); });
+    for_each_value(header, *array, count,
+                   [&](auto value) { distance.push_back(static_cast<float>(value)); });
   }
 }
 
@@ -184,7 +204,8 @@ TriangleMesh read_vtp(const fs::path& path) {
   return read_vtp(path, ignored, ignored_too);
 }
 
-TriangleMesh read_vtp(const fs::path& path, std::map<std::string, std::string>& fields, std::vector<float>& distance) {
+TriangleMesh read_vtp(const fs::path& path, std::map<std::string, std::string>& fields,
+                      std::vector<float>& distance) {
   const VtkXmlHeader header = read_poly_data_header(path);
   fields = text_fields(header);
   distance.clear();
@@ -197,8 +218,10 @@ TriangleMesh read_vtp(const fs::path& path, std::map<std::string, std::string>& 
     const std::uint64_t first_point = mesh.positions.size();
     const std::uint64_t count = count_of(header, piece, "NumberOfPoints", 0);
     append_points(mesh, header, piece, count);
-    append_cells(header, piece, "Polys", first_point, [&](const auto& corners) { polygons.append(corners); });
-    append_cells(header, piece, "Strips", first_point, [&](const auto& corners) { append_strip(mesh, corners); });
+    append_cells(header, piece, "Polys", first_point,
+                 [&](const auto& corners) { polygons.append(corners); });
+    append_cells(header, piece, "Strips", first_point,
+                 [&](const auto& corners) { append_strip(mesh, corners); });
     append_distances(distance, header, piece, count);
   }
   polygons.cut_concave();

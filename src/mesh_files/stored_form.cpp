@@ -11,7 +11,8 @@ using namespace detail;
 
 namespace {
 
-/// How many of the smaller unit are one of the larger; a whole number where it is one but for rounding.
+/// How many of the smaller unit are one of the larger; a whole number where it is one but for
+/// rounding.
 double ratio(LengthUnit larger, LengthUnit smaller) {
   constexpr double kRounding = 1e-12;
   const double quotient = metres(larger) / metres(smaller);
@@ -23,7 +24,8 @@ double ratio(LengthUnit larger, LengthUnit smaller) {
 
 void convert_unit(TriangleMesh& mesh, LengthUnit from, LengthUnit to) {
   for (Vec3& p : mesh.positions) {
-    p = {io::convert_length(p.x, from, to), io::convert_length(p.y, from, to), io::convert_length(p.z, from, to)};
+    p = {io::convert_length(p.x, from, to), io::convert_length(p.y, from, to),
+         io::convert_length(p.z, from, to)};
   }
 }
 
@@ -41,22 +43,26 @@ double convert_length(double length, LengthUnit from, LengthUnit to) {
 
 bool is_closed_manifold(const TriangleMesh& mesh) {
   const MeshTopology topology = mesh_topology(mesh);
-  return topology.is_manifold() && topology.is_oriented() && topology.boundary_edges == 0 && topology.triangles > 0;
+  return topology.is_manifold() && topology.is_oriented() && topology.boundary_edges == 0 &&
+         topology.triangles > 0;
 }
 
 StoredForm form_in_3mf(const TriangleMesh& mesh, const MeshFileInfo& info) {
   StoredForm form{mesh, info, {}};
   if (info.unit == LengthUnit::unknown) {
     form.info.unit = LengthUnit::millimetre;
-    form.notes.push_back(lower_case(info.space) == "voxel" ? "a .3mf states a unit: its sample indices are read as millimetres"
-                                                           : "a .3mf states a unit: millimetres, as the volume states none");
+    form.notes.push_back(lower_case(info.space) == "voxel"
+                             ? "a .3mf states a unit: its sample indices are read as millimetres"
+                             : "a .3mf states a unit: millimetres, as the volume states none");
   } else if (info.unit == LengthUnit::angstrom || info.unit == LengthUnit::nanometre) {
     form.info.unit = LengthUnit::micrometre;
     convert_unit(form.mesh, info.unit, form.info.unit);
-    form.notes.push_back("a .3mf has no unit smaller than the micrometre: its coordinates are in micrometres");
+    form.notes.push_back(
+        "a .3mf has no unit smaller than the micrometre: its coordinates are in micrometres");
   }
   if (!is_closed_manifold(mesh)) {
-    form.notes.push_back("the mesh is open: it is a surface in the .3mf, which programs for printing may leave out");
+    form.notes.push_back(
+        "the mesh is open: it is a surface in the .3mf, which programs for printing may leave out");
   }
   return form;
 }
@@ -65,8 +71,9 @@ StoredForm form_in_gifti(const TriangleMesh& mesh, const MeshFileInfo& info) {
   StoredForm form{mesh, info, {}};
   const std::string space = lower_case(info.space);
   if (space != "lps" && space != "ras") {
-    form.notes.push_back("a .gii is expected in RAS: its coordinates are " +
-                         std::string(space == "voxel" ? "sample indices" : "as given, of an unknown space"));
+    form.notes.push_back(
+        "a .gii is expected in RAS: its coordinates are " +
+        std::string(space == "voxel" ? "sample indices" : "as given, of an unknown space"));
     return form;
   }
   form.info.space = "RAS";

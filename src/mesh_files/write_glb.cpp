@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// glTF 2.0, binary, with the levels as levels of detail: the extension MSFT_lod; closed levels have the
-// extension EXT_mesh_manifold. docs/reference/files.md draws the layout.
+// glTF 2.0, binary, with the levels as levels of detail: the extension MSFT_lod; closed levels have
+// the extension EXT_mesh_manifold. docs/reference/files.md draws the layout.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -34,10 +34,13 @@ constexpr int kElementArrayBuffer = 34963;
 std::vector<Float3> stored_normals(const TriangleMesh& mesh, const Bounds& box) {
   std::vector<Float3> normals;
   normals.reserve(mesh.positions.size());
-  for (const Vec3& normal : vertex_normals(mesh, std::max(box.longest(), std::numeric_limits<double>::min()))) {
+  for (const Vec3& normal :
+       vertex_normals(mesh, std::max(box.longest(), std::numeric_limits<double>::min()))) {
     // glTF wants unit vectors; where all cancels out any of them is as good as any other.
-    normals.push_back(normal == Vec3{} ? Float3{0, 0, 1}
-                                       : Float3{static_cast<float>(normal.x), static_cast<float>(normal.y), static_cast<float>(normal.z)});
+    normals.push_back(normal == Vec3{}
+                          ? Float3{0, 0, 1}
+                          : Float3{static_cast<float>(normal.x), static_cast<float>(normal.y),
+                                   static_cast<float>(normal.z)});
   }
   return normals;
 }
@@ -48,7 +51,9 @@ class Buffer {
   /// @return the index of the new view
   template <class Value>
   std::size_t add_view(const std::vector<Value>& values, int target) {
-    Json view = {{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", values.size() * sizeof(Value)}};
+    Json view = {{"buffer", 0},
+                 {"byteOffset", bytes_.size()},
+                 {"byteLength", values.size() * sizeof(Value)}};
     if (target == kArrayBuffer) {
       view["byteStride"] = sizeof(Value);
     }
@@ -92,7 +97,8 @@ void add_range(Json& accessor, const std::vector<Float3>& positions, std::size_t
   accessor["max"] = high;
 }
 
-std::vector<Float3> all_floats(const std::vector<Vec3>& positions, Vec3 translation, const std::filesystem::path& path) {
+std::vector<Float3> all_floats(const std::vector<Vec3>& positions, Vec3 translation,
+                               const std::filesystem::path& path) {
   std::vector<Float3> result;
   result.reserve(positions.size());
   for (std::size_t v = 0; v < positions.size(); ++v) {
@@ -101,8 +107,8 @@ std::vector<Float3> all_floats(const std::vector<Vec3>& positions, Vec3 translat
   return result;
 }
 
-// Down to which share of the screen a level is good for: until the next coarser one has as many triangles on a pixel as the finest
-// has on a full screen. The coarsest is never hidden.
+// Down to which share of the screen a level is good for: until the next coarser one has as many
+// triangles on a pixel as the finest has on a full screen. The coarsest is never hidden.
 Json screen_coverage(const std::vector<Hierarchy::Level>& levels) {
   const auto finest = static_cast<double>(std::max<std::size_t>(levels.back().triangles.size(), 1));
   Json coverage = Json::array();
@@ -115,9 +121,12 @@ Json screen_coverage(const std::vector<Hierarchy::Level>& levels) {
   return coverage;
 }
 
-// States that a mesh encloses a solid. Vertices are shared already, so the manifold has the triangles of the mesh, and nothing is merged.
+// States that a mesh encloses a solid. Vertices are shared already, so the manifold has the
+// triangles of the mesh, and nothing is merged.
 Json manifold_extension(std::size_t positions, std::size_t indices) {
-  return {{"EXT_mesh_manifold", {{"manifoldPrimitive", {{"attributes", {{"POSITION", positions}}}, {"indices", indices}, {"mode", 4}}}}}};
+  return {{"EXT_mesh_manifold",
+           {{"manifoldPrimitive",
+             {{"attributes", {{"POSITION", positions}}}, {"indices", indices}, {"mode", 4}}}}}};
 }
 
 struct Glb {
@@ -126,12 +135,17 @@ struct Glb {
 };
 
 // Of all levels, so that they fit together.
-Bounds box_of(const Hierarchy& hierarchy) { return bounds_of(hierarchy.mesh(hierarchy.levels.size() - 1).positions); }
+Bounds box_of(const Hierarchy& hierarchy) {
+  return bounds_of(hierarchy.mesh(hierarchy.levels.size() - 1).positions);
+}
 
 // A node adds it to the positions.
-Vec3 translation_of(const Hierarchy& hierarchy) { return hierarchy.float32_origin.value_or(float32_origin_of(box_of(hierarchy))); }
+Vec3 translation_of(const Hierarchy& hierarchy) {
+  return hierarchy.float32_origin.value_or(float32_origin_of(box_of(hierarchy)));
+}
 
-Glb make_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const std::filesystem::path& path) {
+Glb make_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info,
+             const std::filesystem::path& path) {
   const bool is_balanced = info.placement == Placement::balanced;
   const std::size_t level_count = hierarchy.levels.size();
   const Bounds box = box_of(hierarchy);
@@ -161,23 +175,28 @@ Glb make_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const st
     Json position = vec3_accessor(position_view, mesh.positions.size());
     add_range(position, own.empty() ? shared : own, mesh.positions.size());
     const std::size_t positions = buffer.add_accessor(std::move(position));
-    const std::size_t normals =
-        buffer.add_accessor(vec3_accessor(buffer.add_view(stored_normals(mesh, box), kArrayBuffer), mesh.positions.size()));
+    const std::size_t normals = buffer.add_accessor(vec3_accessor(
+        buffer.add_view(stored_normals(mesh, box), kArrayBuffer), mesh.positions.size()));
     Json attributes = {{"POSITION", positions}, {"NORMAL", normals}};
     if (const std::vector<float>& distance = hierarchy.levels[k].distance; !distance.empty()) {
       const std::size_t view = buffer.add_view(distance, kArrayBuffer);
-      attributes["_MAX_DISTANCE"] =
-          buffer.add_accessor({{"bufferView", view}, {"componentType", kFloat}, {"count", distance.size()}, {"type", "SCALAR"}});
+      attributes["_MAX_DISTANCE"] = buffer.add_accessor({{"bufferView", view},
+                                                         {"componentType", kFloat},
+                                                         {"count", distance.size()},
+                                                         {"type", "SCALAR"}});
     }
-    const std::size_t indices = buffer.add_accessor({{"bufferView", buffer.add_view(mesh.triangles, kElementArrayBuffer)},
-                                                     {"componentType", kUnsignedInt},
-                                                     {"count", 3 * mesh.triangles.size()},
-                                                     {"type", "SCALAR"}});
+    const std::size_t indices =
+        buffer.add_accessor({{"bufferView", buffer.add_view(mesh.triangles, kElementArrayBuffer)},
+                             {"componentType", kUnsignedInt},
+                             {"count", 3 * mesh.triangles.size()},
+                             {"type", "SCALAR"}});
 
     const std::string name = "level " + std::to_string(k);
-    Json gltf_mesh = {
-        {"name", name},
-        {"primitives", Json::array({{{"attributes", std::move(attributes)}, {"indices", indices}, {"material", 0}, {"mode", 4}}})}};
+    Json gltf_mesh = {{"name", name},
+                      {"primitives", Json::array({{{"attributes", std::move(attributes)},
+                                                   {"indices", indices},
+                                                   {"material", 0},
+                                                   {"mode", 4}}})}};
     if (is_closed_manifold(mesh)) {
       gltf_mesh["extensions"] = manifold_extension(positions, indices);
       any_closed = true;
@@ -207,8 +226,10 @@ Glb make_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const st
   if (!info.mesh.comment.empty()) {
     json["asset"]["generator"] = info.mesh.comment;
   }
-  json["asset"]["extras"] = {
-      {"isoatlas", {{"space", info.mesh.space}, {"placement", is_balanced ? "balanced" : "surface"}, {"levels", level_count}}}};
+  json["asset"]["extras"] = {{"isoatlas",
+                              {{"space", info.mesh.space},
+                               {"placement", is_balanced ? "balanced" : "surface"},
+                               {"levels", level_count}}}};
   if (any_closed) {
     json["extensionsUsed"].push_back("EXT_mesh_manifold");
   }
@@ -220,10 +241,12 @@ Glb make_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const st
   json["nodes"] = std::move(nodes);
   json["meshes"] = std::move(meshes);
   // Not glTF's default, which is a metal; both sides, because open surfaces show their back.
-  json["materials"] = Json::array(
-      {{{"name", "isosurface"},
-        {"pbrMetallicRoughness", {{"baseColorFactor", {0.8, 0.8, 0.78, 1.0}}, {"metallicFactor", 0.0}, {"roughnessFactor", 0.6}}},
-        {"doubleSided", true}}});
+  json["materials"] = Json::array({{{"name", "isosurface"},
+                                    {"pbrMetallicRoughness",
+                                     {{"baseColorFactor", {0.8, 0.8, 0.78, 1.0}},
+                                      {"metallicFactor", 0.0},
+                                      {"roughnessFactor", 0.6}}},
+                                    {"doubleSided", true}}});
   json["accessors"] = std::move(buffer.accessors());
   json["bufferViews"] = std::move(buffer.views());
   json["buffers"] = Json::array({{{"byteLength", buffer.bytes().size()}}});
@@ -233,7 +256,8 @@ Glb make_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const st
 
 }  // namespace
 
-std::vector<Vec3> positions_in_glb(const Hierarchy& hierarchy, std::size_t level, const std::filesystem::path& path) {
+std::vector<Vec3> positions_in_glb(const Hierarchy& hierarchy, std::size_t level,
+                                   const std::filesystem::path& path) {
   return all_rounded(hierarchy.mesh(level).positions, translation_of(hierarchy), path);
 }
 
@@ -246,7 +270,8 @@ double rounding_in_glb(const Hierarchy& hierarchy, const std::filesystem::path& 
   return largest;
 }
 
-StoredPositions write_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info, const std::filesystem::path& path) {
+StoredPositions write_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& info,
+                          const std::filesystem::path& path) {
   static_assert(std::endian::native == std::endian::little, "glTF is little endian");
   AtomicFile file(path);
   {
@@ -255,9 +280,11 @@ StoredPositions write_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& i
     json.resize((json.size() + 3) / 4 * 4, ' ');
     constexpr std::size_t kHeaderBytes = 12;
     constexpr std::size_t kChunkHeaderBytes = 8;
-    const std::uint64_t bytes = kHeaderBytes + 2 * kChunkHeaderBytes + json.size() + glb.binary.size();
+    const std::uint64_t bytes =
+        kHeaderBytes + 2 * kChunkHeaderBytes + json.size() + glb.binary.size();
     if (bytes > 0xFFFF'FFFFU) {
-      throw unsupported(path, "not written: a .glb holds at most 4 GiB, these levels are " + std::to_string(bytes) + " bytes");
+      throw unsupported(path, "not written: a .glb holds at most 4 GiB, these levels are " +
+                                  std::to_string(bytes) + " bytes");
     }
     OutputBuffer out(file.stream());
     out.text("glTF");
@@ -273,14 +300,18 @@ StoredPositions write_glb(const Hierarchy& hierarchy, const HierarchyFileInfo& i
     file.flush();
   }
 
-  StoredPositions stored{.single_precision = true, .space = info.mesh.space, .unit = info.mesh.unit};
+  StoredPositions stored{
+      .single_precision = true, .space = info.mesh.space, .unit = info.mesh.unit};
   if (file.is_temporary()) {
     const StoredLevels read = read_glb(file_contents(file.written_path()), path);
     if (read.meshes.size() != hierarchy.levels.size()) {
-      throw Error(ErrorCode::internal, one_line(path.string() + ": not written: read back, it has another number of levels"));
+      throw Error(
+          ErrorCode::internal,
+          one_line(path.string() + ": not written: read back, it has another number of levels"));
     }
     for (std::size_t k = 0; k < read.meshes.size(); ++k) {
-      const double rounding = require_same_mesh(hierarchy.mesh(k), read.meshes[k], false, path, "level " + std::to_string(k));
+      const double rounding = require_same_mesh(hierarchy.mesh(k), read.meshes[k], false, path,
+                                                "level " + std::to_string(k));
       stored.largest_rounding = std::max(stored.largest_rounding, rounding);
     }
     require_rounding_within(rounding_in_glb(hierarchy, path), stored.largest_rounding, path);

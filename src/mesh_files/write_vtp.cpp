@@ -37,13 +37,14 @@ class SilentWindow : public vtkOutputWindow {
       void DisplayText(const char*) override {}
 };
 
-/// Keeps VTK's messages away from the terminal while it lives. VTK's output window belongs to the whole process, hence
-/// the lock.
+/// Keeps VTK's messages away from the terminal while it lives. VTK's output window belongs to the
+/// whole process, hence the lock.
 class VtkSilence {
  public:
   VtkSilence() : lock_(mutex()) {
     vtkOutputWindow::SetInstance(vtkNew<SilentWindow>());
-    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);  // VTK reports twice: to the window and to its log
+    vtkLogger::SetStderrVerbosity(
+        vtkLogger::VERBOSITY_OFF);  // VTK reports twice: to the window and to its log
   }
   ~VtkSilence() {
     vtkLogger::SetStderrVerbosity(verbosity_);
@@ -75,11 +76,12 @@ void add_field(vtkPolyData& data, const std::string& name, const std::string& va
 }  // namespace
 
 void write_vtp(const TriangleMesh& mesh, const MeshFileInfo& info, AtomicFile& file) {
-  write_vtp(mesh, {{"SPACE", info.space}, {"COMMENT", info.comment}}, {}, file);  // SPACE is 3D Slicer's name for it
+  write_vtp(mesh, {{"SPACE", info.space}, {"COMMENT", info.comment}}, {},
+            file);  // SPACE is 3D Slicer's name for it
 }
 
-void write_vtp(const TriangleMesh& mesh, const std::map<std::string, std::string>& fields, const std::vector<float>& distance,
-               AtomicFile& file) {
+void write_vtp(const TriangleMesh& mesh, const std::map<std::string, std::string>& fields,
+               const std::vector<float>& distance, AtomicFile& file) {
   const VtkSilence silence;
   const auto vertex_count = static_cast<vtkIdType>(mesh.positions.size());
   const auto triangle_count = static_cast<vtkIdType>(mesh.triangles.size());
@@ -88,7 +90,8 @@ void write_vtp(const TriangleMesh& mesh, const std::map<std::string, std::string
   static_assert(sizeof(Vec3) == 3 * sizeof(double));
   vtkNew<vtkDoubleArray> coordinates;
   coordinates->SetNumberOfComponents(3);
-  auto* first_coordinate = const_cast<double*>(reinterpret_cast<const double*>(mesh.positions.data()));
+  auto* first_coordinate =
+      const_cast<double*>(reinterpret_cast<const double*>(mesh.positions.data()));
   coordinates->SetArray(first_coordinate, 3 * vertex_count, 1);
   vtkNew<vtkPoints> points;
   points->SetData(coordinates);
@@ -100,7 +103,8 @@ void write_vtp(const TriangleMesh& mesh, const std::map<std::string, std::string
   for (vtkIdType t = 0; t < triangle_count; ++t) {
     offsets->SetValue(t, 3 * t);
     for (int k = 0; k < 3; ++k) {
-      connectivity->SetValue(3 * t + k, mesh.triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)]);
+      connectivity->SetValue(
+          3 * t + k, mesh.triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)]);
     }
   }
   offsets->SetValue(triangle_count, 3 * triangle_count);
@@ -116,7 +120,8 @@ void write_vtp(const TriangleMesh& mesh, const std::map<std::string, std::string
   if (!distance.empty()) {
     vtkNew<vtkFloatArray> array;
     array->SetName(kVtpDistance);
-    array->SetArray(const_cast<float*>(distance.data()), static_cast<vtkIdType>(distance.size()), 1);
+    array->SetArray(const_cast<float*>(distance.data()), static_cast<vtkIdType>(distance.size()),
+                    1);
     data->GetPointData()->AddArray(array);
   }
 
@@ -129,7 +134,8 @@ void write_vtp(const TriangleMesh& mesh, const std::map<std::string, std::string
   const bool written = writer->Write() != 0;
   if (!written || writer->GetErrorCode() != vtkErrorCode::NoError) {
     throw bad_file(file.destination(),
-                   "cannot be written: VTK reports " + one_line(vtkErrorCode::GetStringFromErrorCode(writer->GetErrorCode())));
+                   "cannot be written: VTK reports " +
+                       one_line(vtkErrorCode::GetStringFromErrorCode(writer->GetErrorCode())));
   }
 }
 

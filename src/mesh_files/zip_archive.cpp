@@ -24,16 +24,20 @@ struct Source {
   throw bad_file(path, std::string("cannot be written: its archive: ") + reason);
 }
 
-// Parts are added to `archive`, which takes over what it is given once it is closed without an error.
-void add_part(zip_t* archive, const std::string& name, const std::string& content, const std::filesystem::path& path) {
+// Parts are added to `archive`, which takes over what it is given once it is closed without an
+// error.
+void add_part(zip_t* archive, const std::string& name, const std::string& content,
+              const std::filesystem::path& path) {
   zip_source_t* source = zip_source_buffer(archive, content.data(), content.size(), 0);
-  const zip_int64_t index = source == nullptr ? -1 : zip_file_add(archive, name.c_str(), source, ZIP_FL_ENC_UTF_8);
+  const zip_int64_t index =
+      source == nullptr ? -1 : zip_file_add(archive, name.c_str(), source, ZIP_FL_ENC_UTF_8);
   if (index < 0) {
     zip_source_free(source);
     fail_writing(path, zip_strerror(archive));
   }
   const auto part = static_cast<zip_uint64_t>(index);
-  if (zip_set_file_compression(archive, part, ZIP_CM_DEFLATE, 0) != 0 || zip_file_set_dostime(archive, part, kTime, kDate, 0) != 0) {
+  if (zip_set_file_compression(archive, part, ZIP_CM_DEFLATE, 0) != 0 ||
+      zip_file_set_dostime(archive, part, kTime, kDate, 0) != 0) {
     fail_writing(path, zip_strerror(archive));
   }
 }
@@ -42,7 +46,8 @@ std::string content_of(zip_source_t* source, const std::filesystem::path& path) 
   zip_stat_t stat;
   zip_stat_init(&stat);
   std::string bytes;
-  if (zip_source_stat(source, &stat) == 0 && (stat.valid & ZIP_STAT_SIZE) != 0 && zip_source_open(source) == 0) {
+  if (zip_source_stat(source, &stat) == 0 && (stat.valid & ZIP_STAT_SIZE) != 0 &&
+      zip_source_open(source) == 0) {
     bytes.resize(stat.size);
     const zip_int64_t count = zip_source_read(source, bytes.data(), bytes.size());
     zip_source_close(source);
@@ -55,11 +60,14 @@ std::string content_of(zip_source_t* source, const std::filesystem::path& path) 
 
 }  // namespace
 
-std::string zip_bytes(const std::vector<std::pair<std::string, std::string>>& parts, const std::filesystem::path& path) {
+std::string zip_bytes(const std::vector<std::pair<std::string, std::string>>& parts,
+                      const std::filesystem::path& path) {
   zip_error_t error;
   zip_error_init(&error);
   const Source source{zip_source_buffer_create(nullptr, 0, 0, &error)};
-  zip_t* archive = source.source == nullptr ? nullptr : zip_open_from_source(source.source, ZIP_CREATE | ZIP_TRUNCATE, &error);
+  zip_t* archive = source.source == nullptr
+                       ? nullptr
+                       : zip_open_from_source(source.source, ZIP_CREATE | ZIP_TRUNCATE, &error);
   if (archive == nullptr) {
     fail_writing(path, zip_error_strerror(&error));
   }
@@ -85,28 +93,33 @@ struct ZipReader::Archive {
   zip_stat_t stat(const std::string& name, const std::filesystem::path& path) const {
     zip_stat_t stat;
     zip_stat_init(&stat);
-    if (zip_stat(archive, name.c_str(), ZIP_FL_NOCASE, &stat) != 0 || (stat.valid & ZIP_STAT_SIZE) == 0) {
+    if (zip_stat(archive, name.c_str(), ZIP_FL_NOCASE, &stat) != 0 ||
+        (stat.valid & ZIP_STAT_SIZE) == 0) {
       throw bad_file(path, "has no part " + one_line(name, 80));
     }
     return stat;
   }
 
-  std::string read(const zip_stat_t& stat, std::uint64_t bytes, const std::filesystem::path& path) const {
+  std::string read(const zip_stat_t& stat, std::uint64_t bytes,
+                   const std::filesystem::path& path) const {
     zip_file_t* file = zip_fopen_index(archive, stat.index, 0);
     if (file == nullptr) {
-      throw bad_file(path, std::string("its part ") + stat.name + " cannot be read: " + zip_strerror(archive));
+      throw bad_file(
+          path, std::string("its part ") + stat.name + " cannot be read: " + zip_strerror(archive));
     }
     std::string content(bytes, '\0');
     // One byte more than there is: the checksum is compared at the end.
     zip_int64_t count = zip_fread(file, content.data(), bytes);
     char beyond = 0;
-    if (count == static_cast<zip_int64_t>(bytes) && bytes == stat.size && zip_fread(file, &beyond, 1) != 0) {
+    if (count == static_cast<zip_int64_t>(bytes) && bytes == stat.size &&
+        zip_fread(file, &beyond, 1) != 0) {
       count = -1;
     }
     const std::string reason = one_line(zip_file_strerror(file));
     zip_fclose(file);
     if (count != static_cast<zip_int64_t>(bytes)) {
-      throw bad_file(path, std::string("its part ") + stat.name + " is damaged or cut off: " + reason);
+      throw bad_file(path,
+                     std::string("its part ") + stat.name + " is damaged or cut off: " + reason);
     }
     return content;
   }
@@ -131,8 +144,8 @@ std::string ZipReader::part(const std::string& name, std::uint64_t most_bytes) c
   const zip_stat_t stat = archive_->stat(name, path_);
   constexpr std::uint64_t kMostPerStoredByte = 1100;  // deflate shrinks nothing below 1/1032
   if (stat.size / kMostPerStoredByte > readable_file_size(path_)) {
-    throw bad_file(path_,
-                   "promises " + std::to_string(stat.size) + " bytes in its part " + name + ", more than a file of its size can hold");
+    throw bad_file(path_, "promises " + std::to_string(stat.size) + " bytes in its part " + name +
+                              ", more than a file of its size can hold");
   }
   if (stat.size > most_bytes) {
     throw out_of_memory(path_, stat.size);

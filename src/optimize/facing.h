@@ -22,7 +22,8 @@ Vec3 facing(std::uint32_t triangle, Corners corners, ForEachNeighbour for_each_n
     return cross(q[1] - q[0], q[2] - q[0]);
   };
   const std::array<Vec3, 3> q = corners(triangle);
-  const double longest = std::max({squared_length(q[1] - q[0]), squared_length(q[2] - q[1]), squared_length(q[0] - q[2])});
+  const double longest = std::max(
+      {squared_length(q[1] - q[0]), squared_length(q[2] - q[1]), squared_length(q[0] - q[2])});
   const Vec3 own = area(triangle);
   if (length(own) >= kSliver * longest) return own;
   Vec3 sum;

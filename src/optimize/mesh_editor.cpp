@@ -10,12 +10,14 @@
 namespace isoatlas::detail {
 namespace {
 
-void append(std::vector<std::uint32_t>& to, std::span<const std::uint32_t> from) { to.insert(to.end(), from.begin(), from.end()); }
+void append(std::vector<std::uint32_t>& to, std::span<const std::uint32_t> from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
 
 }  // namespace
 
-MeshEditor::MeshEditor(MeasuredCovering& measured, std::vector<DualTriangle>& triangles, IntersectionTracker* tracker,
-                       const RunControl& control)
+MeshEditor::MeshEditor(MeasuredCovering& measured, std::vector<DualTriangle>& triangles,
+                       IntersectionTracker* tracker, const RunControl& control)
     : measured_(measured),
       triangles_(triangles),
       tracker_(tracker),
@@ -35,7 +37,8 @@ void MeshEditor::move(CellId c, CVertexId anchor, Vec3 displacement) {
   const CVertexId from = std::exchange(placement.anchor[c], anchor);
   occupied_[from] = 0;
   occupied_[anchor] = 1;
-  if (placement.displacement.empty() && !(displacement == Vec3{})) placement.displacement.resize(mesh().cell_count());
+  if (placement.displacement.empty() && !(displacement == Vec3{}))
+    placement.displacement.resize(mesh().cell_count());
   if (!placement.displacement.empty()) placement.displacement[c] = displacement;
   if (from != anchor) set_position(from, surface_data().complex.positions[from]);
   set_position(anchor, base_position(surface_data().complex, placement, c));
@@ -58,7 +61,8 @@ void MeshEditor::measure(std::span<const CellId> affected) {
   sort_unique_ids(edit_.vertices);
   measured_.remesh(triangles_, edit_, affected);
   control_.check_cancelled();
-  if (!placement().normal_offset.empty()) append(edit_.vertices, affected);  // balancing may have moved them
+  if (!placement().normal_offset.empty())
+    append(edit_.vertices, affected);  // balancing may have moved them
   append(changed_, edit_.triangles);
   for (const CellId c : edit_.vertices) append(changed_, mesh().triangles_of.row(c));
   append(moved_, edit_.vertices);
@@ -111,7 +115,8 @@ std::vector<std::uint32_t> MeshEditor::take_changed_triangles() {
   return std::exchange(changed_, {});
 }
 
-std::vector<CellId> MeshEditor::revert_conflicting_moves(std::span<const CellId> cells, std::span<const Vec3> before) {
+std::vector<CellId> MeshEditor::revert_conflicting_moves(std::span<const CellId> cells,
+                                                         std::span<const Vec3> before) {
   if (surface_data().adaptive_surface == nullptr || placement().displacement.empty()) return {};
   if (positions_.empty()) {
     positions_ = surface_data().complex.positions;
@@ -130,7 +135,8 @@ std::vector<CellId> MeshEditor::revert_conflicting_moves(std::span<const CellId>
   }
   if (displaced_cells.empty()) return {};
   control_.check_cancelled();
-  std::vector<CVertexId> conflicting = surface_data().adaptive_surface->find_conflicting_moves(c_vertices, start, positions_, c_vertices);
+  std::vector<CVertexId> conflicting = surface_data().adaptive_surface->find_conflicting_moves(
+      c_vertices, start, positions_, c_vertices);
   std::sort(conflicting.begin(), conflicting.end());
   std::vector<CellId> out;
   for (std::size_t k = 0; k < displaced_cells.size(); ++k) {

@@ -19,33 +19,44 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr double kOvershoot = 1.12;            // targets a little more than the goal, so that the goal is reached
-constexpr int kSteps = 8;                      // more steps do not converge either, and move vertices further, into other triangles
-constexpr double kPush = 0.6, kPull = 0.3;     // share of the missing length that is added to the shortest and taken from the longest edge
-constexpr double kSurfacePull = 0.15;          // share of the distance from the surface
-constexpr double kMaxOffset = 0.25;            // largest distance from the surface while pushing, in voxels
+constexpr double kOvershoot =
+    1.12;  // targets a little more than the goal, so that the goal is reached
+constexpr int kSteps =
+    8;  // more steps do not converge either, and move vertices further, into other triangles
+constexpr double kPush = 0.6, kPull = 0.3;  // share of the missing length that is added to the
+                                            // shortest and taken from the longest edge
+constexpr double kSurfacePull = 0.15;       // share of the distance from the surface
+constexpr double kMaxOffset = 0.25;  // largest distance from the surface while pushing, in voxels
 constexpr double kMaxFinalOffset = 0.4;        // the same after pushing and while searching
 constexpr std::array kSearchSteps{0.2, 0.05};  // voxels
 constexpr int kSearchPasses = 4;
 constexpr double kMinGain = 2e-3;
-constexpr double kSeparationWeight = 0.5;  // an edge of length 0 counts half as bad as a triangle of aspect 0
-constexpr std::size_t kPerPiece = 4096;    // triangles, of a parallel loop
-constexpr std::size_t kFewPerPiece = 64;   // vertices or triangles, each with its neighbourhood
+constexpr double kSeparationWeight =
+    0.5;  // an edge of length 0 counts half as bad as a triangle of aspect 0
+constexpr std::size_t kPerPiece = 4096;   // triangles, of a parallel loop
+constexpr std::size_t kFewPerPiece = 64;  // vertices or triangles, each with its neighbourhood
 constexpr int kNewtonSteps = 5;
 constexpr double kOnSurface = 0.02;
-constexpr double kMinVolumeShare = 0.25;   // smallest share of a component's enclosed volume that must remain
-constexpr double kClosedTolerance = 1e-9;  // of a closed surface: sum of its area vectors over its area, which is not 0 because of rounding
+constexpr double kMinVolumeShare =
+    0.25;  // smallest share of a component's enclosed volume that must remain
+constexpr double kClosedTolerance = 1e-9;  // of a closed surface: sum of its area vectors over its
+                                           // area, which is not 0 because of rounding
 
-bool has_room(const MoveBounds& r) { return r.low.x < r.high.x || r.low.y < r.high.y || r.low.z < r.high.z; }
+bool has_room(const MoveBounds& r) {
+  return r.low.x < r.high.x || r.low.y < r.high.y || r.low.z < r.high.z;
+}
 
 Vec3 clamped(Vec3 p, const MoveBounds& r) {
-  return {std::clamp(p.x, r.low.x, r.high.x), std::clamp(p.y, r.low.y, r.high.y), std::clamp(p.z, r.low.z, r.high.z)};
+  return {std::clamp(p.x, r.low.x, r.high.x), std::clamp(p.y, r.low.y, r.high.y),
+          std::clamp(p.z, r.low.z, r.high.z)};
 }
 
 class Relaxation {
  public:
-  Relaxation(std::span<Vec3> points, std::span<const Triangle> triangles, const SlackRows<std::uint32_t>& triangles_of,
-             const std::function<MoveBounds(std::uint32_t)>& bounds_of, const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal,
+  Relaxation(std::span<Vec3> points, std::span<const Triangle> triangles,
+             const SlackRows<std::uint32_t>& triangles_of,
+             const std::function<MoveBounds(std::uint32_t)>& bounds_of,
+             const InterpolatedField* field, Vec3 spacing, const RelaxGoal& goal,
              const RunControl& control, std::span<const std::uint32_t> candidates)
       : control_(control),
         poll_(control),
@@ -59,11 +70,12 @@ class Relaxation {
         triangles_of_(triangles_of) {}
 
   std::vector<std::uint32_t> run() {
-    active_ = collect_pieces<std::uint32_t>(candidates_.size(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
-      control_.check_cancelled();
-      std::ranges::copy_if(candidates_.subspan(begin, end - begin), std::back_inserter(found),
-                           [&](std::uint32_t t) { return is_badly_shaped(t); });
-    });
+    active_ = collect_pieces<std::uint32_t>(
+        candidates_.size(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+          control_.check_cancelled();
+          std::ranges::copy_if(candidates_.subspan(begin, end - begin), std::back_inserter(found),
+                               [&](std::uint32_t t) { return is_badly_shaped(t); });
+        });
     if (active_.empty()) return {};
     start_.assign(points_.begin(), points_.end());
     push_.resize(points_.size());
@@ -93,7 +105,8 @@ class Relaxation {
  private:
   std::array<double, 3> edges(std::uint32_t t) const {
     const Triangle& c = triangles_[t];
-    return {length(points_[c[1]] - points_[c[0]]), length(points_[c[2]] - points_[c[1]]), length(points_[c[0]] - points_[c[2]])};
+    return {length(points_[c[1]] - points_[c[0]]), length(points_[c[2]] - points_[c[1]]),
+            length(points_[c[0]] - points_[c[2]])};
   }
   bool is_badly_shaped(std::uint32_t t) const {
     const std::array<double, 3> e = edges(t);
@@ -102,7 +115,8 @@ class Relaxation {
   }
 
   bool has_moved_corner(std::uint32_t t) const {
-    return std::any_of(triangles_[t].begin(), triangles_[t].end(), [&](std::uint32_t v) { return !(points_[v] == start_[v]); });
+    return std::any_of(triangles_[t].begin(), triangles_[t].end(),
+                       [&](std::uint32_t v) { return !(points_[v] == start_[v]); });
   }
 
   void touch(std::uint32_t v) {
@@ -151,14 +165,17 @@ class Relaxation {
       lengthen(c[high], c[(high + 1) % 3], -kPull * missing);
     }
     for (std::size_t k = 0; k < 3; ++k) {
-      if (e[k] < goal_.separation) lengthen(c[k], c[(k + 1) % 3], kPush * (1.02 * goal_.separation - e[k]));
+      if (e[k] < goal_.separation)
+        lengthen(c[k], c[(k + 1) % 3], kPush * (1.02 * goal_.separation - e[k]));
     }
   }
 
   Vec3 pulled_to_surface(Vec3 p) const {
     if (field_ == nullptr) return p;
-    const InterpolatedField::Value f = field_->at({p.x / spacing_.x, p.y / spacing_.y, p.z / spacing_.z});
-    const Vec3 gradient{f.gradient.x / spacing_.x, f.gradient.y / spacing_.y, f.gradient.z / spacing_.z};
+    const InterpolatedField::Value f =
+        field_->at({p.x / spacing_.x, p.y / spacing_.y, p.z / spacing_.z});
+    const Vec3 gradient{f.gradient.x / spacing_.x, f.gradient.y / spacing_.y,
+                        f.gradient.z / spacing_.z};
     const double slope = length(gradient);
     const double offset = slope > 0 ? f.value / slope : 0;
     if (!std::isfinite(offset)) return p;
@@ -183,12 +200,14 @@ class Relaxation {
     }
     for (const std::uint32_t t : one_ring) seen_[t] = 0;
     pushed_.clear();
-    active_ = collect_pieces<std::uint32_t>(one_ring.size(), kFewPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
-      control_.check_cancelled();
-      for (std::size_t i = begin; i < end; ++i) {
-        if (is_below_target(one_ring[i])) found.push_back(one_ring[i]);
-      }
-    });
+    active_ = collect_pieces<std::uint32_t>(one_ring.size(), kFewPerPiece,
+                                            [&](std::size_t begin, std::size_t end, auto& found) {
+                                              control_.check_cancelled();
+                                              for (std::size_t i = begin; i < end; ++i) {
+                                                if (is_below_target(one_ring[i]))
+                                                  found.push_back(one_ring[i]);
+                                              }
+                                            });
     std::sort(active_.begin(), active_.end());
   }
   bool is_below_target(std::uint32_t t) const {
@@ -221,7 +240,9 @@ class Relaxation {
   void revert_vertices_off_surface() {
     for (const std::uint32_t v : touched_) {
       poll_.step();
-      if (!(points_[v] == start_[v]) && distance_to_surface(points_[v]) > std::max(kMaxFinalOffset, distance_to_surface(start_[v])))
+      if (!(points_[v] == start_[v]) &&
+          distance_to_surface(points_[v]) >
+              std::max(kMaxFinalOffset, distance_to_surface(start_[v])))
         points_[v] = start_[v];
     }
   }
@@ -263,20 +284,23 @@ class Relaxation {
   void search() {
     for (const double step : kSearchSteps) {
       control_.check_cancelled();
-      std::vector<std::uint32_t> vertices =
-          collect_pieces<std::uint32_t>(candidates_.size(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+      std::vector<std::uint32_t> vertices = collect_pieces<std::uint32_t>(
+          candidates_.size(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
             control_.check_cancelled();
-            for (const std::uint32_t t : candidates_.subspan(begin, end - begin)) add_corners_if_bad(t, found);
+            for (const std::uint32_t t : candidates_.subspan(begin, end - begin))
+              add_corners_if_bad(t, found);
           });
       for (const std::uint32_t t : moved_triangles()) {
         poll_.step();
         add_corners_if_bad(t, vertices);
       }
-      for (int pass = 0; pass < kSearchPasses && !vertices.empty(); ++pass) vertices = improve_in_rounds(std::move(vertices), step);
+      for (int pass = 0; pass < kSearchPasses && !vertices.empty(); ++pass)
+        vertices = improve_in_rounds(std::move(vertices), step);
     }
   }
   void add_corners_if_bad(std::uint32_t t, std::vector<std::uint32_t>& out) const {
-    if (quality(t, kNone, {}) < 1) out.insert(out.end(), triangles_[t].begin(), triangles_[t].end());
+    if (quality(t, kNone, {}) < 1)
+      out.insert(out.end(), triangles_[t].begin(), triangles_[t].end());
   }
 
   // Improves vertices with the same result as one after the other in increasing order: each vertex
@@ -287,7 +311,8 @@ class Relaxation {
     std::sort(vertices.begin(), vertices.end());
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
     std::erase_if(vertices, [&](std::uint32_t v) { return !has_room(bounds_of_(v)); });
-    std::vector<std::uint32_t> first{0, 0};  // rounds count from 1; filling `ordered` moves each entry to the end of its round
+    std::vector<std::uint32_t> first{
+        0, 0};  // rounds count from 1; filling `ordered` moves each entry to the end of its round
     for (const std::uint32_t v : vertices) {
       poll_.step();
       std::uint32_t last = 0;
@@ -302,8 +327,8 @@ class Relaxation {
     std::vector<std::uint32_t> retry;
     for (std::size_t round = 0; round + 2 < first.size(); ++round) {
       const auto own = std::span(ordered).subspan(first[round], first[round + 1] - first[round]);
-      const std::vector<std::uint32_t> found =
-          collect_pieces<std::uint32_t>(own.size(), kFewPerPiece, [&](std::size_t begin, std::size_t end, auto& out) {
+      const std::vector<std::uint32_t> found = collect_pieces<std::uint32_t>(
+          own.size(), kFewPerPiece, [&](std::size_t begin, std::size_t end, auto& out) {
             control_.check_cancelled();
             for (const std::uint32_t v : own.subspan(begin, end - begin)) {
               if (!improve(v, step)) continue;
@@ -334,17 +359,22 @@ class Relaxation {
   // Quality of a triangle with vertex v at p; 1 is good enough.
   double quality(std::uint32_t t, std::uint32_t v, Vec3 p) const {
     const Triangle& c = triangles_[t];
-    const std::array<Vec3, 3> q{c[0] == v ? p : points_[c[0]], c[1] == v ? p : points_[c[1]], c[2] == v ? p : points_[c[2]]};
-    const std::array<double, 3> e{squared_length(q[1] - q[0]), squared_length(q[2] - q[1]), squared_length(q[0] - q[2])};
+    const std::array<Vec3, 3> q{c[0] == v ? p : points_[c[0]], c[1] == v ? p : points_[c[1]],
+                                c[2] == v ? p : points_[c[2]]};
+    const std::array<double, 3> e{squared_length(q[1] - q[0]), squared_length(q[2] - q[1]),
+                                  squared_length(q[0] - q[2])};
     const auto [low, high] = std::minmax_element(e.begin(), e.end());
     const double aspect = *high > 0 ? std::sqrt(*low / *high) / (1.01 * goal_.aspect) : 0;
     if (goal_.separation == 0) return std::min(1.0, aspect);
     double closest = *low;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t o = opposite(t, k);
-      if (o != kNone && o != c[k]) closest = std::min(closest, squared_length((o == v ? p : points_[o]) - q[k]));
+      if (o != kNone && o != c[k])
+        closest = std::min(closest, squared_length((o == v ? p : points_[o]) - q[k]));
     }
-    return std::min({1.0, aspect, kSeparationWeight + (1 - kSeparationWeight) * std::sqrt(closest) / goal_.separation});
+    return std::min(
+        {1.0, aspect,
+         kSeparationWeight + (1 - kSeparationWeight) * std::sqrt(closest) / goal_.separation});
   }
   // @param bound  a result that is no better than this need not be exact
   double worst_in_ring(std::uint32_t v, Vec3 p, double bound) const {
@@ -358,7 +388,8 @@ class Relaxation {
   bool would_invert(std::uint32_t v, Vec3 p) {
     for (const std::uint32_t t : triangles_of_.row(v)) {
       const Triangle& c = triangles_[t];
-      const std::array<Vec3, 3> q{c[0] == v ? p : points_[c[0]], c[1] == v ? p : points_[c[1]], c[2] == v ? p : points_[c[2]]};
+      const std::array<Vec3, 3> q{c[0] == v ? p : points_[c[0]], c[1] == v ? p : points_[c[1]],
+                                  c[2] == v ? p : points_[c[2]]};
       if (dot(facing_at_start(t), cross(q[1] - q[0], q[2] - q[0])) < 0) return true;
     }
     return false;
@@ -369,8 +400,10 @@ class Relaxation {
     if (field_ == nullptr) return 0;
     Vec3 q = p;
     for (int step = 0; step < kNewtonSteps; ++step) {
-      const InterpolatedField::Value f = field_->at({q.x / spacing_.x, q.y / spacing_.y, q.z / spacing_.z});
-      const Vec3 gradient{f.gradient.x / spacing_.x, f.gradient.y / spacing_.y, f.gradient.z / spacing_.z};
+      const InterpolatedField::Value f =
+          field_->at({q.x / spacing_.x, q.y / spacing_.y, q.z / spacing_.z});
+      const Vec3 gradient{f.gradient.x / spacing_.x, f.gradient.y / spacing_.y,
+                          f.gradient.z / spacing_.z};
       const double slope = length(gradient);
       if (f.value == 0) return length(q - p);
       const double offset = f.value / slope;
@@ -395,7 +428,8 @@ class Relaxation {
       const Vec3 p = clamped(from + (step / l) * d, bounds_of);
       if (p == from) continue;
       const double worst = worst_in_ring(v, p, best + kMinGain);
-      if (worst <= best + kMinGain || would_invert(v, p) || distance_to_surface(p) > farthest) continue;
+      if (worst <= best + kMinGain || would_invert(v, p) || distance_to_surface(p) > farthest)
+        continue;
       best = worst;
       found = p;
     }
@@ -408,7 +442,8 @@ class Relaxation {
   // an open component has no meaning here.
   void revert_flattened_components() {
     control_.check_cancelled();
-    if (std::ranges::all_of(touched_, [&](std::uint32_t v) { return points_[v] == start_[v]; })) return;
+    if (std::ranges::all_of(touched_, [&](std::uint32_t v) { return points_[v] == start_[v]; }))
+      return;
     const auto n = static_cast<std::uint32_t>(points_.size());
     DisjointSets sets(n);
     for_each_index(triangles_.size(), kPerPiece, &control_, [&](std::size_t t) {
@@ -425,9 +460,11 @@ class Relaxation {
       poll_.step();
       const Triangle& c = triangles_[t];
       const std::uint32_t root = sets.find(c[0]);
-      const auto volume = [&](std::span<const Vec3> at) {  // relative to the first vertex, to reduce rounding
-        return dot(at[c[0]] - start_[root], cross(at[c[1]] - start_[root], at[c[2]] - start_[root]));
-      };
+      const auto volume =
+          [&](std::span<const Vec3> at) {  // relative to the first vertex, to reduce rounding
+            return dot(at[c[0]] - start_[root],
+                       cross(at[c[1]] - start_[root], at[c[2]] - start_[root]));
+          };
       Shape& shape = shapes[root];
       const Vec3 a = area(t, start_);
       shape.before += volume(start_);
@@ -438,7 +475,8 @@ class Relaxation {
     for (const std::uint32_t v : touched_) {
       const Shape& shape = shapes[sets.find(v)];
       const bool is_open = length(shape.area) > kClosedTolerance * shape.size;
-      if (!is_open && shape.after * shape.before < kMinVolumeShare * shape.before * shape.before) points_[v] = start_[v];
+      if (!is_open && shape.after * shape.before < kMinVolumeShare * shape.before * shape.before)
+        points_[v] = start_[v];
     }
   }
 
@@ -458,27 +496,37 @@ class Relaxation {
   std::vector<std::uint32_t> active_, pushed_;  // triangles, vertices
   std::vector<Vec3> push_;                      // per vertex
   std::vector<std::uint32_t> pushes_;           // per vertex
-  std::vector<std::uint32_t> touched_;          // vertices that were moved; some may have been reverted
-  std::vector<std::uint8_t> is_touched_;        // per vertex
-  std::vector<Vec3> facing_;                    // per triangle, at the start, if known
-  std::vector<std::uint8_t> is_facing_known_;   // per triangle
-  std::vector<std::uint8_t> seen_;              // per triangle
-  std::vector<std::uint32_t> round_;            // per vertex that is to be improved, its round; 0: not yet assigned, or not to be improved
+  std::vector<std::uint32_t> touched_;    // vertices that were moved; some may have been reverted
+  std::vector<std::uint8_t> is_touched_;  // per vertex
+  std::vector<Vec3> facing_;              // per triangle, at the start, if known
+  std::vector<std::uint8_t> is_facing_known_;  // per triangle
+  std::vector<std::uint8_t> seen_;             // per triangle
+  std::vector<std::uint32_t> round_;  // per vertex that is to be improved, its round; 0: not yet
+                                      // assigned, or not to be improved
 };
 
 }  // namespace
 
 MoveBounds move_bounds_of(Vec3 position, Vec3 spacing) {
-  const auto low = [](double x) { return x == std::floor(x) ? x : std::min(x, std::floor(x) + kWallMargin); };
-  const auto high = [](double x) { return x == std::floor(x) ? x : std::max(x, std::floor(x) + 1 - kWallMargin); };
+  const auto low = [](double x) {
+    return x == std::floor(x) ? x : std::min(x, std::floor(x) + kWallMargin);
+  };
+  const auto high = [](double x) {
+    return x == std::floor(x) ? x : std::max(x, std::floor(x) + 1 - kWallMargin);
+  };
   return {to_metric({low(position.x), low(position.y), low(position.z)}, spacing),
           to_metric({high(position.x), high(position.y), high(position.z)}, spacing)};
 }
 
-std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles, const SlackRows<std::uint32_t>& triangles_of,
-                                 const std::function<MoveBounds(std::uint32_t)>& bounds_of, const InterpolatedField* field, Vec3 spacing,
-                                 const RelaxGoal& goal, const RunControl& control, std::span<const std::uint32_t> candidates) {
-  return Relaxation(points, triangles, triangles_of, bounds_of, field, spacing, goal, control, candidates).run();
+std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles,
+                                 const SlackRows<std::uint32_t>& triangles_of,
+                                 const std::function<MoveBounds(std::uint32_t)>& bounds_of,
+                                 const InterpolatedField* field, Vec3 spacing,
+                                 const RelaxGoal& goal, const RunControl& control,
+                                 std::span<const std::uint32_t> candidates) {
+  return Relaxation(points, triangles, triangles_of, bounds_of, field, spacing, goal, control,
+                    candidates)
+      .run();
 }
 
 }  // namespace isoatlas::detail

@@ -27,7 +27,8 @@ MoveBounds move_bounds_of(Vec3 position, Vec3 spacing);
 struct RelaxGoal {
   double aspect = 0;      ///< smallest ratio of shortest to longest edge of a triangle
   double separation = 0;  ///< shortest edge wanted, metric
-  bool push = true;       ///< push vertices before searching for better points; without it other points are found
+  bool push = true;  ///< push vertices before searching for better points; without it other points
+                     ///< are found
 };
 
 /// Moves vertices a little, within their boxes, until triangles have a better shape: the ends of an
@@ -42,8 +43,11 @@ struct RelaxGoal {
 /// @param candidates  the triangles that may be badly shaped, sorted
 /// @return the vertices that were moved, sorted
 /// @cost   O(triangles) if any is badly shaped, plus a few dozen evaluations around these
-std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles, const SlackRows<std::uint32_t>& triangles_of,
-                                 const std::function<MoveBounds(std::uint32_t)>& bounds_of, const InterpolatedField* field, Vec3 spacing,
-                                 const RelaxGoal& goal, const RunControl& control, std::span<const std::uint32_t> candidates);
+std::vector<std::uint32_t> relax(std::span<Vec3> points, std::span<const Triangle> triangles,
+                                 const SlackRows<std::uint32_t>& triangles_of,
+                                 const std::function<MoveBounds(std::uint32_t)>& bounds_of,
+                                 const InterpolatedField* field, Vec3 spacing,
+                                 const RelaxGoal& goal, const RunControl& control,
+                                 std::span<const std::uint32_t> candidates);
 
 }  // namespace isoatlas::detail

@@ -11,10 +11,13 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr double kMinNormalCosine = 0.3;  // smallest cosine between normals before and after a change
+constexpr double kMinNormalCosine =
+    0.3;  // smallest cosine between normals before and after a change
 
 // The score required after a change.
-double required_score(double before, std::optional<double> min_gain) { return min_gain ? before + *min_gain : std::min(1.0, before); }
+double required_score(double before, std::optional<double> min_gain) {
+  return min_gain ? before + *min_gain : std::min(1.0, before);
+}
 
 Vec3 normal_of(Vec3 a, Vec3 b, Vec3 c) { return normalized(cross(b - a, c - a)); }
 
@@ -55,19 +58,26 @@ bool ShapeChanges::are_neighbours(CellId a, CellId b) const {
   });
 }
 
-void ShapeChanges::find_best_flip(std::uint32_t i, std::optional<double> min_gain, ShapeChange& best) const {
+void ShapeChanges::find_best_flip(std::uint32_t i, std::optional<double> min_gain,
+                                  ShapeChange& best) const {
   const LevelMesh& mesh = mesh_.mesh();
   const Triangle& t = mesh.triangles[i];
   for (std::size_t k = 0; k < 3; ++k) {
     const CellId a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3];
     const auto [j, d] = opposite(a, b);
-    if (j == kNone || !is_flippable(a) || !is_flippable(b) || !is_flippable(c) || !is_flippable(d)) continue;
-    if (mesh.triangles_of.row(a).size() <= 3 || mesh.triangles_of.row(b).size() <= 3 || are_neighbours(c, d)) continue;
+    if (j == kNone || !is_flippable(a) || !is_flippable(b) || !is_flippable(c) || !is_flippable(d))
+      continue;
+    if (mesh.triangles_of.row(a).size() <= 3 || mesh.triangles_of.row(b).size() <= 3 ||
+        are_neighbours(c, d))
+      continue;
     const Vec3 pa = mesh.point[a], pb = mesh.point[b], pc = mesh.point[c], pd = mesh.point[d];
     const double after = std::min(goal_.score(pa, pd, pc), goal_.score(pd, pb, pc));
-    if (after < required_score(std::min(score(i), score(j)), min_gain) || after <= best.score) continue;
+    if (after < required_score(std::min(score(i), score(j)), min_gain) || after <= best.score)
+      continue;
     const Vec3 n = normalized(facing_of(i) + facing_of(j));
-    if (dot(n, normal_of(pa, pd, pc)) < kMinNormalCosine || dot(n, normal_of(pd, pb, pc)) < kMinNormalCosine) continue;
+    if (dot(n, normal_of(pa, pd, pc)) < kMinNormalCosine ||
+        dot(n, normal_of(pd, pb, pc)) < kMinNormalCosine)
+      continue;
     ShapeChange change;
     change.score = after;
     change.i = i;
@@ -78,16 +88,22 @@ void ShapeChanges::find_best_flip(std::uint32_t i, std::optional<double> min_gai
   }
 }
 
-void ShapeChanges::find_best_move(CellId cell, std::optional<double> min_gain, ShapeChange& best) const {
+void ShapeChanges::find_best_move(CellId cell, std::optional<double> min_gain,
+                                  ShapeChange& best) const {
   const LevelMesh& mesh = mesh_.mesh();
   const SurfaceData& surface_data = mesh_.surface_data();
   const CVertexId from = mesh_.placement().anchor[cell];
-  if (mesh_.measured().has_fixed_anchor(cell) || !is_movable(cell) || surface_data.graph.on_boundary[from]) return;
+  if (mesh_.measured().has_fixed_anchor(cell) || !is_movable(cell) ||
+      surface_data.graph.on_boundary[from])
+    return;
   double before = std::numeric_limits<double>::infinity();
   for (const std::uint32_t t : mesh.triangles_of.row(cell)) before = std::min(before, score(t));
   const auto consider = [&](CVertexId to) {
-    if (mesh_.is_occupied(to) || surface_data.graph.on_boundary[to] || mesh_.measured().partition().cell_of[to] != cell) return;
-    const Vec3 p = mesh.point[cell] + (surface_data.surfels.point[to] - mesh_.placement().base_point(surface_data.surfels, cell));
+    if (mesh_.is_occupied(to) || surface_data.graph.on_boundary[to] ||
+        mesh_.measured().partition().cell_of[to] != cell)
+      return;
+    const Vec3 p = mesh.point[cell] + (surface_data.surfels.point[to] -
+                                       mesh_.placement().base_point(surface_data.surfels, cell));
     double after = std::numeric_limits<double>::infinity();
     for (const std::uint32_t t : mesh.triangles_of.row(cell)) {
       std::array<Vec3, 3> q = mesh.corners(t);
@@ -109,7 +125,8 @@ void ShapeChanges::find_best_move(CellId cell, std::optional<double> min_gain, S
 
 ShapeChanges::Key ShapeChanges::key(const ShapeChange& c) {
   if (!c.is_flip()) return {static_cast<std::uint64_t>(c.cell) << 32 | kNone, c.to};
-  return {static_cast<std::uint64_t>(std::min(c.first.cell[0], c.first.cell[1])) << 32 | std::max(c.first.cell[0], c.first.cell[1]),
+  return {static_cast<std::uint64_t>(std::min(c.first.cell[0], c.first.cell[1])) << 32 |
+              std::max(c.first.cell[0], c.first.cell[1]),
           1ull << 40};
 }
 

@@ -37,7 +37,8 @@ class ShapeChanges {
   /// c-vertex of the cell, if its score is better than `best`.
   /// @param min_gain  by how much the worst triangle must improve; none: it may stay equal, or be
   ///                  good enough
-  void find_best_flip(std::uint32_t triangle, std::optional<double> min_gain, ShapeChange& best) const;
+  void find_best_flip(std::uint32_t triangle, std::optional<double> min_gain,
+                      ShapeChange& best) const;
   void find_best_move(CellId cell, std::optional<double> min_gain, ShapeChange& best) const;
 
   /// The change will not be found again after the next sort_rejected().

@@ -15,7 +15,8 @@ ShapeGoal ShapeGoal::of(double aspect) {
 }
 
 double ShapeGoal::score(Vec3 a, Vec3 b, Vec3 c) const {
-  std::array<double, 3> squared{squared_length(b - a), squared_length(c - b), squared_length(a - c)};
+  std::array<double, 3> squared{squared_length(b - a), squared_length(c - b),
+                                squared_length(a - c)};
   std::sort(squared.begin(), squared.end());
   if (!(squared[0] > 0)) return 0;
   const double ratio = std::sqrt(squared[0] / squared[2]);

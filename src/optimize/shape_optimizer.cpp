@@ -20,12 +20,15 @@ namespace isoatlas::detail {
 namespace {
 
 constexpr int kPasses = 24;
-constexpr std::size_t kMinKeptDivisor = 10;  // passes that reduce errors end once fewer than one change in so many is kept
+constexpr std::size_t kMinKeptDivisor =
+    10;  // passes that reduce errors end once fewer than one change in so many is kept
 constexpr double kMinGain = 1e-3;
 constexpr std::size_t kPerPiece = 4096;  // triangles, of a parallel loop
-constexpr std::size_t kBatch = 64;       // changes that are searched for before the first of them is applied
+constexpr std::size_t kBatch =
+    64;  // changes that are searched for before the first of them is applied
 constexpr int kRelaxRounds = 3;
-constexpr int kMaxReverts = 4;  // rounds of reverting cells that violate their bounds because of relaxation
+constexpr int kMaxReverts =
+    4;  // rounds of reverting cells that violate their bounds because of relaxation
 
 std::vector<CellId> all_cells(const MeasuredCovering& measured) {
   std::vector<CellId> out(measured.mesh().cell_count());
@@ -33,7 +36,8 @@ std::vector<CellId> all_cells(const MeasuredCovering& measured) {
   return out;
 }
 
-std::vector<double> excess_of_each(const MeasuredCovering& measured, std::span<const CellId> cells) {
+std::vector<double> excess_of_each(const MeasuredCovering& measured,
+                                   std::span<const CellId> cells) {
   std::vector<double> out;
   out.reserve(cells.size());
   for (const CellId c : cells) out.push_back(measured.errors()[c].excess);
@@ -41,7 +45,9 @@ std::vector<double> excess_of_each(const MeasuredCovering& measured, std::span<c
 }
 
 // Whether a cell's excess has increased and violates a bound.
-bool is_worse(double after, double before) { return after > std::max(1.0, before * (1 + kMinGain)); }
+bool is_worse(double after, double before) {
+  return after > std::max(1.0, before * (1 + kMinGain));
+}
 
 // Improves a mesh in passes; each pass makes changes that are far from each other.
 class ShapeOptimizer {
@@ -52,7 +58,8 @@ class ShapeOptimizer {
 
   /// @param tracker  if given, no change is kept that makes triangles intersect, and fixed vertices
   ///                 and edges may change as well; none: intersections are not tested
-  ShapeOptimizer(MeasuredCovering& measured, const ShapeGoal& goal, std::vector<DualTriangle>& triangles, const RunControl& control,
+  ShapeOptimizer(MeasuredCovering& measured, const ShapeGoal& goal,
+                 std::vector<DualTriangle>& triangles, const RunControl& control,
                  IntersectionTracker* tracker = nullptr)
       : mesh_(measured, triangles, tracker, control),
         changes_(mesh_, goal, tracker != nullptr),
@@ -85,7 +92,8 @@ class ShapeOptimizer {
       mesh_.displace(c, old_displacement.back() + (points[c] - from[c]));
     }
     const auto old_displacement_of = [&](CellId c) {
-      return old_displacement[static_cast<std::size_t>(std::ranges::lower_bound(moved, c) - moved.begin())];
+      return old_displacement[static_cast<std::size_t>(std::ranges::lower_bound(moved, c) -
+                                                       moved.begin())];
     };
     mark_reverted(mesh_.revert_conflicting_moves(moved, old_displacement));
     const std::vector<CellError> before = mesh_.measured().errors();
@@ -95,27 +103,34 @@ class ShapeOptimizer {
     for (int round = 0; round < max_rounds; ++round) {
       report_continuing(control_);
       std::vector<CellId> worse = mesh_.intersecting_corners();
-      std::ranges::copy_if(affected, std::back_inserter(worse), [&](CellId c) { return is_worse(mesh_.excess(c), before[c].excess); });
+      std::ranges::copy_if(affected, std::back_inserter(worse),
+                           [&](CellId c) { return is_worse(mesh_.excess(c), before[c].excess); });
       if (worse.empty()) break;
       // The last rounds revert everything in the affected ring and, if triangles must not
       // intersect, everything.
-      worse = round >= kMaxReverts ? moved : round + 1 < kMaxReverts ? mesh_.k_ring(worse, 1) : mesh_.affected_by(worse);
+      worse = round >= kMaxReverts      ? moved
+              : round + 1 < kMaxReverts ? mesh_.k_ring(worse, 1)
+                                        : mesh_.affected_by(worse);
       for (const CellId c : worse) {
         if (std::ranges::binary_search(moved, c)) mesh_.displace(c, old_displacement_of(c));
       }
       mark_reverted(worse);
-      const std::vector<CellId> conflicting = mesh_.revert_conflicting_moves(moved, old_displacement);
+      const std::vector<CellId> conflicting =
+          mesh_.revert_conflicting_moves(moved, old_displacement);
       mark_reverted(conflicting);
       worse.insert(worse.end(), conflicting.begin(), conflicting.end());
       affected = mesh_.affected_by(worse);
       mesh_.measure(affected);
     }
-    for (std::size_t i = 0; i < moved.size(); ++i) report.displacements += !(displacement_of(moved[i]) == old_displacement[i]);
+    for (std::size_t i = 0; i < moved.size(); ++i)
+      report.displacements += !(displacement_of(moved[i]) == old_displacement[i]);
     return true;
   }
 
  private:
-  Vec3 displacement_of(CellId c) const { return mesh_.placement().displacement.empty() ? Vec3{} : mesh_.placement().displacement[c]; }
+  Vec3 displacement_of(CellId c) const {
+    return mesh_.placement().displacement.empty() ? Vec3{} : mesh_.placement().displacement[c];
+  }
 
   // Marks cells whose vertices are not displaced again.
   void mark_reverted(std::span<const CellId> cells) {
@@ -130,17 +145,20 @@ class ShapeOptimizer {
     const auto bounds_of = [&](CellId c) -> MoveBounds {
       const CVertexId v = placement.anchor[c];
       const Vec3 p = mesh.point[c];
-      if (mesh_.measured().has_fixed_anchor(c) || !changes_.is_movable(c) || reverted_.contains(c) || !surface_data.is_movable(v))
+      if (mesh_.measured().has_fixed_anchor(c) || !changes_.is_movable(c) ||
+          reverted_.contains(c) || !surface_data.is_movable(v))
         return {p, p};
       const Vec3 balanced = p - placement.base_point(surface_data.surfels, c);
-      const MoveBounds at = move_bounds_of(surface_data.complex.positions[v], surface_data.complex.spacing);
+      const MoveBounds at =
+          move_bounds_of(surface_data.complex.positions[v], surface_data.complex.spacing);
       return {at.low + balanced, at.high + balanced};
     };
-    const InterpolatedField* field = surface_data.isosurface == nullptr ? nullptr : &surface_data.isosurface->field();
+    const InterpolatedField* field =
+        surface_data.isosurface == nullptr ? nullptr : &surface_data.isosurface->field();
     std::vector<std::uint32_t> bad = bad_triangles();
     std::ranges::sort(bad);
-    return relax(points, mesh.triangles, mesh.triangles_of, bounds_of, field, surface_data.complex.spacing, {goal_.aspect, 0}, control_,
-                 bad);
+    return relax(points, mesh.triangles, mesh.triangles_of, bounds_of, field,
+                 surface_data.complex.spacing, {goal_.aspect, 0}, control_, bad);
   }
 
   // Sorted by score, the worst first.
@@ -150,16 +168,20 @@ class ShapeOptimizer {
       changed.resize(mesh_.mesh().triangles.size());
       std::iota(changed.begin(), changed.end(), 0u);
     } else {
-      std::erase_if(bad_, [&](const auto& scored) { return std::ranges::binary_search(changed, scored.second); });
+      std::erase_if(bad_, [&](const auto& scored) {
+        return std::ranges::binary_search(changed, scored.second);
+      });
     }
     using Scored = std::pair<double, std::uint32_t>;
-    const auto found = collect_pieces<Scored>(changed.size(), kPerPiece, [&](std::size_t begin, std::size_t end, std::vector<Scored>& out) {
-      control_.check_cancelled();
-      for (const std::uint32_t t : std::span(changed).subspan(begin, end - begin)) {
-        const double score = changes_.score(t);
-        if (score < 1) out.emplace_back(score, t);
-      }
-    });
+    const auto found = collect_pieces<Scored>(
+        changed.size(), kPerPiece,
+        [&](std::size_t begin, std::size_t end, std::vector<Scored>& out) {
+          control_.check_cancelled();
+          for (const std::uint32_t t : std::span(changed).subspan(begin, end - begin)) {
+            const double score = changes_.score(t);
+            if (score < 1) out.emplace_back(score, t);
+          }
+        });
     control_.check_cancelled();
     bad_.insert(bad_.end(), found.begin(), found.end());
     std::sort(bad_.begin(), bad_.end());
@@ -195,7 +217,8 @@ class ShapeOptimizer {
   // Tries one change for every badly shaped triangle, or for every cell to repair that violates its
   // bounds, where there is one that is far from the other changes. @return number of changes tried
   std::size_t pass(Purpose purpose, std::span<const CellId> cells_to_repair, ShapeReport& report) {
-    std::vector<Trial> trials = purpose == Purpose::errors ? trials_at(cells_to_repair) : trials_at_bad_triangles();
+    std::vector<Trial> trials =
+        purpose == Purpose::errors ? trials_at(cells_to_repair) : trials_at_bad_triangles();
     if (trials.empty()) return 0;
     control_.check_cancelled();
     std::vector<CellId> cells;
@@ -210,7 +233,8 @@ class ShapeOptimizer {
       if (!is_better(trial, purpose)) revert(trial, stale);
     }
     measure_again(stale);
-    for (std::vector<CellId> corners = mesh_.intersecting_corners(); !corners.empty(); corners = mesh_.intersecting_corners()) {
+    for (std::vector<CellId> corners = mesh_.intersecting_corners(); !corners.empty();
+         corners = mesh_.intersecting_corners()) {
       const auto is_corner = [&](CellId c) { return std::ranges::binary_search(corners, c); };
       for (Trial& trial : trials) {
         if (trial.is_kept && std::ranges::any_of(trial.affected, is_corner)) revert(trial, stale);
@@ -229,7 +253,8 @@ class ShapeOptimizer {
     std::vector<Trial> out;
     taken_.clear();
     const auto is_taken = [&](std::uint32_t t) {
-      return std::ranges::any_of(mesh_.mesh().triangles[t], [&](CellId c) { return taken_.contains(c); });
+      return std::ranges::any_of(mesh_.mesh().triangles[t],
+                                 [&](CellId c) { return taken_.contains(c); });
     };
     std::vector<std::uint32_t> next;
     const auto try_next = [&] {
@@ -254,7 +279,8 @@ class ShapeOptimizer {
     std::vector<ShapeChange> best(triangles.size());
     for_each_index(triangles.size(), 1, [&](std::size_t k) {
       changes_.find_best_flip(triangles[k], kMinGain, best[k]);
-      for (const CellId c : mesh_.mesh().triangles[triangles[k]]) changes_.find_best_move(c, kMinGain, best[k]);
+      for (const CellId c : mesh_.mesh().triangles[triangles[k]])
+        changes_.find_best_move(c, kMinGain, best[k]);
     });
     return best;
   }
@@ -268,7 +294,8 @@ class ShapeOptimizer {
       poll.step();
       if (taken_.contains(c)) continue;
       ShapeChange best;
-      for (const std::uint32_t t : mesh.triangles_of.row(c)) changes_.find_best_flip(t, std::nullopt, best);
+      for (const std::uint32_t t : mesh.triangles_of.row(c))
+        changes_.find_best_flip(t, std::nullopt, best);
       changes_.find_best_move(c, std::nullopt, best);
       add_trial(best, best.is_flip() ? best.i : mesh.triangles_of.row(c)[0], out);
     }
@@ -344,7 +371,8 @@ class ShapeOptimizer {
 // Reverts changes, and further ones where a cell would violate its bounds because of that.
 class ChangeReverter {
  public:
-  ChangeReverter(MeasuredCovering& measured, std::vector<DualTriangle>& triangles, IntersectionTracker* tracker, const RunControl& control)
+  ChangeReverter(MeasuredCovering& measured, std::vector<DualTriangle>& triangles,
+                 IntersectionTracker* tracker, const RunControl& control)
       : mesh_(measured, triangles, tracker, control), control_(control) {
     for (std::uint32_t t = 0; t < triangles.size(); ++t) {
       if (triangles[t].cell != measured.triangles()[t].cell) flipped_.push_back(t);
@@ -373,8 +401,11 @@ class ChangeReverter {
       const std::vector<CellId> affected = mesh_.affected_by(changed);
       mesh_.measure(affected);
       std::vector<CellId> worse;
-      std::ranges::copy_if(affected, std::back_inserter(worse), [&](CellId c) { return is_worse(mesh_.excess(c), before[c].excess); });
-      cells = worse.empty() ? worse : round + 1 < kMaxReverts ? mesh_.k_ring(worse, 1) : mesh_.affected_by(worse);
+      std::ranges::copy_if(affected, std::back_inserter(worse),
+                           [&](CellId c) { return is_worse(mesh_.excess(c), before[c].excess); });
+      cells = worse.empty()             ? worse
+              : round + 1 < kMaxReverts ? mesh_.k_ring(worse, 1)
+                                        : mesh_.affected_by(worse);
     }
     return any;
   }
@@ -384,9 +415,11 @@ class ChangeReverter {
   bool revert_conflicting() {
     std::vector<CellId> displaced;
     for (CellId c = 0; c < mesh_.placement().displacement.size(); ++c) {
-      if (!mesh_.measured().has_fixed_anchor(c) && !(mesh_.placement().displacement[c] == Vec3{})) displaced.push_back(c);
+      if (!mesh_.measured().has_fixed_anchor(c) && !(mesh_.placement().displacement[c] == Vec3{}))
+        displaced.push_back(c);
     }
-    const std::vector<CellId> returned = mesh_.revert_conflicting_moves(displaced, std::vector<Vec3>(displaced.size()));
+    const std::vector<CellId> returned =
+        mesh_.revert_conflicting_moves(displaced, std::vector<Vec3>(displaced.size()));
     if (!returned.empty()) mesh_.measure(mesh_.affected_by(returned));
     return !returned.empty();
   }
@@ -409,8 +442,10 @@ class ChangeReverter {
       before = flipped_.size();
       std::erase_if(flipped_, [&](std::uint32_t t) {
         std::array<CellId, 6> corners;
-        std::ranges::copy(dual[t].cell, std::ranges::copy(mesh_.triangle(t).cell, corners.begin()).out);
-        if (std::ranges::none_of(corners, [&](CellId c) { return near_.contains(c); })) return false;
+        std::ranges::copy(dual[t].cell,
+                          std::ranges::copy(mesh_.triangle(t).cell, corners.begin()).out);
+        if (std::ranges::none_of(corners, [&](CellId c) { return near_.contains(c); }))
+          return false;
         for (const CellId c : corners) near_.insert(c);
         changed.insert(changed.end(), corners.begin(), corners.end());
         mesh_.set_triangle(t, dual[t]);
@@ -426,8 +461,10 @@ class ChangeReverter {
   // @return whether it has moved
   bool return_to_site(CellId c) {
     if (mesh_.measured().has_fixed_anchor(c)) return false;
-    const CVertexId site = mesh_.measured().partition().site[c], anchor = mesh_.placement().anchor[c];
-    const bool is_displaced = !mesh_.placement().displacement.empty() && !(mesh_.placement().displacement[c] == Vec3{});
+    const CVertexId site = mesh_.measured().partition().site[c],
+                    anchor = mesh_.placement().anchor[c];
+    const bool is_displaced =
+        !mesh_.placement().displacement.empty() && !(mesh_.placement().displacement[c] == Vec3{});
     const bool moves = anchor != site && !mesh_.is_occupied(site);
     if (is_displaced || moves) mesh_.move(c, moves ? site : anchor, {});
     return is_displaced || moves;
@@ -441,8 +478,8 @@ class ChangeReverter {
 
 }  // namespace
 
-ShapeReport improve_shape(MeasuredCovering& measured, const ShapeGoal& goal, std::vector<DualTriangle>& triangles,
-                          const RunControl& control) {
+ShapeReport improve_shape(MeasuredCovering& measured, const ShapeGoal& goal,
+                          std::vector<DualTriangle>& triangles, const RunControl& control) {
   ShapeReport report;
   triangles.assign(measured.triangles().begin(), measured.triangles().end());
   std::vector<CellId> violating;
@@ -452,24 +489,31 @@ ShapeReport improve_shape(MeasuredCovering& measured, const ShapeGoal& goal, std
   measured.remesh(triangles, {}, violating);
   ShapeOptimizer optimizer(measured, goal, triangles, control);
   optimizer.run(ShapeOptimizer::Purpose::shape, {}, report);
-  for (int round = 0; round < kRelaxRounds && report.bad > 0 && optimizer.relax_bad_triangles(report); ++round)
+  for (int round = 0;
+       round < kRelaxRounds && report.bad > 0 && optimizer.relax_bad_triangles(report); ++round)
     optimizer.run(ShapeOptimizer::Purpose::shape, {}, report);
   return report;
 }
 
-void improve_shape_without_intersections(MeasuredCovering& measured, const ShapeGoal& goal, IntersectionTracker& tracker,
-                                         std::vector<DualTriangle>& triangles, ShapeReport& report, const RunControl& control) {
+void improve_shape_without_intersections(MeasuredCovering& measured, const ShapeGoal& goal,
+                                         IntersectionTracker& tracker,
+                                         std::vector<DualTriangle>& triangles, ShapeReport& report,
+                                         const RunControl& control) {
   ShapeOptimizer optimizer(measured, goal, triangles, control, &tracker);
-  for (int round = 0; round < kRelaxRounds && report.bad > 0 && optimizer.relax_bad_triangles(report); ++round)
+  for (int round = 0;
+       round < kRelaxRounds && report.bad > 0 && optimizer.relax_bad_triangles(report); ++round)
     optimizer.run(ShapeOptimizer::Purpose::shape, {}, report);
 }
 
-void improve_errors(MeasuredCovering& measured, const ShapeGoal& goal, std::span<const CellId> cells, std::vector<DualTriangle>& triangles,
+void improve_errors(MeasuredCovering& measured, const ShapeGoal& goal,
+                    std::span<const CellId> cells, std::vector<DualTriangle>& triangles,
                     ShapeReport& report, const RunControl& control) {
-  ShapeOptimizer(measured, goal, triangles, control).run(ShapeOptimizer::Purpose::errors, cells, report);
+  ShapeOptimizer(measured, goal, triangles, control)
+      .run(ShapeOptimizer::Purpose::errors, cells, report);
 }
 
-std::vector<CellId> revert_intersecting(MeasuredCovering& measured, IntersectionTracker& tracker, std::vector<DualTriangle>& triangles,
+std::vector<CellId> revert_intersecting(MeasuredCovering& measured, IntersectionTracker& tracker,
+                                        std::vector<DualTriangle>& triangles,
                                         const RunControl& control) {
   ChangeReverter changes(measured, triangles, &tracker, control);
   for (;;) {
@@ -478,11 +522,13 @@ std::vector<CellId> revert_intersecting(MeasuredCovering& measured, Intersection
   }
 }
 
-bool revert_conflicting_moves(MeasuredCovering& measured, std::vector<DualTriangle>& triangles, const RunControl& control) {
+bool revert_conflicting_moves(MeasuredCovering& measured, std::vector<DualTriangle>& triangles,
+                              const RunControl& control) {
   return ChangeReverter(measured, triangles, nullptr, control).revert_conflicting();
 }
 
-void revert_all(MeasuredCovering& measured, std::vector<DualTriangle>& triangles, const RunControl& control) {
+void revert_all(MeasuredCovering& measured, std::vector<DualTriangle>& triangles,
+                const RunControl& control) {
   ChangeReverter(measured, triangles, nullptr, control).revert(all_cells(measured));
 }
 

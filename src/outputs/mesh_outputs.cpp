@@ -21,18 +21,22 @@ constexpr std::string_view kPlaceholder = "{level}";
   throw Error(ErrorCode::bad_argument, path.string() + ": " + message);
 }
 
-/// The pieces of a .vtm are prepared beside it and renamed into their folder, which must be there or on the same file system.
+/// The pieces of a .vtm are prepared beside it and renamed into their folder, which must be there
+/// or on the same file system.
 void check_pieces(const fs::path& path, std::size_t level_count, const fs::path& volume) {
   const std::vector<fs::path> files = files_of_hierarchy(target_of(path), level_count);
   if (files.size() == 1) return;
   const fs::path folder = files[1].parent_path();
   std::error_code error;
-  if (same_file(folder, volume)) refuse(path, "its levels would be written into the volume's folder " + folder.string());
+  if (same_file(folder, volume))
+    refuse(path, "its levels would be written into the volume's folder " + folder.string());
   if (!fs::is_directory(folder, error)) return;
   struct stat beside {
   }, inside{};
-  if (stat(resolved(path).parent_path().c_str(), &beside) == 0 && stat(folder.c_str(), &inside) == 0 && beside.st_dev != inside.st_dev)
-    refuse(path, "the folder " + folder.string() + " for its levels is on another file system, expected the same one");
+  if (stat(resolved(path).parent_path().c_str(), &beside) == 0 &&
+      stat(folder.c_str(), &inside) == 0 && beside.st_dev != inside.st_dev)
+    refuse(path, "the folder " + folder.string() +
+                     " for its levels is on another file system, expected the same one");
   for (std::size_t i = 1; i < files.size(); ++i) check_output_path(files[i]);
 }
 
@@ -60,23 +64,30 @@ Hierarchy only_level(const Hierarchy& hierarchy, std::size_t level) {
 
 }  // namespace
 
-MeshOutputs::MeshOutputs(fs::path path, bool glb_per_level) : path_(std::move(path)), glb_per_level_(glb_per_level) {
+MeshOutputs::MeshOutputs(fs::path path, bool glb_per_level)
+    : path_(std::move(path)), glb_per_level_(glb_per_level) {
   const std::string name = path_.filename().string();
-  for (std::size_t open = name.find('{'); open != std::string::npos; open = name.find('{', open + 1)) {
+  for (std::size_t open = name.find('{'); open != std::string::npos;
+       open = name.find('{', open + 1)) {
     if (name.compare(open, kPlaceholder.size(), kPlaceholder) != 0)
-      refuse(path_, "only {level} can stand in braces, for the level's number; found " + name.substr(open));
+      refuse(path_, "only {level} can stand in braces, for the level's number; found " +
+                        name.substr(open));
     if (is_pattern_) refuse(path_, "{level} stands in it twice, expected once");
     is_pattern_ = true;
   }
   if (path_.parent_path().string().find(kPlaceholder) != std::string::npos)
     refuse(path_, "{level} stands in the name of a folder, expected it in the file's own name");
   const bool is_glb = is_hierarchy_path(path_) && files_of_hierarchy(path_, 1).size() == 1;
-  if (is_pattern_ && is_hierarchy_path(path_) && !is_glb) refuse(path_, "a .vtm holds all levels, expected a name without {level}");
-  if (glb_per_level_ && (!is_glb || is_pattern_)) refuse(path_, "--glb-per-level goes with a .glb of all levels, expected -o NAME.glb");
+  if (is_pattern_ && is_hierarchy_path(path_) && !is_glb)
+    refuse(path_, "a .vtm holds all levels, expected a name without {level}");
+  if (glb_per_level_ && (!is_glb || is_pattern_))
+    refuse(path_, "--glb-per-level goes with a .glb of all levels, expected -o NAME.glb");
 }
 
 fs::path MeshOutputs::level_path(std::size_t level) const {
-  if (!is_pattern_) return path_.parent_path() / (path_.stem().string() + "-" + std::to_string(level) + path_.extension().string());
+  if (!is_pattern_)
+    return path_.parent_path() /
+           (path_.stem().string() + "-" + std::to_string(level) + path_.extension().string());
   std::string name = path_.filename().string();
   name.replace(name.find(kPlaceholder), kPlaceholder.size(), std::to_string(level));
   return path_.parent_path() / name;
@@ -86,13 +97,16 @@ std::vector<MeshOutputs::Item> MeshOutputs::items(std::size_t level_count) const
   std::vector<std::size_t> all(level_count);
   std::iota(all.begin(), all.end(), std::size_t{0});
   std::vector<Item> result;
-  if (!is_pattern_) result.push_back({path_, is_hierarchy_path(path_) ? all : std::vector<std::size_t>{level_count - 1}});
+  if (!is_pattern_)
+    result.push_back(
+        {path_, is_hierarchy_path(path_) ? all : std::vector<std::size_t>{level_count - 1}});
   if (is_pattern_ || glb_per_level_)
     for (const std::size_t level : all) result.push_back({level_path(level), {level}});
   return result;
 }
 
-void MeshOutputs::check(std::size_t level_count, const fs::path& volume, const std::vector<Other>& others) const {
+void MeshOutputs::check(std::size_t level_count, const fs::path& volume,
+                        const std::vector<Other>& others) const {
   std::vector<fs::path> meshes;
   for (const Item& item : items(level_count)) {
     meshes.push_back(item.path);
@@ -103,7 +117,8 @@ void MeshOutputs::check(std::size_t level_count, const fs::path& volume, const s
       check_hierarchy_path(item.path, level_count);
       const std::vector<fs::path> files = files_of_hierarchy(target_of(item.path), level_count);
       for (std::size_t i = 1; i < files.size(); ++i) {
-        if (same_file(files[i], volume)) refuse(item.path, "a level of it would replace the volume");
+        if (same_file(files[i], volume))
+          refuse(item.path, "a level of it would replace the volume");
         meshes.push_back(files[i]);
       }
     } else {
@@ -111,17 +126,20 @@ void MeshOutputs::check(std::size_t level_count, const fs::path& volume, const s
     }
   }
   if (glb_per_level_) {
-    if (same_file(manifest(), volume)) refuse(manifest(), "the list of levels would replace the volume");
+    if (same_file(manifest(), volume))
+      refuse(manifest(), "the list of levels would replace the volume");
     check_output_path(manifest());
   }
   for (std::size_t i = 0; i < meshes.size(); ++i)  // links can make one file of two names
     for (std::size_t j = 0; j < i; ++j)
-      if (same_file(meshes[i], meshes[j])) refuse(meshes[i], "a level would replace another, in " + meshes[j].string());
+      if (same_file(meshes[i], meshes[j]))
+        refuse(meshes[i], "a level would replace another, in " + meshes[j].string());
   for (std::size_t i = 0; i < others.size(); ++i) {
     const fs::path& path = others[i].path;
     const std::string& what = others[i].what;
     const auto replaces = [&](const fs::path& other, const std::string& name) {
-      if (same_file(path, other)) refuse(path, "the " + what + " would replace the " + name + ", expected another name");
+      if (same_file(path, other))
+        refuse(path, "the " + what + " would replace the " + name + ", expected another name");
     };
     if (glb_per_level_) replaces(manifest(), "list of levels");
     for (const fs::path& mesh : meshes) replaces(mesh, "mesh");
@@ -131,24 +149,30 @@ void MeshOutputs::check(std::size_t level_count, const fs::path& volume, const s
   }
 }
 
-std::vector<FileRounding> MeshOutputs::roundings(const Hierarchy& hierarchy, const MeshFileInfo& info) const {
+std::vector<FileRounding> MeshOutputs::roundings(const Hierarchy& hierarchy,
+                                                 const MeshFileInfo& info) const {
   const std::size_t level_count = hierarchy.levels.size();
   std::vector<FileRounding> result;
   for (const Item& item : items(level_count)) {
     const std::size_t first = item.levels.front();
-    const double rounding = !is_hierarchy_path(item.path)      ? rounding_of_mesh_file(hierarchy.mesh(first), item.path, info)
-                            : item.levels.size() < level_count ? rounding_of_hierarchy_file(only_level(hierarchy, first), item.path)
-                                                               : rounding_of_hierarchy_file(hierarchy, item.path);
+    const double rounding =
+        !is_hierarchy_path(item.path)
+            ? rounding_of_mesh_file(hierarchy.mesh(first), item.path, info)
+        : item.levels.size() < level_count
+            ? rounding_of_hierarchy_file(only_level(hierarchy, first), item.path)
+            : rounding_of_hierarchy_file(hierarchy, item.path);
     result.push_back({item.path.string(), item.levels, rounding});
   }
   return result;
 }
 
-std::vector<ReportFile> MeshOutputs::write(const Hierarchy& hierarchy, const HierarchyFileInfo& info, OutputFiles& outputs,
+std::vector<ReportFile> MeshOutputs::write(const Hierarchy& hierarchy,
+                                           const HierarchyFileInfo& info, OutputFiles& outputs,
                                            const RunControl* intersection_control) const {
   const std::size_t level_count = hierarchy.levels.size();
   std::vector<ReportFile> written, one_level;
-  const auto add = [&](const fs::path& path, const fs::path& staged, std::vector<std::size_t> levels, const StoredPositions& stored) {
+  const auto add = [&](const fs::path& path, const fs::path& staged,
+                       std::vector<std::size_t> levels, const StoredPositions& stored) {
     written.push_back({path.string(),
                        std::move(levels),
                        static_cast<std::size_t>(fs::file_size(staged)),
@@ -164,8 +188,10 @@ std::vector<ReportFile> MeshOutputs::write(const Hierarchy& hierarchy, const Hie
     if (intersection_control == nullptr || !written.back().single_precision) return;
     for (std::size_t k = 0; k < file.levels.size(); ++k) {
       TriangleMesh mesh = file.mesh(k);
-      mesh.positions = is_hierarchy_path(path) ? stored_positions(file, k, path) : stored_positions(mesh, path, info.mesh);
-      written.back().self_intersections.push_back(find_self_intersections(mesh, *intersection_control));
+      mesh.positions = is_hierarchy_path(path) ? stored_positions(file, k, path)
+                                               : stored_positions(mesh, path, info.mesh);
+      written.back().self_intersections.push_back(
+          find_self_intersections(mesh, *intersection_control));
     }
   };
   for (const Item& item : items(level_count)) {
@@ -192,7 +218,9 @@ std::vector<ReportFile> MeshOutputs::write(const Hierarchy& hierarchy, const Hie
     });
   }
   if (glb_per_level_)
-    outputs.write(manifest(), [&](const fs::path& staged) { write_text_file(levels_manifest(one_level, info.levels), staged); });
+    outputs.write(manifest(), [&](const fs::path& staged) {
+      write_text_file(levels_manifest(one_level, info.levels), staged);
+    });
   return written;
 }
 
@@ -208,13 +236,16 @@ std::vector<fs::path> MeshOutputs::paths(std::size_t level_count) const {
   return result;
 }
 
-HierarchyFileInfo file_info(const ExtractReport& report, const ExtractOptions& options, LengthUnit unit) {
-  HierarchyFileInfo info{.mesh = {.space = space_name(options.space),
-                                  .comment = "isoatlas " ISOATLAS_VERSION,
-                                  .unit = options.space == Space::voxel ? LengthUnit::unknown : unit},
-                         .placement = options.placement,
-                         .levels = {}};
-  for (std::size_t k = 0; k < report.levels.size(); ++k) info.levels.push_back(level_json(report.levels[k], k));
+HierarchyFileInfo file_info(const ExtractReport& report, const ExtractOptions& options,
+                            LengthUnit unit) {
+  HierarchyFileInfo info{
+      .mesh = {.space = space_name(options.space),
+               .comment = "isoatlas " ISOATLAS_VERSION,
+               .unit = options.space == Space::voxel ? LengthUnit::unknown : unit},
+      .placement = options.placement,
+      .levels = {}};
+  for (std::size_t k = 0; k < report.levels.size(); ++k)
+    info.levels.push_back(level_json(report.levels[k], k));
   return info;
 }
 

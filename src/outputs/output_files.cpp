@@ -17,12 +17,14 @@ fs::path make_hidden_folder(const fs::path& parent, const fs::path& wanted_for) 
   std::string pattern = (parent / ".isoatlas-XXXXXX").string();
   if (mkdtemp(pattern.data()) == nullptr) {
     const std::error_code error(errno, std::generic_category());
-    throw Error(ErrorCode::bad_file, wanted_for.string() + ": cannot be written: " + error.message() + " (folder " + parent.string() + ")");
+    throw Error(ErrorCode::bad_file, wanted_for.string() + ": cannot be written: " +
+                                         error.message() + " (folder " + parent.string() + ")");
   }
   return pattern;
 }
 
-/// Removes a folder even while another thread still puts files into it: once it is gone, nothing new can appear.
+/// Removes a folder even while another thread still puts files into it: once it is gone, nothing
+/// new can appear.
 void remove_folder(const fs::path& folder) {
   constexpr int kAttempts = 100;
   std::error_code error;
@@ -59,7 +61,8 @@ class Transaction {
     std::error_code error;
     const fs::file_status status = fs::symlink_status(to, error);
     const bool replaces = fs::exists(status);
-    if (fs::is_directory(status)) require(false, to, std::make_error_code(std::errc::is_a_directory));
+    if (fs::is_directory(status))
+      require(false, to, std::make_error_code(std::errc::is_a_directory));
     if (replaces) {
       // A second name, so that there is a file at `to` at any time; not every file system has them.
       fs::create_hard_link(to, backup, error);
@@ -78,7 +81,8 @@ class Transaction {
     fs::path target, backup;
   };
   static void require(bool good, const fs::path& path, const std::error_code& error) {
-    if (!good) throw Error(ErrorCode::bad_file, path.string() + ": cannot be written: " + error.message());
+    if (!good)
+      throw Error(ErrorCode::bad_file, path.string() + ": cannot be written: " + error.message());
   }
   std::vector<Step> steps_;
 };
@@ -99,13 +103,18 @@ fs::path target_of(const fs::path& path) {
 void check_output_path(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
-  if (fs::is_directory(status)) throw Error(ErrorCode::bad_file, path.string() + ": cannot be written: it is a folder");
+  if (fs::is_directory(status))
+    throw Error(ErrorCode::bad_file, path.string() + ": cannot be written: it is a folder");
   if (fs::exists(status) && !fs::is_regular_file(status))
-    throw Error(ErrorCode::bad_file, path.string() + ": cannot be written: it is not a regular file");
-  if (!path.has_filename()) throw Error(ErrorCode::bad_file, path.string() + ": cannot be written: the file name is missing");
+    throw Error(ErrorCode::bad_file,
+                path.string() + ": cannot be written: it is not a regular file");
+  if (!path.has_filename())
+    throw Error(ErrorCode::bad_file,
+                path.string() + ": cannot be written: the file name is missing");
   const fs::path parent = resolved(path).parent_path();
   if (!fs::is_directory(parent, error))
-    throw Error(ErrorCode::bad_file, path.string() + ": cannot be written: there is no folder " + parent.string());
+    throw Error(ErrorCode::bad_file,
+                path.string() + ": cannot be written: there is no folder " + parent.string());
   fs::remove(make_hidden_folder(parent, path), error);
 }
 
@@ -124,10 +133,13 @@ fs::path OutputFiles::stage(const fs::path& destination) {
   return staged_.back().file();
 }
 
-Error OutputFiles::renamed(const Error& error, const fs::path& staged, const fs::path& destination) {
-  const std::string hidden = (staged.parent_path() / "").string(), shown = (target_of(destination).parent_path() / "").string();
+Error OutputFiles::renamed(const Error& error, const fs::path& staged,
+                           const fs::path& destination) {
+  const std::string hidden = (staged.parent_path() / "").string(),
+                    shown = (target_of(destination).parent_path() / "").string();
   std::string text = error.what();
-  for (std::size_t at = text.find(hidden); at != std::string::npos; at = text.find(hidden, at + shown.size()))
+  for (std::size_t at = text.find(hidden); at != std::string::npos;
+       at = text.find(hidden, at + shown.size()))
     text.replace(at, hidden.size(), shown);
   return {error.code(), text};
 }
@@ -141,7 +153,9 @@ std::vector<OutputFiles::Move> OutputFiles::moves_of(const Staged& staged) {
   std::vector<Move> moves;
   for (const fs::path& file : files) {
     const fs::path destination =
-        file == staged.file() ? staged.destination : resolved(staged.destination.parent_path() / file.lexically_relative(staged.folder));
+        file == staged.file()
+            ? staged.destination
+            : resolved(staged.destination.parent_path() / file.lexically_relative(staged.folder));
     moves.push_back({file, destination, staged.folder / (".old-" + std::to_string(moves.size()))});
   }
   return moves;
@@ -152,7 +166,8 @@ void OutputFiles::commit() {
   Transaction transaction;
   for (const Staged& staged : staged_) {
     for (const Move& move : moves_of(staged)) {
-      if (move.to.parent_path() != staged.destination.parent_path()) transaction.make_folder(move.to.parent_path());
+      if (move.to.parent_path() != staged.destination.parent_path())
+        transaction.make_folder(move.to.parent_path());
       transaction.move(move.from, move.to, move.backup);
     }
   }

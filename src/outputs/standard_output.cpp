@@ -18,7 +18,8 @@ namespace fs = std::filesystem;
 namespace {
 
 [[noreturn]] void fail(const std::string& what, int error) {
-  throw Error(ErrorCode::bad_file, std::string(kStandardOutputName) + ": " + what + ": " + std::generic_category().message(error));
+  throw Error(ErrorCode::bad_file, std::string(kStandardOutputName) + ": " + what + ": " +
+                                       std::generic_category().message(error));
 }
 
 /// While it lives, writing to a closed pipe is an error and no signal.
@@ -42,7 +43,8 @@ bool wait_for_reader(const std::atomic<bool>& cancel) {
   constexpr int kMilliseconds = 50;
   pollfd output{STDOUT_FILENO, POLLOUT, 0};
   while (!cancel) {
-    if (poll(&output, 1, kMilliseconds) != 0) return true;  // also if it failed: write() will say how
+    if (poll(&output, 1, kMilliseconds) != 0)
+      return true;  // also if it failed: write() will say how
   }
   return false;
 }
@@ -56,7 +58,8 @@ bool send_to_standard_output(std::string_view bytes, const std::atomic<bool>& ca
   while (!bytes.empty()) {
     if (!wait_for_reader(cancel)) return false;
     // A pipe that is ready takes PIPE_BUF bytes without blocking.
-    const ssize_t count = write(STDOUT_FILENO, bytes.data(), std::min<std::size_t>(bytes.size(), PIPE_BUF));
+    const ssize_t count =
+        write(STDOUT_FILENO, bytes.data(), std::min<std::size_t>(bytes.size(), PIPE_BUF));
     if (count < 0 && errno != EINTR && errno != EAGAIN) fail("cannot be written", errno);
     bytes.remove_prefix(static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
   }
@@ -76,7 +79,8 @@ Error StandardOutputFile::renamed(const Error& error) const {
   std::string text = error.what();
   if (const std::size_t at = text.find(path_.string()); at != std::string::npos) {
     const bool is_full = text.find("cannot be written", at) != std::string::npos;
-    const std::string where = is_full ? ": its temporary file in " + path_.parent_path().parent_path().string() : "";
+    const std::string where =
+        is_full ? ": its temporary file in " + path_.parent_path().parent_path().string() : "";
     text.replace(at, path_.string().size(), kStandardOutputName + where);
   }
   return {error.code(), text};
@@ -88,7 +92,8 @@ bool StandardOutputFile::send(const std::atomic<bool>& cancel) const {
   if (!file) fail("its temporary file is gone", errno);
   std::vector<char> piece(kPiece);
   while (file.read(piece.data(), kPiece), file.gcount() > 0)
-    if (!send_to_standard_output({piece.data(), static_cast<std::size_t>(file.gcount())}, cancel)) return false;
+    if (!send_to_standard_output({piece.data(), static_cast<std::size_t>(file.gcount())}, cancel))
+      return false;
   if (file.bad()) fail("its temporary file cannot be read", errno);
   return true;
 }

@@ -41,8 +41,10 @@ class StandardOutputFile {
   std::filesystem::path path_;
 };
 
-/// Writes all bytes to standard output, past any buffer of a stream. @return false if `cancel` became true before all were taken
-/// @throws Error(bad_file) if nobody takes them: a full disk, or a pipe that was closed, which does not raise a signal here
+/// Writes all bytes to standard output, past any buffer of a stream. @return false if `cancel`
+/// became true before all were taken
+/// @throws Error(bad_file) if nobody takes them: a full disk, or a pipe that was closed, which does
+/// not raise a signal here
 bool send_to_standard_output(std::string_view bytes, const std::atomic<bool>& cancel);
 
 }  // namespace isoatlas::detail

@@ -43,10 +43,12 @@ void state_rounding(LevelReport& level, double rounding, const std::string& path
   for (ConstraintResult& result : level.constraints) {
     const double change = rounding * change_per_rounding(result.constraint.quantity);
     result.reached = std::max(0.0, result.reached + change);
-    const bool is_within = change >= 0 ? result.reached <= result.constraint.bound : result.reached >= result.constraint.bound;
+    const bool is_within = change >= 0 ? result.reached <= result.constraint.bound
+                                       : result.reached >= result.constraint.bound;
     if (result.satisfied && change != 0 && !is_within) {
       result.satisfied = false;
-      result.reason = "positions are rounded to float32 in " + path + ", by up to " + number(rounding);
+      result.reason =
+          "positions are rounded to float32 in " + path + ", by up to " + number(rounding);
     }
   }
 }
@@ -54,7 +56,8 @@ void state_rounding(LevelReport& level, double rounding, const std::string& path
 }  // namespace
 
 double rounding_in_world(double rounding, const Grid& grid, Space space) {
-  return rounding * (space == Space::voxel ? std::max({grid.spacing.x, grid.spacing.y, grid.spacing.z}) : 1);
+  return rounding *
+         (space == Space::voxel ? std::max({grid.spacing.x, grid.spacing.y, grid.spacing.z}) : 1);
 }
 
 bool is_noticeable(double rounding_in_world, const Grid& grid) {
@@ -65,15 +68,18 @@ bool is_noticeable(double rounding_in_world, const Grid& grid) {
 void add_noticeable_rounding(Hierarchy& hierarchy, const ExtractReport& report, const Grid& grid) {
   for (std::size_t k = 0; k < hierarchy.levels.size(); ++k) {
     if (!is_noticeable(report.levels[k].rounding, grid)) continue;
-    for (float& distance : hierarchy.levels[k].distance) distance += static_cast<float>(report.levels[k].rounding);
+    for (float& distance : hierarchy.levels[k].distance)
+      distance += static_cast<float>(report.levels[k].rounding);
   }
 }
 
-void state_rounding(ExtractReport& report, const std::vector<FileRounding>& files, const Grid& grid, Space space) {
+void state_rounding(ExtractReport& report, const std::vector<FileRounding>& files, const Grid& grid,
+                    Space space) {
   for (std::size_t k = 0; k < report.levels.size(); ++k) {
     const FileRounding* worst = nullptr;
     for (const FileRounding& file : files) {
-      const bool has_level = std::find(file.levels.begin(), file.levels.end(), k) != file.levels.end();
+      const bool has_level =
+          std::find(file.levels.begin(), file.levels.end(), k) != file.levels.end();
       if (has_level && (worst == nullptr || file.largest > worst->largest)) worst = &file;
     }
     if (worst != nullptr && worst->largest > 0)

@@ -5,7 +5,8 @@
 
 namespace isoatlas::detail::page {
 
-/// The page's code and its style sheet, built from web/ and compiled in; empty in a build without pages.
+/// The page's code and its style sheet, built from web/ and compiled in; empty in a build without
+/// pages.
 std::string_view script();
 std::string_view style();
 

@@ -29,25 +29,31 @@ constexpr std::size_t kMostPlaces = 20;  // of bad triangles in the page's facts
 // The name of standard input and output in a report: what went through them cannot be found again.
 constexpr const char* kStream = "-";
 
-[[noreturn]] void bad_report(const std::string& path, const std::string& what) { throw Error(ErrorCode::bad_file, path + ": " + what); }
+[[noreturn]] void bad_report(const std::string& path, const std::string& what) {
+  throw Error(ErrorCode::bad_file, path + ": " + what);
+}
 
-// Lists of places are for machines and long; times and paths change from run to run, and a page should not.
+// Lists of places are for machines and long; times and paths change from run to run, and a page
+// should not.
 void shorten(Json& level) {
   for (const char* key : {"at_limit", "seconds", "path"}) level.erase(key);
   if (!level.contains("bad_triangles") || !level["bad_triangles"].is_object()) return;
   Json& worst = level["bad_triangles"]["worst"];
-  if (worst.is_array() && worst.size() > kMostPlaces) worst.erase(worst.begin() + kMostPlaces, worst.end());
+  if (worst.is_array() && worst.size() > kMostPlaces)
+    worst.erase(worst.begin() + kMostPlaces, worst.end());
 }
 
 // What can be said of triangles alone, with the keys of a report's level.
 Json counted(const TriangleMesh& mesh, std::size_t number) {
   const MeshTopology topology = mesh_topology(mesh);
-  Json level = {{"level", number}, {"vertices", topology.vertices}, {"triangles", topology.triangles}};
+  Json level = {
+      {"level", number}, {"vertices", topology.vertices}, {"triangles", topology.triangles}};
   const bool manifold = topology.is_manifold() && topology.is_oriented();
   level["manifold"] = manifold;
   report::add_topology(level, summarize(topology.components));
   if (!manifold) {
-    for (const char* key : {"euler_characteristic", "genus", "boundary_loops", "kinds"}) level[key] = nullptr;
+    for (const char* key : {"euler_characteristic", "genus", "boundary_loops", "kinds"})
+      level[key] = nullptr;
   }
   level["quality"] = report::to_value(mesh_quality(mesh));
   return level;
@@ -56,13 +62,16 @@ Json counted(const TriangleMesh& mesh, std::size_t number) {
 // Is what is said of a level true of its triangles? Compared as they are: said may be anything.
 bool agrees(const Json& said, const Json& counted) {
   if (!said.is_object()) return false;
-  for (const char* key : {"vertices", "triangles", "components", "euler_characteristic", "genus", "boundary_loops"})
+  for (const char* key :
+       {"vertices", "triangles", "components", "euler_characteristic", "genus", "boundary_loops"})
     if (!said.contains(key) || said[key] != counted[key]) return false;
   return true;
 }
 
 // Names of files need not be UTF-8.
-std::string text_of(const Json& facts) { return facts.dump(-1, ' ', false, Json::error_handler_t::replace); }
+std::string text_of(const Json& facts) {
+  return facts.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
 
 Json empty_facts(const std::string& title) {
   return {{"title", title},   {"unit", "units"},    {"command", nullptr},  {"parameters", nullptr},
@@ -82,9 +91,11 @@ Json parsed_report(const std::string& text, const std::string& path) {
   if (!json.is_object() || !json.contains("schema") || json["schema"] != "isoatlas-report-2")
     bad_report(path, "is no report of isoatlas extract (schema isoatlas-report-2)");
   for (const char* key : {"input", "surface", "parameters", "reference"})
-    if (!json.contains(key) || !json[key].is_object()) bad_report(path, std::string("has no '") + key + "'");
+    if (!json.contains(key) || !json[key].is_object())
+      bad_report(path, std::string("has no '") + key + "'");
   for (const char* key : {"levels", "files"})
-    if (!json.contains(key) || !json[key].is_array()) bad_report(path, std::string("has no '") + key + "'");
+    if (!json.contains(key) || !json[key].is_array())
+      bad_report(path, std::string("has no '") + key + "'");
   return json;
 }
 
@@ -119,10 +130,12 @@ FoundLevels levels_of_report(const Json& json, const fs::path& report) {
     const fs::path path = found(file.at("path").get<std::string>(), report);
     const auto levels = file.at("levels").get<std::vector<std::size_t>>();
     if (is_hierarchy_path(path) && levels.size() == json["levels"].size())
-      return {read_named_levels(path, report).hierarchy, levels, files_of_hierarchy(path, levels.size())};
+      return {read_named_levels(path, report).hierarchy, levels,
+              files_of_hierarchy(path, levels.size())};
     if (levels.size() == 1) single.emplace_back(levels.front(), path);
   }
-  std::stable_sort(single.begin(), single.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::stable_sort(single.begin(), single.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<TriangleMesh> meshes;
   FoundLevels out;
   for (const auto& [number, path] : single) {
@@ -137,10 +150,14 @@ FoundLevels levels_of_report(const Json& json, const fs::path& report) {
   return out;
 }
 
-// Of components by which some were kept: how many there are, in how many parts, and the size of the largest part.
+// Of components by which some were kept: how many there are, in how many parts, and the size of the
+// largest part.
 Json sizes_of(const Json& components) {
-  const auto first = components.front().at("part").get<std::size_t>(), last = components.back().at("part").get<std::size_t>();
-  return {{"components", components.size()}, {"parts", last - first + 1}, {"largest", components.front().at("size")}};
+  const auto first = components.front().at("part").get<std::size_t>(),
+             last = components.back().at("part").get<std::size_t>();
+  return {{"components", components.size()},
+          {"parts", last - first + 1},
+          {"largest", components.front().at("size")}};
 }
 
 // The volume that a report is about; empty if it came from memory or from standard input.
@@ -159,7 +176,8 @@ ReadOptions read_options_of(const Json& json) {
     if (choice_name == "channel") options.channel = std::to_string(selected);
     if (choice_name == "time") options.time = selected;
     if (choice_name == "layer") options.layer = std::to_string(selected);
-    if (choice_name == "array") options.array = choice.at("entries").at(selected).get<std::string>();
+    if (choice_name == "array")
+      options.array = choice.at("entries").at(selected).get<std::string>();
     if (choice_name == "series") options.series = std::to_string(selected);
   }
   return options;
@@ -173,30 +191,38 @@ std::vector<Vec3> kept_points(const Json& json, const Grid& grid) {
     positions.push_back({p[0], p[1], p[2]});
   }
   const std::string space = json["parameters"].at("space").get<std::string>();
-  return to_index(std::move(positions), grid, space == "voxel" ? Space::voxel : space == "ras" ? Space::ras : Space::lps);
+  return to_index(std::move(positions), grid,
+                  space == "voxel" ? Space::voxel
+                  : space == "ras" ? Space::ras
+                                   : Space::lps);
 }
 
-// Of the volume at `path`, if it is still there, can be read without a raw layout and has the samples that were meshed.
+// Of the volume at `path`, if it is still there, can be read without a raw layout and has the
+// samples that were meshed.
 std::optional<MeshQuality> marching_cubes_of(const Json& json, const fs::path& path) {
   try {
     const Volume volume = read_volume(path, read_options_of(json));
-    if (volume.view.grid.size != json["input"].at("size").get<std::array<std::size_t, 3>>()) return std::nullopt;
+    if (volume.view.grid.size != json["input"].at("size").get<std::array<std::size_t, 3>>())
+      return std::nullopt;
     const Json digest = json["input"].value("sha256", Json());
     if (digest.is_string() && digest != sample_digest(volume)) return std::nullopt;
-    return marching_cubes_quality(volume, json["surface"].at("isovalue").get<double>(), kept_points(json, volume.view.grid));
+    return marching_cubes_quality(volume, json["surface"].at("isovalue").get<double>(),
+                                  kept_points(json, volume.view.grid));
   } catch (const Error&) {
     return std::nullopt;
   }
 }
 
 // @param numbers  the report's levels that the hierarchy has
-PageEntry entry_of(const Json& json, const std::string& path, Hierarchy hierarchy, const std::vector<std::size_t>& numbers,
+PageEntry entry_of(const Json& json, const std::string& path, Hierarchy hierarchy,
+                   const std::vector<std::size_t>& numbers,
                    const std::optional<MeshQuality>& marching_cubes, bool nested = true) {
   const std::string volume = volume_of(json);
   std::string name = fs::path(volume.empty() ? path : volume).filename().string();
   if (name.empty()) name = fs::path(volume).parent_path().filename().string();  // a folder
   std::array<char, 32> isovalue{};
-  std::snprintf(isovalue.data(), isovalue.size(), "%g", json["surface"].at("isovalue").get<double>());
+  std::snprintf(isovalue.data(), isovalue.size(), "%g",
+                json["surface"].at("isovalue").get<double>());
   Json facts = empty_facts(name + " at " + isovalue.data());
   const Json unit = json["input"].value("unit", Json());
   facts["unit"] = unit.is_string() ? unit : Json("units");
@@ -205,13 +231,16 @@ PageEntry entry_of(const Json& json, const std::string& path, Hierarchy hierarch
   for (const char* choice : {"kept", "dropped"}) {
     if (json.contains(choice) && !json[choice].empty()) facts[choice] = sizes_of(json[choice]);
   }
-  if (hierarchy.levels.size() != numbers.size()) bad_report(path, "is about another mesh: it has another number of levels");
+  if (hierarchy.levels.size() != numbers.size())
+    bad_report(path, "is about another mesh: it has another number of levels");
   Json& levels = facts["levels"] = Json::array();
   for (std::size_t i = 0; i < numbers.size(); ++i) {
-    if (numbers[i] >= json["levels"].size()) bad_report(path, "has no level " + std::to_string(numbers[i]));
+    if (numbers[i] >= json["levels"].size())
+      bad_report(path, "has no level " + std::to_string(numbers[i]));
     Json level = json["levels"][numbers[i]];
     if (!agrees(level, counted(hierarchy.mesh(i), numbers[i])))
-      bad_report(path, "is about another mesh: level " + std::to_string(numbers[i]) + " is not what it says");
+      bad_report(path, "is about another mesh: level " + std::to_string(numbers[i]) +
+                           " is not what it says");
     shorten(level);
     levels.push_back(std::move(level));
   }
@@ -241,14 +270,17 @@ PageEntry entry_of_file(const fs::path& path) {
       FoundLevels levels = levels_of_report(json, path);
       const std::string volume = volume_of(json);
       const fs::path volume_path = volume.empty() ? fs::path() : found(volume, path);
-      const auto marching_cubes = volume.empty() ? std::nullopt : marching_cubes_of(json, volume_path);
-      PageEntry entry = entry_of(json, path.string(), std::move(levels.hierarchy), levels.numbers, marching_cubes, levels.nested);
+      const auto marching_cubes =
+          volume.empty() ? std::nullopt : marching_cubes_of(json, volume_path);
+      PageEntry entry = entry_of(json, path.string(), std::move(levels.hierarchy), levels.numbers,
+                                 marching_cubes, levels.nested);
       entry.sources = std::move(levels.files);
       entry.sources.push_back(path);
       if (!volume.empty()) entry.sources.push_back(volume_path);
       return entry;
     } catch (const Json::exception& error) {
-      bad_report(path.string(), std::string("a key is missing or of another type: ") + error.what());
+      bad_report(path.string(),
+                 std::string("a key is missing or of another type: ") + error.what());
     }
   }
   PageEntry entry;
@@ -256,7 +288,8 @@ PageEntry entry_of_file(const fs::path& path) {
   HierarchyFile file = read_levels(path);
   entry.hierarchy = std::move(file.hierarchy);
   const std::vector<std::string>& said = file.info.levels;
-  entry.sources = is_hierarchy_path(path) ? files_of_hierarchy(path, entry.hierarchy.levels.size()) : std::vector{path};
+  entry.sources = is_hierarchy_path(path) ? files_of_hierarchy(path, entry.hierarchy.levels.size())
+                                          : std::vector{path};
   facts["unit"] = "units";  // no format of meshes says
   Json& levels = facts["levels"] = Json::array();
   for (std::size_t k = 0; k < entry.hierarchy.levels.size(); ++k) {

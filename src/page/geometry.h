@@ -10,7 +10,9 @@
 
 namespace isoatlas::detail::page {
 
-/// Appends the levels to `bytes` and says where they are (`geometry` of a result, docs/report.md). Throws as page_html().
-nlohmann::ordered_json append_geometry(const Hierarchy& hierarchy, const std::filesystem::path& path, std::string& bytes);
+/// Appends the levels to `bytes` and says where they are (`geometry` of a result, docs/report.md).
+/// Throws as page_html().
+nlohmann::ordered_json append_geometry(const Hierarchy& hierarchy,
+                                       const std::filesystem::path& path, std::string& bytes);
 
 }  // namespace isoatlas::detail::page

@@ -49,8 +49,10 @@ int vtk_type(SampleType type) {
   return VTK_VOID;
 }
 
-// Of each point the vertex of marching cubes that is nearest (ties: the first one). Nearly always it is in the point's grid cell.
-std::vector<std::uint32_t> nearest_vertices(std::span<const Vec3> vertices, std::span<const Vec3> points) {
+// Of each point the vertex of marching cubes that is nearest (ties: the first one). Nearly always
+// it is in the point's grid cell.
+std::vector<std::uint32_t> nearest_vertices(std::span<const Vec3> vertices,
+                                            std::span<const Vec3> points) {
   const auto cell_of = [](Vec3 p) {
     const auto below = [](double x) { return static_cast<std::int64_t>(std::floor(x)); };
     return std::array{below(p.x), below(p.y), below(p.z)};
@@ -64,7 +66,8 @@ std::vector<std::uint32_t> nearest_vertices(std::span<const Vec3> vertices, std:
     if (d < distance[i]) distance[i] = d, nearest[i] = v;
   };
   for (std::uint32_t v = 0; v < vertices.size(); ++v) {
-    for (unsigned k = 0; k < 8; ++k) {  // its own cell, and those below it along any axes: a vertex is on an edge of up to four
+    for (unsigned k = 0; k < 8; ++k) {  // its own cell, and those below it along any axes: a vertex
+                                        // is on an edge of up to four
       auto cell = cell_of(vertices[v]);
       for (std::size_t axis = 0; axis < 3; ++axis) cell[axis] -= k >> axis & 1U;
       const auto found = points_in.find(cell);
@@ -86,7 +89,8 @@ void keep_components_at(TriangleMesh& mesh, std::span<const Vec3> points, Vec3 s
     sets.unite(t[1], t[2]);
   }
   std::vector<Vec3> index;
-  for (const Vec3& p : mesh.positions) index.push_back({p.x / spacing.x, p.y / spacing.y, p.z / spacing.z});
+  for (const Vec3& p : mesh.positions)
+    index.push_back({p.x / spacing.x, p.y / spacing.y, p.z / spacing.z});
   std::vector<std::uint8_t> is_kept(mesh.positions.size(), 0);
   for (const std::uint32_t v : nearest_vertices(index, points)) is_kept[sets.find(v)] = 1;
   std::erase_if(mesh.triangles, [&](const Triangle& t) { return is_kept[sets.find(t[0])] == 0; });
@@ -99,10 +103,12 @@ std::vector<Vec3> to_index(std::vector<Vec3> positions, const Grid& grid, Space 
   return positions;
 }
 
-std::optional<MeshQuality> marching_cubes_quality(const VolumeView& volume, double isovalue, std::span<const Vec3> of) {
+std::optional<MeshQuality> marching_cubes_quality(const VolumeView& volume, double isovalue,
+                                                  std::span<const Vec3> of) {
   const auto& [nx, ny, nz] = volume.grid.size;
   const Vec3 spacing = volume.grid.spacing;
-  const auto samples = vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(vtk_type(volume.type)));
+  const auto samples =
+      vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(vtk_type(volume.type)));
   // VTK only reads them (save = 1: it does not free them either).
   samples->SetVoidArray(const_cast<void*>(volume.samples), static_cast<vtkIdType>(nx * ny * nz), 1);
   vtkNew<vtkImageData> image;

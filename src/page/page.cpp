@@ -20,7 +20,8 @@ using Json = nlohmann::ordered_json;
 std::string base64(const std::string& bytes) {
   std::string out(4 * ((bytes.size() + 2) / 3), '\0');
   const auto* from = reinterpret_cast<const unsigned char*>(bytes.data());
-  out.resize(vtkBase64Utilities::Encode(from, bytes.size(), reinterpret_cast<unsigned char*>(out.data())));
+  out.resize(
+      vtkBase64Utilities::Encode(from, bytes.size(), reinterpret_cast<unsigned char*>(out.data())));
   return out;
 }
 
@@ -37,7 +38,8 @@ std::string in_html(const std::string& text) {
   return out;
 }
 
-// JSON that cannot end the element it stands in: '<' is only found in texts, where it may be written so.
+// JSON that cannot end the element it stands in: '<' is only found in texts, where it may be
+// written so.
 std::string in_script(const Json& json) {
   std::string out;
   for (const char c : json.dump(-1, ' ', false, Json::error_handler_t::replace)) {
@@ -52,7 +54,9 @@ std::string in_script(const Json& json) {
 }  // namespace
 
 void require_pages() {
-  if (page::script().empty()) throw Error(ErrorCode::unsupported, "this isoatlas was built without pages (ISOATLAS_BUILD_PAGE)");
+  if (page::script().empty())
+    throw Error(ErrorCode::unsupported,
+                "this isoatlas was built without pages (ISOATLAS_BUILD_PAGE)");
 }
 
 std::string page_html(std::span<const PageEntry> entries, const std::filesystem::path& path) {
@@ -74,7 +78,8 @@ std::string page_html(std::span<const PageEntry> entries, const std::filesystem:
   out += " - isoatlas</title>\n<style>\n";
   out += page::style();
   out +=
-      "\n</style>\n</head>\n<body>\n<noscript>This page shows meshes in 3-D and needs JavaScript. It loads nothing from "
+      "\n</style>\n</head>\n<body>\n<noscript>This page shows meshes in 3-D and needs JavaScript. "
+      "It loads nothing from "
       "anywhere.</noscript>\n"
       "<script type=\"application/json\" id=\"isoatlas-data\">";
   out += in_script(json);

@@ -21,7 +21,8 @@ namespace isoatlas::detail::picture {
 namespace {
 
 constexpr int kPatienceMs = 10'000;
-constexpr const char* kNoDisplay = "pictures need an X display, and there is none: set DISPLAY, or install Xvfb (Debian: xvfb)";
+constexpr const char* kNoDisplay =
+    "pictures need an X display, and there is none: set DISPLAY, or install Xvfb (Debian: xvfb)";
 
 // The number that Xvfb says it took, on a line; empty if it says nothing in time.
 std::string first_line(int from) {
@@ -38,7 +39,8 @@ std::string first_line(int from) {
 
 // @return its process; -1: it cannot be started
 pid_t start_xvfb(int tell) {
-  std::array<std::string, 9> arguments{"Xvfb",      "-displayfd", std::to_string(tell), "-screen", "0", "640x480x24",
+  std::array<std::string, 9> arguments{"Xvfb",      "-displayfd", std::to_string(tell),
+                                       "-screen",   "0",          "640x480x24",
                                        "-nolisten", "tcp",        "-terminate"};
   std::array<char*, arguments.size() + 1> argv{};
   for (std::size_t i = 0; i < arguments.size(); ++i) argv[i] = arguments[i].data();

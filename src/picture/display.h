@@ -5,8 +5,9 @@
 
 namespace isoatlas::detail::picture {
 
-/// Sees to it that $DISPLAY is an X display that can be drawn to: the one that is there or, without one, an Xvfb that is started for
-/// the purpose and ends with this object, or with this process. Not thread-safe: it sets the environment.
+/// Sees to it that $DISPLAY is an X display that can be drawn to: the one that is there or, without
+/// one, an Xvfb that is started for the purpose and ends with this object, or with this process.
+/// Not thread-safe: it sets the environment.
 class Display {
  public:
   Display();  ///< Throws Error(unsupported) if there is no display and Xvfb cannot be started

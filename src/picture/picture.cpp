@@ -36,7 +36,8 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr int kFiner = 3;              // drawn so many times larger, then averaged: edges are smooth whatever the driver can do
+constexpr int kFiner =
+    3;  // drawn so many times larger, then averaged: edges are smooth whatever the driver can do
 constexpr int kLargestWindow = 16384;  // drivers draw nothing into larger ones
 constexpr double kMargin = 1.06;
 constexpr double kLeastSine = 1e-6;  // of the angle between the view and what is up
@@ -73,7 +74,8 @@ vtkNew<vtkPolyData> surface_of(const TriangleMesh& mesh, const Box& box) {
   vtkNew<vtkFloatArray> unit;
   unit->SetNumberOfComponents(3);
   unit->SetNumberOfTuples(static_cast<vtkIdType>(normals.size()));
-  for (std::size_t v = 0; v < normals.size(); ++v) unit->SetTuple3(static_cast<vtkIdType>(v), normals[v].x, normals[v].y, normals[v].z);
+  for (std::size_t v = 0; v < normals.size(); ++v)
+    unit->SetTuple3(static_cast<vtkIdType>(v), normals[v].x, normals[v].y, normals[v].z);
   vtkNew<vtkPolyData> out;
   out->SetPoints(points);
   out->SetPolys(triangles);
@@ -128,7 +130,8 @@ std::string encoded(Writer& writer, vtkImageAlgorithm& pixels) {
   writer.WriteToMemoryOn();
   writer.Write();
   vtkUnsignedCharArray& bytes = *writer.GetResult();
-  return {reinterpret_cast<const char*>(bytes.GetPointer(0)), static_cast<std::size_t>(bytes.GetNumberOfValues())};
+  return {reinterpret_cast<const char*>(bytes.GetPointer(0)),
+          static_cast<std::size_t>(bytes.GetNumberOfValues())};
 }
 
 }  // namespace
@@ -137,17 +140,21 @@ PictureFormat picture_format(const std::filesystem::path& path) {
   const std::string extension = lower_case_extension(path);
   if (extension == ".png") return PictureFormat::png;
   if (extension == ".jpg" || extension == ".jpeg") return PictureFormat::jpeg;
-  throw Error(ErrorCode::unsupported, path.string() + ": unknown picture format, expected a name ending in .png, .jpg or .jpeg");
+  throw Error(
+      ErrorCode::unsupported,
+      path.string() + ": unknown picture format, expected a name ending in .png, .jpg or .jpeg");
 }
 
 std::string picture_of(const TriangleMesh& mesh, const PictureOptions& options) {
   require(!mesh.triangles.empty(), "the mesh has no triangles to draw");
   for (const int pixels : {options.width, options.height})
     require(pixels >= 16 && pixels <= 8192, "a picture is 16 to 8192 pixels wide and high");
-  require(options.zoom > 0 && std::isfinite(options.zoom), "the zoom of a picture must be positive");
+  require(options.zoom > 0 && std::isfinite(options.zoom),
+          "the zoom of a picture must be positive");
   const Vec3 towards = normalized(options.view);
   const Vec3 upwards = options.up.value_or(default_up(towards));
-  require(length(cross(towards, normalized(upwards))) > kLeastSine, "the view of a picture and what is up in it must be two directions");
+  require(length(cross(towards, normalized(upwards))) > kLeastSine,
+          "the view of a picture and what is up in it must be two directions");
   const int finer = std::min(kFiner, kLargestWindow / std::max(options.width, options.height));
   const picture::Display display;
 
@@ -201,7 +208,8 @@ std::string picture_of(const TriangleMesh& mesh, const PictureOptions& options) 
     }
   }
   const double shape = static_cast<double>(options.height) / options.width;
-  camera.SetParallelScale(kMargin * std::max({half_height, half_width * shape, 1e-6}) / options.zoom);
+  camera.SetParallelScale(kMargin * std::max({half_height, half_width * shape, 1e-6}) /
+                          options.zoom);
   camera.SetClippingRange(8.5, 11.5);
 
   vtkNew<vtkRenderWindow> window;

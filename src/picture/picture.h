@@ -23,8 +23,8 @@ struct PictureOptions {
   PictureFormat format = PictureFormat::png;
   int width = 1200, height = 900;  ///< pixels
   Vec3 view{0.45, -1, 0.35};       ///< from the mesh towards who looks at it
-  std::optional<Vec3> up;          ///< upwards in the picture; none: z, or where the view is along z, -y
-  double zoom = 1;                 ///< 1: all of the mesh is in the picture
+  std::optional<Vec3> up;  ///< upwards in the picture; none: z, or where the view is along z, -y
+  double zoom = 1;         ///< 1: all of the mesh is in the picture
 };
 
 /// The format that the extension of a name says: .png, .jpg, .jpeg.
@@ -33,7 +33,8 @@ PictureFormat picture_format(const std::filesystem::path& path);
 
 /// The bytes of a picture file: the mesh on white in parallel projection.
 /// @throws Error(unsupported)   there is no display and no Xvfb
-/// @throws Error(bad_argument)  no triangles, a size outside [16, 8192], zoom not positive, view or up zero or along each other
+/// @throws Error(bad_argument)  no triangles, a size outside [16, 8192], zoom not positive, view or
+/// up zero or along each other
 /// @cost   at most nine times the picture's pixels, and the mesh once more in float
 std::string picture_of(const TriangleMesh& mesh, const PictureOptions& options);
 

@@ -43,14 +43,18 @@ Json one_side(const OneSidedDistance& distance, double voxel) {
 }
 
 // A path may hold bytes that are not UTF-8; a report with a replacement character beats no report.
-std::string on_one_line(const Json& value) { return value.dump(-1, ' ', false, Json::error_handler_t::replace); }
-
-bool is_flat(const Json& value) {
-  return std::none_of(value.begin(), value.end(),
-                      [](const Json& item) { return item.is_object() || (item.is_array() && !item.empty() && item[0].is_structured()); });
+std::string on_one_line(const Json& value) {
+  return value.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-/// Is it one line's worth: a number, a text, a list of such, a small object; or an object in a list, if nothing is nested in it.
+bool is_flat(const Json& value) {
+  return std::none_of(value.begin(), value.end(), [](const Json& item) {
+    return item.is_object() || (item.is_array() && !item.empty() && item[0].is_structured());
+  });
+}
+
+/// Is it one line's worth: a number, a text, a list of such, a small object; or an object in a
+/// list, if nothing is nested in it.
 bool fits_on_a_line(const Json& value, bool in_list) {
   constexpr std::size_t kMostKeys = 3;
   if (value.is_object()) return is_flat(value) && (in_list || value.size() <= kMostKeys);
@@ -90,8 +94,9 @@ Json metrics_value(const LevelReport& level) {
   if (!level.metrics) return metrics;
   for (std::size_t i = 0; i < kMetricCount; ++i) {
     const auto metric = static_cast<Quantity>(i);
-    metrics[std::string(name(metric))] = {
-        {"maximum", (*level.metrics)[i].maximum}, {"mean", (*level.metrics)[i].mean}, {"unit", text(unit(metric))}};
+    metrics[std::string(name(metric))] = {{"maximum", (*level.metrics)[i].maximum},
+                                          {"mean", (*level.metrics)[i].mean},
+                                          {"unit", text(unit(metric))}};
   }
   return metrics;
 }
@@ -109,7 +114,8 @@ void add_topology(Json& object, const TopologySummary& topology) {
   object["boundary_loops"] = topology.boundary_loops;
   Json kinds = Json::array();
   for (const TopologySummary::Kind& kind : topology.kinds)
-    kinds.push_back({{"genus", kind.genus}, {"boundary_loops", kind.boundary_loops}, {"count", kind.count}});
+    kinds.push_back(
+        {{"genus", kind.genus}, {"boundary_loops", kind.boundary_loops}, {"count", kind.count}});
   object["kinds"] = std::move(kinds);
 }
 
@@ -123,16 +129,20 @@ Json to_value(const CertificateReport& certificate) {
 }
 
 Json to_value(const MeshQuality& quality) {
-  return {{"aspect_ratio",
-           {{"minimum", quality.aspect_min},
-            {"p01", quality.aspect_p01},
-            {"median", quality.aspect_median},
-            {"share_below_third", quality.aspect_share_below_third},
-            {"histogram", quality.aspect_histogram}}},
-          {"angle_degrees", {{"minimum", quality.angle_min}, {"maximum", quality.angle_max}, {"above_150", quality.angles_above_150}}},
-          {"dihedral_degrees", {{"minimum", quality.dihedral_min}, {"maximum", quality.dihedral_max}}},
-          {"edge_length", {{"minimum", quality.edge_min}, {"maximum", quality.edge_max}}},
-          {"zero_area_triangles", quality.zero_area_triangles}};
+  return {
+      {"aspect_ratio",
+       {{"minimum", quality.aspect_min},
+        {"p01", quality.aspect_p01},
+        {"median", quality.aspect_median},
+        {"share_below_third", quality.aspect_share_below_third},
+        {"histogram", quality.aspect_histogram}}},
+      {"angle_degrees",
+       {{"minimum", quality.angle_min},
+        {"maximum", quality.angle_max},
+        {"above_150", quality.angles_above_150}}},
+      {"dihedral_degrees", {{"minimum", quality.dihedral_min}, {"maximum", quality.dihedral_max}}},
+      {"edge_length", {{"minimum", quality.edge_min}, {"maximum", quality.edge_max}}},
+      {"zero_area_triangles", quality.zero_area_triangles}};
 }
 
 Json to_value(const Measurement& measurement) {
@@ -143,14 +153,18 @@ Json to_value(const Measurement& measurement) {
           {"mean", std::max(there.mean, back.mean)},
           {"mesh_to_surface", one_side(there, measurement.voxel)},
           {"surface_to_mesh", one_side(back, measurement.voxel)},
-          {"normal_degrees", {{"mean", measurement.normal_mean}, {"p99", measurement.normal_p99}, {"maximum", measurement.normal_maximum}}},
+          {"normal_degrees",
+           {{"mean", measurement.normal_mean},
+            {"p99", measurement.normal_p99},
+            {"maximum", measurement.normal_maximum}}},
           {"surface_area", measurement.surface_area},
           {"mesh_area", measurement.mesh_area}};
 }
 
 Json to_value(const LevelGoal& goal) {
   Json list = Json::array();
-  for (const Constraint& constraint : goal) list.push_back({{"quantity", name(constraint)}, {"bound", constraint.bound}});
+  for (const Constraint& constraint : goal)
+    list.push_back({{"quantity", name(constraint)}, {"bound", constraint.bound}});
   return list;
 }
 
@@ -177,10 +191,12 @@ Json to_value(const LevelReport& level, std::size_t number) {
   json["metrics"] = metrics_value(level);
   json["distance_at_most"] = level.distance_at_most ? Json(*level.distance_at_most) : Json();
   Json& constraints = json["constraints"] = Json::array();
-  for (const ConstraintResult& result : level.constraints) constraints.push_back(constraint_value(result));
+  for (const ConstraintResult& result : level.constraints)
+    constraints.push_back(constraint_value(result));
   Json worst = Json::array();
   for (std::size_t i = 0; i < std::min(level.at_limit.size(), kMostCellsAtLimit); ++i)
-    worst.push_back({{"position", to_value(level.at_limit[i].position)}, {"excess", level.at_limit[i].excess}});
+    worst.push_back(
+        {{"position", to_value(level.at_limit[i].position)}, {"excess", level.at_limit[i].excess}});
   json["at_limit"] = {{"count", level.at_limit.size()}, {"worst", std::move(worst)}};
   json["refine_rounds"] = level.refine_rounds;
   json["flips"] = level.flips;

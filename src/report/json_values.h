@@ -22,13 +22,16 @@ Json to_value(const MeshQuality& quality);
 Json to_value(const Measurement& measurement);
 Json to_value(const LevelGoal& goal);
 
-/// Components, Euler characteristic, genus, boundary loops and kinds, into an object that says more.
+/// Components, Euler characteristic, genus, boundary loops and kinds, into an object that says
+/// more.
 void add_topology(Json& object, const TopologySummary& topology);
 
-/// What is known of a level, but for the time it took and the file it went to: the same input gives the same value.
+/// What is known of a level, but for the time it took and the file it went to: the same input gives
+/// the same value.
 Json to_value(const LevelReport& level, std::size_t number);
 
-/// For people too: one line per key, lists of numbers on that line, of small objects with one object per line; a newline at the end.
+/// For people too: one line per key, lists of numbers on that line, of small objects with one
+/// object per line; a newline at the end.
 std::string to_text(const Json& json);
 
 }  // namespace isoatlas::detail::report

@@ -17,7 +17,9 @@ namespace {
 
 [[noreturn]] void refuse(const char* key, const Json& value, const char* expected) {
   constexpr std::size_t kMostShown = 40;
-  throw Error(ErrorCode::bad_file, std::string(key) + " is " + value.dump(-1, ' ', true).substr(0, kMostShown) + ", expected " + expected);
+  throw Error(ErrorCode::bad_file, std::string(key) + " is " +
+                                       value.dump(-1, ' ', true).substr(0, kMostShown) +
+                                       ", expected " + expected);
 }
 
 /// The value if it is there. nlohmann by itself makes a count of -1, of 1.5 and of true.
@@ -42,7 +44,9 @@ void read_metric(const Json& object, const char* key, double& value) {
     read(object, key, value);
 }
 
-Json member(const Json& object, const char* key) { return object.is_object() && object.contains(key) ? object[key] : Json(); }
+Json member(const Json& object, const char* key) {
+  return object.is_object() && object.contains(key) ? object[key] : Json();
+}
 
 OneSidedDistance distance_of(const Json& json) {
   OneSidedDistance distance;
@@ -73,7 +77,8 @@ LevelFacts facts_of(const Json& json) {
   read(aspect, "median", facts.quality.aspect_median);
   read(aspect, "share_below_third", facts.quality.aspect_share_below_third);
   read(member(member(json, "quality"), "angle_degrees"), "minimum", facts.quality.angle_min);
-  if (const Json measured = member(json, "measured"); measured.is_object()) facts.measured = measurement_of(measured);
+  if (const Json measured = member(json, "measured"); measured.is_object())
+    facts.measured = measurement_of(measured);
   if (const Json at_most = member(json, "distance_at_most"); !at_most.is_null())
     read_metric(json, "distance_at_most", facts.distance_at_most.emplace());
   const Json metrics = member(json, "metrics");
@@ -101,14 +106,18 @@ auto with(const std::string& text, const std::string& path, Work work) {
 }  // namespace
 
 std::optional<LevelFacts> facts_of_level(const std::string& text, const std::string& path) {
-  return with(text, path, [](const Json& json) { return json.is_object() ? std::optional(facts_of(json)) : std::nullopt; });
+  return with(text, path, [](const Json& json) {
+    return json.is_object() ? std::optional(facts_of(json)) : std::nullopt;
+  });
 }
 
 std::vector<LevelFacts> facts_of_levels(const std::string& text, const std::string& path) {
   return with(text, path, [](const Json& json) {
     const Json schema = member(json, "schema");
     if (schema != "isoatlas-report-2" && schema != "isoatlas-manifest-1")
-      throw Error(ErrorCode::unsupported, "is no report of isoatlas extract, expected the schema isoatlas-report-2 or isoatlas-manifest-1");
+      throw Error(ErrorCode::unsupported,
+                  "is no report of isoatlas extract, expected the schema isoatlas-report-2 or "
+                  "isoatlas-manifest-1");
     std::vector<LevelFacts> levels;
     for (const Json& level : member(json, "levels"))
       if (level.is_object()) levels.push_back(facts_of(level));
@@ -117,7 +126,8 @@ std::vector<LevelFacts> facts_of_levels(const std::string& text, const std::stri
   });
 }
 
-std::string to_json(const std::string& path, const std::vector<LevelFacts>& levels, std::optional<bool> nested) {
+std::string to_json(const std::string& path, const std::vector<LevelFacts>& levels,
+                    std::optional<bool> nested) {
   Json json;
   json["schema"] = "isoatlas-levels-1";
   json["version"] = ISOATLAS_VERSION;
@@ -130,7 +140,9 @@ std::string to_json(const std::string& path, const std::vector<LevelFacts>& leve
                 {"vertices", level.vertices},
                 {"triangles", level.triangles},
                 {"manifold", level.is_manifold ? Json(*level.is_manifold) : Json()}};
-    const auto add = [&](const char* key, auto value) { one[key] = level.is_manifold.value_or(true) ? Json(value) : Json(); };
+    const auto add = [&](const char* key, auto value) {
+      one[key] = level.is_manifold.value_or(true) ? Json(value) : Json();
+    };
     one["components"] = level.topology.components;
     add("euler_characteristic", level.topology.euler_characteristic);
     add("genus", level.topology.genus);
@@ -141,17 +153,21 @@ std::string to_json(const std::string& path, const std::vector<LevelFacts>& leve
                            {"share_below_third", level.quality.aspect_share_below_third}};
     one["angle_degrees"] = {{"minimum", level.quality.angle_min}};
     const auto side = [](const OneSidedDistance& distance) {
-      return Json{
-          {"samples", distance.samples}, {"samples_per_voxel_face", distance.samples_per_voxel_face}, {"maximum", distance.maximum}};
+      return Json{{"samples", distance.samples},
+                  {"samples_per_voxel_face", distance.samples_per_voxel_face},
+                  {"maximum", distance.maximum}};
     };
     one["distance_at_most"] = level.distance_at_most ? Json(*level.distance_at_most) : Json();
-    one["measured"] = level.measured ? Json{{"maximum", level.measured->maximum()},
-                                            {"mesh_to_surface", side(level.measured->mesh_to_surface)},
-                                            {"surface_to_mesh", side(level.measured->surface_to_mesh)}}
-                                     : Json();
+    one["measured"] = level.measured
+                          ? Json{{"maximum", level.measured->maximum()},
+                                 {"mesh_to_surface", side(level.measured->mesh_to_surface)},
+                                 {"surface_to_mesh", side(level.measured->surface_to_mesh)}}
+                          : Json();
     for (std::size_t i = 0; i < kMetricCount; ++i)
       one["metrics"][std::string(name(static_cast<Quantity>(i)))] =
-          level.metrics[i] ? Json({{"maximum", level.metrics[i]->maximum}, {"mean", level.metrics[i]->mean}}) : Json();
+          level.metrics[i]
+              ? Json({{"maximum", level.metrics[i]->maximum}, {"mean", level.metrics[i]->mean}})
+              : Json();
     list.push_back(std::move(one));
   }
   return report::to_text(json);

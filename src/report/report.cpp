@@ -25,8 +25,12 @@ using report::to_value;
 
 std::string_view text(Inside inside) { return inside == Inside::above ? "above" : "below"; }
 
-std::string_view text(Topology topology) { return topology == Topology::faces ? "faces" : "trilinear"; }
-std::string_view text(Interpolation interpolation) { return interpolation == Interpolation::trilinear ? "trilinear" : "tricubic"; }
+std::string_view text(Topology topology) {
+  return topology == Topology::faces ? "faces" : "trilinear";
+}
+std::string_view text(Interpolation interpolation) {
+  return interpolation == Interpolation::trilinear ? "trilinear" : "tricubic";
+}
 
 std::string_view text(NonFinite rule) {
   switch (rule) {
@@ -52,11 +56,17 @@ std::string_view text(Space space) {
   return "";
 }
 
-std::string_view text(CoveringStrategy strategy) { return strategy == CoveringStrategy::sizing_field ? "sizing-field" : "halving"; }
+std::string_view text(CoveringStrategy strategy) {
+  return strategy == CoveringStrategy::sizing_field ? "sizing-field" : "halving";
+}
 
-std::string_view text(Placement placement) { return placement == Placement::surface ? "surface" : "balanced"; }
+std::string_view text(Placement placement) {
+  return placement == Placement::surface ? "surface" : "balanced";
+}
 
-Json length_value(const std::optional<Length>& length) { return length ? Json(length->value) : Json(); }
+Json length_value(const std::optional<Length>& length) {
+  return length ? Json(length->value) : Json();
+}
 
 Json path_value(const std::string& path) { return path.empty() ? Json() : Json(path); }
 
@@ -69,13 +79,15 @@ Json goals_value(const std::vector<LevelGoal>& goals) {
 Json to_value(const SelfIntersectionReport& self_intersections) {
   Json first = Json::array();
   for (const SelfIntersectionReport::Place& place : self_intersections.first)
-    first.push_back({{"triangles", {place.triangles.first, place.triangles.second}}, {"position", to_value(place.position)}});
+    first.push_back({{"triangles", {place.triangles.first, place.triangles.second}},
+                     {"position", to_value(place.position)}});
   return {{"pairs", self_intersections.pairs}, {"first", first}};
 }
 
 Json to_value(const ReportFile& file) {
   Json meetings = Json::array();
-  for (const SelfIntersectionReport& level : file.self_intersections) meetings.push_back(to_value(level));
+  for (const SelfIntersectionReport& level : file.self_intersections)
+    meetings.push_back(to_value(level));
   return {{"path", file.path},
           {"levels", file.levels},
           {"bytes", file.bytes},
@@ -118,17 +130,20 @@ Json to_value(const VolumeReport& volume) {
   json["size"] = grid.size;
   json["spacing"] = to_value(grid.spacing);
   json["origin"] = to_value(grid.origin);
-  json["direction"] = Json::array({to_value(grid.direction[0]), to_value(grid.direction[1]), to_value(grid.direction[2])});
+  json["direction"] = Json::array(
+      {to_value(grid.direction[0]), to_value(grid.direction[1]), to_value(grid.direction[2])});
   json["unit"] = grid.unit == LengthUnit::unknown ? Json() : Json(symbol(grid.unit));
   json["format"] = volume.source.format.empty() ? Json() : Json(volume.source.format);
   json["reader"] = volume.source.reader.empty() ? Json() : Json(volume.source.reader);
   Json& decisions = json["decisions"] = Json::array();
-  for (const ReadDecision& decision : volume.source.decisions) decisions.push_back({{"key", decision.key}, {"value", decision.value}});
+  for (const ReadDecision& decision : volume.source.decisions)
+    decisions.push_back({{"key", decision.key}, {"value", decision.value}});
   json["warnings"] = volume.source.warnings;
   Json& choices = json["choices"] = Json::array();
   for (const FileChoice& choice : volume.source.choices)
-    choices.push_back(
-        {{"name", choice.name}, {"entries", choice.entries}, {"selected", choice.selected ? Json(*choice.selected) : Json()}});
+    choices.push_back({{"name", choice.name},
+                       {"entries", choice.entries},
+                       {"selected", choice.selected ? Json(*choice.selected) : Json()}});
   json["sha256"] = volume.sample_digest.empty() ? Json() : Json(volume.sample_digest);
   return json;
 }
@@ -148,13 +163,16 @@ std::size_t peak_memory_bytes() {
   return static_cast<std::size_t>(usage.ru_maxrss) * 1024;  // Linux counts KiB
 }
 
-SelfIntersectionReport find_self_intersections(const TriangleMesh& mesh, const RunControl& control) {
+SelfIntersectionReport find_self_intersections(const TriangleMesh& mesh,
+                                               const RunControl& control) {
   constexpr std::size_t kMost = 10;  // places to tell; the count is of all
   SelfIntersectionReport report;
-  const std::vector<TrianglePair> pairs = self_intersections(mesh.positions, mesh.triangles, {}, control);
+  const std::vector<TrianglePair> pairs =
+      self_intersections(mesh.positions, mesh.triangles, {}, control);
   report.pairs = pairs.size();
   for (const TrianglePair& pair : std::span(pairs).first(std::min(pairs.size(), kMost)))
-    report.first.push_back({pair, intersection_position(mesh.positions, mesh.triangles[pair.first], mesh.triangles[pair.second])});
+    report.first.push_back({pair, intersection_position(mesh.positions, mesh.triangles[pair.first],
+                                                        mesh.triangles[pair.second])});
   return report;
 }
 
@@ -188,18 +206,23 @@ std::string to_json(const ExtractReport& report, const ReportContext& context) {
                         {"measure_samples", options.measure_samples},
                         {"threads", context.threads}};
 
-  Json& reference = json["reference"] = {
-      {"c_vertices", report.c_vertices}, {"faces", report.faces}, {"double_segments", report.double_segments}, {"tunnels", report.tunnels}};
+  Json& reference = json["reference"] = {{"c_vertices", report.c_vertices},
+                                         {"faces", report.faces},
+                                         {"double_segments", report.double_segments},
+                                         {"tunnels", report.tunnels}};
   add_topology(reference, report.reference);
-  for (const auto& [name, components] : {std::pair{"kept", &report.kept}, std::pair{"dropped", &report.dropped}}) {
+  for (const auto& [name, components] :
+       {std::pair{"kept", &report.kept}, std::pair{"dropped", &report.dropped}}) {
     Json& list = json[name] = Json::array();
     for (const RankedComponent& component : *components) list.push_back(to_value(component));
   }
-  json["coarsening"] = {{"rounds", report.coarsening.repair_rounds},
-                        {"c_vertices", report.coarser_c_vertices},
-                        {"certificate", report.coarser_c_vertices.empty() ? Json() : to_value(report.coarsening)}};
-  json["subdivision"] = {
-      {"c_vertices", report.subdivided_c_vertices}, {"added_c_vertices", report.added_c_vertices}, {"max_depth", report.max_subdivision_depth}};
+  json["coarsening"] = {
+      {"rounds", report.coarsening.repair_rounds},
+      {"c_vertices", report.coarser_c_vertices},
+      {"certificate", report.coarser_c_vertices.empty() ? Json() : to_value(report.coarsening)}};
+  json["subdivision"] = {{"c_vertices", report.subdivided_c_vertices},
+                         {"added_c_vertices", report.added_c_vertices},
+                         {"max_depth", report.max_subdivision_depth}};
   Json& levels = json["levels"] = Json::array();
   for (std::size_t k = 0; k < report.levels.size(); ++k) {
     Json level = {{"path", path_of_level(context.files, k)}};
@@ -225,20 +248,25 @@ std::string to_json(const InfoReport& info) {
   json["version"] = ISOATLAS_VERSION;
   json["volume"] = to_value(info.volume);
   if (info.volume.grid.sample_count() == 0)
-    for (const char* key : {"sample_type", "size", "spacing", "origin", "direction"}) json["volume"][key] = nullptr;
+    for (const char* key : {"sample_type", "size", "spacing", "origin", "direction"})
+      json["volume"][key] = nullptr;
   const bool has_range = info.samples && info.samples->finite_count > 0;
   json["minimum"] = has_range ? Json(info.samples->minimum) : Json();
   json["maximum"] = has_range ? Json(info.samples->maximum) : Json();
   json["nan"] = info.samples ? Json(info.samples->nan_count) : Json();
   json["infinite"] = info.samples ? Json(info.samples->infinity_count) : Json();
   Json& isovalues = json["isovalues"] = Json::array();
-  for (const InfoReport::Isovalue& isovalue : info.isovalues) isovalues.push_back({{"value", isovalue.value}, {"reason", isovalue.reason}});
+  for (const InfoReport::Isovalue& isovalue : info.isovalues)
+    isovalues.push_back({{"value", isovalue.value}, {"reason", isovalue.reason}});
   return to_text(json);
 }
 
-std::string level_json(const LevelReport& level, std::size_t number) { return to_value(level, number).dump(); }
+std::string level_json(const LevelReport& level, std::size_t number) {
+  return to_value(level, number).dump();
+}
 
-std::string levels_manifest(const std::vector<ReportFile>& files, const std::vector<std::string>& levels) {
+std::string levels_manifest(const std::vector<ReportFile>& files,
+                            const std::vector<std::string>& levels) {
   Json json;
   json["schema"] = "isoatlas-manifest-1";
   json["version"] = ISOATLAS_VERSION;
@@ -253,8 +281,9 @@ std::string levels_manifest(const std::vector<ReportFile>& files, const std::vec
   return to_text(json);
 }
 
-std::string to_json(const std::string& mesh_path, const MeshTopology& topology, const MeshQuality& quality,
-                    const SelfIntersectionReport* self_intersections, const DistanceReport* distance) {
+std::string to_json(const std::string& mesh_path, const MeshTopology& topology,
+                    const MeshQuality& quality, const SelfIntersectionReport* self_intersections,
+                    const DistanceReport* distance) {
   Json json;
   json["schema"] = "isoatlas-check-1";
   json["version"] = ISOATLAS_VERSION;
@@ -275,7 +304,8 @@ std::string to_json(const std::string& mesh_path, const MeshTopology& topology, 
     add_topology(json, summarize(topology.components));
   } else {
     json["components"] = topology.components.size();
-    for (const char* key : {"euler_characteristic", "genus", "boundary_loops", "kinds"}) json[key] = nullptr;
+    for (const char* key : {"euler_characteristic", "genus", "boundary_loops", "kinds"})
+      json[key] = nullptr;
   }
   json["quality"] = to_value(quality);
   json["self_intersections"] = self_intersections ? to_value(*self_intersections) : Json();

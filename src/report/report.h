@@ -31,12 +31,13 @@ struct ReportFile {
   std::string path;
   std::vector<std::size_t> levels;  ///< that it holds
   std::size_t bytes = 0;
-  bool single_precision = false;          ///< it has positions in float32
-  double largest_rounding = 0;            ///< of a position, in the mesh's units
-  std::string space = {};                 ///< of the stored coordinates: "LPS", "RAS", "voxel"; empty: nobody said
+  bool single_precision = false;  ///< it has positions in float32
+  double largest_rounding = 0;    ///< of a position, in the mesh's units
+  std::string space = {};  ///< of the stored coordinates: "LPS", "RAS", "voxel"; empty: nobody said
   LengthUnit unit = LengthUnit::unknown;  ///< of the stored coordinates
   std::vector<std::string> notes = {};    ///< what the format changed or had to state, for people
-  /// For each level, those of the positions as the file has them; empty: not looked for, the file has all digits of the positions.
+  /// For each level, those of the positions as the file has them; empty: not looked for, the file
+  /// has all digits of the positions.
   std::vector<SelfIntersectionReport> self_intersections = {};
 };
 
@@ -60,7 +61,8 @@ struct InfoReport {
   std::vector<Isovalue> isovalues;  ///< suggested ones
 };
 
-/// What a report says besides what extract() found out: where things came from and went to, and what that took.
+/// What a report says besides what extract() found out: where things came from and went to, and
+/// what that took.
 struct ReportContext {
   VolumeReport volume;
   std::string command;  ///< that made it, as one would type it; empty: it was no command
@@ -87,23 +89,29 @@ SelfIntersectionReport find_self_intersections(const TriangleMesh& mesh, const R
 /// One JSON object, schema "isoatlas-report-2", keys in a fixed order, a newline at the end.
 std::string to_json(const ExtractReport& report, const ReportContext& context);
 
-/// One JSON object, schema "isoatlas-info-1". What needs the samples is null where a choice has to be made first.
+/// One JSON object, schema "isoatlas-info-1". What needs the samples is null where a choice has to
+/// be made first.
 std::string to_json(const InfoReport& info);
 
-/// What the report says of one level, on one line, without the time it took and the file it went to: for files that carry it with
-/// the level. The same input gives the same text.
+/// What the report says of one level, on one line, without the time it took and the file it went
+/// to: for files that carry it with the level. The same input gives the same text.
 std::string level_json(const LevelReport& level, std::size_t number);
 
-/// A list of files with one level each, schema "isoatlas-manifest-1": `files` have one level each, in their order; `levels` has
-/// the level_json() of each, or nothing. Names are relative to the list, which is beside them.
-std::string levels_manifest(const std::vector<ReportFile>& files, const std::vector<std::string>& levels);
+/// A list of files with one level each, schema "isoatlas-manifest-1": `files` have one level each,
+/// in their order; `levels` has the level_json() of each, or nothing. Names are relative to the
+/// list, which is beside them.
+std::string levels_manifest(const std::vector<ReportFile>& files,
+                            const std::vector<std::string>& levels);
 
-/// One JSON object for a mesh that was only looked at, schema "isoatlas-check-1". What only a consistently oriented manifold
-/// has (Euler characteristic, genus, loops) is null for anything else.
+/// One JSON object for a mesh that was only looked at, schema "isoatlas-check-1". What only a
+/// consistently oriented manifold has (Euler characteristic, genus, loops) is null for anything
+/// else.
 /// @param mesh_path  empty: the mesh came from memory
 /// @param self_intersections  null if nobody looked for them
 /// @param distance  null if there was no volume to measure against
-std::string to_json(const std::string& mesh_path, const MeshTopology& topology, const MeshQuality& quality,
-                    const SelfIntersectionReport* self_intersections = nullptr, const DistanceReport* distance = nullptr);
+std::string to_json(const std::string& mesh_path, const MeshTopology& topology,
+                    const MeshQuality& quality,
+                    const SelfIntersectionReport* self_intersections = nullptr,
+                    const DistanceReport* distance = nullptr);
 
 }  // namespace isoatlas::detail

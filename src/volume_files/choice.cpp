@@ -17,7 +17,8 @@ std::string entry_list(const FileChoice& choice) {
   std::string list;
   for (std::size_t i = 0; i < std::min(choice.entries.size(), kMostListed); ++i) {
     const std::string number = std::to_string(i);
-    list += (i > 0 ? ", " : "") + number + (choice.entries[i] == number ? "" : " (" + one_line(choice.entries[i], 160) + ")");
+    list += (i > 0 ? ", " : "") + number +
+            (choice.entries[i] == number ? "" : " (" + one_line(choice.entries[i], 160) + ")");
   }
   if (choice.entries.size() > kMostListed) {
     list += ", ... " + std::to_string(choice.entries.size() - 1);
@@ -26,21 +27,28 @@ std::string entry_list(const FileChoice& choice) {
 }
 
 std::string plural(const FileChoice& choice) {
-  return choice.name == "series" ? "series" : choice.name == "time" ? "time points" : choice.name + "s";
+  return choice.name == "series" ? "series"
+         : choice.name == "time" ? "time points"
+                                 : choice.name + "s";
 }
 
-[[noreturn]] void refuse(const std::filesystem::path& path, const FileChoice& choice, const std::string& wanted) {
+[[noreturn]] void refuse(const std::filesystem::path& path, const FileChoice& choice,
+                         const std::string& wanted) {
   throw Error(ErrorCode::bad_argument,
-              one_line(path.string() + ": has no " + choice.name + " '" + wanted + "', expected one of " + entry_list(choice), 2000));
+              one_line(path.string() + ": has no " + choice.name + " '" + wanted +
+                           "', expected one of " + entry_list(choice),
+                       2000));
 }
 
-[[noreturn]] void require_choice(const std::filesystem::path& path, const VolumeSource& source, const FileChoice& choice) {
+[[noreturn]] void require_choice(const std::filesystem::path& path, const VolumeSource& source,
+                                 const FileChoice& choice) {
   VolumeSource known = source;
   known.choices.push_back(choice);
-  throw ChoiceNeeded(one_line(path.string() + ": has " + std::to_string(choice.entries.size()) + " " + plural(choice) +
-                                  ", expected a choice of one: " + entry_list(choice),
-                              2000),
-                     choice, std::move(known));
+  throw ChoiceNeeded(
+      one_line(path.string() + ": has " + std::to_string(choice.entries.size()) + " " +
+                   plural(choice) + ", expected a choice of one: " + entry_list(choice),
+               2000),
+      choice, std::move(known));
 }
 
 std::size_t select(VolumeSource& source, FileChoice choice, std::size_t entry) {
@@ -51,7 +59,8 @@ std::size_t select(VolumeSource& source, FileChoice choice, std::size_t entry) {
 
 }  // namespace
 
-std::size_t take_choice(const std::filesystem::path& path, VolumeSource& source, FileChoice choice, std::optional<std::size_t> wanted) {
+std::size_t take_choice(const std::filesystem::path& path, VolumeSource& source, FileChoice choice,
+                        std::optional<std::size_t> wanted) {
   if (!wanted && choice.entries.size() > 1) {
     require_choice(path, source, choice);
   }
@@ -62,7 +71,8 @@ std::size_t take_choice(const std::filesystem::path& path, VolumeSource& source,
   return select(source, std::move(choice), entry);
 }
 
-std::size_t take_choice(const std::filesystem::path& path, VolumeSource& source, FileChoice choice, const std::string& wanted) {
+std::size_t take_choice(const std::filesystem::path& path, VolumeSource& source, FileChoice choice,
+                        const std::string& wanted) {
   const auto named = std::ranges::find(choice.entries, wanted);
   if (!wanted.empty() && named != choice.entries.end()) {
     const auto entry = static_cast<std::size_t>(named - choice.entries.begin());
@@ -88,11 +98,12 @@ FileChoice numbered_choice(const std::string& name, std::size_t count) {
   return choice;
 }
 
-FileChoice checked_choice(const std::filesystem::path& path, const std::string& name, std::uint64_t count) {
+FileChoice checked_choice(const std::filesystem::path& path, const std::string& name,
+                          std::uint64_t count) {
   constexpr std::uint64_t kMost = 65536;
   if (count > kMost) {
-    throw unsupported(path,
-                      "has " + std::to_string(count) + " entries to choose a " + name + " from, expected at most " + std::to_string(kMost));
+    throw unsupported(path, "has " + std::to_string(count) + " entries to choose a " + name +
+                                " from, expected at most " + std::to_string(kMost));
   }
   return numbered_choice(name, static_cast<std::size_t>(count));
 }

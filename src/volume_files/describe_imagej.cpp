@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// ImageJ's description in a TIFF file, read as ImageJ's own FileOpener and TiffDecoder read it. SCIFIO (ImageJ2) has one of its own.
+// ImageJ's description in a TIFF file, read as ImageJ's own FileOpener and TiffDecoder read it.
+// SCIFIO (ImageJ2) has one of its own.
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -22,7 +23,8 @@ std::string without_escapes(const std::string& text) {
   for (std::size_t i = 0; i < text.size();) {
     if (text.compare(i, 2, "\\u") == 0 && i + 6 <= text.size()) {
       auto code = static_cast<unsigned>(std::strtoul(text.substr(i + 2, 4).c_str(), nullptr, 16));
-      if (code >= 0xD800 && code < 0xE000) code = 0xFFFD;  // half of a pair: no unit of length has one
+      if (code >= 0xD800 && code < 0xE000)
+        code = 0xFFFD;  // half of a pair: no unit of length has one
       if (code < 0x80) {
         plain += static_cast<char>(code);
         i += 6;
@@ -43,11 +45,13 @@ std::string without_escapes(const std::string& text) {
   return plain;
 }
 
-bool is_pixel(const std::string& unit) { return unit.empty() || unit == " " || unit == "pixel" || unit == "pixels" || unit == "voxel"; }
+bool is_pixel(const std::string& unit) {
+  return unit.empty() || unit == " " || unit == "pixel" || unit == "pixels" || unit == "voxel";
+}
 
 // An axis may have a unit of its own (yunit, zunit): its length is converted to the unit of x.
-void convert_axis(const KeyValueLines& lines, const std::string& key, const TiffStack& stack, std::optional<double>& length,
-                  VolumeSource& source) {
+void convert_axis(const KeyValueLines& lines, const std::string& key, const TiffStack& stack,
+                  std::optional<double>& length, VolumeSource& source) {
   if (!lines.has(key) || !length) {
     return;
   }
@@ -56,31 +60,38 @@ void convert_axis(const KeyValueLines& lines, const std::string& key, const Tiff
   if (unit != LengthUnit::unknown && stack.unit != LengthUnit::unknown) {
     *length *= metres(unit) / metres(stack.unit);
   } else if (unit_text != without_escapes(lines.text("unit"))) {
-    source.warnings.push_back(one_line("its " + key.substr(0, 1) + " axis is in '" + unit_text + "' and its x axis in '" +
-                                       without_escapes(lines.text("unit")) + "', the numbers are used as they are"));
+    source.warnings.push_back(
+        one_line("its " + key.substr(0, 1) + " axis is in '" + unit_text + "' and its x axis in '" +
+                 without_escapes(lines.text("unit")) + "', the numbers are used as they are"));
   }
 }
 
-std::optional<double> slice_distance(const KeyValueLines& lines, const std::filesystem::path& path) {
+std::optional<double> slice_distance(const KeyValueLines& lines,
+                                     const std::filesystem::path& path) {
   if (!lines.has("spacing")) {
     return {};
   }
   const std::optional<double> distance = lines.number("spacing");
   if (!distance) {
     throw bad_file(
-        path, "'" + one_line(lines.text("spacing"), 40) + "' is not a number, expected a length after 'spacing=' in ImageJ's description");
+        path, "'" + one_line(lines.text("spacing"), 40) +
+                  "' is not a number, expected a length after 'spacing=' in ImageJ's description");
   }
   return *distance == 0 ? std::nullopt : std::optional(std::abs(*distance));
 }
 
-// Resolution tags beside ImageJ's description are in its unit, whatever ResolutionUnit says, with one exception.
-void set_geometry(TiffFile& tiff, const KeyValueLines& lines, TiffStack& stack, VolumeSource& source) {
+// Resolution tags beside ImageJ's description are in its unit, whatever ResolutionUnit says, with
+// one exception.
+void set_geometry(TiffFile& tiff, const KeyValueLines& lines, TiffStack& stack,
+                  VolumeSource& source) {
   const std::string unit = without_escapes(lines.text("unit"));
   stack.unit = length_unit_named(unit);
   stack.spacing[2] = slice_distance(lines, tiff.path());
-  const double x = tiff.samples_per_length(TIFFTAG_XRESOLUTION), y = tiff.samples_per_length(TIFFTAG_YRESOLUTION);
+  const double x = tiff.samples_per_length(TIFFTAG_XRESOLUTION),
+               y = tiff.samples_per_length(TIFFTAG_YRESOLUTION);
   const bool has_resolution = x > 0 && y > 0 && (x != 1 || y != 1);
-  const bool is_for_print = unit.empty() && !stack.spacing[2] && tiff.resolution_unit() != RESUNIT_NONE;
+  const bool is_for_print =
+      unit.empty() && !stack.spacing[2] && tiff.resolution_unit() != RESUNIT_NONE;
   if (!is_pixel(unit) || stack.spacing[2] || (has_resolution && !is_for_print)) {
     const double factor = tiff.resolution_unit() == RESUNIT_CENTIMETER && unit == "um" ? 1e4 : 1;
     stack.spacing[0] = x > 0 ? factor / x : 1;
@@ -91,46 +102,58 @@ void set_geometry(TiffFile& tiff, const KeyValueLines& lines, TiffStack& stack, 
   }
   convert_axis(lines, "yunit", stack, stack.spacing[1], source);
   convert_axis(lines, "zunit", stack, stack.spacing[2], source);
-  const Vec3 first{lines.number("xorigin").value_or(0), lines.number("yorigin").value_or(0), lines.number("zorigin").value_or(0)};
+  const Vec3 first{lines.number("xorigin").value_or(0), lines.number("yorigin").value_or(0),
+                   lines.number("zorigin").value_or(0)};
   if (first != Vec3{}) {  // in samples: the sample there is at 0
     source.origin_in_samples = -1.0 * first;
-    stack.origin = {-first.x * stack.spacing[0].value_or(1), -first.y * stack.spacing[1].value_or(1),
+    stack.origin = {-first.x * stack.spacing[0].value_or(1),
+                    -first.y * stack.spacing[1].value_or(1),
                     -first.z * stack.spacing[2].value_or(1)};
     source.decisions.push_back({"origin", "ImageJ's xorigin, yorigin, zorigin"});
   }
 }
 
-// Values in the world are a function of the stored ones. ImageJ has it for 8 and 16 bits only, and without a unit of value (vunit)
-// takes no notice of it. Signed 16-bit samples count from -32768 there, so that its function begins at 0.
-void set_rescale(TiffFile& tiff, const KeyValueLines& lines, TiffStack& stack, VolumeSource& source) {
+// Values in the world are a function of the stored ones. ImageJ has it for 8 and 16 bits only, and
+// without a unit of value (vunit) takes no notice of it. Signed 16-bit samples count from -32768
+// there, so that its function begins at 0.
+void set_rescale(TiffFile& tiff, const KeyValueLines& lines, TiffStack& stack,
+                 VolumeSource& source) {
   constexpr double kStraightLine = 0, kNone = 20;
   const std::optional<double> function = lines.number("cf");
   const PageFormat page = tiff.format();
-  const bool has_function = page.type() == SampleType::uint8 || page.type() == SampleType::uint16 || page.type() == SampleType::int16;
+  const bool has_function = page.type() == SampleType::uint8 || page.type() == SampleType::uint16 ||
+                            page.type() == SampleType::int16;
   if (!function || *function == kNone || !has_function) {
     return;
   }
   if (!lines.has("vunit")) {
-    source.warnings.push_back("its calibration function (cf=) has no unit (vunit=) and is not applied, as in ImageJ");
+    source.warnings.push_back(
+        "its calibration function (cf=) has no unit (vunit=) and is not applied, as in ImageJ");
     return;
   }
   const std::optional<double> c0 = lines.number("c0"), c1 = lines.number("c1");
   if (*function != kStraightLine || lines.text("zeroclip") == "true") {
-    throw unsupported(tiff.path(), "has ImageJ's calibration function " + one_line(lines.text("cf"), 20) +
-                                       (lines.text("zeroclip") == "true" ? " with values below 0 cut off" : "") +
-                                       ", expected none or a straight line (0); Image > Type > 32-bit in ImageJ applies it");
+    throw unsupported(
+        tiff.path(),
+        "has ImageJ's calibration function " + one_line(lines.text("cf"), 20) +
+            (lines.text("zeroclip") == "true" ? " with values below 0 cut off" : "") +
+            ", expected none or a straight line (0); Image > Type > 32-bit in ImageJ applies it");
   }
   if (!c0 || !c1 || *c1 == 0) {
-    throw bad_file(tiff.path(), "has ImageJ's calibration function 0 (a straight line) without two coefficients c0 and c1, c1 not 0");
+    throw bad_file(tiff.path(),
+                   "has ImageJ's calibration function 0 (a straight line) without two coefficients "
+                   "c0 and c1, c1 not 0");
   }
   const double first_value = page.type() == SampleType::int16 ? 32768 : 0;
   stack.rescale = LinearRescale{*c1, *c0 + *c1 * first_value};
 }
 
-[[noreturn]] void refuse_page_count(const TiffFile& tiff, const TiffStack& stack, std::size_t pages) {
-  throw bad_file(tiff.path(), "ImageJ's description promises " + std::to_string(stack.channels) + " channels x " +
-                                  std::to_string(stack.slices) + " slices x " + std::to_string(stack.times) +
-                                  " time points, the file has " + std::to_string(pages) + (pages == 1 ? " page" : " pages"));
+[[noreturn]] void refuse_page_count(const TiffFile& tiff, const TiffStack& stack,
+                                    std::size_t pages) {
+  throw bad_file(tiff.path(), "ImageJ's description promises " + std::to_string(stack.channels) +
+                                  " channels x " + std::to_string(stack.slices) + " slices x " +
+                                  std::to_string(stack.times) + " time points, the file has " +
+                                  std::to_string(pages) + (pages == 1 ? " page" : " pages"));
 }
 
 void set_pages(TiffFile& tiff, const KeyValueLines& lines, TiffStack& stack, VolumeSource& source) {
@@ -142,7 +165,8 @@ void set_pages(TiffFile& tiff, const KeyValueLines& lines, TiffStack& stack, Vol
   if (stack.channels * stack.slices * stack.times == 1) {
     stack.slices = lines.count("images").value_or(1);
   }
-  if (stack.channels == tiff.format().values_per_sample && pages.size() == stack.slices * stack.times) {
+  if (stack.channels == tiff.format().values_per_sample &&
+      pages.size() == stack.slices * stack.times) {
     stack.channels = 1;  // of pages; a page of red, green and blue has all of them
   }
   const std::size_t promised = stack.channels * stack.slices * stack.times;
@@ -152,10 +176,13 @@ void set_pages(TiffFile& tiff, const KeyValueLines& lines, TiffStack& stack, Vol
       refuse_page_count(tiff, stack, pages.size());
     }
     pages.assign(1, pages.front());
-    source.decisions.push_back({"layout", std::to_string(promised) + " images behind the only page, as ImageJ writes more than 4 GB"});
+    source.decisions.push_back(
+        {"layout", std::to_string(promised) +
+                       " images behind the only page, as ImageJ writes more than 4 GB"});
   } else if (pages.size() > promised && stack.channels == 1 && stack.times == 1) {
-    source.warnings.push_back("ImageJ's description promises " + std::to_string(promised) + " images, the file has " +
-                              std::to_string(pages.size()) + " pages, which are all read");
+    source.warnings.push_back("ImageJ's description promises " + std::to_string(promised) +
+                              " images, the file has " + std::to_string(pages.size()) +
+                              " pages, which are all read");
     stack.slices = pages.size();
   } else if (pages.size() != promised) {
     refuse_page_count(tiff, stack, pages.size());
@@ -185,10 +212,13 @@ TiffStack describe_slice(TiffFile& tiff, VolumeSource& source) {
     const KeyValueLines lines(description);
     const std::size_t images = lines.count("images").value_or(1);
     const std::uint64_t start = tiff.offset_of_plain_samples();
-    if (images > 1 && start != 0 && (tiff.file_size() - start) / tiff.format().stored_bytes() >= images) {
-      throw unsupported(tiff.path(), "has " + std::to_string(images) +
-                                         " images behind one page, expected one slice in each file of the folder; "
-                                         "a file of many slices is read by itself");
+    if (images > 1 && start != 0 &&
+        (tiff.file_size() - start) / tiff.format().stored_bytes() >= images) {
+      throw unsupported(
+          tiff.path(),
+          "has " + std::to_string(images) +
+              " images behind one page, expected one slice in each file of the folder; "
+              "a file of many slices is read by itself");
     }
     set_geometry(tiff, lines, stack, source);
     set_rescale(tiff, lines, stack, source);

@@ -22,7 +22,8 @@ constexpr std::uint32_t kLsmTag = 34412;
 class Fields {
  public:
   Fields(std::string bytes, bool is_big_endian)
-      : bytes_(std::move(bytes)), must_swap_(is_big_endian != (std::endian::native == std::endian::big)) {}
+      : bytes_(std::move(bytes)),
+        must_swap_(is_big_endian != (std::endian::native == std::endian::big)) {}
 
   template <class Number>
   Number at(std::size_t place) {
@@ -47,7 +48,8 @@ std::optional<TiffStack> describe_lsm(TiffFile& tiff, VolumeSource& source) {
   }
   Fields fields(bytes, tiff.is_big_endian());
   const auto scan_type = fields.at<std::uint16_t>(88);
-  const std::array<std::int32_t, 2> sizes{fields.at<std::int32_t>(16), fields.at<std::int32_t>(24)};  // z and time
+  const std::array<std::int32_t, 2> sizes{fields.at<std::int32_t>(16),
+                                          fields.at<std::int32_t>(24)};  // z and time
   std::vector<std::size_t> pages = pages_without_previews(tiff, source);
   tiff.select(pages.front());
   TiffStack stack;
@@ -56,10 +58,12 @@ std::optional<TiffStack> describe_lsm(TiffFile& tiff, VolumeSource& source) {
   stack.times = static_cast<std::size_t>(std::max(sizes[1], 1));
   constexpr std::uint16_t kStack = 0;
   if (scan_type != kStack || pages.size() != stack.slices * stack.times) {
-    throw unsupported(tiff.path(), "is a Zeiss LSM file of scan type " + std::to_string(scan_type) + " with " +
-                                       std::to_string(pages.size()) + " pages for " + std::to_string(stack.slices) + " slices x " +
+    throw unsupported(tiff.path(), "is a Zeiss LSM file of scan type " + std::to_string(scan_type) +
+                                       " with " + std::to_string(pages.size()) + " pages for " +
+                                       std::to_string(stack.slices) + " slices x " +
                                        std::to_string(stack.times) +
-                                       " time points, expected one stack of x, y and z (scan type 0); Fiji can save it as OME-TIFF");
+                                       " time points, expected one stack of x, y and z (scan type "
+                                       "0); Fiji can save it as OME-TIFF");
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto length = fields.at<double>(40 + 8 * axis) * 1e6;

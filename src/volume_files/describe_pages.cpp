@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pages without a description of their axes, and tifffile's: {"shape": [2, 16, 20, 24], "axes": "CZYX"}.
+// Pages without a description of their axes, and tifffile's: {"shape": [2, 16, 20, 24], "axes":
+// "CZYX"}.
 #include <algorithm>
 #include <charconv>
 #include <string>
@@ -35,9 +36,11 @@ std::string_view json_value(std::string_view json, const std::string& name) {
 std::vector<std::size_t> numbers_of(std::string_view list) {
   std::vector<std::size_t> numbers;
   list = list.substr(0, list.find(']'));
-  for (std::size_t at = list.find_first_of("0123456789"); at != std::string_view::npos; at = list.find_first_of("0123456789")) {
+  for (std::size_t at = list.find_first_of("0123456789"); at != std::string_view::npos;
+       at = list.find_first_of("0123456789")) {
     std::size_t number = 0;
-    const char* const end = std::from_chars(list.data() + at, list.data() + list.size(), number).ptr;
+    const char* const end =
+        std::from_chars(list.data() + at, list.data() + list.size(), number).ptr;
     list.remove_prefix(static_cast<std::size_t>(end - list.data()));
     numbers.push_back(number);
   }
@@ -65,8 +68,10 @@ std::string shape_text(const std::vector<std::size_t>& shape) {
   return text;
 }
 
-// The axes of pages: those of the array but for y, x and the values of a sample. Nothing: the shape is not that of these pages.
-std::optional<Series> axes_of_pages(Series series, const PageFormat& page, const std::filesystem::path& path) {
+// The axes of pages: those of the array but for y, x and the values of a sample. Nothing: the shape
+// is not that of these pages.
+std::optional<Series> axes_of_pages(Series series, const PageFormat& page,
+                                    const std::filesystem::path& path) {
   const auto drop = [&](std::size_t place) {
     series.shape.erase(series.shape.begin() + static_cast<std::ptrdiff_t>(place));
     if (place < series.axes.size()) series.axes.erase(place, 1);
@@ -86,7 +91,8 @@ std::optional<Series> axes_of_pages(Series series, const PageFormat& page, const
   const std::string in_page = series.axes.empty() ? "YX" : series.axes.substr(n - 2);
   if (in_page != "YX" && in_page.find_first_not_of("XYZ") == std::string::npos) {
     throw unsupported(path, "states that its axes are '" + one_line(series.axes, 20) +
-                                "', slowest first; expected rows and columns last, like 'ZYX' (numpy.transpose before it is written)");
+                                "', slowest first; expected rows and columns last, like 'ZYX' "
+                                "(numpy.transpose before it is written)");
   }
   drop(n - 1);
   drop(n - 2);
@@ -96,31 +102,38 @@ std::optional<Series> axes_of_pages(Series series, const PageFormat& page, const
   return series;
 }
 
-// Which of "CZT" each axis of the pages is, slowest first. A single axis without a meaning is that of slices.
+// Which of "CZT" each axis of the pages is, slowest first. A single axis without a meaning is that
+// of slices.
 std::string meaning_of_axes(const Series& series, const std::filesystem::path& path) {
   if (series.shape.size() < 2) {
-    return series.axes == "C" || series.axes == "T" ? series.axes : std::string(series.shape.size(), 'Z');
+    return series.axes == "C" || series.axes == "T" ? series.axes
+                                                    : std::string(series.shape.size(), 'Z');
   }
   std::string meaning = series.axes;
   const auto plain = meaning.find_first_not_of("CT");
-  if (plain != std::string::npos && (meaning[plain] == 'Z' || meaning[plain] == 'Q' || meaning[plain] == 'I')) {
+  if (plain != std::string::npos &&
+      (meaning[plain] == 'Z' || meaning[plain] == 'Q' || meaning[plain] == 'I')) {
     meaning[plain] = 'Z';
   }
   for (const char axis : meaning) {
-    if (std::string("CZT").find(axis) == std::string::npos || std::ranges::count(meaning, axis) > 1) {
+    if (std::string("CZT").find(axis) == std::string::npos ||
+        std::ranges::count(meaning, axis) > 1) {
       meaning.clear();
       break;
     }
   }
   if (meaning.empty()) {
-    throw unsupported(path, "holds pages in an array of " + shape_text(series.shape) +
-                                (series.axes.empty() ? " without names of its axes" : " with axes '" + one_line(series.axes, 20) + "'") +
-                                ", expected slices, or axes named Z, C (channels) and T (time points)");
+    throw unsupported(path,
+                      "holds pages in an array of " + shape_text(series.shape) +
+                          (series.axes.empty() ? " without names of its axes"
+                                               : " with axes '" + one_line(series.axes, 20) + "'") +
+                          ", expected slices, or axes named Z, C (channels) and T (time points)");
   }
   return meaning;
 }
 
-bool set_axes(const Series& series, const std::filesystem::path& path, std::vector<std::size_t> pages, TiffStack& stack) {
+bool set_axes(const Series& series, const std::filesystem::path& path,
+              std::vector<std::size_t> pages, TiffStack& stack) {
   std::size_t product = 1;
   for (const std::size_t length : series.shape) {
     constexpr std::size_t kMostPages = 1000000000;
@@ -133,7 +146,9 @@ bool set_axes(const Series& series, const std::filesystem::path& path, std::vect
   }
   std::string order = meaning_of_axes(series, path);
   for (std::size_t i = 0; i < order.size(); ++i) {
-    (order[i] == 'Z' ? stack.slices : order[i] == 'C' ? stack.channels : stack.times) = series.shape[i];
+    (order[i] == 'Z'   ? stack.slices
+     : order[i] == 'C' ? stack.channels
+                       : stack.times) = series.shape[i];
   }
   std::ranges::reverse(order);
   for (const char axis : std::string("CZT")) {
@@ -158,22 +173,26 @@ TiffStack describe_pages(TiffFile& tiff, const ReadOptions& options, VolumeSourc
     }
   });
   // Somebody who writes slices one by one makes a series of one page of each.
-  const bool is_one_by_one =
-      std::ranges::all_of(list, [](const Series& series) { return series.page_count == 1 && !series.is_contiguous; });
+  const bool is_one_by_one = std::ranges::all_of(
+      list, [](const Series& series) { return series.page_count == 1 && !series.is_contiguous; });
   if (!list.empty() && list.front().first_page == 0 && !(list.size() > 1 && is_one_by_one)) {
     FileChoice choice{"series", {}, {}};
     for (const Series& series : list) {
       choice.entries.push_back(shape_text(series.shape));
     }
-    const Series& chosen = list.size() > 1 ? list[take_choice(tiff.path(), source, choice, options.series)] : list.front();
+    const Series& chosen = list.size() > 1
+                               ? list[take_choice(tiff.path(), source, choice, options.series)]
+                               : list.front();
     const auto begin = pages.begin() + static_cast<std::ptrdiff_t>(chosen.first_page);
     pages = {begin, begin + static_cast<std::ptrdiff_t>(chosen.page_count)};
     tiff.select(pages.front());
-    if (const auto axes = axes_of_pages(chosen, tiff.format(), tiff.path()); axes && set_axes(*axes, tiff.path(), pages, stack)) {
+    if (const auto axes = axes_of_pages(chosen, tiff.format(), tiff.path());
+        axes && set_axes(*axes, tiff.path(), pages, stack)) {
       return stack;
     }
-    source.warnings.push_back("its description is of an array of " + shape_text(chosen.shape) + ", which its " +
-                              std::to_string(pages.size()) + " pages are not; they are read as slices");
+    source.warnings.push_back("its description is of an array of " + shape_text(chosen.shape) +
+                              ", which its " + std::to_string(pages.size()) +
+                              " pages are not; they are read as slices");
   }
   stack.slices = pages.size();
   tiff.select(pages.front());

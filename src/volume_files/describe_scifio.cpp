@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The description of SCIFIO, with which ImageJ2 and Fiji write TIFF files: four lists of one entry per axis,
-// "axes=X,Y,Z", "lengths=", "scales=" and "units=". After x and y, pages run along the axes as they are listed, the first fastest.
+// The description of SCIFIO, with which ImageJ2 and Fiji write TIFF files: four lists of one entry
+// per axis, "axes=X,Y,Z", "lengths=", "scales=" and "units=". After x and y, pages run along the
+// axes as they are listed, the first fastest.
 #include <string>
 #include <utility>
 #include <vector>
@@ -34,18 +35,22 @@ struct Axis {
 };
 
 std::vector<Axis> axes_of(const KeyValueLines& lines, const std::filesystem::path& path) {
-  const std::vector<std::string> names = entries_of(lines.text("axes")), lengths = entries_of(lines.text("lengths"));
-  std::vector<std::string> scales = entries_of(lines.text("scales")), units = entries_of(lines.text("units"));
+  const std::vector<std::string> names = entries_of(lines.text("axes")),
+                                 lengths = entries_of(lines.text("lengths"));
+  std::vector<std::string> scales = entries_of(lines.text("scales")),
+                           units = entries_of(lines.text("units"));
   if (names.size() < 2 || names[0] != "X" || names[1] != "Y" || lengths.size() != names.size()) {
-    throw bad_file(path, "SCIFIO's description lists axes '" + one_line(lines.text("axes"), 80) + "' of lengths '" +
-                             one_line(lines.text("lengths"), 80) + "', expected a length for each, X and Y first");
+    throw bad_file(path, "SCIFIO's description lists axes '" + one_line(lines.text("axes"), 80) +
+                             "' of lengths '" + one_line(lines.text("lengths"), 80) +
+                             "', expected a length for each, X and Y first");
   }
   scales.resize(names.size());
   units.resize(names.size());
   std::vector<Axis> axes;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const std::optional<double> scale = finite_number(scales[i]);
-    axes.push_back({names[i], count_of_pages(lengths[i]).value_or(1), scale && *scale > 0 ? scale : std::nullopt, units[i]});
+    axes.push_back({names[i], count_of_pages(lengths[i]).value_or(1),
+                    scale && *scale > 0 ? scale : std::nullopt, units[i]});
   }
   return axes;
 }
@@ -59,7 +64,8 @@ void set_geometry(const std::vector<Axis>& axes, TiffStack& stack, VolumeSource&
     const LengthUnit unit = length_unit_named(axis.unit);
     const bool is_convertible = unit != LengthUnit::unknown && stack.unit != LengthUnit::unknown;
     if (!is_convertible && axis.unit != axes[0].unit) {
-      source.warnings.push_back(one_line("its " + axis.name + " axis is in '" + axis.unit + "' and its X axis in '" + axes[0].unit +
+      source.warnings.push_back(one_line("its " + axis.name + " axis is in '" + axis.unit +
+                                         "' and its X axis in '" + axes[0].unit +
                                          "', the numbers are used as they are"));
     }
     stack.spacing[place] = *axis.scale * (is_convertible ? metres(unit) / metres(stack.unit) : 1);
@@ -90,12 +96,15 @@ std::optional<TiffStack> describe_scifio(TiffFile& tiff, VolumeSource& source) {
     const Axis& axis = axes[i];
     const bool is_known = axis.name == "Z" || axis.name == "Channel" || axis.name == "Time";
     if (!is_known && axis.length > 1) {
-      throw unsupported(tiff.path(), one_line("has an axis '" + axis.name + "' of " + std::to_string(axis.length) +
+      throw unsupported(tiff.path(), one_line("has an axis '" + axis.name + "' of " +
+                                              std::to_string(axis.length) +
                                               " entries, expected X, Y, Z, Channel and Time only"));
     }
     if (is_known && order.find(axis.name[0]) == std::string::npos) {
       order += axis.name[0];
-      (axis.name == "Z" ? stack.slices : axis.name == "Channel" ? stack.channels : stack.times) = axis.length;
+      (axis.name == "Z"         ? stack.slices
+       : axis.name == "Channel" ? stack.channels
+                                : stack.times) = axis.length;
     }
   }
   for (const char axis : std::string("CZT")) {
@@ -107,7 +116,8 @@ std::optional<TiffStack> describe_scifio(TiffFile& tiff, VolumeSource& source) {
     stack.channels = 1;  // of pages; a page has all of them
   }
   if (pages.size() != stack.channels * stack.slices * stack.times) {
-    throw bad_file(tiff.path(), "SCIFIO's description promises " + std::to_string(stack.channels * stack.slices * stack.times) +
+    throw bad_file(tiff.path(), "SCIFIO's description promises " +
+                                    std::to_string(stack.channels * stack.slices * stack.times) +
                                     " pages, the file has " + std::to_string(pages.size()));
   }
   set_page_order(stack, order, std::move(pages));

@@ -29,9 +29,12 @@ std::string name_list(const std::vector<std::string>& names) {
   return list + (names.size() > kMost ? ", ..." : "");
 }
 
-std::string counted(std::size_t count, const std::string& noun) { return std::to_string(count) + " " + noun + (count == 1 ? "" : "s"); }
+std::string counted(std::size_t count, const std::string& noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
 
-/// All files below a folder, by name. Links to folders are followed, but no folder is entered twice.
+/// All files below a folder, by name. Links to folders are followed, but no folder is entered
+/// twice.
 class FolderWalk {
  public:
   explicit FolderWalk(bool enters_subfolders) : enters_subfolders_(enters_subfolders) {}
@@ -49,7 +52,8 @@ class FolderWalk {
     if (error || !entered_.insert(real).second) {
       return;
     }
-    for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+         entry.increment(error)) {
       std::error_code ignored;
       if (entry->path().filename().string().starts_with('.')) {
         continue;  // hidden
@@ -70,7 +74,8 @@ class FolderWalk {
   std::vector<fs::path> files_;
 };
 
-// Files without extension, and those whose extension is a number or one that DICOM files have: "IM012", "a.dcm", "1.2.840.7".
+// Files without extension, and those whose extension is a number or one that DICOM files have:
+// "IM012", "a.dcm", "1.2.840.7".
 bool is_named_like_dicom(const fs::path& path) {
   const std::string extension = lower_case_extension(path);
   return extension.empty() || extension == ".dcm" || extension == ".ima" || extension == ".dicom" ||
@@ -79,7 +84,8 @@ bool is_named_like_dicom(const fs::path& path) {
 
 bool have_same_bytes(const fs::path& a, const fs::path& b) {
   std::error_code ignored;
-  return fs::file_size(a, ignored) == fs::file_size(b, ignored) && file_contents(a) == file_contents(b);
+  return fs::file_size(a, ignored) == fs::file_size(b, ignored) &&
+         file_contents(a) == file_contents(b);
 }
 
 // A file that was copied into the folder twice is one slice.
@@ -88,8 +94,9 @@ void leave_out_copies(std::vector<DicomFrame>& frames, std::vector<std::string>&
     return std::tuple(frame.image->series, frame.position.x, frame.position.y, frame.position.z);
   });
   const auto is_copy = [](const DicomFrame& first, const DicomFrame& second) {
-    return first.image->frames == 1 && second.image->frames == 1 && first.image->series == second.image->series &&
-           first.position == second.position && first.image->instance_number == second.image->instance_number &&
+    return first.image->frames == 1 && second.image->frames == 1 &&
+           first.image->series == second.image->series && first.position == second.position &&
+           first.image->instance_number == second.image->instance_number &&
            have_same_bytes(first.image->path, second.image->path);
   };
   std::vector<std::string> copies;
@@ -103,7 +110,8 @@ void leave_out_copies(std::vector<DicomFrame>& frames, std::vector<std::string>&
   }
   frames = std::move(kept);
   if (!copies.empty()) {
-    warnings.push_back(counted(copies.size(), "file") + (copies.size() == 1 ? " is a copy" : " are copies") +
+    warnings.push_back(counted(copies.size(), "file") +
+                       (copies.size() == 1 ? " is a copy" : " are copies") +
                        " of another and left out: " + name_list(copies));
   }
 }
@@ -111,7 +119,8 @@ void leave_out_copies(std::vector<DicomFrame>& frames, std::vector<std::string>&
 /// What there is to read, and what is left out.
 class Collection {
  public:
-  Collection(fs::path root, std::uint64_t max_memory) : root_(std::move(root)), max_memory_(max_memory) {}
+  Collection(fs::path root, std::uint64_t max_memory)
+      : root_(std::move(root)), max_memory_(max_memory) {}
 
   void add_folder() {
     for (const fs::path& file : FolderWalk(true).files_of(root_)) {
@@ -134,10 +143,12 @@ class Collection {
     }
     DicomFileFrames own = read_dicom_frames(root_, root_.filename().string(), max_memory_);
     if (own.is_directory) {
-      throw unsupported(root_, "is a DICOMDIR, a list of files; expected the folder, or a file with an image");
+      throw unsupported(
+          root_, "is a DICOMDIR, a list of files; expected the folder, or a file with an image");
     }
     if (!own.unusable.empty()) {
-      throw unsupported(root_, own.unusable + "; expected a DICOM image that is a slice or a volume");
+      throw unsupported(root_,
+                        own.unusable + "; expected a DICOM image that is a slice or a volume");
     }
     const bool is_slice = own.frames.size() == 1;
     if (!is_slice) {
@@ -161,8 +172,8 @@ class Collection {
     require_frames();
     refuse_unusable_members();
     for (const auto& [what, names] : left_out_) {
-      warnings.push_back(counted(names.size(), "file") + (names.size() == 1 ? " is " : " are ") + "left out (" + what +
-                         "): " + name_list(names));
+      warnings.push_back(counted(names.size(), "file") + (names.size() == 1 ? " is " : " are ") +
+                         "left out (" + what + "): " + name_list(names));
     }
     leave_out_copies(frames_, warnings);
     return std::move(frames_);
@@ -247,19 +258,27 @@ class Collection {
     }
     std::string others;
     for (const auto& [what, names] : left_out_) {
-      others += (others.empty() ? "; it has " : ", ") + counted(names.size(), "file") + " (" + what + ")";
+      others +=
+          (others.empty() ? "; it has " : ", ") + counted(names.size(), "file") + " (" + what + ")";
     }
-    throw bad_file(root_, "is a folder without DICOM images or TIFF or PNG slices, expected a series or a stack of them" + others);
+    throw bad_file(root_,
+                   "is a folder without DICOM images or TIFF or PNG slices, expected a series or a "
+                   "stack of them" +
+                       others);
   }
 
   // An image that looks like a slice of a series but cannot be one would be missing from it.
   void refuse_unusable_members() const {
     for (const auto& [file, found] : unusable_) {
-      const bool is_member = std::ranges::any_of(frames_, [&, &unusable = found](const DicomFrame& frame) {
-        return frame.image->series == unusable.series && frame.image->rows == unusable.rows && frame.image->columns == unusable.columns;
-      });
+      const bool is_member =
+          std::ranges::any_of(frames_, [&, &unusable = found](const DicomFrame& frame) {
+            return frame.image->series == unusable.series && frame.image->rows == unusable.rows &&
+                   frame.image->columns == unusable.columns;
+          });
       if (is_member) {
-        throw unsupported(file, found.unusable + ", which the other slices of its series are not; take it out of the folder to read them");
+        throw unsupported(file, found.unusable +
+                                    ", which the other slices of its series are not; take it out "
+                                    "of the folder to read them");
       }
     }
   }
@@ -273,13 +292,15 @@ class Collection {
 
 }  // namespace
 
-std::vector<DicomFrame> frames_of_folder(const fs::path& folder, std::uint64_t max_memory, std::vector<std::string>& warnings) {
+std::vector<DicomFrame> frames_of_folder(const fs::path& folder, std::uint64_t max_memory,
+                                         std::vector<std::string>& warnings) {
   Collection collection(folder, max_memory);
   collection.add_folder();
   return collection.take_frames(warnings);
 }
 
-std::vector<DicomFrame> frames_of_file(const fs::path& file, std::uint64_t max_memory, std::vector<std::string>& warnings) {
+std::vector<DicomFrame> frames_of_file(const fs::path& file, std::uint64_t max_memory,
+                                       std::vector<std::string>& warnings) {
   Collection collection(file, max_memory);
   collection.add_file_with_neighbours();
   return collection.take_frames(warnings);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Based on: DICOM PS3.5 section 7 (data elements, sequences, items) and annex A (transfer syntaxes), PS3.10 section 7
-// (preamble, file meta group).
+// Based on: DICOM PS3.5 section 7 (data elements, sequences, items) and annex A (transfer
+// syntaxes), PS3.10 section 7 (preamble, file meta group).
 #include "volume_files/dicom_contents.h"
 
 #include <zlib.h>
@@ -30,22 +30,28 @@ constexpr std::string_view kMark = "DICM";
 constexpr std::uint32_t kUndefinedLength = 0xFFFF'FFFFU;
 constexpr DicomTag kItem = 0xFFFE'E000U, kItemEnd = 0xFFFE'E00DU, kSequenceEnd = 0xFFFE'E0DDU;
 constexpr int kDeepestNesting = 64;
-constexpr std::string_view kExplicitBig = "1.2.840.10008.1.2.2", kDeflated = "1.2.840.10008.1.2.1.99",
+constexpr std::string_view kExplicitBig = "1.2.840.10008.1.2.2",
+                           kDeflated = "1.2.840.10008.1.2.1.99",
                            kGeBigEndianSamples = "1.2.840.113619.5.2";
 
-bool is_pixel_data(DicomTag tag) { return tag == kPixelData || tag == kFloatPixelData || tag == kDoublePixelData; }
+bool is_pixel_data(DicomTag tag) {
+  return tag == kPixelData || tag == kFloatPixelData || tag == kDoublePixelData;
+}
 
 }  // namespace
 
 DicomBytes::DicomBytes(const fs::path& path)
-    : path_(path), file_(std::make_unique<std::ifstream>(path, std::ios::binary)), size_(readable_file_size(path)) {}
+    : path_(path),
+      file_(std::make_unique<std::ifstream>(path, std::ios::binary)),
+      size_(readable_file_size(path)) {}
 
 DicomBytes::DicomBytes(std::string bytes) : window_(std::move(bytes)), size_(window_.size()) {}
 
 std::string_view DicomBytes::at(std::uint64_t offset, std::size_t count) {
   constexpr std::uint64_t kWindow = std::uint64_t{1} << 14;
   if (offset < window_start_ || offset + count > window_start_ + window_.size()) {
-    window_.resize(static_cast<std::size_t>(std::min(std::max<std::uint64_t>(count, kWindow), size_ - offset)));
+    window_.resize(static_cast<std::size_t>(
+        std::min(std::max<std::uint64_t>(count, kWindow), size_ - offset)));
     window_start_ = offset;
     read(offset, window_.data(), window_.size());
   }
@@ -81,9 +87,11 @@ class Parser {
  public:
   Parser(DicomBytes& bytes, DicomContents& contents) : bytes_(bytes), contents_(contents) {}
 
-  // The preamble and the file meta group, which are explicit and little-endian. Returns where the data set starts.
+  // The preamble and the file meta group, which are explicit and little-endian. Returns where the
+  // data set starts.
   std::uint64_t parse_meta_group() {
-    const bool has_mark = bytes_.size() >= kPreamble + kMark.size() && bytes_.at(kPreamble, kMark.size()) == kMark;
+    const bool has_mark =
+        bytes_.size() >= kPreamble + kMark.size() && bytes_.at(kPreamble, kMark.size()) == kMark;
     position_ = has_mark ? kPreamble + kMark.size() : 0;
     is_explicit_ = true;
     while (position_ + 2 <= bytes_.size() && group_at(position_, false) == 0x0002) {
@@ -117,7 +125,8 @@ class Parser {
   }
 
  private:
-  // What the transfer syntax says is compared with the first data element: writers mix up explicit and implicit.
+  // What the transfer syntax says is compared with the first data element: writers mix up explicit
+  // and implicit.
   void find_encoding() {
     const std::string& syntax = contents_.transfer_syntax;
     is_big_endian_ = syntax == kExplicitBig;
@@ -148,7 +157,9 @@ class Parser {
     return value;
   }
 
-  std::uint16_t group_at(std::uint64_t position, bool big_endian) { return number_at<std::uint16_t>(position, big_endian); }
+  std::uint16_t group_at(std::uint64_t position, bool big_endian) {
+    return number_at<std::uint16_t>(position, big_endian);
+  }
 
   void skip(std::uint64_t count) {
     if (count > bytes_.size() - position_) {
@@ -179,11 +190,12 @@ class Parser {
       skip(8);
       return header;
     }
-    constexpr std::string_view kShortTypes = "AE AS AT CS DA DS DT FD FL IS LO LT PN SH SL SS ST TM UI UL US";
+    constexpr std::string_view kShortTypes =
+        "AE AS AT CS DA DS DT FD FL IS LO LT PN SH SL SS ST TM UI UL US";
     const bool is_short = kShortTypes.find(type) != std::string_view::npos;
     header.type = type;
-    header.length =
-        is_short ? number_at<std::uint16_t>(position_ + 6, is_big_endian_) : number_at<std::uint32_t>(position_ + 8, is_big_endian_);
+    header.length = is_short ? number_at<std::uint16_t>(position_ + 6, is_big_endian_)
+                             : number_at<std::uint32_t>(position_ + 8, is_big_endian_);
     skip(is_short ? 8 : 12);
     return header;
   }
@@ -195,21 +207,27 @@ class Parser {
       return;
     }
     const std::string_view known = dicom_type(header.tag);
-    const bool is_sequence = header.type == "SQ" || known == "SQ" || header.length == kUndefinedLength;
+    const bool is_sequence =
+        header.type == "SQ" || known == "SQ" || header.length == kUndefinedLength;
     if (known.empty() ? header.length != kUndefinedLength : !is_sequence) {
       if (known.empty()) {
         skip(header.length);
         return;
       }
       DicomAttribute attribute{
-          header.tag, header.type.empty() || header.type == "UN" ? std::string(known) : header.type, value(header.length), {}};
-      if (const std::size_t bytes = dicom_value_bytes(attribute.type); is_big_endian_ && bytes > 0) {
+          header.tag,
+          header.type.empty() || header.type == "UN" ? std::string(known) : header.type,
+          value(header.length),
+          {}};
+      if (const std::size_t bytes = dicom_value_bytes(attribute.type);
+          is_big_endian_ && bytes > 0) {
         swap_byte_order(attribute.value.data(), attribute.value.size() / bytes, bytes);
       }
       into.add(std::move(attribute));
       return;
     }
-    // A sequence of a type that the writer did not know is implicit and little-endian inside, whatever the rest is.
+    // A sequence of a type that the writer did not know is implicit and little-endian inside,
+    // whatever the rest is.
     const bool was_explicit = is_explicit_, was_big_endian = is_big_endian_;
     if (header.type == "UN") {
       is_explicit_ = is_big_endian_ = false;
@@ -297,8 +315,10 @@ class Parser {
       const std::uint64_t start = position_;
       if (is_offset_table) {
         const std::string table = value(item.length);
-        for (std::size_t at = 0; at + sizeof(std::uint32_t) <= table.size(); at += sizeof(std::uint32_t)) {
-          std::memcpy(&pixels.frame_offsets.emplace_back(), table.data() + at, sizeof(std::uint32_t));
+        for (std::size_t at = 0; at + sizeof(std::uint32_t) <= table.size();
+             at += sizeof(std::uint32_t)) {
+          std::memcpy(&pixels.frame_offsets.emplace_back(), table.data() + at,
+                      sizeof(std::uint32_t));
         }
       } else {
         skip(item.length);
@@ -317,7 +337,8 @@ class Parser {
 };
 
 // What follows `start`, decompressed. A deflated data set has no header and no checksum.
-std::string inflated_rest(const fs::path& path, DicomBytes& bytes, std::uint64_t start, std::uint64_t max_memory) {
+std::string inflated_rest(const fs::path& path, DicomBytes& bytes, std::uint64_t start,
+                          std::uint64_t max_memory) {
   std::string packed(static_cast<std::size_t>(bytes.size() - start), '\0');
   bytes.read(start, packed.data(), packed.size());
   z_stream stream{};
@@ -338,17 +359,20 @@ std::string inflated_rest(const fs::path& path, DicomBytes& bytes, std::uint64_t
     unpacked.append(chunk.data(), chunk.size() - stream.avail_out);
     if (unpacked.size() > max_memory) {
       throw Error(ErrorCode::out_of_memory,
-                  one_line(path.string() + ": its deflated data set is larger than the limit of " + std::to_string(max_memory) + " bytes"));
+                  one_line(path.string() + ": its deflated data set is larger than the limit of " +
+                           std::to_string(max_memory) + " bytes"));
     }
   }
   if (result != Z_STREAM_END) {
-    throw bad_file(path, "its deflated data set is damaged or cut off after " + std::to_string(unpacked.size()) + " bytes");
+    throw bad_file(path, "its deflated data set is damaged or cut off after " +
+                             std::to_string(unpacked.size()) + " bytes");
   }
   return unpacked;
 }
 
 // The bytes, decompressed where they have to be, and where their data set starts.
-DicomBytes open_with_start(const fs::path& path, std::uint64_t max_memory, DicomContents& contents, std::uint64_t& start) {
+DicomBytes open_with_start(const fs::path& path, std::uint64_t max_memory, DicomContents& contents,
+                           std::uint64_t& start) {
   DicomBytes bytes(path);
   start = Parser(bytes, contents).parse_meta_group();
   if (contents.transfer_syntax != kDeflated) {
@@ -380,7 +404,8 @@ bool looks_like_dicom(const fs::path& path) {
   if (bytes.size() > kPreamble && bytes.substr(kPreamble) == kMark) {
     return true;
   }
-  // A data set without preamble starts with the file meta group or the identifying group, whose first elements are short.
+  // A data set without preamble starts with the file meta group or the identifying group, whose
+  // first elements are short.
   if (bytes.size() < 12 || (bytes[0] != 2 && bytes[0] != 8) || bytes[1] != 0 || bytes[3] != 0) {
     return false;
   }

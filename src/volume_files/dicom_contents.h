@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The attributes of a DICOM file, and where its pixel data is. Nothing is decoded here.
 //
-// No library's parser is used: GDCM's allocates whatever length a file states, reads a file that ends in the middle of an attribute
-// without complaint, and its asserts, which Debian leaves in, end the process where a file is damaged.
+// No library's parser is used: GDCM's allocates whatever length a file states, reads a file that
+// ends in the middle of an attribute without complaint, and its asserts, which Debian leaves in,
+// end the process where a file is damaged.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +20,8 @@
 
 namespace isoatlas::detail::io {
 
-/// Random access to the bytes of a file, or to decompressed ones in memory. Lengths are checked before anything is allocated.
+/// Random access to the bytes of a file, or to decompressed ones in memory. Lengths are checked
+/// before anything is allocated.
 class DicomBytes {
  public:
   explicit DicomBytes(const std::filesystem::path& path);
@@ -28,7 +30,8 @@ class DicomBytes {
   std::uint64_t size() const { return size_; }
   /// Bytes [offset, offset + count), all of which there are; valid until the next call.
   std::string_view at(std::uint64_t offset, std::size_t count);
-  /// The same into memory of the caller. @throws Error(bad_file) if the file has shrunk or cannot be read
+  /// The same into memory of the caller. @throws Error(bad_file) if the file has shrunk or cannot
+  /// be read
   void read(std::uint64_t offset, void* to, std::uint64_t count);
 
  private:
@@ -48,8 +51,9 @@ struct DicomPixels {
     std::uint64_t offset = 0, bytes = 0;
   };
   bool is_compressed = false;
-  std::vector<Fragment> fragments;           ///< of compressed frames
-  std::vector<std::uint32_t> frame_offsets;  ///< the basic offset table: counted from the first fragment's item
+  std::vector<Fragment> fragments;  ///< of compressed frames
+  std::vector<std::uint32_t>
+      frame_offsets;  ///< the basic offset table: counted from the first fragment's item
 };
 
 /// One parsed file.
@@ -65,10 +69,12 @@ struct DicomContents {
 /// Does the file have the mark "DICM" after a preamble?
 bool has_dicom_mark(const std::filesystem::path& path);
 
-/// Does the file look like DICOM: the mark "DICM" after a preamble, or a data set that starts at once?
+/// Does the file look like DICOM: the mark "DICM" after a preamble, or a data set that starts at
+/// once?
 bool looks_like_dicom(const std::filesystem::path& path);
 
-/// The bytes that offsets in DicomPixels refer to: the file's, or those that its deflated data set has in memory.
+/// The bytes that offsets in DicomPixels refer to: the file's, or those that its deflated data set
+/// has in memory.
 /// @throws Error(out_of_memory) if the data set is deflated and larger than `max_memory`
 DicomBytes open_dicom(const std::filesystem::path& path, std::uint64_t max_memory);
 

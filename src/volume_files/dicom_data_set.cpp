@@ -175,7 +175,8 @@ bool DicomDataSet::has(DicomTag tag) const {
   if (attribute == nullptr || !attribute->items.empty()) {
     return attribute != nullptr;
   }
-  return dicom_value_bytes(attribute->type) > 0 ? !attribute->value.empty() : !dicom_trimmed(attribute->value).empty();
+  return dicom_value_bytes(attribute->type) > 0 ? !attribute->value.empty()
+                                                : !dicom_trimmed(attribute->value).empty();
 }
 
 std::string DicomDataSet::text(DicomTag tag) const {
@@ -236,7 +237,8 @@ std::vector<DicomTag> DicomDataSet::tags(DicomTag tag) const {
   if (const DicomAttribute* attribute = find(tag)) {
     const std::vector<double> halves = numbers_in<std::uint16_t>(attribute->value);
     for (std::size_t i = 0; i + 1 < halves.size(); i += 2) {
-      values.push_back(static_cast<DicomTag>(halves[i]) << 16U | static_cast<DicomTag>(halves[i + 1]));
+      values.push_back(static_cast<DicomTag>(halves[i]) << 16U |
+                       static_cast<DicomTag>(halves[i + 1]));
     }
   }
   return values;

@@ -23,7 +23,8 @@ namespace isoatlas::detail::io {
 
 namespace {
 
-// What DCMTK has to say while one of these lives. A JPEG stream that ends too early is filled up with grey, and only a message tells.
+// What DCMTK has to say while one of these lives. A JPEG stream that ends too early is filled up
+// with grey, and only a message tells.
 class MessageCapture {
  public:
   MessageCapture() : original_(std::cerr.rdbuf(text_.rdbuf())) {}
@@ -60,7 +61,8 @@ OPJ_SIZE_T read_codestream(void* to, OPJ_SIZE_T count, void* position) {
 
 OPJ_OFF_T skip_codestream(OPJ_OFF_T count, void* position) {
   auto& [stream, at] = *static_cast<StreamPosition*>(position);
-  const std::size_t used = std::min(static_cast<std::size_t>(std::max<OPJ_OFF_T>(count, 0)), stream->size() - at);
+  const std::size_t used =
+      std::min(static_cast<std::size_t>(std::max<OPJ_OFF_T>(count, 0)), stream->size() - at);
   at += used;
   return static_cast<OPJ_OFF_T>(used);
 }
@@ -95,7 +97,8 @@ ImagePointer decoded_codestream(StreamPosition& position) {
   opj_stream_set_read_function(stream.get(), read_codestream);
   opj_stream_set_skip_function(stream.get(), skip_codestream);
   opj_stream_set_seek_function(stream.get(), seek_codestream);
-  const bool has_header = opj_setup_decoder(codec.get(), &parameters) != 0 && opj_read_header(stream.get(), codec.get(), &image) != 0;
+  const bool has_header = opj_setup_decoder(codec.get(), &parameters) != 0 &&
+                          opj_read_header(stream.get(), codec.get(), &image) != 0;
   ImagePointer result(image, opj_image_destroy);
   if (!has_header || opj_decode(codec.get(), stream.get(), result.get()) == 0) {
     result.reset();
@@ -117,7 +120,9 @@ bool decode_runs(std::string_view runs, char* to, std::size_t count, std::size_t
   for (std::size_t at = 0; made < count && at < runs.size();) {
     const auto code = static_cast<signed char>(runs[at++]);
     const bool is_literal = code >= 0, is_nothing = code == -128;
-    const std::size_t length = is_nothing ? 0 : is_literal ? static_cast<std::size_t>(code) + 1 : static_cast<std::size_t>(1 - code);
+    const std::size_t length = is_nothing   ? 0
+                               : is_literal ? static_cast<std::size_t>(code) + 1
+                                            : static_cast<std::size_t>(1 - code);
     const std::size_t used = is_nothing ? 0 : is_literal ? length : 1;
     if (used > runs.size() - at) {
       return false;
@@ -140,8 +145,9 @@ bool decode_jpeg(const std::string& stream, const FrameSize& frame, char* to) {
   const MessageCapture messages;
   return decoder->init().good() &&
          decoder
-             ->decode(reinterpret_cast<Uint8*>(bytes.data()), static_cast<Uint32>(bytes.size()), reinterpret_cast<Uint8*>(to),
-                      static_cast<Uint32>(frame.bytes()), frame.is_signed ? OFTrue : OFFalse)
+             ->decode(reinterpret_cast<Uint8*>(bytes.data()), static_cast<Uint32>(bytes.size()),
+                      reinterpret_cast<Uint8*>(to), static_cast<Uint32>(frame.bytes()),
+                      frame.is_signed ? OFTrue : OFFalse)
              .good() &&
          !messages.tell_of_damage();
 }
@@ -196,7 +202,8 @@ bool decode_run_lengths(std::string_view stream, const FrameSize& frame, char* t
     const std::size_t start = header[1 + segment];
     const std::size_t end = segment + 1 < sample_bytes ? header[2 + segment] : stream.size();
     if (start < kHeader || start > end || end > stream.size() ||
-        !decode_runs(stream.substr(start, end - start), to + (sample_bytes - 1 - segment), count, sample_bytes)) {
+        !decode_runs(stream.substr(start, end - start), to + (sample_bytes - 1 - segment), count,
+                     sample_bytes)) {
       return false;
     }
   }

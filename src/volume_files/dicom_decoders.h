@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// One compressed frame of grey values into memory, by the library for its kind. Each returns whether the frame was decoded to its end;
-// the caller has compared the stream's header with the size that it passes. Use these under LibraryMessages.
+// One compressed frame of grey values into memory, by the library for its kind. Each returns
+// whether the frame was decoded to its end; the caller has compared the stream's header with the
+// size that it passes. Use these under LibraryMessages.
 //
-// GDCM decodes all of these, but its asserts, which Debian leaves in, end the process where a stream is damaged.
+// GDCM decodes all of these, but its asserts, which Debian leaves in, end the process where a
+// stream is damaged.
 #pragma once
 
 #include <cstddef>

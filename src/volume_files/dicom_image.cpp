@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Based on: DICOM PS3.3, above all C.7.6.2 (image plane), C.7.6.3 (image pixel), C.7.6.16 (functional groups of multi-frame
-// images), C.8.4 (nuclear medicine), C.8.8.3 (dose grid) and C.11.1 (modality lookup table, rescale).
+// Based on: DICOM PS3.3, above all C.7.6.2 (image plane), C.7.6.3 (image pixel), C.7.6.16
+// (functional groups of multi-frame images), C.8.4 (nuclear medicine), C.8.8.3 (dose grid) and
+// C.11.1 (modality lookup table, rescale).
 #include "volume_files/dicom_image.h"
 
 #include <algorithm>
@@ -24,8 +25,10 @@ namespace {
 
 using Kind = DicomLabel::Kind;
 
-constexpr std::string_view kDirectoryClass = "1.2.840.10008.1.3.10", kNuclearClass = "1.2.840.10008.5.1.4.1.1.20",
-                           kSegmentationClass = "1.2.840.10008.5.1.4.1.1.66.4", kParametricMapClass = "1.2.840.10008.5.1.4.1.1.30";
+constexpr std::string_view kDirectoryClass = "1.2.840.10008.1.3.10",
+                           kNuclearClass = "1.2.840.10008.5.1.4.1.1.20",
+                           kSegmentationClass = "1.2.840.10008.5.1.4.1.1.66.4",
+                           kParametricMapClass = "1.2.840.10008.5.1.4.1.1.30";
 constexpr DicomTag kFrameTime = 0x00181063, kFrameTimeVector = 0x00181065;
 
 // Why the frames of a file are no slices of a volume. Thrown inside this file only.
@@ -42,7 +45,8 @@ std::string joined(const std::vector<std::string>& values) {
 }
 
 bool contains(const std::vector<std::string>& values, std::string_view wanted) {
-  return std::ranges::any_of(values, [&](const std::string& value) { return value.find(wanted) != std::string::npos; });
+  return std::ranges::any_of(
+      values, [&](const std::string& value) { return value.find(wanted) != std::string::npos; });
 }
 
 std::optional<Vec3> vector_in(const std::vector<double>& numbers, std::size_t first) {
@@ -59,12 +63,16 @@ Vec3 unit_normal(const DicomFrame& frame) {
   return {n.x / length, n.y / length, n.z / length};
 }
 
-Vec3 moved(const Vec3& from, const Vec3& along, double by) { return {from.x + by * along.x, from.y + by * along.y, from.z + by * along.z}; }
+Vec3 moved(const Vec3& from, const Vec3& along, double by) {
+  return {from.x + by * along.x, from.y + by * along.y, from.z + by * along.z};
+}
 
-/// The attributes of one frame: its own functional group comes before the one that all frames share, that before the file's.
+/// The attributes of one frame: its own functional group comes before the one that all frames
+/// share, that before the file's.
 class FrameAttributes {
  public:
-  FrameAttributes(const DicomDataSet& file, std::size_t frame) : file_(file), shared_(file.first_item(kSharedGroups)) {
+  FrameAttributes(const DicomDataSet& file, std::size_t frame)
+      : file_(file), shared_(file.first_item(kSharedGroups)) {
     const std::vector<DicomDataSet>& groups = file.items(kPerFrameGroups);
     own_ = groups.empty() ? nullptr : &groups.at(frame);
   }
@@ -97,7 +105,8 @@ class FrameAttributes {
 /// Reads the frames of one file.
 class ImageReading {
  public:
-  ImageReading(const DicomContents& contents, DicomImage& image) : contents_(contents), file_(contents.attributes), image_(image) {}
+  ImageReading(const DicomContents& contents, DicomImage& image)
+      : contents_(contents), file_(contents.attributes), image_(image) {}
 
   std::vector<DicomFrame> frames(std::uint64_t max_memory) {
     require_grey_values();
@@ -105,7 +114,8 @@ class ImageReading {
     check_length();
     const std::size_t groups = file_.items(kPerFrameGroups).size();
     if (groups != 0 && groups != image_.frames) {
-      throw Unusable{"has " + std::to_string(image_.frames) + " frames, but attributes of " + std::to_string(groups)};
+      throw Unusable{"has " + std::to_string(image_.frames) + " frames, but attributes of " +
+                     std::to_string(groups)};
     }
     if (!image_.damage.empty() && groups == 0 && image_.frames > 1) {
       throw bad_file(image_.path, image_.damage);
@@ -132,14 +142,18 @@ class ImageReading {
     const std::string colour = file_.text(kPhotometricInterpretation);
     const std::int64_t samples = file_.integer(kSamplesPerPixel).value_or(1);
     if (samples != 1 || colour.find("RGB") != std::string::npos || colour.starts_with("YBR")) {
-      throw Unusable{"is a colour image (" + (colour.empty() ? std::to_string(samples) + " samples per pixel" : dicom_text(colour)) + ")"};
+      throw Unusable{
+          "is a colour image (" +
+          (colour.empty() ? std::to_string(samples) + " samples per pixel" : dicom_text(colour)) +
+          ")"};
     }
     if (colour == "PALETTE COLOR") {
       throw Unusable{"is a colour image (PALETTE COLOR)"};
     }
     image_.is_inverted_display = colour == "MONOCHROME1";
     const bool is_siemens = file_.text(kPrivateCreator19).starts_with("SIEMENS");
-    if (contains(file_.texts(kImageType), "MOSAIC") || (is_siemens && file_.integer(kMosaicImages).value_or(0) > 1)) {
+    if (contains(file_.texts(kImageType), "MOSAIC") ||
+        (is_siemens && file_.integer(kMosaicImages).value_or(0) > 1)) {
       throw Unusable{"is a mosaic: several slices are tiles of one image"};
     }
     if (image_.sop_class == kSegmentationClass) {
@@ -157,11 +171,12 @@ class ImageReading {
     }
     constexpr std::size_t kMostRows = 0xFFFF;  // the standard's numbers have 16 bits
     if (image_.rows > kMostRows || image_.columns > kMostRows) {
-      throw Unusable{"states an image size of " + std::to_string(image_.columns) + " x " + std::to_string(image_.rows) +
-                     ", expected at most 65535 x 65535"};
+      throw Unusable{"states an image size of " + std::to_string(image_.columns) + " x " +
+                     std::to_string(image_.rows) + ", expected at most 65535 x 65535"};
     }
     const auto natural = [&](DicomTag tag, unsigned otherwise) {
-      return static_cast<unsigned>(std::clamp<std::int64_t>(file_.integer(tag).value_or(otherwise), 0, 0xFFFF));
+      return static_cast<unsigned>(
+          std::clamp<std::int64_t>(file_.integer(tag).value_or(otherwise), 0, 0xFFFF));
     };
     format.bits_allocated = natural(kBitsAllocated, 0);
     format.bits_stored = natural(kBitsStored, format.bits_allocated);
@@ -171,26 +186,30 @@ class ImageReading {
     if (image_.pixels.tag != kPixelData) {
       const unsigned bits = image_.pixels.tag == kFloatPixelData ? 32 : 64;
       format = {bits, bits, bits - 1, true, true};
-    } else if (format.bits_allocated != 8 && format.bits_allocated != 16 && format.bits_allocated != 32) {
-      throw Unusable{"has " + std::to_string(format.bits_allocated) + " bits per sample (BitsAllocated), which is not read"};
+    } else if (format.bits_allocated != 8 && format.bits_allocated != 16 &&
+               format.bits_allocated != 32) {
+      throw Unusable{"has " + std::to_string(format.bits_allocated) +
+                     " bits per sample (BitsAllocated), which is not read"};
     }
     if (image_.pixels.is_compressed) {
       read_compressed_format(max_memory);
     }
     if (format.bits_stored > format.bits_allocated || format.high_bit + 1 < format.bits_stored ||
         format.high_bit >= format.bits_allocated) {
-      throw Unusable{"has contradictory bits: " + std::to_string(format.bits_stored) + " stored of " +
-                     std::to_string(format.bits_allocated) + " allocated, high bit " + std::to_string(format.high_bit)};
+      throw Unusable{"has contradictory bits: " + std::to_string(format.bits_stored) +
+                     " stored of " + std::to_string(format.bits_allocated) +
+                     " allocated, high bit " + std::to_string(format.high_bit)};
     }
   }
 
   void read_compressed_format(std::uint64_t max_memory) {
     if (!can_decode(image_.transfer_syntax)) {
-      throw Unusable{"is compressed in a way that is not read (transfer syntax " + dicom_text(image_.transfer_syntax) + ")"};
+      throw Unusable{"is compressed in a way that is not read (transfer syntax " +
+                     dicom_text(image_.transfer_syntax) + ")"};
     }
     if (image_.pixels.fragments.size() < image_.frames) {
-      set_damage("is cut off: it has " + std::to_string(image_.pixels.fragments.size()) + " compressed frames of " +
-                 std::to_string(image_.frames));
+      set_damage("is cut off: it has " + std::to_string(image_.pixels.fragments.size()) +
+                 " compressed frames of " + std::to_string(image_.frames));
       return;
     }
     DicomBytes bytes = open_dicom(image_.path, max_memory);
@@ -203,20 +222,26 @@ class ImageReading {
   void check_length() {
     const DicomPixels& pixels = image_.pixels;
     if (contents_.is_cut_off) {
-      set_damage("is cut off: its data elements reach beyond its " + std::to_string(contents_.bytes) + " bytes");
+      set_damage("is cut off: its data elements reach beyond its " +
+                 std::to_string(contents_.bytes) + " bytes");
     }
     if (pixels.is_compressed) {
       return;
     }
-    const std::uint64_t frame_bytes = std::uint64_t{image_.rows} * image_.columns * (image_.format.bits_allocated / 8);
-    const bool has_exact_length = pixels.bytes / frame_bytes == image_.frames && pixels.bytes % frame_bytes <= 1;
+    const std::uint64_t frame_bytes =
+        std::uint64_t{image_.rows} * image_.columns * (image_.format.bits_allocated / 8);
+    const bool has_exact_length =
+        pixels.bytes / frame_bytes == image_.frames && pixels.bytes % frame_bytes <= 1;
     if (can_decode(image_.transfer_syntax) && !has_exact_length) {
-      set_damage("states that it is compressed (" + compression_name(image_.transfer_syntax) + "), but its pixel data is not");
+      set_damage("states that it is compressed (" + compression_name(image_.transfer_syntax) +
+                 "), but its pixel data is not");
     } else if (pixels.bytes / frame_bytes < image_.frames) {
-      set_damage("is cut off: its pixel data has " + std::to_string(pixels.bytes) + " bytes, its header promises " +
-                 std::to_string(image_.frames) + " x " + std::to_string(frame_bytes));
+      set_damage("is cut off: its pixel data has " + std::to_string(pixels.bytes) +
+                 " bytes, its header promises " + std::to_string(image_.frames) + " x " +
+                 std::to_string(frame_bytes));
     } else if (pixels.bytes - frame_bytes * image_.frames > 1) {
-      image_.warnings.push_back("has " + std::to_string(pixels.bytes - frame_bytes * image_.frames) +
+      image_.warnings.push_back("has " +
+                                std::to_string(pixels.bytes - frame_bytes * image_.frames) +
                                 " bytes of pixel data more than its frames take; they are ignored");
     }
   }
@@ -233,9 +258,11 @@ class ImageReading {
     DicomFrame frame;
     frame.number = number;
     read_orientation(attributes, frame);
-    std::vector<double> position = attributes.holder(kPlanePosition, kImagePosition).numbers(kImagePosition);
+    std::vector<double> position =
+        attributes.holder(kPlanePosition, kImagePosition).numbers(kImagePosition);
     if (position.empty()) {
-      position = attributes.holder(kPlanePositionVolume, kImagePositionVolume).numbers(kImagePositionVolume);
+      position = attributes.holder(kPlanePositionVolume, kImagePositionVolume)
+                     .numbers(kImagePositionVolume);
     }
     set_position(position, frame);
     read_spacing(attributes, frame);
@@ -251,9 +278,11 @@ class ImageReading {
   }
 
   void read_orientation(const FrameAttributes& attributes, DicomFrame& frame) {
-    std::vector<double> cosines = attributes.holder(kPlaneOrientation, kImageOrientation).numbers(kImageOrientation);
+    std::vector<double> cosines =
+        attributes.holder(kPlaneOrientation, kImageOrientation).numbers(kImageOrientation);
     if (cosines.empty()) {
-      cosines = attributes.holder(kPlaneOrientationVolume, kImageOrientationVolume).numbers(kImageOrientationVolume);
+      cosines = attributes.holder(kPlaneOrientationVolume, kImageOrientationVolume)
+                    .numbers(kImageOrientationVolume);
       if (!cosines.empty() && image_.warnings.empty()) {
         image_.warnings.push_back("states positions in the ultrasound volume, not in the patient");
       }
@@ -261,17 +290,23 @@ class ImageReading {
     set_orientation(cosines, attributes.file(), frame);
   }
 
-  static void set_orientation(const std::vector<double>& cosines, const DicomDataSet& file, DicomFrame& frame) {
+  static void set_orientation(const std::vector<double>& cosines, const DicomDataSet& file,
+                              DicomFrame& frame) {
     constexpr double kSmallestSine = 0.99;
     const std::optional<Vec3> row = vector_in(cosines, 0), column = vector_in(cosines, 3);
     if (!row || !column) {
       throw Unusable{file.has(kImagePosition) ? "has no orientation (ImageOrientationPatient)"
-                                              : "has no position (ImagePositionPatient) and no orientation (ImageOrientationPatient)"};
+                                              : "has no position (ImagePositionPatient) and no "
+                                                "orientation (ImageOrientationPatient)"};
     }
     const Vec3 &r = *row, &c = *column;
-    const double area = std::hypot(r.y * c.z - r.z * c.y, r.z * c.x - r.x * c.z, r.x * c.y - r.y * c.x);
-    if (!(area >= kSmallestSine * std::hypot(r.x, r.y, r.z) * std::hypot(c.x, c.y, c.z)) || area == 0) {
-      throw Unusable{"has an orientation (ImageOrientationPatient) whose two directions are not perpendicular"};
+    const double area =
+        std::hypot(r.y * c.z - r.z * c.y, r.z * c.x - r.x * c.z, r.x * c.y - r.y * c.x);
+    if (!(area >= kSmallestSine * std::hypot(r.x, r.y, r.z) * std::hypot(c.x, c.y, c.z)) ||
+        area == 0) {
+      throw Unusable{
+          "has an orientation (ImageOrientationPatient) whose two directions are not "
+          "perpendicular"};
     }
     frame.along_row = r;
     frame.along_column = c;
@@ -286,13 +321,16 @@ class ImageReading {
         warn_once("states no PixelSpacing; 1 x 1 mm is assumed within a slice");
         return;
       }
-      warn_once(source == kImagerPixelSpacing ? "states no PixelSpacing; ImagerPixelSpacing, measured at the detector, is used"
-                                              : "states no PixelSpacing; NominalScannedPixelSpacing is used");
+      warn_once(
+          source == kImagerPixelSpacing
+              ? "states no PixelSpacing; ImagerPixelSpacing, measured at the detector, is used"
+              : "states no PixelSpacing; NominalScannedPixelSpacing is used");
     }
     const DicomDataSet& stated = source == kPixelSpacing ? holder : file_;
     const std::vector<double> spacing = stated.numbers(source);
     if (spacing.size() < 2 || spacing[0] <= 0 || spacing[1] <= 0) {
-      throw Unusable{"has a pixel spacing of '" + dicom_text(stated.text(source)) + "', expected two positive lengths"};
+      throw Unusable{"has a pixel spacing of '" + dicom_text(stated.text(source)) +
+                     "', expected two positive lengths"};
     }
     frame.spacing_y = spacing[0];  // between rows, then between columns
     frame.spacing_x = spacing[1];
@@ -309,18 +347,23 @@ class ImageReading {
     const FrameAttributes attributes(file_, 0);
     const bool is_nuclear = image_.sop_class == kNuclearClass;
     const DicomDataSet* detector = is_nuclear ? file_.first_item(kDetectorInformation) : nullptr;
-    const DicomDataSet& plane = detector != nullptr && detector->has(kImagePosition) ? *detector : file_;
+    const DicomDataSet& plane =
+        detector != nullptr && detector->has(kImagePosition) ? *detector : file_;
     if (is_nuclear && !contains(file_.texts(kImageType), "RECON")) {
-      throw Unusable{"is a nuclear medicine image of type " + dicom_text(joined(file_.texts(kImageType))) +
+      throw Unusable{"is a nuclear medicine image of type " +
+                     dicom_text(joined(file_.texts(kImageType))) +
                      ", whose frames are no slices of a volume"};
     }
     DicomFrame first;
     const DicomDataSet* shared_orientation = attributes.group(kPlaneOrientation);
-    set_orientation((shared_orientation != nullptr ? *shared_orientation : plane).numbers(kImageOrientation), plane, first);
+    set_orientation(
+        (shared_orientation != nullptr ? *shared_orientation : plane).numbers(kImageOrientation),
+        plane, first);
     set_position(plane.numbers(kImagePosition), first);
     read_spacing(attributes, first);
     std::vector<DicomFrame> all(image_.frames, first);
-    const std::vector<Vec3> places = file_.has(kGridFrameOffsets) ? places_by_offsets(first) : places_by_spacing(first);
+    const std::vector<Vec3> places =
+        file_.has(kGridFrameOffsets) ? places_by_offsets(first) : places_by_spacing(first);
     for (std::size_t i = 0; i < all.size(); ++i) {
       all[i].number = i;
       all[i].position = places[i];
@@ -333,15 +376,16 @@ class ImageReading {
     constexpr double kSamePlace = 1e-3;
     const std::vector<double> offsets = file_.numbers(kGridFrameOffsets);
     if (offsets.size() != image_.frames) {
-      throw Unusable{"has " + std::to_string(image_.frames) + " frames, but " + std::to_string(offsets.size()) +
-                     " offsets (GridFrameOffsetVector)"};
+      throw Unusable{"has " + std::to_string(image_.frames) + " frames, but " +
+                     std::to_string(offsets.size()) + " offsets (GridFrameOffsetVector)"};
     }
     const bool are_coordinates = offsets[0] != 0;
     if (are_coordinates && std::abs(offsets[0] - first.position.z) > kSamePlace) {
-      throw Unusable{"has a GridFrameOffsetVector that starts at " + dicom_number(offsets[0]) + ", expected 0 or its position's z, " +
-                     dicom_number(first.position.z)};
+      throw Unusable{"has a GridFrameOffsetVector that starts at " + dicom_number(offsets[0]) +
+                     ", expected 0 or its position's z, " + dicom_number(first.position.z)};
     }
-    image_.frame_places = are_coordinates ? "GridFrameOffsetVector (z coordinates)" : "GridFrameOffsetVector (from the first frame)";
+    image_.frame_places = are_coordinates ? "GridFrameOffsetVector (z coordinates)"
+                                          : "GridFrameOffsetVector (from the first frame)";
     std::vector<Vec3> places;
     for (const double offset : offsets) {
       places.push_back(are_coordinates ? Vec3{first.position.x, first.position.y, offset}
@@ -352,15 +396,19 @@ class ImageReading {
 
   std::vector<Vec3> places_by_spacing(const DicomFrame& first) {
     const std::vector<DicomTag> pointers = file_.tags(kFrameIncrementPointer);
-    const bool is_cine = std::ranges::any_of(pointers, [](DicomTag tag) { return tag == kFrameTime || tag == kFrameTimeVector; });
+    const bool is_cine = std::ranges::any_of(
+        pointers, [](DicomTag tag) { return tag == kFrameTime || tag == kFrameTimeVector; });
     const std::optional<double> spacing = file_.number(kSpacingBetweenSlices);
     if (is_cine || !spacing || *spacing == 0) {
-      throw Unusable{"has " + std::to_string(image_.frames) + " frames that " +
-                     (is_cine ? "follow each other in time" : "state no positions (ImagePositionPatient) and no SpacingBetweenSlices")};
+      throw Unusable{
+          "has " + std::to_string(image_.frames) + " frames that " +
+          (is_cine ? "follow each other in time"
+                   : "state no positions (ImagePositionPatient) and no SpacingBetweenSlices")};
     }
     const std::vector<double> slices = file_.numbers(kSliceVector);
     if (!slices.empty() && slices.size() != image_.frames) {
-      throw Unusable{"has " + std::to_string(image_.frames) + " frames, but a SliceVector of " + std::to_string(slices.size())};
+      throw Unusable{"has " + std::to_string(image_.frames) + " frames, but a SliceVector of " +
+                     std::to_string(slices.size())};
     }
     image_.frame_places = "SpacingBetweenSlices " + dicom_number(*spacing);
     std::vector<Vec3> places;
@@ -373,14 +421,15 @@ class ImageReading {
 
   // The other lists that say what a frame of a nuclear medicine image is.
   void add_vector_labels(const DicomFrame& frame) {
-    constexpr std::array<std::pair<DicomTag, std::string_view>, 8> kVectors{{{kEnergyWindowVector, "energy window"},
-                                                                             {kDetectorVector, "detector"},
-                                                                             {kPhaseVector, "phase"},
-                                                                             {kRotationVector, "rotation"},
-                                                                             {kIntervalVector, "R-R interval"},
-                                                                             {kTimeSlotVector, "time slot"},
-                                                                             {kAngularViewVector, "view"},
-                                                                             {kTimeSliceVector, "time slice"}}};
+    constexpr std::array<std::pair<DicomTag, std::string_view>, 8> kVectors{
+        {{kEnergyWindowVector, "energy window"},
+         {kDetectorVector, "detector"},
+         {kPhaseVector, "phase"},
+         {kRotationVector, "rotation"},
+         {kIntervalVector, "R-R interval"},
+         {kTimeSlotVector, "time slot"},
+         {kAngularViewVector, "view"},
+         {kTimeSliceVector, "time slice"}}};
     if (!vectors_) {
       vectors_.emplace();
       for (const auto& [tag, name] : kVectors) vectors_->emplace_back(name, file_.numbers(tag));
@@ -395,7 +444,8 @@ class ImageReading {
   void read_rescale(const FrameAttributes& attributes, DicomFrame& frame) {
     if (file_.has(kDoseGridScaling)) {
       frame.slope = number_of(file_, kDoseGridScaling, "DoseGridScaling", 1);
-      image_.dose_units = file_.text(kDoseUnits).empty() ? "unit not stated" : dicom_text(file_.text(kDoseUnits));
+      image_.dose_units =
+          file_.text(kDoseUnits).empty() ? "unit not stated" : dicom_text(file_.text(kDoseUnits));
     } else if (image_.sop_class == kParametricMapClass) {
       read_real_world_mapping(attributes, frame);
     } else {
@@ -418,31 +468,36 @@ class ImageReading {
       return;
     }
     if (mapping->has(kRealWorldTable)) {
-      throw Unusable{"maps its samples to values by a table (RealWorldValueLUTData), which is not applied"};
+      throw Unusable{
+          "maps its samples to values by a table (RealWorldValueLUTData), which is not applied"};
     }
     frame.slope = number_of(*mapping, kRealWorldSlope, "RealWorldValueSlope", 1);
     frame.intercept = number_of(*mapping, kRealWorldIntercept, "RealWorldValueIntercept", 0);
   }
 
-  static double number_of(const DicomDataSet& holder, DicomTag tag, const std::string& name, double otherwise) {
+  static double number_of(const DicomDataSet& holder, DicomTag tag, const std::string& name,
+                          double otherwise) {
     if (!holder.has(tag)) {
       return otherwise;
     }
     const std::optional<double> value = holder.number(tag);
     if (!value) {
-      throw Unusable{"has a " + name + " of '" + dicom_text(holder.text(tag)) + "', expected a number"};
+      throw Unusable{"has a " + name + " of '" + dicom_text(holder.text(tag)) +
+                     "', expected a number"};
     }
     return *value;
   }
 
   void add_label(const DicomDataSet& holder, DicomTag tag, const std::string& name, Kind kind) {
     if (holder.has(tag)) {
-      const bool is_clock = tag == kAcquisitionDateTime || tag == kAcquisitionTime || tag == kContentTime;  // "080000" is no number
+      const bool is_clock = tag == kAcquisitionDateTime || tag == kAcquisitionTime ||
+                            tag == kContentTime;  // "080000" is no number
       const std::vector<double> numbers = is_clock ? std::vector<double>() : holder.numbers(tag);
       std::vector<std::string> values{dicom_text(holder.text(tag))};
       if (!numbers.empty()) {
         values.clear();
-        std::ranges::transform(numbers, std::back_inserter(values), dicom_number);  // "2" and "2.0" are the same
+        std::ranges::transform(numbers, std::back_inserter(values),
+                               dicom_number);  // "2" and "2.0" are the same
       }
       labels_.push_back({name, joined(values), kind});
     }
@@ -508,10 +563,12 @@ class ImageReading {
     const std::vector<DicomDataSet>& dimensions = file_.items(kDimensionIndices);
     for (std::size_t i = 0; i < std::min(indices.size(), dimensions.size()); ++i) {
       const std::vector<DicomTag> pointers = dimensions[i].tags(kDimensionIndexPointer);
-      constexpr std::array kPlaces{kStackId, kInStackPosition, kImagePosition, kImagePositionVolume};
+      constexpr std::array kPlaces{kStackId, kInStackPosition, kImagePosition,
+                                   kImagePositionVolume};
       if (!pointers.empty() && std::ranges::find(kPlaces, pointers.front()) == kPlaces.end()) {
         const std::string label = dicom_text(dimensions[i].text(kDimensionLabel));
-        labels_.push_back({label.empty() ? "dimension " + std::to_string(i) : label, dicom_number(indices[i]), Kind::time});
+        labels_.push_back({label.empty() ? "dimension " + std::to_string(i) : label,
+                           dicom_number(indices[i]), Kind::time});
       }
     }
   }
@@ -519,26 +576,32 @@ class ImageReading {
   const DicomContents& contents_;
   const DicomDataSet& file_;
   DicomImage& image_;
-  std::vector<DicomLabel> labels_;                                                        // of the frame that is being read
-  std::optional<std::vector<std::pair<std::string_view, std::vector<double>>>> vectors_;  // see add_vector_labels
+  std::vector<DicomLabel> labels_;  // of the frame that is being read
+  std::optional<std::vector<std::pair<std::string_view, std::vector<double>>>>
+      vectors_;  // see add_vector_labels
 };
 
-std::shared_ptr<DicomImage> image_of(const fs::path& path, const std::string& name, const DicomContents& contents) {
+std::shared_ptr<DicomImage> image_of(const fs::path& path, const std::string& name,
+                                     const DicomContents& contents) {
   const DicomDataSet& file = contents.attributes;
   auto image = std::make_shared<DicomImage>();
   image->path = path;
   image->name = name;
   image->series = dicom_text(file.text(kSeriesInstance));
-  image->world = file.text(kPatientId) + "\n" + file.text(kStudyInstance) + "\n" + file.text(kFrameOfReference);
+  image->world = file.text(kPatientId) + "\n" + file.text(kStudyInstance) + "\n" +
+                 file.text(kFrameOfReference);
   image->series_number = dicom_text(file.text(kSeriesNumber));
   image->description = dicom_text(file.text(kSeriesDescription));
   image->modality = dicom_text(file.text(kModality));
   image->sop_class = file.text(kSopClass);
   image->instance_number = file.integer(kInstanceNumber).value_or(0);
   image->is_localizer = contains(file.texts(kImageType), "LOCALIZER");
-  image->rows = static_cast<std::size_t>(std::max<std::int64_t>(file.integer(kRows).value_or(0), 0));
-  image->columns = static_cast<std::size_t>(std::max<std::int64_t>(file.integer(kColumns).value_or(0), 0));
-  image->frames = static_cast<std::size_t>(std::max<std::int64_t>(file.integer(kNumberOfFrames).value_or(1), 1));
+  image->rows =
+      static_cast<std::size_t>(std::max<std::int64_t>(file.integer(kRows).value_or(0), 0));
+  image->columns =
+      static_cast<std::size_t>(std::max<std::int64_t>(file.integer(kColumns).value_or(0), 0));
+  image->frames = static_cast<std::size_t>(
+      std::max<std::int64_t>(file.integer(kNumberOfFrames).value_or(1), 1));
   image->pixels = *contents.pixels;
   image->transfer_syntax = contents.transfer_syntax;
   image->is_big_endian = contents.is_big_endian;
@@ -552,10 +615,12 @@ std::shared_ptr<DicomImage> image_of(const fs::path& path, const std::string& na
 }  // namespace
 
 std::string DicomFrame::name() const {
-  return image->frames == 1 ? image->name : "frame " + std::to_string(number + 1) + " of " + image->name;
+  return image->frames == 1 ? image->name
+                            : "frame " + std::to_string(number + 1) + " of " + image->name;
 }
 
-DicomFileFrames read_dicom_frames(const fs::path& path, const std::string& name, std::uint64_t max_memory) {
+DicomFileFrames read_dicom_frames(const fs::path& path, const std::string& name,
+                                  std::uint64_t max_memory) {
   const DicomContents contents = read_dicom_contents(path, max_memory);
   const DicomDataSet& file = contents.attributes;
   DicomFileFrames result;
@@ -564,10 +629,12 @@ DicomFileFrames read_dicom_frames(const fs::path& path, const std::string& name,
   result.is_directory = file.text(kSopClass) == kDirectoryClass;
   result.is_image = contents.pixels.has_value();
   if (contents.is_cut_off && (!result.is_image || result.series.empty())) {
-    throw bad_file(path, "is cut off: its data elements reach beyond its " + std::to_string(contents.bytes) + " bytes");
+    throw bad_file(path, "is cut off: its data elements reach beyond its " +
+                             std::to_string(contents.bytes) + " bytes");
   }
   if (!result.is_image) {
-    result.unusable = "holds no image" + (result.modality.empty() ? std::string() : " (" + result.modality + ")");
+    result.unusable =
+        "holds no image" + (result.modality.empty() ? std::string() : " (" + result.modality + ")");
     return result;
   }
   const std::shared_ptr<DicomImage> image = image_of(path, name, contents);
@@ -588,7 +655,11 @@ std::string dicom_text(const std::string& text) {
   std::string valid;
   for (std::size_t i = 0; i < text.size();) {
     const auto lead = static_cast<unsigned char>(text[i]);
-    const std::size_t length = lead < 0x80 ? 1 : lead >> 5U == 0b110 ? 2 : lead >> 4U == 0b1110 ? 3 : lead >> 3U == 0b11110 ? 4 : 0;
+    const std::size_t length = lead < 0x80             ? 1
+                               : lead >> 5U == 0b110   ? 2
+                               : lead >> 4U == 0b1110  ? 3
+                               : lead >> 3U == 0b11110 ? 4
+                                                       : 0;
     bool is_valid = length > 0 && i + length <= text.size();
     for (std::size_t k = 1; is_valid && k < length; ++k) {
       is_valid = static_cast<unsigned char>(text[i + k]) >> 6U == 0b10;
@@ -601,8 +672,10 @@ std::string dicom_text(const std::string& text) {
 
 std::string dicom_number(double value) {
   std::array<char, 32> text{};
-  const bool is_plain = value == 0 || (std::abs(value) >= 1e-5 && std::abs(value) < 1e15);  // else with an exponent
-  const auto [end, error] = is_plain ? std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed)
+  const bool is_plain =
+      value == 0 || (std::abs(value) >= 1e-5 && std::abs(value) < 1e15);  // else with an exponent
+  const auto [end, error] = is_plain ? std::to_chars(text.data(), text.data() + text.size(), value,
+                                                     std::chars_format::fixed)
                                      : std::to_chars(text.data(), text.data() + text.size(), value);
   return error == std::errc{} ? std::string(text.data(), end) : std::to_string(value);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Based on: DICOM PS3.5 section 8.1 (bits allocated, bits stored, high bit) and PS3.3 C.11.1.1.2 (rescale).
+// Based on: DICOM PS3.5 section 8.1 (bits allocated, bits stored, high bit) and PS3.3 C.11.1.1.2
+// (rescale).
 #include "volume_files/dicom_samples.h"
 
 #include <algorithm>
@@ -22,7 +23,9 @@ namespace {
 
 bool is_rescaled(const DicomFrame& frame) { return frame.slope != 1 || frame.intercept != 0; }
 
-bool is_whole(double value) { return value == std::floor(value) && std::abs(value) <= std::numeric_limits<std::int32_t>::max(); }
+bool is_whole(double value) {
+  return value == std::floor(value) && std::abs(value) <= std::numeric_limits<std::int32_t>::max();
+}
 
 SampleType stored_type(const DicomSampleFormat& format) {
   if (format.is_float) {
@@ -46,14 +49,17 @@ struct Range {
 Range range_of(const DicomFrame& frame) {
   const DicomSampleFormat& format = frame.image->format;
   const double values = std::ldexp(1.0, static_cast<int>(format.bits_stored));
-  const double low = format.is_signed ? -values / 2 : 0, high = format.is_signed ? values / 2 - 1 : values - 1;
-  const double first = frame.slope * low + frame.intercept, last = frame.slope * high + frame.intercept;
+  const double low = format.is_signed ? -values / 2 : 0,
+               high = format.is_signed ? values / 2 - 1 : values - 1;
+  const double first = frame.slope * low + frame.intercept,
+               last = frame.slope * high + frame.intercept;
   return {std::min(first, last), std::max(first, last)};
 }
 
 template <class Type>
 bool holds(const Range& range) {
-  return range.low >= std::numeric_limits<Type>::min() && range.high <= std::numeric_limits<Type>::max();
+  return range.low >= std::numeric_limits<Type>::min() &&
+         range.high <= std::numeric_limits<Type>::max();
 }
 
 SampleType smallest_type(const Range& range) {
@@ -75,8 +81,10 @@ void keep_stored_bits(const DicomSampleFormat& format, Cell* samples, std::size_
   const unsigned unused = format.bits_allocated - format.bits_stored;
   const unsigned above = format.bits_allocated - 1 - format.high_bit;
   for (std::size_t i = 0; i < count; ++i) {
-    const auto raised = static_cast<std::make_unsigned_t<Cell>>(static_cast<std::make_unsigned_t<Cell>>(samples[i]) << above);
-    samples[i] = static_cast<Cell>(static_cast<Cell>(raised) >> unused);  // of a signed type: with its sign
+    const auto raised = static_cast<std::make_unsigned_t<Cell>>(
+        static_cast<std::make_unsigned_t<Cell>>(samples[i]) << above);
+    samples[i] =
+        static_cast<Cell>(static_cast<Cell>(raised) >> unused);  // of a signed type: with its sign
   }
 }
 
@@ -176,7 +184,8 @@ class FrameReader {
     const std::size_t cell_bytes = image_->format.bits_allocated / 8;
     const std::uint64_t count = std::uint64_t{image_->rows} * image_->columns;
     const std::uint64_t offset = image_->pixels.offset + number * count * cell_bytes;
-    // Bytes in big-endian words are in each other's place; a frame of an odd number of bytes starts and ends within a word.
+    // Bytes in big-endian words are in each other's place; a frame of an odd number of bytes starts
+    // and ends within a word.
     if (image_->is_big_endian && cell_bytes == 1 && image_->pixels.is_words) {
       read_bytes_of_words(number * count, count, cells);
       return;
@@ -210,15 +219,18 @@ SampleType dicom_sample_type(const std::vector<DicomFrame>& frames) {
   bool is_stored_type = true, is_fractional = false;
   Range range = range_of(frames.front());
   for (const DicomFrame& frame : frames) {
-    is_stored_type = is_stored_type && !is_rescaled(frame) && stored_type(frame.image->format) == first;
-    is_fractional = is_fractional || frame.image->format.is_float || !is_whole(frame.slope) || !is_whole(frame.intercept);
+    is_stored_type =
+        is_stored_type && !is_rescaled(frame) && stored_type(frame.image->format) == first;
+    is_fractional = is_fractional || frame.image->format.is_float || !is_whole(frame.slope) ||
+                    !is_whole(frame.intercept);
     const Range own = range_of(frame);
     range = {std::min(range.low, own.low), std::max(range.high, own.high)};
   }
   return is_stored_type ? first : is_fractional ? SampleType::float64 : smallest_type(range);
 }
 
-void read_dicom_samples(const std::vector<DicomFrame>& frames, SampleType type, std::uint64_t max_memory, std::byte* samples) {
+void read_dicom_samples(const std::vector<DicomFrame>& frames, SampleType type,
+                        std::uint64_t max_memory, std::byte* samples) {
   FrameReader reader(max_memory);
   std::vector<std::byte> buffer;
   for (const DicomFrame& frame : frames) {

@@ -15,8 +15,8 @@ namespace isoatlas::detail::io {
 
 namespace {
 
-// A slice may lie this fraction of the slice distance off its place: positions are written with few digits. A missing
-// slice is off by a whole one.
+// A slice may lie this fraction of the slice distance off its place: positions are written with few
+// digits. A missing slice is off by a whole one.
 constexpr double kPlaceTolerance = 0.1;
 constexpr double kGapTolerance = 0.5;
 constexpr double kSameDirectionTolerance = 1e-3;
@@ -26,7 +26,9 @@ constexpr double kSamePlaceTolerance = 1e-2;
 Vec3 difference(const Vec3& a, const Vec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 double length(const Vec3& v) { return std::hypot(v.x, v.y, v.z); }
 double dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-Vec3 cross(const Vec3& a, const Vec3& b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
 
 Vec3 unit(const Vec3& v) {
   const double size = length(v);
@@ -34,7 +36,8 @@ Vec3 unit(const Vec3& v) {
 }
 
 bool have_same_place(const DicomFrame& a, const DicomFrame& b) {
-  return length(difference(a.position, b.position)) <= kSamePlaceTolerance * std::min(a.spacing_x, a.spacing_y);
+  return length(difference(a.position, b.position)) <=
+         kSamePlaceTolerance * std::min(a.spacing_x, a.spacing_y);
 }
 
 // Numbers by value, texts by alphabet, numbers first: "2" comes before "10".
@@ -56,7 +59,8 @@ struct Before {
 
 std::string length_text(double value) { return dicom_number(std::round(value * 1e6) / 1e6); }
 
-// The first gap that differs from the median gap by more than kGapTolerance: a slice may be missing. Empty: there is none.
+// The first gap that differs from the median gap by more than kGapTolerance: a slice may be
+// missing. Empty: there is none.
 std::string uneven_gap(const std::vector<DicomFrame>& frames) {
   std::vector<double> gaps;
   for (std::size_t i = 1; i < frames.size(); ++i) {
@@ -66,17 +70,21 @@ std::string uneven_gap(const std::vector<DicomFrame>& frames) {
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
   std::nth_element(sorted.begin(), middle, sorted.end());
   const double usual = *middle;
-  const auto is_uneven = [usual](double gap) { return std::abs(gap - usual) > kGapTolerance * usual; };
+  const auto is_uneven = [usual](double gap) {
+    return std::abs(gap - usual) > kGapTolerance * usual;
+  };
   const auto found = std::ranges::find_if(gaps, is_uneven);
   if (found == gaps.end()) {
     return {};
   }
   const auto i = static_cast<std::size_t>(found - gaps.begin());
-  return "slices are not evenly spaced: " + length_text(*found) + " from " + frames[i].name() + " to " + frames[i + 1].name() +
-         ", usually " + length_text(usual) + "; is a slice missing?";
+  return "slices are not evenly spaced: " + length_text(*found) + " from " + frames[i].name() +
+         " to " + frames[i + 1].name() + ", usually " + length_text(usual) +
+         "; is a slice missing?";
 }
 
-// The slice farthest from its place in an even stack, if it is too far: small differences between gaps can add up.
+// The slice farthest from its place in an even stack, if it is too far: small differences between
+// gaps can add up.
 std::string misplaced_slice(const std::vector<DicomFrame>& frames, const Vec3& step) {
   std::size_t worst = 0;
   Vec3 offset;  // of the worst, from its place in an even stack
@@ -96,7 +104,8 @@ std::string misplaced_slice(const std::vector<DicomFrame>& frames, const Vec3& s
   const double beside = std::sqrt(std::max(0.0, dot(offset, offset) - along * along));
   const std::string name = frames[worst].name(), apart = length_text(length(step)) + " apart";
   return along >= beside
-             ? "slices are not evenly spaced: " + name + " is " + length_text(along) + " from its place in an even stack of slices " + apart
+             ? "slices are not evenly spaced: " + name + " is " + length_text(along) +
+                   " from its place in an even stack of slices " + apart
              : "slices are not in line: " + name + " lies " + length_text(beside) +
                    " beside the line through the first and the last slice, of slices " + apart;
 }
@@ -113,14 +122,15 @@ const DicomLabel* label_named(const DicomFrame& frame, const std::string& name) 
 }
 
 // The parts that frames fall into by the values of these labels; empty if all are alike.
-std::map<std::string, std::vector<DicomFrame>, Before> parts_by(const std::vector<DicomFrame>& frames,
-                                                                const std::vector<std::string>& names) {
+std::map<std::string, std::vector<DicomFrame>, Before> parts_by(
+    const std::vector<DicomFrame>& frames, const std::vector<std::string>& names) {
   std::map<std::string, std::vector<DicomFrame>, Before> parts;
   for (const DicomFrame& frame : frames) {
     std::string value;
     for (const std::string& name : names) {
       const DicomLabel* label = label_named(frame, name);
-      value += (value.empty() ? "" : ", " + name + " ") + (label == nullptr ? "none" : label->value);
+      value +=
+          (value.empty() ? "" : ", " + name + " ") + (label == nullptr ? "none" : label->value);
     }
     parts[value].push_back(frame);
   }
@@ -130,16 +140,19 @@ std::map<std::string, std::vector<DicomFrame>, Before> parts_by(const std::vecto
   return parts;
 }
 
-// A volume may have moved a little from one time to the next, with the patient or with the scanner's correction of it.
+// A volume may have moved a little from one time to the next, with the patient or with the
+// scanner's correction of it.
 bool have_near_places(const DicomStack& a, const DicomStack& b) {
   constexpr double kNear = 0.75;  // of the slice distance
   const auto are_near = [&](const DicomFrame& slice, const DicomFrame& other) {
-    return have_same_place(slice, other) || length(difference(slice.position, other.position)) <= kNear * length(a.step);
+    return have_same_place(slice, other) ||
+           length(difference(slice.position, other.position)) <= kNear * length(a.step);
   };
   return std::ranges::equal(a.frames, b.frames, are_near);
 }
 
-Split stacks_of(const std::map<std::string, std::vector<DicomFrame>, Before>& parts, const std::string& name) {
+Split stacks_of(const std::map<std::string, std::vector<DicomFrame>, Before>& parts,
+                const std::string& name) {
   Split split;
   for (const auto& [value, frames] : parts) {
     split.names.push_back(name + " " + value);
@@ -150,24 +163,31 @@ Split stacks_of(const std::map<std::string, std::vector<DicomFrame>, Before>& pa
 
 // Volumes at the same places but for small movements, each with one slice at each of them.
 bool is_split_in_time(const Split& split) {
-  return split.volumes.size() > 1 && std::ranges::all_of(split.volumes, [&](const DicomStack& volume) {
-           return volume.frames.size() > 1 && volume.problem.empty() && have_near_places(volume, split.volumes.front());
+  return split.volumes.size() > 1 &&
+         std::ranges::all_of(split.volumes, [&](const DicomStack& volume) {
+           return volume.frames.size() > 1 && volume.problem.empty() &&
+                  have_near_places(volume, split.volumes.front());
          });
 }
 
-// Volumes that need not have anything in common; slices that are left over are entries of their own.
+// Volumes that need not have anything in common; slices that are left over are entries of their
+// own.
 bool is_split_in_space(const Split& split) {
-  return std::ranges::any_of(split.volumes, [](const DicomStack& volume) { return volume.frames.size() > 1; }) &&
-         std::ranges::all_of(split.volumes, [](const DicomStack& volume) { return volume.problem.empty(); });
+  return std::ranges::any_of(split.volumes,
+                             [](const DicomStack& volume) { return volume.frames.size() > 1; }) &&
+         std::ranges::all_of(split.volumes,
+                             [](const DicomStack& volume) { return volume.problem.empty(); });
 }
 
 using Kind = DicomLabel::Kind;
 
-std::vector<std::string> label_names(const std::vector<DicomFrame>& frames, std::initializer_list<Kind> kinds) {
+std::vector<std::string> label_names(const std::vector<DicomFrame>& frames,
+                                     std::initializer_list<Kind> kinds) {
   std::vector<std::string> names;
   for (const DicomFrame& frame : frames) {
     for (const DicomLabel& label : *frame.labels) {
-      if (std::ranges::find(kinds, label.kind) != kinds.end() && std::ranges::find(names, label.name) == names.end()) {
+      if (std::ranges::find(kinds, label.kind) != kinds.end() &&
+          std::ranges::find(names, label.name) == names.end()) {
         names.push_back(label.name);
       }
     }
@@ -175,7 +195,8 @@ std::vector<std::string> label_names(const std::vector<DicomFrame>& frames, std:
   return names;
 }
 
-std::optional<Split> split_in_time(const std::vector<DicomFrame>& frames, std::initializer_list<Kind> kinds) {
+std::optional<Split> split_in_time(const std::vector<DicomFrame>& frames,
+                                   std::initializer_list<Kind> kinds) {
   const std::vector<std::string> names = label_names(frames, kinds);
   for (const std::string& name : names) {
     Split split = stacks_of(parts_by(frames, {name}), name);
@@ -194,7 +215,8 @@ std::optional<Split> split_in_time(const std::vector<DicomFrame>& frames, std::i
   return std::nullopt;
 }
 
-std::optional<Split> split_in_space(const std::vector<DicomFrame>& frames, std::initializer_list<Kind> kinds) {
+std::optional<Split> split_in_space(const std::vector<DicomFrame>& frames,
+                                    std::initializer_list<Kind> kinds) {
   for (const std::string& name : label_names(frames, kinds)) {
     Split split = stacks_of(parts_by(frames, {name}), name);
     if (split.volumes.size() > 1 && is_split_in_space(split)) {
@@ -204,21 +226,29 @@ std::optional<Split> split_in_space(const std::vector<DicomFrame>& frames, std::
   return std::nullopt;
 }
 
-// Nothing tells the volumes apart, but they follow each other in the order in which frames are numbered.
+// Nothing tells the volumes apart, but they follow each other in the order in which frames are
+// numbered.
 std::optional<Split> split_by_runs(std::vector<DicomFrame> frames, std::size_t places) {
-  const auto number = [](const DicomFrame& frame) { return std::pair(frame.image->instance_number, frame.number); };
+  const auto number = [](const DicomFrame& frame) {
+    return std::pair(frame.image->instance_number, frame.number);
+  };
   std::ranges::sort(frames, {}, number);
-  const bool is_one_file = std::ranges::all_of(frames, [&](const DicomFrame& frame) { return frame.image == frames.front().image; });
-  if (places == 0 || frames.size() % places != 0 || std::ranges::adjacent_find(frames, {}, number) != frames.end()) {
+  const bool is_one_file = std::ranges::all_of(
+      frames, [&](const DicomFrame& frame) { return frame.image == frames.front().image; });
+  if (places == 0 || frames.size() % places != 0 ||
+      std::ranges::adjacent_find(frames, {}, number) != frames.end()) {
     return std::nullopt;
   }
   Split split;
   for (std::size_t first = 0; first < frames.size(); first += places) {
-    const auto begin = frames.begin() + static_cast<std::ptrdiff_t>(first), end = begin + static_cast<std::ptrdiff_t>(places);
+    const auto begin = frames.begin() + static_cast<std::ptrdiff_t>(first),
+               end = begin + static_cast<std::ptrdiff_t>(places);
     const auto shown = [&](const DicomFrame& frame) {
-      return is_one_file ? std::to_string(frame.number + 1) : std::to_string(frame.image->instance_number);
+      return is_one_file ? std::to_string(frame.number + 1)
+                         : std::to_string(frame.image->instance_number);
     };
-    split.names.push_back((is_one_file ? "frames " : "images ") + shown(*begin) + " to " + shown(*(end - 1)));
+    split.names.push_back((is_one_file ? "frames " : "images ") + shown(*begin) + " to " +
+                          shown(*(end - 1)));
     split.volumes.push_back(stack_of({begin, end}));
   }
   return is_split_in_time(split) ? std::optional(split) : std::nullopt;
@@ -239,10 +269,14 @@ struct PlaneGroup {
 
   bool takes(const DicomFrame& frame) const {
     const DicomFrame& own = frames.front();
-    return frame.image->series == own.image->series && (ignores_world || frame.image->world == own.image->world) &&
-           frame.image->rows == own.image->rows && frame.image->columns == own.image->columns && frame.stack == own.stack &&
-           length(difference(unit(frame.along_row), unit(own.along_row))) <= kSameDirectionTolerance &&
-           length(difference(unit(frame.along_column), unit(own.along_column))) <= kSameDirectionTolerance;
+    return frame.image->series == own.image->series &&
+           (ignores_world || frame.image->world == own.image->world) &&
+           frame.image->rows == own.image->rows && frame.image->columns == own.image->columns &&
+           frame.stack == own.stack &&
+           length(difference(unit(frame.along_row), unit(own.along_row))) <=
+               kSameDirectionTolerance &&
+           length(difference(unit(frame.along_column), unit(own.along_column))) <=
+               kSameDirectionTolerance;
   }
 };
 
@@ -259,7 +293,8 @@ std::vector<PlaneGroup> group_by_plane(std::vector<DicomFrame> frames) {
   std::size_t last = 0;  // frames of one group mostly follow each other
   for (DicomFrame& frame : frames) {
     if (last >= groups.size() || !groups[last].takes(frame)) {
-      const auto found = std::ranges::find_if(groups, [&](const PlaneGroup& group) { return group.takes(frame); });
+      const auto found =
+          std::ranges::find_if(groups, [&](const PlaneGroup& group) { return group.takes(frame); });
       last = static_cast<std::size_t>(found - groups.begin());
       if (found == groups.end()) {
         groups.push_back({{}, ignores_world});
@@ -270,18 +305,21 @@ std::vector<PlaneGroup> group_by_plane(std::vector<DicomFrame> frames) {
   return groups;
 }
 
-// One series, or several if an attribute tells its frames apart. Where all frames together are an even stack, that has to be
-// an attribute that is the same in all slices of a volume.
+// One series, or several if an attribute tells its frames apart. Where all frames together are an
+// even stack, that has to be an attribute that is the same in all slices of a volume.
 void add_series(std::vector<DicomFrame> frames, std::vector<DicomSeries>& all) {
   DicomStack whole = stack_of(std::move(frames));
   const bool is_even = whole.problem.empty();
-  std::optional<Split> in_time =
-      is_even ? split_in_time(whole.frames, {Kind::volume}) : split_in_time(whole.frames, {Kind::volume, Kind::time});
+  std::optional<Split> in_time = is_even ? split_in_time(whole.frames, {Kind::volume})
+                                         : split_in_time(whole.frames, {Kind::volume, Kind::time});
   std::optional<Split> in_space;
   if (!in_time) {
-    in_space = is_even ? split_in_space(whole.frames, {Kind::volume}) : split_in_space(whole.frames, {Kind::other});
+    in_space = is_even ? split_in_space(whole.frames, {Kind::volume})
+                       : split_in_space(whole.frames, {Kind::other});
   }
-  if (is_even && in_space && std::ranges::any_of(in_space->volumes, [](const DicomStack& v) { return v.frames.size() < 2; })) {
+  if (is_even && in_space && std::ranges::any_of(in_space->volumes, [](const DicomStack& v) {
+        return v.frames.size() < 2;
+      })) {
     in_space.reset();
   }
   if (whole.is_at_one_place && !in_time && !in_space) {
@@ -301,15 +339,21 @@ void add_series(std::vector<DicomFrame> frames, std::vector<DicomSeries>& all) {
 // What tells entries of one series apart that differ in their planes.
 void name_parts(std::vector<DicomSeries>& all) {
   for (DicomSeries& one : all) {
-    const auto is_same = [&](const DicomSeries& other) { return &other != &one && other.image().series == one.image().series; };
+    const auto is_same = [&](const DicomSeries& other) {
+      return &other != &one && other.image().series == one.image().series;
+    };
     if (one.part.empty() && std::ranges::any_of(all, is_same)) {
-      const Vec3 normal = unit(cross(one.volumes[0].frames[0].along_row, one.volumes[0].frames[0].along_column));
+      const Vec3 normal =
+          unit(cross(one.volumes[0].frames[0].along_row, one.volumes[0].frames[0].along_column));
       const double x = std::abs(normal.x), y = std::abs(normal.y), z = std::abs(normal.z);
       one.part = z >= x && z >= y ? "axial" : y >= x ? "coronal" : "sagittal";
       const std::string& stack = one.volumes[0].frames[0].stack;
-      const auto is_of_other_world = [&](const DicomSeries& other) { return is_same(other) && other.image().world != one.image().world; };
+      const auto is_of_other_world = [&](const DicomSeries& other) {
+        return is_same(other) && other.image().world != one.image().world;
+      };
       if (std::ranges::any_of(all, is_of_other_world)) {
-        one.part += ", frame of reference " + dicom_text(one.image().world.substr(one.image().world.rfind('\n') + 1));
+        one.part += ", frame of reference " +
+                    dicom_text(one.image().world.substr(one.image().world.rfind('\n') + 1));
       }
       one.part = stack.empty() ? one.part : "stack " + dicom_text(stack) + ", " + one.part;
     }
@@ -322,10 +366,12 @@ DicomStack stack_of(std::vector<DicomFrame> frames) {
   DicomStack stack{std::move(frames), {}, {}, false};
   std::vector<DicomFrame>& sorted = stack.frames;
   const Vec3 normal = cross(sorted.front().along_row, sorted.front().along_column);
-  std::ranges::stable_sort(sorted, {}, [&](const DicomFrame& frame) { return dot(normal, frame.position); });
+  std::ranges::stable_sort(sorted, {},
+                           [&](const DicomFrame& frame) { return dot(normal, frame.position); });
   for (std::size_t i = 1; i < sorted.size(); ++i) {
     if (have_same_place(sorted[i - 1], sorted[i])) {
-      stack.problem = "has two slices at one place: " + sorted[i - 1].name() + ", " + sorted[i].name() +
+      stack.problem = "has two slices at one place: " + sorted[i - 1].name() + ", " +
+                      sorted[i].name() +
                       "; expected one slice at each place (more than one volume?)";
       stack.is_at_one_place = true;
       return stack;
@@ -355,8 +401,9 @@ std::string DicomSeries::description() const {
   add(first.description, " ");
   add(part, ", ");
   add(first.modality, ", ");
-  add((volumes.size() > 1 ? std::to_string(volumes.size()) + " x " : "") + std::to_string(slices) + (slices == 1 ? " slice" : " slices") +
-          " of " + std::to_string(first.columns) + " x " + std::to_string(first.rows),
+  add((volumes.size() > 1 ? std::to_string(volumes.size()) + " x " : "") + std::to_string(slices) +
+          (slices == 1 ? " slice" : " slices") + " of " + std::to_string(first.columns) + " x " +
+          std::to_string(first.rows),
       ", ");
   add("UID " + first.series, ", ");
   return text;
@@ -379,8 +426,9 @@ std::vector<DicomSeries> series_of(std::vector<DicomFrame> frames) {
   }
   std::ranges::stable_sort(all, [](const DicomSeries& a, const DicomSeries& b) {
     const DicomImage &first = a.image(), &second = b.image();
-    return first.series_number != second.series_number ? comes_before(first.series_number, second.series_number)
-                                                       : first.series < second.series;
+    return first.series_number != second.series_number
+               ? comes_before(first.series_number, second.series_number)
+               : first.series < second.series;
   });
   name_parts(all);
   return all;

@@ -13,14 +13,16 @@ namespace isoatlas::detail::io {
 /// Frames in the order of their places along their normal.
 struct DicomStack {
   std::vector<DicomFrame> frames;
-  Vec3 step;                     ///< from slice to slice; need not be perpendicular to them: a CT with a tilted gantry is a sheared grid
+  Vec3 step;  ///< from slice to slice; need not be perpendicular to them: a CT with a tilted gantry
+              ///< is a sheared grid
   std::string problem;           ///< why the frames are no volume; empty: they are one
   bool is_at_one_place = false;  ///< that is the problem: several frames at a place
 };
 
 DicomStack stack_of(std::vector<DicomFrame> frames);
 
-/// One entry of the list of series: one volume, or several at the same places (time points, echoes).
+/// One entry of the list of series: one volume, or several at the same places (time points,
+/// echoes).
 struct DicomSeries {
   std::string part;  ///< what tells it from another entry of the same series; empty: there is none
   std::vector<DicomStack> volumes;

@@ -15,26 +15,29 @@ namespace isoatlas::detail::io {
 
 namespace {
 
-// Headers hold rounded cosines. Within this distance of 1 a length is rounding, and the axis and the spacing stay as
-// written: 0.8125 in the file is 0.8125 in the report.
+// Headers hold rounded cosines. Within this distance of 1 a length is rounding, and the axis and
+// the spacing stay as written: 0.8125 in the file is 0.8125 in the report.
 constexpr double kUnitTolerance = 1e-6;
 
 // |det| of three unit vectors. Below this the volume is flat for all practical purposes.
 constexpr double kSmallestDeterminant = 1e-4;
 
-bool is_finite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+bool is_finite(const Vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
 
 Vec3 scaled(const Vec3& v, double factor) { return {v.x * factor, v.y * factor, v.z * factor}; }
 
 double determinant(const std::array<Vec3, 3>& a) {
-  return a[0].x * (a[1].y * a[2].z - a[1].z * a[2].y) - a[1].x * (a[0].y * a[2].z - a[0].z * a[2].y) +
+  return a[0].x * (a[1].y * a[2].z - a[1].z * a[2].y) -
+         a[1].x * (a[0].y * a[2].z - a[0].z * a[2].y) +
          a[2].x * (a[0].y * a[1].z - a[0].z * a[1].y);
 }
 
 }  // namespace
 
-Grid grid_of_file(const std::filesystem::path& path, const std::array<std::size_t, 3>& size, const Vec3& spacing, const Vec3& origin,
-                  const std::array<Vec3, 3>& axes) {
+Grid grid_of_file(const std::filesystem::path& path, const std::array<std::size_t, 3>& size,
+                  const Vec3& spacing, const Vec3& origin, const std::array<Vec3, 3>& axes) {
   Grid grid;
   grid.size = size;
   grid.origin = origin;
@@ -53,7 +56,8 @@ Grid grid_of_file(const std::filesystem::path& path, const std::array<std::size_
       throw bad_file(path, "the direction of the " + axis_name + " axis is not a direction");
     }
     if (!std::isfinite(step) || step == 0) {
-      throw bad_file(path, "the spacing along " + axis_name + " is " + std::to_string(step) + ", expected a positive length");
+      throw bad_file(path, "the spacing along " + axis_name + " is " + std::to_string(step) +
+                               ", expected a positive length");
     }
     if (step < 0) {
       step = -step;
@@ -76,13 +80,16 @@ Grid grid_of_file(const std::filesystem::path& path, const std::array<std::size_
   return grid;
 }
 
-std::uint64_t checked_sample_bytes(const std::filesystem::path& path, const std::array<std::size_t, 3>& size,
+std::uint64_t checked_sample_bytes(const std::filesystem::path& path,
+                                   const std::array<std::size_t, 3>& size,
                                    std::size_t bytes_per_sample) {
-  const std::string shape = std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " + std::to_string(size[2]) + " samples";
+  const std::string shape = std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " +
+                            std::to_string(size[2]) + " samples";
   std::uint64_t bytes = bytes_per_sample;
   for (const std::size_t samples : size) {
     if (samples < 2) {
-      throw unsupported(path, "has " + shape + ", expected a 3-D volume with at least 2 along each axis");
+      throw unsupported(path,
+                        "has " + shape + ", expected a 3-D volume with at least 2 along each axis");
     }
     if (bytes > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()) / samples) {
       throw bad_file(path, "the header promises " + shape + ", more than any file can hold");
@@ -92,22 +99,28 @@ std::uint64_t checked_sample_bytes(const std::filesystem::path& path, const std:
   return bytes;
 }
 
-void require_within_memory_limit(const std::filesystem::path& path, std::uint64_t bytes, const ReadOptions& options) {
+void require_within_memory_limit(const std::filesystem::path& path, std::uint64_t bytes,
+                                 const ReadOptions& options) {
   const std::uint64_t limit = options.max_memory == 0 ? default_memory_limit() : options.max_memory;
   if (bytes > limit) {
-    throw Error(ErrorCode::out_of_memory,
-                one_line(path.string() + ": its samples take " + std::to_string(bytes) + " bytes, more than the limit of " +
-                         std::to_string(limit) + (options.max_memory == 0 ? " bytes, three quarters of this machine's memory" : " bytes")),
-                Remedy::allow_memory);
+    throw Error(
+        ErrorCode::out_of_memory,
+        one_line(path.string() + ": its samples take " + std::to_string(bytes) +
+                 " bytes, more than the limit of " + std::to_string(limit) +
+                 (options.max_memory == 0 ? " bytes, three quarters of this machine's memory"
+                                          : " bytes")),
+        Remedy::allow_memory);
   }
 }
 
-std::shared_ptr<std::byte[]> allocate_samples(const std::filesystem::path& path, std::uint64_t bytes, const ReadOptions& options) {
+std::shared_ptr<std::byte[]> allocate_samples(const std::filesystem::path& path,
+                                              std::uint64_t bytes, const ReadOptions& options) {
   require_within_memory_limit(path, bytes, options);
   try {
     const std::shared_ptr<std::byte[]> samples(new std::byte[bytes]);
 #ifdef ISOATLAS_FILL_SAMPLES
-    static std::atomic<unsigned char> fill{0};  // samples that nobody decodes are not the same twice
+    static std::atomic<unsigned char> fill{
+        0};  // samples that nobody decodes are not the same twice
     std::memset(samples.get(), ++fill, bytes);
 #endif
     return samples;

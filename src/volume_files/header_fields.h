@@ -14,7 +14,8 @@
 
 namespace isoatlas::detail::io {
 
-/// A header in memory, in either byte order. The caller has checked that it is as long as its format says.
+/// A header in memory, in either byte order. The caller has checked that it is as long as its
+/// format says.
 class HeaderFields {
  public:
   HeaderFields(std::string_view bytes, bool swap) : bytes_(bytes), swap_(swap) {}

@@ -29,8 +29,9 @@ std::string padded(std::int64_t number, std::string_view flags) {
   const auto width = static_cast<std::size_t>(integer_of(flags).value_or(0));
   std::string digits = std::to_string(number < 0 ? -number : number);
   const std::size_t length = digits.size() + (number < 0 ? 1 : 0);
-  const std::string padding(std::min<std::size_t>(width, 64) > length ? std::min<std::size_t>(width, 64) - length : 0,
-                            pads_with_zeros ? '0' : ' ');
+  const std::string padding(
+      std::min<std::size_t>(width, 64) > length ? std::min<std::size_t>(width, 64) - length : 0,
+      pads_with_zeros ? '0' : ' ');
   const std::string sign = number < 0 ? "-" : "";
   return pads_with_zeros ? sign + padding + digits : padding + sign + digits;
 }
@@ -39,7 +40,9 @@ std::string padded(std::int64_t number, std::string_view flags) {
 
 std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(kBlanks);
-  return first == std::string_view::npos ? std::string_view() : text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
+  return first == std::string_view::npos
+             ? std::string_view()
+             : text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
 }
 
 std::vector<std::string_view> words_of(std::string_view text, std::string_view separators) {

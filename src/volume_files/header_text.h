@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the headers of NRRD and MetaImage have in common: lines of text, numbers in them, and names of data files.
+// What the headers of NRRD and MetaImage have in common: lines of text, numbers in them, and names
+// of data files.
 #pragma once
 
 #include <cstdint>
@@ -23,18 +24,20 @@ std::vector<std::string_view> words_of(std::string_view text, std::string_view s
 std::optional<double> number_of(std::string_view word);
 std::optional<std::int64_t> integer_of(std::string_view word);
 
-/// `pattern` with its one %d replaced by `number`: "slice%03d.raw" and 7 are "slice007.raw". %i and %u are the same; %% is a
-/// percent sign. None if there is no such place, or more than one.
+/// `pattern` with its one %d replaced by `number`: "slice%03d.raw" and 7 are "slice007.raw". %i and
+/// %u are the same; %% is a percent sign. None if there is no such place, or more than one.
 std::optional<std::string> numbered_name(std::string_view pattern, std::int64_t number);
 
-/// The data file that a header calls `name`: relative to the header's folder. Backslashes separate folders where no file has
-/// the name with them in it.
-std::filesystem::path data_file_path(const std::filesystem::path& header_file, std::string_view name);
+/// The data file that a header calls `name`: relative to the header's folder. Backslashes separate
+/// folders where no file has the name with them in it.
+std::filesystem::path data_file_path(const std::filesystem::path& header_file,
+                                     std::string_view name);
 
 /// Most data files that one header may name.
 inline constexpr std::uint64_t kMostDataFiles = 1'000'000;
 
-/// The beginning of the file, unpacked if the file is gzipped, at least up to the end of its header.
+/// The beginning of the file, unpacked if the file is gzipped, at least up to the end of its
+/// header.
 ///
 /// @param is_whole  does a text that begins like this have the whole header?
 /// @throws Error(bad_file) if the header is longer than 64 MiB

@@ -13,7 +13,8 @@ KeyValueLines::KeyValueLines(std::string_view text) {
     const std::string_view line = text.substr(0, text.find_first_of("\r\n"));
     text.remove_prefix(std::min(line.size() + 1, text.size()));
     if (const std::size_t sign = line.find('='); sign != std::string_view::npos) {
-      values_.insert_or_assign(std::string(line.substr(0, sign)), std::string(line.substr(sign + 1)));
+      values_.insert_or_assign(std::string(line.substr(0, sign)),
+                               std::string(line.substr(sign + 1)));
     }
   }
 }
@@ -34,7 +35,9 @@ std::optional<double> finite_number(std::string_view text) {
 std::optional<std::size_t> count_of_pages(std::string_view text) {
   const std::optional<double> number = finite_number(text);
   constexpr double kMost = 1e6;  // a product of three fits in 64 bits
-  return number && *number >= 1 && *number <= kMost ? std::optional(static_cast<std::size_t>(*number)) : std::nullopt;
+  return number && *number >= 1 && *number <= kMost
+             ? std::optional(static_cast<std::size_t>(*number))
+             : std::nullopt;
 }
 
 }  // namespace isoatlas::detail::io

@@ -9,10 +9,12 @@
 
 namespace isoatlas::detail::io {
 
-/// The number that `text` is, in any locale, blanks around it aside. None: it is not a finite number.
+/// The number that `text` is, in any locale, blanks around it aside. None: it is not a finite
+/// number.
 std::optional<double> finite_number(std::string_view text);
 
-/// The number of channels, slices or times that `text` is. None: it is not a number from 1 to a million.
+/// The number of channels, slices or times that `text` is. None: it is not a number from 1 to a
+/// million.
 std::optional<std::size_t> count_of_pages(std::string_view text);
 
 /// The lines "key=value" of a text.
@@ -22,7 +24,9 @@ class KeyValueLines {
   bool has(const std::string& key) const { return values_.contains(key); }
   std::string text(const std::string& key) const;  ///< empty: not there
   std::optional<double> number(const std::string& key) const { return finite_number(text(key)); }
-  std::optional<std::size_t> count(const std::string& key) const { return count_of_pages(text(key)); }
+  std::optional<std::size_t> count(const std::string& key) const {
+    return count_of_pages(text(key));
+  }
 
  private:
   std::map<std::string, std::string> values_;

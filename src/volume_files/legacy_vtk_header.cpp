@@ -25,13 +25,15 @@ struct ValueSection {
   bool states_components = false;
 };
 
-constexpr std::array kValueSections{ValueSection{"vectors", 3},           ValueSection{"normals", 3},
-                                    ValueSection{"tensors", 9},           ValueSection{"tensors6", 6},
-                                    ValueSection{"global_ids", 1, false}, ValueSection{"pedigree_ids", 1, false},
-                                    ValueSection{"edge_flags", 1, false}, ValueSection{"texture_coordinates", 0, false, true}};
+constexpr std::array kValueSections{
+    ValueSection{"vectors", 3},           ValueSection{"normals", 3},
+    ValueSection{"tensors", 9},           ValueSection{"tensors6", 6},
+    ValueSection{"global_ids", 1, false}, ValueSection{"pedigree_ids", 1, false},
+    ValueSection{"edge_flags", 1, false}, ValueSection{"texture_coordinates", 0, false, true}};
 
 std::string shape_of(const std::array<std::size_t, 3>& size) {
-  return std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " + std::to_string(size[2]);
+  return std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " +
+         std::to_string(size[2]);
 }
 
 class HeaderReader {
@@ -49,8 +51,10 @@ class HeaderReader {
       if (is_legacy_vtk_keyword(keyword)) {
         read_section(keyword);
       } else if (header_.arrays.empty()) {
-        throw bad_file(path_, "has '" + one_line(keyword, 40) + "' where a section should begin, expected DIMENSIONS, POINT_DATA, " +
-                                  "SCALARS or another");
+        throw bad_file(path_,
+                       "has '" + one_line(keyword, 40) +
+                           "' where a section should begin, expected DIMENSIONS, POINT_DATA, " +
+                           "SCALARS or another");
       } else {
         header_.ignored_bytes = bytes_left;
         break;
@@ -72,12 +76,14 @@ class HeaderReader {
     scanner_.line();  // a title: any text
     const std::string encoding = scanner_.keyword();
     if (encoding != "ascii" && encoding != "binary") {
-      throw bad_file(path_, "its third line begins with '" + one_line(encoding, 40) + "', expected ASCII or BINARY");
+      throw bad_file(path_, "its third line begins with '" + one_line(encoding, 40) +
+                                "', expected ASCII or BINARY");
     }
     header_.is_text = encoding == "ascii";
     scanner_.set_text(header_.is_text);
     if (scanner_.keyword() != "dataset") {
-      throw unsupported(path_, "holds no DATASET, expected a volume: STRUCTURED_POINTS or RECTILINEAR_GRID");
+      throw unsupported(
+          path_, "holds no DATASET, expected a volume: STRUCTURED_POINTS or RECTILINEAR_GRID");
     }
     const std::string dataset = scanner_.keyword();
     is_rectilinear_ = dataset == "rectilinear_grid";
@@ -92,17 +98,20 @@ class HeaderReader {
       throw unsupported(path_, "is a mesh file (POLYDATA)" + expected);
     }
     if (dataset == "structured_grid") {
-      throw unsupported(path_, "holds a curvilinear grid (STRUCTURED_GRID)" + expected + "; resample it to an image first");
+      throw unsupported(path_, "holds a curvilinear grid (STRUCTURED_GRID)" + expected +
+                                   "; resample it to an image first");
     }
     if (dataset == "unstructured_grid") {
-      throw unsupported(path_, "holds an unstructured grid (UNSTRUCTURED_GRID)" + expected + "; resample it to an image first");
+      throw unsupported(path_, "holds an unstructured grid (UNSTRUCTURED_GRID)" + expected +
+                                   "; resample it to an image first");
     }
     throw unsupported(path_, "holds a DATASET '" + one_line(dataset, 40) + "'" + expected);
   }
 
   void read_section(const std::string& keyword) {
     if (keyword == "dimensions") {
-      for (std::size_t& points : header_.grid.points) points = static_cast<std::size_t>(scanner_.count("a number of points"));
+      for (std::size_t& points : header_.grid.points)
+        points = static_cast<std::size_t>(scanner_.count("a number of points"));
     } else if (keyword == "extent") {
       read_extent();
     } else if (keyword == "spacing" || keyword == "aspect_ratio") {
@@ -120,19 +129,24 @@ class HeaderReader {
       skip_lookup_table();
     } else if (keyword == "scalars" || keyword == "color_scalars") {
       read_scalars(keyword == "color_scalars");
-    } else if (keyword.ends_with("_coordinates") && keyword.size() == std::string_view("x_coordinates").size()) {
+    } else if (keyword.ends_with("_coordinates") &&
+               keyword.size() == std::string_view("x_coordinates").size()) {
       read_coordinates(static_cast<std::size_t>(keyword[0] - 'x'));
     } else {
       read_values(keyword);
     }
   }
 
-  // EXTENT x0 x1 y0 y1 z0 z1 instead of DIMENSIONS: the indices of the first and last point along each axis.
+  // EXTENT x0 x1 y0 y1 z0 z1 instead of DIMENSIONS: the indices of the first and last point along
+  // each axis.
   void read_extent() {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const std::int64_t first = scanner_.integer("the first index of an axis"), last = scanner_.integer("the last index of an axis");
-      if (first < std::numeric_limits<std::int32_t>::min() || last > std::numeric_limits<std::int32_t>::max() || last < first) {
-        throw bad_file(path_, "its EXTENT goes from " + std::to_string(first) + " to " + std::to_string(last) + " along " + "xyz"[axis] +
+      const std::int64_t first = scanner_.integer("the first index of an axis"),
+                         last = scanner_.integer("the last index of an axis");
+      if (first < std::numeric_limits<std::int32_t>::min() ||
+          last > std::numeric_limits<std::int32_t>::max() || last < first) {
+        throw bad_file(path_, "its EXTENT goes from " + std::to_string(first) + " to " +
+                                  std::to_string(last) + " along " + "xyz"[axis] +
                                   ", expected 32-bit indices, the larger one last");
       }
       header_.grid.points[axis] = static_cast<std::size_t>(last - first + 1);
@@ -151,23 +165,30 @@ class HeaderReader {
     has_attributes_ = true;
     is_cell_data_ = is_cell_data;
     tuples_ = scanner_.count("a number of values");
-    const std::array<std::size_t, 3> size = is_cell_data ? header_.grid.cells() : header_.grid.points;
+    const std::array<std::size_t, 3> size =
+        is_cell_data ? header_.grid.cells() : header_.grid.points;
     std::uint64_t expected = 1;
     for (const std::size_t samples : size) {
       const std::uint64_t factor = is_cell_data ? std::max<std::uint64_t>(samples, 1) : samples;
-      if (factor > 0 && expected > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()) / factor) {
-        throw bad_file(path_, "the header promises " + shape_of(header_.grid.points) + " samples, more than any file can hold");
+      if (factor > 0 &&
+          expected >
+              static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()) / factor) {
+        throw bad_file(path_, "the header promises " + shape_of(header_.grid.points) +
+                                  " samples, more than any file can hold");
       }
       expected *= factor;
     }
     if (tuples_ != expected) {
-      throw bad_file(path_, std::string("its ") + (is_cell_data ? "CELL_DATA" : "POINT_DATA") + " states " + std::to_string(tuples_) +
-                                " values, but its dimensions " + shape_of(header_.grid.points) + " make " + std::to_string(expected));
+      throw bad_file(path_, std::string("its ") + (is_cell_data ? "CELL_DATA" : "POINT_DATA") +
+                                " states " + std::to_string(tuples_) +
+                                " values, but its dimensions " + shape_of(header_.grid.points) +
+                                " make " + std::to_string(expected));
     }
   }
 
   // SCALARS name type [components], LOOKUP_TABLE name, values; the table's line may be missing.
-  // COLOR_SCALARS name components, values: so VTK writes all volumes of unsigned char, colours or not.
+  // COLOR_SCALARS name components, values: so VTK writes all volumes of unsigned char, colours or
+  // not.
   void read_scalars(bool is_colour) {
     LegacyVtkArray array;
     array.array.name = scanner_.name();
@@ -190,14 +211,17 @@ class HeaderReader {
     }
     LegacyVtkArray array;
     array.array.name = scanner_.name();
-    array.array.components = section->states_components ? scanner_.count("a number of components") : section->components;
+    array.array.components =
+        section->states_components ? scanner_.count("a number of components") : section->components;
     add(std::move(array), scanner_.keyword(), section->is_volume);
   }
 
   // Values, one tuple for each point or cell.
-  void add(LegacyVtkArray array, const std::string& type, bool is_volume = true, bool begins_in_next_line = true) {
+  void add(LegacyVtkArray array, const std::string& type, bool is_volume = true,
+           bool begins_in_next_line = true) {
     if (!has_attributes_) {
-      throw bad_file(path_, "its values of '" + one_line(array.array.name, 80) + "' stand before POINT_DATA or CELL_DATA");
+      throw bad_file(path_, "its values of '" + one_line(array.array.name, 80) +
+                                "' stand before POINT_DATA or CELL_DATA");
     }
     array.tuples = tuples_;
     scanner_.locate_values(array, type, begins_in_next_line);
@@ -233,7 +257,8 @@ class HeaderReader {
         array.array.name = scanner_.name();
       }
       if (array.array.name.empty()) {
-        throw bad_file(path_, "is cut off: a FIELD has " + std::to_string(i) + " arrays, expected " + std::to_string(arrays));
+        throw bad_file(path_, "is cut off: a FIELD has " + std::to_string(i) +
+                                  " arrays, expected " + std::to_string(arrays));
       }
       if (array.array.name == "NULL_ARRAY") {
         continue;
@@ -254,7 +279,8 @@ class HeaderReader {
       if (line.empty()) {
         return;
       }
-      for (std::uint64_t i = 0; line == "COMPONENT_NAMES" && i < last_components_ && scanner_.bytes_left() > 0; ++i) {
+      for (std::uint64_t i = 0;
+           line == "COMPONENT_NAMES" && i < last_components_ && scanner_.bytes_left() > 0; ++i) {
         const std::string name = decoded_name(scanner_.line());
         if (is_last_kept_) {
           header_.arrays.back().array.component_names.push_back(name);
@@ -268,15 +294,19 @@ class HeaderReader {
     array.tuples = scanner_.count("a number of coordinates");
     scanner_.locate_values(array, scanner_.keyword());
     if (array.is_string || array.tuples != header_.grid.points[axis]) {
-      throw bad_file(path_, "has " + std::to_string(array.tuples) + " " + "xyz"[axis] + " coordinates, expected " +
+      throw bad_file(path_, "has " + std::to_string(array.tuples) + " " + "xyz"[axis] +
+                                " coordinates, expected " +
                                 std::to_string(header_.grid.points[axis]));
     }
-    coordinates_[axis] = coordinates_of_axis(*open_values(path_, header_.is_text, array), array.array.type, array.tuples, header_.is_text);
+    coordinates_[axis] = coordinates_of_axis(*open_values(path_, header_.is_text, array),
+                                             array.array.type, array.tuples, header_.is_text);
   }
 
   void apply_coordinates() {
-    const std::array<double*, 3> spacing{&header_.grid.spacing.x, &header_.grid.spacing.y, &header_.grid.spacing.z};
-    const std::array<double*, 3> origin{&header_.grid.origin.x, &header_.grid.origin.y, &header_.grid.origin.z};
+    const std::array<double*, 3> spacing{&header_.grid.spacing.x, &header_.grid.spacing.y,
+                                         &header_.grid.spacing.z};
+    const std::array<double*, 3> origin{&header_.grid.origin.x, &header_.grid.origin.y,
+                                        &header_.grid.origin.z};
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (coordinates_[axis].values.size() != header_.grid.points[axis]) {
         throw bad_file(path_, std::string("has no ") + "xyz"[axis] + " coordinates");

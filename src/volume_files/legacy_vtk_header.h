@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a legacy VTK file says of its grid and its arrays, and where their values are. "VTK File Formats" (the VTK User's
-// Guide) describes the format.
+// What a legacy VTK file says of its grid and its arrays, and where their values are. "VTK File
+// Formats" (the VTK User's Guide) describes the format.
 #pragma once
 
 #include <cstdint>

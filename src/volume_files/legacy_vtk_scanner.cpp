@@ -45,9 +45,12 @@ constexpr std::array kTypes{LegacyType{"bit", {SampleType::uint8, true}},
                             LegacyType{"utf8_string", {}, true}};
 
 constexpr std::array<std::string_view, 24> kKeywords{
-    "dimensions", "extent",  "spacing",       "aspect_ratio", "origin",     "x_coordinates", "y_coordinates", "z_coordinates",
-    "scalars",    "vectors", "normals",       "tensors",      "tensors6",   "global_ids",    "pedigree_ids",  "texture_coordinates",
-    "edge_flags", "field",   "color_scalars", "lookup_table", "point_data", "cell_data",     "metadata",      "dataset"};
+    "dimensions", "extent",        "spacing",       "aspect_ratio",
+    "origin",     "x_coordinates", "y_coordinates", "z_coordinates",
+    "scalars",    "vectors",       "normals",       "tensors",
+    "tensors6",   "global_ids",    "pedigree_ids",  "texture_coordinates",
+    "edge_flags", "field",         "color_scalars", "lookup_table",
+    "point_data", "cell_data",     "metadata",      "dataset"};
 
 template <class Number>
 std::optional<Number> parse(std::string_view word) {
@@ -59,16 +62,19 @@ template <class Number>
 Number parsed(const fs::path& path, std::string_view word, const std::string& what) {
   const std::optional<Number> number = parse<Number>(word);
   if (!number) {
-    throw bad_file(path, "has " + (word.empty() ? "nothing" : "'" + one_line(word, 40) + "'") + " where " + what + " should be");
+    throw bad_file(path, "has " + (word.empty() ? "nothing" : "'" + one_line(word, 40) + "'") +
+                             " where " + what + " should be");
   }
   return *number;
 }
 
 }  // namespace
 
-std::unique_ptr<VtkValues> open_values(const fs::path& path, bool is_text, const LegacyVtkArray& array) {
+std::unique_ptr<VtkValues> open_values(const fs::path& path, bool is_text,
+                                       const LegacyVtkArray& array) {
   if (is_text) {
-    return text_values(path, FileText(path, array.begin, array.end), array.array.type, array.is_colour_text);
+    return text_values(path, FileText(path, array.begin, array.end), array.array.type,
+                       array.is_colour_text);
   }
   return binary_values(path, file_bytes(path, array.begin, array.end), array.array.type, true);
 }
@@ -78,7 +84,8 @@ std::string decoded_name(std::string_view name) {
   for (std::size_t i = 0; i < name.size(); ++i) {
     unsigned code = 0;
     const char* const digits = name.data() + i + 1;
-    if (name[i] == '%' && i + 2 < name.size() && std::from_chars(digits, digits + 2, code, 16).ptr == digits + 2) {
+    if (name[i] == '%' && i + 2 < name.size() &&
+        std::from_chars(digits, digits + 2, code, 16).ptr == digits + 2) {
       decoded += static_cast<char>(code);
       i += 2;
     } else {
@@ -88,15 +95,22 @@ std::string decoded_name(std::string_view name) {
   return decoded;
 }
 
-bool is_legacy_vtk_keyword(std::string_view word) { return std::ranges::find(kKeywords, word) != kKeywords.end(); }
+bool is_legacy_vtk_keyword(std::string_view word) {
+  return std::ranges::find(kKeywords, word) != kKeywords.end();
+}
 
-LegacyVtkScanner::LegacyVtkScanner(const fs::path& path) : path_(path), text_(path), file_bytes_(readable_file_size(path)) {}
+LegacyVtkScanner::LegacyVtkScanner(const fs::path& path)
+    : path_(path), text_(path), file_bytes_(readable_file_size(path)) {}
 
 std::string LegacyVtkScanner::keyword() { return lower_case(text_.word()); }
 
-std::uint64_t LegacyVtkScanner::count(const std::string& what) { return parsed<std::uint64_t>(path_, text_.word(), what); }
+std::uint64_t LegacyVtkScanner::count(const std::string& what) {
+  return parsed<std::uint64_t>(path_, text_.word(), what);
+}
 
-std::int64_t LegacyVtkScanner::integer(const std::string& what) { return parsed<std::int64_t>(path_, text_.word(), what); }
+std::int64_t LegacyVtkScanner::integer(const std::string& what) {
+  return parsed<std::int64_t>(path_, text_.word(), what);
+}
 
 Vec3 LegacyVtkScanner::vector(const std::string& what) {
   const double x = parsed<double>(path_, text_.word(), what);
@@ -106,7 +120,9 @@ Vec3 LegacyVtkScanner::vector(const std::string& what) {
 
 std::uint64_t LegacyVtkScanner::count_in_line(const std::string& what, std::uint64_t otherwise) {
   const std::string word = one_line(text_.line());
-  return word.empty() ? otherwise : parsed<std::uint64_t>(path_, std::string_view(word).substr(0, word.find(' ')), what);
+  return word.empty()
+             ? otherwise
+             : parsed<std::uint64_t>(path_, std::string_view(word).substr(0, word.find(' ')), what);
 }
 
 void LegacyVtkScanner::skip_line_of(std::string_view keyword) {
@@ -118,18 +134,21 @@ void LegacyVtkScanner::skip_line_of(std::string_view keyword) {
   }
 }
 
-void LegacyVtkScanner::locate_values(LegacyVtkArray& array, const std::string& type_name, bool begins_in_next_line,
-                                     bool is_followed_by_array) {
+void LegacyVtkScanner::locate_values(LegacyVtkArray& array, const std::string& type_name,
+                                     bool begins_in_next_line, bool is_followed_by_array) {
   const auto* const type = std::ranges::find(kTypes, type_name, &LegacyType::name);
   if (type == kTypes.end()) {
-    throw bad_file(path_, "has values of an unknown type '" + one_line(type_name, 40) + "', expected one of VTK's, like float");
+    throw bad_file(path_, "has values of an unknown type '" + one_line(type_name, 40) +
+                              "', expected one of VTK's, like float");
   }
   array.array.type = type->type;
   array.is_string = type->is_string;
   const std::uint64_t components = array.array.components;
-  if (components > 0 && array.tuples > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()) / 8 / components) {
-    throw bad_file(path_, "the header promises " + std::to_string(array.tuples) + " x " + std::to_string(components) +
-                              " values, more than any file can hold");
+  if (components > 0 &&
+      array.tuples >
+          static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()) / 8 / components) {
+    throw bad_file(path_, "the header promises " + std::to_string(array.tuples) + " x " +
+                              std::to_string(components) + " values, more than any file can hold");
   }
   const std::uint64_t values = array.tuples * components;
   if (begins_in_next_line && (!is_text_ || type->is_string)) {
@@ -157,9 +176,10 @@ void LegacyVtkScanner::locate_values(LegacyVtkArray& array, const std::string& t
 void LegacyVtkScanner::skip_numbers(std::uint64_t values) {
   for (std::uint64_t i = 0; i < values; ++i) {
     const std::string_view word = text_.word();
-    if (word.empty() || std::string_view("+-.0123456789nNiI").find(word[0]) == std::string_view::npos) {
-      throw bad_file(
-          path_, "is cut off or damaged: the header promises " + std::to_string(values) + " numbers, the file has " + std::to_string(i));
+    if (word.empty() ||
+        std::string_view("+-.0123456789nNiI").find(word[0]) == std::string_view::npos) {
+      throw bad_file(path_, "is cut off or damaged: the header promises " + std::to_string(values) +
+                                " numbers, the file has " + std::to_string(i));
     }
   }
 }
@@ -167,7 +187,8 @@ void LegacyVtkScanner::skip_numbers(std::uint64_t values) {
 void LegacyVtkScanner::skip_strings(std::uint64_t values) {
   for (std::uint64_t i = 0; i < values; ++i) {
     if (text_.position() >= file_bytes_) {
-      throw bad_file(path_, "is cut off: an array has " + std::to_string(i) + " strings, expected " + std::to_string(values));
+      throw bad_file(path_, "is cut off: an array has " + std::to_string(i) +
+                                " strings, expected " + std::to_string(values));
     }
     if (is_text_) {
       text_.line();
@@ -181,14 +202,17 @@ void LegacyVtkScanner::skip_strings(std::uint64_t values) {
 void LegacyVtkScanner::skip_binary_string() {
   const std::uint64_t position = text_.position();
   std::array<char, 8> bytes{};
-  const std::size_t count = file_bytes(path_, position, file_bytes_)->read(bytes.data(), bytes.size());
-  const std::size_t length_bytes = std::size_t{1} << (3U - (static_cast<unsigned char>(bytes[0]) >> 6U));
+  const std::size_t count =
+      file_bytes(path_, position, file_bytes_)->read(bytes.data(), bytes.size());
+  const std::size_t length_bytes = std::size_t{1}
+                                   << (3U - (static_cast<unsigned char>(bytes[0]) >> 6U));
   std::uint64_t length = static_cast<unsigned char>(bytes[0]) & 0x3FU;
   for (std::size_t i = 1; i < length_bytes; ++i) {
     length = length << 8U | static_cast<unsigned char>(bytes[i]);
   }
   if (count < length_bytes || length > file_bytes_ - position - length_bytes) {
-    throw bad_file(path_, "is cut off: a string of " + std::to_string(length) + " bytes goes beyond the file's end");
+    throw bad_file(path_, "is cut off: a string of " + std::to_string(length) +
+                              " bytes goes beyond the file's end");
   }
   text_.seek(position + length_bytes + length);
 }
@@ -202,7 +226,8 @@ bool LegacyVtkScanner::section_begins_at(std::uint64_t position, bool is_followe
   if (word.empty() || is_legacy_vtk_keyword(word)) {
     return true;
   }
-  return is_followed_by_array && parse<std::uint64_t>(text_.word()) && parse<std::uint64_t>(text_.word());
+  return is_followed_by_array && parse<std::uint64_t>(text_.word()) &&
+         parse<std::uint64_t>(text_.word());
 }
 
 }  // namespace isoatlas::detail::io

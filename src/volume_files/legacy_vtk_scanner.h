@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Words, numbers and arrays of a legacy VTK file, front to back. Values of arrays are found and skipped, not read.
+// Words, numbers and arrays of a legacy VTK file, front to back. Values of arrays are found and
+// skipped, not read.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +24,8 @@ struct LegacyVtkArray {
 };
 
 /// The values of `array`, which locate_values() has completed.
-std::unique_ptr<VtkValues> open_values(const std::filesystem::path& path, bool is_text, const LegacyVtkArray& array);
+std::unique_ptr<VtkValues> open_values(const std::filesystem::path& path, bool is_text,
+                                       const LegacyVtkArray& array);
 
 /// A name as it is: VTK writes %20 for a blank.
 std::string decoded_name(std::string_view name);
@@ -60,8 +62,8 @@ class LegacyVtkScanner {
   /// @param begins_in_next_line  of binary values: the scanner is still in the line of the type
   /// @param is_followed_by_array the next word but METADATA is the name of another array of a FIELD
   /// @throws Error(bad_file) unknown type, or the file ends before the values do
-  void locate_values(LegacyVtkArray& array, const std::string& type_name, bool begins_in_next_line = true,
-                     bool is_followed_by_array = false);
+  void locate_values(LegacyVtkArray& array, const std::string& type_name,
+                     bool begins_in_next_line = true, bool is_followed_by_array = false);
 
  private:
   void skip_numbers(std::uint64_t values);

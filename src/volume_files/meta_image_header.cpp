@@ -24,8 +24,10 @@ bool has_last_field(std::string_view text) {
   return end != text.npos && text.substr(at, end - at).find("LIST") == text.npos;
 }
 
-Error wrong_field(const fs::path& path, std::string_view name, std::string_view value, const std::string& expected) {
-  return bad_file(path, "its " + std::string(name) + " is '" + one_line(value, 80) + "', expected " + expected);
+Error wrong_field(const fs::path& path, std::string_view name, std::string_view value,
+                  const std::string& expected) {
+  return bad_file(
+      path, "its " + std::string(name) + " is '" + one_line(value, 80) + "', expected " + expected);
 }
 
 }  // namespace
@@ -36,7 +38,8 @@ std::string_view MetaImageHeader::field(std::string_view name) const {
 }
 
 std::string_view MetaImageHeader::field(std::initializer_list<std::string_view> names) const {
-  const auto* const found = std::ranges::find_if(names, [&](std::string_view name) { return !field(name).empty(); });
+  const auto* const found =
+      std::ranges::find_if(names, [&](std::string_view name) { return !field(name).empty(); });
   return found == names.end() ? std::string_view() : field(*found);
 }
 
@@ -57,8 +60,10 @@ MetaImageHeader read_meta_image_header(const fs::path& path) {
   };
   while (!rest.empty() && !header.fields.contains(kLastField)) {
     const std::string_view line = next_line();
-    if (const std::size_t separator = line.find_first_of("=:"); separator != std::string_view::npos) {
-      header.fields[std::string(trimmed(line.substr(0, separator)))] = trimmed(line.substr(separator + 1));
+    if (const std::size_t separator = line.find_first_of("=:");
+        separator != std::string_view::npos) {
+      header.fields[std::string(trimmed(line.substr(0, separator)))] =
+          trimmed(line.substr(separator + 1));
     }
   }
   if (header.field(kLastField).empty()) {
@@ -73,8 +78,8 @@ MetaImageHeader read_meta_image_header(const fs::path& path) {
   return header;
 }
 
-std::int64_t meta_integer(const fs::path& path, const MetaImageHeader& header, std::string_view name, std::int64_t if_missing,
-                          std::int64_t least) {
+std::int64_t meta_integer(const fs::path& path, const MetaImageHeader& header,
+                          std::string_view name, std::int64_t if_missing, std::int64_t least) {
   const std::string_view value = header.field(name);
   const std::optional<std::int64_t> number = value.empty() ? if_missing : integer_of(value);
   if (!number || *number < least) {
@@ -84,7 +89,8 @@ std::int64_t meta_integer(const fs::path& path, const MetaImageHeader& header, s
 }
 
 std::optional<std::vector<double>> meta_numbers(const fs::path& path, const MetaImageHeader& header,
-                                                std::initializer_list<std::string_view> names, std::size_t count) {
+                                                std::initializer_list<std::string_view> names,
+                                                std::size_t count) {
   const std::string_view value = header.field(names);
   if (value.empty()) {
     return std::nullopt;
@@ -94,7 +100,8 @@ std::optional<std::vector<double>> meta_numbers(const fs::path& path, const Meta
     numbers.push_back(number_of(word).value_or(std::numeric_limits<double>::quiet_NaN()));
   }
   if (numbers.size() != count) {
-    const auto* const name = std::ranges::find_if(names, [&](std::string_view n) { return !header.field(n).empty(); });
+    const auto* const name =
+        std::ranges::find_if(names, [&](std::string_view n) { return !header.field(n).empty(); });
     throw wrong_field(path, *name, value, std::to_string(count) + " numbers");
   }
   return numbers;
@@ -112,9 +119,9 @@ std::vector<std::size_t> meta_sizes(const fs::path& path, const MetaImageHeader&
     sizes.push_back(static_cast<std::size_t>(size));
   }
   if (axes > kMostAxes || sizes.size() != static_cast<std::size_t>(axes)) {
-    throw wrong_field(
-        path, "DimSize", header.field("DimSize"),
-        axes > kMostAxes ? "at most " + std::to_string(kMostAxes) + " numbers" : std::to_string(axes) + " numbers, as NDims says");
+    throw wrong_field(path, "DimSize", header.field("DimSize"),
+                      axes > kMostAxes ? "at most " + std::to_string(kMostAxes) + " numbers"
+                                       : std::to_string(axes) + " numbers, as NDims says");
   }
   return sizes;
 }
@@ -139,11 +146,15 @@ SampleType meta_sample_type(const fs::path& path, const MetaImageHeader& header)
   if (type.empty()) {
     throw bad_file(path, "is cut off or damaged: its header has no ElementType");
   }
-  constexpr std::string_view kArray = "_ARRAY";  // the same samples; how many values each has is in ElementNumberOfChannels
-  const std::string_view element = type.ends_with(kArray) ? type.substr(0, type.size() - kArray.size()) : type;
-  const auto found = std::ranges::find(kTypes, element, &std::pair<std::string_view, SampleType>::first);
+  constexpr std::string_view kArray =
+      "_ARRAY";  // the same samples; how many values each has is in ElementNumberOfChannels
+  const std::string_view element =
+      type.ends_with(kArray) ? type.substr(0, type.size() - kArray.size()) : type;
+  const auto found =
+      std::ranges::find(kTypes, element, &std::pair<std::string_view, SampleType>::first);
   if (found == kTypes.end()) {
-    throw unsupported(path, "has samples of type '" + one_line(type, 40) + "', expected integers of 8 to 64 bits, float or double");
+    throw unsupported(path, "has samples of type '" + one_line(type, 40) +
+                                "', expected integers of 8 to 64 bits, float or double");
   }
   return found->second;
 }

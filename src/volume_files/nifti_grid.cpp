@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where NIfTI samples are. A header can say it in three ways: an affine matrix (sform), a rotation and a voxel size (qform), or the
-// voxel size alone. The sform is used where there is one, as in nibabel, FSL, SPM and MRtrix.
+// Where NIfTI samples are. A header can say it in three ways: an affine matrix (sform), a rotation
+// and a voxel size (qform), or the voxel size alone. The sform is used where there is one, as in
+// nibabel, FSL, SPM and MRtrix.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -19,13 +20,15 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// A length of the sform and a voxel size this close are the same number, rounded: the size stays as it is written.
+// A length of the sform and a voxel size this close are the same number, rounded: the size stays as
+// it is written.
 constexpr double kRounding = 1e-5;
 
 // Of a voxel.
 constexpr double kSamePlace = 1e-4;
 
-// Of a voxel. A quaternion in single precision near half a turn is off by as much over 300 voxels; more is another place.
+// Of a voxel. A quaternion in single precision near half a turn is off by as much over 300 voxels;
+// more is another place.
 constexpr double kDisagreement = 0.1;
 
 constexpr int kScannerCode = 1;  // NIFTI_XFORM_SCANNER_ANAT
@@ -45,9 +48,13 @@ std::string number(double value) {
   return text.data();
 }
 
-std::string triple(const std::array<double, 3>& v) { return number(v[0]) + " x " + number(v[1]) + " x " + number(v[2]); }
+std::string triple(const std::array<double, 3>& v) {
+  return number(v[0]) + " x " + number(v[1]) + " x " + number(v[2]);
+}
 
-std::array<double, 3> lengths(const Affine& affine) { return {length(affine.axes[0]), length(affine.axes[1]), length(affine.axes[2])}; }
+std::array<double, 3> lengths(const Affine& affine) {
+  return {length(affine.axes[0]), length(affine.axes[1]), length(affine.axes[2])};
+}
 
 bool is_usable(const Affine& affine) {
   constexpr double kSmallestDeterminant = 1e-4;  // of unit vectors
@@ -65,11 +72,14 @@ std::array<double, 3> voxel_size(const NiftiHeader& header) {
 }
 
 Affine sform_of(const NiftiHeader& header) {
-  const auto column = [&](std::size_t i) { return Vec3{header.srow[0][i], header.srow[1][i], header.srow[2][i]}; };
+  const auto column = [&](std::size_t i) {
+    return Vec3{header.srow[0][i], header.srow[1][i], header.srow[2][i]};
+  };
   return {{column(0), column(1), column(2)}, column(3)};
 }
 
-// Rotation by the unit quaternion (a, b, c, d) with a >= 0, then a z axis that pixdim[0] may turn round.
+// Rotation by the unit quaternion (a, b, c, d) with a >= 0, then a z axis that pixdim[0] may turn
+// round.
 Affine qform_of(const NiftiHeader& header) {
   constexpr double kHalfTurn = 1e-7;  // below this a is 0 but for rounding
   auto [b, c, d] = header.quatern;
@@ -85,11 +95,13 @@ Affine qform_of(const NiftiHeader& header) {
   }
   auto [x, y, z] = voxel_size(header);
   if (header.pixdim[0] < 0) z = -z;
-  Affine affine{{Vec3{(a * a + b * b - c * c - d * d) * x, 2 * (b * c + a * d) * x, 2 * (b * d - a * c) * x},
-                 Vec3{2 * (b * c - a * d) * y, (a * a + c * c - b * b - d * d) * y, 2 * (c * d + a * b) * y},
-                 Vec3{2 * (b * d + a * c) * z, 2 * (c * d - a * b) * z, (a * a + d * d - c * c - b * b) * z}},
-                header.qoffset};
-  if (header.version == NiftiVersion::nifti1) {  // in single precision, like the header and the format's library
+  Affine affine{
+      {Vec3{(a * a + b * b - c * c - d * d) * x, 2 * (b * c + a * d) * x, 2 * (b * d - a * c) * x},
+       Vec3{2 * (b * c - a * d) * y, (a * a + c * c - b * b - d * d) * y, 2 * (c * d + a * b) * y},
+       Vec3{2 * (b * d + a * c) * z, 2 * (c * d - a * b) * z, (a * a + d * d - c * c - b * b) * z}},
+      header.qoffset};
+  if (header.version ==
+      NiftiVersion::nifti1) {  // in single precision, like the header and the format's library
     for (Vec3& axis : affine.axes) {
       axis = {static_cast<float>(axis.x), static_cast<float>(axis.y), static_cast<float>(axis.z)};
     }
@@ -97,14 +109,16 @@ Affine qform_of(const NiftiHeader& header) {
   return affine;
 }
 
-// The voxel size alone says nothing about left and right, front and back: the axes are those of the LPS world.
+// The voxel size alone says nothing about left and right, front and back: the axes are those of the
+// LPS world.
 Affine scaling_of(const NiftiHeader& header) {
   const auto [x, y, z] = voxel_size(header);
   return {{Vec3{-x, 0, 0}, Vec3{0, -y, 0}, Vec3{0, 0, z}}, {}};
 }
 
 /// The largest distance, over all samples, between the places that two affines give one sample.
-double largest_distance(const Affine& first, const Affine& second, const std::array<std::int64_t, 8>& dim) {
+double largest_distance(const Affine& first, const Affine& second,
+                        const std::array<std::int64_t, 8>& dim) {
   double largest = 0;
   for (unsigned corner = 0; corner < 8; ++corner) {
     Vec3 difference = first.origin - second.origin;
@@ -131,10 +145,11 @@ double disagreement(const Affine& first, const Affine& second, const NiftiHeader
 void warn_of_voxel_size(const NiftiHeader& header, const Affine& sform, VolumeSource& source) {
   const std::array steps = lengths(sform), size = voxel_size(header);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double distance = static_cast<double>(header.dim[axis + 1] - 1) * std::abs(steps[axis] - size[axis]);
+    const double distance =
+        static_cast<double>(header.dim[axis + 1] - 1) * std::abs(steps[axis] - size[axis]);
     if (!(distance <= kDisagreement * steps[axis])) {  // true for NaN
-      source.warnings.push_back("its voxel size is " + triple(size) + " by pixdim and " + triple(steps) +
-                                " by the sform; the sform is used");
+      source.warnings.push_back("its voxel size is " + triple(size) + " by pixdim and " +
+                                triple(steps) + " by the sform; the sform is used");
       return;
     }
   }
@@ -143,7 +158,8 @@ void warn_of_voxel_size(const NiftiHeader& header, const Affine& sform, VolumeSo
 Affine sform_or_its_equal(const NiftiHeader& header, const Affine& sform, VolumeSource& source) {
   const std::optional<Affine> qform = stated_qform(header);
   const double distance = qform ? disagreement(sform, *qform, header) : 0;
-  // Of two that say the same, the qform has perpendicular axes; a scanner's own sform is the one that was rounded less.
+  // Of two that say the same, the qform has perpendicular axes; a scanner's own sform is the one
+  // that was rounded less.
   if (qform && distance <= kSamePlace && header.sform_code != kScannerCode) {
     source.decisions.push_back({"affine", "qform, and the sform is the same"});
     return *qform;
@@ -151,7 +167,8 @@ Affine sform_or_its_equal(const NiftiHeader& header, const Affine& sform, Volume
   source.decisions.push_back({"affine", "sform"});
   if (!qform) warn_of_voxel_size(header, sform, source);
   if (distance > kDisagreement) {
-    source.warnings.push_back("its sform and its qform put samples up to " + number(distance) + " voxels apart; the sform is used");
+    source.warnings.push_back("its sform and its qform put samples up to " + number(distance) +
+                              " voxels apart; the sform is used");
   }
   return sform;
 }
@@ -160,11 +177,12 @@ void require_voxel_size(const NiftiHeader& header, const fs::path& file, VolumeS
   for (std::size_t axis = 1; axis <= 3; ++axis) {
     const double spacing = header.pixdim[axis];
     if (!std::isfinite(spacing) || spacing == 0) {
-      throw bad_file(file, "the spacing along axis " + std::to_string(axis) + " is " + number(spacing) + ", expected a positive length");
+      throw bad_file(file, "the spacing along axis " + std::to_string(axis) + " is " +
+                               number(spacing) + ", expected a positive length");
     }
     if (spacing < 0) {
-      source.warnings.push_back("its spacing along axis " + std::to_string(axis) + " is " + number(spacing) + "; " + number(-spacing) +
-                                " is used");
+      source.warnings.push_back("its spacing along axis " + std::to_string(axis) + " is " +
+                                number(spacing) + "; " + number(-spacing) + " is used");
     }
   }
 }
@@ -174,22 +192,26 @@ Affine chosen_affine(const NiftiHeader& header, const fs::path& file, VolumeSour
   if (header.sform_code > 0) {
     const Affine sform = sform_of(header);
     if (is_usable(sform)) return sform_or_its_equal(header, sform, source);
-    if (header.qform_code <= 0) throw bad_file(file, "its sform is singular or not finite, expected three independent axes");
+    if (header.qform_code <= 0)
+      throw bad_file(file, "its sform is singular or not finite, expected three independent axes");
     source.warnings.push_back("its sform is singular or not finite; the qform is used");
   }
   require_voxel_size(header, file, source);
   if (header.qform_code > 0) {
     const Affine qform = qform_of(header);
-    if (!is_usable(qform)) throw bad_file(file, "its qform is not finite, expected a rotation and an origin");
+    if (!is_usable(qform))
+      throw bad_file(file, "its qform is not finite, expected a rotation and an origin");
     const auto [b, c, d] = header.quatern;
     if (const double norm = std::hypot(b, c, d); norm > 1 + kLongestQuaternionExcess) {
-      source.warnings.push_back("the quaternion of its qform has length " + number(norm) + ", expected at most 1; it is shortened to 1");
+      source.warnings.push_back("the quaternion of its qform has length " + number(norm) +
+                                ", expected at most 1; it is shortened to 1");
     }
     decide("qform");
     return qform;
   }
   decide("voxel size only");
-  source.warnings.push_back("states no orientation: its axes are taken for left, posterior and superior");
+  source.warnings.push_back(
+      "states no orientation: its axes are taken for left, posterior and superior");
   return scaling_of(header);
 }
 
@@ -208,7 +230,9 @@ double millimetres_per_unit(const NiftiHeader& header, VolumeSource& source) {
       return 1e-3;
     default:
       decide("millimetre, not stated");
-      if (code != 0) source.warnings.push_back("has an unknown unit of length (code " + std::to_string(code) + "); millimetre is assumed");
+      if (code != 0)
+        source.warnings.push_back("has an unknown unit of length (code " + std::to_string(code) +
+                                  "); millimetre is assumed");
       return 1;
   }
 }
@@ -228,9 +252,11 @@ Grid nifti_grid(const NiftiHeader& header, const fs::path& header_file, VolumeSo
     direction[axis] = {-step.x / steps[axis], -step.y / steps[axis], step.z / steps[axis]};
   }
   const Vec3 origin{-affine.origin.x * scale, -affine.origin.y * scale, affine.origin.z * scale};
-  const std::array<std::size_t, 3> size{static_cast<std::size_t>(header.dim[1]), static_cast<std::size_t>(header.dim[2]),
+  const std::array<std::size_t, 3> size{static_cast<std::size_t>(header.dim[1]),
+                                        static_cast<std::size_t>(header.dim[2]),
                                         static_cast<std::size_t>(header.dim[3])};
-  Grid grid = grid_of_file(header_file, size, {spacing[0], spacing[1], spacing[2]}, origin, direction);
+  Grid grid =
+      grid_of_file(header_file, size, {spacing[0], spacing[1], spacing[2]}, origin, direction);
   grid.unit = LengthUnit::millimetre;
   return grid;
 }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "volume_files/nifti_header.h"
 
-// The structures as the format's authors define them. Their library is not used: it writes to standard error, repairs a header
-// without a word, reads NaN as 0, and its functions have the names of other functions in the copy that ITK brings along.
+// The structures as the format's authors define them. Their library is not used: it writes to
+// standard error, repairs a header without a word, reads NaN as 0, and its functions have the names
+// of other functions in the copy that ITK brings along.
 #define DONT_INCLUDE_ANALYZE_STRUCT
 #include <nifti/nifti1.h>
 #include <nifti/nifti2.h>
@@ -77,7 +78,9 @@ void require_unchanged_magic(const nifti_2_header& stored, const fs::path& file)
   constexpr std::string_view kEnd("\0\r\n\x1A\n", 5);
   const std::string_view magic(stored.magic, 8);
   if ((!magic.starts_with("n+2") && !magic.starts_with("ni2")) || magic.substr(3) != kEnd) {
-    throw bad_file(file, "is not a NIfTI-2 file, or a transfer as text has damaged it: its mark is '" + one_line(magic) + "'");
+    throw bad_file(file,
+                   "is not a NIfTI-2 file, or a transfer as text has damaged it: its mark is '" +
+                       one_line(magic) + "'");
   }
 }
 
@@ -89,7 +92,8 @@ NiftiHeader decoded(const std::string& bytes, const fs::path& file) {
     const int header_bytes = swap ? swapped(stored.sizeof_hdr) : stored.sizeof_hdr;
     if (header_bytes == sizeof(nifti_1_header)) {
       const std::string_view magic(stored.magic, 4);
-      const bool is_nifti = magic == std::string_view("n+1\0", 4) || magic == std::string_view("ni1\0", 4);
+      const bool is_nifti =
+          magic == std::string_view("n+1\0", 4) || magic == std::string_view("ni1\0", 4);
       return decoded(stored, swap, is_nifti ? NiftiVersion::nifti1 : NiftiVersion::analyze);
     }
     if (header_bytes == sizeof(nifti_2_header)) {
@@ -106,10 +110,12 @@ NiftiHeader decoded(const std::string& bytes, const fs::path& file) {
 
 NiftiHeader read_nifti_header(const fs::path& header_file) {
   NiftiHeader header = decoded(unpacked_start(header_file, sizeof(nifti_2_header)), header_file);
-  constexpr int kFirstCiftiIntent = 3000, kLastCiftiIntent = 3099;  // connectivity: a NIfTI-2 file with an XML extension
+  constexpr int kFirstCiftiIntent = 3000,
+                kLastCiftiIntent = 3099;  // connectivity: a NIfTI-2 file with an XML extension
   if (header.intent_code >= kFirstCiftiIntent && header.intent_code <= kLastCiftiIntent) {
-    throw unsupported(header_file, "is a CIFTI file (intent " + std::to_string(header.intent_code) +
-                                       "): a table of values at points of a brain's surface, expected a volume");
+    throw unsupported(header_file,
+                      "is a CIFTI file (intent " + std::to_string(header.intent_code) +
+                          "): a table of values at points of a brain's surface, expected a volume");
   }
   const std::int64_t dimensions = header.dim[0];
   if (dimensions < 1 || dimensions > 7) {
@@ -117,10 +123,12 @@ NiftiHeader read_nifti_header(const fs::path& header_file) {
   }
   for (std::size_t axis = 1; axis <= static_cast<std::size_t>(dimensions); ++axis) {
     if (header.dim[axis] < 1) {
-      throw bad_file(header_file, "has " + std::to_string(header.dim[axis]) + " samples along axis " + std::to_string(axis));
+      throw bad_file(header_file, "has " + std::to_string(header.dim[axis]) +
+                                      " samples along axis " + std::to_string(axis));
     }
   }
-  std::fill(header.dim.begin() + dimensions + 1, header.dim.end(), 1);  // what is there means nothing
+  std::fill(header.dim.begin() + dimensions + 1, header.dim.end(),
+            1);  // what is there means nothing
   return header;
 }
 

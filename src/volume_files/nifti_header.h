@@ -32,12 +32,14 @@ struct NiftiHeader {
   int intent_code = 0;
 };
 
-/// @throws Error(bad_file)     cut off, no such header, a number of dimensions that is none, a size that is not positive
+/// @throws Error(bad_file)     cut off, no such header, a number of dimensions that is none, a size
+/// that is not positive
 /// @throws Error(unsupported)  CIFTI
 NiftiHeader read_nifti_header(const std::filesystem::path& header_file);
 
 /// Positions of the samples in millimetres and LPS, with what was decided about them.
 /// @throws Error(bad_file) if neither affine nor the voxel size gives a grid
-Grid nifti_grid(const NiftiHeader& header, const std::filesystem::path& header_file, VolumeSource& source);
+Grid nifti_grid(const NiftiHeader& header, const std::filesystem::path& header_file,
+                VolumeSource& source);
 
 }  // namespace isoatlas::detail::io

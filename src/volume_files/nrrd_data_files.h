@@ -11,8 +11,10 @@
 
 namespace isoatlas::detail::io {
 
-/// Fills pieces, format and byte order of `stored`, whose axes are filled. Warns in `source` of an encoding that is not true.
+/// Fills pieces, format and byte order of `stored`, whose axes are filled. Warns in `source` of an
+/// encoding that is not true.
 /// @throws Error(bad_file), Error(unsupported) if the header says nothing that could be
-void find_nrrd_samples(StoredSamples& stored, const NrrdHeader& header, const std::filesystem::path& path, VolumeSource& source);
+void find_nrrd_samples(StoredSamples& stored, const NrrdHeader& header,
+                       const std::filesystem::path& path, VolumeSource& source);
 
 }  // namespace isoatlas::detail::io

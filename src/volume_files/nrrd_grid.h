@@ -10,9 +10,11 @@
 
 namespace isoatlas::detail::io {
 
-/// The grid of three axes. What is assumed of them is added to the decisions and warnings of `source`.
+/// The grid of three axes. What is assumed of them is added to the decisions and warnings of
+/// `source`.
 ///
 /// @param axes  those of the volume, fastest first
-Grid nrrd_grid(const std::filesystem::path& path, const std::array<NrrdAxis, 3>& axes, const NrrdSpace& space, VolumeSource& source);
+Grid nrrd_grid(const std::filesystem::path& path, const std::array<NrrdAxis, 3>& axes,
+               const NrrdSpace& space, VolumeSource& source);
 
 }  // namespace isoatlas::detail::io

@@ -22,8 +22,10 @@ namespace {
 constexpr std::size_t kMostAxes = 16;
 
 constexpr std::string_view kFields =
-    "content number type blocksize dimension space spacedimension sizes spacings thicknesses axismins axismaxs spacedirections "
-    "centerings kinds labels units min max oldmin oldmax endian encoding lineskip byteskip sampleunits spaceunits spaceorigin "
+    "content number type blocksize dimension space spacedimension sizes spacings thicknesses "
+    "axismins axismaxs spacedirections "
+    "centerings kinds labels units min max oldmin oldmax endian encoding lineskip byteskip "
+    "sampleunits spaceunits spaceorigin "
     "measurementframe datafile";
 
 bool is_in(std::string_view list, std::string_view word) {
@@ -46,14 +48,17 @@ std::string field_name(std::string_view text) {
 std::string unescaped(std::string_view text) {
   std::string result;
   for (std::size_t i = 0; i < text.size(); ++i) {
-    const bool is_escape = text[i] == '\\' && i + 1 < text.size() && (text[i + 1] == 'n' || text[i + 1] == '\\');
+    const bool is_escape =
+        text[i] == '\\' && i + 1 < text.size() && (text[i + 1] == 'n' || text[i + 1] == '\\');
     result += is_escape ? (text[++i] == 'n' ? '\n' : '\\') : text[i];
   }
   return result;
 }
 
 // A blank line ends the header, whatever ends the lines.
-bool has_blank_line(std::string_view text) { return text.find("\n\n") != text.npos || text.find("\n\r\n") != text.npos; }
+bool has_blank_line(std::string_view text) {
+  return text.find("\n\n") != text.npos || text.find("\n\r\n") != text.npos;
+}
 
 /// "name: value" or "key:=value".
 void read_line(NrrdHeader& header, const fs::path& path, std::string_view line) {
@@ -64,8 +69,9 @@ void read_line(NrrdHeader& header, const fs::path& path, std::string_view line) 
     const std::string value(trimmed(line.substr(colon + 1)));
     const auto [field, is_new] = header.fields.emplace(name, value);
     if (!is_new && field->second != value) {
-      throw bad_file(path, "its header has two fields '" + one_line(line.substr(0, colon), 40) + "': " + one_line(field->second, 80) +
-                               ", and " + one_line(value, 80));
+      throw bad_file(path, "its header has two fields '" + one_line(line.substr(0, colon), 40) +
+                               "': " + one_line(field->second, 80) + ", and " +
+                               one_line(value, 80));
     }
     return;
   }
@@ -74,11 +80,13 @@ void read_line(NrrdHeader& header, const fs::path& path, std::string_view line) 
   } else if (colon != std::string_view::npos) {
     header.unknown_fields.push_back(one_line(line.substr(0, colon), 40));
   } else {
-    throw bad_file(path, "its header has the line '" + one_line(line, 40) + "', expected 'field: value' or 'key:=value'");
+    throw bad_file(path, "its header has the line '" + one_line(line, 40) +
+                             "', expected 'field: value' or 'key:=value'");
   }
 }
 
-std::optional<std::vector<double>> numbers_of(std::string_view text, std::string_view separators = " \t") {
+std::optional<std::vector<double>> numbers_of(std::string_view text,
+                                              std::string_view separators = " \t") {
   std::vector<double> numbers;
   for (const std::string_view word : words_of(text, separators)) {
     const std::optional<double> number = number_of(word);
@@ -90,37 +98,44 @@ std::optional<std::vector<double>> numbers_of(std::string_view text, std::string
   return numbers;
 }
 
-Error wrong_field(const fs::path& path, std::string_view name, std::string_view value, const std::string& expected) {
-  return bad_file(path, "its header field '" + std::string(name) + "' is '" + one_line(value, 80) + "', expected " + expected);
+Error wrong_field(const fs::path& path, std::string_view name, std::string_view value,
+                  const std::string& expected) {
+  return bad_file(path, "its header field '" + std::string(name) + "' is '" + one_line(value, 80) +
+                            "', expected " + expected);
 }
 
 // One number for each axis; NaN for each if the field is missing.
-std::vector<double> axis_numbers(const NrrdHeader& header, const fs::path& path, std::string_view name, std::size_t axes) {
+std::vector<double> axis_numbers(const NrrdHeader& header, const fs::path& path,
+                                 std::string_view name, std::size_t axes) {
   if (header.field(name).empty()) {
     return std::vector<double>(axes, std::numeric_limits<double>::quiet_NaN());
   }
   const auto numbers = numbers_of(header.field(name));
   if (!numbers || numbers->size() != axes) {
-    throw wrong_field(path, name, header.field(name), std::to_string(axes) + " numbers, one for each axis");
+    throw wrong_field(path, name, header.field(name),
+                      std::to_string(axes) + " numbers, one for each axis");
   }
   return *numbers;
 }
 
 // One word for each axis, lower case; empty where it is not stated.
-std::vector<std::string> axis_words(const NrrdHeader& header, const fs::path& path, std::string_view name, std::size_t axes) {
+std::vector<std::string> axis_words(const NrrdHeader& header, const fs::path& path,
+                                    std::string_view name, std::size_t axes) {
   std::vector<std::string> words;
   for (const std::string_view word : words_of(header.field(name))) {
     const std::string lower = lower_case(word);
     words.push_back(lower == "none" || lower == "???" ? "" : lower);
   }
   if (!words.empty() && words.size() != axes) {
-    throw wrong_field(path, name, header.field(name), std::to_string(axes) + " words, one for each axis");
+    throw wrong_field(path, name, header.field(name),
+                      std::to_string(axes) + " words, one for each axis");
   }
   words.resize(axes);
   return words;
 }
 
-// Strings between quotation marks. Fewer than there should be are as good as none: they are about display.
+// Strings between quotation marks. Fewer than there should be are as good as none: they are about
+// display.
 std::vector<std::string> quoted_strings(std::string_view text) {
   std::vector<std::string> strings;
   for (std::size_t i = text.find('"'); i < text.size(); i = text.find('"', i + 1)) {
@@ -134,8 +149,11 @@ std::vector<std::string> quoted_strings(std::string_view text) {
 }
 
 // "(1,0,0) none (0,0,2)": a vector of `dimension` numbers for each axis, or no numbers.
-std::vector<std::vector<double>> vectors_of(const fs::path& path, std::string_view name, std::string_view text, std::size_t dimension) {
-  const Error wrong = wrong_field(path, name, text, "vectors of " + std::to_string(dimension) + " numbers like (0.5,0,0), or none");
+std::vector<std::vector<double>> vectors_of(const fs::path& path, std::string_view name,
+                                            std::string_view text, std::size_t dimension) {
+  const Error wrong =
+      wrong_field(path, name, text,
+                  "vectors of " + std::to_string(dimension) + " numbers like (0.5,0,0), or none");
   std::vector<std::vector<double>> vectors;
   for (text = trimmed(text); !text.empty(); text = trimmed(text)) {
     if (lower_case(text.substr(0, 4)) == "none") {
@@ -151,7 +169,8 @@ std::vector<std::vector<double>> vectors_of(const fs::path& path, std::string_vi
     if (!vector || vector->size() != dimension) {
       throw wrong;
     }
-    const auto missing = static_cast<std::size_t>(std::ranges::count_if(*vector, [](double x) { return std::isnan(x); }));
+    const auto missing = static_cast<std::size_t>(
+        std::ranges::count_if(*vector, [](double x) { return std::isnan(x); }));
     if (missing != 0 && missing != dimension) {
       throw wrong;
     }
@@ -176,7 +195,8 @@ std::vector<std::size_t> axis_sizes(const NrrdHeader& header, const fs::path& pa
     sizes.push_back(static_cast<std::size_t>(size));
   }
   if (sizes.size() != static_cast<std::size_t>(axes)) {
-    throw wrong_field(path, "sizes", header.field("sizes"), std::to_string(axes) + " numbers, one for each axis");
+    throw wrong_field(path, "sizes", header.field("sizes"),
+                      std::to_string(axes) + " numbers, one for each axis");
   }
   return sizes;
 }
@@ -215,10 +235,12 @@ NrrdHeader read_nrrd_header(const fs::path& path) {
   return header;
 }
 
-std::string_view required_field(const NrrdHeader& header, const fs::path& path, std::string_view name) {
+std::string_view required_field(const NrrdHeader& header, const fs::path& path,
+                                std::string_view name) {
   const std::string_view value = header.field(name);
   if (value.empty()) {
-    throw bad_file(path, "is cut off or damaged: its header has no field '" + std::string(name) + "'");
+    throw bad_file(path,
+                   "is cut off or damaged: its header has no field '" + std::string(name) + "'");
   }
   return value;
 }
@@ -234,14 +256,17 @@ std::vector<NrrdAxis> nrrd_axes(const NrrdHeader& header, const fs::path& path) 
   std::vector<std::string> units = quoted_strings(header.field("units"));
   units.resize(count);
   std::vector<std::vector<double>> directions =
-      vectors_of(path, "space directions", header.field("spacedirections"), nrrd_space(header, path).dimension);
+      vectors_of(path, "space directions", header.field("spacedirections"),
+                 nrrd_space(header, path).dimension);
   if (!directions.empty() && directions.size() != count) {
-    throw wrong_field(path, "space directions", header.field("spacedirections"), std::to_string(count) + " vectors, one for each axis");
+    throw wrong_field(path, "space directions", header.field("spacedirections"),
+                      std::to_string(count) + " vectors, one for each axis");
   }
   directions.resize(count);
   std::vector<NrrdAxis> axes;
   for (std::size_t i = 0; i < count; ++i) {
-    axes.push_back({sizes[i], kinds[i], centerings[i], spacings[i], minima[i], maxima[i], units[i], directions[i]});
+    axes.push_back({sizes[i], kinds[i], centerings[i], spacings[i], minima[i], maxima[i], units[i],
+                    directions[i]});
   }
   return axes;
 }
@@ -254,13 +279,16 @@ NrrdSpace nrrd_space(const NrrdHeader& header, const fs::path& path) {
   }
   if (const std::string_view dimension = header.field("spacedimension"); !dimension.empty()) {
     const std::int64_t stated = integer_of(dimension).value_or(0);
-    if (stated < 1 || stated > 8 || (space.dimension != 0 && space.dimension != static_cast<std::size_t>(stated))) {
-      throw wrong_field(path, "space dimension", dimension,
-                        space.name.empty() ? "1 to 8" : std::to_string(space.dimension) + " for this space");
+    if (stated < 1 || stated > 8 ||
+        (space.dimension != 0 && space.dimension != static_cast<std::size_t>(stated))) {
+      throw wrong_field(
+          path, "space dimension", dimension,
+          space.name.empty() ? "1 to 8" : std::to_string(space.dimension) + " for this space");
     }
     space.dimension = static_cast<std::size_t>(stated);
   }
-  const std::vector<std::vector<double>> origin = vectors_of(path, "space origin", header.field("spaceorigin"), space.dimension);
+  const std::vector<std::vector<double>> origin =
+      vectors_of(path, "space origin", header.field("spaceorigin"), space.dimension);
   if (origin.size() > 1) {
     throw wrong_field(path, "space origin", header.field("spaceorigin"), "one vector");
   }
@@ -283,9 +311,11 @@ SampleType nrrd_sample_type(const NrrdHeader& header, const fs::path& path) {
       {SampleType::float64, "double"},
   }};
   const std::string_view type = required_field(header, path, "type");
-  const auto found = std::ranges::find_if(kTypes, [&](const auto& entry) { return is_in(entry.second, squeezed(type)); });
+  const auto found = std::ranges::find_if(
+      kTypes, [&](const auto& entry) { return is_in(entry.second, squeezed(type)); });
   if (found == kTypes.end()) {
-    throw unsupported(path, "has samples of type '" + one_line(type, 40) + "', expected integers of 8 to 64 bits, float or double");
+    throw unsupported(path, "has samples of type '" + one_line(type, 40) +
+                                "', expected integers of 8 to 64 bits, float or double");
   }
   return found->first;
 }
@@ -306,10 +336,11 @@ const NrrdSpaceName& nrrd_space_named(const fs::path& path, std::string_view nam
       {"3dlefthandedtime", 4, NrrdWorld::left_handed, 1, 1},
   }};
   const std::string word = squeezed(name, " \t-");
-  const auto found = std::ranges::find_if(kSpaces, [&](const NrrdSpaceName& space) { return is_in(space.spellings, word); });
+  const auto found = std::ranges::find_if(
+      kSpaces, [&](const NrrdSpaceName& space) { return is_in(space.spellings, word); });
   if (found == kSpaces.end()) {
-    throw unsupported(path,
-                      "lies in a space called '" + one_line(name, 40) + "', expected one that NRRD knows, e.g. left-posterior-superior");
+    throw unsupported(path, "lies in a space called '" + one_line(name, 40) +
+                                "', expected one that NRRD knows, e.g. left-posterior-superior");
   }
   return *found;
 }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The header of a NRRD file. https://teem.sourceforge.net/nrrd/format.html
 //
-// Read here and not by Teem (which ITK uses): Teem opens the data files to read the header alone, aborts the process if a long line
-// does not fit into its messages, and keeps nothing of fields it does not know; ITK looks at the file's extension, and at the
-// three spaces that it converts it takes LAS for RPS.
+// Read here and not by Teem (which ITK uses): Teem opens the data files to read the header alone,
+// aborts the process if a long line does not fit into its messages, and keeps nothing of fields it
+// does not know; ITK looks at the file's extension, and at the three spaces that it converts it
+// takes LAS for RPS.
 #pragma once
 
 #include <cstddef>
@@ -20,12 +21,13 @@ namespace isoatlas::detail::io {
 
 /// The lines of a header.
 struct NrrdHeader {
-  std::map<std::string, std::string, std::less<>> fields = {};      ///< by name, lower case without blanks: "spacedirections"
+  std::map<std::string, std::string, std::less<>> fields =
+      {};  ///< by name, lower case without blanks: "spacedirections"
   std::map<std::string, std::string, std::less<>> key_values = {};  ///< the key:=value lines
-  std::vector<std::string> listed_files = {};                       ///< the lines after "data file: LIST"
-  std::vector<std::string> unknown_fields = {};                     ///< names as they are written
-  std::uint64_t bytes = 0;                                          ///< of the header; the samples may follow
-  bool is_gzipped = false;                                          ///< the file as a whole
+  std::vector<std::string> listed_files = {};    ///< the lines after "data file: LIST"
+  std::vector<std::string> unknown_fields = {};  ///< names as they are written
+  std::uint64_t bytes = 0;                       ///< of the header; the samples may follow
+  bool is_gzipped = false;                       ///< the file as a whole
 
   std::string_view field(std::string_view name) const;
 };
@@ -34,7 +36,8 @@ struct NrrdHeader {
 NrrdHeader read_nrrd_header(const std::filesystem::path& path);
 
 /// The field, which has to be there. @param spelled  its name in messages
-std::string_view required_field(const NrrdHeader& header, const std::filesystem::path& path, std::string_view name);
+std::string_view required_field(const NrrdHeader& header, const std::filesystem::path& path,
+                                std::string_view name);
 
 /// What the header says of one axis of the array, fastest axis first.
 struct NrrdAxis {
@@ -44,7 +47,8 @@ struct NrrdAxis {
   double spacing;              ///< this, `minimum` and `maximum`: NaN if not stated
   double minimum, maximum;
   std::string unit = {};
-  std::vector<double> direction = {};  ///< in space, from one sample to the next; empty: the axis is not in space
+  std::vector<double> direction =
+      {};  ///< in space, from one sample to the next; empty: the axis is not in space
 };
 
 /// The space in which the array lies.

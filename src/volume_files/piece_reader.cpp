@@ -39,7 +39,9 @@ class BinaryReader final : public PieceReader {
   BinaryReader(SamplePiece piece, std::size_t sample_bytes, std::uint64_t samples)
       : piece_(std::move(piece)), sample_bytes_(sample_bytes), promised_(samples * sample_bytes) {}
 
-  void read(std::byte* to, std::uint64_t samples) override { read_bytes(to, samples * sample_bytes_); }
+  void read(std::byte* to, std::uint64_t samples) override {
+    read_bytes(to, samples * sample_bytes_);
+  }
 
   void skip(std::uint64_t samples) override {
     const std::uint64_t bytes = samples * sample_bytes_;
@@ -48,7 +50,8 @@ class BinaryReader final : public PieceReader {
       position_ += bytes;
       return;
     }
-    std::vector<std::byte> unwanted(static_cast<std::size_t>(std::min<std::uint64_t>(bytes, kChunk)));
+    std::vector<std::byte> unwanted(
+        static_cast<std::size_t>(std::min<std::uint64_t>(bytes, kChunk)));
     for (std::uint64_t left = bytes; left > 0;) {
       const std::uint64_t count = std::min<std::uint64_t>(left, unwanted.size());
       read_bytes(unwanted.data(), count);
@@ -96,7 +99,8 @@ class WordSource {
     for (;;) {
       const std::string_view rest = std::string_view(text_).substr(begin_, end_ - begin_);
       const std::size_t first = std::min(rest.find_first_not_of(kSeparators), rest.size());
-      const std::size_t length = std::min(rest.find_first_of(kSeparators, first), rest.size()) - first;
+      const std::size_t length =
+          std::min(rest.find_first_of(kSeparators, first), rest.size()) - first;
       begin_ += first;
       if (first + length < rest.size() || is_at_end_ || length > kChunk / 2) {
         begin_ += length;
@@ -132,7 +136,8 @@ std::optional<T> sample_of(std::string_view word) {
   if constexpr (std::is_integral_v<T>) {  // "12.0" and "1e3" are integers too
     double number = 0;
     const double beyond = std::ldexp(1.0, std::numeric_limits<T>::digits);
-    if (parse_number(word, number) && number == std::trunc(number) && number < beyond && number >= (std::is_signed_v<T> ? -beyond : 0)) {
+    if (parse_number(word, number) && number == std::trunc(number) && number < beyond &&
+        number >= (std::is_signed_v<T> ? -beyond : 0)) {
       return static_cast<T>(number);
     }
   }
@@ -151,7 +156,8 @@ class TextReader final : public PieceReader {
         const std::string_view word = next();
         const std::optional<T> value = sample_of<T>(word);
         if (!value) {
-          throw bad_file(file_, "sample " + std::to_string(position_ - 1) + " is '" + one_line(word, 40) + "', expected a number of type " +
+          throw bad_file(file_, "sample " + std::to_string(position_ - 1) + " is '" +
+                                    one_line(word, 40) + "', expected a number of type " +
                                     std::string(name(type_)));
         }
         std::memcpy(to + i * sizeof(T), &*value, sizeof(T));
@@ -181,7 +187,8 @@ class TextReader final : public PieceReader {
   std::string_view next() {
     const std::string_view word = words_.next();
     if (word.empty()) {
-      throw bad_file(file_, "is cut off or damaged: the header promises " + std::to_string(promised_) + " numbers, the file has " +
+      throw bad_file(file_, "is cut off or damaged: the header promises " +
+                                std::to_string(promised_) + " numbers, the file has " +
                                 std::to_string(position_));
     }
     ++position_;
@@ -198,7 +205,11 @@ class TextReader final : public PieceReader {
 class HexadecimalReader final : public PieceReader {
  public:
   HexadecimalReader(const SamplePiece& piece, std::size_t sample_bytes, std::uint64_t samples)
-      : file_(piece.file), sample_bytes_(sample_bytes), promised_(samples * sample_bytes), source_(source_of(piece)), text_(kChunk, '\0') {}
+      : file_(piece.file),
+        sample_bytes_(sample_bytes),
+        promised_(samples * sample_bytes),
+        source_(source_of(piece)),
+        text_(kChunk, '\0') {}
 
   void read(std::byte* to, std::uint64_t samples) override {
     for (std::uint64_t i = 0; i < samples * sample_bytes_; ++i) {
@@ -248,8 +259,8 @@ class HexadecimalReader final : public PieceReader {
     }
     int value = 0;
     if (std::from_chars(&*c, &*c + 1, value, 16).ec != std::errc{}) {
-      throw bad_file(file_, "byte " + std::to_string(position_) + " of its samples has '" + one_line(std::string(1, *c)) +
-                                "', expected a hexadecimal digit");
+      throw bad_file(file_, "byte " + std::to_string(position_) + " of its samples has '" +
+                                one_line(std::string(1, *c)) + "', expected a hexadecimal digit");
     }
     return value;
   }
@@ -263,12 +274,16 @@ class HexadecimalReader final : public PieceReader {
   std::size_t begin_ = 0, end_ = 0;
 };
 
-// No more comes out of a byte: 1032 bytes of deflate's, and 45.9 MB (runs of 255) of the 33 bytes that a bzip2 block takes at least.
-std::uint64_t most_per_byte(Packing packing) { return packing == Packing::bzip2 ? 2'000'000 : 1100; }
+// No more comes out of a byte: 1032 bytes of deflate's, and 45.9 MB (runs of 255) of the 33 bytes
+// that a bzip2 block takes at least.
+std::uint64_t most_per_byte(Packing packing) {
+  return packing == Packing::bzip2 ? 2'000'000 : 1100;
+}
 
 }  // namespace
 
-std::unique_ptr<PieceReader> open_piece(const SamplePiece& piece, const SampleFormat& format, std::uint64_t samples) {
+std::unique_ptr<PieceReader> open_piece(const SamplePiece& piece, const SampleFormat& format,
+                                        std::uint64_t samples) {
   switch (format.encoding) {
     case SampleEncoding::text:
       return std::make_unique<TextReader>(piece, format.type, samples);
@@ -279,7 +294,8 @@ std::unique_ptr<PieceReader> open_piece(const SamplePiece& piece, const SampleFo
   }
 }
 
-void require_possible_piece(const SamplePiece& piece, const SampleFormat& format, std::uint64_t samples) {
+void require_possible_piece(const SamplePiece& piece, const SampleFormat& format,
+                            std::uint64_t samples) {
   const std::uint64_t file_bytes = readable_file_size(piece.file);
   const std::uint64_t packed = file_bytes - std::min(piece.offset, file_bytes);
   const std::uint64_t promised = samples * bytes_per_sample(format.type);
@@ -294,8 +310,10 @@ void require_possible_piece(const SamplePiece& piece, const SampleFormat& format
   if (format.encoding == SampleEncoding::binary) {
     require_stored_bytes(piece.file, promised, stored);
   } else if (needed > (stored + 1) / 2) {
-    throw bad_file(piece.file, "the header promises " + std::to_string(needed) + (is_text ? " numbers" : " bytes in hexadecimal") +
-                                   ", far more than " + std::to_string(stored) + " characters can hold");
+    throw bad_file(piece.file, "the header promises " + std::to_string(needed) +
+                                   (is_text ? " numbers" : " bytes in hexadecimal") +
+                                   ", far more than " + std::to_string(stored) +
+                                   " characters can hold");
   }
 }
 

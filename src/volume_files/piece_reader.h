@@ -32,7 +32,8 @@ struct SampleFormat {
   SampleType type = SampleType::uint8;
 };
 
-/// Reads one piece once, front to back. All throw Error(bad_file) if samples are missing or damaged.
+/// Reads one piece once, front to back. All throw Error(bad_file) if samples are missing or
+/// damaged.
 class PieceReader {
  public:
   virtual ~PieceReader() = default;
@@ -40,18 +41,21 @@ class PieceReader {
   /// The next `samples` samples; binary and hexadecimal ones in the file's byte order.
   virtual void read(std::byte* to, std::uint64_t samples) = 0;
 
-  /// Samples that nobody wants. Packed ones and text are looked at nevertheless, plain bytes are not.
+  /// Samples that nobody wants. Packed ones and text are looked at nevertheless, plain bytes are
+  /// not.
   virtual void skip(std::uint64_t samples) = 0;
 
-  /// Bytes after the samples, those of the piece all read or skipped: blanks aside if they are text, and at most some 10^6
-  /// if they are packed. Checks the checksum of a packed piece.
+  /// Bytes after the samples, those of the piece all read or skipped: blanks aside if they are
+  /// text, and at most some 10^6 if they are packed. Checks the checksum of a packed piece.
   virtual std::uint64_t count_rest() = 0;
 };
 
 /// @param samples  how many the piece has
-std::unique_ptr<PieceReader> open_piece(const SamplePiece& piece, const SampleFormat& format, std::uint64_t samples);
+std::unique_ptr<PieceReader> open_piece(const SamplePiece& piece, const SampleFormat& format,
+                                        std::uint64_t samples);
 
 /// Call before memory is allocated. @throws Error(bad_file) if the file cannot hold so many samples
-void require_possible_piece(const SamplePiece& piece, const SampleFormat& format, std::uint64_t samples);
+void require_possible_piece(const SamplePiece& piece, const SampleFormat& format,
+                            std::uint64_t samples);
 
 }  // namespace isoatlas::detail::io

@@ -20,7 +20,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// What libpng is given: it leaves a function by longjmp, so nothing with a destructor may live in one that calls it.
+/// What libpng is given: it leaves a function by longjmp, so nothing with a destructor may live in
+/// one that calls it.
 struct Decoder {
   png_structp png = nullptr;
   png_infop info = nullptr;
@@ -97,7 +98,8 @@ void require_opaque(const fs::path& path, const PngFormat& format, const std::by
 }  // namespace
 
 std::uint64_t PngFormat::stored_bytes() const {
-  return (std::uint64_t{width} * values_per_sample * bits + 7) / 8 * height;  // below 2^31 * 2^6 / 2^3 * 2^31
+  return (std::uint64_t{width} * values_per_sample * bits + 7) / 8 *
+         height;  // below 2^31 * 2^6 / 2^3 * 2^31
 }
 
 std::string to_string(const PngFormat& format) {
@@ -106,7 +108,8 @@ std::string to_string(const PngFormat& format) {
                            : format.values_per_sample == 2 ? "-bit grey and alpha"
                            : format.values_per_sample == 3 ? "-bit red, green and blue"
                                                            : "-bit red, green, blue and alpha";
-  return std::to_string(format.width) + " x " + std::to_string(format.height) + " samples of " + std::to_string(format.bits) + kind;
+  return std::to_string(format.width) + " x " + std::to_string(format.height) + " samples of " +
+         std::to_string(format.bits) + kind;
 }
 
 PngFormat png_format(const fs::path& path) {
@@ -114,7 +117,8 @@ PngFormat png_format(const fs::path& path) {
   return open(path, decoder);
 }
 
-void read_png(const fs::path& path, const PngFormat& format, std::size_t value, const ReadOptions& options, std::byte* samples) {
+void read_png(const fs::path& path, const PngFormat& format, std::size_t value,
+              const ReadOptions& options, std::byte* samples) {
   Decoder decoder;
   if (open(path, decoder) != format) {
     throw bad_file(path, "changed while it was read");
@@ -123,7 +127,8 @@ void read_png(const fs::path& path, const PngFormat& format, std::size_t value, 
   const std::size_t values = format.values_per_sample;
   const std::size_t count = std::size_t{format.width} * format.height;
   const bool is_direct = values == 1;
-  const std::shared_ptr<std::byte[]> stored = allocate_samples(path, is_direct ? 0 : count * values * value_bytes, options);
+  const std::shared_ptr<std::byte[]> stored =
+      allocate_samples(path, is_direct ? 0 : count * values * value_bytes, options);
   std::byte* const to = is_direct ? samples : stored.get();
   std::vector<png_bytep> rows(format.height);
   for (std::size_t row = 0; row < rows.size(); ++row) {
@@ -136,7 +141,8 @@ void read_png(const fs::path& path, const PngFormat& format, std::size_t value, 
     require_opaque(path, format, stored.get());
   }
   for (std::size_t i = 0; i < count && !is_direct; ++i) {
-    std::memcpy(samples + i * value_bytes, stored.get() + (i * values + value) * value_bytes, value_bytes);
+    std::memcpy(samples + i * value_bytes, stored.get() + (i * values + value) * value_bytes,
+                value_bytes);
   }
   if (value_bytes == 2 && std::endian::native == std::endian::little) {
     swap_byte_order(samples, count, value_bytes);

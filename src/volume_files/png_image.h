@@ -14,8 +14,9 @@ namespace isoatlas::detail::io {
 
 struct PngFormat {
   std::uint32_t width = 0, height = 0;
-  unsigned bits = 8;               ///< of one value: 1, 2, 4, 8 or 16
-  unsigned values_per_sample = 1;  ///< 1: grey or palette, 2: grey and alpha, 3: red, green and blue, 4: and alpha
+  unsigned bits = 8;  ///< of one value: 1, 2, 4, 8 or 16
+  unsigned values_per_sample =
+      1;  ///< 1: grey or palette, 2: grey and alpha, 3: red, green and blue, 4: and alpha
   bool is_palette = false;
   friend bool operator==(const PngFormat&, const PngFormat&) = default;
 
@@ -34,8 +35,8 @@ PngFormat png_format(const std::filesystem::path& path);
 /// @throws Error(bad_file) if the image cannot be decoded whole, or is not of this format
 /// @throws Error(unsupported) if it has an alpha value that is not opaque
 /// @throws Error(out_of_memory) if all values together are more than the limit
-void read_png(const std::filesystem::path& path, const PngFormat& format, std::size_t value, const ReadOptions& options,
-              std::byte* samples);
+void read_png(const std::filesystem::path& path, const PngFormat& format, std::size_t value,
+              const ReadOptions& options, std::byte* samples);
 
 std::string png_library_version();  ///< "libpng 1.6.39"
 

@@ -40,7 +40,8 @@ bool is_image(const fs::path& path) {
 std::vector<fs::path> files_in(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
     std::error_code ignored;
     if (entry->is_regular_file(ignored) && !entry->path().filename().string().starts_with('.')) {
       files.push_back(entry->path());
@@ -64,11 +65,14 @@ class SliceFiles {
   virtual SampleType type() const = 0;
   virtual std::uint64_t stored_bytes() const = 0;
   virtual std::vector<std::string> value_names() const = 0;
-  virtual void read(const fs::path& file, std::size_t value, const ReadOptions& options, std::byte* samples) const = 0;
+  virtual void read(const fs::path& file, std::size_t value, const ReadOptions& options,
+                    std::byte* samples) const = 0;
 };
 
-Error differs(const fs::path& file, const std::string& format, const fs::path& first, const std::string& first_format) {
-  return unsupported(file, "has " + format + ", " + first.filename().string() + " has " + first_format + "; expected slices of one volume");
+Error differs(const fs::path& file, const std::string& format, const fs::path& first,
+              const std::string& first_format) {
+  return unsupported(file, "has " + format + ", " + first.filename().string() + " has " +
+                               first_format + "; expected slices of one volume");
 }
 
 class TiffSlices final : public SliceFiles {
@@ -87,11 +91,13 @@ class TiffSlices final : public SliceFiles {
   }
   std::array<std::size_t, 2> size() const override { return {format_.width, format_.height}; }
   SampleType type() const override {
-    return rescale_ ? rescaled_type(format_.type(), rescale_->slope, rescale_->intercept) : format_.type();
+    return rescale_ ? rescaled_type(format_.type(), rescale_->slope, rescale_->intercept)
+                    : format_.type();
   }
   std::uint64_t stored_bytes() const override { return format_.stored_bytes(); }
   std::vector<std::string> value_names() const override { return value_names_; }
-  void read(const fs::path& file, std::size_t value, const ReadOptions& options, std::byte* samples) const override {
+  void read(const fs::path& file, std::size_t value, const ReadOptions& options,
+            std::byte* samples) const override {
     TiffFile tiff(file);
     select_only_page(tiff);
     if (const PageFormat format = tiff.format(); !format.has_same_samples(format_)) {
@@ -99,7 +105,8 @@ class TiffSlices final : public SliceFiles {
     }
     VolumeSource ignored;
     if (describe_slice(tiff, ignored).rescale != rescale_) {
-      throw unsupported(file, "has another calibration function than " + first_.filename().string() + ", expected slices of one volume");
+      throw unsupported(file, "has another calibration function than " +
+                                  first_.filename().string() + ", expected slices of one volume");
     }
     if (!rescale_) {
       tiff.read_samples(format_, value, options, samples);
@@ -108,7 +115,8 @@ class TiffSlices final : public SliceFiles {
     const std::size_t count = std::size_t{format_.width} * format_.height;
     std::vector<std::byte> stored(count * bytes_per_sample(format_.type()));
     tiff.read_samples(format_, value, options, stored.data());
-    rescale_samples(format_.type(), stored.data(), count, rescale_->slope, rescale_->intercept, samples);
+    rescale_samples(format_.type(), stored.data(), count, rescale_->slope, rescale_->intercept,
+                    samples);
   }
 
  private:
@@ -117,7 +125,8 @@ class TiffSlices final : public SliceFiles {
     const std::vector<std::size_t> pages = pages_without_previews(tiff, ignored);
     if (pages.size() > 1) {
       throw unsupported(tiff.path(), "has " + std::to_string(pages.size()) +
-                                         " pages, expected one slice in each file of the folder; a file of many slices is read by itself");
+                                         " pages, expected one slice in each file of the folder; a "
+                                         "file of many slices is read by itself");
     }
     tiff.select(pages.front());
   }
@@ -130,7 +139,8 @@ class TiffSlices final : public SliceFiles {
 
 class PngSlices final : public SliceFiles {
  public:
-  PngSlices(const fs::path& first, VolumeSource& source) : first_(first), format_(png_format(first)) {
+  PngSlices(const fs::path& first, VolumeSource& source)
+      : first_(first), format_(png_format(first)) {
     source.reader = png_library_version();
     if (format_.is_palette) {
       source.decisions.push_back({"colours", "palette, samples are its indices"});
@@ -143,9 +153,11 @@ class PngSlices final : public SliceFiles {
   SampleType type() const override { return format_.type(); }
   std::uint64_t stored_bytes() const override { return format_.stored_bytes(); }
   std::vector<std::string> value_names() const override {
-    return format_.values_per_sample >= 3 ? std::vector<std::string>{"red", "green", "blue"} : std::vector<std::string>{"grey"};
+    return format_.values_per_sample >= 3 ? std::vector<std::string>{"red", "green", "blue"}
+                                          : std::vector<std::string>{"grey"};
   }
-  void read(const fs::path& file, std::size_t value, const ReadOptions& options, std::byte* samples) const override {
+  void read(const fs::path& file, std::size_t value, const ReadOptions& options,
+            std::byte* samples) const override {
     if (const PngFormat format = png_format(file); format != format_) {
       throw differs(file, to_string(format), first_, to_string(format_));
     }
@@ -165,13 +177,15 @@ void require_possible_images(const std::vector<fs::path>& files, const SliceFile
   }
 }
 
-Volume read_all(const fs::path& folder, const std::vector<fs::path>& files, const SliceFiles& slices, std::size_t value,
-                const TiffStack& stack, const Vec3& spacing, const ReadOptions& options) {
+Volume read_all(const fs::path& folder, const std::vector<fs::path>& files,
+                const SliceFiles& slices, std::size_t value, const TiffStack& stack,
+                const Vec3& spacing, const ReadOptions& options) {
   const std::array<std::size_t, 3> size{slices.size()[0], slices.size()[1], files.size()};
   const std::uint64_t bytes = checked_sample_bytes(folder, size, bytes_per_sample(slices.type()));
   require_possible_images(files, slices);
   Volume volume;
-  volume.view.grid = grid_of_file(folder, size, spacing, stack.origin, {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}});
+  volume.view.grid = grid_of_file(folder, size, spacing, stack.origin,
+                                  {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}});
   volume.view.grid.unit = stack.unit;
   volume.view.type = slices.type();
   const std::shared_ptr<std::byte[]> samples = allocate_samples(folder, bytes, options);
@@ -189,15 +203,18 @@ Volume read_all(const fs::path& folder, const std::vector<fs::path>& files, cons
 bool is_image_stack(const fs::path& folder) {
   const std::vector<fs::path> files = files_in(folder);
   return std::ranges::any_of(files, is_image) &&
-         std::ranges::none_of(files, [](const fs::path& file) { return !is_image(file) && is_dicom(file); });
+         std::ranges::none_of(
+             files, [](const fs::path& file) { return !is_image(file) && is_dicom(file); });
 }
 
 VolumeFile read_image_stack(const fs::path& folder, const ReadOptions& options) {
   std::vector<fs::path> files = files_in(folder);
   std::erase_if(files, [](const fs::path& file) { return !is_image(file); });
   if (files.size() < 2) {
-    throw unsupported(folder, "is a folder with one image, '" + one_line(files.front().filename().string(), 80) +
-                                  "'; expected a slice in each of several images, or the path of a file with all slices");
+    throw unsupported(
+        folder,
+        "is a folder with one image, '" + one_line(files.front().filename().string(), 80) +
+            "'; expected a slice in each of several images, or the path of a file with all slices");
   }
   files = in_slice_order(folder, std::move(files));
   VolumeFile file;
@@ -210,8 +227,11 @@ VolumeFile read_image_stack(const fs::path& folder, const ReadOptions& options) 
   } else {
     slices = std::make_unique<TiffSlices>(files.front(), stack, source);
   }
-  source.decisions.push_back({"slices", std::to_string(files.size()) + " from '" + one_line(files.front().filename().string(), 80) +
-                                            "' to '" + one_line(files.back().filename().string(), 80) + "', by the number in their names"});
+  source.decisions.push_back({"slices", std::to_string(files.size()) + " from '" +
+                                            one_line(files.front().filename().string(), 80) +
+                                            "' to '" +
+                                            one_line(files.back().filename().string(), 80) +
+                                            "', by the number in their names"});
   std::size_t value = 0;
   if (const std::vector<std::string> names = slices->value_names(); names.size() > 1) {
     value = take_choice(folder, source, FileChoice{"channel", names, {}}, options.channel);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Legacy VTK, by hand: ITK takes cell data for point data and does not notice missing samples, and VTK returns what was in
-// memory for those.
+// Legacy VTK, by hand: ITK takes cell data for point data and does not notice missing samples, and
+// VTK returns what was in memory for those.
 #include <string>
 
 #include "files/byte_source.h"
@@ -25,8 +25,9 @@ std::vector<VtkArray> descriptions(const LegacyVtkHeader& header) {
 
 void require_tuples(const fs::path& path, const LegacyVtkArray& array, std::uint64_t samples) {
   if (array.tuples != samples) {
-    throw bad_file(path, "its array '" + one_line(array.array.name, 80) + "' has " + std::to_string(array.tuples) +
-                             " values, expected one for each of " + std::to_string(samples) + " samples");
+    throw bad_file(path, "its array '" + one_line(array.array.name, 80) + "' has " +
+                             std::to_string(array.tuples) + " values, expected one for each of " +
+                             std::to_string(samples) + " samples");
   }
 }
 
@@ -34,7 +35,8 @@ void require_tuples(const fs::path& path, const LegacyVtkArray& array, std::uint
 
 VolumeFile read_legacy_vtk(const fs::path& path, const ReadOptions& options) {
   if (packing_of(path) != Packing::none) {
-    throw unsupported(path, "is a compressed legacy VTK file, expected one that is decompressed first");
+    throw unsupported(path,
+                      "is a compressed legacy VTK file, expected one that is decompressed first");
   }
   const LegacyVtkHeader header = read_legacy_vtk_header(path);
   VolumeFile file;
@@ -43,19 +45,22 @@ VolumeFile read_legacy_vtk(const fs::path& path, const ReadOptions& options) {
   source.reader = "isoatlas";
   source.has_spacing = header.has_spacing;
   if (header.ignored_bytes > 0) {
-    source.warnings.push_back("has " + std::to_string(header.ignored_bytes) + " bytes more than its header promises; they are not read");
+    source.warnings.push_back("has " + std::to_string(header.ignored_bytes) +
+                              " bytes more than its header promises; they are not read");
   }
-  const LegacyVtkArray& array = header.arrays[choose_array(path, descriptions(header), options, source)];
+  const LegacyVtkArray& array =
+      header.arrays[choose_array(path, descriptions(header), options, source)];
   const std::uint64_t component = choose_component(path, array.array, options, source);
 
   Volume& volume = file.volume;
   volume.view.grid = sample_grid(path, header.grid, array.array.is_cell_data, source);
   volume.view.type = array.array.type.sample;
-  const std::uint64_t bytes = checked_sample_bytes(path, volume.view.grid.size, bytes_per_sample(volume.view.type));
+  const std::uint64_t bytes =
+      checked_sample_bytes(path, volume.view.grid.size, bytes_per_sample(volume.view.type));
   require_tuples(path, array, volume.view.grid.sample_count());
   const std::shared_ptr<std::byte[]> samples = allocate_samples(path, bytes, options);
-  read_component(*open_values(path, header.is_text, array), volume.view.type, array.array.components, component, array.tuples,
-                 samples.get());
+  read_component(*open_values(path, header.is_text, array), volume.view.type,
+                 array.array.components, component, array.tuples, samples.get());
   volume.view.samples = samples.get();
   volume.owner = samples;
   return file;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// FreeSurfer's MGH, plain or gzipped (MGZ). Always big endian; what follows the samples (scan parameters) is not read.
+// FreeSurfer's MGH, plain or gzipped (MGZ). Always big endian; what follows the samples (scan
+// parameters) is not read.
 #include <array>
 #include <bit>
 #include <cmath>
@@ -39,19 +40,22 @@ SampleType sample_type_of(int type, const fs::path& path) {
     default:
       break;
   }
-  constexpr std::array<std::string_view, 10> kOtherTypes{"",   "", "long", "", "", "bitmap", "tensor", "complex float", "complex double",
-                                                         "RGB"};
+  constexpr std::array<std::string_view, 10> kOtherTypes{
+      "", "", "long", "", "", "bitmap", "tensor", "complex float", "complex double", "RGB"};
   const bool is_known = type >= 0 && static_cast<std::size_t>(type) < kOtherTypes.size();
   throw unsupported(path, "has samples of type " + std::to_string(type) + " (" +
-                              std::string(is_known ? kOtherTypes[static_cast<std::size_t>(type)] : "none that MGH knows") +
+                              std::string(is_known ? kOtherTypes[static_cast<std::size_t>(type)]
+                                                   : "none that MGH knows") +
                               "), expected unsigned char, int, float, short or unsigned short");
 }
 
-/// Orientation and place: the directions of the axes, and the world position of the sample in the middle, in
-/// right-anterior-superior. The position of the middle counts half the number of samples, not half the extent.
+/// Orientation and place: the directions of the axes, and the world position of the sample in the
+/// middle, in right-anterior-superior. The position of the middle counts half the number of
+/// samples, not half the extent.
 struct Orientation {
   Vec3 spacing{1, 1, 1};
-  std::array<Vec3, 3> axes{Vec3{-1, 0, 0}, Vec3{0, 0, -1}, Vec3{0, 1, 0}};  // coronal, FreeSurfer's default
+  std::array<Vec3, 3> axes{Vec3{-1, 0, 0}, Vec3{0, 0, -1},
+                           Vec3{0, 1, 0}};  // coronal, FreeSurfer's default
   Vec3 middle{};
 };
 
@@ -59,7 +63,9 @@ Orientation orientation_of(const HeaderFields& header, VolumeSource& source) {
   Orientation orientation;
   if (header.at<std::int16_t>(28) <= 0) {  // goodRASFlag
     source.decisions.push_back({"affine", "none"});
-    source.warnings.push_back("states no orientation (goodRASFlag is 0): coronal layers of 1 mm are assumed, as in FreeSurfer");
+    source.warnings.push_back(
+        "states no orientation (goodRASFlag is 0): coronal layers of 1 mm are assumed, as in "
+        "FreeSurfer");
     return orientation;
   }
   const auto vector = [&](std::size_t offset) {
@@ -72,7 +78,8 @@ Orientation orientation_of(const HeaderFields& header, VolumeSource& source) {
   return orientation;
 }
 
-Grid grid_of(const fs::path& path, const HeaderFields& header, const std::array<std::size_t, 3>& size, VolumeSource& source) {
+Grid grid_of(const fs::path& path, const HeaderFields& header,
+             const std::array<std::size_t, 3>& size, VolumeSource& source) {
   const Orientation orientation = orientation_of(header, source);
   const std::array spacing{orientation.spacing.x, orientation.spacing.y, orientation.spacing.z};
   Vec3 origin = orientation.middle;
@@ -91,16 +98,20 @@ Grid grid_of(const fs::path& path, const HeaderFields& header, const std::array<
 
 VolumeFile read_mgh(const fs::path& path, const ReadOptions& options) {
   const std::string bytes = unpacked_start(path, kHeaderBytes);
-  if (bytes.size() < kFieldBytes) throw bad_file(path, "is not an MGH file, or its header is cut off");
+  if (bytes.size() < kFieldBytes)
+    throw bad_file(path, "is not an MGH file, or its header is cut off");
   const HeaderFields header(bytes, kSwap);
   constexpr int kVersion = 1;  // the byte above it says what the values mean
   if ((header.int32(0) & 0xFF) != kVersion) {
-    throw bad_file(path, "is not an MGH file: its version is " + std::to_string(header.int32(0)) + ", expected 1");
+    throw bad_file(path, "is not an MGH file: its version is " + std::to_string(header.int32(0)) +
+                             ", expected 1");
   }
   std::array<std::size_t, 4> size{};
   for (std::size_t axis = 0; axis < 4; ++axis) {
     const int samples = header.int32(4 + 4 * axis);
-    if (samples < 1) throw bad_file(path, "has " + std::to_string(samples) + " samples along axis " + std::to_string(axis + 1));
+    if (samples < 1)
+      throw bad_file(path, "has " + std::to_string(samples) + " samples along axis " +
+                               std::to_string(axis + 1));
     size[axis] = static_cast<std::size_t>(samples);
   }
   const std::array volume_size{size[0], size[1], size[2]};
@@ -109,13 +120,16 @@ VolumeFile read_mgh(const fs::path& path, const ReadOptions& options) {
   Volume& volume = file.volume;
   file.source.format = "MGH";
   volume.view.type = sample_type_of(header.int32(20), path);
-  const StoredVolumes stored{.file = path,
-                             .offset = kHeaderBytes,
-                             .volume_bytes = checked_sample_bytes(path, volume_size, bytes_per_sample(volume.view.type)),
-                             .count = size[3],
-                             .has_footer = true};
+  const StoredVolumes stored{
+      .file = path,
+      .offset = kHeaderBytes,
+      .volume_bytes = checked_sample_bytes(path, volume_size, bytes_per_sample(volume.view.type)),
+      .count = size[3],
+      .has_footer = true};
   require_stored_volumes(stored, file.source);
-  const std::size_t frame = size[3] > 1 ? take_choice(path, file.source, numbered_choice("time", size[3]), options.time) : 0;
+  const std::size_t frame =
+      size[3] > 1 ? take_choice(path, file.source, numbered_choice("time", size[3]), options.time)
+                  : 0;
   volume.view.grid = grid_of(path, header, volume_size, file.source);
   read_plain_samples(stored, frame, kSwap, file, options);
   return file;

@@ -25,8 +25,9 @@ namespace {
 constexpr std::size_t kHeaderBytes = 1024;
 
 // Places in the header, under the names of the specification.
-constexpr std::size_t kNx = 0, kMode = 12, kNxStart = 16, kMx = 28, kCellA = 40, kCellB = 52, kMapC = 64, kDmin = 76, kDmax = 80,
-                      kSpaceGroup = 88, kExtendedBytes = 92, kImodStamp = 152, kImodFlags = 156, kOrigin = 196;
+constexpr std::size_t kNx = 0, kMode = 12, kNxStart = 16, kMx = 28, kCellA = 40, kCellB = 52,
+                      kMapC = 64, kDmin = 76, kDmax = 80, kSpaceGroup = 88, kExtendedBytes = 92,
+                      kImodStamp = 152, kImodFlags = 156, kOrigin = 196;
 
 constexpr int kImodMark = 1146047817;
 constexpr int kImodSignedBytes = 1, kImodStandardOrigin = 4, kImodHalfBytes = 16;  // flags
@@ -39,7 +40,8 @@ std::array<double, 3> real_triple(const HeaderFields& header, std::size_t offset
   return {header.float32(offset), header.float32(offset + 4), header.float32(offset + 8)};
 }
 
-/// The world axis (0 to 2) of columns, rows and sections; -1 for values that are not an axis. Old programs leave the fields empty.
+/// The world axis (0 to 2) of columns, rows and sections; -1 for values that are not an axis. Old
+/// programs leave the fields empty.
 std::array<int, 3> axes_of(const HeaderFields& header) {
   std::array<int, 3> axes = triple(header, kMapC);
   if (axes == std::array{0, 0, 0}) axes = {1, 2, 3};
@@ -47,21 +49,25 @@ std::array<int, 3> axes_of(const HeaderFields& header) {
   return axes;
 }
 
-// The machine stamp is wrong in many files, so the byte order is the one in which the header makes sense.
+// The machine stamp is wrong in many files, so the byte order is the one in which the header makes
+// sense.
 bool is_plausible(const HeaderFields& header) {
   std::array<int, 3> axes = axes_of(header);
   std::ranges::sort(axes);
   const auto size = triple(header, kNx);
   constexpr int kMostModes = 128;
-  return axes == std::array{0, 1, 2} && std::ranges::all_of(size, [](int n) { return n > 0; }) && header.int32(kMode) >= 0 &&
-         header.int32(kMode) < kMostModes;
+  return axes == std::array{0, 1, 2} && std::ranges::all_of(size, [](int n) { return n > 0; }) &&
+         header.int32(kMode) >= 0 && header.int32(kMode) < kMostModes;
 }
 
-// The byte order in which the header makes sense. If both do, the one with the smaller sizes: swapped sizes are enormous.
+// The byte order in which the header makes sense. If both do, the one with the smaller sizes:
+// swapped sizes are enormous.
 bool is_swapped(const std::string& bytes) {
   const HeaderFields native(bytes, false), swapped(bytes, true);
   if (!is_plausible(native) || !is_plausible(swapped)) return !is_plausible(native);
-  const auto largest = [](const HeaderFields& header) { return std::ranges::max(triple(header, kNx)); };
+  const auto largest = [](const HeaderFields& header) {
+    return std::ranges::max(triple(header, kNx));
+  };
   return largest(swapped) < largest(native);
 }
 
@@ -74,7 +80,8 @@ struct StoredType {
   bool is_half = false;
 };
 
-// Bytes are signed since MRC2014. IMOD has a flag for it; of other files with unsigned bytes the stated range tells.
+// Bytes are signed since MRC2014. IMOD has a flag for it; of other files with unsigned bytes the
+// stated range tells.
 StoredType byte_type(const HeaderFields& header, const fs::path& path, VolumeSource& source) {
   constexpr double kLargestSigned = 127, kLargestUnsigned = 255;
   const double least = header.float32(kDmin), largest = header.float32(kDmax);
@@ -82,7 +89,9 @@ StoredType byte_type(const HeaderFields& header, const fs::path& path, VolumeSou
   std::string reason = "MRC2014";
   if (is_from_imod(header)) {
     if ((header.int32(kImodFlags) & kImodHalfBytes) != 0) {
-      throw unsupported(path, "has two samples of 4 bits in each byte (IMOD's flag), expected samples of 8 bits or more");
+      throw unsupported(path,
+                        "has two samples of 4 bits in each byte (IMOD's flag), expected samples of "
+                        "8 bits or more");
     }
     is_unsigned = (header.int32(kImodFlags) & kImodSignedBytes) == 0;
     reason = "IMOD's flag";
@@ -111,7 +120,8 @@ StoredType stored_type_of(const HeaderFields& header, const fs::path& path, Volu
                                : mode == 16           ? "colours"
                                : mode == 101          ? "4-bit integers"
                                                       : "no type that MRC2014 knows";
-      throw unsupported(path, "has samples of mode " + std::to_string(mode) + " (" + kind + "), expected 0, 1, 2, 6 or 12");
+      throw unsupported(path, "has samples of mode " + std::to_string(mode) + " (" + kind +
+                                  "), expected 0, 1, 2, 6 or 12");
     }
   }
 }
@@ -119,12 +129,14 @@ StoredType stored_type_of(const HeaderFields& header, const fs::path& path, Volu
 /// Unit vectors along the edges a, b and c of a unit cell: a along x, b in the plane of x and y.
 std::array<Vec3, 3> cell_axes(const HeaderFields& header, VolumeSource& source) {
   const std::array degrees = real_triple(header, kCellB);
-  const bool is_stated = std::ranges::all_of(degrees, [](double angle) { return angle > 0 && angle < 180; });
+  const bool is_stated =
+      std::ranges::all_of(degrees, [](double angle) { return angle > 0 && angle < 180; });
   const bool is_right = std::ranges::all_of(degrees, [](double angle) { return angle == 90; });
   const std::array<Vec3, 3> kRight{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
   if (!is_stated || is_right) return kRight;
   const auto cosine = [&](std::size_t i) { return std::cos(degrees[i] * std::numbers::pi / 180); };
-  const double alpha = cosine(0), beta = cosine(1), gamma = cosine(2), sine = std::sqrt(1 - gamma * gamma);
+  const double alpha = cosine(0), beta = cosine(1), gamma = cosine(2),
+               sine = std::sqrt(1 - gamma * gamma);
   const double y = (alpha - beta * gamma) / sine;
   source.decisions.push_back({"axes", "by the angles of the unit cell"});
   return {Vec3{1, 0, 0}, Vec3{gamma, sine, 0}, Vec3{beta, y, std::sqrt(1 - beta * beta - y * y)}};
@@ -138,34 +150,43 @@ std::array<double, 3> steps_of(const HeaderFields& header, VolumeSource& source)
   for (std::size_t axis = 0; axis < 3; ++axis) {
     source.has_spacing = source.has_spacing && intervals[axis] > 0 && lengths[axis] > 0;
   }
-  for (std::size_t axis = 0; axis < 3 && source.has_spacing; ++axis) steps[axis] = lengths[axis] / intervals[axis];
+  for (std::size_t axis = 0; axis < 3 && source.has_spacing; ++axis)
+    steps[axis] = lengths[axis] / intervals[axis];
   return steps;
 }
 
-/// Position of the first sample: ORIGIN where it is not zero, else NXSTART, NYSTART and NZSTART steps along the axes.
-Vec3 origin_of(const HeaderFields& header, const std::array<std::size_t, 3>& world_axis, const std::array<Vec3, 3>& axes,
-               const std::array<double, 3>& steps, VolumeSource& source) {
+/// Position of the first sample: ORIGIN where it is not zero, else NXSTART, NYSTART and NZSTART
+/// steps along the axes.
+Vec3 origin_of(const HeaderFields& header, const std::array<std::size_t, 3>& world_axis,
+               const std::array<Vec3, 3>& axes, const std::array<double, 3>& steps,
+               VolumeSource& source) {
   const std::array stated = real_triple(header, kOrigin);
   if (std::ranges::any_of(stated, [](double x) { return x != 0; })) {
-    const bool is_reversed = is_from_imod(header) && (header.int32(kImodFlags) & kImodStandardOrigin) == 0;
+    const bool is_reversed =
+        is_from_imod(header) && (header.int32(kImodFlags) & kImodStandardOrigin) == 0;
     source.decisions.push_back({"origin", is_reversed ? "ORIGIN, reversed as in IMOD" : "ORIGIN"});
     return (is_reversed ? -1.0 : 1.0) * Vec3{stated[0], stated[1], stated[2]};
   }
   const std::array starts = triple(header, kNxStart);
   if (starts == std::array{0, 0, 0}) return {};
   source.decisions.push_back({"origin", "NXSTART, NYSTART and NZSTART"});
-  source.origin_in_samples = {static_cast<double>(starts[0]), static_cast<double>(starts[1]), static_cast<double>(starts[2])};
+  source.origin_in_samples = {static_cast<double>(starts[0]), static_cast<double>(starts[1]),
+                              static_cast<double>(starts[2])};
   Vec3 origin;
-  for (std::size_t i = 0; i < 3; ++i) origin = origin + (starts[i] * steps[world_axis[i]]) * axes[i];
+  for (std::size_t i = 0; i < 3; ++i)
+    origin = origin + (starts[i] * steps[world_axis[i]]) * axes[i];
   return origin;
 }
 
-// The samples stay in the order of the file; the grid's axes say which way columns, rows and sections run.
-Grid grid_of(const fs::path& path, const HeaderFields& header, const std::array<std::size_t, 3>& size, VolumeSource& source) {
+// The samples stay in the order of the file; the grid's axes say which way columns, rows and
+// sections run.
+Grid grid_of(const fs::path& path, const HeaderFields& header,
+             const std::array<std::size_t, 3>& size, VolumeSource& source) {
   const std::array world = cell_axes(header, source);
   const std::array steps = steps_of(header, source);
   std::array<std::size_t, 3> world_axis{};
-  std::ranges::transform(axes_of(header), world_axis.begin(), [](int axis) { return static_cast<std::size_t>(axis); });
+  std::ranges::transform(axes_of(header), world_axis.begin(),
+                         [](int axis) { return static_cast<std::size_t>(axis); });
   const std::array axes{world[world_axis[0]], world[world_axis[1]], world[world_axis[2]]};
   const Vec3 spacing{steps[world_axis[0]], steps[world_axis[1]], steps[world_axis[2]]};
   if (world_axis != std::array<std::size_t, 3>{0, 1, 2}) {
@@ -173,22 +194,27 @@ Grid grid_of(const fs::path& path, const HeaderFields& header, const std::array<
     for (const std::size_t axis : world_axis) order += "xyz"[axis];
     source.decisions.push_back({"axes", "columns, rows and sections along " + order});
   }
-  Grid grid = grid_of_file(path, size, spacing, origin_of(header, world_axis, axes, steps, source), axes);
+  Grid grid =
+      grid_of_file(path, size, spacing, origin_of(header, world_axis, axes, steps, source), axes);
   if (source.has_spacing) grid.unit = LengthUnit::angstrom;
   return grid;
 }
 
-/// How many volumes lie one after the other. Space groups from 401 on mark a stack of volumes of MZ sections each.
+/// How many volumes lie one after the other. Space groups from 401 on mark a stack of volumes of MZ
+/// sections each.
 std::size_t volume_count(const HeaderFields& header, const fs::path& path, VolumeSource& source) {
   constexpr int kFirstStackGroup = 401, kLastStackGroup = 630;
-  const int group = header.int32(kSpaceGroup), sections = header.int32(kNx + 8), volume_sections = header.int32(kMx + 8);
+  const int group = header.int32(kSpaceGroup), sections = header.int32(kNx + 8),
+            volume_sections = header.int32(kMx + 8);
   if (group == 0 && volume_sections == 1 && sections > 1) {
-    source.warnings.push_back("says that it is a stack of images, not a volume (space group 0, MZ 1); its images are taken for layers");
+    source.warnings.push_back(
+        "says that it is a stack of images, not a volume (space group 0, MZ 1); its images are "
+        "taken for layers");
   }
   if (group < kFirstStackGroup || group > kLastStackGroup) return 1;
   if (volume_sections < 1 || sections % volume_sections != 0) {
-    throw bad_file(path, "is a stack of volumes of " + std::to_string(volume_sections) + " sections each, but has " +
-                             std::to_string(sections) + " sections");
+    throw bad_file(path, "is a stack of volumes of " + std::to_string(volume_sections) +
+                             " sections each, but has " + std::to_string(sections) + " sections");
   }
   return static_cast<std::size_t>(sections / volume_sections);
 }
@@ -197,14 +223,18 @@ std::size_t volume_count(const HeaderFields& header, const fs::path& path, Volum
 
 VolumeFile read_mrc(const fs::path& path, const ReadOptions& options) {
   const std::string bytes = unpacked_start(path, kHeaderBytes);
-  if (bytes.size() < kHeaderBytes) throw bad_file(path, "is not an MRC file, or its header is cut off");
+  if (bytes.size() < kHeaderBytes)
+    throw bad_file(path, "is not an MRC file, or its header is cut off");
   const bool swap = is_swapped(bytes);
   const HeaderFields header(bytes, swap);
   if (!is_plausible(header)) {
-    throw bad_file(path, "is not an MRC file, or its header is damaged: sizes, mode and axes make no sense in either byte order");
+    throw bad_file(path,
+                   "is not an MRC file, or its header is damaged: sizes, mode and axes make no "
+                   "sense in either byte order");
   }
   const int extended_bytes = header.int32(kExtendedBytes);
-  if (extended_bytes < 0) throw bad_file(path, "its extended header has " + std::to_string(extended_bytes) + " bytes");
+  if (extended_bytes < 0)
+    throw bad_file(path, "its extended header has " + std::to_string(extended_bytes) + " bytes");
 
   VolumeFile file;
   Volume& volume = file.volume;
@@ -220,7 +250,8 @@ VolumeFile read_mrc(const fs::path& path, const ReadOptions& options) {
                              .volume_bytes = checked_sample_bytes(path, size, type.bytes),
                              .count = count};
   require_stored_volumes(stored, file.source);
-  const std::size_t index = count > 1 ? take_choice(path, file.source, numbered_choice("time", count), options.time) : 0;
+  const std::size_t index =
+      count > 1 ? take_choice(path, file.source, numbered_choice("time", count), options.time) : 0;
   volume.view.grid = grid_of(path, header, size, file.source);
   if (type.is_half) {
     read_half_samples(stored, index, swap, file, options);

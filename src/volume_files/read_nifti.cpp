@@ -27,7 +27,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A file name without its packing and its extension, and both in lower case: "Scan", ".img", ".gz".
+/// A file name without its packing and its extension, and both in lower case: "Scan", ".img",
+/// ".gz".
 struct NameParts {
   std::string stem, extension, packing;
 };
@@ -35,7 +36,8 @@ struct NameParts {
 NameParts parts_of(const fs::path& path) {
   fs::path rest = path.filename();
   NameParts parts;
-  if (const std::string last = lower_case(rest.extension().string()); last == ".gz" || last == ".bz2") {
+  if (const std::string last = lower_case(rest.extension().string());
+      last == ".gz" || last == ".bz2") {
     parts.packing = last;
     rest = rest.stem();
   }
@@ -44,7 +46,8 @@ NameParts parts_of(const fs::path& path) {
   return parts;
 }
 
-/// The other half of a pair: the same name with another extension, in any case, packed or not. Unpacked is preferred.
+/// The other half of a pair: the same name with another extension, in any case, packed or not.
+/// Unpacked is preferred.
 std::optional<fs::path> sibling(const fs::path& path, std::string_view extension) {
   const std::string stem = parts_of(path).stem;
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
@@ -52,8 +55,11 @@ std::optional<fs::path> sibling(const fs::path& path, std::string_view extension
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
     const NameParts parts = parts_of(entry.path());
-    if (parts.stem != stem || parts.extension != extension || !entry.is_regular_file(ignored)) continue;
-    if (!found || std::pair(parts.packing, entry.path()) < std::pair(parts_of(*found).packing, *found)) found = entry.path();
+    if (parts.stem != stem || parts.extension != extension || !entry.is_regular_file(ignored))
+      continue;
+    if (!found ||
+        std::pair(parts.packing, entry.path()) < std::pair(parts_of(*found).packing, *found))
+      found = entry.path();
   }
   return found;
 }
@@ -92,13 +98,15 @@ SampleType sample_type_of(int datatype, const fs::path& file) {
     int datatype;
     std::string_view name;
   };
-  constexpr std::array kOtherTypes{OtherType{0, "unknown"},       OtherType{1, "BINARY"},        OtherType{32, "COMPLEX64"},
-                                   OtherType{128, "RGB24"},       OtherType{255, "ALL"},         OtherType{1536, "FLOAT128"},
-                                   OtherType{1792, "COMPLEX128"}, OtherType{2048, "COMPLEX256"}, OtherType{2304, "RGBA32"}};
+  constexpr std::array kOtherTypes{
+      OtherType{0, "unknown"},       OtherType{1, "BINARY"},        OtherType{32, "COMPLEX64"},
+      OtherType{128, "RGB24"},       OtherType{255, "ALL"},         OtherType{1536, "FLOAT128"},
+      OtherType{1792, "COMPLEX128"}, OtherType{2048, "COMPLEX256"}, OtherType{2304, "RGBA32"}};
   const auto* const other = std::ranges::find(kOtherTypes, datatype, &OtherType::datatype);
-  throw unsupported(file, "has samples of type " + std::to_string(datatype) + " (" +
-                              std::string(other == kOtherTypes.end() ? "none that NIfTI knows" : other->name) +
-                              "), expected integers of 8 to 64 bits, float or double");
+  throw unsupported(
+      file, "has samples of type " + std::to_string(datatype) + " (" +
+                std::string(other == kOtherTypes.end() ? "none that NIfTI knows" : other->name) +
+                "), expected integers of 8 to 64 bits, float or double");
 }
 
 std::string format_name(const NiftiHeader& header) {
@@ -113,10 +121,12 @@ std::uint64_t samples_offset(const NiftiHeader& header, const fs::path& header_f
   if (is_pair && offset >= 0 && offset < kLargest) return static_cast<std::uint64_t>(offset);
   const double header_bytes = header.version == NiftiVersion::nifti2 ? 540 : 348;
   if (!is_pair && offset == 0) return static_cast<std::uint64_t>(header_bytes) + 4;
-  if (!is_pair && offset >= header_bytes && offset < kLargest) return static_cast<std::uint64_t>(offset);
+  if (!is_pair && offset >= header_bytes && offset < kLargest)
+    return static_cast<std::uint64_t>(offset);
   char text[32];
   std::snprintf(text, sizeof text, "%.6g", offset);
-  throw bad_file(header_file, "its samples begin at byte " + std::string(text) + " by vox_offset, expected a place after the header");
+  throw bad_file(header_file, "its samples begin at byte " + std::string(text) +
+                                  " by vox_offset, expected a place after the header");
 }
 
 std::uint64_t volume_count(const NiftiHeader& header, const fs::path& path) {
@@ -126,17 +136,24 @@ std::uint64_t volume_count(const NiftiHeader& header, const fs::path& path) {
     for (std::size_t axis = 1; axis <= static_cast<std::size_t>(header.dim[0]); ++axis) {
       shape += (axis > 1 ? " x " : "") + std::to_string(header.dim[axis]);
     }
-    throw unsupported(
-        path, "has " + std::to_string(header.dim[0]) + " dimensions (" + shape + "), expected three of space, time, and values per sample");
+    throw unsupported(path, "has " + std::to_string(header.dim[0]) + " dimensions (" + shape +
+                                "), expected three of space, time, and values per sample");
   }
   return static_cast<std::uint64_t>(header.dim[4] * header.dim[5]);
 }
 
-/// Picks a time point and, of several values per sample, one. @return the number of the volume in the file
-std::uint64_t chosen_volume(const fs::path& path, const NiftiHeader& header, const ReadOptions& options, VolumeSource& source) {
-  const auto times = static_cast<std::size_t>(header.dim[4]), channels = static_cast<std::size_t>(header.dim[5]);
-  const std::size_t time = times > 1 ? take_choice(path, source, numbered_choice("time", times), options.time) : 0;
-  const std::size_t channel = channels > 1 ? take_choice(path, source, numbered_choice("channel", channels), options.channel) : 0;
+/// Picks a time point and, of several values per sample, one. @return the number of the volume in
+/// the file
+std::uint64_t chosen_volume(const fs::path& path, const NiftiHeader& header,
+                            const ReadOptions& options, VolumeSource& source) {
+  const auto times = static_cast<std::size_t>(header.dim[4]),
+             channels = static_cast<std::size_t>(header.dim[5]);
+  const std::size_t time =
+      times > 1 ? take_choice(path, source, numbered_choice("time", times), options.time) : 0;
+  const std::size_t channel =
+      channels > 1
+          ? take_choice(path, source, numbered_choice("channel", channels), options.channel)
+          : 0;
   return std::uint64_t{channel} * times + time;
 }
 
@@ -157,7 +174,8 @@ Rescale rescale_of(const NiftiHeader& header, VolumeSource& source) {
   double intercept = header.scl_inter;
   if (slope == 0 || !std::isfinite(slope)) {
     if (intercept != 0 && std::isfinite(intercept)) {
-      source.decisions.push_back({"rescale", "none: slope " + number(slope) + ", its intercept " + number(intercept) + " is ignored"});
+      source.decisions.push_back({"rescale", "none: slope " + number(slope) + ", its intercept " +
+                                                 number(intercept) + " is ignored"});
     }
     return {};
   }
@@ -167,7 +185,8 @@ Rescale rescale_of(const NiftiHeader& header, VolumeSource& source) {
   }
   const Rescale rescale{slope, intercept};
   if (rescale.is_needed()) {
-    source.decisions.push_back({"rescale", "slope " + number(slope) + ", intercept " + number(intercept)});
+    source.decisions.push_back(
+        {"rescale", "slope " + number(slope) + ", intercept " + number(intercept)});
   }
   if (rescale.is_needed() && header.version == NiftiVersion::analyze) {
     source.warnings.push_back("its samples are multiplied by " + number(slope) +
@@ -177,21 +196,24 @@ Rescale rescale_of(const NiftiHeader& header, VolumeSource& source) {
 }
 
 // Scaled samples are computed in double precision and kept as float, or as double if they were.
-void read_scaled_samples(ByteSource& stream, const fs::path& file, bool swap, SampleType stored, const Rescale& rescale,
-                         std::uint64_t count, std::byte* samples) {
+void read_scaled_samples(ByteSource& stream, const fs::path& file, bool swap, SampleType stored,
+                         const Rescale& rescale, std::uint64_t count, std::byte* samples) {
   visit_sample_type(stored, [&](const auto* type) {
     using Stored = std::remove_cvref_t<decltype(*type)>;
     using Sample = std::conditional_t<std::is_same_v<Stored, double>, double, float>;
-    read_converted<Stored>(stream, file, count, swap, reinterpret_cast<Sample*>(samples), [&](Stored value) {
-      return static_cast<Sample>(static_cast<double>(value) * rescale.slope + rescale.intercept);
-    });
+    read_converted<Stored>(stream, file, count, swap, reinterpret_cast<Sample*>(samples),
+                           [&](Stored value) {
+                             return static_cast<Sample>(static_cast<double>(value) * rescale.slope +
+                                                        rescale.intercept);
+                           });
   });
 }
 
 bool is_one_file(const fs::path& path) {
   constexpr std::size_t kMark1 = 344, kMark2 = 4;
   const std::string start = unpacked_start(path, kMark1 + 4);
-  return start.size() == kMark1 + 4 && (start.compare(kMark1, 3, "n+1") == 0 || start.compare(kMark2, 3, "n+2") == 0);
+  return start.size() == kMark1 + 4 &&
+         (start.compare(kMark1, 3, "n+1") == 0 || start.compare(kMark2, 3, "n+2") == 0);
 }
 
 fs::path header_half(const fs::path& path) {
@@ -208,7 +230,8 @@ fs::path image_half(const fs::path& path, const fs::path& header_file, const Nif
 
 void warn_of_bits(const NiftiHeader& header, SampleType type, VolumeSource& source) {
   if (header.bitpix != 0 && header.bitpix != 8 * static_cast<int>(bytes_per_sample(type))) {
-    source.warnings.push_back("states " + std::to_string(header.bitpix) + " bits per sample, but the type " + std::string(name(type)) +
+    source.warnings.push_back("states " + std::to_string(header.bitpix) +
+                              " bits per sample, but the type " + std::string(name(type)) +
                               "; the type is used");
   }
 }
@@ -219,7 +242,8 @@ VolumeFile read_nifti(const fs::path& path, const ReadOptions& options) {
   const fs::path header_file = header_half(path);
   const NiftiHeader header = read_nifti_header(header_file);
   const SampleType stored_type = sample_type_of(header.datatype, header_file);
-  const std::array size{static_cast<std::size_t>(header.dim[1]), static_cast<std::size_t>(header.dim[2]),
+  const std::array size{static_cast<std::size_t>(header.dim[1]),
+                        static_cast<std::size_t>(header.dim[2]),
                         static_cast<std::size_t>(header.dim[3])};
   StoredVolumes stored;
   stored.volume_bytes = checked_sample_bytes(header_file, size, bytes_per_sample(stored_type));
@@ -239,9 +263,11 @@ VolumeFile read_nifti(const fs::path& path, const ReadOptions& options) {
   warn_of_bits(header, stored_type, source);
   check_data_file(path, stored.file, [&] {
     if (!rescale.is_needed()) return read_plain_samples(stored, index, header.swap, file, options);
-    volume.view.type = stored_type == SampleType::float64 ? SampleType::float64 : SampleType::float32;
+    volume.view.type =
+        stored_type == SampleType::float64 ? SampleType::float64 : SampleType::float32;
     read_stored_volume(stored, index, file, options, [&](ByteSource& stream, std::byte* samples) {
-      read_scaled_samples(stream, stored.file, header.swap, stored_type, rescale, volume.view.grid.sample_count(), samples);
+      read_scaled_samples(stream, stored.file, header.swap, stored_type, rescale,
+                          volume.view.grid.sample_count(), samples);
     });
   });
   return file;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// NumPy's .npy with a three-dimensional array: a[z][y][x], as everywhere in isoatlas' Python module.
+// NumPy's .npy with a three-dimensional array: a[z][y][x], as everywhere in isoatlas' Python
+// module.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -51,7 +52,8 @@ class LiteralReader {
   std::string string() {
     skip_blanks();
     const char quote = text_.empty() ? '\0' : text_.front();
-    const std::size_t end = quote == '\'' || quote == '"' ? text_.find(quote, 1) : std::string_view::npos;
+    const std::size_t end =
+        quote == '\'' || quote == '"' ? text_.find(quote, 1) : std::string_view::npos;
     if (end == std::string_view::npos) refuse("expected a string");
     std::string value(text_.substr(1, end - 1));
     text_.remove_prefix(end + 1);
@@ -86,11 +88,14 @@ class LiteralReader {
     return values;
   }
   [[noreturn]] void refuse(const std::string& what) const {
-    throw bad_file(path_, "its header is damaged: " + what + " before '" + one_line(text_, 40) + "'");
+    throw bad_file(path_,
+                   "its header is damaged: " + what + " before '" + one_line(text_, 40) + "'");
   }
 
  private:
-  void skip_blanks() { text_.remove_prefix(std::min(text_.find_first_not_of(" \t\r\n"), text_.size())); }
+  void skip_blanks() {
+    text_.remove_prefix(std::min(text_.find_first_not_of(" \t\r\n"), text_.size()));
+  }
 
   std::string_view text_;
   const fs::path& path_;
@@ -104,7 +109,10 @@ void parse_dictionary(std::string_view text, const fs::path& path, NpyHeader& he
     const std::string key = reader.string();
     reader.require(':');
     if (key == "descr") {
-      if (reader.take('[')) throw unsupported(path, "holds records of several values (a structured array), expected an array of numbers");
+      if (reader.take('['))
+        throw unsupported(
+            path,
+            "holds records of several values (a structured array), expected an array of numbers");
       header.descr = reader.string();
       has_descr = true;
     } else if (key == "fortran_order") {
@@ -121,23 +129,27 @@ void parse_dictionary(std::string_view text, const fs::path& path, NpyHeader& he
       break;
     }
   }
-  if (!has_descr || !has_order || !has_shape) reader.refuse("expected descr, fortran_order and shape");
+  if (!has_descr || !has_order || !has_shape)
+    reader.refuse("expected descr, fortran_order and shape");
 }
 
 NpyHeader read_header(const fs::path& path) {
   constexpr std::size_t kMostHeaderBytes = std::size_t{1} << 20;
   const std::string bytes = unpacked_start(path, kMostHeaderBytes);
-  if (!bytes.starts_with(kMark) || bytes.size() < 12) throw bad_file(path, "is not a .npy file, or its header is cut off");
+  if (!bytes.starts_with(kMark) || bytes.size() < 12)
+    throw bad_file(path, "is not a .npy file, or its header is cut off");
   const HeaderFields fields(bytes, std::endian::native == std::endian::big);
   const int version = bytes[6];
   if (version < 1 || version > 3) {
-    throw unsupported(path, "has version " + std::to_string(version) + " of the .npy format, expected 1 to 3");
+    throw unsupported(
+        path, "has version " + std::to_string(version) + " of the .npy format, expected 1 to 3");
   }
   const std::size_t start = version == 1 ? 10 : 12;
-  const std::size_t length = version == 1 ? fields.at<std::uint16_t>(8) : fields.at<std::uint32_t>(8);
+  const std::size_t length =
+      version == 1 ? fields.at<std::uint16_t>(8) : fields.at<std::uint32_t>(8);
   if (length > bytes.size() - start) {
-    throw bad_file(
-        path, "its header is cut off: it promises " + std::to_string(length) + " bytes and has " + std::to_string(bytes.size() - start));
+    throw bad_file(path, "its header is cut off: it promises " + std::to_string(length) +
+                             " bytes and has " + std::to_string(bytes.size() - start));
   }
   NpyHeader header;
   header.samples_offset = start + length;
@@ -157,11 +169,14 @@ StoredType stored_type_of(const std::string& descr, const fs::path& path) {
     StoredType stored;
   };
   constexpr std::array kKnown{
-      Known{"b1", {SampleType::uint8, 1}},         Known{"u1", {SampleType::uint8, 1}},   Known{"i1", {SampleType::int8, 1}},
-      Known{"u2", {SampleType::uint16, 2}},        Known{"i2", {SampleType::int16, 2}},   Known{"u4", {SampleType::uint32, 4}},
-      Known{"i4", {SampleType::int32, 4}},         Known{"u8", {SampleType::uint64, 8}},  Known{"i8", {SampleType::int64, 8}},
-      Known{"f2", {SampleType::float32, 2, true}}, Known{"f4", {SampleType::float32, 4}}, Known{"f8", {SampleType::float64, 8}}};
-  const bool has_order = !descr.empty() && std::string_view("<>=|").find(descr[0]) != std::string_view::npos;
+      Known{"b1", {SampleType::uint8, 1}},   Known{"u1", {SampleType::uint8, 1}},
+      Known{"i1", {SampleType::int8, 1}},    Known{"u2", {SampleType::uint16, 2}},
+      Known{"i2", {SampleType::int16, 2}},   Known{"u4", {SampleType::uint32, 4}},
+      Known{"i4", {SampleType::int32, 4}},   Known{"u8", {SampleType::uint64, 8}},
+      Known{"i8", {SampleType::int64, 8}},   Known{"f2", {SampleType::float32, 2, true}},
+      Known{"f4", {SampleType::float32, 4}}, Known{"f8", {SampleType::float64, 8}}};
+  const bool has_order =
+      !descr.empty() && std::string_view("<>=|").find(descr[0]) != std::string_view::npos;
   const std::string code = descr.substr(has_order ? 1 : 0);
   for (const Known& known : kKnown) {
     if (known.code == code) return known.stored;
@@ -173,32 +188,37 @@ StoredType stored_type_of(const std::string& descr, const fs::path& path) {
   if (code.starts_with('S') || code.starts_with('U') || code.starts_with('a')) kind = "text";
   if (code.starts_with('V')) kind = "records";
   if (code.starts_with('m') || code.starts_with('M')) kind = "times";
-  throw unsupported(path, "holds " + kind + " ('" + one_line(descr, 40) + "'), expected integers of 8 to 64 bits, booleans or floats");
+  throw unsupported(path, "holds " + kind + " ('" + one_line(descr, 40) +
+                              "'), expected integers of 8 to 64 bits, booleans or floats");
 }
 
 std::string text_of(const std::vector<std::uint64_t>& shape) {
   std::string text;
-  for (std::size_t i = 0; i < std::min<std::size_t>(shape.size(), 8); ++i) text += (i > 0 ? ", " : "") + std::to_string(shape[i]);
+  for (std::size_t i = 0; i < std::min<std::size_t>(shape.size(), 8); ++i)
+    text += (i > 0 ? ", " : "") + std::to_string(shape[i]);
   return "(" + text + (shape.size() == 1 ? "," : shape.size() > 8 ? ", ..." : "") + ")";
 }
 
-/// Sizes along x, y and z: the last three axes of the array, backwards. Axes of size 1 are left out where there are more than three.
+/// Sizes along x, y and z: the last three axes of the array, backwards. Axes of size 1 are left out
+/// where there are more than three.
 std::array<std::size_t, 3> size_of(const std::vector<std::uint64_t>& shape, const fs::path& path) {
   std::vector<std::uint64_t> axes = shape;
   if (axes.size() > 3) std::erase(axes, 1U);
   if (axes.size() != 3) {
-    throw unsupported(path, "holds an array of shape " + text_of(shape) + ", expected three axes (z, y, x)" +
-                                (axes.size() > 3 ? "; save one volume of it to a file of its own" : ""));
+    throw unsupported(
+        path, "holds an array of shape " + text_of(shape) + ", expected three axes (z, y, x)" +
+                  (axes.size() > 3 ? "; save one volume of it to a file of its own" : ""));
   }
   return {axes[2], axes[1], axes[0]};
 }
 
 using Size = std::array<std::size_t, 3>;
 
-/// `from` has z fastest and `count` indices of x, `to` has all of the volume with x fastest and begins at the first of these.
-/// Goes in blocks that fit into the cache.
+/// `from` has z fastest and `count` indices of x, `to` has all of the volume with x fastest and
+/// begins at the first of these. Goes in blocks that fit into the cache.
 template <class Stored, class Sample, class Convert>
-void reverse_axes(const Stored* from, std::size_t count, Sample* to, const Size& size, Convert convert) {
+void reverse_axes(const Stored* from, std::size_t count, Sample* to, const Size& size,
+                  Convert convert) {
   constexpr std::size_t kBlock = 32;
   const auto [nx, ny, nz] = size;
   for (std::size_t y = 0; y < ny; ++y) {
@@ -214,33 +234,39 @@ void reverse_axes(const Stored* from, std::size_t count, Sample* to, const Size&
   }
 }
 
-/// Reads samples of Fortran order, in which the first axis, z, is fastest. Some planes of equal x are in memory twice,
-/// never all of them.
+/// Reads samples of Fortran order, in which the first axis, z, is fastest. Some planes of equal x
+/// are in memory twice, never all of them.
 template <class Stored, class Sample, class Convert>
-void read_reversed(ByteSource& stream, const StoredVolumes& stored, bool swap, Sample* samples, const Size& size, Convert convert) {
+void read_reversed(ByteSource& stream, const StoredVolumes& stored, bool swap, Sample* samples,
+                   const Size& size, Convert convert) {
   constexpr std::size_t kBufferBytes = std::size_t{1} << 24;
   const std::size_t plane = size[1] * size[2];
-  const std::size_t most = std::clamp<std::size_t>(kBufferBytes / (plane * sizeof(Stored)), 1, size[0]);
+  const std::size_t most =
+      std::clamp<std::size_t>(kBufferBytes / (plane * sizeof(Stored)), 1, size[0]);
   std::vector<Stored> values(most * plane);
   for (std::size_t x = 0; x < size[0]; x += most) {
     const std::size_t count = std::min(most, size[0] - x);
     const std::size_t wanted = count * plane * sizeof(Stored);
     const std::size_t found = stream.read(values.data(), wanted);
-    if (found < wanted) require_stored_bytes(stored.file, stored.volume_bytes, x * plane * sizeof(Stored) + found);
+    if (found < wanted)
+      require_stored_bytes(stored.file, stored.volume_bytes, x * plane * sizeof(Stored) + found);
     if (swap) swap_byte_order(values.data(), count * plane, sizeof(Stored));
     reverse_axes(values.data(), count, samples + x, size, convert);
   }
 }
 
-void read_fortran_samples(const StoredVolumes& stored, bool is_half, bool swap, VolumeFile& file, const ReadOptions& options) {
+void read_fortran_samples(const StoredVolumes& stored, bool is_half, bool swap, VolumeFile& file,
+                          const ReadOptions& options) {
   const Size size = file.volume.view.grid.size;
   read_stored_volume(stored, 0, file, options, [&](ByteSource& stream, std::byte* samples) {
     if (is_half) {
-      return read_reversed<std::uint16_t>(stream, stored, swap, reinterpret_cast<float*>(samples), size, float_of_half);
+      return read_reversed<std::uint16_t>(stream, stored, swap, reinterpret_cast<float*>(samples),
+                                          size, float_of_half);
     }
     visit_sample_type(file.volume.view.type, [&](auto* null) {
       using Sample = std::remove_cvref_t<decltype(*null)>;
-      read_reversed<Sample>(stream, stored, swap, reinterpret_cast<Sample*>(samples), size, std::identity());
+      read_reversed<Sample>(stream, stored, swap, reinterpret_cast<Sample*>(samples), size,
+                            std::identity());
     });
   });
   file.source.decisions.push_back({"order", "Fortran, turned into (z, y, x)"});
@@ -252,7 +278,8 @@ VolumeFile read_npy(const fs::path& path, const ReadOptions& options) {
   const NpyHeader header = read_header(path);
   const StoredType type = stored_type_of(header.descr, path);
   const bool is_big_endian = header.descr[0] == '>';
-  const bool swap = (header.descr[0] == '<' || is_big_endian) && is_big_endian != (std::endian::native == std::endian::big);
+  const bool swap = (header.descr[0] == '<' || is_big_endian) &&
+                    is_big_endian != (std::endian::native == std::endian::big);
 
   VolumeFile file;
   Volume& volume = file.volume;
@@ -261,7 +288,9 @@ VolumeFile read_npy(const fs::path& path, const ReadOptions& options) {
   volume.view.grid.size = size_of(header.shape, path);
   volume.view.type = type.type;
   const StoredVolumes stored{
-      .file = path, .offset = header.samples_offset, .volume_bytes = checked_sample_bytes(path, volume.view.grid.size, type.bytes)};
+      .file = path,
+      .offset = header.samples_offset,
+      .volume_bytes = checked_sample_bytes(path, volume.view.grid.size, type.bytes)};
   require_stored_volumes(stored, file.source);
   if (header.is_fortran_order) {
     read_fortran_samples(stored, type.is_half, swap, file, options);

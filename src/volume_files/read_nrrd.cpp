@@ -27,20 +27,25 @@ namespace {
 
 enum class AxisRole { space, time, layer, channel, nothing };
 
-bool is_domain(const NrrdAxis& axis) { return axis.kind.empty() || axis.kind == "domain" || axis.kind == "space"; }
+bool is_domain(const NrrdAxis& axis) {
+  return axis.kind.empty() || axis.kind == "domain" || axis.kind == "space";
+}
 
-// What an axis of the kind domain, or of none, is: one that has no direction where others have is not in space, and one without a
-// spacing among some with is none of the three either, if there are more than three.
+// What an axis of the kind domain, or of none, is: one that has no direction where others have is
+// not in space, and one without a spacing among some with is none of the three either, if there are
+// more than three.
 AxisRole role_of_domain(const NrrdAxis& axis, const std::vector<NrrdAxis>& axes) {
   const auto has_direction = [](const NrrdAxis& other) { return !other.direction.empty(); };
   const auto has_spacing = [](const NrrdAxis& other) { return !std::isnan(other.spacing); };
   const bool is_out_of_space = std::ranges::any_of(axes, has_direction) && !has_direction(axis);
-  const bool is_without_spacing = axes.size() > 3 && std::ranges::any_of(axes, has_spacing) && !has_spacing(axis) && axis.kind.empty();
+  const bool is_without_spacing = axes.size() > 3 && std::ranges::any_of(axes, has_spacing) &&
+                                  !has_spacing(axis) && axis.kind.empty();
   if (is_out_of_space || is_without_spacing) {
     return axis.size == 1 ? AxisRole::nothing : AxisRole::channel;
   }
   const std::vector<double>& step = axis.direction;
-  return step.size() == 4 && step[0] == 0 && step[1] == 0 && step[2] == 0 ? AxisRole::time : AxisRole::space;
+  return step.size() == 4 && step[0] == 0 && step[1] == 0 && step[2] == 0 ? AxisRole::time
+                                                                          : AxisRole::space;
 }
 
 AxisRole role_of(const NrrdAxis& axis, const std::vector<NrrdAxis>& axes) {
@@ -73,8 +78,10 @@ std::string shape_of(const std::vector<NrrdAxis>& axes) {
   return shape;
 }
 
-/// The three axes of the volume. One sample where there are fewer; checked_sample_bytes() refuses that.
-std::array<NrrdAxis, 3> space_axes(const fs::path& path, const std::vector<NrrdAxis>& axes, const std::vector<AxisRole>& roles) {
+/// The three axes of the volume. One sample where there are fewer; checked_sample_bytes() refuses
+/// that.
+std::array<NrrdAxis, 3> space_axes(const fs::path& path, const std::vector<NrrdAxis>& axes,
+                                   const std::vector<AxisRole>& roles) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   std::array<NrrdAxis, 3> found;
   found.fill({1, "", "", kNone, kNone, kNone, "", {}});
@@ -84,8 +91,10 @@ std::array<NrrdAxis, 3> space_axes(const fs::path& path, const std::vector<NrrdA
       continue;
     }
     if (count == 3) {
-      throw unsupported(path, "has " + std::to_string(axes.size()) + " dimensions (" + shape_of(axes) +
-                                  ") and does not say which of them are not space, expected 3, or kinds of the axes");
+      throw unsupported(
+          path,
+          "has " + std::to_string(axes.size()) + " dimensions (" + shape_of(axes) +
+              ") and does not say which of them are not space, expected 3, or kinds of the axes");
     }
     found[count++] = axes[i];
   }
@@ -94,15 +103,17 @@ std::array<NrrdAxis, 3> space_axes(const fs::path& path, const std::vector<NrrdA
 
 /// What the values of one sample are called; numbers where the kind does not say.
 FileChoice named_channels(const fs::path& path, const NrrdAxis& axis) {
-  static const std::map<std::string_view, std::vector<std::string>> kNames{{"rgb-color", {"red", "green", "blue"}},
-                                                                           {"rgbcolor", {"red", "green", "blue"}},
-                                                                           {"rgb", {"red", "green", "blue"}},
-                                                                           {"rgba-color", {"red", "green", "blue", "alpha"}},
-                                                                           {"rgbacolor", {"red", "green", "blue", "alpha"}},
-                                                                           {"rgba", {"red", "green", "blue", "alpha"}},
-                                                                           {"complex", {"real", "imaginary"}}};
+  static const std::map<std::string_view, std::vector<std::string>> kNames{
+      {"rgb-color", {"red", "green", "blue"}},
+      {"rgbcolor", {"red", "green", "blue"}},
+      {"rgb", {"red", "green", "blue"}},
+      {"rgba-color", {"red", "green", "blue", "alpha"}},
+      {"rgbacolor", {"red", "green", "blue", "alpha"}},
+      {"rgba", {"red", "green", "blue", "alpha"}},
+      {"complex", {"real", "imaginary"}}};
   FileChoice choice = checked_choice(path, "channel", axis.size);
-  if (const auto names = kNames.find(axis.kind); names != kNames.end() && names->second.size() == axis.size) {
+  if (const auto names = kNames.find(axis.kind);
+      names != kNames.end() && names->second.size() == axis.size) {
     choice.entries = names->second;
   }
   return choice;
@@ -118,8 +129,10 @@ struct Segment {
 std::vector<Segment> segments_of(const NrrdHeader& header) {
   std::vector<Segment> segments;
   const auto value_of = [&](const std::string& key) {
-    const auto found = header.key_values.find("Segment" + std::to_string(segments.size()) + "_" + key);
-    return found == header.key_values.end() ? std::optional<std::string>() : std::optional(found->second);
+    const auto found =
+        header.key_values.find("Segment" + std::to_string(segments.size()) + "_" + key);
+    return found == header.key_values.end() ? std::optional<std::string>()
+                                            : std::optional(found->second);
   };
   while (value_of("ID") || value_of("Name")) {
     const auto layer = integer_of(trimmed(value_of("Layer").value_or("")));
@@ -131,7 +144,8 @@ std::vector<Segment> segments_of(const NrrdHeader& header) {
 }
 
 /// A layer is called as its segments are, "liver, spleen".
-FileChoice named_layers(const fs::path& path, const std::vector<Segment>& segments, std::size_t count) {
+FileChoice named_layers(const fs::path& path, const std::vector<Segment>& segments,
+                        std::size_t count) {
   FileChoice choice = checked_choice(path, "layer", count);
   std::vector<std::string> names(count);
   for (const Segment& segment : segments) {
@@ -159,24 +173,30 @@ void note_segments(const NrrdHeader& header, std::size_t layer, VolumeSource& so
 }
 
 /// Takes an entry of each list. @returns the index along each axis that is none of the volume's
-std::vector<StoredAxis> select(const fs::path& path, const NrrdHeader& header, const std::vector<NrrdAxis>& axes,
-                               const std::vector<AxisRole>& roles, const ReadOptions& options, VolumeSource& source) {
+std::vector<StoredAxis> select(const fs::path& path, const NrrdHeader& header,
+                               const std::vector<NrrdAxis>& axes,
+                               const std::vector<AxisRole>& roles, const ReadOptions& options,
+                               VolumeSource& source) {
   std::vector<StoredAxis> stored;
   std::size_t layer = 0;
   for (std::size_t i = 0; i < axes.size(); ++i) {
     StoredAxis& axis = stored.emplace_back(StoredAxis{axes[i].size, {}});
-    if (roles[i] != AxisRole::space && roles[i] != AxisRole::nothing && std::ranges::count(roles, roles[i]) > 1) {
-      throw unsupported(path, "has " + std::to_string(axes.size()) + " dimensions (" + shape_of(axes) +
+    if (roles[i] != AxisRole::space && roles[i] != AxisRole::nothing &&
+        std::ranges::count(roles, roles[i]) > 1) {
+      throw unsupported(path, "has " + std::to_string(axes.size()) + " dimensions (" +
+                                  shape_of(axes) +
                                   "), several of them lists of one kind, expected one");
     }
     switch (roles[i]) {
       case AxisRole::space:
         break;
       case AxisRole::time:
-        axis.selected = take_choice(path, source, checked_choice(path, "time", axes[i].size), options.time);
+        axis.selected =
+            take_choice(path, source, checked_choice(path, "time", axes[i].size), options.time);
         break;
       case AxisRole::layer:
-        layer = take_choice(path, source, named_layers(path, segments_of(header), axes[i].size), options.layer);
+        layer = take_choice(path, source, named_layers(path, segments_of(header), axes[i].size),
+                            options.layer);
         axis.selected = layer;
         break;
       case AxisRole::channel:
@@ -198,18 +218,21 @@ VolumeFile read_nrrd(const fs::path& path, const ReadOptions& options) {
   file.source.format = "NRRD";
   const NrrdHeader header = read_nrrd_header(path);
   if (!header.unknown_fields.empty()) {
-    file.source.warnings.push_back("has a header field that NRRD does not know: " + header.unknown_fields.front());
+    file.source.warnings.push_back("has a header field that NRRD does not know: " +
+                                   header.unknown_fields.front());
   }
   file.volume.view.type = nrrd_sample_type(header, path);
   const std::vector<NrrdAxis> axes = nrrd_axes(header, path);
   const std::vector<AxisRole> roles = roles_of(axes);
   const std::array<NrrdAxis, 3> volume_axes = space_axes(path, axes, roles);
-  checked_sample_bytes(path, {volume_axes[0].size, volume_axes[1].size, volume_axes[2].size}, bytes_per_sample(file.volume.view.type));
+  checked_sample_bytes(path, {volume_axes[0].size, volume_axes[1].size, volume_axes[2].size},
+                       bytes_per_sample(file.volume.view.type));
   file.volume.view.grid = nrrd_grid(path, volume_axes, nrrd_space(header, path), file.source);
   StoredSamples stored;
   stored.axes = select(path, header, axes, roles, options, file.source);
   find_nrrd_samples(stored, header, path, file.source);
-  const std::shared_ptr<std::byte[]> samples = read_stored_samples(path, stored, options, file.source);
+  const std::shared_ptr<std::byte[]> samples =
+      read_stored_samples(path, stored, options, file.source);
   file.volume.view.samples = samples.get();
   file.volume.owner = samples;
   return file;

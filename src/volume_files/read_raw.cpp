@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Headerless samples: the caller says what they are, the file's size must agree. The file may be gzipped or bzipped as a whole.
+// Headerless samples: the caller says what they are, the file's size must agree. The file may be
+// gzipped or bzipped as a whole.
 #include <bit>
 #include <cmath>
 #include <string>
@@ -16,13 +17,16 @@ namespace fs = std::filesystem;
 
 namespace {
 
-[[noreturn]] void refuse_size(const fs::path& path, const RawLayout& layout, std::uint64_t found, std::uint64_t expected, bool is_packed) {
-  throw bad_file(path, std::string(is_packed && found > layout.offset + 2 * expected ? "has more than " : "has ") + std::to_string(found) +
-                           " bytes" + (is_packed ? " when unpacked" : "") + ", but " +
-                           (layout.offset > 0 ? "after an offset of " + std::to_string(layout.offset) + " " : "") +
-                           std::to_string(layout.size[0]) + " x " + std::to_string(layout.size[1]) + " x " +
-                           std::to_string(layout.size[2]) + " samples of " + std::string(name(layout.type)) + " are " +
-                           std::to_string(expected) + " bytes");
+[[noreturn]] void refuse_size(const fs::path& path, const RawLayout& layout, std::uint64_t found,
+                              std::uint64_t expected, bool is_packed) {
+  throw bad_file(
+      path,
+      std::string(is_packed && found > layout.offset + 2 * expected ? "has more than " : "has ") +
+          std::to_string(found) + " bytes" + (is_packed ? " when unpacked" : "") + ", but " +
+          (layout.offset > 0 ? "after an offset of " + std::to_string(layout.offset) + " " : "") +
+          std::to_string(layout.size[0]) + " x " + std::to_string(layout.size[1]) + " x " +
+          std::to_string(layout.size[2]) + " samples of " + std::string(name(layout.type)) +
+          " are " + std::to_string(expected) + " bytes");
 }
 
 // A file of exactly the right size is what it is said to be, whatever its first bytes.
@@ -39,7 +43,8 @@ Packing packing_of_samples(const fs::path& path, const RawLayout& layout, std::u
   return packing;
 }
 
-void read_packed(const fs::path& path, const RawLayout& layout, Packing packing, std::byte* samples, std::uint64_t bytes) {
+void read_packed(const fs::path& path, const RawLayout& layout, Packing packing, std::byte* samples,
+                 std::uint64_t bytes) {
   ByteSource source(path, 0, packing);
   source.skip(layout.offset);
   const std::uint64_t count = source.read(samples, static_cast<std::size_t>(bytes));
@@ -56,7 +61,8 @@ VolumeFile read_raw(const fs::path& path, const ReadOptions& options) {
   for (const double spacing : layout.spacing) {
     if (!std::isfinite(spacing) || spacing <= 0) {
       throw Error(ErrorCode::bad_argument,
-                  one_line(path.string() + ": raw layout with spacing " + std::to_string(spacing) + ", expected positive lengths"));
+                  one_line(path.string() + ": raw layout with spacing " + std::to_string(spacing) +
+                           ", expected positive lengths"));
     }
   }
   const std::size_t sample_bytes = bytes_per_sample(layout.type);

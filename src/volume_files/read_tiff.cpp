@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A TIFF file as a volume: what its description says of the pages, the choice of a channel and a time, and the samples.
+// A TIFF file as a volume: what its description says of the pages, the choice of a channel and a
+// time, and the samples.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -27,12 +28,15 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::uint32_t kMetaMorphStackTag = 33629;  // UIC2Tag: one entry per plane of a stack in one page
+constexpr std::uint32_t kMetaMorphStackTag =
+    33629;  // UIC2Tag: one entry per plane of a stack in one page
 
 TiffStack describe(TiffFile& tiff, const ReadOptions& options, VolumeSource& source) {
   tiff.select(0);
   if (tiff.page_count() == 1 && tiff.has_tag(kMetaMorphStackTag)) {
-    throw unsupported(tiff.path(), "is a MetaMorph stack (STK), which keeps all planes in one page; Fiji can save it as TIFF");
+    throw unsupported(
+        tiff.path(),
+        "is a MetaMorph stack (STK), which keeps all planes in one page; Fiji can save it as TIFF");
   }
   if (auto stack = describe_ome(tiff, options, source)) return std::move(*stack);
   if (auto stack = describe_imagej(tiff, source)) return std::move(*stack);
@@ -41,8 +45,8 @@ TiffStack describe(TiffFile& tiff, const ReadOptions& options, VolumeSource& sou
   return describe_pages(tiff, options, source);
 }
 
-// tifffile and Fiji label slices as channels or times unless they are told better. ImageJ shows at most seven channels together, so
-// more without slices are slices; up to seven are a 2-D image.
+// tifffile and Fiji label slices as channels or times unless they are told better. ImageJ shows at
+// most seven channels together, so more without slices are slices; up to seven are a 2-D image.
 void take_only_axis_as_slices(TiffStack& stack, VolumeSource& source) {
   constexpr std::size_t kMostChannels = 7;
   const auto use = [&](std::size_t& axis, const std::string& label, auto page_of) {
@@ -56,21 +60,28 @@ void take_only_axis_as_slices(TiffStack& stack, VolumeSource& source) {
   }
   if (stack.channels == 1 && stack.times > 1) {
     use(stack.times, "time points",
-        [page_of = stack.page_of](std::size_t, std::size_t slice, std::size_t) { return page_of(0, 0, slice); });
+        [page_of = stack.page_of](std::size_t, std::size_t slice, std::size_t) {
+          return page_of(0, 0, slice);
+        });
   } else if (stack.channels > kMostChannels && stack.times == 1) {
     use(stack.channels, "channels",
-        [page_of = stack.page_of](std::size_t, std::size_t slice, std::size_t) { return page_of(slice, 0, 0); });
+        [page_of = stack.page_of](std::size_t, std::size_t slice, std::size_t) {
+          return page_of(slice, 0, 0);
+        });
     stack.channel_names.clear();
   }
 }
 
 void require_slices(const TiffStack& stack, const PageFormat& page, const fs::path& path) {
   if (stack.slices < 2) {
-    const std::string what = stack.channels > 1 || stack.times > 1 ? ", " + std::to_string(stack.channels) + " channels x " +
-                                                                         std::to_string(stack.times) + " time points of 2-D images"
-                                                                   : ", a 2-D image";
-    throw unsupported(path, "has " + std::to_string(page.width) + " x " + std::to_string(page.height) + " x 1 samples" + what +
-                                "; expected a volume: a stack of slices, or the folder that holds all slices");
+    const std::string what = stack.channels > 1 || stack.times > 1
+                                 ? ", " + std::to_string(stack.channels) + " channels x " +
+                                       std::to_string(stack.times) + " time points of 2-D images"
+                                 : ", a 2-D image";
+    throw unsupported(
+        path, "has " + std::to_string(page.width) + " x " + std::to_string(page.height) +
+                  " x 1 samples" + what +
+                  "; expected a volume: a stack of slices, or the folder that holds all slices");
   }
 }
 
@@ -79,7 +90,8 @@ struct Selection {
   std::size_t page_channel = 0, value = 0, time = 0;
 };
 
-Selection select(const TiffStack& stack, const PageFormat& page, const std::vector<std::string>& value_names, const fs::path& path,
+Selection select(const TiffStack& stack, const PageFormat& page,
+                 const std::vector<std::string>& value_names, const fs::path& path,
                  const ReadOptions& options, VolumeSource& source) {
   const std::size_t values = page.values_per_sample;
   FileChoice channels = checked_choice(path, "channel", stack.channels * values);
@@ -94,7 +106,8 @@ Selection select(const TiffStack& stack, const PageFormat& page, const std::vect
     selection = {channel / values, channel % values, 0};
   }
   if (stack.times > 1) {
-    selection.time = take_choice(path, source, checked_choice(path, "time", stack.times), options.time);
+    selection.time =
+        take_choice(path, source, checked_choice(path, "time", stack.times), options.time);
   }
   return selection;
 }
@@ -119,27 +132,34 @@ std::uint64_t promised_bytes(const PageFormat& page, std::uint64_t pages) {
   return page.stored_bytes() > kMost / pages ? kMost : page.stored_bytes() * pages;
 }
 
-// LZW shrinks constant data 5000 times at best; zstandard and fax codes shrink it more, but keep some bytes for a page.
+// LZW shrinks constant data 5000 times at best; zstandard and fax codes shrink it more, but keep
+// some bytes for a page.
 void require_possible_pages(const TiffFile& tiff, const PageFormat& page, std::size_t pages) {
   constexpr std::uint64_t kMostPerByte = 5000, kSmallestPage = 20;
-  const bool is_packed_better = tiff.packs_without_bound() && tiff.file_size() / kSmallestPage >= pages;
+  const bool is_packed_better =
+      tiff.packs_without_bound() && tiff.file_size() / kSmallestPage >= pages;
   if (!is_packed_better) {
-    require_possible_bytes(tiff.path(), promised_bytes(page, pages), tiff.file_size(), kMostPerByte);
+    require_possible_bytes(tiff.path(), promised_bytes(page, pages), tiff.file_size(),
+                           kMostPerByte);
   }
 }
 
 // Before anything is made for each of them: a description may promise any number.
-void require_images_behind_page(const TiffFile& tiff, const TiffStack& stack, const PageFormat& page) {
+void require_images_behind_page(const TiffFile& tiff, const TiffStack& stack,
+                                const PageFormat& page) {
   if (stack.is_contiguous) {
     const std::uint64_t start = tiff.offset_of_plain_samples();
-    const std::uint64_t pages = stack.channels * stack.slices * stack.times;  // each at most a million
-    require_stored_bytes(tiff.path(), promised_bytes(page, pages), tiff.file_size() - std::min(start, tiff.file_size()));
+    const std::uint64_t pages =
+        stack.channels * stack.slices * stack.times;  // each at most a million
+    require_stored_bytes(tiff.path(), promised_bytes(page, pages),
+                         tiff.file_size() - std::min(start, tiff.file_size()));
   }
 }
 
 class SliceReader {
  public:
-  SliceReader(TiffFile& tiff, const TiffStack& stack, const PageFormat& page, const ReadOptions& options)
+  SliceReader(TiffFile& tiff, const TiffStack& stack, const PageFormat& page,
+              const ReadOptions& options)
       : tiff_(tiff), stack_(stack), page_(page), options_(options) {
     if (stack.is_contiguous) {
       start_ = tiff.offset_of_plain_samples();
@@ -154,8 +174,9 @@ class SliceReader {
     }
     tiff_.select(page);
     if (const PageFormat format = tiff_.format(); !format.has_same_samples(page_)) {
-      throw unsupported(tiff_.path(),
-                        "page " + std::to_string(page + 1) + " has " + to_string(format) + ", the first has " + to_string(page_));
+      throw unsupported(tiff_.path(), "page " + std::to_string(page + 1) + " has " +
+                                          to_string(format) + ", the first has " +
+                                          to_string(page_));
     }
     tiff_.read_samples(page_, selection.value, options_, samples);
   }
@@ -163,7 +184,8 @@ class SliceReader {
  private:
   void read_contiguous(std::size_t page, std::size_t value, std::byte* samples) {
     stored_.resize(static_cast<std::size_t>(page_.stored_bytes()));
-    ByteSource(tiff_.path(), start_ + page * page_.stored_bytes(), Packing::none).read_samples(stored_.data(), stored_.size());
+    ByteSource(tiff_.path(), start_ + page * page_.stored_bytes(), Packing::none)
+        .read_samples(stored_.data(), stored_.size());
     const std::size_t value_bytes = page_.bits / 8;
     if (value_bytes > 1 && tiff_.is_big_endian() != (std::endian::native == std::endian::big)) {
       swap_byte_order(stored_.data(), stored_.size() / value_bytes, value_bytes);
@@ -171,7 +193,8 @@ class SliceReader {
     const std::uint64_t stored_row = page_.stored_bytes() / page_.height;
     const std::uint64_t row_bytes = page_.width * bytes_per_sample(page_.type());
     for (std::uint32_t row = 0; row < page_.height; ++row) {
-      unpack_values(page_, page_.values_per_sample, value, stored_.data() + row * stored_row, page_.width, samples + row * row_bytes);
+      unpack_values(page_, page_.values_per_sample, value, stored_.data() + row * stored_row,
+                    page_.width, samples + row * row_bytes);
     }
   }
 
@@ -183,26 +206,32 @@ class SliceReader {
   std::vector<std::byte> stored_;
 };
 
-Volume read_slices(TiffFile& tiff, const TiffStack& stack, const PageFormat& page, const Selection& selection, const Vec3& spacing,
-                   const ReadOptions& options) {
+Volume read_slices(TiffFile& tiff, const TiffStack& stack, const PageFormat& page,
+                   const Selection& selection, const Vec3& spacing, const ReadOptions& options) {
   const fs::path& path = tiff.path();
   const std::array<std::size_t, 3> size{page.width, page.height, stack.slices};
-  const SampleType type = stack.rescale ? rescaled_type(page.type(), stack.rescale->slope, stack.rescale->intercept) : page.type();
+  const SampleType type =
+      stack.rescale ? rescaled_type(page.type(), stack.rescale->slope, stack.rescale->intercept)
+                    : page.type();
   const std::uint64_t bytes = checked_sample_bytes(path, size, bytes_per_sample(type));
   require_possible_pages(tiff, page, stack.is_contiguous ? 1 : stack.slices);
   SliceReader reader(tiff, stack, page, options);
   Volume volume;
-  volume.view.grid = grid_of_file(path, size, spacing, stack.origin, {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}});
+  volume.view.grid = grid_of_file(path, size, spacing, stack.origin,
+                                  {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}});
   volume.view.grid.unit = stack.unit;
   volume.view.type = type;
   const std::shared_ptr<std::byte[]> samples = allocate_samples(path, bytes, options);
   const std::uint64_t slice_bytes = bytes / stack.slices;
-  std::vector<std::byte> stored(stack.rescale ? static_cast<std::size_t>(size[0] * size[1] * bytes_per_sample(page.type())) : 0);
+  std::vector<std::byte> stored(
+      stack.rescale ? static_cast<std::size_t>(size[0] * size[1] * bytes_per_sample(page.type()))
+                    : 0);
   for (std::size_t slice = 0; slice < stack.slices; ++slice) {
     std::byte* const place = samples.get() + slice * slice_bytes;
     reader.read(selection, slice, stack.rescale ? stored.data() : place);
     if (stack.rescale) {
-      rescale_samples(page.type(), stored.data(), size[0] * size[1], stack.rescale->slope, stack.rescale->intercept, place);
+      rescale_samples(page.type(), stored.data(), size[0] * size[1], stack.rescale->slope,
+                      stack.rescale->intercept, place);
     }
   }
   volume.view.samples = samples.get();

@@ -22,7 +22,9 @@ namespace fs = std::filesystem;
 namespace {
 
 void require_valid(const ReadOptions& options, const fs::path& path) {
-  const auto refuse = [&](const std::string& what) { throw Error(ErrorCode::bad_argument, io::one_line(path.string() + ": " + what)); };
+  const auto refuse = [&](const std::string& what) {
+    throw Error(ErrorCode::bad_argument, io::one_line(path.string() + ": " + what));
+  };
   if (options.spacing) {
     for (const double step : {options.spacing->x, options.spacing->y, options.spacing->z}) {
       if (!std::isfinite(step) || step <= 0) {
@@ -30,7 +32,8 @@ void require_valid(const ReadOptions& options, const fs::path& path) {
       }
     }
     if (options.raw && options.raw->spacing != std::array<double, 3>{1, 1, 1}) {
-      refuse("two spacings were given, the raw layout's and one in place of the file's; expected one");
+      refuse(
+          "two spacings were given, the raw layout's and one in place of the file's; expected one");
     }
   }
 }
@@ -38,14 +41,20 @@ void require_valid(const ReadOptions& options, const fs::path& path) {
 // An option that no reader has looked at: the file has no such list.
 void require_used(const ReadOptions& options, const VolumeFile& file, const fs::path& path) {
   const auto check = [&](const std::string& name, bool is_given) {
-    const bool is_used = std::ranges::any_of(file.source.choices, [&](const FileChoice& choice) { return choice.name == name; });
+    const bool is_used = std::ranges::any_of(
+        file.source.choices, [&](const FileChoice& choice) { return choice.name == name; });
     if (is_given && !is_used) {
-      const std::string list = name == "series" ? name : name == "time" ? "time points" : name + "s";
-      throw Error(ErrorCode::bad_argument, io::one_line(path.string() + ": --" + name + " was given, but a " + file.source.format +
-                                                        " file like this one has no " + list + " to choose from"));
+      const std::string list = name == "series" ? name
+                               : name == "time" ? "time points"
+                                                : name + "s";
+      throw Error(
+          ErrorCode::bad_argument,
+          io::one_line(path.string() + ": --" + name + " was given, but a " + file.source.format +
+                       " file like this one has no " + list + " to choose from"));
     }
   };
-  check("channel", !options.channel.empty() && options.channel != "0");  // the first of one needs no list
+  check("channel",
+        !options.channel.empty() && options.channel != "0");  // the first of one needs no list
   check("time", options.time.value_or(0) > 0);
   check("layer", !options.layer.empty() && options.layer != "0");
   check("array", !options.array.empty());
@@ -60,15 +69,18 @@ void apply_spacing(const ReadOptions& options, VolumeFile& file) {
     const LengthUnit stated_unit = grid.unit;
     grid.spacing = *options.spacing;
     if (options.spacing_unit != LengthUnit::unknown) {
-      const double scale = grid.unit == LengthUnit::unknown ? 1 : metres(grid.unit) / metres(options.spacing_unit);
+      const double scale =
+          grid.unit == LengthUnit::unknown ? 1 : metres(grid.unit) / metres(options.spacing_unit);
       grid.origin = {grid.origin.x * scale, grid.origin.y * scale, grid.origin.z * scale};
       grid.unit = options.spacing_unit;
     }
-    const double scale = options.spacing_unit == LengthUnit::unknown || stated_unit == LengthUnit::unknown
-                             ? 1
-                             : metres(stated_unit) / metres(options.spacing_unit);
+    const double scale =
+        options.spacing_unit == LengthUnit::unknown || stated_unit == LengthUnit::unknown
+            ? 1
+            : metres(stated_unit) / metres(options.spacing_unit);
     const Vec3 steps = source.origin_in_samples;
-    grid.origin = grid.origin + (steps.x * (grid.spacing.x - scale * before.x)) * grid.direction[0] +
+    grid.origin = grid.origin +
+                  (steps.x * (grid.spacing.x - scale * before.x)) * grid.direction[0] +
                   (steps.y * (grid.spacing.y - scale * before.y)) * grid.direction[1] +
                   (steps.z * (grid.spacing.z - scale * before.z)) * grid.direction[2];
     source.decisions.push_back({"spacing", "given, in place of the file's"});
@@ -87,11 +99,14 @@ void keep_region(const ReadOptions& options, VolumeFile& file, const fs::path& p
     const std::string axis(1, "xyz"[a]);
     last[a] = wanted.last[a] == Region::kEnd ? size[a] - 1 : wanted.last[a];
     if (last[a] >= size[a] || wanted.first[a] >= last[a]) {
-      throw Error(ErrorCode::bad_argument, io::one_line(path.string()) + ": the region has samples " + std::to_string(wanted.first[a]) +
-                                               " to " + std::to_string(last[a]) + " along " + axis + ", expected two or more of 0 to " +
-                                               std::to_string(size[a] - 1));
+      throw Error(ErrorCode::bad_argument,
+                  io::one_line(path.string()) + ": the region has samples " +
+                      std::to_string(wanted.first[a]) + " to " + std::to_string(last[a]) +
+                      " along " + axis + ", expected two or more of 0 to " +
+                      std::to_string(size[a] - 1));
     }
-    text += (a == 0 ? "" : ", ") + axis + " " + std::to_string(wanted.first[a]) + " to " + std::to_string(last[a]);
+    text += (a == 0 ? "" : ", ") + axis + " " + std::to_string(wanted.first[a]) + " to " +
+            std::to_string(last[a]);
   }
   file.volume = detail::dense_volume(file.volume.view.box(wanted.first, last), file.volume.owner);
   file.source.decisions.push_back({"region", text});
@@ -103,17 +118,21 @@ VolumeFile read_path(const fs::path& path, const ReadOptions& options) {
   }
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) {
-    return io::is_image_stack(path) ? io::read_image_stack(path, options) : io::read_dicom(path, options);
+    return io::is_image_stack(path) ? io::read_image_stack(path, options)
+                                    : io::read_dicom(path, options);
   }
-  io::readable_file_size(path);  // missing, empty, not readable: said before anything about the format
+  io::readable_file_size(
+      path);  // missing, empty, not readable: said before anything about the format
   return io::format_of(path).read(path, options);
 }
 
 // Standard input is a file with a name that tells nobody anything: messages get the one that does.
 [[noreturn]] void rethrow_named(const Error& error, const fs::path& path) {
   std::string message = error.what();
-  if (message.find(path.parent_path().string() + "/", message.find(path.string()) + 1) != std::string::npos) {
-    throw io::bad_file(io::kStandardInputName, "is a header that names other files, expected the header by its file name");
+  if (message.find(path.parent_path().string() + "/", message.find(path.string()) + 1) !=
+      std::string::npos) {
+    throw io::bad_file(io::kStandardInputName,
+                       "is a header that names other files, expected the header by its file name");
   }
   if (const std::size_t at = message.find(path.string()); at != std::string::npos) {
     message.replace(at, path.string().size(), io::kStandardInputName);
@@ -145,6 +164,8 @@ VolumeFile read_volume_file(const fs::path& path, const ReadOptions& options) {
   });
 }
 
-Volume read_volume(const fs::path& path, const ReadOptions& options) { return read_volume_file(path, options).volume; }
+Volume read_volume(const fs::path& path, const ReadOptions& options) {
+  return read_volume_file(path, options).volume;
+}
 
 }  // namespace isoatlas

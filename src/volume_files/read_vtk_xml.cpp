@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// VTK XML images and rectilinear grids with equal steps. VTK's own reader returns what was in memory where base64 text or an
-// LZ4 block ends early, and allocates what a header promises, so the values are decoded here, each of them or none.
+// VTK XML images and rectilinear grids with equal steps. VTK's own reader returns what was in
+// memory where base64 text or an LZ4 block ends early, and allocates what a header promises, so the
+// values are decoded here, each of them or none.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -31,7 +32,8 @@ using TimeStep = std::optional<std::size_t>;
 // An array without TimeStep is the same at all times.
 bool is_of_step(const VtkXmlHeader& header, const XmlElement& array, TimeStep step) {
   const std::vector<double> steps = numbers_of(header, array, "TimeStep", 0);
-  return !step || steps.empty() || std::ranges::find(steps, static_cast<double>(*step)) != steps.end();
+  return !step || steps.empty() ||
+         std::ranges::find(steps, static_cast<double>(*step)) != steps.end();
 }
 
 TimeStep choose_time(const VtkXmlGrid& grid, const ReadOptions& options, VolumeSource& source) {
@@ -45,21 +47,30 @@ TimeStep choose_time(const VtkXmlGrid& grid, const ReadOptions& options, VolumeS
 std::uint64_t components_of(const VtkXmlHeader& header, const XmlElement& array) {
   const std::vector<double> number = numbers_of(header, array, "NumberOfComponents", 1);
   constexpr double kMost = 1e9;
-  return number.empty() ? 1 : number[0] >= 0 && number[0] <= kMost ? static_cast<std::uint64_t>(number[0]) : 0;
+  return number.empty()                         ? 1
+         : number[0] >= 0 && number[0] <= kMost ? static_cast<std::uint64_t>(number[0])
+                                                : 0;
 }
 
 VtkArray description_of(const VtkXmlHeader& header, const XmlElement& array, VtkType type) {
-  VtkArray description{.name = array.attribute_or("Name", ""), .type = type, .components = components_of(header, array)};
-  for (std::size_t i = 0; i < std::min<std::uint64_t>(description.components, array.attributes.size()); ++i) {
-    description.component_names.push_back(array.attribute_or("ComponentName" + std::to_string(i), ""));
+  VtkArray description{.name = array.attribute_or("Name", ""),
+                       .type = type,
+                       .components = components_of(header, array)};
+  for (std::size_t i = 0;
+       i < std::min<std::uint64_t>(description.components, array.attributes.size()); ++i) {
+    description.component_names.push_back(
+        array.attribute_or("ComponentName" + std::to_string(i), ""));
   }
   return description;
 }
 
-// The arrays of numbers, of points and then of cells, as the file's header or its first piece lists them.
+// The arrays of numbers, of points and then of cells, as the file's header or its first piece lists
+// them.
 std::vector<VtkArray> arrays_of(const VtkXmlGrid& grid, TimeStep step) {
   const std::string prefix = grid.is_parallel ? "P" : "";
-  const XmlElement* const list = grid.is_parallel ? grid.element : grid.pieces.empty() ? nullptr : grid.pieces.front().element;
+  const XmlElement* const list = grid.is_parallel      ? grid.element
+                                 : grid.pieces.empty() ? nullptr
+                                                       : grid.pieces.front().element;
   std::vector<VtkArray> arrays;
   for (const std::string kind : {"PointData", "CellData"}) {
     const XmlElement* const attributes = list == nullptr ? nullptr : list->child(prefix + kind);
@@ -71,10 +82,12 @@ std::vector<VtkArray> arrays_of(const VtkXmlGrid& grid, TimeStep step) {
         continue;  // <Array>: strings
       }
       const std::string name = array.attribute_or("Name", "");
-      const auto is_marked_as = [&](const char* what) { return !name.empty() && attributes->attribute_or(what, "") == name; };
+      const auto is_marked_as = [&](const char* what) {
+        return !name.empty() && attributes->attribute_or(what, "") == name;
+      };
       const std::optional<VtkType> type = vtk_xml_type(*grid.header, array);
-      if (!type || is_ghost_array(name) || is_marked_as("GlobalIds") || is_marked_as("PedigreeIds") ||
-          !is_of_step(*grid.header, array, step)) {
+      if (!type || is_ghost_array(name) || is_marked_as("GlobalIds") ||
+          is_marked_as("PedigreeIds") || !is_of_step(*grid.header, array, step)) {
         continue;
       }
       arrays.push_back(description_of(*grid.header, array, *type));
@@ -85,11 +98,14 @@ std::vector<VtkArray> arrays_of(const VtkXmlGrid& grid, TimeStep step) {
   return arrays;
 }
 
-const XmlElement* find_array(const VtkXmlPiece& piece, const std::string& name, bool is_cell_data, TimeStep step) {
-  const XmlElement* const attributes = piece.element->child(is_cell_data ? "CellData" : "PointData");
+const XmlElement* find_array(const VtkXmlPiece& piece, const std::string& name, bool is_cell_data,
+                             TimeStep step) {
+  const XmlElement* const attributes =
+      piece.element->child(is_cell_data ? "CellData" : "PointData");
   for (std::size_t i = 0; attributes != nullptr && i < attributes->children.size(); ++i) {
     const XmlElement& array = attributes->children[i];
-    if (array.name == "DataArray" && array.attribute_or("Name", "") == name && is_of_step(*piece.header, array, step)) {
+    if (array.name == "DataArray" && array.attribute_or("Name", "") == name &&
+        is_of_step(*piece.header, array, step)) {
       return &array;
     }
   }
@@ -98,18 +114,25 @@ const XmlElement* find_array(const VtkXmlPiece& piece, const std::string& name, 
 
 class SampleReader {
  public:
-  SampleReader(const VtkXmlGrid& grid, const VtkArray& array, std::uint64_t component, TimeStep step)
+  SampleReader(const VtkXmlGrid& grid, const VtkArray& array, std::uint64_t component,
+               TimeStep step)
       : grid_(grid), array_(array), component_(component), step_(step) {}
 
-  std::shared_ptr<std::byte[]> read(const std::array<std::size_t, 3>& size, const ReadOptions& options, VolumeSource& source) {
+  std::shared_ptr<std::byte[]> read(const std::array<std::size_t, 3>& size,
+                                    const ReadOptions& options, VolumeSource& source) {
     const fs::path& path = grid_.header->path;
-    const std::uint64_t bytes = checked_sample_bytes(path, size, bytes_per_sample(array_.type.sample));
-    checked_sample_bytes(path, size, bytes_per_sample(array_.type.sample) * static_cast<std::size_t>(array_.components));
+    const std::uint64_t bytes =
+        checked_sample_bytes(path, size, bytes_per_sample(array_.type.sample));
+    checked_sample_bytes(
+        path, size,
+        bytes_per_sample(array_.type.sample) * static_cast<std::size_t>(array_.components));
     require_possible(bytes);
-    if (grid_.pieces.size() == 1 && grid_.pieces[0].extent == grid_.extent && copies_of(grid_.pieces[0], source).empty()) {
+    if (grid_.pieces.size() == 1 && grid_.pieces[0].extent == grid_.extent &&
+        copies_of(grid_.pieces[0], source).empty()) {
       const auto values = open(grid_.pieces[0]);
       const std::shared_ptr<std::byte[]> samples = allocate_samples(path, bytes, options);
-      read_component(*values, array_.type.sample, array_.components, component_, all(grid_.extent).count(), samples.get());
+      read_component(*values, array_.type.sample, array_.components, component_,
+                     all(grid_.extent).count(), samples.get());
       return samples;
     }
     const std::shared_ptr<std::byte[]> samples = allocate_samples(path, bytes, options);
@@ -117,7 +140,8 @@ class SampleReader {
     for (const VtkXmlPiece& piece : grid_.pieces) {
       check_data_file(path, piece.header->path, [&] {
         const std::vector<bool> copies = copies_of(piece, source);
-        assembly.add(*open(piece), array_.components, component_, all(piece.extent), all(piece.wanted), copies);
+        assembly.add(*open(piece), array_.components, component_, all(piece.extent),
+                     all(piece.wanted), copies);
       });
     }
     assembly.finish(source);
@@ -128,7 +152,8 @@ class SampleReader {
   SampleBox all(const PointExtent& extent) const {
     SampleBox box{.first = {}, .size = extent.size()};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      box.first[axis] = static_cast<std::size_t>(std::max<std::int64_t>(extent.first[axis] - grid_.extent.first[axis], 0));
+      box.first[axis] = static_cast<std::size_t>(
+          std::max<std::int64_t>(extent.first[axis] - grid_.extent.first[axis], 0));
       box.size[axis] -= array_.is_cell_data && box.size[axis] > 0 ? 1 : 0;
     }
     return box;
@@ -154,13 +179,15 @@ class SampleReader {
     }
     const std::optional<VtkType> type = vtk_xml_type(*piece.header, *element);
     if (type != array_.type || components_of(*piece.header, *element) != array_.components) {
-      throw bad_file(path, "its " + name + " has other values in one piece, expected " + std::to_string(array_.components) + " of type " +
+      throw bad_file(path, "its " + name + " has other values in one piece, expected " +
+                               std::to_string(array_.components) + " of type " +
                                std::string(array_.type.name()) + " per sample");
     }
     const std::uint64_t samples = all(piece.extent).count();
     const std::vector<double> tuples = numbers_of(*piece.header, *element, "NumberOfTuples", 1);
     if (!tuples.empty() && tuples[0] != static_cast<double>(samples)) {
-      throw bad_file(path, "its " + name + " states NumberOfTuples " + element->attribute_or("NumberOfTuples", "") + ", expected " +
+      throw bad_file(path, "its " + name + " states NumberOfTuples " +
+                               element->attribute_or("NumberOfTuples", "") + ", expected " +
                                std::to_string(samples) + " for the extent of its piece");
     }
     return open_xml_values(*piece.header, *element, array_.type, samples * array_.components);
@@ -176,7 +203,9 @@ class SampleReader {
     if (element == nullptr || vtk_xml_type(*piece.header, *element) != VtkType{SampleType::uint8}) {
       return {};
     }
-    const unsigned copied = is_level ? 0xFFU : 1U, hidden = is_level ? 0U : array_.is_cell_data ? 32U : 2U;
+    const unsigned copied = is_level ? 0xFFU : 1U, hidden = is_level              ? 0U
+                                                            : array_.is_cell_data ? 32U
+                                                                                  : 2U;
     const SampleBox box = all(piece.extent);
     const auto values = open_xml_values(*piece.header, *element, {SampleType::uint8}, box.count());
     std::vector<bool> copies;
@@ -189,7 +218,8 @@ class SampleReader {
         has_hidden = has_hidden || (flags & hidden) != 0;
       }
     }
-    const std::string warning = "marks samples as hidden (vtkGhostType); they are used like all others";
+    const std::string warning =
+        "marks samples as hidden (vtkGhostType); they are used like all others";
     if (has_hidden && std::ranges::find(source.warnings, warning) == source.warnings.end()) {
       source.warnings.push_back(warning);
     }
@@ -206,14 +236,16 @@ class SampleReader {
 
 VolumeFile read_vtk_xml(const fs::path& path, const ReadOptions& options) {
   if (packing_of(path) != Packing::none) {
-    throw unsupported(path, "is a compressed VTK XML file, expected one that is decompressed first");
+    throw unsupported(path,
+                      "is a compressed VTK XML file, expected one that is decompressed first");
   }
   const VtkXmlGrid grid = read_vtk_xml_grid(path);
   VolumeFile file;
   VolumeSource& source = file.source;
-  source.format =
-      std::string("VTK XML ") + (grid.is_parallel ? "parallel " : "") + (grid.is_rectilinear ? "rectilinear grid" : "image data");
-  source.reader = vtk_xml_reader_name(grid.pieces.empty() ? *grid.header : *grid.pieces.front().header);
+  source.format = std::string("VTK XML ") + (grid.is_parallel ? "parallel " : "") +
+                  (grid.is_rectilinear ? "rectilinear grid" : "image data");
+  source.reader =
+      vtk_xml_reader_name(grid.pieces.empty() ? *grid.header : *grid.pieces.front().header);
   checked_sample_bytes(path, grid.extent.size(), 1);
   const TimeStep step = choose_time(grid, options, source);
   const std::vector<VtkArray> arrays = arrays_of(grid, step);
@@ -229,7 +261,8 @@ VolumeFile read_vtk_xml(const fs::path& path, const ReadOptions& options) {
   Volume& volume = file.volume;
   volume.view.grid = sample_grid(path, geometry, array.is_cell_data, source);
   volume.view.type = array.type.sample;
-  const std::shared_ptr<std::byte[]> samples = SampleReader(grid, array, component, step).read(volume.view.grid.size, options, source);
+  const std::shared_ptr<std::byte[]> samples =
+      SampleReader(grid, array, component, step).read(volume.view.grid.size, options, source);
   volume.view.samples = samples.get();
   volume.owner = samples;
   return file;

@@ -9,10 +9,12 @@
 namespace isoatlas::detail::io {
 
 // Each reads one file that exists, can be read and is not empty. It
-// - fills `source.format`, `source.reader`, `source.decisions` and `source.warnings`, and sets `source.has_spacing`;
+// - fills `source.format`, `source.reader`, `source.decisions` and `source.warnings`, and sets
+// `source.has_spacing`;
 // - takes its entry of every list in the file with take_choice();
 // - sets `volume.grid.unit` where the file states one;
-// - allocates samples with allocate_samples() only after it has checked that the file can hold them;
+// - allocates samples with allocate_samples() only after it has checked that the file can hold
+// them;
 // - ignores `options.spacing`: read_volume_file() applies it.
 VolumeFile read_nrrd(const std::filesystem::path& path, const ReadOptions& options);
 VolumeFile read_nifti(const std::filesystem::path& path, const ReadOptions& options);

@@ -37,7 +37,8 @@ void with_result_type(SampleType type, Use use) {
 
 template <class T>
 bool holds(double low, double high) {
-  return low >= static_cast<double>(std::numeric_limits<T>::min()) && high <= static_cast<double>(std::numeric_limits<T>::max());
+  return low >= static_cast<double>(std::numeric_limits<T>::min()) &&
+         high <= static_cast<double>(std::numeric_limits<T>::max());
 }
 
 }  // namespace
@@ -49,7 +50,8 @@ SampleType rescaled_type(SampleType stored, double slope, double intercept) {
   double low = 0, high = 0;
   with_small_integer(stored, [&](auto zero) {
     using T = decltype(zero);
-    const double a = slope * std::numeric_limits<T>::min() + intercept, b = slope * std::numeric_limits<T>::max() + intercept;
+    const double a = slope * std::numeric_limits<T>::min() + intercept,
+                 b = slope * std::numeric_limits<T>::max() + intercept;
     low = std::min(a, b);
     high = std::max(a, b);
   });
@@ -60,7 +62,8 @@ SampleType rescaled_type(SampleType stored, double slope, double intercept) {
   return holds<std::int32_t>(low, high) ? SampleType::int32 : SampleType::float32;
 }
 
-void rescale_samples(SampleType stored, const std::byte* from, std::size_t count, double slope, double intercept, std::byte* to) {
+void rescale_samples(SampleType stored, const std::byte* from, std::size_t count, double slope,
+                     double intercept, std::byte* to) {
   with_small_integer(stored, [&](auto stored_zero) {
     using Stored = decltype(stored_zero);
     with_result_type(rescaled_type(stored, slope, intercept), [&](auto result_zero) {

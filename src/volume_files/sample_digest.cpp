@@ -17,7 +17,8 @@ static_assert(std::endian::native == std::endian::little, "the digest is of litt
 
 std::string sample_digest(const VolumeView& any_volume) {
   const Volume volume = detail::dense_volume(any_volume);
-  const std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> context(EVP_MD_CTX_new(), EVP_MD_CTX_free);
+  const std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> context(EVP_MD_CTX_new(),
+                                                                   EVP_MD_CTX_free);
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
   unsigned digest_bytes = 0;
   const std::size_t bytes = volume.view.grid.sample_count() * bytes_per_sample(volume.view.type);

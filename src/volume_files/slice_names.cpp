@@ -45,15 +45,21 @@ SliceName parse(const fs::path& path) {
   return name;
 }
 
-bool is_below(const std::string& a, const std::string& b) { return a.size() != b.size() ? a.size() < b.size() : a < b; }
+bool is_below(const std::string& a, const std::string& b) {
+  return a.size() != b.size() ? a.size() < b.size() : a < b;
+}
 
-std::string quoted(const fs::path& path) { return "'" + one_line(path.filename().string(), 80) + "'"; }
+std::string quoted(const fs::path& path) {
+  return "'" + one_line(path.filename().string(), 80) + "'";
+}
 
 void require_alike(const fs::path& folder, const std::vector<SliceName>& names) {
   for (const SliceName& name : names) {
     if (name.text != names.front().text) {
-      throw unsupported(folder, "its images " + quoted(names.front().path) + " and " + quoted(name.path) +
-                                    " are not named alike, expected slices of one volume with a number in their names");
+      throw unsupported(
+          folder,
+          "its images " + quoted(names.front().path) + " and " + quoted(name.path) +
+              " are not named alike, expected slices of one volume with a number in their names");
     }
   }
 }
@@ -61,23 +67,29 @@ void require_alike(const fs::path& folder, const std::vector<SliceName>& names) 
 std::vector<std::size_t> varying_numbers(const std::vector<SliceName>& names) {
   std::vector<std::size_t> varying;
   for (std::size_t place = 0; place < names.front().numbers.size(); ++place) {
-    if (std::ranges::any_of(names, [&](const SliceName& name) { return name.numbers[place] != names.front().numbers[place]; })) {
+    if (std::ranges::any_of(names, [&](const SliceName& name) {
+          return name.numbers[place] != names.front().numbers[place];
+        })) {
       varying.push_back(place);
     }
   }
   return varying;
 }
 
-// A date and a counter rise together; a number that comes again beside another one counts channels or times.
-void require_rising(const fs::path& folder, const std::vector<SliceName>& names, const std::vector<std::size_t>& varying) {
+// A date and a counter rise together; a number that comes again beside another one counts channels
+// or times.
+void require_rising(const fs::path& folder, const std::vector<SliceName>& names,
+                    const std::vector<std::size_t>& varying) {
   for (std::size_t i = 1; i < names.size(); ++i) {
     for (const std::size_t place : varying) {
       if (is_below(names[i - 1].numbers[place], names[i].numbers[place])) continue;
       if (varying.size() == 1) {
-        throw bad_file(folder, "its images " + quoted(names[i - 1].path) + " and " + quoted(names[i].path) + " have the same number");
+        throw bad_file(folder, "its images " + quoted(names[i - 1].path) + " and " +
+                                   quoted(names[i].path) + " have the same number");
       }
-      throw unsupported(folder, "its images differ in " + std::to_string(varying.size()) + " numbers of their names, as " +
-                                    quoted(names[i - 1].path) + " and " + quoted(names[i].path) +
+      throw unsupported(folder, "its images differ in " + std::to_string(varying.size()) +
+                                    " numbers of their names, as " + quoted(names[i - 1].path) +
+                                    " and " + quoted(names[i].path) +
                                     ", expected slices of one channel and time with one number");
     }
   }
@@ -85,18 +97,21 @@ void require_rising(const fs::path& folder, const std::vector<SliceName>& names,
 
 // Numbers may have more digits than an integer holds, so digits that both begin with are left out.
 std::optional<std::uint64_t> difference(std::string_view from, std::string_view to) {
-  const std::size_t same = static_cast<std::size_t>(std::ranges::mismatch(from, to).in1 - from.begin());
+  const std::size_t same =
+      static_cast<std::size_t>(std::ranges::mismatch(from, to).in1 - from.begin());
   if (from.size() == to.size() && same < from.size()) {
     from.remove_prefix(same);
     to.remove_prefix(same);
   }
   std::uint64_t low = 0, high = 0;
-  const bool is_low = std::from_chars(from.data(), from.data() + from.size(), low).ec == std::errc{};
+  const bool is_low =
+      std::from_chars(from.data(), from.data() + from.size(), low).ec == std::errc{};
   const bool is_high = std::from_chars(to.data(), to.data() + to.size(), high).ec == std::errc{};
   return is_low && is_high ? std::optional(high - low) : std::nullopt;
 }
 
-void require_even_steps(const fs::path& folder, const std::vector<SliceName>& names, std::size_t place) {
+void require_even_steps(const fs::path& folder, const std::vector<SliceName>& names,
+                        std::size_t place) {
   std::optional<std::uint64_t> step;
   for (std::size_t i = 1; i < names.size(); ++i) {
     const auto found = difference(names[i - 1].numbers[place], names[i].numbers[place]);
@@ -105,8 +120,9 @@ void require_even_steps(const fs::path& folder, const std::vector<SliceName>& na
   for (std::size_t i = 1; i < names.size(); ++i) {
     const auto found = difference(names[i - 1].numbers[place], names[i].numbers[place]);
     if (found && found != step) {
-      throw bad_file(folder, "slices are missing between " + quoted(names[i - 1].path) + " and " + quoted(names[i].path) +
-                                 ": elsewhere numbers are " + std::to_string(*step) + " apart");
+      throw bad_file(folder, "slices are missing between " + quoted(names[i - 1].path) + " and " +
+                                 quoted(names[i].path) + ": elsewhere numbers are " +
+                                 std::to_string(*step) + " apart");
     }
   }
 }
@@ -121,10 +137,12 @@ std::vector<fs::path> in_slice_order(const fs::path& folder, std::vector<fs::pat
   std::ranges::sort(names, {}, &SliceName::path);  // the same messages for any order of the folder
   require_alike(folder, names);
   const std::vector<std::size_t> varying = varying_numbers(names);
-  std::ranges::stable_sort(
-      names, [&](const SliceName& a, const SliceName& b) { return std::ranges::lexicographical_compare(a.numbers, b.numbers, is_below); });
+  std::ranges::stable_sort(names, [&](const SliceName& a, const SliceName& b) {
+    return std::ranges::lexicographical_compare(a.numbers, b.numbers, is_below);
+  });
   if (varying.empty() && names.size() > 1) {
-    throw bad_file(folder, "its images " + quoted(names[0].path) + " and " + quoted(names[1].path) + " have the same number");
+    throw bad_file(folder, "its images " + quoted(names[0].path) + " and " + quoted(names[1].path) +
+                               " have the same number");
   }
   require_rising(folder, names, varying);
   if (varying.size() == 1) {

@@ -14,7 +14,9 @@ namespace isoatlas::detail::io {
 
 namespace {
 
-[[noreturn]] void fail(const char* what, int error) { throw bad_file(kStandardInputName, std::string(what) + ": " + system_text(error)); }
+[[noreturn]] void fail(const char* what, int error) {
+  throw bad_file(kStandardInputName, std::string(what) + ": " + system_text(error));
+}
 
 // Unlinked at once: whatever happens to this process, nothing is left.
 int open_unnamed_file() {

@@ -5,10 +5,12 @@
 
 namespace isoatlas::detail::io {
 
-/// Standard input as a file: readers need to go back and forth. The file has no name that others see before it is gone.
+/// Standard input as a file: readers need to go back and forth. The file has no name that others
+/// see before it is gone.
 class StandardInput {
  public:
-  /// Reads standard input to its end. @throws Error(bad_file) if it is empty or cannot be read or kept
+  /// Reads standard input to its end. @throws Error(bad_file) if it is empty or cannot be read or
+  /// kept
   StandardInput();
   ~StandardInput();
   StandardInput(const StandardInput&) = delete;

@@ -30,20 +30,24 @@ std::uint64_t count_of(std::span<const StoredAxis> axes) {
 }
 
 bool has_selection(std::span<const StoredAxis> axes) {
-  return std::ranges::any_of(axes, [](const StoredAxis& axis) { return axis.selected.has_value(); });
+  return std::ranges::any_of(axes,
+                             [](const StoredAxis& axis) { return axis.selected.has_value(); });
 }
 
 /// All pieces as one run of samples.
 class PieceSequence {
  public:
   PieceSequence(const fs::path& header_file, const StoredSamples& stored)
-      : header_file_(header_file), stored_(stored), piece_samples_(count_of(stored.axes) / stored.pieces.size()) {}
+      : header_file_(header_file),
+        stored_(stored),
+        piece_samples_(count_of(stored.axes) / stored.pieces.size()) {}
 
   std::size_t sample_bytes() const { return bytes_per_sample(stored_.format.type); }
 
   void require_possible() const {
     for (const SamplePiece& piece : stored_.pieces) {
-      check_data_file(header_file_, piece.file, [&] { require_possible_piece(piece, stored_.format, piece_samples_); });
+      check_data_file(header_file_, piece.file,
+                      [&] { require_possible_piece(piece, stored_.format, piece_samples_); });
     }
   }
 
@@ -63,12 +67,15 @@ class PieceSequence {
     if (rest_bytes_ == 0) {
       return "";
     }
-    const std::string more = std::to_string(rest_bytes_) + " bytes after the last sample that the header promises";
+    const std::string more =
+        std::to_string(rest_bytes_) + " bytes after the last sample that the header promises";
     if (first_with_rest_ == header_file_) {
       return "has " + more;
     }
     return "its data file " + one_line(first_with_rest_.filename().string()) + " has " + more +
-           (files_with_rest_ > 1 ? ", and " + std::to_string(files_with_rest_ - 1) + " more files are longer too" : "");
+           (files_with_rest_ > 1
+                ? ", and " + std::to_string(files_with_rest_ - 1) + " more files are longer too"
+                : "");
   }
 
  private:
@@ -147,7 +154,8 @@ class SampleGatherer {
 
   // Values of one sample side by side: reading them one by one would take many times as long.
   bool is_small(std::span<const StoredAxis> axes) const {
-    return axes.back().selected && !has_selection(axes.first(axes.size() - 1)) && count_of(axes) * from_.sample_bytes() <= kBufferBytes;
+    return axes.back().selected && !has_selection(axes.first(axes.size() - 1)) &&
+           count_of(axes) * from_.sample_bytes() <= kBufferBytes;
   }
 
   void read_strided(std::uint64_t blocks, std::span<const StoredAxis> block) {
@@ -177,7 +185,8 @@ std::string reader_name(Packing packing) {
     case Packing::deflate:
       return own + ", zlib " + zlibVersion();
     case Packing::bzip2:
-      return own + ", bzip2 " + std::string(BZ2_bzlibVersion()).substr(0, std::string(BZ2_bzlibVersion()).find(','));
+      return own + ", bzip2 " +
+             std::string(BZ2_bzlibVersion()).substr(0, std::string(BZ2_bzlibVersion()).find(','));
     default:
       return own;
   }
@@ -185,21 +194,25 @@ std::string reader_name(Packing packing) {
 
 }  // namespace
 
-std::uint64_t checked_sample_count(const fs::path& path, const std::vector<StoredAxis>& axes, SampleType type) {
+std::uint64_t checked_sample_count(const fs::path& path, const std::vector<StoredAxis>& axes,
+                                   SampleType type) {
   std::uint64_t count = 1;
-  const std::uint64_t most = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()) / bytes_per_sample(type);
+  const std::uint64_t most =
+      static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()) / bytes_per_sample(type);
   for (const StoredAxis& axis : axes) {
     if (axis.size == 0 || count > most / axis.size) {
-      throw bad_file(path, axis.size == 0 ? "the size of an axis is 0, expected at least 1"
-                                          : "the header promises more samples than any file can hold");
+      throw bad_file(path, axis.size == 0
+                               ? "the size of an axis is 0, expected at least 1"
+                               : "the header promises more samples than any file can hold");
     }
     count *= axis.size;
   }
   return count;
 }
 
-std::shared_ptr<std::byte[]> read_stored_samples(const fs::path& header_file, const StoredSamples& stored, const ReadOptions& options,
-                                                 VolumeSource& source) {
+std::shared_ptr<std::byte[]> read_stored_samples(const fs::path& header_file,
+                                                 const StoredSamples& stored,
+                                                 const ReadOptions& options, VolumeSource& source) {
   source.reader = reader_name(stored.pieces.front().packing);
   PieceSequence pieces(header_file, stored);
   pieces.require_possible();
@@ -207,13 +220,15 @@ std::shared_ptr<std::byte[]> read_stored_samples(const fs::path& header_file, co
   for (const StoredAxis& axis : stored.axes) {
     count *= axis.selected ? 1 : axis.size;
   }
-  const std::shared_ptr<std::byte[]> samples = allocate_samples(header_file, count * pieces.sample_bytes(), options);
+  const std::shared_ptr<std::byte[]> samples =
+      allocate_samples(header_file, count * pieces.sample_bytes(), options);
   SampleGatherer(pieces, samples.get()).read(stored.axes);
   if (const std::string rest = pieces.rest(); !rest.empty()) {
     source.warnings.push_back(rest);
   }
   const bool is_text = stored.format.encoding == SampleEncoding::text;
-  if (!is_text && pieces.sample_bytes() > 1 && stored.is_big_endian != (std::endian::native == std::endian::big)) {
+  if (!is_text && pieces.sample_bytes() > 1 &&
+      stored.is_big_endian != (std::endian::native == std::endian::big)) {
     swap_byte_order(samples.get(), count, pieces.sample_bytes());
   }
   return samples;

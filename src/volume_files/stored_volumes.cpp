@@ -26,14 +26,16 @@ constexpr std::uint64_t kMostPerBzip2Byte = 2'000'000;
 std::uint64_t all_bytes(const StoredVolumes& stored) {
   constexpr auto kMost = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
   if (stored.offset > kMost / 2 || stored.count > kMost / 2 / stored.volume_bytes) {
-    throw bad_file(stored.file, "the header promises " + std::to_string(stored.count) + " volumes of " +
-                                    std::to_string(stored.volume_bytes) + " bytes, more than any file can hold");
+    throw bad_file(stored.file, "the header promises " + std::to_string(stored.count) +
+                                    " volumes of " + std::to_string(stored.volume_bytes) +
+                                    " bytes, more than any file can hold");
   }
   return stored.count * stored.volume_bytes;
 }
 
 void warn_of_more(VolumeSource& source, std::uint64_t bytes, bool is_counted_to_the_end) {
-  source.warnings.push_back("has " + std::to_string(bytes) + (is_counted_to_the_end ? "" : " or more") +
+  source.warnings.push_back("has " + std::to_string(bytes) +
+                            (is_counted_to_the_end ? "" : " or more") +
                             " bytes after the samples that its header promises; they are ignored");
 }
 
@@ -44,33 +46,41 @@ ByteSource stream_at(const fs::path& file, Packing packing, std::uint64_t positi
   return stream;
 }
 
-void require_rest(ByteSource& stream, const StoredVolumes& stored, std::uint64_t index, VolumeSource& source) {
+void require_rest(ByteSource& stream, const StoredVolumes& stored, std::uint64_t index,
+                  VolumeSource& source) {
   const std::uint64_t left = (stored.count - index - 1) * stored.volume_bytes;
   const std::uint64_t found = stream.count_rest(left + kMostCounted);
-  if (found < left) require_stored_bytes(stored.file, all_bytes(stored), (index + 1) * stored.volume_bytes + found);
-  if (found > left && !stored.has_footer) warn_of_more(source, found - left, found < left + kMostCounted);
+  if (found < left)
+    require_stored_bytes(stored.file, all_bytes(stored), (index + 1) * stored.volume_bytes + found);
+  if (found > left && !stored.has_footer)
+    warn_of_more(source, found - left, found < left + kMostCounted);
 }
 
 }  // namespace
 
 void require_stored_volumes(const StoredVolumes& stored, VolumeSource& source) {
   if (stored.count > kMostVolumes) {
-    throw unsupported(stored.file, "has " + std::to_string(stored.count) + " volumes, expected at most " + std::to_string(kMostVolumes));
+    throw unsupported(stored.file, "has " + std::to_string(stored.count) +
+                                       " volumes, expected at most " +
+                                       std::to_string(kMostVolumes));
   }
   const std::uint64_t promised = all_bytes(stored);
   const std::uint64_t file_bytes = readable_file_size(stored.file);
   const Packing packing = packing_of(stored.file);
   if (packing == Packing::deflate) return require_possible_bytes(stored.file, promised, file_bytes);
-  if (packing == Packing::bzip2) return require_possible_bytes(stored.file, promised, file_bytes, kMostPerBzip2Byte);
+  if (packing == Packing::bzip2)
+    return require_possible_bytes(stored.file, promised, file_bytes, kMostPerBzip2Byte);
   const std::uint64_t available = file_bytes - std::min(stored.offset, file_bytes);
   require_stored_bytes(stored.file, promised, available);
   if (available > promised && !stored.has_footer) warn_of_more(source, available - promised, true);
 }
 
-void read_stored_volume(const StoredVolumes& stored, std::uint64_t index, VolumeFile& file, const ReadOptions& options,
+void read_stored_volume(const StoredVolumes& stored, std::uint64_t index, VolumeFile& file,
+                        const ReadOptions& options,
                         const std::function<void(ByteSource&, std::byte*)>& read) {
   Volume& volume = file.volume;
-  const std::uint64_t bytes = checked_sample_bytes(stored.file, volume.view.grid.size, bytes_per_sample(volume.view.type));
+  const std::uint64_t bytes =
+      checked_sample_bytes(stored.file, volume.view.grid.size, bytes_per_sample(volume.view.type));
   const std::shared_ptr<std::byte[]> samples = allocate_samples(stored.file, bytes, options);
   const Packing packing = packing_of(stored.file);
   ByteSource stream = stream_at(stored.file, packing, stored.offset + index * stored.volume_bytes);
@@ -81,7 +91,8 @@ void read_stored_volume(const StoredVolumes& stored, std::uint64_t index, Volume
   file.source.reader = "isoatlas " ISOATLAS_VERSION;
 }
 
-void read_plain_samples(const StoredVolumes& stored, std::uint64_t index, bool swap, VolumeFile& file, const ReadOptions& options) {
+void read_plain_samples(const StoredVolumes& stored, std::uint64_t index, bool swap,
+                        VolumeFile& file, const ReadOptions& options) {
   const std::size_t sample_bytes = bytes_per_sample(file.volume.view.type);
   read_stored_volume(stored, index, file, options, [&](ByteSource& stream, std::byte* samples) {
     stream.read_samples(samples, stored.volume_bytes);
@@ -89,10 +100,12 @@ void read_plain_samples(const StoredVolumes& stored, std::uint64_t index, bool s
   });
 }
 
-void read_half_samples(const StoredVolumes& stored, std::uint64_t index, bool swap, VolumeFile& file, const ReadOptions& options) {
+void read_half_samples(const StoredVolumes& stored, std::uint64_t index, bool swap,
+                       VolumeFile& file, const ReadOptions& options) {
   const std::uint64_t count = file.volume.view.grid.sample_count();
   read_stored_volume(stored, index, file, options, [&](ByteSource& stream, std::byte* samples) {
-    read_converted<std::uint16_t>(stream, stored.file, count, swap, reinterpret_cast<float*>(samples), float_of_half);
+    read_converted<std::uint16_t>(stream, stored.file, count, swap,
+                                  reinterpret_cast<float*>(samples), float_of_half);
   });
 }
 
@@ -109,7 +122,8 @@ float float_of_half(std::uint16_t half) {
   const std::uint32_t exponent = half >> kFractionBits & kLargestExponent;
   const std::uint32_t fraction = half & ((1U << kFractionBits) - 1);
   if (exponent == 0) {  // zero or subnormal: the fraction counts steps of 2^-24
-    return std::bit_cast<float>(sign | std::bit_cast<std::uint32_t>(static_cast<float>(fraction) * 0x1p-24F));
+    return std::bit_cast<float>(
+        sign | std::bit_cast<std::uint32_t>(static_cast<float>(fraction) * 0x1p-24F));
   }
   const std::uint32_t float_exponent = exponent == kLargestExponent ? 255 : exponent + 127 - 15;
   return std::bit_cast<float>(sign | float_exponent << 23 | fraction << 13);

@@ -17,21 +17,25 @@ namespace {
 /// The numbers of the file's structure, which are 2, 4 or 8 bytes in the file's byte order.
 class StructureReader {
  public:
-  StructureReader(const fs::path& path, std::uint64_t file_size) : path_(path), file_size_(file_size) {
+  StructureReader(const fs::path& path, std::uint64_t file_size)
+      : path_(path), file_size_(file_size) {
     file_.rdbuf()->pubsetbuf(nullptr, 0);  // the window is the buffer
     file_.open(path, std::ios::binary);
     fill_window(0);
     const std::array<unsigned char, 4> mark{window_[0], window_[1], window_[2], window_[3]};
     is_big_endian_ = mark[0] == 'M';
     const unsigned char version = is_big_endian_ ? mark[3] : mark[2];
-    if (window_bytes_ < mark.size() || mark[0] != mark[1] || (mark[0] != 'I' && mark[0] != 'M') || (version != 42 && version != 43)) {
+    if (window_bytes_ < mark.size() || mark[0] != mark[1] || (mark[0] != 'I' && mark[0] != 'M') ||
+        (version != 42 && version != 43)) {
       throw bad_file(path, "is not a TIFF file: it does not begin with the mark of one");
     }
     is_big_tiff_ = version == 43;
   }
 
   bool is_big_tiff() const { return is_big_tiff_; }
-  bool has(std::uint64_t offset, std::uint64_t bytes) const { return offset <= file_size_ && bytes <= file_size_ - offset; }
+  bool has(std::uint64_t offset, std::uint64_t bytes) const {
+    return offset <= file_size_ && bytes <= file_size_ - offset;
+  }
 
   std::uint64_t number_at(std::uint64_t offset, std::size_t bytes) {
     if (offset < window_start_ || offset + bytes > window_start_ + window_bytes_) {
@@ -67,9 +71,11 @@ class StructureReader {
 };
 
 /// The value of the entry for the predictor; 1 if there is none. Entries are sorted by tag.
-std::uint32_t predictor_of(StructureReader& file, std::uint64_t first_entry, std::uint64_t entries) {
+std::uint32_t predictor_of(StructureReader& file, std::uint64_t first_entry,
+                           std::uint64_t entries) {
   constexpr std::uint64_t kPredictor = 317, kShort = 3;
-  const std::uint64_t entry_bytes = file.is_big_tiff() ? 20 : 12, value_offset = file.is_big_tiff() ? 12 : 8;
+  const std::uint64_t entry_bytes = file.is_big_tiff() ? 20 : 12,
+                      value_offset = file.is_big_tiff() ? 12 : 8;
   for (std::uint64_t i = 0; i < entries; ++i) {
     const std::uint64_t entry = first_entry + i * entry_bytes;
     const std::uint64_t tag = file.number_at(entry, 2);
@@ -97,10 +103,11 @@ std::vector<TiffDirectory> tiff_directories(const fs::path& path, std::uint64_t 
   while (offset != 0 || directories.empty()) {
     const std::string page = "page " + std::to_string(directories.size() + 1);
     if (!seen.insert(offset).second) {
-      throw bad_file(path,
-                     "is damaged: its pages are a ring, after page " + std::to_string(directories.size()) + " comes an earlier one again");
+      throw bad_file(path, "is damaged: its pages are a ring, after page " +
+                               std::to_string(directories.size()) + " comes an earlier one again");
     }
-    const Error cut_off = bad_file(path, "is cut off or damaged in " + page + ": its directory is not wholly in the file");
+    const Error cut_off = bad_file(
+        path, "is cut off or damaged in " + page + ": its directory is not wholly in the file");
     if (offset == 0 || !file.has(offset, count_bytes)) {
       throw cut_off;
     }

@@ -27,15 +27,17 @@ struct PageFormat {
   std::uint16_t values_per_sample = 1;  ///< 3 in a page of red, green and blue
   std::uint16_t photometric = 0;        ///< PHOTOMETRIC_...
 
-  SampleType type() const;                               ///< what the values become in memory
-  bool has_same_samples(const PageFormat& other) const;  ///< pages of both can be slices of one volume
-  std::uint64_t stored_bytes() const;                    ///< of a page before compression, all values of it
+  SampleType type() const;  ///< what the values become in memory
+  bool has_same_samples(
+      const PageFormat& other) const;  ///< pages of both can be slices of one volume
+  std::uint64_t stored_bytes() const;  ///< of a page before compression, all values of it
 };
 
 /// "24 x 20 samples of uint8", with the number of values where there are several.
 std::string to_string(const PageFormat& format);
 
-/// An open file with one current page. One at a time in a thread: libtiff's messages are global, so the library lock is held.
+/// An open file with one current page. One at a time in a thread: libtiff's messages are global, so
+/// the library lock is held.
 class TiffFile {
  public:
   /// Follows the chain of directories to its end.
@@ -56,26 +58,32 @@ class TiffFile {
   /// @throws Error(unsupported) colours or sample types that are not read
   PageFormat format() const;
   std::string description() const;  ///< empty: there is none
-  bool is_preview() const;          ///< a reduced copy or a mask of another page, not a page of its own
+  bool is_preview() const;  ///< a reduced copy or a mask of another page, not a page of its own
   bool has_tag(std::uint32_t tag) const;
-  std::string bytes_of_tag(std::uint32_t tag) const;  ///< of a tag of bytes that libtiff knows nothing of; empty: there is none
+  std::string bytes_of_tag(std::uint32_t tag)
+      const;  ///< of a tag of bytes that libtiff knows nothing of; empty: there is none
   bool is_big_endian() const { return TIFFIsBigEndian(tiff_.get()) != 0; }
   std::uint16_t orientation() const;                   ///< ORIENTATION_...
   double samples_per_length(std::uint32_t tag) const;  ///< TIFFTAG_XRESOLUTION or Y; 0: not stated
   std::uint16_t resolution_unit() const;               ///< RESUNIT_...
 
-  bool packs_without_bound() const;  ///< its compression may put any number of equal samples into a few bytes
+  bool packs_without_bound()
+      const;  ///< its compression may put any number of equal samples into a few bytes
 
-  /// The names of the values of a sample: "red", "green", "blue", "alpha"; a number where there is no name.
+  /// The names of the values of a sample: "red", "green", "blue", "alpha"; a number where there is
+  /// no name.
   std::vector<std::string> value_names() const;
 
-  /// Where the page's samples begin if all of them are stored in one piece, uncompressed. 0: they are not.
+  /// Where the page's samples begin if all of them are stored in one piece, uncompressed. 0: they
+  /// are not.
   std::uint64_t offset_of_plain_samples() const;
 
-  /// Reads value `value` of every sample of the current page to `samples`, which has room for width x height of the type.
+  /// Reads value `value` of every sample of the current page to `samples`, which has room for width
+  /// x height of the type.
   /// @throws Error(bad_file)      if they cannot all be decoded
   /// @throws Error(out_of_memory) if a strip or tile is larger than the limit
-  void read_samples(const PageFormat& format, std::size_t value, const ReadOptions& options, std::byte* samples);
+  void read_samples(const PageFormat& format, std::size_t value, const ReadOptions& options,
+                    std::byte* samples);
 
   /// "<path>: is cut off or damaged in page 3: <what libtiff says>"
   Error damaged(std::size_t page) const;
@@ -84,8 +92,10 @@ class TiffFile {
 
  private:
   class Messages;
-  void read_strips(const PageFormat& format, std::size_t value, const ReadOptions& options, std::byte* samples);
-  void read_tiles(const PageFormat& format, std::size_t value, const ReadOptions& options, std::byte* samples);
+  void read_strips(const PageFormat& format, std::size_t value, const ReadOptions& options,
+                   std::byte* samples);
+  void read_tiles(const PageFormat& format, std::size_t value, const ReadOptions& options,
+                  std::byte* samples);
   void require_stored(std::uint32_t strip_or_tile) const;
   bool are_values_separate() const;
 
@@ -98,11 +108,14 @@ class TiffFile {
   std::size_t page_ = 0;
 };
 
-/// Takes value `value` of `count` samples that lie one after the other from `stored` on, `values` values each.
-void unpack_values(const PageFormat& format, std::size_t values, std::size_t value, const std::byte* stored, std::size_t count,
-                   std::byte* samples);
+/// Takes value `value` of `count` samples that lie one after the other from `stored` on, `values`
+/// values each.
+void unpack_values(const PageFormat& format, std::size_t values, std::size_t value,
+                   const std::byte* stored, std::size_t count, std::byte* samples);
 
 /// The number of bytes that `count` values of `bits` bits take, filled up to whole bytes.
-inline std::uint64_t packed_bytes(std::uint64_t count, std::uint64_t bits) { return (count * bits + 7) / 8; }
+inline std::uint64_t packed_bytes(std::uint64_t count, std::uint64_t bits) {
+  return (count * bits + 7) / 8;
+}
 
 }  // namespace isoatlas::detail::io

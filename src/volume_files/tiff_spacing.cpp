@@ -24,16 +24,20 @@ Vec3 take_spacing(const TiffStack& stack, VolumeSource& source) {
     source.decisions.push_back({"unit", unit});
   }
   if (stack.rescale) {
-    source.decisions.push_back(
-        {"rescale", "slope " + number_text(stack.rescale->slope) + ", intercept " + number_text(stack.rescale->intercept)});
+    source.decisions.push_back({"rescale", "slope " + number_text(stack.rescale->slope) +
+                                               ", intercept " +
+                                               number_text(stack.rescale->intercept)});
   }
   std::string missing;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (!stack.spacing[axis]) missing += (missing.empty() ? "" : " and ") + std::string(1, "xyz"[axis]);
+    if (!stack.spacing[axis])
+      missing += (missing.empty() ? "" : " and ") + std::string(1, "xyz"[axis]);
   }
-  source.has_spacing = std::ranges::any_of(stack.spacing, [](const auto& length) { return length.has_value(); });
+  source.has_spacing =
+      std::ranges::any_of(stack.spacing, [](const auto& length) { return length.has_value(); });
   if (source.has_spacing && !missing.empty()) {
-    source.warnings.push_back("states no voxel size along " + missing + ", 1" + (unit.empty() ? "" : " " + unit) + " is assumed there");
+    source.warnings.push_back("states no voxel size along " + missing + ", 1" +
+                              (unit.empty() ? "" : " " + unit) + " is assumed there");
   }
   return {stack.spacing[0].value_or(1), stack.spacing[1].value_or(1), stack.spacing[2].value_or(1)};
 }

@@ -16,14 +16,16 @@ void set_page_order(TiffStack& stack, const std::string& axes, std::vector<std::
     step[place] = product;
     product *= axis == 'C' ? stack.channels : axis == 'Z' ? stack.slices : stack.times;
   }
-  stack.page_of = [step, is_contiguous = stack.is_contiguous, pages = std::make_shared<const std::vector<std::size_t>>(std::move(pages))](
+  stack.page_of = [step, is_contiguous = stack.is_contiguous,
+                   pages = std::make_shared<const std::vector<std::size_t>>(std::move(pages))](
                       std::size_t channel, std::size_t slice, std::size_t time) {
     const std::size_t place = channel * step[0] + slice * step[1] + time * step[2];
     return is_contiguous ? place : pages->at(place);
   };
 }
 
-std::vector<std::size_t> pages_without_previews(TiffFile& tiff, VolumeSource& source, const std::function<void(std::size_t)>& at_page) {
+std::vector<std::size_t> pages_without_previews(TiffFile& tiff, VolumeSource& source,
+                                                const std::function<void(std::size_t)>& at_page) {
   std::vector<std::size_t> pages;
   for (std::size_t page = 0; page < tiff.page_count(); ++page) {
     tiff.select(page);
@@ -32,10 +34,13 @@ std::vector<std::size_t> pages_without_previews(TiffFile& tiff, VolumeSource& so
     pages.push_back(page);
   }
   if (pages.empty()) {
-    throw unsupported(tiff.path(), "has previews and masks of other pages only (NewSubfileType), expected slices");
+    throw unsupported(
+        tiff.path(),
+        "has previews and masks of other pages only (NewSubfileType), expected slices");
   }
   if (pages.size() < tiff.page_count()) {
-    source.decisions.push_back({"previews", std::to_string(tiff.page_count() - pages.size()) + " reduced pages or masks left out"});
+    source.decisions.push_back({"previews", std::to_string(tiff.page_count() - pages.size()) +
+                                                " reduced pages or masks left out"});
   }
   return pages;
 }

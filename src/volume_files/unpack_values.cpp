@@ -37,8 +37,8 @@ void put(std::byte* samples, std::size_t index, T value) {
 
 }  // namespace
 
-void unpack_values(const PageFormat& format, std::size_t values, std::size_t value, const std::byte* stored, std::size_t count,
-                   std::byte* samples) {
+void unpack_values(const PageFormat& format, std::size_t values, std::size_t value,
+                   const std::byte* stored, std::size_t count, std::byte* samples) {
   const std::size_t stored_bytes = format.bits / 8;
   const bool is_half = format.sample_format == SAMPLEFORMAT_IEEEFP && format.bits == 16;
   if (is_half) {
@@ -51,11 +51,13 @@ void unpack_values(const PageFormat& format, std::size_t values, std::size_t val
     std::memcpy(samples, stored, count * stored_bytes);
   } else if (format.bits % 8 == 0) {
     for (std::size_t i = 0; i < count; ++i) {
-      std::memcpy(samples + i * stored_bytes, stored + (i * values + value) * stored_bytes, stored_bytes);
+      std::memcpy(samples + i * stored_bytes, stored + (i * values + value) * stored_bytes,
+                  stored_bytes);
     }
   } else {
     for (std::size_t i = 0; i < count; ++i) {
-      const std::uint16_t bits = bits_at(stored, (std::uint64_t{i} * values + value) * format.bits, format.bits);
+      const std::uint16_t bits =
+          bits_at(stored, (std::uint64_t{i} * values + value) * format.bits, format.bits);
       format.bits < 8 ? put(samples, i, static_cast<std::uint8_t>(bits)) : put(samples, i, bits);
     }
   }

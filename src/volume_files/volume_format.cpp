@@ -24,9 +24,11 @@ bool has_at(std::string_view bytes, std::size_t position, std::string_view mark)
 
 bool is_nrrd(std::string_view bytes) { return has_at(bytes, 0, "NRRD00"); }
 
-// The size of the header, as a number of either byte order, is at its start: 348, or 540 in NIfTI-2. Analyze has no mark.
+// The size of the header, as a number of either byte order, is at its start: 348, or 540 in
+// NIfTI-2. Analyze has no mark.
 bool is_nifti(std::string_view bytes) {
-  for (const std::string_view size : {std::string_view("\x5C\x01\0\0", 4), std::string_view("\0\0\x01\x5C", 4)}) {
+  for (const std::string_view size :
+       {std::string_view("\x5C\x01\0\0", 4), std::string_view("\0\0\x01\x5C", 4)}) {
     if (has_at(bytes, 0, size) && bytes.size() >= 348) {
       return true;
     }
@@ -36,13 +38,17 @@ bool is_nifti(std::string_view bytes) {
 
 bool is_meta_image(std::string_view bytes) {
   const std::string_view start = bytes.substr(0, 1024);
-  return start.find("NDims") != std::string_view::npos && start.find('=') != std::string_view::npos &&
-         (start.starts_with("ObjectType") || start.starts_with("NDims") || start.starts_with("Comment"));
+  return start.find("NDims") != std::string_view::npos &&
+         start.find('=') != std::string_view::npos &&
+         (start.starts_with("ObjectType") || start.starts_with("NDims") ||
+          start.starts_with("Comment"));
 }
 
 bool is_tiff(std::string_view bytes) {
-  return has_at(bytes, 0, std::string_view("II*\0", 4)) || has_at(bytes, 0, std::string_view("MM\0*", 4)) ||
-         has_at(bytes, 0, std::string_view("II+\0", 4)) || has_at(bytes, 0, std::string_view("MM\0+", 4));
+  return has_at(bytes, 0, std::string_view("II*\0", 4)) ||
+         has_at(bytes, 0, std::string_view("MM\0*", 4)) ||
+         has_at(bytes, 0, std::string_view("II+\0", 4)) ||
+         has_at(bytes, 0, std::string_view("MM\0+", 4));
 }
 
 bool is_legacy_vtk(std::string_view bytes) { return has_at(bytes, 0, "# vtk DataFile"); }
@@ -50,10 +56,12 @@ bool is_legacy_vtk(std::string_view bytes) { return has_at(bytes, 0, "# vtk Data
 // Any data set: the reader says what it is where it is no volume.
 bool is_vtk_xml(std::string_view bytes) {
   const std::size_t first = bytes.find_first_not_of("\xEF\xBB\xBF \t\r\n");
-  return first != std::string_view::npos && bytes[first] == '<' && bytes.find("<VTKFile") != std::string_view::npos;
+  return first != std::string_view::npos && bytes[first] == '<' &&
+         bytes.find("<VTKFile") != std::string_view::npos;
 }
 
-// The version, of which the second byte may say more; four sizes and a type, big endian: most of their upper bytes are 0.
+// The version, of which the second byte may say more; four sizes and a type, big endian: most of
+// their upper bytes are 0.
 bool is_mgh(std::string_view bytes) {
   if (bytes.size() < 30 || bytes[0] != 0 || bytes[1] != 0 || bytes[3] != 1) return false;
   for (std::size_t field = 4; field < 20; field += 4) {
@@ -61,7 +69,8 @@ bool is_mgh(std::string_view bytes) {
     if (size[0] != 0 || size == std::string_view("\0\0\0\0", 4)) return false;
   }
   constexpr char kLargestType = 10;
-  return bytes.substr(20, 3) == std::string_view("\0\0\0", 3) && bytes[23] >= 0 && bytes[23] <= kLargestType;
+  return bytes.substr(20, 3) == std::string_view("\0\0\0", 3) && bytes[23] >= 0 &&
+         bytes[23] <= kLargestType;
 }
 
 bool is_mrc(std::string_view bytes) { return bytes.size() >= 1024 && has_at(bytes, 208, "MAP"); }
@@ -89,14 +98,16 @@ std::string other_kind(std::string_view bytes, const fs::path& path) {
   if (has_extension(path, ".vtkhdf")) return "is a VTKHDF file";
   if (has_at(bytes, 0, "\x89HDF")) return "is an HDF5 file";
   if (has_at(bytes, 0, "CDF")) return "is a NetCDF file";
-  if (has_extension(path, ".npz")) return "is an archive of NumPy arrays (numpy.save writes one array as .npy)";
+  if (has_extension(path, ".npz"))
+    return "is an archive of NumPy arrays (numpy.save writes one array as .npy)";
   if (has_at(bytes, 0, "PK\x03\x04")) return "is a ZIP archive";
   if (has_at(bytes, 0, "BZh")) return "is compressed by bzip2 (to be decompressed first: bunzip2)";
   if (has_at(bytes, 0,
              "\xFD"
              "7zXZ"))
     return "is compressed by xz (to be decompressed first: unxz)";
-  if (has_at(bytes, 0, "\x28\xB5\x2F\xFD")) return "is compressed by zstandard (to be decompressed first: unzstd)";
+  if (has_at(bytes, 0, "\x28\xB5\x2F\xFD"))
+    return "is compressed by zstandard (to be decompressed first: unzstd)";
   if (has_at(bytes, 0, "ZISRAWFILE")) return "is a Zeiss CZI file";
   if (has_at(bytes, 0, "\xDA\xCE\xBE\x0A")) return "is a Nikon ND2 file";
   if (has_at(bytes, 0, "\xFF\xD8\xFF")) return "is a JPEG image";
@@ -121,7 +132,8 @@ const VolumeFormat& format_of(const fs::path& path) {
   for (const VolumeFormat& format : kVolumeFormats) {
     if (format.has_mark != nullptr && format.has_mark(start)) {
       if (!format.is_read_gzipped && packing_of(path) == Packing::deflate) {
-        throw unsupported(path, "is a gzipped " + std::string(format.name) + " file, expected it decompressed (gunzip)");
+        throw unsupported(path, "is a gzipped " + std::string(format.name) +
+                                    " file, expected it decompressed (gunzip)");
       }
       return format;
     }
@@ -132,7 +144,8 @@ const VolumeFormat& format_of(const fs::path& path) {
     }
   }
   const std::string kind = other_kind(start, path);
-  throw unsupported(path, (kind.empty() ? "unknown volume format" : kind) + ", expected a volume: " + format_names() +
+  throw unsupported(path, (kind.empty() ? "unknown volume format" : kind) +
+                              ", expected a volume: " + format_names() +
                               ", or a folder of DICOM, TIFF or PNG slices");
 }
 

@@ -28,15 +28,19 @@ bool has_both(const std::vector<VtkArray>& arrays) {
 
 std::string description(const VtkArray& array, bool with_prefix) {
   const std::string prefix(array.is_cell_data && with_prefix ? kCellPrefix : "");
-  const std::string components = array.components == 1 ? "" : ", " + std::to_string(array.components) + " components";
-  return prefix + (array.name.empty() ? "(unnamed)" : one_line(array.name, 80)) + ": " + std::string(array.type.name()) + components;
+  const std::string components =
+      array.components == 1 ? "" : ", " + std::to_string(array.components) + " components";
+  return prefix + (array.name.empty() ? "(unnamed)" : one_line(array.name, 80)) + ": " +
+         std::string(array.type.name()) + components;
 }
 
 // Arrays that are called `wanted`, those of points first.
-std::optional<std::size_t> array_called(const std::vector<VtkArray>& arrays, const std::string& wanted) {
+std::optional<std::size_t> array_called(const std::vector<VtkArray>& arrays,
+                                        const std::string& wanted) {
   for (const bool is_cell_data : {false, true}) {
     for (std::size_t i = 0; i < arrays.size(); ++i) {
-      const bool has_name = arrays[i].name == wanted || (is_cell_data && std::string(kCellPrefix) + arrays[i].name == wanted);
+      const bool has_name = arrays[i].name == wanted ||
+                            (is_cell_data && std::string(kCellPrefix) + arrays[i].name == wanted);
       if (arrays[i].is_cell_data == is_cell_data && has_name) {
         return i;
       }
@@ -47,7 +51,8 @@ std::optional<std::size_t> array_called(const std::vector<VtkArray>& arrays, con
 
 // The one that is read where nothing was chosen; none: it is not clear which.
 std::optional<std::size_t> array_without_choice(const std::vector<VtkArray>& arrays) {
-  const bool reads_cells = std::ranges::all_of(arrays, [](const VtkArray& array) { return array.is_cell_data; });
+  const bool reads_cells =
+      std::ranges::all_of(arrays, [](const VtkArray& array) { return array.is_cell_data; });
   std::vector<std::size_t> all, marked;
   for (std::size_t i = 0; i < arrays.size(); ++i) {
     if (arrays[i].is_cell_data == reads_cells) {
@@ -68,9 +73,12 @@ std::string shortest(double value) {
 
 }  // namespace
 
-bool is_ghost_array(const std::string& name) { return name == "vtkGhostType" || name == "vtkGhostLevels"; }
+bool is_ghost_array(const std::string& name) {
+  return name == "vtkGhostType" || name == "vtkGhostLevels";
+}
 
-std::size_t choose_array(const fs::path& path, const std::vector<VtkArray>& arrays, const ReadOptions& options, VolumeSource& source) {
+std::size_t choose_array(const fs::path& path, const std::vector<VtkArray>& arrays,
+                         const ReadOptions& options, VolumeSource& source) {
   if (arrays.empty()) {
     throw unsupported(path, "has no array of numbers at its points or in its cells, expected one");
   }
@@ -79,19 +87,24 @@ std::size_t choose_array(const fs::path& path, const std::vector<VtkArray>& arra
   for (const VtkArray& array : arrays) {
     choice.entries.push_back(description(array, with_prefix));
   }
-  const std::optional<std::size_t> found = options.array.empty() ? array_without_choice(arrays) : array_called(arrays, options.array);
-  const std::size_t chosen = found ? take_choice(path, source, choice, found) : take_choice(path, source, choice, options.array);
+  const std::optional<std::size_t> found =
+      options.array.empty() ? array_without_choice(arrays) : array_called(arrays, options.array);
+  const std::size_t chosen = found ? take_choice(path, source, choice, found)
+                                   : take_choice(path, source, choice, options.array);
   if (arrays.size() > 1) {
     source.decisions.push_back({"array", one_line(arrays[chosen].name)});
   }
   return chosen;
 }
 
-std::uint64_t choose_component(const fs::path& path, const VtkArray& array, const ReadOptions& options, VolumeSource& source) {
+std::uint64_t choose_component(const fs::path& path, const VtkArray& array,
+                               const ReadOptions& options, VolumeSource& source) {
   constexpr std::uint64_t kMostComponents = 1024;
   if (array.components < 1 || array.components > kMostComponents) {
-    throw unsupported(path, "its array '" + one_line(array.name, 80) + "' has " + std::to_string(array.components) +
-                                " values per sample, expected 1 to " + std::to_string(kMostComponents));
+    throw unsupported(path, "its array '" + one_line(array.name, 80) + "' has " +
+                                std::to_string(array.components) +
+                                " values per sample, expected 1 to " +
+                                std::to_string(kMostComponents));
   }
   if (array.components == 1) {
     return 0;
@@ -113,7 +126,8 @@ std::array<std::size_t, 3> VtkGrid::cells() const {
   return cells;
 }
 
-Grid sample_grid(const fs::path& path, const VtkGrid& grid, bool is_cell_data, VolumeSource& source) {
+Grid sample_grid(const fs::path& path, const VtkGrid& grid, bool is_cell_data,
+                 VolumeSource& source) {
   const std::array<double, 3> steps{grid.spacing.x, grid.spacing.y, grid.spacing.z};
   std::array<double, 3> origin{grid.origin.x, grid.origin.y, grid.origin.z};
   std::array<double, 3> first{};
@@ -133,15 +147,20 @@ Grid sample_grid(const fs::path& path, const VtkGrid& grid, bool is_cell_data, V
   return grid_of_file(path, size, grid.spacing, {origin[0], origin[1], origin[2]}, grid.axes);
 }
 
-AxisCoordinates coordinates_of_axis(VtkValues& values, VtkType type, std::uint64_t count, bool is_text) {
+AxisCoordinates coordinates_of_axis(VtkValues& values, VtkType type, std::uint64_t count,
+                                    bool is_text) {
   constexpr double kSixDigits = 5e-6;
   AxisCoordinates axis;
-  axis.rounding = is_text ? kSixDigits : type.sample == SampleType::float32 ? std::numeric_limits<float>::epsilon() : 0;
+  axis.rounding = is_text                              ? kSixDigits
+                  : type.sample == SampleType::float32 ? std::numeric_limits<float>::epsilon()
+                                                       : 0;
   axis.values.resize(static_cast<std::size_t>(count));
   visit_sample_type(type.sample, [&](auto* sample) {
-    std::vector<std::remove_const_t<std::remove_pointer_t<decltype(sample)>>> stored(axis.values.size());
+    std::vector<std::remove_const_t<std::remove_pointer_t<decltype(sample)>>> stored(
+        axis.values.size());
     values.read(stored.data(), count);
-    std::ranges::transform(stored, axis.values.begin(), [](auto value) { return static_cast<double>(value); });
+    std::ranges::transform(stored, axis.values.begin(),
+                           [](auto value) { return static_cast<double>(value); });
   });
   return axis;
 }
@@ -158,16 +177,20 @@ EvenSteps even_steps(const fs::path& path, const AxisCoordinates& coordinates, c
   constexpr double kTolerance = 1e-3;    // of a step: far less than what a sample stands for
   constexpr double kMaxRounding = 1e-2;  // of a step
   const double step = (values.back() - values.front()) / static_cast<double>(values.size() - 1);
-  const double rounding = coordinates.rounding * std::max(std::abs(values.front()), std::abs(values.back()));
-  const double tolerance = std::abs(step) * kTolerance + std::min(rounding, std::abs(step) * kMaxRounding);
+  const double rounding =
+      coordinates.rounding * std::max(std::abs(values.front()), std::abs(values.back()));
+  const double tolerance =
+      std::abs(step) * kTolerance + std::min(rounding, std::abs(step) * kMaxRounding);
   double smallest = values[1] - values[0], greatest = smallest, deviation = 0;
   for (std::size_t i = 1; i < values.size(); ++i) {
     smallest = std::min(smallest, values[i] - values[i - 1]);
     greatest = std::max(greatest, values[i] - values[i - 1]);
-    deviation = std::max(deviation, std::abs(values[i] - (values.front() + static_cast<double>(i) * step)));
+    deviation =
+        std::max(deviation, std::abs(values[i] - (values.front() + static_cast<double>(i) * step)));
   }
   if (!(deviation <= tolerance)) {
-    throw unsupported(path, which + " are uneven: steps of " + shortest(smallest) + " and of " + shortest(greatest) +
+    throw unsupported(path, which + " are uneven: steps of " + shortest(smallest) + " and of " +
+                                shortest(greatest) +
                                 ", expected equal steps; resample it to an image first");
   }
   return {values.front(), step};

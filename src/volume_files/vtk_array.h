@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What VTK's legacy and XML files have in common: named arrays of values at the points or in the cells of a grid.
+// What VTK's legacy and XML files have in common: named arrays of values at the points or in the
+// cells of a grid.
 #pragma once
 
 #include <array>
@@ -26,14 +27,16 @@ struct VtkArray {
 /// An array that holds no volume: it says which samples are copies or hidden.
 bool is_ghost_array(const std::string& name);
 
-/// The array to read: the one that `options.array` names, else the only one that is marked, else the only one. Point data
-/// comes before cell data. In a file with both, arrays of cells are called "cell:NAME".
+/// The array to read: the one that `options.array` names, else the only one that is marked, else
+/// the only one. Point data comes before cell data. In a file with both, arrays of cells are called
+/// "cell:NAME".
 /// @throws ChoiceNeeded as take_choice()
-std::size_t choose_array(const std::filesystem::path& path, const std::vector<VtkArray>& arrays, const ReadOptions& options,
-                         VolumeSource& source);
+std::size_t choose_array(const std::filesystem::path& path, const std::vector<VtkArray>& arrays,
+                         const ReadOptions& options, VolumeSource& source);
 
 /// The component to read; of several, `options.channel` has to name one.
-std::uint64_t choose_component(const std::filesystem::path& path, const VtkArray& array, const ReadOptions& options, VolumeSource& source);
+std::uint64_t choose_component(const std::filesystem::path& path, const VtkArray& array,
+                               const ReadOptions& options, VolumeSource& source);
 
 /// A grid of points with equal steps.
 struct VtkGrid {
@@ -48,14 +51,16 @@ struct VtkGrid {
 
 /// The grid of the samples: points, or the centres of cells, which is noted in `source`.
 /// @throws Error as checked_sample_bytes() and grid_of_file()
-Grid sample_grid(const std::filesystem::path& path, const VtkGrid& grid, bool is_cell_data, VolumeSource& source);
+Grid sample_grid(const std::filesystem::path& path, const VtkGrid& grid, bool is_cell_data,
+                 VolumeSource& source);
 
 struct AxisCoordinates {
   std::vector<double> values = {};
   double rounding = 0;  ///< of a value, relative to it: that of float, or of six digits
 };
 
-AxisCoordinates coordinates_of_axis(VtkValues& values, VtkType type, std::uint64_t count, bool is_text);
+AxisCoordinates coordinates_of_axis(VtkValues& values, VtkType type, std::uint64_t count,
+                                    bool is_text);
 
 /// Coordinates that stand for equal steps.
 struct EvenSteps {
@@ -64,6 +69,7 @@ struct EvenSteps {
 };
 
 /// @throws Error(unsupported)  the steps differ by more than rounding, or 0.001 of a step
-EvenSteps even_steps(const std::filesystem::path& path, const AxisCoordinates& coordinates, char axis_name);
+EvenSteps even_steps(const std::filesystem::path& path, const AxisCoordinates& coordinates,
+                     char axis_name);
 
 }  // namespace isoatlas::detail::io

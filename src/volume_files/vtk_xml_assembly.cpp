@@ -15,7 +15,8 @@ namespace isoatlas::detail::io {
 namespace {
 
 std::string place_of(const std::array<std::size_t, 3>& at) {
-  return "sample (" + std::to_string(at[0]) + ", " + std::to_string(at[1]) + ", " + std::to_string(at[2]) + ")";
+  return "sample (" + std::to_string(at[0]) + ", " + std::to_string(at[1]) + ", " +
+         std::to_string(at[2]) + ")";
 }
 
 // Infinite where only one of them is a number.
@@ -26,17 +27,26 @@ double difference(SampleType type, const std::byte* a, const std::byte* b) {
     std::memcpy(&y, b, sizeof y);
     const double distance = std::abs(static_cast<double>(x) - static_cast<double>(y));
     const bool are_same = x == y || (x != x && y != y);
-    return are_same ? 0.0 : std::isnan(distance) ? std::numeric_limits<double>::infinity() : distance;
+    return are_same               ? 0.0
+           : std::isnan(distance) ? std::numeric_limits<double>::infinity()
+                                  : distance;
   });
 }
 
 }  // namespace
 
-PieceAssembly::PieceAssembly(const std::filesystem::path& path, const std::array<std::size_t, 3>& size, SampleType type, std::byte* samples)
-    : path_(path), size_(size), type_(type), samples_(samples), states_(size[0] * size[1] * size[2], State::missing) {}
+PieceAssembly::PieceAssembly(const std::filesystem::path& path,
+                             const std::array<std::size_t, 3>& size, SampleType type,
+                             std::byte* samples)
+    : path_(path),
+      size_(size),
+      type_(type),
+      samples_(samples),
+      states_(size[0] * size[1] * size[2], State::missing) {}
 
-void PieceAssembly::add(VtkValues& values, std::uint64_t components, std::uint64_t component, const SampleBox& stored,
-                        const SampleBox& wanted, const std::vector<bool>& is_copy) {
+void PieceAssembly::add(VtkValues& values, std::uint64_t components, std::uint64_t component,
+                        const SampleBox& stored, const SampleBox& wanted,
+                        const std::vector<bool>& is_copy) {
   const std::size_t sample_bytes = bytes_per_sample(type_);
   std::vector<std::byte> row(stored.size[0] * sample_bytes);
   const auto is_wanted = [&](std::size_t axis, std::size_t i) {
@@ -56,7 +66,8 @@ void PieceAssembly::add(VtkValues& values, std::uint64_t components, std::uint64
   }
 }
 
-void PieceAssembly::place(const std::array<std::size_t, 3>& at, const std::byte* sample, bool is_copy) {
+void PieceAssembly::place(const std::array<std::size_t, 3>& at, const std::byte* sample,
+                          bool is_copy) {
   const std::size_t index = index_of(at);
   const std::size_t sample_bytes = bytes_per_sample(type_);
   std::byte* const to = samples_ + index * sample_bytes;
@@ -75,8 +86,11 @@ void PieceAssembly::place(const std::array<std::size_t, 3>& at, const std::byte*
 void PieceAssembly::finish(VolumeSource& source) const {
   if (const auto gap = std::ranges::find(states_, State::missing); gap != states_.end()) {
     const auto index = static_cast<std::size_t>(gap - states_.begin());
-    throw bad_file(path_, "has no piece with " + place_of({index % size_[0], index / size_[0] % size_[1], index / size_[0] / size_[1]}) +
-                              ", expected pieces that cover its WholeExtent; is it itself a piece of another file?");
+    throw bad_file(
+        path_,
+        "has no piece with " +
+            place_of({index % size_[0], index / size_[0] % size_[1], index / size_[0] / size_[1]}) +
+            ", expected pieces that cover its WholeExtent; is it itself a piece of another file?");
   }
   if (largest_difference_ == 0) {
     return;
@@ -84,10 +98,12 @@ void PieceAssembly::finish(VolumeSource& source) const {
   constexpr double kRounding = 1e-5;  // of the range of all samples
   const SampleSummary summary = summarize({{.size = size_}, type_, samples_});
   if (!(largest_difference_ <= kRounding * (summary.maximum - summary.minimum))) {
-    throw bad_file(path_, "its pieces contradict each other: two of them differ by " + std::to_string(largest_difference_) + " at " +
+    throw bad_file(path_, "its pieces contradict each other: two of them differ by " +
+                              std::to_string(largest_difference_) + " at " +
                               place_of(largest_difference_at_));
   }
-  source.warnings.push_back("its pieces differ by rounding where they overlap; the first piece's samples are used there");
+  source.warnings.push_back(
+      "its pieces differ by rounding where they overlap; the first piece's samples are used there");
 }
 
 }  // namespace isoatlas::detail::io

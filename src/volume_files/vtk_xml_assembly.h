@@ -24,24 +24,29 @@ struct SampleBox {
 class PieceAssembly {
  public:
   /// @param samples  for size[0] x size[1] x size[2] of them
-  PieceAssembly(const std::filesystem::path& path, const std::array<std::size_t, 3>& size, SampleType type, std::byte* samples);
+  PieceAssembly(const std::filesystem::path& path, const std::array<std::size_t, 3>& size,
+                SampleType type, std::byte* samples);
 
   /// Reads all samples of a piece and keeps those that are wanted.
   ///
   /// @param stored   all that the values are of
   /// @param wanted   within `stored` and within the volume
-  /// @param is_copy  one for each stored sample: another piece has the original, which comes before it; empty: none is
-  void add(VtkValues& values, std::uint64_t components, std::uint64_t component, const SampleBox& stored, const SampleBox& wanted,
-           const std::vector<bool>& is_copy);
+  /// @param is_copy  one for each stored sample: another piece has the original, which comes before
+  /// it; empty: none is
+  void add(VtkValues& values, std::uint64_t components, std::uint64_t component,
+           const SampleBox& stored, const SampleBox& wanted, const std::vector<bool>& is_copy);
 
-  /// @throws Error(bad_file) if samples are in no piece, or pieces differ by more than rounding; less is a warning in `source`
+  /// @throws Error(bad_file) if samples are in no piece, or pieces differ by more than rounding;
+  /// less is a warning in `source`
   void finish(VolumeSource& source) const;
 
  private:
   enum class State : std::uint8_t { missing, copied, original };
 
   void place(const std::array<std::size_t, 3>& at, const std::byte* sample, bool is_copy);
-  std::size_t index_of(const std::array<std::size_t, 3>& at) const { return at[0] + size_[0] * (at[1] + size_[1] * at[2]); }
+  std::size_t index_of(const std::array<std::size_t, 3>& at) const {
+    return at[0] + size_[0] * (at[1] + size_[1] * at[2]);
+  }
 
   std::filesystem::path path_;
   std::array<std::size_t, 3> size_;

@@ -20,7 +20,8 @@ namespace fs = std::filesystem;
 namespace {
 
 // The attribute of the header, else of the first piece's file: a .pvti need not have a Direction.
-std::vector<double> image_numbers(const VtkXmlGrid& grid, const char* attribute, std::size_t count) {
+std::vector<double> image_numbers(const VtkXmlGrid& grid, const char* attribute,
+                                  std::size_t count) {
   std::vector<double> numbers = numbers_of(*grid.header, *grid.element, attribute, count);
   if (numbers.empty() && grid.is_parallel && !grid.pieces.empty()) {
     const VtkXmlHeader& piece = *grid.pieces.front().header;
@@ -30,16 +31,20 @@ std::vector<double> image_numbers(const VtkXmlGrid& grid, const char* attribute,
 }
 
 // A piece's file that states another grid belongs to another volume.
-void require_same_in_pieces(const VtkXmlGrid& grid, const char* attribute, const std::vector<double>& expected, double tolerance) {
+void require_same_in_pieces(const VtkXmlGrid& grid, const char* attribute,
+                            const std::vector<double>& expected, double tolerance) {
   for (const VtkXmlPiece& piece : grid.pieces) {
     if (!grid.is_parallel) {
       return;
     }
-    const std::vector<double> numbers = numbers_of(*piece.header, *piece.header->root.child("ImageData"), attribute, expected.size());
+    const std::vector<double> numbers = numbers_of(
+        *piece.header, *piece.header->root.child("ImageData"), attribute, expected.size());
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       if (!(std::abs(numbers[i] - expected[i]) <= tolerance)) {
-        throw bad_file(grid.header->path, "its piece " + piece.header->path.filename().string() + " has another " + attribute +
-                                              ", expected " + grid.element->attribute_or(attribute, "that of the first piece"));
+        throw bad_file(grid.header->path,
+                       "its piece " + piece.header->path.filename().string() + " has another " +
+                           attribute + ", expected " +
+                           grid.element->attribute_or(attribute, "that of the first piece"));
       }
     }
   }
@@ -71,15 +76,18 @@ VtkGrid image_geometry(const VtkXmlGrid& grid, VolumeSource& source) {
 
 class Coordinates {
  public:
-  Coordinates(const VtkXmlGrid& grid, const ReadOptions& options) : grid_(grid), options_(options), points_(grid.extent.size()) {}
+  Coordinates(const VtkXmlGrid& grid, const ReadOptions& options)
+      : grid_(grid), options_(options), points_(grid.extent.size()) {}
 
   AxisCoordinates along(std::size_t axis) {
     AxisCoordinates all;
     for (const VtkXmlPiece& piece : grid_.pieces) {
       check_data_file(grid_.header->path, piece.header->path, [&] { add(piece, axis, all); });
     }
-    if (all.values.size() != points_[axis] || std::ranges::any_of(all.values, [](double value) { return std::isnan(value); })) {
-      throw bad_file(grid_.header->path, std::string("has not all ") + "xyz"[axis] + " coordinates of its WholeExtent");
+    if (all.values.size() != points_[axis] ||
+        std::ranges::any_of(all.values, [](double value) { return std::isnan(value); })) {
+      throw bad_file(grid_.header->path,
+                     std::string("has not all ") + "xyz"[axis] + " coordinates of its WholeExtent");
     }
     return all;
   }
@@ -88,22 +96,27 @@ class Coordinates {
   void add(const VtkXmlPiece& piece, std::size_t axis, AxisCoordinates& all) const {
     const XmlElement* const element = piece.element->child("Coordinates");
     if (element == nullptr || element->children.size() < 3) {
-      throw bad_file(piece.header->path, "has no <Coordinates> with three arrays in one of its pieces");
+      throw bad_file(piece.header->path,
+                     "has no <Coordinates> with three arrays in one of its pieces");
     }
     const XmlElement& array = element->children[axis];
     const std::optional<VtkType> type = vtk_xml_type(*piece.header, array);
     if (!type) {
-      throw bad_file(piece.header->path, std::string("its ") + "xyz"[axis] + " coordinates are strings, expected numbers");
+      throw bad_file(piece.header->path, std::string("its ") + "xyz"[axis] +
+                                             " coordinates are strings, expected numbers");
     }
     const std::uint64_t count = piece.extent.size()[axis];
     const auto values = open_xml_values(*piece.header, array, *type, count);
-    require_within_memory_limit(piece.header->path, (count + points_[axis]) * sizeof(double), options_);
-    const AxisCoordinates part = coordinates_of_axis(*values, *type, count, array.attribute_or("format", "") == "ascii");
+    require_within_memory_limit(piece.header->path, (count + points_[axis]) * sizeof(double),
+                                options_);
+    const AxisCoordinates part =
+        coordinates_of_axis(*values, *type, count, array.attribute_or("format", "") == "ascii");
     if (all.values.empty()) {
       all.values.assign(points_[axis], std::numeric_limits<double>::quiet_NaN());
     }
     all.rounding = std::max(all.rounding, part.rounding);
-    const auto first = static_cast<std::size_t>(piece.extent.first[axis] - grid_.extent.first[axis]);
+    const auto first =
+        static_cast<std::size_t>(piece.extent.first[axis] - grid_.extent.first[axis]);
     std::ranges::copy(part.values, all.values.begin() + static_cast<std::ptrdiff_t>(first));
   }
 
@@ -112,9 +125,11 @@ class Coordinates {
   std::array<std::size_t, 3> points_;
 };
 
-VtkGrid rectilinear_geometry(const VtkXmlGrid& grid, const ReadOptions& options, VolumeSource& source) {
+VtkGrid rectilinear_geometry(const VtkXmlGrid& grid, const ReadOptions& options,
+                             VolumeSource& source) {
   VtkGrid geometry{.points = grid.extent.size()};
-  const std::array<double*, 3> spacing{&geometry.spacing.x, &geometry.spacing.y, &geometry.spacing.z};
+  const std::array<double*, 3> spacing{&geometry.spacing.x, &geometry.spacing.y,
+                                       &geometry.spacing.z};
   const std::array<double*, 3> origin{&geometry.origin.x, &geometry.origin.y, &geometry.origin.z};
   Coordinates coordinates(grid, options);
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -129,7 +144,8 @@ VtkGrid rectilinear_geometry(const VtkXmlGrid& grid, const ReadOptions& options,
 }  // namespace
 
 VtkGrid vtk_xml_geometry(const VtkXmlGrid& grid, const ReadOptions& options, VolumeSource& source) {
-  return grid.is_rectilinear ? rectilinear_geometry(grid, options, source) : image_geometry(grid, source);
+  return grid.is_rectilinear ? rectilinear_geometry(grid, options, source)
+                             : image_geometry(grid, source);
 }
 
 }  // namespace isoatlas::detail::io

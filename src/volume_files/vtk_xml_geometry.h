@@ -9,7 +9,8 @@
 namespace isoatlas::detail::io {
 
 /// Sets `source.has_spacing`.
-/// @throws Error(bad_file)     missing or damaged coordinates, or a piece that is elsewhere than the header says
+/// @throws Error(bad_file)     missing or damaged coordinates, or a piece that is elsewhere than
+/// the header says
 /// @throws Error(unsupported)  steps that are not equal
 VtkGrid vtk_xml_geometry(const VtkXmlGrid& grid, const ReadOptions& options, VolumeSource& source);
 

@@ -19,31 +19,39 @@ namespace fs = std::filesystem;
 namespace {
 
 [[noreturn]] void refuse_type(const fs::path& path, const std::string& type) {
-  const std::string kind = type.starts_with('P') && type.size() > 1 && type[1] >= 'A' && type[1] <= 'Z' ? type.substr(1) : type;
+  const std::string kind =
+      type.starts_with('P') && type.size() > 1 && type[1] >= 'A' && type[1] <= 'Z' ? type.substr(1)
+                                                                                   : type;
   const std::string expected = ", expected a volume: ImageData or RectilinearGrid";
   if (kind == "PolyData") {
     throw unsupported(path, "is a mesh file (VTK " + type + ")" + expected);
   }
   if (kind == "StructuredGrid") {
-    throw unsupported(path, "holds a curvilinear grid (" + type + ")" + expected + "; resample it to an image first");
+    throw unsupported(path, "holds a curvilinear grid (" + type + ")" + expected +
+                                "; resample it to an image first");
   }
   if (kind == "UnstructuredGrid") {
-    throw unsupported(path, "holds an unstructured grid (" + type + ")" + expected + "; resample it to an image first");
+    throw unsupported(path, "holds an unstructured grid (" + type + ")" + expected +
+                                "; resample it to an image first");
   }
   if (type == "Collection" || type.starts_with("vtk")) {
-    throw unsupported(path, "is a list of other files (" + one_line(type, 40) + "), expected one of these files");
+    throw unsupported(
+        path, "is a list of other files (" + one_line(type, 40) + "), expected one of these files");
   }
   throw unsupported(path, "holds '" + one_line(type, 40) + "'" + expected);
 }
 
-PointExtent extent_of(const VtkXmlHeader& header, const XmlElement& element, const std::string& attribute) {
+PointExtent extent_of(const VtkXmlHeader& header, const XmlElement& element,
+                      const std::string& attribute) {
   const std::vector<double> numbers = numbers_of(header, element, attribute, 6);
   PointExtent extent;
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     const double number = numbers[i];
-    if (!(std::abs(number) <= std::numeric_limits<std::int32_t>::max()) || number != std::trunc(number)) {
-      throw bad_file(header.path,
-                     "its " + attribute + " is '" + one_line(element.attribute_or(attribute, ""), 80) + "', expected six integers");
+    if (!(std::abs(number) <= std::numeric_limits<std::int32_t>::max()) ||
+        number != std::trunc(number)) {
+      throw bad_file(header.path, "its " + attribute + " is '" +
+                                      one_line(element.attribute_or(attribute, ""), 80) +
+                                      "', expected six integers");
     }
     (i % 2 == 0 ? extent.first : extent.last)[i / 2] = static_cast<std::int64_t>(number);
   }
@@ -55,13 +63,14 @@ PointExtent extent_of(const VtkXmlHeader& header, const XmlElement& element, con
 
 void require_within(const fs::path& path, const PointExtent& extent, const PointExtent& whole) {
   if (!whole.contains(extent)) {
-    throw bad_file(path, "has a piece with extent " + to_string(extent) + ", expected one within the WholeExtent " + to_string(whole));
+    throw bad_file(path, "has a piece with extent " + to_string(extent) +
+                             ", expected one within the WholeExtent " + to_string(whole));
   }
 }
 
 // The pieces that are in the file itself.
-void add_pieces(VtkXmlGrid& grid, const std::shared_ptr<const VtkXmlHeader>& header, const XmlElement& element,
-                const PointExtent& promised) {
+void add_pieces(VtkXmlGrid& grid, const std::shared_ptr<const VtkXmlHeader>& header,
+                const XmlElement& element, const PointExtent& promised) {
   for (const XmlElement& child : element.children) {
     if (child.name != "Piece") {
       continue;
@@ -92,7 +101,8 @@ fs::path piece_file(const fs::path& path, const XmlElement& piece) {
 
 void add_files(VtkXmlGrid& grid, const std::string& piece_type) {
   const fs::path& path = grid.header->path;
-  std::map<fs::path, std::shared_ptr<const VtkXmlHeader>> headers;  // several pieces may name one file
+  std::map<fs::path, std::shared_ptr<const VtkXmlHeader>>
+      headers;  // several pieces may name one file
   for (const XmlElement& piece : grid.element->children) {
     const bool is_piece = piece.name == "Piece";
     const PointExtent extent = is_piece ? extent_of(*grid.header, piece, "Extent") : PointExtent{};
@@ -107,7 +117,8 @@ void add_files(VtkXmlGrid& grid, const std::string& piece_type) {
       if (!header) header = std::make_shared<const VtkXmlHeader>(read_vtk_xml_header(file));
       const XmlElement* const element = header->root.child(piece_type);
       if (header->root.attribute_or("type", "") != piece_type || element == nullptr) {
-        throw bad_file(file, "holds '" + one_line(header->root.attribute_or("type", ""), 40) + "', expected " + piece_type);
+        throw bad_file(file, "holds '" + one_line(header->root.attribute_or("type", ""), 40) +
+                                 "', expected " + piece_type);
       }
       const std::size_t pieces = grid.pieces.size();
       add_pieces(grid, header, *element, extent);
@@ -120,7 +131,9 @@ void add_files(VtkXmlGrid& grid, const std::string& piece_type) {
 
 }  // namespace
 
-bool PointExtent::is_empty() const { return last[0] < first[0] || last[1] < first[1] || last[2] < first[2]; }
+bool PointExtent::is_empty() const {
+  return last[0] < first[0] || last[1] < first[1] || last[2] < first[2];
+}
 
 bool PointExtent::contains(const PointExtent& other) const { return intersection(other) == other; }
 

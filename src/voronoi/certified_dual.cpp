@@ -112,7 +112,9 @@ class FixFinder {
 // Farthest first. For equal c-vertices, fixes of two cells come before fixes of one, since they
 // repair more.
 bool comes_before(const Fix& x, const Fix& y) {
-  const auto order = [](const Fix& fix) { return std::tuple(fix.c_vertex, fix.a == fix.b, fix.a, fix.b); };
+  const auto order = [](const Fix& fix) {
+    return std::tuple(fix.c_vertex, fix.a == fix.b, fix.a, fix.b);
+  };
   return x.distance != y.distance ? x.distance > y.distance : order(x) < order(y);
 }
 
@@ -150,15 +152,21 @@ PartitionCheck CertifiedDual::check(std::span<const CellId> scope, const RunCont
   const Partition& partition = covering_.partition();
   if (scope.empty()) {
     PartitionCheck found;
-    run_both([&] { found = check_partition(complex_, partition.cell_of, partition.cell_count(), partition.site, {}, control); },
-             [&] { adjacency(control); });  // needed for repair and for later local checks
+    run_both(
+        [&] {
+          found = check_partition(complex_, partition.cell_of, partition.cell_count(),
+                                  partition.site, {}, control);
+        },
+        [&] { adjacency(control); });  // needed for repair and for later local checks
     return found;
   }
-  return scoped_.run(complex_, adjacency(control), partition.cell_of, covering_.members(), partition.site, scope, control);
+  return scoped_.run(complex_, adjacency(control), partition.cell_of, covering_.members(),
+                     partition.site, scope, control);
 }
 
 // An empty `scope` means all cells.
-void CertifiedDual::store_triangles(std::span<const CellId> scope, PartitionCheck& check, const RunControl& control) {
+void CertifiedDual::store_triangles(std::span<const CellId> scope, PartitionCheck& check,
+                                    const RunControl& control) {
   const std::uint32_t cells = covering_.partition().cell_count();
   if (triangles_.list().empty()) {
     triangles_ = DualTriangles(std::move(check.triangles), cells);
@@ -180,7 +188,8 @@ std::vector<CellId> CertifiedDual::cells_near_changes(const RunControl& control)
   std::vector<CVertexId> c_vertices(covering_.changed().begin(), covering_.changed().end());
   c_vertices.insert(c_vertices.end(), changed_c_vertices_.begin(), changed_c_vertices_.end());
   changed_c_vertices_.clear();
-  return scoped_.cells_near(complex_, adjacency(control), covering_.partition().cell_of, c_vertices, control);
+  return scoped_.cells_near(complex_, adjacency(control), covering_.partition().cell_of, c_vertices,
+                            control);
 }
 
 void CertifiedDual::remove_cells(std::uint32_t count) {
@@ -204,10 +213,13 @@ void CertifiedDual::adapt_to(std::span<const std::uint8_t> changed) {
 }
 
 // An empty `scope` means all cells.
-void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateReport& report, const RunControl& control) {
+void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateReport& report,
+                                     const RunControl& control) {
   const Partition& partition = covering_.partition();
-  const RunControl quiet = without_stages(control);  // covering inside a repair is not a stage that reports progress
-  std::vector<CellId> checked = scope;               // in all rounds; if the first check was of all cells, so is the last
+  const RunControl quiet =
+      without_stages(control);  // covering inside a repair is not a stage that reports progress
+  std::vector<CellId> checked =
+      scope;  // in all rounds; if the first check was of all cells, so is the last
   const bool check_all = scope.empty();
   bool has_triangles = !std::exchange(nothing_checked_, false);
   for (;;) {
@@ -228,7 +240,8 @@ void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateRepor
         store_triangles(check_all ? std::span<const CellId>() : checked, found, control);
       else if (found.triangles.size() != triangles_.list().size())
         throw Error(ErrorCode::internal,
-                    "the certificate's triangles differ from the stored ones; please report the volume and the options");
+                    "the certificate's triangles differ from the stored ones; please report the "
+                    "volume and the options");
       all_checked_ = check_all;
       report.passed = true;
       return;
@@ -240,7 +253,8 @@ void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateRepor
     covering_.clear_changes();
     control.check_cancelled();
     CancelPoll poll(control);
-    for (const CVertexId v : select_independent(FixFinder(complex_, adjacency(control), covering_).find(found, control))) {
+    for (const CVertexId v : select_independent(
+             FixFinder(complex_, adjacency(control), covering_).find(found, control))) {
       poll.step();
       if (covering_.distance()[v] == 0) continue;  // two fixes may propose the same c-vertex
       covering_.lower_radius(v, covering_.distance()[v], control);
@@ -248,7 +262,9 @@ void CertifiedDual::check_and_repair(std::vector<CellId> scope, CertificateRepor
     }
     covering_.cover(quiet);
     if (covering_.site_count() == before) {
-      throw Error(ErrorCode::internal, "the certificate fails and no site is left to add; please report the volume and the options");
+      throw Error(ErrorCode::internal,
+                  "the certificate fails and no site is left to add; please report the volume and "
+                  "the options");
     }
     report.repair_sites += covering_.site_count() - before;
 
@@ -272,7 +288,8 @@ void CertifiedDual::update(CertificateReport& report, const RunControl& control)
   }
   covering_.clear_changes();
   const std::vector<CVertexId>& site = covering_.partition().site;
-  for (auto c = static_cast<CellId>(site_positions_.size()); c < site.size(); ++c) site_positions_.push_back(complex_.positions[site[c]]);
+  for (auto c = static_cast<CellId>(site_positions_.size()); c < site.size(); ++c)
+    site_positions_.push_back(complex_.positions[site[c]]);
   assert(matches_complete_check());
 }
 
@@ -293,18 +310,22 @@ bool CertifiedDual::matches_complete_check() {
   return found.passed() && corners(found.triangles) == corners(triangles());
 }
 
-void CertifiedDual::mark_touched_near(std::span<const CVertexId> c_vertices, const RunControl& control) {
+void CertifiedDual::mark_touched_near(std::span<const CVertexId> c_vertices,
+                                      const RunControl& control) {
   touched_.resize(std::max<std::size_t>(touched_.size(), covering_.site_count()), 1);
-  for (const CellId c : scoped_.cells_near(complex_, adjacency(control), covering_.partition().cell_of, c_vertices, control))
+  for (const CellId c : scoped_.cells_near(complex_, adjacency(control),
+                                           covering_.partition().cell_of, c_vertices, control))
     touched_[c] = 1;
 }
 
 void CertifiedDual::certify(CertificateReport& report, const RunControl& control) {
   update(report, control);
-  while (!all_checked_) {  // runs once: a complete check finds nothing that the local checks have missed
+  while (!all_checked_) {  // runs once: a complete check finds nothing that the local checks have
+                           // missed
     const std::vector<std::uint8_t> touched = touched_;
     check_and_repair({}, report, control);
-    if (touched.size() == covering_.site_count()) touched_ = touched;  // a check without repair does not change cells
+    if (touched.size() == covering_.site_count())
+      touched_ = touched;  // a check without repair does not change cells
   }
   covering_.clear_changes();
 }

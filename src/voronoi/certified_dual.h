@@ -18,7 +18,8 @@ namespace isoatlas::detail {
 /// complex itself, which is simplicial.
 class CertifiedDual {
  public:
-  CertifiedDual(const SurfaceComplex& complex, Covering& covering) : complex_(complex), covering_(covering) {}
+  CertifiedDual(const SurfaceComplex& complex, Covering& covering)
+      : complex_(complex), covering_(covering) {}
   /// Copies the state for a copy of the covering.
   CertifiedDual(const CertifiedDual& other, Covering& covering);
 
@@ -48,9 +49,11 @@ class CertifiedDual {
   void clear_touched() { touched_.assign(touched_.size(), 0); }
 
  private:
-  void check_and_repair(std::vector<CellId> scope, CertificateReport& report, const RunControl& control);
+  void check_and_repair(std::vector<CellId> scope, CertificateReport& report,
+                        const RunControl& control);
   PartitionCheck check(std::span<const CellId> scope, const RunControl& control);
-  void store_triangles(std::span<const CellId> scope, PartitionCheck& check, const RunControl& control);
+  void store_triangles(std::span<const CellId> scope, PartitionCheck& check,
+                       const RunControl& control);
   std::vector<CVertexId> find_fixes(const PartitionCheck& check);
   std::vector<CellId> cells_near_changes(const RunControl& control);
   const ComplexAdjacency& adjacency(const RunControl& control);
@@ -59,8 +62,10 @@ class CertifiedDual {
   const SurfaceComplex& complex_;
   Covering& covering_;
   std::shared_ptr<const ComplexAdjacency> adjacency_;  // made by the first local check
-  std::vector<CVertexId> changed_c_vertices_;          // c-vertices whose faces have changed since they were checked
-  std::vector<Vec3> site_positions_;  // per site, its position when quads with four cells were split along the shorter diagonal
+  std::vector<CVertexId>
+      changed_c_vertices_;            // c-vertices whose faces have changed since they were checked
+  std::vector<Vec3> site_positions_;  // per site, its position when quads with four cells were
+                                      // split along the shorter diagonal
   ScopedCheck scoped_;
   DualTriangles triangles_;
   std::vector<std::uint8_t> touched_;

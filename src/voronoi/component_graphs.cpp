@@ -9,11 +9,13 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::uint32_t kMinGroupSize = 1024;  // c-vertices per group; only the last one may have fewer
+constexpr std::uint32_t kMinGroupSize =
+    1024;  // c-vertices per group; only the last one may have fewer
 
 }  // namespace
 
-ComponentGraphs::ComponentGraphs(const CVertexGraph& graph, const RunControl& control) : graph_(graph), first_{0} {
+ComponentGraphs::ComponentGraphs(const CVertexGraph& graph, const RunControl& control)
+    : graph_(graph), first_{0} {
   CancelPoll poll(control);
   const CVertexId n = graph.c_vertex_count();
   std::vector<std::uint32_t> group_of(n, kNone), size;
@@ -53,7 +55,8 @@ ComponentGraphs::ComponentGraphs(const CVertexGraph& graph, const RunControl& co
   }
   by_size_.resize(size.size());
   std::iota(by_size_.begin(), by_size_.end(), 0u);
-  std::ranges::stable_sort(by_size_, std::ranges::greater{}, [&](std::uint32_t group) { return size[group]; });
+  std::ranges::stable_sort(by_size_, std::ranges::greater{},
+                           [&](std::uint32_t group) { return size[group]; });
 }
 
 CVertexGraph ComponentGraphs::subgraph(std::uint32_t group, const RunControl& control) const {
@@ -62,16 +65,19 @@ CVertexGraph ComponentGraphs::subgraph(std::uint32_t group, const RunControl& co
   CVertexGraph out;
   out.first.resize(own.size() + 1);
   out.on_boundary.resize(own.size());
-  for (std::size_t k = 0; k < own.size(); ++k) out.first[k + 1] = out.first[k] + static_cast<std::uint32_t>(graph_.row(own[k]).size());
+  for (std::size_t k = 0; k < own.size(); ++k)
+    out.first[k + 1] = out.first[k] + static_cast<std::uint32_t>(graph_.row(own[k]).size());
   out.neighbours.resize(out.first.back());
   out.is_diagonal.resize(out.first.back());
   for (std::size_t k = 0; k < own.size(); ++k) {
     poll.step();
     const CVertexId v = own[k];
-    std::ranges::transform(graph_.row(v), out.neighbours.begin() + out.first[k], [&](const CVertexGraph::Neighbour& w) {
-      return CVertexGraph::Neighbour{id_in_group_[w.id], w.weight};
-    });
-    std::copy(graph_.is_diagonal.begin() + graph_.first[v], graph_.is_diagonal.begin() + graph_.first[v + 1],
+    std::ranges::transform(graph_.row(v), out.neighbours.begin() + out.first[k],
+                           [&](const CVertexGraph::Neighbour& w) {
+                             return CVertexGraph::Neighbour{id_in_group_[w.id], w.weight};
+                           });
+    std::copy(graph_.is_diagonal.begin() + graph_.first[v],
+              graph_.is_diagonal.begin() + graph_.first[v + 1],
               out.is_diagonal.begin() + out.first[k]);
     out.on_boundary[k] = graph_.on_boundary[v];
   }

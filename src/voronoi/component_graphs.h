@@ -32,7 +32,8 @@ class ComponentGraphs {
   const CVertexGraph& graph_;
   std::vector<std::uint32_t> first_;  // per group, in c_vertices_
   std::vector<CVertexId> c_vertices_;
-  std::vector<CVertexId> id_in_group_;  // per c-vertex of the whole graph, its id in the group's graph
+  std::vector<CVertexId>
+      id_in_group_;  // per c-vertex of the whole graph, its id in the group's graph
   std::vector<std::uint32_t> by_size_;
 };
 

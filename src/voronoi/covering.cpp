@@ -38,7 +38,8 @@ Covering::Covering(const CVertexGraph& graph, const CoveringOptions& options)
 void Covering::enqueue(CVertexId v) {
   if (queued_[v]) return;
   queued_[v] = 1;
-  (graph_.on_boundary[v] ? uncovered_boundary_ : uncovered_interior_).push(length_key(distance_[v], ~v));
+  (graph_.on_boundary[v] ? uncovered_boundary_ : uncovered_interior_)
+      .push(length_key(distance_[v], ~v));
 }
 
 void Covering::clear_changes() {
@@ -79,7 +80,8 @@ void Covering::insert(CVertexId v, const RunControl& control) {
     const std::uint64_t key = front_.pop();
     const CVertexId w = key_id(key);
     if (key_length(key) > distance_[w]) continue;
-    if (!is_covered(w)) enqueue(w);  // a c-vertex of a new component, or one whose radius was just lowered
+    if (!is_covered(w))
+      enqueue(w);  // a c-vertex of a new component, or one whose radius was just lowered
     for (const CVertexGraph::Neighbour& n : graph_.row(w)) {
       const float d = distance_[w] + n.weight;
       if (d >= distance_[n.id]) continue;  // ties go to the earlier site
@@ -106,7 +108,8 @@ bool Covering::is_lipschitz() const {
 void Covering::remove_sites(std::uint32_t count, const RunControl& control) {
   CancelPoll poll(control);
   std::vector<CVertexId> unassigned;
-  for (CellId c = count; c < site_count(); ++c) members().for_each(c, [&](CVertexId v) { unassigned.push_back(v); });
+  for (CellId c = count; c < site_count(); ++c)
+    members().for_each(c, [&](CVertexId v) { unassigned.push_back(v); });
   for (const CVertexId v : unassigned) {
     poll.step();
     members_.erase(v, std::exchange(partition_.cell_of[v], kNone));
@@ -253,11 +256,14 @@ void Covering::raise_radii(std::span<const CVertexId> uncovered, const RunContro
   }
 }
 
-void Covering::seed(std::span<const CVertexId> sites, std::span<const Radius> radii, const RunControl& control) {
+void Covering::seed(std::span<const CVertexId> sites, std::span<const Radius> radii,
+                    const RunControl& control) {
   for (const Radius& r : radii) radius_[r.at] = std::min(radius_[r.at], r.radius);
   MonotoneQueue front;
   for (const Radius& r : radii) {  // most radii do not lower any neighbour's
-    const auto lowers = [&](const CVertexGraph::Neighbour& n) { return radius_[r.at] + n.weight * kLipschitz < radius_[n.id]; };
+    const auto lowers = [&](const CVertexGraph::Neighbour& n) {
+      return radius_[r.at] + n.weight * kLipschitz < radius_[n.id];
+    };
     if (std::ranges::any_of(graph_.row(r.at), lowers)) front.push(length_key(radius_[r.at], r.at));
   }
   propagate_radii(front, control);
@@ -274,10 +280,12 @@ void Covering::seed(std::span<const CVertexId> sites, std::span<const Radius> ra
   raise_radii_to_cover(control);
 }
 
-void Covering::adapt_to(std::span<const std::uint8_t> changed, std::span<const CVertexId> sites, const RunControl& control) {
+void Covering::adapt_to(std::span<const std::uint8_t> changed, std::span<const CVertexId> sites,
+                        const RunControl& control) {
   const CVertexId n = graph_.c_vertex_count();
   const std::vector<CellId> cell_before = partition_.cell_of;
-  const std::vector<CVertexId> site_before = std::exchange(partition_.site, {sites.begin(), sites.end()});
+  const std::vector<CVertexId> site_before =
+      std::exchange(partition_.site, {sites.begin(), sites.end()});
   radius_.resize(n, options_.max_radius);
   distance_.resize(n, std::numeric_limits<float>::infinity());
   partition_.cell_of.resize(n, kNone);
@@ -292,7 +300,8 @@ void Covering::adapt_to(std::span<const std::uint8_t> changed, std::span<const C
     poll.step();
     for (const CVertexGraph::Neighbour& w : graph_.row(v)) {
       if (radius_[v] + w.weight * kLipschitz < radius_[w.id]) front.push(length_key(radius_[v], v));
-      if (radius_[w.id] + w.weight * kLipschitz < radius_[v]) front.push(length_key(radius_[w.id], w.id));
+      if (radius_[w.id] + w.weight * kLipschitz < radius_[v])
+        front.push(length_key(radius_[w.id], w.id));
     }
   }
   propagate_radii(front, control);
@@ -345,7 +354,8 @@ CVertexId Covering::farthest_uncovered() {
       const CVertexId v = ~key_id(key);
       queued_[v] = 0;
       if (is_covered(v)) continue;
-      if (distance_[v] < key_length(key)) {  // out of date: it has become nearer since it was pushed
+      if (distance_[v] <
+          key_length(key)) {  // out of date: it has become nearer since it was pushed
         enqueue(v);
         continue;
       }
@@ -360,7 +370,9 @@ void Covering::cover_reached_components(const RunControl& control) {
     if (inserted % 16 == 0) {  // event searches of large disks test for cancellation themselves
       // an upper bound: the queues also hold c-vertices that have been covered since
       const std::size_t uncovered = uncovered_boundary_.size() + uncovered_interior_.size();
-      progress_ = std::max(progress_, static_cast<double>(reached_ - std::min(reached_, uncovered)) / graph_.c_vertex_count());
+      progress_ =
+          std::max(progress_, static_cast<double>(reached_ - std::min(reached_, uncovered)) /
+                                  graph_.c_vertex_count());
       control.report("cover", progress_);
     }
     const CVertexId v = farthest_uncovered();
@@ -376,7 +388,8 @@ void Covering::add_disk(CVertexId v, const RunControl& control) {
 
 void Covering::cover(const RunControl& control) {
   if (site_count() == 0) {
-    if (const ComponentGraphs groups(graph_, control); groups.count() > 1) return cover_groups(groups, control);
+    if (const ComponentGraphs groups(graph_, control); groups.count() > 1)
+      return cover_groups(groups, control);
   }
   cover_all(control);
 }
@@ -389,7 +402,8 @@ void Covering::cover_all(const RunControl& control) {
     cover_reached_components(control);
   };
   for (; next_boundary_ < n; ++next_boundary_) {
-    if (graph_.on_boundary[next_boundary_] && partition_.cell_of[next_boundary_] == kNone) start(next_boundary_);
+    if (graph_.on_boundary[next_boundary_] && partition_.cell_of[next_boundary_] == kNone)
+      start(next_boundary_);
   }
   for (; next_interior_ < n; ++next_interior_) {
     if (partition_.cell_of[next_interior_] == kNone) start(next_interior_);
@@ -424,14 +438,17 @@ void Covering::cover_groups(const ComponentGraphs& groups, const RunControl& con
     partitions[group].site = std::move(group_covering.partition_.site);
     inserted_in[group] = std::move(group_covering.inserted_in_);
     covered += own.size();
-    if (std::this_thread::get_id() == caller) control.report("cover", static_cast<double>(covered) / graph_.c_vertex_count());
+    if (std::this_thread::get_id() == caller)
+      control.report("cover", static_cast<double>(covered) / graph_.c_vertex_count());
   });
   for (std::uint32_t group = 0; group < groups.count(); ++group) {
     const CellId first = site_count();
     control.check_cancelled();
     for (const CVertexId v : groups.c_vertices(group)) partition_.cell_of[v] += first;
-    partition_.site.insert(partition_.site.end(), partitions[group].site.begin(), partitions[group].site.end());
-    for (const CellId cell : inserted_in[group]) inserted_in_.push_back(cell == kNone ? kNone : first + cell);
+    partition_.site.insert(partition_.site.end(), partitions[group].site.begin(),
+                           partitions[group].site.end());
+    for (const CellId cell : inserted_in[group])
+      inserted_in_.push_back(cell == kNone ? kNone : first + cell);
   }
   reached_ = graph_.c_vertex_count();
   next_boundary_ = next_interior_ = graph_.c_vertex_count();

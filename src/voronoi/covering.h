@@ -54,7 +54,8 @@ class Covering {
     CVertexId at;
     float radius;
   };
-  void seed(std::span<const CVertexId> sites, std::span<const Radius> radii, const RunControl& control = {});
+  void seed(std::span<const CVertexId> sites, std::span<const Radius> radii,
+            const RunControl& control = {});
 
   /// Adapts the covering to a graph that has the old c-vertices and more. Radii are kept; they are
   /// raised where a c-vertex would not be covered. Same result as seed() with these radii, but only
@@ -62,7 +63,8 @@ class Covering {
   /// @param changed  per c-vertex of the new graph, 1 if its row differs from the old one
   /// @param sites    per cell, a c-vertex of the cell, which becomes its site
   /// @pre   every c-vertex is covered
-  void adapt_to(std::span<const std::uint8_t> changed, std::span<const CVertexId> sites, const RunControl& control = {});
+  void adapt_to(std::span<const std::uint8_t> changed, std::span<const CVertexId> sites,
+                const RunControl& control = {});
 
   /// Topological events no longer limit new disks. Once the certificate has passed they need not be
   /// searched for: smaller disks inside certified cells have none that matter (paper, figure 8),
@@ -108,7 +110,9 @@ class Covering {
   /// Whether the radii are 1/3-Lipschitz, up to float rounding. The proof in theory 4 needs this;
   /// it is asserted wherever radii change. O(C)
   bool is_lipschitz() const;
-  bool is_covered(CVertexId v) const { return distance_[v] < (graph_.on_boundary[v] ? kBoundaryShare : 1.0f) * radius_[v]; }
+  bool is_covered(CVertexId v) const {
+    return distance_[v] < (graph_.on_boundary[v] ? kBoundaryShare : 1.0f) * radius_[v];
+  }
 
  private:
   // An interior site is at least h away from every boundary site, so with this share it cannot own
@@ -117,7 +121,8 @@ class Covering {
 
   void enqueue(CVertexId v);
   void assign_cell(CVertexId v, CellId cell);
-  void add_disk(CVertexId v, const RunControl& control);  ///< inserts a site whose disk is limited by its first topological event
+  void add_disk(CVertexId v, const RunControl& control);  ///< inserts a site whose disk is limited
+                                                          ///< by its first topological event
   void cover_reached_components(const RunControl& control);
   void cover_all(const RunControl& control);
   void cover_groups(const ComponentGraphs& groups, const RunControl& control);
@@ -145,7 +150,8 @@ class Covering {
   FarthestFirst uncovered_boundary_, uncovered_interior_;
   std::size_t reached_ = 0;  // number of c-vertices that have a cell
   double progress_ = 0;
-  CVertexId next_boundary_ = 0, next_interior_ = 0;  // where the search for components without a site continues
+  CVertexId next_boundary_ = 0,
+            next_interior_ = 0;  // where the search for components without a site continues
 };
 
 }  // namespace isoatlas::detail

@@ -61,9 +61,12 @@ class Halving {
   float max_radius_;
   std::vector<CVertexId> site_;          // per disk
   std::vector<std::uint16_t> halvings_;  // per disk, the i of R_g / 2^i
-  std::vector<std::uint16_t> bin_;       // per c-vertex, the largest i it was assigned, even while it is forbidden
-  KeyHeap<std::greater<>> bins_;         // see bin_key(); entries that are out of date are dropped when popped
-  std::vector<std::uint32_t> disks_of_;  // per c-vertex, the first entry of its list; kNone: in no disk, so not forbidden
+  std::vector<std::uint16_t>
+      bin_;  // per c-vertex, the largest i it was assigned, even while it is forbidden
+  KeyHeap<std::greater<>>
+      bins_;  // see bin_key(); entries that are out of date are dropped when popped
+  std::vector<std::uint32_t>
+      disks_of_;  // per c-vertex, the first entry of its list; kNone: in no disk, so not forbidden
   std::vector<Entry> entries_;
   std::uint32_t unused_ = kNone;  // first of the list of free entries
   std::size_t forbidden_ = 0;     // number of forbidden c-vertices
@@ -76,7 +79,8 @@ class Halving {
 
 // Orders by bin, then boundary before interior c-vertices, then by id.
 std::uint64_t Halving::bin_key(CVertexId v) const {
-  return static_cast<std::uint64_t>(bin_[v]) << 33 | static_cast<std::uint64_t>(graph_.on_boundary[v] ? 0 : 1) << 32 | v;
+  return static_cast<std::uint64_t>(bin_[v]) << 33 |
+         static_cast<std::uint64_t>(graph_.on_boundary[v] ? 0 : 1) << 32 | v;
 }
 
 // Figure 3.
@@ -89,7 +93,8 @@ DiskCovering Halving::cover(const RunControl& control) {
     if (is_forbidden(v) || key != bin_key(v)) continue;
     control.check_cancelled();
     most_forbidden = std::max(most_forbidden, forbidden_);
-    if (site_.size() % 64 == 0) control.report("cover", static_cast<double>(most_forbidden) / graph_.c_vertex_count());
+    if (site_.size() % 64 == 0)
+      control.report("cover", static_cast<double>(most_forbidden) / graph_.c_vertex_count());
     place_disk(v);
     enforce_radius_constraints(static_cast<DiskId>(site_.size() - 1));
   }
@@ -127,7 +132,8 @@ void Halving::place_disk(CVertexId v) {
       forbid(x.id, disk);
       continue;
     }
-    while (x.distance >= 2 * radius(i)) --i;  // ends at first - 1, since x is nearer than 3 R_g / 2^first
+    while (x.distance >= 2 * radius(i))
+      --i;  // ends at first - 1, since x is nearer than 3 R_g / 2^first
     move_to_bin(x.id, i);
   }
 }
@@ -142,7 +148,8 @@ void Halving::enforce_radius_constraints(DiskId first) {
     const OverlappingDisks overlapping = find_overlapping(disk);
     if (overlapping.smallest != kNone && halvings_[overlapping.smallest] > halvings_[disk] + 1) {
       halve(disk);
-    } else if (overlapping.largest != kNone && halvings_[overlapping.largest] + 1 < halvings_[disk]) {
+    } else if (overlapping.largest != kNone &&
+               halvings_[overlapping.largest] + 1 < halvings_[disk]) {
       halve(overlapping.largest);
       to_check_.push_back(overlapping.largest);
     } else {
@@ -163,8 +170,12 @@ void Halving::halve(DiskId disk) {
 }
 
 Halving::OverlappingDisks Halving::find_overlapping(DiskId disk) {
-  const auto is_smaller = [&](DiskId a, DiskId b) { return halvings_[a] != halvings_[b] ? halvings_[a] > halvings_[b] : a < b; };
-  const auto is_larger = [&](DiskId a, DiskId b) { return halvings_[a] != halvings_[b] ? halvings_[a] < halvings_[b] : a < b; };
+  const auto is_smaller = [&](DiskId a, DiskId b) {
+    return halvings_[a] != halvings_[b] ? halvings_[a] > halvings_[b] : a < b;
+  };
+  const auto is_larger = [&](DiskId a, DiskId b) {
+    return halvings_[a] != halvings_[b] ? halvings_[a] < halvings_[b] : a < b;
+  };
   OverlappingDisks out;
   grow(site_[disk], radius(halvings_[disk]));
   for (const Reached& x : ball_) {
@@ -228,14 +239,17 @@ void Halving::unforbid(CVertexId v, DiskId disk) {
 
 }  // namespace
 
-DiskCovering cover_by_halving(const CVertexGraph& graph, const CoveringOptions& options, const RunControl& control) {
+DiskCovering cover_by_halving(const CVertexGraph& graph, const CoveringOptions& options,
+                              const RunControl& control) {
   return Halving(graph, options).cover(control);
 }
 
-void cover_from(const DiskCovering& disks, const CVertexGraph& graph, Covering& covering, const RunControl& control) {
+void cover_from(const DiskCovering& disks, const CVertexGraph& graph, Covering& covering,
+                const RunControl& control) {
   std::vector<Covering::Radius> radii;
   radii.reserve(disks.sites.size());
-  for (std::size_t k = 0; k < disks.sites.size(); ++k) radii.push_back({disks.sites[k], disks.radii[k]});
+  for (std::size_t k = 0; k < disks.sites.size(); ++k)
+    radii.push_back({disks.sites[k], disks.radii[k]});
   covering.seed(disks.sites, radii, control);
 
   const Partition& partition = covering.partition();
@@ -243,7 +257,8 @@ void cover_from(const DiskCovering& disks, const CVertexGraph& graph, Covering& 
     covering.cover(control);
     again = false;
     for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
-      if (!graph.on_boundary[v] || graph.on_boundary[partition.site[partition.cell_of[v]]]) continue;
+      if (!graph.on_boundary[v] || graph.on_boundary[partition.site[partition.cell_of[v]]])
+        continue;
       covering.lower_radius(v, covering.distance()[v]);
       again = true;
     }

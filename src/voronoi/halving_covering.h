@@ -24,11 +24,13 @@ struct DiskCovering {
 ///         docs/theory/04-covering.md
 /// @cost one Dijkstra search over three radii per disk and one over a radius per halving; total:
 ///       see there
-DiskCovering cover_by_halving(const CVertexGraph& graph, const CoveringOptions& options, const RunControl& control);
+DiskCovering cover_by_halving(const CVertexGraph& graph, const CoveringOptions& options,
+                              const RunControl& control);
 
 /// Starts a covering from these disks and inserts sites until no interior site owns a boundary
 /// c-vertex, a case that the paper does not discuss.
 /// @pre no site was inserted yet
-void cover_from(const DiskCovering& disks, const CVertexGraph& graph, Covering& covering, const RunControl& control);
+void cover_from(const DiskCovering& disks, const CVertexGraph& graph, Covering& covering,
+                const RunControl& control);
 
 }  // namespace isoatlas::detail

@@ -48,7 +48,8 @@ float EventFinder::event_radius(CVertexId v, float limit, const RunControl& cont
     if (swallowed) found.event = std::min(found.event, distance_[settled_.back()]);
     if (found.event < limit && found.event <= found.pending) return found.event;
     pending = found.pending < limit;
-    if (swallowed || (reach >= limit && !pending) || (pending && reach >= limit + persistence_)) return std::min(limit, found.event);
+    if (swallowed || (reach >= limit && !pending) || (pending && reach >= limit + persistence_))
+      return std::min(limit, found.event);
   }
 }
 
@@ -84,11 +85,15 @@ void EventFinder::settle_up_to(float radius, const RunControl& control) {
 int EventFinder::settled_arcs(CVertexId v) const {
   const std::uint32_t begin = graph_.first[v], end = graph_.first[v + 1];
   const bool boundary = graph_.on_boundary[v];
-  const auto settled = [&](std::uint32_t i) { return stamp_[graph_.neighbours[i].id] == 2 * round_ + 1; };
+  const auto settled = [&](std::uint32_t i) {
+    return stamp_[graph_.neighbours[i].id] == 2 * round_ + 1;
+  };
   const auto counts = [&](std::uint32_t i) {
     if (settled(i)) return true;
     if (!graph_.is_diagonal[i]) return false;
-    return settled(i - 1) && settled(i + 1 == end ? begin : i + 1);  // a diagonal is never first; rows start with a side
+    return settled(i - 1) &&
+           settled(i + 1 == end ? begin
+                                : i + 1);  // a diagonal is never first; rows start with a side
   };
   int arcs = 0;
   bool before = boundary ? false : counts(end - 1);
@@ -112,14 +117,16 @@ std::uint32_t EventFinder::find(std::uint32_t i) {
 // components of the unsettled c-vertices; at a split this yields which components join and how high
 // the lower one is. Everything beyond the reach is connected to the outside for now, so an infinite
 // persistence is only certain for splits that lie deeper than the given persistence.
-EventFinder::SplitEvents EventFinder::classify_splits(float reach, bool swallowed, const RunControl& control) {
+EventFinder::SplitEvents EventFinder::classify_splits(float reach, bool swallowed,
+                                                      const RunControl& control) {
   const auto steps = static_cast<std::uint32_t>(settled_.size());
   const std::uint32_t outside = steps;
   parent_.resize(steps + 1);
   std::iota(parent_.begin(), parent_.end(), 0u);
   peak_.resize(steps + 1);
   peak_[outside] = kNever;
-  SplitEvents found{kNever, kNever};  // steps go down, so the last splits found have the smallest distances
+  SplitEvents found{kNever,
+                    kNever};  // steps go down, so the last splits found have the smallest distances
 
   const auto unite = [&](std::uint32_t a, std::uint32_t b) {  // roots; the higher peak survives
     if (peak_[a] < peak_[b]) std::swap(a, b);
@@ -133,7 +140,9 @@ EventFinder::SplitEvents EventFinder::classify_splits(float reach, bool swallowe
     const float d = distance_[w];
     peak_[step] = d;
     const std::uint32_t begin = graph_.first[w], end = graph_.first[w + 1];
-    const auto is_settled = [&](std::uint32_t i) { return settled_before(graph_.neighbours[i].id, step); };
+    const auto is_settled = [&](std::uint32_t i) {
+      return settled_before(graph_.neighbours[i].id, step);
+    };
     const auto piece = [&](std::uint32_t i) {
       const CVertexId u = graph_.neighbours[i].id;
       return find(stamp_[u] == 2 * round_ + 1 ? step_[u] : outside);
@@ -170,7 +179,8 @@ EventFinder::SplitEvents EventFinder::classify_splits(float reach, bool swallowe
       }
       bool in_gap = graph_.on_boundary[w];  // the leading run belongs to the gap at the boundary
       bool leading = in_gap;
-      std::uint32_t trailing = size;  // first entry of the trailing run, which also belongs to the gap at the boundary
+      std::uint32_t trailing =
+          size;  // first entry of the trailing run, which also belongs to the gap at the boundary
       if (graph_.on_boundary[w]) {
         while (trailing > 0 && !is_settled(begin + trailing - 1)) --trailing;
       }

@@ -25,7 +25,8 @@ class EventFinder {
   ///                     on, no farther than the first event requires
   EventFinder(const CVertexGraph& graph, float persistence, float first_stage);
 
-  /// The radius of the largest open disk around v without an event, or `limit` if there is none below it.
+  /// The radius of the largest open disk around v without an event, or `limit` if there is none
+  /// below it.
   float event_radius(CVertexId v, float limit, const RunControl& control = {});
 
  private:
@@ -36,7 +37,9 @@ class EventFinder {
   void settle_up_to(float radius, const RunControl& control);
   int settled_arcs(CVertexId v) const;
   SplitEvents classify_splits(float reach, bool swallowed, const RunControl& control);
-  bool settled_before(CVertexId v, std::uint32_t step) const { return stamp_[v] == 2 * round_ + 1 && step_[v] < step; }
+  bool settled_before(CVertexId v, std::uint32_t step) const {
+    return stamp_[v] == 2 * round_ + 1 && step_[v] < step;
+  }
   std::uint32_t find(std::uint32_t i);
 
   const CVertexGraph& graph_;
@@ -48,8 +51,9 @@ class EventFinder {
   std::vector<float> distance_;
   std::vector<std::uint32_t> step_;  // the order in which c-vertices were settled
   NearestFirst front_;
-  std::vector<CVertexId> settled_;     // in this order
-  std::vector<std::uint8_t> split_;    // per settled c-vertex, 1 if its settled neighbours formed several arcs at that time
+  std::vector<CVertexId> settled_;  // in this order
+  std::vector<std::uint8_t>
+      split_;  // per settled c-vertex, 1 if its settled neighbours formed several arcs at that time
   std::size_t splits_ = 0;             // number of splits
   std::vector<std::uint32_t> parent_;  // union-find over steps; the last element is the outside
   std::vector<float> peak_;            // per root, the largest distance in its component

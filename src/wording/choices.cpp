@@ -20,19 +20,23 @@ Value choose(const std::pair<std::string_view, Value> (&choices)[count], std::st
     if (name == word) return value;
     names.append(names.empty() ? "" : ", ").append(name);
   }
-  throw Error(ErrorCode::bad_argument, "expected one of " + names + ", got '" + std::string(text) + "'");
+  throw Error(ErrorCode::bad_argument,
+              "expected one of " + names + ", got '" + std::string(text) + "'");
 }
 
 }  // namespace
 
-Inside parse_inside(std::string_view text) { return choose<Inside>({{"above", Inside::above}, {"below", Inside::below}}, text); }
+Inside parse_inside(std::string_view text) {
+  return choose<Inside>({{"above", Inside::above}, {"below", Inside::below}}, text);
+}
 
 Topology parse_topology(std::string_view text) {
   return choose<Topology>({{"trilinear", Topology::trilinear}, {"faces", Topology::faces}}, text);
 }
 
 Interpolation parse_interpolation(std::string_view text) {
-  return choose<Interpolation>({{"trilinear", Interpolation::trilinear}, {"tricubic", Interpolation::tricubic}}, text);
+  return choose<Interpolation>(
+      {{"trilinear", Interpolation::trilinear}, {"tricubic", Interpolation::tricubic}}, text);
 }
 
 NonFinite parse_non_finite(std::string_view text) {
@@ -44,11 +48,14 @@ Space parse_space(std::string_view text) {
 }
 
 CoveringStrategy parse_covering(std::string_view text) {
-  return choose<CoveringStrategy>({{"sizing-field", CoveringStrategy::sizing_field}, {"halving", CoveringStrategy::halving}}, text);
+  return choose<CoveringStrategy>(
+      {{"sizing-field", CoveringStrategy::sizing_field}, {"halving", CoveringStrategy::halving}},
+      text);
 }
 
 Placement parse_placement(std::string_view text) {
-  return choose<Placement>({{"surface", Placement::surface}, {"balanced", Placement::balanced}}, text);
+  return choose<Placement>({{"surface", Placement::surface}, {"balanced", Placement::balanced}},
+                           text);
 }
 
 SampleType parse_sample_type(std::string_view text) {
@@ -66,6 +73,8 @@ SampleType parse_sample_type(std::string_view text) {
                             text);
 }
 
-bool parse_is_big_endian(std::string_view text) { return choose<bool>({{"little", false}, {"big", true}}, text); }
+bool parse_is_big_endian(std::string_view text) {
+  return choose<bool>({{"little", false}, {"big", true}}, text);
+}
 
 }  // namespace isoatlas::detail

@@ -8,16 +8,18 @@
 
 namespace isoatlas::detail {
 
-// Each throws Error(bad_argument) that lists the names unless `text` is one of them, whatever the case, with blanks around it or not,
+// Each throws Error(bad_argument) that lists the names unless `text` is one of them, whatever the
+// case, with blanks around it or not,
 // "_" for "-" or not.
 Inside parse_inside(std::string_view text);                ///< above, below
 Topology parse_topology(std::string_view text);            ///< trilinear, faces
 Interpolation parse_interpolation(std::string_view text);  ///< trilinear, tricubic
-NonFinite parse_non_finite(std::string_view text);         ///< below, above; `refuse` is what it is without an answer
-Space parse_space(std::string_view text);                  ///< lps, ras, voxel
-CoveringStrategy parse_covering(std::string_view text);    ///< sizing-field, halving
-Placement parse_placement(std::string_view text);          ///< surface, balanced
-SampleType parse_sample_type(std::string_view text);       ///< int8 ... float64
-bool parse_is_big_endian(std::string_view text);           ///< little, big
+NonFinite parse_non_finite(
+    std::string_view text);  ///< below, above; `refuse` is what it is without an answer
+Space parse_space(std::string_view text);                ///< lps, ras, voxel
+CoveringStrategy parse_covering(std::string_view text);  ///< sizing-field, halving
+Placement parse_placement(std::string_view text);        ///< surface, balanced
+SampleType parse_sample_type(std::string_view text);     ///< int8 ... float64
+bool parse_is_big_endian(std::string_view text);         ///< little, big
 
 }  // namespace isoatlas::detail

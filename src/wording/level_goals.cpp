@@ -17,11 +17,14 @@ namespace {
 // Fewer vertices than a tetrahedron's make no closed surface.
 constexpr std::uint32_t kLeastVertices = 4;
 
-[[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::bad_argument, message); }
+[[noreturn]] void refuse(const std::string& message) {
+  throw Error(ErrorCode::bad_argument, message);
+}
 
 std::string in_quotes(std::string_view text) { return std::string("'").append(text).append("'"); }
 
-[[noreturn]] void refuse_bound(Quantity quantity, const std::string& expected, std::string_view text) {
+[[noreturn]] void refuse_bound(Quantity quantity, const std::string& expected,
+                               std::string_view text) {
   try {
     unit(quantity) == Unit::count ? refuse_value(expected, text) : refuse_fraction(expected, text);
   } catch (const Error& error) {
@@ -34,14 +37,16 @@ double parse_degrees(Quantity quantity, std::string_view text) {
   std::string_view number = word;
   if (number.ends_with("deg")) number.remove_suffix(3);
   const auto degrees = parse_whole<double>(number);
-  if (!degrees || !std::isfinite(*degrees) || *degrees <= 0) refuse_bound(quantity, "an angle above 0 like 15deg or 15", text);
+  if (!degrees || !std::isfinite(*degrees) || *degrees <= 0)
+    refuse_bound(quantity, "an angle above 0 like 15deg or 15", text);
   return *degrees;
 }
 
 double parse_ratio(Quantity quantity, std::string_view text) {
   const auto ratio = parse_whole<double>(text);
   if (quantity == Quantity::min_aspect) {  // shortest over longest edge
-    if (!ratio || !(*ratio > 0 && *ratio < 1)) refuse_bound(quantity, "a ratio between 0 and 1 like 0.2", text);
+    if (!ratio || !(*ratio > 0 && *ratio < 1))
+      refuse_bound(quantity, "a ratio between 0 and 1 like 0.2", text);
   } else if (!ratio || !std::isfinite(*ratio) || *ratio <= 1) {
     refuse_bound(quantity, "a ratio above 1 like 1.1", text);
   }
@@ -50,28 +55,35 @@ double parse_ratio(Quantity quantity, std::string_view text) {
 
 double parse_count(Quantity quantity, std::string_view text) {
   const auto count = parse_whole<std::uint32_t>(text);
-  if (!count || *count < kLeastVertices) refuse_bound(quantity, "a whole number, " + std::to_string(kLeastVertices) + " or more", text);
+  if (!count || *count < kLeastVertices)
+    refuse_bound(quantity, "a whole number, " + std::to_string(kLeastVertices) + " or more", text);
   return *count;
 }
 
 // "max-distance:0,5vx" would else be a bound of 0 and something else.
 void require_decimal_points(std::string_view spec) {
-  for (std::size_t comma = spec.find(','); comma != std::string_view::npos; comma = spec.find(',', comma + 1)) {
+  for (std::size_t comma = spec.find(','); comma != std::string_view::npos;
+       comma = spec.find(',', comma + 1)) {
     const std::string_view entry = spec.substr(comma + 1, spec.find(',', comma + 1) - comma - 1);
-    const bool is_number = !entry.empty() && entry[0] >= '0' && entry[0] <= '9' && entry.find(':') == std::string_view::npos;
-    if (is_number) refuse("expected a decimal point before " + in_quotes(entry) + ", not a comma, in " + in_quotes(spec));
+    const bool is_number = !entry.empty() && entry[0] >= '0' && entry[0] <= '9' &&
+                           entry.find(':') == std::string_view::npos;
+    if (is_number)
+      refuse("expected a decimal point before " + in_quotes(entry) + ", not a comma, in " +
+             in_quotes(spec));
   }
 }
 
 Quantity parse_quantity(std::string_view text) {
   if (const auto quantity = quantity_named(plain_word(text))) return *quantity;
   std::string names;
-  for (std::size_t i = 0; i < kQuantityCount; ++i) names += (i == 0 ? "" : ", ") + std::string(name(static_cast<Quantity>(i)));
+  for (std::size_t i = 0; i < kQuantityCount; ++i)
+    names += (i == 0 ? "" : ", ") + std::string(name(static_cast<Quantity>(i)));
   refuse("there is no " + in_quotes(text) + ", expected one of " + names);
 }
 
 void add_default(std::vector<TypedConstraint>& goal) {
-  for (const Constraint& c : default_goal()) goal.push_back({c.quantity, c.bound, c.in_voxels, c.is_default});
+  for (const Constraint& c : default_goal())
+    goal.push_back({c.quantity, c.bound, c.in_voxels, c.is_default});
 }
 
 void require_each_quantity_once(const std::vector<TypedConstraint>& goal, std::size_t level) {
@@ -79,7 +91,8 @@ void require_each_quantity_once(const std::vector<TypedConstraint>& goal, std::s
   for (const TypedConstraint& constraint : goal) {
     const auto index = static_cast<std::size_t>(constraint.quantity);
     if (seen[index])
-      refuse(std::string(name(constraint.quantity)) + " is given twice for level " + std::to_string(level) + ", expected once");
+      refuse(std::string(name(constraint.quantity)) + " is given twice for level " +
+             std::to_string(level) + ", expected once");
     seen[index] = true;
   }
 }
@@ -90,7 +103,8 @@ TypedConstraint parse_bound(Quantity quantity, std::string_view text) {
   switch (unit(quantity)) {
     case Unit::length: {
       const auto length = length_of(text);
-      if (!length || length->value == 0) refuse_bound(quantity, "a length above 0 like 0.5vx, 2mm or 2", text);
+      if (!length || length->value == 0)
+        refuse_bound(quantity, "a length above 0 like 0.5vx, 2mm or 2", text);
       return {quantity, length->value, length->in_voxels, false, length->unit};
     }
     case Unit::ratio:
@@ -113,9 +127,10 @@ std::vector<TypedConstraint> parse_level(std::string_view spec) {
     const std::string_view entry = rest.substr(0, comma);
     const std::size_t colon = entry.find(':');
     if (colon == std::string_view::npos)
-      refuse("expected METRIC:BOUND[,METRIC:BOUND...] like max-distance:0.5vx, got " + in_quotes(entry) +
-             (entry == spec ? "" : " in " + in_quotes(spec)));
-    constraints.push_back(parse_bound(parse_quantity(entry.substr(0, colon)), entry.substr(colon + 1)));
+      refuse("expected METRIC:BOUND[,METRIC:BOUND...] like max-distance:0.5vx, got " +
+             in_quotes(entry) + (entry == spec ? "" : " in " + in_quotes(spec)));
+    constraints.push_back(
+        parse_bound(parse_quantity(entry.substr(0, colon)), entry.substr(colon + 1)));
     if (comma == std::string_view::npos) return constraints;
     rest.remove_prefix(comma + 1);
   }
@@ -127,7 +142,8 @@ TypedGoals plan_levels(const std::vector<GoalArgument>& arguments, bool only_coa
   const auto goal_of = [&](std::size_t own, std::size_t level) {
     std::vector<TypedConstraint> goal;
     for (std::size_t i = 0; i < arguments.size(); ++i)
-      if (!arguments[i].is_level || i == own) goal.insert(goal.end(), arguments[i].constraints.begin(), arguments[i].constraints.end());
+      if (!arguments[i].is_level || i == own)
+        goal.insert(goal.end(), arguments[i].constraints.begin(), arguments[i].constraints.end());
     require_each_quantity_once(goal, level);
     return goal;
   };
@@ -136,19 +152,23 @@ TypedGoals plan_levels(const std::vector<GoalArgument>& arguments, bool only_coa
   for (std::size_t i = 0; i < arguments.size(); ++i)
     if (arguments[i].is_level) goals.refine.push_back(goal_of(i, goals.refine.size() + 1));
   if (only_coarse) {
-    if (!goals.refine.empty()) refuse("--coarse makes no level but the coarsest, expected it without --refine");
+    if (!goals.refine.empty())
+      refuse("--coarse makes no level but the coarsest, expected it without --refine");
     goals.coarse = goal_of(kNone, 0);
   } else if (goals.refine.empty()) {
     std::vector<TypedConstraint> goal = goal_of(kNone, 1);
     // Last: what somebody asked for is more important than what nobody did.
-    if (std::none_of(goal.begin(), goal.end(), [](const TypedConstraint& c) { return is_metric(c.quantity); })) add_default(goal);
+    if (std::none_of(goal.begin(), goal.end(),
+                     [](const TypedConstraint& c) { return is_metric(c.quantity); }))
+      add_default(goal);
     goals.refine.push_back(std::move(goal));
   }
   return goals;
 }
 
 Constraint TypedConstraint::in_world(const Grid& grid) const {
-  if (in_voxels) return detail::in_world(LevelGoal{Constraint{quantity, bound, is_default, true}}, grid).front();
+  if (in_voxels)
+    return detail::in_world(LevelGoal{Constraint{quantity, bound, is_default, true}}, grid).front();
   try {
     return {quantity, world_length(bound, unit, grid), is_default};
   } catch (const Error& error) {

@@ -10,7 +10,8 @@
 
 namespace isoatlas::detail {
 
-/// A constraint as typed: its bound may be a length in voxels, which needs the volume to become a length.
+/// A constraint as typed: its bound may be a length in voxels, which needs the volume to become a
+/// length.
 struct TypedConstraint {
   Quantity quantity;
   double bound = 0;
@@ -23,7 +24,8 @@ struct TypedConstraint {
   friend bool operator==(const TypedConstraint&, const TypedConstraint&) = default;
 };
 
-/// The bound of one quantity: "0.5vx", "2mm" or "2" (the world's unit); "1.1"; "15deg" or "15"; "2000".
+/// The bound of one quantity: "0.5vx", "2mm" or "2" (the world's unit); "1.1"; "15deg" or "15";
+/// "2000".
 /// @throws Error(bad_argument) if the quantity cannot have it
 TypedConstraint parse_bound(Quantity quantity, std::string_view text);
 
@@ -41,12 +43,14 @@ struct TypedGoals {
   std::vector<std::vector<TypedConstraint>> refine;  ///< of the levels after it
 };
 
-/// Sorts the arguments, which come in the order of the command line, into goals: for each level the options before its
+/// Sorts the arguments, which come in the order of the command line, into goals: for each level the
+/// options before its
 /// --refine, its own constraints, the options after it; earlier means more important.
 ///
-/// Without a --refine there is one level, within half a default_voxel() of the surface unless the options name a metric; with
-/// `only_coarse` there is none, and the options are about level 0.
-/// @throws Error(bad_argument) if a level has a quantity twice, or only_coarse stands beside a --refine
+/// Without a --refine there is one level, within half a default_voxel() of the surface unless the
+/// options name a metric; with `only_coarse` there is none, and the options are about level 0.
+/// @throws Error(bad_argument) if a level has a quantity twice, or only_coarse stands beside a
+/// --refine
 TypedGoals plan_levels(const std::vector<GoalArgument>& arguments, bool only_coarse);
 
 /// With the lengths of a volume.

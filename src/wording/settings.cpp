@@ -40,7 +40,8 @@ int parse_threads(std::string_view text) {
 }
 
 std::pair<std::array<double, 3>, LengthUnit> parse_spacing(std::string_view text) {
-  constexpr const char* kExpected = "three positive numbers like 1,1,2.5, or with one unit at the end like 0.2,0.2,1um";
+  constexpr const char* kExpected =
+      "three positive numbers like 1,1,2.5, or with one unit at the end like 0.2,0.2,1um";
   const std::size_t unit_begin = std::min(text.find_last_of("0123456789."), text.size() - 1) + 1;
   std::string_view unit_text = text.substr(std::min(unit_begin, text.size()));
   while (unit_text.starts_with(' ')) unit_text.remove_prefix(1);
@@ -75,7 +76,8 @@ std::uint64_t parse_bytes(std::string_view text) {
   }
   while (number.ends_with(' ')) number.remove_suffix(1);
   const auto value = parse_whole<double>(number);
-  if (!value || !(*value * factor >= 1) || *value * factor > 0x1p62) refuse_value("a size like 8GiB or 500MB", text);
+  if (!value || !(*value * factor >= 1) || *value * factor > 0x1p62)
+    refuse_value("a size like 8GiB or 500MB", text);
   return static_cast<std::uint64_t>(*value * factor);
 }
 
@@ -150,7 +152,8 @@ namespace {
 
 bool set_raw(RawLayout& layout, std::string_view name, std::string_view text) {
   if (name == "raw-size") {
-    layout.size = parse_triple<std::size_t>(text, "three whole numbers like 256,256,94", [](std::size_t n) { return n > 0; });
+    layout.size = parse_triple<std::size_t>(text, "three whole numbers like 256,256,94",
+                                            [](std::size_t n) { return n > 0; });
   } else if (name == "raw-type") {
     layout.type = parse_sample_type(text);
   } else if (name == "raw-spacing") {
@@ -168,7 +171,9 @@ bool set_raw(RawLayout& layout, std::string_view name, std::string_view text) {
 }
 
 Region parse_region(std::string_view text) {
-  constexpr const char* kExpected = "a range of samples per axis, both ends included, like 10:99,0:63,: where nothing is the border";
+  constexpr const char* kExpected =
+      "a range of samples per axis, both ends included, like 10:99,0:63,: where nothing is the "
+      "border";
   Region region;
   std::string_view rest = text;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -241,10 +246,14 @@ double named_in_world(std::string_view name, const Measure& measure, const Grid&
 
 ExtractOptions in_world(const ExtractSettings& settings, const Grid& grid) {
   ExtractOptions options = settings.options;
-  if (settings.max_radius) options.covering.max_radius = named_in_world("max-radius", *settings.max_radius, grid);
-  if (settings.min_component_size) options.components.min_size = named_in_world("min-component-size", *settings.min_component_size, grid);
+  if (settings.max_radius)
+    options.covering.max_radius = named_in_world("max-radius", *settings.max_radius, grid);
+  if (settings.min_component_size)
+    options.components.min_size =
+        named_in_world("min-component-size", *settings.min_component_size, grid);
   if (settings.event_persistence)
-    options.covering.event_persistence = named_in_world("event-persistence", *settings.event_persistence, grid);
+    options.covering.event_persistence =
+        named_in_world("event-persistence", *settings.event_persistence, grid);
   options.coarse = in_world(settings.goals.coarse, grid);
   options.refine.clear();
   for (const auto& goal : settings.goals.refine) options.refine.push_back(in_world(goal, grid));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Options whose values are words. A name is that of the command line without the dashes; the Python module has underscores in it instead.
+// Options whose values are words. A name is that of the command line without the dashes; the Python
+// module has underscores in it instead.
 #pragma once
 
 #include <array>
@@ -17,9 +18,11 @@
 
 namespace isoatlas::detail {
 
-constexpr std::size_t kMeasureSamples = 200'000;  ///< where somebody wants to measure, and does not say with how many
+constexpr std::size_t kMeasureSamples =
+    200'000;  ///< where somebody wants to measure, and does not say with how many
 
-/// How an isosurface is to be meshed. Lengths are as they were said: the volume's voxel size makes world lengths of them.
+/// How an isosurface is to be meshed. Lengths are as they were said: the volume's voxel size makes
+/// world lengths of them.
 struct ExtractSettings {
   ExtractOptions options;  ///< all but what follows
   std::optional<TypedLength> max_radius, event_persistence;
@@ -28,12 +31,12 @@ struct ExtractSettings {
   int threads = 0;
 };
 
-/// Throws Error(bad_argument) if there is no such setting, or it cannot have this value; the message says what was expected, but not
-/// of which setting.
+/// Throws Error(bad_argument) if there is no such setting, or it cannot have this value; the
+/// message says what was expected, but not of which setting.
 void set(ExtractSettings& settings, std::string_view name, std::string_view text);
 void set(MeasureOptions& options, std::string_view name, std::string_view text);
-/// raw-size, raw-type, raw-spacing, raw-endian, raw-offset (which make a raw layout), channel, time, layer, array, series, spacing, roi,
-/// max-memory.
+/// raw-size, raw-type, raw-spacing, raw-endian, raw-offset (which make a raw layout), channel,
+/// time, layer, array, series, spacing, roi, max-memory.
 void set(ReadOptions& options, std::string_view name, std::string_view text);
 
 ExtractOptions in_world(const ExtractSettings& settings, const Grid& grid);

@@ -38,7 +38,8 @@ std::optional<Measure> measure_of(std::string_view typed, std::string_view power
   const char* const end = text.data() + text.size();
   Measure measure;
   const auto [unit_begin, error] = std::from_chars(begin, end, measure.value);
-  if (error != std::errc{} || !std::isfinite(measure.value) || measure.value < 0) return std::nullopt;
+  if (error != std::errc{} || !std::isfinite(measure.value) || measure.value < 0)
+    return std::nullopt;
   std::string_view unit(unit_begin, static_cast<std::size_t>(end - unit_begin));
   measure.in_voxels = unit == "vx" || unit == "VX";
   if (unit.empty() || measure.in_voxels) return measure;
@@ -54,7 +55,9 @@ std::optional<Measure> measure_of(std::string_view typed, std::string_view power
 std::string_view trimmed(std::string_view text) {
   constexpr std::string_view kBlanks = " \t\r\n";
   const std::size_t first = text.find_first_not_of(kBlanks);
-  return first == std::string_view::npos ? std::string_view() : text.substr(first, text.find_last_not_of(kBlanks) + 1 - first);
+  return first == std::string_view::npos
+             ? std::string_view()
+             : text.substr(first, text.find_last_not_of(kBlanks) + 1 - first);
 }
 
 std::string plain_word(std::string_view text) {
@@ -64,7 +67,8 @@ std::string plain_word(std::string_view text) {
 }
 
 void refuse_value(std::string_view expected, std::string_view text) {
-  throw Error(ErrorCode::bad_argument, "expected " + std::string(expected) + ", got '" + std::string(text) + "'");
+  throw Error(ErrorCode::bad_argument,
+              "expected " + std::string(expected) + ", got '" + std::string(text) + "'");
 }
 
 void refuse_fraction(std::string_view expected, std::string_view text) {
@@ -79,14 +83,19 @@ double parse_finite(std::string_view text) {
   return *number;
 }
 
-std::optional<TypedLength> length_of(std::string_view text) { return measure_of<TypedLength>(text, ""); }
-std::optional<SpaceSize> space_size_of(std::string_view text) { return measure_of<SpaceSize>(text, "3"); }
+std::optional<TypedLength> length_of(std::string_view text) {
+  return measure_of<TypedLength>(text, "");
+}
+std::optional<SpaceSize> space_size_of(std::string_view text) {
+  return measure_of<SpaceSize>(text, "3");
+}
 
 double world_length(double value, LengthUnit unit, const Grid& grid) {
   if (unit == LengthUnit::unknown || unit == grid.unit) return value;
   if (grid.unit == LengthUnit::unknown) {
     throw Error(ErrorCode::bad_argument, std::string(symbol(unit)) +
-                                             " cannot be converted, the volume states no unit; expected a number without a unit, voxels "
+                                             " cannot be converted, the volume states no unit; "
+                                             "expected a number without a unit, voxels "
                                              "like 2vx, or a spacing with a unit like 0.5,0.5,2mm");
   }
   return value * (metres(unit) / metres(grid.unit));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Patterns of signs in a cell or eight, magnitudes at random or all tied; and noise, which has all of them.
+// Patterns of signs in a cell or eight, magnitudes at random or all tied; and noise, which has all
+// of them.
 #include <array>
 
 #include "adversarial/sound_levels.h"
@@ -9,10 +10,13 @@ namespace {
 
 using namespace test;
 
-// How large samples are: all ties, many of them, some, next to none; or the isovalue itself for every other one.
+// How large samples are: all ties, many of them, some, next to none; or the isovalue itself for
+// every other one.
 constexpr std::array<std::int64_t, 4> kLargest{1, 2, 9, 100000};
 
-std::int64_t magnitude(Random& random, std::int64_t largest) { return random.between(random.bits() % 16 == 0 ? 0 : 1, largest); }
+std::int64_t magnitude(Random& random, std::int64_t largest) {
+  return random.between(random.bits() % 16 == 0 ? 0 : 1, largest);
+}
 
 TEST(Adversarial, EverySignPatternOfOneCell) {
   Random random(11);
@@ -21,7 +25,8 @@ TEST(Adversarial, EverySignPatternOfOneCell) {
     for (const std::int64_t largest : kLargest) {
       for (int round = 0; round < rounds; ++round) {
         Samples s = constant({2, 2, 2}, 0);
-        for (int c = 0; c < 8; ++c) s.values[c] = (pattern >> c & 1 ? 1 : -1) * magnitude(random, largest);
+        for (int c = 0; c < 8; ++c)
+          s.values[c] = (pattern >> c & 1 ? 1 : -1) * magnitude(random, largest);
         expect_sound(s, "pattern " + std::to_string(pattern) + " of " + std::to_string(largest), 0,
                      random.bits() % 2 ? Inside::above : Inside::below);
         if (HasFailure()) return;
@@ -36,12 +41,15 @@ TEST(Adversarial, EverySignPatternOfOneCellAmongOthers) {
   const int rounds = many() ? 5 : 1;
   for (int pattern = 1; pattern < 255; ++pattern) {
     for (int round = 0; round < rounds; ++round) {
-      const std::int64_t largest = kLargest[random.bits() % kLargest.size()], around = random.bits() % 2 ? 1 : -1;
+      const std::int64_t largest = kLargest[random.bits() % kLargest.size()],
+                         around = random.bits() % 2 ? 1 : -1;
       Samples s = constant({4, 4, 4}, 0);
       for (std::int64_t& v : s.values) v = around * random.between(1, largest);
       for (std::size_t c = 0; c < 8; ++c)
-        s.at(1 + (c & 1), 1 + (c >> 1 & 1), 1 + (c >> 2)) = (pattern >> c & 1 ? 1 : -1) * magnitude(random, largest);
-      expect_sound(s, "pattern " + std::to_string(pattern) + " of " + std::to_string(largest) + " in " + std::to_string(around));
+        s.at(1 + (c & 1), 1 + (c >> 1 & 1), 1 + (c >> 2)) =
+            (pattern >> c & 1 ? 1 : -1) * magnitude(random, largest);
+      expect_sound(s, "pattern " + std::to_string(pattern) + " of " + std::to_string(largest) +
+                          " in " + std::to_string(around));
       if (HasFailure()) return;
     }
   }
@@ -52,21 +60,24 @@ TEST(Adversarial, SignPatternsOfThreeByThreeByThree) {
   Random random(13);
   const int count = many() ? 10'000 : 500;
   for (int k = 0; k < count; ++k) {
-    const auto pattern = static_cast<std::uint32_t>(random.bits() & ((1u << 27) - 1) & (k % 3 == 0 ? random.bits() : ~0ull));
+    const auto pattern = static_cast<std::uint32_t>(random.bits() & ((1u << 27) - 1) &
+                                                    (k % 3 == 0 ? random.bits() : ~0ull));
     const std::int64_t largest = kLargest[random.bits() % kLargest.size()];
     const std::int64_t around = random.between(-1, 1);
     const std::size_t first = around == 0 ? 0 : 1, n = 3 + 2 * first;
     Samples s = constant({n, n, n}, around * largest);
     for (std::size_t c = 0; c < 27; ++c)
-      s.at(first + c % 3, first + c / 3 % 3, first + c / 9) = (pattern >> c & 1 ? 1 : -1) * magnitude(random, largest);
-    expect_sound(s, "pattern " + std::to_string(pattern) + " of " + std::to_string(largest) + " in " + std::to_string(around) +
-                        ", number " + std::to_string(k));
+      s.at(first + c % 3, first + c / 3 % 3, first + c / 9) =
+          (pattern >> c & 1 ? 1 : -1) * magnitude(random, largest);
+    expect_sound(s, "pattern " + std::to_string(pattern) + " of " + std::to_string(largest) +
+                        " in " + std::to_string(around) + ", number " + std::to_string(k));
     if (HasFailure()) return;
   }
 }
 
 TEST(Adversarial, WhiteNoise) {
-  for (const Family family : {Family::white_noise, Family::few_values, Family::signs_only, Family::checkerboard}) {
+  for (const Family family :
+       {Family::white_noise, Family::few_values, Family::signs_only, Family::checkerboard}) {
     expect_sound(random_samples(family, {10, 9, 8}, 21), name(family));
     if (HasFailure()) return;
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Surfaces where the grid is hardest on them: at the volume's border, one sample wide, a tenth of a voxel apart, in long cells.
+// Surfaces where the grid is hardest on them: at the volume's border, one sample wide, a tenth of a
+// voxel apart, in long cells.
 #include <array>
 #include <cmath>
 #include <vector>
@@ -39,9 +40,11 @@ TEST(Adversarial, OneSampleAtEveryFaceEdgeAndCorner) {
   for (const Size& p : places(kSize)) {
     Samples s = constant({kSize, kSize, kSize}, -7);
     s.at(p[0], p[1], p[2]) = 5;
-    const std::string what = "sample " + std::to_string(p[0]) + " " + std::to_string(p[1]) + " " + std::to_string(p[2]);
+    const std::string what =
+        "sample " + std::to_string(p[0]) + " " + std::to_string(p[1]) + " " + std::to_string(p[2]);
     expect_sound_both_ways(s, what);
-    // Half-way to the neighbours, or as far as can be: the surface runs through the border's samples.
+    // Half-way to the neighbours, or as far as can be: the surface runs through the border's
+    // samples.
     expect_sound(s, what + ", tied", 5);
     expect_sound(s, what + ", tied below", -7, Inside::below);
     if (HasFailure()) return;
@@ -51,8 +54,10 @@ TEST(Adversarial, OneSampleAtEveryFaceEdgeAndCorner) {
 TEST(Adversarial, BallsAboutEveryFaceEdgeAndCorner) {
   for (const Size& p : places(kSize)) {
     const Vec3 c{static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
-    for (const double radius : {2.0, 2.9, 3.0, 3.2, 4.0}) {  // 3: about the middle it is tangent to all faces
-      const std::string what = "ball of radius " + std::to_string(radius) + " with " + std::to_string(axes_at_the_border(p)) + " axes cut";
+    for (const double radius :
+         {2.0, 2.9, 3.0, 3.2, 4.0}) {  // 3: about the middle it is tangent to all faces
+      const std::string what = "ball of radius " + std::to_string(radius) + " with " +
+                               std::to_string(axes_at_the_border(p)) + " axes cut";
       expect_sound_both_ways(sampled({kSize, kSize, kSize}, sphere(c, radius)), what);
       if (HasFailure()) return;
     }
@@ -60,7 +65,8 @@ TEST(Adversarial, BallsAboutEveryFaceEdgeAndCorner) {
 }
 
 TEST(Adversarial, AllFacesEdgesOrCornersAtOnce) {
-  for (int border = 1; border < 16; ++border) {  // what is inside: samples with 0, 1, 2 or 3 axes at the border
+  for (int border = 1; border < 16;
+       ++border) {  // what is inside: samples with 0, 1, 2 or 3 axes at the border
     for (const std::int64_t low : {-1, -3, -100}) {
       Samples s = constant({kSize, kSize, kSize}, low);
       for (std::size_t z = 0; z < kSize; ++z) {
@@ -89,11 +95,15 @@ TEST(Adversarial, StripsOneVoxelWide) {
       corners.push_back({std::min(i + 1, kSize - 1), i, at});
       zigzag.push_back({i, at, i % 2});
     }
-    strips.insert(strips.end(),
-                  {{"straight", straight}, {"across faces", flat}, {"across cells", steep}, {"stairs", corners}, {"zigzag", zigzag}});
+    strips.insert(strips.end(), {{"straight", straight},
+                                 {"across faces", flat},
+                                 {"across cells", steep},
+                                 {"stairs", corners},
+                                 {"zigzag", zigzag}});
   }
   for (const auto& [what, strip] : strips) {
-    for (const auto& [high, low] : {std::pair<int, int>{1, -1}, {9, -2}, {2, -9}, {1, -1000}, {1000, -1}}) {
+    for (const auto& [high, low] :
+         {std::pair<int, int>{1, -1}, {9, -2}, {2, -9}, {1, -1000}, {1000, -1}}) {
       Samples s = constant({kSize, kSize, kSize}, low);
       for (const Size& p : strip) s.at(p[0], p[1], p[2]) = high;
       expect_sound_both_ways(s, what + " " + std::to_string(high) + " " + std::to_string(low));
@@ -107,13 +117,16 @@ TEST(Adversarial, VolumesOneCellThin) {
     Size size{2, 2, 2};
     size[seed % 3] = 9;
     if (seed % 2 != 0) size[(seed + 1) % 3] = 8;
-    expect_sound_both_ways(random_samples(static_cast<Family>(seed % kFamilies), size, seed), "seed " + std::to_string(seed));
+    expect_sound_both_ways(random_samples(static_cast<Family>(seed % kFamilies), size, seed),
+                           "seed " + std::to_string(seed));
     if (HasFailure()) return;
   }
 }
 
-// One layer of samples that are barely inside, between others far outside: two sheets, a tenth of a voxel apart.
-Samples sheets(Size size, const std::function<std::int64_t(std::size_t, std::size_t)>& height, std::size_t period = 1000) {
+// One layer of samples that are barely inside, between others far outside: two sheets, a tenth of a
+// voxel apart.
+Samples sheets(Size size, const std::function<std::int64_t(std::size_t, std::size_t)>& height,
+               std::size_t period = 1000) {
   Samples s = constant(size, -19);
   for (std::size_t z = 0; z < size[2]; ++z) {
     for (std::size_t y = 0; y < size[1]; ++y) {
@@ -129,22 +142,33 @@ Samples sheets(Size size, const std::function<std::int64_t(std::size_t, std::siz
 TEST(Adversarial, SheetsATenthOfAVoxelApart) {
   const Size size{14, 13, 12};
   expect_sound_both_ways(sheets(size, [](std::size_t, std::size_t) { return 5; }), "flat");
-  expect_sound_both_ways(sheets(size, [](std::size_t, std::size_t) { return 0; }), "flat, at the border");
+  expect_sound_both_ways(sheets(size, [](std::size_t, std::size_t) { return 0; }),
+                         "flat, at the border");
   expect_sound_both_ways(sheets(
                              size, [](std::size_t, std::size_t) { return 1; }, 2),
                          "many");
-  expect_sound_both_ways(sheets(size, [](std::size_t x, std::size_t) { return static_cast<std::int64_t>(x); }), "at 45 degrees");
-  expect_sound_both_ways(sheets(
-                             size, [](std::size_t x, std::size_t y) { return static_cast<std::int64_t>((x + y) / 3); }, 4),
-                         "stairs");
+  expect_sound_both_ways(
+      sheets(size, [](std::size_t x, std::size_t) { return static_cast<std::int64_t>(x); }),
+      "at 45 degrees");
+  expect_sound_both_ways(
+      sheets(
+          size, [](std::size_t x, std::size_t y) { return static_cast<std::int64_t>((x + y) / 3); },
+          4),
+      "stairs");
   const auto wave = [](std::size_t x, std::size_t y) {
-    return std::llround(5.5 + 3 * std::sin(0.6 * static_cast<double>(x)) + 2 * std::cos(0.5 * static_cast<double>(y)));
+    return std::llround(5.5 + 3 * std::sin(0.6 * static_cast<double>(x)) +
+                        2 * std::cos(0.5 * static_cast<double>(y)));
   };
   expect_sound_both_ways(sheets(size, wave), "wave");
-  // Close everywhere and curved: samples within a twentieth of a voxel of the surface are few, so it is torn into pieces.
-  expect_sound_both_ways(sampled({16, 16, 16}, nested_shells({7.4, 7.6, 7.55}, {5.0, 5.1})), "shells");
-  expect_sound_both_ways(
-      sampled({16, 16, 16}, [](double x, double y, double z) { return 0.05 - std::abs(0.36 * x + 0.48 * y + 0.8 * z - 12); }), "slab");
+  // Close everywhere and curved: samples within a twentieth of a voxel of the surface are few, so
+  // it is torn into pieces.
+  expect_sound_both_ways(sampled({16, 16, 16}, nested_shells({7.4, 7.6, 7.55}, {5.0, 5.1})),
+                         "shells");
+  expect_sound_both_ways(sampled({16, 16, 16},
+                                 [](double x, double y, double z) {
+                                   return 0.05 - std::abs(0.36 * x + 0.48 * y + 0.8 * z - 12);
+                                 }),
+                         "slab");
 }
 
 TEST(Adversarial, CellsTwentyTimesAsLong) {
@@ -152,9 +176,12 @@ TEST(Adversarial, CellsTwentyTimesAsLong) {
     const Vec3 spacing = axis == 0 ? Vec3{20, 1, 1} : axis == 1 ? Vec3{1, 20, 1} : Vec3{1, 1, 20};
     const std::string what = ", long axis " + std::to_string(axis);
     for (int family = 0; family < kFamilies; ++family)
-      expect_sound_both_ways(random_samples(static_cast<Family>(family), {5, 5, 4}, 31), name(static_cast<Family>(family)) + what, spacing);
-    expect_sound_both_ways(sheets({9, 8, 7}, [](std::size_t x, std::size_t) { return static_cast<std::int64_t>(x / 2); }), "sheets" + what,
-                           spacing);
+      expect_sound_both_ways(random_samples(static_cast<Family>(family), {5, 5, 4}, 31),
+                             name(static_cast<Family>(family)) + what, spacing);
+    expect_sound_both_ways(
+        sheets({9, 8, 7},
+               [](std::size_t x, std::size_t) { return static_cast<std::int64_t>(x / 2); }),
+        "sheets" + what, spacing);
     if (HasFailure()) return;
   }
 }

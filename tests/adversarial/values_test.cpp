@@ -21,10 +21,14 @@ bool expect_sound_among(const std::vector<T>& values, SampleType type, std::uint
   for (std::size_t& n : grid.size) n = static_cast<std::size_t>(random.between(2, 6));
   std::vector<T> samples(grid.sample_count());
   for (T& s : samples) s = any();
-  const double isovalue = static_cast<double>(any());  // of 64 bits rounded, so that it may be beyond the type
+  const double isovalue =
+      static_cast<double>(any());  // of 64 bits rounded, so that it may be beyond the type
   const Volume volume = own(grid, type, std::move(samples));
-  const ExtractOptions options = default_levels(volume, isovalue, random.bits() % 2 ? Inside::above : Inside::below);
-  expect_sound(volume, options, std::string(name(type)) + ", seed " + std::to_string(seed) + ", isovalue " + std::to_string(isovalue));
+  const ExtractOptions options =
+      default_levels(volume, isovalue, random.bits() % 2 ? Inside::above : Inside::below);
+  expect_sound(volume, options,
+               std::string(name(type)) + ", seed " + std::to_string(seed) + ", isovalue " +
+                   std::to_string(isovalue));
   return true;
 } catch (const Error& e) {
   EXPECT_EQ(e.code(), ErrorCode::empty_surface) << e.what();
@@ -36,10 +40,12 @@ std::vector<T> limits_of_type() {
   using Limits = std::numeric_limits<T>;
   std::vector<T> values{Limits::lowest(), Limits::max(), T{0}, T{1}};
   if constexpr (std::is_integral_v<T>) {
-    for (const auto v : {Limits::lowest() + 1, Limits::max() - 1, Limits::max() / 2}) values.push_back(static_cast<T>(v));
+    for (const auto v : {Limits::lowest() + 1, Limits::max() - 1, Limits::max() / 2})
+      values.push_back(static_cast<T>(v));
   } else {
-    for (const T v : {Limits::min(), -Limits::min(), Limits::denorm_min(), -Limits::denorm_min(), -T{0},
-                      std::nextafter(Limits::max(), T{0}), Limits::max() / 2, T{1} + Limits::epsilon()})
+    for (const T v :
+         {Limits::min(), -Limits::min(), Limits::denorm_min(), -Limits::denorm_min(), -T{0},
+          std::nextafter(Limits::max(), T{0}), Limits::max() / 2, T{1} + Limits::epsilon()})
       values.push_back(v);
   }
   return values;
@@ -60,7 +66,8 @@ TEST(Adversarial, SamplesAtTheLimitsOfTheirType) {
     visit_sample_type(type, [&]<class T>(const T*) {
       const std::vector<T> values = limits_of_type<T>();
       int meshed = 0;
-      for (std::uint64_t seed = 0; seed < (many() ? 80 : 16) && !testing::Test::HasFailure(); ++seed)
+      for (std::uint64_t seed = 0; seed < (many() ? 80 : 16) && !testing::Test::HasFailure();
+           ++seed)
         meshed += expect_sound_among(values, type, seed);
       EXPECT_GT(meshed, 8) << name(type);
     });
@@ -84,8 +91,11 @@ TEST(Adversarial, SurfelsOfACellThatAreHardToSeparate) {
   EXPECT_TRUE(expect_sound_among(limits_of_type<std::uint8_t>(), SampleType::uint8, 48));
 }
 
-// Cells beside each other whose numbers are scaled differently: points on their wall went to the wrong curve.
-TEST(Adversarial, WallBetweenCellsOfTinyNumbers) { EXPECT_TRUE(expect_sound_among(denormals<double>(), SampleType::float64, 591)); }
+// Cells beside each other whose numbers are scaled differently: points on their wall went to the
+// wrong curve.
+TEST(Adversarial, WallBetweenCellsOfTinyNumbers) {
+  EXPECT_TRUE(expect_sound_among(denormals<double>(), SampleType::float64, 591));
+}
 
 // Slivers that part only where places are not rounded yet (found by fuzzing).
 TEST(Adversarial, PlacesAsTheyAreWritten) {
@@ -102,7 +112,8 @@ TEST(Adversarial, PlacesAsTheyAreWritten) {
   expect_sound(volume, options, "five by two by five");
 }
 
-// Two values that are neighbours, or as far apart as can be. Saddles are decided by which of them is nearer to the isovalue, exactly.
+// Two values that are neighbours, or as far apart as can be. Saddles are decided by which of them
+// is nearer to the isovalue, exactly.
 TEST(Adversarial, TwoValuesAndAnIsovalueBetween) {
   const Samples pattern = random_samples(Family::signs_only, {6, 5, 7}, 41);
   enum class Nearer { neither, high };
@@ -117,13 +128,17 @@ TEST(Adversarial, TwoValuesAndAnIsovalueBetween) {
       options.surface.topology = topology;
       const Extraction e = expect_sound(volume, options, std::string(name(type)));
       const TopologySummary want = reference_topology(pattern, nearer == Nearer::high ? 0.5 : 0);
-      EXPECT_EQ(e.report.reference.boundary_loops, want.boundary_loops) << name(type) << " " << isovalue;
-      EXPECT_EQ(e.report.reference.euler_characteristic, want.euler_characteristic - 2 * static_cast<std::int64_t>(e.report.tunnels));
+      EXPECT_EQ(e.report.reference.boundary_loops, want.boundary_loops)
+          << name(type) << " " << isovalue;
+      EXPECT_EQ(e.report.reference.euler_characteristic,
+                want.euler_characteristic - 2 * static_cast<std::int64_t>(e.report.tunnels));
     }
   };
   const float one = 1, next = std::nextafter(1.0f, 2.0f);
-  const double large = std::numeric_limits<double>::max(), least = std::numeric_limits<double>::denorm_min();
-  two(SampleType::float32, one, next, 0.5 * (static_cast<double>(one) + static_cast<double>(next)), Nearer::neither);
+  const double large = std::numeric_limits<double>::max(),
+               least = std::numeric_limits<double>::denorm_min();
+  two(SampleType::float32, one, next, 0.5 * (static_cast<double>(one) + static_cast<double>(next)),
+      Nearer::neither);
   two(SampleType::float32, one, next, static_cast<double>(next), Nearer::high);
   two(SampleType::float64, 1.0, std::nextafter(1.0, 2.0), std::nextafter(1.0, 2.0), Nearer::high);
   two(SampleType::float64, -least, least, 0, Nearer::neither);
@@ -133,9 +148,11 @@ TEST(Adversarial, TwoValuesAndAnIsovalueBetween) {
   two(SampleType::int8, std::int8_t{-128}, std::int8_t{127}, -0.5, Nearer::neither);
   two(SampleType::int8, std::int8_t{-128}, std::int8_t{127}, 0, Nearer::high);
   two(SampleType::uint8, std::uint8_t{254}, std::uint8_t{255}, 254.5, Nearer::neither);
-  two(SampleType::int64, std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max(), -0.5, Nearer::neither);
+  two(SampleType::int64, std::numeric_limits<std::int64_t>::min(),
+      std::numeric_limits<std::int64_t>::max(), -0.5, Nearer::neither);
   two(SampleType::int64, (std::int64_t{1} << 53) - 1, std::int64_t{1} << 53, 0x1p53, Nearer::high);
-  two(SampleType::uint64, std::uint64_t{0}, std::numeric_limits<std::uint64_t>::max(), 0x1p63, Nearer::high);
+  two(SampleType::uint64, std::uint64_t{0}, std::numeric_limits<std::uint64_t>::max(), 0x1p63,
+      Nearer::high);
 }
 
 }  // namespace

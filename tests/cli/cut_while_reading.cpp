@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loaded into the tool by the tests: cuts the file CUT_FILE to CUT_LENGTH bytes after it was opened or read CUT_AFTER times, as another
-// program may do.
+// Loaded into the tool by the tests: cuts the file CUT_FILE to CUT_LENGTH bytes after it was opened
+// or read CUT_AFTER times, as another program may do.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -22,13 +22,14 @@ bool is_the_file(int descriptor) {
   const char* path = std::getenv("CUT_FILE");
   struct stat wanted {
   }, found{};
-  return path != nullptr && stat(path, &wanted) == 0 && fstat(descriptor, &found) == 0 && wanted.st_ino == found.st_ino &&
-         wanted.st_dev == found.st_dev;
+  return path != nullptr && stat(path, &wanted) == 0 && fstat(descriptor, &found) == 0 &&
+         wanted.st_ino == found.st_ino && wanted.st_dev == found.st_dev;
 }
 
 void count(int descriptor) {
   static std::atomic<int> uses{0};
-  if (descriptor < 0 || !is_the_file(descriptor) || ++uses != std::atoi(std::getenv("CUT_AFTER"))) return;
+  if (descriptor < 0 || !is_the_file(descriptor) || ++uses != std::atoi(std::getenv("CUT_AFTER")))
+    return;
   if (truncate(std::getenv("CUT_FILE"), std::atol(std::getenv("CUT_LENGTH"))) != 0) std::abort();
 }
 
@@ -49,7 +50,8 @@ int open64(const char* path, int flags, ...) {
   static const auto original = next<int (*)(const char*, int, ...)>("open64");
   va_list rest;
   va_start(rest, flags);
-  const int descriptor = original(path, flags, (flags & O_CREAT) != 0 ? va_arg(rest, unsigned) : 0U);
+  const int descriptor =
+      original(path, flags, (flags & O_CREAT) != 0 ? va_arg(rest, unsigned) : 0U);
   va_end(rest);
   count(descriptor);
   return descriptor;

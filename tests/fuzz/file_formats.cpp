@@ -24,17 +24,19 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::array<std::string_view, 16> kVolumes{"png", "nrrd", "nhdr", "nii",  "mha", "mhd", "tif", "dcm",
-                                                    "vtk", "vti",  "vtr",  "pvti", "npy", "mrc", "mgh", "mgz"};
-constexpr std::array<std::string_view, 8> kMeshes{"ply", "stl", "obj", "off", "vtp", "glb", "3mf", "gii"};
+constexpr std::array<std::string_view, 16> kVolumes{"png", "nrrd", "nhdr", "nii", "mha", "mhd",
+                                                    "tif", "dcm",  "vtk",  "vti", "vtr", "pvti",
+                                                    "npy", "mrc",  "mgh",  "mgz"};
+constexpr std::array<std::string_view, 8> kMeshes{"ply", "stl", "obj", "off",
+                                                  "vtp", "glb", "3mf", "gii"};
 
 template <class List>
 bool holds(const List& list, std::string_view format) {
   return std::ranges::find(list, format) != list.end();
 }
 
-/// A folder with one file, or two slices, in memory where the machine has such a folder. The file's name has the
-/// format's extension.
+/// A folder with one file, or two slices, in memory where the machine has such a folder. The file's
+/// name has the format's extension.
 class FileInMemory {
  public:
   FileInMemory(std::string_view format, std::span<const std::uint8_t> bytes) {
@@ -45,7 +47,8 @@ class FileInMemory {
     write(path_, bytes);
     // A header may name this file for its samples.
     constexpr std::string_view kSamples = "samples.raw";
-    if (std::search(bytes.begin(), bytes.end(), kSamples.begin(), kSamples.end()) != bytes.end()) write(folder_ / kSamples, bytes);
+    if (std::search(bytes.begin(), bytes.end(), kSamples.begin(), kSamples.end()) != bytes.end())
+      write(folder_ / kSamples, bytes);
     if (format == "png") {  // a folder of slices
       write(folder_ / "s2.png", bytes);
       path_ = folder_;
@@ -63,16 +66,22 @@ class FileInMemory {
 
  private:
   static void write(const fs::path& path, std::span<const std::uint8_t> bytes) {
-    std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    std::ofstream(path, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()),
+               static_cast<std::streamsize>(bytes.size()));
   }
 
   fs::path folder_, path_;
 };
 
 std::string wrong_grid(const Grid& grid) {
-  const auto finite = [](const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); };
-  const bool is_sound = finite(grid.origin) && finite(grid.spacing) && grid.spacing.x > 0 && grid.spacing.y > 0 && grid.spacing.z > 0 &&
-                        std::ranges::all_of(grid.direction, finite) && std::ranges::all_of(grid.size, [](std::size_t n) { return n >= 2; });
+  const auto finite = [](const Vec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+  };
+  const bool is_sound = finite(grid.origin) && finite(grid.spacing) && grid.spacing.x > 0 &&
+                        grid.spacing.y > 0 && grid.spacing.z > 0 &&
+                        std::ranges::all_of(grid.direction, finite) &&
+                        std::ranges::all_of(grid.size, [](std::size_t n) { return n >= 2; });
   return is_sound ? "" : "a grid that is not sound";
 }
 
@@ -82,7 +91,8 @@ std::string wrong_volume(const fs::path& path, const ReadOptions& options) {
   if (const std::string wrong = wrong_grid(once.volume.view.grid); !wrong.empty()) return wrong;
   mallopt(M_PERTURB, 0x22);
   const VolumeFile again = read_volume_file(path, options);
-  if (sample_digest(once.volume) != sample_digest(again.volume)) return "other samples when it is read again";
+  if (sample_digest(once.volume) != sample_digest(again.volume))
+    return "other samples when it is read again";
   for (const std::string& warning : once.source.warnings)
     if (warning.find('\n') != std::string::npos) return "a warning of more than one line";
   return "";
@@ -116,10 +126,12 @@ std::string wrong_mesh(const fs::path& path) {
   for (std::size_t level = 0; level < file.hierarchy.levels.size(); ++level) {
     const TriangleMesh mesh = file.hierarchy.mesh(level);
     for (const auto& triangle : mesh.triangles)
-      if (std::ranges::any_of(triangle, [&](std::uint32_t v) { return v >= mesh.positions.size(); }))
+      if (std::ranges::any_of(triangle,
+                              [&](std::uint32_t v) { return v >= mesh.positions.size(); }))
         return "a triangle with a vertex that is not there";
     for (const Vec3& p : mesh.positions)
-      if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return "a position that is not finite";
+      if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+        return "a position that is not finite";
   }
   entry_of_file(path);
   return "";
@@ -128,12 +140,14 @@ std::string wrong_mesh(const fs::path& path) {
 TriangleMesh octahedron() {
   TriangleMesh mesh;
   mesh.positions = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
-  mesh.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+  mesh.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
+                    {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
   return mesh;
 }
 
-/// Reads a report about an octahedron: from memory, and as a file beside its mesh, octahedron.ply. Reports that name
-/// other folders are read from memory only: they could name the whole disk as a folder of DICOM slices.
+/// Reads a report about an octahedron: from memory, and as a file beside its mesh, octahedron.ply.
+/// Reports that name other folders are read from memory only: they could name the whole disk as a
+/// folder of DICOM slices.
 void read_report(const FileInMemory& file, std::span<const std::uint8_t> bytes) {
   const std::string text(bytes.begin(), bytes.end());
   const TriangleMesh mesh = octahedron();
@@ -146,7 +160,9 @@ void read_report(const FileInMemory& file, std::span<const std::uint8_t> bytes) 
 
 }  // namespace
 
-bool is_fuzzed_format(std::string_view format) { return holds(kVolumes, format) || holds(kMeshes, format) || format == "json"; }
+bool is_fuzzed_format(std::string_view format) {
+  return holds(kVolumes, format) || holds(kMeshes, format) || format == "json";
+}
 
 std::string what_is_wrong_with_file(std::string_view format, std::span<const std::uint8_t> bytes) {
   const FileInMemory file(format, bytes);
@@ -155,7 +171,8 @@ std::string what_is_wrong_with_file(std::string_view format, std::span<const std
     if (holds(kMeshes, format)) return wrong_mesh(file.path());
     read_report(file, bytes);
   } catch (const Error& error) {
-    if (error.code() == ErrorCode::internal || error.code() == ErrorCode::cancelled) return error.what();
+    if (error.code() == ErrorCode::internal || error.code() == ErrorCode::cancelled)
+      return error.what();
     if (std::strpbrk(error.what(), "\n\r") != nullptr) return "a message of more than one line";
   }
   return "";

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any bytes as a file of one format: reading must give an Error, or the same sound volume or mesh every time.
+// Any bytes as a file of one format: reading must give an Error, or the same sound volume or mesh
+// every time.
 #pragma once
 
 #include <cstdint>

@@ -13,7 +13,8 @@ namespace {
 
 // Internal errors are ours, and nobody cancelled.
 bool is_a_users_fault(ErrorCode code) {
-  return code == ErrorCode::bad_argument || code == ErrorCode::unsupported || code == ErrorCode::empty_surface;
+  return code == ErrorCode::bad_argument || code == ErrorCode::unsupported ||
+         code == ErrorCode::empty_surface;
 }
 
 }  // namespace

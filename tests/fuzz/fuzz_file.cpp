@@ -8,7 +8,9 @@
 #include "fuzz/file_formats.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  if (const std::string wrong = isoatlas::detail::test::what_is_wrong_with_file(ISOATLAS_FUZZED_FORMAT, {data, size}); !wrong.empty()) {
+  if (const std::string wrong =
+          isoatlas::detail::test::what_is_wrong_with_file(ISOATLAS_FUZZED_FORMAT, {data, size});
+      !wrong.empty()) {
     std::fprintf(stderr, "WRONG: %s\n", wrong.c_str());
     std::abort();
   }

@@ -16,7 +16,8 @@
 namespace isoatlas::detail::test {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity(), kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity(),
+                 kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // Reads bytes; zeros when there are no more, so that every prefix is an input too.
 class Bytes {
@@ -48,7 +49,8 @@ T sample(Bytes& bytes, std::size_t kind) {
   using Limits = std::numeric_limits<T>;
   constexpr bool kFloating = !std::is_integral_v<T>;
   const auto small = [&](int n) {
-    return static_cast<T>(static_cast<int>(bytes.below(static_cast<std::size_t>(n))) - (Limits::is_signed ? n / 2 : 0));
+    return static_cast<T>(static_cast<int>(bytes.below(static_cast<std::size_t>(n))) -
+                          (Limits::is_signed ? n / 2 : 0));
   };
   switch (kind) {
     case 0:
@@ -59,12 +61,14 @@ T sample(Bytes& bytes, std::size_t kind) {
       return small(256);
     case 3:
       if constexpr (kFloating)
-        return bytes.one_of(std::array{Limits::lowest(), Limits::max(), Limits::min(), -Limits::min(), Limits::denorm_min(),
-                                       -Limits::denorm_min(), T{0}, -T{0}, T{1}, std::nextafter(T{1}, T{2}),
+        return bytes.one_of(std::array{Limits::lowest(), Limits::max(), Limits::min(),
+                                       -Limits::min(), Limits::denorm_min(), -Limits::denorm_min(),
+                                       T{0}, -T{0}, T{1}, std::nextafter(T{1}, T{2}),
                                        std::nextafter(Limits::max(), T{0})});
       else
-        return bytes.one_of(std::array{Limits::lowest(), Limits::max(), static_cast<T>(Limits::max() - 1),
-                                       static_cast<T>(Limits::max() / 2), static_cast<T>(Limits::lowest() + 1), T{0}, T{1}});
+        return bytes.one_of(std::array{
+            Limits::lowest(), Limits::max(), static_cast<T>(Limits::max() - 1),
+            static_cast<T>(Limits::max() / 2), static_cast<T>(Limits::lowest() + 1), T{0}, T{1}});
     case 4:
       if constexpr (kFloating) {
         const T values[]{Limits::quiet_NaN(), Limits::infinity(), -Limits::infinity()};
@@ -111,11 +115,13 @@ Volume read_volume(Bytes& bytes, double& isovalue) {
                                                     {0, 1, 1},
                                                     {1, 1, kNaN}}});
   if (bytes.below(4) == 1) {
-    grid.direction = bytes.one_of(std::array<std::array<Vec3, 3>, 4>{{{{{0, 1, 0}, {1, 0, 0}, {0, 0, 1}}},
-                                                                      {{{0.8, 0.6, 0}, {-0.6, 0.8, 0}, {0, 0, -1}}},
-                                                                      {{{1, 0, 0}, {0.5, 1, 0}, {0, 0, 1}}},
-                                                                      {{{1, 0, 0}, {1, 0, 0}, {0, 0, 1}}}}});
-    grid.origin = bytes.one_of(std::array<Vec3, 4>{{{0, 0, 0}, {-120, 31.5, 1e9}, {1e300, 0, -1e300}, {0, kInfinity, 0}}});
+    grid.direction = bytes.one_of(
+        std::array<std::array<Vec3, 3>, 4>{{{{{0, 1, 0}, {1, 0, 0}, {0, 0, 1}}},
+                                            {{{0.8, 0.6, 0}, {-0.6, 0.8, 0}, {0, 0, -1}}},
+                                            {{{1, 0, 0}, {0.5, 1, 0}, {0, 0, 1}}},
+                                            {{{1, 0, 0}, {1, 0, 0}, {0, 0, 1}}}}});
+    grid.origin = bytes.one_of(
+        std::array<Vec3, 4>{{{0, 0, 0}, {-120, 31.5, 1e9}, {1e300, 0, -1e300}, {0, kInfinity, 0}}});
   }
   switch (volume.view.type) {
     case SampleType::int8:
@@ -153,7 +159,8 @@ Volume read_volume(Bytes& bytes, double& isovalue) {
 }
 
 double read_length(Bytes& bytes, double voxel) {
-  return bytes.one_of(std::array{voxel, 0.5 * voxel, 0.1 * voxel, 3 * voxel, 1000 * voxel, 1e-300, 1e300, 0.0, -1.0, kNaN, kInfinity});
+  return bytes.one_of(std::array{voxel, 0.5 * voxel, 0.1 * voxel, 3 * voxel, 1000 * voxel, 1e-300,
+                                 1e300, 0.0, -1.0, kNaN, kInfinity});
 }
 
 LevelGoal read_goal(Bytes& bytes, double voxel) {
@@ -189,7 +196,8 @@ ExtractOptions read_options(Bytes& bytes, double voxel) {
   out.supersample = bytes.one_of(std::array<std::uint32_t, 8>{1, 1, 1, 1, 1, 2, 3, 0});
   out.covering.strategy = bytes.coin() ? CoveringStrategy::halving : CoveringStrategy::sizing_field;
   out.surface.inside = bytes.coin() ? Inside::below : Inside::above;
-  out.surface.non_finite = bytes.one_of(std::array{NonFinite::refuse, NonFinite::below, NonFinite::above});
+  out.surface.non_finite =
+      bytes.one_of(std::array{NonFinite::refuse, NonFinite::below, NonFinite::above});
   out.surface.topology = bytes.coin() ? Topology::faces : Topology::trilinear;
   out.space = bytes.one_of(std::array{Space::lps, Space::ras, Space::voxel});
   out.placement = bytes.coin() ? Placement::balanced : Placement::surface;
@@ -198,17 +206,21 @@ ExtractOptions read_options(Bytes& bytes, double voxel) {
   if (bytes.coin()) out.covering.max_radius = read_length(bytes, voxel);
   if (bytes.coin()) out.covering.event_persistence = read_length(bytes, voxel);
   if (bytes.below(4) == 1)
-    out.components.min_size = bytes.one_of(std::array{voxel * voxel * voxel, 5 * voxel * voxel * voxel, 1e300, 1e-300, -1.0, kNaN});
+    out.components.min_size = bytes.one_of(
+        std::array{voxel * voxel * voxel, 5 * voxel * voxel * voxel, 1e300, 1e-300, -1.0, kNaN});
   out.components.keep_largest = bytes.below(8) < 6 ? 0 : 1 + bytes.below(2);
   if (bytes.below(4) == 1) out.measure_samples = 1 + bytes.below(50);
   if (bytes.below(4) == 1) out.coarse = read_goal(bytes, voxel);
-  for (std::size_t levels = bytes.below(3); levels > 0; --levels) out.refine.push_back(read_goal(bytes, voxel));
+  for (std::size_t levels = bytes.below(3); levels > 0; --levels)
+    out.refine.push_back(read_goal(bytes, voxel));
   return out;
 }
 
 // ---- said in words
 
-std::ostream& operator<<(std::ostream& out, const Vec3& v) { return out << '(' << v.x << ", " << v.y << ", " << v.z << ')'; }
+std::ostream& operator<<(std::ostream& out, const Vec3& v) {
+  return out << '(' << v.x << ", " << v.y << ", " << v.z << ')';
+}
 
 std::ostream& operator<<(std::ostream& out, const LevelGoal& goal) {
   for (const Constraint& c : goal) out << ' ' << name(c.quantity) << ':' << c.bound;
@@ -220,7 +232,10 @@ void write_samples(std::ostream& out, const VolumeView& volume) {
   const auto* values = static_cast<const T*>(volume.samples);
   const auto& size = volume.grid.size;
   for (std::size_t i = 0; i < volume.grid.sample_count(); ++i) {
-    out << (i % size[0] > 0 ? " " : i > 0 && i % (size[0] * size[1]) == 0 ? "\n\n  " : "\n  ") << +values[i];
+    out << (i % size[0] > 0                         ? " "
+            : i > 0 && i % (size[0] * size[1]) == 0 ? "\n\n  "
+                                                    : "\n  ")
+        << +values[i];
   }
 }
 
@@ -267,26 +282,31 @@ std::string describe(const FuzzInput& input) {
   constexpr std::array kNonFinite{"refuse", "below", "above"}, kSpace{"lps", "ras", "voxel"};
   std::ostringstream out;
   out.precision(17);
-  out << "isovalue " << o.surface.isovalue << (o.surface.inside == Inside::above ? ", inside above" : ", inside below") << ", non-finite "
-      << kNonFinite[static_cast<std::size_t>(o.surface.non_finite)] << (o.surface.topology == Topology::faces ? ", faces" : ", trilinear")
-      << (o.surface.interpolation == Interpolation::tricubic ? ", tricubic" : "") << ", space " << kSpace[static_cast<std::size_t>(o.space)]
+  out << "isovalue " << o.surface.isovalue
+      << (o.surface.inside == Inside::above ? ", inside above" : ", inside below")
+      << ", non-finite " << kNonFinite[static_cast<std::size_t>(o.surface.non_finite)]
+      << (o.surface.topology == Topology::faces ? ", faces" : ", trilinear")
+      << (o.surface.interpolation == Interpolation::tricubic ? ", tricubic" : "") << ", space "
+      << kSpace[static_cast<std::size_t>(o.space)]
       << (o.placement == Placement::balanced ? ", balanced" : ", on surface");
   if (o.allow_self_intersections) out << ", self-intersections allowed";
   if (!o.vertices_on_surface) out << ", c-vertices at averages";
   if (o.supersample != 1) out << ", supersample " << o.supersample;
   if (o.covering.strategy == CoveringStrategy::halving) out << ", halving";
   if (o.covering.max_radius) out << ", max radius " << o.covering.max_radius->value;
-  if (o.covering.event_persistence) out << ", event persistence " << o.covering.event_persistence->value;
+  if (o.covering.event_persistence)
+    out << ", event persistence " << o.covering.event_persistence->value;
   if (o.components.min_size != 0) out << ", min component size " << o.components.min_size;
   if (o.components.keep_largest > 0) out << ", keep components " << o.components.keep_largest;
   if (o.measure_samples > 0) out << ", measure samples " << o.measure_samples;
   out << '\n';
   if (!o.coarse.empty()) out << "coarse:" << o.coarse << '\n';
   for (const LevelGoal& goal : o.refine) out << "refine:" << goal << '\n';
-  out << name(input.volume.view.type) << ' ' << grid.size[0] << " x " << grid.size[1] << " x " << grid.size[2] << ", spacing "
-      << grid.spacing;
+  out << name(input.volume.view.type) << ' ' << grid.size[0] << " x " << grid.size[1] << " x "
+      << grid.size[2] << ", spacing " << grid.spacing;
   if (grid.direction != Grid{}.direction || grid.origin != Vec3{})
-    out << ", origin " << grid.origin << ", direction " << grid.direction[0] << ' ' << grid.direction[1] << ' ' << grid.direction[2];
+    out << ", origin " << grid.origin << ", direction " << grid.direction[0] << ' '
+        << grid.direction[1] << ' ' << grid.direction[2];
   write_samples(out, input.volume);
   out << '\n';
   return out.str();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs what was fuzzed on files and on the files of folders, without a fuzzer:
-//   replay_fuzz_extract [--describe] FILE|FOLDER...      status 1 where one is wrong; --describe: says what they are, and runs nothing
+//   replay_fuzz_extract [--describe] FILE|FOLDER...      status 1 where one is wrong; --describe:
+//   says what they are, and runs nothing
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -24,7 +25,8 @@ int main(int argc, char** argv) {
     if (std::string_view(argv[i]) == "--describe") {
       only_describe = true;
     } else if (fs::is_directory(argv[i])) {
-      for (const fs::directory_entry& entry : fs::directory_iterator(argv[i])) files.push_back(entry.path());
+      for (const fs::directory_entry& entry : fs::directory_iterator(argv[i]))
+        files.push_back(entry.path());
     } else {
       files.emplace_back(argv[i]);
     }
@@ -38,8 +40,10 @@ int main(int argc, char** argv) {
       std::fprintf(stderr, "cannot be read\n");
       return 1;
     }
-    const std::vector<char> bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-    const FuzzInput input = decode(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+    const std::vector<char> bytes((std::istreambuf_iterator<char>(in)),
+                                  std::istreambuf_iterator<char>());
+    const FuzzInput input =
+        decode(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
     if (only_describe) {
       std::printf("%s\n", describe(input).c_str());
     } else if (const std::string wrong = what_is_wrong_with(input); !wrong.empty()) {

@@ -23,19 +23,24 @@ struct Counts {
 
 class Archive {
  public:
-  explicit Archive(const fs::path& path) : zip_(zip_open(path.c_str(), ZIP_RDONLY, nullptr), zip_discard) {
+  explicit Archive(const fs::path& path)
+      : zip_(zip_open(path.c_str(), ZIP_RDONLY, nullptr), zip_discard) {
     if (!zip_) throw std::runtime_error(path.string() + ": is not a readable archive");
   }
 
-  std::uint64_t size() const { return static_cast<std::uint64_t>(zip_get_num_entries(zip_.get(), 0)); }
+  std::uint64_t size() const {
+    return static_cast<std::uint64_t>(zip_get_num_entries(zip_.get(), 0));
+  }
   std::string name(std::uint64_t entry) const { return zip_get_name(zip_.get(), entry, 0); }
 
   std::vector<std::uint8_t> bytes(std::uint64_t entry) const {
     zip_stat_t about{};
     zip_stat_index(zip_.get(), entry, 0, &about);
     std::vector<std::uint8_t> bytes(about.size);
-    const std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> file(zip_fopen_index(zip_.get(), entry, 0), zip_fclose);
-    if (!file || zip_fread(file.get(), bytes.data(), bytes.size()) != static_cast<zip_int64_t>(bytes.size()))
+    const std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> file(
+        zip_fopen_index(zip_.get(), entry, 0), zip_fclose);
+    if (!file ||
+        zip_fread(file.get(), bytes.data(), bytes.size()) != static_cast<zip_int64_t>(bytes.size()))
       throw std::runtime_error(name(entry) + ": cannot be unpacked");
     return bytes;
   }
@@ -51,8 +56,10 @@ Counts replay(const fs::path& path) {
   const Archive archive(path);
   Counts counts;
   for (std::uint64_t entry = 0; entry < archive.size(); ++entry) {
-    std::fprintf(stderr, "%s %s\n", path.filename().c_str(), archive.name(entry).c_str());  // the last one before a crash is the one
-    const std::string wrong = isoatlas::detail::test::what_is_wrong_with_file(format, archive.bytes(entry));
+    std::fprintf(stderr, "%s %s\n", path.filename().c_str(),
+                 archive.name(entry).c_str());  // the last one before a crash is the one
+    const std::string wrong =
+        isoatlas::detail::test::what_is_wrong_with_file(format, archive.bytes(entry));
     if (!wrong.empty()) std::fprintf(stderr, "WRONG: %s\n", wrong.c_str());
     ++counts.files;
     counts.wrong += wrong.empty() ? 0 : 1;

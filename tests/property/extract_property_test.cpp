@@ -20,7 +20,8 @@ using namespace test;
 
 [[maybe_unused]] const bool kCases = run_cases(100);
 
-SurfaceComplex parsed(const RandomCase& c, const Volume& volume, Topology topology = Topology::trilinear) {
+SurfaceComplex parsed(const RandomCase& c, const Volume& volume,
+                      Topology topology = Topology::trilinear) {
   ParseOptions options;
   options.rule = {c.isovalue(), c.inside(), NonFinite::refuse};
   options.topology = topology;
@@ -31,7 +32,8 @@ RC_GTEST_PROP(AnyVolume, SurfaceIsValidAndHasTheReferenceTopology, (const Random
   const Samples samples = c.samples();
   RC_PRE(has_surface(samples, c.isovalue(), c.inside()));
   RC_TAG(name(static_cast<Family>(c.family)));
-  const SurfaceComplex surface = parsed(c, to_volume(samples, SampleType::int32, c.spacing), Topology::faces);
+  const SurfaceComplex surface =
+      parsed(c, to_volume(samples, SampleType::int32, c.spacing), Topology::faces);
   RC_ASSERT(validate(surface) == "");
   const TopologySummary want = reference_topology(samples, c.isovalue(), c.inside());
   RC_ASSERT(summarize(find_components(surface).topology) == want);
@@ -82,11 +84,13 @@ RC_GTEST_PROP(AnyVolume, MeshIsAManifoldWithTheReferenceTopology, (const RandomC
   for (const Vec3& p : first.mesh().positions) {
     const Vec3 i = volume.view.grid.to_index(p);
     RC_ASSERT(i.x >= -rounding && i.y >= -rounding && i.z >= -rounding);
-    RC_ASSERT(i.x <= (c.nx - 1) + rounding && i.y <= (c.ny - 1) + rounding && i.z <= (c.nz - 1) + rounding);
+    RC_ASSERT(i.x <= (c.nx - 1) + rounding && i.y <= (c.ny - 1) + rounding &&
+              i.z <= (c.nz - 1) + rounding);
     distinct_positions.push_back({p.x, p.y, p.z});
   }
   std::sort(distinct_positions.begin(), distinct_positions.end());
-  RC_ASSERT(std::adjacent_find(distinct_positions.begin(), distinct_positions.end()) == distinct_positions.end());
+  RC_ASSERT(std::adjacent_find(distinct_positions.begin(), distinct_positions.end()) ==
+            distinct_positions.end());
 
   // A second run with another number of threads yields the same bytes.
   RunControl control;
@@ -95,7 +99,8 @@ RC_GTEST_PROP(AnyVolume, MeshIsAManifoldWithTheReferenceTopology, (const RandomC
   RC_ASSERT(first.mesh().triangles == second.mesh().triangles);
   RC_ASSERT(first.mesh().positions.size() == second.mesh().positions.size());
   RC_ASSERT(what_is_wrong(first, options) == "");
-  RC_ASSERT(std::memcmp(first.mesh().positions.data(), second.mesh().positions.data(), sizeof(Vec3) * first.mesh().positions.size()) == 0);
+  RC_ASSERT(std::memcmp(first.mesh().positions.data(), second.mesh().positions.data(),
+                        sizeof(Vec3) * first.mesh().positions.size()) == 0);
 }
 
 RC_GTEST_PROP(AnyVolume, ThePapersCoveringPreservesTheTopology, (const RandomCase& c)) {
@@ -106,7 +111,8 @@ RC_GTEST_PROP(AnyVolume, ThePapersCoveringPreservesTheTopology, (const RandomCas
   options.surface.inside = c.inside();
   options.surface.topology = Topology::faces;  // for which there is an independent reference
   options.covering.strategy = CoveringStrategy::halving;
-  if (c.seed % 3 != 0) options.covering.max_radius = c.seed % 3 == 1 ? 1000 : 0.5 + static_cast<double>(c.seed % 7);
+  if (c.seed % 3 != 0)
+    options.covering.max_radius = c.seed % 3 == 1 ? 1000 : 0.5 + static_cast<double>(c.seed % 7);
   if (c.seed % 4 == 0) options.covering.event_persistence = static_cast<double>(c.seed % 5);
   if (c.seed % 16 == 0) options.refine = {{{Quantity::max_distance, 0.5}}};
   const Extraction extraction = extract(c.volume(SampleType::int16), options);
@@ -128,15 +134,18 @@ RC_GTEST_PROP(AnyVolume, TrilinearTopologyIsPreserved, (const RandomCase& c)) {
   const SurfaceComplex surface = parsed(c, volume);
   RC_CLASSIFY(surface.tunnels > 0);
   RC_ASSERT(validate(surface) == "");
-  const TopologySummary want = summarize(find_components(surface).topology), faces = reference_topology(samples, c.isovalue(), c.inside());
+  const TopologySummary want = summarize(find_components(surface).topology),
+                        faces = reference_topology(samples, c.isovalue(), c.inside());
   RC_ASSERT(kinds_of(triangles_of(surface)) == want.kinds);
   RC_ASSERT(want.boundary_loops == faces.boundary_loops);
-  RC_ASSERT(want.euler_characteristic == faces.euler_characteristic - 2 * static_cast<std::int64_t>(surface.tunnels));
+  RC_ASSERT(want.euler_characteristic ==
+            faces.euler_characteristic - 2 * static_cast<std::int64_t>(surface.tunnels));
 
   ExtractOptions options = coarse_options();
   options.surface.isovalue = c.isovalue();
   options.surface.inside = c.inside();
-  if (c.seed % 3 != 0) options.covering.max_radius = c.seed % 3 == 1 ? 1000 : 0.5 + static_cast<double>(c.seed % 7);
+  if (c.seed % 3 != 0)
+    options.covering.max_radius = c.seed % 3 == 1 ? 1000 : 0.5 + static_cast<double>(c.seed % 7);
   const Extraction extraction = extract(volume, options);
   RC_ASSERT(what_is_wrong(extraction, options) == "");
   RC_ASSERT(extraction.report.tunnels == surface.tunnels);
@@ -152,10 +161,13 @@ RC_GTEST_PROP(AnyVolume, AxesMayBeSwappedAndMirrored, (const RandomCase& c)) {
   ExtractOptions options = coarse_options();
   options.surface.isovalue = c.isovalue();
   options.surface.inside = c.inside();
-  const auto kinds = [&](const Samples& s) { return extract(to_volume(s), options).finest().topology.kinds; };
+  const auto kinds = [&](const Samples& s) {
+    return extract(to_volume(s), options).finest().topology.kinds;
+  };
   const auto want = kinds(samples);
   RC_ASSERT(kinds(mirrored(samples, static_cast<int>(c.seed % 3))) == want);
-  RC_ASSERT(kinds(permuted(samples, c.seed % 2 ? std::array{1, 2, 0} : std::array{1, 0, 2})) == want);
+  RC_ASSERT(kinds(permuted(samples, c.seed % 2 ? std::array{1, 2, 0} : std::array{1, 0, 2})) ==
+            want);
   options.surface.isovalue = -options.surface.isovalue;
   options.surface.inside = c.below ? Inside::above : Inside::below;
   RC_ASSERT(kinds(negated(samples)) == want);

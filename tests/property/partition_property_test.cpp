@@ -42,7 +42,8 @@ RC_GTEST_PROP(AnyCovering, CoversAndCertifies, (const RandomCase& c)) {
   for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
     RC_ASSERT(covering.is_covered(v));
     RC_ASSERT(std::abs(covering.distance()[v] - distance[v]) <= 1e-4 * (1 + distance[v]));
-    for (const auto& n : graph.row(v)) RC_ASSERT(covering.radius()[v] <= covering.radius()[n.id] + n.weight / 3 * 1.0001f);
+    for (const auto& n : graph.row(v))
+      RC_ASSERT(covering.radius()[v] <= covering.radius()[n.id] + n.weight / 3 * 1.0001f);
   }
   const SurfaceComplex dual = dual_complex(surface, p, dual_of.triangles());
   RC_ASSERT(validate(dual) == "");
@@ -72,7 +73,8 @@ RC_GTEST_PROP(AnyPartition, ScopedCheckFindsAllFaults, (const RandomCase& c)) {
   const auto cells = static_cast<std::uint32_t>(1 + random.bits() % n);
   std::vector<CellId> cell_of(n);
   // Blocks of ids, which run along rows: many cells are not connected, many are valid.
-  for (CVertexId v = 0; v < n; ++v) cell_of[v] = static_cast<CellId>(static_cast<std::uint64_t>(v) * cells / n);
+  for (CVertexId v = 0; v < n; ++v)
+    cell_of[v] = static_cast<CellId>(static_cast<std::uint64_t>(v) * cells / n);
   if (random.bits() & 1) std::iota(cell_of.begin(), cell_of.end(), 0u);
   std::vector<CVertexId> site;
   if (random.bits() & 1) {
@@ -99,25 +101,30 @@ RC_GTEST_PROP(AnyPartition, ScopedCheckFindsAllFaults, (const RandomCase& c)) {
       changed.push_back(v);
     }
     const PartitionCheck after = check_partition(surface, cell_of, n, site);
-    for (const CellId cell : scoped_check.cells_near(surface, adjacency, cell_of, changed)) scope.push_back(cell);
+    for (const CellId cell : scoped_check.cells_near(surface, adjacency, cell_of, changed))
+      scope.push_back(cell);
     for (const FaultyCell& f : before.faulty_cells) scope.push_back(f.cell);
     for (const PairFault& p : before.pair_faults) scope.insert(scope.end(), {p.a, p.b});
     std::sort(scope.begin(), scope.end());
     scope.erase(std::unique(scope.begin(), scope.end()), scope.end());
 
-    const PartitionCheck scoped = scoped_check.run(surface, adjacency, cell_of, members, site, scope);
+    const PartitionCheck scoped =
+        scoped_check.run(surface, adjacency, cell_of, members, site, scope);
     RC_ASSERT(scoped.faulty_cells.size() == after.faulty_cells.size());
     for (std::size_t i = 0; i < after.faulty_cells.size(); ++i) {
-      RC_ASSERT(scoped.faulty_cells[i].cell == after.faulty_cells[i].cell && scoped.faulty_cells[i].fault == after.faulty_cells[i].fault);
+      RC_ASSERT(scoped.faulty_cells[i].cell == after.faulty_cells[i].cell &&
+                scoped.faulty_cells[i].fault == after.faulty_cells[i].fault);
     }
     RC_ASSERT(scoped.pair_faults.size() == after.pair_faults.size());
     for (std::size_t i = 0; i < after.pair_faults.size(); ++i) {
-      RC_ASSERT(scoped.pair_faults[i].a == after.pair_faults[i].a && scoped.pair_faults[i].b == after.pair_faults[i].b);
+      RC_ASSERT(scoped.pair_faults[i].a == after.pair_faults[i].a &&
+                scoped.pair_faults[i].b == after.pair_faults[i].b);
     }
     kept.replace(scope, scoped.triangles, n);
     RC_ASSERT(sorted_corners(kept.list()) == sorted_corners(after.triangles));
     for (CellId cell = 0; cell < n; ++cell) {
-      for (const std::uint32_t t : kept.of_cell(cell)) RC_ASSERT(std::ranges::count(kept.list()[t].cell, cell) == 1);
+      for (const std::uint32_t t : kept.of_cell(cell))
+        RC_ASSERT(std::ranges::count(kept.list()[t].cell, cell) == 1);
     }
     before = after;
   }

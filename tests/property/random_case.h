@@ -35,24 +35,30 @@ struct RandomCase {
     const double ca = std::cos(a), sa = std::sin(a), cb = std::cos(b), sb = std::sin(b);
     out.view.grid.direction = {{{ca, sa, 0}, {-sa * cb, ca * cb, sb}, {sa * sb, -ca * sb, cb}}};
     if (pose() == 2) out.view.grid.direction[2] = {-sa * sb, ca * sb, -cb};
-    const double away = out.view.grid.smallest_spacing() * (pose() < 3 ? 10 : pose() < 5 ? 3000 : 6e9);
+    const double away = out.view.grid.smallest_spacing() * (pose() < 3   ? 10
+                                                            : pose() < 5 ? 3000
+                                                                         : 6e9);
     out.view.grid.origin = {away * (random.unit() - 0.5), -away, away * random.unit()};
     return out;
   }
   /// The largest rounding of world coordinates in this pose.
   double rounding() const {
     const Grid grid = volume(SampleType::int32).view.grid;
-    return 0x1p-52 * std::max({std::fabs(grid.origin.x), std::fabs(grid.origin.y), std::fabs(grid.origin.z), 100 * grid.spacing.x,
-                               100 * grid.spacing.y, 100 * grid.spacing.z});
+    return 0x1p-52 *
+           std::max({std::fabs(grid.origin.x), std::fabs(grid.origin.y), std::fabs(grid.origin.z),
+                     100 * grid.spacing.x, 100 * grid.spacing.y, 100 * grid.spacing.z});
   }
 
-  Samples samples() const { return random_samples(static_cast<Family>(family), {nx, ny, nz}, seed); }
+  Samples samples() const {
+    return random_samples(static_cast<Family>(family), {nx, ny, nz}, seed);
+  }
   double isovalue() const { return 0.5 * twice_isovalue; }
   Inside inside() const { return below ? Inside::below : Inside::above; }
 
   friend std::ostream& operator<<(std::ostream& out, const RandomCase& c) {
-    return out << name(static_cast<Family>(c.family)) << " (family " << c.family << ", size " << c.nx << " x " << c.ny << " x " << c.nz
-               << ", seed " << c.seed << "), isovalue " << c.isovalue() << (c.below ? ", below" : ", above") << ", spacing " << c.spacing.x
+    return out << name(static_cast<Family>(c.family)) << " (family " << c.family << ", size "
+               << c.nx << " x " << c.ny << " x " << c.nz << ", seed " << c.seed << "), isovalue "
+               << c.isovalue() << (c.below ? ", below" : ", above") << ", spacing " << c.spacing.x
                << " " << c.spacing.y << " " << c.spacing.z << ", pose " << c.pose();
   }
 };
@@ -79,13 +85,17 @@ struct Arbitrary<isoatlas::detail::test::RandomCase> {
     const auto length = gen::resize(100, gen::inRange<std::size_t>(2, 15));
     const auto whole = [](int low, int high) { return gen::resize(100, gen::inRange(low, high)); };
     return gen::build<RandomCase>(
-        gen::set(&RandomCase::family, whole(0, isoatlas::detail::test::kFamilies)), gen::set(&RandomCase::nx, length),
-        gen::set(&RandomCase::ny, length), gen::set(&RandomCase::nz, length),
+        gen::set(&RandomCase::family, whole(0, isoatlas::detail::test::kFamilies)),
+        gen::set(&RandomCase::nx, length), gen::set(&RandomCase::ny, length),
+        gen::set(&RandomCase::nz, length),
         gen::set(&RandomCase::seed, gen::resize(100, gen::inRange<std::uint64_t>(0, 1000000))),
-        gen::set(&RandomCase::twice_isovalue, gen::weightedOneOf<int>({{3, gen::just(0)}, {1, whole(-3, 4)}})),
+        gen::set(&RandomCase::twice_isovalue,
+                 gen::weightedOneOf<int>({{3, gen::just(0)}, {1, whole(-3, 4)}})),
         gen::set(&RandomCase::below, gen::arbitrary<bool>()),
-        gen::set(&RandomCase::spacing, gen::element(isoatlas::Vec3{1, 1, 1}, isoatlas::Vec3{1, 1, 1}, isoatlas::Vec3{1, 2, 0.5},
-                                                    isoatlas::Vec3{0.3, 0.3, 3}, isoatlas::Vec3{5, 1, 1})));
+        gen::set(&RandomCase::spacing,
+                 gen::element(isoatlas::Vec3{1, 1, 1}, isoatlas::Vec3{1, 1, 1},
+                              isoatlas::Vec3{1, 2, 0.5}, isoatlas::Vec3{0.3, 0.3, 3},
+                              isoatlas::Vec3{5, 1, 1})));
   }
 };
 

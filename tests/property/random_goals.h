@@ -33,7 +33,9 @@ inline LevelGoal random_goal(double voxel, Random& random) {
   const auto wanted = random.between(0, 4);
   for (int k = 0; k < wanted; ++k) {
     const auto quantity = static_cast<Quantity>(random.between(0, kQuantityCount - 1));
-    if (std::any_of(out.begin(), out.end(), [&](const Constraint& c) { return c.quantity == quantity; })) continue;
+    if (std::any_of(out.begin(), out.end(),
+                    [&](const Constraint& c) { return c.quantity == quantity; }))
+      continue;
     out.push_back({quantity, random_bound(quantity, voxel, random)});
   }
   return out;
@@ -55,7 +57,8 @@ inline ExtractOptions with_random_goals(const RandomCase& c) {
   out.surface.inside = c.inside();
   out.placement = random.bits() % 2 ? Placement::surface : Placement::balanced;
   if (c.seed % 3 == 0) out.surface.topology = Topology::faces;
-  if (random.bits() % 3 == 0) out.covering.max_radius = 1000;  // large disks, so coarser complexes even for small volumes
+  if (random.bits() % 3 == 0)
+    out.covering.max_radius = 1000;  // large disks, so coarser complexes even for small volumes
   if (random.bits() % 2) out.coarse = random_goal(voxel, random);
   const auto levels = random.between(1, 3);
   for (int k = 0; k < levels; ++k) out.refine.push_back(random_goal(voxel, random));
@@ -64,7 +67,8 @@ inline ExtractOptions with_random_goals(const RandomCase& c) {
 
 inline std::string text(const LevelGoal& goal) {
   std::string out;
-  for (const Constraint& c : goal) out += std::string(name(c.quantity)) + ":" + std::to_string(c.bound) + " ";
+  for (const Constraint& c : goal)
+    out += std::string(name(c.quantity)) + ":" + std::to_string(c.bound) + " ";
   return out.empty() ? "nothing " : out;
 }
 

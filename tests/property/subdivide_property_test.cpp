@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Adaptive supersampling of all kinds of surface complexes: the surface stays the same, and pieces stay in their grid cells.
+// Adaptive supersampling of all kinds of surface complexes: the surface stays the same, and pieces
+// stay in their grid cells.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -29,7 +30,8 @@ struct Parsed {
 };
 
 // Volumes are small, because subdivided complexes are large.
-Parsed parsed(RandomCase c, Interpolation interpolation = Interpolation::trilinear, std::uint32_t supersample = 1) {
+Parsed parsed(RandomCase c, Interpolation interpolation = Interpolation::trilinear,
+              std::uint32_t supersample = 1) {
   for (std::size_t* n : {&c.nx, &c.ny, &c.nz}) *n = 2 + (*n - 2) % 4;
   const Volume volume = to_volume(c.samples(), SampleType::int32, c.spacing);
   ParseOptions options;
@@ -37,15 +39,18 @@ Parsed parsed(RandomCase c, Interpolation interpolation = Interpolation::triline
   options.topology = c.seed % 2 ? Topology::trilinear : Topology::faces;
   options.interpolation = interpolation;
   options.supersample = supersample;
-  return {volume, options.rule, parse_surface(volume, options), InterpolatedField(volume, options.rule, interpolation, supersample)};
+  return {volume, options.rule, parse_surface(volume, options),
+          InterpolatedField(volume, options.rule, interpolation, supersample)};
 }
 
-// Midpoints of points in one grid cell, and midpoints of these, are exact for any length of the axis: long double has eleven more digits.
+// Midpoints of points in one grid cell, and midpoints of these, are exact for any length of the
+// axis: long double has eleven more digits.
 TEST(Rounded, MidpointsAreExact) {
   Random random(5);
   for (int i = 0; i < 100000; ++i) {
     const double start = std::ldexp(1.0 + random.unit(), static_cast<int>(random.between(-3, 31)));
-    const double a = rounded(start), b = rounded(start + random.unit()), middle = (a + b) / 2, next = (a + middle) / 2;
+    const double a = rounded(start), b = rounded(start + random.unit()), middle = (a + b) / 2,
+                 next = (a + middle) / 2;
     ASSERT_EQ(static_cast<long double>(middle), (static_cast<long double>(a) + b) / 2) << start;
     ASSERT_EQ(static_cast<long double>(next), (static_cast<long double>(a) + middle) / 2) << start;
     ASSERT_NEAR(a, start, std::max(0x1p-33, start * 0x1p-49)) << start;
@@ -70,13 +75,16 @@ RC_GTEST_PROP(AnySurface, KeepsItsTopologyWhenSubdivided, (const RandomCase& c))
     const std::vector<Fineness> was = fineness(complex, in);
     const Subdivision subdivision = subdivide(complex, wanted, in);
     RC_ASSERT(validate(subdivision.complex) == "");
-    const std::uint32_t before = complex.c_vertex_count(), after = subdivision.complex.c_vertex_count();
+    const std::uint32_t before = complex.c_vertex_count(),
+                        after = subdivision.complex.c_vertex_count();
     RC_ASSERT(subdivision.origin.size() == after - before);
-    for (CVertexId v = 0; v < before; ++v) RC_ASSERT(subdivision.complex.positions[v] == complex.positions[v]);
+    for (CVertexId v = 0; v < before; ++v)
+      RC_ASSERT(subdivision.complex.positions[v] == complex.positions[v]);
     const Components components = find_components(subdivision.complex);
     RC_ASSERT(summarize(components.topology) == want);
     for (CVertexId v = before; v < after; ++v)
-      RC_ASSERT(components.of_c_vertex[v] == components.of_c_vertex[subdivision.origin[v - before]]);
+      RC_ASSERT(components.of_c_vertex[v] ==
+                components.of_c_vertex[subdivision.origin[v - before]]);
     const std::vector<Fineness> is = fineness(subdivision.complex, in);
     for (const CVertexId v : wanted) RC_ASSERT(is[v] > was[v] || is[v] == Fineness::pieces);
     for (CVertexId v = 0; v < before; ++v) RC_ASSERT(is[v] >= was[v]);
@@ -84,7 +92,8 @@ RC_GTEST_PROP(AnySurface, KeepsItsTopologyWhenSubdivided, (const RandomCase& c))
   }
 }
 
-// The largest distance from the isosurface of c-vertices that a first subdivision puts on faces of grid cells; sample-index units.
+// The largest distance from the isosurface of c-vertices that a first subdivision puts on faces of
+// grid cells; sample-index units.
 double largest_distance_on_walls(const Parsed& p) {
   AdaptiveSurface surface(p.surface, find_components(p.surface), {}, p.field);
   const Isosurface isosurface(p.volume, p.rule, p.surface);
@@ -95,22 +104,27 @@ double largest_distance_on_walls(const Parsed& p) {
   surface.subdivide(all);
   for (CVertexId v = parsed; v < surface.complex().c_vertex_count(); ++v) {
     const Vec3 q = surface.complex().positions[v];
-    const int whole = (q.x == std::floor(q.x)) + (q.y == std::floor(q.y)) + (q.z == std::floor(q.z));
+    const int whole =
+        (q.x == std::floor(q.x)) + (q.y == std::floor(q.y)) + (q.z == std::floor(q.z));
     if (whole == 1) largest = std::max(largest, isosurface.distance(q, 0));
   }
   return largest;
 }
 
-// A sample equal to the isovalue at a corner that a curve cuts off: the curve is at that corner, not at the other one on this wall.
+// A sample equal to the isovalue at a corner that a curve cuts off: the curve is at that corner,
+// not at the other one on this wall.
 TEST(Subdivide, PointOnAWallIsNearTheCurveOfItsNodesWhereASampleEqualsTheIsovalue) {
   const Volume volume = to_volume({{2, 2, 3}, {0, -15, -24, 6, 0, -15, -24, 6, 0, -15, -24, 6}});
   const InsideRule rule{0, Inside::above, NonFinite::refuse};
   ParseOptions options;
   options.rule = rule;
-  EXPECT_LT(largest_distance_on_walls({volume, rule, parse_surface(volume, options), InterpolatedField(volume, rule)}), 0.25);
+  EXPECT_LT(largest_distance_on_walls(
+                {volume, rule, parse_surface(volume, options), InterpolatedField(volume, rule)}),
+            0.25);
 }
 
-// Noise with samples equal to the isovalue, at most one per wall: on a plateau the position of the surface is undefined.
+// Noise with samples equal to the isovalue, at most one per wall: on a plateau the position of the
+// surface is undefined.
 TEST(Subdivide, PointsOnWallsAreNearTheIsosurface) {
   Random random(14);
   const InsideRule rule{0, Inside::above, NonFinite::refuse};
@@ -124,7 +138,10 @@ TEST(Subdivide, PointsOnWallsAreNearTheIsosurface) {
       }
     }
     const Volume volume = to_volume(noise);
-    ASSERT_LT(largest_distance_on_walls({volume, rule, parse_surface(volume, options), InterpolatedField(volume, rule)}), 0.3) << i;
+    ASSERT_LT(largest_distance_on_walls(
+                  {volume, rule, parse_surface(volume, options), InterpolatedField(volume, rule)}),
+              0.3)
+        << i;
   }
 }
 
@@ -140,24 +157,31 @@ void subdivided_everywhere_has_no_self_intersections(const Parsed& p, std::uint6
     for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
       if (!surface.is_movable(v) || random.between(0, 2) == 0) continue;
       const MoveBounds bounds = move_bounds_of(complex.positions[v], {1, 1, 1});
-      const auto between = [&](double low, double high) { return low + random.unit() * (high - low); };
-      positions[v] = {between(bounds.low.x, bounds.high.x), between(bounds.low.y, bounds.high.y), between(bounds.low.z, bounds.high.z)};
+      const auto between = [&](double low, double high) {
+        return low + random.unit() * (high - low);
+      };
+      positions[v] = {between(bounds.low.x, bounds.high.x), between(bounds.low.y, bounds.high.y),
+                      between(bounds.low.z, bounds.high.z)};
       moved.push_back(v);
     }
     std::vector<Vec3> before;
     for (const CVertexId v : moved) before.push_back(complex.positions[v]);
     const std::vector<Vec3> as_moved = positions;
-    const std::vector<CVertexId> conflicting_moves = surface.find_conflicting_moves(moved, before, positions, moved);
+    const std::vector<CVertexId> conflicting_moves =
+        surface.find_conflicting_moves(moved, before, positions, moved);
     RC_ASSERT(positions == as_moved);
     for (const CVertexId v : conflicting_moves) positions[v] = complex.positions[v];
     for (const CVertexId v : moved) surface.move(v, positions[v]);
     std::vector<CVertexId> wanted;
     const std::vector<Fineness> now = surface.fineness();
     for (CVertexId v = 0; v < now.size(); ++v) {
-      if (now[v] == Fineness::faces || (round > 0 && random.between(0, 3) == 0)) wanted.push_back(v);
+      if (now[v] == Fineness::faces || (round > 0 && random.between(0, 3) == 0))
+        wanted.push_back(v);
     }
     surface.subdivide(wanted);
-    RC_ASSERT(self_intersections(surface.complex().positions, triangles_of(surface.complex()).triangles).empty());
+    RC_ASSERT(
+        self_intersections(surface.complex().positions, triangles_of(surface.complex()).triangles)
+            .empty());
   }
 }
 
@@ -167,9 +191,11 @@ RC_GTEST_PROP(AnySurface, SubdividedEverywhereHasNoSelfIntersections, (const Ran
   subdivided_everywhere_has_no_self_intersections(p, c.seed);
 }
 
-RC_GTEST_PROP(AnySurface, SubdividedEverywhereHasNoSelfIntersectionsTricubicOrSupersampled, (const RandomCase& c)) {
+RC_GTEST_PROP(AnySurface, SubdividedEverywhereHasNoSelfIntersectionsTricubicOrSupersampled,
+              (const RandomCase& c)) {
   const auto interpolation = c.seed % 3 == 0 ? Interpolation::trilinear : Interpolation::tricubic;
-  const auto supersample = static_cast<std::uint32_t>(c.seed % 3 == 0 ? 2 + c.seed % 2 : 1 + c.seed / 3 % 3);
+  const auto supersample =
+      static_cast<std::uint32_t>(c.seed % 3 == 0 ? 2 + c.seed % 2 : 1 + c.seed / 3 % 3);
   const Parsed p = parsed(c, interpolation, supersample);
   RC_PRE(!p.surface.positions.empty());
   subdivided_everywhere_has_no_self_intersections(p, c.seed);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Volumes in the forms that common programs write: tests/data/field, whose README.md describes each of them.
+// Volumes in the forms that common programs write: tests/data/field, whose README.md describes each
+// of them.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -14,7 +15,9 @@
 
 namespace isoatlas::detail::test {
 
-inline std::filesystem::path field_file(const std::string& name) { return std::filesystem::path(ISOATLAS_FIELD_DATA) / name; }
+inline std::filesystem::path field_file(const std::string& name) {
+  return std::filesystem::path(ISOATLAS_FIELD_DATA) / name;
+}
 
 inline double sample_as_double(const VolumeView& volume, std::size_t index) {
   const auto value = [&](auto zero) {
@@ -52,7 +55,8 @@ inline std::vector<double> samples_as_double(const VolumeView& volume) {
   return values;
 }
 
-inline void expect_size_and_spacing(const VolumeView& volume, std::array<std::size_t, 3> size, Vec3 spacing, double tolerance = 1e-6) {
+inline void expect_size_and_spacing(const VolumeView& volume, std::array<std::size_t, 3> size,
+                                    Vec3 spacing, double tolerance = 1e-6) {
   EXPECT_EQ(volume.grid.size, size);
   EXPECT_NEAR(volume.grid.spacing.x, spacing.x, tolerance);
   EXPECT_NEAR(volume.grid.spacing.y, spacing.y, tolerance);
@@ -60,6 +64,8 @@ inline void expect_size_and_spacing(const VolumeView& volume, std::array<std::si
 }
 
 /// The content of all field volumes that hold floats: positive inside a pair of ellipsoids.
-inline std::vector<double> field_samples() { return samples_as_double(read_volume(field_file("n_nifti2.nii"))); }
+inline std::vector<double> field_samples() {
+  return samples_as_double(read_volume(field_file("n_nifti2.nii")));
+}
 
 }  // namespace isoatlas::detail::test

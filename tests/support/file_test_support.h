@@ -36,14 +36,17 @@ class TempFolder {
 
   std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
   const std::filesystem::path& path() const { return path_; }
-  std::size_t file_count() const { return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path_), {})); }
+  std::size_t file_count() const {
+    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path_), {}));
+  }
 
  private:
   std::filesystem::path path_;
 };
 
 inline void write_bytes(const std::filesystem::path& path, const std::string& bytes) {
-  std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  std::ofstream(path, std::ios::binary)
+      .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
 inline std::string read_bytes(const std::filesystem::path& path) {
@@ -51,9 +54,11 @@ inline std::string read_bytes(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// `run` must throw an Error with this code, in one printable line that names `path` and holds `fragment`.
+/// `run` must throw an Error with this code, in one printable line that names `path` and holds
+/// `fragment`.
 template <class Run>
-void expect_error(ErrorCode code, const std::string& fragment, const std::filesystem::path& path, Run run) {
+void expect_error(ErrorCode code, const std::string& fragment, const std::filesystem::path& path,
+                  Run run) {
   try {
     run();
     ADD_FAILURE() << path << ": no error, expected one about '" << fragment << "'";
@@ -61,7 +66,8 @@ void expect_error(ErrorCode code, const std::string& fragment, const std::filesy
     const std::string message = error.what();
     EXPECT_EQ(error.code(), code) << message;
     EXPECT_NE(message.find(path.filename().string()), std::string::npos) << message;
-    EXPECT_NE(message.find(fragment), std::string::npos) << message << "\n  does not contain: " << fragment;
+    EXPECT_NE(message.find(fragment), std::string::npos)
+        << message << "\n  does not contain: " << fragment;
     EXPECT_TRUE(std::ranges::none_of(message, [](unsigned char c) { return c < ' '; })) << message;
     for (const char* noise : {"(0x55", "(0x56", "(0x7f", "itk::ERROR", "ITK ERROR", ".cxx"}) {
       EXPECT_EQ(message.find(noise), std::string::npos) << message;

@@ -27,7 +27,8 @@ inline CoveringOptions disks(float max_radius) {
 /// In 28^3 samples.
 inline Function bumpy_ball() {
   return [](double x, double y, double z) {
-    return 9 + 1.5 * std::sin(0.7 * x) * std::cos(0.6 * y) - std::hypot(x - 13.4, y - 13.6, z - 13.55);
+    return 9 + 1.5 * std::sin(0.7 * x) * std::cos(0.6 * y) -
+           std::hypot(x - 13.4, y - 13.6, z - 13.55);
   };
 }
 
@@ -43,7 +44,9 @@ inline SurfaceComplex exact_surface(Size size, const Function& f, Vec3 spacing =
 class TestLevel {
  public:
   TestLevel(SurfaceComplex complex, float max_radius)
-      : complex_(std::move(complex)), surface_data_(complex_), covering_(surface_data_.graph, disks(max_radius)) {
+      : complex_(std::move(complex)),
+        surface_data_(complex_),
+        covering_(surface_data_.graph, disks(max_radius)) {
     make();
   }
   /// Includes distances from triangles. The surface is where the samples are 0.
@@ -66,11 +69,20 @@ class TestLevel {
   std::span<const ClosestPoint> closest(CellId c) const {
     std::size_t first = 0;
     for (CellId before = 0; before < c; ++before) first += mesh_.c_vertices_of.row(before).size();
-    return std::span<const ClosestPoint>(closest_).subspan(first, mesh_.c_vertices_of.row(c).size());
+    return std::span<const ClosestPoint>(closest_).subspan(first,
+                                                           mesh_.c_vertices_of.row(c).size());
   }
   CellView cell(CellId c) const {
-    return {surface_data_.surfels, surface_data_.graph,   covering_.distance(), partition().cell_of,        mesh_.normal,
-            mesh_.triangles,       mesh_.triangle_normal, partition().site[c],  mesh_.c_vertices_of.row(c), closest(c),
+    return {surface_data_.surfels,
+            surface_data_.graph,
+            covering_.distance(),
+            partition().cell_of,
+            mesh_.normal,
+            mesh_.triangles,
+            mesh_.triangle_normal,
+            partition().site[c],
+            mesh_.c_vertices_of.row(c),
+            closest(c),
             from_mesh_[c].distance};
   }
 
@@ -91,7 +103,9 @@ class TestLevel {
     std::iota(all.begin(), all.end(), 0u);
     find_closest(surface_data_.measured_surface(), mesh_, all, closest_);
     from_mesh_.resize(all.size());
-    if (isosurface_) measure_from_mesh(surface_data_.measured_surface(), mesh_, partition().cell_of, all, 0, Evidence::samples, from_mesh_);
+    if (isosurface_)
+      measure_from_mesh(surface_data_.measured_surface(), mesh_, partition().cell_of, all, 0,
+                        Evidence::samples, from_mesh_);
   }
 
   std::unique_ptr<const Volume> volume_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reference tests for meshes: self-intersections, and the nesting of components. Slow, and shares nothing with the product.
+// Reference tests for meshes: self-intersections, and the nesting of components. Slow, and shares
+// nothing with the product.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +10,8 @@
 namespace isoatlas::detail::test {
 
 struct EmbeddingCheck {
-  std::size_t pairs = 0;         ///< number of pairs of triangles that intersect beyond the hull of their common corners
+  std::size_t pairs =
+      0;  ///< number of pairs of triangles that intersect beyond the hull of their common corners
   std::size_t without_area = 0;  ///< triangles with corners on one line; they are in no pair
 };
 

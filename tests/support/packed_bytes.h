@@ -24,12 +24,15 @@ inline std::string deflated(const std::string& bytes, int window_bits) {
 }
 
 /// A gzip stream, or a zlib stream.
-inline std::string gzipped(const std::string& bytes, bool gzip = true) { return deflated(bytes, gzip ? 15 + 16 : 15); }
+inline std::string gzipped(const std::string& bytes, bool gzip = true) {
+  return deflated(bytes, gzip ? 15 + 16 : 15);
+}
 
 inline std::string bzipped(const std::string& bytes) {
   auto size = static_cast<unsigned>(bytes.size() + bytes.size() / 50 + 1000);
   std::string packed(size, '\0');
-  BZ2_bzBuffToBuffCompress(packed.data(), &size, const_cast<char*>(bytes.data()), static_cast<unsigned>(bytes.size()), 9, 0, 0);
+  BZ2_bzBuffToBuffCompress(packed.data(), &size, const_cast<char*>(bytes.data()),
+                           static_cast<unsigned>(bytes.size()), 9, 0, 0);
   packed.resize(size);
   return packed;
 }

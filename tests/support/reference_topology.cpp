@@ -11,7 +11,8 @@ namespace isoatlas::detail::test {
 namespace {
 
 __extension__ using Exact = __int128;  // GCC and clang have it, ISO C++ does not
-using Place = std::array<int, 3>;      // twice the index: odd along one axis for grid edges, two for faces, three for cells
+using Place = std::array<int, 3>;  // twice the index: odd along one axis for grid edges, two for
+                                   // faces, three for cells
 
 struct Counter {
   const Samples& samples;
@@ -20,7 +21,8 @@ struct Counter {
 
   Exact above(Place p) const {  // twice (value - isovalue), positive or zero inside
     const std::int64_t v =
-        samples.at(static_cast<std::size_t>(p[0] / 2), static_cast<std::size_t>(p[1] / 2), static_cast<std::size_t>(p[2] / 2));
+        samples.at(static_cast<std::size_t>(p[0] / 2), static_cast<std::size_t>(p[1] / 2),
+                   static_cast<std::size_t>(p[2] / 2));
     return static_cast<Exact>(sign) * (2 * static_cast<Exact>(v) - twice_isovalue);
   }
   bool inside(Place p) const { return above(p) >= 0; }
@@ -41,7 +43,8 @@ struct Counter {
     };
     // Corners and edges once around.
     const Place corner[4] = {at(-1, -1), at(1, -1), at(1, 1), at(-1, 1)};
-    const Place edge[4] = {at(0, -1), at(1, 0), at(0, 1), at(-1, 0)};  // edge k from corner k to corner k + 1
+    const Place edge[4] = {at(0, -1), at(1, 0), at(0, 1),
+                           at(-1, 0)};  // edge k from corner k to corner k + 1
     std::vector<Place> nodes;
     for (int k = 0; k < 4; ++k) {
       if (inside(corner[k]) != inside(corner[(k + 1) % 4])) nodes.push_back(edge[k]);
@@ -49,10 +52,13 @@ struct Counter {
     if (nodes.empty()) return {};
     if (nodes.size() == 2) return {{nodes[0], nodes[1]}};
     // Asymptotic decider: the bilinear saddle is (f0 f2 - f1 f3) / (f0 + f2 - f1 - f3).
-    const Exact numerator = above(corner[0]) * above(corner[2]) - above(corner[1]) * above(corner[3]);
-    const Exact denominator = above(corner[0]) + above(corner[2]) - above(corner[1]) - above(corner[3]);
+    const Exact numerator =
+        above(corner[0]) * above(corner[2]) - above(corner[1]) * above(corner[3]);
+    const Exact denominator =
+        above(corner[0]) + above(corner[2]) - above(corner[1]) - above(corner[3]);
     const bool saddle_inside = numerator == 0 || (numerator > 0) == (denominator > 0);
-    // A segment cuts off each corner that is not of the saddle's kind: its two edges are k - 1 and k.
+    // A segment cuts off each corner that is not of the saddle's kind: its two edges are k - 1 and
+    // k.
     std::vector<Segment> out;
     for (int k = 0; k < 4; ++k) {
       if (inside(corner[k]) != saddle_inside) out.push_back({edge[(k + 3) % 4], edge[k]});
@@ -81,9 +87,12 @@ bool has_surface(const Samples& samples, double isovalue, Inside inside) {
 }
 
 TopologySummary reference_topology(const Samples& samples, double isovalue, Inside inside) {
-  if (std::floor(2 * isovalue) != 2 * isovalue) throw std::logic_error("reference_topology takes whole and half isovalues");
-  const Counter counter{samples, static_cast<std::int64_t>(2 * isovalue), inside == Inside::above ? 1 : -1};
-  const int size[3] = {static_cast<int>(2 * (samples.size[0] - 1)), static_cast<int>(2 * (samples.size[1] - 1)),
+  if (std::floor(2 * isovalue) != 2 * isovalue)
+    throw std::logic_error("reference_topology takes whole and half isovalues");
+  const Counter counter{samples, static_cast<std::int64_t>(2 * isovalue),
+                        inside == Inside::above ? 1 : -1};
+  const int size[3] = {static_cast<int>(2 * (samples.size[0] - 1)),
+                       static_cast<int>(2 * (samples.size[1] - 1)),
                        static_cast<int>(2 * (samples.size[2] - 1))};
 
   Pieces pieces;
@@ -114,7 +123,8 @@ TopologySummary reference_topology(const Samples& samples, double isovalue, Insi
   }
 
   std::map<Place, ComponentTopology> components;
-  for (const auto& [node, parent] : pieces.parent) components[pieces.find(node)].euler_characteristic += 1;
+  for (const auto& [node, parent] : pieces.parent)
+    components[pieces.find(node)].euler_characteristic += 1;
   std::multimap<Place, Place> border;  // in both directions along segments on the volume's faces
   for (const auto& [face, segments] : faces) {
     const bool on_border = [&] {
@@ -141,7 +151,8 @@ TopologySummary reference_topology(const Samples& samples, double isovalue, Insi
           for (const int step : {-1, 1}) {
             Place face = p;
             face[a] += step;
-            if (const auto it = faces.find(face); it != faces.end()) left.insert(left.end(), it->second.begin(), it->second.end());
+            if (const auto it = faces.find(face); it != faces.end())
+              left.insert(left.end(), it->second.begin(), it->second.end());
           }
         }
         while (!left.empty()) {
@@ -183,7 +194,8 @@ TopologySummary reference_topology(const Samples& samples, double isovalue, Insi
   std::map<std::pair<std::int64_t, std::int64_t>, std::size_t> kinds;
   TopologySummary out;
   for (const auto& [root, c] : components) {
-    if ((2 - c.boundary_loops - c.euler_characteristic) % 2 != 0) throw std::logic_error("reference_topology: half a handle");
+    if ((2 - c.boundary_loops - c.euler_characteristic) % 2 != 0)
+      throw std::logic_error("reference_topology: half a handle");
     const std::int64_t genus = (2 - c.boundary_loops - c.euler_characteristic) / 2;
     ++kinds[{genus, c.boundary_loops}];
     ++out.components;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Invariants of any extraction, for any input. Returns text instead of using a test framework, so that fuzzers can use it, too.
+// Invariants of any extraction, for any input. Returns text instead of using a test framework, so
+// that fuzzers can use it, too.
 #pragma once
 
 #include <string>

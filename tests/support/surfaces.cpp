@@ -21,8 +21,9 @@ SurfaceComplex quads(std::uint32_t n, std::uint32_t m, bool round) {
   for (std::uint32_t y = 0; y < m; ++y) {
     for (std::uint32_t x = 0; x < n; ++x) {
       const double angle = 2 * std::numbers::pi * x / n;
-      out.positions.push_back(round ? Vec3{radius * std::cos(angle), radius * std::sin(angle), static_cast<double>(y)}
-                                    : Vec3{static_cast<double>(x), static_cast<double>(y), 0.5});
+      out.positions.push_back(
+          round ? Vec3{radius * std::cos(angle), radius * std::sin(angle), static_cast<double>(y)}
+                : Vec3{static_cast<double>(x), static_cast<double>(y), 0.5});
       out.on_boundary.push_back(y == 0 || y == m - 1 || (!round && (x == 0 || x == n - 1)));
     }
   }
@@ -47,13 +48,15 @@ SurfaceComplex quads(std::uint32_t n, std::uint32_t m, bool round) {
 
 }  // namespace
 
-SurfaceComplex surface_of(const Samples& samples, double isovalue, Inside inside, Vec3 spacing, Topology topology) {
+SurfaceComplex surface_of(const Samples& samples, double isovalue, Inside inside, Vec3 spacing,
+                          Topology topology) {
   const Volume volume = to_volume(samples, SampleType::int32, spacing);
   ParseOptions options;
   options.rule = {isovalue, inside, NonFinite::refuse};
   options.topology = topology;
   SurfaceComplex out = parse_surface(volume, options);
-  if (const std::string wrong = validate(out); !wrong.empty()) throw std::runtime_error("the parsed surface is not valid: " + wrong);
+  if (const std::string wrong = validate(out); !wrong.empty())
+    throw std::runtime_error("the parsed surface is not valid: " + wrong);
   return out;
 }
 
@@ -70,11 +73,12 @@ TriangleMesh triangles_of(const SurfaceComplex& complex) {
 std::vector<TopologySummary::Kind> kinds_of(const TriangleMesh& mesh) {
   const MeshTopology topology = mesh_topology(mesh);
   if (!topology.is_manifold() || !topology.is_oriented() || topology.unused_vertices != 0) {
-    throw std::runtime_error("not an oriented manifold: " + std::to_string(topology.non_manifold_edges) + " bad edges, " +
-                             std::to_string(topology.non_manifold_vertices) + " bad vertices, " +
-                             std::to_string(topology.inconsistent_edges) + " inconsistent edges, " +
-                             std::to_string(topology.degenerate_triangles) + " degenerate triangles, " +
-                             std::to_string(topology.unused_vertices) + " unused vertices");
+    throw std::runtime_error(
+        "not an oriented manifold: " + std::to_string(topology.non_manifold_edges) +
+        " bad edges, " + std::to_string(topology.non_manifold_vertices) + " bad vertices, " +
+        std::to_string(topology.inconsistent_edges) + " inconsistent edges, " +
+        std::to_string(topology.degenerate_triangles) + " degenerate triangles, " +
+        std::to_string(topology.unused_vertices) + " unused vertices");
   }
   std::map<std::pair<std::int64_t, std::int64_t>, std::size_t> kinds;
   for (const ComponentTopology& c : topology.components) ++kinds[{c.genus(), c.boundary_loops}];
@@ -85,7 +89,8 @@ std::vector<TopologySummary::Kind> kinds_of(const TriangleMesh& mesh) {
 
 std::string text(const std::vector<TopologySummary::Kind>& kinds) {
   std::ostringstream out;
-  for (const auto& k : kinds) out << k.count << " x (genus " << k.genus << ", " << k.boundary_loops << " loops) ";
+  for (const auto& k : kinds)
+    out << k.count << " x (genus " << k.genus << ", " << k.boundary_loops << " loops) ";
   return out.str();
 }
 
@@ -104,7 +109,8 @@ double signed_volume(const TriangleMesh& mesh) {
   double sum = 0;
   for (const Triangle& t : mesh.triangles) {
     const Vec3 a = mesh.positions[t[0]], b = mesh.positions[t[1]], c = mesh.positions[t[2]];
-    sum += a.x * (b.y * c.z - b.z * c.y) + a.y * (b.z * c.x - b.x * c.z) + a.z * (b.x * c.y - b.y * c.x);
+    sum += a.x * (b.y * c.z - b.z * c.y) + a.y * (b.z * c.x - b.x * c.z) +
+           a.z * (b.x * c.y - b.y * c.x);
   }
   return sum / 6;
 }
@@ -119,7 +125,8 @@ std::pair<Vec3, Vec3> bounding_box(const TriangleMesh& mesh) {
   return {low, high};
 }
 
-std::vector<double> slow_distances(const CVertexGraph& graph, const std::vector<CVertexId>& sources) {
+std::vector<double> slow_distances(const CVertexGraph& graph,
+                                   const std::vector<CVertexId>& sources) {
   std::vector<double> out(graph.c_vertex_count(), std::numeric_limits<double>::infinity());
   for (const CVertexId s : sources) out[s] = 0;
   for (bool changed = true; changed;) {

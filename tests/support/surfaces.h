@@ -14,7 +14,8 @@
 namespace isoatlas::detail::test {
 
 /// The parsed surface of generated samples; the test fails if it is not valid.
-SurfaceComplex surface_of(const Samples& samples, double isovalue = 0, Inside inside = Inside::above, Vec3 spacing = {1, 1, 1},
+SurfaceComplex surface_of(const Samples& samples, double isovalue = 0,
+                          Inside inside = Inside::above, Vec3 spacing = {1, 1, 1},
                           Topology topology = Topology::trilinear);
 
 /// Splits quads along one diagonal.
@@ -27,16 +28,19 @@ std::string text(const std::vector<TopologySummary::Kind>& kinds);
 /// without the rim in the boundary layer. Built by hand, so that positions and weights are whole
 /// numbers. C-vertex (x, y) is x + n y.
 SurfaceComplex flat_grid(std::uint32_t n, std::uint32_t m);
-/// The same, closed in x to a tube of circumference n (positions on a circle of that circumference).
+/// The same, closed in x to a tube of circumference n (positions on a circle of that
+/// circumference).
 SurfaceComplex tube(std::uint32_t n, std::uint32_t m);
 SurfaceComplex tetrahedron();
 
-/// Six times the volume is the sum over triangles of det(a, b, c); positive if triangles face outwards.
+/// Six times the volume is the sum over triangles of det(a, b, c); positive if triangles face
+/// outwards.
 double signed_volume(const TriangleMesh& mesh);
 std::pair<Vec3, Vec3> bounding_box(const TriangleMesh& mesh);
 
 /// Shortest paths in the graph by Bellman-Ford in double precision: slow, and independent of the
 /// code it checks.
-std::vector<double> slow_distances(const CVertexGraph& graph, const std::vector<CVertexId>& sources);
+std::vector<double> slow_distances(const CVertexGraph& graph,
+                                   const std::vector<CVertexId>& sources);
 
 }  // namespace isoatlas::detail::test

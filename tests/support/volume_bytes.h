@@ -38,7 +38,8 @@ std::string bytes_of(const std::vector<Value>& values, bool big_endian = false) 
 template <class Value>
 std::vector<Value> ramp(std::size_t count, int first = 0) {
   std::vector<Value> values;
-  for (std::size_t i = 0; i < count; ++i) values.push_back(static_cast<Value>(first + static_cast<int>(i)));
+  for (std::size_t i = 0; i < count; ++i)
+    values.push_back(static_cast<Value>(first + static_cast<int>(i)));
   return values;
 }
 

@@ -15,7 +15,8 @@
 
 namespace isoatlas::detail::test {
 
-/// Whether tests that take many seconds are wanted: the test api.thorough, of `scripts/test.sh --all`, sets ISOATLAS_THOROUGH.
+/// Whether tests that take many seconds are wanted: the test api.thorough, of `scripts/test.sh
+/// --all`, sets ISOATLAS_THOROUGH.
 inline bool is_thorough() { return std::getenv("ISOATLAS_THOROUGH") != nullptr; }
 inline constexpr const char* kThoroughOnly = "takes many seconds: set ISOATLAS_THOROUGH";
 
@@ -27,7 +28,8 @@ inline ExtractOptions coarse_options(double isovalue = 0) {
   return options;
 }
 
-/// splitmix64 (Steele, Lea, Flood 2014): the same numbers on every machine, unlike the distributions of <random>.
+/// splitmix64 (Steele, Lea, Flood 2014): the same numbers on every machine, unlike the
+/// distributions of <random>.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
@@ -53,12 +55,18 @@ struct Samples {
   Size size{};
   std::vector<std::int64_t> values;  // x fastest
 
-  std::int64_t& at(std::size_t x, std::size_t y, std::size_t z) { return values[x + size[0] * (y + size[1] * z)]; }
-  std::int64_t at(std::size_t x, std::size_t y, std::size_t z) const { return values[x + size[0] * (y + size[1] * z)]; }
+  std::int64_t& at(std::size_t x, std::size_t y, std::size_t z) {
+    return values[x + size[0] * (y + size[1] * z)];
+  }
+  std::int64_t at(std::size_t x, std::size_t y, std::size_t z) const {
+    return values[x + size[0] * (y + size[1] * z)];
+  }
 };
 
-inline constexpr std::array kAllTypes{SampleType::int8,   SampleType::uint8, SampleType::int16,  SampleType::uint16,  SampleType::int32,
-                                      SampleType::uint32, SampleType::int64, SampleType::uint64, SampleType::float32, SampleType::float64};
+inline constexpr std::array kAllTypes{SampleType::int8,   SampleType::uint8,  SampleType::int16,
+                                      SampleType::uint16, SampleType::int32,  SampleType::uint32,
+                                      SampleType::int64,  SampleType::uint64, SampleType::float32,
+                                      SampleType::float64};
 
 Samples constant(Size size, std::int64_t value);
 /// The function at the sample positions, times `scale`, rounded.
@@ -97,14 +105,15 @@ struct KnownVolume {
   std::string name;
   Samples samples;
   double isovalue = 0;
-  std::vector<TopologySummary::Kind> kinds;        ///< the multiset of (genus, loops, count), sorted
+  std::vector<TopologySummary::Kind> kinds;  ///< the multiset of (genus, loops, count), sorted
   std::vector<TopologySummary::Kind> faces_kinds;  ///< the same with Topology::faces
 };
 
 /// Shapes whose topology is known without counting.
 std::vector<KnownVolume> known_volumes();
 
-// Random volumes, each hard in its own way. All of them cross isovalue 0 unless they are too small to.
+// Random volumes, each hard in its own way. All of them cross isovalue 0 unless they are too small
+// to.
 enum class Family {
   white_noise,    ///< every sample its own
   few_values,     ///< samples in -2..2: most ambiguous faces tie, many samples equal the isovalue
@@ -118,7 +127,8 @@ enum class Family {
 inline constexpr int kFamilies = 8;
 const char* name(Family family);
 Samples random_samples(Family family, Size size, std::uint64_t seed);
-/// 40 x 22 x 22: shells in each other, three deep, beside two others, with specks in and around them.
+/// 40 x 22 x 22: shells in each other, three deep, beside two others, with specks in and around
+/// them.
 Samples random_shells(std::uint64_t seed);
 
 }  // namespace isoatlas::detail::test

@@ -46,7 +46,10 @@ double longest_edge_over(const TriangleMesh& mesh, const std::function<double(Ve
 TEST(CustomMetric, SeesTheCellInTheWorld) {
   double area = 0;  // of the last evaluation of every cell
   std::map<std::array<long, 3>, double> area_at;
-  const auto key = [](Vec3 p) { return std::array<long, 3>{std::lround(p.x * 1e6), std::lround(p.y * 1e6), std::lround(p.z * 1e6)}; };
+  const auto key = [](Vec3 p) {
+    return std::array<long, 3>{std::lround(p.x * 1e6), std::lround(p.y * 1e6),
+                               std::lround(p.z * 1e6)};
+  };
   std::mutex mutex;
   const auto metric = [&](const CellGeometry& cell) {
     EXPECT_NEAR(length(cell.vertex - kCentre), 2, 0.05);
@@ -62,7 +65,8 @@ TEST(CustomMetric, SeesTheCellInTheWorld) {
     }
     for (const auto& t : cell.triangles) {
       EXPECT_EQ(t[0], cell.vertex);
-      EXPECT_GT(dot(cross(t[1] - t[0], t[2] - t[0]), t[0] - kCentre), 0);  // counter-clockwise seen from outside
+      EXPECT_GT(dot(cross(t[1] - t[0], t[2] - t[0]), t[0] - kCentre),
+                0);  // counter-clockwise seen from outside
     }
     const std::lock_guard lock(mutex);
     area_at[key(cell.vertex)] = sum;
@@ -97,8 +101,11 @@ TEST(CustomMetric, BoundsTheSizeOfCells) {
 
 TEST(CustomMetric, SizingFieldBoundsEdgesWhereTheyAre) {
   const Volume volume = ball();
-  const auto allowed = [](Vec3 p) { return 0.35 + 0.35 * (p.z - (kCentre.z - 2)); };  // fine below, coarse above
-  const Extraction sized = extract(volume, 0, {{sized_by(allowed)}}), even = extract(volume, 0, {{bounded(Quantity::max_edge, 0.35)}});
+  const auto allowed = [](Vec3 p) {
+    return 0.35 + 0.35 * (p.z - (kCentre.z - 2));
+  };  // fine below, coarse above
+  const Extraction sized = extract(volume, 0, {{sized_by(allowed)}}),
+                   even = extract(volume, 0, {{bounded(Quantity::max_edge, 0.35)}});
   const ConstraintResult& result = sized.finest().constraints.at(0);
   EXPECT_TRUE(result.satisfied) << result.reached;
   EXPECT_LE(longest_edge_over(sized.mesh(), allowed), 1);
@@ -110,7 +117,8 @@ TEST(CustomMetric, SizingFieldBoundsEdgesWhereTheyAre) {
 
 TEST(CustomMetric, GoesWithOtherConstraintsAndSeveralLevels) {
   const auto edges = sized_by([](Vec3) { return 1.0; });
-  const Extraction e = extract(ball(), 0, {{edges}, {within(0.02), edges, sized_by([](Vec3) { return 0.6; })}});
+  const Extraction e =
+      extract(ball(), 0, {{edges}, {within(0.02), edges, sized_by([](Vec3) { return 0.6; })}});
   ASSERT_EQ(e.report.levels.size(), 3u);
   EXPECT_TRUE(e.report.levels[1].all_satisfied());
   EXPECT_TRUE(e.finest().all_satisfied());
@@ -138,10 +146,12 @@ TEST(CustomMetric, ErrorsComeThrough) {
   EXPECT_EQ(code_of(sized_by([](Vec3) { return 0.0; })), ErrorCode::bad_argument);
   EXPECT_EQ(code_of(bounded("none", {}, 1)), ErrorCode::bad_argument);
   EXPECT_EQ(code_of(Constraint{Quantity::custom, 1}), ErrorCode::bad_argument);
-  EXPECT_THROW(extract(ball(), 0,
-                       {{bounded(
-                           "mine", [](const CellGeometry&) -> double { throw std::logic_error("mine"); }, 1)}}),
-               std::logic_error);
+  EXPECT_THROW(
+      extract(
+          ball(), 0,
+          {{bounded(
+              "mine", [](const CellGeometry&) -> double { throw std::logic_error("mine"); }, 1)}}),
+      std::logic_error);
 }
 
 }  // namespace

@@ -31,8 +31,10 @@ ExtractOptions options_with(bool allowed, Placement placement) {
 TEST(Embedded, NoSelfIntersectionsInAnyLevel) {
   if (!is_thorough()) GTEST_SKIP() << kThoroughOnly;
   std::vector<Volume> volumes;
-  for (const double level : {-0.9, 1.0}) volumes.push_back(to_volume(sampled({26, 24, 25}, gyroid(11.3, level))));
-  for (std::uint64_t seed = 0; seed < 3; ++seed) volumes.push_back(to_volume(random_samples(Family::white_noise, {9, 10, 8}, seed)));
+  for (const double level : {-0.9, 1.0})
+    volumes.push_back(to_volume(sampled({26, 24, 25}, gyroid(11.3, level))));
+  for (std::uint64_t seed = 0; seed < 3; ++seed)
+    volumes.push_back(to_volume(random_samples(Family::white_noise, {9, 10, 8}, seed)));
   std::size_t before = 0;
   for (std::size_t v = 0; v < volumes.size(); ++v) {
     for (const Placement placement : {Placement::surface, Placement::balanced}) {
@@ -70,10 +72,12 @@ TEST(Embedded, InTheCoordinatesOfFiles) {
       TriangleMesh mesh = e.hierarchy.mesh(l);
       EXPECT_EQ(self_intersections(mesh.positions, mesh.triangles).size(), 0U) << l;
       EXPECT_EQ(e.report.levels[l].self_intersections, 0U) << l;
-      for (const Vec3 origin : {is_far ? *e.hierarchy.float32_origin : Vec3{}, *e.hierarchy.float32_origin}) {
+      for (const Vec3 origin :
+           {is_far ? *e.hierarchy.float32_origin : Vec3{}, *e.hierarchy.float32_origin}) {
         std::vector<Vec3> rounded;
         for (const Vec3& p : mesh.positions) {
-          const volatile float x = static_cast<float>(p.x - origin.x), y = static_cast<float>(p.y - origin.y),
+          const volatile float x = static_cast<float>(p.x - origin.x),
+                               y = static_cast<float>(p.y - origin.y),
                                z = static_cast<float>(p.z - origin.z);
           rounded.push_back({x, y, z});
         }
@@ -87,12 +91,14 @@ TEST(Embedded, InTheCoordinatesOfFiles) {
 // which reduces the distance.
 TEST(AdaptiveSupersample, SubdividesAsOftenAsAllowed) {
   ExtractOptions options = coarse_options();
-  options.allow_self_intersections = true;  // otherwise the surface is also subdivided where triangles intersect
+  options.allow_self_intersections =
+      true;  // otherwise the surface is also subdivided where triangles intersect
   options.refine = {{{Quantity::max_distance, 0.02}}};
   std::vector<double> reached;
   for (const std::uint32_t times : {0u, 1u, 3u}) {
     options.adaptive_supersample = times;
-    const Extraction e = extract(to_volume(random_samples(Family::white_noise, {6, 6, 6}, 3)), options);
+    const Extraction e =
+        extract(to_volume(random_samples(Family::white_noise, {6, 6, 6}, 3)), options);
     EXPECT_EQ(e.report.added_c_vertices > 0, times > 0);
     EXPECT_LE(e.report.max_subdivision_depth, static_cast<int>(times));
     reached.push_back(e.finest().constraints.front().reached);
@@ -109,7 +115,9 @@ TEST(MinAspect, BelowAThirdChangesFewerTriangles) {
   const auto work = [&](double aspect) {
     options.refine = {{{Quantity::max_distance, 0.5}, {Quantity::min_aspect, aspect}}};
     const LevelReport level = extract(volume, options).finest();
-    EXPECT_EQ(level.bad_triangles.empty(), level.quality.aspect_min >= aspect && level.quality.angles_above_150 == 0) << aspect;
+    EXPECT_EQ(level.bad_triangles.empty(),
+              level.quality.aspect_min >= aspect && level.quality.angles_above_150 == 0)
+        << aspect;
     return level.flips + level.moves + level.displacements;
   };
   const std::size_t usual = work(1.0 / 3);
@@ -120,19 +128,24 @@ TEST(MinAspect, BelowAThirdChangesFewerTriangles) {
 
 // Exactly the badly shaped triangles are listed.
 TEST(Embedded, BadTrianglesAreListedWithTheirObstacles) {
-  const Extraction e = extract(to_volume(random_samples(Family::white_noise, {12, 12, 12}, 3)), options_with(false, Placement::surface));
+  const Extraction e = extract(to_volume(random_samples(Family::white_noise, {12, 12, 12}, 3)),
+                               options_with(false, Placement::surface));
   std::size_t listed = 0;
   for (const LevelReport& level : e.report.levels) {
-    const auto shape_score = [](const BadTriangle& t) { return std::min(3 * t.aspect_ratio, (180 - t.largest_angle) / 30); };
+    const auto shape_score = [](const BadTriangle& t) {
+      return std::min(3 * t.aspect_ratio, (180 - t.largest_angle) / 30);
+    };
     std::size_t needles = 0, caps = 0;
     for (std::size_t i = 0; i < level.bad_triangles.size(); ++i) {
       const BadTriangle& t = level.bad_triangles[i];
       EXPECT_LT(shape_score(t), 1);
-      EXPECT_GE(shape_score(t), i == 0 ? 0 : shape_score(level.bad_triangles[i - 1])) << "worst first";
+      EXPECT_GE(shape_score(t), i == 0 ? 0 : shape_score(level.bad_triangles[i - 1]))
+          << "worst first";
       needles += t.aspect_ratio < 1.0 / 3 ? 1 : 0;
       caps += t.largest_angle > 150 ? 1 : 0;
     }
-    EXPECT_EQ(static_cast<double>(needles), std::round(level.quality.aspect_share_below_third * static_cast<double>(level.triangles)));
+    EXPECT_EQ(static_cast<double>(needles), std::round(level.quality.aspect_share_below_third *
+                                                       static_cast<double>(level.triangles)));
     EXPECT_EQ(caps, level.quality.angles_above_150);
     listed += level.bad_triangles.size();
     EXPECT_LT(level.quality.aspect_share_below_third, 0.03);

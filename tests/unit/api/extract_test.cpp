@@ -33,19 +33,23 @@ void expect_correct_report(const Extraction& e, const std::string& what) {
   ASSERT_EQ(e.finest().topology, summarize(topology.components)) << what;
   ASSERT_EQ(e.report.reference, e.finest().topology) << what;
   ASSERT_TRUE(e.finest().certificate.passed) << what;
-  ASSERT_EQ(e.report.coarsening.passed, !e.report.coarser_c_vertices.empty()) << what << ": small surfaces are not coarsened";
+  ASSERT_EQ(e.report.coarsening.passed, !e.report.coarser_c_vertices.empty())
+      << what << ": small surfaces are not coarsened";
   ASSERT_EQ(e.finest().certificate.cells_checked, e.mesh().positions.size()) << what;
   ASSERT_EQ(e.finest().certificate.triples_checked, e.mesh().triangles.size()) << what;
   ASSERT_EQ(e.finest().certificate.arcs_checked, topology.edges) << what;
   ASSERT_EQ(e.finest().quality.triangles, e.mesh().triangles.size()) << what;
   ASSERT_GT(e.report.total_seconds, 0) << what;
-  for (const Vec3& p : e.mesh().positions) ASSERT_TRUE(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) << what;
+  for (const Vec3& p : e.mesh().positions)
+    ASSERT_TRUE(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) << what;
 }
 
 bool same_bytes(const TriangleMesh& a, const TriangleMesh& b) {
   return a.positions.size() == b.positions.size() && a.triangles.size() == b.triangles.size() &&
-         std::memcmp(a.positions.data(), b.positions.data(), a.positions.size() * sizeof(Vec3)) == 0 &&
-         std::memcmp(a.triangles.data(), b.triangles.data(), a.triangles.size() * sizeof(Triangle)) == 0;
+         std::memcmp(a.positions.data(), b.positions.data(), a.positions.size() * sizeof(Vec3)) ==
+             0 &&
+         std::memcmp(a.triangles.data(), b.triangles.data(),
+                     a.triangles.size() * sizeof(Triangle)) == 0;
 }
 
 TEST(Extract, KnownShapes) {
@@ -53,12 +57,15 @@ TEST(Extract, KnownShapes) {
     const Volume volume = to_volume(known.samples);
     const Extraction e = extract(volume, at(known.isovalue));
     expect_correct_report(e, known.name);
-    EXPECT_EQ(e.finest().topology.kinds, known.kinds) << known.name << ": " << text(e.finest().topology.kinds);
+    EXPECT_EQ(e.finest().topology.kinds, known.kinds)
+        << known.name << ": " << text(e.finest().topology.kinds);
     ExtractOptions faces = at(known.isovalue);
     faces.surface.topology = Topology::faces;
     EXPECT_EQ(extract(volume, faces).finest().topology.kinds, known.faces_kinds) << known.name;
-    const Extraction below = extract(to_volume(negated(known.samples)), at(-known.isovalue, Inside::below));
-    EXPECT_TRUE(same_bytes(e.mesh(), below.mesh())) << known.name << ": below is the negated volume";
+    const Extraction below =
+        extract(to_volume(negated(known.samples)), at(-known.isovalue, Inside::below));
+    EXPECT_TRUE(same_bytes(e.mesh(), below.mesh()))
+        << known.name << ": below is the negated volume";
     if (HasFatalFailure()) return;
   }
 }
@@ -72,7 +79,8 @@ TEST(Extract, KnownShapesWithAndWithoutCoarserComplexes) {
       o.covering.max_radius = radius;
       const Extraction e = extract(to_volume(known.samples), o);
       expect_correct_report(e, known.name);
-      EXPECT_EQ(e.finest().topology.kinds, known.kinds) << known.name << ": " << text(e.finest().topology.kinds);
+      EXPECT_EQ(e.finest().topology.kinds, known.kinds)
+          << known.name << ": " << text(e.finest().topology.kinds);
       (e.report.coarser_c_vertices.empty() ? direct : coarsened) = true;
       if (HasFatalFailure()) return;
     }
@@ -82,7 +90,8 @@ TEST(Extract, KnownShapesWithAndWithoutCoarserComplexes) {
 
 // In the original volume's space, with its voxels, from more c-vertices.
 TEST(Extract, Supersampled) {
-  const Volume volume = to_volume(sampled({26, 27, 28}, torus({12.6, 13.3, 13.4}, 8, 3.4), 1000), SampleType::float32, {1, 1, 2});
+  const Volume volume = to_volume(sampled({26, 27, 28}, torus({12.6, 13.3, 13.4}, 8, 3.4), 1000),
+                                  SampleType::float32, {1, 1, 2});
   for (const Interpolation interpolation : {Interpolation::trilinear, Interpolation::tricubic}) {
     std::size_t c_vertices = 0;
     for (const std::uint32_t factor : {1u, 2u, 3u}) {
@@ -101,7 +110,8 @@ TEST(Extract, Supersampled) {
       EXPECT_LT(e.finest().measured->maximum(), 0.55);
       EXPECT_EQ(e.finest().measured->voxel, 1);
       if (factor == 1) c_vertices = e.report.c_vertices;
-      EXPECT_NEAR(static_cast<double>(e.report.c_vertices) / static_cast<double>(c_vertices), factor * factor, 0.5 * factor);
+      EXPECT_NEAR(static_cast<double>(e.report.c_vertices) / static_cast<double>(c_vertices),
+                  factor * factor, 0.5 * factor);
     }
   }
 }
@@ -113,7 +123,8 @@ TEST(Extract, GyroidCutByTheBoundary) {
     EXPECT_GT(want.boundary_loops, 1);
     const Extraction e = extract(to_volume(s), at(0));
     expect_correct_report(e, "gyroid");
-    EXPECT_EQ(e.finest().topology, want) << text(e.finest().topology.kinds) << " instead of " << text(want.kinds);
+    EXPECT_EQ(e.finest().topology, want)
+        << text(e.finest().topology.kinds) << " instead of " << text(want.kinds);
   }
 }
 
@@ -136,14 +147,17 @@ TEST(Extract, WhiteNoise32) {
   EXPECT_EQ(trilinear.finest().topology.boundary_loops, want.boundary_loops);
 }
 
-// Two opposite corners of one cell; the saddle between them is at the isovalue exactly, so they are joined.
+// Two opposite corners of one cell; the saddle between them is at the isovalue exactly, so they are
+// joined.
 TEST(Extract, TheTrilinearTopologyIsTheDefault) {
   Samples s = constant({2, 2, 2}, -1);
   s.at(0, 0, 0) = s.at(1, 1, 1) = 3;
-  EXPECT_EQ(extract(to_volume(s), at(0)).finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 2, 1}}));
+  EXPECT_EQ(extract(to_volume(s), at(0)).finest().topology.kinds,
+            (std::vector<TopologySummary::Kind>{{0, 2, 1}}));
   ExtractOptions faces = at(0);
   faces.surface.topology = Topology::faces;
-  EXPECT_EQ(extract(to_volume(s), faces).finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 1, 2}}));
+  EXPECT_EQ(extract(to_volume(s), faces).finest().topology.kinds,
+            (std::vector<TopologySummary::Kind>{{0, 1, 2}}));
 }
 
 TEST(Extract, OneVoxelBlobIsATetrahedronAtLeast) {
@@ -157,18 +171,23 @@ TEST(Extract, OneVoxelBlobIsATetrahedronAtLeast) {
 }
 
 TEST(Extract, CoarseMeansCoarse) {
-  const Extraction ball = extract(to_volume(sampled({64, 64, 64}, sphere({31.4, 31.6, 31.55}, 26))), at(0));
+  const Extraction ball =
+      extract(to_volume(sampled({64, 64, 64}, sphere({31.4, 31.6, 31.55}, 26))), at(0));
   EXPECT_LE(ball.mesh().triangles.size(), 60u) << "a smooth ball needs few triangles";
-  const Extraction ring = extract(to_volume(sampled({64, 64, 24}, torus({31.4, 31.6, 11.55}, 20, 8))), at(0));
+  const Extraction ring =
+      extract(to_volume(sampled({64, 64, 24}, torus({31.4, 31.6, 11.55}, 20, 8))), at(0));
   EXPECT_LE(ring.mesh().triangles.size(), 250u);
   ExtractOptions finer = at(0);
   finer.covering.max_radius = 4;
-  const Extraction fine = extract(to_volume(sampled({64, 64, 64}, sphere({31.4, 31.6, 31.55}, 26))), finer);
+  const Extraction fine =
+      extract(to_volume(sampled({64, 64, 64}, sphere({31.4, 31.6, 31.55}, 26))), finer);
   EXPECT_GT(fine.mesh().triangles.size(), 4 * ball.mesh().triangles.size());
-  EXPECT_NEAR(signed_volume(fine.mesh()), 4 * M_PI / 3 * 26 * 26 * 26, 0.03 * 4 * M_PI / 3 * 26 * 26 * 26);
+  EXPECT_NEAR(signed_volume(fine.mesh()), 4 * M_PI / 3 * 26 * 26 * 26,
+              0.03 * 4 * M_PI / 3 * 26 * 26 * 26);
 }
 
-// -------------------------------------------------------------------------------------------------------- orientation
+// --------------------------------------------------------------------------------------------------------
+// orientation
 
 TEST(Orientation, BallCavityAndBelow) {
   const Samples solid = sampled({40, 40, 40}, sphere({19.3, 19.6, 19.45}, 16.2));
@@ -176,10 +195,12 @@ TEST(Orientation, BallCavityAndBelow) {
   const auto share_of_ball = [&](const Samples& s, Inside inside) {
     ExtractOptions o = at(0, inside);
     o.covering.max_radius = 2;
-    return signed_volume(extract(to_volume(s), o).mesh()) / volume;  // the mesh is inscribed, so a little less than 1
+    return signed_volume(extract(to_volume(s), o).mesh()) /
+           volume;  // the mesh is inscribed, so a little less than 1
   };
-  for (const double share : {share_of_ball(solid, Inside::above), share_of_ball(negated(solid), Inside::below),
-                             -share_of_ball(solid, Inside::below), -share_of_ball(negated(solid), Inside::above)}) {
+  for (const double share :
+       {share_of_ball(solid, Inside::above), share_of_ball(negated(solid), Inside::below),
+        -share_of_ball(solid, Inside::below), -share_of_ball(negated(solid), Inside::above)}) {
     EXPECT_GT(share, 0.9);
     EXPECT_LT(share, 1);
   }
@@ -189,14 +210,18 @@ TEST(Orientation, BallCavityAndBelow) {
 // coarseness.
 TEST(Orientation, EveryComponentOfKnownShapesFacesOutwards) {
   for (const KnownVolume& known : known_volumes()) {
-    const bool solids = known.name == "sphere" || known.name == "torus" || known.name == "torus about x" || known.name == "double torus" ||
-                        known.name == "linked tori" || known.name.starts_with("one-voxel blob") || known.name == "domino and speck" ||
-                        known.name.starts_with("two samples across") || known.name.starts_with("one-voxel ring") ||
-                        known.name == "ball with three tunnels" || known.name == "plateau of ties inside";
-    const bool hollows = known.name == "cavity" || known.name == "one-voxel hole" || known.name.starts_with("two holes across");
+    const bool solids =
+        known.name == "sphere" || known.name == "torus" || known.name == "torus about x" ||
+        known.name == "double torus" || known.name == "linked tori" ||
+        known.name.starts_with("one-voxel blob") || known.name == "domino and speck" ||
+        known.name.starts_with("two samples across") || known.name.starts_with("one-voxel ring") ||
+        known.name == "ball with three tunnels" || known.name == "plateau of ties inside";
+    const bool hollows = known.name == "cavity" || known.name == "one-voxel hole" ||
+                         known.name.starts_with("two holes across");
     if (!solids && !hollows) continue;
     const Extraction e = extract(to_volume(known.samples), at(known.isovalue));
-    for (const LevelReport& level : e.report.levels) EXPECT_EQ(level.inverted_components, 0u) << known.name;
+    for (const LevelReport& level : e.report.levels)
+      EXPECT_EQ(level.inverted_components, 0u) << known.name;
     const MeshTopology topology = mesh_topology(e.mesh());
     for (std::size_t c = 0; c < topology.components.size(); ++c) {
       TriangleMesh part;
@@ -210,7 +235,10 @@ TEST(Orientation, EveryComponentOfKnownShapesFacesOutwards) {
 }
 
 TEST(Orientation, NestedShellsAlternate) {
-  const Extraction e = extract(to_volume(sampled({32, 32, 32}, nested_shells({15.4, 15.6, 15.55}, {3.1, 5.4, 8.2, 10.1, 13.7}))), at(0));
+  const Extraction e =
+      extract(to_volume(sampled({32, 32, 32},
+                                nested_shells({15.4, 15.6, 15.55}, {3.1, 5.4, 8.2, 10.1, 13.7}))),
+              at(0));
   const MeshTopology topology = mesh_topology(e.mesh());
   ASSERT_EQ(topology.components.size(), 5u);
   std::vector<std::pair<double, double>> size_and_sign;
@@ -224,7 +252,8 @@ TEST(Orientation, NestedShellsAlternate) {
     size_and_sign.push_back({std::abs(v), v > 0 ? 1 : -1});
   }
   std::sort(size_and_sign.begin(), size_and_sign.end());
-  for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(size_and_sign[i].second, i % 2 == 0 ? 1 : -1) << "shell " << i;
+  for (std::size_t i = 0; i < 5; ++i)
+    EXPECT_EQ(size_and_sign[i].second, i % 2 == 0 ? 1 : -1) << "shell " << i;
 }
 
 // The plane z = 4.3 with the inside below: every triangle looks up.
@@ -232,7 +261,8 @@ TEST(Orientation, HalfSpaceFacesAwayFromTheInside) {
   const Extraction e = extract(to_volume(sampled({9, 10, 11}, half_space({0, 0, 1}, 4.3))), at(0));
   double up = 0;
   for (const Triangle& t : e.mesh().triangles) {
-    const Vec3 a = e.mesh().positions[t[0]], b = e.mesh().positions[t[1]], c = e.mesh().positions[t[2]];
+    const Vec3 a = e.mesh().positions[t[0]], b = e.mesh().positions[t[1]],
+               c = e.mesh().positions[t[2]];
     EXPECT_NEAR(a.z, 4.3, 1e-3);
     up += 0.5 * ((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));
   }
@@ -247,16 +277,19 @@ TEST(Orientation, MirroredDirectionKeepsItOutwards) {
       if (mirrored) volume.view.grid.direction[1] = {0, -1, 0};
       ExtractOptions o = at(0);
       o.space = space;
-      EXPECT_GT(signed_volume(extract(volume, o).mesh()), 0) << mirrored << " " << static_cast<int>(space);
+      EXPECT_GT(signed_volume(extract(volume, o).mesh()), 0)
+          << mirrored << " " << static_cast<int>(space);
     }
   }
 }
 
-// ------------------------------------------------------------------------------------------------------------- spaces
+// -------------------------------------------------------------------------------------------------------------
+// spaces
 
 TEST(Space, WorldOfAnAnisotropicTurnedGrid) {
   Volume volume = to_volume(sampled({24, 20, 22}, [](double x, double y, double z) {
-    return 6 - std::hypot((x - 11.4) * 0.5, (y - 9.6) * 0.8, (z - 10.55) * 0.6);  // a ball of radius 6 in world units
+    return 6 - std::hypot((x - 11.4) * 0.5, (y - 9.6) * 0.8,
+                          (z - 10.55) * 0.6);  // a ball of radius 6 in world units
   }));
   volume.view.grid.spacing = {0.5, 0.8, 0.6};
   volume.view.grid.origin = {100, -50, 7};
@@ -289,7 +322,8 @@ TEST(Space, WorldOfAnAnisotropicTurnedGrid) {
   const Extraction voxel = extract(volume, o);
   ASSERT_EQ(voxel.mesh().positions.size(), lps.mesh().positions.size());
   for (std::size_t i = 0; i < lps.mesh().positions.size(); ++i) {
-    const Vec3 w = volume.view.grid.to_world(voxel.mesh().positions[i]), p = lps.mesh().positions[i];
+    const Vec3 w = volume.view.grid.to_world(voxel.mesh().positions[i]),
+               p = lps.mesh().positions[i];
     EXPECT_NEAR(std::hypot(w.x - p.x, w.y - p.y, w.z - p.z), 0, 1e-12);
   }
   EXPECT_EQ(voxel.mesh().triangles, lps.mesh().triangles);
@@ -314,7 +348,8 @@ TEST(Space, TransformReversesTrianglesWhereTheMapMirrors) {
   EXPECT_EQ(mesh.triangles[0], (Triangle{0, 2, 1}));
 }
 
-// -------------------------------------------------------------------------------------------------------- determinism
+// --------------------------------------------------------------------------------------------------------
+// determinism
 
 TEST(Determinism, SameBytesTwiceAndForAnyNumberOfThreads) {
   for (const Family family : {Family::white_noise, Family::gyroid_cut, Family::few_values}) {
@@ -338,7 +373,8 @@ TEST(Determinism, EverySampleTypeGivesTheSameMesh) {
   const Extraction want = extract(to_volume(s), at(3));
   for (const SampleType type : kAllTypes) {
     const bool is_unsigned = name(type).starts_with("u");
-    const Extraction got = extract(to_volume(is_unsigned ? plus(s, 120) : s, type), at(is_unsigned ? 123 : 3));
+    const Extraction got =
+        extract(to_volume(is_unsigned ? plus(s, 120) : s, type), at(is_unsigned ? 123 : 3));
     EXPECT_TRUE(same_bytes(want.mesh(), got.mesh())) << name(type);
   }
 }

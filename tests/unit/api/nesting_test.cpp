@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Orientation and nesting of components are the same at every level. The reference sums solid angles and uses neither grids nor predicates.
+// Orientation and nesting of components are the same at every level. The reference sums solid
+// angles and uses neither grids nor predicates.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,7 +21,8 @@ using namespace test;
 double solid_angle(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
   a = a - p, b = b - p, c = c - p;
   const double la = length(a), lb = length(b), lc = length(c);
-  return 2 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
+  return 2 * std::atan2(dot(a, cross(b, c)),
+                        la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
 }
 
 // Computes, for two vertices of a level, how often the component of the second winds around the
@@ -35,7 +37,8 @@ class Windings {
     double sum = 0;
     for (const Triangle& t : mesh_.triangles) {
       if (topology_.component_of_vertex[t[0]] != component) continue;
-      sum += solid_angle(mesh_.positions[vertex], mesh_.positions[t[0]], mesh_.positions[t[1]], mesh_.positions[t[2]]);
+      sum += solid_angle(mesh_.positions[vertex], mesh_.positions[t[0]], mesh_.positions[t[1]],
+                         mesh_.positions[t[2]]);
     }
     return static_cast<int>(std::lround(sum / (4 * std::numbers::pi)));
   }
@@ -46,7 +49,8 @@ class Windings {
     for (const Triangle& t : mesh_.triangles) {
       if (topology_.component_of_vertex[t[0]] != topology_.component_of_vertex[vertex]) continue;
       const Vec3 p = mesh_.positions[vertex];
-      sum += dot(mesh_.positions[t[0]] - p, cross(mesh_.positions[t[1]] - p, mesh_.positions[t[2]] - p));
+      sum += dot(mesh_.positions[t[0]] - p,
+                 cross(mesh_.positions[t[1]] - p, mesh_.positions[t[2]] - p));
     }
     return sum > 0;
   }
@@ -59,7 +63,9 @@ class Windings {
     return out;
   }
 
-  bool is_open(std::uint32_t vertex) const { return topology_.components[topology_.component_of_vertex[vertex]].boundary_loops > 0; }
+  bool is_open(std::uint32_t vertex) const {
+    return topology_.components[topology_.component_of_vertex[vertex]].boundary_loops > 0;
+  }
 
  private:
   const TriangleMesh& mesh_;
@@ -70,7 +76,8 @@ TEST(Nesting, IsTheSameAtEveryLevel) {
   std::size_t enclosed = 0, inward = 0;
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
     SCOPED_TRACE(seed);
-    const Samples samples = seed % 3 == 0 ? random_samples(Family::white_noise, {12, 11, 13}, seed) : random_shells(seed);
+    const Samples samples = seed % 3 == 0 ? random_samples(Family::white_noise, {12, 11, 13}, seed)
+                                          : random_shells(seed);
     ExtractOptions options = coarse_options();
     options.refine = {{{Quantity::max_distance, 1}}, {{Quantity::max_distance, 0.4}}};
     const Extraction e = extract(to_volume(samples), options);
@@ -80,13 +87,16 @@ TEST(Nesting, IsTheSameAtEveryLevel) {
     for (std::size_t k = 0; k < 3; ++k) {
       EXPECT_EQ(e.report.levels[k].inverted_components, 0U);
       const Windings level(meshes[k]);
-      for (const std::uint32_t a : level.one_of_each()) {  // vertices keep their ids in later levels
+      for (const std::uint32_t a :
+           level.one_of_each()) {  // vertices keep their ids in later levels
         if (level.is_open(a)) continue;
-        ASSERT_EQ(level.faces_outward(a), finest.faces_outward(a)) << "level " << k << ", vertex " << a;
+        ASSERT_EQ(level.faces_outward(a), finest.faces_outward(a))
+            << "level " << k << ", vertex " << a;
         inward += finest.faces_outward(a) ? 0 : 1;
         for (const std::uint32_t b : level.one_of_each()) {
           if (level.is_open(b)) continue;
-          ASSERT_EQ(level.around(a, b), finest.around(a, b)) << "level " << k << ", vertices " << a << " and " << b;
+          ASSERT_EQ(level.around(a, b), finest.around(a, b))
+              << "level " << k << ", vertices " << a << " and " << b;
           enclosed += finest.around(a, b) != 0 ? 1 : 0;
         }
       }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Input that extract() refuses and the error messages; progress and cancellation; samples that are not finite.
+// Input that extract() refuses and the error messages; progress and cancellation; samples that are
+// not finite.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -18,14 +19,15 @@ namespace {
 
 using namespace test;
 
-void expect_error(ErrorCode code, const std::vector<std::string>& words, const VolumeView& volume, const ExtractOptions& options,
-                  const RunControl& control = {}) {
+void expect_error(ErrorCode code, const std::vector<std::string>& words, const VolumeView& volume,
+                  const ExtractOptions& options, const RunControl& control = {}) {
   try {
     extract(volume, options, control);
     FAIL() << "no error; expected one that contains " << (words.empty() ? "" : words[0]);
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), code) << e.what();
-    for (const std::string& word : words) EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what();
+    for (const std::string& word : words)
+      EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what();
     EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << "messages are one line";
   }
 }
@@ -36,7 +38,8 @@ TEST(Refuses, OneSampleAlongAnAxis) {
   for (int axis = 0; axis < 3; ++axis) {
     Size size{4, 4, 4};
     size[axis] = 1;
-    expect_error(ErrorCode::bad_argument, {"1 sample", std::string(1, "xyz"[axis])}, to_volume(constant(size, 0)), {});
+    expect_error(ErrorCode::bad_argument, {"1 sample", std::string(1, "xyz"[axis])},
+                 to_volume(constant(size, 0)), {});
   }
 }
 
@@ -44,21 +47,25 @@ TEST(Refuses, MoreSamplesThanAnyMemoryHolds) {
   Volume volume = ball();
   const std::size_t large = std::size_t{1} << 31;
   volume.view.grid.size = {large, large, large};  // the product overflows 64 bits and becomes 0
-  expect_error(ErrorCode::bad_argument, {"2147483648 x 2147483648", "larger than any memory"}, volume, {});
+  expect_error(ErrorCode::bad_argument, {"2147483648 x 2147483648", "larger than any memory"},
+               volume, {});
 }
 
 TEST(Refuses, BadSpacing) {
   for (const double bad : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
     for (int axis = 0; axis < 3; ++axis) {
       Volume volume = ball();
-      (axis == 0 ? volume.view.grid.spacing.x : axis == 1 ? volume.view.grid.spacing.y : volume.view.grid.spacing.z) = bad;
+      (axis == 0   ? volume.view.grid.spacing.x
+       : axis == 1 ? volume.view.grid.spacing.y
+                   : volume.view.grid.spacing.z) = bad;
       expect_error(ErrorCode::bad_argument, {"spacing"}, volume, {});
     }
   }
 }
 
 TEST(Refuses, NonFiniteIsovalueAndBadLengths) {
-  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()}) {
+  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity(),
+                           -std::numeric_limits<double>::infinity()}) {
     ExtractOptions o = coarse_options();
     o.surface.isovalue = bad;
     expect_error(ErrorCode::bad_argument, {"isovalue"}, ball(), o);
@@ -153,7 +160,8 @@ TEST(Refuses, InvalidGrids) {
 // area than the ball.
 TEST(Components, ABallIsLargerThanASlabThatTheBorderCuts) {
   Samples samples = sampled({20, 20, 40}, sphere({9.5, 9.5, 12}, 7));
-  for (std::size_t i = 0; i < 20 * 20 * 3; ++i) samples.at(i % 20, i / 20 % 20, 30 + i / 400) = 1000;
+  for (std::size_t i = 0; i < 20 * 20 * 3; ++i)
+    samples.at(i % 20, i / 20 % 20, 30 + i / 400) = 1000;
   ExtractOptions options = coarse_options();
   options.components.keep_largest = 1;
   const Extraction e = extract(to_volume(samples), options);
@@ -164,14 +172,16 @@ TEST(Components, ABallIsLargerThanASlabThatTheBorderCuts) {
   EXPECT_EQ(e.report.dropped[0].size, e.report.dropped[1].size) << "both sides of one slab";
   EXPECT_EQ(e.report.dropped[0].part, 1u);
   EXPECT_EQ(e.report.dropped[1].part, 1u);
-  EXPECT_NEAR(e.report.dropped[0].size, 19 * 19 * 2.14, 10) << "samples 3 deep, nodes nearer to them than to those outside";
+  EXPECT_NEAR(e.report.dropped[0].size, 19 * 19 * 2.14, 10)
+      << "samples 3 deep, nodes nearer to them than to those outside";
   options.components.keep_largest = 2;
   EXPECT_TRUE(extract(to_volume(samples), options).report.dropped.empty());
 }
 
 // Balls of radius 6, 3 and 1.5, spacing 2: volumes 7238, 905 and 113.
 TEST(Components, SmallOnesAreDroppedAndListed) {
-  const Function balls = unite(unite(sphere({8.3, 8.4, 8.6}, 6), sphere({20.4, 8.5, 8.3}, 3)), sphere({28.4, 8.5, 8.3}, 1.5));
+  const Function balls = unite(unite(sphere({8.3, 8.4, 8.6}, 6), sphere({20.4, 8.5, 8.3}, 3)),
+                               sphere({28.4, 8.5, 8.3}, 1.5));
   const Volume volume = to_volume(sampled({32, 18, 18}, balls), SampleType::int32, {2, 2, 2});
   const auto left = [&](double smallest, std::size_t keep) {
     ExtractOptions options = coarse_options();
@@ -181,7 +191,8 @@ TEST(Components, SmallOnesAreDroppedAndListed) {
     const Extraction e = extract(volume, options);
     EXPECT_EQ(e.report.reference.components + e.report.dropped.size(), 3u);
     EXPECT_EQ(e.finest().topology, e.report.reference);
-    for (std::size_t k = 1; k < e.report.dropped.size(); ++k) EXPECT_GE(e.report.dropped[k - 1].size, e.report.dropped[k].size);
+    for (std::size_t k = 1; k < e.report.dropped.size(); ++k)
+      EXPECT_GE(e.report.dropped[k - 1].size, e.report.dropped[k].size);
     return e.report;
   };
   EXPECT_EQ(left(0, 0).reference.components, 3u);
@@ -204,7 +215,8 @@ TEST(Components, SmallOnesAreDroppedAndListed) {
 
   ExtractOptions all = coarse_options();
   all.components.min_size = 1e5;
-  expect_error(ErrorCode::empty_surface, {"every component is smaller", "the largest"}, volume, all);
+  expect_error(ErrorCode::empty_surface, {"every component is smaller", "the largest"}, volume,
+               all);
   for (const double bad : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
     all.components.min_size = bad;
     expect_error(ErrorCode::bad_argument, {"smallest component"}, volume, all);
@@ -220,7 +232,9 @@ TEST(Refuses, ToRefineOrMeasureOnAShearedGrid) {
   coarse.coarse = {{Quantity::max_vertices, 100}};
   measure.measure_samples = 10;
   for (const ExtractOptions& options : {refine, coarse, measure})
-    expect_error(ErrorCode::unsupported, {"sheared", "x and y axes are at 45 degrees", "ExtractOptions::refine"}, volume, options);
+    expect_error(ErrorCode::unsupported,
+                 {"sheared", "x and y axes are at 45 degrees", "ExtractOptions::refine"}, volume,
+                 options);
   EXPECT_NO_THROW(extract(volume, coarse_options()));
   volume.view.grid.direction[1] = {0, 2, 0};
   expect_error(ErrorCode::unsupported, {"y axis has length 2"}, volume, refine);
@@ -229,17 +243,21 @@ TEST(Refuses, ToRefineOrMeasureOnAShearedGrid) {
 }
 
 TEST(NonFinite, RefusedWithCountAndPlace) {
-  expect_error(ErrorCode::unsupported, {"1 NaN", "(3, 4, 3)", "SurfaceOptions::non_finite"}, with_nan(), {});
+  expect_error(ErrorCode::unsupported, {"1 NaN", "(3, 4, 3)", "SurfaceOptions::non_finite"},
+               with_nan(), {});
 }
 
 TEST(NonFinite, OnTheChosenSide) {
   ExtractOptions o = coarse_options();
   o.surface.non_finite = NonFinite::above;
-  EXPECT_EQ(extract(with_nan(), o).finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 1}}));
+  EXPECT_EQ(extract(with_nan(), o).finest().topology.kinds,
+            (std::vector<TopologySummary::Kind>{{0, 0, 1}}));
   o.surface.non_finite = NonFinite::below;  // now a cavity in the ball
-  EXPECT_EQ(extract(with_nan(), o).finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 2}}));
+  EXPECT_EQ(extract(with_nan(), o).finest().topology.kinds,
+            (std::vector<TopologySummary::Kind>{{0, 0, 2}}));
   o.surface.inside = Inside::below;
-  EXPECT_EQ(extract(with_nan(), o).finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 2}}));
+  EXPECT_EQ(extract(with_nan(), o).finest().topology.kinds,
+            (std::vector<TopologySummary::Kind>{{0, 0, 2}}));
 }
 
 TEST(NonFinite, InfinitiesKeepTheirSide) {
@@ -263,7 +281,8 @@ TEST(NonFinite, NothingFinite) {
   grid.size = {3, 3, 3};
   ExtractOptions o = coarse_options();
   o.surface.non_finite = NonFinite::above;
-  expect_error(ErrorCode::empty_surface, {"finite"}, own(grid, SampleType::float32, std::vector<float>(27, std::nanf(""))), o);
+  expect_error(ErrorCode::empty_surface, {"finite"},
+               own(grid, SampleType::float32, std::vector<float>(27, std::nanf(""))), o);
 }
 
 // Noise of NaN, infinities and numbers: the mesh equals that of a volume of plain signs wherever no
@@ -292,7 +311,8 @@ TEST(NonFinite, NoiseOfEverything) {
   }
 }
 
-// ------------------------------------------------------------------------------------------ extreme magnitudes and spacing
+// ------------------------------------------------------------------------------------------
+// extreme magnitudes and spacing
 
 Extraction scaled_torus(double scale, double spacing) {
   const Samples s = sampled({12, 12, 12}, torus({5.4, 5.6, 5.55}, 3.2, 1.6));
@@ -309,9 +329,11 @@ TEST(Extremes, HugeAndTinySamplesAndSpacings) {
   for (const double scale : {1e300, 1e200, 1e-200, 1e-300, 1e-320}) {
     for (const double spacing : {1e-6, 1.0, 1e6}) {
       const Extraction e = scaled_torus(scale, spacing);
-      EXPECT_EQ(e.finest().topology.kinds, (std::vector<TopologySummary::Kind>{{1, 0, 1}})) << scale << " " << spacing;
+      EXPECT_EQ(e.finest().topology.kinds, (std::vector<TopologySummary::Kind>{{1, 0, 1}}))
+          << scale << " " << spacing;
       EXPECT_EQ(e.finest().inverted_components, 0u) << scale << " " << spacing;
-      EXPECT_LE(e.mesh().triangles.size(), 2 * triangles) << "as coarse as ever, " << scale << " " << spacing;
+      EXPECT_LE(e.mesh().triangles.size(), 2 * triangles)
+          << "as coarse as ever, " << scale << " " << spacing;
       for (const Vec3& p : e.mesh().positions) ASSERT_TRUE(std::isfinite(p.x + p.y + p.z));
       const auto [low, high] = bounding_box(e.mesh());
       EXPECT_GT(high.x - low.x, 5 * spacing);
@@ -339,7 +361,8 @@ TEST(Extremes, RadiusAndPersistenceOfAnyLength) {
     halving.covering.strategy = CoveringStrategy::halving;
     for (const ExtractOptions& options : {radius, persistence, halving}) {
       const Extraction e = extract(volume, options);
-      EXPECT_EQ(e.finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 1}})) << length;
+      EXPECT_EQ(e.finest().topology.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 1}}))
+          << length;
     }
   }
 }
@@ -372,7 +395,8 @@ TEST(Extremes, UnitsOfTheWorldDoNotMatter) {
     ASSERT_EQ(e.mesh().triangles, one.mesh().triangles) << spacing;
     for (std::size_t i = 0; i < one.mesh().positions.size(); ++i) {
       const Vec3 p = one.mesh().positions[i];
-      ASSERT_EQ(e.mesh().positions[i], (Vec3{p.x * spacing, p.y * spacing, p.z * spacing})) << spacing;
+      ASSERT_EQ(e.mesh().positions[i], (Vec3{p.x * spacing, p.y * spacing, p.z * spacing}))
+          << spacing;
     }
   }
 }
@@ -393,9 +417,11 @@ TEST(Extremes, EveryRadiusAndPersistenceIsCertified) {
       ExtractOptions o = coarse_options();
       o.covering.max_radius = radius;
       o.covering.event_persistence = persistence;
-      EXPECT_EQ(extract(to_volume(s), o).finest().topology.kinds, kinds) << radius << " " << persistence;
+      EXPECT_EQ(extract(to_volume(s), o).finest().topology.kinds, kinds)
+          << radius << " " << persistence;
       o.covering.strategy = CoveringStrategy::halving;
-      EXPECT_EQ(extract(to_volume(s), o).finest().topology.kinds, kinds) << radius << " " << persistence << ", halving";
+      EXPECT_EQ(extract(to_volume(s), o).finest().topology.kinds, kinds)
+          << radius << " " << persistence << ", halving";
     }
   }
   ExtractOptions plain = coarse_options();
@@ -403,7 +429,8 @@ TEST(Extremes, EveryRadiusAndPersistenceIsCertified) {
   EXPECT_EQ(extract(to_volume(s), plain).finest().topology.kinds, kinds);
 }
 
-// ------------------------------------------------------------------------------------------------ progress, cancellation
+// ------------------------------------------------------------------------------------------------
+// progress, cancellation
 
 TEST(Control, ProgressIsReportedStageByStageWithFractions) {
   RunControl control;

@@ -20,7 +20,8 @@ namespace {
 
 using namespace test;
 
-ExtractOptions options_with(std::vector<LevelGoal> levels, Placement placement = Placement::surface) {
+ExtractOptions options_with(std::vector<LevelGoal> levels,
+                            Placement placement = Placement::surface) {
   ExtractOptions out = coarse_options();
   out.refine = std::move(levels);
   out.placement = placement;
@@ -34,8 +35,8 @@ Volume ball(double radius = 9) {
 }
 
 const ConstraintResult& result_of(const LevelReport& level, Quantity quantity) {
-  const auto it =
-      std::find_if(level.constraints.begin(), level.constraints.end(), [&](const auto& r) { return r.constraint.quantity == quantity; });
+  const auto it = std::find_if(level.constraints.begin(), level.constraints.end(),
+                               [&](const auto& r) { return r.constraint.quantity == quantity; });
   if (it == level.constraints.end()) throw std::runtime_error("no such constraint");
   return *it;
 }
@@ -45,18 +46,22 @@ void expect_sound(const Extraction& e, const std::string& what) {
   for (std::size_t l = 0; l < e.hierarchy.levels.size(); ++l) {
     const TriangleMesh mesh = e.hierarchy.mesh(l);
     const MeshTopology topology = mesh_topology(mesh);
-    ASSERT_TRUE(topology.is_manifold() && topology.is_oriented() && topology.unused_vertices == 0) << what << ", level " << l;
+    ASSERT_TRUE(topology.is_manifold() && topology.is_oriented() && topology.unused_vertices == 0)
+        << what << ", level " << l;
     ASSERT_EQ(summarize(topology.components), e.report.reference) << what << ", level " << l;
     ASSERT_TRUE(e.report.levels[l].certificate.passed);
     const std::vector<float>& distance = e.hierarchy.levels[l].distance;
     ASSERT_EQ(distance.size(), mesh.positions.size()) << what << ", level " << l;
-    ASSERT_EQ(*std::max_element(distance.begin(), distance.end()), static_cast<float>((*e.report.levels[l].metrics)[0].maximum))
+    ASSERT_EQ(*std::max_element(distance.begin(), distance.end()),
+              static_cast<float>((*e.report.levels[l].metrics)[0].maximum))
         << what << ", level " << l;
-    for (const ConstraintResult& r : e.report.levels[l].constraints) ASSERT_EQ(r.satisfied, r.reason.empty()) << what << ": " << r.reason;
+    for (const ConstraintResult& r : e.report.levels[l].constraints)
+      ASSERT_EQ(r.satisfied, r.reason.empty()) << what << ": " << r.reason;
   }
 }
 
-// --------------------------------------------------------------------------------------------------------------- bounds
+// ---------------------------------------------------------------------------------------------------------------
+// bounds
 
 struct Shape {
   std::string name;
@@ -68,12 +73,16 @@ std::vector<Shape> shapes() {
   out.push_back({"ball", ball(14)});
   out.push_back({"torus", exact_volume({44, 44, 22}, torus({21.4, 21.6, 10.55}, 14, 5.5))});
   const Function cells = gyroid(16, 0.1);
-  out.push_back({"gyroid", exact_volume({28, 26, 27}, [=](double x, double y, double z) { return 1000 * cells(x, y, z); })});
-  out.push_back(
-      {"ellipsoid in an anisotropic grid",
-       exact_volume({40, 24, 30},
-                    [](double x, double y, double z) { return 8 - std::hypot((x - 19.4) * 0.5, (y - 11.6) * 1.0, (z - 14.55) * 0.7); },
-                    {0.5, 1, 0.7})});
+  out.push_back({"gyroid", exact_volume({28, 26, 27}, [=](double x, double y, double z) {
+                   return 1000 * cells(x, y, z);
+                 })});
+  out.push_back({"ellipsoid in an anisotropic grid",
+                 exact_volume({40, 24, 30},
+                              [](double x, double y, double z) {
+                                return 8 - std::hypot((x - 19.4) * 0.5, (y - 11.6) * 1.0,
+                                                      (z - 14.55) * 0.7);
+                              },
+                              {0.5, 1, 0.7})});
   return out;
 }
 
@@ -83,9 +92,11 @@ TEST(Bounds, OnTheDistanceHoldTwoSidedInNestedLevels) {
   for (const Shape& shape : shapes()) {
     const double voxel = shape.volume.view.grid.smallest_spacing();
     std::vector<LevelGoal> levels;
-    for (const double bound : {2.0, 1.0, 0.5, 0.25}) levels.push_back({{Quantity::max_distance, bound * voxel}});
+    for (const double bound : {2.0, 1.0, 0.5, 0.25})
+      levels.push_back({{Quantity::max_distance, bound * voxel}});
     for (const Placement placement : {Placement::surface, Placement::balanced}) {
-      const std::string what = shape.name + (placement == Placement::surface ? ", surface" : ", balanced");
+      const std::string what =
+          shape.name + (placement == Placement::surface ? ", surface" : ", balanced");
       const Extraction e = extract(shape.volume, options_with(levels, placement));
       expect_sound(e, what);
       if (HasFatalFailure()) return;
@@ -96,7 +107,8 @@ TEST(Bounds, OnTheDistanceHoldTwoSidedInNestedLevels) {
         const double bound = levels[l].front().bound;
         EXPECT_TRUE(report.all_satisfied()) << what << ": " << report.constraints.front().reason;
         EXPECT_LE((*report.metrics)[0].maximum, bound);
-        EXPECT_LE(measure(e.hierarchy.mesh(l + 1), shape.volume, options).maximum(), 1.25 * bound) << what << ", bound " << bound;
+        EXPECT_LE(measure(e.hierarchy.mesh(l + 1), shape.volume, options).maximum(), 1.25 * bound)
+            << what << ", bound " << bound;
         EXPECT_GE(report.vertices, e.report.levels[l].vertices);
       }
     }
@@ -106,16 +118,20 @@ TEST(Bounds, OnTheDistanceHoldTwoSidedInNestedLevels) {
 TEST(Bounds, OnEveryMetricAreSatisfied) {
   const Volume volume = ball();
   for (const Constraint& c :
-       {Constraint{Quantity::max_distance, 0.3}, Constraint{Quantity::mean_distance, 0.1}, Constraint{Quantity::area_curvature, 1.02},
-        Constraint{Quantity::area_curvature_smooth, 1.01}, Constraint{Quantity::geodesic_ratio, 1.02},
-        Constraint{Quantity::normal_angle, 30}, Constraint{Quantity::max_edge, 4}, Constraint{Quantity::min_vertices, 150}}) {
+       {Constraint{Quantity::max_distance, 0.3}, Constraint{Quantity::mean_distance, 0.1},
+        Constraint{Quantity::area_curvature, 1.02},
+        Constraint{Quantity::area_curvature_smooth, 1.01},
+        Constraint{Quantity::geodesic_ratio, 1.02}, Constraint{Quantity::normal_angle, 30},
+        Constraint{Quantity::max_edge, 4}, Constraint{Quantity::min_vertices, 150}}) {
     for (const Placement placement : {Placement::surface, Placement::balanced}) {
       const Extraction e = extract(volume, options_with({{c}}, placement));
       expect_sound(e, std::string(name(c.quantity)));
       if (HasFatalFailure()) return;
-      EXPECT_TRUE(e.finest().all_satisfied()) << name(c.quantity) << " " << e.finest().constraints[0].reached << ": "
-                                        << e.finest().constraints[0].reason;
-      EXPECT_LT(e.finest().vertices, e.report.c_vertices / 2) << name(c.quantity) << ": no more than that";
+      EXPECT_TRUE(e.finest().all_satisfied())
+          << name(c.quantity) << " " << e.finest().constraints[0].reached << ": "
+          << e.finest().constraints[0].reason;
+      EXPECT_LT(e.finest().vertices, e.report.c_vertices / 2)
+          << name(c.quantity) << ": no more than that";
     }
   }
 }
@@ -152,7 +168,8 @@ TEST(Progress, NeverFalls) {
   RunControl control;
   control.progress = [&](std::string_view, double fraction) { reported.push_back(fraction); };
   const Volume volume = to_volume(random_samples(Family::gyroid_cut, {16, 15, 14}, 3));
-  extract(volume, options_with({{{Quantity::max_distance, 1}}, {{Quantity::max_distance, 0.3}}}), control);
+  extract(volume, options_with({{{Quantity::max_distance, 1}}, {{Quantity::max_distance, 0.3}}}),
+          control);
   ASSERT_GT(reported.size(), 20U);
   EXPECT_TRUE(std::ranges::is_sorted(reported));
   EXPECT_EQ(reported.front(), 0);
@@ -163,8 +180,9 @@ TEST(Progress, NeverFalls) {
 // A level that cannot be improved repeats the previous one, and the next level continues from it.
 TEST(Bounds, LevelsAfterOneThatCannotBeSatisfied) {
   const Volume volume = to_volume(random_samples(Family::white_noise, {9, 10, 8}, 4));
-  const Extraction e =
-      extract(volume, options_with({{{Quantity::max_distance, 0.4}}, {{Quantity::max_distance, 0.001}}, {{Quantity::normal_angle, 20}}}));
+  const Extraction e = extract(volume, options_with({{{Quantity::max_distance, 0.4}},
+                                                     {{Quantity::max_distance, 0.001}},
+                                                     {{Quantity::normal_angle, 20}}}));
   double before = 1;
   for (std::size_t l = 1; l < 3; ++l) {
     const double reached = e.report.levels[l].constraints.front().reached;
@@ -201,17 +219,21 @@ TEST(Bounds, HoldAtTheSamplesOfAMeasurement) {
     anew.samples = 50000;
     anew.space = Space::lps;
     anew.surface.interpolation = options.surface.interpolation;
-    EXPECT_EQ(measure(measured.mesh(), volume, anew).maximum(), level.measured->maximum()) << "of the mesh that is returned";
+    EXPECT_EQ(measure(measured.mesh(), volume, anew).maximum(), level.measured->maximum())
+        << "of the mesh that is returned";
   }
   EXPECT_GT(more, 0U) << "else this shows nothing";
 }
 
 TEST(Bounds, ScaleWithTheVolume) {
-  const Extraction one = extract(ball(), options_with({{{Quantity::max_distance, 0.3}, {Quantity::max_edge, 6}}}));
+  const Extraction one =
+      extract(ball(), options_with({{{Quantity::max_distance, 0.3}, {Quantity::max_edge, 6}}}));
   for (const double scale : {0.25, 1024.0}) {  // powers of two, so that nothing is rounded
     Volume volume = ball();
     volume.view.grid.spacing = {scale, scale, scale};
-    const Extraction e = extract(volume, options_with({{{Quantity::max_distance, 0.3 * scale}, {Quantity::max_edge, 6 * scale}}}));
+    const Extraction e = extract(
+        volume,
+        options_with({{{Quantity::max_distance, 0.3 * scale}, {Quantity::max_edge, 6 * scale}}}));
     EXPECT_EQ(e.mesh().triangles, one.mesh().triangles);
     for (std::size_t i = 0; i < 2; ++i) {
       EXPECT_EQ(e.finest().constraints[i].reached, scale * one.finest().constraints[i].reached);
@@ -222,7 +244,8 @@ TEST(Bounds, ScaleWithTheVolume) {
   }
 }
 
-// ----------------------------------------------------------------------------------------------------------- priorities
+// -----------------------------------------------------------------------------------------------------------
+// priorities
 
 TEST(Priorities, TheEarlierConstraintHasPriority) {
   const Volume volume = ball();
@@ -232,10 +255,14 @@ TEST(Priorities, TheEarlierConstraintHasPriority) {
   EXPECT_TRUE(result_of(count_first.finest(), Quantity::max_vertices).satisfied);
   EXPECT_GT(count_first.finest().vertices, 40u) << "the room is used";
   EXPECT_FALSE(result_of(count_first.finest(), Quantity::max_distance).satisfied);
-  EXPECT_NE(result_of(count_first.finest(), Quantity::max_distance).reason.find("max-vertices comes first"), std::string::npos);
+  EXPECT_NE(result_of(count_first.finest(), Quantity::max_distance)
+                .reason.find("max-vertices comes first"),
+            std::string::npos);
   EXPECT_TRUE(result_of(distance_first.finest(), Quantity::max_distance).satisfied);
   EXPECT_FALSE(result_of(distance_first.finest(), Quantity::max_vertices).satisfied);
-  EXPECT_NE(result_of(distance_first.finest(), Quantity::max_vertices).reason.find("max-distance comes first"), std::string::npos);
+  EXPECT_NE(result_of(distance_first.finest(), Quantity::max_vertices)
+                .reason.find("max-distance comes first"),
+            std::string::npos);
 }
 
 // Every reverted step must lead to a smaller one.
@@ -244,7 +271,8 @@ TEST(Priorities, ALimitOnVerticesEndsRefinementInNoise) {
     const Volume volume = to_volume(random_samples(Family::gyroid_cut, {12, 12, 12}, seed));
     const Extraction coarse = extract(volume, options_with({}));
     const double room = static_cast<double>(coarse.finest().vertices) + 30;
-    const Extraction e = extract(volume, options_with({{{Quantity::max_vertices, room}, {Quantity::max_distance, 0.01}}}));
+    const Extraction e = extract(
+        volume, options_with({{{Quantity::max_vertices, room}, {Quantity::max_distance, 0.01}}}));
     expect_sound(e, "gyroid with noise");
     EXPECT_LE(static_cast<double>(e.finest().vertices), room);
   }
@@ -258,18 +286,21 @@ TEST(Priorities, ALimitOnVerticesIsNearlyUsedUp) {
     const double coarse = static_cast<double>(extract(volume, options_with({})).finest().vertices);
     std::vector<LevelGoal> levels;
     for (const double share : {1.05, 1.1, 1.2})
-      levels.push_back({{Quantity::max_vertices, std::floor(share * coarse)}, {Quantity::max_distance, 0.01}});
+      levels.push_back(
+          {{Quantity::max_vertices, std::floor(share * coarse)}, {Quantity::max_distance, 0.01}});
     const Extraction e = extract(volume, options_with(levels));
     expect_sound(e, "white noise");
     for (std::size_t l = 0; l < levels.size(); ++l) {
-      const double vertices = static_cast<double>(e.report.levels[l + 1].vertices), limit = levels[l].front().bound;
+      const double vertices = static_cast<double>(e.report.levels[l + 1].vertices),
+                   limit = levels[l].front().bound;
       EXPECT_LE(vertices, limit);
       EXPECT_GE(vertices, 0.9 * limit) << "seed " << seed << ", level " << l + 1;
     }
   }
 }
 
-// ---------------------------------------------------------------------------------------------------------------- edges
+// ----------------------------------------------------------------------------------------------------------------
+// edges
 
 TEST(Edges, FourVerticesAreEnoughForASphere) {
   const Extraction e = extract(ball(), options_with({{{Quantity::max_vertices, 4}}}));
@@ -280,14 +311,16 @@ TEST(Edges, FourVerticesAreEnoughForASphere) {
 }
 
 TEST(Edges, OneVertexIsTooFewAndTheReasonHasTheNumberNeeded) {
-  const Extraction e =
-      extract(ball(), options_with({{{Quantity::max_vertices, 1}}, {{Quantity::max_distance, 0.5}}, {{Quantity::max_vertices, 1}}}));
+  const Extraction e = extract(ball(), options_with({{{Quantity::max_vertices, 1}},
+                                                     {{Quantity::max_distance, 0.5}},
+                                                     {{Quantity::max_vertices, 1}}}));
   expect_sound(e, "ball");
   const ConstraintResult& first = e.report.levels[1].constraints[0];
   EXPECT_FALSE(first.satisfied);
   EXPECT_EQ(first.reason, "topology alone needs " + std::to_string(e.report.levels[0].vertices));
   EXPECT_EQ(e.hierarchy.levels[1].triangles, e.hierarchy.levels[0].triangles) << "and not one more";
-  EXPECT_EQ(e.report.levels[3].constraints[0].reason, "the previous level has " + std::to_string(e.report.levels[2].vertices))
+  EXPECT_EQ(e.report.levels[3].constraints[0].reason,
+            "the previous level has " + std::to_string(e.report.levels[2].vertices))
       << "topology would do with less";
 }
 
@@ -305,22 +338,26 @@ TEST(Edges, MoreVerticesThanCVertices) {
   expect_sound(e, "ball");
   const ConstraintResult& r = e.finest().constraints[0];
   EXPECT_FALSE(r.satisfied);
-  EXPECT_NE(r.reason.find(std::to_string(e.report.c_vertices) + " c-vertices"), std::string::npos) << r.reason;
+  EXPECT_NE(r.reason.find(std::to_string(e.report.c_vertices) + " c-vertices"), std::string::npos)
+      << r.reason;
   EXPECT_GT(e.finest().vertices, e.report.c_vertices / 2);
 }
 
 TEST(Edges, MinimumBeforeALimitIsFilledEvenly) {
-  const Extraction e = extract(ball(14), options_with({{{Quantity::min_vertices, 300}, {Quantity::max_vertices, 400}}}));
+  const Extraction e = extract(
+      ball(14), options_with({{{Quantity::min_vertices, 300}, {Quantity::max_vertices, 400}}}));
   EXPECT_TRUE(e.finest().all_satisfied());
   EXPECT_LT(e.finest().quality.edge_max, 5 * e.finest().quality.edge_min) << "not all in one place";
 }
 
 TEST(Edges, LongestShortEdgeIsLongerThanTheObject) {
-  const Extraction e = extract(ball(), options_with({{{Quantity::min_edge, 1000}, {Quantity::max_distance, 0.1}}}));
+  const Extraction e =
+      extract(ball(), options_with({{{Quantity::min_edge, 1000}, {Quantity::max_distance, 0.1}}}));
   expect_sound(e, "ball");
   EXPECT_EQ(e.finest().vertices, e.report.levels[0].vertices) << "nothing may be added";
   EXPECT_FALSE(e.finest().constraints[0].satisfied);
-  EXPECT_NE(e.finest().constraints[0].reason.find("topology alone needs shorter edges"), std::string::npos);
+  EXPECT_NE(e.finest().constraints[0].reason.find("topology alone needs shorter edges"),
+            std::string::npos);
   EXPECT_NE(e.finest().constraints[1].reason.find("min-edge comes first"), std::string::npos);
 }
 
@@ -331,10 +368,13 @@ TEST(Edges, ExtremeBoundsOfEveryQuantity) {
     for (const double bound : {1e-300, 1e-30, 1e30, 1e300}) {
       const bool ratio = unit(quantity) == Unit::ratio;
       if (quantity == Quantity::min_aspect && bound > 1) continue;
-      const double wanted = ratio && is_metric(quantity) ? (bound < 1 ? std::nextafter(1.0, 2.0) : bound) : bound;
+      const double wanted =
+          ratio && is_metric(quantity) ? (bound < 1 ? std::nextafter(1.0, 2.0) : bound) : bound;
       for (const Placement placement : {Placement::surface, Placement::balanced}) {
-        const Extraction e =
-            extract(volume, options_with({{{quantity, wanted}}, {{Quantity::normal_angle, 40}}, {{quantity, wanted}}}, placement));
+        const Extraction e = extract(volume, options_with({{{quantity, wanted}},
+                                                           {{Quantity::normal_angle, 40}},
+                                                           {{quantity, wanted}}},
+                                                          placement));
         expect_sound(e, std::string(name(quantity)) + " " + std::to_string(wanted));
         if (HasFatalFailure()) return;
         const ConstraintResult& result = e.report.levels[1].constraints[0];
@@ -355,9 +395,10 @@ TEST(Edges, TheSmallestVolumes) {
       if (signs >> i & 1) s.values[i] = 2;
     }
     const Placement placement = signs % 2 ? Placement::surface : Placement::balanced;
-    const Extraction e =
-        extract(to_volume(s),
-                options_with({{{Quantity::max_distance, 0.25}}, {{Quantity::max_distance, 0.01}, {Quantity::min_aspect, 0.5}}}, placement));
+    const Extraction e = extract(
+        to_volume(s), options_with({{{Quantity::max_distance, 0.25}},
+                                    {{Quantity::max_distance, 0.01}, {Quantity::min_aspect, 0.5}}},
+                                   placement));
     expect_sound(e, "signs " + std::to_string(signs));
     if (HasFatalFailure()) return;
   }
@@ -370,11 +411,14 @@ TEST(Edges, SurfacesThatAreAllBoundary) {
   for (std::size_t z = 0; z < 9; ++z) wall.at(0, 4, z) = wall.at(1, 4, z) = 4;
   for (const Samples& s : {strip, wall}) {
     for (const Placement placement : {Placement::surface, Placement::balanced}) {
-      const Extraction e = extract(to_volume(s), options_with({{{Quantity::max_distance, 0.05}}, {{Quantity::max_edge, 1}}}, placement));
+      const Extraction e = extract(
+          to_volume(s),
+          options_with({{{Quantity::max_distance, 0.05}}, {{Quantity::max_edge, 1}}}, placement));
       expect_sound(e, "strip");
       if (placement == Placement::surface) continue;
       for (std::size_t v = 0; v < e.hierarchy.levels[1].own_positions.size(); ++v) {
-        EXPECT_EQ(e.hierarchy.levels[1].own_positions[v], e.hierarchy.positions[v]) << "boundary vertices stay";
+        EXPECT_EQ(e.hierarchy.levels[1].own_positions[v], e.hierarchy.positions[v])
+            << "boundary vertices stay";
       }
     }
   }
@@ -411,15 +455,18 @@ TEST(Edges, TheCoarseLevelIsOnlyMeasured) {
   ExtractOptions options = options_with({});
   const Extraction plain = extract(ball(), options);
   EXPECT_FALSE(plain.finest().metrics.has_value());
-  options.coarse = {{Quantity::max_distance, 1e-3}, {Quantity::min_vertices, 1}, {Quantity::max_vertices, 1}};
+  options.coarse = {
+      {Quantity::max_distance, 1e-3}, {Quantity::min_vertices, 1}, {Quantity::max_vertices, 1}};
   const Extraction e = extract(ball(), options);
   EXPECT_EQ(e.mesh().triangles, plain.mesh().triangles);
   EXPECT_EQ(e.finest().constraints[0].reason, "the coarse mesh is not refined");
   EXPECT_TRUE(e.finest().constraints[1].satisfied);
-  EXPECT_EQ(e.finest().constraints[2].reason, "topology alone needs " + std::to_string(e.finest().vertices));
+  EXPECT_EQ(e.finest().constraints[2].reason,
+            "topology alone needs " + std::to_string(e.finest().vertices));
 }
 
-// ---------------------------------------------------------------------------------------------- refusals and cancelling
+// ----------------------------------------------------------------------------------------------
+// refusals and cancelling
 
 TEST(Refuses, BoundsThatAQuantityCannotHave) {
   const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
@@ -439,9 +486,12 @@ TEST(Refuses, BoundsThatAQuantityCannotHave) {
   for (std::size_t q = 0; q < kQuantityCount; ++q) {
     const auto quantity = static_cast<Quantity>(q);
     const std::string what(name(quantity));
-    for (const double bad : {0.0, -0.0, -1.0, nan, infinity, -infinity}) refused({{quantity, bad}}, what);
+    for (const double bad : {0.0, -0.0, -1.0, nan, infinity, -infinity})
+      refused({{quantity, bad}}, what);
     if (is_metric(quantity) && unit(quantity) == Unit::ratio) refused({{quantity, 1}}, what);
-    refused({{quantity, quantity == Quantity::min_aspect ? 0.5 : 2}, {quantity, quantity == Quantity::min_aspect ? 0.4 : 3}}, "twice");
+    refused({{quantity, quantity == Quantity::min_aspect ? 0.5 : 2},
+             {quantity, quantity == Quantity::min_aspect ? 0.4 : 3}},
+            "twice");
   }
   refused({{Quantity::min_aspect, 1}}, "min-aspect");
 }

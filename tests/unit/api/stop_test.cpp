@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A cancelled computation ends at its next test of `cancel`, wherever that is. Distances between tests: bench/stop_gaps.py.
+// A cancelled computation ends at its next test of `cancel`, wherever that is. Distances between
+// tests: bench/stop_gaps.py.
 //
 // This program has its own RunControl::check_cancelled() and report(), which count the tests and
 // can stop at any of them. They replace those of the library.
@@ -36,15 +37,19 @@ struct Case {
 
 std::vector<Case> cases() {
   std::vector<Case> out;
-  Case& noise = out.emplace_back(Case{"noise", to_volume(random_samples(Family::white_noise, {9, 9, 9}, 3)), {}});
+  Case& noise = out.emplace_back(
+      Case{"noise", to_volume(random_samples(Family::white_noise, {9, 9, 9}, 3)), {}});
   noise.options.refine = {{{Quantity::max_distance, 0.5, true}}, {{Quantity::max_vertices, 2500}}};
   noise.options.measure_samples = 500;
-  Case& balls =
-      out.emplace_back(Case{"balls", to_volume(sampled({16, 16, 16}, unite(sphere({5, 7, 7}, 4.2), sphere({11, 8, 7}, 3.6)))), {}});
+  Case& balls = out.emplace_back(
+      Case{"balls",
+           to_volume(sampled({16, 16, 16}, unite(sphere({5, 7, 7}, 4.2), sphere({11, 8, 7}, 3.6)))),
+           {}});
   balls.options.refine = {{{Quantity::max_distance, 0.1}}};
   balls.options.placement = Placement::balanced;
   balls.options.components.keep_largest = 1;
-  Case& tricubic = out.emplace_back(Case{"supersampled", to_volume(random_samples(Family::smooth_blobs, {10, 10, 10}, 4)), {}});
+  Case& tricubic = out.emplace_back(
+      Case{"supersampled", to_volume(random_samples(Family::smooth_blobs, {10, 10, 10}, 4)), {}});
   tricubic.options.surface.interpolation = Interpolation::tricubic;
   tricubic.options.supersample = 2;
   tricubic.options.covering.strategy = CoveringStrategy::halving;
@@ -73,7 +78,8 @@ TEST(Stop, AtAnyTestForCancellation) {
         run(c, 1, stop);
         ADD_FAILURE() << c.name << ": look " << stop << " of " << all << " has not stopped it";
       } catch (const Error& e) {
-        ASSERT_EQ(e.code(), ErrorCode::cancelled) << c.name << ", look " << stop << ": " << e.what();
+        ASSERT_EQ(e.code(), ErrorCode::cancelled)
+            << c.name << ", look " << stop << ": " << e.what();
       }
       EXPECT_EQ(looks, stop) << c.name << ": it continued";
     }
@@ -92,7 +98,8 @@ TEST(Stop, AtAnyTestForCancellationWithThreads) {
         run(c, kThreads, stop);
         ADD_FAILURE() << c.name << ": look " << stop << " of " << all << " has not stopped it";
       } catch (const Error& e) {
-        ASSERT_EQ(e.code(), ErrorCode::cancelled) << c.name << ", look " << stop << ": " << e.what();
+        ASSERT_EQ(e.code(), ErrorCode::cancelled)
+            << c.name << ", look " << stop << ": " << e.what();
       }
       EXPECT_LT(looks, stop + 2 * kThreads) << c.name << ": it continued";
     }

@@ -18,11 +18,14 @@ std::vector<float> ball_samples(int nx, int ny, int nz) {
   std::vector<float> out;
   for (int z = 0; z < nz; ++z)
     for (int y = 0; y < ny; ++y)
-      for (int x = 0; x < nx; ++x) out.push_back(static_cast<float>(5.2 - std::hypot(x - 8.1, y - 7.3, z - 6.7)));
+      for (int x = 0; x < nx; ++x)
+        out.push_back(static_cast<float>(5.2 - std::hypot(x - 8.1, y - 7.3, z - 6.7)));
   return out;
 }
 
-bool same(const TriangleMesh& a, const TriangleMesh& b) { return a.positions == b.positions && a.triangles == b.triangles; }
+bool same(const TriangleMesh& a, const TriangleMesh& b) {
+  return a.positions == b.positions && a.triangles == b.triangles;
+}
 
 ErrorCode code_of(const std::function<void()>& call) {
   try {
@@ -62,20 +65,25 @@ TEST(View, StridesMakeNoDifference) {
   const int nx = 17, ny = 15, nz = 14;
   const std::vector<float> samples = ball_samples(nx, ny, nz);
   const TriangleMesh expected = extract(VolumeView::of(samples, {nx, ny, nz}), 0).mesh();
-  const auto at = [&](int x, int y, int z) { return samples[static_cast<std::size_t>(x + nx * (y + ny * z))]; };
+  const auto at = [&](int x, int y, int z) {
+    return samples[static_cast<std::size_t>(x + nx * (y + ny * z))];
+  };
 
-  std::vector<float> z_fastest, padded(static_cast<std::size_t>((nx + 3) * ny * nz), 1e9F), backwards(samples.rbegin(), samples.rend());
+  std::vector<float> z_fastest, padded(static_cast<std::size_t>((nx + 3) * ny * nz), 1e9F),
+      backwards(samples.rbegin(), samples.rend());
   for (int x = 0; x < nx; ++x)
     for (int y = 0; y < ny; ++y)
       for (int z = 0; z < nz; ++z) z_fastest.push_back(at(x, y, z));
   for (int z = 0; z < nz; ++z)
     for (int y = 0; y < ny; ++y)
-      for (int x = 0; x < nx; ++x) padded[static_cast<std::size_t>(x + (nx + 3) * (y + ny * z))] = at(x, y, z);
+      for (int x = 0; x < nx; ++x)
+        padded[static_cast<std::size_t>(x + (nx + 3) * (y + ny * z))] = at(x, y, z);
 
   const Size3 size{nx, ny, nz};
-  for (const VolumeView& view : {VolumeView::of(std::span<const float>(z_fastest), size, {ny * nz, nz, 1}),
-                                 VolumeView::of(std::span<const float>(padded), size, {1, nx + 3, (nx + 3) * ny}),
-                                 VolumeView::of(std::span<const float>(backwards), size, {-1, -nx, -nx * ny})}) {
+  for (const VolumeView& view :
+       {VolumeView::of(std::span<const float>(z_fastest), size, {ny * nz, nz, 1}),
+        VolumeView::of(std::span<const float>(padded), size, {1, nx + 3, (nx + 3) * ny}),
+        VolumeView::of(std::span<const float>(backwards), size, {-1, -nx, -nx * ny})}) {
     EXPECT_FALSE(view.is_dense());
     EXPECT_TRUE(same(extract(view, 0).mesh(), expected));
     EXPECT_EQ(summarize(view).maximum, summarize(VolumeView::of(samples, size)).maximum);
@@ -96,7 +104,8 @@ TEST(View, BoxIsThePartWithItsPlaceInTheWorld) {
   const TopologySummary topology = extract(part, 0).finest().topology;  // the ball is inside
   EXPECT_EQ(topology.components, 1u);
   EXPECT_EQ(topology.boundary_loops, 0);
-  for (const Vec3& p : extract(part, 0, {}).mesh().positions) EXPECT_NEAR(p.x, 10 + 2 * 8.1, 2 * 5.3);
+  for (const Vec3& p : extract(part, 0, {}).mesh().positions)
+    EXPECT_NEAR(p.x, 10 + 2 * 8.1, 2 * 5.3);
   EXPECT_EQ(code_of([&] { whole.box({0, 0, 0}, {17, 14, 13}); }), ErrorCode::bad_argument);
   EXPECT_EQ(code_of([&] { whole.box({3, 0, 0}, {2, 14, 13}); }), ErrorCode::bad_argument);
   const VolumeView inner = part.box({1, 1, 1}, {5, 5, 5});  // of a view that has strides already
@@ -124,7 +133,8 @@ TEST(Options, LengthsAreInTheWorldOrInVoxels) {
   const std::vector<float> samples = ball_samples(17, 15, 14);
   VolumeView volume = VolumeView::of(samples, {17, 15, 14});
   volume.grid.spacing = {0.5, 0.5, 0.5};
-  const Extraction world = extract(volume, 0, {within(0.1)}), voxels = extract(volume, 0, {within(0.2 * vx)});
+  const Extraction world = extract(volume, 0, {within(0.1)}),
+                   voxels = extract(volume, 0, {within(0.2 * vx)});
   EXPECT_TRUE(same(world.mesh(), voxels.mesh()));
   EXPECT_EQ(voxels.finest().constraints.at(0).constraint.bound, 0.1);
   EXPECT_FALSE(voxels.finest().constraints.at(0).constraint.in_voxels);
@@ -134,7 +144,8 @@ TEST(Options, LengthsAreInTheWorldOrInVoxels) {
   const Extraction both = extract(volume, options);
   ASSERT_EQ(both.report.levels.size(), 3u);
   EXPECT_EQ(both.report.levels[1].constraints.at(1).constraint.bound, 1.5);
-  EXPECT_EQ(code_of([&] { extract(volume, 0, {bounded(Quantity::max_vertices, 100 * vx)}); }), ErrorCode::bad_argument);
+  EXPECT_EQ(code_of([&] { extract(volume, 0, {bounded(Quantity::max_vertices, 100 * vx)}); }),
+            ErrorCode::bad_argument);
 }
 
 TEST(Field, IsSampledOverABoxForAnyNumberOfThreads) {
@@ -155,15 +166,18 @@ TEST(Field, IsSampledOverABoxForAnyNumberOfThreads) {
   for (const Vec3& p : e.mesh().positions) EXPECT_NEAR(length(p), 1, 0.01);
   EXPECT_EQ(code_of([&] { sample(field, {0, 0, 0}, {1, 1, 0}, 0.1); }), ErrorCode::bad_argument);
   EXPECT_EQ(code_of([&] { sample(field, {0, 0, 0}, {1, 1, 1}, 0); }), ErrorCode::bad_argument);
-  EXPECT_THROW(sample([](Vec3) -> double { throw std::logic_error("mine"); }, {0, 0, 0}, {1, 1, 1}, 0.5), std::logic_error);
+  EXPECT_THROW(
+      sample([](Vec3) -> double { throw std::logic_error("mine"); }, {0, 0, 0}, {1, 1, 1}, 0.5),
+      std::logic_error);
 }
 
 // Of a ball on rotated, mirrored and anisotropic grids, in all spaces.
 TEST(Normals, PointOutwardWhateverTheGrid) {
   const double c = std::cos(0.5), s = std::sin(0.5);
-  const std::array<std::array<Vec3, 3>, 3> directions{{{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}},
-                                                       {Vec3{c, s, 0}, Vec3{-s, c, 0}, Vec3{0, 0, 1}},
-                                                       {Vec3{c, 0, s}, Vec3{0, -1, 0}, Vec3{-s, 0, c}}}};
+  const std::array<std::array<Vec3, 3>, 3> directions{
+      {{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}},
+       {Vec3{c, s, 0}, Vec3{-s, c, 0}, Vec3{0, 0, 1}},
+       {Vec3{c, 0, s}, Vec3{0, -1, 0}, Vec3{-s, 0, c}}}};
   for (const auto& direction : directions) {
     Grid grid;
     grid.size = {40, 40, 30};
@@ -180,14 +194,17 @@ TEST(Normals, PointOutwardWhateverTheGrid) {
         options.surface.inside = inside;
         options.space = space;
         const TriangleMesh mesh = extract(volume, options).mesh();
-        const std::vector<Vec3> flat = vertex_normals(mesh), smooth = vertex_normals(mesh, volume, options.surface, space);
+        const std::vector<Vec3> flat = vertex_normals(mesh),
+                                smooth = vertex_normals(mesh, volume, options.surface, space);
         ASSERT_EQ(flat.size(), mesh.positions.size());
         for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
           Vec3 outward = mesh.positions[v];
           if (space == Space::ras) outward = {-outward.x, -outward.y, outward.z};
           if (space == Space::voxel) {
             const Vec3 d = mesh.positions[v] - Vec3{19.6, 19.3, 14.7};
-            outward = normalized(Vec3{d.x * 0.01, d.y * 0.01, d.z * 0.0225});  // the gradient of the squared distance, per step
+            outward =
+                normalized(Vec3{d.x * 0.01, d.y * 0.01,
+                                d.z * 0.0225});  // the gradient of the squared distance, per step
           } else {
             outward = normalized(outward - centre);
             if (space == Space::ras) outward = {-outward.x, -outward.y, outward.z};
@@ -197,11 +214,15 @@ TEST(Normals, PointOutwardWhateverTheGrid) {
         }
         if (space != Space::lps) continue;
         const std::vector<Vec3> exact = vertex_normals(mesh, ball, inside);
-        for (std::size_t v = 0; v < mesh.positions.size(); ++v) EXPECT_GT(dot(exact[v], normalized(mesh.positions[v] - centre)), 0.9999999);
+        for (std::size_t v = 0; v < mesh.positions.size(); ++v)
+          EXPECT_GT(dot(exact[v], normalized(mesh.positions[v] - centre)), 0.9999999);
       }
     }
   }
-  EXPECT_EQ(code_of([] { vertex_normals(TriangleMesh{{{0, 0, 0}}, {{0, 0, 1}}}); }), ErrorCode::bad_argument);
+  EXPECT_EQ(code_of([] {
+              vertex_normals(TriangleMesh{{{0, 0, 0}}, {{0, 0, 1}}});
+            }),
+            ErrorCode::bad_argument);
 }
 
 TEST(Mesh, ViewsOfLevelsAreTheirMeshes) {

@@ -35,7 +35,8 @@ Partition cells_by(const SurfaceComplex& surface, Rule rule) {
     } else {
       out.cell_of[v] = named[key];
     }
-    if (surface.on_boundary[v] && !surface.on_boundary[out.site[out.cell_of[v]]]) out.site[out.cell_of[v]] = v;
+    if (surface.on_boundary[v] && !surface.on_boundary[out.site[out.cell_of[v]]])
+      out.site[out.cell_of[v]] = v;
   }
   return out;
 }
@@ -45,8 +46,9 @@ PartitionCheck check(const SurfaceComplex& surface, const Partition& partition) 
 }
 
 bool has_pair(const PartitionCheck& c, CellId a, CellId b) {
-  return std::any_of(c.pair_faults.begin(), c.pair_faults.end(),
-                     [&](const PairFault& p) { return p.a == std::min(a, b) && p.b == std::max(a, b); });
+  return std::any_of(c.pair_faults.begin(), c.pair_faults.end(), [&](const PairFault& p) {
+    return p.a == std::min(a, b) && p.b == std::max(a, b);
+  });
 }
 
 SurfaceComplex ball() { return surface_of(sampled({16, 16, 16}, sphere({7.4, 7.6, 7.55}, 5.8))); }
@@ -54,7 +56,8 @@ SurfaceComplex ball() { return surface_of(sampled({16, 16, 16}, sphere({7.4, 7.6
 TEST(Certificate, SinglesPassOnEverySurface) {
   std::vector<std::pair<std::string, SurfaceComplex>> surfaces{
       {"tetrahedron", tetrahedron()}, {"grid", flat_grid(5, 6)}, {"tube", tube(5, 4)}};
-  for (const KnownVolume& known : known_volumes()) surfaces.emplace_back(known.name, surface_of(known.samples, known.isovalue));
+  for (const KnownVolume& known : known_volumes())
+    surfaces.emplace_back(known.name, surface_of(known.samples, known.isovalue));
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     const auto family = static_cast<Family>(seed % kFamilies);
     const Samples s = random_samples(family, {7, 6, 8}, seed);
@@ -67,7 +70,8 @@ TEST(Certificate, SinglesPassOnEverySurface) {
     const PartitionCheck c = check(surface, singles);
     EXPECT_TRUE(c.passed()) << what;
     EXPECT_EQ(c.cells, all.size());
-    EXPECT_TRUE(check_partition(surface, all, surface.c_vertex_count(), {}).passed()) << what << ", no sites";
+    EXPECT_TRUE(check_partition(surface, all, surface.c_vertex_count(), {}).passed())
+        << what << ", no sites";
     const SurfaceComplex dual = dual_complex(surface, singles, c.triangles);
     EXPECT_EQ(validate(dual), "") << what;
     EXPECT_EQ(kinds_of(triangles_of(dual)), kinds_of(triangles_of(surface))) << what;
@@ -77,7 +81,8 @@ TEST(Certificate, SinglesPassOnEverySurface) {
 TEST(Certificate, GoodBlocksPass) {
   // 12 x 12 c-vertices in blocks of 3 x 3: a coarser grid.
   const SurfaceComplex grid = flat_grid(12, 12);
-  const Partition blocks = cells_by(grid, [](CVertexId v) { return static_cast<int>(v % 12 / 3 + 4 * (v / 12 / 3)); });
+  const Partition blocks =
+      cells_by(grid, [](CVertexId v) { return static_cast<int>(v % 12 / 3 + 4 * (v / 12 / 3)); });
   const PartitionCheck c = check(grid, blocks);
   EXPECT_TRUE(c.passed());
   EXPECT_EQ(c.cells, 16u);
@@ -89,14 +94,16 @@ TEST(Certificate, GoodBlocksPass) {
   EXPECT_EQ(dual.boundary.size(), 12u);
   for (CellId cell = 0; cell < 16; ++cell) {
     EXPECT_EQ(dual.positions[cell], grid.positions[blocks.site[cell]]);
-    EXPECT_EQ(dual.on_boundary[cell] != 0, cell % 4 == 0 || cell % 4 == 3 || cell / 4 == 0 || cell / 4 == 3);
+    EXPECT_EQ(dual.on_boundary[cell] != 0,
+              cell % 4 == 0 || cell % 4 == 3 || cell / 4 == 0 || cell / 4 == 3);
   }
 }
 
 TEST(Certificate, AnnulusIsNotADisk) {
   const SurfaceComplex grid = flat_grid(9, 9);
   const Partition p = cells_by(grid, [](CVertexId v) {
-    const int d = std::max(std::abs(static_cast<int>(v % 9) - 4), std::abs(static_cast<int>(v / 9) - 4));
+    const int d =
+        std::max(std::abs(static_cast<int>(v % 9) - 4), std::abs(static_cast<int>(v / 9) - 4));
     return d == 2 ? 1 : kAlone;
   });
   const PartitionCheck c = check(grid, p);
@@ -121,7 +128,8 @@ TEST(Certificate, DiskAndAnnulusThatSumToOne) {
     return std::max(std::abs(x - 3), std::abs(y - 3)) == 1 || (x == 8 && y == 8) ? 1 : kAlone;
   });
   const PartitionCheck c = check(grid, p);
-  EXPECT_EQ(c.fault_of(p.cell_of[8 + 12 * 8]), kNotConnected) << "V - E + F is 1, so only connectedness is violated";
+  EXPECT_EQ(c.fault_of(p.cell_of[8 + 12 * 8]), kNotConnected)
+      << "V - E + F is 1, so only connectedness is violated";
 }
 
 TEST(Certificate, TwoCellsWithTwoCommonArcsAroundATube) {
@@ -163,7 +171,9 @@ TEST(Certificate, WholeComponentInOneCell) {
 
 TEST(Certificate, TwoHalvesOfABall) {
   const SurfaceComplex surface = ball();
-  const PartitionCheck c = check(surface, cells_by(surface, [&](CVertexId v) { return surface.positions[v].z < 7.55 ? 0 : 1; }));
+  const PartitionCheck c =
+      check(surface,
+            cells_by(surface, [&](CVertexId v) { return surface.positions[v].z < 7.55 ? 0 : 1; }));
   EXPECT_TRUE(c.fault_of(0) & kNoTriangle);
   EXPECT_TRUE(c.fault_of(1) & kNoTriangle);
   EXPECT_FALSE(c.passed());
@@ -172,7 +182,8 @@ TEST(Certificate, TwoHalvesOfABall) {
 TEST(Certificate, CellWithASingleNeighbour) {
   const SurfaceComplex grid = flat_grid(9, 9);  // a cell with a hole that another cell fills
   const Partition p = cells_by(grid, [](CVertexId v) {
-    const int d = std::max(std::abs(static_cast<int>(v % 9) - 4), std::abs(static_cast<int>(v / 9) - 4));
+    const int d =
+        std::max(std::abs(static_cast<int>(v % 9) - 4), std::abs(static_cast<int>(v / 9) - 4));
     return d < 2 ? 1 : d == 2 ? 2 : kAlone;
   });
   const PartitionCheck c = check(grid, p);
@@ -181,7 +192,8 @@ TEST(Certificate, CellWithASingleNeighbour) {
 }
 
 TEST(Certificate, CellTouchesTheBoundaryTwice) {
-  const SurfaceComplex grid = flat_grid(9, 5);  // a column from one side to the other: a disk, but it separates the surface
+  const SurfaceComplex grid =
+      flat_grid(9, 5);  // a column from one side to the other: a disk, but it separates the surface
   const Partition p = cells_by(grid, [](CVertexId v) { return v % 9 == 4 ? 1 : kAlone; });
   const PartitionCheck c = check(grid, p);
   EXPECT_EQ(c.fault_of(p.cell_of[4]), kBadBoundary);
@@ -210,7 +222,8 @@ TEST(Certificate, TwoCellsOnATriangle) {
   // A disk split in two: one arc with both ends on the boundary, and no triangle. The dual would be
   // a single edge.
   const SurfaceComplex grid = flat_grid(6, 4);
-  const PartitionCheck c = check(grid, cells_by(grid, [](CVertexId v) { return v % 6 < 3 ? 0 : 1; }));
+  const PartitionCheck c =
+      check(grid, cells_by(grid, [](CVertexId v) { return v % 6 < 3 ? 0 : 1; }));
   EXPECT_FALSE(c.passed());
   EXPECT_TRUE(has_pair(c, 0, 1));
 }
@@ -226,9 +239,14 @@ TEST(Certificate, CellsWithoutCVerticesAreSkipped) {
 
 TEST(CutFace, QuadsByTheirLabels) {
   SurfaceComplex quad;
-  quad.positions = {{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {0, 1.5, 0}};  // 1-3 is shorter than 0-2? 3.35 against 3.16: 0-2 is
+  quad.positions = {{0, 0, 0},
+                    {3, 0, 0},
+                    {3, 1, 0},
+                    {0, 1.5, 0}};  // 1-3 is shorter than 0-2? 3.35 against 3.16: 0-2 is
   quad.faces = {{{0, 1, 2, 3}}};
-  const auto cut = [&](CellId a, CellId b, CellId c, CellId d) { return cut_face(quad, quad.faces[0], {a, b, c, d}, {}); };
+  const auto cut = [&](CellId a, CellId b, CellId c, CellId d) {
+    return cut_face(quad, quad.faces[0], {a, b, c, d}, {});
+  };
   EXPECT_EQ(cut(1, 1, 1, 1).triangles, 0);
   EXPECT_EQ(cut(1, 1, 2, 2).triangles, 0);
   EXPECT_EQ(cut(1, 1, 1, 2).triangles, 0);
@@ -254,7 +272,8 @@ TEST(Certificate, IsSound) {
   int passed = 0, failed = 0;
   std::vector<SurfaceComplex> surfaces;
   for (const KnownVolume& known : known_volumes()) {
-    if (known.samples.values.size() < 16000) surfaces.push_back(surface_of(known.samples, known.isovalue));
+    if (known.samples.values.size() < 16000)
+      surfaces.push_back(surface_of(known.samples, known.isovalue));
   }
   for (std::uint64_t seed = 0; seed < 24; ++seed) {
     const auto family = static_cast<Family>(seed % kFamilies);
@@ -290,9 +309,11 @@ TEST(Certificate, IsSound) {
         for (int k = 0; next < n && k < 6; ++k) start(next);
       }
       for (CVertexId v = 0; v < n; ++v) {
-        if (surface.on_boundary[v] && !surface.on_boundary[p.site[p.cell_of[v]]]) p.site[p.cell_of[v]] = v;
+        if (surface.on_boundary[v] && !surface.on_boundary[p.site[p.cell_of[v]]])
+          p.site[p.cell_of[v]] = v;
       }
-      const PartitionCheck c = round % 2 ? check(surface, p) : check_partition(surface, p.cell_of, p.cell_count(), {});
+      const PartitionCheck c =
+          round % 2 ? check(surface, p) : check_partition(surface, p.cell_of, p.cell_count(), {});
       if (!c.passed()) {
         ++failed;
         continue;
@@ -325,7 +346,8 @@ TEST(Certificate, IsComplete) {
       p.site.resize(n);
       std::iota(p.cell_of.begin(), p.cell_of.end(), 0u);
       std::iota(p.site.begin(), p.site.end(), 0u);
-      for (int k = 0; k < 2 + round / 6; ++k) p.cell_of[random.bits() % n] = p.cell_of[random.bits() % n];
+      for (int k = 0; k < 2 + round / 6; ++k)
+        p.cell_of[random.bits() % n] = p.cell_of[random.bits() % n];
       const PartitionCheck c = check_partition(surface, p.cell_of, n, {});
       // The dual's vertices are the cells in use.
       std::vector<std::uint32_t> used(n, kNone);
@@ -335,7 +357,8 @@ TEST(Certificate, IsComplete) {
       }
       TriangleMesh mesh;
       mesh.positions.resize(count);
-      for (const DualTriangle& t : c.triangles) mesh.triangles.push_back({used[t.cell[0]], used[t.cell[1]], used[t.cell[2]]});
+      for (const DualTriangle& t : c.triangles)
+        mesh.triangles.push_back({used[t.cell[0]], used[t.cell[1]], used[t.cell[2]]});
       bool good = false;
       try {
         good = kinds_of(mesh) == want;

@@ -56,7 +56,8 @@ TEST(Coarsen, RandomVolumes) {
     const Samples s = random_samples(family, {3 + seed % 7, 8, 9}, seed);
     if (!has_surface(s, 0)) continue;
     for (const double block : {2.0, 4.0, 8.0}) {
-      expect_coarser(surface_of(s), block, std::string(name(family)) + " seed " + std::to_string(seed));
+      expect_coarser(surface_of(s), block,
+                     std::string(name(family)) + " seed " + std::to_string(seed));
       if (HasFatalFailure()) return;
     }
   }
@@ -66,7 +67,8 @@ TEST(Coarsen, AnisotropicSpacing) {
   const Samples s = sampled({20, 20, 20}, gyroid(9.5, 0.1));
   for (const Vec3 spacing : {Vec3{1, 1, 5}, Vec3{0.2, 1, 3}}) {
     for (const double block : {0.3, 1.0, 4.0, 100.0}) {
-      expect_coarser(surface_of(s, 0, Inside::above, spacing), block, "block " + std::to_string(block));
+      expect_coarser(surface_of(s, 0, Inside::above, spacing), block,
+                     "block " + std::to_string(block));
       if (HasFatalFailure()) return;
     }
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sizes of components against closed forms, and against the same volume with a border of samples outside.
+// Sizes of components against closed forms, and against the same volume with a border of samples
+// outside.
 #include "complex/component_sizes.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +28,8 @@ struct Sized {
   double of(ComponentId c) const { return sizes.enclosed[sizes.part_of[c]]; }
 };
 
-SurfaceComplex parsed(const Samples& samples, bool closed, Vec3 spacing = {1, 1, 1}, ParseOptions options = {}) {
+SurfaceComplex parsed(const Samples& samples, bool closed, Vec3 spacing = {1, 1, 1},
+                      ParseOptions options = {}) {
   Volume volume = to_volume(samples);
   volume.view.grid.spacing = spacing;
   options.closed = closed;
@@ -46,7 +48,8 @@ Samples padded(const Samples& samples, std::int64_t value) {
   Samples out = constant({samples.size[0] + 2, samples.size[1] + 2, samples.size[2] + 2}, value);
   for (std::size_t z = 0; z < samples.size[2]; ++z) {
     for (std::size_t y = 0; y < samples.size[1]; ++y) {
-      for (std::size_t x = 0; x < samples.size[0]; ++x) out.at(x + 1, y + 1, z + 1) = samples.at(x, y, z);
+      for (std::size_t x = 0; x < samples.size[0]; ++x)
+        out.at(x + 1, y + 1, z + 1) = samples.at(x, y, z);
     }
   }
   return out;
@@ -56,7 +59,8 @@ TEST(ComponentSizes, OfBallsAndShells) {
   const Function balls = unite(sphere({8.3, 8.4, 8.6}, 6), sphere({22.4, 8.5, 8.3}, 3));
   const Sized two = sized(sampled({28, 18, 18}, balls), {1, 2, 0.5});
   ASSERT_EQ(two.components.topology.size(), 2U);
-  EXPECT_NEAR(std::max(two.of(0), two.of(1)), ball(6), 0.04 * ball(6)) << "a spacing of volume 1; chords cut off a little";
+  EXPECT_NEAR(std::max(two.of(0), two.of(1)), ball(6), 0.04 * ball(6))
+      << "a spacing of volume 1; chords cut off a little";
   EXPECT_NEAR(std::min(two.of(0), two.of(1)), ball(3), 0.12 * ball(3));
 
   // A cavity is a component of its own, as large as its volume.
@@ -102,7 +106,8 @@ TEST(ComponentSizes, ComponentsConnectedByTheCapAreOnePart) {
 
 TEST(ComponentSizes, AllOfTheVolumeButAHole) {
   // The outside is a tube through the volume.
-  const Sized tube = sized(sampled({20, 20, 20}, [](double x, double y, double) { return std::hypot(x - 9.5, y - 9.5) - 5; }));
+  const Sized tube = sized(sampled(
+      {20, 20, 20}, [](double x, double y, double) { return std::hypot(x - 9.5, y - 9.5) - 5; }));
   ASSERT_EQ(tube.components.topology.size(), 1U);
   EXPECT_NEAR(tube.of(0), 19 * 19 * 19 - std::numbers::pi * 25 * 19, 0.03 * 19 * 19 * 19);
 }
@@ -110,9 +115,11 @@ TEST(ComponentSizes, AllOfTheVolumeButAHole) {
 // In a volume with a border of samples outside, every part is a component with the same topology,
 // for any samples.
 TEST(ComponentSizes, ClosedSurfacesAreThoseOfPaddedVolumes) {
-  for (const Family family : {Family::white_noise, Family::few_values, Family::gyroid_cut, Family::checkerboard}) {
+  for (const Family family :
+       {Family::white_noise, Family::few_values, Family::gyroid_cut, Family::checkerboard}) {
     for (std::uint64_t seed = 0; seed < 60; ++seed) {
-      const Samples samples = random_samples(family, {2 + seed % 5, 2 + seed / 5 % 4, 2 + seed / 20}, seed);
+      const Samples samples =
+          random_samples(family, {2 + seed % 5, 2 + seed / 5 % 4, 2 + seed / 20}, seed);
       for (const Topology topology : {Topology::faces, Topology::trilinear}) {
         ParseOptions options;
         options.topology = topology;
@@ -120,7 +127,8 @@ TEST(ComponentSizes, ClosedSurfacesAreThoseOfPaddedVolumes) {
         ASSERT_EQ(validate(closed), "") << seed;
         ASSERT_TRUE(closed.boundary.empty());
         std::vector<ComponentTopology> found = find_components(closed).topology;
-        std::vector<ComponentTopology> wanted = find_components(parsed(padded(samples, -1000000), false, {1, 1, 1}, options)).topology;
+        std::vector<ComponentTopology> wanted =
+            find_components(parsed(padded(samples, -1000000), false, {1, 1, 1}, options)).topology;
         std::ranges::sort(found);
         std::ranges::sort(wanted);
         ASSERT_EQ(found, wanted) << seed;

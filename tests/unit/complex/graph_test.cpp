@@ -20,12 +20,15 @@ using namespace test;
 void expect_proper_graph(const SurfaceComplex& surface, const std::string& what) {
   const CVertexGraph graph = make_graph(surface);
   ASSERT_EQ(graph.c_vertex_count(), surface.c_vertex_count());
-  std::vector<std::set<CVertexId>> side(surface.c_vertex_count()), diagonal(surface.c_vertex_count());
-  std::set<std::array<CVertexId, 3>> corner;  // (v, next, previous) of every face, and (v, next, diagonal), (v, diagonal, previous)
+  std::vector<std::set<CVertexId>> side(surface.c_vertex_count()),
+      diagonal(surface.c_vertex_count());
+  std::set<std::array<CVertexId, 3>> corner;  // (v, next, previous) of every face, and (v, next,
+                                              // diagonal), (v, diagonal, previous)
   for (const Face& f : surface.faces) {
     const int n = f.size();
     for (int k = 0; k < n; ++k) {
-      const CVertexId v = f.corner[k], next = f.corner[(k + 1) % n], previous = f.corner[(k + n - 1) % n];
+      const CVertexId v = f.corner[k], next = f.corner[(k + 1) % n],
+                      previous = f.corner[(k + n - 1) % n];
       side[v].insert({next, previous});
       if (n == 4) {
         const CVertexId across = f.corner[(k + 2) % 4];
@@ -42,13 +45,16 @@ void expect_proper_graph(const SurfaceComplex& surface, const std::string& what)
     std::set<CVertexId> sides, diagonals;
     for (std::size_t i = 0; i < row.size(); ++i) {
       const bool is_diagonal = graph.is_diagonal[graph.first[v] + i] != 0;
-      ASSERT_TRUE((is_diagonal ? diagonals : sides).insert(row[i].id).second) << what << ": neighbour twice";
-      const double d = length(to_metric(surface.positions[v] - surface.positions[row[i].id], surface.spacing));
+      ASSERT_TRUE((is_diagonal ? diagonals : sides).insert(row[i].id).second)
+          << what << ": neighbour twice";
+      const double d =
+          length(to_metric(surface.positions[v] - surface.positions[row[i].id], surface.spacing));
       ASSERT_NEAR(row[i].weight, d, 1e-6 * (1 + d)) << what;
       ASSERT_GT(row[i].weight, 0) << what;
       const bool last = i + 1 == row.size();
       if (last && surface.on_boundary[v]) continue;
-      ASSERT_TRUE(corner.count({v, row[i].id, row[last ? 0 : i + 1].id})) << what << ": row " << v << " is not in cyclic order";
+      ASSERT_TRUE(corner.count({v, row[i].id, row[last ? 0 : i + 1].id}))
+          << what << ": row " << v << " is not in cyclic order";
       ASSERT_FALSE(i == 0 && is_diagonal) << what << ": a row starts with a side";
     }
     ASSERT_EQ(sides, side[v]) << what;
@@ -91,7 +97,9 @@ TEST(Graph, CVertexWithManyFaces) {
     SurfaceComplex fan;
     fan.positions.push_back({0, 0, 0});
     fan.on_boundary.push_back(open);
-    const auto spoke = [](std::uint32_t i) { return 1 + i * 37 % n; };  // ids around the centre in no order
+    const auto spoke = [](std::uint32_t i) {
+      return 1 + i * 37 % n;
+    };  // ids around the centre in no order
     for (std::uint32_t i = 0; i < n; ++i) fan.positions.push_back({}), fan.on_boundary.push_back(1);
     for (std::uint32_t i = 0; i < n; ++i) {
       const double angle = (open ? 5.0 : 2 * M_PI) * i / n;
@@ -116,7 +124,8 @@ TEST(Graph, CVertexWithManyFaces) {
 TEST(Graph, RebuildingEqualsBuildingAndReportsChanges) {
   const auto same_row = [](const CVertexGraph& a, const CVertexGraph& b, CVertexId v) {
     return std::ranges::equal(a.row(v), b.row(v)) && a.on_boundary[v] == b.on_boundary[v] &&
-           std::equal(a.is_diagonal.begin() + a.first[v], a.is_diagonal.begin() + a.first[v + 1], b.is_diagonal.begin() + b.first[v]);
+           std::equal(a.is_diagonal.begin() + a.first[v], a.is_diagonal.begin() + a.first[v + 1],
+                      b.is_diagonal.begin() + b.first[v]);
   };
   Random random(9);
   for (int round = 0; round < 60; ++round) {
@@ -144,7 +153,8 @@ TEST(Graph, RebuildingEqualsBuildingAndReportsChanges) {
       ASSERT_EQ(graph.first, anew.first);
       ASSERT_EQ(graph.neighbours, anew.neighbours);
       ASSERT_EQ(graph.is_diagonal, anew.is_diagonal);
-      for (CVertexId v = 0; v < changed.size(); ++v) ASSERT_EQ(changed[v] != 0, !same_row(before, graph, v)) << v;
+      for (CVertexId v = 0; v < changed.size(); ++v)
+        ASSERT_EQ(changed[v] != 0, !same_row(before, graph, v)) << v;
     }
     for (const SurfaceComplex& other : {tetrahedron(), quads}) {
       rebuild_graph(graph, other);

@@ -128,7 +128,8 @@ TEST(Validate, SideThatIsAlsoADiagonal) {
 }
 
 TEST(Validate, TwoSidesBetweenTheSameCVertices) {
-  // A tube of two columns: every ring has two sides between the same two c-vertices, once in each sense.
+  // A tube of two columns: every ring has two sides between the same two c-vertices, once in each
+  // sense.
   EXPECT_NE(validate(tube(2, 3)), "");
 }
 

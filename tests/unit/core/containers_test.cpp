@@ -25,7 +25,8 @@ TEST(DisjointSets, RootIsTheSmallestMemberWhateverTheOrder) {
     std::vector<std::uint32_t> label(n);  // the slow way: relabels everything
     for (std::uint32_t i = 0; i < n; ++i) label[i] = i;
     for (std::uint32_t k = 0; k < n; ++k) {
-      const auto a = static_cast<std::uint32_t>(random.bits() % n), b = static_cast<std::uint32_t>(random.bits() % n);
+      const auto a = static_cast<std::uint32_t>(random.bits() % n),
+                 b = static_cast<std::uint32_t>(random.bits() % n);
       sets.unite(a, b);
       const std::uint32_t to = std::min(label[a], label[b]), from = std::max(label[a], label[b]);
       std::replace(label.begin(), label.end(), from, to);
@@ -38,14 +39,17 @@ TEST(DisjointSets, ThreadsThatUniteAtTheSameTimeGetTheSameSets) {
   constexpr std::uint32_t n = 50000;
   for (std::uint32_t seed = 0; seed < 5; ++seed) {
     Random random(seed);
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs(n / 10 * (8 + seed));  // small sets, then a large one
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs(
+        n / 10 * (8 + seed));  // small sets, then a large one
     for (auto& [a, b] : pairs) {
       a = static_cast<std::uint32_t>(random.bits() % n);
-      b = static_cast<std::uint32_t>(seed % 2 ? random.bits() % n : std::min<std::uint64_t>(n - 1, a + random.bits() % 8));
+      b = static_cast<std::uint32_t>(
+          seed % 2 ? random.bits() % n : std::min<std::uint64_t>(n - 1, a + random.bits() % 8));
     }
     DisjointSets alone(n), together(n);
     for (const auto& [a, b] : pairs) alone.unite(a, b);
-    for_each_index(pairs.size(), 1, [&](std::size_t i) { together.unite(pairs[i].first, pairs[i].second); });
+    for_each_index(pairs.size(), 1,
+                   [&](std::size_t i) { together.unite(pairs[i].first, pairs[i].second); });
     for (std::uint32_t i = 0; i < n; ++i) {
       ASSERT_EQ(together.find(i), alone.find(i)) << "seed " << seed;
       ASSERT_EQ(together.is_root(i), together.find(i) == i);
@@ -66,8 +70,9 @@ TEST(DisjointSets, ResetSplitsAWholeSet) {
 }
 
 TEST(LengthKey, OrdersByLengthThenId) {
-  const float lengths[] = {0.0f,  std::numeric_limits<float>::denorm_min(), 1e-30f, 1.0f, std::nextafter(1.0f, 2.0f),
-                           3e38f, std::numeric_limits<float>::infinity()};
+  const float lengths[] = {
+      0.0f,  std::numeric_limits<float>::denorm_min(), 1e-30f, 1.0f, std::nextafter(1.0f, 2.0f),
+      3e38f, std::numeric_limits<float>::infinity()};
   for (const float a : lengths) {
     for (const float b : lengths) {
       for (const std::uint32_t i : {0u, 7u, kNone}) {
@@ -100,7 +105,8 @@ TEST(KeyHeap, PopsInOrderWithTiesByTheSmallerId) {
   }
   EXPECT_TRUE(near.empty());
   std::vector<std::pair<float, std::uint32_t>> backwards(all.begin(), all.end());
-  std::stable_sort(backwards.begin(), backwards.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::stable_sort(backwards.begin(), backwards.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
   for (const auto& [length, id] : backwards) {
     const std::uint64_t key = far.pop();
     ASSERT_EQ(key_length(key), length);
@@ -116,9 +122,11 @@ TEST(MonotoneQueue, PopsTheShortestAndLosesNothing) {
     std::multiset<std::uint64_t> all;
     float last = 0;
     const auto push = [&] {
-      const float length = last + (random.bits() % 3 ? 1e-3f * static_cast<float>(random.bits() % 5000) : 0);
+      const float length =
+          last + (random.bits() % 3 ? 1e-3f * static_cast<float>(random.bits() % 5000) : 0);
       const std::uint64_t key =
-          length_key(random.bits() % 50 ? length : std::max(last, 1e6f * length), static_cast<std::uint32_t>(random.bits()));
+          length_key(random.bits() % 50 ? length : std::max(last, 1e6f * length),
+                     static_cast<std::uint32_t>(random.bits()));
       queue.push(key);
       all.insert(key);
     };

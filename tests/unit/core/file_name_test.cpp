@@ -8,7 +8,8 @@ namespace {
 
 TEST(FileName, OnlyAsciiLettersChangeCase) {
   EXPECT_EQ(lower_case("Scan_01.NII.Gz"), "scan_01.nii.gz");
-  EXPECT_EQ(lower_case("\xC3\x84 [\\]"), "\xC3\x84 [\\]");  // a letter of two bytes, and what lies between Z and a
+  EXPECT_EQ(lower_case("\xC3\x84 [\\]"),
+            "\xC3\x84 [\\]");  // a letter of two bytes, and what lies between Z and a
   EXPECT_EQ(lower_case(""), "");
 }
 

@@ -53,9 +53,10 @@ TEST(CollectPieces, KeepsTheOrderOfThePieces) {
   for (const int threads : {1, 2, 0}) {
     const ThreadLimit limit(threads);
     for (const std::size_t grain : {1u, 7u, 100000u}) {
-      const auto found = collect_pieces<std::size_t>(5000, grain, [](std::size_t begin, std::size_t end, std::vector<std::size_t>& out) {
-        for (std::size_t i = begin; i < end; ++i) out.insert(out.end(), i % 3, i);
-      });
+      const auto found = collect_pieces<std::size_t>(
+          5000, grain, [](std::size_t begin, std::size_t end, std::vector<std::size_t>& out) {
+            for (std::size_t i = begin; i < end; ++i) out.insert(out.end(), i % 3, i);
+          });
       std::vector<std::size_t> wanted;
       for (std::size_t i = 0; i < 5000; ++i) wanted.insert(wanted.end(), i % 3, i);
       EXPECT_EQ(found, wanted);
@@ -117,14 +118,16 @@ TEST(ThreadLimit, AffectsOnlyTheCallingThread) {
   const std::size_t allowed = global_control::active_value(global_control::max_allowed_parallelism);
   const auto threads_in_a_loop = [] {
     int threads = 0;
-    for_each_piece(1, 1, [&](std::size_t, std::size_t) { threads = tbb::this_task_arena::max_concurrency(); });
+    for_each_piece(
+        1, 1, [&](std::size_t, std::size_t) { threads = tbb::this_task_arena::max_concurrency(); });
     return threads;
   };
   const ThreadLimit one(1);
   EXPECT_EQ(global_control::active_value(global_control::max_allowed_parallelism), allowed);
   EXPECT_EQ(threads_in_a_loop(), 1);
   std::thread([&] {
-    const int all = tbb::info::default_concurrency();  // TBB has no more threads, and prints a warning if more are requested
+    const int all = tbb::info::default_concurrency();  // TBB has no more threads, and prints a
+                                                       // warning if more are requested
     const ThreadLimit many(1000);
     EXPECT_EQ(threads_in_a_loop(), all);
     const ThreadLimit nested(1);
@@ -137,7 +140,8 @@ TEST(ThreadLimit, EndsWithItsScope) {
   const int before = tbb::this_task_arena::max_concurrency();
   { const ThreadLimit limit(before + 1); }
   int threads = 0;
-  for_each_piece(1, 1, [&](std::size_t, std::size_t) { threads = tbb::this_task_arena::max_concurrency(); });
+  for_each_piece(
+      1, 1, [&](std::size_t, std::size_t) { threads = tbb::this_task_arena::max_concurrency(); });
   EXPECT_EQ(threads, before);
 }
 

@@ -25,7 +25,8 @@ cpp_int exact(long double v) {
   if (binary_exponent >= 0) {
     out <<= binary_exponent;
   } else {
-    EXPECT_EQ((out >> -binary_exponent) << -binary_exponent, out) << "the test's own scale is too coarse";
+    EXPECT_EQ((out >> -binary_exponent) << -binary_exponent, out)
+        << "the test's own scale is too coarse";
     out >>= -binary_exponent;
   }
   return v < 0 ? -out : out;
@@ -42,7 +43,8 @@ void expect_exact(long double a, long double b, long double c, long double d, lo
     const auto high = static_cast<double>(x);
     return ExactSample(high, static_cast<double>(x - high));
   };
-  ASSERT_EQ(saddle_sign(sample(a), sample(b), sample(c), sample(d), sample(q)), exact_sign(a, b, c, d, q))
+  ASSERT_EQ(saddle_sign(sample(a), sample(b), sample(c), sample(d), sample(q)),
+            exact_sign(a, b, c, d, q))
       << std::hexfloat << a << ", " << b << ", " << c << ", " << d << ", " << q;
 }
 
@@ -56,8 +58,8 @@ double any_finite_double(Random& random) {
 TEST(SaddleSign, AnyDoubles) {
   Random random(1);
   for (int i = 0; i < 5000; ++i) {
-    expect_exact(any_finite_double(random), any_finite_double(random), any_finite_double(random), any_finite_double(random),
-                 any_finite_double(random));
+    expect_exact(any_finite_double(random), any_finite_double(random), any_finite_double(random),
+                 any_finite_double(random), any_finite_double(random));
   }
 }
 
@@ -65,23 +67,29 @@ TEST(SaddleSign, DoublesOfOneMagnitude) {
   Random random(2);
   for (const double scale : {1.0, 1e-300, 0x1p-1074, 1e300, 1e-20}) {
     for (int i = 0; i < 3000; ++i) {
-      const auto v = [&] { return scale * (scale == 0x1p-1074 ? static_cast<double>(random.between(-50, 50)) : random.unit() - 0.5); };
+      const auto v = [&] {
+        return scale * (scale == 0x1p-1074 ? static_cast<double>(random.between(-50, 50))
+                                           : random.unit() - 0.5);
+      };
       expect_exact(v(), v(), v(), v(), v());
     }
   }
 }
 
-// (a - q)(b - q) and (c - q)(d - q) are the same product grouped in two ways, then one sample moves by one unit in the last
-// place: only exact arithmetic can decide this.
+// (a - q)(b - q) and (c - q)(d - q) are the same product grouped in two ways, then one sample moves
+// by one unit in the last place: only exact arithmetic can decide this.
 TEST(SaddleSign, ExactTiesAndTheirNeighbours) {
   Random random(3);
   int ties = 0;
   for (int i = 0; i < 20000; ++i) {
-    const auto factor = [&] { return static_cast<double>(random.between(1, 40000)) * (random.bits() & 1 ? 1 : -1); };
+    const auto factor = [&] {
+      return static_cast<double>(random.between(1, 40000)) * (random.bits() & 1 ? 1 : -1);
+    };
     const double p = factor(), r = factor(), s = factor(), t = factor();
     const double q = static_cast<double>(random.between(-1000000, 1000000));
     const double scale = std::ldexp(1.0, static_cast<int>(random.between(-1000, 900)));
-    double v[4] = {(q + p * r) * scale, (q + s * t) * scale, (q + p * s) * scale, (q + r * t) * scale};
+    double v[4] = {(q + p * r) * scale, (q + s * t) * scale, (q + p * s) * scale,
+                   (q + r * t) * scale};
     const double level = q * scale;
     expect_exact(v[0], v[1], v[2], v[3], level);
     ASSERT_EQ(saddle_sign(v[0], v[1], v[2], v[3], level), 0);
@@ -93,16 +101,20 @@ TEST(SaddleSign, ExactTiesAndTheirNeighbours) {
   EXPECT_EQ(ties, 20000);
 }
 
-// x y against (x + 1)(y - 1), which is y - x - 1 less: products of 100 bits that differ in the last one or two.
+// x y against (x + 1)(y - 1), which is y - x - 1 less: products of 100 bits that differ in the last
+// one or two.
 TEST(SaddleSign, ProductsThatDifferInTheirLastBits) {
   Random random(7);
   int signs[3]{};
   for (int i = 0; i < 20000; ++i) {
-    const double x = static_cast<double>(random.between(std::int64_t{1} << 50, std::int64_t{1} << 51));
+    const double x =
+        static_cast<double>(random.between(std::int64_t{1} << 50, std::int64_t{1} << 51));
     const double y = x + 1 + static_cast<double>(random.between(-2, 2));
-    const double q = static_cast<double>(random.between(-(std::int64_t{1} << 50), std::int64_t{1} << 50));
+    const double q =
+        static_cast<double>(random.between(-(std::int64_t{1} << 50), std::int64_t{1} << 50));
     const double scale = std::ldexp(1.0, static_cast<int>(random.between(-1000, 900)));
-    const double v[5] = {(q + x) * scale, (q + y) * scale, (q + x + 1) * scale, (q + y - 1) * scale, q * scale};
+    const double v[5] = {(q + x) * scale, (q + y) * scale, (q + x + 1) * scale, (q + y - 1) * scale,
+                         q * scale};
     expect_exact(v[0], v[1], v[2], v[3], v[4]);
     expect_exact(v[2], v[3], v[1], v[0], v[4]);
     ++signs[1 + saddle_sign(v[0], v[1], v[2], v[3], v[4])];
@@ -133,7 +145,8 @@ TEST(SaddleSign, Integers64) {
     expect_exact(any(), any(), any(), any(), static_cast<double>(any()));
   }
   // Neighbours at the ends of the ranges, which are equal as doubles.
-  for (const long double base : {18446744073709551600.0L, 9223372036854775790.0L, -9223372036854775808.0L}) {
+  for (const long double base :
+       {18446744073709551600.0L, 9223372036854775790.0L, -9223372036854775808.0L}) {
     const double q = static_cast<double>(base);
     for (int i = 0; i < 5000; ++i) {
       const auto near = [&] { return base + static_cast<long double>(random.between(0, 15)); };
@@ -146,7 +159,8 @@ TEST(ExactSample, HoldsEveryIntegerExactly) {
   Random random(8);
   const auto expect_whole = [](auto value) {
     const ExactSample sample = value;
-    EXPECT_EQ(cpp_int(static_cast<std::int64_t>(sample.low)) + cpp_int(sample.high), cpp_int(value));
+    EXPECT_EQ(cpp_int(static_cast<std::int64_t>(sample.low)) + cpp_int(sample.high),
+              cpp_int(value));
     EXPECT_EQ(static_cast<double>(static_cast<std::int64_t>(sample.low)), sample.low);
   };
   for (int i = 0; i < 10000; ++i) {
@@ -160,7 +174,8 @@ TEST(ExactSample, HoldsEveryIntegerExactly) {
 }
 
 TEST(SaddleSign, HugeBesideTiny) {
-  const double huge = std::numeric_limits<double>::max(), tiny = std::numeric_limits<double>::denorm_min();
+  const double huge = std::numeric_limits<double>::max(),
+               tiny = std::numeric_limits<double>::denorm_min();
   const double values[] = {huge, -huge, tiny, -tiny, 0.0, 1.0, -1.0, std::nextafter(huge, 0.0)};
   for (const double a : values) {
     for (const double b : values) {

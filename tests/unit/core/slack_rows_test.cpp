@@ -43,7 +43,9 @@ TEST(SlackRows, EqualVectorsOfVectors) {
       case 3: {
         const auto item = static_cast<int>(below(50));
         rows.erase(r, item);
-        if (const auto at = std::find(wanted[r].begin(), wanted[r].end(), item); at != wanted[r].end()) wanted[r].erase(at);
+        if (const auto at = std::find(wanted[r].begin(), wanted[r].end(), item);
+            at != wanted[r].end())
+          wanted[r].erase(at);
         break;
       }
       default:
@@ -53,7 +55,8 @@ TEST(SlackRows, EqualVectorsOfVectors) {
     ASSERT_TRUE(std::ranges::equal(rows.row(r), wanted[r])) << step;
     if (step % 1000 != 0) continue;
     ASSERT_EQ(rows.row_count(), wanted.size());
-    for (std::uint32_t k = 0; k < wanted.size(); ++k) ASSERT_TRUE(std::ranges::equal(rows.row(k), wanted[k])) << step << " row " << k;
+    for (std::uint32_t k = 0; k < wanted.size(); ++k)
+      ASSERT_TRUE(std::ranges::equal(rows.row(k), wanted[k])) << step << " row " << k;
   }
 }
 

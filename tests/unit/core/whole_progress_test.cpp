@@ -15,7 +15,9 @@ namespace {
 TEST(WholeProgress, NeverFallsAndEndsAtOne) {
   std::vector<std::pair<std::string, double>> reported;
   RunControl control;
-  control.progress = [&](std::string_view stage, double fraction) { reported.emplace_back(stage, fraction); };
+  control.progress = [&](std::string_view stage, double fraction) {
+    reported.emplace_back(stage, fraction);
+  };
   constexpr std::array<StageShare, 3> kStages{{{"one", 1}, {"two", 2}, {"three", 1}}};
   const RunControl whole = with_whole_progress(control, kStages);
   whole.report("one", 0);
@@ -25,8 +27,9 @@ TEST(WholeProgress, NeverFallsAndEndsAtOne) {
   whole.report("else", 0.9);  // counts as part of the previous stage
   whole.report("two", 7);
   whole.report("three", 1);
-  const std::vector<std::pair<std::string, double>> want{{"one", 0},      {"one", 0.125}, {"two", 0.375}, {"two", 0.375},
-                                                         {"else", 0.375}, {"two", 0.75},  {"three", 1}};
+  const std::vector<std::pair<std::string, double>> want{
+      {"one", 0},      {"one", 0.125}, {"two", 0.375}, {"two", 0.375},
+      {"else", 0.375}, {"two", 0.75},  {"three", 1}};
   EXPECT_EQ(reported, want);
 }
 
@@ -42,7 +45,8 @@ TEST(WholeProgress, AStageContinues) {
   const RunControl whole = with_whole_progress(control, kStages), inner = without_stages(whole);
   whole.report("one", 0.2);
   inner.report("two", 0.9);
-  EXPECT_EQ(std::pair(stage, fraction), std::pair(std::string("one"), 0.1)) << "a report of work that is part of the stage";
+  EXPECT_EQ(std::pair(stage, fraction), std::pair(std::string("one"), 0.1))
+      << "a report of work that is part of the stage";
   for (int k = 0; k < 1000; ++k) {
     const double before = fraction;
     report_continuing(inner);
@@ -67,7 +71,8 @@ TEST(WholeProgress, PiecesAreProcessedOnceAndReported) {
   int reported = 0;
   RunControl control;
   control.progress = [&](std::string_view, double) { ++reported; };
-  for (const RunControl* who : {static_cast<const RunControl*>(nullptr), static_cast<const RunControl*>(&control)}) {
+  for (const RunControl* who :
+       {static_cast<const RunControl*>(nullptr), static_cast<const RunControl*>(&control)}) {
     std::vector<int> times(kItems, 0);
     for_each_piece_reporting(kItems, kGrain, who, [&](std::size_t begin, std::size_t end) {
       EXPECT_LE(end - begin, kGrain);

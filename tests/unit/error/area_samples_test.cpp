@@ -13,7 +13,8 @@ namespace {
 
 TEST(AreaSamples, EachRepresentsTheSameArea) {
   // Two triangles, one nine times as large as the other.
-  const TriangleMesh mesh{{{0, 0, 0}, {3, 0, 0}, {0, 3, 0}, {5, 5, 5}, {6, 5, 5}, {5, 6, 5}}, {{0, 1, 2}, {3, 4, 5}}};
+  const TriangleMesh mesh{{{0, 0, 0}, {3, 0, 0}, {0, 3, 0}, {5, 5, 5}, {6, 5, 5}, {5, 6, 5}},
+                          {{0, 1, 2}, {3, 4, 5}}};
   const AreaSamples samples(mesh.positions, mesh.triangles, 10000);
   EXPECT_DOUBLE_EQ(samples.area(), 5);
   int small = 0, near_corner = 0;
@@ -43,7 +44,9 @@ TEST(AreaSamples, SpreadWellInOneTriangle) {
     }
     EXPECT_NEAR(x, 5.0 / 3, 2.0 / static_cast<double>(n));
     EXPECT_NEAR(xx, (16 + 1 + 4) / 6.0, 8.0 / static_cast<double>(n));
-    EXPECT_LT(step, 8 / std::sqrt(static_cast<double>(n)));  // consecutive samples are close to each other
+    EXPECT_LT(
+        step,
+        8 / std::sqrt(static_cast<double>(n)));  // consecutive samples are close to each other
   }
 }
 

@@ -63,7 +63,8 @@ TEST(LevelMesh, PlacingMovesCornersAndNormals) {
   const std::vector<CellId> moved{3};
   update_points(mesh, level.surface_data().surfels, moved, placement);
   EXPECT_NEAR(length(mesh.point[3] - level.mesh().point[3]), 0.5, 1e-6);
-  const LevelMesh again = make_level_mesh(level.surface_data().surfels, level.partition(), level.triangles(), placement);
+  const LevelMesh again = make_level_mesh(level.surface_data().surfels, level.partition(),
+                                          level.triangles(), placement);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     EXPECT_EQ(mesh.corners(t), again.corners(t));
     EXPECT_EQ(mesh.triangle_normal[t], again.triangle_normal[t]);
@@ -78,7 +79,8 @@ TEST(FindClosest, IsTheClosestOfTheTwoRing) {
     for (CellId c = 0; c < mesh.cell_count(); ++c) {
       std::set<std::uint32_t> ring;
       for (const std::uint32_t t : mesh.triangles_of.row(c)) {
-        for (const CellId n : mesh.triangles[t]) ring.insert(mesh.triangles_of.row(n).begin(), mesh.triangles_of.row(n).end());
+        for (const CellId n : mesh.triangles[t])
+          ring.insert(mesh.triangles_of.row(n).begin(), mesh.triangles_of.row(n).end());
       }
       const auto own = mesh.c_vertices_of.row(c);
       for (std::size_t i = 0; i < own.size(); ++i) {
@@ -92,7 +94,8 @@ TEST(FindClosest, IsTheClosestOfTheTwoRing) {
         ASSERT_NEAR(got.distance, std::sqrt(want), 1e-6);
         ASSERT_TRUE(ring.contains(got.triangle));
         Vec3 at;
-        for (std::size_t k = 0; k < 3; ++k) at = at + static_cast<double>(got.weight[k]) * mesh.corners(got.triangle)[k];
+        for (std::size_t k = 0; k < 3; ++k)
+          at = at + static_cast<double>(got.weight[k]) * mesh.corners(got.triangle)[k];
         ASSERT_NEAR(length(p - at), got.distance, 1e-5) << "weights and distance are of one point";
       }
     }
@@ -103,8 +106,9 @@ TEST(FindClosest, IsTheClosestOfTheTwoRing) {
 // although its vertices are on it.
 TEST(MeasureFromMesh, FindsATriangleThatBridgesAFold) {
   // The valley's walls have a slope of 2, its bottom is 8 below the brims.
-  const Volume volume =
-      exact_volume({21, 9, 20}, [](double x, double, double z) { return 12 - 2 * std::max(0.0, 4 - std::abs(x - 10)) - z; });
+  const Volume volume = exact_volume({21, 9, 20}, [](double x, double, double z) {
+    return 12 - 2 * std::max(0.0, 4 - std::abs(x - 10)) - z;
+  });
   ParseOptions options;
   options.rule = {0, Inside::above, NonFinite::refuse};
   const SurfaceComplex sheet = parse_surface(volume, options);
@@ -112,8 +116,11 @@ TEST(MeasureFromMesh, FindsATriangleThatBridgesAFold) {
   const SurfaceData surface_data(sheet, &isosurface);
   const auto at = [&](double x, double y) {
     CVertexId nearest = 0;
-    const auto away = [&](CVertexId v) { return std::hypot(sheet.positions[v].x - x, sheet.positions[v].y - y); };
-    for (CVertexId v = 0; v < sheet.c_vertex_count(); ++v) nearest = away(v) < away(nearest) ? v : nearest;
+    const auto away = [&](CVertexId v) {
+      return std::hypot(sheet.positions[v].x - x, sheet.positions[v].y - y);
+    };
+    for (CVertexId v = 0; v < sheet.c_vertex_count(); ++v)
+      nearest = away(v) < away(nearest) ? v : nearest;
     return nearest;
   };
   Partition partition;
@@ -123,14 +130,17 @@ TEST(MeasureFromMesh, FindsATriangleThatBridgesAFold) {
     partition.cell_of[v] = sheet.positions[v].y > 4 ? 2 : sheet.positions[v].x < 10 ? 0 : 1;
   for (CellId c = 0; c < 3; ++c) partition.cell_of[partition.site[c]] = c;
   const std::vector<DualTriangle> dual{{{0, 1, 2}, 0}};
-  const LevelMesh mesh = make_level_mesh(surface_data.surfels, partition, dual, {partition.site, {}});
+  const LevelMesh mesh =
+      make_level_mesh(surface_data.surfels, partition, dual, {partition.site, {}});
   const std::vector<CellId> all{0, 1, 2};
   for (const Evidence look : {Evidence::samples, Evidence::proof}) {
     std::vector<Farthest> from_mesh;
-    measure_from_mesh(surface_data.measured_surface(), mesh, partition.cell_of, all, 0.5, look, from_mesh);
+    measure_from_mesh(surface_data.measured_surface(), mesh, partition.cell_of, all, 0.5, look,
+                      from_mesh);
     ASSERT_EQ(from_mesh.size(), 3u);
     // Above the middle of the valley the walls are nearest: at height 8 they are 8 / sqrt(5) away.
-    const float most = std::max({from_mesh[0].distance, from_mesh[1].distance, from_mesh[2].distance});
+    const float most =
+        std::max({from_mesh[0].distance, from_mesh[1].distance, from_mesh[2].distance});
     EXPECT_GT(most, 2.5f);
     EXPECT_LT(most, 8 / std::sqrt(5.0f) + 0.1f);
   }
@@ -143,19 +153,23 @@ TEST(MeasureFromMesh, KeepsOtherCells) {
   std::iota(all.begin(), all.end(), 0u);
   const Farthest untouched{77, 7};
   std::vector<Farthest> whole, part(mesh.cell_count(), untouched);
-  measure_from_mesh(level.surface_data().measured_surface(), mesh, level.partition().cell_of, all, 0, Evidence::samples, whole);
+  measure_from_mesh(level.surface_data().measured_surface(), mesh, level.partition().cell_of, all,
+                    0, Evidence::samples, whole);
   const std::vector<CellId> some{1, 4, 9};
   for (const CellId c : some) part[c] = {};
-  measure_from_mesh(level.surface_data().measured_surface(), mesh, level.partition().cell_of, some, 0, Evidence::samples, part);
+  measure_from_mesh(level.surface_data().measured_surface(), mesh, level.partition().cell_of, some,
+                    0, Evidence::samples, part);
   for (CellId c = 0; c < mesh.cell_count(); ++c) {
     const bool is_listed = std::find(some.begin(), some.end(), c) != some.end();
     EXPECT_EQ(part[c], is_listed ? whole[c] : untouched) << c;
   }
   std::vector<Farthest> known = whole;  // known distances are not found again
-  measure_from_mesh(level.surface_data().measured_surface(), mesh, level.partition().cell_of, all, 0, Evidence::samples, known);
+  measure_from_mesh(level.surface_data().measured_surface(), mesh, level.partition().cell_of, all,
+                    0, Evidence::samples, known);
   EXPECT_EQ(known, whole);
   for (Farthest& most : known) most.distance /= 2;
-  measure_from_mesh(level.surface_data().measured_surface(), mesh, level.partition().cell_of, all, 0, Evidence::samples, known);
+  measure_from_mesh(level.surface_data().measured_surface(), mesh, level.partition().cell_of, all,
+                    0, Evidence::samples, known);
   EXPECT_EQ(known, whole);
 }
 
@@ -168,7 +182,8 @@ TEST(MeasureFromMesh, CachedErrorsAreThoseOfTheSameTriangle) {
   TriangleErrorCache errors;
   std::vector<Farthest> once(all.size()), twice(all.size()), moved(all.size()), anew(all.size());
   const auto measure = [&](std::vector<Farthest>& out, TriangleErrorCache* known) {
-    measure_from_mesh(level.surface_data().measured_surface(), mesh, level.partition().cell_of, all, 0, Evidence::samples, out, known);
+    measure_from_mesh(level.surface_data().measured_surface(), mesh, level.partition().cell_of, all,
+                      0, Evidence::samples, out, known);
   };
   measure(once, &errors);
   measure(twice, &errors);
@@ -194,20 +209,28 @@ TEST(MeasureFromMesh, CachedErrorsAreUsedForOtherBounds) {
     for (const Evidence look : {Evidence::samples, Evidence::proof}) {
       std::vector<Farthest> known(all.size()), anew(all.size());
       const auto measure = [&](std::vector<Farthest>& out, TriangleErrorCache* errors) {
-        measure_from_mesh(level.surface_data().measured_surface(), mesh, level.partition().cell_of, all, enough, look, out, errors);
+        measure_from_mesh(level.surface_data().measured_surface(), mesh, level.partition().cell_of,
+                          all, enough, look, out, errors);
       };
       measure(known, look == Evidence::proof ? &proved : &sampled);
       measure(anew, nullptr);
-      const auto farther = [](const Farthest& x, const Farthest& y) { return x.distance < y.distance; };
-      const auto is_over = [&](const Farthest& f) { return static_cast<double>(f.distance) > enough; };
+      const auto farther = [](const Farthest& x, const Farthest& y) {
+        return x.distance < y.distance;
+      };
+      const auto is_over = [&](const Farthest& f) {
+        return static_cast<double>(f.distance) > enough;
+      };
       // A proof of a tighter bound may have found points that one of this bound does not find.
-      ASSERT_LE(is_over(*std::ranges::max_element(known, farther)), is_over(*std::ranges::max_element(anew, farther)))
+      ASSERT_LE(is_over(*std::ranges::max_element(known, farther)),
+                is_over(*std::ranges::max_element(anew, farther)))
           << "bound " << enough;
       for (const CellId c : all) {
-        if (look == Evidence::proof) break;  // which cell has the farthest point depends on how a triangle is subdivided
+        if (look == Evidence::proof)
+          break;  // which cell has the farthest point depends on how a triangle is subdivided
         ++kinds[is_over(anew[c])];
         ASSERT_EQ(is_over(known[c]), is_over(anew[c])) << "bound " << enough << ", cell " << c;
-        ASSERT_EQ(known[c], is_over(anew[c]) ? anew[c] : known[c]) << "bound " << enough << ", cell " << c;
+        ASSERT_EQ(known[c], is_over(anew[c]) ? anew[c] : known[c])
+            << "bound " << enough << ", cell " << c;
       }
     }
   }

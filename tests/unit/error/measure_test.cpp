@@ -31,7 +31,9 @@ TriangleMesh uv_sphere(Vec3 c, double radius, std::uint32_t rings, double end = 
   for (std::uint32_t i = 0; i <= rings; ++i) {
     for (std::uint32_t j = 0; j < n; ++j) {
       const double polar = end * i / rings, around = 2 * std::numbers::pi * j / n;
-      mesh.positions.push_back(c + radius * Vec3{std::sin(polar) * std::cos(around), std::sin(polar) * std::sin(around), std::cos(polar)});
+      mesh.positions.push_back(c + radius * Vec3{std::sin(polar) * std::cos(around),
+                                                 std::sin(polar) * std::sin(around),
+                                                 std::cos(polar)});
     }
   }
   for (std::uint32_t i = 0; i < rings; ++i) {
@@ -44,11 +46,13 @@ TriangleMesh uv_sphere(Vec3 c, double radius, std::uint32_t rings, double end = 
   return mesh;
 }
 
-/// A square of 2 x 2 triangles per unit about c, spanned by u and v, facing along their cross product.
+/// A square of 2 x 2 triangles per unit about c, spanned by u and v, facing along their cross
+/// product.
 TriangleMesh square(Vec3 c, Vec3 u, Vec3 v, std::uint32_t n) {
   TriangleMesh mesh;
   for (std::uint32_t j = 0; j <= n; ++j) {
-    for (std::uint32_t i = 0; i <= n; ++i) mesh.positions.push_back(c + ((2.0 * i / n - 1) * u + (2.0 * j / n - 1) * v));
+    for (std::uint32_t i = 0; i <= n; ++i)
+      mesh.positions.push_back(c + ((2.0 * i / n - 1) * u + (2.0 * j / n - 1) * v));
   }
   for (std::uint32_t j = 0; j < n; ++j) {
     for (std::uint32_t i = 0; i < n; ++i) {
@@ -74,7 +78,8 @@ TEST(Measure, SphereOfAnotherRadius) {
   for (const double r : {13.2, 14.2, 15.0, 17.2}) {
     const TriangleMesh mesh = uv_sphere(c, r, 60);
     const Measurement m = measure(mesh, volume, {.space = Space::voxel, .samples = 20000});
-    const double d = std::abs(r - radius), error = 0.03;  // trilinear: 1 / (8 R); the mesh's chords: 0.01
+    const double d = std::abs(r - radius),
+                 error = 0.03;  // trilinear: 1 / (8 R); the mesh's chords: 0.01
     for (const OneSidedDistance* side : {&m.mesh_to_surface, &m.surface_to_mesh}) {
       EXPECT_NEAR(side->maximum, d, error);
       EXPECT_NEAR(side->mean, d, error);
@@ -105,7 +110,8 @@ TEST(Measure, HalfASphereIsFarFromTheOtherHalf) {
   // circle; samples near it are little less far.
   EXPECT_NEAR(m.surface_to_mesh.maximum, radius * std::numbers::sqrt2, 0.3);
   EXPECT_NEAR(m.surface_to_mesh.farthest.z, c.z - radius, 0.05);
-  // The mean over the lower half of the chord 2 R sin(t / 2), t the angle from the equator, is 4/3 (sqrt 2 - 1) R.
+  // The mean over the lower half of the chord 2 R sin(t / 2), t the angle from the equator, is 4/3
+  // (sqrt 2 - 1) R.
   EXPECT_NEAR(m.surface_to_mesh.mean, radius * 4 / 3 * (std::numbers::sqrt2 - 1) / 2, 0.05);
   EXPECT_LT(m.surface_to_mesh.p50, 0.2);
   EXPECT_EQ(m.maximum(), m.surface_to_mesh.maximum);
@@ -131,7 +137,9 @@ TEST(Measure, PlanesInAnyGridAndSpace) {
     grid.size = {24, 25, 26};
     const double voxel = grid.smallest_spacing();
     const Vec3 centre = grid.to_world({11.4, 12.3, 12.7}), n = normalized({0.3, -0.5, 0.8});
-    const Volume volume = exact_volume_on(grid, [&](double x, double y, double z) { return dot(n, centre - grid.to_world({x, y, z})); });
+    const Volume volume = exact_volume_on(grid, [&](double x, double y, double z) {
+      return dot(n, centre - grid.to_world({x, y, z}));
+    });
     const Vec3 u = normalized(cross(n, {1, 0, 0})), v = cross(n, u);
     for (const Space space : {Space::lps, Space::ras, Space::voxel}) {
       const auto in_space = [&](TriangleMesh mesh) {
@@ -146,7 +154,8 @@ TEST(Measure, PlanesInAnyGridAndSpace) {
       };
       const MeasureOptions options{.space = space, .samples = 5000};
       for (const double offset : {0.0, 0.25, -1.5}) {
-        const TriangleMesh mesh = in_space(square(centre + (offset * voxel) * n, (4 * voxel) * u, (4 * voxel) * v, 4));
+        const TriangleMesh mesh =
+            in_space(square(centre + (offset * voxel) * n, (4 * voxel) * u, (4 * voxel) * v, 4));
         const Measurement m = measure(mesh, volume, options);
         EXPECT_NEAR(m.mesh_to_surface.maximum, std::abs(offset) * voxel, 1e-6 * voxel) << g;
         EXPECT_NEAR(m.mesh_to_surface.mean, std::abs(offset) * voxel, 1e-6 * voxel);
@@ -157,16 +166,19 @@ TEST(Measure, PlanesInAnyGridAndSpace) {
       }
       const double tilt = 10 * kDegrees;
       const Vec3 tilted = std::cos(tilt) * u + std::sin(tilt) * n;
-      const Measurement m = measure(in_space(square(centre, (4 * voxel) * tilted, (4 * voxel) * v, 4)), volume, options);
+      const Measurement m = measure(
+          in_space(square(centre, (4 * voxel) * tilted, (4 * voxel) * v, 4)), volume, options);
       EXPECT_NEAR(m.normal_mean, 10, 1e-5);
       EXPECT_NEAR(m.normal_p99, 10, 1e-5);
       EXPECT_NEAR(m.normal_maximum, 10, 1e-5);
       EXPECT_NEAR(m.mesh_to_surface.maximum, 4 * voxel * std::sin(tilt), 1e-5 * voxel);
       EXPECT_NEAR(m.mesh_to_surface.mean, 2 * voxel * std::sin(tilt), 2e-3 * voxel);
-      EXPECT_NEAR(m.mesh_to_surface.root_mean_square, 4 / std::sqrt(3) * voxel * std::sin(tilt), 2e-3 * voxel);
+      EXPECT_NEAR(m.mesh_to_surface.root_mean_square, 4 / std::sqrt(3) * voxel * std::sin(tilt),
+                  2e-3 * voxel);
       const Vec3 far = space == Space::voxel ? grid.to_world(m.mesh_to_surface.farthest)
                        : space == Space::ras
-                           ? Vec3{-m.mesh_to_surface.farthest.x, -m.mesh_to_surface.farthest.y, m.mesh_to_surface.farthest.z}
+                           ? Vec3{-m.mesh_to_surface.farthest.x, -m.mesh_to_surface.farthest.y,
+                                  m.mesh_to_surface.farthest.z}
                            : m.mesh_to_surface.farthest;
       EXPECT_NEAR(std::abs(dot(far - centre, tilted)), 4 * voxel, 1e-6 * voxel);
     }
@@ -174,10 +186,13 @@ TEST(Measure, PlanesInAnyGridAndSpace) {
 }
 
 TEST(Measure, InvertedTrianglesAndTheOtherInside) {
-  const Volume volume = exact_volume({12, 12, 12}, test::half_space({0, 0, 1}, 5.5));  // outside is up
+  const Volume volume =
+      exact_volume({12, 12, 12}, test::half_space({0, 0, 1}, 5.5));  // outside is up
   TriangleMesh mesh = square({5, 5, 5.5}, {3, 0, 0}, {0, 3, 0}, 2);
   const auto angle = [&](Inside inside) {
-    return measure(mesh, volume, {.surface = {.inside = inside}, .space = Space::voxel, .samples = 100}).normal_mean;
+    return measure(mesh, volume,
+                   {.surface = {.inside = inside}, .space = Space::voxel, .samples = 100})
+        .normal_mean;
   };
   EXPECT_NEAR(angle(Inside::above), 0, 1e-6);
   EXPECT_NEAR(angle(Inside::below), 180, 1e-6);
@@ -189,7 +204,8 @@ TEST(Measure, SpikesAreFoundByVerticesAndMidpoints) {
   const Volume volume = exact_volume({24, 24, 24}, test::half_space({0, 0, 1}, 5.5));
   TriangleMesh mesh = square({11, 11, 5.5}, {9, 0, 0}, {0, 9, 0}, 3);
   const auto n = static_cast<std::uint32_t>(mesh.positions.size());
-  mesh.positions.insert(mesh.positions.end(), {{11, 11, 5.5}, {11, 11.000001, 5.5}, {11, 11, 12.5}});
+  mesh.positions.insert(mesh.positions.end(),
+                        {{11, 11, 5.5}, {11, 11.000001, 5.5}, {11, 11, 12.5}});
   mesh.positions.push_back({0, 0, 1000});  // in no triangle
   mesh.triangles.push_back({n, n + 1, n + 2});
   const Measurement m = measure(mesh, volume, {.space = Space::voxel, .samples = 1000});
@@ -201,7 +217,8 @@ TEST(Measure, SpikesAreFoundByVerticesAndMidpoints) {
 }
 
 TEST(Measure, SameBytesForAnyNumberOfThreads) {
-  const Volume volume = test::to_volume(test::random_samples(test::Family::smooth_blobs, {24, 25, 26}, 3));
+  const Volume volume =
+      test::to_volume(test::random_samples(test::Family::smooth_blobs, {24, 25, 26}, 3));
   const TriangleMesh coarse = extracted(volume, Space::voxel, 4);
   const auto run = [&](int threads) {
     RunControl control;
@@ -217,7 +234,8 @@ TEST(Measure, SameBytesForAnyNumberOfThreads) {
 }
 
 TEST(Measure, SameResultWithAGivenIsosurface) {
-  Volume volume = test::to_volume(test::random_samples(test::Family::smooth_blobs, {20, 20, 20}, 4), SampleType::int32, {2, 2, 4});
+  Volume volume = test::to_volume(test::random_samples(test::Family::smooth_blobs, {20, 20, 20}, 4),
+                                  SampleType::int32, {2, 2, 4});
   const TriangleMesh mesh = extracted(volume, Space::voxel, 100);
   const Measurement outer = measure(mesh, volume, {.space = Space::voxel, .samples = 4000});
   const InsideRule rule{0, Inside::above, NonFinite::refuse};
@@ -234,14 +252,16 @@ TEST(Measure, CoarseMeshesAreFartherThanFineOnes) {
   const Volume volume = exact_volume({40, 40, 40}, test::torus({19.4, 19.6, 19.55}, 11, 5));
   double before = 0;
   for (const double radius : {1.0, 3.0, 10.0}) {
-    const Measurement m = measure(extracted(volume, Space::lps, radius), volume, {.samples = 20000});
+    const Measurement m =
+        measure(extracted(volume, Space::lps, radius), volume, {.samples = 20000});
     EXPECT_GT(m.mean(), before);
     EXPECT_LT(m.surface_to_mesh.p50, m.surface_to_mesh.maximum);
     before = m.mean();
   }
 }
 
-void expect_error(ErrorCode code, const char* part, const TriangleMesh& mesh, const VolumeView& volume, const MeasureOptions& options,
+void expect_error(ErrorCode code, const char* part, const TriangleMesh& mesh,
+                  const VolumeView& volume, const MeasureOptions& options,
                   const RunControl& control = {}) {
   try {
     measure(mesh, volume, options, control);
@@ -258,8 +278,10 @@ TEST(Measure, Errors) {
   expect_error(ErrorCode::bad_argument, "no triangles", {good.positions, {}}, volume, {});
   expect_error(ErrorCode::bad_argument, "vertex 99", {good.positions, {{0, 1, 99}}}, volume, {});
   expect_error(ErrorCode::bad_argument, "samples", good, volume, {.samples = 0});
-  expect_error(ErrorCode::bad_argument, "isovalue", good, volume, {.surface = {.isovalue = std::nan("")}});
-  expect_error(ErrorCode::empty_surface, "range from", good, volume, {.surface = {.isovalue = 1e9}});
+  expect_error(ErrorCode::bad_argument, "isovalue", good, volume,
+               {.surface = {.isovalue = std::nan("")}});
+  expect_error(ErrorCode::empty_surface, "range from", good, volume,
+               {.surface = {.isovalue = 1e9}});
   Volume sheared = volume;
   sheared.view.grid.direction[1] = {0.6, 0.8, 0};
   expect_error(ErrorCode::unsupported, "sheared", good, sheared, {});
@@ -278,7 +300,8 @@ TEST(Measure, Errors) {
   RunControl control;
   control.cancel = &stop;
   expect_error(ErrorCode::cancelled, "", good, volume, {}, control);
-  const Volume holes = test::own<float>(volume.view.grid, SampleType::float32, std::vector<float>(512, std::nanf("")));
+  const Volume holes = test::own<float>(volume.view.grid, SampleType::float32,
+                                        std::vector<float>(512, std::nanf("")));
   expect_error(ErrorCode::unsupported, "NaN", good, holes, {});
 }
 

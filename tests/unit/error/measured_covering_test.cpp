@@ -22,7 +22,8 @@ std::vector<SurfaceComplex> surfaces() {
   out.push_back(surface_of(sampled({24, 24, 24}, sphere({11.4, 11.6, 11.55}, 9))));
   out.push_back(surface_of(sampled({20, 18, 19}, gyroid(11.3, 0.1))));
   out.push_back(surface_of(random_samples(Family::white_noise, {7, 8, 6}, 3)));
-  out.push_back(surface_of(random_samples(Family::gyroid_cut, {11, 9, 10}, 5), 0, Inside::above, {1, 2, 0.5}));
+  out.push_back(surface_of(random_samples(Family::gyroid_cut, {11, 9, 10}, 5), 0, Inside::above,
+                           {1, 2, 0.5}));
   out.push_back(surface_of(random_samples(Family::checkerboard, {6, 5, 6}, 2)));
   return out;
 }
@@ -53,7 +54,8 @@ TEST(FaceNodes, AreOnGridEdges) {
       for (CVertexId v = 0; v < surface.c_vertex_count(); ++v) {
         between.for_each_at(v, [&](Vec3 p, const Face&) {
           int whole = 0;
-          for (const double x : {p.x, p.y, p.z}) whole += std::abs(factor * x - std::round(factor * x)) < 1e-9 ? 1 : 0;
+          for (const double x : {p.x, p.y, p.z})
+            whole += std::abs(factor * x - std::round(factor * x)) < 1e-9 ? 1 : 0;
           ASSERT_GE(whole, 2);
           ASSERT_LT(std::abs(field.at(p).value), 1e-6);
           ++seen;
@@ -71,7 +73,8 @@ void expect_same(const MeasuredCovering& a, const MeasuredCovering& b) {
   ASSERT_EQ(set_of(a.triangles()), set_of(b.triangles()));
   for (CellId c = 0; c < a.partition().cell_count(); ++c) {
     const double x = a.errors()[c].excess, y = b.errors()[c].excess;
-    ASSERT_TRUE(x == y || std::abs(x - y) <= 1e-5 * (1 + y)) << x << " and " << y << " in cell " << c;
+    ASSERT_TRUE(x == y || std::abs(x - y) <= 1e-5 * (1 + y))
+        << x << " and " << y << " in cell " << c;
   }
 }
 
@@ -118,9 +121,10 @@ TEST(MeasuredCovering, IncrementalUpdatesEqualANewMeasurement) {
 // The same with the trilinear isosurface, with bounds that are tightened in between, and with a
 // quick first measurement.
 TEST(MeasuredCovering, IncrementalUpdatesEqualANewMeasurementWithTheIsosurface) {
-  const std::vector<std::pair<Samples, Vec3>> cases{{sampled({24, 24, 24}, sphere({11.4, 11.6, 11.55}, 9)), {1, 1, 1}},
-                                                    {sampled({20, 18, 19}, gyroid(11.3, 0.1)), {1, 2, 1.5}},
-                                                    {random_samples(Family::white_noise, {7, 8, 6}, 3), {1, 1, 1}}};
+  const std::vector<std::pair<Samples, Vec3>> cases{
+      {sampled({24, 24, 24}, sphere({11.4, 11.6, 11.55}, 9)), {1, 1, 1}},
+      {sampled({20, 18, 19}, gyroid(11.3, 0.1)), {1, 2, 1.5}},
+      {random_samples(Family::white_noise, {7, 8, 6}, 3), {1, 1, 1}}};
   Random random(9);
   for (const auto& [samples, spacing] : cases) {
     const Volume volume = to_volume(samples, SampleType::int16, spacing);
@@ -141,14 +145,16 @@ TEST(MeasuredCovering, IncrementalUpdatesEqualANewMeasurementWithTheIsosurface) 
       }
       work.update(report, {});
       MeasuredCovering fresh(work);
-      fresh.set_bounds(std::array{Constraint{Quantity::max_distance, bound * 2}}, Placement::surface);
+      fresh.set_bounds(std::array{Constraint{Quantity::max_distance, bound * 2}},
+                       Placement::surface);
       fresh.set_bounds(std::array{Constraint{Quantity::max_distance, bound}}, Placement::surface);
       fresh.update(report, {});
       ASSERT_EQ(set_of(work.triangles()), set_of(fresh.triangles()));
       for (CellId c = 0; c < work.partition().cell_count(); ++c) {
         // The exact excess may differ, but not on which side of its bound a cell is.
         const double x = work.errors()[c].excess, y = fresh.errors()[c].excess;
-        ASSERT_TRUE((x > 1) == (y > 1) || std::abs(x - y) <= 1e-5) << x << " and " << y << " in cell " << c;
+        ASSERT_TRUE((x > 1) == (y > 1) || std::abs(x - y) <= 1e-5)
+            << x << " and " << y << " in cell " << c;
       }
     }
   }
@@ -182,13 +188,15 @@ TEST(MeasuredCovering, RemoveSitesRestoresTheState) {
         MeasuredCovering anew(work);
         anew.update_all(report, {});
         expect_same(work, anew);
-        for (CellId c = 0; set_bounds[0].quantity == Quantity::max_distance && c < work.errors().size(); ++c) {
+        for (CellId c = 0;
+             set_bounds[0].quantity == Quantity::max_distance && c < work.errors().size(); ++c) {
           ASSERT_EQ(work.errors()[c].excess > 1, before.errors()[c].excess > 1) << c;
         }
         ASSERT_EQ(work.covering().distance(), before.covering().distance());
         ASSERT_EQ(work.covering().inserted_in(), before.covering().inserted_in());
         ASSERT_TRUE(work.covering().is_lipschitz());
-        for (CVertexId v = 0; v < work.covering().distance().size(); ++v) ASSERT_TRUE(work.covering().is_covered(v));
+        for (CVertexId v = 0; v < work.covering().distance().size(); ++v)
+          ASSERT_TRUE(work.covering().is_covered(v));
         insert_some(work, random, 3);
         work.update(report, {});
         MeasuredCovering fresh(work);
@@ -257,7 +265,8 @@ TEST(CertifiedDual, UpdatesEqualACompleteCheck) {
   }
 }
 
-void expect_full_check(const SurfaceComplex& complex, const Covering& covering, const CertifiedDual& dual) {
+void expect_full_check(const SurfaceComplex& complex, const Covering& covering,
+                       const CertifiedDual& dual) {
   const Partition& p = covering.partition();
   const PartitionCheck full = check_partition(complex, p.cell_of, p.cell_count(), p.site);
   ASSERT_TRUE(full.passed());
@@ -265,8 +274,9 @@ void expect_full_check(const SurfaceComplex& complex, const Covering& covering, 
 }
 
 // Moves sites to other c-vertices of their cells, one in `share`. @return how many
-std::size_t move_some(std::vector<CVertexId>& sites, const std::vector<CellId>& cell_of, const std::vector<std::uint8_t>& on_boundary,
-                      unsigned share, Random& random) {
+std::size_t move_some(std::vector<CVertexId>& sites, const std::vector<CellId>& cell_of,
+                      const std::vector<std::uint8_t>& on_boundary, unsigned share,
+                      Random& random) {
   std::size_t moved = 0;
   for (CVertexId v = 0; v < cell_of.size(); ++v) {
     CVertexId& site = sites[cell_of[v]];
@@ -283,8 +293,8 @@ TEST(CertifiedDual, AdaptsToMovedSites) {
   std::size_t moved = 0;
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
     SCOPED_TRACE(seed);
-    const SurfaceComplex surface =
-        surface_of(random_samples(seed % 2 == 0 ? Family::smooth_blobs : Family::gyroid_cut, {13, 14, 12}, seed));
+    const SurfaceComplex surface = surface_of(random_samples(
+        seed % 2 == 0 ? Family::smooth_blobs : Family::gyroid_cut, {13, 14, 12}, seed));
     const CVertexGraph graph = make_graph(surface);
     Covering covering(graph, disks(1.8f));
     covering.cover({});
@@ -313,7 +323,8 @@ TEST(CertifiedDual, AdaptsToASubdividedComplex) {
   std::size_t moved = 0, finer = 0;
   for (std::uint64_t seed = 0; seed < 16; ++seed) {
     SCOPED_TRACE(seed);
-    const SurfaceComplex surface = surface_of(random_samples(seed % 2 == 0 ? Family::gyroid_cut : Family::white_noise, {14, 13, 15}, seed));
+    const SurfaceComplex surface = surface_of(random_samples(
+        seed % 2 == 0 ? Family::gyroid_cut : Family::white_noise, {14, 13, 15}, seed));
     Coarsened coarser = coarsen(surface, 2, {});
     CVertexGraph graph = make_graph(coarser.complex);
     Covering covering(graph, disks(seed % 4 < 2 ? 2 : 5));
@@ -359,7 +370,8 @@ TEST(Covering, SeedEqualsInsertingOneByOne) {
     }
     std::vector<Covering::Radius> radii;
     for (int k = 0; k < 30; ++k) {
-      radii.push_back({static_cast<CVertexId>(random.bits() % graph.c_vertex_count()), static_cast<float>(1 + 9 * random.unit())});
+      radii.push_back({static_cast<CVertexId>(random.bits() % graph.c_vertex_count()),
+                       static_cast<float>(1 + 9 * random.unit())});
       one_by_one.lower_radius(radii.back().at, radii.back().radius);
     }
     seeded.seed(sites, radii);
@@ -370,7 +382,8 @@ TEST(Covering, SeedEqualsInsertingOneByOne) {
     // Lipschitz condition requires.
     std::vector<float> wanted = one_by_one.radius();
     for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
-      if (seeded.partition().cell_of[v] == kNone || one_by_one.is_covered(v)) continue;  // or it is in a component without a site
+      if (seeded.partition().cell_of[v] == kNone || one_by_one.is_covered(v))
+        continue;  // or it is in a component without a site
       wanted[v] = one_by_one.distance()[v] * (1.001f / (graph.on_boundary[v] ? 0.55f : 1.0f));
     }
     for (bool any = true; any;) {
@@ -385,7 +398,9 @@ TEST(Covering, SeedEqualsInsertingOneByOne) {
       }
     }
     for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
-      ASSERT_NEAR(seeded.radius()[v], wanted[v], 1e-5 * wanted[v]);  // up to rounding: sums along paths are computed in another order
+      ASSERT_NEAR(
+          seeded.radius()[v], wanted[v],
+          1e-5 * wanted[v]);  // up to rounding: sums along paths are computed in another order
       ASSERT_TRUE(seeded.partition().cell_of[v] == kNone || seeded.is_covered(v));
     }
     EXPECT_EQ(seeded.inserted_in(), std::vector<CellId>(20, kNone));
@@ -400,7 +415,8 @@ TEST(Covering, RecordsTheCellASiteWasInsertedIn) {
   covering.insert(8 + 9);
   covering.insert(6 + 9);  // nearer to the second
   covering.insert(1 + 9);
-  covering.insert(7 + 9);  // half-way between the second and the third site: belongs to the earlier one
+  covering.insert(7 +
+                  9);  // half-way between the second and the third site: belongs to the earlier one
   EXPECT_EQ(covering.inserted_in(), (std::vector<CellId>{kNone, 0, 1, 0, 1}));
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The six metrics against closed forms: a plane, a sphere, a cylinder. A circle of radius r on a sphere of radius R lies in a
-// plane R - sqrt(R^2 - r^2) below the sphere's top; an arc of angle t is (t/2) / sin(t/2) times as long as its chord.
+// The six metrics against closed forms: a plane, a sphere, a cylinder. A circle of radius r on a
+// sphere of radius R lies in a plane R - sqrt(R^2 - r^2) below the sphere's top; an arc of angle t
+// is (t/2) / sin(t/2) times as long as its chord.
 #include "error/metrics.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +23,8 @@ constexpr double kDegree = std::numbers::pi / 180;
 
 // Has unit slope in world units if the function is a distance.
 Function scaled_distance(Vec3 spacing, const Function& f) {
-  return [=](double x, double y, double z) { return f(x * spacing.x, y * spacing.y, z * spacing.z); };
+  return
+      [=](double x, double y, double z) { return f(x * spacing.x, y * spacing.y, z * spacing.z); };
 }
 
 // A mesh of a plane has no error. Positions are float64, distances are float32 of lengths up to 40,
@@ -31,8 +33,10 @@ TEST(Metrics, APlaneIsPerfect) {
   struct Plane {
     Vec3 normal, spacing;
   };
-  for (const auto& [normal, spacing] : {Plane{{0, 0, 1}, {1, 1, 1}}, Plane{{0.48, 0.36, 0.8}, {1, 1, 1}}, Plane{{1, 0, 0}, {1, 2, 0.5}},
-                                        Plane{{0.48, 0.36, 0.8}, {1, 2, 1.5}}, Plane{{-0.6, 0.64, 0.48}, {3, 1, 1}}}) {
+  for (const auto& [normal, spacing] :
+       {Plane{{0, 0, 1}, {1, 1, 1}}, Plane{{0.48, 0.36, 0.8}, {1, 1, 1}},
+        Plane{{1, 0, 0}, {1, 2, 0.5}}, Plane{{0.48, 0.36, 0.8}, {1, 2, 1.5}},
+        Plane{{-0.6, 0.64, 0.48}, {3, 1, 1}}}) {
     const Vec3 n = normal;
     const Vec3 middle = to_metric({11.5, 11.5, 11.5}, spacing);
     const double offset = dot(n, middle) + 0.13;
@@ -46,7 +50,8 @@ TEST(Metrics, APlaneIsPerfect) {
     int inner = 0;
     for (CellId c = 0; c < level.mesh().cell_count(); ++c) {
       const CellView cell = level.cell(c);
-      bool inside = true;  // at the border the mesh cuts corners, so that c-vertices there are not above or below it
+      bool inside = true;  // at the border the mesh cuts corners, so that c-vertices there are not
+                           // above or below it
       for (const std::uint32_t t : level.mesh().triangles_of.row(c)) {
         for (const CellId other : level.mesh().triangles[t]) {
           inside = inside && !cell.graph.on_boundary[level.partition().site[other]];
@@ -72,13 +77,16 @@ class OnASphere : public ::testing::TestWithParam<double> {
   static const TestLevel& level(double disk) {
     static std::map<double, std::unique_ptr<TestLevel>> made;
     auto& one = made[disk];
-    if (!one) one = std::make_unique<TestLevel>(exact_volume({48, 48, 48}, sphere({23.4, 23.6, 23.55}, kRadius)), disk);
+    if (!one)
+      one = std::make_unique<TestLevel>(
+          exact_volume({48, 48, 48}, sphere({23.4, 23.6, 23.55}, kRadius)), disk);
     return *one;
   }
   // Of the c-vertex of the cell's border that is farthest from the site, as an angle at the centre.
   static double extent(const TestLevel& level, CellId c) {
     const Vec3 centre{23.4, 23.6, 23.55};
-    const Vec3 site = normalized(level.surface_data().surfels.point[level.partition().site[c]] - centre);
+    const Vec3 site =
+        normalized(level.surface_data().surfels.point[level.partition().site[c]] - centre);
     double most = 0;
     for (const CVertexId v : level.mesh().c_vertices_of.row(c)) {
       const Vec3 p = normalized(level.surface_data().surfels.point[v] - centre);
@@ -153,7 +161,8 @@ TEST_P(OnASphere, AnglesAndRatiosAreThoseOfArcs) {
   const TestLevel& level = OnASphere::level(GetParam());
   for (CellId c = 0; c < level.mesh().cell_count(); ++c) {
     const double t = extent(level, c);
-    EXPECT_NEAR(geodesic_ratio(level.cell(c)), (t / 2) / std::sin(t / 2), 0.012) << t / kDegree << " degrees";
+    EXPECT_NEAR(geodesic_ratio(level.cell(c)), (t / 2) / std::sin(t / 2), 0.012)
+        << t / kDegree << " degrees";
     EXPECT_GE(normal_angle(level.cell(c)), 0.9 * t / kDegree - 1);
     EXPECT_LE(normal_angle(level.cell(c)), 1.15 * t / kDegree + 2);
   }
@@ -165,8 +174,11 @@ INSTANTIATE_TEST_SUITE_P(Disks, OnASphere, ::testing::Values(4.0, 8.0, 16.0));
 TEST(Metrics, ACylinderTurnsOnlyAroundItsAxis) {
   constexpr double kRadius = 12;
   const Vec3 centre{15.4, 15.6, 0};
-  const TestLevel level(
-      exact_surface({32, 32, 40}, [=](double x, double y, double) { return kRadius - std::hypot(x - centre.x, y - centre.y); }), 7);
+  const TestLevel level(exact_surface({32, 32, 40},
+                                      [=](double x, double y, double) {
+                                        return kRadius - std::hypot(x - centre.x, y - centre.y);
+                                      }),
+                        7);
   for (CellId c = 0; c < level.mesh().cell_count(); ++c) {
     const CellView cell = level.cell(c);
     const Vec3 site = cell.surfels.point[cell.site];
@@ -201,8 +213,17 @@ TEST(Metrics, InvertedMeshHasInfiniteAreaCurvature) {
   const std::vector<Vec3> triangle_normal{{0, 0, -1}};
   const std::vector<CVertexId> own{12};
   const std::vector<ClosestPoint> closest{{0, {1, 0, 0}, 0.5f}};
-  const CellView cell{
-      surface_data.surfels, surface_data.graph, geodesic, cell_of, vertex_normal, triangles, triangle_normal, 12, own, closest, 0.75f};
+  const CellView cell{surface_data.surfels,
+                      surface_data.graph,
+                      geodesic,
+                      cell_of,
+                      vertex_normal,
+                      triangles,
+                      triangle_normal,
+                      12,
+                      own,
+                      closest,
+                      0.75f};
   EXPECT_TRUE(std::isinf(area_curvature(cell)));
   EXPECT_NEAR(area_curvature_smooth(cell), 1, 1e-12) << "the vertices' normals are right";
   EXPECT_EQ(max_distance(cell), 0.75) << "the way from the mesh counts";

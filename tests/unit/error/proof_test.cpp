@@ -23,7 +23,9 @@ std::vector<Volume> volumes() {
   out.push_back(exact_volume({28, 28, 28}, bumpy_ball()));
   out.push_back(exact_volume({28, 28, 20}, bumpy_ball(), {1, 1, 2.5}));
   out.push_back(exact_volume({16, 15, 17}, gyroid(11.3, 0.1)));
-  out.push_back(exact_volume({16, 16, 16}, [](double x, double y, double z) { return 0.35 - std::abs(z - 7.5 - 0.1 * x - 0.05 * y); }));
+  out.push_back(exact_volume({16, 16, 16}, [](double x, double y, double z) {
+    return 0.35 - std::abs(z - 7.5 - 0.1 * x - 0.05 * y);
+  }));
   Random random(5);
   std::vector<double> noise(9 * 8 * 10);
   for (double& f : noise) f = random.unit() - 0.5;
@@ -42,11 +44,13 @@ TEST(GradientRange, ContainsTheGradientsOfAllPointsOfTheBox) {
   Random random(3);
   for (const Volume& volume : volumes()) {
     for (const std::uint32_t factor : {1u, 3u}) {
-      const InterpolatedField field(volume, {0, Inside::above, NonFinite::refuse}, Interpolation::trilinear, factor);
+      const InterpolatedField field(volume, {0, Inside::above, NonFinite::refuse},
+                                    Interpolation::trilinear, factor);
       const Vec3 last = field.last();
       for (int k = 0; k < 300; ++k) {
         const Vec3 a = between({-1, -1, -1}, last + Vec3{1, 1, 1}, random);
-        const Vec3 b = k % 3 == 0 ? Vec3{std::floor(a.x), std::floor(a.y), std::floor(a.z)} : a + between({-2, -2, -2}, {2, 2, 2}, random);
+        const Vec3 b = k % 3 == 0 ? Vec3{std::floor(a.x), std::floor(a.y), std::floor(a.z)}
+                                  : a + between({-2, -2, -2}, {2, 2, 2}, random);
         const Vec3 low{std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)},
             high{std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
         const auto range = field.gradient_range(low, high, 64);
@@ -82,7 +86,9 @@ TEST(GradientRange, IsTheGradientAtAPoint) {
   EXPECT_LT(length(range->high - range->low), 1e-12);
   EXPECT_LT(length(range->low - field.at(p).gradient), 1e-12);
   EXPECT_FALSE(field.gradient_range(p, p + Vec3{2, 2, 2}, 26));
-  EXPECT_FALSE(InterpolatedField(volume, {0, Inside::above, NonFinite::refuse}, Interpolation::tricubic).gradient_range(p, p, 1));
+  EXPECT_FALSE(
+      InterpolatedField(volume, {0, Inside::above, NonFinite::refuse}, Interpolation::tricubic)
+          .gradient_range(p, p, 1));
 }
 
 std::vector<CellId> all_cells(const LevelMesh& mesh) {
@@ -104,7 +110,8 @@ double distance(const TestLevel& level, Vec3 p, double enough) {
   Random random(1);
   for (int k = 0; k < 20000; ++k) {
     const Vec3 q = p + between({-enough, -enough, -enough}, {enough, enough, enough}, random);
-    if (length(q - p) <= enough && (field.at(to_index(q, spacing)).value >= 0) != inside) return enough;
+    if (length(q - p) <= enough && (field.at(to_index(q, spacing)).value >= 0) != inside)
+      return enough;
   }
   return found;
 }
@@ -116,7 +123,8 @@ double farthest_sample(const TestLevel& level, std::uint32_t triangle, double en
   for (int a = 0; a <= kSteps; ++a) {
     for (int b = 0; a + b <= kSteps; ++b) {
       const Vec3 p =
-          (1.0 / kSteps) * (static_cast<double>(a) * t[0] + static_cast<double>(b) * t[1] + static_cast<double>(kSteps - a - b) * t[2]);
+          (1.0 / kSteps) * (static_cast<double>(a) * t[0] + static_cast<double>(b) * t[1] +
+                            static_cast<double>(kSteps - a - b) * t[2]);
       most = std::max(most, distance(level, p, enough));
     }
   }
@@ -134,13 +142,15 @@ TEST(TriangleProof, HoldsAtAllSamplesAndFailsOnlyNearTheBound) {
       for (const double bound : {0.1, 0.5, 1.5}) {
         double most = 0;
         std::vector<Farthest> from_mesh;
-        measure_from_mesh(level.surface_data().measured_surface(), mesh, level.partition().cell_of, all_cells(mesh), bound, Evidence::proof,
-                          from_mesh);
+        measure_from_mesh(level.surface_data().measured_surface(), mesh, level.partition().cell_of,
+                          all_cells(mesh), bound, Evidence::proof, from_mesh);
         for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
           const auto& cell = mesh.triangles[i];
-          const bool is_proved = std::ranges::all_of(cell, [&](CellId c) { return from_mesh[c].at == kNone; });
+          const bool is_proved =
+              std::ranges::all_of(cell, [&](CellId c) { return from_mesh[c].at == kNone; });
           // The others are only measured to know whether all could have been proved.
-          const double farthest = is_proved ? farthest_sample(level, i, bound) : farthest_sample(level, i, 0);
+          const double farthest =
+              is_proved ? farthest_sample(level, i, bound) : farthest_sample(level, i, 0);
           if (is_proved) {
             ASSERT_LE(farthest, bound * (1 + 1e-6));
           }
@@ -148,7 +158,8 @@ TEST(TriangleProof, HoldsAtAllSamplesAndFailsOnlyNearTheBound) {
           proved += is_proved;
           failed += !is_proved;
         }
-        const bool all_proved = std::ranges::all_of(from_mesh, [](const Farthest& f) { return f.at == kNone; });
+        const bool all_proved =
+            std::ranges::all_of(from_mesh, [](const Farthest& f) { return f.at == kNone; });
         if (most < 0.97 * bound) {
           EXPECT_TRUE(all_proved) << most << " of " << bound;
         }
@@ -175,7 +186,8 @@ TEST(SurfaceProof, HoldsAtAllPointsAndFailsOnlyNearTheBound) {
       double most = 0;
       for (CVertexId v = 0; v < complex.c_vertex_count(); ++v) {
         for (int k = 0; k < 4; ++k) {
-          const Vec3 cell{std::floor(complex.positions[v].x), std::floor(complex.positions[v].y), std::floor(complex.positions[v].z)};
+          const Vec3 cell{std::floor(complex.positions[v].x), std::floor(complex.positions[v].y),
+                          std::floor(complex.positions[v].z)};
           Vec3 a = field.clamped(between(cell, cell + Vec3{1, 1, 1}, random)),
                b = field.clamped(between(cell, cell + Vec3{1, 1, 1}, random));
           if ((field.at(a).value >= 0) == (field.at(b).value >= 0)) continue;
@@ -186,14 +198,18 @@ TEST(SurfaceProof, HoldsAtAllPointsAndFailsOnlyNearTheBound) {
           const Vec3 p = to_metric(a, complex.spacing);
           double squared = INFINITY;
           for (const Triangle& t : mesh.triangles)
-            squared = std::min(squared, closest_on_triangle(p, mesh.point[t[0]], mesh.point[t[1]], mesh.point[t[2]]).squared_distance);
+            squared = std::min(squared, closest_on_triangle(p, mesh.point[t[0]], mesh.point[t[1]],
+                                                            mesh.point[t[2]])
+                                            .squared_distance);
           most = std::max(most, std::sqrt(squared));
         }
       }
       for (const double bound : {0.1, 0.5, 1.5, 4.0}) {
-        const auto left = prove_surface_near(level.surface_data().measured_surface(), grid_cell_index, mesh, level.partition().cell_of,
-                                             all_cells(mesh), bound);
-        const bool all_proved = std::ranges::all_of(left, [](const Farthest& f) { return f.at == kNone; });
+        const auto left =
+            prove_surface_near(level.surface_data().measured_surface(), grid_cell_index, mesh,
+                               level.partition().cell_of, all_cells(mesh), bound);
+        const bool all_proved =
+            std::ranges::all_of(left, [](const Farthest& f) { return f.at == kNone; });
         if (most > bound * (1 + 1e-6)) {
           EXPECT_FALSE(all_proved) << most << " of " << bound;
         }
@@ -225,8 +241,9 @@ TEST(GridCellIndex, ListsAllThatTheIsosurfaceCrosses) {
           const Vec3 low{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
           int inside = 0;
           for (int k = 0; k < 8; ++k)
-            inside +=
-                field.at_sample(low + Vec3{static_cast<double>(k & 1), static_cast<double>(k >> 1 & 1), static_cast<double>(k >> 2)}) >= 0;
+            inside += field.at_sample(low + Vec3{static_cast<double>(k & 1),
+                                                 static_cast<double>(k >> 1 & 1),
+                                                 static_cast<double>(k >> 2)}) >= 0;
           if (inside == 0 || inside == 8) continue;
           const GridCellIndex::Key key = x + (n[0] - 1) * (y + (n[1] - 1) * z);
           EXPECT_EQ(grid_cell_index.low(key), low);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Inside or outside, for every sample type, against comparisons in long double (which holds every value of every type).
+// Inside or outside, for every sample type, against comparisons in long double (which holds every
+// value of every type).
 #include "field/classify.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +28,8 @@ bool bit(const SignBits& signs, std::size_t position, std::size_t y, std::size_t
 template <class T>
 bool expected_inside(T v, const InsideRule& rule) {
   if constexpr (std::is_floating_point_v<T>) {
-    if (std::isnan(v)) return (rule.non_finite == NonFinite::above) == (rule.inside == Inside::above);
+    if (std::isnan(v))
+      return (rule.non_finite == NonFinite::above) == (rule.inside == Inside::above);
   }
   const auto x = static_cast<long double>(v), q = static_cast<long double>(rule.isovalue);
   return rule.inside == Inside::above ? x >= q : x <= q;
@@ -43,8 +45,9 @@ void expect_classified(SampleType type, const std::vector<T>& values, const Insi
   for (std::size_t i = 0; i < values.size(); ++i) {
     const bool want = expected_inside(values[i], rule);
     (want ? any_inside : any_outside) = true;
-    ASSERT_EQ(bit(signs, i + 1, 0, 0), want) << name(type) << " " << static_cast<long double>(values[i]) << " at isovalue " << rule.isovalue
-                                             << (rule.inside == Inside::above ? " above" : " below");
+    ASSERT_EQ(bit(signs, i + 1, 0, 0), want)
+        << name(type) << " " << static_cast<long double>(values[i]) << " at isovalue "
+        << rule.isovalue << (rule.inside == Inside::above ? " above" : " below");
   }
   EXPECT_EQ(signs.any_inside, any_inside) << name(type) << " " << rule.isovalue;
   EXPECT_EQ(signs.any_outside, any_outside) << name(type) << " " << rule.isovalue;
@@ -72,7 +75,9 @@ std::vector<double> hard_isovalues() {
                           1e39,
                           -1e39};
   for (const double edge : {0x1p7, 0x1p8, 0x1p15, 0x1p16, 0x1p31, 0x1p32, 0x1p63, 0x1p64}) {
-    for (const double v : {edge, -edge, edge - 1, -edge - 1, edge - 0.5, -edge - 0.5, edge - 1.5, -edge + 0.5}) out.push_back(v);
+    for (const double v :
+         {edge, -edge, edge - 1, -edge - 1, edge - 0.5, -edge - 0.5, edge - 1.5, -edge + 0.5})
+      out.push_back(v);
   }
   const std::vector<double> base = out;
   for (const double v : base) {
@@ -91,7 +96,8 @@ std::vector<T> hard_values(const std::vector<double>& isovalues) {
   Random random(7);
   for (int i = 0; i < 200; ++i) {
     if constexpr (std::is_floating_point_v<T>) {
-      out.push_back(static_cast<T>((random.unit() - 0.5) * std::pow(10.0, static_cast<double>(random.between(-40, 38)))));
+      out.push_back(static_cast<T>((random.unit() - 0.5) *
+                                   std::pow(10.0, static_cast<double>(random.between(-40, 38)))));
     } else {
       out.push_back(static_cast<T>(random.bits()));
     }
@@ -100,13 +106,15 @@ std::vector<T> hard_values(const std::vector<double>& isovalues) {
     if constexpr (std::is_floating_point_v<T>) {
       if (std::abs(v) > static_cast<double>(Limits::max())) continue;
       const T t = static_cast<T>(v);
-      for (const T near : {t, std::nextafter(t, Limits::infinity()), std::nextafter(t, -Limits::infinity())}) {
+      for (const T near :
+           {t, std::nextafter(t, Limits::infinity()), std::nextafter(t, -Limits::infinity())}) {
         if (std::isfinite(near)) out.push_back(near);
       }
     } else {
       for (int d = -2; d <= 2; ++d) {
         const long double near = std::floor(static_cast<long double>(v)) + d;
-        if (near >= static_cast<long double>(Limits::min()) && near <= static_cast<long double>(Limits::max()))
+        if (near >= static_cast<long double>(Limits::min()) &&
+            near <= static_cast<long double>(Limits::max()))
           out.push_back(static_cast<T>(near));
       }
     }
@@ -120,7 +128,8 @@ TEST(Classify, EverySampleTypeAtEveryHardIsovalue) {
     visit_sample_type(type, [&]<class T>(const T*) {
       const std::vector<T> values = hard_values<T>(isovalues);
       for (const double isovalue : isovalues) {
-        for (const Inside inside : {Inside::above, Inside::below}) expect_classified(type, values, {isovalue, inside, NonFinite::refuse});
+        for (const Inside inside : {Inside::above, Inside::below})
+          expect_classified(type, values, {isovalue, inside, NonFinite::refuse});
       }
     });
   }
@@ -144,10 +153,21 @@ TEST(Classify, EveryValueOfEightBits) {
 template <class T>
 void non_finite_policies(SampleType type) {
   const T inf = std::numeric_limits<T>::infinity(), nan = std::numeric_limits<T>::quiet_NaN();
-  const std::vector<T> values{1, nan, -1, inf, 2, -inf, -nan, 0, std::numeric_limits<T>::max(), std::numeric_limits<T>::lowest()};
-  for (const double isovalue : {0.0, 1.0, 1.5, -7.0, static_cast<double>(std::numeric_limits<T>::max())}) {
+  const std::vector<T> values{1,
+                              nan,
+                              -1,
+                              inf,
+                              2,
+                              -inf,
+                              -nan,
+                              0,
+                              std::numeric_limits<T>::max(),
+                              std::numeric_limits<T>::lowest()};
+  for (const double isovalue :
+       {0.0, 1.0, 1.5, -7.0, static_cast<double>(std::numeric_limits<T>::max())}) {
     for (const Inside inside : {Inside::above, Inside::below}) {
-      for (const NonFinite policy : {NonFinite::above, NonFinite::below}) expect_classified(type, values, {isovalue, inside, policy});
+      for (const NonFinite policy : {NonFinite::above, NonFinite::below})
+        expect_classified(type, values, {isovalue, inside, policy});
     }
   }
 }
@@ -169,7 +189,8 @@ TEST(Classify, InfinityKeepsItsSideBeyondTheRangeOfFloat) {
 }
 
 TEST(Classify, RefusesNonFiniteSamplesAndReportsWhere) {
-  for (const float bad : {std::nanf(""), std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()}) {
+  for (const float bad : {std::nanf(""), std::numeric_limits<float>::infinity(),
+                          -std::numeric_limits<float>::infinity()}) {
     Grid grid;
     grid.size = {5, 4, 3};
     std::vector<float> values(60, 1.0f);
@@ -183,7 +204,8 @@ TEST(Classify, RefusesNonFiniteSamplesAndReportsWhere) {
       EXPECT_EQ(e.code(), ErrorCode::unsupported);
       const std::string message = e.what();
       EXPECT_NE(message.find("(2, 3, 1)"), std::string::npos) << message;
-      EXPECT_NE(message.find(std::isnan(bad) ? "2 NaN" : "2 infinite"), std::string::npos) << message;
+      EXPECT_NE(message.find(std::isnan(bad) ? "2 NaN" : "2 infinite"), std::string::npos)
+          << message;
     }
   }
 }
@@ -195,12 +217,14 @@ TEST(Classify, RowsOfAnyLengthArePaddedByOneClampedSample) {
     grid.size = {nx, 2, 3};
     std::vector<std::int16_t> values(nx * 6);
     for (auto& v : values) v = static_cast<std::int16_t>(random.between(-1, 1));
-    const SignBits signs = classify(own(grid, SampleType::int16, values), {0, Inside::above, NonFinite::refuse}, {});
+    const SignBits signs =
+        classify(own(grid, SampleType::int16, values), {0, Inside::above, NonFinite::refuse}, {});
     for (std::size_t z = 0; z < 3; ++z) {
       for (std::size_t y = 0; y < 2; ++y) {
         const auto inside = [&](std::size_t x) { return values[x + nx * (y + 2 * z)] >= 0; };
         ASSERT_EQ(bit(signs, 0, y, z), inside(0));
-        for (std::size_t x = 0; x < nx; ++x) ASSERT_EQ(bit(signs, x + 1, y, z), inside(x)) << nx << " " << x;
+        for (std::size_t x = 0; x < nx; ++x)
+          ASSERT_EQ(bit(signs, x + 1, y, z), inside(x)) << nx << " " << x;
         ASSERT_EQ(bit(signs, nx + 1, y, z), inside(nx - 1)) << nx;
       }
     }
@@ -214,10 +238,12 @@ TEST(Classify, FindsASingleSampleOnTheOtherSide) {
         Grid grid;
         grid.size = {nx, 2, 2};
         std::vector<std::int8_t> values(4 * nx, static_cast<std::int8_t>(-sign));
-        SignBits signs = classify(own(grid, SampleType::int8, values), {0.5, Inside::above, NonFinite::refuse}, {});
+        SignBits signs = classify(own(grid, SampleType::int8, values),
+                                  {0.5, Inside::above, NonFinite::refuse}, {});
         ASSERT_NE(signs.any_inside, signs.any_outside);
         values[at + 3 * nx] = sign;
-        signs = classify(own(grid, SampleType::int8, values), {0.5, Inside::above, NonFinite::refuse}, {});
+        signs = classify(own(grid, SampleType::int8, values),
+                         {0.5, Inside::above, NonFinite::refuse}, {});
         ASSERT_TRUE(signs.any_inside && signs.any_outside) << nx << " " << at;
       }
     }

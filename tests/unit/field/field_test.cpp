@@ -28,16 +28,20 @@ TEST(Field, IsPositiveInsideForEitherRule) {
   EXPECT_EQ(above.exact(3).high, 30000.0);
 }
 
-double difference(const ExactSample& a, const ExactSample& b) { return (a.high - b.high) + (a.low - b.low); }
+double difference(const ExactSample& a, const ExactSample& b) {
+  return (a.high - b.high) + (a.low - b.low);
+}
 
 TEST(Field, ExactKeepsEvery64BitInteger) {
   Grid grid;
   grid.size = {2, 1, 1};
-  const Volume big = own<std::uint64_t>(grid, SampleType::uint64, {~std::uint64_t{0}, ~std::uint64_t{0} - 1});
+  const Volume big =
+      own<std::uint64_t>(grid, SampleType::uint64, {~std::uint64_t{0}, ~std::uint64_t{0} - 1});
   const Field<std::uint64_t> field(big, {0, Inside::above, NonFinite::refuse});
   EXPECT_EQ(difference(field.exact(0), field.exact(1)), 1);
-  const Volume low =
-      own<std::int64_t>(grid, SampleType::int64, {std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::min() + 1});
+  const Volume low = own<std::int64_t>(
+      grid, SampleType::int64,
+      {std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::min() + 1});
   const Field<std::int64_t> signed_field(low, {0, Inside::above, NonFinite::refuse});
   EXPECT_EQ(difference(signed_field.exact(1), signed_field.exact(0)), 1);
 }

@@ -29,16 +29,20 @@ TEST(Grid, WorldIsOriginPlusDirectionTimesSpacingTimesIndex) {
 
 TEST(Grid, IndexOfWorldIsTheInverse) {
   test::Random random(8);
-  const auto vector = [&](double s) { return Vec3{s * (random.unit() - 0.5), s * (random.unit() - 0.5), s * (random.unit() - 0.5)}; };
+  const auto vector = [&](double s) {
+    return Vec3{s * (random.unit() - 0.5), s * (random.unit() - 0.5), s * (random.unit() - 0.5)};
+  };
   for (int k = 0; k < 100; ++k) {
     Grid grid;
     grid.size = {40, 50, 60};
     grid.spacing = {0.5 + random.unit(), 1 + random.unit(), 3 * random.unit() + 0.1};
     grid.origin = vector(1000);
     grid.direction = {vector(2), vector(2), vector(2)};  // sheared and mirrored ones too
-    const Vec3 i{40 * random.unit(), 50 * random.unit(), 60 * random.unit()}, back = grid.to_index(grid.to_world(i));
+    const Vec3 i{40 * random.unit(), 50 * random.unit(), 60 * random.unit()},
+        back = grid.to_index(grid.to_world(i));
     const auto& d = grid.direction;
-    const double determinant = d[0].x * (d[1].y * d[2].z - d[1].z * d[2].y) - d[0].y * (d[1].x * d[2].z - d[1].z * d[2].x) +
+    const double determinant = d[0].x * (d[1].y * d[2].z - d[1].z * d[2].y) -
+                               d[0].y * (d[1].x * d[2].z - d[1].z * d[2].x) +
                                d[0].z * (d[1].x * d[2].y - d[1].y * d[2].x);
     const double tolerance = 1e-9 / std::abs(determinant);
     EXPECT_NEAR(back.x, i.x, tolerance);
@@ -48,8 +52,9 @@ TEST(Grid, IndexOfWorldIsTheInverse) {
 }
 
 TEST(SampleType, NamesAndSizes) {
-  const std::pair<const char*, std::size_t> expected[] = {{"int8", 1},   {"uint8", 1}, {"int16", 2},  {"uint16", 2},  {"int32", 4},
-                                                          {"uint32", 4}, {"int64", 8}, {"uint64", 8}, {"float32", 4}, {"float64", 8}};
+  const std::pair<const char*, std::size_t> expected[] = {
+      {"int8", 1},   {"uint8", 1}, {"int16", 2},  {"uint16", 2},  {"int32", 4},
+      {"uint32", 4}, {"int64", 8}, {"uint64", 8}, {"float32", 4}, {"float64", 8}};
   for (std::size_t i = 0; i < test::kAllTypes.size(); ++i) {
     EXPECT_EQ(name(test::kAllTypes[i]), expected[i].first);
     EXPECT_EQ(bytes_per_sample(test::kAllTypes[i]), expected[i].second);
@@ -60,7 +65,8 @@ TEST(Summarize, RangeAndNonFiniteSamples) {
   const double inf = std::numeric_limits<double>::infinity(), nan = std::nan("");
   Grid grid;
   grid.size = {2, 2, 3};
-  const Volume volume = own<double>(grid, SampleType::float64, {5, 4, 3, nan, inf, -7, -inf, nan, 0, 1, 2, 3});
+  const Volume volume =
+      own<double>(grid, SampleType::float64, {5, 4, 3, nan, inf, -7, -inf, nan, 0, 1, 2, 3});
   const SampleSummary s = summarize(volume);
   EXPECT_EQ(s.minimum, -7);
   EXPECT_EQ(s.maximum, 5);
@@ -73,7 +79,8 @@ TEST(Summarize, RangeAndNonFiniteSamples) {
 TEST(Summarize, NothingFinite) {
   Grid grid;
   grid.size = {1, 1, 2};
-  const SampleSummary s = summarize(own<float>(grid, SampleType::float32, {std::nanf(""), std::nanf("")}));
+  const SampleSummary s =
+      summarize(own<float>(grid, SampleType::float32, {std::nanf(""), std::nanf("")}));
   EXPECT_EQ(s.finite_count, 0u);
   EXPECT_EQ(s.nan_count, 2u);
 }
@@ -81,10 +88,12 @@ TEST(Summarize, NothingFinite) {
 TEST(Summarize, FarEndsOfEveryType) {
   Grid grid;
   grid.size = {3, 1, 1};
-  const SampleSummary u = summarize(own<std::uint64_t>(grid, SampleType::uint64, {7, std::numeric_limits<std::uint64_t>::max(), 9}));
+  const SampleSummary u = summarize(own<std::uint64_t>(
+      grid, SampleType::uint64, {7, std::numeric_limits<std::uint64_t>::max(), 9}));
   EXPECT_EQ(u.maximum, 0x1p64);
   EXPECT_EQ(u.minimum, 7);
-  const SampleSummary i = summarize(own<std::int64_t>(grid, SampleType::int64, {7, std::numeric_limits<std::int64_t>::min(), 9}));
+  const SampleSummary i = summarize(
+      own<std::int64_t>(grid, SampleType::int64, {7, std::numeric_limits<std::int64_t>::min(), 9}));
   EXPECT_EQ(i.minimum, -0x1p63);
 }
 

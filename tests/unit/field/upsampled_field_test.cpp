@@ -54,11 +54,14 @@ TEST(UpsampledField, SkippedCellsAreOnOneSide) {
                 noise = random_samples(Family::sparse_specks, {18, 19, 20}, 3);
   for (const Interpolation interpolation : kBoth) {
     for (const Samples& samples : {ball, noise}) {
-      const Volume volume = to_volume(samples, SampleType::float32), whole = upsampled(volume, interpolation, 3);
+      const Volume volume = to_volume(samples, SampleType::float32),
+                   whole = upsampled(volume, interpolation, 3);
       for (const double isovalue : {-7.0, 0.0, 0.25, 5.5}) {
         for (const Inside inside : {Inside::above, Inside::below}) {
           const InsideRule rule{isovalue, inside, NonFinite::refuse};
-          ASSERT_EQ(UpsampledField(volume, rule, interpolation, 3).classify({}).bits, classify(whole, rule, {}).bits) << isovalue;
+          ASSERT_EQ(UpsampledField(volume, rule, interpolation, 3).classify({}).bits,
+                    classify(whole, rule, {}).bits)
+              << isovalue;
         }
       }
     }
@@ -72,8 +75,10 @@ TEST(UpsampledField, PlateausStayFlat) {
       Grid grid;
       grid.size = {4, 5, 6};
       const Volume volume = own<double>(grid, SampleType::float64, std::vector<double>(120, level));
-      const UpsampledField field(volume, {level, Inside::above, NonFinite::refuse}, interpolation, 7);
-      for (std::size_t i = 0; i < field.size()[0] * field.size()[1] * field.size()[2]; ++i) ASSERT_EQ(field[i], 0) << level;
+      const UpsampledField field(volume, {level, Inside::above, NonFinite::refuse}, interpolation,
+                                 7);
+      for (std::size_t i = 0; i < field.size()[0] * field.size()[1] * field.size()[2]; ++i)
+        ASSERT_EQ(field[i], 0) << level;
       EXPECT_FALSE(field.classify({}).any_outside);
     }
   }
@@ -111,7 +116,9 @@ TEST(UpsampledField, TricubicCellsArePartsOfTheVolumes) {
       if (flat[0]) p.x = 0;
       if (flat[1]) p.y = 0;
       if (flat[2]) p.z = 0;
-      const Vec3 index = Vec3{static_cast<double>(low[0]), static_cast<double>(low[1]), static_cast<double>(low[2])} + p;
+      const Vec3 index = Vec3{static_cast<double>(low[0]), static_cast<double>(low[1]),
+                              static_cast<double>(low[2])} +
+                         p;
       const InterpolatedField::Value expected = coarse.at((1.0 / factor) * index);
       Vec3 slope = (1.0 / factor) * expected.gradient;
       if (flat[0]) slope.x = 0;
@@ -136,7 +143,8 @@ TEST(UpsampledField, EveryTypeAndExtremes) {
   Grid grid;
   grid.size = {2, 2, 2};
   constexpr double kMost = 1.7e308;
-  const Volume huge = own<double>(grid, SampleType::float64, {-kMost, kMost, -kMost, kMost, kMost, -kMost, kMost, kMost});
+  const Volume huge = own<double>(grid, SampleType::float64,
+                                  {-kMost, kMost, -kMost, kMost, kMost, -kMost, kMost, kMost});
   for (const Interpolation interpolation : kBoth) {
     const UpsampledField field(huge, {0, Inside::above, NonFinite::refuse}, interpolation, 5);
     for (std::size_t i = 0; i < 216; ++i) ASSERT_TRUE(std::isfinite(field[i]));
@@ -155,7 +163,8 @@ TEST(UpsampledField, NaNNeedsARule) {
   values[7] = -INFINITY;
   const Volume volume = own<double>(grid, SampleType::float64, std::move(values));
   const auto classified = [&](NonFinite rule) {
-    return UpsampledField(volume, {0, Inside::above, rule}, Interpolation::tricubic, 2).classify({});
+    return UpsampledField(volume, {0, Inside::above, rule}, Interpolation::tricubic, 2)
+        .classify({});
   };
   EXPECT_THROW(classified(NonFinite::refuse), Error);
   EXPECT_TRUE(classified(NonFinite::below).any_outside);
@@ -170,7 +179,10 @@ TEST(UpsampledField, TooManySamplesAreRefused) {
       ADD_FAILURE() << factor;
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::bad_argument);
-      EXPECT_EQ(std::string(error.what()).find("20 x 20 x 20 samples are too many to supersample by "), 0u) << error.what();
+      EXPECT_EQ(
+          std::string(error.what()).find("20 x 20 x 20 samples are too many to supersample by "),
+          0u)
+          << error.what();
     }
   }
 }

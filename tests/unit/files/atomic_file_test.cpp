@@ -57,10 +57,13 @@ TEST(AtomicFile, DevicesAreWrittenNotReplaced) {
 TEST(AtomicFile, SaysWhyItCannotBeWritten) {
   const TempFolder folder;
   fs::create_directory(folder / "sub");
-  expect_error(ErrorCode::bad_file, "it is a folder", folder / "sub", [&] { write_text_file("x", folder / "sub"); });
-  expect_error(ErrorCode::bad_file, "there is no folder", folder / "none/a.txt", [&] { write_text_file("x", folder / "none/a.txt"); });
+  expect_error(ErrorCode::bad_file, "it is a folder", folder / "sub",
+               [&] { write_text_file("x", folder / "sub"); });
+  expect_error(ErrorCode::bad_file, "there is no folder", folder / "none/a.txt",
+               [&] { write_text_file("x", folder / "none/a.txt"); });
   write_bytes(folder / "file", "x");
-  expect_error(ErrorCode::bad_file, "there is no folder", folder / "file/a.txt", [&] { write_text_file("x", folder / "file/a.txt"); });
+  expect_error(ErrorCode::bad_file, "there is no folder", folder / "file/a.txt",
+               [&] { write_text_file("x", folder / "file/a.txt"); });
   EXPECT_EQ(folder.file_count(), 2U);
 }
 
@@ -70,11 +73,13 @@ TEST(AtomicFile, FolderWithoutPermission) {
   }
   const TempFolder folder;
   fs::permissions(folder.path(), fs::perms::owner_read | fs::perms::owner_exec);
-  expect_error(ErrorCode::bad_file, "cannot be written", folder / "a.ply", [&] { check_mesh_path(folder / "a.ply"); });
+  expect_error(ErrorCode::bad_file, "cannot be written", folder / "a.ply",
+               [&] { check_mesh_path(folder / "a.ply"); });
   fs::permissions(folder.path(), fs::perms::owner_all);
 }
 
-// A limit on the size of files stands in for a full disk: write() fails in the same way, half way through.
+// A limit on the size of files stands in for a full disk: write() fails in the same way, half way
+// through.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) {
@@ -110,7 +115,8 @@ TEST(AtomicFile, FullDiskIsAnErrorAndLeavesNothing) {
     write_bytes(folder / name, "old");
     {
       const FileSizeLimit limit(100000);
-      expect_error(ErrorCode::bad_file, "cannot be written", folder / name, [&] { write_mesh(mesh, folder / name); });
+      expect_error(ErrorCode::bad_file, "cannot be written", folder / name,
+                   [&] { write_mesh(mesh, folder / name); });
     }
     EXPECT_EQ(read_bytes(folder / name), "old");
     EXPECT_EQ(folder.file_count(), 1U) << name;

@@ -25,7 +25,8 @@ double lattice_distance(Vec3 p, Vec3 a, Vec3 b, Vec3 c, int n) {
   return best;
 }
 
-void expect_point_of_triangle(const TrianglePoint& found, Vec3 p, Vec3 a, Vec3 b, Vec3 c, double scale) {
+void expect_point_of_triangle(const TrianglePoint& found, Vec3 p, Vec3 a, Vec3 b, Vec3 c,
+                              double scale) {
   double sum = 0;
   for (const double w : found.weight) {
     EXPECT_GE(w, 0);
@@ -54,7 +55,9 @@ TEST(ClosestPoint, EveryRegionOfATriangle) {
 
 TEST(ClosestPoint, RandomTrianglesAgainstALattice) {
   Random random(3);
-  const auto point = [&](double s) { return Vec3{s * (random.unit() - 0.5), s * (random.unit() - 0.5), s * (random.unit() - 0.5)}; };
+  const auto point = [&](double s) {
+    return Vec3{s * (random.unit() - 0.5), s * (random.unit() - 0.5), s * (random.unit() - 0.5)};
+  };
   for (int k = 0; k < 2000; ++k) {
     const Vec3 a = point(2), b = point(2), c = point(2), p = point(k % 2 ? 3 : 12);
     const TrianglePoint found = closest_on_triangle(p, a, b, c);
@@ -71,9 +74,14 @@ TEST(ClosestPoint, WithoutArea) {
   Random random(4);
   for (int k = 0; k < 4000; ++k) {
     const double scale = std::pow(10.0, static_cast<double>(random.between(-12, 12)));
-    const auto point = [&] { return Vec3{scale * (random.unit() - 0.5), scale * (random.unit() - 0.5), scale * (random.unit() - 0.5)}; };
+    const auto point = [&] {
+      return Vec3{scale * (random.unit() - 0.5), scale * (random.unit() - 0.5),
+                  scale * (random.unit() - 0.5)};
+    };
     const Vec3 a = point(), end = point(), p = point();
-    const double t = random.unit() * 3 - 1, thin = k % 3 == 0 ? 0 : std::pow(10.0, static_cast<double>(random.between(-18, -5)));
+    const double t = random.unit() * 3 - 1,
+                 thin =
+                     k % 3 == 0 ? 0 : std::pow(10.0, static_cast<double>(random.between(-18, -5)));
     const Vec3 b = k % 7 == 0 ? a : end;
     const Vec3 c = a + t * (b - a) + thin * point();
     const TrianglePoint found = closest_on_triangle(p, a, b, c);

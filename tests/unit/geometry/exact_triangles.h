@@ -11,12 +11,15 @@
 
 namespace isoatlas::detail::test {
 
-using LatticePoint = std::array<std::int64_t, 3>;  // coordinates of at most 20, so that nothing below overflows
+using LatticePoint =
+    std::array<std::int64_t, 3>;  // coordinates of at most 20, so that nothing below overflows
 
-std::vector<Vec3> to_positions(const std::vector<LatticePoint>& points, double scale = 1, Vec3 offset = {});
+std::vector<Vec3> to_positions(const std::vector<LatticePoint>& points, double scale = 1,
+                               Vec3 offset = {});
 
 /// The definition of intersect_beyond_shared_simplex(), applied directly: an intersection of two
 /// convex sets is contained in a third if its corners are.
-bool slow_intersect_beyond_shared_simplex(const std::vector<LatticePoint>& points, const Triangle& a, const Triangle& b);
+bool slow_intersect_beyond_shared_simplex(const std::vector<LatticePoint>& points,
+                                          const Triangle& a, const Triangle& b);
 
 }  // namespace isoatlas::detail::test

@@ -16,8 +16,10 @@ struct Solid {
   std::vector<Vec3> outward = positions;
   std::vector<std::uint32_t> component{0, 0, 0, 0};
 
-  std::vector<std::uint8_t> inverted(std::size_t components = 1, double least = 0, Vec3 spacing = {1, 1, 1}) const {
-    return inverted_components(positions, triangles, spacing, component, components, outward, least);
+  std::vector<std::uint8_t> inverted(std::size_t components = 1, double least = 0,
+                                     Vec3 spacing = {1, 1, 1}) const {
+    return inverted_components(positions, triangles, spacing, component, components, outward,
+                               least);
   }
   void turn_over() {
     for (Triangle& t : triangles) std::swap(t[1], t[2]);
@@ -42,7 +44,8 @@ TEST(InvertedComponents, EachComponentForItself) {
   Solid two;
   const Solid other;
   for (const Vec3& p : other.positions) two.positions.push_back({p.x + 10, p.y, p.z});
-  for (const Triangle& t : other.triangles) two.triangles.push_back({t[0] + 4, t[2] + 4, t[1] + 4});  // inverted
+  for (const Triangle& t : other.triangles)
+    two.triangles.push_back({t[0] + 4, t[2] + 4, t[1] + 4});  // inverted
   two.outward.insert(two.outward.end(), other.outward.begin(), other.outward.end());
   two.component = {0, 0, 0, 0, 1, 1, 1, 1};
   EXPECT_EQ(two.inverted(2), (std::vector<std::uint8_t>{0, 1}));

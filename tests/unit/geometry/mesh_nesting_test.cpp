@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Nesting and facing of components: against the parser's integers, and where doubles do not suffice.
+// Nesting and facing of components: against the parser's integers, and where doubles do not
+// suffice.
 #include "geometry/mesh_nesting.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +26,8 @@ using namespace test;
 void append_tetrahedron(TriangleMesh& mesh, Vec3 centre, double size) {
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
   for (const Vec3 d : {Vec3{1, 1, 1}, {-1, -1, 1}, {-1, 1, -1}, {1, -1, -1}}) {
-    mesh.positions.push_back({centre.x + std::fabs(size) * d.x, centre.y + std::fabs(size) * d.y, centre.z + std::fabs(size) * d.z});
+    mesh.positions.push_back({centre.x + std::fabs(size) * d.x, centre.y + std::fabs(size) * d.y,
+                              centre.z + std::fabs(size) * d.z});
   }
   for (const Triangle& t : {Triangle{0, 1, 3}, {0, 2, 1}, {0, 3, 2}, {1, 2, 3}}) {
     mesh.triangles.push_back(size > 0 ? Triangle{first + t[0], first + t[1], first + t[2]}
@@ -36,7 +38,8 @@ void append_tetrahedron(TriangleMesh& mesh, Vec3 centre, double size) {
 Nesting nesting_of(const TriangleMesh& mesh) {
   const MeshTopology topology = mesh_topology(mesh);
   std::vector<std::uint8_t> is_open;
-  for (const ComponentTopology& component : topology.components) is_open.push_back(component.boundary_loops > 0 ? 1 : 0);
+  for (const ComponentTopology& component : topology.components)
+    is_open.push_back(component.boundary_loops > 0 ? 1 : 0);
   return mesh_nesting(mesh.positions, mesh.triangles, topology.component_of_vertex, is_open);
 }
 
@@ -67,7 +70,8 @@ TEST(MeshNesting, RaysThroughVerticesAndEdges) {
   append_tetrahedron(mesh, {12, 0, 0}, 0.25);
   append_tetrahedron(mesh, {24, 4, 4}, 1);  // whose ray intersects vertices of both
   append_tetrahedron(mesh, {24, 3, 3}, 1);
-  EXPECT_EQ(nesting_of(mesh).parent, (std::vector<std::uint32_t>{kNone, 0, kNone, 2, kNone, kNone}));
+  EXPECT_EQ(nesting_of(mesh).parent,
+            (std::vector<std::uint32_t>{kNone, 0, kNone, 2, kNone, kNone}));
 }
 
 // Flat up to one unit in the last place: the sign of the volume must equal that of exact
@@ -95,7 +99,8 @@ TEST(MeshNesting, OfParsedSurfacesEqualsThatOfTheirNodes) {
   };
   for (const bool is_shells : {false, true}) {
     for (std::uint64_t seed = 0; seed < (is_shells ? 60U : 180U); ++seed) {
-      const Volume volume = to_volume(is_shells ? random_shells(seed) : random_samples(family_of(seed), {9, 10, 11}, seed));
+      const Volume volume = to_volume(
+          is_shells ? random_shells(seed) : random_samples(family_of(seed), {9, 10, 11}, seed));
       for (const Inside inside : {Inside::above, Inside::below}) {
         ParseOptions options;
         options.rule.inside = inside;
@@ -106,11 +111,15 @@ TEST(MeshNesting, OfParsedSurfacesEqualsThatOfTheirNodes) {
         mesh.positions = surface.positions;
         mesh.triangles = triangles_of(surface).triangles;
         std::vector<std::uint8_t> is_open;
-        for (const ComponentTopology& component : components.topology) is_open.push_back(component.boundary_loops > 0 ? 1 : 0);
+        for (const ComponentTopology& component : components.topology)
+          is_open.push_back(component.boundary_loops > 0 ? 1 : 0);
         const Nesting wanted = surface_nesting(components, nodes);
-        ASSERT_EQ(mesh_nesting(mesh.positions, mesh.triangles, components.of_c_vertex, is_open), wanted)
-            << (is_shells ? "shells " : name(family_of(seed))) << " " << seed << (inside == Inside::above ? " above" : " below");
-        enclosed += static_cast<std::size_t>(std::ranges::count_if(wanted.parent, [](std::uint32_t p) { return p != kNone; }));
+        ASSERT_EQ(mesh_nesting(mesh.positions, mesh.triangles, components.of_c_vertex, is_open),
+                  wanted)
+            << (is_shells ? "shells " : name(family_of(seed))) << " " << seed
+            << (inside == Inside::above ? " above" : " below");
+        enclosed += static_cast<std::size_t>(
+            std::ranges::count_if(wanted.parent, [](std::uint32_t p) { return p != kNone; }));
         inward += static_cast<std::size_t>(std::ranges::count(wanted.facing, std::int8_t{-1}));
       }
     }

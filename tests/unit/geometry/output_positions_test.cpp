@@ -14,7 +14,10 @@ namespace {
 
 Grid turned_grid(Vec3 origin) {
   const double c = std::cos(0.7), s = std::sin(0.7);
-  return {.size = {50, 40, 30}, .spacing = {0.3, 0.3, 1.1}, .origin = origin, .direction = {{{c, s, 0}, {-s, c, 0}, {0, 0, 1}}}};
+  return {.size = {50, 40, 30},
+          .spacing = {0.3, 0.3, 1.1},
+          .origin = origin,
+          .direction = {{{c, s, 0}, {-s, c, 0}, {0, 0, 1}}}};
 }
 
 // Equals to the last bit what extract() returns: the mesh goes through transform_to().
@@ -41,7 +44,8 @@ TEST(OutputPositions, Float32OfStlAndGlb) {
     return static_cast<double>(y);
   };
   EXPECT_EQ(forms.in_form(1, at)[0], (Vec3{as_float(p.x), as_float(p.y), as_float(p.z)}));
-  EXPECT_EQ(forms.in_form(2, at)[0], (Vec3{as_float(p.x - origin.x), as_float(p.y - origin.y), as_float(p.z - origin.z)}));
+  EXPECT_EQ(forms.in_form(2, at)[0],
+            (Vec3{as_float(p.x - origin.x), as_float(p.y - origin.y), as_float(p.z - origin.z)}));
   EXPECT_EQ(as_float(origin.x), origin.x);
 }
 
@@ -57,15 +61,20 @@ TEST(OutputPositions, OnlyOneFloat32NearTheOrigin) {
 TEST(OutputPositions, NoFloat32WhereItRoundsTooMuch) {
   const OutputPositions far(turned_grid({5e6, 0, 0}), Space::lps, 1);
   ASSERT_EQ(far.form_count(), 2U);
-  EXPECT_LT(std::fabs(far.in_form(1, std::vector<Vec3>{{25, 20, 15}})[0].x), 20) << "the one from the middle";
+  EXPECT_LT(std::fabs(far.in_form(1, std::vector<Vec3>{{25, 20, 15}})[0].x), 20)
+      << "the one from the middle";
   Grid beyond = turned_grid({1e300, 0, 0});
   EXPECT_EQ(OutputPositions(beyond, Space::lps, 1).form_count(), 1U);
 }
 
 // Disjoint in double precision, in one plane in float32.
 TEST(OutputPositions, TrianglesThatIntersectOnlyAsFloat32) {
-  const Grid grid{.size = {50, 50, 50}, .spacing = {1, 1, 1}, .origin = {}, .direction = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}};
-  std::vector<Vec3> positions{{40, 10, 40}, {44, 10, 40}, {40, 14, 40}, {41, 11, 40 + 1e-9}, {44, 11, 40 + 1e-9}, {41, 14, 40 + 1e-9}};
+  const Grid grid{.size = {50, 50, 50},
+                  .spacing = {1, 1, 1},
+                  .origin = {},
+                  .direction = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}};
+  std::vector<Vec3> positions{{40, 10, 40},        {44, 10, 40},        {40, 14, 40},
+                              {41, 11, 40 + 1e-9}, {44, 11, 40 + 1e-9}, {41, 14, 40 + 1e-9}};
   const std::vector<Triangle> triangles{{0, 1, 2}, {3, 4, 5}};
   IntersectionTracker exact, forms(OutputPositions(grid, Space::lps, 1));
   EXPECT_TRUE(exact.update(positions, triangles, {}).empty());
@@ -76,8 +85,12 @@ TEST(OutputPositions, TrianglesThatIntersectOnlyAsFloat32) {
 }
 
 TEST(OutputPositions, TriangleThatHasNoAreaAsFloat32) {
-  const Grid grid{.size = {50, 50, 50}, .spacing = {1, 1, 1}, .origin = {}, .direction = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}};
-  std::vector<Vec3> positions{{40, 10, 40}, {42, 10, 40 + 1e-9}, {44, 10, 40}, {40, 30, 30}, {42, 30, 30}, {44, 30, 31}};
+  const Grid grid{.size = {50, 50, 50},
+                  .spacing = {1, 1, 1},
+                  .origin = {},
+                  .direction = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}};
+  std::vector<Vec3> positions{{40, 10, 40}, {42, 10, 40 + 1e-9}, {44, 10, 40},
+                              {40, 30, 30}, {42, 30, 30},        {44, 30, 31}};
   const std::vector<Triangle> triangles{{0, 1, 2}, {3, 4, 5}};
   IntersectionTracker exact, forms(OutputPositions(grid, Space::lps, 1));
   EXPECT_TRUE(exact.update(positions, triangles, {}).empty());

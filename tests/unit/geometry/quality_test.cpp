@@ -76,12 +76,14 @@ TEST(MeshQuality, CapsAreCountedByTheirAngle) {
 TEST(MeshQuality, DihedralAnglesAreThoseInside) {
   TriangleMesh cube;
   for (int c = 0; c < 8; ++c)
-    cube.positions.push_back({static_cast<double>(c & 1), static_cast<double>(c >> 1 & 1), static_cast<double>(c >> 2)});
+    cube.positions.push_back(
+        {static_cast<double>(c & 1), static_cast<double>(c >> 1 & 1), static_cast<double>(c >> 2)});
   cube.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                     {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   EXPECT_NEAR(mesh_quality(cube).dihedral_min, 90, 1e-12);
   EXPECT_NEAR(mesh_quality(cube).dihedral_max, 180, 1e-12);
-  for (Triangle& t : cube.triangles) std::swap(t[1], t[2]);  // the border of a cavity: its inside surrounds it
+  for (Triangle& t : cube.triangles)
+    std::swap(t[1], t[2]);  // the border of a cavity: its inside surrounds it
   EXPECT_NEAR(mesh_quality(cube).dihedral_min, 180, 1e-12);
   EXPECT_NEAR(mesh_quality(cube).dihedral_max, 270, 1e-12);
 
@@ -116,8 +118,10 @@ TEST(MeshQuality, QuantilesAndHistogram) {
   EXPECT_LE(q.aspect_p01, 0.02 + 1e-12);
   EXPECT_NEAR(q.aspect_median, 0.505, 0.00501);
   EXPECT_NEAR(q.aspect_share_below_third, 0.33, 1e-12);
-  EXPECT_EQ(std::accumulate(q.aspect_histogram.begin(), q.aspect_histogram.end(), std::size_t{0}), 100u);
-  for (int bin = 0; bin < 20; ++bin) EXPECT_NEAR(static_cast<double>(q.aspect_histogram[bin]), 5, 1.01) << bin;
+  EXPECT_EQ(std::accumulate(q.aspect_histogram.begin(), q.aspect_histogram.end(), std::size_t{0}),
+            100u);
+  for (int bin = 0; bin < 20; ++bin)
+    EXPECT_NEAR(static_cast<double>(q.aspect_histogram[bin]), 5, 1.01) << bin;
   EXPECT_NEAR(q.edge_min, 0.01, 1e-12);
   EXPECT_NEAR(q.edge_max, 1, 1e-12);
 }

@@ -21,7 +21,8 @@ namespace {
 using test::LatticePoint;
 using test::Random;
 
-std::vector<TrianglePair> pairs_of(const TriangleMesh& mesh, const SelfIntersectionOptions& options = {}, int threads = 0) {
+std::vector<TrianglePair> pairs_of(const TriangleMesh& mesh,
+                                   const SelfIntersectionOptions& options = {}, int threads = 0) {
   RunControl control;
   control.threads = threads;
   return self_intersections(mesh.positions, mesh.triangles, options, control);
@@ -32,20 +33,25 @@ std::vector<TrianglePair> pairs_of(const TriangleMesh& mesh, const SelfIntersect
 struct LatticeSoup {
   std::vector<LatticePoint> points;
   std::vector<Triangle> triangles;
-  TriangleMesh mesh(double scale = 1, Vec3 offset = {}) const { return {test::to_positions(points, scale, offset), triangles}; }
+  TriangleMesh mesh(double scale = 1, Vec3 offset = {}) const {
+    return {test::to_positions(points, scale, offset), triangles};
+  }
 };
 
 LatticeSoup random_soup(std::uint64_t seed, std::size_t vertices, std::size_t triangles) {
   Random random(seed);
   LatticeSoup soup;
-  for (std::size_t v = 0; v < vertices; ++v) soup.points.push_back({random.between(0, 12), random.between(0, 12), random.between(0, 12)});
+  for (std::size_t v = 0; v < vertices; ++v)
+    soup.points.push_back({random.between(0, 12), random.between(0, 12), random.between(0, 12)});
   const auto distance = [&](std::uint32_t i, std::uint32_t j) {
     std::int64_t sum = 0;
     for (int a = 0; a < 3; ++a) sum += std::abs(soup.points[i][a] - soup.points[j][a]);
     return sum;
   };
   while (soup.triangles.size() < triangles) {
-    const auto any = [&] { return static_cast<std::uint32_t>(random.between(0, static_cast<std::int64_t>(vertices) - 1)); };
+    const auto any = [&] {
+      return static_cast<std::uint32_t>(random.between(0, static_cast<std::int64_t>(vertices) - 1));
+    };
     const Triangle t{any(), any(), any()};
     const std::int64_t size = std::max(distance(t[0], t[1]), distance(t[0], t[2]));
     if (size < 8 || random.between(0, 30) == 0) soup.triangles.push_back(t);
@@ -57,7 +63,9 @@ std::vector<TrianglePair> slow_pairs(const LatticeSoup& soup) {
   std::vector<TrianglePair> out;
   for (std::uint32_t i = 0; i < soup.triangles.size(); ++i)
     for (std::uint32_t j = i + 1; j < soup.triangles.size(); ++j)
-      if (test::slow_intersect_beyond_shared_simplex(soup.points, soup.triangles[i], soup.triangles[j])) out.emplace_back(i, j);
+      if (test::slow_intersect_beyond_shared_simplex(soup.points, soup.triangles[i],
+                                                     soup.triangles[j]))
+        out.emplace_back(i, j);
   return out;
 }
 
@@ -65,21 +73,27 @@ std::vector<TrianglePair> slow_pairs(const LatticeSoup& soup) {
 TriangleMesh ball(std::uint32_t n, Vec3 centre, double radius) {
   TriangleMesh mesh;
   const std::uint32_t rings = n / 2;
-  const auto ring_vertex = [&](std::uint32_t ring, std::uint32_t k) { return 1 + (ring - 1) * n + k % n; };
+  const auto ring_vertex = [&](std::uint32_t ring, std::uint32_t k) {
+    return 1 + (ring - 1) * n + k % n;
+  };
   const auto add = [&](double polar, double enclosing) {
     mesh.positions.push_back({centre.x + radius * std::sin(polar) * std::cos(enclosing),
-                              centre.y + radius * std::sin(polar) * std::sin(enclosing), centre.z + radius * std::cos(polar)});
+                              centre.y + radius * std::sin(polar) * std::sin(enclosing),
+                              centre.z + radius * std::cos(polar)});
   };
   add(0, 0);
   for (std::uint32_t ring = 1; ring < rings; ++ring)
-    for (std::uint32_t k = 0; k < n; ++k) add(std::numbers::pi * ring / rings, 2 * std::numbers::pi * k / n);
+    for (std::uint32_t k = 0; k < n; ++k)
+      add(std::numbers::pi * ring / rings, 2 * std::numbers::pi * k / n);
   add(std::numbers::pi, 0);
   const auto last = static_cast<std::uint32_t>(mesh.positions.size() - 1);
   for (std::uint32_t k = 0; k < n; ++k) {
     mesh.triangles.push_back({0, ring_vertex(1, k), ring_vertex(1, k + 1)});
     for (std::uint32_t ring = 1; ring + 1 < rings; ++ring) {
-      mesh.triangles.push_back({ring_vertex(ring, k), ring_vertex(ring + 1, k), ring_vertex(ring + 1, k + 1)});
-      mesh.triangles.push_back({ring_vertex(ring, k), ring_vertex(ring + 1, k + 1), ring_vertex(ring, k + 1)});
+      mesh.triangles.push_back(
+          {ring_vertex(ring, k), ring_vertex(ring + 1, k), ring_vertex(ring + 1, k + 1)});
+      mesh.triangles.push_back(
+          {ring_vertex(ring, k), ring_vertex(ring + 1, k + 1), ring_vertex(ring, k + 1)});
     }
     mesh.triangles.push_back({last, ring_vertex(rings - 1, k + 1), ring_vertex(rings - 1, k)});
   }
@@ -143,16 +157,19 @@ TEST(SelfIntersections, FollowsAPermutation) {
   const auto shuffled = [&](std::size_t n) {
     std::vector<std::uint32_t> order(n);
     std::iota(order.begin(), order.end(), 0u);
-    for (std::size_t i = n; i > 1; --i) std::swap(order[i - 1], order[random.between(0, static_cast<std::int64_t>(i) - 1)]);
+    for (std::size_t i = n; i > 1; --i)
+      std::swap(order[i - 1], order[random.between(0, static_cast<std::int64_t>(i) - 1)]);
     return order;
   };
-  const std::vector<std::uint32_t> vertex = shuffled(mesh.positions.size()), place = shuffled(mesh.triangles.size());
+  const std::vector<std::uint32_t> vertex = shuffled(mesh.positions.size()),
+                                   place = shuffled(mesh.triangles.size());
   TriangleMesh other = mesh;
   for (std::size_t v = 0; v < vertex.size(); ++v) other.positions[vertex[v]] = mesh.positions[v];
   for (std::size_t t = 0; t < place.size(); ++t) {
     const Triangle& old = mesh.triangles[t];
     const std::uint32_t turn = static_cast<std::uint32_t>(random.between(0, 2));
-    for (std::uint32_t k = 0; k < 3; ++k) other.triangles[place[t]][k] = vertex[old[(k + turn) % 3]];
+    for (std::uint32_t k = 0; k < 3; ++k)
+      other.triangles[place[t]][k] = vertex[old[(k + turn) % 3]];
   }
   std::vector<TrianglePair> moved;
   for (const auto& [a, b] : wanted) moved.push_back(std::minmax(place[a], place[b]));
@@ -172,10 +189,12 @@ TEST(SelfIntersections, InvolvingAListSelectsFromAllPairs) {
   Random random(2);
   for (const std::size_t length : {0, 1, 5, 100, 600}) {
     std::vector<std::uint32_t> list;  // some of them twice
-    for (std::size_t i = 0; i < length; ++i) list.push_back(static_cast<std::uint32_t>(random.between(0, 599)));
+    for (std::size_t i = 0; i < length; ++i)
+      list.push_back(static_cast<std::uint32_t>(random.between(0, 599)));
     std::vector<TrianglePair> wanted;
     for (const auto& [a, b] : all)
-      if (std::find(list.begin(), list.end(), a) != list.end() || std::find(list.begin(), list.end(), b) != list.end())
+      if (std::find(list.begin(), list.end(), a) != list.end() ||
+          std::find(list.begin(), list.end(), b) != list.end())
         wanted.emplace_back(a, b);
     EXPECT_EQ(pairs_of(mesh, {.involving = list}), wanted) << length;
   }
@@ -185,7 +204,8 @@ TEST(SelfIntersections, InvolvingAListSelectsFromAllPairs) {
 }
 
 TEST(SelfIntersections, RefusesInvalidMeshes) {
-  const auto refused = [](const TriangleMesh& mesh, const SelfIntersectionOptions& options, const std::string& part) {
+  const auto refused = [](const TriangleMesh& mesh, const SelfIntersectionOptions& options,
+                          const std::string& part) {
     try {
       pairs_of(mesh, options);
       ADD_FAILURE() << "not refused: " << part;
@@ -208,7 +228,8 @@ TEST(SelfIntersections, RefusesInvalidMeshes) {
 }
 
 TEST(SelfIntersections, IntersectionPlaceIsInBothBoxes) {
-  const std::vector<Vec3> positions{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, -1}, {2, 1, 3}, {9, 3, 0}};
+  const std::vector<Vec3> positions{{0, 0, 0},  {4, 0, 0}, {0, 4, 0},
+                                    {1, 1, -1}, {2, 1, 3}, {9, 3, 0}};
   const Vec3 at = intersection_position(positions, {0, 1, 2}, {3, 4, 5});
   EXPECT_EQ(at.x, 2.5);
   EXPECT_EQ(at.y, 2);
@@ -230,23 +251,30 @@ TEST(MeshReference, CountsTheSameAsTheProduct) {
   std::size_t seen = 0, flat = 0;
   for (int round = 0; round < 300; ++round) {
     TriangleMesh mesh;
-    const auto at = [&] { return static_cast<double>(random.between(0, round % 2 == 0 ? 3 : 1000)); };
+    const auto at = [&] {
+      return static_cast<double>(random.between(0, round % 2 == 0 ? 3 : 1000));
+    };
     const double far = round % 3 == 0 ? 6e10 : 0;
     for (int v = 0; v < 14; ++v) mesh.positions.push_back({far + at(), at() - far, at()});
     std::ranges::sort(mesh.positions, {}, [](Vec3 p) { return std::array{p.x, p.y, p.z}; });
-    mesh.positions.erase(std::unique(mesh.positions.begin(), mesh.positions.end()), mesh.positions.end());
+    mesh.positions.erase(std::unique(mesh.positions.begin(), mesh.positions.end()),
+                         mesh.positions.end());
     const auto last = static_cast<std::int64_t>(mesh.positions.size()) - 1;
     for (int t = 0; t < 10; ++t) {
       const auto corner = [&] { return static_cast<std::uint32_t>(random.between(0, last)); };
       const Triangle triangle{corner(), corner(), corner()};
-      if (triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0]) continue;
+      if (triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0])
+        continue;
       if (!has_area(mesh.positions, triangle)) ++flat;
       mesh.triangles.push_back(triangle);
     }
     std::size_t pairs = 0, without_area = 0;
     for (const Triangle& t : mesh.triangles) without_area += has_area(mesh.positions, t) ? 0 : 1;
     for (const auto& [a, b] : self_intersections(mesh.positions, mesh.triangles))
-      pairs += has_area(mesh.positions, mesh.triangles[a]) && has_area(mesh.positions, mesh.triangles[b]) ? 1 : 0;
+      pairs +=
+          has_area(mesh.positions, mesh.triangles[a]) && has_area(mesh.positions, mesh.triangles[b])
+              ? 1
+              : 0;
     const test::EmbeddingCheck reference = test::check_embedding(mesh);
     ASSERT_EQ(reference.pairs, pairs) << round;
     ASSERT_EQ(reference.without_area, without_area) << round;
@@ -276,7 +304,8 @@ TEST(MeshReference, FindsMisplacedComponents) {
     const auto add = [&](double low, double size, bool inverted) {
       const auto first = static_cast<std::uint32_t>(mesh.positions.size());
       for (unsigned k = 0; k < 8; ++k)
-        mesh.positions.push_back({low + size * (k & 1), low + size * (k >> 1 & 1), low + size * (k >> 2 & 1)});
+        mesh.positions.push_back(
+            {low + size * (k & 1), low + size * (k >> 1 & 1), low + size * (k >> 2 & 1)});
       for (Triangle t : faces) {
         for (std::uint32_t& v : t) v += first;
         if (inverted) std::swap(t[1], t[2]);

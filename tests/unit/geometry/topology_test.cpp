@@ -20,7 +20,8 @@ TriangleMesh mesh_of(std::size_t vertices, std::vector<Triangle> triangles) {
   return out;
 }
 
-std::vector<Triangle> tetrahedron(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+std::vector<Triangle> tetrahedron(std::uint32_t a, std::uint32_t b, std::uint32_t c,
+                                  std::uint32_t d) {
   return {{a, c, b}, {a, b, d}, {b, c, d}, {c, a, d}};
 }
 
@@ -46,7 +47,8 @@ std::vector<Triangle> torus(std::uint32_t n, std::uint32_t m) {
   std::vector<Triangle> out;
   for (std::uint32_t y = 0; y < m; ++y) {
     for (std::uint32_t x = 0; x < n; ++x) {
-      const std::uint32_t a = x + n * y, b = (x + 1) % n + n * y, c = (x + 1) % n + n * ((y + 1) % m), d = x + n * ((y + 1) % m);
+      const std::uint32_t a = x + n * y, b = (x + 1) % n + n * y,
+                          c = (x + 1) % n + n * ((y + 1) % m), d = x + n * ((y + 1) % m);
       out.push_back({a, b, c});
       out.push_back({a, c, d});
     }
@@ -111,7 +113,8 @@ TEST(MeshTopology, MoebiusStripCannotBeOriented) {
 }
 
 TEST(MeshTopology, TwoTetrahedraSharingAVertex) {
-  const MeshTopology t = mesh_topology(mesh_of(7, tetrahedron(0, 1, 2, 3) + tetrahedron(3, 4, 5, 6)));
+  const MeshTopology t =
+      mesh_topology(mesh_of(7, tetrahedron(0, 1, 2, 3) + tetrahedron(3, 4, 5, 6)));
   EXPECT_EQ(t.non_manifold_vertices, 1u);
   EXPECT_EQ(t.non_manifold_edges, 0u);
   EXPECT_FALSE(t.is_manifold());
@@ -119,7 +122,8 @@ TEST(MeshTopology, TwoTetrahedraSharingAVertex) {
 }
 
 TEST(MeshTopology, TwoTetrahedraSharingAnEdge) {
-  const MeshTopology t = mesh_topology(mesh_of(6, tetrahedron(0, 1, 2, 3) + tetrahedron(2, 3, 4, 5)));
+  const MeshTopology t =
+      mesh_topology(mesh_of(6, tetrahedron(0, 1, 2, 3) + tetrahedron(2, 3, 4, 5)));
   EXPECT_EQ(t.non_manifold_edges, 1u);
   EXPECT_FALSE(t.is_manifold());
 }
@@ -144,7 +148,8 @@ TEST(MeshTopology, DuplicateTriangle) {
   triangles.push_back(triangles[1]);
   const MeshTopology t = mesh_topology(mesh_of(4, triangles));
   EXPECT_EQ(t.non_manifold_edges, 3u);
-  // Alone, a doubled triangle has two triangles at every edge: manifold edges, but both run the same way.
+  // Alone, a doubled triangle has two triangles at every edge: manifold edges, but both run the
+  // same way.
   const MeshTopology single_corner = mesh_topology(mesh_of(3, {{0, 1, 2}, {0, 1, 2}}));
   EXPECT_EQ(single_corner.inconsistent_edges, 3u);
 }
@@ -159,7 +164,8 @@ TEST(MeshTopology, FlippedTriangle) {
 }
 
 TEST(MeshTopology, DegenerateTriangle) {
-  const MeshTopology t = mesh_topology(mesh_of(4, tetrahedron(0, 1, 2, 3) + std::vector<Triangle>{{1, 1, 2}}));
+  const MeshTopology t =
+      mesh_topology(mesh_of(4, tetrahedron(0, 1, 2, 3) + std::vector<Triangle>{{1, 1, 2}}));
   EXPECT_EQ(t.degenerate_triangles, 1u);
   EXPECT_FALSE(t.is_manifold());
 }
@@ -185,7 +191,8 @@ TEST(MeshTopology, CornerOutOfRange) {
 }
 
 TEST(MeshTopology, ComponentsAreNumberedBySmallestVertex) {
-  const MeshTopology t = mesh_topology(mesh_of(14, tetrahedron(9, 8, 7, 2) + band(3, false) + tetrahedron(10, 11, 12, 13)));
+  const MeshTopology t = mesh_topology(
+      mesh_of(14, tetrahedron(9, 8, 7, 2) + band(3, false) + tetrahedron(10, 11, 12, 13)));
   // The band uses 0..5 and shares vertex 2 with the first tetrahedron.
   EXPECT_EQ(t.components.size(), 2u);
   EXPECT_EQ(t.component_of_vertex[9], 0u);
@@ -195,8 +202,9 @@ TEST(MeshTopology, ComponentsAreNumberedBySmallestVertex) {
 }
 
 TEST(MeshTopology, SumsOverComponents) {
-  auto triangles = torus(4, 3);                                                                     // 0..11
-  for (const Triangle& t : band(4, false)) triangles.push_back({t[0] + 12, t[1] + 12, t[2] + 12});  // 12..19
+  auto triangles = torus(4, 3);  // 0..11
+  for (const Triangle& t : band(4, false))
+    triangles.push_back({t[0] + 12, t[1] + 12, t[2] + 12});  // 12..19
   for (const Triangle& t : tetrahedron(20, 21, 22, 23)) triangles.push_back(t);
   const MeshTopology t = mesh_topology(mesh_of(24, triangles));
   EXPECT_TRUE(t.is_manifold() && t.is_oriented());
@@ -214,7 +222,8 @@ TEST(MeshTopology, DoesNotDependOnTheOrderOfTrianglesOrVertices) {
     for (std::uint32_t i = 0; i < 30; ++i) rename[i] = i;
     for (std::uint32_t i = 29; i > 0; --i) std::swap(rename[i], rename[random.bits() % (i + 1)]);
     auto shuffled = triangles;
-    for (std::size_t i = shuffled.size() - 1; i > 0; --i) std::swap(shuffled[i], shuffled[random.bits() % (i + 1)]);
+    for (std::size_t i = shuffled.size() - 1; i > 0; --i)
+      std::swap(shuffled[i], shuffled[random.bits() % (i + 1)]);
     for (Triangle& t : shuffled) {
       t = {rename[t[0]], rename[t[1]], rename[t[2]]};
       for (std::uint64_t k = random.bits() % 3; k > 0; --k) t = {t[1], t[2], t[0]};
@@ -226,12 +235,14 @@ TEST(MeshTopology, DoesNotDependOnTheOrderOfTrianglesOrVertices) {
 }
 
 TEST(Summarize, CollectsKindsInOrder) {
-  const TopologySummary s = summarize(std::vector<ComponentTopology>{{2, 0}, {-2, 0}, {1, 1}, {2, 0}, {0, 2}});
+  const TopologySummary s =
+      summarize(std::vector<ComponentTopology>{{2, 0}, {-2, 0}, {1, 1}, {2, 0}, {0, 2}});
   EXPECT_EQ(s.components, 5u);
   EXPECT_EQ(s.euler_characteristic, 3);
   EXPECT_EQ(s.genus, 2);
   EXPECT_EQ(s.boundary_loops, 3);
-  EXPECT_EQ(s.kinds, (std::vector<TopologySummary::Kind>{{0, 0, 2}, {0, 1, 1}, {0, 2, 1}, {2, 0, 1}}));
+  EXPECT_EQ(s.kinds,
+            (std::vector<TopologySummary::Kind>{{0, 0, 2}, {0, 1, 1}, {0, 2, 1}, {2, 0, 1}}));
 }
 
 }  // namespace

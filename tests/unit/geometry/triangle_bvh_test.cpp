@@ -22,7 +22,9 @@ struct Soup {
 // Triangles of very different sizes about a few points, some without area, some twice.
 Soup random_soup(std::uint64_t seed, std::uint32_t triangles, double scale, Vec3 middle) {
   Random random(seed);
-  const auto near = [&](Vec3 c, double s) { return c + s * Vec3{random.unit() - 0.5, random.unit() - 0.5, random.unit() - 0.5}; };
+  const auto near = [&](Vec3 c, double s) {
+    return c + s * Vec3{random.unit() - 0.5, random.unit() - 0.5, random.unit() - 0.5};
+  };
   Soup soup;
   while (soup.triangles.size() < triangles) {
     const auto n = static_cast<std::uint32_t>(soup.positions.size());
@@ -55,7 +57,8 @@ TriangleBvh::Hit slow_closest(const Soup& soup, Vec3 p) {
   best.squared_distance = INFINITY;
   for (std::uint32_t t = 0; t < soup.triangles.size(); ++t) {
     const auto [a, b, c] = soup.triangles[t];
-    const TrianglePoint found = closest_on_triangle(p, soup.positions[a], soup.positions[b], soup.positions[c]);
+    const TrianglePoint found =
+        closest_on_triangle(p, soup.positions[a], soup.positions[b], soup.positions[c]);
     if (found.squared_distance < best.squared_distance) {
       static_cast<TrianglePoint&>(best) = found;
       best.triangle = t;
@@ -66,14 +69,16 @@ TriangleBvh::Hit slow_closest(const Soup& soup, Vec3 p) {
 
 TEST(TriangleBvh, SameAsTestingAll) {
   for (const std::uint32_t n : {1u, 2u, 3u, 4u, 5u, 15u, 16u, 17u, 64u, 65u, 257u, 1500u}) {
-    for (const auto& [scale, middle] : {std::pair(1.0, Vec3{}), std::pair(300.0, Vec3{1e4, -2e4, 0}), std::pair(1e15, Vec3{}),
-                                        std::pair(1e-9, Vec3{}), std::pair(1.0, Vec3{1e6, 1e6, 1e6})}) {
+    for (const auto& [scale, middle] :
+         {std::pair(1.0, Vec3{}), std::pair(300.0, Vec3{1e4, -2e4, 0}), std::pair(1e15, Vec3{}),
+          std::pair(1e-9, Vec3{}), std::pair(1.0, Vec3{1e6, 1e6, 1e6})}) {
       const Soup soup = random_soup(n, n, scale, middle);
       const TriangleBvh bvh(soup.positions, soup.triangles);
       Random random(n + 1);
       for (int k = 0; k < 60; ++k) {
         const double spread = k % 3 == 0 ? 1e3 : k % 3 == 1 ? 2 : 0.5;
-        Vec3 p = middle + spread * scale * Vec3{random.unit() - 0.5, random.unit() - 0.5, random.unit() - 0.5};
+        Vec3 p = middle + spread * scale *
+                              Vec3{random.unit() - 0.5, random.unit() - 0.5, random.unit() - 0.5};
         if (k % 10 == 9) p = soup.positions[random.bits() % soup.positions.size()];
         const TriangleBvh::Hit found = bvh.closest(p), slow = slow_closest(soup, p);
         ASSERT_EQ(found.triangle, slow.triangle) << n << " " << scale << " " << k;
@@ -95,7 +100,8 @@ TEST(TriangleBvh, EqualDistancesGoToTheSmallestId) {
   // A fan of triangles about the origin, each listed many times.
   Soup soup;
   soup.positions = {{0, 0, 0}};
-  for (int k = 0; k < 12; ++k) soup.positions.push_back({std::cos(k * M_PI / 6), std::sin(k * M_PI / 6), 0});
+  for (int k = 0; k < 12; ++k)
+    soup.positions.push_back({std::cos(k * M_PI / 6), std::sin(k * M_PI / 6), 0});
   for (int copy = 0; copy < 50; ++copy) {
     for (std::uint32_t k = 0; k < 12; ++k) soup.triangles.push_back({0, 1 + k, 1 + (k + 1) % 12});
   }
@@ -139,7 +145,8 @@ TEST(TriangleBvh, LeavesNearABox) {
       }
       for (std::uint32_t slot = TriangleBvh::kLeafSize * first; slot < size; ++slot) {
         const auto [other_low, other_high] = box(bvh.corners_in(slot));
-        const bool overlaps = low.x <= other_high.x && other_low.x <= high.x && low.y <= other_high.y && other_low.y <= high.y &&
+        const bool overlaps = low.x <= other_high.x && other_low.x <= high.x &&
+                              low.y <= other_high.y && other_low.y <= high.y &&
                               low.z <= other_high.z && other_low.z <= high.z;
         if (!overlaps) continue;
         ++overlapping;
@@ -171,7 +178,8 @@ TEST(TriangleBvh, EverySlotOnceAndNeighboursClose) {
     EXPECT_EQ(bvh.corners_in(s), soup.triangles[bvh.triangle_in(s)]);
     if (s == 0) continue;
     along += length(bvh.points()[bvh.corners_in(s)[0]] - bvh.points()[bvh.corners_in(s - 1)[0]]);
-    as_listed += length(soup.positions[soup.triangles[s][0]] - soup.positions[soup.triangles[s - 1][0]]);
+    as_listed +=
+        length(soup.positions[soup.triangles[s][0]] - soup.positions[soup.triangles[s - 1][0]]);
   }
   EXPECT_EQ(seen, std::vector<int>(soup.triangles.size(), 1));
   EXPECT_LT(along, 0.3 * as_listed);

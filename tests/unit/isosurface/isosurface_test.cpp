@@ -22,7 +22,8 @@ Isosurface isosurface_of(const VolumeView& volume, double isovalue = 0) {
 }
 
 Vec3 random_in(Random& random, Vec3 low, Vec3 high) {
-  return {low.x + random.unit() * (high.x - low.x), low.y + random.unit() * (high.y - low.y), low.z + random.unit() * (high.z - low.z)};
+  return {low.x + random.unit() * (high.x - low.x), low.y + random.unit() * (high.y - low.y),
+          low.z + random.unit() * (high.z - low.z)};
 }
 
 TEST(Isosurface, PlaneIsExactInAnyMetric) {
@@ -44,9 +45,11 @@ TEST(Isosurface, PlaneIsExactInAnyMetric) {
       const double d = dot(n, to_metric(p, spacing)) - offset;
       const Isosurface::Hit hit = surface.closest(p);
       EXPECT_NEAR(hit.distance, std::abs(d), 1e-6 * std::abs(d) + 1e-9 * voxel);
-      EXPECT_LT(length(to_metric(p - hit.point, spacing) - d * n), 2e-3 * std::abs(d) + 1e-9 * voxel);
+      EXPECT_LT(length(to_metric(p - hit.point, spacing) - d * n),
+                2e-3 * std::abs(d) + 1e-9 * voxel);
       EXPECT_LT(length(surface.normal(hit.point) - n), 1e-9);
-      EXPECT_NEAR(surface.closest_on_faces(p).distance, std::abs(d), 4e-3 * voxel);  // nodes keep a distance from the samples
+      EXPECT_NEAR(surface.closest_on_faces(p).distance, std::abs(d),
+                  4e-3 * voxel);  // nodes keep a distance from the samples
       const auto on = surface.onto_surface(hit.point + 0.1 * Vec3{1, 1, 1});
       ASSERT_TRUE(on);
       EXPECT_NEAR(dot(n, to_metric(*on, spacing)), offset, 1e-6 * voxel);
@@ -78,14 +81,17 @@ TEST(Isosurface, OfATricubicFieldIsNearerTheTrueSphere) {
   ParseOptions parse;
   parse.interpolation = Interpolation::tricubic;
   const SurfaceComplex complex = parse_surface(volume, parse);
-  const Isosurface linear(volume, rule, parse_surface(volume, {rule, true})), cubic(volume, rule, complex, Interpolation::tricubic);
+  const Isosurface linear(volume, rule, parse_surface(volume, {rule, true})),
+      cubic(volume, rule, complex, Interpolation::tricubic);
   Random random(6);
   double off[2] = {0, 0};
   for (int k = 0; k < 2000; ++k) {
     const Vec3 p = random_in(random, {4, 4, 4}, {27, 27, 27});
     const double r = length(p - c);
     if (r < 5) continue;
-    const auto miss = [&](const Isosurface& surface) { return std::abs(surface.closest(p).distance - std::abs(r - 10)); };
+    const auto miss = [&](const Isosurface& surface) {
+      return std::abs(surface.closest(p).distance - std::abs(r - 10));
+    };
     off[0] += miss(linear);
     off[1] += miss(cubic);
     EXPECT_LT(length(cubic.normal(cubic.closest(p).point) - (1 / r) * (p - c)), 0.03);
@@ -117,13 +123,15 @@ std::vector<Vec3> crossings(const InterpolatedField& field, int lines_per_cell) 
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     for (int i = 0; i <= lines_per_cell * ends[u]; ++i) {
       for (int j = 0; j <= lines_per_cell * ends[v]; ++j) {
-        const double s = static_cast<double>(i) / lines_per_cell, t = static_cast<double>(j) / lines_per_cell;
+        const double s = static_cast<double>(i) / lines_per_cell,
+                     t = static_cast<double>(j) / lines_per_cell;
         const auto at = [&](double w) {
           double p[3];
           p[axis] = w, p[u] = s, p[v] = t;
           return Vec3{p[0], p[1], p[2]};
         };
-        for (int cell = 0; cell < static_cast<int>(ends[axis]); ++cell) {  // linear along the line within a cell
+        for (int cell = 0; cell < static_cast<int>(ends[axis]);
+             ++cell) {  // linear along the line within a cell
           const double a = field.at(at(cell)).value, b = field.at(at(cell + 1)).value;
           if ((a >= 0) != (b >= 0)) out.push_back(at(cell + a / (a - b)));
         }
@@ -137,7 +145,8 @@ TEST(Isosurface, NoiseAgainstManyPointsOfTheSurface) {
   double excess = 0;
   int queries = 0, far = 0;
   for (const std::uint64_t seed : {1, 2, 3}) {
-    const Volume volume = test::to_volume(test::random_samples(test::Family::white_noise, {6, 6, 6}, seed));
+    const Volume volume =
+        test::to_volume(test::random_samples(test::Family::white_noise, {6, 6, 6}, seed));
     const Isosurface surface = isosurface_of(volume, 0.5);
     const InterpolatedField field(volume, {0.5, Inside::above, NonFinite::refuse});
     const std::vector<Vec3> cloud = crossings(field, 25);
@@ -197,7 +206,8 @@ TEST(Isosurface, WorksForAnyField) {
   for (int family = 0; family < test::kFamilies; ++family) {
     for (const std::uint64_t seed : {1, 2}) {
       const Volume volume =
-          test::to_volume(test::random_samples(static_cast<test::Family>(family), {9, 8, 7}, seed), SampleType::int32, {1, 1.5, 2});
+          test::to_volume(test::random_samples(static_cast<test::Family>(family), {9, 8, 7}, seed),
+                          SampleType::int32, {1, 1.5, 2});
       const InsideRule rule{0, Inside::above, NonFinite::refuse};
       const SurfaceComplex complex = parse_surface(volume, {rule, true});
       if (complex.faces.empty()) continue;
@@ -210,7 +220,8 @@ TEST(Isosurface, WorksForAnyField) {
         const Isosurface::Hit hit = surface.closest(p), face = surface.closest_on_faces(p);
         ASSERT_TRUE(hit.found());
         EXPECT_NEAR(length(to_metric(p - hit.point, complex.spacing)), hit.distance, 1e-9);
-        EXPECT_LE(hit.distance, face.distance + 1) << test::name(static_cast<test::Family>(family)) << " " << k;
+        EXPECT_LE(hit.distance, face.distance + 1)
+            << test::name(static_cast<test::Family>(family)) << " " << k;
         EXPECT_GE(std::min({hit.point.x, hit.point.y, hit.point.z}), 0);
         EXPECT_LE(hit.point.x, 8);
         const double n = length(surface.normal(hit.point));

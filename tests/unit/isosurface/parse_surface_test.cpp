@@ -23,11 +23,13 @@ std::vector<TopologySummary::Kind> parsed_kinds(const SurfaceComplex& surface) {
 }
 
 // The reference counts one disk per loop; tunnel_test.cpp checks the trilinear topology.
-SurfaceComplex faces_surface_of(const Samples& samples, double isovalue, Inside inside = Inside::above) {
+SurfaceComplex faces_surface_of(const Samples& samples, double isovalue,
+                                Inside inside = Inside::above) {
   return surface_of(samples, isovalue, inside, {1, 1, 1}, Topology::faces);
 }
 
-void expect_like_reference(const Samples& samples, double isovalue, Inside inside, const std::string& what) {
+void expect_like_reference(const Samples& samples, double isovalue, Inside inside,
+                           const std::string& what) {
   const SurfaceComplex surface = faces_surface_of(samples, isovalue, inside);
   const TopologySummary want = reference_topology(samples, isovalue, inside);
   const TopologySummary got = summarize(find_components(surface).topology);
@@ -46,8 +48,10 @@ TEST(ReferenceTopology, CountsTheKnownShapes) {  // checks the reference itself 
 TEST(ParseSurface, KnownShapes) {
   for (const KnownVolume& known : known_volumes()) {
     const SurfaceComplex surface = surface_of(known.samples, known.isovalue);
-    EXPECT_EQ(parsed_kinds(surface), known.kinds) << known.name << ": " << text(parsed_kinds(surface));
-    EXPECT_EQ(parsed_kinds(faces_surface_of(known.samples, known.isovalue)), known.faces_kinds) << known.name;
+    EXPECT_EQ(parsed_kinds(surface), known.kinds)
+        << known.name << ": " << text(parsed_kinds(surface));
+    EXPECT_EQ(parsed_kinds(faces_surface_of(known.samples, known.isovalue)), known.faces_kinds)
+        << known.name;
   }
 }
 
@@ -56,10 +60,14 @@ TEST(ParseSurface, EverySignPatternOfOneCell) {
   for (int pattern = 1; pattern < 255; ++pattern) {
     for (int round = 0; round < 12; ++round) {
       Samples s = constant({2, 2, 2}, 0);
-      const std::int64_t largest = round < 4 ? 1 : round < 8 ? 3 : 1000;  // the first ones are all ties
-      for (int c = 0; c < 8; ++c) s.values[c] = (pattern >> c & 1 ? 1 : -1) * random.between(1, largest);
+      const std::int64_t largest = round < 4   ? 1
+                                   : round < 8 ? 3
+                                               : 1000;  // the first ones are all ties
+      for (int c = 0; c < 8; ++c)
+        s.values[c] = (pattern >> c & 1 ? 1 : -1) * random.between(1, largest);
       for (const Inside inside : {Inside::above, Inside::below}) {
-        expect_like_reference(s, 0, inside, "pattern " + std::to_string(pattern) + " round " + std::to_string(round));
+        expect_like_reference(
+            s, 0, inside, "pattern " + std::to_string(pattern) + " round " + std::to_string(round));
         if (HasFatalFailure()) return;
       }
     }
@@ -71,7 +79,9 @@ TEST(ParseSurface, EverySignPatternWithinALargerVolume) {
   for (int pattern = 1; pattern < 255; ++pattern) {
     for (const std::int64_t around : {-1, 1}) {
       Samples s = constant({4, 4, 4}, around);
-      for (int c = 0; c < 8; ++c) s.at(1 + (c & 1), 1 + (c >> 1 & 1), 1 + (c >> 2)) = (pattern >> c & 1 ? 1 : -1) * random.between(1, 2);
+      for (int c = 0; c < 8; ++c)
+        s.at(1 + (c & 1), 1 + (c >> 1 & 1), 1 + (c >> 2)) =
+            (pattern >> c & 1 ? 1 : -1) * random.between(1, 2);
       expect_like_reference(s, 0, Inside::above, "pattern " + std::to_string(pattern));
       if (HasFatalFailure()) return;
     }
@@ -83,12 +93,14 @@ TEST(ParseSurface, RandomVolumesAgainstTheReference) {
   for (std::uint64_t seed = 0; seed < 160; ++seed) {
     const auto family = static_cast<Family>(seed % kFamilies);
     Size size;
-    for (std::size_t& n : size) n = static_cast<std::size_t>(random.between(2, seed % 3 == 0 ? 3 : 9));
+    for (std::size_t& n : size)
+      n = static_cast<std::size_t>(random.between(2, seed % 3 == 0 ? 3 : 9));
     const Samples s = random_samples(family, size, seed);
     for (const double isovalue : {0.0, -1.0, 0.5}) {
       for (const Inside inside : {Inside::above, Inside::below}) {
         if (!has_surface(s, isovalue, inside)) continue;
-        expect_like_reference(s, isovalue, inside, std::string(name(family)) + " seed " + std::to_string(seed));
+        expect_like_reference(s, isovalue, inside,
+                              std::string(name(family)) + " seed " + std::to_string(seed));
         if (HasFatalFailure()) return;
       }
     }
@@ -100,7 +112,8 @@ TEST(ParseSurface, RowsLongerThanOneWordOfSignBits) {
     for (const Family family : {Family::white_noise, Family::few_values, Family::sparse_specks}) {
       const Samples s = random_samples(family, {nx, 3, 3}, nx);
       if (!has_surface(s, 0)) continue;
-      expect_like_reference(s, 0, Inside::above, std::string(name(family)) + " " + std::to_string(nx));
+      expect_like_reference(s, 0, Inside::above,
+                            std::string(name(family)) + " " + std::to_string(nx));
       if (HasFatalFailure()) return;
     }
   }
@@ -116,22 +129,27 @@ TEST(ParseSurface, SymmetriesKeepTheTopology) {
     const auto kinds = parsed_kinds(surface_of(s));
     const std::string what = std::string(name(family)) + " seed " + std::to_string(seed);
     EXPECT_EQ(parsed_kinds(surface_of(negated(s), 0, Inside::below)), kinds) << what;
-    for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(parsed_kinds(surface_of(mirrored(s, axis))), kinds) << what << " mirrored " << axis;
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_EQ(parsed_kinds(surface_of(mirrored(s, axis))), kinds) << what << " mirrored " << axis;
     for (const auto& order : {std::array{1, 2, 0}, {2, 0, 1}, {1, 0, 2}, {0, 2, 1}, {2, 1, 0}}) {
       EXPECT_EQ(parsed_kinds(surface_of(permuted(s, order))), kinds) << what << " permuted";
     }
     for (const Vec3 spacing : {Vec3{1, 2, 3}, {0.01, 5, 0.3}}) {
-      EXPECT_EQ(parsed_kinds(surface_of(s, 0, Inside::above, spacing)), kinds) << what << " spacing";
+      EXPECT_EQ(parsed_kinds(surface_of(s, 0, Inside::above, spacing)), kinds)
+          << what << " spacing";
     }
   }
 }
 
 TEST(ParseSurface, BelowIsTheNegatedVolumePointForPoint) {
   const Samples s = random_samples(Family::gyroid_cut, {9, 8, 7}, 5);
-  const SurfaceComplex below = surface_of(s, 3.5, Inside::below), negative = surface_of(negated(s), -3.5);
+  const SurfaceComplex below = surface_of(s, 3.5, Inside::below),
+                       negative = surface_of(negated(s), -3.5);
   ASSERT_EQ(below.c_vertex_count(), negative.c_vertex_count());
-  for (std::size_t i = 0; i < below.positions.size(); ++i) EXPECT_EQ(below.positions[i], negative.positions[i]);
-  for (std::size_t i = 0; i < below.faces.size(); ++i) EXPECT_EQ(below.faces[i].corner, negative.faces[i].corner);
+  for (std::size_t i = 0; i < below.positions.size(); ++i)
+    EXPECT_EQ(below.positions[i], negative.positions[i]);
+  for (std::size_t i = 0; i < below.faces.size(); ++i)
+    EXPECT_EQ(below.faces[i].corner, negative.faces[i].corner);
 }
 
 TEST(ParseSurface, EverySampleTypeGivesTheSameComplex) {
@@ -145,7 +163,8 @@ TEST(ParseSurface, EverySampleTypeGivesTheSameComplex) {
     const SurfaceComplex got = parse_surface(volume, options);
     EXPECT_EQ(got.positions, want.positions) << name(type);
     ASSERT_EQ(got.faces.size(), want.faces.size()) << name(type);
-    for (std::size_t i = 0; i < got.faces.size(); ++i) ASSERT_EQ(got.faces[i].corner, want.faces[i].corner) << name(type);
+    for (std::size_t i = 0; i < got.faces.size(); ++i)
+      ASSERT_EQ(got.faces[i].corner, want.faces[i].corner) << name(type);
   }
 }
 
@@ -154,7 +173,8 @@ TEST(ParseSurface, EverySampleTypeGivesTheSameComplex) {
 TEST(ParseSurface, Integers64AreDecidedExactly) {
   Random random(9);
   for (int round = 0; round < 40; ++round) {
-    const Samples small = random_samples(Family::few_values, {4, 4, 4}, static_cast<std::uint64_t>(round));
+    const Samples small =
+        random_samples(Family::few_values, {4, 4, 4}, static_cast<std::uint64_t>(round));
     if (!has_surface(small, 0)) continue;
     Samples large = small;
     const std::int64_t base = std::int64_t{1} << 62;
@@ -181,7 +201,8 @@ TEST(ParseSurface, SameBytesForAnyNumberOfThreads) {
     ASSERT_EQ(surface.positions, first.positions);
     ASSERT_EQ(surface.on_boundary, first.on_boundary);
     ASSERT_EQ(surface.faces.size(), first.faces.size());
-    for (std::size_t i = 0; i < surface.faces.size(); ++i) ASSERT_EQ(surface.faces[i].corner, first.faces[i].corner);
+    for (std::size_t i = 0; i < surface.faces.size(); ++i)
+      ASSERT_EQ(surface.faces[i].corner, first.faces[i].corner);
     ASSERT_EQ(surface.boundary.size(), first.boundary.size());
     for (std::size_t i = 0; i < surface.boundary.size(); ++i) {
       ASSERT_EQ(surface.boundary[i].from, first.boundary[i].from);
@@ -215,7 +236,9 @@ TEST(ParseSurface, CancelledBeforehand) {
   const std::atomic<bool> cancel{true};
   RunControl control;
   control.cancel = &cancel;
-  EXPECT_THROW(parse_surface(to_volume(random_samples(Family::white_noise, {8, 8, 8}, 1)), {}, control), Error);
+  EXPECT_THROW(
+      parse_surface(to_volume(random_samples(Family::white_noise, {8, 8, 8}, 1)), {}, control),
+      Error);
 }
 
 // Follows the loops of every entry of the table again in a simple way: segments from sign changes
@@ -244,13 +267,15 @@ TEST(CellLoopTable, EveryEntryIsASetOfClosedLoops) {
         }
       }
       for (int k = 0; k < loops.loops; ++k) ASSERT_GE(length[k], 3);
-      // On every face the segments join edges of one loop: each unambiguous face has 0 or 2 crossed edges.
+      // On every face the segments join edges of one loop: each unambiguous face has 0 or 2 crossed
+      // edges.
       for (int axis = 0; axis < 3; ++axis) {
         for (int side = 0; side < 2; ++side) {
           if (ambiguous >> (2 * axis + side) & 1) continue;
           std::vector<int> on_face;
           for (int b = 0; b < 2; ++b) {
-            for (const int e : {face_edge_along_u(axis, side, b), face_edge_along_v(axis, side, b)}) {
+            for (const int e :
+                 {face_edge_along_u(axis, side, b), face_edge_along_v(axis, side, b)}) {
               if (loops.crossed >> e & 1) on_face.push_back(loops.surfel_of_edge[e]);
             }
           }
@@ -259,7 +284,8 @@ TEST(CellLoopTable, EveryEntryIsASetOfClosedLoops) {
       }
     }
   }
-  const auto plain = std::count_if(table.entries().begin(), table.entries().end(), [](const CellLoops& c) { return !c.has_tunnel; });
+  const auto plain = std::count_if(table.entries().begin(), table.entries().end(),
+                                   [](const CellLoops& c) { return !c.has_tunnel; });
   EXPECT_EQ(entries, plain);
 }
 

@@ -22,7 +22,8 @@ struct ValueAndSlope {
   double value, slope;
 };
 
-// The trilinear interpolant by the definition, and the length of its gradient by central differences.
+// The trilinear interpolant by the definition, and the length of its gradient by central
+// differences.
 ValueAndSlope interpolated(const Samples& s, Vec3 p) {
   const auto value = [&](double x, double y, double z) {
     const double q[3] = {x, y, z};
@@ -48,10 +49,12 @@ ValueAndSlope interpolated(const Samples& s, Vec3 p) {
 }
 
 bool inside_volume(Vec3 p, Size size) {
-  return p.x >= 0 && p.y >= 0 && p.z >= 0 && p.x <= size[0] - 1.0 && p.y <= size[1] - 1.0 && p.z <= size[2] - 1.0;
+  return p.x >= 0 && p.y >= 0 && p.z >= 0 && p.x <= size[0] - 1.0 && p.y <= size[1] - 1.0 &&
+         p.z <= size[2] - 1.0;
 }
 bool on_volume_face(Vec3 p, Size size) {
-  return p.x == 0 || p.y == 0 || p.z == 0 || p.x == size[0] - 1.0 || p.y == size[1] - 1.0 || p.z == size[2] - 1.0;
+  return p.x == 0 || p.y == 0 || p.z == 0 || p.x == size[0] - 1.0 || p.y == size[1] - 1.0 ||
+         p.z == size[2] - 1.0;
 }
 
 std::vector<std::pair<std::string, Samples>> smooth_volumes() {
@@ -89,11 +92,14 @@ TEST(Positions, PlainAverageIsFartherOffButWithinAQuarterVoxel) {
   const Samples samples = sampled({24, 24, 24}, gyroid(7.3, 0.2));
   ParseOptions options;
   options.vertices_on_surface = false;
-  const SurfaceComplex plain = parse_surface(to_volume(samples), options), projected = surface_of(samples);
+  const SurfaceComplex plain = parse_surface(to_volume(samples), options),
+                       projected = surface_of(samples);
   EXPECT_LT(offsets(plain, samples).worst, 0.25);
-  EXPECT_GT(offsets(plain, samples).mean, 20 * offsets(projected, samples).mean) << "the option does nothing";
+  EXPECT_GT(offsets(plain, samples).mean, 20 * offsets(projected, samples).mean)
+      << "the option does nothing";
   ASSERT_EQ(plain.faces.size(), projected.faces.size());
-  for (std::size_t i = 0; i < plain.faces.size(); ++i) ASSERT_EQ(plain.faces[i].corner, projected.faces[i].corner);
+  for (std::size_t i = 0; i < plain.faces.size(); ++i)
+    ASSERT_EQ(plain.faces[i].corner, projected.faces[i].corner);
 }
 
 // The plain average of nodes, computed by hand: one inside corner of a cell, nodes at 1/4 of its
@@ -108,7 +114,8 @@ TEST(Positions, PlainAverageByHand) {
   ASSERT_EQ(surface.face_count(), 6u);
   for (std::size_t i = 0; i < 8; ++i) {
     const double step = 0.25 / 3;
-    const Vec3 want{1 + (i & 1 ? step : -step), 1 + (i & 2 ? step : -step), 1 + (i & 4 ? step : -step)};
+    const Vec3 want{1 + (i & 1 ? step : -step), 1 + (i & 2 ? step : -step),
+                    1 + (i & 4 ? step : -step)};
     EXPECT_NEAR(length(surface.positions[i] - want), 0, 1e-12) << i;
   }
 }
@@ -116,7 +123,8 @@ TEST(Positions, PlainAverageByHand) {
 TEST(Positions, InsideTheVolumeAndBoundaryExactlyOnItsFaces) {
   std::vector<std::pair<std::string, Samples>> volumes = smooth_volumes();
   for (const KnownVolume& known : known_volumes())
-    volumes.push_back({known.name, plus(known.samples, -static_cast<std::int64_t>(known.isovalue))});
+    volumes.push_back(
+        {known.name, plus(known.samples, -static_cast<std::int64_t>(known.isovalue))});
   for (std::uint64_t seed = 0; seed < 64; ++seed) {
     const auto family = static_cast<Family>(seed % kFamilies);
     volumes.push_back({name(family), random_samples(family, {6, 5, 7}, seed)});
@@ -127,10 +135,14 @@ TEST(Positions, InsideTheVolumeAndBoundaryExactlyOnItsFaces) {
     const SurfaceComplex surface = surface_of(samples);
     for (CVertexId v = 0; v < surface.c_vertex_count(); ++v) {
       const Vec3 p = surface.positions[v];
-      ASSERT_TRUE(inside_volume(p, samples.size)) << what << ": " << p.x << ", " << p.y << ", " << p.z;
-      // C-vertices that double segments and tunnels add at nodes may lie on a face of the volume without being on the boundary.
+      ASSERT_TRUE(inside_volume(p, samples.size))
+          << what << ": " << p.x << ", " << p.y << ", " << p.z;
+      // C-vertices that double segments and tunnels add at nodes may lie on a face of the volume
+      // without being on the boundary.
       const bool on_face = on_volume_face(p, samples.size);
-      ASSERT_TRUE(surface.on_boundary[v] ? on_face : !on_face || surface.double_segments > 0 || surface.tunnels > 0)
+      ASSERT_TRUE(surface.on_boundary[v]
+                      ? on_face
+                      : !on_face || surface.double_segments > 0 || surface.tunnels > 0)
           << what << ": " << p.x << ", " << p.y << ", " << p.z;
     }
   }
@@ -143,8 +155,9 @@ TEST(Positions, BoundarySidesRunWithinOneFaceOfTheVolume) {
   ASSERT_FALSE(surface.boundary.empty());
   for (const BoundarySide& s : surface.boundary) {
     const Vec3 a = surface.positions[s.from], b = surface.positions[s.to];
-    const bool shared =
-        (a.x == b.x && (a.x == 0 || a.x == 19)) || (a.y == b.y && (a.y == 0 || a.y == 17)) || (a.z == b.z && (a.z == 0 || a.z == 21));
+    const bool shared = (a.x == b.x && (a.x == 0 || a.x == 19)) ||
+                        (a.y == b.y && (a.y == 0 || a.y == 17)) ||
+                        (a.z == b.z && (a.z == 0 || a.z == 21));
     EXPECT_TRUE(shared);
   }
 }
@@ -159,7 +172,8 @@ std::size_t coinciding(const SurfaceComplex& surface) {
 }
 
 TEST(Positions, NoTwoCVerticesCoincide) {
-  for (const KnownVolume& known : known_volumes()) EXPECT_EQ(coinciding(surface_of(known.samples, known.isovalue)), 0u) << known.name;
+  for (const KnownVolume& known : known_volumes())
+    EXPECT_EQ(coinciding(surface_of(known.samples, known.isovalue)), 0u) << known.name;
   for (std::uint64_t seed = 0; seed < 240; ++seed) {
     const auto family = static_cast<Family>(seed % kFamilies);
     const Samples s = random_samples(family, {2 + seed % 7, 6, 5}, seed);
@@ -167,7 +181,8 @@ TEST(Positions, NoTwoCVerticesCoincide) {
       if (!has_surface(s, isovalue)) continue;
       for (const Inside inside : {Inside::above, Inside::below}) {
         if (!has_surface(s, isovalue, inside)) continue;
-        EXPECT_EQ(coinciding(surface_of(s, isovalue, inside)), 0u) << name(family) << " seed " << seed << " isovalue " << isovalue;
+        EXPECT_EQ(coinciding(surface_of(s, isovalue, inside)), 0u)
+            << name(family) << " seed " << seed << " isovalue " << isovalue;
       }
     }
   }
@@ -185,16 +200,21 @@ TEST(Positions, TricubicInterpolationMovesPointsWithinTheirCells) {
     const auto family = static_cast<Family>(seed % kFamilies);
     const Samples s = random_samples(family, {2 + seed % 7, 6, 5}, seed);
     if (!has_surface(s, 0)) continue;
-    const SurfaceComplex linear = parsed(s, Interpolation::trilinear), cubic = parsed(s, Interpolation::tricubic);
+    const SurfaceComplex linear = parsed(s, Interpolation::trilinear),
+                         cubic = parsed(s, Interpolation::tricubic);
     ASSERT_EQ(validate(cubic), "");
     ASSERT_EQ(linear.faces.size(), cubic.faces.size());
-    for (std::size_t i = 0; i < linear.faces.size(); ++i) ASSERT_EQ(linear.faces[i].corner, cubic.faces[i].corner);
+    for (std::size_t i = 0; i < linear.faces.size(); ++i)
+      ASSERT_EQ(linear.faces[i].corner, cubic.faces[i].corner);
     for (CVertexId v = 0; v < linear.c_vertex_count(); ++v) {
       const Vec3 p = linear.positions[v], q = cubic.positions[v];
       ASSERT_EQ(linear.on_boundary[v], cubic.on_boundary[v]);
       ASSERT_TRUE(inside_volume(q, s.size));
-      const auto same_cell = [](double a, double b) { return std::floor(a) == std::floor(b) && std::ceil(a) == std::ceil(b); };
-      ASSERT_TRUE(same_cell(p.x, q.x) && same_cell(p.y, q.y) && same_cell(p.z, q.z)) << name(family) << " seed " << seed;
+      const auto same_cell = [](double a, double b) {
+        return std::floor(a) == std::floor(b) && std::ceil(a) == std::ceil(b);
+      };
+      ASSERT_TRUE(same_cell(p.x, q.x) && same_cell(p.y, q.y) && same_cell(p.z, q.z))
+          << name(family) << " seed " << seed;
     }
     EXPECT_EQ(coinciding(cubic), 0u) << name(family) << " seed " << seed;
   }
@@ -224,7 +244,8 @@ TEST(Positions, TricubicInterpolationIsNearerTheTrueSphere) {
 TEST(Positions, FacesLookOutwards) {
   const SurfaceComplex ball = surface_of(sampled({20, 20, 20}, sphere({9.4, 9.6, 9.5}, 7)));
   EXPECT_NEAR(signed_volume(triangles_of(ball)), 4 * M_PI / 3 * 343, 60);
-  const SurfaceComplex cavity = surface_of(negated(sampled({20, 20, 20}, sphere({9.4, 9.6, 9.5}, 7))));
+  const SurfaceComplex cavity =
+      surface_of(negated(sampled({20, 20, 20}, sphere({9.4, 9.6, 9.5}, 7))));
   EXPECT_NEAR(signed_volume(triangles_of(cavity)), -4 * M_PI / 3 * 343, 60);
 }
 

@@ -25,9 +25,13 @@ struct Case {
 Case random_case(std::uint64_t seed, Interpolation interpolation) {
   const auto family = static_cast<Family>(seed % kFamilies);
   const Samples samples = random_samples(family, {2 + seed % 6, 5, 2 + seed % 4}, seed);
-  constexpr SampleType kTypes[] = {SampleType::int16, SampleType::float32, SampleType::float64, SampleType::int64};
-  Case out{to_volume(samples, kTypes[seed / 3 % 4], {1, 1 + 0.5 * static_cast<double>(seed % 2), 2}), {}};
-  out.options.rule = {seed % 5 == 0 ? 0.0 : 0.3, seed % 2 == 0 ? Inside::above : Inside::below, NonFinite::refuse};
+  constexpr SampleType kTypes[] = {SampleType::int16, SampleType::float32, SampleType::float64,
+                                   SampleType::int64};
+  Case out{
+      to_volume(samples, kTypes[seed / 3 % 4], {1, 1 + 0.5 * static_cast<double>(seed % 2), 2}),
+      {}};
+  out.options.rule = {seed % 5 == 0 ? 0.0 : 0.3, seed % 2 == 0 ? Inside::above : Inside::below,
+                      NonFinite::refuse};
   out.options.topology = seed % 3 == 0 ? Topology::trilinear : Topology::faces;
   out.options.interpolation = interpolation;
   out.options.supersample = static_cast<std::uint32_t>(2 + seed % 4);
@@ -40,7 +44,8 @@ void expect_same_faces(const SurfaceComplex& a, const SurfaceComplex& b, std::ui
   ASSERT_EQ(a.positions.size(), b.positions.size()) << seed;
   ASSERT_EQ(a.on_boundary, b.on_boundary) << seed;
   ASSERT_EQ(a.faces.size(), b.faces.size()) << seed;
-  for (std::size_t i = 0; i < a.faces.size(); ++i) ASSERT_EQ(a.faces[i].corner, b.faces[i].corner) << seed;
+  for (std::size_t i = 0; i < a.faces.size(); ++i)
+    ASSERT_EQ(a.faces[i].corner, b.faces[i].corner) << seed;
   ASSERT_EQ(a.tunnels, b.tunnels) << seed;
   ASSERT_EQ(a.double_segments, b.double_segments) << seed;
 }
@@ -52,12 +57,16 @@ TEST(Supersample, TrilinearEqualsTheUpsampledVolume) {
     const SurfaceComplex fine = parse_surface(c.volume, c.options);
     ParseOptions plain = c.options;
     plain.supersample = 1;
-    const SurfaceComplex whole = parse_surface(upsampled(c.volume, c.options.interpolation, c.options.supersample), plain);
+    const SurfaceComplex whole =
+        parse_surface(upsampled(c.volume, c.options.interpolation, c.options.supersample), plain);
     expect_same_faces(fine, whole, seed);
     if (HasFatalFailure()) return;
     if (fine.faces.empty()) continue;
     ++parsed;
-    ASSERT_LT(length(static_cast<double>(c.options.supersample) * fine.spacing - c.volume.view.grid.spacing), 1e-12) << seed;
+    ASSERT_LT(length(static_cast<double>(c.options.supersample) * fine.spacing -
+                     c.volume.view.grid.spacing),
+              1e-12)
+        << seed;
     for (std::size_t v = 0; v < fine.positions.size(); ++v) {
       ASSERT_LT(length(fine.positions[v] - whole.positions[v]), 1e-9) << seed;
     }
@@ -73,12 +82,15 @@ TEST(Supersample, TricubicEqualsTheUpsampledVolume) {
     const SurfaceComplex fine = parse_surface(c.volume, c.options);
     ParseOptions plain = c.options;
     plain.supersample = 1;
-    const SurfaceComplex whole = parse_surface(upsampled(c.volume, c.options.interpolation, c.options.supersample), plain);
+    const SurfaceComplex whole =
+        parse_surface(upsampled(c.volume, c.options.interpolation, c.options.supersample), plain);
     expect_same_faces(fine, whole, seed);
     if (HasFatalFailure()) return;
     for (CVertexId v = 0; v < fine.c_vertex_count(); ++v) {
       const Vec3 p = fine.positions[v], q = whole.positions[v];
-      const auto same_cell = [](double a, double b) { return std::floor(a) == std::floor(b) && std::ceil(a) == std::ceil(b); };
+      const auto same_cell = [](double a, double b) {
+        return std::floor(a) == std::floor(b) && std::ceil(a) == std::ceil(b);
+      };
       ASSERT_TRUE(same_cell(p.x, q.x) && same_cell(p.y, q.y) && same_cell(p.z, q.z)) << seed;
     }
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tunnels of the trilinear interpolant: decisions on single cells against brute force, and surfaces of whole volumes against the
-// same volumes on a finer grid.
+// Tunnels of the trilinear interpolant: decisions on single cells against brute force, and surfaces
+// of whole volumes against the same volumes on a finer grid.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -50,7 +50,8 @@ Decision decide(const std::array<Value, 8>& f, long double isovalue = 0) {
   const auto signs = static_cast<std::uint8_t>(corners);
   for (int face = 0; face < 6; ++face) {
     const auto at = [&](int bu, int bv) { return face_corner(face / 2, face % 2, bu, bv); };
-    const int sign = saddle_sign(samples[at(0, 0)], samples[at(1, 1)], samples[at(1, 0)], samples[at(0, 1)], exact(isovalue));
+    const int sign = saddle_sign(samples[at(0, 0)], samples[at(1, 1)], samples[at(1, 0)],
+                                 samples[at(0, 1)], exact(isovalue));
     if ((corners >> at(0, 0) & 1) ? sign >= 0 : sign <= 0) joined |= 1u << face;
   }
   const std::uint16_t index = table.index(signs, static_cast<std::uint8_t>(joined));
@@ -78,12 +79,15 @@ Classes connected_corners(const Decision& decision) {
   for (int face = 0; face < 6; ++face) {
     if (!(cell.ambiguous_faces >> face & 1)) continue;
     for (int bu = 0; bu < 2; ++bu) {
-      const int a = face_corner(face / 2, face % 2, bu, 0), b = face_corner(face / 2, face % 2, 1 - bu, 1);
+      const int a = face_corner(face / 2, face % 2, bu, 0),
+                b = face_corner(face / 2, face % 2, 1 - bu, 1);
       if ((cell.corners >> a & 1) == (cell.joined_faces >> face & 1)) join(out, a, b);
     }
   }
   if (decision.tunnel != nullptr) {
-    const auto corner = [&](int vertical) { return (cell.corners >> vertical & 1) == decision.tunnel->inside ? vertical : vertical + 4; };
+    const auto corner = [&](int vertical) {
+      return (cell.corners >> vertical & 1) == decision.tunnel->inside ? vertical : vertical + 4;
+    };
     join(out, corner(decision.tunnel->joined[0]), corner(decision.tunnel->joined[1]));
   }
   return out;
@@ -102,7 +106,8 @@ std::vector<TopologySummary::Kind> kinds_in_cell(const Decision& decision) {
 
 Samples refined(const Samples& s, std::int64_t n) {
   const auto count = static_cast<std::size_t>(n);
-  Samples out = constant({(s.size[0] - 1) * count + 1, (s.size[1] - 1) * count + 1, (s.size[2] - 1) * count + 1}, 0);
+  Samples out = constant(
+      {(s.size[0] - 1) * count + 1, (s.size[1] - 1) * count + 1, (s.size[2] - 1) * count + 1}, 0);
   for (std::size_t z = 0; z < out.size[2]; ++z) {
     for (std::size_t y = 0; y < out.size[1]; ++y) {
       for (std::size_t x = 0; x < out.size[0]; ++x) {
@@ -117,7 +122,8 @@ Samples refined(const Samples& s, std::int64_t n) {
         for (std::size_t c = 0; c < 8; ++c) {
           std::int64_t weight = 1;
           for (std::size_t a = 0; a < 3; ++a) weight *= (c >> a & 1) ? t[a] : n - t[a];
-          if (weight != 0) sum += weight * s.at(low[0] + (c & 1), low[1] + (c >> 1 & 1), low[2] + (c >> 2));
+          if (weight != 0)
+            sum += weight * s.at(low[0] + (c & 1), low[1] + (c >> 1 & 1), low[2] + (c >> 2));
         }
         out.at(x, y, z) = sum;
       }
@@ -180,7 +186,8 @@ Classes connected_corners(const Samples& s) {
             const std::size_t iv = i + stride[v], iuv = iu + stride[v];
             const bool a = s.values[i] >= 0, b = s.values[iu] >= 0;
             if (a == b || a != (s.values[iuv] >= 0) || b != (s.values[iv] >= 0)) continue;
-            // The saddle has the sign of the determinant if i is inside, else the other one; 0 is inside.
+            // The saddle has the sign of the determinant if i is inside, else the other one; 0 is
+            // inside.
             const int sign = (a ? 1 : -1) * saddle_sign(at(i), at(iuv), at(iu), at(iv), 0);
             if ((sign >= 0) == a) {
               parent[find(i)] = find(iuv);
@@ -194,10 +201,12 @@ Classes connected_corners(const Samples& s) {
   }
   std::array<std::size_t, 8> corner;
   for (std::size_t c = 0; c < 8; ++c) {
-    corner[c] = find((c & 1 ? s.size[0] - 1 : 0) + stride[1] * (c >> 1 & 1 ? s.size[1] - 1 : 0) + stride[2] * (c >> 2 ? s.size[2] - 1 : 0));
+    corner[c] = find((c & 1 ? s.size[0] - 1 : 0) + stride[1] * (c >> 1 & 1 ? s.size[1] - 1 : 0) +
+                     stride[2] * (c >> 2 ? s.size[2] - 1 : 0));
   }
   Classes out;
-  for (int c = 0; c < 8; ++c) out[c] = static_cast<int>(std::find(corner.begin(), corner.end(), corner[c]) - corner.begin());
+  for (int c = 0; c < 8; ++c)
+    out[c] = static_cast<int>(std::find(corner.begin(), corner.end(), corner[c]) - corner.begin());
   return out;
 }
 
@@ -218,9 +227,10 @@ std::string text_of(const Cell& f) {
 Cell random_cell(Random& random, int pattern, int round) {
   Cell f;
   for (int c = 0; c < 8; ++c) {
-    const std::int64_t size = round % 3 == 0   ? random.between(1, 1000)
-                              : round % 3 == 1 ? static_cast<std::int64_t>(std::exp2(10 * random.unit()))
-                                               : random.between(1, 12);
+    const std::int64_t size = round % 3 == 0 ? random.between(1, 1000)
+                              : round % 3 == 1
+                                  ? static_cast<std::int64_t>(std::exp2(10 * random.unit()))
+                                  : random.between(1, 12);
     f[c] = (pattern >> c & 1) ? size : -size;
   }
   return f;
@@ -231,7 +241,8 @@ std::vector<int> patterns_with_tunnels() {
   const CellLoopTable& table = CellLoopTable::get();
   std::set<int> seen;
   for (std::size_t i = 0; i < table.entries().size() && !table.entries()[i].has_tunnel; ++i) {
-    if (!table.tunnels(static_cast<std::uint16_t>(i)).empty()) seen.insert(table.entries()[i].corners);
+    if (!table.tunnels(static_cast<std::uint16_t>(i)).empty())
+      seen.insert(table.entries()[i].corners);
   }
   out.assign(seen.begin(), seen.end());
   return out;
@@ -239,7 +250,8 @@ std::vector<int> patterns_with_tunnels() {
 
 std::size_t plain_entries() {
   const auto& entries = CellLoopTable::get().entries();
-  return static_cast<std::size_t>(std::count_if(entries.begin(), entries.end(), [](const CellLoops& c) { return !c.has_tunnel; }));
+  return static_cast<std::size_t>(std::count_if(entries.begin(), entries.end(),
+                                                [](const CellLoops& c) { return !c.has_tunnel; }));
 }
 
 std::vector<TopologySummary::Kind> parsed_kinds(const Samples& s) {  // one disk per loop
@@ -260,7 +272,8 @@ void against_brute_force(const Cell& f, Tally& tally) {
   for (const std::int64_t n : {1, 2, 4, 8, 16, 32, 64}) {
     const Samples fine = refined(coarse, n);
     if (!loops_determine_the_topology(fine)) continue;
-    ASSERT_EQ(connected_corners(decision), connected_corners(fine)) << text_of(f) << "on a grid of " << n;
+    ASSERT_EQ(connected_corners(decision), connected_corners(fine))
+        << text_of(f) << "on a grid of " << n;
     // The components of the surface. On the finer grids the parser's count of loops, which other
     // tests check, is faster.
     const auto want = n <= 2 ? reference_topology(fine, 0).kinds : parsed_kinds(fine);
@@ -289,7 +302,8 @@ TEST(Tunnel, RandomCellsAgainstBruteForce) {
   EXPECT_LT(all.skipped, 100);
   RecordProperty("tunnels", all.tunnels);
   RecordProperty("skipped", all.skipped);
-  std::printf("%d cells, %d of them with a tunnel, %d undecided by brute force\n", all.cells, all.tunnels, all.skipped);
+  std::printf("%d cells, %d of them with a tunnel, %d undecided by brute force\n", all.cells,
+              all.tunnels, all.skipped);
 }
 
 // ---- symmetries
@@ -326,7 +340,8 @@ void same_for_all_symmetries(const Cell& f, int& tunnels) {
     ASSERT_EQ(decision.tunnel->inside, other.tunnel->inside) << text_of(f);
     const Classes turned = connected_corners(other);
     for (int c = 0; c < 8; ++c) {
-      for (int d = 0; d < c; ++d) ASSERT_EQ(classes[image[c]] == classes[image[d]], turned[c] == turned[d]) << text_of(f);
+      for (int d = 0; d < c; ++d)
+        ASSERT_EQ(classes[image[c]] == classes[image[d]], turned[c] == turned[d]) << text_of(f);
     }
   }
 }
@@ -350,7 +365,9 @@ TEST(Tunnel, RandomCellsAreTheSameForAllSymmetries) {
   const std::vector<int> patterns = patterns_with_tunnels();
   int tunnels = 0;
   for (int i = 0; i < 20000; ++i) {
-    same_for_all_symmetries(random_cell(random, patterns[i % patterns.size()], i / static_cast<int>(patterns.size())), tunnels);
+    same_for_all_symmetries(
+        random_cell(random, patterns[i % patterns.size()], i / static_cast<int>(patterns.size())),
+        tunnels);
     if (HasFatalFailure()) return;
   }
   EXPECT_GT(tunnels, 100);
@@ -390,7 +407,8 @@ TEST(Tunnel, ANeckOfZeroWidthIsInside) {
     EXPECT_TRUE(is_there(3 * scale, -scale, 0)) << scale;
     EXPECT_FALSE(is_there(-3 * scale, scale, 0)) << scale;
     const double much = 1e308 * 1.7, least = 0x1p-1074;
-    const double less = std::max(std::nextafter(3 * scale, 0), 3 * scale - much), more = std::max(std::nextafter(3 * scale, much), least);
+    const double less = std::max(std::nextafter(3 * scale, 0), 3 * scale - much),
+                 more = std::max(std::nextafter(3 * scale, much), least);
     EXPECT_FALSE(is_there(less, -scale, 0)) << scale;
     EXPECT_TRUE(is_there(more, -scale, 0)) << scale;
     EXPECT_FALSE(is_there(-less, scale, 0)) << scale;
@@ -477,7 +495,8 @@ TEST(Tunnel, EveryEntryIsARing) {
 
 // ---- whole volumes
 
-SurfaceComplex trilinear_surface_of(const Samples& s, double isovalue = 0, Inside inside = Inside::above,
+SurfaceComplex trilinear_surface_of(const Samples& s, double isovalue = 0,
+                                    Inside inside = Inside::above,
                                     SampleType type = SampleType::int32) {
   ParseOptions options;
   options.rule = {isovalue, inside, NonFinite::refuse};
@@ -492,11 +511,15 @@ TEST(TrilinearSurface, IsValidAndOfTheTopologyOfAFinerGrid) {
   for (std::uint64_t seed = 0; seed < 400; ++seed) {
     Size size;
     for (std::size_t& n : size) n = static_cast<std::size_t>(random.between(2, 4));
-    Samples s = random_samples(seed % 2 ? Family::white_noise : static_cast<Family>(seed / 2 % kFamilies), size, seed);
-    for (std::int64_t planted = random.between(0, 2); planted > 0; --planted) {  // wide tunnels, also next to each other
+    Samples s = random_samples(
+        seed % 2 ? Family::white_noise : static_cast<Family>(seed / 2 % kFamilies), size, seed);
+    for (std::int64_t planted = random.between(0, 2); planted > 0;
+         --planted) {  // wide tunnels, also next to each other
       const std::int64_t sign = random.between(0, 1) ? 1 : -1, diagonal = random.between(0, 3);
       std::array<std::size_t, 3> low;
-      for (std::size_t a = 0; a < 3; ++a) low[a] = static_cast<std::size_t>(random.between(0, static_cast<std::int64_t>(size[a]) - 2));
+      for (std::size_t a = 0; a < 3; ++a)
+        low[a] =
+            static_cast<std::size_t>(random.between(0, static_cast<std::int64_t>(size[a]) - 2));
       for (std::int64_t c = 0; c < 8; ++c) {
         const bool on_diagonal = c == diagonal || c == 7 - diagonal;
         s.at(low[0] + (c & 1), low[1] + (c >> 1 & 1), low[2] + (c >> 2)) =
@@ -510,7 +533,9 @@ TEST(TrilinearSurface, IsValidAndOfTheTopologyOfAFinerGrid) {
     ASSERT_EQ(kinds_of(triangles_of(surface)), topology.kinds) << seed;
     const TopologySummary faces = reference_topology(s, 0);
     ASSERT_EQ(topology.boundary_loops, faces.boundary_loops) << seed;
-    ASSERT_EQ(topology.euler_characteristic, faces.euler_characteristic - 2 * static_cast<std::int64_t>(surface.tunnels)) << seed;
+    ASSERT_EQ(topology.euler_characteristic,
+              faces.euler_characteristic - 2 * static_cast<std::int64_t>(surface.tunnels))
+        << seed;
     all_tunnels += surface.tunnels;
     for (const std::int64_t n : {2, 4, 8, 16, 32}) {
       const Samples fine = refined(s, n);
@@ -559,7 +584,7 @@ TEST(TrilinearSurface, SingularCells) {
   struct Singular {
     std::string name;
     std::array<std::int64_t, 8> corner;  // x + 2 y + 4 z
-    std::size_t joined, separated;       // components of the trimmed surface at the level, and above it
+    std::size_t joined, separated;  // components of the trimmed surface at the level, and above it
   };
   const std::vector<Singular> cells{
       {"two planes that cross in a line", {1, -1, -1, 1, 1, -1, -1, 1}, 2, 2},
@@ -573,7 +598,8 @@ TEST(TrilinearSurface, SingularCells) {
     const auto kinds_at = [&](std::int64_t offset, Inside inside) {
       Samples samples = constant({2, 2, 2}, 0);
       const std::int64_t sign = inside == Inside::above ? 1 : -1;
-      for (std::size_t c = 0; c < 8; ++c) samples.values[c] = sign * (1000000 * cell.corner[c] + offset);
+      for (std::size_t c = 0; c < 8; ++c)
+        samples.values[c] = sign * (1000000 * cell.corner[c] + offset);
       const SurfaceComplex surface = trilinear_surface_of(samples, 0, inside);
       EXPECT_EQ(validate(surface), "");
       return kinds_of(triangles_of(surface));
@@ -605,11 +631,13 @@ TEST(TrilinearSurface, NoTwoCVerticesCoincide) {
 // Where no cell has a tunnel, the surface is the same, byte for byte.
 TEST(TrilinearSurface, EqualsFacesWithoutTunnels) {
   const Samples s = sampled({20, 20, 20}, gyroid(9, 0.2));
-  const SurfaceComplex faces = surface_of(s, 0, Inside::above, {1, 1, 1}, Topology::faces), trilinear = trilinear_surface_of(s);
+  const SurfaceComplex faces = surface_of(s, 0, Inside::above, {1, 1, 1}, Topology::faces),
+                       trilinear = trilinear_surface_of(s);
   EXPECT_EQ(trilinear.tunnels, 0u);
   EXPECT_EQ(faces.positions, trilinear.positions);
   ASSERT_EQ(faces.faces.size(), trilinear.faces.size());
-  for (std::size_t i = 0; i < faces.faces.size(); ++i) ASSERT_EQ(faces.faces[i].corner, trilinear.faces[i].corner);
+  for (std::size_t i = 0; i < faces.faces.size(); ++i)
+    ASSERT_EQ(faces.faces[i].corner, trilinear.faces[i].corner);
 }
 
 }  // namespace

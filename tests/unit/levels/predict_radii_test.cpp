@@ -25,10 +25,12 @@ TEST(PredictRadii, FollowTheCurvatureOfASphere) {
   for (const double spacing : {1.0, 0.25}) {
     for (const double radius : {8.0, 17.0}) {
       const SurfaceComplex surface =
-          surface_of(sampled({40, 40, 40}, sphere({19.4, 19.6, 19.55}, radius)), 0, Inside::above, {spacing, spacing, spacing});
+          surface_of(sampled({40, 40, 40}, sphere({19.4, 19.6, 19.55}, radius)), 0, Inside::above,
+                     {spacing, spacing, spacing});
       const SurfaceData surface_data(surface);
       for (const double bound : {0.1, 0.5}) {
-        const std::vector<Covering::Radius> radii = predict_radii(surface_data, all_of(surface), bound * spacing);
+        const std::vector<Covering::Radius> radii =
+            predict_radii(surface_data, all_of(surface), bound * spacing);
         ASSERT_EQ(radii.size(), surface.c_vertex_count());
         const double right = spacing * std::sqrt(2 * bound * radius);
         double sum = 0;
@@ -46,7 +48,8 @@ TEST(PredictRadii, FollowTheCurvatureOfASphere) {
 
 // Where the surface is flat, nothing is known beyond the neighbourhood.
 TEST(PredictRadii, AreLimitedOnAPlane) {
-  const SurfaceComplex surface = surface_of(sampled({20, 20, 20}, [](double, double, double z) { return 9.5 - z; }));
+  const SurfaceComplex surface =
+      surface_of(sampled({20, 20, 20}, [](double, double, double z) { return 9.5 - z; }));
   const SurfaceData surface_data(surface);
   for (const Covering::Radius& r : predict_radii(surface_data, all_of(surface), 0.5)) {
     EXPECT_GT(r.radius, 5 * surface_data.farthest_neighbour[r.at]);

@@ -26,12 +26,15 @@ namespace fs = std::filesystem;
 constexpr std::array kFormats{".glb", ".vtm"};
 
 // Every triangle becomes four; new vertices come after the old ones, on the unit sphere.
-std::vector<Triangle> subdivided(const std::vector<Triangle>& triangles, std::vector<Vec3>& positions) {
+std::vector<Triangle> subdivided(const std::vector<Triangle>& triangles,
+                                 std::vector<Vec3>& positions) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
   const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-    const auto [found, is_new] = middles.try_emplace({std::min(a, b), std::max(a, b)}, static_cast<std::uint32_t>(positions.size()));
+    const auto [found, is_new] = middles.try_emplace({std::min(a, b), std::max(a, b)},
+                                                     static_cast<std::uint32_t>(positions.size()));
     if (is_new) {
-      const Vec3 p{positions[a].x + positions[b].x, positions[a].y + positions[b].y, positions[a].z + positions[b].z};
+      const Vec3 p{positions[a].x + positions[b].x, positions[a].y + positions[b].y,
+                   positions[a].z + positions[b].z};
       const double length = std::hypot(p.x, p.y, p.z);
       positions.push_back({p.x / length, p.y / length, p.z / length});
     }
@@ -64,11 +67,14 @@ Hierarchy sphere(const Shape& shape) {
   for (int level = 0; level < 3; ++level) {
     if (level > 0) triangles = subdivided(triangles, positions);
     hierarchy.levels.push_back({static_cast<std::uint32_t>(positions.size()), triangles, {}, {}});
-    for (std::size_t v = 0; v < positions.size() && !(shape.is_open && level == 0); ++v)  // level 0 of the open ones was not measured
-      hierarchy.levels.back().distance.push_back(0.1f * static_cast<float>(v) / static_cast<float>(level + 1));
+    for (std::size_t v = 0; v < positions.size() && !(shape.is_open && level == 0);
+         ++v)  // level 0 of the open ones was not measured
+      hierarchy.levels.back().distance.push_back(0.1f * static_cast<float>(v) /
+                                                 static_cast<float>(level + 1));
   }
   for (Vec3& p : positions)
-    p = {shape.middle.x + shape.scale * p.x, shape.middle.y + shape.scale * p.y, shape.middle.z + shape.scale * p.z};
+    p = {shape.middle.x + shape.scale * p.x, shape.middle.y + shape.scale * p.y,
+         shape.middle.z + shape.scale * p.z};
   hierarchy.parent.assign(positions.size(), 0);
   for (std::size_t k = 0; shape.is_balanced && k < 3; ++k) {
     Hierarchy::Level& level = hierarchy.levels[k];
@@ -84,13 +90,15 @@ Hierarchy sphere(const Shape& shape) {
 HierarchyFileInfo info_of(const Shape& shape) {
   return {.mesh = {.space = "LPS", .comment = "isoatlas 0.1.0"},
           .placement = shape.is_balanced ? Placement::balanced : Placement::surface,
-          .levels = {R"({"level":0,"x":[1,2.5]})", R"({"level":1,"t":"a \"b\" <&>"})", R"({"level":2})"}};
+          .levels = {R"({"level":0,"x":[1,2.5]})", R"({"level":1,"t":"a \"b\" <&>"})",
+                     R"({"level":2})"}};
 }
 
 std::vector<Shape> shapes() {
   std::vector<Shape> result;
   for (const bool is_open : {false, true})
-    for (const bool is_balanced : {false, true}) result.push_back({.is_open = is_open, .is_balanced = is_balanced});
+    for (const bool is_balanced : {false, true})
+      result.push_back({.is_open = is_open, .is_balanced = is_balanced});
   return result;
 }
 
@@ -105,18 +113,22 @@ double largest_distance(const std::vector<Vec3>& a, const std::vector<Vec3>& b) 
   return largest;
 }
 
-void expect_same(const HierarchyFile& read, const Hierarchy& hierarchy, const HierarchyFileInfo& info, double rounding) {
+void expect_same(const HierarchyFile& read, const Hierarchy& hierarchy,
+                 const HierarchyFileInfo& info, double rounding) {
   ASSERT_EQ(read.hierarchy.levels.size(), hierarchy.levels.size());
   for (std::size_t k = 0; k < hierarchy.levels.size(); ++k) {
     SCOPED_TRACE(k);
     EXPECT_EQ(read.hierarchy.levels[k].vertex_count, hierarchy.levels[k].vertex_count);
     EXPECT_EQ(read.hierarchy.levels[k].triangles, hierarchy.levels[k].triangles);
     EXPECT_EQ(read.hierarchy.levels[k].distance, hierarchy.levels[k].distance);
-    EXPECT_LE(largest_distance(read.hierarchy.mesh(k).positions, hierarchy.mesh(k).positions), rounding);
-    EXPECT_EQ(mesh_topology(read.hierarchy.mesh(k)).components, mesh_topology(hierarchy.mesh(k)).components);
+    EXPECT_LE(largest_distance(read.hierarchy.mesh(k).positions, hierarchy.mesh(k).positions),
+              rounding);
+    EXPECT_EQ(mesh_topology(read.hierarchy.mesh(k)).components,
+              mesh_topology(hierarchy.mesh(k)).components);
     EXPECT_EQ(nlohmann::json::parse(read.info.levels[k]), nlohmann::json::parse(info.levels[k]));
     // Nested levels stay so, bit by bit: none needs positions of its own.
-    EXPECT_TRUE(info.placement == Placement::balanced || read.hierarchy.levels[k].own_positions.empty());
+    EXPECT_TRUE(info.placement == Placement::balanced ||
+                read.hierarchy.levels[k].own_positions.empty());
   }
   EXPECT_EQ(read.info.mesh.space, info.mesh.space);
   EXPECT_EQ(read.info.mesh.comment, info.mesh.comment);
@@ -128,7 +140,8 @@ TEST(HierarchyFiles, RoundTrip) {
     const Hierarchy hierarchy = sphere(shape);
     const HierarchyFileInfo info = info_of(shape);
     for (const char* extension : kFormats) {
-      SCOPED_TRACE(std::string(extension) + (shape.is_open ? " open" : " closed") + (shape.is_balanced ? " balanced" : ""));
+      SCOPED_TRACE(std::string(extension) + (shape.is_open ? " open" : " closed") +
+                   (shape.is_balanced ? " balanced" : ""));
       const TempFolder folder;
       const fs::path path = folder / (std::string("levels") + extension);
       check_hierarchy_path(path, 3);
@@ -138,7 +151,8 @@ TEST(HierarchyFiles, RoundTrip) {
       EXPECT_LT(stored.largest_rounding, 1e-6);
       EXPECT_EQ(stored.largest_rounding > 0, stored.single_precision);
       EXPECT_EQ(stored.largest_rounding, rounding_of_hierarchy_file(hierarchy, path));
-      for (const fs::path& file : files_of_hierarchy(path, 3)) EXPECT_TRUE(fs::is_regular_file(file)) << file;
+      for (const fs::path& file : files_of_hierarchy(path, 3))
+        EXPECT_TRUE(fs::is_regular_file(file)) << file;
       expect_same(read_hierarchy(path), hierarchy, info, stored.largest_rounding);
     }
   }
@@ -148,7 +162,8 @@ TEST(HierarchyFiles, VtmKeepsEveryBitAndItsPiecesAreMeshes) {
   const TempFolder folder;
   const Hierarchy hierarchy = sphere({.is_open = true});
   write_hierarchy(hierarchy, folder / "a & b.vtm", info_of({}));
-  EXPECT_TRUE(same_bits(read_hierarchy(folder / "a & b.vtm").hierarchy.positions, hierarchy.positions));
+  EXPECT_TRUE(
+      same_bits(read_hierarchy(folder / "a & b.vtm").hierarchy.positions, hierarchy.positions));
   for (std::size_t k = 0; k < 3; ++k) {
     const TriangleMesh mesh = read_mesh(folder / ("a & b/a & b_" + std::to_string(k) + ".vtp"));
     EXPECT_EQ(mesh.triangles, hierarchy.levels[k].triangles);
@@ -193,7 +208,8 @@ TEST(HierarchyFiles, GlbHasTheLevelsAsLevelsOfDetail) {
     const tinygltf::Model model = load(folder / "a.glb");
     EXPECT_EQ(model.asset.version, "2.0");
     EXPECT_EQ(model.extensionsUsed,
-              shape.is_open ? std::vector<std::string>{"MSFT_lod"} : (std::vector<std::string>{"EXT_mesh_manifold", "MSFT_lod"}));
+              shape.is_open ? std::vector<std::string>{"MSFT_lod"}
+                            : (std::vector<std::string>{"EXT_mesh_manifold", "MSFT_lod"}));
     EXPECT_TRUE(model.extensionsRequired.empty());  // others show the finest level
     ASSERT_EQ(model.scenes.size(), 1U);
     EXPECT_EQ(model.scenes[0].nodes, std::vector<int>{0});
@@ -209,8 +225,10 @@ TEST(HierarchyFiles, GlbHasTheLevelsAsLevelsOfDetail) {
       const tinygltf::Mesh& mesh = model.meshes[node.mesh];
       EXPECT_EQ(mesh.extras.Get("isoatlas").Get("level").GetNumberAsInt(), static_cast<int>(k));
       ASSERT_EQ(mesh.primitives.size(), 1U);
-      const tinygltf::Accessor& positions = model.accessors[mesh.primitives[0].attributes.at("POSITION")];
-      const tinygltf::Accessor& normals = model.accessors[mesh.primitives[0].attributes.at("NORMAL")];
+      const tinygltf::Accessor& positions =
+          model.accessors[mesh.primitives[0].attributes.at("POSITION")];
+      const tinygltf::Accessor& normals =
+          model.accessors[mesh.primitives[0].attributes.at("NORMAL")];
       const tinygltf::Accessor& indices = model.accessors[mesh.primitives[0].indices];
       EXPECT_EQ(positions.count, hierarchy.levels[k].vertex_count);
       EXPECT_EQ(normals.count, positions.count);
@@ -225,7 +243,8 @@ TEST(HierarchyFiles, GlbHasTheLevelsAsLevelsOfDetail) {
         float n[3];
         std::memcpy(n, model.buffers[0].data.data() + view.byteOffset + 12 * v, 12);
         const Vec3& p = hierarchy.positions[v];
-        const double along = n[0] * (p.x - shape.middle.x) + n[1] * (p.y - shape.middle.y) + n[2] * (p.z - shape.middle.z);
+        const double along = n[0] * (p.x - shape.middle.x) + n[1] * (p.y - shape.middle.y) +
+                             n[2] * (p.z - shape.middle.z);
         EXPECT_GT(along / shape.scale, 0.99);
         EXPECT_NEAR(std::hypot(n[0], n[1], n[2]), 1, 1e-6);
       }
@@ -234,7 +253,8 @@ TEST(HierarchyFiles, GlbHasTheLevelsAsLevelsOfDetail) {
   }
 }
 
-// The extension's rules: the manifold primitive has the positions and nothing else, from the same accessor, and no material.
+// The extension's rules: the manifold primitive has the positions and nothing else, from the same
+// accessor, and no material.
 TEST(HierarchyFiles, ClosedLevelsOfAGlbSayThatTheyAreManifolds) {
   Hierarchy hierarchy = sphere({});
   hierarchy.levels[1].triangles.pop_back();  // open, among closed ones
@@ -248,10 +268,12 @@ TEST(HierarchyFiles, ClosedLevelsOfAGlbSayThatTheyAreManifolds) {
     ASSERT_EQ(found != mesh.extensions.end(), mesh.name != "level 1");
     if (found == mesh.extensions.end()) continue;
     const tinygltf::Value& manifold = found->second.Get("manifoldPrimitive");
-    EXPECT_EQ(found->second.Keys(), std::vector<std::string>{"manifoldPrimitive"});  // nothing to merge
+    EXPECT_EQ(found->second.Keys(),
+              std::vector<std::string>{"manifoldPrimitive"});  // nothing to merge
     EXPECT_EQ(manifold.Keys(), (std::vector<std::string>{"attributes", "indices", "mode"}));
     EXPECT_EQ(manifold.Get("attributes").Keys(), std::vector<std::string>{"POSITION"});
-    EXPECT_EQ(manifold.Get("attributes").Get("POSITION").GetNumberAsInt(), mesh.primitives[0].attributes.at("POSITION"));
+    EXPECT_EQ(manifold.Get("attributes").Get("POSITION").GetNumberAsInt(),
+              mesh.primitives[0].attributes.at("POSITION"));
     EXPECT_EQ(manifold.Get("indices").GetNumberAsInt(), mesh.primitives[0].indices);
     EXPECT_EQ(manifold.Get("mode").GetNumberAsInt(), 4);
   }
@@ -266,7 +288,8 @@ TEST(HierarchyFiles, GlbOfOneOpenLevelNeedsNoExtension) {
   EXPECT_TRUE(model.extensionsUsed.empty());
   EXPECT_EQ(model.nodes.size(), 1U);
   EXPECT_EQ(read_hierarchy(folder / "a.glb").info.levels.size(), 0U);
-  EXPECT_EQ(read_hierarchy(folder / "a.glb").hierarchy.positions.size(), 5U);  // no others are in it
+  EXPECT_EQ(read_hierarchy(folder / "a.glb").hierarchy.positions.size(),
+            5U);  // no others are in it
 }
 
 TEST(HierarchyFiles, LargeCoordinatesGetATranslation) {
@@ -275,15 +298,18 @@ TEST(HierarchyFiles, LargeCoordinatesGetATranslation) {
   const Hierarchy hierarchy = sphere(shape);
   const StoredPositions stored = write_hierarchy(hierarchy, folder / "a.glb", info_of(shape));
   EXPECT_EQ(stored.largest_rounding, rounding_of_hierarchy_file(hierarchy, folder / "a.glb"));
-  EXPECT_LT(stored.largest_rounding, 2e-8);  // the translation is a float too: up to 0.125 of it stays in the positions
+  EXPECT_LT(stored.largest_rounding,
+            2e-8);  // the translation is a float too: up to 0.125 of it stays in the positions
   const tinygltf::Model model = load(folder / "a.glb");
   for (const tinygltf::Node& node : model.nodes) {
     ASSERT_EQ(node.translation.size(), 3U);
-    for (const double t : node.translation) EXPECT_EQ(t, static_cast<double>(static_cast<float>(t)));
+    for (const double t : node.translation)
+      EXPECT_EQ(t, static_cast<double>(static_cast<float>(t)));
     EXPECT_EQ(node.translation[0], 1e6);
   }
   expect_same(read_hierarchy(folder / "a.glb"), hierarchy, info_of(shape), stored.largest_rounding);
-  expect_error(ErrorCode::bad_file, "float coordinates", folder / "a.stl", [&] { write_mesh(hierarchy.mesh(2), folder / "a.stl"); });
+  expect_error(ErrorCode::bad_file, "float coordinates", folder / "a.stl",
+               [&] { write_mesh(hierarchy.mesh(2), folder / "a.stl"); });
   EXPECT_FALSE(fs::exists(folder / "a.stl"));
 }
 
@@ -293,12 +319,13 @@ TEST(HierarchyFiles, VerticesThatFloatsCannotTellApartAreRefused) {
   hierarchy.positions[40] = hierarchy.positions[20];
   hierarchy.positions[40].x += 1e-9;
   write_bytes(folder / "a.glb", "old");
-  expect_error(ErrorCode::bad_file, "vertices 20 and 40 of level 2 would become one", folder / "a.glb",
-               [&] { write_hierarchy(hierarchy, folder / "a.glb"); });
+  expect_error(ErrorCode::bad_file, "vertices 20 and 40 of level 2 would become one",
+               folder / "a.glb", [&] { write_hierarchy(hierarchy, folder / "a.glb"); });
   EXPECT_EQ(read_bytes(folder / "a.glb"), "old");
   EXPECT_EQ(folder.file_count(), 1U);
   write_hierarchy(hierarchy, folder / "a.vtm");  // doubles can
-  // At one position from the start: nothing was merged by the file, and the indices keep them apart.
+  // At one position from the start: nothing was merged by the file, and the indices keep them
+  // apart.
   hierarchy.positions[40] = hierarchy.positions[20];
   write_hierarchy(hierarchy, folder / "a.glb");
   // A mesh whose details are smaller than floats, without any two vertices falling together.
@@ -307,9 +334,11 @@ TEST(HierarchyFiles, VerticesThatFloatsCannotTellApartAreRefused) {
   flat.levels.erase(flat.levels.begin(), flat.levels.begin() + 2);
   flat.levels[0].triangles.resize(1);
   flat.levels[0].triangles[0] = {10, 11, 12};
-  expect_error(ErrorCode::bad_file, "float coordinates", folder / "b.glb", [&] { write_hierarchy(flat, folder / "b.glb"); });
+  expect_error(ErrorCode::bad_file, "float coordinates", folder / "b.glb",
+               [&] { write_hierarchy(flat, folder / "b.glb"); });
   hierarchy.positions[3].x = 1e300;
-  expect_error(ErrorCode::bad_file, "out of the range", folder / "b.glb", [&] { write_hierarchy(hierarchy, folder / "b.glb"); });
+  expect_error(ErrorCode::bad_file, "out of the range", folder / "b.glb",
+               [&] { write_hierarchy(hierarchy, folder / "b.glb"); });
   EXPECT_FALSE(fs::exists(folder / "b.glb"));
 }
 
@@ -317,8 +346,10 @@ TEST(HierarchyFiles, WrongLevelsAreNotWritten) {
   for (const char* extension : kFormats) {
     const TempFolder folder;
     const fs::path path = folder / (std::string("a") + extension);
-    const auto refuse = [&](const std::string& fragment, const Hierarchy& hierarchy, const HierarchyFileInfo& info = {}) {
-      expect_error(ErrorCode::bad_argument, fragment, path, [&] { write_hierarchy(hierarchy, path, info); });
+    const auto refuse = [&](const std::string& fragment, const Hierarchy& hierarchy,
+                            const HierarchyFileInfo& info = {}) {
+      expect_error(ErrorCode::bad_argument, fragment, path,
+                   [&] { write_hierarchy(hierarchy, path, info); });
     };
     Hierarchy hierarchy = sphere({});
     hierarchy.levels.clear();
@@ -347,24 +378,31 @@ TEST(HierarchyFiles, WrongLevelsAreNotWritten) {
     hierarchy = sphere({});
     hierarchy.levels[1].distance[4] = -0.5F;
     refuse("level 1: the distance of vertex 4", hierarchy);
-    refuse("2 texts for 3 levels", sphere({}), {.mesh = {}, .placement = {}, .levels = {"{}", "{}"}});
-    refuse("level 1: what is said", sphere({}), {.mesh = {}, .placement = {}, .levels = {"{}", "[1]", "{}"}});
+    refuse("2 texts for 3 levels", sphere({}),
+           {.mesh = {}, .placement = {}, .levels = {"{}", "{}"}});
+    refuse("level 1: what is said", sphere({}),
+           {.mesh = {}, .placement = {}, .levels = {"{}", "[1]", "{}"}});
     EXPECT_EQ(folder.file_count(), 0U);
   }
 }
 
 TEST(HierarchyFiles, PathIsCheckedBeforeTheWork) {
   const TempFolder folder;
-  expect_error(ErrorCode::unsupported, ".glb or .vtm", folder / "a.ply", [&] { check_hierarchy_path(folder / "a.ply", 1); });
-  expect_error(ErrorCode::bad_file, "no folder", folder / "none/a.glb", [&] { check_hierarchy_path(folder / "none/a.glb", 1); });
+  expect_error(ErrorCode::unsupported, ".glb or .vtm", folder / "a.ply",
+               [&] { check_hierarchy_path(folder / "a.ply", 1); });
+  expect_error(ErrorCode::bad_file, "no folder", folder / "none/a.glb",
+               [&] { check_hierarchy_path(folder / "none/a.glb", 1); });
   write_bytes(folder / "file", "x");
-  expect_error(ErrorCode::bad_file, "is no folder", folder / "file.vtm", [&] { check_hierarchy_path(folder / "file.vtm", 1); });
+  expect_error(ErrorCode::bad_file, "is no folder", folder / "file.vtm",
+               [&] { check_hierarchy_path(folder / "file.vtm", 1); });
   fs::create_directories(folder / "a/a_1.vtp");
   check_hierarchy_path(folder / "a.vtm", 1);
-  expect_error(ErrorCode::bad_file, "it is a folder", folder / "a/a_1.vtp", [&] { check_hierarchy_path(folder / "a.vtm", 2); });
+  expect_error(ErrorCode::bad_file, "it is a folder", folder / "a/a_1.vtp",
+               [&] { check_hierarchy_path(folder / "a.vtm", 2); });
   EXPECT_TRUE(is_hierarchy_path("A.GLB"));
   EXPECT_FALSE(is_hierarchy_path("a.glb.ply"));
-  EXPECT_EQ(files_of_hierarchy("x/a.vtm", 2), (std::vector<fs::path>{"x/a.vtm", "x/a/a_0.vtp", "x/a/a_1.vtp"}));
+  EXPECT_EQ(files_of_hierarchy("x/a.vtm", 2),
+            (std::vector<fs::path>{"x/a.vtm", "x/a/a_0.vtp", "x/a/a_1.vtp"}));
 }
 
 TEST(HierarchyFiles, FullDiskIsAnErrorAndLeavesNothing) {
@@ -380,7 +418,8 @@ TEST(HierarchyFiles, FullDiskIsAnErrorAndLeavesNothing) {
       small.rlim_cur = 3000;
       ::setrlimit(RLIMIT_FSIZE, &small);
       const Hierarchy hierarchy = sphere({});
-      expect_error(ErrorCode::bad_file, "cannot be written", extension == std::string(".glb") ? path : folder / "a/a_",
+      expect_error(ErrorCode::bad_file, "cannot be written",
+                   extension == std::string(".glb") ? path : folder / "a/a_",
                    [&] { write_hierarchy(hierarchy, path); });
       ::setrlimit(RLIMIT_FSIZE, &old);
       std::signal(SIGXFSZ, old_handler);
@@ -406,7 +445,8 @@ TEST(HierarchyFiles, DamagedFiles) {
     write_bytes(path, changed);
     try {
       const HierarchyFile file = read_hierarchy(path);
-      for (std::size_t k = 0; k < file.hierarchy.levels.size(); ++k) mesh_topology(file.hierarchy.mesh(k));
+      for (std::size_t k = 0; k < file.hierarchy.levels.size(); ++k)
+        mesh_topology(file.hierarchy.mesh(k));
     } catch (const Error& error) {
       EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
     }
@@ -421,12 +461,16 @@ TEST(HierarchyFiles, DistancesThatAreNoneAreRefused) {
   hierarchy.levels[1].distance[4] = kMark;
   write_hierarchy(hierarchy, path);
   const std::string bytes = read_bytes(path);
-  const auto as_bytes = [](float value) { return std::string(reinterpret_cast<const char*>(&value), sizeof value); };
+  const auto as_bytes = [](float value) {
+    return std::string(reinterpret_cast<const char*>(&value), sizeof value);
+  };
   const std::size_t at = bytes.find(as_bytes(kMark));
   ASSERT_NE(at, std::string::npos);
-  for (const float bad : {-1.0F, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+  for (const float bad :
+       {-1.0F, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     write_bytes(path, std::string(bytes).replace(at, sizeof bad, as_bytes(bad)));
-    expect_error(ErrorCode::bad_file, "level 1: the distance of vertex 4", path, [&] { read_hierarchy(path); });
+    expect_error(ErrorCode::bad_file, "level 1: the distance of vertex 4", path,
+                 [&] { read_hierarchy(path); });
   }
 }
 
@@ -440,16 +484,20 @@ TEST(HierarchyFiles, AnyFileWithMeshesIsRead) {
   ASSERT_EQ(one.hierarchy.levels.size(), 1U);
   EXPECT_EQ(one.hierarchy.mesh(0).triangles, hierarchy.mesh(1).triangles);
   EXPECT_EQ(one.info.mesh.space, "lps");
-  expect_error(ErrorCode::bad_file, "no such file", folder / "none.xyz", [&] { read_levels(folder / "none.xyz"); });
-  for (const auto& [blocks, says] :
-       {std::pair{"<DataSet index='0'/>", "its block 0 is empty"}, {"<Block index='0'/>", "blocks within blocks"}}) {
-    write_bytes(folder / "b.vtm", std::string("<VTKFile type='vtkMultiBlockDataSet' version='1.0'><vtkMultiBlockDataSet>") + blocks +
-                                      "</vtkMultiBlockDataSet></VTKFile>");
-    expect_error(ErrorCode::unsupported, says, folder / "b.vtm", [&] { read_levels(folder / "b.vtm"); });
+  expect_error(ErrorCode::bad_file, "no such file", folder / "none.xyz",
+               [&] { read_levels(folder / "none.xyz"); });
+  for (const auto& [blocks, says] : {std::pair{"<DataSet index='0'/>", "its block 0 is empty"},
+                                     {"<Block index='0'/>", "blocks within blocks"}}) {
+    write_bytes(
+        folder / "b.vtm",
+        std::string("<VTKFile type='vtkMultiBlockDataSet' version='1.0'><vtkMultiBlockDataSet>") +
+            blocks + "</vtkMultiBlockDataSet></VTKFile>");
+    expect_error(ErrorCode::unsupported, says, folder / "b.vtm",
+                 [&] { read_levels(folder / "b.vtm"); });
   }
   write_bytes(folder / "a.xyz", "x");
-  expect_error(ErrorCode::unsupported, "one of .ply .stl .obj .off .vtp .3mf .gii, or .glb or .vtm", folder / "a.xyz",
-               [&] { read_levels(folder / "a.xyz"); });
+  expect_error(ErrorCode::unsupported, "one of .ply .stl .obj .off .vtp .3mf .gii, or .glb or .vtm",
+               folder / "a.xyz", [&] { read_levels(folder / "a.xyz"); });
 }
 
 TEST(HierarchyFiles, LevelsThatAreNotNestedAreRead) {
@@ -477,7 +525,8 @@ std::string with_json(const std::string& glb, const std::function<void(nlohmann:
   std::string text = json.dump();
   text.resize((text.size() + 3) / 4 * 4, ' ');
   const std::string rest = glb.substr(20 + json_bytes);
-  return glb.substr(0, 8) + number(20 + text.size() + rest.size()) + number(text.size()) + glb.substr(16, 4) + text + rest;
+  return glb.substr(0, 8) + number(20 + text.size() + rest.size()) + number(text.size()) +
+         glb.substr(16, 4) + text + rest;
 }
 
 // A required extension may change where vertices are, or how they are stored.
@@ -490,9 +539,11 @@ TEST(HierarchyFiles, GlbThatNeedsAnExtensionIsRefusedByItsName) {
   };
   write_bytes(folder / "b.glb", with_extension("KHR_materials_unlit"));
   EXPECT_EQ(read_hierarchy(folder / "b.glb").hierarchy.levels.size(), 3U);
-  for (const std::string name : {"KHR_draco_mesh_compression", "EXT_mesh_gpu_instancing", "EXT_meshopt_compression"}) {
+  for (const std::string name :
+       {"KHR_draco_mesh_compression", "EXT_mesh_gpu_instancing", "EXT_meshopt_compression"}) {
     write_bytes(folder / "c.glb", with_extension(name));
-    expect_error(ErrorCode::unsupported, "needs the glTF extension " + name, folder / "c.glb", [&] { read_levels(folder / "c.glb"); });
+    expect_error(ErrorCode::unsupported, "needs the glTF extension " + name, folder / "c.glb",
+                 [&] { read_levels(folder / "c.glb"); });
   }
 }
 
@@ -500,28 +551,43 @@ TEST(HierarchyFiles, GlbOfOtherKindsOfMeshesIsRefused) {
   const TempFolder folder;
   write_hierarchy(sphere({}), folder / "a.glb", info_of({}));
   const std::string whole = read_bytes(folder / "a.glb");
-  const auto refused = [&](const std::string& says, const std::function<void(nlohmann::json&)>& change) {
+  const auto refused = [&](const std::string& says,
+                           const std::function<void(nlohmann::json&)>& change) {
     write_bytes(folder / "b.glb", with_json(whole, change));
-    expect_error(ErrorCode::unsupported, says, folder / "b.glb", [&] { read_levels(folder / "b.glb"); });
+    expect_error(ErrorCode::unsupported, says, folder / "b.glb",
+                 [&] { read_levels(folder / "b.glb"); });
   };
-  const auto primitive = [](nlohmann::json& json) -> nlohmann::json& { return json["meshes"][0]["primitives"][0]; };
+  const auto primitive = [](nlohmann::json& json) -> nlohmann::json& {
+    return json["meshes"][0]["primitives"][0];
+  };
   const auto positions = [&](nlohmann::json& json) -> nlohmann::json& {
     return json["accessors"][primitive(json)["attributes"]["POSITION"].get<std::size_t>()];
   };
-  refused("no list of triangles", [&](nlohmann::json& json) { primitive(json)["mode"] = 5; });  // a strip
+  refused("no list of triangles",
+          [&](nlohmann::json& json) { primitive(json)["mode"] = 5; });  // a strip
   refused("no list of triangles", [&](nlohmann::json& json) { primitive(json).erase("indices"); });
-  refused("has a mesh of 2 primitives", [&](nlohmann::json& json) { json["meshes"][0]["primitives"].push_back(primitive(json)); });
-  refused("an accessor of a kind", [&](nlohmann::json& json) { positions(json)["normalized"] = true; });
+  refused("has a mesh of 2 primitives", [&](nlohmann::json& json) {
+    json["meshes"][0]["primitives"].push_back(primitive(json));
+  });
+  refused("an accessor of a kind",
+          [&](nlohmann::json& json) { positions(json)["normalized"] = true; });
   refused("an accessor of a kind", [&](nlohmann::json& json) {
-    positions(json)["sparse"] = {{"count", 1}, {"indices", {{"bufferView", 0}, {"componentType", 5125}}}, {"values", {{"bufferView", 0}}}};
+    positions(json)["sparse"] = {{"count", 1},
+                                 {"indices", {{"bufferView", 0}, {"componentType", 5125}}},
+                                 {"values", {{"bufferView", 0}}}};
   });
   write_bytes(folder / "b.glb", "{\"asset\": {\"version\": \"2.0\"}}");  // the text form
-  expect_error(ErrorCode::bad_file, "is not a binary glTF file", folder / "b.glb", [&] { read_levels(folder / "b.glb"); });
-  write_bytes(folder / "b.glb", with_json(whole, [](nlohmann::json& json) { json["buffers"][0]["uri"] = "other.bin"; }));
-  expect_error(ErrorCode::bad_file, "is not a glTF 2.0 file", folder / "b.glb", [&] { read_levels(folder / "b.glb"); });
+  expect_error(ErrorCode::bad_file, "is not a binary glTF file", folder / "b.glb",
+               [&] { read_levels(folder / "b.glb"); });
+  write_bytes(folder / "b.glb", with_json(whole, [](nlohmann::json& json) {
+                json["buffers"][0]["uri"] = "other.bin";
+              }));
+  expect_error(ErrorCode::bad_file, "is not a glTF 2.0 file", folder / "b.glb",
+               [&] { read_levels(folder / "b.glb"); });
 }
 
-// Other programs put a mesh under nodes of their own, beside cameras, and write transforms that change nothing.
+// Other programs put a mesh under nodes of their own, beside cameras, and write transforms that
+// change nothing.
 TEST(HierarchyFiles, GlbWithNodesAroundItsMesh) {
   const TempFolder folder;
   const Hierarchy hierarchy = sphere({});
@@ -540,7 +606,8 @@ TEST(HierarchyFiles, GlbWithNodesAroundItsMesh) {
   };
   EXPECT_EQ(first_position(under_a_parent), (Vec3{1, 2, 3}));
   const auto with_identities = [](nlohmann::json& json) {
-    for (nlohmann::json& node : json["nodes"]) node["rotation"] = {0, 0, 0, 1}, node["scale"] = {1, 1, 1};
+    for (nlohmann::json& node : json["nodes"])
+      node["rotation"] = {0, 0, 0, 1}, node["scale"] = {1, 1, 1};
   };
   EXPECT_EQ(first_position(with_identities), (Vec3{0, 0, 0}));
   const auto with_weights = [](double weight) {
@@ -550,15 +617,19 @@ TEST(HierarchyFiles, GlbWithNodesAroundItsMesh) {
   };
   EXPECT_EQ(first_position(with_weights(0)), (Vec3{0, 0, 0}));
   write_bytes(folder / "b.glb", with_json(whole, with_weights(0.5)));
-  expect_error(ErrorCode::unsupported, "morph targets", folder / "b.glb", [&] { read_hierarchy(folder / "b.glb"); });
-  write_bytes(folder / "b.glb", with_json(whole, [](nlohmann::json& json) { json["nodes"][0]["skin"] = 0; }));
-  expect_error(ErrorCode::unsupported, "skeleton", folder / "b.glb", [&] { read_hierarchy(folder / "b.glb"); });
-  for (const std::function<void(nlohmann::json&)>& change : {std::function<void(nlohmann::json&)>([](nlohmann::json& json) {
-                                                               json["nodes"][0]["scale"] = {1, 2, 1};
-                                                             }),
-                                                             std::function<void(nlohmann::json&)>([](nlohmann::json& json) {
-                                                               json["scenes"][0]["nodes"] = {0, 1};
-                                                             })}) {
+  expect_error(ErrorCode::unsupported, "morph targets", folder / "b.glb",
+               [&] { read_hierarchy(folder / "b.glb"); });
+  write_bytes(folder / "b.glb",
+              with_json(whole, [](nlohmann::json& json) { json["nodes"][0]["skin"] = 0; }));
+  expect_error(ErrorCode::unsupported, "skeleton", folder / "b.glb",
+               [&] { read_hierarchy(folder / "b.glb"); });
+  for (const std::function<void(nlohmann::json&)>& change :
+       {std::function<void(nlohmann::json&)>([](nlohmann::json& json) {
+          json["nodes"][0]["scale"] = {1, 2, 1};
+        }),
+        std::function<void(nlohmann::json&)>([](nlohmann::json& json) {
+          json["scenes"][0]["nodes"] = {0, 1};
+        })}) {
     write_bytes(folder / "b.glb", with_json(whole, change));
     EXPECT_THROW(read_hierarchy(folder / "b.glb"), Error);
   }
@@ -566,7 +637,8 @@ TEST(HierarchyFiles, GlbWithNodesAroundItsMesh) {
                 under_a_parent(json);
                 json["nodes"][json["nodes"].size() - 2]["children"] = {json["nodes"].size() - 2};
               }));
-  expect_error(ErrorCode::bad_file, "below itself", folder / "b.glb", [&] { read_hierarchy(folder / "b.glb"); });
+  expect_error(ErrorCode::bad_file, "below itself", folder / "b.glb",
+               [&] { read_hierarchy(folder / "b.glb"); });
 }
 
 }  // namespace

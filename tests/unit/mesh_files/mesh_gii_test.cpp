@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// .gii: what is written, what other programs write, damaged files. tests/cli has nibabel read them too, where it is there.
+// .gii: what is written, what other programs write, damaged files. tests/cli has nibabel read them
+// too, where it is there.
 #include <gtest/gtest.h>
 #include <zlib.h>
 
@@ -17,7 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 
 TriangleMesh tetrahedron() {
-  return {{{1.0 / 3, 0, 0}, {100.25, 0, 0}, {0, -30.7, 0}, {0, 0, 25.3}}, {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}}};
+  return {{{1.0 / 3, 0, 0}, {100.25, 0, 0}, {0, -30.7, 0}, {0, 0, 25.3}},
+          {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}}};
 }
 
 TEST(MeshGii, CoordinatesAreInRasAndMillimetres) {
@@ -44,7 +46,8 @@ TEST(MeshGii, CoordinatesAreInRasAndMillimetres) {
     const TempFolder folder;
     const fs::path path = folder / "a.surf.gii";
     check_mesh_path(path);
-    const StoredPositions stored = write_mesh(tetrahedron(), path, {.space = row.space, .comment = "isoatlas 0.1.0", .unit = row.unit});
+    const StoredPositions stored = write_mesh(
+        tetrahedron(), path, {.space = row.space, .comment = "isoatlas 0.1.0", .unit = row.unit});
     EXPECT_TRUE(stored.single_precision);
     EXPECT_EQ(stored.notes.size(), row.notes);
     const TriangleMesh read = read_mesh(path);
@@ -57,7 +60,9 @@ TEST(MeshGii, CoordinatesAreInRasAndMillimetres) {
       EXPECT_NEAR(p.y, row.sign * row.scale * given.y, 1e-5 * row.scale);
       EXPECT_NEAR(p.z, row.scale * given.z, 1e-5 * row.scale);
       const double back = 1 / row.scale;
-      largest = std::max(largest, std::hypot(back * row.sign * p.x - given.x, back * row.sign * p.y - given.y, back * p.z - given.z));
+      largest =
+          std::max(largest, std::hypot(back * row.sign * p.x - given.x,
+                                       back * row.sign * p.y - given.y, back * p.z - given.z));
     }
     EXPECT_GT(stored.largest_rounding, 0);
     EXPECT_NEAR(stored.largest_rounding, largest, 1e-12);  // in the unit of the mesh that was given
@@ -77,49 +82,66 @@ TEST(MeshGii, ThatWouldMergeVerticesIsNotWritten) {
   const TempFolder folder;
   TriangleMesh mesh = tetrahedron();
   mesh.positions[0] = {100.25, 1e-50, 0};
-  expect_error(ErrorCode::bad_file, "would become one", folder / "a.gii", [&] { write_mesh(mesh, folder / "a.gii"); });
+  expect_error(ErrorCode::bad_file, "would become one", folder / "a.gii",
+               [&] { write_mesh(mesh, folder / "a.gii"); });
   EXPECT_EQ(folder.file_count(), 0U);
 }
 
-// ------------------------------------------------------------------------------------------------ of other programs
+// ------------------------------------------------------------------------------------------------
+// of other programs
 
 struct Array {
   std::string intent, type, encoding, data;
-  std::string dims = "Dimensionality=\"2\" Dim0=\"3\" Dim1=\"3\"", order = "RowMajorOrder", endian = "LittleEndian";
+  std::string dims = "Dimensionality=\"2\" Dim0=\"3\" Dim1=\"3\"", order = "RowMajorOrder",
+              endian = "LittleEndian";
 };
 
 std::string gifti(const std::vector<Array>& arrays, const std::string& metadata = "<MetaData/>") {
   std::string xml =
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<!DOCTYPE GIFTI SYSTEM \"x.dtd\">\n<GIFTI Version=\"1.0\">" + metadata + "<LabelTable/>";
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<!DOCTYPE GIFTI SYSTEM \"x.dtd\">\n<GIFTI "
+      "Version=\"1.0\">" +
+      metadata + "<LabelTable/>";
   for (const Array& a : arrays) {
-    xml += "<DataArray Intent=\"" + a.intent + "\" DataType=\"" + a.type + "\" ArrayIndexingOrder=\"" + a.order + "\" " + a.dims +
-           " Encoding=\"" + a.encoding + "\" Endian=\"" + a.endian + "\"><MetaData/><CoordinateSystemTransformMatrix><MatrixData>" +
-           "2 0 0 9 0 2 0 9 0 0 2 9 0 0 0 1</MatrixData></CoordinateSystemTransformMatrix><Data>" + a.data + "</Data></DataArray>";
+    xml += "<DataArray Intent=\"" + a.intent + "\" DataType=\"" + a.type +
+           "\" ArrayIndexingOrder=\"" + a.order + "\" " + a.dims + " Encoding=\"" + a.encoding +
+           "\" Endian=\"" + a.endian +
+           "\"><MetaData/><CoordinateSystemTransformMatrix><MatrixData>" +
+           "2 0 0 9 0 2 0 9 0 0 2 9 0 0 0 1</MatrixData></CoordinateSystemTransformMatrix><Data>" +
+           a.data + "</Data></DataArray>";
   }
   return xml + "</GIFTI>";
 }
 
-const std::string kFloat = "NIFTI_TYPE_FLOAT32", kInt = "NIFTI_TYPE_INT32", kGzip = "GZipBase64Binary";
+const std::string kFloat = "NIFTI_TYPE_FLOAT32", kInt = "NIFTI_TYPE_INT32",
+                  kGzip = "GZipBase64Binary";
 const std::string kPoints = "NIFTI_INTENT_POINTSET", kTriangles = "NIFTI_INTENT_TRIANGLE";
 const std::vector<Vec3> kCorners{{0, 1, 2}, {-3, 4.5, 6}, {7, 8, 9}};
 
-const Array kTextPoints{.intent = kPoints, .type = kFloat, .encoding = "ASCII", .data = "\n0 1 2\n -3 +4.5 +6e0\n7 8 9\n"};
-const Array kTextTriangle{
-    .intent = kTriangles, .type = kInt, .encoding = "ASCII", .data = "2 1 0", .dims = "Dimensionality=\"2\" Dim0=\"1\" Dim1=\"3\""};
+const Array kTextPoints{.intent = kPoints,
+                        .type = kFloat,
+                        .encoding = "ASCII",
+                        .data = "\n0 1 2\n -3 +4.5 +6e0\n7 8 9\n"};
+const Array kTextTriangle{.intent = kTriangles,
+                          .type = kInt,
+                          .encoding = "ASCII",
+                          .data = "2 1 0",
+                          .dims = "Dimensionality=\"2\" Dim0=\"1\" Dim1=\"3\""};
 
 template <class Value>
 std::string bytes_of(std::vector<Value> values, bool big_endian = false) {
   std::string bytes(values.size() * sizeof(Value), '\0');
   std::memcpy(bytes.data(), values.data(), bytes.size());
   for (std::size_t i = 0; big_endian && i < bytes.size(); i += sizeof(Value))
-    std::reverse(bytes.begin() + static_cast<std::ptrdiff_t>(i), bytes.begin() + static_cast<std::ptrdiff_t>(i + sizeof(Value)));
+    std::reverse(bytes.begin() + static_cast<std::ptrdiff_t>(i),
+                 bytes.begin() + static_cast<std::ptrdiff_t>(i + sizeof(Value)));
   return bytes;
 }
 
 std::string deflated(const std::string& bytes) {
   uLongf size = compressBound(bytes.size());
   std::string packed(size, '\0');
-  compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
+  compress(reinterpret_cast<Bytef*>(packed.data()), &size,
+           reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
   packed.resize(size);
   return packed;
 }
@@ -131,24 +153,40 @@ TriangleMesh read_text(const std::string& text) {
 }
 
 TEST(MeshGii, EncodingsOrdersAndTypes) {
-  const std::vector<float> rows{0, 1, 2, -3, 4.5F, 6, 7, 8, 9}, columns{0, -3, 7, 1, 4.5F, 8, 2, 6, 9};
+  const std::vector<float> rows{0, 1, 2, -3, 4.5F, 6, 7, 8, 9},
+      columns{0, -3, 7, 1, 4.5F, 8, 2, 6, 9};
   std::vector<Array> points{kTextPoints};
-  points.push_back({.intent = kPoints, .type = kFloat, .encoding = "Base64Binary", .data = io::to_base64(bytes_of(rows))});
-  points.push_back({.intent = kPoints, .type = kFloat, .encoding = kGzip, .data = io::to_base64(deflated(bytes_of(rows)))});
-  points.push_back(
-      {.intent = kPoints, .type = kFloat, .encoding = kGzip, .data = io::to_base64(deflated(bytes_of(rows, true))), .endian = "BigEndian"});
+  points.push_back({.intent = kPoints,
+                    .type = kFloat,
+                    .encoding = "Base64Binary",
+                    .data = io::to_base64(bytes_of(rows))});
+  points.push_back({.intent = kPoints,
+                    .type = kFloat,
+                    .encoding = kGzip,
+                    .data = io::to_base64(deflated(bytes_of(rows)))});
+  points.push_back({.intent = kPoints,
+                    .type = kFloat,
+                    .encoding = kGzip,
+                    .data = io::to_base64(deflated(bytes_of(rows, true))),
+                    .endian = "BigEndian"});
   points.push_back({.intent = kPoints,
                     .type = kFloat,
                     .encoding = kGzip,
                     .data = io::to_base64(deflated(bytes_of(columns))),
                     .order = "ColumnMajorOrder"});
+  points.push_back(
+      {.intent = kPoints,
+       .type = "NIFTI_TYPE_FLOAT64",
+       .encoding = kGzip,
+       .data = io::to_base64(deflated(bytes_of(std::vector<double>(rows.begin(), rows.end()))))});
   points.push_back({.intent = kPoints,
-                    .type = "NIFTI_TYPE_FLOAT64",
-                    .encoding = kGzip,
-                    .data = io::to_base64(deflated(bytes_of(std::vector<double>(rows.begin(), rows.end()))))});
-  points.push_back({.intent = kPoints, .type = kFloat, .encoding = "ASCII", .data = "0 -3 7 1 4.5 8 2 6 9", .order = "ColumnMajorOrder"});
+                    .type = kFloat,
+                    .encoding = "ASCII",
+                    .data = "0 -3 7 1 4.5 8 2 6 9",
+                    .order = "ColumnMajorOrder"});
   std::string broken = io::to_base64(bytes_of(rows));
-  for (std::size_t i = 8; i < broken.size(); i += 9) broken.insert(i, "\n  ");  // lines of any length
+  for (std::size_t i = 8; i < broken.size(); i += 9)
+    broken.insert(i, "\n  ");  // lines of any length
   points.push_back({.intent = kPoints, .type = kFloat, .encoding = "Base64Binary", .data = broken});
   for (const Array& array : points) {
     SCOPED_TRACE(array.encoding + array.order + array.endian + array.type);
@@ -175,20 +213,39 @@ TEST(MeshGii, BadFilesGiveOneLine) {
       {gifti({kTextPoints, kTextTriangle}).substr(0, 300), "damaged or cut off"},
       {gifti({kTextTriangle}), "no array of points", ErrorCode::unsupported},
       {gifti({kTextPoints}), "no array of triangles", ErrorCode::unsupported},
-      {gifti({kTextPoints, kTextPoints, kTextTriangle}), "more than one array of points", ErrorCode::unsupported},
-      {with([](Array& a) { a.dims = "Dimensionality=\"2\" Dim0=\"4\" Dim1=\"3\""; }), "expected 12 numbers"},
-      {with([](Array& a) { a.dims = "Dimensionality=\"2\" Dim0=\"4000000000\" Dim1=\"3\""; }), "far more than a file"},
-      {with([](Array& a) { a.dims = "Dimensionality=\"2\" Dim0=\"99999999999999999999\" Dim1=\"3\""; }), "expected rows of 3"},
-      {with([](Array& a) { a.dims = "Dimensionality=\"2\" Dim0=\"9000000000\" Dim1=\"3\""; }), "more than can be numbered"},
-      {with([](Array& a) { a.dims = "Dimensionality=\"2\" Dim0=\"-3\" Dim1=\"3\""; }), "expected rows of 3"},
+      {gifti({kTextPoints, kTextPoints, kTextTriangle}), "more than one array of points",
+       ErrorCode::unsupported},
+      {with([](Array& a) { a.dims = "Dimensionality=\"2\" Dim0=\"4\" Dim1=\"3\""; }),
+       "expected 12 numbers"},
+      {with([](Array& a) { a.dims = "Dimensionality=\"2\" Dim0=\"4000000000\" Dim1=\"3\""; }),
+       "far more than a file"},
+      {with([](Array& a) {
+         a.dims = "Dimensionality=\"2\" Dim0=\"99999999999999999999\" Dim1=\"3\"";
+       }),
+       "expected rows of 3"},
+      {with([](Array& a) { a.dims = "Dimensionality=\"2\" Dim0=\"9000000000\" Dim1=\"3\""; }),
+       "more than can be numbered"},
+      {with([](Array& a) { a.dims = "Dimensionality=\"2\" Dim0=\"-3\" Dim1=\"3\""; }),
+       "expected rows of 3"},
       {with([](Array& a) { a.dims = "Dimensionality=\"1\" Dim0=\"9\""; }), "expected rows of 3"},
-      {with([](Array& a) { a.encoding = "ExternalFileBinary"; }), "with the encoding 'ExternalFileBinary'", ErrorCode::unsupported},
-      {with([&](Array& a) { a.encoding = "Base64Binary", a.data = io::to_base64(rows).substr(0, 44); }),
+      {with([](Array& a) { a.encoding = "ExternalFileBinary"; }),
+       "with the encoding 'ExternalFileBinary'", ErrorCode::unsupported},
+      {with([&](Array& a) {
+         a.encoding = "Base64Binary", a.data = io::to_base64(rows).substr(0, 44);
+       }),
        "36 bytes were promised, there are 33"},
-      {with([&](Array& a) { a.encoding = kGzip, a.data = io::to_base64(deflated(rows)).substr(0, 12); }), "cannot be decompressed"},
-      {with([&](Array& a) { a.encoding = kGzip, a.data = io::to_base64(deflated(rows + rows)); }), "cannot be decompressed"},
-      {with([&](Array& a) { a.encoding = kGzip, a.data = io::to_base64(deflated(rows.substr(0, 35))); }), "promised, there are 35"},
-      {with([&](Array& a) { a.encoding = kGzip, a.type = "NIFTI_TYPE_RGB24"; }), "type 'NIFTI_TYPE_RGB24'"},
+      {with([&](Array& a) {
+         a.encoding = kGzip, a.data = io::to_base64(deflated(rows)).substr(0, 12);
+       }),
+       "cannot be decompressed"},
+      {with([&](Array& a) { a.encoding = kGzip, a.data = io::to_base64(deflated(rows + rows)); }),
+       "cannot be decompressed"},
+      {with([&](Array& a) {
+         a.encoding = kGzip, a.data = io::to_base64(deflated(rows.substr(0, 35)));
+       }),
+       "promised, there are 35"},
+      {with([&](Array& a) { a.encoding = kGzip, a.type = "NIFTI_TYPE_RGB24"; }),
+       "type 'NIFTI_TYPE_RGB24'"},
       {with([](Array& a) { a.data = "0 1 2 3 4 5 6 7 nan"; }), "not finite"},
       {with([](Array& a) { a.data = "0 1 2 3 4 5 6 7 8 9"; }), "has '9' behind its 9 numbers"},
       {gifti({kTextPoints,
@@ -226,7 +283,8 @@ TEST(MeshGii, DamagedFiles) {
   const fs::path path = folder / "a.gii";
   write_mesh(tetrahedron(), path);
   const std::string whole = read_bytes(path);
-  for (std::size_t length = 0; length + 2 < whole.size(); length += 11) {  // without the last line break it is whole
+  for (std::size_t length = 0; length + 2 < whole.size();
+       length += 11) {  // without the last line break it is whole
     write_bytes(path, whole.substr(0, length));
     EXPECT_THROW(read_mesh(path), Error) << length;
   }

@@ -33,28 +33,36 @@ struct Encoding {
 };
 
 std::string to_string(const Encoding& e) {
-  const std::string mode = e.mode == vtkXMLWriter::Ascii ? "text" : e.mode == vtkXMLWriter::Binary ? "inline" : "appended";
-  return mode + ", compressor " + std::to_string(e.compressor) + ", header " + std::to_string(e.header_type) + ", ids " +
-         std::to_string(e.id_type) + ", order " + std::to_string(e.byte_order) + (e.is_base64 ? ", base64, " : ", raw, ") +
+  const std::string mode = e.mode == vtkXMLWriter::Ascii    ? "text"
+                           : e.mode == vtkXMLWriter::Binary ? "inline"
+                                                            : "appended";
+  return mode + ", compressor " + std::to_string(e.compressor) + ", header " +
+         std::to_string(e.header_type) + ", ids " + std::to_string(e.id_type) + ", order " +
+         std::to_string(e.byte_order) + (e.is_base64 ? ", base64, " : ", raw, ") +
          std::to_string(e.pieces) + " pieces";
 }
 
 std::vector<Encoding> all_encodings() {
   std::vector<Encoding> all;
-  for (const int compressor : {vtkXMLWriter::NONE, vtkXMLWriter::ZLIB, vtkXMLWriter::LZ4, vtkXMLWriter::LZMA})
+  for (const int compressor :
+       {vtkXMLWriter::NONE, vtkXMLWriter::ZLIB, vtkXMLWriter::LZ4, vtkXMLWriter::LZMA})
     for (const int header_type : {vtkXMLWriter::UInt32, vtkXMLWriter::UInt64})
       for (const int id_type : {vtkXMLWriter::Int32, vtkXMLWriter::Int64})
         for (const int byte_order : {vtkXMLWriter::LittleEndian, vtkXMLWriter::BigEndian})
           for (const int pieces : {1, 3}) {
-            all.push_back({vtkXMLWriter::Appended, compressor, header_type, id_type, byte_order, false, pieces});
-            all.push_back({vtkXMLWriter::Appended, compressor, header_type, id_type, byte_order, true, pieces});
-            all.push_back({vtkXMLWriter::Binary, compressor, header_type, id_type, byte_order, true, pieces});
+            all.push_back({vtkXMLWriter::Appended, compressor, header_type, id_type, byte_order,
+                           false, pieces});
+            all.push_back({vtkXMLWriter::Appended, compressor, header_type, id_type, byte_order,
+                           true, pieces});
+            all.push_back(
+                {vtkXMLWriter::Binary, compressor, header_type, id_type, byte_order, true, pieces});
           }
   for (const int pieces : {1, 3}) all.push_back({.mode = vtkXMLWriter::Ascii, .pieces = pieces});
   return all;
 }
 
-// Points with few digits, which text keeps, enough for several compressed blocks, and quadrilaterals between them.
+// Points with few digits, which text keeps, enough for several compressed blocks, and
+// quadrilaterals between them.
 vtkSmartPointer<vtkPolyData> grid_of_quadrilaterals(int side) {
   std::mt19937 random(3);
   vtkNew<vtkPoints> points;
@@ -114,7 +122,8 @@ void expect_equal(const TriangleMesh& mesh, int pieces, vtkPolyData& data) {
     vtkNew<vtkIdList> corners;
     data.GetPolys()->GetCellAtId(static_cast<vtkIdType>(polygon % polygons), corners);
     const auto corner = [&](vtkIdType k) {
-      return static_cast<std::uint32_t>(corners->GetId(k)) + static_cast<std::uint32_t>(polygon / polygons * points);
+      return static_cast<std::uint32_t>(corners->GetId(k)) +
+             static_cast<std::uint32_t>(polygon / polygons * points);
     };
     ASSERT_EQ(mesh.triangles[2 * polygon], (Triangle{corner(0), corner(1), corner(2)}));
     ASSERT_EQ(mesh.triangles[2 * polygon + 1], (Triangle{corner(0), corner(2), corner(3)}));
@@ -138,15 +147,18 @@ TEST(ReadVtp, EveryEncodingThatVtkWrites) {
 }
 
 std::string file_of(const std::string& piece) {
-  return "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"0.1\" byte_order=\"LittleEndian\">\n<PolyData>\n" + piece +
-         "</PolyData>\n</VTKFile>\n";
+  return "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"0.1\" "
+         "byte_order=\"LittleEndian\">\n<PolyData>\n" +
+         piece + "</PolyData>\n</VTKFile>\n";
 }
 
 std::string array_of(const std::string& attributes, const std::string& values) {
   return "<DataArray " + attributes + " format=\"ascii\">" + values + "</DataArray>\n";
 }
 
-const std::string kPoints = "<Points>" + array_of(R"(type="Float32" NumberOfComponents="3")", "0 0 0 1 0 0 1 1 0 0 1 0") + "</Points>\n";
+const std::string kPoints =
+    "<Points>" + array_of(R"(type="Float32" NumberOfComponents="3")", "0 0 0 1 0 0 1 1 0 0 1 0") +
+    "</Points>\n";
 const std::string kCorners = array_of(R"(type="Int32" Name="connectivity")", "0 1 2 0 2 3");
 const std::string kEnds = array_of(R"(type="Int32" Name="offsets")", "3 6");
 
@@ -155,7 +167,8 @@ std::string piece_of(const std::string& counts, const std::string& contents) {
 }
 
 std::string square(const std::string& polygons) {
-  return file_of(piece_of(R"(NumberOfPoints="4" NumberOfPolys="2")", kPoints + "<Polys>\n" + polygons + "</Polys>\n"));
+  return file_of(piece_of(R"(NumberOfPoints="4" NumberOfPolys="2")",
+                          kPoints + "<Polys>\n" + polygons + "</Polys>\n"));
 }
 
 TEST(ReadVtp, DamagedFilesGiveOneLine) {
@@ -163,21 +176,35 @@ TEST(ReadVtp, DamagedFilesGiveOneLine) {
       {square(kCorners + array_of(R"(type="Int32" Name="offsets")", "6 3")), "decrease"},
       {square(kCorners + array_of(R"(type="Int32" Name="offsets")", "-3 6")), "decrease"},
       {square(kCorners + array_of(R"(type="Int32" Name="offsets")", "3")), "far more than a file"},
-      {square(kCorners + array_of(R"(type="Int64" Name="offsets")", "3 4000000000000")), "far more than a file"},
+      {square(kCorners + array_of(R"(type="Int64" Name="offsets")", "3 4000000000000")),
+       "far more than a file"},
       {square(kCorners), "no arrays 'connectivity' and 'offsets' of its Polys"},
-      {square(kEnds + array_of(R"(type="Float32" Name="connectivity")", "0 1 2 0 2 3")), "vertex numbers are Float32"},
-      {square(kEnds + array_of(R"(type="UInt64" Name="connectivity")", "0 1 2 0 2 18446744073709551615")), "uses vertex"},
-      {square(kEnds + array_of(R"(type="Int32" Name="connectivity")", "0 1 2 0 2 4")), "uses vertex 4"},
-      {square(kEnds + array_of(R"(type="Int32" Name="connectivity")", "0 1 2 0 2 -1")), "uses vertex"},
-      {square(kEnds + array_of(R"(type="Quaternion" Name="connectivity")", "0 1 2 0 2 3")), "unknown data type 'Quaternion'"},
-      {square(kEnds + array_of(R"(type="String" Name="connectivity")", "0 1 2 0 2 3")), "array of strings"},
-      {file_of(piece_of(R"(NumberOfPoints="1e30" NumberOfPolys="2")", kPoints)), "'1e30', expected a count"},
-      {file_of(piece_of(R"(NumberOfPoints="-4" NumberOfPolys="2")", kPoints)), "'-4', expected a count"},
-      {file_of(piece_of(R"(NumberOfPoints="4.5" NumberOfPolys="2")", kPoints)), "'4.5', expected a count"},
-      {file_of(piece_of(R"(NumberOfPoints="400000000" NumberOfPolys="2")", kPoints)), "far more than a file"},
-      {file_of(piece_of(R"(NumberOfPoints="5" NumberOfPolys="2")", kPoints)), "has 12 numbers, expected 15"},
+      {square(kEnds + array_of(R"(type="Float32" Name="connectivity")", "0 1 2 0 2 3")),
+       "vertex numbers are Float32"},
+      {square(kEnds +
+              array_of(R"(type="UInt64" Name="connectivity")", "0 1 2 0 2 18446744073709551615")),
+       "uses vertex"},
+      {square(kEnds + array_of(R"(type="Int32" Name="connectivity")", "0 1 2 0 2 4")),
+       "uses vertex 4"},
+      {square(kEnds + array_of(R"(type="Int32" Name="connectivity")", "0 1 2 0 2 -1")),
+       "uses vertex"},
+      {square(kEnds + array_of(R"(type="Quaternion" Name="connectivity")", "0 1 2 0 2 3")),
+       "unknown data type 'Quaternion'"},
+      {square(kEnds + array_of(R"(type="String" Name="connectivity")", "0 1 2 0 2 3")),
+       "array of strings"},
+      {file_of(piece_of(R"(NumberOfPoints="1e30" NumberOfPolys="2")", kPoints)),
+       "'1e30', expected a count"},
+      {file_of(piece_of(R"(NumberOfPoints="-4" NumberOfPolys="2")", kPoints)),
+       "'-4', expected a count"},
+      {file_of(piece_of(R"(NumberOfPoints="4.5" NumberOfPolys="2")", kPoints)),
+       "'4.5', expected a count"},
+      {file_of(piece_of(R"(NumberOfPoints="400000000" NumberOfPolys="2")", kPoints)),
+       "far more than a file"},
+      {file_of(piece_of(R"(NumberOfPoints="5" NumberOfPolys="2")", kPoints)),
+       "has 12 numbers, expected 15"},
       {file_of(piece_of(R"(NumberOfPoints="4" NumberOfPolys="2")", "")), "no array of points"},
-      {file_of(piece_of(R"(NumberOfPoints="4")", "<Points>" + array_of(R"(type="Float32")", "0 0 0 0") + "</Points>")),
+      {file_of(piece_of(R"(NumberOfPoints="4")",
+                        "<Points>" + array_of(R"(type="Float32")", "0 0 0 0") + "</Points>")),
        "1 coordinates, expected 3"},
       {file_of(""), "no triangles"},
       {"<VTKFile type=\"ImageData\"><ImageData/></VTKFile>", "it holds 'ImageData'"},
@@ -199,8 +226,10 @@ TEST(ReadVtp, TextThatTheFileCannotHoldIsNotAllocated) {
     const TempFolder folder;
     write_bytes(folder / "a.vtp",
                 "<VTKFile type=\"PolyData\" header_type=\"UInt64\"" + compressor +
-                    "><PolyData><FieldData><Array type=\"String\" Name=\"SPACE\" format=\"appended\" offset=\"0\"/>"
-                    "</FieldData></PolyData><AppendedData encoding=\"base64\">_AQAAAIAAAAAEAACAAAAAAAAAAAAAAAAAAQAAAAAAAAA="
+                    "><PolyData><FieldData><Array type=\"String\" Name=\"SPACE\" "
+                    "format=\"appended\" offset=\"0\"/>"
+                    "</FieldData></PolyData><AppendedData "
+                    "encoding=\"base64\">_AQAAAIAAAAAEAACAAAAAAAAAAAAAAAAAAQAAAAAAAAA="
                     "</AppendedData></VTKFile>");
     EXPECT_THROW(read_mesh(folder / "a.vtp"), Error) << compressor;
   }

@@ -17,10 +17,13 @@ using namespace test;
 
 TEST(ShapeGoal, ScoresAspectAndAngle) {
   const ShapeGoal goal;
-  EXPECT_NEAR(goal.score({0, 0, 0}, {1, 0, 0}, {0.5, std::sqrt(0.75), 0}), std::sqrt(0.75) / goal.sine, 1e-12)
+  EXPECT_NEAR(goal.score({0, 0, 0}, {1, 0, 0}, {0.5, std::sqrt(0.75), 0}),
+              std::sqrt(0.75) / goal.sine, 1e-12)
       << "equilateral: aspect 1, three times the goal, and a sine of 2.8 times the goal";
-  EXPECT_NEAR(goal.score({0, 0, 0}, {3, 0, 0}, {0, 1, 0}), 3 / std::sqrt(10.0), 1e-12) << "aspect 1 / sqrt(10); the angle is 18.4 degrees";
-  EXPECT_LT(goal.score({0, 0, 0}, {2, 0, 0}, {1, 0.1, 0}), 0.4) << "flat: 5.7 degrees of 18, though the aspect is a half";
+  EXPECT_NEAR(goal.score({0, 0, 0}, {3, 0, 0}, {0, 1, 0}), 3 / std::sqrt(10.0), 1e-12)
+      << "aspect 1 / sqrt(10); the angle is 18.4 degrees";
+  EXPECT_LT(goal.score({0, 0, 0}, {2, 0, 0}, {1, 0.1, 0}), 0.4)
+      << "flat: 5.7 degrees of 18, though the aspect is a half";
   EXPECT_EQ(goal.score({0, 0, 0}, {1, 0, 0}, {2, 0, 0}), 0) << "no area";
   EXPECT_EQ(goal.score({0, 0, 0}, {0, 0, 0}, {2, 0, 0}), 0) << "no edge";
   EXPECT_EQ(goal.score({1, 1, 1}, {1, 1, 1}, {1, 1, 1}), 0);
@@ -36,16 +39,20 @@ TriangleMesh mesh_of(const MeasuredCovering& measured, const std::vector<DualTri
 TEST(ImproveShape, KeepsTheManifoldAndTheBounds) {
   std::size_t flips = 0, moves = 0;
   for (std::uint64_t seed = 0; seed < 24; ++seed) {
-    const Samples samples = seed % 4 == 0 ? sampled({20, 20, 20}, sphere({9.4, 9.6, 9.55}, 7 + 0.1 * static_cast<double>(seed)))
-                                          : random_samples(static_cast<Family>(seed % kFamilies), {8, 7, 9}, seed);
+    const Samples samples =
+        seed % 4 == 0
+            ? sampled({20, 20, 20}, sphere({9.4, 9.6, 9.55}, 7 + 0.1 * static_cast<double>(seed)))
+            : random_samples(static_cast<Family>(seed % kFamilies), {8, 7, 9}, seed);
     if (!has_surface(samples, 0)) continue;
     const SurfaceComplex surface = surface_of(samples);
     const auto want = kinds_of(triangles_of(surface));
     const SurfaceData surface_data(surface);
     for (const Placement placement : {Placement::surface, Placement::balanced}) {
-      MeasuredCovering measured(surface_data, disks(2.0f + static_cast<float>(seed % 3)), {}, {}, {});
+      MeasuredCovering measured(surface_data, disks(2.0f + static_cast<float>(seed % 3)), {}, {},
+                                {});
       CertificateReport report;
-      const std::vector<Constraint> set_bounds{{Quantity::max_distance, 0.5}, {Quantity::normal_angle, 60}};
+      const std::vector<Constraint> set_bounds{{Quantity::max_distance, 0.5},
+                                               {Quantity::normal_angle, 60}};
       measured.set_bounds(set_bounds, placement);
       measured.update(report, {});
       measured.certify(report, {});
@@ -53,7 +60,8 @@ TEST(ImproveShape, KeepsTheManifoldAndTheBounds) {
       measured.fix_anchors(frozen);
       std::vector<CellId> all(measured.partition().cell_count());
       std::iota(all.begin(), all.end(), 0u);
-      measured.remesh(measured.triangles(), {}, all);  // exact, also for cells that violate their bounds
+      measured.remesh(measured.triangles(), {},
+                      all);  // exact, also for cells that violate their bounds
       const std::vector<CellError> before = measured.errors();
       ShapeGoal goal;
       goal.aspect = 0.5;
@@ -66,7 +74,8 @@ TEST(ImproveShape, KeepsTheManifoldAndTheBounds) {
       ASSERT_EQ(kinds_of(mesh), want) << "seed " << seed;
       std::size_t bad = 0;
       for (const DualTriangle& t : triangles)
-        bad += goal.score(mesh.positions[t.cell[0]], mesh.positions[t.cell[1]], mesh.positions[t.cell[2]]) < 1;
+        bad += goal.score(mesh.positions[t.cell[0]], mesh.positions[t.cell[1]],
+                          mesh.positions[t.cell[2]]) < 1;
       EXPECT_EQ(shape.bad, bad);
       std::vector<CVertexId> at = measured.placement().anchor;
       for (CellId c = 0; c < at.size(); ++c) {
@@ -77,10 +86,12 @@ TEST(ImproveShape, KeepsTheManifoldAndTheBounds) {
         // A tenth of a percent in each of a dozen passes. With balancing, vertices next to a
         // reverted change do not return completely, which makes more of a difference in noise.
         const double slack = placement == Placement::surface ? 1.02 : 1.5;
-        EXPECT_LE(measured.errors()[c].excess, std::max(1.0, before[c].excess) * slack) << "seed " << seed << ", cell " << c;
+        EXPECT_LE(measured.errors()[c].excess, std::max(1.0, before[c].excess) * slack)
+            << "seed " << seed << ", cell " << c;
       }
       std::sort(at.begin(), at.end());
-      EXPECT_EQ(std::adjacent_find(at.begin(), at.end()), at.end()) << "no two vertices at one place";
+      EXPECT_EQ(std::adjacent_find(at.begin(), at.end()), at.end())
+          << "no two vertices at one place";
       if (HasFatalFailure()) return;
     }
   }

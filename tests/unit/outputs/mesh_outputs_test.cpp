@@ -20,7 +20,8 @@ Hierarchy two_levels() {
   Hierarchy hierarchy;
   hierarchy.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.5, 0.5, 0.5}};
   hierarchy.levels.push_back({4, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}, {}, {}});
-  hierarchy.levels.push_back({5, {{0, 2, 1}, {0, 1, 3}, {2, 0, 3}, {1, 2, 4}, {2, 3, 4}, {3, 1, 4}}, {}, {}});
+  hierarchy.levels.push_back(
+      {5, {{0, 2, 1}, {0, 1, 3}, {2, 0, 3}, {1, 2, 4}, {2, 3, 4}, {3, 1, 4}}, {}, {}});
   return hierarchy;
 }
 
@@ -33,7 +34,9 @@ HierarchyFileInfo two_infos() {
 const HierarchyFileInfo kInfo = two_infos();
 
 // Writes to a folder; the files by name with the levels they hold.
-std::map<std::string, std::vector<std::size_t>> written(const TempFolder& folder, const std::string& name, bool glb_per_level = false) {
+std::map<std::string, std::vector<std::size_t>> written(const TempFolder& folder,
+                                                        const std::string& name,
+                                                        bool glb_per_level = false) {
   const MeshOutputs meshes(folder / name, glb_per_level);
   meshes.check(2, folder / "volume", {});
   OutputFiles outputs;
@@ -54,12 +57,15 @@ TEST(MeshOutputs, WhichLevelsGoWhere) {
   EXPECT_EQ(written(folder, "b{level}.stl"), (Files{{"b0.stl", {0}}, {"b1.stl", {1}}}));
   EXPECT_EQ(read_mesh(folder / "b0.stl").triangles.size(), 4U);
   EXPECT_EQ(written(folder, "c.glb"), (Files{{"c.glb", {0, 1}}}));
-  EXPECT_EQ(written(folder, "d.vtm"), (Files{{"d.vtm", {0, 1}}, {"d/d_0.vtp", {0}}, {"d/d_1.vtp", {1}}}));
+  EXPECT_EQ(written(folder, "d.vtm"),
+            (Files{{"d.vtm", {0, 1}}, {"d/d_0.vtp", {0}}, {"d/d_1.vtp", {1}}}));
   EXPECT_EQ(written(folder, "e-{level}.glb"), (Files{{"e-0.glb", {0}}, {"e-1.glb", {1}}}));
-  EXPECT_EQ(written(folder, "f.glb", true), (Files{{"f.glb", {0, 1}}, {"f-0.glb", {0}}, {"f-1.glb", {1}}}));
+  EXPECT_EQ(written(folder, "f.glb", true),
+            (Files{{"f.glb", {0, 1}}, {"f-0.glb", {0}}, {"f-1.glb", {1}}}));
   EXPECT_TRUE(fs::is_regular_file(folder / "f.json"));
   EXPECT_EQ(read_hierarchy(folder / "f-0.glb").hierarchy.positions.size(), 4U);
-  EXPECT_EQ(read_hierarchy(folder / "f-1.glb").info.levels, std::vector<std::string>{R"({"level":1})"});
+  EXPECT_EQ(read_hierarchy(folder / "f-1.glb").info.levels,
+            std::vector<std::string>{R"({"level":1})"});
   EXPECT_EQ(folder.file_count(), 12U);
 }
 

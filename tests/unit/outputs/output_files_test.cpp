@@ -59,17 +59,20 @@ TEST(OutputFiles, ErrorsNameTheFileAndNotTheHiddenFolder) {
   fs::create_directory(folder / "elsewhere");
   write_bytes(folder / "elsewhere/b.vtm", "old");
   fs::create_symlink("elsewhere/b.vtm", folder / "link.vtm");
-  for (const auto& [given, told] : {std::pair("a.vtm", "a.vtm"), std::pair("link.vtm", "elsewhere/b.vtm")}) {
+  for (const auto& [given, told] :
+       {std::pair("a.vtm", "a.vtm"), std::pair("link.vtm", "elsewhere/b.vtm")}) {
     const fs::path shown = folder / told;
     OutputFiles outputs;
     try {
       outputs.write(folder / given, [](const fs::path& staged) {
-        throw Error(ErrorCode::bad_file, staged.string() + ": bad, as is " + (staged.parent_path() / "a/a_0.vtp").string());
+        throw Error(ErrorCode::bad_file, staged.string() + ": bad, as is " +
+                                             (staged.parent_path() / "a/a_0.vtp").string());
       });
       ADD_FAILURE() << "no error";
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::bad_file);
-      EXPECT_EQ(error.what(), shown.string() + ": bad, as is " + (shown.parent_path() / "a/a_0.vtp").string());
+      EXPECT_EQ(error.what(),
+                shown.string() + ": bad, as is " + (shown.parent_path() / "a/a_0.vtp").string());
     }
   }
 }
@@ -86,7 +89,8 @@ TEST(OutputFiles, WhatWasThereIsPutBackWhenTheEndFails) {
       OutputFiles outputs;
       write_staged(outputs.stage(folder / "a.vtm"));
       write_bytes(outputs.stage(folder / "report"), "new");
-      fs::create_directories(folder / "report/in the way");  // after all checks: the last rename fails
+      fs::create_directories(folder /
+                             "report/in the way");  // after all checks: the last rename fails
       EXPECT_THROW(outputs.commit(), Error);
     }
     EXPECT_EQ(fs::exists(folder / "a.vtm"), has_old);

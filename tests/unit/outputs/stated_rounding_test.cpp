@@ -13,7 +13,9 @@ ConstraintResult result(Quantity quantity, double bound, double reached, bool is
   out.constraint = {.quantity = quantity, .bound = bound};
   out.constraint.is_default = is_default;
   out.reached = reached;
-  out.satisfied = quantity == Quantity::min_edge || quantity == Quantity::min_aspect ? reached >= bound : reached <= bound;
+  out.satisfied = quantity == Quantity::min_edge || quantity == Quantity::min_aspect
+                      ? reached >= bound
+                      : reached <= bound;
   return out;
 }
 
@@ -35,9 +37,10 @@ FileRounding file(const std::string& path, std::vector<std::size_t> levels, doub
 }
 
 TEST(StatedRounding, LengthsIncludeItAndOtherQuantitiesDoNot) {
-  ExtractReport report =
-      report_with({result(Quantity::max_distance, 0.5, 0.4), result(Quantity::mean_distance, 0.5, 0.4), result(Quantity::max_edge, 5, 4),
-                   result(Quantity::min_edge, 1, 3), result(Quantity::normal_angle, 30, 20), result(Quantity::max_vertices, 100, 90)});
+  ExtractReport report = report_with(
+      {result(Quantity::max_distance, 0.5, 0.4), result(Quantity::mean_distance, 0.5, 0.4),
+       result(Quantity::max_edge, 5, 4), result(Quantity::min_edge, 1, 3),
+       result(Quantity::normal_angle, 30, 20), result(Quantity::max_vertices, 100, 90)});
   state_rounding(report, {file("a.stl", {1}, 0.0625)}, {}, Space::lps);
   const LevelReport& level = report.levels[1];
   EXPECT_EQ(level.rounding, 0.0625);
@@ -57,9 +60,10 @@ TEST(StatedRounding, LengthsIncludeItAndOtherQuantitiesDoNot) {
 }
 
 TEST(StatedRounding, ABoundThatOnlyTheFileViolatesIsNotMet) {
-  ExtractReport report =
-      report_with({result(Quantity::max_distance, 0.5, 0.45), result(Quantity::max_distance, 0.5, 0.45, true),
-                   result(Quantity::min_edge, 1, 1.1), result(Quantity::max_edge, 5, 4.9), result(Quantity::max_distance, 0.4, 0.45)});
+  ExtractReport report = report_with(
+      {result(Quantity::max_distance, 0.5, 0.45), result(Quantity::max_distance, 0.5, 0.45, true),
+       result(Quantity::min_edge, 1, 1.1), result(Quantity::max_edge, 5, 4.9),
+       result(Quantity::max_distance, 0.4, 0.45)});
   report.levels[1].constraints[4].reason = "too coarse";
   state_rounding(report, {file("a.stl", {1}, 0.1)}, {}, Space::lps);
   const std::vector<ConstraintResult>& results = report.levels[1].constraints;
@@ -73,8 +77,10 @@ TEST(StatedRounding, ABoundThatOnlyTheFileViolatesIsNotMet) {
 
 TEST(StatedRounding, TheWorstFileOfALevelCounts) {
   ExtractReport report = report_with({result(Quantity::max_distance, 0.5, 0.45)});
-  state_rounding(report, {file("a.glb", {0, 1}, 0.01), file("a-0.glb", {0}, 0.02), file("a-1.glb", {1}, 0.1), file("b.ply", {1}, 0)}, {},
-                 Space::lps);
+  state_rounding(report,
+                 {file("a.glb", {0, 1}, 0.01), file("a-0.glb", {0}, 0.02),
+                  file("a-1.glb", {1}, 0.1), file("b.ply", {1}, 0)},
+                 {}, Space::lps);
   EXPECT_EQ(report.levels[0].rounding, 0.02);
   EXPECT_TRUE(report.levels[0].constraints[0].satisfied);
   EXPECT_EQ(report.levels[1].rounding, 0.1);
@@ -89,7 +95,8 @@ TEST(StatedRounding, OfSampleIndicesIsALengthInTheWorld) {
 }
 
 TEST(StatedRounding, AnInfiniteMetricStaysInfinite) {
-  ExtractReport report = report_with({result(Quantity::max_distance, 0.5, std::numeric_limits<double>::infinity())});
+  ExtractReport report =
+      report_with({result(Quantity::max_distance, 0.5, std::numeric_limits<double>::infinity())});
   state_rounding(report, {file("a.stl", {0, 1}, 0.1)}, {}, Space::lps);
   EXPECT_EQ(report.levels[1].constraints[0].reached, std::numeric_limits<double>::infinity());
 }

@@ -44,7 +44,8 @@ class PageEntries : public ::testing::Test {
   HierarchyFileInfo info() const {
     HierarchyFileInfo out;
     out.mesh.space = "LPS";
-    for (std::size_t k = 0; k < extraction_.report.levels.size(); ++k) out.levels.push_back(level_json(extraction_.report.levels[k], k));
+    for (std::size_t k = 0; k < extraction_.report.levels.size(); ++k)
+      out.levels.push_back(level_json(extraction_.report.levels[k], k));
     return out;
   }
 
@@ -67,7 +68,8 @@ void expect_error(ErrorCode code, const std::string& fragment, const std::functi
 TEST_F(PageEntries, OfAReportSayWhatItSays) {
   const auto cubes = marching_cubes_quality(volume_, 0);
   ASSERT_TRUE(cubes);
-  const PageEntry entry = entry_of_report(to_json(extraction_.report, context()), "r.json", extraction_.hierarchy, cubes);
+  const PageEntry entry = entry_of_report(to_json(extraction_.report, context()), "r.json",
+                                          extraction_.hierarchy, cubes);
   const json facts = json::parse(entry.facts);
   EXPECT_EQ(facts["title"], "torus.nrrd at 0");
   EXPECT_EQ(facts["unit"], "mm");
@@ -83,19 +85,24 @@ TEST_F(PageEntries, OfAReportAboutAnotherMeshAreRefused) {
   const std::string report = to_json(extraction_.report, context());
   Hierarchy other = extraction_.hierarchy;
   other.levels[1].triangles.pop_back();
-  expect_error(ErrorCode::bad_file, "r.json: is about another mesh: level 1", [&] { entry_of_report(report, "r.json", other, {}); });
-  expect_error(ErrorCode::bad_file, "r.json: is no report", [&] { entry_of_report("{}", "r.json", other, {}); });
-  expect_error(ErrorCode::bad_file, "r.json: is no report", [&] { entry_of_report("no json", "r.json", other, {}); });
+  expect_error(ErrorCode::bad_file, "r.json: is about another mesh: level 1",
+               [&] { entry_of_report(report, "r.json", other, {}); });
+  expect_error(ErrorCode::bad_file, "r.json: is no report",
+               [&] { entry_of_report("{}", "r.json", other, {}); });
+  expect_error(ErrorCode::bad_file, "r.json: is no report",
+               [&] { entry_of_report("no json", "r.json", other, {}); });
   json broken = json::parse(report);
   broken.erase("levels");
-  expect_error(ErrorCode::bad_file, "r.json: has no 'levels'", [&] { entry_of_report(broken.dump(), "r.json", other, {}); });
+  expect_error(ErrorCode::bad_file, "r.json: has no 'levels'",
+               [&] { entry_of_report(broken.dump(), "r.json", other, {}); });
   broken = json::parse(report);
   broken["levels"][0]["vertices"] = "many";
   expect_error(ErrorCode::bad_file, "r.json: is about another mesh: level 0",
                [&] { entry_of_report(broken.dump(), "r.json", extraction_.hierarchy, {}); });
   broken = json::parse(report);
   broken["surface"]["isovalue"] = "high";
-  expect_error(ErrorCode::bad_file, "r.json: a key", [&] { entry_of_report(broken.dump(), "r.json", extraction_.hierarchy, {}); });
+  expect_error(ErrorCode::bad_file, "r.json: a key",
+               [&] { entry_of_report(broken.dump(), "r.json", extraction_.hierarchy, {}); });
 }
 
 TEST_F(PageEntries, OfFilesSayWhatTheyKnowAndCountTheRest) {
@@ -172,7 +179,9 @@ TEST_F(PageEntries, OfAReportFileFindItsMeshes) {
 }
 
 TEST(PageMarchingCubes, AreThoseOfTheComponentsThatAreMeshed) {
-  const Volume volume = test::exact_volume({32, 12, 12}, test::unite(test::sphere({5.4, 5.5, 5.6}, 4), test::sphere({20.4, 5.5, 5.6}, 3)));
+  const Volume volume = test::exact_volume(
+      {32, 12, 12},
+      test::unite(test::sphere({5.4, 5.5, 5.6}, 4), test::sphere({20.4, 5.5, 5.6}, 3)));
   ExtractOptions options = test::coarse_options();
   options.components.keep_largest = 1;
   options.space = Space::ras;
@@ -180,7 +189,8 @@ TEST(PageMarchingCubes, AreThoseOfTheComponentsThatAreMeshed) {
   const Volume alone = test::exact_volume({32, 12, 12}, test::sphere({5.4, 5.5, 5.6}, 4));
   const auto both = marching_cubes_quality(volume, 0), wanted = marching_cubes_quality(alone, 0);
   ASSERT_EQ(report.kept.size(), 1u);
-  const auto kept = marching_cubes_quality(volume, 0, to_index({report.kept[0].position}, volume.view.grid, options.space));
+  const auto kept = marching_cubes_quality(
+      volume, 0, to_index({report.kept[0].position}, volume.view.grid, options.space));
   ASSERT_TRUE(both && wanted && kept);
   EXPECT_EQ(kept->triangles, wanted->triangles);
   EXPECT_LT(kept->triangles, both->triangles);
@@ -192,7 +202,9 @@ TEST(PageMarchingCubes, AreNotMadeOfWhatIsNotFinite) {
   const auto quality = marching_cubes_quality(volume, 0);
   ASSERT_TRUE(quality);
   EXPECT_GT(quality->triangles, 50u);
-  EXPECT_EQ(std::accumulate(quality->aspect_histogram.begin(), quality->aspect_histogram.end(), std::size_t{0}), quality->triangles);
+  EXPECT_EQ(std::accumulate(quality->aspect_histogram.begin(), quality->aspect_histogram.end(),
+                            std::size_t{0}),
+            quality->triangles);
 }
 
 }  // namespace

@@ -23,12 +23,15 @@ std::string part(const std::string& bytes, const Json& range) {
 std::vector<Vec3> positions_of(const std::string& bytes, const Json& range) {
   const std::string code = part(bytes, range);
   std::vector<std::array<std::uint32_t, 3>> steps(range["count"].get<std::size_t>());
-  EXPECT_EQ(meshopt_decodeVertexBuffer(steps.data(), steps.size(), 12, reinterpret_cast<const unsigned char*>(code.data()), code.size()),
-            0);
+  EXPECT_EQ(
+      meshopt_decodeVertexBuffer(steps.data(), steps.size(), 12,
+                                 reinterpret_cast<const unsigned char*>(code.data()), code.size()),
+      0);
   std::vector<Vec3> out;
   const double step = range["step"];
   for (const auto& s : steps)
-    out.push_back({range["origin"][0].get<double>() + step * s[0], range["origin"][1].get<double>() + step * s[1],
+    out.push_back({range["origin"][0].get<double>() + step * s[0],
+                   range["origin"][1].get<double>() + step * s[1],
                    range["origin"][2].get<double>() + step * s[2]});
   return out;
 }
@@ -36,12 +39,16 @@ std::vector<Vec3> positions_of(const std::string& bytes, const Json& range) {
 std::vector<Triangle> triangles_of(const std::string& bytes, const Json& range) {
   const std::string code = part(bytes, range);
   std::vector<Triangle> out(range["count"].get<std::size_t>());
-  EXPECT_EQ(meshopt_decodeIndexBuffer(out.data(), 3 * out.size(), 4, reinterpret_cast<const unsigned char*>(code.data()), code.size()), 0);
+  EXPECT_EQ(
+      meshopt_decodeIndexBuffer(out.data(), 3 * out.size(), 4,
+                                reinterpret_cast<const unsigned char*>(code.data()), code.size()),
+      0);
   return out;
 }
 
 std::vector<Triangle> normalised(std::vector<Triangle> triangles) {
-  for (Triangle& t : triangles) std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+  for (Triangle& t : triangles)
+    std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
   std::sort(triangles.begin(), triangles.end());
   return triangles;
 }
@@ -50,7 +57,8 @@ Extraction levels(Placement placement) {
   ExtractOptions options = test::coarse_options();
   options.placement = placement;
   options.refine = {{{Quantity::max_distance, 1}}, {{Quantity::max_distance, 0.3}}};
-  return extract(test::to_volume(test::random_samples(test::Family::white_noise, {9, 10, 11}, 5)), options);
+  return extract(test::to_volume(test::random_samples(test::Family::white_noise, {9, 10, 11}, 5)),
+                 options);
 }
 
 TEST(PageGeometry, LevelsComeBackAsTheyWere) {
@@ -65,7 +73,8 @@ TEST(PageGeometry, LevelsComeBackAsTheyWere) {
       const TriangleMesh mesh = hierarchy.mesh(k);
       EXPECT_EQ(level["vertices"], mesh.positions.size());
       EXPECT_EQ(level.contains("own_positions"), !hierarchy.levels[k].own_positions.empty());
-      const Json& where = level.contains("own_positions") ? level["own_positions"] : json["positions"];
+      const Json& where =
+          level.contains("own_positions") ? level["own_positions"] : json["positions"];
       const std::vector<Vec3> positions = positions_of(bytes, where);
       ASSERT_GE(positions.size(), mesh.positions.size());
       const double step = where["step"];
@@ -90,20 +99,25 @@ TEST(PageGeometry, LevelsComeBackAsTheyWere) {
   }
 }
 
-// A tetrahedron, and a vertex as near to another as said: it is on the triangle fan that replaces one face.
+// A tetrahedron, and a vertex as near to another as said: it is on the triangle fan that replaces
+// one face.
 Hierarchy with_near_vertices(double apart) {
   Hierarchy h;
   h.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {apart, apart, 0}};
-  h.levels.push_back({5, {{0, 2, 4}, {2, 1, 4}, {1, 0, 4}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}, {}, {}});
+  h.levels.push_back(
+      {5, {{0, 2, 4}, {2, 1, 4}, {1, 0, 4}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}, {}, {}});
   h.parent = {0, 1, 2, 3, 4};
   return h;
 }
 
 TEST(PageGeometry, TheGridIsAsFineAsTheMeshNeeds) {
   std::string bytes;
-  EXPECT_EQ(page::append_geometry(with_near_vertices(0.2), "p", bytes)["positions"]["step"], 1.0 / 0xfffff);
-  EXPECT_EQ(page::append_geometry(with_near_vertices(2e-7), "p", bytes)["positions"]["step"], 1.0 / 0x3fffff);
-  EXPECT_EQ(page::append_geometry(with_near_vertices(1e-7), "p", bytes)["positions"]["step"], 1.0 / 0xffffff);
+  EXPECT_EQ(page::append_geometry(with_near_vertices(0.2), "p", bytes)["positions"]["step"],
+            1.0 / 0xfffff);
+  EXPECT_EQ(page::append_geometry(with_near_vertices(2e-7), "p", bytes)["positions"]["step"],
+            1.0 / 0x3fffff);
+  EXPECT_EQ(page::append_geometry(with_near_vertices(1e-7), "p", bytes)["positions"]["step"],
+            1.0 / 0xffffff);
   try {
     page::append_geometry(with_near_vertices(1e-9), "p.html", bytes);
     FAIL() << "vertices became one";
@@ -120,7 +134,8 @@ TEST(PageGeometry, FarFromTheOriginAndVerySmallOrLarge) {
     std::string bytes;
     const Json json = page::append_geometry(h, "p", bytes);
     const std::vector<Vec3> positions = positions_of(bytes, json["positions"]);
-    for (std::size_t v = 0; v < positions.size(); ++v) EXPECT_NEAR(positions[v].x, h.positions[v].x, scale * 1e-5);
+    for (std::size_t v = 0; v < positions.size(); ++v)
+      EXPECT_NEAR(positions[v].x, h.positions[v].x, scale * 1e-5);
     EXPECT_FALSE(json["levels"][0].contains("distance"));
   }
 }

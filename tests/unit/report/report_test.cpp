@@ -16,7 +16,8 @@
 namespace isoatlas::detail {
 namespace {
 
-ConstraintResult result_of(Quantity quantity, double bound, bool is_default, double reached, bool met, const char* reason) {
+ConstraintResult result_of(Quantity quantity, double bound, bool is_default, double reached,
+                           bool met, const char* reason) {
   ConstraintResult out;
   out.constraint.quantity = quantity;
   out.constraint.bound = bound;
@@ -44,10 +45,15 @@ struct Full {
       LevelReport& level = report.levels[k];
       level.vertices = 10 + k;
       level.triangles = 20 + k;
-      level.topology = {.components = 1, .euler_characteristic = 2, .genus = 0, .boundary_loops = 0, .kinds = {{0, 0, 1}}};
+      level.topology = {.components = 1,
+                        .euler_characteristic = 2,
+                        .genus = 0,
+                        .boundary_loops = 0,
+                        .kinds = {{0, 0, 1}}};
       level.quality.aspect_median = 0.5;
       level.metrics.emplace()[0] = {2.5, 0.5};
-      level.constraints.push_back(result_of(Quantity::max_vertices, 5, false, 10, false, "topology needs 10"));
+      level.constraints.push_back(
+          result_of(Quantity::max_vertices, 5, false, 10, false, "topology needs 10"));
       level.constraints.push_back(result_of(Quantity::max_distance, 3, false, 2.5, true, "unused"));
       level.at_limit.assign(1200, {{1, 2, 3}, 1.5});
       level.bad_triangles.assign(1200, {{1, 2, 3}, 0.2, 95, ShapeObstacle::earlier_level});
@@ -71,7 +77,8 @@ struct Full {
 
 void add_leaves(const Json& value, const std::string& path, std::set<std::string>& leaves) {
   if (value.is_object()) {
-    for (const auto& [key, item] : value.items()) add_leaves(item, path.empty() ? key : path + "." + key, leaves);
+    for (const auto& [key, item] : value.items())
+      add_leaves(item, path.empty() ? key : path + "." + key, leaves);
   } else if (value.is_array() && !value.empty() && value[0].is_object()) {
     for (const Json& item : value) add_leaves(item, path + "[]", leaves);
   } else {
@@ -90,7 +97,8 @@ std::set<std::string> documented(const std::string& schema) {
   return keys;
 }
 
-// With everything there, which no single run of the tool has (tests/cli compares what it does have).
+// With everything there, which no single run of the tool has (tests/cli compares what it does
+// have).
 TEST(Report, HasTheDocumentedKeysAndNoOthers) {
   std::set<std::string> leaves;
   add_leaves(Full().json(), "", leaves);
@@ -130,7 +138,8 @@ TEST(Report, RoundingIsInTheMeshsUnitsEverywhere) {
   Full full;
   full.context.options.space = Space::voxel;
   full.context.volume.grid.spacing = {1, 4, 2};
-  const std::string text = levels_manifest({full.context.files[1]}, {level_json(full.report.levels[1], 1)});
+  const std::string text =
+      levels_manifest({full.context.files[1]}, {level_json(full.report.levels[1], 1)});
   EXPECT_EQ(full.json()["files"][1]["largest_rounding"], 0.5);
   EXPECT_EQ(Json::parse(text)["levels"][0]["largest_rounding"], 0.5);
 }
@@ -139,7 +148,8 @@ TEST(Report, AnUnmetBoundThatNobodyAskedForIsNoFailure) {
   Full full;
   LevelReport& level = full.report.levels[0];
   level.constraints.clear();
-  level.constraints.push_back(result_of(Quantity::max_distance, 3, true, 4, false, "max-vertices comes first"));
+  level.constraints.push_back(
+      result_of(Quantity::max_distance, 3, true, 4, false, "max-vertices comes first"));
   EXPECT_TRUE(level.all_satisfied());
   const Json constraint = full.json()["levels"][0]["constraints"][0];
   EXPECT_EQ(constraint["satisfied"], false);
@@ -156,7 +166,8 @@ TEST(Report, PathsNeedNotBeUtf8) {
 
 TEST(LevelFacts, ComeBackFromTheReportAndFromEachLevel) {
   const Full full;
-  const std::vector<LevelFacts> of_report = facts_of_levels(to_json(full.report, full.context), "r.json");
+  const std::vector<LevelFacts> of_report =
+      facts_of_levels(to_json(full.report, full.context), "r.json");
   ASSERT_EQ(of_report.size(), 2U);
   for (std::size_t k = 0; k < 2; ++k) {
     const std::string text = level_json(full.report.levels[k], k);
@@ -182,28 +193,35 @@ TEST(LevelFacts, InfiniteMetricsComeBack) {
   const auto facts = facts_of_level(level_json(full.report.levels[0], 0), "a.glb");
   EXPECT_EQ(facts->metrics[2]->maximum, std::numeric_limits<double>::infinity());
   EXPECT_EQ(facts->metrics[2]->mean, 1.5);
-  EXPECT_TRUE(Json::parse(to_json("a.glb", {*facts}, true))["levels"][0]["metrics"]["area-curvature"]["maximum"].is_null());
+  EXPECT_TRUE(Json::parse(to_json("a.glb", {*facts},
+                                  true))["levels"][0]["metrics"]["area-curvature"]["maximum"]
+                  .is_null());
 }
 
 TEST(LevelFacts, CountsAreWholeNumbers) {
-  for (const char* text : {R"({"vertices":-1})", R"({"triangles":1.5})", R"({"components":true})", R"({"genus":0.5})",
-                           R"({"quality":{"aspect_ratio":{"minimum":true}}})", R"({"metrics":{"max-distance":{"maximum":"far"}}})"})
+  for (const char* text : {R"({"vertices":-1})", R"({"triangles":1.5})", R"({"components":true})",
+                           R"({"genus":0.5})", R"({"quality":{"aspect_ratio":{"minimum":true}}})",
+                           R"({"metrics":{"max-distance":{"maximum":"far"}}})"})
     EXPECT_THROW(facts_of_level(text, "a.glb"), Error) << text;
-  EXPECT_EQ(facts_of_level(R"({"euler_characteristic":-4})", "a.glb")->topology.euler_characteristic, -4);
+  EXPECT_EQ(
+      facts_of_level(R"({"euler_characteristic":-4})", "a.glb")->topology.euler_characteristic, -4);
 }
 
 TEST(LevelFacts, OfAManifest) {
   const Full full;
-  const std::string text = levels_manifest({{"x/a-0.glb", {0}, 5, true, 0}, {"x/a-1.glb", {1}, 6, true, 0}},
-                                           {level_json(full.report.levels[0], 0), level_json(full.report.levels[1], 1)});
+  const std::string text =
+      levels_manifest({{"x/a-0.glb", {0}, 5, true, 0}, {"x/a-1.glb", {1}, 6, true, 0}},
+                      {level_json(full.report.levels[0], 0), level_json(full.report.levels[1], 1)});
   EXPECT_EQ(Json::parse(text)["levels"][1]["file"], "a-1.glb");
   EXPECT_EQ(facts_of_levels(text, "a.json")[1].triangles, 21U);
 }
 
 TEST(LevelFacts, BadJsonIsAnError) {
-  for (const char* text : {"", "{", "[]", "{}", R"({"schema":"isoatlas-report-1"})", R"({"schema":"isoatlas-report-2"})",
-                           R"({"schema":"isoatlas-report-2","levels":[]})", R"({"schema":"isoatlas-report-2","levels":[{"vertices":"x"}]})",
-                           R"({"schema":"isoatlas-report-2","levels":[7]})"})
+  for (const char* text :
+       {"", "{", "[]", "{}", R"({"schema":"isoatlas-report-1"})",
+        R"({"schema":"isoatlas-report-2"})", R"({"schema":"isoatlas-report-2","levels":[]})",
+        R"({"schema":"isoatlas-report-2","levels":[{"vertices":"x"}]})",
+        R"({"schema":"isoatlas-report-2","levels":[7]})"})
     EXPECT_THROW(facts_of_levels(text, "r.json"), Error) << text;
   EXPECT_THROW(facts_of_level("{", "r.json"), Error);
 }

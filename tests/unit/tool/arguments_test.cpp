@@ -35,8 +35,10 @@ TEST(ExtractArguments, PriorityIsTheOrderOnTheCommandLine) {
   EXPECT_EQ(parsed({"--refine", "max-distance:0.5vx", "--max-vertices", "500"}).goals.refine,
             (Goals{{{max_distance, 0.5, true}, {max_vertices, 500}}}));
   // Not the order in which the options are declared, and in either way of writing.
-  EXPECT_EQ(parsed({"--min-aspect=0.2", "--refine=max-distance:2", "--normal-angle=9", "--min-edge", "1"}).goals.refine,
-            (Goals{{{min_aspect, 0.2}, {max_distance, 2}, {normal_angle, 9}, {min_edge, 1}}}));
+  EXPECT_EQ(
+      parsed({"--min-aspect=0.2", "--refine=max-distance:2", "--normal-angle=9", "--min-edge", "1"})
+          .goals.refine,
+      (Goals{{{min_aspect, 0.2}, {max_distance, 2}, {normal_angle, 9}, {min_edge, 1}}}));
 }
 
 TEST(ExtractArguments, EveryQuantityIsAnOption) {
@@ -50,8 +52,9 @@ TEST(ExtractArguments, EveryQuantityIsAnOption) {
 }
 
 TEST(ExtractArguments, RefineAgainAndAgain) {
-  const auto goals = parsed({"--refine", "max-distance:2vx", "--min-aspect=0.2", "--refine=max-distance:1vx,max-vertices:2000",
-                             "--placement", "balanced", "--refine", "normal-angle:10deg"})
+  const auto goals = parsed({"--refine", "max-distance:2vx", "--min-aspect=0.2",
+                             "--refine=max-distance:1vx,max-vertices:2000", "--placement",
+                             "balanced", "--refine", "normal-angle:10deg"})
                          .goals.refine;
   EXPECT_EQ(goals, (Goals{{{max_distance, 2, true}, {min_aspect, 0.2}},
                           {{min_aspect, 0.2}, {max_distance, 1, true}, {max_vertices, 2000}},
@@ -67,9 +70,12 @@ TEST(ExtractArguments, Refusals) {
     }
     return "no error";
   };
-  EXPECT_EQ(refusal({"--max-edge", "0"}), "--max-edge: expected a length above 0 like 0.5vx, 2mm or 2, got '0'");
-  EXPECT_EQ(refusal({"--refine", "max-edge:0"}), "--refine: max-edge: expected a length above 0 like 0.5vx, 2mm or 2, got '0'");
-  EXPECT_EQ(refusal({"--refine", "max-edge:1", "--max-edge", "1"}), "max-edge is given twice for level 1, expected once");
+  EXPECT_EQ(refusal({"--max-edge", "0"}),
+            "--max-edge: expected a length above 0 like 0.5vx, 2mm or 2, got '0'");
+  EXPECT_EQ(refusal({"--refine", "max-edge:0"}),
+            "--refine: max-edge: expected a length above 0 like 0.5vx, 2mm or 2, got '0'");
+  EXPECT_EQ(refusal({"--refine", "max-edge:1", "--max-edge", "1"}),
+            "max-edge is given twice for level 1, expected once");
   EXPECT_NE(refusal({"--refine", "max-edge:1", "max-edge:2"}), "no error");
   EXPECT_NE(refusal({"--max-edge", "1", "--max-edge", "2"}), "no error");
   EXPECT_NE(refusal({"--refine"}), "no error");
@@ -88,12 +94,14 @@ TEST(Completion, WordsAreThoseThatOptionsTake) {
   InfoArguments info;
   CheckArguments check;
   std::size_t words = 0;
-  for (CLI::App* command : {add_extract_command(app, extract), add_info_command(app, info), add_check_command(app, check)}) {
+  for (CLI::App* command : {add_extract_command(app, extract), add_info_command(app, info),
+                            add_check_command(app, check)}) {
     for (CLI::Option* option : command->get_options()) {
       for (const std::string_view word : words_of(*option)) {
         option->clear();
         option->add_result(std::string(word));
-        EXPECT_NO_THROW(option->run_callback()) << command->get_name() << " " << option->get_name() << " " << word;
+        EXPECT_NO_THROW(option->run_callback())
+            << command->get_name() << " " << option->get_name() << " " << word;
         ++words;
       }
       if (words_of(*option).empty()) continue;

@@ -11,17 +11,20 @@
 namespace isoatlas::detail::tool {
 namespace {
 
-// "--iso=0 o=a.ply q": options with the names and values that were read; then what stands without one.
+// "--iso=0 o=a.ply q": options with the names and values that were read; then what stands without
+// one.
 std::string read(const std::vector<std::string>& words) {
   CLI::App app;
   describe_tool(app);
   ExtractArguments arguments;
   const CommandWords found = read_words(*add_extract_command(app, arguments), words);
   std::string text;
-  for (const OptionWord& word : found.options) text += word.name + (word.option ? "" : "?") + (word.value ? "=" + *word.value : "") + " ";
+  for (const OptionWord& word : found.options)
+    text += word.name + (word.option ? "" : "?") + (word.value ? "=" + *word.value : "") + " ";
   text += "|";
   for (const PositionalWord& word : found.positionals)
-    text += " " + word.text + (word.after_value_of ? "<" + found.options[*word.after_value_of].name : "");
+    text += " " + word.text +
+            (word.after_value_of ? "<" + found.options[*word.after_value_of].name : "");
   return text;
 }
 
@@ -43,12 +46,15 @@ TEST(CommandWords, ThatAreWrong) {
   EXPECT_EQ(read({"-output=a.ply"}), "-output?=a.ply |");
   EXPECT_EQ(read({"-qz"}), "-q -z? |");
   EXPECT_EQ(read({"--VOLUME", "VOLUME"}), "--VOLUME? | VOLUME");
-  EXPECT_EQ(read({"v", "--max-distance", "0.5", "mm", "x"}), "--max-distance=0.5 | v mm<--max-distance x");
+  EXPECT_EQ(read({"v", "--max-distance", "0.5", "mm", "x"}),
+            "--max-distance=0.5 | v mm<--max-distance x");
 }
 
 TEST(CommandWords, NumbersAreNoOptions) {
-  for (const char* word : {"-o", "--iso", "-x1", "--", "-inv"}) EXPECT_TRUE(is_option_like(word)) << word;
-  for (const char* word : {"", "-", "-1", "-.5", "-1,0,0", "-inf", "a-b", "o"}) EXPECT_FALSE(is_option_like(word)) << word;
+  for (const char* word : {"-o", "--iso", "-x1", "--", "-inv"})
+    EXPECT_TRUE(is_option_like(word)) << word;
+  for (const char* word : {"", "-", "-1", "-.5", "-1,0,0", "-inf", "a-b", "o"})
+    EXPECT_FALSE(is_option_like(word)) << word;
 }
 
 }  // namespace

@@ -22,7 +22,8 @@ TEST(EditDistance, CountsLettersAndSwaps) {
 }
 
 TEST(NearestName, IsTheOneWithTheFewestDifferences) {
-  const std::vector<std::string> names{"iso", "max-distance", "max-vertices", "min-vertices", "space", "spacing"};
+  const std::vector<std::string> names{"iso",          "max-distance", "max-vertices",
+                                       "min-vertices", "space",        "spacing"};
   EXPECT_EQ(nearest_name("is", names), "iso");
   EXPECT_EQ(nearest_name("max-vertice", names), "max-vertices");
   EXPECT_EQ(nearest_name("min-vertex", names), "min-vertices");
@@ -41,7 +42,8 @@ TEST(NearestName, OrTheOnlyOneThatBeginsSo) {
 
 TEST(NearestName, IsNoneWhereNothingIsLikeIt) {
   const std::vector<std::string> names{"iso", "refine", "o"};
-  for (const char* typed : {"", "x", "frobnicate", "or", "close"}) EXPECT_EQ(nearest_name(typed, names), "") << typed;
+  for (const char* typed : {"", "x", "frobnicate", "or", "close"})
+    EXPECT_EQ(nearest_name(typed, names), "") << typed;
 }
 
 }  // namespace

@@ -43,7 +43,9 @@ class Packed : public testing::TestWithParam<int> {
     }
   }
   Packing packing() const {
-    return GetParam() == 0 ? Packing::none : GetParam() == 3 || GetParam() == 5 ? Packing::bzip2 : Packing::deflate;
+    return GetParam() == 0                      ? Packing::none
+           : GetParam() == 3 || GetParam() == 5 ? Packing::bzip2
+                                                : Packing::deflate;
   }
   TempFolder folder_;
 };
@@ -75,7 +77,8 @@ TEST_P(Packed, SaysThatAFileIsCutOff) {
 TEST_P(Packed, SaysThatThereAreTooFewSamples) {
   write_bytes(folder_ / "a", pack(content()));
   std::string found(content().size() + 1, '\0');
-  EXPECT_THROW(ByteSource(folder_ / "a", 0, packing()).read_samples(found.data(), found.size()), Error);
+  EXPECT_THROW(ByteSource(folder_ / "a", 0, packing()).read_samples(found.data(), found.size()),
+               Error);
 }
 
 TEST_P(Packed, SaysThatACompressedStreamIsDamaged) {
@@ -99,8 +102,10 @@ INSTANTIATE_TEST_SUITE_P(All, Packed, testing::Range(0, 6));
 TEST(ByteSource, EmptyMembersHaveAnEnd) {
   const TempFolder folder;
   for (const auto& [packing, empty, full] :
-       {std::tuple{Packing::deflate, gzipped(""), gzipped("abc")}, {Packing::bzip2, bzipped(""), bzipped("abc")}}) {
-    for (const std::string& bytes : {empty + full, empty + empty + full, full + empty, empty + full + empty}) {
+       {std::tuple{Packing::deflate, gzipped(""), gzipped("abc")},
+        {Packing::bzip2, bzipped(""), bzipped("abc")}}) {
+    for (const std::string& bytes :
+         {empty + full, empty + empty + full, full + empty, empty + full + empty}) {
       write_bytes(folder / "a", bytes);
       std::string read(10, '\0');
       read.resize(ByteSource(folder / "a", 0, packing).read(read.data(), read.size()));
@@ -126,8 +131,9 @@ TEST(ByteSource, ZerosAfterAGzipMemberAreNoMember) {
 
 TEST(ByteSource, WhatFollowsAMemberIsOneOnlyWithItsMark) {
   const TempFolder folder;
-  for (const auto& [packing, member] :
-       {std::pair{Packing::deflate, gzipped("abc")}, {Packing::deflate, deflated("abc", 15)}, {Packing::bzip2, bzipped("abc")}}) {
+  for (const auto& [packing, member] : {std::pair{Packing::deflate, gzipped("abc")},
+                                        {Packing::deflate, deflated("abc", 15)},
+                                        {Packing::bzip2, bzipped("abc")}}) {
     for (const std::string rest : {"BBBB", "\x1F",
                                    "\x1F"
                                    "x",

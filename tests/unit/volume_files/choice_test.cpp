@@ -10,7 +10,8 @@ const FileChoice kChannels{"channel", {"DAPI", "1", "GFP"}, {}};
 
 TEST(Choice, OneEntryNeedsNoOption) {
   VolumeSource source;
-  EXPECT_EQ(take_choice("a.tif", source, numbered_choice("time", 1), std::optional<std::size_t>{}), 0U);
+  EXPECT_EQ(take_choice("a.tif", source, numbered_choice("time", 1), std::optional<std::size_t>{}),
+            0U);
   ASSERT_EQ(source.choices.size(), 1U);
   EXPECT_EQ(source.choices[0].selected, 0U);
 }
@@ -21,7 +22,8 @@ TEST(Choice, SeveralEntriesNeedOneAndAreListed) {
     take_choice("a.tif", source, kChannels, std::optional<std::size_t>{});
     FAIL() << "expected ChoiceNeeded";
   } catch (const ChoiceNeeded& needed) {
-    EXPECT_STREQ(needed.what(), "a.tif: has 3 channels, expected a choice of one: 0 (DAPI), 1, 2 (GFP)");
+    EXPECT_STREQ(needed.what(),
+                 "a.tif: has 3 channels, expected a choice of one: 0 (DAPI), 1, 2 (GFP)");
     EXPECT_EQ(needed.choice().name, "channel");
     EXPECT_EQ(needed.source().choices.back().entries.size(), 3U);
     EXPECT_EQ(needed.code(), ErrorCode::unsupported);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes DICOM files element by element, right or wrong as a test wants them. Based on: DICOM PS3.5 section 7, PS3.10 section 7.
+// Writes DICOM files element by element, right or wrong as a test wants them. Based on: DICOM PS3.5
+// section 7, PS3.10 section 7.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +19,8 @@
 
 namespace isoatlas::detail::test {
 
-inline constexpr std::string_view kExplicitLittle = "1.2.840.10008.1.2.1", kImplicitLittle = "1.2.840.10008.1.2",
+inline constexpr std::string_view kExplicitLittle = "1.2.840.10008.1.2.1",
+                                  kImplicitLittle = "1.2.840.10008.1.2",
                                   kExplicitBig = "1.2.840.10008.1.2.2";
 
 template <class Number>
@@ -45,9 +47,14 @@ class DicomBuilder {
     elements_[tag] = {type, std::move(value), {}, false};
     return *this;
   }
-  DicomBuilder& set_short(std::uint32_t tag, std::uint16_t value) { return set(tag, "US", bytes_of<std::uint16_t>({value})); }
-  DicomBuilder& set_decimals(std::uint32_t tag, const std::vector<double>& values) { return set(tag, "DS", decimals(values)); }
-  DicomBuilder& set_items(std::uint32_t tag, std::vector<DicomBuilder> items, bool has_lengths = true) {
+  DicomBuilder& set_short(std::uint32_t tag, std::uint16_t value) {
+    return set(tag, "US", bytes_of<std::uint16_t>({value}));
+  }
+  DicomBuilder& set_decimals(std::uint32_t tag, const std::vector<double>& values) {
+    return set(tag, "DS", decimals(values));
+  }
+  DicomBuilder& set_items(std::uint32_t tag, std::vector<DicomBuilder> items,
+                          bool has_lengths = true) {
     elements_[tag] = {"SQ", {}, std::move(items), has_lengths};
     return *this;
   }
@@ -95,7 +102,8 @@ class DicomBuilder {
                               : type == "FD" || type == "OD"                               ? 8
                                                                                            : 1;
     for (std::size_t i = 0; i + bytes <= value.size(); i += bytes) {
-      std::reverse(value.begin() + static_cast<std::ptrdiff_t>(i), value.begin() + static_cast<std::ptrdiff_t>(i + bytes));
+      std::reverse(value.begin() + static_cast<std::ptrdiff_t>(i),
+                   value.begin() + static_cast<std::ptrdiff_t>(i + bytes));
     }
     return value;
   }
@@ -106,8 +114,11 @@ class DicomBuilder {
     for (const DicomBuilder& item : element.items) {
       const std::string content = item.data_set(syntax);
       value += number(0xFFFE, 2, big) + number(0xE000, 2, big) +
-               number(element.has_lengths ? static_cast<std::uint32_t>(content.size()) : 0xFFFFFFFF, 4, big) + content;
-      if (!element.has_lengths) value += number(0xFFFE, 2, big) + number(0xE00D, 2, big) + number(0, 4, big);
+               number(element.has_lengths ? static_cast<std::uint32_t>(content.size()) : 0xFFFFFFFF,
+                      4, big) +
+               content;
+      if (!element.has_lengths)
+        value += number(0xFFFE, 2, big) + number(0xE00D, 2, big) + number(0, 4, big);
     }
     const bool is_open = element.type == "SQ" && !element.has_lengths;
     if (is_open) value += number(0xFFFE, 2, big) + number(0xE0DD, 2, big) + number(0, 4, big);
@@ -116,8 +127,10 @@ class DicomBuilder {
     const auto length = is_open ? 0xFFFFFFFF : static_cast<std::uint32_t>(value.size());
     std::string all = number(tag >> 16U, 2, big) + number(tag & 0xFFFFU, 2, big);
     if (!is_explicit) return all + number(length, 4, big) + value;
-    const bool is_long = std::string_view("OB OW OF OD SQ UN UT").find(element.type) != std::string_view::npos;
-    all += element.type + (is_long ? std::string(2, '\0') + number(length, 4, big) : number(length, 2, big));
+    const bool is_long =
+        std::string_view("OB OW OF OD SQ UN UT").find(element.type) != std::string_view::npos;
+    all += element.type +
+           (is_long ? std::string(2, '\0') + number(length, 4, big) : number(length, 2, big));
     return all + value;
   }
 
@@ -139,21 +152,28 @@ inline DicomBuilder image_builder() {
   image.set(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.2").set(0x00080060, "CS", "CT");
   image.set(0x0020000E, "UI", "1.2.826.0.1.3680043.2.1125.7").set(0x00200011, "IS", "3");
   image.set_short(0x00280002, 1).set(0x00280004, "CS", "MONOCHROME2");
-  image.set_short(0x00280010, kRows).set_short(0x00280011, kColumns).set_decimals(0x00280030, {0.75, 0.5});
-  image.set_short(0x00280100, 16).set_short(0x00280101, 16).set_short(0x00280102, 15).set_short(0x00280103, 1);
+  image.set_short(0x00280010, kRows)
+      .set_short(0x00280011, kColumns)
+      .set_decimals(0x00280030, {0.75, 0.5});
+  image.set_short(0x00280100, 16)
+      .set_short(0x00280101, 16)
+      .set_short(0x00280102, 15)
+      .set_short(0x00280103, 1);
   return image;
 }
 
 /// One axial slice at height z.
 inline DicomBuilder slice_builder(double z, std::int16_t value, int number = 1) {
   DicomBuilder slice = image_builder();
-  slice.set(0x00080018, "UI", std::string("1.2.3.") + std::to_string(number)).set(0x00200013, "IS", std::to_string(number));
+  slice.set(0x00080018, "UI", std::string("1.2.3.") + std::to_string(number))
+      .set(0x00200013, "IS", std::to_string(number));
   slice.set_decimals(0x00200032, {-10, 20, z}).set_decimals(0x00200037, {1, 0, 0, 0, 1, 0});
   slice.set(0x7FE00010, "OW", bytes_of(frame_samples(value)));
   return slice;
 }
 
-/// `count` slices 2 apart from z = 5 on, whose values are 100 apart; file names run against places. `change` may edit each.
+/// `count` slices 2 apart from z = 5 on, whose values are 100 apart; file names run against places.
+/// `change` may edit each.
 template <class Change>
 void write_series(const std::filesystem::path& folder, int count, Change change) {
   for (int i = 0; i < count; ++i) {
@@ -166,7 +186,8 @@ void write_series(const std::filesystem::path& folder, int count, Change change)
 /// An enhanced CT: frames in the order of `places`, frame i with value 100 i.
 inline DicomBuilder enhanced_builder(const std::vector<double>& places) {
   DicomBuilder image = image_builder();
-  image.set(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.2.1").set(0x00280008, "IS", std::to_string(places.size()));
+  image.set(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.2.1")
+      .set(0x00280008, "IS", std::to_string(places.size()));
   image.remove(0x00280030);
   DicomBuilder orientation, measures, shared;
   orientation.set_decimals(0x00200037, {1, 0, 0, 0, 1, 0});
@@ -180,7 +201,9 @@ inline DicomBuilder enhanced_builder(const std::vector<double>& places) {
     frames.push_back(frame.set_items(0x00209113, {position}));
     samples += bytes_of(frame_samples(static_cast<std::int16_t>(100 * i)));
   }
-  return image.set_items(0x52009229, {shared}).set_items(0x52009230, std::move(frames)).set(0x7FE00010, "OW", samples);
+  return image.set_items(0x52009229, {shared})
+      .set_items(0x52009230, std::move(frames))
+      .set(0x7FE00010, "OW", samples);
 }
 
 /// The value of each slice of a volume, from its second sample.

@@ -49,10 +49,12 @@ TEST(DicomFolder, OtherFilesAreLeftOutWithAWarning) {
   write_bytes(folder / "README", "Scanned on Monday.");
   write_bytes(folder / "notes.txt", "");
   write_bytes(folder / ".DS_Store", "x");
-  write_bytes(folder / "data.bin", std::string("\x08\0\x05\0\x10\0\0\0 begins like DICOM, but goes on otherwise", 50));
+  write_bytes(folder / "data.bin",
+              std::string("\x08\0\x05\0\x10\0\0\0 begins like DICOM, but goes on otherwise", 50));
   const VolumeFile file = read_volume_file(folder.path());
   EXPECT_EQ(slice_values(file.volume), (Values{0, 100, 200}));
-  EXPECT_EQ(file.source.warnings, (Names{"3 files are left out (no DICOM): README, data.bin, notes.txt"}));
+  EXPECT_EQ(file.source.warnings,
+            (Names{"3 files are left out (no DICOM): README, data.bin, notes.txt"}));
 }
 
 TEST(DicomFolder, EmptyFilesThatMayBeSlicesAreErrors) {
@@ -60,8 +62,10 @@ TEST(DicomFolder, EmptyFilesThatMayBeSlicesAreErrors) {
     const TempFolder folder;
     write_series(folder.path(), 3, kUnchanged);
     write_bytes(folder / name, "");
-    expect_error(ErrorCode::bad_file, name + ": is empty", folder.path() / name, [&] { read_volume(folder.path()); });
-    expect_error(ErrorCode::bad_file, name + ": is empty", folder.path() / name, [&] { read_volume(folder / "s0"); });
+    expect_error(ErrorCode::bad_file, name + ": is empty", folder.path() / name,
+                 [&] { read_volume(folder.path()); });
+    expect_error(ErrorCode::bad_file, name + ": is empty", folder.path() / name,
+                 [&] { read_volume(folder / "s0"); });
   }
 }
 
@@ -83,17 +87,23 @@ TEST(DicomFolder, IndexAndObjectsWithoutImageAreLeftOut) {
       .set(0x00080060, "CS", "SR")
       .set(0x0020000E, "UI", "1.9")
       .write(folder / "sr");
-  EXPECT_EQ(read_volume_file(folder.path()).source.warnings, (Names{"1 file is left out (holds no image (SR)): sr"}));
-  expect_error(ErrorCode::unsupported, "is a DICOMDIR", folder / "DICOMDIR", [&] { read_volume(folder / "DICOMDIR"); });
-  expect_error(ErrorCode::unsupported, "holds no image (SR)", folder / "sr", [&] { read_volume(folder / "sr"); });
+  EXPECT_EQ(read_volume_file(folder.path()).source.warnings,
+            (Names{"1 file is left out (holds no image (SR)): sr"}));
+  expect_error(ErrorCode::unsupported, "is a DICOMDIR", folder / "DICOMDIR",
+               [&] { read_volume(folder / "DICOMDIR"); });
+  expect_error(ErrorCode::unsupported, "holds no image (SR)", folder / "sr",
+               [&] { read_volume(folder / "sr"); });
   fs::remove(folder / "s0"), fs::remove(folder / "s1"), fs::remove(folder / "s2");
-  expect_error(ErrorCode::bad_file, "without DICOM images", folder.path(), [&] { read_volume(folder.path()); });
+  expect_error(ErrorCode::bad_file, "without DICOM images", folder.path(),
+               [&] { read_volume(folder.path()); });
 }
 
 TEST(DicomFolder, LocalizersAreNoSlices) {
   const TempFolder folder;
   write_series(folder.path(), 3, kUnchanged);
-  slice_builder(-100, 7, 9).set(0x00080008, "CS", "ORIGINAL\\PRIMARY\\LOCALIZER").write(folder / "scout");
+  slice_builder(-100, 7, 9)
+      .set(0x00080008, "CS", "ORIGINAL\\PRIMARY\\LOCALIZER")
+      .write(folder / "scout");
   const VolumeFile file = read_volume_file(folder.path());
   EXPECT_EQ(slice_values(file.volume), (Values{0, 100, 200}));
   EXPECT_EQ(file.source.warnings, (Names{"1 file is left out (localizer): scout"}));
@@ -101,7 +111,9 @@ TEST(DicomFolder, LocalizersAreNoSlices) {
 
 TEST(DicomFolder, AFolderOfLocalizersIsRead) {
   const TempFolder folder;
-  write_series(folder.path(), 3, [](DicomBuilder& slice, int) { slice.set(0x00080008, "CS", "ORIGINAL\\PRIMARY\\LOCALIZER"); });
+  write_series(folder.path(), 3, [](DicomBuilder& slice, int) {
+    slice.set(0x00080008, "CS", "ORIGINAL\\PRIMARY\\LOCALIZER");
+  });
   EXPECT_EQ(slice_values(read_volume(folder.path())), (Values{0, 100, 200}));
 }
 
@@ -113,11 +125,14 @@ TEST(DicomFolder, SeriesAreChosenByNumberOrIdentifier) {
         .set(0x0008103E, "LO", "Head  thin")
         .set(0x00100010, "PN", "Doe^Jane");
   });
-  write_series(folder / "b", 4, [](DicomBuilder& slice, int) { slice.set(0x0020000E, "UI", "1.2.77.21").set(0x00200011, "IS", "2"); });
+  write_series(folder / "b", 4, [](DicomBuilder& slice, int) {
+    slice.set(0x0020000E, "UI", "1.2.77.21").set(0x00200011, "IS", "2");
+  });
   const FileChoice choice = choice_needed(folder.path());
   EXPECT_EQ(choice.name, "series");
-  EXPECT_EQ(choice.entries, (Names{"series 2, CT, 4 slices of 6 x 4, UID 1.2.77.21",  // by number, not by alphabet
-                                   "series 12 Head thin, CT, 3 slices of 6 x 4, UID 1.2.77.1"}));
+  EXPECT_EQ(choice.entries,
+            (Names{"series 2, CT, 4 slices of 6 x 4, UID 1.2.77.21",  // by number, not by alphabet
+                   "series 12 Head thin, CT, 3 slices of 6 x 4, UID 1.2.77.1"}));
   for (const std::string wanted : {"0", "1.2.77.21", "77.21", "21"}) {
     EXPECT_EQ(read_volume(folder.path(), {.series = wanted}).view.grid.size[2], 4U) << wanted;
   }
@@ -137,9 +152,11 @@ TEST(DicomFolder, SeriesAreChosenByNumberOrIdentifier) {
 TEST(DicomFolder, TheEndOfAnIdentifierMustNameOneSeries) {
   const TempFolder folder;
   for (const std::string uid : {"1.2.77.5", "1.3.77.5"}) {
-    write_series(folder / uid, 3, [&](DicomBuilder& slice, int) { slice.set(0x0020000E, "UI", uid); });
+    write_series(folder / uid, 3,
+                 [&](DicomBuilder& slice, int) { slice.set(0x0020000E, "UI", uid); });
   }
-  expect_error(ErrorCode::bad_argument, "has no series '77.5'", folder.path(), [&] { read_volume(folder.path(), {.series = "77.5"}); });
+  expect_error(ErrorCode::bad_argument, "has no series '77.5'", folder.path(),
+               [&] { read_volume(folder.path(), {.series = "77.5"}); });
 }
 
 TEST(DicomFolder, AFileNamesItsSeries) {
@@ -147,20 +164,25 @@ TEST(DicomFolder, AFileNamesItsSeries) {
   write_series(folder.path(), 3, kUnchanged);
   slice_builder(0, 7).set(0x0020000E, "UI", "1.2.77.9").write(folder / "other");
   write_bytes(folder / "holiday.jpg", "\xFF\xD8");
-  DicomBuilder(slice_builder(0, 7)).set(0x0020000E, "UI", "1.2.77.8").write(folder / "sub" / "deep");
+  DicomBuilder(slice_builder(0, 7))
+      .set(0x0020000E, "UI", "1.2.77.8")
+      .write(folder / "sub" / "deep");
   const VolumeFile file = read_volume_file(folder / "s1");
   EXPECT_EQ(slice_values(file.volume), (Values{0, 100, 200}));
   EXPECT_TRUE(file.source.warnings.empty());
-  expect_error(ErrorCode::unsupported, "a single slice", folder / "other", [&] { read_volume(folder / "other"); });
+  expect_error(ErrorCode::unsupported, "a single slice", folder / "other",
+               [&] { read_volume(folder / "other"); });
 }
 
 TEST(DicomFolder, SlicesOfDifferentSizeAreDifferentEntries) {
   const TempFolder folder;
   write_series(folder / "a", 3, kUnchanged);
   write_series(folder / "b", 2, [](DicomBuilder& slice, int) { slice.set_short(0x00280010, 2); });
-  EXPECT_EQ(choice_needed(folder.path()).entries, (Names{"series 3, axial, CT, 3 slices of 6 x 4, UID 1.2.826.0.1.3680043.2.1125.7",
-                                                         "series 3, axial, CT, 2 slices of 6 x 2, UID 1.2.826.0.1.3680043.2.1125.7"}));
-  EXPECT_EQ(read_volume(folder.path(), {.series = "1"}).view.grid.size, (std::array<std::size_t, 3>{6, 2, 2}));
+  EXPECT_EQ(choice_needed(folder.path()).entries,
+            (Names{"series 3, axial, CT, 3 slices of 6 x 4, UID 1.2.826.0.1.3680043.2.1125.7",
+                   "series 3, axial, CT, 2 slices of 6 x 2, UID 1.2.826.0.1.3680043.2.1125.7"}));
+  EXPECT_EQ(read_volume(folder.path(), {.series = "1"}).view.grid.size,
+            (std::array<std::size_t, 3>{6, 2, 2}));
 }
 
 TEST(DicomFolder, SlicesOfDifferentOrientationAreDifferentEntries) {
@@ -179,9 +201,11 @@ TEST(DicomFolder, SlicesOfDifferentOrientationAreDifferentEntries) {
 // Two reconstructions in one series, of which some slices are at the same place.
 TEST(DicomFolder, ThinAndThickSlicesAreDifferentEntries) {
   const TempFolder folder;
-  write_series(folder / "thin", 5, [](DicomBuilder& slice, int) { slice.set(0x00180050, "DS", "2.0"); });
+  write_series(folder / "thin", 5,
+               [](DicomBuilder& slice, int) { slice.set(0x00180050, "DS", "2.0"); });
   write_series(folder / "thick", 3, [](DicomBuilder& slice, int i) {
-    slice.set(0x00180050, "DS", i == 0 ? "4" : "4.00").set_decimals(0x00200032, {-10, 20, 5 + 4.0 * i});
+    slice.set(0x00180050, "DS", i == 0 ? "4" : "4.00")
+        .set_decimals(0x00200032, {-10, 20, 5 + 4.0 * i});
   });
   const FileChoice choice = choice_needed(folder.path());
   ASSERT_EQ(choice.entries.size(), 2U);
@@ -198,20 +222,25 @@ struct TimeAttribute {
 TEST(DicomFolder, SlicesAtOnePlaceAreTimePoints) {
   const std::vector<TimeAttribute> attributes{
       {0x00200100, "IS", "10", "9", "time point"},  // numbers are sorted as numbers
-      {0x00181060, "DS", "120.5", "40", "trigger time"}, {0x00180086, "IS", "2", "1", "echo"},
-      {0x00200012, "IS", "2", "1", "acquisition"},       {0x00080032, "TM", "101501", "101455.5", "acquisition time"},
+      {0x00181060, "DS", "120.5", "40", "trigger time"},
+      {0x00180086, "IS", "2", "1", "echo"},
+      {0x00200012, "IS", "2", "1", "acquisition"},
+      {0x00080032, "TM", "101501", "101455.5", "acquisition time"},
       {0x00180082, "DS", "900", "50", "inversion time"}};
   for (const TimeAttribute& attribute : attributes) {
     SCOPED_TRACE(attribute.name);
     const TempFolder folder;
-    write_series(folder / "a", 3, [&](DicomBuilder& slice, int) { slice.set(attribute.tag, attribute.type, attribute.first); });
+    write_series(folder / "a", 3, [&](DicomBuilder& slice, int) {
+      slice.set(attribute.tag, attribute.type, attribute.first);
+    });
     write_series(folder / "b", 3, [&](DicomBuilder& slice, int i) {
       slice.set(attribute.tag, attribute.type, attribute.second)
           .set(0x7FE00010, "OW", bytes_of(frame_samples(static_cast<std::int16_t>(7 + i))));
     });
     const FileChoice choice = choice_needed(folder.path());
     EXPECT_EQ(choice.name, "time");
-    EXPECT_EQ(choice.entries, (Names{attribute.name + " " + attribute.second, attribute.name + " " + attribute.first}));
+    EXPECT_EQ(choice.entries, (Names{attribute.name + " " + attribute.second,
+                                     attribute.name + " " + attribute.first}));
     EXPECT_EQ(slice_values(read_volume(folder.path(), {.time = 0})), (Values{7, 8, 9}));
     EXPECT_EQ(slice_values(read_volume(folder.path(), {.time = 1})), (Values{0, 100, 200}));
     EXPECT_EQ(slice_values(read_volume(folder / "b" / "s1")), (Values{7, 8, 9}));
@@ -223,14 +252,16 @@ TEST(DicomFolder, TwoAttributesTellVolumesApart) {
   const TempFolder folder;
   for (int volume = 0; volume < 4; ++volume) {
     write_series(folder / std::to_string(volume), 3, [&](DicomBuilder& slice, int i) {
-      slice.set(0x00180086, "IS", std::to_string(volume % 2)).set(0x00181060, "DS", std::to_string(volume / 2 * 50));
+      slice.set(0x00180086, "IS", std::to_string(volume % 2))
+          .set(0x00181060, "DS", std::to_string(volume / 2 * 50));
       slice.set(0x00080033, "TM", std::string("1015") + std::to_string(10 + i * 4 + volume));
-      slice.set(0x7FE00010, "OW", bytes_of(frame_samples(static_cast<std::int16_t>(10 * volume + i))));
+      slice.set(0x7FE00010, "OW",
+                bytes_of(frame_samples(static_cast<std::int16_t>(10 * volume + i))));
     });
   }
   const FileChoice choice = choice_needed(folder.path());
-  EXPECT_EQ(choice.entries,
-            (Names{"trigger time 0, echo 0", "trigger time 0, echo 1", "trigger time 50, echo 0", "trigger time 50, echo 1"}));
+  EXPECT_EQ(choice.entries, (Names{"trigger time 0, echo 0", "trigger time 0, echo 1",
+                                   "trigger time 50, echo 0", "trigger time 50, echo 1"}));
   EXPECT_EQ(slice_values(read_volume(folder.path(), {.time = 2})), (Values{20, 21, 22}));
 }
 
@@ -239,7 +270,8 @@ TEST(DicomFolder, TheOrderOfImagesTellsVolumesApartWhereNothingElseDoes) {
   for (int volume = 0; volume < 2; ++volume) {
     write_series(folder / std::to_string(volume), 3, [&](DicomBuilder& slice, int i) {
       slice.set(0x00200013, "IS", std::to_string(1 + volume * 3 + i))
-          .set(0x7FE00010, "OW", bytes_of(frame_samples(static_cast<std::int16_t>(10 * volume + i))));
+          .set(0x7FE00010, "OW",
+               bytes_of(frame_samples(static_cast<std::int16_t>(10 * volume + i))));
     });
   }
   EXPECT_EQ(choice_needed(folder.path()).entries, (Names{"images 1 to 3", "images 4 to 6"}));
@@ -249,8 +281,11 @@ TEST(DicomFolder, TheOrderOfImagesTellsVolumesApartWhereNothingElseDoes) {
 TEST(DicomFolder, VolumesWithDifferentNumbersOfSlicesAreRefused) {
   const TempFolder folder;
   write_series(folder / "a", 3, [](DicomBuilder& slice, int) { slice.set(0x00200100, "IS", "1"); });
-  write_series(folder / "b", 2, [](DicomBuilder& slice, int) { slice.set(0x00200100, "IS", "2").set(0x00200013, "IS", "40"); });
-  expect_error(ErrorCode::unsupported, "two slices at one place: a/s2, b/s1", folder.path(), [&] { read_volume(folder.path()); });
+  write_series(folder / "b", 2, [](DicomBuilder& slice, int) {
+    slice.set(0x00200100, "IS", "2").set(0x00200013, "IS", "40");
+  });
+  expect_error(ErrorCode::unsupported, "two slices at one place: a/s2, b/s1", folder.path(),
+               [&] { read_volume(folder.path()); });
 }
 
 TEST(DicomFolder, CopiesOfAFileAreOneSlice) {
@@ -266,10 +301,15 @@ TEST(DicomFolder, ColourImagesOfOtherSeriesAreLeftOut) {
   const TempFolder folder;
   write_series(folder.path(), 3, kUnchanged);
   DicomBuilder screenshot = slice_builder(0, 0, 50);
-  screenshot.set(0x0020000E, "UI", "1.2.77.9").set_short(0x00280002, 3).set(0x00280004, "CS", "RGB").remove(0x00200032);
+  screenshot.set(0x0020000E, "UI", "1.2.77.9")
+      .set_short(0x00280002, 3)
+      .set(0x00280004, "CS", "RGB")
+      .remove(0x00200032);
   screenshot.write(folder / "screen");
-  EXPECT_EQ(read_volume_file(folder.path()).source.warnings, (Names{"1 file is left out (is a colour image (RGB)): screen"}));
-  expect_error(ErrorCode::unsupported, "is a colour image (RGB)", folder / "screen", [&] { read_volume(folder / "screen"); });
+  EXPECT_EQ(read_volume_file(folder.path()).source.warnings,
+            (Names{"1 file is left out (is a colour image (RGB)): screen"}));
+  expect_error(ErrorCode::unsupported, "is a colour image (RGB)", folder / "screen",
+               [&] { read_volume(folder / "screen"); });
 }
 
 TEST(DicomFolder, ASliceThatLostItsPlaceIsMissed) {
@@ -277,18 +317,22 @@ TEST(DicomFolder, ASliceThatLostItsPlaceIsMissed) {
   write_series(folder.path(), 4, [](DicomBuilder& slice, int i) {
     if (i == 3) slice.remove(0x00200032);
   });
-  expect_error(ErrorCode::unsupported, "no position (ImagePositionPatient)", folder / "s0", [&] { read_volume(folder.path()); });
+  expect_error(ErrorCode::unsupported, "no position (ImagePositionPatient)", folder / "s0",
+               [&] { read_volume(folder.path()); });
 }
 
 TEST(DicomFolder, DamageMattersOnlyWhereItIsRead) {
   const TempFolder folder;
   write_series(folder / "good", 3, kUnchanged);
-  write_series(folder / "bad", 3, [](DicomBuilder& slice, int) { slice.set(0x0020000E, "UI", "1.2.77.9").set(0x00200011, "IS", "9"); });
+  write_series(folder / "bad", 3, [](DicomBuilder& slice, int) {
+    slice.set(0x0020000E, "UI", "1.2.77.9").set(0x00200011, "IS", "9");
+  });
   const std::string whole = read_bytes(folder / "bad" / "s1");
   write_bytes(folder / "bad" / "s1", whole.substr(0, whole.size() - 10));
   EXPECT_EQ(slice_values(read_volume(folder.path(), {.series = "0"})), (Values{0, 100, 200}));
   EXPECT_EQ(slice_values(read_volume(folder / "good" / "s1")), (Values{0, 100, 200}));
-  expect_error(ErrorCode::bad_file, "is cut off", folder / "bad" / "s1", [&] { read_volume(folder.path(), {.series = "1"}); });
+  expect_error(ErrorCode::bad_file, "is cut off", folder / "bad" / "s1",
+               [&] { read_volume(folder.path(), {.series = "1"}); });
 }
 
 TEST(DicomFolder, PixelSpacingIsTheSameEverywhere) {
@@ -296,27 +340,36 @@ TEST(DicomFolder, PixelSpacingIsTheSameEverywhere) {
   write_series(folder.path(), 3, [](DicomBuilder& slice, int i) {
     if (i == 1) slice.set_decimals(0x00280030, {0.75, 0.6});
   });
-  expect_error(ErrorCode::bad_file, "differs in pixel spacing (0.6 x 0.75, not 0.5 x 0.75) from s2", folder / "s1",
-               [&] { read_volume(folder.path()); });
+  expect_error(ErrorCode::bad_file, "differs in pixel spacing (0.6 x 0.75, not 0.5 x 0.75) from s2",
+               folder / "s1", [&] { read_volume(folder.path()); });
 }
 
-// Two volumes of four slices in one series, the second from `first` on. Together they may look like one even stack.
-void write_two_volumes(const fs::path& folder, double first, const std::function<void(DicomBuilder&, int)>& change) {
+// Two volumes of four slices in one series, the second from `first` on. Together they may look like
+// one even stack.
+void write_two_volumes(const fs::path& folder, double first,
+                       const std::function<void(DicomBuilder&, int)>& change) {
   for (int volume = 0; volume < 2; ++volume) {
     for (int i = 0; i < 4; ++i) {
       const double z = (volume == 0 ? 5 : first) + 2.0 * i;
-      DicomBuilder slice = slice_builder(z, static_cast<std::int16_t>(100 * i + 1000 * volume), 1 + i + 4 * volume);
+      DicomBuilder slice =
+          slice_builder(z, static_cast<std::int16_t>(100 * i + 1000 * volume), 1 + i + 4 * volume);
       change(slice, volume);
       slice.write(folder / (std::string("v") + std::to_string(volume) + "s" + std::to_string(i)));
     }
   }
 }
 
-const std::vector<std::pair<std::string, std::function<void(DicomBuilder&, int)>>> kTellVolumesApart{
-    {"time point", [](DicomBuilder& slice, int volume) { slice.set(0x00200100, "IS", std::to_string(volume + 1)); }},
-    {"echo", [](DicomBuilder& slice, int volume) { slice.set(0x00180086, "IS", std::to_string(volume + 1)); }},
-    {"echo time", [](DicomBuilder& slice, int volume) { slice.set(0x00180081, "DS", std::to_string(10 * volume + 10)); }},
-};
+const std::vector<std::pair<std::string, std::function<void(DicomBuilder&, int)>>>
+    kTellVolumesApart{
+        {"time point", [](DicomBuilder& slice,
+                          int volume) { slice.set(0x00200100, "IS", std::to_string(volume + 1)); }},
+        {"echo", [](DicomBuilder& slice,
+                    int volume) { slice.set(0x00180086, "IS", std::to_string(volume + 1)); }},
+        {"echo time",
+         [](DicomBuilder& slice, int volume) {
+           slice.set(0x00180081, "DS", std::to_string(10 * volume + 10));
+         }},
+    };
 
 TEST(DicomFolder, VolumesThatFitBetweenEachOtherAreToldApart) {
   for (const auto& [name, change] : kTellVolumesApart) {
@@ -340,24 +393,32 @@ TEST(DicomFolder, VolumesThatFitEndToEndAreToldApart) {
     const TempFolder folder;
     write_two_volumes(folder.path(), 13, change);
     EXPECT_EQ(choice_needed(folder.path()).name, "series");
-    EXPECT_EQ(slice_values(read_volume(folder.path(), {.series = "1"})), (Values{1000, 1100, 1200, 1300}));
+    EXPECT_EQ(slice_values(read_volume(folder.path(), {.series = "1"})),
+              (Values{1000, 1100, 1200, 1300}));
   }
   const TempFolder folder;  // one long volume
-  write_two_volumes(folder.path(), 13, [](DicomBuilder& slice, int volume) { slice.set(0x00200012, "IS", std::to_string(volume)); });
+  write_two_volumes(folder.path(), 13, [](DicomBuilder& slice, int volume) {
+    slice.set(0x00200012, "IS", std::to_string(volume));
+  });
   EXPECT_EQ(read_volume(folder.path()).view.grid.size[2], 8U);
 }
 
 TEST(DicomFolder, PositionsOfOtherPatientsStudiesAndFramesOfReferenceHaveNothingInCommon) {
-  for (const auto& [tag, type] : {std::pair{0x00200052U, "UI"}, {0x0020000DU, "UI"}, {0x00100020U, "LO"}}) {
+  for (const auto& [tag, type] :
+       {std::pair{0x00200052U, "UI"}, {0x0020000DU, "UI"}, {0x00100020U, "LO"}}) {
     SCOPED_TRACE(tag);
     const TempFolder folder;
-    write_two_volumes(folder.path(), 6,
-                      [&](DicomBuilder& slice, int volume) { slice.set(tag, type, std::string("1.") + std::to_string(volume)); });
+    write_two_volumes(folder.path(), 6, [&](DicomBuilder& slice, int volume) {
+      slice.set(tag, type, std::string("1.") + std::to_string(volume));
+    });
     EXPECT_EQ(choice_needed(folder.path()).name, "series");
-    EXPECT_EQ(slice_values(read_volume(folder.path(), {.series = "1"})), (Values{1000, 1100, 1200, 1300}));
+    EXPECT_EQ(slice_values(read_volume(folder.path(), {.series = "1"})),
+              (Values{1000, 1100, 1200, 1300}));
   }
   const TempFolder folder;  // made anonymous slice by slice
-  write_series(folder.path(), 4, [](DicomBuilder& slice, int i) { slice.set(0x00200052, "UI", std::string("1.") + std::to_string(i)); });
+  write_series(folder.path(), 4, [](DicomBuilder& slice, int i) {
+    slice.set(0x00200052, "UI", std::string("1.") + std::to_string(i));
+  });
   EXPECT_EQ(slice_values(read_volume(folder.path())), (Values{0, 100, 200, 300}));
 }
 
@@ -372,12 +433,14 @@ TEST(DicomFolder, VolumesThatMovedALittleAreTimePoints) {
 TEST(DicomFolder, SmallDifferencesMustNotAddUp) {
   const TempFolder folder;
   double z = 0;
-  for (int i = 0; i <= 40; ++i) {  // each gap is near 2, but the slice in the middle is almost a step away
+  for (int i = 0; i <= 40;
+       ++i) {  // each gap is near 2, but the slice in the middle is almost a step away
     slice_builder(z, 0, i + 1).write(folder / (std::string("s") + std::to_string(100 + i)));
     z += i < 20 ? 1.91 : 2.09;
   }
-  expect_error(ErrorCode::bad_file, "not evenly spaced: s120 is 1.8 from its place in an even stack of slices 2 apart", folder.path(),
-               [&] { read_volume(folder.path()); });
+  expect_error(ErrorCode::bad_file,
+               "not evenly spaced: s120 is 1.8 from its place in an even stack of slices 2 apart",
+               folder.path(), [&] { read_volume(folder.path()); });
 }
 
 TEST(DicomFolder, SlicesBesideTheLineAreNamed) {
@@ -385,14 +448,16 @@ TEST(DicomFolder, SlicesBesideTheLineAreNamed) {
   write_series(folder.path(), 5, [](DicomBuilder& slice, int i) {
     if (i == 2) slice.set_decimals(0x00200032, {-9.7, 20, 9});
   });
-  expect_error(ErrorCode::bad_file, "not in line: s2 lies 0.3 beside the line through the first and the last slice", folder.path(),
-               [&] { read_volume(folder.path()); });
+  expect_error(ErrorCode::bad_file,
+               "not in line: s2 lies 0.3 beside the line through the first and the last slice",
+               folder.path(), [&] { read_volume(folder.path()); });
 }
 
 TEST(DicomFolder, DifferencesThatMayMeanSeveralVolumesAreWarnedOf) {
   const TempFolder folder;
   write_series(folder.path(), 4, [](DicomBuilder& slice, int i) {
-    slice.set(0x00181314, "DS", std::to_string(10 + 5 * (i % 2))).set(0x00080008, "CS", "ORIGINAL\\PRIMARY");
+    slice.set(0x00181314, "DS", std::to_string(10 + 5 * (i % 2)))
+        .set(0x00080008, "CS", "ORIGINAL\\PRIMARY");
   });
   EXPECT_EQ(read_volume_file(folder.path()).source.warnings,
             (Names{"its slices differ in flip angle (10, 15), and are read as one volume"}));
@@ -400,9 +465,11 @@ TEST(DicomFolder, DifferencesThatMayMeanSeveralVolumesAreWarnedOf) {
 
 TEST(DicomFolder, TimesOfTheClockKeepTheirDigits) {
   const TempFolder folder;
-  write_two_volumes(folder.path(), 5,
-                    [](DicomBuilder& slice, int volume) { slice.set(0x00080033, "TM", volume == 0 ? "080000" : "100000"); });
-  EXPECT_EQ(choice_needed(folder.path()).entries, (Names{"content time 080000", "content time 100000"}));
+  write_two_volumes(folder.path(), 5, [](DicomBuilder& slice, int volume) {
+    slice.set(0x00080033, "TM", volume == 0 ? "080000" : "100000");
+  });
+  EXPECT_EQ(choice_needed(folder.path()).entries,
+            (Names{"content time 080000", "content time 100000"}));
 }
 
 TEST(DicomFolder, NumbersThatAreNoneAreNoPositions) {
@@ -411,17 +478,19 @@ TEST(DicomFolder, NumbersThatAreNoneAreNoPositions) {
     const double z = i == 2 ? std::nan("") : 5 + 2.0 * i;
     slice.set(0x00200032, "FD", bytes_of<double>({z, 20, 9}));
   });
-  expect_error(ErrorCode::unsupported, "no position (ImagePositionPatient)", folder / "s1", [&] { read_volume(folder.path()); });
+  expect_error(ErrorCode::unsupported, "no position (ImagePositionPatient)", folder / "s1",
+               [&] { read_volume(folder.path()); });
 }
 
 // Found by review: the product of such sizes was 0, by which the length of the samples was divided.
 TEST(DicomFolder, SizesBeyondTheStandardsAreRefused) {
   const TempFolder folder;
   DicomBuilder slice = slice_builder(0, 0);
-  slice.set(0x00280010, "UL", bytes_of<std::uint32_t>({0x80000000U})).set(0x00280011, "UL", bytes_of<std::uint32_t>({0x80000000U}));
+  slice.set(0x00280010, "UL", bytes_of<std::uint32_t>({0x80000000U}))
+      .set(0x00280011, "UL", bytes_of<std::uint32_t>({0x80000000U}));
   slice.write(folder / "a.dcm");
-  expect_error(ErrorCode::unsupported, "2147483648 x 2147483648, expected at most 65535", folder / "a.dcm",
-               [&] { read_volume(folder / "a.dcm"); });
+  expect_error(ErrorCode::unsupported, "2147483648 x 2147483648, expected at most 65535",
+               folder / "a.dcm", [&] { read_volume(folder / "a.dcm"); });
 }
 
 }  // namespace

@@ -33,14 +33,17 @@ std::string numbered(std::string prefix, int i) { return prefix += std::to_strin
 void write_slice(const fs::path& folder, const Slice& slice) {
   const auto image_io = itk::GDCMImageIO::New();
   itk::MetaDataDictionary& tags = image_io->GetMetaDataDictionary();
-  const auto set = [&](const char* tag, const std::string& value) { itk::EncapsulateMetaData<std::string>(tags, tag, value); };
+  const auto set = [&](const char* tag, const std::string& value) {
+    itk::EncapsulateMetaData<std::string>(tags, tag, value);
+  };
   set("0008|0016", "1.2.840.10008.5.1.4.1.1.2");  // CT image
   set("0008|0060", "CT");
   set("0028|0004", "MONOCHROME2");
   set("0020|000d", "1.2.826.0.1.3680043.2.1125.1");
   set("0020|000e", slice.series);
   set("0020|0013", slice.instance_number);
-  set("0008|0018", slice.series + "." + std::to_string(std::hash<std::string>{}(slice.file) % 1000000));
+  set("0008|0018",
+      slice.series + "." + std::to_string(std::hash<std::string>{}(slice.file) % 1000000));
   image_io->KeepOriginalUIDOn();
   Grid grid;
   grid.size = {slice.width, 4, 1};
@@ -49,7 +52,8 @@ void write_slice(const fs::path& folder, const Slice& slice) {
   grid.direction = kCoronal;
   std::string bytes;
   for (std::size_t i = 0; i < grid.sample_count(); ++i) {
-    const auto value = static_cast<std::int16_t>(slice.value + (i == 0 ? 1000 : 0));  // marks the first sample of a slice
+    const auto value = static_cast<std::int16_t>(
+        slice.value + (i == 0 ? 1000 : 0));  // marks the first sample of a slice
     bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
   }
   write_with(*image_io, folder / slice.file, grid, SampleType::int16, bytes);
@@ -81,8 +85,10 @@ TEST(Dicom, SlicesAreSortedByPlaceNotByName) {
 
 TEST(Dicom, TiltedGantryStaysTilted) {
   const TempFolder folder;
-  for (int i = 0; i < 3; ++i) {  // each slice is moved 1 along z while it steps 2 along its normal, y
-    write_slice(folder.path(), {.file = numbered("s", i), .position = {0, 2.0 * i, 1.0 * i}, .value = 0});
+  for (int i = 0; i < 3;
+       ++i) {  // each slice is moved 1 along z while it steps 2 along its normal, y
+    write_slice(folder.path(),
+                {.file = numbered("s", i), .position = {0, 2.0 * i, 1.0 * i}, .value = 0});
   }
   const Grid grid = read_volume(folder.path()).view.grid;
   EXPECT_NEAR(grid.spacing.z, std::sqrt(5.0), 1e-12);
@@ -95,7 +101,8 @@ TEST(Dicom, MissingSliceIsAnError) {
   for (const int i : {0, 1, 2, 4, 5, 6}) {
     write_slice(folder.path(), {.file = numbered("s", i), .position = {0, 2.0 * i, 0}, .value = 0});
   }
-  expect_error(ErrorCode::bad_file, "not evenly spaced: 4 from s2 to s4", folder.path(), [&] { read_volume(folder.path()); });
+  expect_error(ErrorCode::bad_file, "not evenly spaced: 4 from s2 to s4", folder.path(),
+               [&] { read_volume(folder.path()); });
 }
 
 TEST(Dicom, TwoSlicesAtOnePlaceAreAnError) {
@@ -104,20 +111,23 @@ TEST(Dicom, TwoSlicesAtOnePlaceAreAnError) {
   write_slice(folder.path(), {.file = "b", .position = {0, 2, 0}, .value = 0});
   write_slice(folder.path(), {.file = "c", .position = {0, 2, 0}, .value = 0});
   write_slice(folder.path(), {.file = "d", .position = {0, 4, 0}, .value = 0});
-  expect_error(ErrorCode::unsupported, "more than one volume", folder.path(), [&] { read_volume(folder.path()); });
+  expect_error(ErrorCode::unsupported, "more than one volume", folder.path(),
+               [&] { read_volume(folder.path()); });
 }
 
 TEST(Dicom, SeveralSeriesAreListed) {
   const TempFolder folder;
   const std::string one = "1.2.826.0.1.3680043.2.1125.1.1", two = "1.2.826.0.1.3680043.2.1125.1.2";
   for (int i = 0; i < 3; ++i) {
-    write_slice(folder.path(), {.file = numbered("a", i), .position = {0, 2.0 * i, 0}, .value = 0, .series = one});
+    write_slice(folder.path(),
+                {.file = numbered("a", i), .position = {0, 2.0 * i, 0}, .value = 0, .series = one});
   }
   write_slice(folder.path(), {.file = "b", .position = {0, 0, 0}, .value = 0, .series = two});
   for (const std::string& id : {one, two}) {
     expect_error(ErrorCode::unsupported, id, folder.path(), [&] { read_volume(folder.path()); });
   }
-  expect_error(ErrorCode::unsupported, "CT, 3 slices of 6 x 4", folder.path(), [&] { read_volume(folder.path()); });
+  expect_error(ErrorCode::unsupported, "CT, 3 slices of 6 x 4", folder.path(),
+               [&] { read_volume(folder.path()); });
 }
 
 TEST(Dicom, SlicesOfDifferentSizeAreNotOneVolume) {
@@ -130,7 +140,8 @@ TEST(Dicom, SlicesOfDifferentSizeAreNotOneVolume) {
 TEST(Dicom, OneSliceIsNoVolume) {
   const TempFolder folder;
   write_slice(folder.path(), {.file = "a", .position = {0, 0, 0}, .value = 0});
-  expect_error(ErrorCode::unsupported, "6 x 4 x 1", folder.path(), [&] { read_volume(folder.path()); });
+  expect_error(ErrorCode::unsupported, "6 x 4 x 1", folder.path(),
+               [&] { read_volume(folder.path()); });
 }
 
 TEST(Dicom, CutOffSliceIsAnError) {
@@ -139,7 +150,8 @@ TEST(Dicom, CutOffSliceIsAnError) {
     write_slice(folder.path(), {.file = numbered("s", i), .position = {0, 2.0 * i, 0}, .value = 7});
   }
   const std::string whole = read_bytes(folder / "s1");
-  for (const std::size_t length : {whole.size() - 1, whole.size() - 20, whole.size() - 48, whole.size() / 2}) {
+  for (const std::size_t length :
+       {whole.size() - 1, whole.size() - 20, whole.size() - 48, whole.size() / 2}) {
     write_bytes(folder / "s1", whole.substr(0, length));
     SCOPED_TRACE(length);
     expect_error(ErrorCode::bad_file, "", folder.path(), [&] { read_volume(folder.path()); });
@@ -148,9 +160,11 @@ TEST(Dicom, CutOffSliceIsAnError) {
 
 TEST(Dicom, FoldersWithoutImages) {
   const TempFolder folder;
-  expect_error(ErrorCode::bad_file, "without DICOM images", folder.path(), [&] { read_volume(folder.path()); });
+  expect_error(ErrorCode::bad_file, "without DICOM images", folder.path(),
+               [&] { read_volume(folder.path()); });
   write_bytes(folder / "a.txt", "hello");
-  expect_error(ErrorCode::bad_file, "without DICOM images", folder.path(), [&] { read_volume(folder.path()); });
+  expect_error(ErrorCode::bad_file, "without DICOM images", folder.path(),
+               [&] { read_volume(folder.path()); });
 }
 
 }  // namespace

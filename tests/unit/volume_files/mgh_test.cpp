@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// MGH and MGZ: every type, orientation and frame that FreeSurfer writes, and files cut off or with impossible numbers.
+// MGH and MGZ: every type, orientation and frame that FreeSurfer writes, and files cut off or with
+// impossible numbers.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -32,7 +33,8 @@ struct MghOptions {
   std::array<float, 3> middle{0, 0, 0};
 };
 
-std::string mgh(const MghOptions& options, const std::string& samples = bytes_of(ramp<std::uint8_t>(kCount))) {
+std::string mgh(const MghOptions& options,
+                const std::string& samples = bytes_of(ramp<std::uint8_t>(kCount))) {
   std::string bytes(284, '\0');
   put(bytes, 0, options.version, kBigEndian);
   for (std::size_t i = 0; i < 4; ++i) put(bytes, 4 + 4 * i, options.size[i], kBigEndian);
@@ -48,11 +50,13 @@ class Mgh : public testing::Test {
  protected:
   TempFolder folder_;
 
-  VolumeFile read(const std::string& bytes, const ReadOptions& options = {}, const std::string& name = "v.mgh") {
+  VolumeFile read(const std::string& bytes, const ReadOptions& options = {},
+                  const std::string& name = "v.mgh") {
     write_bytes(folder_ / name, bytes);
     return read_volume_file(folder_ / name, options);
   }
-  void refuse(const std::string& bytes, ErrorCode code, const std::string& says, const ReadOptions& options = {}) {
+  void refuse(const std::string& bytes, ErrorCode code, const std::string& says,
+              const ReadOptions& options = {}) {
     SCOPED_TRACE(says);
     write_bytes(folder_ / "v.mgz", bytes);
     expect_error(code, says, folder_ / "v.mgz", [&] { read_volume(folder_ / "v.mgz", options); });
@@ -80,8 +84,14 @@ TEST_F(Mgh, EveryType) {
   expect_type<float>(3, SampleType::float32);
   expect_type<std::int16_t>(4, SampleType::int16);
   expect_type<std::uint16_t>(10, SampleType::uint16);
-  for (const auto& [type, kind] : std::vector<std::pair<int, std::string>>{
-           {2, "long"}, {5, "bitmap"}, {6, "tensor"}, {7, "complex float"}, {9, "RGB"}, {11, "none that MGH knows"}, {-1, "none"}}) {
+  for (const auto& [type, kind] :
+       std::vector<std::pair<int, std::string>>{{2, "long"},
+                                                {5, "bitmap"},
+                                                {6, "tensor"},
+                                                {7, "complex float"},
+                                                {9, "RGB"},
+                                                {11, "none that MGH knows"},
+                                                {-1, "none"}}) {
     refuse(mgh({.type = type}, std::string(1000, '\0')), ErrorCode::unsupported, kind);
   }
 }
@@ -93,16 +103,20 @@ TEST_F(Mgh, IsKnownByItsContent) {
 
 TEST_F(Mgh, TheMiddleSampleIsAtTheCentre) {
   // From the format's description: ras = centre + cosines * spacing * (index - size / 2).
-  const MghOptions options{.spacing = {0.5F, 2, 3}, .cosines = {0, 1, 0, 0.6F, 0, 0.8F, -0.8F, 0, 0.6F}, .middle = {10, -20, 30}};
+  const MghOptions options{.spacing = {0.5F, 2, 3},
+                           .cosines = {0, 1, 0, 0.6F, 0, 0.8F, -0.8F, 0, 0.6F},
+                           .middle = {10, -20, 30}};
   const VolumeFile file = read(mgh(options));
   expect_size_and_spacing(file.volume, kSize, {0.5, 2, 3});
   const auto ras = [&](double i, double j, double k) {
     const double x = 0.5 * (i - 2), y = 2 * (j - 1.5), z = 3 * (k - 1);
     return Vec3{10 + 0.6 * y - 0.8 * z, -20 + x, 30 + 0.8 * y + 0.6 * z};
   };
-  for (const Vec3& index : {Vec3{0, 0, 0}, Vec3{3, 0, 0}, Vec3{0, 2, 0}, Vec3{0, 0, 1}, Vec3{2, 1.5, 1}}) {
+  for (const Vec3& index :
+       {Vec3{0, 0, 0}, Vec3{3, 0, 0}, Vec3{0, 2, 0}, Vec3{0, 0, 1}, Vec3{2, 1.5, 1}}) {
     const Vec3 expected = ras(index.x, index.y, index.z);
-    expect_near(file.volume.view.grid.to_world(index), {-expected.x, -expected.y, expected.z}, 1e-6);
+    expect_near(file.volume.view.grid.to_world(index), {-expected.x, -expected.y, expected.z},
+                1e-6);
   }
   EXPECT_TRUE(file.source.warnings.empty());
 }
@@ -110,7 +124,9 @@ TEST_F(Mgh, TheMiddleSampleIsAtTheCentre) {
 TEST_F(Mgh, WithoutOrientationItIsCoronal) {
   const VolumeFile file = read(mgh({.good_ras = 0, .spacing = {7, 7, 7}, .middle = {1, 2, 3}}));
   expect_size_and_spacing(file.volume, kSize, {1, 1, 1}, 0);
-  const auto expect_ras = [&](Vec3 index, Vec3 ras) { EXPECT_EQ(file.volume.view.grid.to_world(index), (Vec3{-ras.x, -ras.y, ras.z})); };
+  const auto expect_ras = [&](Vec3 index, Vec3 ras) {
+    EXPECT_EQ(file.volume.view.grid.to_world(index), (Vec3{-ras.x, -ras.y, ras.z}));
+  };
   expect_ras({0, 0, 0}, {2, -1, 1.5});
   expect_ras({1, 0, 0}, {1, -1, 1.5});
   expect_ras({0, 1, 0}, {2, -1, 0.5});
@@ -125,13 +141,16 @@ TEST_F(Mgh, FramesAreAChoice) {
     refuse(packed, ErrorCode::unsupported, "has 3 time points, expected a choice of one: 0, 1, 2");
     refuse(packed, ErrorCode::bad_argument, "has no time '3'", {.time = 3});
   }
-  const std::string cut = bytes.substr(0, bytes.size() - 1);  // in another frame than the one that is read
+  const std::string cut =
+      bytes.substr(0, bytes.size() - 1);  // in another frame than the one that is read
   refuse(cut, ErrorCode::bad_file, "promises 72 bytes of samples, the file has 71", {.time = 0});
-  refuse(gzipped(cut), ErrorCode::bad_file, "promises 72 bytes of samples, the file has 71", {.time = 0});
+  refuse(gzipped(cut), ErrorCode::bad_file, "promises 72 bytes of samples, the file has 71",
+         {.time = 0});
 }
 
 TEST_F(Mgh, WhatFollowsTheSamplesIsNoNews) {
-  for (const std::string& bytes : {mgh({}) + "scan parameters", gzipped(mgh({}) + "scan parameters")}) {
+  for (const std::string& bytes :
+       {mgh({}) + "scan parameters", gzipped(mgh({}) + "scan parameters")}) {
     EXPECT_TRUE(read(bytes).source.warnings.empty());
   }
   EXPECT_EQ(read(mgh({.version = 0x0101})).source.format, "MGH");  // with an intent
@@ -142,17 +161,24 @@ TEST_F(Mgh, DamagedFilesAreRefused) {
   refuse(mgh({.size = {4, 0, 2, 1}}), ErrorCode::bad_file, "0 samples along axis 2");
   refuse(mgh({.size = {4, 3, 2, -1}}), ErrorCode::bad_file, "-1 samples along axis 4");
   refuse(mgh({.size = {4, 3, 1, 1}}), ErrorCode::unsupported, "4 x 3 x 1 samples");
-  refuse(mgh({.size = {0x7FFFFFFF, 0x7FFFFFFF, 0x7FFFFFFF, 1}}), ErrorCode::bad_file, "more than any file can hold");
-  refuse(mgh({.size = {4, 3, 2, 1000000}}), ErrorCode::bad_file, "promises 24000000 bytes of samples, the file has 24");
-  refuse(mgh({.size = {4, 3, 2, 0x7FFFFFFF}}), ErrorCode::unsupported, "2147483647 volumes, expected at most 1000000");
-  refuse(gzipped(mgh({.size = {30000, 30000, 30000, 1}})), ErrorCode::bad_file, "far more than a file of");
+  refuse(mgh({.size = {0x7FFFFFFF, 0x7FFFFFFF, 0x7FFFFFFF, 1}}), ErrorCode::bad_file,
+         "more than any file can hold");
+  refuse(mgh({.size = {4, 3, 2, 1000000}}), ErrorCode::bad_file,
+         "promises 24000000 bytes of samples, the file has 24");
+  refuse(mgh({.size = {4, 3, 2, 0x7FFFFFFF}}), ErrorCode::unsupported,
+         "2147483647 volumes, expected at most 1000000");
+  refuse(gzipped(mgh({.size = {30000, 30000, 30000, 1}})), ErrorCode::bad_file,
+         "far more than a file of");
   refuse(mgh({.spacing = {1, 0, 1}}), ErrorCode::bad_file, "spacing along y");
   refuse(mgh({.cosines = {1, 0, 0, 1, 0, 0, 0, 0, 1}}), ErrorCode::bad_file, "singular");
-  refuse(mgh({.middle = {std::numeric_limits<float>::infinity(), 0, 0}}), ErrorCode::bad_file, "origin");
+  refuse(mgh({.middle = {std::numeric_limits<float>::infinity(), 0, 0}}), ErrorCode::bad_file,
+         "origin");
   const std::string bytes = mgh({});
-  for (const std::size_t length : {1, 40, 89, 100, 283, 284, 300, 307}) refuse(bytes.substr(0, length), ErrorCode::bad_file, "");
+  for (const std::size_t length : {1, 40, 89, 100, 283, 284, 300, 307})
+    refuse(bytes.substr(0, length), ErrorCode::bad_file, "");
   const std::string packed = gzipped(bytes);
-  for (std::size_t length = 20; length < packed.size(); length += 7) refuse(packed.substr(0, length), ErrorCode::bad_file, "");
+  for (std::size_t length = 20; length < packed.size(); length += 7)
+    refuse(packed.substr(0, length), ErrorCode::bad_file, "");
 }
 
 }  // namespace

@@ -37,10 +37,12 @@ struct MrcOptions {
   bool big_endian = false;
 };
 
-std::string mrc(const MrcOptions& options, const std::string& samples = bytes_of(ramp<std::uint8_t>(kCount))) {
+std::string mrc(const MrcOptions& options,
+                const std::string& samples = bytes_of(ramp<std::uint8_t>(kCount))) {
   std::string bytes(1024, '\0');
   const auto put_all = [&](std::size_t offset, const auto& values) {
-    for (std::size_t i = 0; i < values.size(); ++i) put(bytes, offset + 4 * i, values[i], options.big_endian);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      put(bytes, offset + 4 * i, values[i], options.big_endian);
   };
   put_all(0, options.size);
   put_all(12, std::array{options.mode});
@@ -54,19 +56,25 @@ std::string mrc(const MrcOptions& options, const std::string& samples = bytes_of
   put_all(152, std::array{options.imod_stamp, options.imod_flags});
   put_all(196, options.origin);
   bytes.replace(208, options.map.size(), options.map);
-  bytes.replace(212, 2, !options.stamp.empty() ? options.stamp : options.big_endian ? "\x11\x11" : "\x44\x44");
-  return bytes + std::string(static_cast<std::size_t>(std::max(options.extended_bytes, 0)), 'x') + samples;
+  bytes.replace(212, 2,
+                !options.stamp.empty() ? options.stamp
+                : options.big_endian   ? "\x11\x11"
+                                       : "\x44\x44");
+  return bytes + std::string(static_cast<std::size_t>(std::max(options.extended_bytes, 0)), 'x') +
+         samples;
 }
 
 class Mrc : public testing::Test {
  protected:
   TempFolder folder_;
 
-  VolumeFile read(const std::string& bytes, const ReadOptions& options = {}, const std::string& name = "v.mrc") {
+  VolumeFile read(const std::string& bytes, const ReadOptions& options = {},
+                  const std::string& name = "v.mrc") {
     write_bytes(folder_ / name, bytes);
     return read_volume_file(folder_ / name, options);
   }
-  void refuse(const std::string& bytes, ErrorCode code, const std::string& says, const ReadOptions& options = {}) {
+  void refuse(const std::string& bytes, ErrorCode code, const std::string& says,
+              const ReadOptions& options = {}) {
     SCOPED_TRACE(says);
     write_bytes(folder_ / "v.mrc", bytes);
     expect_error(code, says, folder_ / "v.mrc", [&] { read_volume(folder_ / "v.mrc", options); });
@@ -77,14 +85,16 @@ class Mrc : public testing::Test {
     values[1] = std::numeric_limits<T>::max();
     values[2] = std::numeric_limits<T>::lowest();
     for (const bool big_endian : {false, true}) {
-      const std::string bytes = mrc({.mode = mode, .big_endian = big_endian}, bytes_of(values, big_endian));
+      const std::string bytes =
+          mrc({.mode = mode, .big_endian = big_endian}, bytes_of(values, big_endian));
       for (const std::string& packed : {bytes, gzipped(bytes)}) {
         const VolumeFile file = read(packed);
         EXPECT_EQ(file.source.format, "MRC");
         EXPECT_EQ(file.volume.view.type, type);
         expect_size_and_spacing(file.volume, kSize, {1, 1, 1}, 0);
         EXPECT_EQ(file.volume.view.grid.unit, LengthUnit::angstrom);
-        EXPECT_EQ(samples_as_double(file.volume), std::vector<double>(values.begin(), values.end()));
+        EXPECT_EQ(samples_as_double(file.volume),
+                  std::vector<double>(values.begin(), values.end()));
         EXPECT_TRUE(file.source.warnings.empty());
       }
     }
@@ -96,11 +106,16 @@ TEST_F(Mrc, EveryMode) {
   expect_mode<std::int16_t>(1, SampleType::int16);
   expect_mode<float>(2, SampleType::float32);
   expect_mode<std::uint16_t>(6, SampleType::uint16);
-  const VolumeFile half = read(mrc({.mode = 12}, bytes_of(std::vector<std::uint16_t>(kCount, 0x3E00))));
+  const VolumeFile half =
+      read(mrc({.mode = 12}, bytes_of(std::vector<std::uint16_t>(kCount, 0x3E00))));
   EXPECT_EQ(half.volume.view.type, SampleType::float32);
   EXPECT_EQ(sample_as_double(half.volume, 23), 1.5);
-  for (const auto& [mode, kind] : std::vector<std::pair<int, std::string>>{
-           {3, "complex"}, {4, "complex"}, {16, "colours"}, {101, "4-bit integers"}, {7, "no type that MRC2014 knows"}}) {
+  for (const auto& [mode, kind] :
+       std::vector<std::pair<int, std::string>>{{3, "complex"},
+                                                {4, "complex"},
+                                                {16, "colours"},
+                                                {101, "4-bit integers"},
+                                                {7, "no type that MRC2014 knows"}}) {
     refuse(mrc({.mode = mode}, std::string(1000, '\0')), ErrorCode::unsupported, kind);
   }
 }
@@ -120,13 +135,15 @@ TEST_F(Mrc, BytesAreSignedOrNot) {
   expect({.imod_stamp = kImod}, 240, "unsigned, IMOD's flag");
   expect({.range = {0, 240}, .imod_stamp = kImod, .imod_flags = 1}, -16, "signed, IMOD's flag");
   EXPECT_THROW(read(mrc({.imod_stamp = kImod, .imod_flags = 16}, samples)), Error);  // 4 bits
-  expect({.imod_flags = 17}, -16, "signed, MRC2014");                                // without IMOD's mark the field means nothing
+  expect({.imod_flags = 17}, -16,
+         "signed, MRC2014");  // without IMOD's mark the field means nothing
 }
 
 TEST_F(Mrc, SpacingIsTheCellDividedByItsIntervals) {
   const VolumeFile file = read(mrc({.intervals = {8, 3, 4}, .cell = {4, 6, 10}}));
   expect_size_and_spacing(file.volume, kSize, {0.5, 2, 2.5}, 0);
-  for (const MrcOptions& options : {MrcOptions{.cell = {0, 0, 0}}, MrcOptions{.intervals = {0, 3, 2}}}) {
+  for (const MrcOptions& options :
+       {MrcOptions{.cell = {0, 0, 0}}, MrcOptions{.intervals = {0, 3, 2}}}) {
     const VolumeFile without = read(mrc(options));
     EXPECT_FALSE(without.source.has_spacing);
     EXPECT_EQ(without.volume.view.grid.spacing, (Vec3{1, 1, 1}));
@@ -154,7 +171,8 @@ TEST_F(Mrc, OriginIsStatedInTwoWays) {
 
 TEST_F(Mrc, AxesInAnyOrder) {
   // Columns along z, rows along x, sections along y: the samples stay, the grid turns.
-  const VolumeFile file = read(mrc({.start = {1, 2, 3}, .intervals = {3, 2, 4}, .cell = {3, 4, 12}, .axes = {3, 1, 2}}));
+  const VolumeFile file = read(
+      mrc({.start = {1, 2, 3}, .intervals = {3, 2, 4}, .cell = {3, 4, 12}, .axes = {3, 1, 2}}));
   const Grid& grid = file.volume.view.grid;
   expect_size_and_spacing(file.volume, kSize, {3, 1, 2}, 0);  // of z, x and y
   EXPECT_EQ(grid.to_world({0, 0, 0}), (Vec3{2, 6, 3}));
@@ -165,8 +183,10 @@ TEST_F(Mrc, AxesInAnyOrder) {
   EXPECT_EQ(sample_as_double(file.volume, 5), 5);
   EXPECT_EQ(decision(file, "axes"), "columns, rows and sections along zxy");
   EXPECT_TRUE(read(mrc({.axes = {2, 1, 3}})).volume.view.grid.mirrored());
-  EXPECT_EQ(read(mrc({.axes = {0, 0, 0}})).volume.view.grid.direction, Grid{}.direction);  // old programs
-  const std::string big = mrc({.mode = 0, .axes = {0, 0, 0}, .big_endian = true}, bytes_of(std::vector<std::int8_t>(kCount, 1), true));
+  EXPECT_EQ(read(mrc({.axes = {0, 0, 0}})).volume.view.grid.direction,
+            Grid{}.direction);  // old programs
+  const std::string big = mrc({.mode = 0, .axes = {0, 0, 0}, .big_endian = true},
+                              bytes_of(std::vector<std::int8_t>(kCount, 1), true));
   EXPECT_EQ(read(big).volume.view.grid.size, kSize);  // its header makes sense in either byte order
 }
 
@@ -193,17 +213,21 @@ TEST_F(Mrc, TheExtendedHeaderIsSkipped) {
 }
 
 TEST_F(Mrc, StacksOfVolumesAreAChoice) {
-  const std::string bytes = mrc({.size = {4, 3, 6}, .intervals = {4, 3, 2}, .space_group = 401}, bytes_of(ramp<std::uint8_t>(3 * kCount)));
+  const std::string bytes = mrc({.size = {4, 3, 6}, .intervals = {4, 3, 2}, .space_group = 401},
+                                bytes_of(ramp<std::uint8_t>(3 * kCount)));
   const VolumeFile file = read(bytes, {.time = 1});
   EXPECT_EQ(file.volume.view.grid.size, kSize);
   EXPECT_EQ(sample_as_double(file.volume, 0), kCount);
   refuse(bytes, ErrorCode::unsupported, "has 3 time points");
-  refuse(mrc({.size = {4, 3, 5}, .space_group = 401}), ErrorCode::bad_file, "a stack of volumes of 2 sections each, but has 5 sections");
-  refuse(mrc({.intervals = {4, 3, 0}, .space_group = 401}), ErrorCode::bad_file, "a stack of volumes of 0 sections");
+  refuse(mrc({.size = {4, 3, 5}, .space_group = 401}), ErrorCode::bad_file,
+         "a stack of volumes of 2 sections each, but has 5 sections");
+  refuse(mrc({.intervals = {4, 3, 0}, .space_group = 401}), ErrorCode::bad_file,
+         "a stack of volumes of 0 sections");
 }
 
 TEST_F(Mrc, StacksOfImagesAreWarnedOf) {
-  expect_one_warning(read(mrc({.intervals = {4, 3, 1}, .space_group = 0})), "a stack of images, not a volume");
+  expect_one_warning(read(mrc({.intervals = {4, 3, 1}, .space_group = 0})),
+                     "a stack of images, not a volume");
   EXPECT_TRUE(read(mrc({.space_group = 0})).source.warnings.empty());  // IMOD's volumes
 }
 
@@ -219,23 +243,30 @@ TEST_F(Mrc, OldFilesHaveNoMark) {
   EXPECT_EQ(sample_as_double(read(mrc({.map = ""})).volume, 9), 9);
   EXPECT_EQ(read(mrc({}), {}, "v").source.format, "MRC");
   write_bytes(folder_ / "v.rec", "a recording of something else" + std::string(2000, 'x'));
-  expect_error(ErrorCode::bad_file, "is not an MRC file", folder_ / "v.rec", [&] { read_volume(folder_ / "v.rec"); });
+  expect_error(ErrorCode::bad_file, "is not an MRC file", folder_ / "v.rec",
+               [&] { read_volume(folder_ / "v.rec"); });
 }
 
 TEST_F(Mrc, DamagedFilesAreRefused) {
   const std::string bytes = mrc({});
-  for (const std::size_t length : {1, 200, 1023, 1024, 1025, 1047}) refuse(bytes.substr(0, length), ErrorCode::bad_file, "");
+  for (const std::size_t length : {1, 200, 1023, 1024, 1025, 1047})
+    refuse(bytes.substr(0, length), ErrorCode::bad_file, "");
   refuse(mrc({.size = {4, 3, 0}}), ErrorCode::bad_file, "make no sense");
   refuse(mrc({.axes = {1, 1, 2}}), ErrorCode::bad_file, "make no sense");
   refuse(mrc({.axes = {1, 2, 4}}), ErrorCode::bad_file, "make no sense");
-  refuse(mrc({.axes = {std::numeric_limits<int>::min(), 2, 3}}), ErrorCode::bad_file, "make no sense");  // fuzzing: no overflow
+  refuse(mrc({.axes = {std::numeric_limits<int>::min(), 2, 3}}), ErrorCode::bad_file,
+         "make no sense");  // fuzzing: no overflow
   refuse(mrc({.mode = -1}), ErrorCode::bad_file, "make no sense");
   refuse(mrc({.size = {4, 3, 1}}), ErrorCode::unsupported, "4 x 3 x 1 samples");
-  refuse(mrc({.size = {0x7FFFFFFF, 0x7FFFFFFF, 0x7FFFFFFF}}), ErrorCode::bad_file, "more than any file can hold");
-  refuse(mrc({.size = {2000, 2000, 2000}}), ErrorCode::bad_file, "promises 8000000000 bytes of samples, the file has 24");
+  refuse(mrc({.size = {0x7FFFFFFF, 0x7FFFFFFF, 0x7FFFFFFF}}), ErrorCode::bad_file,
+         "more than any file can hold");
+  refuse(mrc({.size = {2000, 2000, 2000}}), ErrorCode::bad_file,
+         "promises 8000000000 bytes of samples, the file has 24");
   refuse(gzipped(mrc({.size = {2000, 2000, 2000}})), ErrorCode::bad_file, "far more than");
-  refuse(mrc({.cell = {std::numeric_limits<float>::infinity(), 1, 1}}), ErrorCode::bad_file, "spacing along x");
-  refuse(mrc({.origin = {std::numeric_limits<float>::quiet_NaN(), 1, 1}}), ErrorCode::bad_file, "origin");
+  refuse(mrc({.cell = {std::numeric_limits<float>::infinity(), 1, 1}}), ErrorCode::bad_file,
+         "spacing along x");
+  refuse(mrc({.origin = {std::numeric_limits<float>::quiet_NaN(), 1, 1}}), ErrorCode::bad_file,
+         "origin");
   expect_one_warning(read(bytes + "more"), "has 4 bytes after the samples");
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// NIfTI-1, NIfTI-2 and Analyze 7.5: what people's programs write, and what the specification allows.
+// NIfTI-1, NIfTI-2 and Analyze 7.5: what people's programs write, and what the specification
+// allows.
 #include <bzlib.h>
 #include <gtest/gtest.h>
 
@@ -76,7 +77,8 @@ nifti_1_header analyze_header(short datatype = 2) {
   return header;
 }
 
-void set_sform(nifti_1_header& header, const std::array<std::array<float, 4>, 3>& rows, short code = 1) {
+void set_sform(nifti_1_header& header, const std::array<std::array<float, 4>, 3>& rows,
+               short code = 1) {
   header.sform_code = code;
   std::copy(rows[0].begin(), rows[0].end(), header.srow_x);
   std::copy(rows[1].begin(), rows[1].end(), header.srow_y);
@@ -89,7 +91,8 @@ std::string header_bytes(const Header& header) {
 }
 
 template <class Header>
-std::string one_file(const Header& header, const std::string& samples = bytes_of(ramp<std::uint8_t>(kCount))) {
+std::string one_file(const Header& header,
+                     const std::string& samples = bytes_of(ramp<std::uint8_t>(kCount))) {
   return header_bytes(header) + std::string(4, '\0') + samples;
 }
 
@@ -97,12 +100,14 @@ class Nifti : public testing::Test {
  protected:
   TempFolder folder_;
 
-  VolumeFile read(const std::string& bytes, const ReadOptions& options = {}, const std::string& name = "v.nii") {
+  VolumeFile read(const std::string& bytes, const ReadOptions& options = {},
+                  const std::string& name = "v.nii") {
     write_bytes(folder_ / name, bytes);
     return read_volume_file(folder_ / name, options);
   }
 
-  void refuse(const std::string& bytes, ErrorCode code, const std::string& says, const ReadOptions& options = {}) {
+  void refuse(const std::string& bytes, ErrorCode code, const std::string& says,
+              const ReadOptions& options = {}) {
     SCOPED_TRACE(says);
     write_bytes(folder_ / "v.nii", bytes);
     testing::internal::CaptureStderr();
@@ -126,14 +131,24 @@ struct FieldNifti {
 };
 
 TEST(FieldNifti, AreReadAsTheyAreMeant) {
-  const std::array kLeftAnterior{Vec3{1, 0, 0}, Vec3{0, -1, 0}, Vec3{0, 0, 1}};    // x runs to the left
-  const std::array kRightAnterior{Vec3{-1, 0, 0}, Vec3{0, -1, 0}, Vec3{0, 0, 1}};  // x runs to the right
+  const std::array kLeftAnterior{Vec3{1, 0, 0}, Vec3{0, -1, 0},
+                                 Vec3{0, 0, 1}};  // x runs to the left
+  const std::array kRightAnterior{Vec3{-1, 0, 0}, Vec3{0, -1, 0},
+                                  Vec3{0, 0, 1}};  // x runs to the right
   const Vec3 kOrigin{-50, 7, 3};
   const std::array kSheared{Vec3{-1, 0, 0}, Vec3{-0.0005, -1, 0}, Vec3{0, 0, 1}};
   const std::vector<FieldNifti> files{
       {"n_units_micron.nii", {0.001, 0.001, 0.002}, {-0.05, 0.007, 0.003}, kLeftAnterior, ""},
-      {"n_q1_s2_disagree.nii", {1, 1, 2}, kOrigin, kLeftAnterior, "voxels apart; the sform is used"},
-      {"n_scale_vs_pixdim.nii", {1.05, 1.05, 2.1}, {}, kRightAnterior, "1 x 1 x 2 by pixdim and 1.05 x 1.05 x 2.1 by the sform"},
+      {"n_q1_s2_disagree.nii",
+       {1, 1, 2},
+       kOrigin,
+       kLeftAnterior,
+       "voxels apart; the sform is used"},
+      {"n_scale_vs_pixdim.nii",
+       {1.05, 1.05, 2.1},
+       {},
+       kRightAnterior,
+       "1 x 1 x 2 by pixdim and 1.05 x 1.05 x 2.1 by the sform"},
       {"n_shear_0.0005.nii", {1, 1, 1}, {}, kSheared, ""},
       {"n_nifti2.nii", {1, 1, 2}, {}, kRightAnterior, ""},
       {"n_gz_named.nii", {1, 1, 2}, kOrigin, kLeftAnterior, ""},
@@ -149,7 +164,8 @@ TEST(FieldNifti, AreReadAsTheyAreMeant) {
     EXPECT_EQ(file.volume.view.type, SampleType::float32);
     expect_size_and_spacing(file.volume, kFieldSize, expected.spacing);
     expect_near(file.volume.view.grid.origin, expected.origin);
-    for (std::size_t axis = 0; axis < 3; ++axis) expect_near(file.volume.view.grid.direction[axis], expected.direction[axis], 2e-7);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      expect_near(file.volume.view.grid.direction[axis], expected.direction[axis], 2e-7);
     EXPECT_EQ(file.volume.view.grid.unit, LengthUnit::millimetre);
     EXPECT_EQ(samples_as_double(file.volume), samples);
     EXPECT_EQ(decision(file, "affine"), "sform");
@@ -182,7 +198,8 @@ TEST(FieldNifti, TimePointsAreAChoice) {
     EXPECT_EQ(needed.source().format, "NIfTI-1");
   }
   EXPECT_EQ(samples_as_double(read_volume(path, {.time = 1})), field_samples());
-  expect_error(ErrorCode::bad_argument, "has no time '2'", path, [&] { read_volume(path, {.time = 2}); });
+  expect_error(ErrorCode::bad_argument, "has no time '2'", path,
+               [&] { read_volume(path, {.time = 2}); });
 }
 
 // ---- samples
@@ -219,7 +236,8 @@ TEST_F(Nifti, EveryTypeInBothByteOrdersAndVersions) {
       second.vox_offset = stored(std::int64_t{544});
       second.qform_code = stored(1);
       second.qoffset_x = stored(5.0);
-      for (const std::string& bytes : {one_file(first, bytes_of(values, big_endian)), one_file(second, bytes_of(values, big_endian))}) {
+      for (const std::string& bytes : {one_file(first, bytes_of(values, big_endian)),
+                                       one_file(second, bytes_of(values, big_endian))}) {
         const VolumeFile file = read(bytes);
         EXPECT_EQ(file.volume.view.type, type);
         expect_size_and_spacing(file.volume, kSize, {1, 1, 1});
@@ -244,8 +262,14 @@ TEST_F(Nifti, EveryTypeInBothByteOrdersAndVersions) {
 }
 
 TEST_F(Nifti, OtherTypesAreRefused) {
-  for (const auto& [datatype, type_name] : std::vector<std::pair<short, std::string>>{
-           {0, "unknown"}, {1, "BINARY"}, {32, "COMPLEX64"}, {128, "RGB24"}, {1536, "FLOAT128"}, {2304, "RGBA32"}, {77, "type 77"}}) {
+  for (const auto& [datatype, type_name] :
+       std::vector<std::pair<short, std::string>>{{0, "unknown"},
+                                                  {1, "BINARY"},
+                                                  {32, "COMPLEX64"},
+                                                  {128, "RGB24"},
+                                                  {1536, "FLOAT128"},
+                                                  {2304, "RGBA32"},
+                                                  {77, "type 77"}}) {
     refuse(one_file(header1(datatype), std::string(1000, '\0')), ErrorCode::unsupported, type_name);
   }
 }
@@ -259,7 +283,8 @@ TEST_F(Nifti, ScaledSamplesAreFloatOrDouble) {
   EXPECT_EQ(decision(file, "rescale"), "slope 0.100000001, intercept -7");
   for (std::size_t i = 0; i < kCount; ++i) {
     const double stored = static_cast<double>(i) - 5;
-    EXPECT_EQ(sample_as_double(file.volume, i), static_cast<float>(stored * static_cast<double>(0.1F) - 7));
+    EXPECT_EQ(sample_as_double(file.volume, i),
+              static_cast<float>(stored * static_cast<double>(0.1F) - 7));
   }
   header.datatype = 64;
   const VolumeFile doubles = read(one_file(header, bytes_of(ramp<double>(kCount))));
@@ -305,7 +330,9 @@ TEST_F(Nifti, UnusableScalesAreLeftOut) {
   expect_one_warning(file, "scl_inter is nan; 0 is used");
   header.scl_slope = 1e-20F;  // small is not 0
   header.scl_inter = 0;
-  EXPECT_FLOAT_EQ(static_cast<float>(sample_as_double(read(one_file(header, bytes_of(values))).volume, 9)), 9e-20F);
+  EXPECT_FLOAT_EQ(
+      static_cast<float>(sample_as_double(read(one_file(header, bytes_of(values))).volume, 9)),
+      9e-20F);
 }
 
 TEST_F(Nifti, SamplesBeginWhereTheHeaderSays) {
@@ -319,10 +346,12 @@ TEST_F(Nifti, SamplesBeginWhereTheHeaderSays) {
   EXPECT_EQ(sample_as_double(read(header_bytes(header) + samples).volume, 9), 9);
   for (const float offset : {-16.0F, 100.0F, kNaN, 1e20F}) {
     header.vox_offset = offset;
-    refuse(one_file(header, samples), ErrorCode::bad_file, "by vox_offset, expected a place after the header");
+    refuse(one_file(header, samples), ErrorCode::bad_file,
+           "by vox_offset, expected a place after the header");
   }
   header.vox_offset = 1e9F;
-  refuse(one_file(header, samples), ErrorCode::bad_file, "promises 24 bytes of samples, the file has 0");
+  refuse(one_file(header, samples), ErrorCode::bad_file,
+         "promises 24 bytes of samples, the file has 0");
 }
 
 TEST_F(Nifti, StatedBitsOfAnotherTypeAreSaid) {
@@ -356,10 +385,10 @@ TEST_F(Nifti, TimeAndChannelAreChosen) {
     refuse(file, ErrorCode::bad_argument, "has no channel '3'", {.channel = "3", .time = 0});
   }
   // All volumes have to be there, whichever is read.
-  refuse(bytes.substr(0, bytes.size() - 1), ErrorCode::bad_file, "promises 144 bytes of samples, the file has 143",
-         {.channel = "0", .time = 0});
-  refuse(gzipped(bytes.substr(0, bytes.size() - 1)), ErrorCode::bad_file, "promises 144 bytes of samples, the file has 143",
-         {.channel = "0", .time = 0});
+  refuse(bytes.substr(0, bytes.size() - 1), ErrorCode::bad_file,
+         "promises 144 bytes of samples, the file has 143", {.channel = "0", .time = 0});
+  refuse(gzipped(bytes.substr(0, bytes.size() - 1)), ErrorCode::bad_file,
+         "promises 144 bytes of samples, the file has 143", {.channel = "0", .time = 0});
 }
 
 TEST_F(Nifti, DimensionsOfOneAreNone) {
@@ -380,7 +409,8 @@ TEST_F(Nifti, ImpossibleShapesAreRefused) {
   nifti_1_header header = header1();
   for (const short dimensions : std::array<short, 4>{-1, 0, 8, 768}) {
     header.dim[0] = dimensions;
-    refuse(one_file(header), ErrorCode::bad_file, "has " + std::to_string(dimensions) + " dimensions");
+    refuse(one_file(header), ErrorCode::bad_file,
+           "has " + std::to_string(dimensions) + " dimensions");
   }
   header.dim[0] = 2;
   refuse(one_file(header), ErrorCode::unsupported, "4 x 3 x 1 samples");
@@ -410,7 +440,8 @@ TEST_F(Nifti, CiftiIsRefused) {
 }
 
 TEST_F(Nifti, IntentsOfScalarsAreNoObstacle) {
-  for (const short intent : std::array<short, 4>{3, 1002, 1005, 1007}) {  // t statistic, labels, symmetric matrix and vector of one value
+  for (const short intent : std::array<short, 4>{
+           3, 1002, 1005, 1007}) {  // t statistic, labels, symmetric matrix and vector of one value
     nifti_1_header header = header1();
     header.intent_code = intent;
     EXPECT_EQ(sample_as_double(read(one_file(header)).volume, 9), 9);
@@ -426,9 +457,11 @@ TEST_F(Nifti, CutOffAnywhereIsRefused) {
     refuse(bytes.substr(0, length), ErrorCode::bad_file, "");
   }
   const std::string second = one_file(header2());
-  for (const std::size_t length : {348, 539, 540, 543, 544, 567}) refuse(second.substr(0, length), ErrorCode::bad_file, "");
+  for (const std::size_t length : {348, 539, 540, 543, 544, 567})
+    refuse(second.substr(0, length), ErrorCode::bad_file, "");
   const std::string packed = gzipped(bytes);
-  for (std::size_t length = 20; length < packed.size(); length += 7) refuse(packed.substr(0, length), ErrorCode::bad_file, "");
+  for (std::size_t length = 20; length < packed.size(); length += 7)
+    refuse(packed.substr(0, length), ErrorCode::bad_file, "");
 }
 
 TEST_F(Nifti, DamagedMarksAreRefused) {
@@ -449,7 +482,9 @@ TEST_F(Nifti, PackedByBzip2) {
   std::string bytes = one_file(header1());
   std::string packed(2 * bytes.size() + 1000, '\0');
   auto packed_bytes = static_cast<unsigned>(packed.size());
-  ASSERT_EQ(BZ2_bzBuffToBuffCompress(packed.data(), &packed_bytes, bytes.data(), static_cast<unsigned>(bytes.size()), 9, 0, 0), BZ_OK);
+  ASSERT_EQ(BZ2_bzBuffToBuffCompress(packed.data(), &packed_bytes, bytes.data(),
+                                     static_cast<unsigned>(bytes.size()), 9, 0, 0),
+            BZ_OK);
   packed.resize(packed_bytes);
   EXPECT_EQ(sample_as_double(read(packed, {}, "v.nii.bz2").volume, 9), 9);
   EXPECT_EQ(sample_as_double(read(packed).volume, 9), 9);  // whatever its name
@@ -505,7 +540,8 @@ TEST_F(Nifti, SformIsUsedWhereTheTwoDiffer) {
   VolumeFile file = read(one_file(header));
   EXPECT_EQ(decision(file, "affine"), "qform, and the sform is the same");
   EXPECT_TRUE(file.source.warnings.empty());
-  set_sform(header, {{{1, 0, 0, 0.05F}, {0, 1, 0, 0}, {0, 0, 1, 0}}}, 4);  // a small difference is no news, but not lost
+  set_sform(header, {{{1, 0, 0, 0.05F}, {0, 1, 0, 0}, {0, 0, 1, 0}}},
+            4);  // a small difference is no news, but not lost
   file = read(one_file(header));
   EXPECT_EQ(decision(file, "affine"), "sform");
   EXPECT_FLOAT_EQ(static_cast<float>(file.volume.view.grid.origin.x), -0.05F);
@@ -513,7 +549,8 @@ TEST_F(Nifti, SformIsUsedWhereTheTwoDiffer) {
   set_sform(header, {{{1, 0, 0, 0.2F}, {0, 1, 0, 0}, {0, 0, 1, 0}}}, 4);
   file = read(one_file(header));
   EXPECT_FLOAT_EQ(static_cast<float>(file.volume.view.grid.origin.x), -0.2F);
-  expect_one_warning(file, "its sform and its qform put samples up to 0.2 voxels apart; the sform is used");
+  expect_one_warning(
+      file, "its sform and its qform put samples up to 0.2 voxels apart; the sform is used");
 }
 
 TEST_F(Nifti, SformKeepsTheVoxelSizeAsItIsWritten) {
@@ -579,8 +616,9 @@ TEST_F(Nifti, LengthsAreInMillimetres) {
     double millimetres;
     std::string decision;
   };
-  for (const Unit& unit : {Unit{0, 1, "millimetre, not stated"}, Unit{1, 1000, "metre, converted to millimetre"},
-                           Unit{2 | 8, 1, "millimetre"}, Unit{3 | 16, 0.001, "micrometre, converted to millimetre"}}) {
+  for (const Unit& unit :
+       {Unit{0, 1, "millimetre, not stated"}, Unit{1, 1000, "metre, converted to millimetre"},
+        Unit{2 | 8, 1, "millimetre"}, Unit{3 | 16, 0.001, "micrometre, converted to millimetre"}}) {
     nifti_1_header header = header1();
     header.xyzt_units = unit.code;
     header.pixdim[3] = 2.5F;
@@ -600,9 +638,11 @@ TEST_F(Nifti, LengthsAreInMillimetres) {
 // ---- pairs and Analyze
 
 TEST_F(Nifti, PairsInEachPackingAndCase) {
-  const std::string header = header_bytes(pair_header()), samples = bytes_of(ramp<std::uint8_t>(kCount));
-  const std::vector<std::array<std::string, 2>> pairs{{"a.hdr", "a.img"}, {"b.hdr.gz", "b.img.gz"}, {"c.hdr", "c.img.gz"},
-                                                      {"D.HDR", "D.IMG"}, {"e.Hdr", "e.IMG.GZ"},    {"f.v2.hdr", "f.v2.img"}};
+  const std::string header = header_bytes(pair_header()),
+                    samples = bytes_of(ramp<std::uint8_t>(kCount));
+  const std::vector<std::array<std::string, 2>> pairs{
+      {"a.hdr", "a.img"}, {"b.hdr.gz", "b.img.gz"}, {"c.hdr", "c.img.gz"},
+      {"D.HDR", "D.IMG"}, {"e.Hdr", "e.IMG.GZ"},    {"f.v2.hdr", "f.v2.img"}};
   for (const auto& [header_name, image_name] : pairs) {
     SCOPED_TRACE(header_name + " " + image_name);
     const auto packed = [](const std::string& file, const std::string& bytes) {
@@ -636,7 +676,8 @@ TEST_F(Nifti, APairMayClaimToBeOneFile) {
   write_bytes(folder_ / "a.hdr", header_bytes(header));
   write_bytes(folder_ / "a.img", bytes_of(ramp<std::uint8_t>(kCount)));
   EXPECT_EQ(sample_as_double(read_volume(folder_ / "a.hdr"), 9), 9);
-  EXPECT_EQ(sample_as_double(read(one_file(header1()), {}, "b.hdr").volume, 9), 9);  // and one file may be called a header
+  EXPECT_EQ(sample_as_double(read(one_file(header1()), {}, "b.hdr").volume, 9),
+            9);  // and one file may be called a header
 }
 
 TEST_F(Nifti, AnalyzeHasNoOrientation) {
@@ -659,7 +700,8 @@ TEST_F(Nifti, AnalyzeHasNoOrientation) {
   file = read_volume_file(folder_ / "a.img");
   EXPECT_EQ(sample_as_double(file.volume, 9), 4.5);
   ASSERT_EQ(file.source.warnings.size(), 2u);
-  EXPECT_NE(file.source.warnings[1].find("multiplied by 0.5"), std::string::npos) << file.source.warnings[1];
+  EXPECT_NE(file.source.warnings[1].find("multiplied by 0.5"), std::string::npos)
+      << file.source.warnings[1];
 }
 
 TEST_F(Nifti, NeverAllocatesMoreThanAllowed) {

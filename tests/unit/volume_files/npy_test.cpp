@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// NumPy's .npy: every type, order and version that holds a volume; the rest, and what is damaged, is refused.
+// NumPy's .npy: every type, order and version that holds a volume; the rest, and what is damaged,
+// is refused.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -19,8 +20,10 @@ namespace {
 constexpr std::size_t kCount = 24;
 constexpr std::array<std::size_t, 3> kSize{4, 3, 2};  // of an array of shape (2, 3, 4)
 
-std::string dictionary(const std::string& descr, const std::string& shape = "(2, 3, 4)", bool is_fortran_order = false) {
-  return "{'descr': '" + descr + "', 'fortran_order': " + (is_fortran_order ? "True" : "False") + ", 'shape': " + shape + ", }";
+std::string dictionary(const std::string& descr, const std::string& shape = "(2, 3, 4)",
+                       bool is_fortran_order = false) {
+  return "{'descr': '" + descr + "', 'fortran_order': " + (is_fortran_order ? "True" : "False") +
+         ", 'shape': " + shape + ", }";
 }
 
 std::string npy(const std::string& header, const std::string& samples, int version = 1) {
@@ -59,15 +62,18 @@ class Npy : public testing::Test {
       SCOPED_TRACE(order + code);
       if (order == '|' && sizeof(T) > 1) continue;
       for (const int version : {1, 2, 3}) {
-        const VolumeFile file = read(npy(dictionary(order + code), bytes_of(values, order == '>'), version));
+        const VolumeFile file =
+            read(npy(dictionary(order + code), bytes_of(values, order == '>'), version));
         EXPECT_EQ(file.volume.view.type, type);
         EXPECT_EQ(file.volume.view.grid.size, kSize);
         EXPECT_EQ(samples_as_double(file.volume), expected);
       }
       // The same array in the other order: a[z][y][x] is z + 2 (y + 3 x) there.
       std::vector<T> turned(kCount);
-      for (std::size_t i = 0; i < kCount; ++i) turned[i / 12 + 2 * (i / 4 % 3 + 3 * (i % 4))] = values[i];
-      const VolumeFile file = read(npy(dictionary(order + code, "(2, 3, 4)", true), bytes_of(turned, order == '>')));
+      for (std::size_t i = 0; i < kCount; ++i)
+        turned[i / 12 + 2 * (i / 4 % 3 + 3 * (i % 4))] = values[i];
+      const VolumeFile file =
+          read(npy(dictionary(order + code, "(2, 3, 4)", true), bytes_of(turned, order == '>')));
       EXPECT_EQ(samples_as_double(file.volume), expected);
     }
   }
@@ -99,7 +105,8 @@ TEST_F(Npy, LargeArraysInFortranOrder) {
   std::size_t wrong = 0;
   for (std::size_t z = 0; z < kZ; ++z) {
     for (std::size_t y = 0; y < kY; ++y) {
-      for (std::size_t x = 0; x < kX; ++x) wrong += samples[x + kX * (y + kY * z)] != value(z + kZ * (y + kY * x)) ? 1 : 0;
+      for (std::size_t x = 0; x < kX; ++x)
+        wrong += samples[x + kX * (y + kY * z)] != value(z + kZ * (y + kY * x)) ? 1 : 0;
     }
   }
   EXPECT_EQ(wrong, 0U);
@@ -120,7 +127,8 @@ TEST_F(Npy, StatesNoLengths) {
   EXPECT_EQ(file.volume.view.grid.spacing, (Vec3{1, 1, 1}));
   EXPECT_EQ(file.volume.view.grid.unit, LengthUnit::unknown);
   expect_one_warning(file, "states no voxel size");
-  EXPECT_TRUE(read(npy(dictionary("|u1"), kBytes), {.spacing = Vec3{1, 2, 3}}).source.warnings.empty());
+  EXPECT_TRUE(
+      read(npy(dictionary("|u1"), kBytes), {.spacing = Vec3{1, 2, 3}}).source.warnings.empty());
 }
 
 TEST_F(Npy, BooleansAreBytes) {
@@ -133,8 +141,10 @@ TEST_F(Npy, BooleansAreBytes) {
 }
 
 TEST_F(Npy, HalfPrecisionBecomesFloat) {
-  // By IEEE 754: 1, -2, the largest, the smallest normal, the smallest and the largest subnormal, -0, infinity, NaN.
-  std::vector<std::uint16_t> halves{0x3C00, 0xC000, 0x7BFF, 0x0400, 0x0001, 0x03FF, 0x8000, 0x7C00, 0xFC00, 0x7E00, 0x3555, 0x8001};
+  // By IEEE 754: 1, -2, the largest, the smallest normal, the smallest and the largest subnormal,
+  // -0, infinity, NaN.
+  std::vector<std::uint16_t> halves{0x3C00, 0xC000, 0x7BFF, 0x0400, 0x0001, 0x03FF,
+                                    0x8000, 0x7C00, 0xFC00, 0x7E00, 0x3555, 0x8001};
   halves.resize(kCount);
   const std::vector<double> expected{1,
                                      -2,
@@ -149,63 +159,80 @@ TEST_F(Npy, HalfPrecisionBecomesFloat) {
                                      1365 * 0x1p-12,
                                      -0x1p-24};
   for (const bool big_endian : {false, true}) {
-    const VolumeFile file = read(npy(dictionary(big_endian ? ">f2" : "<f2"), bytes_of(halves, big_endian)));
+    const VolumeFile file =
+        read(npy(dictionary(big_endian ? ">f2" : "<f2"), bytes_of(halves, big_endian)));
     ASSERT_EQ(file.volume.view.type, SampleType::float32);
     for (std::size_t i = 0; i < expected.size(); ++i) {
       const double value = sample_as_double(file.volume, i);
-      EXPECT_TRUE(value == expected[i] || (std::isnan(value) && std::isnan(expected[i]))) << i << ": " << value;
+      EXPECT_TRUE(value == expected[i] || (std::isnan(value) && std::isnan(expected[i])))
+          << i << ": " << value;
       EXPECT_EQ(std::signbit(value), i == 9 ? std::signbit(value) : std::signbit(expected[i])) << i;
     }
   }
 }
 
 TEST_F(Npy, OtherTypesAreRefused) {
-  for (const auto& [descr, kind] : std::vector<std::pair<std::string, std::string>>{{"<c8", "complex"},
-                                                                                    {"<f16", "extended floating-point"},
-                                                                                    {"|O", "Python objects, which are never unpacked"},
-                                                                                    {"<U5", "text"},
-                                                                                    {"|S3", "text"},
-                                                                                    {"|V8", "records"},
-                                                                                    {"<M8[ns]", "times"},
-                                                                                    {"", "an unknown type"},
-                                                                                    {"<i3", "an unknown type"}}) {
+  for (const auto& [descr, kind] : std::vector<std::pair<std::string, std::string>>{
+           {"<c8", "complex"},
+           {"<f16", "extended floating-point"},
+           {"|O", "Python objects, which are never unpacked"},
+           {"<U5", "text"},
+           {"|S3", "text"},
+           {"|V8", "records"},
+           {"<M8[ns]", "times"},
+           {"", "an unknown type"},
+           {"<i3", "an unknown type"}}) {
     refuse(npy(dictionary(descr), std::string(1000, '\0')), ErrorCode::unsupported, kind);
   }
-  refuse(npy("{'descr': [('a', '<f4'), ('b', '<f4')], 'fortran_order': False, 'shape': (2, 3, 4), }", std::string(200, '\0')),
-         ErrorCode::unsupported, "structured array");
+  refuse(
+      npy("{'descr': [('a', '<f4'), ('b', '<f4')], 'fortran_order': False, 'shape': (2, 3, 4), }",
+          std::string(200, '\0')),
+      ErrorCode::unsupported, "structured array");
 }
 
 TEST_F(Npy, ShapesOfOtherVolumes) {
   EXPECT_EQ(read(npy(dictionary("|u1", "(1, 2, 3, 4, 1)"), kBytes)).volume.view.grid.size, kSize);
-  EXPECT_EQ(read(npy(dictionary("|u1", "(2L, 3L, 4L)"), kBytes)).volume.view.grid.size, kSize);  // Python 2
-  refuse(npy(dictionary("|u1", "(2, 3, 2, 2)"), kBytes), ErrorCode::unsupported, "shape (2, 3, 2, 2), expected three axes (z, y, x); save");
-  refuse(npy(dictionary("|u1", "(24,)"), kBytes), ErrorCode::unsupported, "shape (24,), expected three axes (z, y, x)");
+  EXPECT_EQ(read(npy(dictionary("|u1", "(2L, 3L, 4L)"), kBytes)).volume.view.grid.size,
+            kSize);  // Python 2
+  refuse(npy(dictionary("|u1", "(2, 3, 2, 2)"), kBytes), ErrorCode::unsupported,
+         "shape (2, 3, 2, 2), expected three axes (z, y, x); save");
+  refuse(npy(dictionary("|u1", "(24,)"), kBytes), ErrorCode::unsupported,
+         "shape (24,), expected three axes (z, y, x)");
   refuse(npy(dictionary("|u1", "()"), kBytes), ErrorCode::unsupported, "shape ()");
   refuse(npy(dictionary("|u1", "(1, 6, 4)"), kBytes), ErrorCode::unsupported, "4 x 6 x 1 samples");
   refuse(npy(dictionary("|u1", "(0, 6, 4)"), kBytes), ErrorCode::unsupported, "4 x 6 x 0 samples");
 }
 
 TEST_F(Npy, DictionariesInAnyOrderAndWithDoubleQuotes) {
-  EXPECT_EQ(read(npy("{\"shape\":(2,3,4),\"descr\":\"|u1\",\"fortran_order\":False}", kBytes)).volume.view.grid.size, kSize);
+  EXPECT_EQ(read(npy("{\"shape\":(2,3,4),\"descr\":\"|u1\",\"fortran_order\":False}", kBytes))
+                .volume.view.grid.size,
+            kSize);
 }
 
 TEST_F(Npy, DamagedHeadersAreRefused) {
   for (const std::string& header :
-       {std::string("{'descr': '|u1', 'fortran_order': False, 'shape': (2, 3, 4)"), std::string("{'descr': '|u1', 'shape': (2, 3, 4)}"),
-        std::string("{'descr': '|u1', 'fortran_order': 0, 'shape': (2, 3, 4)}"), std::string("{'descr': '|u1"), std::string(""),
-        std::string("[]"), std::string("{'descr': '|u1', 'fortran_order': False, 'shape': (2, -3, 4)}"),
+       {std::string("{'descr': '|u1', 'fortran_order': False, 'shape': (2, 3, 4)"),
+        std::string("{'descr': '|u1', 'shape': (2, 3, 4)}"),
+        std::string("{'descr': '|u1', 'fortran_order': 0, 'shape': (2, 3, 4)}"),
+        std::string("{'descr': '|u1"), std::string(""), std::string("[]"),
+        std::string("{'descr': '|u1', 'fortran_order': False, 'shape': (2, -3, 4)}"),
         std::string("{'descr': '|u1', 'fortran_order': False, 'shape': (2 3 4)}"),
-        std::string("{'descr': '|u1', 'fortran_order': False, 'shape': (99999999999999999999, 3, 4)}"),
+        std::string(
+            "{'descr': '|u1', 'fortran_order': False, 'shape': (99999999999999999999, 3, 4)}"),
         std::string("{'descr': '|u1', 'fortran_order': False, 'shape': (2, 3, 4), 'code': 'x'}"),
         std::string("{'descr': __import__('os'), 'fortran_order': False, 'shape': (2, 3, 4)}")}) {
     refuse(npy(header, kBytes), ErrorCode::bad_file, "its header is damaged");
   }
   const std::string bytes = npy(dictionary("|u1"), kBytes);
-  for (std::size_t length = 1; length < bytes.size(); ++length) refuse(bytes.substr(0, length), ErrorCode::bad_file, "");
+  for (std::size_t length = 1; length < bytes.size(); ++length)
+    refuse(bytes.substr(0, length), ErrorCode::bad_file, "");
   refuse(npy(dictionary("|u1"), kBytes, 4), ErrorCode::unsupported, "version 4 of the .npy format");
-  refuse(npy(dictionary("<f8", "(4294967296, 4294967296, 4)"), kBytes), ErrorCode::bad_file, "more than any file can hold");
-  refuse(npy(dictionary("<f8", "(1000000, 1000000, 4)"), kBytes), ErrorCode::bad_file, "promises 32000000000000 bytes");
-  refuse(gzipped(npy(dictionary("<f8", "(1000000, 1000000, 4)"), kBytes)), ErrorCode::bad_file, "far more than");
+  refuse(npy(dictionary("<f8", "(4294967296, 4294967296, 4)"), kBytes), ErrorCode::bad_file,
+         "more than any file can hold");
+  refuse(npy(dictionary("<f8", "(1000000, 1000000, 4)"), kBytes), ErrorCode::bad_file,
+         "promises 32000000000000 bytes");
+  refuse(gzipped(npy(dictionary("<f8", "(1000000, 1000000, 4)"), kBytes)), ErrorCode::bad_file,
+         "far more than");
   std::string long_header = npy(dictionary("|u1"), kBytes, 2);
   put(long_header, 8, std::uint32_t{0xFFFFFFFF}, false);
   refuse(long_header, ErrorCode::bad_file, "its header is cut off");
@@ -218,8 +245,9 @@ TEST_F(Npy, MoreThanPromisedIsSaid) {
 
 TEST_F(Npy, ArchivesAreRefused) {
   write_bytes(folder_ / "v.npz", "PK\x03\x04 and so on");
-  expect_error(ErrorCode::unsupported, "is an archive of NumPy arrays (numpy.save writes one array as .npy)", folder_ / "v.npz",
-               [&] { read_volume(folder_ / "v.npz"); });
+  expect_error(ErrorCode::unsupported,
+               "is an archive of NumPy arrays (numpy.save writes one array as .npy)",
+               folder_ / "v.npz", [&] { read_volume(folder_ / "v.npz"); });
 }
 
 }  // namespace

@@ -19,7 +19,8 @@ using Strings = std::vector<std::string>;
 inline const std::filesystem::path kField = ISOATLAS_FIELD_DATA;
 
 inline std::string samples_of(const Volume& volume) {
-  return {static_cast<const char*>(volume.view.samples), volume.view.grid.sample_count() * bytes_per_sample(volume.view.type)};
+  return {static_cast<const char*>(volume.view.samples),
+          volume.view.grid.sample_count() * bytes_per_sample(volume.view.type)};
 }
 
 inline std::string decision(const VolumeFile& file, const std::string& key) {
@@ -41,14 +42,20 @@ inline std::string counted(std::size_t count, std::size_t first = 0, std::size_t
 /// One file in a folder of its own, and what is beside it.
 class OneFile {
  public:
-  explicit OneFile(const std::string& bytes, const std::string& name = "a.bin") : path(folder_ / name) { write_bytes(path, bytes); }
+  explicit OneFile(const std::string& bytes, const std::string& name = "a.bin")
+      : path(folder_ / name) {
+    write_bytes(path, bytes);
+  }
   OneFile& with(const std::string& name, const std::string& bytes) {
     write_bytes(folder_ / name, bytes);
     return *this;
   }
   VolumeFile file(const ReadOptions& options = {}) const { return read_volume_file(path, options); }
-  std::string samples(const ReadOptions& options = {}) const { return samples_of(file(options).volume); }
-  void expect_refused(ErrorCode code, const std::string& says, const ReadOptions& options = {}) const {
+  std::string samples(const ReadOptions& options = {}) const {
+    return samples_of(file(options).volume);
+  }
+  void expect_refused(ErrorCode code, const std::string& says,
+                      const ReadOptions& options = {}) const {
     expect_error(code, says, path, [&] { read_volume_file(path, options); });
   }
 

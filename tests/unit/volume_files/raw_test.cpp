@@ -13,8 +13,13 @@ namespace {
 
 constexpr ErrorCode kBad = ErrorCode::bad_file;
 
-ReadOptions layout(std::uint64_t offset = 0, SampleType type = SampleType::uint8, bool big_endian = false) {
-  return {.raw = RawLayout{.size = {2, 3, 4}, .type = type, .spacing = {0.5, 1, 2}, .big_endian = big_endian, .offset = offset}};
+ReadOptions layout(std::uint64_t offset = 0, SampleType type = SampleType::uint8,
+                   bool big_endian = false) {
+  return {.raw = RawLayout{.size = {2, 3, 4},
+                           .type = type,
+                           .spacing = {0.5, 1, 2},
+                           .big_endian = big_endian,
+                           .offset = offset}};
 }
 
 TEST(Raw, Offset) {
@@ -26,7 +31,8 @@ TEST(Raw, Offset) {
   EXPECT_EQ(file.file(in_micrometres).volume.view.grid.unit, LengthUnit::micrometre);
   file.expect_refused(kBad, "has 28 bytes, but 2 x 3 x 4 samples of uint8 are 24 bytes", layout());
   file.expect_refused(kBad, "has 28 bytes, but after an offset of 5 2 x 3 x 4 samples", layout(5));
-  file.expect_refused(kBad, "has 28 bytes, but after an offset of 18446744073709551615", layout(~std::uint64_t{0}));
+  file.expect_refused(kBad, "has 28 bytes, but after an offset of 18446744073709551615",
+                      layout(~std::uint64_t{0}));
   std::string swapped = "odd";
   for (std::size_t i = 0; i < 48; i += 2) {
     swapped += {static_cast<char>(i + 1), static_cast<char>(i)};
@@ -39,7 +45,8 @@ TEST(Raw, Packed) {
     const OneFile file(packed, "a.raw.gz");
     EXPECT_EQ(file.samples(layout(4)), counted(24));
     file.expect_refused(kBad, "has 28 bytes when unpacked, but 2 x 3 x 4 samples", layout());
-    file.expect_refused(kBad, "has 28 bytes when unpacked, but after an offset of 5 2 x 3 x 4 samples", layout(5));
+    file.expect_refused(
+        kBad, "has 28 bytes when unpacked, but after an offset of 5 2 x 3 x 4 samples", layout(5));
     OneFile(packed.substr(0, packed.size() - 5)).expect_refused(kBad, "is cut off", layout(4));
   }
   OneFile(gzipped(counted(20))).expect_refused(kBad, "has 20 bytes when unpacked", layout());
@@ -54,7 +61,8 @@ TEST(Raw, MoreThanAPackedFileCanHold) {
   ReadOptions options = layout();
   options.raw->size = {100000, 100000, 100000};
   OneFile(gzipped(counted(24))).expect_refused(kBad, "far more than a file of", options);
-  OneFile(bzipped(counted(24))).expect_refused(ErrorCode::out_of_memory, "more than the limit of", options);
+  OneFile(bzipped(counted(24)))
+      .expect_refused(ErrorCode::out_of_memory, "more than the limit of", options);
 }
 
 }  // namespace

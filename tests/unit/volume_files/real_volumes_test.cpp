@@ -32,8 +32,11 @@ TEST(RealVolumes, AreAsTheManifestSays) {
     SCOPED_TRACE(file);
     const Volume volume = read_volume(folder / file);
     const Grid& grid = volume.view.grid;
-    EXPECT_EQ(std::to_string(grid.size[0]) + "x" + std::to_string(grid.size[1]) + "x" + std::to_string(grid.size[2]), size);
-    EXPECT_TRUE(type == name(volume.view.type) || type.find(" * ") != std::string::npos) << type << " " << name(volume.view.type);
+    EXPECT_EQ(std::to_string(grid.size[0]) + "x" + std::to_string(grid.size[1]) + "x" +
+                  std::to_string(grid.size[2]),
+              size);
+    EXPECT_TRUE(type == name(volume.view.type) || type.find(" * ") != std::string::npos)
+        << type << " " << name(volume.view.type);
     std::istringstream expected(spacing);
     Vec3 s;
     expected >> s.x >> s.y >> s.z;

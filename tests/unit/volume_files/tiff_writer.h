@@ -13,7 +13,7 @@ namespace isoatlas::detail::test {
 
 struct TiffTag {
   std::uint16_t tag;
-  std::uint16_t type;                 // 1 BYTE, 2 ASCII, 3 SHORT, 4 LONG, 5 RATIONAL (two numbers each)
+  std::uint16_t type;  // 1 BYTE, 2 ASCII, 3 SHORT, 4 LONG, 5 RATIONAL (two numbers each)
   std::vector<std::uint32_t> values;  // or:
   std::string bytes = {};
 };
@@ -27,10 +27,12 @@ struct TiffPage {
   std::vector<TiffTag> more = {};                 // replace those above
 };
 
-/// Classic or BigTIFF of one uncompressed strip per page. The samples must be in the file's byte order.
+/// Classic or BigTIFF of one uncompressed strip per page. The samples must be in the file's byte
+/// order.
 class TiffWriter {
  public:
-  explicit TiffWriter(bool is_big_endian = false, bool is_big_tiff = false) : is_big_endian_(is_big_endian), is_big_tiff_(is_big_tiff) {
+  explicit TiffWriter(bool is_big_endian = false, bool is_big_tiff = false)
+      : is_big_endian_(is_big_endian), is_big_tiff_(is_big_tiff) {
     file_ = is_big_endian ? "MM" : "II";
     put(is_big_tiff ? 43 : 42, 2);
     if (is_big_tiff) {
@@ -44,17 +46,19 @@ class TiffWriter {
   TiffWriter& add(const TiffPage& page) {
     const std::uint64_t samples_at = file_.size();
     file_ += page.samples;
-    std::vector<TiffTag> tags{{256, 4, {page.width}},
-                              {257, 4, {page.height}},
-                              {258, 3, std::vector<std::uint32_t>(page.values, page.bits)},
-                              {259, 3, {1}},
-                              {262, 3, {page.photometric}},
-                              {273, 4, {static_cast<std::uint32_t>(samples_at)}},
-                              {277, 3, {page.values}},
-                              {278, 4, {page.height}},
-                              {279, 4, {page.strip_bytes.value_or(static_cast<std::uint32_t>(page.samples.size()))}},
-                              {339, 3, std::vector<std::uint32_t>(page.values, page.format)}};
-    if (!page.description.empty()) tags.push_back({270, 2, {}, page.description + std::string(1, '\0')});
+    std::vector<TiffTag> tags{
+        {256, 4, {page.width}},
+        {257, 4, {page.height}},
+        {258, 3, std::vector<std::uint32_t>(page.values, page.bits)},
+        {259, 3, {1}},
+        {262, 3, {page.photometric}},
+        {273, 4, {static_cast<std::uint32_t>(samples_at)}},
+        {277, 3, {page.values}},
+        {278, 4, {page.height}},
+        {279, 4, {page.strip_bytes.value_or(static_cast<std::uint32_t>(page.samples.size()))}},
+        {339, 3, std::vector<std::uint32_t>(page.values, page.format)}};
+    if (!page.description.empty())
+      tags.push_back({270, 2, {}, page.description + std::string(1, '\0')});
     for (const TiffTag& tag : page.more) {
       std::erase_if(tags, [&](const TiffTag& other) { return other.tag == tag.tag; });
       tags.push_back(tag);
@@ -90,7 +94,8 @@ class TiffWriter {
     std::vector<std::string> fields;
     for (const TiffTag& tag : tags) {
       std::string field = tag.bytes;
-      for (const std::uint32_t value : tag.values) field += number(value, tag.type == 5 ? 4 : kBytes[tag.type]);
+      for (const std::uint32_t value : tag.values)
+        field += number(value, tag.type == 5 ? 4 : kBytes[tag.type]);
       const std::size_t count = field.size() / kBytes[tag.type];
       if (field.size() > word()) {
         const std::size_t at = file_.size();

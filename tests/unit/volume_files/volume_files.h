@@ -18,8 +18,10 @@
 
 namespace isoatlas::detail::test {
 
-inline constexpr std::array kAllTypes{SampleType::int8,   SampleType::uint8, SampleType::int16,  SampleType::uint16,  SampleType::int32,
-                                      SampleType::uint32, SampleType::int64, SampleType::uint64, SampleType::float32, SampleType::float64};
+inline constexpr std::array kAllTypes{SampleType::int8,   SampleType::uint8,  SampleType::int16,
+                                      SampleType::uint16, SampleType::int32,  SampleType::uint32,
+                                      SampleType::int64,  SampleType::uint64, SampleType::float32,
+                                      SampleType::float64};
 
 /// Calls `use` with a value of the C++ type.
 template <class Use>
@@ -48,7 +50,8 @@ void with_type(SampleType type, Use use) {
   }
 }
 
-/// A volume of 5 x 4 x 3 samples whose values use the whole range of the type, in a turned and shifted grid.
+/// A volume of 5 x 4 x 3 samples whose values use the whole range of the type, in a turned and
+/// shifted grid.
 struct TestVolume {
   Grid grid;
   SampleType type;
@@ -63,7 +66,8 @@ struct TestVolume {
     with_type(type, [&](auto zero) {
       using T = decltype(zero);
       for (std::size_t i = 0; i < grid.sample_count(); ++i) {
-        const double fraction = static_cast<double>(i) / static_cast<double>(grid.sample_count() - 1);
+        const double fraction =
+            static_cast<double>(i) / static_cast<double>(grid.sample_count() - 1);
         T value{};
         if constexpr (std::is_floating_point_v<T>) {
           value = static_cast<T>(1000 * fraction - 300.7);
@@ -82,13 +86,15 @@ struct TestVolume {
 
 inline itk::IOComponentEnum itk_component(SampleType type) {
   using Component = itk::IOComponentEnum;
-  constexpr std::array kComponents{Component::CHAR, Component::UCHAR, Component::SHORT, Component::USHORT, Component::INT,
-                                   Component::UINT, Component::LONG,  Component::ULONG, Component::FLOAT,  Component::DOUBLE};
+  constexpr std::array kComponents{
+      Component::CHAR, Component::UCHAR, Component::SHORT, Component::USHORT, Component::INT,
+      Component::UINT, Component::LONG,  Component::ULONG, Component::FLOAT,  Component::DOUBLE};
   return kComponents[static_cast<std::size_t>(type)];
 }
 
-inline void write_with(itk::ImageIOBase& image_io, const std::filesystem::path& path, const Grid& grid, SampleType type,
-                       const std::string& bytes, bool compress = false) {
+inline void write_with(itk::ImageIOBase& image_io, const std::filesystem::path& path,
+                       const Grid& grid, SampleType type, const std::string& bytes,
+                       bool compress = false) {
   image_io.SetNumberOfDimensions(3);
   const std::array<double, 3> spacing{grid.spacing.x, grid.spacing.y, grid.spacing.z};
   const std::array<double, 3> origin{grid.origin.x, grid.origin.y, grid.origin.z};

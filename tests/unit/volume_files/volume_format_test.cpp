@@ -41,23 +41,28 @@ TEST(VolumeFormat, NeverAllocatesMoreThanAllowed) {
     FAIL() << "expected an error";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::out_of_memory);
-    EXPECT_NE(std::string(error.what()).find("more than the limit of 1000"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("more than the limit of 1000"), std::string::npos)
+        << error.what();
   }
 }
 
 TEST(VolumeFormat, DigestIsThatOfTheBytes) {
   const std::string bytes = "abcdefgh";  // sha256sum's answer below
-  const VolumeView view{.grid = {.size = {2, 2, 2}}, .type = SampleType::uint8, .samples = bytes.data()};
-  EXPECT_EQ(sample_digest(view), "9c56cc51b374c3ba189210d5b6d4bf57790d351c96c47c02190ecf1e430635ab");
+  const VolumeView view{
+      .grid = {.size = {2, 2, 2}}, .type = SampleType::uint8, .samples = bytes.data()};
+  EXPECT_EQ(sample_digest(view),
+            "9c56cc51b374c3ba189210d5b6d4bf57790d351c96c47c02190ecf1e430635ab");
 }
 
 TEST(LengthUnit, HasTheNamesThatProgramsWrite) {
-  for (const char* name : {"um", "µm", "\xCE\xBCm", "\xB5m", "\\u00B5m", "micron", "microns", "Micrometer", "UM"})
+  for (const char* name :
+       {"um", "µm", "\xCE\xBCm", "\xB5m", "\\u00B5m", "micron", "microns", "Micrometer", "UM"})
     EXPECT_EQ(length_unit_named(name), LengthUnit::micrometre) << name;
   EXPECT_EQ(length_unit_named("mm"), LengthUnit::millimetre);
   EXPECT_EQ(length_unit_named("inches"), LengthUnit::inch);
   EXPECT_EQ(length_unit_named("A"), LengthUnit::angstrom);
-  for (const char* name : {"", "pixel", "a", "s", "meterz"}) EXPECT_EQ(length_unit_named(name), LengthUnit::unknown) << name;
+  for (const char* name : {"", "pixel", "a", "s", "meterz"})
+    EXPECT_EQ(length_unit_named(name), LengthUnit::unknown) << name;
 }
 
 }  // namespace

@@ -28,16 +28,23 @@ void expect_near(const Vec3& a, const Vec3& b, double tolerance) {
   EXPECT_NEAR(a.z, b.z, tolerance);
 }
 
-void expect_same(const Volume& read, const TestVolume& written, Geometry geometry, double tolerance = 1e-12) {
+void expect_same(const Volume& read, const TestVolume& written, Geometry geometry,
+                 double tolerance = 1e-12) {
   ASSERT_EQ(read.view.grid.size, written.grid.size);
   ASSERT_EQ(read.view.type, written.type) << name(read.view.type);
   ASSERT_NE(read.owner, nullptr);
-  EXPECT_EQ(std::string(static_cast<const char*>(read.view.samples), written.bytes.size()), written.bytes) << name(read.view.type);
+  EXPECT_EQ(std::string(static_cast<const char*>(read.view.samples), written.bytes.size()),
+            written.bytes)
+      << name(read.view.type);
   const Grid unit;
-  expect_near(read.view.grid.spacing, geometry >= Geometry::spacing_only ? written.grid.spacing : unit.spacing, tolerance);
-  expect_near(read.view.grid.origin, geometry >= Geometry::no_direction ? written.grid.origin : unit.origin, 100 * tolerance);
+  expect_near(read.view.grid.spacing,
+              geometry >= Geometry::spacing_only ? written.grid.spacing : unit.spacing, tolerance);
+  expect_near(read.view.grid.origin,
+              geometry >= Geometry::no_direction ? written.grid.origin : unit.origin,
+              100 * tolerance);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    expect_near(read.view.grid.direction[axis], geometry == Geometry::full ? written.grid.direction[axis] : unit.direction[axis],
+    expect_near(read.view.grid.direction[axis],
+                geometry == Geometry::full ? written.grid.direction[axis] : unit.direction[axis],
                 tolerance);
   }
 }
@@ -47,7 +54,8 @@ class EveryType : public testing::TestWithParam<SampleType> {
   TempFolder folder_;
   TestVolume written_{GetParam()};
 
-  void check(itk::ImageIOBase& image_io, const std::string& file_name, Geometry geometry, double tolerance, bool compress = false) {
+  void check(itk::ImageIOBase& image_io, const std::string& file_name, Geometry geometry,
+             double tolerance, bool compress = false) {
     const auto path = folder_ / file_name;
     write_with(image_io, path, written_.grid, written_.type, written_.bytes, compress);
     SCOPED_TRACE(file_name);
@@ -55,7 +63,8 @@ class EveryType : public testing::TestWithParam<SampleType> {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Types, EveryType, testing::ValuesIn(kAllTypes), [](const auto& test) { return std::string(name(test.param)); });
+INSTANTIATE_TEST_SUITE_P(Types, EveryType, testing::ValuesIn(kAllTypes),
+                         [](const auto& test) { return std::string(name(test.param)); });
 
 TEST_P(EveryType, Nrrd) {
   check(*itk::NrrdImageIO::New(), "plain.nrrd", Geometry::full, 1e-12);
@@ -103,9 +112,13 @@ TEST_P(EveryType, Tiff) {
         TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, 1);
         TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
         TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_LZW);
-        const bool is_float = written_.type == SampleType::float32 || written_.type == SampleType::float64;
+        const bool is_float =
+            written_.type == SampleType::float32 || written_.type == SampleType::float64;
         const bool is_signed = name(written_.type).starts_with("int");
-        TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT, is_float ? SAMPLEFORMAT_IEEEFP : is_signed ? SAMPLEFORMAT_INT : SAMPLEFORMAT_UINT);
+        TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT,
+                     is_float    ? SAMPLEFORMAT_IEEEFP
+                     : is_signed ? SAMPLEFORMAT_INT
+                                 : SAMPLEFORMAT_UINT);
         std::string rows = written_.bytes.substr(z * 4 * row_bytes, 4 * row_bytes);
         if (tiled) {
           TIFFSetField(tiff, TIFFTAG_TILEWIDTH, 16);
@@ -118,7 +131,8 @@ TEST_P(EveryType, Tiff) {
         } else {
           TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, 3);  // two strips, the last one shorter
           TIFFWriteEncodedStrip(tiff, 0, rows.data(), static_cast<tmsize_t>(3 * row_bytes));
-          TIFFWriteEncodedStrip(tiff, 1, rows.data() + 3 * row_bytes, static_cast<tmsize_t>(row_bytes));
+          TIFFWriteEncodedStrip(tiff, 1, rows.data() + 3 * row_bytes,
+                                static_cast<tmsize_t>(row_bytes));
         }
         TIFFWriteDirectory(tiff);
       }
@@ -130,10 +144,12 @@ TEST_P(EveryType, Tiff) {
 }
 
 TEST_P(EveryType, Vti) {
-  constexpr std::array kVtkTypes{VTK_SIGNED_CHAR, VTK_UNSIGNED_CHAR,      VTK_SHORT, VTK_UNSIGNED_SHORT, VTK_INT, VTK_UNSIGNED_INT,
-                                 VTK_LONG_LONG,   VTK_UNSIGNED_LONG_LONG, VTK_FLOAT, VTK_DOUBLE};
-  const auto samples =
-      vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(kVtkTypes[static_cast<std::size_t>(written_.type)]));
+  constexpr std::array kVtkTypes{
+      VTK_SIGNED_CHAR, VTK_UNSIGNED_CHAR, VTK_SHORT,     VTK_UNSIGNED_SHORT,
+      VTK_INT,         VTK_UNSIGNED_INT,  VTK_LONG_LONG, VTK_UNSIGNED_LONG_LONG,
+      VTK_FLOAT,       VTK_DOUBLE};
+  const auto samples = vtkSmartPointer<vtkDataArray>::Take(
+      vtkDataArray::CreateDataArray(kVtkTypes[static_cast<std::size_t>(written_.type)]));
   samples->SetNumberOfTuples(static_cast<vtkIdType>(written_.grid.sample_count()));
   std::memcpy(samples->GetVoidPointer(0), written_.bytes.data(), written_.bytes.size());
   samples->SetName("density");
@@ -145,8 +161,10 @@ TEST_P(EveryType, Vti) {
   image->SetSpacing(grid.spacing.x, grid.spacing.y, grid.spacing.z);
   const auto& d = grid.direction;
   image->SetDirectionMatrix(d[0].x, d[1].x, d[2].x, d[0].y, d[1].y, d[2].y, d[0].z, d[1].z, d[2].z);
-  const double x = begin[0] * grid.spacing.x, y = begin[1] * grid.spacing.y, z = begin[2] * grid.spacing.z;
-  image->SetOrigin(grid.origin.x - (d[0].x * x + d[1].x * y + d[2].x * z), grid.origin.y - (d[0].y * x + d[1].y * y + d[2].y * z),
+  const double x = begin[0] * grid.spacing.x, y = begin[1] * grid.spacing.y,
+               z = begin[2] * grid.spacing.z;
+  image->SetOrigin(grid.origin.x - (d[0].x * x + d[1].x * y + d[2].x * z),
+                   grid.origin.y - (d[0].y * x + d[1].y * y + d[2].y * z),
                    grid.origin.z - (d[0].z * x + d[1].z * y + d[2].z * z));
   image->GetPointData()->SetScalars(samples);
   for (const int mode : {vtkXMLWriter::Ascii, vtkXMLWriter::Binary, vtkXMLWriter::Appended}) {
@@ -182,7 +200,9 @@ TEST_P(EveryType, Raw) {
 
 TEST(VolumeGeometry, NegativeSpacingTurnsTheAxis) {
   const TempFolder folder;
-  write_bytes(folder / "turned.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nspacings: 1 -2 3\nencoding: raw\n\n12345678");
+  write_bytes(folder / "turned.nrrd",
+              "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nspacings: 1 -2 3\nencoding: "
+              "raw\n\n12345678");
   const Grid grid = read_volume(folder / "turned.nrrd").view.grid;
   EXPECT_EQ(grid.spacing, (Vec3{1, 2, 3}));
   EXPECT_EQ(grid.direction[1], (Vec3{0, -1, 0}));
@@ -191,8 +211,10 @@ TEST(VolumeGeometry, NegativeSpacingTurnsTheAxis) {
 TEST(VolumeGeometry, LengthOfAnAxisGoesToTheSpacing) {
   const TempFolder folder;
   write_bytes(folder / "long.mha",
-              "ObjectType = Image\nNDims = 3\nBinaryData = True\nTransformMatrix = 0 2 0 -1 0 0 0 0 1\nOffset = 1 2 3\n"
-              "ElementSpacing = 1 1 1\nDimSize = 2 2 2\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n12345678");
+              "ObjectType = Image\nNDims = 3\nBinaryData = True\nTransformMatrix = 0 2 0 -1 0 0 0 "
+              "0 1\nOffset = 1 2 3\n"
+              "ElementSpacing = 1 1 1\nDimSize = 2 2 2\nElementType = MET_UCHAR\nElementDataFile = "
+              "LOCAL\n12345678");
   const Grid grid = read_volume(folder / "long.mha").view.grid;
   EXPECT_EQ(grid.spacing, (Vec3{2, 1, 1}));
   EXPECT_EQ(grid.direction[0], (Vec3{0, 1, 0}));
@@ -204,7 +226,8 @@ TEST(VolumeGeometry, NrrdInRasComesOutInLps) {
   const TempFolder folder;
   write_bytes(folder / "ras.nrrd",
               "NRRD0005\ntype: uint8\ndimension: 3\nspace: right-anterior-superior\nsizes: 2 2 2\n"
-              "space directions: (2,0,0) (0,3,0) (0,0,4)\nspace origin: (10,20,30)\nencoding: raw\n\n12345678");
+              "space directions: (2,0,0) (0,3,0) (0,0,4)\nspace origin: (10,20,30)\nencoding: "
+              "raw\n\n12345678");
   const Grid grid = read_volume(folder / "ras.nrrd").view.grid;
   EXPECT_EQ(grid.origin, (Vec3{-10, -20, 30}));
   EXPECT_EQ(grid.direction[0], (Vec3{-1, 0, 0}));
@@ -224,7 +247,8 @@ TEST(VolumeGeometry, ImageJStackHasItsSliceDistance) {
     TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
     TIFFSetField(tiff, TIFFTAG_XRESOLUTION, 4.0);
     TIFFSetField(tiff, TIFFTAG_YRESOLUTION, 2.0);
-    TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, "ImageJ=1.53\nimages=2\nslices=2\nunit=micron\nspacing=1.5\n");
+    TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION,
+                 "ImageJ=1.53\nimages=2\nslices=2\nunit=micron\nspacing=1.5\n");
     std::string rows = "abcd";
     TIFFWriteEncodedStrip(tiff, 0, rows.data(), 4);
     TIFFWriteDirectory(tiff);
@@ -236,7 +260,8 @@ TEST(VolumeGeometry, ImageJStackHasItsSliceDistance) {
 TEST(VolumeSamples, NiftiScaleIsApplied) {
   const TempFolder folder;
   const TestVolume written(SampleType::uint8);
-  write_with(*itk::NiftiImageIO::New(), folder / "scaled.nii", written.grid, written.type, written.bytes);
+  write_with(*itk::NiftiImageIO::New(), folder / "scaled.nii", written.grid, written.type,
+             written.bytes);
   std::string bytes = read_bytes(folder / "scaled.nii");
   const std::array<float, 2> scale{2.5F, -7.0F};
   std::memcpy(bytes.data() + 112, scale.data(), sizeof scale);
@@ -244,16 +269,19 @@ TEST(VolumeSamples, NiftiScaleIsApplied) {
   const Volume volume = read_volume(folder / "scaled.nii");
   ASSERT_EQ(volume.view.type, SampleType::float32);
   for (std::size_t i = 0; i < written.bytes.size(); ++i) {
-    EXPECT_EQ(static_cast<const float*>(volume.view.samples)[i], static_cast<unsigned char>(written.bytes[i]) * 2.5F - 7.0F);
+    EXPECT_EQ(static_cast<const float*>(volume.view.samples)[i],
+              static_cast<unsigned char>(written.bytes[i]) * 2.5F - 7.0F);
   }
 }
 
 TEST(VolumeSamples, NiftiKeepsNaNAndInfinity) {  // the library behind ITK reads them as 0
   const TempFolder folder;
   const TestVolume written(SampleType::float32);
-  write_with(*itk::NiftiImageIO::New(), folder / "holes.nii", written.grid, written.type, written.bytes);
+  write_with(*itk::NiftiImageIO::New(), folder / "holes.nii", written.grid, written.type,
+             written.bytes);
   std::string bytes = read_bytes(folder / "holes.nii");
-  const std::array<float, 3> holes{std::numeric_limits<float>::quiet_NaN(), -std::numeric_limits<float>::infinity(),
+  const std::array<float, 3> holes{std::numeric_limits<float>::quiet_NaN(),
+                                   -std::numeric_limits<float>::infinity(),
                                    std::numeric_limits<float>::infinity()};
   std::memcpy(bytes.data() + 352 + 4 * 5, holes.data(), sizeof holes);
   write_bytes(folder / "holes.nii", bytes);
@@ -261,20 +289,23 @@ TEST(VolumeSamples, NiftiKeepsNaNAndInfinity) {  // the library behind ITK reads
   const SampleSummary summary = summarize(volume);
   EXPECT_EQ(summary.nan_count, 1u);
   EXPECT_EQ(summary.infinity_count, 2u);
-  EXPECT_EQ(summary.first_non_finite, (std::array<std::size_t, 3>{5 % written.grid.size[0], 5 / written.grid.size[0], 0}));
+  EXPECT_EQ(summary.first_non_finite,
+            (std::array<std::size_t, 3>{5 % written.grid.size[0], 5 / written.grid.size[0], 0}));
   EXPECT_EQ(static_cast<const float*>(volume.view.samples)[6], holes[1]);
   EXPECT_EQ(static_cast<const float*>(volume.view.samples)[7], holes[2]);
 }
 
 TEST(VolumeSamples, FourDimensionsWithOneVolumeAreAVolume) {
   const TempFolder folder;
-  write_bytes(folder / "one.nrrd", "NRRD0004\ntype: uint8\ndimension: 4\nsizes: 2 2 2 1\nencoding: raw\n\n12345678");
+  write_bytes(folder / "one.nrrd",
+              "NRRD0004\ntype: uint8\ndimension: 4\nsizes: 2 2 2 1\nencoding: raw\n\n12345678");
   EXPECT_EQ(read_volume(folder / "one.nrrd").view.grid.size, (std::array<std::size_t, 3>{2, 2, 2}));
 }
 
 TEST(VolumeSamples, OutliveTheirVolume) {  // a view and the owner are enough
   const TempFolder folder;
-  write_bytes(folder / "a.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n\n12345678");
+  write_bytes(folder / "a.nrrd",
+              "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n\n12345678");
   std::shared_ptr<const void> owner;
   VolumeView view;
   {

@@ -30,14 +30,18 @@ CoveringOptions options(float max_radius) {
 }
 
 std::vector<std::pair<std::string, SurfaceComplex>> surfaces() {
-  std::vector<std::pair<std::string, SurfaceComplex>> out{{"grid", flat_grid(17, 13)}, {"tube", tube(11, 20)}};
+  std::vector<std::pair<std::string, SurfaceComplex>> out{{"grid", flat_grid(17, 13)},
+                                                          {"tube", tube(11, 20)}};
   for (const KnownVolume& known : known_volumes()) {
-    if (known.samples.values.size() < 16000) out.emplace_back(known.name, surface_of(known.samples, known.isovalue));
+    if (known.samples.values.size() < 16000)
+      out.emplace_back(known.name, surface_of(known.samples, known.isovalue));
   }
   for (std::uint64_t seed = 0; seed < 16; ++seed) {
     const auto family = static_cast<Family>(seed % kFamilies);
     const Samples s = random_samples(family, {8, 7, 9}, seed);
-    if (has_surface(s, 0)) out.emplace_back(name(family), surface_of(s, 0, Inside::above, seed % 2 ? Vec3{1, 1, 1} : Vec3{1, 2, 0.5}));
+    if (has_surface(s, 0))
+      out.emplace_back(name(family),
+                       surface_of(s, 0, Inside::above, seed % 2 ? Vec3{1, 1, 1} : Vec3{1, 2, 0.5}));
   }
   return out;
 }
@@ -52,7 +56,8 @@ void expect_promises(const CVertexGraph& graph, const Covering& covering, const 
   ASSERT_EQ(sites.size(), p.site.size()) << what << ": a site twice";
   ASSERT_EQ(covering.site_count(), p.site.size());
   for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
-    ASSERT_NEAR(covering.distance()[v], distance[v], 1e-4 * (1 + distance[v])) << what << ": distance of " << v;
+    ASSERT_NEAR(covering.distance()[v], distance[v], 1e-4 * (1 + distance[v]))
+        << what << ": distance of " << v;
     ASSERT_TRUE(covering.is_covered(v)) << what << ": " << v;
     ASSERT_GT(covering.radius()[v], 0) << what;
     ASSERT_LT(p.cell_of[v], p.cell_count()) << what;
@@ -64,12 +69,14 @@ void expect_promises(const CVertexGraph& graph, const Covering& covering, const 
     ASSERT_EQ(p.cell_of[p.site[c]], c) << what << ": a site owns itself";
     ASSERT_EQ(covering.distance()[p.site[c]], 0) << what;
   }
-  // Cells are connected in the graph, and every c-vertex is as far from its own site as from the nearest one.
+  // Cells are connected in the graph, and every c-vertex is as far from its own site as from the
+  // nearest one.
   for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
     if (covering.distance()[v] == 0) continue;
     bool has_parent = false;
     for (const auto& n : graph.row(v)) {
-      has_parent |= p.cell_of[n.id] == p.cell_of[v] && covering.distance()[n.id] + n.weight == covering.distance()[v];
+      has_parent |= p.cell_of[n.id] == p.cell_of[v] &&
+                    covering.distance()[n.id] + n.weight == covering.distance()[v];
     }
     ASSERT_TRUE(has_parent) << what << ": a c-vertex whose way to its site leaves the cell";
   }
@@ -77,7 +84,8 @@ void expect_promises(const CVertexGraph& graph, const Covering& covering, const 
   // checks what matters of this.
   if (boundary == Boundary::owned_from_anywhere) return;
   for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
-    ASSERT_TRUE(!graph.on_boundary[v] || graph.on_boundary[p.site[p.cell_of[v]]]) << what << ": boundary owned from inside";
+    ASSERT_TRUE(!graph.on_boundary[v] || graph.on_boundary[p.site[p.cell_of[v]]])
+        << what << ": boundary owned from inside";
   }
 }
 
@@ -90,10 +98,13 @@ TEST(Covering, ParallelComponentsEqualSequentialOnes) {
     Covering apart(graph, options(6));
     apart.ignore_events();
     apart.cover({});
-    Covering in_turn(graph, options(6));  // with a site already, components are covered one after the other
+    Covering in_turn(
+        graph, options(6));  // with a site already, components are covered one after the other
     in_turn.ignore_events();
     const auto on_boundary = std::ranges::find(graph.on_boundary, std::uint8_t{1});
-    in_turn.insert(on_boundary == graph.on_boundary.end() ? 0 : static_cast<CVertexId>(on_boundary - graph.on_boundary.begin()));
+    in_turn.insert(on_boundary == graph.on_boundary.end()
+                       ? 0
+                       : static_cast<CVertexId>(on_boundary - graph.on_boundary.begin()));
     in_turn.cover({});
     EXPECT_EQ(apart.partition().site, in_turn.partition().site) << what;
     EXPECT_EQ(apart.partition().cell_of, in_turn.partition().cell_of) << what;
@@ -147,24 +158,29 @@ TEST(Covering, SatisfiesItsInvariantsOnAFinerComplex) {
   std::size_t risen = 0;
   double largest_rise = 1;
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
-    const Samples samples = seed % 2 == 0 ? sampled({24, 24, 24}, sphere({11.4, 11.6, 11.55}, 6 + 0.4 * static_cast<double>(seed)))
-                                          : random_samples(Family::gyroid_cut, {18, 17, 19}, seed);
+    const Samples samples =
+        seed % 2 == 0 ? sampled({24, 24, 24},
+                                sphere({11.4, 11.6, 11.55}, 6 + 0.4 * static_cast<double>(seed)))
+                      : random_samples(Family::gyroid_cut, {18, 17, 19}, seed);
     const SurfaceComplex surface = surface_of(samples);
     const Coarsened coarser = coarsen(surface, 3, {});
     const CVertexGraph coarse_graph = make_graph(coarser.complex), graph = make_graph(surface);
     Covering on_coarser(coarse_graph, options(8));
     on_coarser.cover({});
     std::vector<CVertexId> sites;
-    for (const CVertexId v : on_coarser.partition().site) sites.push_back(coarser.representative[v]);
+    for (const CVertexId v : on_coarser.partition().site)
+      sites.push_back(coarser.representative[v]);
     std::vector<Covering::Radius> radii;
-    for (CVertexId v = 0; v < coarse_graph.c_vertex_count(); ++v) radii.push_back({coarser.representative[v], on_coarser.radius()[v]});
+    for (CVertexId v = 0; v < coarse_graph.c_vertex_count(); ++v)
+      radii.push_back({coarser.representative[v], on_coarser.radius()[v]});
     Covering covering(graph, options(8));
     covering.seed(sites, radii);
     expect_promises(graph, covering, "seed " + std::to_string(seed));
     if (HasFatalFailure()) return;
     for (const Covering::Radius& r : radii) {
       risen += covering.radius()[r.at] > r.radius ? 1 : 0;
-      largest_rise = std::max(largest_rise, static_cast<double>(covering.radius()[r.at] / r.radius));
+      largest_rise =
+          std::max(largest_rise, static_cast<double>(covering.radius()[r.at] / r.radius));
     }
     covering.lower_radius(sites.front(), 1);
     covering.cover({});
@@ -181,8 +197,8 @@ TEST(Covering, SatisfiesItsInvariantsOnASubdividedComplex) {
   std::size_t sites = 0;
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
     SCOPED_TRACE(seed);
-    const SurfaceComplex surface =
-        surface_of(random_samples(seed % 2 == 0 ? Family::gyroid_cut : Family::smooth_blobs, {18, 17, 19}, seed));
+    const SurfaceComplex surface = surface_of(random_samples(
+        seed % 2 == 0 ? Family::gyroid_cut : Family::smooth_blobs, {18, 17, 19}, seed));
     Coarsened coarser = coarsen(surface, 3, {});
     CVertexGraph graph = make_graph(coarser.complex);
     Covering start(graph, options(8));
@@ -203,7 +219,8 @@ TEST(Covering, SatisfiesItsInvariantsOnASubdividedComplex) {
     const std::vector<std::uint8_t> changed = rebuild_graph(graph, coarser.complex);
     for (const bool moves : {false, true}) {
       std::vector<CVertexId> at = start.partition().site;
-      for (CVertexId v = 0; moves && v < c_vertices; v += 3) {  // some sites move to another c-vertex of their cell
+      for (CVertexId v = 0; moves && v < c_vertices;
+           v += 3) {  // some sites move to another c-vertex of their cell
         const CellId c = start.partition().cell_of[v];
         if (was_on_boundary[v] == was_on_boundary[at[c]]) at[c] = v;
       }
@@ -212,16 +229,19 @@ TEST(Covering, SatisfiesItsInvariantsOnASubdividedComplex) {
       covering.adapt_to(changed, at);
       std::vector<CVertexId> other_cell;
       for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
-        if (v >= c_vertices || covering.partition().cell_of[v] != start.partition().cell_of[v]) other_cell.push_back(v);
+        if (v >= c_vertices || covering.partition().cell_of[v] != start.partition().cell_of[v])
+          other_cell.push_back(v);
       }
-      EXPECT_EQ(std::vector<CVertexId>(covering.changed().begin(), covering.changed().end()), other_cell);
+      EXPECT_EQ(std::vector<CVertexId>(covering.changed().begin(), covering.changed().end()),
+                other_cell);
       expect_promises(graph, covering, "finer", Boundary::owned_from_anywhere);
       if (HasFatalFailure()) return;
       std::vector<Covering::Radius> radii;
       for (CVertexId v = 0; v < c_vertices; ++v) radii.push_back({v, start.radius()[v]});
       Covering anew(graph, options(8));
       anew.seed(at, radii);
-      for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) ASSERT_NEAR(covering.distance()[v], anew.distance()[v], 1e-4) << v;
+      for (CVertexId v = 0; v < graph.c_vertex_count(); ++v)
+        ASSERT_NEAR(covering.distance()[v], anew.distance()[v], 1e-4) << v;
       covering.cover({});
       EXPECT_EQ(covering.site_count(), start.site_count()) << "all is covered already";
       sites += covering.site_count();
@@ -322,7 +342,8 @@ TEST(Covering, RemoveSitesRestoresThePartition) {
         ASSERT_TRUE(finer.cell_of[v] == before.partition().cell_of[v] || changed.contains(v))
             << what << ": " << v << " has changed its cell";
         // Larger by a thousandth of the largest radius, so that rounding leaves nothing uncovered.
-        ASSERT_LE(covering.radius()[v], before.radius()[v] + 0.01f) << what << ": radii rise only as far as something was uncovered";
+        ASSERT_LE(covering.radius()[v], before.radius()[v] + 0.01f)
+            << what << ": radii rise only as far as something was uncovered";
       }
       const CellMembers& members = covering.members();
       ASSERT_EQ(members.cell_count(), covering.site_count());
@@ -341,7 +362,8 @@ TEST(Covering, LowerRadiusPropagates) {
   covering.lower_radius(centre, 1.5f);
   covering.lower_radius(centre, 3.0f);  // not lower: no effect
   const std::vector<double> d = slow_distances(graph, {centre});
-  for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) ASSERT_NEAR(covering.radius()[v], std::min(6.0, 1.5 + d[v] / 3), 1e-4);
+  for (CVertexId v = 0; v < graph.c_vertex_count(); ++v)
+    ASSERT_NEAR(covering.radius()[v], std::min(6.0, 1.5 + d[v] / 3), 1e-4);
 }
 
 TEST(Covering, LowerRadiiEqualsLowerRadiusOfEach) {
@@ -351,8 +373,8 @@ TEST(Covering, LowerRadiiEqualsLowerRadiusOfEach) {
   Random random(5);
   std::vector<Covering::Radius> radii;
   for (int k = 0; k < 60; ++k)
-    radii.push_back(
-        {static_cast<CVertexId>(random.bits() % graph.c_vertex_count()), 0.5f + 0.01f * static_cast<float>(random.bits() % 700)});
+    radii.push_back({static_cast<CVertexId>(random.bits() % graph.c_vertex_count()),
+                     0.5f + 0.01f * static_cast<float>(random.bits() % 700)});
   for (const Covering::Radius& r : radii) one_by_one.lower_radius(r.at, r.radius);
   at_once.lower_radii(radii);
   EXPECT_EQ(at_once.radius(), one_by_one.radius());

@@ -18,18 +18,23 @@ namespace {
 
 using namespace test;
 
-CoveringOptions options(float max_radius, float persistence = 0) { return {max_radius, persistence, 4}; }
+CoveringOptions options(float max_radius, float persistence = 0) {
+  return {max_radius, persistence, 4};
+}
 
 std::vector<std::pair<std::string, SurfaceComplex>> surfaces() {
   std::vector<std::pair<std::string, SurfaceComplex>> out{
       {"grid", flat_grid(17, 13)}, {"tube", tube(11, 20)}, {"tetrahedron", tetrahedron()}};
   for (const KnownVolume& known : known_volumes()) {
-    if (known.samples.values.size() < 16000) out.emplace_back(known.name, surface_of(known.samples, known.isovalue));
+    if (known.samples.values.size() < 16000)
+      out.emplace_back(known.name, surface_of(known.samples, known.isovalue));
   }
   for (std::uint64_t seed = 0; seed < 32; ++seed) {
     const auto family = static_cast<Family>(seed % kFamilies);
     const Samples s = random_samples(family, {8, 7, 9}, seed);
-    if (has_surface(s, 0)) out.emplace_back(name(family), surface_of(s, 0, Inside::above, seed % 2 ? Vec3{1, 1, 1} : Vec3{1, 2, 0.5}));
+    if (has_surface(s, 0))
+      out.emplace_back(name(family),
+                       surface_of(s, 0, Inside::above, seed % 2 ? Vec3{1, 1, 1} : Vec3{1, 2, 0.5}));
   }
   return out;
 }
@@ -44,7 +49,8 @@ SurfaceComplex chimney() {
 // Distances in double precision, so "nearer" is only sure by a little more than rounding.
 constexpr double kMore = 1.0001, kLess = 0.9999;
 
-void expect_promises(const CVertexGraph& graph, const DiskCovering& disks, const CoveringOptions& options, const std::string& what) {
+void expect_promises(const CVertexGraph& graph, const DiskCovering& disks,
+                     const CoveringOptions& options, const std::string& what) {
   const std::size_t n = disks.sites.size();
   ASSERT_EQ(disks.radii.size(), n) << what;
   std::vector<std::uint8_t> covered(graph.c_vertex_count(), 0);
@@ -53,12 +59,15 @@ void expect_promises(const CVertexGraph& graph, const DiskCovering& disks, const
   for (std::size_t a = 0; a < n; ++a) {
     const float radius = disks.radii[a];
     int power = 0;
-    ASSERT_EQ(std::frexp(options.max_radius / radius, &power), 0.5f) << what << ": not R_g / 2^i: " << radius;
+    ASSERT_EQ(std::frexp(options.max_radius / radius, &power), 0.5f)
+        << what << ": not R_g / 2^i: " << radius;
     ASSERT_GE(power, 1) << what << ": larger than R_g: " << radius;
-    ASSERT_EQ(events.event_radius(disks.sites[a], radius), radius) << what << ": an event in disk " << a;
+    ASSERT_EQ(events.event_radius(disks.sites[a], radius), radius)
+        << what << ": an event in disk " << a;
     const std::vector<double> d = slow_distances(graph, {disks.sites[a]});
     for (std::size_t b = 0; b < n; ++b) {
-      ASSERT_TRUE(a == b || d[disks.sites[b]] > radius * kLess) << what << ": site " << b << " is in disk " << a;
+      ASSERT_TRUE(a == b || d[disks.sites[b]] > radius * kLess)
+          << what << ": site " << b << " is in disk " << a;
     }
     for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
       covered[v] |= d[v] < radius * kMore;
@@ -68,7 +77,8 @@ void expect_promises(const CVertexGraph& graph, const DiskCovering& disks, const
   for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
     ASSERT_TRUE(covered[v]) << what << ": " << v;
     for (const std::size_t a : disks_of[v]) {
-      for (const std::size_t b : disks_of[v]) ASSERT_LE(disks.radii[a], 2 * disks.radii[b]) << what << ": disks " << a << " and " << b;
+      for (const std::size_t b : disks_of[v])
+        ASSERT_LE(disks.radii[a], 2 * disks.radii[b]) << what << ": disks " << a << " and " << b;
     }
   }
 }
@@ -80,7 +90,8 @@ TEST(HalvingCovering, SatisfiesThePapersConditions) {
       for (const float persistence : {0.0f, 1.5f}) {
         const DiskCovering disks = cover_by_halving(graph, options(radius, persistence), {});
         if (disks.sites.size() > 150) continue;
-        expect_promises(graph, disks, options(radius, persistence), what + ", radius " + std::to_string(radius));
+        expect_promises(graph, disks, options(radius, persistence),
+                        what + ", radius " + std::to_string(radius));
         if (HasFatalFailure()) return;
       }
     }
@@ -145,19 +156,25 @@ TEST(HalvingCovering, SeedsACertifiedCovering) {
       cover_from(disks, graph, covering, {});
       const Partition& p = covering.partition();
       ASSERT_GE(p.site.size(), disks.sites.size());
-      ASSERT_TRUE(std::equal(disks.sites.begin(), disks.sites.end(), p.site.begin())) << what << ": disks keep their order";
-      ASSERT_EQ(std::set<CVertexId>(p.site.begin(), p.site.end()).size(), p.site.size()) << what << ": a site twice";
+      ASSERT_TRUE(std::equal(disks.sites.begin(), disks.sites.end(), p.site.begin()))
+          << what << ": disks keep their order";
+      ASSERT_EQ(std::set<CVertexId>(p.site.begin(), p.site.end()).size(), p.site.size())
+          << what << ": a site twice";
       const std::vector<double> distance = slow_distances(graph, p.site);
       for (CVertexId v = 0; v < graph.c_vertex_count(); ++v) {
-        ASSERT_NEAR(covering.distance()[v], distance[v], 1e-4 * (1 + distance[v])) << what << ": distance of " << v;
+        ASSERT_NEAR(covering.distance()[v], distance[v], 1e-4 * (1 + distance[v]))
+            << what << ": distance of " << v;
         ASSERT_TRUE(covering.is_covered(v)) << what << ": " << v;
-        ASSERT_TRUE(!graph.on_boundary[v] || graph.on_boundary[p.site[p.cell_of[v]]]) << what << ": boundary owned from inside";
+        ASSERT_TRUE(!graph.on_boundary[v] || graph.on_boundary[p.site[p.cell_of[v]]])
+            << what << ": boundary owned from inside";
       }
       CertificateReport report;
       CertifiedDual dual(surface, covering);
       dual.certify(report, {});
       ASSERT_TRUE(report.passed) << what;
-      ASSERT_EQ(kinds_of(triangles_of(dual_complex(surface, p, dual.triangles()))), kinds_of(triangles_of(surface))) << what;
+      ASSERT_EQ(kinds_of(triangles_of(dual_complex(surface, p, dual.triangles()))),
+                kinds_of(triangles_of(surface)))
+          << what;
     }
   }
 }

@@ -12,7 +12,8 @@ namespace {
 
 using namespace test;
 
-void expect_certified(const SurfaceComplex& surface, float radius, float persistence, const std::string& what) {
+void expect_certified(const SurfaceComplex& surface, float radius, float persistence,
+                      const std::string& what) {
   const CVertexGraph graph = make_graph(surface);
   CoveringOptions options;
   options.max_radius = radius;
@@ -34,21 +35,24 @@ void expect_certified(const SurfaceComplex& surface, float radius, float persist
   ASSERT_TRUE(again.passed()) << what;
   ASSERT_EQ(again.triangles.size(), dual_of.triangles().size()) << what;
   ASSERT_EQ(again.cells, p.cell_count());
-  for (CVertexId v = 0; v < surface.c_vertex_count(); ++v) ASSERT_TRUE(covering.is_covered(v)) << what;
+  for (CVertexId v = 0; v < surface.c_vertex_count(); ++v)
+    ASSERT_TRUE(covering.is_covered(v)) << what;
   const SurfaceComplex dual = dual_complex(surface, p, dual_of.triangles());
   ASSERT_EQ(validate(dual), "") << what;
   ASSERT_EQ(kinds_of(triangles_of(dual)), kinds_of(triangles_of(surface))) << what;
   const Components before = find_components(surface), after = find_components(dual);
   ASSERT_EQ(after.topology.size(), before.topology.size()) << what;
   for (CellId c = 0; c < p.cell_count(); ++c) {
-    ASSERT_EQ(after.topology[after.of_c_vertex[c]], before.topology[before.of_c_vertex[p.site[c]]]) << what;
+    ASSERT_EQ(after.topology[after.of_c_vertex[c]], before.topology[before.of_c_vertex[p.site[c]]])
+        << what;
   }
 }
 
 TEST(Repair, KnownShapes) {
   for (const KnownVolume& known : known_volumes()) {
     for (const float radius : {3.0f, 12.0f, 1000.0f}) {
-      expect_certified(surface_of(known.samples, known.isovalue), radius, 1.5f, known.name + ", radius " + std::to_string(radius));
+      expect_certified(surface_of(known.samples, known.isovalue), radius, 1.5f,
+                       known.name + ", radius " + std::to_string(radius));
       if (HasFatalFailure()) return;
     }
   }
@@ -59,7 +63,8 @@ TEST(Repair, RandomVolumes) {
     const auto family = static_cast<Family>(seed % kFamilies);
     const Samples s = random_samples(family, {2 + seed % 9, 8, 7}, seed);
     if (!has_surface(s, 0)) continue;
-    expect_certified(surface_of(s), seed % 2 ? 3.0f : 100.0f, 1.5f, std::string(name(family)) + " seed " + std::to_string(seed));
+    expect_certified(surface_of(s), seed % 2 ? 3.0f : 100.0f, 1.5f,
+                     std::string(name(family)) + " seed " + std::to_string(seed));
     if (HasFatalFailure()) return;
   }
 }

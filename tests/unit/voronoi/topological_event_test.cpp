@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Event radii that are known from geometry. Graph distances are up to 8 % longer than geodesic ones.
+// Event radii that are known from geometry. Graph distances are up to 8 % longer than geodesic
+// ones.
 #include "voronoi/topological_event.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +24,8 @@ constexpr float kFar = 1000;
 CVertexId nearest_to(const SurfaceComplex& surface, Vec3 p) {
   CVertexId best = 0;
   for (CVertexId v = 1; v < surface.c_vertex_count(); ++v) {
-    if (squared_length(surface.positions[v] - p) < squared_length(surface.positions[best] - p)) best = v;
+    if (squared_length(surface.positions[v] - p) < squared_length(surface.positions[best] - p))
+      best = v;
   }
   return best;
 }
@@ -43,8 +45,8 @@ TEST(TopologicalEvent, FrontTouchesItselfBehindATube) {
 
 TEST(TopologicalEvent, TubeOfAVolume) {
   constexpr double r = 5.3;
-  const SurfaceComplex surface =
-      surface_of(sampled({16, 16, 50}, [](double x, double y, double) { return r - std::hypot(x - 7.4, y - 7.6); }));
+  const SurfaceComplex surface = surface_of(sampled(
+      {16, 16, 50}, [](double x, double y, double) { return r - std::hypot(x - 7.4, y - 7.6); }));
   const CVertexGraph graph = make_graph(surface);
   EventFinder finder(graph, 1.5f, 4);
   const float radius = finder.event_radius(nearest_to(surface, {7.4 + r, 7.6, 25}), kFar);
@@ -53,10 +55,12 @@ TEST(TopologicalEvent, TubeOfAVolume) {
 }
 
 TEST(TopologicalEvent, FrontTouchesItselfAroundATorus) {
-  const SurfaceComplex surface = surface_of(sampled({44, 44, 14}, torus({21.4, 21.6, 6.55}, 15, 4.1)));
+  const SurfaceComplex surface =
+      surface_of(sampled({44, 44, 14}, torus({21.4, 21.6, 6.55}, 15, 4.1)));
   const CVertexGraph graph = make_graph(surface);
   EventFinder finder(graph, 1.5f, 4);
-  for (const Vec3 from : {Vec3{21.4 + 19.1, 21.6, 6.55}, Vec3{21.4, 21.6 - 19.1, 6.55}, Vec3{21.4 + 15, 21.6, 6.55 + 4.1}}) {
+  for (const Vec3 from : {Vec3{21.4 + 19.1, 21.6, 6.55}, Vec3{21.4, 21.6 - 19.1, 6.55},
+                          Vec3{21.4 + 15, 21.6, 6.55 + 4.1}}) {
     const float radius = finder.event_radius(nearest_to(surface, from), kFar);
     EXPECT_GT(radius, 0.95 * M_PI * 4.1);
     EXPECT_LT(radius, 1.12 * M_PI * 4.1 + 1);
@@ -68,13 +72,16 @@ TEST(TopologicalEvent, SphereIsSwallowedAtTheAntipode) {
   const SurfaceComplex surface = surface_of(sampled({24, 24, 24}, sphere({11.4, 11.6, 11.55}, r)));
   const CVertexGraph graph = make_graph(surface);
   EventFinder finder(graph, 1.5f, 4);
-  for (const Vec3 from : {Vec3{11.4 + r, 11.6, 11.55}, Vec3{11.4 + r / std::sqrt(3), 11.6 + r / std::sqrt(3), 11.55 + r / std::sqrt(3)}}) {
+  for (const Vec3 from :
+       {Vec3{11.4 + r, 11.6, 11.55},
+        Vec3{11.4 + r / std::sqrt(3), 11.6 + r / std::sqrt(3), 11.55 + r / std::sqrt(3)}}) {
     const CVertexId v = nearest_to(surface, from);
     const float radius = finder.event_radius(v, kFar);
     EXPECT_GT(radius, 0.95 * M_PI * r);
     EXPECT_LT(radius, 1.1 * M_PI * r);
     const std::vector<double> d = slow_distances(graph, {v});
-    EXPECT_LE(radius, *std::max_element(d.begin(), d.end()) * 1.0001) << "no event is later than the end";
+    EXPECT_LE(radius, *std::max_element(d.begin(), d.end()) * 1.0001)
+        << "no event is later than the end";
   }
 }
 
@@ -90,12 +97,14 @@ TEST(TopologicalEvent, PlaneHasNoneBelowTheLimit) {
     }
     // The farthest c-vertex ends it.
     const std::vector<double> d = slow_distances(graph, {20 + 41 * 20});
-    EXPECT_NEAR(finder.event_radius(20 + 41 * 20, kFar), *std::max_element(d.begin(), d.end()), 1e-3);
+    EXPECT_NEAR(finder.event_radius(20 + 41 * 20, kFar), *std::max_element(d.begin(), d.end()),
+                1e-3);
   }
 }
 
 TEST(TopologicalEvent, DoesNotDependOnTheFirstStageOrOnEarlierCalls) {
-  const SurfaceComplex surface = surface_of(sampled({28, 28, 14}, torus({13.4, 13.6, 6.55}, 8, 3.2)));
+  const SurfaceComplex surface =
+      surface_of(sampled({28, 28, 14}, torus({13.4, 13.6, 6.55}, 8, 3.2)));
   const CVertexGraph graph = make_graph(surface);
   EventFinder reused(graph, 1.5f, 4);
   for (CVertexId v = 0; v < surface.c_vertex_count(); v += 37) {
@@ -115,13 +124,15 @@ TEST(TopologicalEvent, DoesNotDependOnTheFirstStageOrOnEarlierCalls) {
 TEST(TopologicalEvent, ChimneyCountsOnlyBelowItsPersistence) {
   constexpr double height = 14;
   const SurfaceComplex surface = surface_of(sampled({90, 80, 26}, [](double x, double y, double z) {
-    const double plane = 5.4 - z, chimney = std::min(3.2 - std::hypot(x - 44.4, y - 39.6), 5.4 + height - z);
+    const double plane = 5.4 - z,
+                 chimney = std::min(3.2 - std::hypot(x - 44.4, y - 39.6), 5.4 + height - z);
     return std::max(plane, chimney);
   }));
   const CVertexGraph graph = make_graph(surface);
   const CVertexId v = nearest_to(surface, {44.4 - 12, 39.6, 5.4});
   const std::vector<double> d = slow_distances(graph, {v});
-  const double behind = d[nearest_to(surface, {44.4 + 5, 39.6, 5.4})], tip = d[nearest_to(surface, {44.4, 39.6, 5.4 + height})];
+  const double behind = d[nearest_to(surface, {44.4 + 5, 39.6, 5.4})],
+               tip = d[nearest_to(surface, {44.4, 39.6, 5.4 + height})];
   constexpr float limit = 30;  // less than the distance to the volume's faces
   ASSERT_LT(behind, limit - 4);
   ASSERT_GT(tip, behind + 4);
@@ -159,11 +170,14 @@ TEST(TopologicalEvent, HandleHasInfinitePersistence) {
 // the component stops the disk; on any other surface a loop that never closes must stop it earlier.
 TEST(TopologicalEvent, OnlyHandlesAndHolesNeverClose) {
   std::vector<std::pair<std::string, SurfaceComplex>> surfaces;
-  for (const KnownVolume& known : known_volumes()) surfaces.emplace_back(known.name, surface_of(known.samples, known.isovalue));
+  for (const KnownVolume& known : known_volumes())
+    surfaces.emplace_back(known.name, surface_of(known.samples, known.isovalue));
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     const auto family = static_cast<Family>(seed % kFamilies);
     const Samples s = random_samples(family, {11, 12, 13}, seed);
-    if (has_surface(s, 0)) surfaces.emplace_back(std::string(name(family)) + " seed " + std::to_string(seed), surface_of(s));
+    if (has_surface(s, 0))
+      surfaces.emplace_back(std::string(name(family)) + " seed " + std::to_string(seed),
+                            surface_of(s));
   }
   Random random(1);
   int closing = 0, never = 0;
@@ -174,7 +188,8 @@ TEST(TopologicalEvent, OnlyHandlesAndHolesNeverClose) {
     for (int k = 0; k < 12; ++k) {
       const auto v = static_cast<CVertexId>(random.bits() % graph.c_vertex_count());
       double end = 0;
-      for (const double d : slow_distances(graph, {v})) end = std::isinf(d) ? end : std::max(end, d);
+      for (const double d : slow_distances(graph, {v}))
+        end = std::isinf(d) ? end : std::max(end, d);
       const ComponentTopology& kind = components.topology[components.of_c_vertex[v]];
       const float radius = finder.event_radius(v, kFar);
       if (kind.genus() == 0 && kind.boundary_loops <= 1) {
@@ -182,8 +197,8 @@ TEST(TopologicalEvent, OnlyHandlesAndHolesNeverClose) {
         EXPECT_NEAR(radius, end, 1e-3 * end) << what << ", from c-vertex " << v;
       } else {
         ++never;
-        EXPECT_LT(radius, end * 0.9999) << what << ", from c-vertex " << v << ", genus " << kind.genus() << ", " << kind.boundary_loops
-                                        << " loops";
+        EXPECT_LT(radius, end * 0.9999) << what << ", from c-vertex " << v << ", genus "
+                                        << kind.genus() << ", " << kind.boundary_loops << " loops";
       }
     }
   }

@@ -29,7 +29,8 @@ std::vector<float> noise(const std::array<std::size_t, 3>& size, double share_in
   return samples;
 }
 
-std::size_t crossed_cells(const std::vector<float>& samples, const std::array<std::size_t, 3>& size) {
+std::size_t crossed_cells(const std::vector<float>& samples,
+                          const std::array<std::size_t, 3>& size) {
   std::size_t count = 0;
   for (std::size_t z = 0; z + 1 < size[2]; ++z)
     for (std::size_t y = 0; y + 1 < size[1]; ++y)
@@ -65,9 +66,13 @@ TEST(Supersampling, EveryCrossedCellCounts) {
       ExtractOptions options;
       options.refine.clear();
       options.supersample = 2;
-      EXPECT_EQ(estimated_memory(view_of(samples, size), options), 4 * samples.size() + 250 * cells + upsampled / 8) << nx << " " << share;
+      EXPECT_EQ(estimated_memory(view_of(samples, size), options),
+                4 * samples.size() + 250 * cells + upsampled / 8)
+          << nx << " " << share;
       options.refine.resize(1);
-      EXPECT_EQ(estimated_memory(view_of(samples, size), options), 4 * samples.size() + 700 * cells + upsampled / 8) << nx << " " << share;
+      EXPECT_EQ(estimated_memory(view_of(samples, size), options),
+                4 * samples.size() + 700 * cells + upsampled / 8)
+          << nx << " " << share;
     }
   }
 }
@@ -79,10 +84,13 @@ TEST(Supersampling, NamesTheLargestFactor) {
   ExtractOptions options;
   options.supersample = 9;
   const std::uint64_t limit = estimated_memory(volume, options);
-  for (const std::uint32_t factor : {2U, 8U, 9U}) EXPECT_EQ(refusal(volume, factor, limit), "") << factor;
+  for (const std::uint32_t factor : {2U, 8U, 9U})
+    EXPECT_EQ(refusal(volume, factor, limit), "") << factor;
   for (const std::uint32_t factor : {10U, 11U, 40U}) {
     const std::string text = refusal(volume, factor, limit);
-    EXPECT_NE(text.find("supersampling " + std::to_string(factor) + " times takes about"), std::string::npos) << text;
+    EXPECT_NE(text.find("supersampling " + std::to_string(factor) + " times takes about"),
+              std::string::npos)
+        << text;
     EXPECT_TRUE(text.ends_with("expected 9 times at most")) << text;
   }
   EXPECT_TRUE(refusal(volume, 2, 1000).ends_with("expected no supersampling (1)"));
@@ -97,7 +105,8 @@ TEST(Supersampling, NamesTheLargestFactorThatSamplesCanBeCountedFor) {
   // (19 * 215 + 1)^3 < 2^36 < (19 * 216 + 1)^3
   EXPECT_EQ(refusal(volume, 215, kMuch), "");
   for (const std::uint32_t factor : {216U, 1000U, 4294967295U})
-    EXPECT_TRUE(refusal(volume, factor, kMuch).ends_with("2^36: expected 215 times at most")) << refusal(volume, factor, kMuch);
+    EXPECT_TRUE(refusal(volume, factor, kMuch).ends_with("2^36: expected 215 times at most"))
+        << refusal(volume, factor, kMuch);
 }
 
 }  // namespace
