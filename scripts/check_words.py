@@ -59,13 +59,8 @@ WORDS = {
 
 # Where such a word is right: path (prefix), pattern on the line as it stands, reason.
 EXCEPTIONS = [
-    ("", r"intersection_position|\bself_intersection_places\b", "public name, not renamed yet"),
-    ("", r"\.met\b|\bmet\b.*ConstraintResult|all_satisfied|satisfied.*\bmet\b", "public: ConstraintResult::met, LevelReport::all_satisfied"),
-    ("", r"sites_for_intersections|inverted_components|subdivided_c_vertices|max_subdivision_depth|report\.displacements|shape\.displacements", "public report field, not renamed yet"),
-    ("", r"ShapeObstacle::multi_sheet|kMaxSubdivisions|sizing_field", "public enumerator, not renamed yet"),
     ("src/core/distance_queue.h", r"bucket", "the buckets of a radix heap"),
     ("tests/unit/error/measure_test.cpp", r"/ rings, around", "two variables side by side"),
-    ("tests/unit/api/embedded_test.cpp", r"level\.displacements", "public report field, not renamed yet"),
 ]
 
 

@@ -74,7 +74,7 @@ void check_options(const ExtractOptions& options) {
           "the smallest component must have a size >= 0");
   require(options.supersample >= 1, "the factor of supersampling must be at least 1");
   require(options.adaptive_supersample <= kMaxSubdivisions,
-          "adaptive supersampling may divide the surface at most 8 times");
+          "adaptive supersampling may subdivide the surface at most 8 times");
   std::vector<const LevelGoal*> goals{&options.coarse};
   for (const LevelGoal& goal : options.refine) goals.push_back(&goal);
   for (const LevelGoal* goal : goals) {

@@ -12,11 +12,11 @@ inline Vec3 operator-(Vec3 a, Vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}
 inline Vec3 operator*(double s, Vec3 a) { return {s * a.x, s * a.y, s * a.z}; }
 inline Vec3 scaled(Vec3 a, Vec3 s) { return {a.x * s.x, a.y * s.y, a.z * s.z}; }
 
-/// Conversion between sample-index coordinates and the metric: the spacing is applied, or divided
-/// out. In src/complex, embedding, error, optimize and levels `position` names a point in
-/// sample-index coordinates, `point` one in the metric (lengths in smallest spacings) and
-/// `output_position` one in the space that is written. Fields and the isosurface take and return
-/// sample-index coordinates.
+/// Conversion between sample-index coordinates and the metric, by a factor per axis. In
+/// src/complex, embedding, error, optimize and levels `position` names a point in sample-index
+/// coordinates, `point` one in the metric (lengths in smallest spacings) and `output_position` one
+/// in the space that is written. Fields and the isosurface take and return sample-index
+/// coordinates.
 inline Vec3 to_metric(Vec3 position, Vec3 spacing) { return scaled(position, spacing); }
 inline Vec3 to_index(Vec3 point, Vec3 spacing) {
   return {point.x / spacing.x, point.y / spacing.y, point.z / spacing.z};

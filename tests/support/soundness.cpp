@@ -54,8 +54,8 @@ std::string wrong_with_level(const Extraction& e, const ExtractOptions& options,
   if (report.constraints.size() != goal.size()) return "constraints are missing in the report";
   for (const ConstraintResult& r : report.constraints) {
     if (r.satisfied != r.reason.empty())
-      return "constraint on " + std::string(name(r.constraint.quantity)) + ": met or not? " +
-             r.reason;
+      return "constraint on " + std::string(name(r.constraint.quantity)) +
+             ": a reason and satisfied, or neither: " + r.reason;
     if (std::isnan(r.reached))
       return "constraint on " + std::string(name(r.constraint.quantity)) + " reached no number";
   }
