@@ -18,6 +18,7 @@ function(isoatlas_module name)
   set_target_properties(${target} PROPERTIES
     POSITION_INDEPENDENT_CODE ON CXX_EXTENSIONS OFF CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
   isoatlas_flags(${target})
+  isoatlas_allow_unity(${target})
 endfunction()
 
 # isoatlas_library(NAME SHARED|STATIC OUTPUT name MODULES core ... LINK lib ...)

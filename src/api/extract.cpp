@@ -19,6 +19,7 @@
 #include "complex/component_sizes.h"
 #include "complex/components.h"
 #include "core/parallel.h"
+#include "core/require.h"
 #include "core/vector_math.h"
 #include "core/whole_progress.h"
 #include "embedding/adaptive_surface.h"
@@ -57,10 +58,6 @@ class StageClock {
   ExtractReport& report_;
   Clock::time_point start_, last_;
 };
-
-void require(bool good, const std::string& message) {
-  if (!good) throw Error(ErrorCode::bad_argument, message);
-}
 
 void check_options(const ExtractOptions& options) {
   require(!options.covering.max_radius || (std::isfinite(options.covering.max_radius->value) &&

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "isoatlas/volume.h"
@@ -28,6 +29,10 @@ inline Vec3 cross(Vec3 a, Vec3 b) {
 }
 inline double squared_length(Vec3 a) { return dot(a, a); }
 inline double length(Vec3 a) { return std::sqrt(dot(a, a)); }
+/// The largest absolute value of a coordinate.
+inline double largest_coordinate(Vec3 v) {
+  return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
+}
 
 /// The vector divided by its length, also where squares would overflow or underflow; zero stays
 /// zero.

@@ -12,6 +12,7 @@
 #include "core/parallel.h"
 #include "core/vector_math.h"
 #include "core/whole_progress.h"
+#include "embedding/grid_cell.h"
 #include "geometry/triangle_pair.h"
 
 namespace isoatlas::detail {
@@ -23,12 +24,10 @@ int integer_coordinates(Vec3 p) {
   return (p.x == std::floor(p.x)) + (p.y == std::floor(p.y)) + (p.z == std::floor(p.z));
 }
 
-using GridCell = CheckedCells::GridCell;
 constexpr std::size_t kPerPiece = 8192;  // c-vertices or faces, of a parallel loop
 
-GridCell grid_cell_of(Vec3 p) { return {std::floor(p.x), std::floor(p.y), std::floor(p.z)}; }
 // The grid cell of a face that lies in one.
-GridCell grid_cell_of(const SurfaceComplex& complex, const Face& face) {
+GridCell grid_cell_of_face(const SurfaceComplex& complex, const Face& face) {
   Vec3 sum;
   for (int k = 0; k < face.size(); ++k) sum = sum + complex.positions[face.corner[k]];
   return grid_cell_of((1.0 / face.size()) * sum);
@@ -243,7 +242,7 @@ void AdaptiveSurface::subdivide(std::span<const CVertexId> wanted,
   for (const Face& face : complex_.faces) {
     const auto end = face.corner.begin() + face.size();
     if (std::any_of(face.corner.begin(), end, [&](CVertexId v) { return is_wanted[v]; }))
-      cells.push_back(grid_cell_of(complex_, face));
+      cells.push_back(grid_cell_of_face(complex_, face));
   }
   control_.check_cancelled();
   sort_unique(cells);
@@ -312,7 +311,7 @@ void AdaptiveSurface::flatten_intersecting_pieces(const Subdivision& subdivision
   for (const Face& face : complex_.faces) {
     poll.step();
     if (!face.is_triangle() || !has_midpoint(face)) continue;
-    cells.push_back(grid_cell_of(complex_, face));
+    cells.push_back(grid_cell_of_face(complex_, face));
   }
   sort_unique(cells);
   cells_with_small_pieces_.insert(cells_with_small_pieces_.end(), cells.begin(), cells.end());
@@ -320,7 +319,7 @@ void AdaptiveSurface::flatten_intersecting_pieces(const Subdivision& subdivision
   for (const Face& face : complex_.faces) {
     poll.step();
     if (!face.is_triangle()) continue;
-    const GridCell cell = grid_cell_of(complex_, face);
+    const GridCell cell = grid_cell_of_face(complex_, face);
     if (!std::binary_search(cells.begin(), cells.end(), cell)) continue;
     pieces.emplace_back(cell, Triangle{face.corner[0], face.corner[1], face.corner[2]});
   }

@@ -93,7 +93,7 @@ class AdaptiveSurface {
   RunControl control_;
   MultiSheetCells multi_sheet_cells_;
   CheckedCells checked_cells_;
-  std::vector<CheckedCells::GridCell> cells_with_small_pieces_;  // grid cells with pieces of pieces
+  std::vector<GridCell> cells_with_small_pieces_;  // grid cells with pieces of pieces
   std::vector<Vec3> original_positions_;
   std::vector<CVertexId> touched_;
   CVertexId parsed_count_;           // c-vertices before this one come from parsing

@@ -13,7 +13,8 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kCellsPerPiece = 64, kFacesPerPiece = 8192;  // of parallel loops
+constexpr std::size_t kCheckedCellsPerPiece = 64,
+                      kCheckedFacesPerPiece = 8192;  // of parallel loops
 
 bool any_intersect(std::span<const Triangle> triangles, std::span<const Vec3> positions) {
   for (std::size_t i = 0; i < triangles.size(); ++i) {
@@ -42,7 +43,8 @@ CheckedCells::CheckedCells(const SurfaceComplex& complex, std::span<const GridCe
   };
   const std::size_t faces = cells.empty() ? 0 : complex.face_count();
   auto found = collect_pieces<Found>(
-      faces, kFacesPerPiece, [&](std::size_t begin, std::size_t end, std::vector<Found>& out) {
+      faces, kCheckedFacesPerPiece,
+      [&](std::size_t begin, std::size_t end, std::vector<Found>& out) {
         control.check_cancelled();
         for (const Face& face : std::span(complex.faces).subspan(begin, end - begin)) {
           if (!face.is_triangle()) continue;
@@ -92,7 +94,7 @@ std::vector<CVertexId> CheckedCells::intersecting(std::span<const CVertexId> mov
   std::sort(cells.begin(), cells.end());
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
   std::vector<std::uint8_t> intersect(cells.size(), 0);
-  for_each_piece(cells.size(), kCellsPerPiece, [&](std::size_t begin, std::size_t end) {
+  for_each_piece(cells.size(), kCheckedCellsPerPiece, [&](std::size_t begin, std::size_t end) {
     control.check_cancelled();
     for (std::size_t i = begin; i < end; ++i)
       intersect[i] = any_intersect(triangles(cells[i]), positions);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "complex/surface_complex.h"
+#include "embedding/grid_cell.h"
 #include "isoatlas/mesh.h"
 #include "isoatlas/run_control.h"
 
@@ -17,8 +17,6 @@ namespace isoatlas::detail {
 /// are compared pair by pair after each move.
 class CheckedCells {
  public:
-  using GridCell = std::array<double, 3>;  ///< its lowest corner
-
   CheckedCells() = default;
   /// @param cells  sorted, each once; all faces around c-vertices inside them are triangles
   /// @cost  O(F log cells)

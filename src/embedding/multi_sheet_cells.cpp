@@ -12,6 +12,7 @@
 #include "core/cancel_poll.h"
 #include "core/parallel.h"
 #include "core/vector_math.h"
+#include "embedding/grid_cell.h"
 #include "geometry/triangle_pair.h"
 
 namespace isoatlas::detail {
@@ -26,8 +27,6 @@ constexpr int kAttempts = 12;
 // other.
 constexpr std::array kShares{0.25, 0.5, 0.75, 1.0};
 
-using GridCell = std::array<double, 3>;
-GridCell grid_cell_of(Vec3 p) { return {std::floor(p.x), std::floor(p.y), std::floor(p.z)}; }
 bool is_in_cell(Vec3 p) {
   return p.x != std::floor(p.x) && p.y != std::floor(p.y) && p.z != std::floor(p.z);
 }

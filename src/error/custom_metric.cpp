@@ -14,7 +14,7 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kCellsPerPiece = 64;
+constexpr std::size_t kMeasuredCellsPerPiece = 64;
 
 }  // namespace
 
@@ -44,7 +44,7 @@ double custom_value(const CustomMetric& metric, const Surfels& surfels, const Le
 
 double custom_maximum(const CustomMetric& metric, const Surfels& surfels, const LevelMesh& mesh) {
   std::vector<double> values(mesh.cell_count());
-  for_each_index(values.size(), kCellsPerPiece, [&](std::size_t c) {
+  for_each_index(values.size(), kMeasuredCellsPerPiece, [&](std::size_t c) {
     values[c] = custom_value(metric, surfels, mesh, static_cast<CellId>(c));
   });
   return values.empty() ? 0 : std::ranges::max(values);

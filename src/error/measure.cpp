@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "core/parallel.h"
+#include "core/require.h"
 #include "core/vector_math.h"
 #include "core/whole_progress.h"
 #include "error/area_samples.h"
@@ -32,10 +33,6 @@ constexpr double kMaxVoxels = 1e15;  // the bounding volume hierarchy computes s
                                      // precision; this leaves a margin
 constexpr std::size_t kGrain = 512;  // samples per piece of a parallel loop
 constexpr std::size_t kSamplesPerReport = 65536;  // samples between two reports of progress
-
-void require(bool good, const std::string& message) {
-  if (!good) throw Error(ErrorCode::bad_argument, message);
-}
 
 void check_mesh(const MeshView& mesh, Vec3 spacing) {
   require(!mesh.triangles.empty(), "the mesh has no triangles");
@@ -180,7 +177,7 @@ OneSidedDistance summarize(std::vector<double> distance, std::size_t by_area, do
   return out;
 }
 
-double angle_between(Vec3 a, Vec3 b) {
+double degrees_between(Vec3 a, Vec3 b) {
   return std::atan2(length(cross(a, b)), dot(a, b)) * 180 / std::numbers::pi;
 }
 
@@ -210,7 +207,7 @@ void measure_mesh_to_surface(const MeshView& mesh, const TriangleBvh& bvh,
                      face_normal = normalized(cross(bvh.points()[b] - p, bvh.points()[c] - p));
           const Vec3 normal = surface.normal(hit.point);
           if (!(face_normal == Vec3{}) && !(normal == Vec3{}))
-            angle[i] = angle_between(face_normal, normal);
+            angle[i] = degrees_between(face_normal, normal);
         }
       });
   for (std::size_t i = 0; i < distance.size(); ++i) {

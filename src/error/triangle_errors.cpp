@@ -24,7 +24,7 @@ constexpr double kMinRadius = 5e-3;
 constexpr double kFarVoxels =
     2;  // in voxels; beyond this distance the field between has no significance
 constexpr std::size_t kMaxGridCells = 27;  // that a patch may intersect
-constexpr double kRounding = 1e-6;         // of coordinates on the border, in grid cells
+constexpr double kBorderRounding = 1e-6;   // of coordinates on the border, in grid cells
 constexpr int kMaxPieces = 64;             // of a patch's side, for the first subdivision
 constexpr int kMaxPiecesAfterTest = 4;     // once the patch was tested
 
@@ -144,7 +144,7 @@ class PatchSearch {
     return std::ranges::all_of(
         std::array{patch.a, patch.a + patch.u, patch.a + patch.v}, [&](Vec3 p) {
           const Vec3 index = to_index(p);
-          return length(isosurface_.field().clamped(index) - index) <= kRounding;
+          return length(isosurface_.field().clamped(index) - index) <= kBorderRounding;
         });
   }
 

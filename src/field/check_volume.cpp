@@ -10,6 +10,7 @@
 #include <string>
 
 #include "core/ids.h"
+#include "core/require.h"
 #include "core/vector_math.h"
 #include "field/sample_type.h"
 
@@ -24,10 +25,6 @@ constexpr double kMinSteps = 65536;
 
 // Headers contain rounded cosines; up to this deviation lengths are right to a thousandth.
 constexpr double kMaxShear = 1e-3;
-
-void require(bool good, const std::string& message) {
-  if (!good) throw Error(ErrorCode::bad_argument, message);
-}
 
 std::string number(double x) {
   char text[32];

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/parallel.h"
+#include "core/require.h"
 #include "isoatlas/error.h"
 #include "isoatlas/field.h"
 
@@ -15,10 +16,6 @@ namespace {
 
 constexpr double kMostPerAxis = 1e6;
 constexpr std::size_t kRowsPerPiece = 16;
-
-void require(bool good, const std::string& message) {
-  if (!good) throw Error(ErrorCode::bad_argument, message);
-}
 
 }  // namespace
 

@@ -7,13 +7,11 @@
 #include <filesystem>
 #include <memory>
 
+#include "files/decompressor.h"
+
 namespace isoatlas::detail::io {
 
-enum class Packing {
-  none,
-  deflate,
-  bzip2
-};  ///< deflate: gzip or zlib, whichever the stream's header says
+///< deflate: gzip or zlib, whichever the stream's header says
 
 /// The packing that the file's first bytes state: gzip and bzip2 have marks of their own, anything
 /// else is `none`.

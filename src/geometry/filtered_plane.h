@@ -10,10 +10,6 @@
 
 namespace isoatlas::detail {
 
-inline double largest_coordinate(Vec3 v) {
-  return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
-}
-
 // Whether products below neither underflow nor overflow.
 inline bool is_moderate(double x) { return x > 1e-60 && x < 1e60; }
 

@@ -27,10 +27,6 @@ Bounds box_of(const Grid& grid, Space space) {
   return bounds_of(corners);
 }
 
-double largest_coordinate(Vec3 p) {
-  return std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
-}
-
 // The largest rounding of a coordinate of the volume to float32.
 double rounding(const Bounds& box, Vec3 origin) {
   const double reach =

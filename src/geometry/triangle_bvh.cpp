@@ -17,7 +17,7 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr std::size_t kGrain = 4096;  // items per piece of a parallel loop
+constexpr std::size_t kBoxesPerPiece = 4096;  // items per piece of a parallel loop
 
 // Queries compare boxes in single precision. Boxes are widened by this share of the largest
 // coordinate and squared distances to them are shortened, so that rounding never makes a box seem
@@ -48,7 +48,7 @@ class Splitter {
       return i.centre[axis] < j.centre[axis] ||
              (i.centre[axis] == j.centre[axis] && i.triangle < j.triangle);
     });
-    if (count <= 2 * kGrain) {
+    if (count <= 2 * kBoxesPerPiece) {
       split(first, middle, block);
       split(middle, last, block);
       return;
@@ -94,7 +94,7 @@ TriangleBvh::TriangleBvh(std::vector<Vec3> points, std::span<const Triangle> tri
 
 void TriangleBvh::sort_triangles(std::span<const Triangle> triangles, const RunControl& control) {
   std::vector<Item> items(triangles.size());
-  for_each_piece(triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  for_each_piece(triangles.size(), kBoxesPerPiece, [&](std::size_t begin, std::size_t end) {
     control.check_cancelled();
     for (std::size_t t = begin; t < end; ++t) {
       const auto [a, b, c] = triangles[t];
@@ -108,7 +108,7 @@ void TriangleBvh::sort_triangles(std::span<const Triangle> triangles, const RunC
   Splitter(kLeafSize, kChildren, control).split(items.data(), items.data() + items.size(), block);
   control.check_cancelled();
   slots_.resize(triangles.size());
-  for_each_piece(triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  for_each_piece(triangles.size(), kBoxesPerPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s)
       slots_[s] = {triangles[items[s].triangle], items[s].triangle};
   });
@@ -157,27 +157,28 @@ void TriangleBvh::make_boxes(const RunControl& control) {
   };
   for (std::size_t level = 0; level < levels_.size(); ++level) {
     const std::size_t boxes = level == 0 ? leaves : levels_[level - 1].nodes;
-    for_each_piece(levels_[level].nodes, kGrain / 16, [&](std::size_t begin, std::size_t end) {
-      control.check_cancelled();
-      for (std::size_t i = begin; i < end; ++i) {
-        Node& node = nodes_[levels_[level].first + i];
-        for (std::size_t k = 0; k < kChildren; ++k) {
-          for (int a = 0; a < 3; ++a) {
-            const std::size_t box = kChildren * i + k;
-            if (box >= boxes) {  // a missing child is infinitely far away
-              node.centre[a][k] = 0;
-              node.half[a][k] = -INFINITY;
-              continue;
+    for_each_piece(
+        levels_[level].nodes, kBoxesPerPiece / 16, [&](std::size_t begin, std::size_t end) {
+          control.check_cancelled();
+          for (std::size_t i = begin; i < end; ++i) {
+            Node& node = nodes_[levels_[level].first + i];
+            for (std::size_t k = 0; k < kChildren; ++k) {
+              for (int a = 0; a < 3; ++a) {
+                const std::size_t box = kChildren * i + k;
+                if (box >= boxes) {  // a missing child is infinitely far away
+                  node.centre[a][k] = 0;
+                  node.half[a][k] = -INFINITY;
+                  continue;
+                }
+                const Interval e = extent(level, box, a);
+                const auto centre = static_cast<float>(0.5 * (e.low + e.high));
+                node.centre[a][k] = centre;
+                node.half[a][k] = std::nextafter(
+                    static_cast<float>(std::max(e.high - centre, centre - e.low)), INFINITY);
+              }
             }
-            const Interval e = extent(level, box, a);
-            const auto centre = static_cast<float>(0.5 * (e.low + e.high));
-            node.centre[a][k] = centre;
-            node.half[a][k] = std::nextafter(
-                static_cast<float>(std::max(e.high - centre, centre - e.low)), INFINITY);
           }
-        }
-      }
-    });
+        });
   }
 }
 

@@ -12,12 +12,12 @@
 namespace isoatlas::detail::io {
 namespace {
 
-constexpr std::size_t kBeginning = 4096;  // bytes; comments are at the beginning of a file
+constexpr std::size_t kCommentBytes = 4096;  // bytes; comments are at the beginning of a file
 constexpr std::string_view kKey = "SPACE=";
 
 std::string space_in_text(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
-  std::string text(kBeginning, '\0');
+  std::string text(kCommentBytes, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(file.gcount()));
   std::size_t found = text.find(kKey);

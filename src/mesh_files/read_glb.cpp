@@ -227,14 +227,14 @@ class Reader {
   }
 
   Vec3 translation_of(const tinygltf::Node& n) const {
-    constexpr std::array<double, 16> kIdentity{1, 0, 0, 0, 0, 1, 0, 0,
-                                               0, 0, 1, 0, 0, 0, 0, 1};  // columns
+    constexpr std::array<double, 16> kUnitMatrix{1, 0, 0, 0, 0, 1, 0, 0,
+                                                 0, 0, 1, 0, 0, 0, 0, 1};  // columns
     const bool turns = !n.rotation.empty() && n.rotation != std::vector<double>{0, 0, 0, 1};
     const bool scales = !n.scale.empty() && n.scale != std::vector<double>{1, 1, 1};
-    const bool has_matrix = n.matrix.size() == kIdentity.size();
+    const bool has_matrix = n.matrix.size() == kUnitMatrix.size();
     bool is_plain = !turns && !scales;
-    for (std::size_t i = 0; has_matrix && i < kIdentity.size(); ++i)
-      is_plain = is_plain && ((i >= 12 && i < 15) || n.matrix[i] == kIdentity[i]);
+    for (std::size_t i = 0; has_matrix && i < kUnitMatrix.size(); ++i)
+      is_plain = is_plain && ((i >= 12 && i < 15) || n.matrix[i] == kUnitMatrix[i]);
     if (!is_plain) {
       throw unsupported(path_, "has a node that is turned or scaled, expected translations only");
     }

@@ -30,10 +30,10 @@ constexpr double kMaxOffset = 0.25;  // largest distance from the surface while 
 constexpr double kMaxFinalOffset = 0.4;        // the same after pushing and while searching
 constexpr std::array kSearchSteps{0.2, 0.05};  // voxels
 constexpr int kSearchPasses = 4;
-constexpr double kMinGain = 2e-3;
+constexpr double kMinRelaxationGain = 2e-3;
 constexpr double kSeparationWeight =
     0.5;  // an edge of length 0 counts half as bad as a triangle of aspect 0
-constexpr std::size_t kPerPiece = 4096;   // triangles, of a parallel loop
+constexpr std::size_t kTrianglesPerPiece = 4096;  // triangles, of a parallel loop
 constexpr std::size_t kFewPerPiece = 64;  // vertices or triangles, each with its neighbourhood
 constexpr int kNewtonSteps = 5;
 constexpr double kOnSurface = 0.02;
@@ -71,7 +71,8 @@ class Relaxation {
 
   std::vector<std::uint32_t> run() {
     active_ = collect_pieces<std::uint32_t>(
-        candidates_.size(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+        candidates_.size(), kTrianglesPerPiece,
+        [&](std::size_t begin, std::size_t end, auto& found) {
           control_.check_cancelled();
           std::ranges::copy_if(candidates_.subspan(begin, end - begin), std::back_inserter(found),
                                [&](std::uint32_t t) { return is_badly_shaped(t); });
@@ -285,7 +286,8 @@ class Relaxation {
     for (const double step : kSearchSteps) {
       control_.check_cancelled();
       std::vector<std::uint32_t> vertices = collect_pieces<std::uint32_t>(
-          candidates_.size(), kPerPiece, [&](std::size_t begin, std::size_t end, auto& found) {
+          candidates_.size(), kTrianglesPerPiece,
+          [&](std::size_t begin, std::size_t end, auto& found) {
             control_.check_cancelled();
             for (const std::uint32_t t : candidates_.subspan(begin, end - begin))
               add_corners_if_bad(t, found);
@@ -427,8 +429,9 @@ class Relaxation {
       if (l == 0) continue;
       const Vec3 p = clamped(from + (step / l) * d, bounds_of);
       if (p == from) continue;
-      const double worst = worst_in_ring(v, p, best + kMinGain);
-      if (worst <= best + kMinGain || would_invert(v, p) || distance_to_surface(p) > farthest)
+      const double worst = worst_in_ring(v, p, best + kMinRelaxationGain);
+      if (worst <= best + kMinRelaxationGain || would_invert(v, p) ||
+          distance_to_surface(p) > farthest)
         continue;
       best = worst;
       found = p;
@@ -446,7 +449,7 @@ class Relaxation {
       return;
     const auto n = static_cast<std::uint32_t>(points_.size());
     DisjointSets sets(n);
-    for_each_index(triangles_.size(), kPerPiece, &control_, [&](std::size_t t) {
+    for_each_index(triangles_.size(), kTrianglesPerPiece, &control_, [&](std::size_t t) {
       sets.unite(triangles_[t][0], triangles_[t][1]);
       sets.unite(triangles_[t][0], triangles_[t][2]);
     });

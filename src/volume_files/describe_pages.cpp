@@ -33,7 +33,7 @@ std::string_view json_value(std::string_view json, const std::string& name) {
   return at == std::string_view::npos ? std::string_view{} : json.substr(at);
 }
 
-std::vector<std::size_t> numbers_of(std::string_view list) {
+std::vector<std::size_t> shape_of(std::string_view list) {
   std::vector<std::size_t> numbers;
   list = list.substr(0, list.find(']'));
   for (std::size_t at = list.find_first_of("0123456789"); at != std::string_view::npos;
@@ -52,7 +52,7 @@ std::optional<Series> series_of(const std::string& description) {
     return {};
   }
   Series series;
-  series.shape = numbers_of(json_value(description, "shape"));
+  series.shape = shape_of(json_value(description, "shape"));
   if (const std::string_view axes = json_value(description, "axes"); axes.starts_with('"')) {
     series.axes = std::string(axes.substr(1, axes.find('"', 1) - 1));
   }

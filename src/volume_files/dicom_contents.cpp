@@ -26,7 +26,7 @@ using namespace dicom;
 namespace {
 
 constexpr std::size_t kPreamble = 128;
-constexpr std::string_view kMark = "DICM";
+constexpr std::string_view kDicomMark = "DICM";
 constexpr std::uint32_t kUndefinedLength = 0xFFFF'FFFFU;
 constexpr DicomTag kItem = 0xFFFE'E000U, kItemEnd = 0xFFFE'E00DU, kSequenceEnd = 0xFFFE'E0DDU;
 constexpr int kDeepestNesting = 64;
@@ -90,9 +90,9 @@ class Parser {
   // The preamble and the file meta group, which are explicit and little-endian. Returns where the
   // data set starts.
   std::uint64_t parse_meta_group() {
-    const bool has_mark =
-        bytes_.size() >= kPreamble + kMark.size() && bytes_.at(kPreamble, kMark.size()) == kMark;
-    position_ = has_mark ? kPreamble + kMark.size() : 0;
+    const bool has_mark = bytes_.size() >= kPreamble + kDicomMark.size() &&
+                          bytes_.at(kPreamble, kDicomMark.size()) == kDicomMark;
+    position_ = has_mark ? kPreamble + kDicomMark.size() : 0;
     is_explicit_ = true;
     while (position_ + 2 <= bytes_.size() && group_at(position_, false) == 0x0002) {
       const Header header = next_header();
@@ -384,7 +384,7 @@ DicomBytes open_with_start(const fs::path& path, std::uint64_t max_memory, Dicom
 }
 
 std::string start_of(const fs::path& path) {
-  std::string start(kPreamble + kMark.size(), '\0');
+  std::string start(kPreamble + kDicomMark.size(), '\0');
   std::ifstream file(path, std::ios::binary);
   file.read(start.data(), static_cast<std::streamsize>(start.size()));
   start.resize(static_cast<std::size_t>(file.gcount()));
@@ -395,13 +395,13 @@ std::string start_of(const fs::path& path) {
 
 bool has_dicom_mark(const fs::path& path) {
   const std::string start = start_of(path);
-  return start.size() > kPreamble && start.substr(kPreamble) == kMark;
+  return start.size() > kPreamble && start.substr(kPreamble) == kDicomMark;
 }
 
 bool looks_like_dicom(const fs::path& path) {
   const std::string start = start_of(path);
   const std::string_view bytes = start;
-  if (bytes.size() > kPreamble && bytes.substr(kPreamble) == kMark) {
+  if (bytes.size() > kPreamble && bytes.substr(kPreamble) == kDicomMark) {
     return true;
   }
   // A data set without preamble starts with the file meta group or the identifying group, whose

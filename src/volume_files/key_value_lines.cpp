@@ -25,9 +25,9 @@ std::string KeyValueLines::text(const std::string& key) const {
 }
 
 std::optional<double> finite_number(std::string_view text) {
-  constexpr std::string_view kBlanks = " \t";
-  text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
-  text = text.substr(0, text.find_last_not_of(kBlanks) + 1);
+  constexpr std::string_view kSpaces = " \t";
+  text.remove_prefix(std::min(text.find_first_not_of(kSpaces), text.size()));
+  text = text.substr(0, text.find_last_not_of(kSpaces) + 1);
   double number = 0;
   return parse_number(text, number) && std::isfinite(number) ? std::optional(number) : std::nullopt;
 }

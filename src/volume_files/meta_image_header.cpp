@@ -24,8 +24,8 @@ bool has_last_field(std::string_view text) {
   return end != text.npos && text.substr(at, end - at).find("LIST") == text.npos;
 }
 
-Error wrong_field(const fs::path& path, std::string_view name, std::string_view value,
-                  const std::string& expected) {
+Error wrong_meta_image_field(const fs::path& path, std::string_view name, std::string_view value,
+                             const std::string& expected) {
   return bad_file(
       path, "its " + std::string(name) + " is '" + one_line(value, 80) + "', expected " + expected);
 }
@@ -83,7 +83,8 @@ std::int64_t meta_integer(const fs::path& path, const MetaImageHeader& header,
   const std::string_view value = header.field(name);
   const std::optional<std::int64_t> number = value.empty() ? if_missing : integer_of(value);
   if (!number || *number < least) {
-    throw wrong_field(path, name, value, "a number of at least " + std::to_string(least));
+    throw wrong_meta_image_field(path, name, value,
+                                 "a number of at least " + std::to_string(least));
   }
   return *number;
 }
@@ -102,7 +103,7 @@ std::optional<std::vector<double>> meta_numbers(const fs::path& path, const Meta
   if (numbers.size() != count) {
     const auto* const name =
         std::ranges::find_if(names, [&](std::string_view n) { return !header.field(n).empty(); });
-    throw wrong_field(path, *name, value, std::to_string(count) + " numbers");
+    throw wrong_meta_image_field(path, *name, value, std::to_string(count) + " numbers");
   }
   return numbers;
 }
@@ -114,14 +115,16 @@ std::vector<std::size_t> meta_sizes(const fs::path& path, const MetaImageHeader&
   for (const std::string_view word : words_of(header.field("DimSize"))) {
     const std::int64_t size = integer_of(word).value_or(0);
     if (size < 1) {
-      throw wrong_field(path, "DimSize", header.field("DimSize"), "numbers of at least 1");
+      throw wrong_meta_image_field(path, "DimSize", header.field("DimSize"),
+                                   "numbers of at least 1");
     }
     sizes.push_back(static_cast<std::size_t>(size));
   }
   if (axes > kMostAxes || sizes.size() != static_cast<std::size_t>(axes)) {
-    throw wrong_field(path, "DimSize", header.field("DimSize"),
-                      axes > kMostAxes ? "at most " + std::to_string(kMostAxes) + " numbers"
-                                       : std::to_string(axes) + " numbers, as NDims says");
+    throw wrong_meta_image_field(path, "DimSize", header.field("DimSize"),
+                                 axes > kMostAxes
+                                     ? "at most " + std::to_string(kMostAxes) + " numbers"
+                                     : std::to_string(axes) + " numbers, as NDims says");
   }
   return sizes;
 }

@@ -57,14 +57,14 @@ std::array<double, 3> lengths(const Affine& affine) {
 }
 
 bool is_usable(const Affine& affine) {
-  constexpr double kSmallestDeterminant = 1e-4;  // of unit vectors
+  constexpr double kSmallestVolume = 1e-4;  // of unit vectors
   const std::array steps = lengths(affine);
   const Vec3& o = affine.origin;
   for (const double value : {steps[0], steps[1], steps[2], o.x, o.y, o.z}) {
     if (!std::isfinite(value)) return false;
   }
   const double volume = dot(affine.axes[0], cross(affine.axes[1], affine.axes[2]));
-  return std::abs(volume) > kSmallestDeterminant * steps[0] * steps[1] * steps[2];
+  return std::abs(volume) > kSmallestVolume * steps[0] * steps[1] * steps[2];
 }
 
 std::array<double, 3> voxel_size(const NiftiHeader& header) {

@@ -117,7 +117,7 @@ void unpack(SamplePiece& piece, const fs::path& header_file, Packing packing,
   }
 }
 
-struct FileList {
+struct NrrdFileList {
   std::vector<std::string> names;
   std::size_t dimension = 0;  // of the part of the array in each
 };
@@ -133,8 +133,8 @@ std::size_t piece_dimension(const fs::path& path, std::string_view word, std::si
 }
 
 /// "name%03d.raw <first> <last> <step> [<dimension>]". None if `value` is not of this form.
-std::optional<FileList> numbered_files(const fs::path& path, std::string_view value,
-                                       std::size_t axes) {
+std::optional<NrrdFileList> numbered_files(const fs::path& path, std::string_view value,
+                                           std::size_t axes) {
   const std::vector<std::string_view> words = words_of(value);
   if (words.size() < 4 || words.size() > 5 || !numbered_name(words[0], 0)) {
     return std::nullopt;
@@ -150,7 +150,7 @@ std::optional<FileList> numbered_files(const fs::path& path, std::string_view va
     throw bad_file(path, "its data file is '" + one_line(value, 80) +
                              "', expected a name with %d and the first and last number and a step");
   }
-  FileList list{{}, piece_dimension(path, words.size() > 4 ? words[4] : "", axes)};
+  NrrdFileList list{{}, piece_dimension(path, words.size() > 4 ? words[4] : "", axes)};
   const auto count = static_cast<std::uint64_t>((*last - *first) / *step) + 1;
   if (count > kMostDataFiles) {
     throw unsupported(path, "has " + std::to_string(count) + " data files, expected at most " +
@@ -168,19 +168,19 @@ std::optional<FileList> numbered_files(const fs::path& path, std::string_view va
   return list;
 }
 
-FileList data_files(const NrrdHeader& header, const fs::path& path, std::size_t axes) {
+NrrdFileList data_files(const NrrdHeader& header, const fs::path& path, std::size_t axes) {
   const std::string_view value = header.field("datafile");
   if (value.starts_with("LIST")) {
     return {header.listed_files, piece_dimension(path, trimmed(value.substr(4)), axes)};
   }
-  if (std::optional<FileList> list = numbered_files(path, value, axes)) {
+  if (std::optional<NrrdFileList> list = numbered_files(path, value, axes)) {
     return *list;
   }
   return {{std::string(value)}, axes};
 }
 
 /// Files of all of the array divide its slowest axis.
-void require_file_count(const fs::path& path, const FileList& list,
+void require_file_count(const fs::path& path, const NrrdFileList& list,
                         const std::vector<StoredAxis>& axes) {
   std::uint64_t expected = 1;
   for (std::size_t axis = list.dimension; axis < axes.size(); ++axis) {
@@ -228,7 +228,7 @@ void find_nrrd_samples(StoredSamples& stored, const NrrdHeader& header, const fs
     stored.pieces.push_back({path, 0, header.is_gzipped ? Packing::deflate : Packing::none, 0});
     advance(stored.pieces.front(), header.bytes);
   } else {
-    const FileList list = data_files(header, path, stored.axes.size());
+    const NrrdFileList list = data_files(header, path, stored.axes.size());
     require_file_count(path, list, stored.axes);
     for (const std::string& name : list.names) {
       stored.pieces.push_back({data_file_path(path, name), 0, Packing::none, 0});

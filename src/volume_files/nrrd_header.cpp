@@ -85,8 +85,8 @@ void read_line(NrrdHeader& header, const fs::path& path, std::string_view line) 
   }
 }
 
-std::optional<std::vector<double>> numbers_of(std::string_view text,
-                                              std::string_view separators = " \t") {
+std::optional<std::vector<double>> nrrd_numbers(std::string_view text,
+                                                std::string_view separators = " \t") {
   std::vector<double> numbers;
   for (const std::string_view word : words_of(text, separators)) {
     const std::optional<double> number = number_of(word);
@@ -98,8 +98,8 @@ std::optional<std::vector<double>> numbers_of(std::string_view text,
   return numbers;
 }
 
-Error wrong_field(const fs::path& path, std::string_view name, std::string_view value,
-                  const std::string& expected) {
+Error wrong_nrrd_field(const fs::path& path, std::string_view name, std::string_view value,
+                       const std::string& expected) {
   return bad_file(path, "its header field '" + std::string(name) + "' is '" + one_line(value, 80) +
                             "', expected " + expected);
 }
@@ -110,10 +110,10 @@ std::vector<double> axis_numbers(const NrrdHeader& header, const fs::path& path,
   if (header.field(name).empty()) {
     return std::vector<double>(axes, std::numeric_limits<double>::quiet_NaN());
   }
-  const auto numbers = numbers_of(header.field(name));
+  const auto numbers = nrrd_numbers(header.field(name));
   if (!numbers || numbers->size() != axes) {
-    throw wrong_field(path, name, header.field(name),
-                      std::to_string(axes) + " numbers, one for each axis");
+    throw wrong_nrrd_field(path, name, header.field(name),
+                           std::to_string(axes) + " numbers, one for each axis");
   }
   return *numbers;
 }
@@ -127,8 +127,8 @@ std::vector<std::string> axis_words(const NrrdHeader& header, const fs::path& pa
     words.push_back(lower == "none" || lower == "???" ? "" : lower);
   }
   if (!words.empty() && words.size() != axes) {
-    throw wrong_field(path, name, header.field(name),
-                      std::to_string(axes) + " words, one for each axis");
+    throw wrong_nrrd_field(path, name, header.field(name),
+                           std::to_string(axes) + " words, one for each axis");
   }
   words.resize(axes);
   return words;
@@ -151,9 +151,9 @@ std::vector<std::string> quoted_strings(std::string_view text) {
 // "(1,0,0) none (0,0,2)": a vector of `dimension` numbers for each axis, or no numbers.
 std::vector<std::vector<double>> vectors_of(const fs::path& path, std::string_view name,
                                             std::string_view text, std::size_t dimension) {
-  const Error wrong =
-      wrong_field(path, name, text,
-                  "vectors of " + std::to_string(dimension) + " numbers like (0.5,0,0), or none");
+  const Error wrong = wrong_nrrd_field(
+      path, name, text,
+      "vectors of " + std::to_string(dimension) + " numbers like (0.5,0,0), or none");
   std::vector<std::vector<double>> vectors;
   for (text = trimmed(text); !text.empty(); text = trimmed(text)) {
     if (lower_case(text.substr(0, 4)) == "none") {
@@ -165,7 +165,7 @@ std::vector<std::vector<double>> vectors_of(const fs::path& path, std::string_vi
     if (!text.starts_with('(') || end == std::string_view::npos) {
       throw wrong;
     }
-    std::optional<std::vector<double>> vector = numbers_of(text.substr(1, end - 1), ", \t");
+    std::optional<std::vector<double>> vector = nrrd_numbers(text.substr(1, end - 1), ", \t");
     if (!vector || vector->size() != dimension) {
       throw wrong;
     }
@@ -184,19 +184,19 @@ std::vector<std::size_t> axis_sizes(const NrrdHeader& header, const fs::path& pa
   const std::string_view dimension = required_field(header, path, "dimension");
   const std::int64_t axes = integer_of(dimension).value_or(0);
   if (axes < 1 || axes > static_cast<std::int64_t>(kMostAxes)) {
-    throw wrong_field(path, "dimension", dimension, "1 to " + std::to_string(kMostAxes));
+    throw wrong_nrrd_field(path, "dimension", dimension, "1 to " + std::to_string(kMostAxes));
   }
   std::vector<std::size_t> sizes;
   for (const std::string_view word : words_of(required_field(header, path, "sizes"))) {
     const std::int64_t size = integer_of(word).value_or(0);
     if (size < 1) {
-      throw wrong_field(path, "sizes", header.field("sizes"), "numbers of at least 1");
+      throw wrong_nrrd_field(path, "sizes", header.field("sizes"), "numbers of at least 1");
     }
     sizes.push_back(static_cast<std::size_t>(size));
   }
   if (sizes.size() != static_cast<std::size_t>(axes)) {
-    throw wrong_field(path, "sizes", header.field("sizes"),
-                      std::to_string(axes) + " numbers, one for each axis");
+    throw wrong_nrrd_field(path, "sizes", header.field("sizes"),
+                           std::to_string(axes) + " numbers, one for each axis");
   }
   return sizes;
 }
@@ -259,8 +259,8 @@ std::vector<NrrdAxis> nrrd_axes(const NrrdHeader& header, const fs::path& path) 
       vectors_of(path, "space directions", header.field("spacedirections"),
                  nrrd_space(header, path).dimension);
   if (!directions.empty() && directions.size() != count) {
-    throw wrong_field(path, "space directions", header.field("spacedirections"),
-                      std::to_string(count) + " vectors, one for each axis");
+    throw wrong_nrrd_field(path, "space directions", header.field("spacedirections"),
+                           std::to_string(count) + " vectors, one for each axis");
   }
   directions.resize(count);
   std::vector<NrrdAxis> axes;
@@ -281,7 +281,7 @@ NrrdSpace nrrd_space(const NrrdHeader& header, const fs::path& path) {
     const std::int64_t stated = integer_of(dimension).value_or(0);
     if (stated < 1 || stated > 8 ||
         (space.dimension != 0 && space.dimension != static_cast<std::size_t>(stated))) {
-      throw wrong_field(
+      throw wrong_nrrd_field(
           path, "space dimension", dimension,
           space.name.empty() ? "1 to 8" : std::to_string(space.dimension) + " for this space");
     }
@@ -290,7 +290,7 @@ NrrdSpace nrrd_space(const NrrdHeader& header, const fs::path& path) {
   const std::vector<std::vector<double>> origin =
       vectors_of(path, "space origin", header.field("spaceorigin"), space.dimension);
   if (origin.size() > 1) {
-    throw wrong_field(path, "space origin", header.field("spaceorigin"), "one vector");
+    throw wrong_nrrd_field(path, "space origin", header.field("spaceorigin"), "one vector");
   }
   space.origin = origin.empty() ? std::vector<double>() : origin.front();
   space.units = quoted_strings(header.field("spaceunits"));

@@ -124,14 +124,14 @@ SamplePiece detached_piece(const fs::path& path, const std::string& name, bool i
   return {file, 0, is_packed ? Packing::deflate : Packing::none, 0};
 }
 
-struct FileList {
+struct MetaImageFileList {
   std::vector<std::string> names;
   std::size_t dimension = 0;  // of the part of the image in each
 };
 
 /// "LIST [<dimension>]"
-FileList listed_files(const fs::path& path, const MetaImageHeader& header,
-                      const std::vector<std::size_t>& sizes) {
+MetaImageFileList listed_files(const fs::path& path, const MetaImageHeader& header,
+                               const std::vector<std::size_t>& sizes) {
   const std::vector<std::string_view> words = words_of(header.field("ElementDataFile"));
   const std::int64_t dimension = words.size() > 1 ? integer_of(words[1]).value_or(-1) : 0;
   if (dimension < 0) {
@@ -146,8 +146,8 @@ FileList listed_files(const fs::path& path, const MetaImageHeader& header,
 
 /// "name%03d.raw [<first> [<last> [<step>]]]", a file for each sample of the last axis. None if
 /// `value` is not of this form.
-std::optional<FileList> numbered_files(const fs::path& path, std::string_view value,
-                                       const std::vector<std::size_t>& sizes) {
+std::optional<MetaImageFileList> numbered_files(const fs::path& path, std::string_view value,
+                                                const std::vector<std::size_t>& sizes) {
   const std::vector<std::string_view> words = words_of(value);
   std::vector<std::int64_t> numbers;
   std::size_t name_words = words.size();  // a name may have blanks
@@ -175,7 +175,7 @@ std::optional<FileList> numbered_files(const fs::path& path, std::string_view va
                              "', expected numbers for the " + std::to_string(count) +
                              " samples of the last axis");
   }
-  FileList list{{}, sizes.size() - 1};
+  MetaImageFileList list{{}, sizes.size() - 1};
   const auto name = [&](std::int64_t i) { return *numbered_name(pattern, first + i * step); };
   const fs::path first_file =
       detached_piece(path, name(0), false).file;  // before memory is allocated for all names
@@ -186,7 +186,7 @@ std::optional<FileList> numbered_files(const fs::path& path, std::string_view va
   return list;
 }
 
-void require_file_count(const fs::path& path, const FileList& list,
+void require_file_count(const fs::path& path, const MetaImageFileList& list,
                         const std::vector<std::size_t>& sizes) {
   std::uint64_t expected = 1;
   for (std::size_t axis = list.dimension; axis < sizes.size(); ++axis) {
@@ -238,10 +238,10 @@ void find_samples(StoredSamples& stored, const fs::path& path, const MetaImageHe
             ? SamplePiece{path, 0, Packing::deflate, header.bytes}
             : SamplePiece{path, header.bytes, is_packed ? Packing::deflate : Packing::none, 0});
   } else {
-    FileList list{{std::string(name)}, sizes.size()};
+    MetaImageFileList list{{std::string(name)}, sizes.size()};
     if (name.starts_with("LIST")) {
       list = listed_files(path, header, sizes);
-    } else if (std::optional<FileList> numbered = numbered_files(path, name, sizes)) {
+    } else if (std::optional<MetaImageFileList> numbered = numbered_files(path, name, sizes)) {
       list = *numbered;
     }
     require_file_count(path, list, sizes);

@@ -21,11 +21,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kHeaderBytes = 284;  // the samples follow
-constexpr std::size_t kFieldBytes = 90;    // those that mean something
+constexpr std::size_t kMghHeaderBytes = 284;  // the samples follow
+constexpr std::size_t kFieldBytes = 90;       // those that mean something
 constexpr bool kSwap = std::endian::native == std::endian::little;
 
-SampleType sample_type_of(int type, const fs::path& path) {
+SampleType mgh_sample_type(int type, const fs::path& path) {
   switch (type) {
     case 0:
       return SampleType::uint8;
@@ -78,8 +78,8 @@ Orientation orientation_of(const HeaderFields& header, VolumeSource& source) {
   return orientation;
 }
 
-Grid grid_of(const fs::path& path, const HeaderFields& header,
-             const std::array<std::size_t, 3>& size, VolumeSource& source) {
+Grid mgh_grid(const fs::path& path, const HeaderFields& header,
+              const std::array<std::size_t, 3>& size, VolumeSource& source) {
   const Orientation orientation = orientation_of(header, source);
   const std::array spacing{orientation.spacing.x, orientation.spacing.y, orientation.spacing.z};
   Vec3 origin = orientation.middle;
@@ -97,7 +97,7 @@ Grid grid_of(const fs::path& path, const HeaderFields& header,
 }  // namespace
 
 VolumeFile read_mgh(const fs::path& path, const ReadOptions& options) {
-  const std::string bytes = unpacked_start(path, kHeaderBytes);
+  const std::string bytes = unpacked_start(path, kMghHeaderBytes);
   if (bytes.size() < kFieldBytes)
     throw bad_file(path, "is not an MGH file, or its header is cut off");
   const HeaderFields header(bytes, kSwap);
@@ -119,10 +119,10 @@ VolumeFile read_mgh(const fs::path& path, const ReadOptions& options) {
   VolumeFile file;
   Volume& volume = file.volume;
   file.source.format = "MGH";
-  volume.view.type = sample_type_of(header.int32(20), path);
+  volume.view.type = mgh_sample_type(header.int32(20), path);
   const StoredVolumes stored{
       .file = path,
-      .offset = kHeaderBytes,
+      .offset = kMghHeaderBytes,
       .volume_bytes = checked_sample_bytes(path, volume_size, bytes_per_sample(volume.view.type)),
       .count = size[3],
       .has_footer = true};
@@ -130,7 +130,7 @@ VolumeFile read_mgh(const fs::path& path, const ReadOptions& options) {
   const std::size_t frame =
       size[3] > 1 ? take_choice(path, file.source, numbered_choice("time", size[3]), options.time)
                   : 0;
-  volume.view.grid = grid_of(path, header, volume_size, file.source);
+  volume.view.grid = mgh_grid(path, header, volume_size, file.source);
   read_plain_samples(stored, frame, kSwap, file, options);
   return file;
 }

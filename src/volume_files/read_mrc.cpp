@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kHeaderBytes = 1024;
+constexpr std::size_t kMrcHeaderBytes = 1024;
 
 // Places in the header, under the names of the specification.
 constexpr std::size_t kNx = 0, kMode = 12, kNxStart = 16, kMx = 28, kCellA = 40, kCellB = 52,
@@ -74,7 +74,7 @@ bool is_swapped(const std::string& bytes) {
 bool is_from_imod(const HeaderFields& header) { return header.int32(kImodStamp) == kImodMark; }
 
 /// Samples as they are stored.
-struct StoredType {
+struct MrcType {
   SampleType type = SampleType::float32;
   std::size_t bytes = 4;
   bool is_half = false;
@@ -82,7 +82,7 @@ struct StoredType {
 
 // Bytes are signed since MRC2014. IMOD has a flag for it; of other files with unsigned bytes the
 // stated range tells.
-StoredType byte_type(const HeaderFields& header, const fs::path& path, VolumeSource& source) {
+MrcType byte_type(const HeaderFields& header, const fs::path& path, VolumeSource& source) {
   constexpr double kLargestSigned = 127, kLargestUnsigned = 255;
   const double least = header.float32(kDmin), largest = header.float32(kDmax);
   bool is_unsigned = false;
@@ -103,7 +103,7 @@ StoredType byte_type(const HeaderFields& header, const fs::path& path, VolumeSou
   return {is_unsigned ? SampleType::uint8 : SampleType::int8, 1};
 }
 
-StoredType stored_type_of(const HeaderFields& header, const fs::path& path, VolumeSource& source) {
+MrcType mrc_type(const HeaderFields& header, const fs::path& path, VolumeSource& source) {
   switch (const int mode = header.int32(kMode)) {
     case 0:
       return byte_type(header, path, source);
@@ -180,8 +180,8 @@ Vec3 origin_of(const HeaderFields& header, const std::array<std::size_t, 3>& wor
 
 // The samples stay in the order of the file; the grid's axes say which way columns, rows and
 // sections run.
-Grid grid_of(const fs::path& path, const HeaderFields& header,
-             const std::array<std::size_t, 3>& size, VolumeSource& source) {
+Grid mrc_grid(const fs::path& path, const HeaderFields& header,
+              const std::array<std::size_t, 3>& size, VolumeSource& source) {
   const std::array world = cell_axes(header, source);
   const std::array steps = steps_of(header, source);
   std::array<std::size_t, 3> world_axis{};
@@ -222,8 +222,8 @@ std::size_t volume_count(const HeaderFields& header, const fs::path& path, Volum
 }  // namespace
 
 VolumeFile read_mrc(const fs::path& path, const ReadOptions& options) {
-  const std::string bytes = unpacked_start(path, kHeaderBytes);
-  if (bytes.size() < kHeaderBytes)
+  const std::string bytes = unpacked_start(path, kMrcHeaderBytes);
+  if (bytes.size() < kMrcHeaderBytes)
     throw bad_file(path, "is not an MRC file, or its header is cut off");
   const bool swap = is_swapped(bytes);
   const HeaderFields header(bytes, swap);
@@ -243,16 +243,16 @@ VolumeFile read_mrc(const fs::path& path, const ReadOptions& options) {
   const auto counts = triple(header, kNx);
   const std::array size{static_cast<std::size_t>(counts[0]), static_cast<std::size_t>(counts[1]),
                         static_cast<std::size_t>(counts[2]) / count};
-  const StoredType type = stored_type_of(header, path, file.source);
+  const MrcType type = mrc_type(header, path, file.source);
   volume.view.type = type.type;
   const StoredVolumes stored{.file = path,
-                             .offset = kHeaderBytes + static_cast<std::size_t>(extended_bytes),
+                             .offset = kMrcHeaderBytes + static_cast<std::size_t>(extended_bytes),
                              .volume_bytes = checked_sample_bytes(path, size, type.bytes),
                              .count = count};
   require_stored_volumes(stored, file.source);
   const std::size_t index =
       count > 1 ? take_choice(path, file.source, numbered_choice("time", count), options.time) : 0;
-  volume.view.grid = grid_of(path, header, size, file.source);
+  volume.view.grid = mrc_grid(path, header, size, file.source);
   if (type.is_half) {
     read_half_samples(stored, index, swap, file, options);
   } else {

@@ -69,7 +69,7 @@ fs::path required_sibling(const fs::path& path, std::string_view extension) {
   throw bad_file(path, "there is no " + std::string(extension) + " file beside it");
 }
 
-SampleType sample_type_of(int datatype, const fs::path& file) {
+SampleType nifti_sample_type(int datatype, const fs::path& file) {
   switch (datatype) {
     case 2:
       return SampleType::uint8;
@@ -162,7 +162,7 @@ struct Rescale {
   bool is_needed() const { return slope != 1 || intercept != 0; }
 };
 
-std::string number(double value) {
+std::string nifti_number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.9g", value);
   return text;
@@ -174,22 +174,24 @@ Rescale rescale_of(const NiftiHeader& header, VolumeSource& source) {
   double intercept = header.scl_inter;
   if (slope == 0 || !std::isfinite(slope)) {
     if (intercept != 0 && std::isfinite(intercept)) {
-      source.decisions.push_back({"rescale", "none: slope " + number(slope) + ", its intercept " +
-                                                 number(intercept) + " is ignored"});
+      source.decisions.push_back({"rescale", "none: slope " + nifti_number(slope) +
+                                                 ", its intercept " + nifti_number(intercept) +
+                                                 " is ignored"});
     }
     return {};
   }
   if (!std::isfinite(intercept)) {
-    source.warnings.push_back("its intercept scl_inter is " + number(intercept) + "; 0 is used");
+    source.warnings.push_back("its intercept scl_inter is " + nifti_number(intercept) +
+                              "; 0 is used");
     intercept = 0;
   }
   const Rescale rescale{slope, intercept};
   if (rescale.is_needed()) {
     source.decisions.push_back(
-        {"rescale", "slope " + number(slope) + ", intercept " + number(intercept)});
+        {"rescale", "slope " + nifti_number(slope) + ", intercept " + nifti_number(intercept)});
   }
   if (rescale.is_needed() && header.version == NiftiVersion::analyze) {
-    source.warnings.push_back("its samples are multiplied by " + number(slope) +
+    source.warnings.push_back("its samples are multiplied by " + nifti_number(slope) +
                               ", the factor that SPM and AFNI keep in an Analyze header");
   }
   return rescale;
@@ -241,7 +243,7 @@ void warn_of_bits(const NiftiHeader& header, SampleType type, VolumeSource& sour
 VolumeFile read_nifti(const fs::path& path, const ReadOptions& options) {
   const fs::path header_file = header_half(path);
   const NiftiHeader header = read_nifti_header(header_file);
-  const SampleType stored_type = sample_type_of(header.datatype, header_file);
+  const SampleType stored_type = nifti_sample_type(header.datatype, header_file);
   const std::array size{static_cast<std::size_t>(header.dim[1]),
                         static_cast<std::size_t>(header.dim[2]),
                         static_cast<std::size_t>(header.dim[3])};

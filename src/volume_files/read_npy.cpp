@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::string_view kMark = "\x93NUMPY";
+constexpr std::string_view kNpyMark = "\x93NUMPY";
 
 struct NpyHeader {
   std::string descr = {};  ///< type of a sample, e.g. "<f4"
@@ -136,7 +136,7 @@ void parse_dictionary(std::string_view text, const fs::path& path, NpyHeader& he
 NpyHeader read_header(const fs::path& path) {
   constexpr std::size_t kMostHeaderBytes = std::size_t{1} << 20;
   const std::string bytes = unpacked_start(path, kMostHeaderBytes);
-  if (!bytes.starts_with(kMark) || bytes.size() < 12)
+  if (!bytes.starts_with(kNpyMark) || bytes.size() < 12)
     throw bad_file(path, "is not a .npy file, or its header is cut off");
   const HeaderFields fields(bytes, std::endian::native == std::endian::big);
   const int version = bytes[6];
@@ -157,16 +157,16 @@ NpyHeader read_header(const fs::path& path) {
   return header;
 }
 
-struct StoredType {
+struct NpyType {
   SampleType type = SampleType::uint8;
   std::size_t bytes = 1;
   bool is_half = false;  ///< 16-bit floats: read as float32
 };
 
-StoredType stored_type_of(const std::string& descr, const fs::path& path) {
+NpyType npy_type(const std::string& descr, const fs::path& path) {
   struct Known {
     std::string_view code;
-    StoredType stored;
+    NpyType stored;
   };
   constexpr std::array kKnown{
       Known{"b1", {SampleType::uint8, 1}},   Known{"u1", {SampleType::uint8, 1}},
@@ -276,7 +276,7 @@ void read_fortran_samples(const StoredVolumes& stored, bool is_half, bool swap, 
 
 VolumeFile read_npy(const fs::path& path, const ReadOptions& options) {
   const NpyHeader header = read_header(path);
-  const StoredType type = stored_type_of(header.descr, path);
+  const NpyType type = npy_type(header.descr, path);
   const bool is_big_endian = header.descr[0] == '>';
   const bool swap = (header.descr[0] == '<' || is_big_endian) &&
                     is_big_endian != (std::endian::native == std::endian::big);

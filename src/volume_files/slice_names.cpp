@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_digit_of_name(char c) { return c >= '0' && c <= '9'; }
 
 /// A file's name taken apart: "slice_07b.tif" has the text "slice_#b.tif" and the number 7.
 struct SliceName {
@@ -29,12 +29,12 @@ SliceName parse(const fs::path& path) {
   SliceName name{path, {}, {}};
   const std::string file_name = path.stem().string();
   for (std::size_t i = 0; i < file_name.size();) {
-    if (!is_digit(file_name[i])) {
+    if (!is_digit_of_name(file_name[i])) {
       name.text += file_name[i++];
       continue;
     }
     std::size_t end = i;
-    while (end < file_name.size() && is_digit(file_name[end])) ++end;
+    while (end < file_name.size() && is_digit_of_name(file_name[end])) ++end;
     const std::size_t first = std::min(file_name.find_first_not_of('0', i), end - 1);
     name.numbers.push_back(file_name.substr(first, end - first));
     name.text += '#';
