@@ -12,7 +12,7 @@ import subprocess
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-HEAD = "| volume @ isovalue | radius field, 1.5 |"
+HEAD = "| volume @ isovalue | sizing field, 1.5 |"
 WAYS = {"field": [], "halving": ["--covering", "halving"], "field 0": ["--event-persistence", "0"],
         "halving 1.5": ["--covering", "halving", "--event-persistence", "1.5vx"]}
 REPEATS = 3

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The documentation site, by Sphinx. scripts/build_docs.sh builds it and says what it needs."""
+"""The documentation site, by Sphinx. scripts/build_docs.sh builds it and lists its requirements."""
 import os
 import pathlib
 import re
@@ -55,7 +55,7 @@ cpp_index_common_prefix = ["isoatlas::"]
 
 # The API of Python: the module that CMake builds has to be on PYTHONPATH.
 autodoc_member_order = "bysource"
-autodoc_typehints = "none"  # the docstrings say more
+autodoc_typehints = "none"  # the docstrings describe types
 autoclass_content = "class"
 default_role = "py:obj"
 napoleon_use_rtype = False

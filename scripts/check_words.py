@@ -16,9 +16,12 @@ SUFFIXES = {".h", ".cpp", ".inl", ".py", ".pyi", ".md", ".txt", ".cmake", ".sh"}
 CHECKED = ["src", "include", "apps", "python", "tests", "bench", "docs", "README.md", "CONTRIBUTING.md"]
 # History: says what was done at the time, in the words of that time.
 LEFT_OUT = ["docs/decisions", "docs/benchmarks.md"]
+# The last column of its table lists words not to use.
+GLOSSARY = "docs/glossary.md"
 
 # Areas that still use other words. Remove an area here when it is done.
-NOT_DONE = ["include", "apps", "python", "docs", "README.md", "CONTRIBUTING.md", "bench", "src/report", "src/wording", "src/outputs", "src/page", "src/picture", "src/files",
+NOT_DONE = ["include", "apps", "python", "docs/results.md", "docs/tasks", "docs/reference/command-line.md",
+            "docs/reference/errors.md", "docs/reference/formats.md", "bench", "src/report", "src/wording", "src/outputs", "src/page", "src/picture", "src/files",
             "src/volume_files", "src/mesh_files", "tests/adversarial", "tests/cli", "tests/data", "tests/differential", "tests/fuzz", "tests/install", "tests/page",
             "tests/python", "tests/regression", "tests/unit/files", "tests/unit/mesh_files", "tests/unit/outputs", "tests/unit/page", "tests/unit/report",
             "tests/unit/tool", "tests/unit/volume_files", "tests/unit/wording", "tests/CMakeLists.txt"]
@@ -59,6 +62,9 @@ WORDS = {
 
 # Where such a word is right: path (prefix), pattern on the line as it stands, reason.
 EXCEPTIONS = [
+    ("docs/report.md", r"with Shift", "a key"),
+    ("README.md", r"#what-the-readme-says", "a heading of a generated page"),
+    ("docs/limits.md", r"#what-the-readme-says", "a heading of a generated page"),
     ("src/core/distance_queue.h", r"bucket", "the buckets of a radix heap"),
     ("tests/unit/error/measure_test.cpp", r"/ rings, around", "two variables side by side"),
 ]
@@ -88,7 +94,7 @@ def findings():
             if path.suffix not in SUFFIXES or in_area(name, LEFT_OUT) or not path.is_file():
                 continue
             for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
-                words = words_of(line)
+                words = words_of(line.rsplit("|", 2)[0] if name == GLOSSARY else line)
                 for pattern, word in patterns:
                     found = pattern.search(words)
                     if found and not is_exception(name, line):

@@ -51,7 +51,7 @@ class Header(SphinxDirective):
         node = nodes.Element()
         self.state.nested_parse(text, self.content_offset, node)
         for paragraph in list(node.findall(nodes.paragraph)):
-            if paragraph.astext().startswith("Subclassed by"):  # its links do not resolve, and the class says what it is derived from
+            if paragraph.astext().startswith("Subclassed by"):  # its links do not resolve, and the class lists its bases
                 paragraph.parent.remove(paragraph)
         return node.children
 

@@ -301,9 +301,9 @@ def closed_ball():
     corners = [(x - 52, 299), (x + 52, 299), (x, 255)]
     d.polygon(corners, FILLS[6], INK, 2)
     d.polygon([(px, py + (5 if k < 2 else 6)) for k, (px, py) in enumerate([(x - 42, 291), (x + 42, 291), (x, 258)])], "none", INK, 1.2)
-    for c, name, shift in zip(corners, "ABC", ((-12, 5), (12, 5), (13, 2))):
+    for c, name, offset in zip(corners, "ABC", ((-12, 5), (12, 5), (13, 2))):
         d.dot(c, 5)
-        d.text((c[0] + shift[0], c[1] + shift[1]), name, "middle")
+        d.text((c[0] + offset[0], c[1] + offset[1]), name, "middle")
     d.text((x, 325), "A, B, C share two points:", "middle")
     d.text((x, 344), "the same triangle twice", "middle", RED)
     d.text((20, 22), "partition", fill=GREY, size=12)
