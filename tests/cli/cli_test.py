@@ -2211,7 +2211,7 @@ class Page(ToolTest):
     def test_what_cannot_be(self):
         self.succeed(*self.EXTRACT, "-o", "s.glb", "--report", "s.json")
         self.put("bad.json", b"{}")
-        self.refuse("is no report", "report", "bad.json", "-o", "p.html")
+        self.refuse("is not a report", "report", "bad.json", "-o", "p.html")
         self.refuse("missing.glb", "report", "missing.glb", "-o", "p.html")
         self.refuse("would replace a result", "report", "s.glb", "-o", "s.glb")
         (self.folder / "mesh.html").symlink_to("s.glb")

@@ -87,9 +87,9 @@ TEST_F(PageEntries, OfAReportAboutAnotherMeshAreRefused) {
   other.levels[1].triangles.pop_back();
   expect_error(ErrorCode::bad_file, "r.json: is about another mesh: level 1",
                [&] { entry_of_report(report, "r.json", other, {}); });
-  expect_error(ErrorCode::bad_file, "r.json: is no report",
+  expect_error(ErrorCode::bad_file, "r.json: is not a report",
                [&] { entry_of_report("{}", "r.json", other, {}); });
-  expect_error(ErrorCode::bad_file, "r.json: is no report",
+  expect_error(ErrorCode::bad_file, "r.json: is not a report",
                [&] { entry_of_report("no json", "r.json", other, {}); });
   json broken = json::parse(report);
   broken.erase("levels");
