@@ -19,7 +19,7 @@ LEFT_OUT = ["docs/decisions", "docs/benchmarks.md"]
 
 # Areas that still use other words. Remove an area here when it is done.
 NOT_DONE = ["apps", "python", "docs", "README.md", "CONTRIBUTING.md", "bench", "src/files",
-            "src/volume_files", "src/mesh_files", "tests/adversarial", "tests/cli", "tests/data", "tests/differential", "tests/fuzz", "tests/install", "tests/page",
+            "src/volume_files", "src/mesh_files", "tests/adversarial", "tests/cli", "tests/data", "tests/differential", "tests/fuzz", "tests/install", 
             "tests/python", "tests/regression", "tests/unit/files", "tests/unit/mesh_files", 
             "tests/unit/volume_files", "tests/CMakeLists.txt"]
 
