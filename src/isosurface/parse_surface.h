@@ -19,7 +19,7 @@ struct ParseOptions {
   Interpolation interpolation = Interpolation::trilinear;  ///< on which surface points are placed
   std::uint32_t supersample =
       1;  ///< >= 1: parses the volume upsampled by this factor per axis, see UpsampledField
-  /// Everything outside the volume counts as outside: the surface is closed by faces on the volume
+  /// Points beyond the volume are not inside: the surface is closed by faces on the volume
   /// boundary.
   bool closed = false;
 };
