@@ -5,15 +5,21 @@
 
 namespace isoatlas {
 
-/// What the certificate looked at, and what it took to pass (docs/theory/02-certificate.md).
+/// The result of the certificate, the check of the closed ball property that proves the topology
+/// of a mesh: how much was checked and how much repair was needed until the check passed. The
+/// argument is in docs/theory/02-certificate.md. "Cell" means Voronoi cell: the c-vertices nearest
+/// to one site.
 struct CertificateReport {
   bool passed = false;
-  std::size_t cells_checked =
-      0;  ///< every one a disk, with a triangle, meeting the boundary in at most one arc
-  std::size_t arcs_checked = 0;  ///< pairs of adjacent cells, every pair meeting in exactly one arc
-  std::size_t triples_checked = 0;  ///< triples of cells, every triple meeting in exactly one point
-  std::size_t repair_rounds = 0;    ///< rounds of check-and-repair until it passed
-  std::size_t repair_sites = 0;     ///< sites added by repair
+  /// Number of Voronoi cells. Each is a disk, has a triangle, and shares at most one arc with the
+  /// surface's boundary.
+  std::size_t cells_checked = 0;
+  /// Number of pairs of adjacent Voronoi cells. Each pair shares exactly one arc.
+  std::size_t arcs_checked = 0;
+  /// Number of triples of adjacent Voronoi cells. Each triple shares exactly one point.
+  std::size_t triples_checked = 0;
+  std::size_t repair_rounds = 0;  ///< rounds of check and repair until the check passed
+  std::size_t repair_sites = 0;   ///< sites added by repair
 };
 
 }  // namespace isoatlas

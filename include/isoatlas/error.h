@@ -9,49 +9,50 @@
 
 namespace isoatlas {
 
-/// What went wrong. Each code has one exit status of the tool (docs/reference/errors.md).
+/// The kind of an error. The command-line tool has an exit status for each kind
+/// (docs/reference/errors.md).
 enum class ErrorCode {
-  bad_argument,   ///< an option or a parameter is out of its domain            exit 2
-  bad_file,       ///< a file is missing, truncated, malformed or not writable  exit 2
-  unsupported,    ///< a file is well formed but not what isoatlas meshes       exit 2
-  empty_surface,  ///< there is no isosurface at this isovalue                  exit 2
-  internal,       ///< isoatlas' own check failed; nothing was written          exit 3
-  out_of_memory,  ///< an allocation failed                                     exit 4
-  cancelled,      ///< the caller asked to stop                                 exit 130
+  bad_argument,   ///< an option or argument has a value outside its domain; exit status 2
+  bad_file,       ///< a file is missing, truncated, malformed or not writable; exit status 2
+  unsupported,    ///< the input is valid, but isoatlas cannot process it; exit status 2
+  empty_surface,  ///< no surface is left to mesh at this isovalue; exit status 2
+  internal,       ///< a check of the result failed: a bug, nothing is written; exit status 3
+  out_of_memory,  ///< an allocation failed; exit status 4
+  cancelled,      ///< the caller cancelled the computation; exit status 130
 };
 
-/// What the caller can do about an error. A program with options of its own can name these instead.
+/// What the caller can do about an error. The library's texts name members of its own structs; a
+/// program with its own options can show the names of those instead.
 enum class Remedy : std::uint8_t {
-  none,          ///< the problem itself states it
+  none,          ///< problem() already contains the advice, or there is none
   place_nan,     ///< "set SurfaceOptions::non_finite to below or above"
   only_coarse,   ///< "leave ExtractOptions::refine and ::coarse empty, or resample the volume to a
                  ///< box-shaped grid"
   allow_memory,  ///< "set ReadOptions::max_memory to allow more"
 };
 
-/// The one exception type of the library. what() is one line: what, where, what was expected, what
-/// to do.
+/// The exception type of the library. what() is one line of text: what is wrong, where, what was
+/// expected, and what to do.
 class ISOATLAS_API Error : public std::runtime_error {
  public:
   Error(ErrorCode code, const std::string& problem, Remedy remedy = Remedy::none)
-      : std::runtime_error(problem + in_words(remedy)),
+      : std::runtime_error(problem + text_of(remedy)),
         code_(code),
         remedy_(remedy),
         problem_size_(problem.size()) {}
 
   ErrorCode code() const noexcept { return code_; }
   Remedy remedy() const noexcept { return remedy_; }
-  std::string problem() const {
-    return std::string(what()).substr(0, problem_size_);
-  }  ///< what() without the remedy
+  /// what() without the text of the remedy.
+  std::string problem() const { return std::string(what()).substr(0, problem_size_); }
 
-  /// The same error with something before its problem, such as the path of the file it is about.
+  /// A copy with `prefix` in front of its message, for example the path of a file.
   Error with_prefix(const std::string& prefix) const {
     return {code_, prefix + problem(), remedy_};
   }
 
  private:
-  static std::string in_words(Remedy remedy) {
+  static std::string text_of(Remedy remedy) {
     switch (remedy) {
       case Remedy::none:
         break;

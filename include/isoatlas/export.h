@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-/// Marks what a shared isoatlas library exports; all other symbols in it are hidden.
+/// Marks the symbols that a shared isoatlas library exports. All other symbols are hidden.
 #if defined(__GNUC__)
 #define ISOATLAS_API __attribute__((visibility("default")))
 #else

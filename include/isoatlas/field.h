@@ -11,11 +11,11 @@
 
 namespace isoatlas {
 
-/// A scalar field given by a function of a point in the world, for example a distance or an
-/// implicit function. Several threads call the functions at the same time.
+/// A scalar field that is given by a function of a world point, for example a distance function or
+/// an implicit function. Several threads call `value` and `gradient` at the same time.
 struct ScalarField {
-  std::function<double(Vec3)> value;
-  std::function<Vec3(Vec3)> gradient{};  ///< optional; vertex_normals() uses it
+  std::function<double(Vec3)> value;     ///< the value of the field at a world point
+  std::function<Vec3(Vec3)> gradient{};  ///< in world units; optional, for vertex_normals()
 
   template <class F>
   requires(std::is_invocable_r_v<double, F, Vec3> &&
@@ -25,20 +25,24 @@ struct ScalarField {
       : value(std::move(f)), gradient(std::move(g)) {}
 };
 
-/// The values of a field at the samples of a grid, as float64.
-/// @throws Error(bad_argument) if the grid has fewer than two samples along an axis;
-/// Error(out_of_memory); Error(cancelled); and whatever
-///         the function throws
-/// @post   same field, same samples, for any number of threads
-/// @cost   one call per sample; 8 bytes per sample
+/// Evaluates a field at the samples of a grid.
+/// @return float64 samples on `grid`
+/// @throws Error(bad_argument) if the field has no function, or the grid has fewer than two samples
+///         along an axis or 2^50 samples or more
+/// @throws Error(out_of_memory) if the samples do not fit into memory
+/// @throws Error(cancelled) if `control.cancel` was set; exceptions of the function propagate
+/// @post   the same field gives the same samples for any number of threads
+/// @cost   one call of the function and 8 bytes per sample
 ISOATLAS_API Volume sample(const ScalarField& field, const Grid& grid,
                            const RunControl& control = {});
 
-/// The same in a box of the world. Along each axis the samples are `spacing` apart, adjusted so
-/// that a whole number of steps fits.
-/// @throws Error(bad_argument) if the box has no length along an axis, or the spacing is not
-/// positive or gives more than a million samples
-///         along an axis; and as above
+/// Evaluates a field on a grid that fills a box.
+/// @param low, high  opposite corners of the box in world coordinates, both sampled
+/// @param spacing  distance between samples in world units; it is adjusted along each axis so that
+///         a whole number of steps fits into the box
+/// @throws Error(bad_argument) if the box has no length along an axis, or if the spacing is not
+///         positive or gives more than a million samples along an axis
+/// @throws Error as the overload with a grid
 ISOATLAS_API Volume sample(const ScalarField& field, Vec3 low, Vec3 high, double spacing,
                            const RunControl& control = {});
 

@@ -10,42 +10,48 @@
 
 namespace isoatlas {
 
-/// Nested levels of detail. Every vertex is stored once, ordered by the level that brought it; a
-/// level uses a prefix of the vertices and has triangles of its own. So a vertex of a coarse level
-/// is in every finer level, at the same index.
+/// Nested levels of detail. Each vertex is stored once, and vertices are ordered by the first level
+/// that contains them. A level has its own triangles and uses a prefix of the vertices: a vertex of
+/// a coarse level is in every finer level, at the same index.
 struct ISOATLAS_API Hierarchy {
+  /// One level of detail.
   struct Level {
-    std::uint32_t vertex_count =
-        0;  ///< the level's vertices are [0, vertex_count); never less than in the level before
+    /// The level has the vertices [0, vertex_count). It is at least that of the previous level.
+    std::uint32_t vertex_count = 0;
     std::vector<Triangle> triangles;  ///< T x 3, corners < vertex_count
-    std::vector<Vec3> own_positions;  ///< with Placement::balanced, vertex_count positions for this
-                                      ///< level; else, and in level 0, empty
-    /// Per vertex the largest distance between its cell's part of the isosurface and the mesh, both
-    /// ways, in world units: what `max-distance` bounds. Empty if nothing was measured.
+    /// With Placement::balanced, the vertex_count positions of this level; empty otherwise and in
+    /// level 0.
+    std::vector<Vec3> own_positions;
+    /// Per vertex, the largest two-sided distance between the isosurface in its Voronoi cell and
+    /// the mesh, in world units (Quantity::max_distance). Empty if it was not measured.
     std::vector<float> distance;
   };
 
-  std::vector<Vec3> positions;        ///< V x 3, on the isosurface, the same in all levels
-  std::vector<std::uint32_t> parent;  ///< per vertex, the vertex of the level before in whose cell
-                                      ///< it was placed; in level 0 itself
-  std::vector<Level> levels;          ///< coarse to fine, at least one after extract()
-  /// Translation of float32 positions in a .glb; none: the writer derives one from the mesh.
-  /// extract() sets it for volumes far from the origin, because it tests the rounded coordinates
-  /// before a file exists.
+  /// V x 3, on the isosurface and the same in all levels. Coordinates are in ExtractOptions::space.
+  std::vector<Vec3> positions;
+  /// Per vertex, the vertex of the previous level in whose Voronoi cell it was placed; for the
+  /// vertices of level 0 the vertex itself. Empty if unknown.
+  std::vector<std::uint32_t> parent;
+  std::vector<Level> levels;  ///< coarse to fine; at least one after extract()
+  /// Translation of the float32 positions in a .glb file; if absent, the writer computes one from
+  /// the mesh. extract() sets it for volumes far from the origin, because it tests the rounded
+  /// coordinates for self-intersections before a file exists.
   std::optional<Vec3> float32_origin;
 
-  /// The first level that has the vertex. Throws Error(bad_argument) if none has it.
+  /// The coarsest level that contains a vertex.
+  /// @throws Error(bad_argument) if no level contains it
   std::uint32_t level_of(std::uint32_t vertex) const;
-  /// The triangles of a level with its vertices: `own_positions` if it has them, else its prefix of
-  /// `positions`.
+  /// A copy of a level: its triangles, and its `own_positions` or its prefix of `positions`.
+  /// @throws std::out_of_range if there is no such level
   TriangleMesh mesh(std::size_t level) const;
-  /// The same without a copy; valid as long as the hierarchy exists and does not change.
+  /// mesh() without a copy; valid until the hierarchy changes or is destroyed.
   MeshView view(std::size_t level) const;
 };
 
-/// Levels that come as meshes of their own, coarse to fine, as one: `own_positions` where a level's
-/// vertices are not, bit by bit, the first ones of the finest level; no parents. @pre there are
-/// levels
+/// Combines separate meshes into a hierarchy without parents. A level gets `own_positions` unless
+/// its vertices are, bit by bit, a prefix of the vertices of the finest level.
+/// @param levels  coarse to fine, at least one
+/// @cost O(V + T)
 ISOATLAS_API Hierarchy hierarchy_of(std::vector<TriangleMesh> levels);
 
 }  // namespace isoatlas

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files in and out: volumes, meshes and text.
+// All headers of the library that reads and writes volumes, meshes and text files: CMake target
+// isoatlas::io.
 #pragma once
 
 #include "isoatlas/mesh_file.h"

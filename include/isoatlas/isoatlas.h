@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The whole core library. isoatlas/io.h, of the library isoatlas_io, reads and writes files.
+// All headers of the core library, CMake target isoatlas::isoatlas. To read and write files,
+// include isoatlas/io.h.
 #pragma once
 
 #include "isoatlas/certificate.h"

@@ -8,7 +8,7 @@
 
 namespace isoatlas {
 
-/// Unit of the lengths of a volume's world. `unknown`: the volume does not say.
+/// Unit of the world lengths of a volume. `unknown`: the volume does not state it.
 enum class LengthUnit : std::uint8_t {
   unknown,
   angstrom,
@@ -20,15 +20,15 @@ enum class LengthUnit : std::uint8_t {
   inch
 };
 
-ISOATLAS_API std::string_view symbol(
-    LengthUnit unit);  ///< "", "A", "nm", "um", "mm", "cm", "m", "in"
+/// The symbol of a unit: "", "A", "nm", "um", "mm", "cm", "m" or "in".
+ISOATLAS_API std::string_view symbol(LengthUnit unit);
 
 /// Length of one unit in metres; 0 for `unknown`.
 ISOATLAS_API double metres(LengthUnit unit);
 
-/// The unit that a file or a person calls `name`: a symbol or a word, singular or plural, in any
-/// case where no two units differ in case only ("mm", "MM", "millimeters", "µm", "um", "micron").
-/// `unknown` if there is no such unit.
+/// The unit with a name: a symbol or a word, singular or plural, for example "mm", "millimeters",
+/// "µm", "um" or "micron". Case is ignored, except that "a" is not the angstrom "A".
+/// @return `unknown` if there is no such unit
 ISOATLAS_API LengthUnit length_unit_named(std::string_view name);
 
 }  // namespace isoatlas

@@ -10,57 +10,60 @@
 
 namespace isoatlas {
 
-/// Against which isosurface a mesh is measured, and how densely.
+/// The isosurface that a mesh is compared with, and the number of samples.
 struct MeasureOptions {
   SurfaceOptions surface{};
-  Space space = Space::lps;       ///< of the mesh's coordinates
-  std::size_t samples = 200'000;  ///< spread over the area of each surface; those at vertices and
-                                  ///< the like come on top
+  Space space = Space::lps;  ///< the space of the mesh's coordinates
+  /// Number of samples spread by area over the mesh, and over the isosurface; at least 1. Vertices,
+  /// edge midpoints, centroids and c-vertices are sampled in addition.
+  std::size_t samples = 200'000;
 };
 
-/// Distances from samples of one surface to the closest point of the other, world units.
+/// Statistics of the distances from samples of one surface to the closest point of the other one,
+/// in world units. The maximum is taken over all samples, the other values over those spread by
+/// area.
 struct OneSidedDistance {
-  /// All of them. Of a mesh: those spread over its area, then vertices, edge midpoints and
-  /// centroids of the triangles; of the isosurface: those spread over its area, then c-vertices.
-  /// Maxima are over all, the other numbers over those spread by area.
+  /// Number of all samples. On a mesh: samples spread by area, vertices, edge midpoints and
+  /// centroids of triangles. On the isosurface: samples spread by area, and c-vertices.
   std::size_t samples = 0;
-  double samples_per_voxel_face =
-      0;  ///< density of those spread by area: samples per (smallest spacing)^2
+  /// Density of the samples spread by area: samples per square of the smallest spacing.
+  double samples_per_voxel_face = 0;
   double maximum = 0, mean = 0, root_mean_square = 0, p50 = 0, p99 = 0;
-  Vec3 farthest{};  ///< the sample at which the maximum is, in the mesh's space
+  Vec3 farthest{};  ///< position of the sample with the largest distance, in the mesh's space
 };
 
-/// How far a mesh is from the isosurface of a volume.
+/// The two-sided distance between a mesh and the isosurface of a volume. Lengths are in world
+/// units, for every space of the mesh.
 struct ISOATLAS_API Measurement {
-  double voxel = 1;  ///< the smallest spacing: divide lengths by it to have voxels
+  double voxel = 1;  ///< the smallest spacing; a length / `voxel` is the length in voxels
   OneSidedDistance mesh_to_surface, surface_to_mesh;
-  double maximum() const;  ///< of both directions
-  double p99() const;      ///< the larger of both directions
-  double mean() const;     ///< the larger of both directions
-  /// Angle between a triangle's normal and the isosurface's outward normal at the closest point,
-  /// degrees; over the mesh's samples inside triangles. Above 90 degrees a triangle is turned over.
-  /// 0 if no triangle has a normal.
+  double maximum() const;  ///< the larger maximum of both directions
+  double p99() const;      ///< the larger 99th percentile of both directions
+  double mean() const;     ///< the larger mean of both directions
+  /// Angle in degrees between the normal of a triangle and the outward normal of the isosurface at
+  /// the closest point, over the mesh's samples inside triangles. Above 90 degrees, the triangle
+  /// faces the wrong way. 0 if no triangle has a normal.
   double normal_mean = 0, normal_p99 = 0, normal_maximum = 0;
-  double surface_area = 0,
-         mesh_area =
-             0;  ///< world units squared; of the isosurface: that of the faces it is sampled by
+  double surface_area =
+      0;                 ///< area of the faces that represent the isosurface, world units squared
+  double mesh_area = 0;  ///< area of the mesh, world units squared
 };
 
-/// Two-sided distance between a triangle mesh (any mesh, not only ours) and the isosurface,
-/// sampled.
+/// Samples the two-sided distance between a triangle mesh and the isosurface of a volume. The mesh
+/// can come from any program.
 ///
-/// Where the isosurface leaves the volume it ends, so the distance near an open boundary is to its
-/// edge. Lengths are those of the volume's spacing, whatever the mesh's space. Maxima are over
-/// samples, so they are estimates from below; each distance to the isosurface is one from above,
-/// tight but for noise, where within a third of a voxel the nearest of several sheets may be
-/// missed.
-///
-/// Samples are stratified by area and placed by a fixed low-discrepancy sequence: same input, same
-/// numbers, for any number of threads.
-/// @throws as extract(), which refuses to refine on a sheared grid, and Error(bad_argument) if the
-/// mesh has no triangles, a corner out of range, or a vertex that is not
-///         finite or more than 1e15 voxels away; if no samples are wanted
-/// @cost   one pass over the volume, then O((samples + triangles + c-vertices) log)
+/// The isosurface ends at the volume boundary, so near an open boundary the distance is that to its
+/// edge. Reported maxima are lower bounds, because only samples are measured. The distance of each
+/// sample to the isosurface is an upper bound; it is tight except in noise, where a closer sheet of
+/// the surface within a third of a voxel may be missed. Samples are stratified by area and follow a
+/// fixed low-discrepancy sequence.
+/// @param mesh  at least one triangle; coordinates in `options.space`
+/// @throws Error as extract() with refined levels, for the volume and `options.surface`
+/// @throws Error(bad_argument) if the mesh has no triangles, a corner out of range, or a vertex
+/// that
+///         is not finite or more than 1e15 voxels away; or if `options.samples` is 0
+/// @post   the same input gives the same values for any number of threads
+/// @cost   one pass over the volume, then O(n log n) for n samples, triangles and c-vertices
 ISOATLAS_API Measurement measure(const MeshView& mesh, const VolumeView& volume,
                                  const MeasureOptions& options, const RunControl& control = {});
 

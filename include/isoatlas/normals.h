@@ -11,26 +11,34 @@
 
 namespace isoatlas {
 
-/// Outward unit normals of the vertices of a mesh: the area-weighted mean of the normals of the
-/// triangles around each. V x 3; zero where the triangles cancel out, or there are none.
-/// @throws Error(bad_argument) if a corner is out of range. @cost O(V + T)
+/// Outward unit normals at the vertices of a mesh: the area-weighted mean of the normals of the
+/// adjacent triangles.
+/// @return V x 3; zero for a vertex without triangles, or if the normals of its triangles cancel
+/// @throws Error(bad_argument) if a corner is out of range
+/// @cost   O(V + T)
 ISOATLAS_API std::vector<Vec3> vertex_normals(const MeshView& mesh);
 
-/// The same from the gradient of the volume's interpolant at each vertex: the normals of the
-/// isosurface. A vertex where the gradient is zero, or which is outside the volume, gets the normal
-/// of its triangles.
-/// @param space  of the mesh's coordinates
-/// @throws Error(bad_argument) as above, and as extract() for the volume. @cost O(V + T), and for
-/// floating-point samples with
-///         NonFinite::below or above one pass over the volume
+/// Outward unit normals of the isosurface at the vertices of a mesh, from the gradient of the
+/// volume's interpolant. Where the gradient is zero, and outside the volume, a vertex gets the
+/// normal of the mesh.
+/// @param space  the space of the mesh's coordinates
+/// @return V x 3, in the space of the mesh
+/// @throws Error(bad_argument) if a corner is out of range
+/// @throws Error as extract(), for the volume and the isovalue
+/// @cost   O(V + T), and one pass over the volume if samples are floating-point and
+///         `surface.non_finite` is `below` or `above`
 ISOATLAS_API std::vector<Vec3> vertex_normals(const MeshView& mesh, const VolumeView& volume,
                                               const SurfaceOptions& surface,
                                               Space space = Space::lps,
                                               const RunControl& control = {});
 
-/// The same from the gradient of a field with a gradient, for a mesh in the field's world.
-/// @param inside  above: outward is where the field falls
-/// @throws Error(bad_argument) if the field has no gradient
+/// Outward unit normals at the vertices of a mesh, from the gradient of a field. Where the gradient
+/// is zero, a vertex gets the normal of the mesh.
+/// @param mesh   positions in the world coordinates of the field
+/// @param inside  with `above`, the normal points to smaller values of the field
+/// @return V x 3
+/// @throws Error(bad_argument) if the field has no gradient, or a corner is out of range
+/// @cost   O(V + T), and one call of the gradient per vertex
 ISOATLAS_API std::vector<Vec3> vertex_normals(const MeshView& mesh, const ScalarField& field,
                                               Inside inside = Inside::above);
 

@@ -11,65 +11,67 @@
 
 namespace isoatlas {
 
-/// How stage one covers the surface by disks; certificate and repair have the last word either way
-/// (docs/theory/04-covering.md).
+/// How the coarse level covers the surface by disks (docs/theory/04-covering.md). The certificate
+/// and the repair that follow are the same for both.
 enum class CoveringStrategy : std::uint8_t {
-  sizing_field,  ///< a radius per c-vertex that grows by a third of the distance at most, sites
-                 ///< farthest first
-  halving,  ///< the paper's own: bins of radii R_g / 2^i, every radius halved until it fits its
-            ///< neighbours'
+  /// A 1/3-Lipschitz sizing field: radii grow by at most a third of the distance along the surface.
+  /// Sites are chosen farthest first.
+  sizing_field,
+  /// The paper's algorithm: radii R_g / 2^i, each halved until it fits those of its neighbours.
+  halving,
 };
 
-constexpr std::uint32_t kMaxSubdivisions =
-    8;  ///< more often the surface is not divided for a bound
+/// Upper limit of ExtractOptions::adaptive_supersample.
+constexpr std::uint32_t kMaxSubdivisions = 8;
 
-/// How stage one chooses the sizes of triangles.
+/// How the covering by disks determines the sizes of the triangles of the coarse level.
 struct CoveringChoice {
   CoveringStrategy strategy = CoveringStrategy::sizing_field;
-  /// Largest disk radius R_g of the paper's stage one; none: half the longest side of the volume.
+  /// Largest radius of a disk (R_g in the paper). Default: half the longest side of the volume.
   std::optional<Length> max_radius{};
-  /// Topological events that close again within this length do not limit a disk; none: 1.5 voxels,
-  /// with halving 0.
+  /// A topological event whose front closes within this length does not limit a disk. Default: 1.5
+  /// voxels; 0 with CoveringStrategy::halving.
   std::optional<Length> event_persistence{};
 };
 
-/// Components that are not meshed; nothing is left out unless asked for. The size of a component is
-/// the volume it encloses, with the volume's border as a cap where that cuts it open. Components
-/// that the cap connects count as one, a part.
+/// Which components of the isosurface are meshed; by default all. The size of a component is the
+/// volume it encloses. A component that the volume boundary cuts open is closed by a cap on that
+/// boundary. Components that the cap connects form one part and have its size.
 struct ComponentChoice {
-  double min_size = 0;  ///< drop smaller ones, world units cubed
-  std::size_t keep_largest =
-      0;  ///< keep only so many largest parts (ties: first in scan order); 0 keeps all
+  double min_size = 0;  ///< drop components of a smaller size, world units cubed
+  /// Keep only this number of largest parts (ties: first in scan order); 0 keeps all.
+  std::size_t keep_largest = 0;
 };
 
+/// Options of extract().
 struct ExtractOptions {
   SurfaceOptions surface{};
-  /// The reference surface is that of the volume upsampled so many times along each axis by the
-  /// interpolation. Voxels are those of the volume, and positions in its sample-index coordinates.
+  /// Mesh the volume upsampled by this factor along each axis, with `surface.interpolation`; at
+  /// least 1. Lengths in voxels, and sample-index coordinates, still refer to the original volume.
   std::uint32_t supersample = 1;
-  /// How often the surface may be divided, in each refined level, where cells as small as they can
-  /// be are over a bound; 0: never.
+  /// In each refined level, subdivide the surface complex up to this number of times where Voronoi
+  /// cells violate a bound and cannot become smaller. 0: never. At most kMaxSubdivisions.
   std::uint32_t adaptive_supersample = 6;
-  /// false puts c-vertices at the plain average of their nodes, as the paper has it (up to 0.2
-  /// voxel off the surface).
+  /// true: c-vertices lie on the isosurface. false: they are the averages of their nodes, as in the
+  /// paper, up to 0.2 voxels off the surface.
   bool vertices_on_surface = true;
   ComponentChoice components{};
   CoveringChoice covering{};
-  /// Level 0 is the coarse mesh of the paper's stage one; its constraints are only looked at, not
-  /// worked for.
+  /// Constraints of level 0, the coarse mesh of the paper's stage one. They are only evaluated and
+  /// reported; level 0 is not refined.
   LevelGoal coarse{};
-  /// One more level, refined from the one before, per entry. Empty: the coarse mesh alone.
+  /// One refined level per entry, each refined from the previous level. Empty: only level 0.
   std::vector<LevelGoal> refine{default_goal()};
   Placement placement = Placement::surface;
-  /// false: no level has self-intersections in the output space, nor after rounding to float32 if
-  /// that moves positions by less than a thousandth of a voxel
-  /// (docs/theory/06-self-intersections.md). Intersecting triangles are separated by smaller cells
-  /// and finally by subdividing the surface complex. LevelReport::self_intersections counts what
+  /// false: self-intersections are separated in every level, by smaller Voronoi cells and finally
+  /// by subdividing the surface complex. Tests use the output coordinates, and also those rounded
+  /// to float32 if that moves positions by less than a thousandth of a voxel
+  /// (docs/theory/06-self-intersections.md). LevelReport::self_intersections counts pairs that
   /// could not be separated.
   bool allow_self_intersections = false;
-  Space space = Space::lps;  ///< of the mesh
-  /// Measure every level against the isosurface with that many samples in each direction; 0: do
-  /// not.
+  Space space = Space::lps;  ///< coordinates of the mesh
+  /// Measure the distance of every level with this number of samples in each direction, see
+  /// measure(). 0: do not measure.
   std::size_t measure_samples = 0;
 };
 

@@ -17,111 +17,119 @@
 
 namespace isoatlas {
 
-/// Topology of one whole surface.
+/// The topology of a surface with several components.
 struct TopologySummary {
   std::size_t components = 0;
-  std::int64_t euler_characteristic = 0, genus = 0, boundary_loops = 0;
+  std::int64_t euler_characteristic = 0, genus = 0, boundary_loops = 0;  ///< sums over components
+  /// The components with the same genus and number of boundary loops.
   struct Kind {
-    std::int64_t genus = 0, boundary_loops = 0;
-    std::size_t count = 0;
+    std::int64_t genus = 0, boundary_loops = 0;  ///< of one component
+    std::size_t count = 0;                       ///< number of such components
     friend bool operator==(const Kind&, const Kind&) = default;
   };
-  std::vector<Kind> kinds;  ///< the multiset of (genus, loops), sorted by genus, then loops
+  std::vector<Kind> kinds;  ///< sorted by genus, then by number of boundary loops
   friend bool operator==(const TopologySummary&, const TopologySummary&) = default;
 };
 
+/// Adds up the topology of components and groups them by kind. O(n log n)
 ISOATLAS_API TopologySummary summarize(const std::vector<ComponentTopology>& components);
 
+/// The time that a stage of extract() took.
 struct StageTime {
   std::string stage;
   double seconds = 0;
 };
 
-/// A cell that is over its bound and cannot be made smaller: it would no longer contain all
-/// neighbours of its site (paper, 3.4).
+/// A Voronoi cell that violates a bound and cannot become smaller, because its disk contains hardly
+/// more than its site (paper, section 3.4). A volume with finer samples would help there.
 struct CellAtLimit {
-  Vec3 position;      ///< of its vertex, in the mesh's space
-  double excess = 0;  ///< worst of metric / bound
+  Vec3 position;      ///< position of the cell's mesh vertex, in the space of the mesh
+  double excess = 0;  ///< the largest ratio of metric to bound, above 1
 };
 
-/// A triangle below the aspect ratio that was asked for, or below 1/3, or with an angle above 150
-/// degrees.
+/// A triangle with an aspect ratio below the requested one or below 1/3, or with an angle above 150
+/// degrees, that could not be improved.
 struct BadTriangle {
-  Vec3 position;  ///< its centroid, in the mesh's space
-  double aspect_ratio = 0;
-  double largest_angle = 0;  ///< degrees
-  ShapeObstacle obstacle = ShapeObstacle::none;
+  Vec3 position;                                 ///< centroid, in the space of the mesh
+  double aspect_ratio = 0;                       ///< shortest edge / longest edge
+  double largest_angle = 0;                      ///< degrees
+  ShapeObstacle obstacle = ShapeObstacle::none;  ///< why its vertices were not moved
 };
 
+/// The report about one level: topology, shape, errors, constraints, and the work it took.
 struct ISOATLAS_API LevelReport {
   std::size_t vertices = 0, triangles = 0;
-  TopologySummary topology;             ///< counted on the finished triangles, independently
-  CertificateReport certificate;        ///< of the level's partition
-  std::size_t inverted_components = 0;  ///< components that still do not face outward on the whole,
-                                        ///< see docs/theory/02-certificate.md
-  MeshQuality quality;                  ///< measured in world units, whatever the mesh's space
-  std::optional<std::array<MetricSummary, kMetricCount>>
-      metrics;  ///< none for a coarse mesh that is all that was asked for
-  /// In the order given. Of max-distance the larger one of the metric and of what was measured, if
-  /// that was asked for.
+  TopologySummary topology;       ///< counted independently on the output triangles
+  CertificateReport certificate;  ///< certificate of the partition of the level
+  /// Closed components whose orientation differs from that on the isosurface, or that lie inside
+  /// another component than there. With self-intersections allowed, only the orientation is
+  /// compared (docs/theory/02-certificate.md).
+  std::size_t inverted_components = 0;
+  MeshQuality quality;  ///< lengths in world units, for every space of the mesh
+  /// The metrics in the order of Quantity. Absent if extract() made only level 0, without
+  /// constraints and without measuring.
+  std::optional<std::array<MetricSummary, kMetricCount>> metrics;
+  /// The constraints of the level in the given order. For max_distance, `reached` is the larger of
+  /// the metric and the measured distance.
   std::vector<ConstraintResult> constraints;
-  /// Proved: no point of the mesh is farther from the isosurface, and none of the isosurface from
-  /// the mesh; world units, see docs/theory/05-refinement.md. None: distances are only sampled.
+  /// A proved upper bound of the two-sided distance between mesh and isosurface, for all points of
+  /// both; world units (docs/theory/05-refinement.md). Absent if distances are only sampled.
   std::optional<double> distance_at_most;
-  std::vector<CellAtLimit> at_limit;  ///< worst first; supersampling would help there
-  std::size_t refine_rounds = 0;
-  /// For the triangles' shape: edges flipped, vertices moved to a better c-vertex, and vertices
-  /// moved within their grid cells.
-  std::size_t flips = 0, moves = 0, displacements = 0;
-  std::vector<BadTriangle> bad_triangles;  ///< what is left, worst first
-  /// Pairs of triangles that meet where they should not, counted on the finished mesh in the
-  /// output's space; none: they are allowed.
+  std::vector<CellAtLimit> at_limit;  ///< worst first
+  std::size_t refine_rounds = 0;      ///< rounds of refinement; 0 for level 0
+  std::size_t flips = 0;              ///< edges flipped to improve triangles
+  std::size_t moves = 0;              ///< vertices moved to another c-vertex to improve triangles
+  std::size_t displacements = 0;  ///< vertices displaced in their grid cells to improve triangles
+  std::vector<BadTriangle> bad_triangles;  ///< those that remain, worst first
+  /// Number of pairs of intersecting triangles, counted on the output mesh; absent if
+  /// ExtractOptions::allow_self_intersections is set. See self_intersections().
   std::optional<std::size_t> self_intersections;
-  std::vector<Vec3>
-      self_intersection_positions;          ///< near the first few of them, in the mesh's space
-  std::size_t sites_for_intersections = 0;  ///< sites added to take such triangles apart
-  std::optional<Measurement> measured;      ///< if asked for
-  /// Largest distance in world units by which a written file rounds a position of this level; 0
-  /// from extract(). What writes files sets it and adds it to the lengths in `metrics`,
+  /// Positions near the first ten such pairs, in the space of the mesh.
+  std::vector<Vec3> self_intersection_positions;
+  std::size_t sites_for_intersections = 0;  ///< sites added to separate intersecting triangles
+  std::optional<Measurement> measured;      ///< present if ExtractOptions::measure_samples is not 0
+  /// Largest distance in world units by which a file rounds a position of this level. It is 0 after
+  /// extract(). Code that writes files sets it and adds it to the lengths in `metrics`,
   /// `distance_at_most` and `constraints`.
   double rounding = 0;
-  double seconds = 0;
+  double seconds = 0;  ///< time for this level
 
-  bool all_satisfied() const;  ///< all constraints but those that nobody asked for
+  /// True if all constraints are satisfied, except for default ones (Constraint::is_default).
+  bool all_satisfied() const;
 };
 
-/// A component whose size was looked at, to keep it or to leave it out.
+/// A component whose size was compared with ExtractOptions::components.
 struct RankedComponent {
-  Vec3 position;  ///< of its first c-vertex in scan order, in the mesh's space
-  std::size_t part =
-      0;  ///< its rank by size, from 0; components that the border's cap connects are one part
-  double size = 0;  ///< of the part, see ExtractOptions::min_component_size, world units cubed
+  Vec3 position;         ///< position of its first c-vertex in scan order, in the mesh's space
+  std::size_t part = 0;  ///< rank of its part by size, from 0; see ComponentChoice
+  double size = 0;       ///< size of its part, world units cubed; see ComponentChoice
   std::size_t c_vertices = 0;
   ComponentTopology topology;
 };
 
+/// The report about a run of extract().
 struct ExtractReport {
-  std::size_t c_vertices = 0;  ///< of the reference surface complex
-  std::size_t faces = 0;
-  std::size_t double_segments = 0;  ///< places split so that the dual of G is simplicial
-  std::size_t tunnels = 0;          ///< cells with an annulus; 0 with Topology::faces
-  std::vector<std::size_t> coarser_c_vertices;  ///< sizes of the certified coarser complexes
-  TopologySummary
-      reference;  ///< counted on the reference surface complex, without what was dropped
-  std::vector<RankedComponent> kept,
-      dropped;  ///< as ExtractOptions asked, largest first; both empty if all were to be kept
-  /// Adaptive supersampling: more c-vertices where triangles met, or where a bound could not be
-  /// kept.
-  std::size_t subdivided_c_vertices =
-      0;  ///< around which all faces were divided, every time counted
-  std::size_t added_c_vertices = 0;
-  int max_subdivision_depth = 0;  ///< how often faces were divided where that was done most often
-  CertificateReport coarsening;   ///< certificate of the partition into blocks; repair_rounds are
-                                  ///< the rounds of check and cut
-  std::vector<LevelReport> levels;
-  std::vector<StageTime>
-      seconds;  ///< in order: surface, components, coarsen, cover, certify, mesh, check, refine
-  double total_seconds = 0;  ///< volume in memory to checked levels
+  std::size_t c_vertices = 0;       ///< number of c-vertices of the reference surface complex
+  std::size_t faces = 0;            ///< number of faces of the reference surface complex
+  std::size_t double_segments = 0;  ///< double segments, split to make the dual simplicial
+  std::size_t tunnels = 0;          ///< grid cells with a tunnel; 0 with Topology::faces
+  std::vector<std::size_t> coarser_c_vertices;  ///< numbers of c-vertices of the coarser complexes
+  TopologySummary reference;  ///< counted on the reference surface, without dropped components
+  /// The components that ExtractOptions::components keeps and drops, largest first; both are empty
+  /// if the options keep all.
+  std::vector<RankedComponent> kept, dropped;
+  /// Adaptive supersampling: the number of subdivisions, each of all faces around one c-vertex. The
+  /// complex is subdivided where triangles intersect and where a bound is violated.
+  std::size_t subdivided_c_vertices = 0;
+  std::size_t added_c_vertices = 0;  ///< c-vertices added by subdivision
+  int max_subdivision_depth = 0;     ///< the largest number of subdivisions of the same face
+  /// Certificate of the partition into the blocks of the coarser complex; `repair_rounds` counts
+  /// the rounds in which blocks were checked and cut.
+  CertificateReport coarsening;
+  std::vector<LevelReport> levels;  ///< coarse to fine
+  /// Times in this order: surface, components, coarsen, cover, certify, mesh, check, refine.
+  std::vector<StageTime> seconds;
+  double total_seconds = 0;  ///< from the volume in memory to the checked levels
 };
 
 }  // namespace isoatlas

@@ -13,44 +13,47 @@
 
 namespace isoatlas {
 
-using TrianglePair =
-    std::pair<std::uint32_t, std::uint32_t>;  ///< indices of two triangles, the smaller one first
+/// The indices of two triangles, the smaller index first.
+using TrianglePair = std::pair<std::uint32_t, std::uint32_t>;
 
+/// Options of self_intersections().
 struct SelfIntersectionOptions {
-  /// Only pairs with at least one of these triangles, in any order, may be listed twice; none: all
-  /// pairs. For looking again after a local change: what it costs beyond O(V + T) depends on the
-  /// length of the list.
+  /// Find only pairs with at least one of these triangles, for a test after a local change; absent:
+  /// all pairs. Any order; indices may be repeated. The cost beyond O(V + T) depends on the length
+  /// of this list.
   std::optional<std::span<const std::uint32_t>> involving;
 };
 
-/// All pairs of triangles that have a point in common besides what their shared corners say they
-/// have: decided exactly.
+/// Finds all pairs of triangles that intersect: they have a common point that is not on a shared
+/// corner or edge. The result is exact.
 ///
-/// Corners are shared if they are the same index; vertices at the same place are two vertices. A
-/// pair is listed if
-///  - it shares no corner, and the triangles have any point in common, be it one corner touching;
-///  - it shares one corner, and they have another point in common;
-///  - it shares two, and they have a point in common that is not on the edge between those: one is
-///  folded flat onto the other;
-///  - it shares all three: one triangle twice.
-/// A triangle without area, or with a corner used twice, counts as the segment or the point that
-/// its corners span, by the same rules. So if there is no such triangle and no such pair, the mesh
-/// is embedded: no two of its points are at the same place.
+/// A corner is shared if both triangles use the same vertex index; two vertices at the same
+/// position are different corners. A pair is in the result if
+///  - the triangles share no corner and have any common point; touching in a point counts;
+///  - they share one corner and have another common point;
+///  - they share two corners and have a common point outside the edge between these: one triangle
+///    is folded flat onto the other;
+///  - they share all three corners.
 ///
-/// @param positions  V x 3, finite; any doubles, subnormal ones and the largest included
+/// A triangle without area, or with a repeated corner, counts as the segment or the point that its
+/// corners span. If a mesh has no such triangle and no intersecting pair, it is embedded: distinct
+/// points of the mesh have distinct positions.
+///
+/// @param positions  V x 3, finite; any doubles, including subnormal and the largest ones
 /// @param triangles  T x 3, corners < V
-/// @return  sorted
-/// @throws  Error(bad_argument) if a coordinate is not finite, a corner or a listed triangle out of
-/// range; Error(cancelled)
+/// @return  the pairs in increasing order
+/// @throws  Error(bad_argument) if a coordinate is not finite, or if a corner or an index in
+///          `options.involving` is out of range
+/// @throws  Error(cancelled) if `control.cancel` was set
 /// @post    the same pairs for any number of threads
-/// @cost    O(V + T log T) and a few exact tests per pair of triangles whose boxes meet; 24 bytes
-/// per vertex, about 25 per triangle
+/// @cost    O(V + T log T), and a few exact tests per pair of triangles whose bounding boxes
+///          overlap; memory: 24 bytes per vertex and about 25 per triangle
 ISOATLAS_API std::vector<TrianglePair> self_intersections(
     std::span<const Vec3> positions, std::span<const Triangle> triangles,
     const SelfIntersectionOptions& options = {}, const RunControl& control = {});
 
-/// Near where two triangles meet: the middle of what their boxes have in common. To find the place,
-/// not to compute with it.
+/// A position near the intersection of two triangles: the centre of the overlap of their bounding
+/// boxes. Use it to find the place in a viewer, not for computations.
 ISOATLAS_API Vec3 intersection_position(std::span<const Vec3> positions, const Triangle& a,
                                         const Triangle& b);
 

@@ -8,10 +8,13 @@
 
 namespace isoatlas {
 
-/// Reads text. Throws Error(bad_file).
+/// Reads a whole file. O(bytes)
+/// @throws Error(bad_file) if it cannot be read
 ISOATLAS_API std::string read_text_file(const std::filesystem::path& path);
 
-/// Writes text whole or not at all (beside, then rename). Throws Error(bad_file).
+/// Writes a file completely or not at all: a temporary file next to `path` is renamed when it is
+/// complete. O(bytes)
+/// @throws Error(bad_file) if it cannot be written
 ISOATLAS_API void write_text_file(const std::string& text, const std::filesystem::path& path);
 
 }  // namespace isoatlas

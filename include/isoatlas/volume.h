@@ -19,12 +19,14 @@
 
 namespace isoatlas {
 
+/// A point or vector with three coordinates.
 struct Vec3 {
   double x = 0, y = 0, z = 0;
   friend bool operator==(const Vec3&, const Vec3&) = default;
 };
 
-/// Native sample types; volumes are never converted whole.
+/// The types of samples. A volume keeps its samples in their own type; it is never converted as a
+/// whole.
 enum class SampleType {
   int8,
   uint8,
@@ -38,28 +40,32 @@ enum class SampleType {
   float64
 };
 
-ISOATLAS_API std::string_view name(SampleType type);  ///< "int8" ... "float64"
+/// The name of a sample type: "int8" ... "float64".
+ISOATLAS_API std::string_view name(SampleType type);
+/// The size of a sample in bytes: 1, 2, 4 or 8.
 ISOATLAS_API std::size_t bytes_per_sample(SampleType type);
 
-/// Where the samples of a volume sit in the world: world = origin + direction * (spacing * index).
-/// The world is LPS for medical formats (as ITK gives it), else whatever the file says.
+/// The world positions of the samples of a volume: world = origin + direction * (spacing * index).
+/// World coordinates are LPS for medical formats, as in ITK; for other formats they are those of
+/// the file.
 struct ISOATLAS_API Grid {
   std::array<std::size_t, 3> size{};  ///< samples along x, y, z; x runs fastest in memory
-  Vec3 spacing{1, 1, 1};              ///< world length of one step along each axis, > 0
+  Vec3 spacing{1, 1, 1};              ///< world distance between samples along each axis, > 0
   Vec3 origin{};                      ///< world position of sample (0, 0, 0)
-  std::array<Vec3, 3> direction{Vec3{1, 0, 0}, Vec3{0, 1, 0},
-                                Vec3{0, 0, 1}};  ///< unit vector of the x, y and z axis (columns)
-  LengthUnit unit = LengthUnit::unknown;         ///< of `spacing` and `origin`
+  /// World unit vectors along the x, y and z axes of the volume: the columns of the direction
+  /// matrix.
+  std::array<Vec3, 3> direction{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
+  LengthUnit unit = LengthUnit::unknown;  ///< unit of `spacing` and `origin`
 
   std::size_t sample_count() const { return size[0] * size[1] * size[2]; }
-  double smallest_spacing() const;  ///< what "one voxel" (vx) means as a length
-  bool mirrored() const;            ///< the direction's determinant is negative
+  double smallest_spacing() const;  ///< the length of one voxel (vx), in world units
+  bool mirrored() const;            ///< true if the determinant of `direction` is negative
   Vec3 to_world(Vec3 index) const;  ///< from sample-index coordinates to world coordinates
-  Vec3 to_index(Vec3 world) const;  ///< back, for any direction that is not singular
+  Vec3 to_index(Vec3 world) const;  ///< inverse of to_world(); `direction` must not be singular
 };
 
-/// Numbers of samples along x, y and z, from any integers. Throws Error(bad_argument) if one is
-/// negative.
+/// Numbers of samples along x, y and z. It can be constructed from three integers of any types;
+/// throws Error(bad_argument) if one is negative.
 struct Size3 : std::array<std::size_t, 3> {
   Size3() : array{} {}
   Size3(const std::array<std::size_t, 3>& size) : array(size) {}
@@ -76,16 +82,19 @@ struct Size3 : std::array<std::size_t, 3> {
   }
 };
 
-/// Steps in memory from a sample to the next one along x, y and z, in samples; may be negative.
+/// Distances in memory from a sample to the next one along x, y and z, counted in samples; may be
+/// negative.
 using Strides = std::array<std::ptrdiff_t, 3>;
 
-/// The type of samples that a C++ type is. Only these types have one.
+/// C++ types that samples can have: integers of 1 to 8 bytes, except bool and char, and
+/// floating-point numbers of 4 or 8 bytes.
 template <class T>
 concept Sample = std::same_as<T, std::int8_t> || std::same_as<T, std::uint8_t> ||
     std::same_as<T, float> || std::same_as<T, double> ||
     (std::integral<T> && !std::same_as<T, bool> && !std::same_as<T, char> && sizeof(T) >= 2 &&
      sizeof(T) <= 8);
 
+/// The SampleType of a C++ type.
 template <Sample T>
 constexpr SampleType sample_type_of() {
   constexpr int log_size = sizeof(T) == 1 ? 0 : sizeof(T) == 2 ? 1 : sizeof(T) == 4 ? 2 : 3;
@@ -94,16 +103,18 @@ constexpr SampleType sample_type_of() {
   return static_cast<SampleType>(2 * log_size + (std::is_signed_v<T> ? 0 : 1));
 }
 
-/// A volume that does not own its samples, which are in native byte order.
+/// A volume that does not own its samples. They are in native byte order and must outlive the view.
 struct ISOATLAS_API VolumeView {
   Grid grid;
   SampleType type = SampleType::float32;
-  const void* samples = nullptr;  ///< sample (0, 0, 0)
-  Strides strides{};  ///< all 0: x fastest, without gaps; any other volume is copied once by each
-                      ///< function, O(N)
+  const void* samples = nullptr;  ///< address of sample (0, 0, 0)
+  /// All 0: x runs fastest, without gaps. With any other strides, each function of the library
+  /// first makes a dense copy of the N samples, O(N).
+  Strides strides{};
 
-  /// A view of a vector, span, array or other contiguous range of numbers, with spacing 1.
-  /// @throws Error(bad_argument) if there are not size.x * size.y * size.z of them, x fastest
+  /// A view of a vector, span, array or other contiguous range of numbers, with spacing 1. x runs
+  /// fastest.
+  /// @throws Error(bad_argument) if the range does not have size[0] * size[1] * size[2] numbers
   template <std::ranges::contiguous_range Range>
   requires(Sample<std::ranges::range_value_t<Range>> &&
            (std::is_lvalue_reference_v<Range> ||
@@ -111,8 +122,10 @@ struct ISOATLAS_API VolumeView {
       of(Range&& samples, const Size3& size) {
     return of(std::span<const std::ranges::range_value_t<Range>>(samples), size, Strides{});
   }
-  /// A view of samples in another order, or with gaps between them. `samples` starts with the
-  /// sample that is first in memory.
+  /// A view of samples in another order, or with gaps between them, with spacing 1.
+  /// @param samples  starts at the sample with the lowest address; with negative strides this is
+  /// not
+  ///        sample (0, 0, 0)
   /// @throws Error(bad_argument) if a sample would be outside `samples`
   template <Sample T>
   static VolumeView of(std::span<const T> samples, const Size3& size, const Strides& strides) {
@@ -124,70 +137,83 @@ struct ISOATLAS_API VolumeView {
     return view;
   }
 
-  bool is_dense() const;  ///< x fastest, without gaps
-  /// The box of samples from `first` to `last`, both in it, with its own origin. No copy.
-  /// @throws Error(bad_argument) if it is empty or not inside
+  bool is_dense() const;  ///< true if x runs fastest, without gaps
+  /// A view of the box of samples from `first` to `last`, both included; its origin is the world
+  /// position of `first`. Nothing is copied.
+  /// @throws Error(bad_argument) if the box is empty or not inside the volume
   VolumeView box(const Size3& first, const Size3& last) const;
 
  private:
   static std::size_t offset_of_first(std::size_t count, const Size3& size, const Strides& strides);
 };
 
-/// A volume that keeps its samples alive.
+/// A volume that shares ownership of its samples.
 struct Volume {
   VolumeView view;
   std::shared_ptr<const void> owner;
 
   operator const VolumeView&() const& { return view; }
-  operator VolumeView() && = delete;  ///< the view would outlive the samples
+  operator VolumeView() && = delete;  ///< a view of a temporary volume would outlive its samples
 };
 
+/// The range of a volume's samples, and the number of samples that are not finite.
 struct SampleSummary {
-  double minimum = 0, maximum = 0;  ///< over finite samples
+  double minimum = 0, maximum = 0;  ///< over the finite samples
   std::size_t nan_count = 0, infinity_count = 0;
-  std::array<std::size_t, 3>
-      first_non_finite{};  ///< index (x, y, z) of the first one in memory order
+  /// Index (x, y, z) of the first sample that is not finite, in memory order.
+  std::array<std::size_t, 3> first_non_finite{};
   std::size_t finite_count = 0;
 };
 
-/// One pass over all samples, O(N).
+/// Computes the summary in one pass over all N samples, O(N).
 ISOATLAS_API SampleSummary summarize(const VolumeView& volume);
 
-/// Which samples are inside. A sample equal to the isovalue is inside either way:
-/// above: value >= isovalue; below: value <= isovalue (the same as negating volume and isovalue).
-enum class Inside { above, below };
-
-/// What to do with NaN and infinite samples. `below` and `above` put NaN on that side of the
-/// isovalue; infinities then keep the side their sign says.
-enum class NonFinite { refuse, below, above };
-
-/// What the surface is inside a cell. On the faces between cells it is that of the bilinear
-/// interpolant.
-enum class Topology : std::uint8_t {
-  faces,      ///< one disk for every closed loop on the cell's boundary: the paper's surface
-  trilinear,  ///< that of the trilinear interpolant: where it joins two loops by a tunnel, an
-              ///< annulus instead of their two disks
+/// Which samples are inside the surface. A sample that equals the isovalue is inside in both cases.
+enum class Inside {
+  above,  ///< value >= isovalue
+  below,  ///< value <= isovalue; the same as `above` for the negated volume and isovalue
 };
 
-/// Where the surface is between samples. Its topology is decided by the samples, whichever it is.
+/// How NaN and infinite samples are handled.
+enum class NonFinite {
+  refuse,  ///< functions throw Error(unsupported)
+  below,   ///< NaN counts as below the isovalue; infinities are below or above it by their sign
+  above,   ///< NaN counts as above the isovalue; infinities are below or above it by their sign
+};
+
+/// The surface inside a grid cell, the box between eight samples. On the faces of grid cells it is
+/// always the isoline of the bilinear interpolant, which forms closed loops on the boundary of a
+/// grid cell.
+enum class Topology : std::uint8_t {
+  faces,  ///< one disk per loop: the surface of the paper
+  /// The topology of the trilinear interpolant: if it connects two loops by a tunnel, they bound
+  /// one annulus instead of two disks.
+  trilinear,
+};
+
+/// The interpolation between samples. It determines the position of the surface; its topology is
+/// determined by the samples.
 enum class Interpolation : std::uint8_t {
   trilinear,
-  tricubic,  ///< Catmull-Rom splines along the three axes, samples beyond the border as on it:
-             ///< smooth, and through the samples
+  tricubic,  ///< Catmull-Rom splines along the three axes: smooth, and exact at the samples;
+             ///< samples outside the volume are copies of the nearest sample
 };
 
-/// Coordinates of the mesh. lps: the volume's world as ITK gives it; ras: the same with x and y
-/// negated; voxel: sample-index coordinates, sample (0,0,0) at the origin.
-enum class Space { lps, ras, voxel };
+/// The coordinates of a mesh.
+enum class Space {
+  lps,    ///< world coordinates of the volume, as in ITK
+  ras,    ///< world coordinates with x and y negated
+  voxel,  ///< sample-index coordinates; sample (0, 0, 0) is at the origin
+};
 
-/// Which surface of a volume is meant.
+/// Selects an isosurface of a volume.
 struct SurfaceOptions {
   double isovalue = 0;
   Inside inside = Inside::above;
   NonFinite non_finite = NonFinite::refuse;
   Topology topology = Topology::trilinear;
-  /// What is between samples, to place vertices, to measure distances and to supersample; not
-  /// supersampled, the topology is the same.
+  /// Used to place vertices, to measure distances and to supersample. Without supersampling, it
+  /// does not change the topology.
   Interpolation interpolation = Interpolation::trilinear;
 };
 

@@ -47,7 +47,7 @@ TypedConstraint constraint_of(const std::string& name, const std::string& text) 
 
 TypedGoals goals_of(const ExtractWords& words) {
   if (words.coarse && !words.refine.empty())
-    refuse("coarse makes no level but the coarsest, expected it without refine");
+    refuse("coarse makes only the coarsest level, expected it without refine");
   std::vector<GoalArgument> arguments;
   for (const auto& [name, text] : words.constraints) {
     try {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The scalar field around the isovalue, sample by sample and inside one cell.
+// The scalar field relative to the isovalue, at samples and inside one grid cell. "Cell" means grid
+// cell in this file.
 #pragma once
 
 #include <algorithm>
@@ -64,8 +65,8 @@ class Field {
   double nan_side_ = 0;
 };
 
-/// Scales the values of a cell so that products of them neither overflow nor underflow. Their signs
-/// and ratios do not change.
+/// Scales the values of a grid cell so that products of them neither overflow nor underflow. Their
+/// signs and ratios do not change.
 template <std::size_t N>
 std::array<double, N> rescaled(std::array<double, N> f) {
   constexpr double kHuge = 1e60, kTiny = 1e-60;
@@ -81,8 +82,8 @@ std::array<double, N> rescaled(std::array<double, N> f) {
   return f;
 }
 
-/// The trilinear interpolant of one cell in local coordinates [0,1]^3, from its 8 corner values
-/// (corner = x + 2y + 4z).
+/// The trilinear interpolant of one grid cell in local coordinates [0,1]^3, from its 8 corner
+/// values (corner = x + 2y + 4z).
 class TrilinearCell {
  public:
   explicit TrilinearCell(const std::array<double, 8>& f)
@@ -143,7 +144,7 @@ inline double weighted(const std::array<double, 4>& weight, const double* f) {
 }
 
 /// The samples along one axis that a tricubic cell depends on, from one before `low` to two after;
-/// beyond the border, the sample on it.
+/// outside the volume, the sample on its boundary.
 constexpr std::array<std::size_t, 4> cubic_samples(std::size_t low, std::size_t n) {
   return {low == 0 ? 0 : low - 1, low, low + 1 < n ? low + 1 : n - 1,
           low + 2 < n ? low + 2 : n - 1};
@@ -164,8 +165,8 @@ std::array<double, 64> values_around(const Field<T>& field, const std::array<std
   return f;
 }
 
-/// The tricubic interpolant of one cell in local coordinates [0,1]^3, from the 4 x 4 x 4 values
-/// around it (x + 4y + 16z; the corners of the cell are those at 1 and 2).
+/// The tricubic interpolant of one grid cell in local coordinates [0,1]^3, from the 4 x 4 x 4
+/// values around it (x + 4y + 16z; the corners of the cell are those at 1 and 2).
 class TricubicCell {
  public:
   explicit TricubicCell(const std::array<double, 64>& f) : f_(f) {}

@@ -31,34 +31,36 @@ class InterpolatedField {
     double value;
     Vec3 gradient;  ///< per step of the sample index
   };
-  /// The field at a point. A point outside the volume is replaced by the nearest one on its border.
-  /// Between cells the gradient is that of the upper cell; for tricubic interpolation both cells
-  /// have the same. If samples of float64 are so large or small that products of them leave the
-  /// range of double, value and gradient are scaled by the same factor.
+  /// The field at a point. A point outside the volume is replaced by the nearest point on its
+  /// boundary. Between two grid cells the gradient is that of the upper one; with tricubic
+  /// interpolation both have the same. If samples of float64 are so large or small that products of
+  /// them leave the range of double, value and gradient are scaled by the same factor.
   Value at(Vec3 p) const;
 
-  /// Caches the last cell, since consecutive points are often in the same one. Use one cursor per
-  /// field.
+  /// Caches the last grid cell, because consecutive points are often in the same one. Use one
+  /// cursor per field.
   class Cursor {
     friend InterpolatedField;
     std::size_t first =
         static_cast<std::size_t>(-1);  // its first sample; the default value: no cell yet
     TrilinearCell cell{{}};
   };
-  /// The same, faster if the last point of `cursor` was in the same cell.
+  /// at(p), but faster if the last point of `cursor` was in the same grid cell.
   Value at(Vec3 p, Cursor& cursor) const;
 
-  /// The field in the cell from the sample at `low` to the next ones, as a function of local
-  /// coordinates; none if it is not trilinear.
+  /// The field in the grid cell that starts at the sample `low`, as a function of local
+  /// coordinates; absent if the interpolation is not trilinear.
   std::optional<TrilinearCell> cell(Vec3 low) const;
 
   struct Range {
     Vec3 low, high;
   };
   /// Bounds on each component of the gradient in the box from `low` to `high`; outside the volume
-  /// as for at(), so the component across the border is zero. Exact up to rounding if the box is
-  /// inside one cell. O(cells that the box overlaps)
-  /// @return none if the box overlaps more than `max_cells` cells, or the field is not trilinear
+  /// as for at(), so the component across the volume boundary is zero. Exact up to rounding if the
+  /// box is inside one grid cell. O(grid cells that the box overlaps)
+  /// @return absent if the box overlaps more than `max_cells` grid cells, or if the interpolation
+  /// is
+  ///         not trilinear
   std::optional<Range> gradient_range(Vec3 low, Vec3 high, std::size_t max_cells) const;
 
   /// The value that parsing used at a sample, inside or outside. With supersampling it may differ
@@ -67,7 +69,7 @@ class InterpolatedField {
   double at_sample(Vec3 sample) const;
 
   /// The zero of the field on the grid edge from the sample at `low` to the next one along `axis`,
-  /// as a share of the edge; none if there is none.
+  /// as a share of the edge; absent if there is no zero.
   std::optional<double> zero_on_edge(Vec3 low, int axis) const;
 
   /// The nearest point inside the volume.

@@ -13,8 +13,8 @@
 namespace isoatlas::detail {
 
 /// The isosurface of a volume between its samples, for closest-point queries: the faces of its
-/// surface complex give the approximate position, the field the exact one. It ends at the volume's
-/// border.
+/// surface complex give the approximate position, the field the exact one. It ends at the volume
+/// boundary.
 ///
 /// Parameters and results are in sample-index coordinates, lengths are metric. Immutable and safe
 /// to query from any number of threads. The volume's samples must outlive it, the complex need not.
@@ -66,7 +66,7 @@ class Isosurface {
   std::optional<Vec3> onto_surface(Vec3 p) const;
 
   /// The point where the surface intersects the grid edge from the sample at `low` to the next one
-  /// along `axis`; none if it does not.
+  /// along `axis`; absent if it does not.
   std::optional<Vec3> on_edge(Vec3 low, int axis) const;
 
   /// The field's direction of steepest descent, from inside to outside: of unit length in the

@@ -19,8 +19,8 @@ struct ParseOptions {
   Interpolation interpolation = Interpolation::trilinear;  ///< on which surface points are placed
   std::uint32_t supersample =
       1;  ///< >= 1: parses the volume upsampled by this factor per axis, see UpsampledField
-  /// Everything beyond the volume's border counts as outside: the surface is closed by faces in the
-  /// border.
+  /// Points beyond the volume are not inside: the surface is closed by faces on the volume
+  /// boundary.
   bool closed = false;
 };
 
@@ -36,11 +36,11 @@ struct VerticalNode {
 /// one face per node.
 ///
 /// Inside is decided by the samples alone; ambiguous faces by the asymptotic decider, exactly, with
-/// ties joined inside; inside a cell the topology is that of the trilinear interpolant, or one disk
-/// per loop (docs/theory/01-surface.md). The volume is extended by one layer of zero thickness, so
-/// that a surface cut by the volume's border ends in boundary c-vertices that lie exactly on the
-/// border. With supersampling all of this applies to the upsampled samples: positions are in their
-/// index and the spacing is theirs, so that cells are unit boxes for any factor.
+/// ties joined inside; inside a grid cell the topology is that of the trilinear interpolant, or one
+/// disk per loop (docs/theory/01-surface.md). The volume is extended by one layer of zero
+/// thickness, so that a surface cut by the volume boundary ends in boundary c-vertices that lie
+/// exactly on it. With supersampling all of this applies to the upsampled samples: positions are in
+/// their index and the spacing is theirs, so that grid cells are unit boxes for any factor.
 ///
 /// @param nodes  if not null, gets all nodes on edges along z. @pre not ParseOptions::closed
 /// @pre    every size >= 2, spacing > 0, isovalue finite

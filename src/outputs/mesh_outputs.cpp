@@ -21,9 +21,9 @@ constexpr std::string_view kPlaceholder = "{level}";
   throw Error(ErrorCode::bad_argument, path.string() + ": " + message);
 }
 
-/// The pieces of a .vtm are prepared beside it and renamed into their folder, which must be there
-/// or on the same file system.
-void check_pieces(const fs::path& path, std::size_t level_count, const fs::path& volume) {
+/// Checks the folder for the level files of a .vtm. The files are written next to the .vtm and then
+/// renamed, so an existing folder must be on the same file system.
+void check_level_folder(const fs::path& path, std::size_t level_count, const fs::path& volume) {
   const std::vector<fs::path> files = files_of_hierarchy(target_of(path), level_count);
   if (files.size() == 1) return;
   const fs::path folder = files[1].parent_path();
@@ -31,10 +31,10 @@ void check_pieces(const fs::path& path, std::size_t level_count, const fs::path&
   if (same_file(folder, volume))
     refuse(path, "its levels would be written into the volume's folder " + folder.string());
   if (!fs::is_directory(folder, error)) return;
-  struct stat beside {
+  struct stat parent {
   }, inside{};
-  if (stat(resolved(path).parent_path().c_str(), &beside) == 0 &&
-      stat(folder.c_str(), &inside) == 0 && beside.st_dev != inside.st_dev)
+  if (stat(resolved(path).parent_path().c_str(), &parent) == 0 &&
+      stat(folder.c_str(), &inside) == 0 && parent.st_dev != inside.st_dev)
     refuse(path, "the folder " + folder.string() +
                      " for its levels is on another file system, expected the same one");
   for (std::size_t i = 1; i < files.size(); ++i) check_output_path(files[i]);
@@ -52,7 +52,7 @@ const char* space_name(Space space) {
   return "";
 }
 
-/// One level of a hierarchy, as if it were the only one.
+/// A hierarchy that consists of one level of another one.
 Hierarchy only_level(const Hierarchy& hierarchy, std::size_t level) {
   Hierarchy result;
   result.levels.push_back(hierarchy.levels[level]);
@@ -70,18 +70,18 @@ MeshOutputs::MeshOutputs(fs::path path, bool glb_per_level)
   for (std::size_t open = name.find('{'); open != std::string::npos;
        open = name.find('{', open + 1)) {
     if (name.compare(open, kPlaceholder.size(), kPlaceholder) != 0)
-      refuse(path_, "only {level} can stand in braces, for the level's number; found " +
+      refuse(path_, "expected only {level} in braces, for the number of the level, got " +
                         name.substr(open));
-    if (is_pattern_) refuse(path_, "{level} stands in it twice, expected once");
+    if (is_pattern_) refuse(path_, "{level} occurs twice in the name, expected once");
     is_pattern_ = true;
   }
   if (path_.parent_path().string().find(kPlaceholder) != std::string::npos)
-    refuse(path_, "{level} stands in the name of a folder, expected it in the file's own name");
+    refuse(path_, "{level} is in the name of a folder, expected it in the name of the file");
   const bool is_glb = is_hierarchy_path(path_) && files_of_hierarchy(path_, 1).size() == 1;
   if (is_pattern_ && is_hierarchy_path(path_) && !is_glb)
     refuse(path_, "a .vtm holds all levels, expected a name without {level}");
   if (glb_per_level_ && (!is_glb || is_pattern_))
-    refuse(path_, "--glb-per-level goes with a .glb of all levels, expected -o NAME.glb");
+    refuse(path_, "--glb-per-level needs a .glb with all levels, expected -o NAME.glb");
 }
 
 fs::path MeshOutputs::level_path(std::size_t level) const {
@@ -113,12 +113,12 @@ void MeshOutputs::check(std::size_t level_count, const fs::path& volume,
     if (same_file(item.path, volume)) refuse(item.path, "the mesh would replace the volume");
     check_output_path(item.path);
     if (is_hierarchy_path(item.path)) {
-      check_pieces(item.path, level_count, volume);
+      check_level_folder(item.path, level_count, volume);
       check_hierarchy_path(item.path, level_count);
       const std::vector<fs::path> files = files_of_hierarchy(target_of(item.path), level_count);
       for (std::size_t i = 1; i < files.size(); ++i) {
         if (same_file(files[i], volume))
-          refuse(item.path, "a level of it would replace the volume");
+          refuse(item.path, "one of its levels would replace the volume");
         meshes.push_back(files[i]);
       }
     } else {
@@ -130,7 +130,7 @@ void MeshOutputs::check(std::size_t level_count, const fs::path& volume,
       refuse(manifest(), "the list of levels would replace the volume");
     check_output_path(manifest());
   }
-  for (std::size_t i = 0; i < meshes.size(); ++i)  // links can make one file of two names
+  for (std::size_t i = 0; i < meshes.size(); ++i)  // two names can be links to one file
     for (std::size_t j = 0; j < i; ++j)
       if (same_file(meshes[i], meshes[j]))
         refuse(meshes[i], "a level would replace another, in " + meshes[j].string());
@@ -183,7 +183,7 @@ std::vector<ReportFile> MeshOutputs::write(const Hierarchy& hierarchy,
                        stored.notes,
                        {}});
   };
-  // Of the file added last, whose levels are those of `file`.
+  // Counts self-intersections of the file added last; `file` contains its levels.
   const auto count_intersections = [&](const Hierarchy& file, const fs::path& path) {
     if (intersection_control == nullptr || !written.back().single_precision) return;
     for (std::size_t k = 0; k < file.levels.size(); ++k) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which files of meshes a run writes, and which levels go into each.
+// The mesh files that a run writes, and the levels in each of them.
 #pragma once
 
 #include <cstddef>
@@ -15,41 +15,44 @@
 
 namespace isoatlas::detail {
 
-/// What -o and --glb-per-level ask for: NAME.ply is the finest level, NAME-{level}.ply each level,
-/// NAME.vtm and NAME.glb all of them; with glb_per_level also NAME-0.glb, NAME-1.glb, ... and their
-/// list NAME.json.
+/// The mesh files of the options -o and --glb-per-level. NAME.ply is the finest level;
+/// NAME-{level}.ply is one file per level; NAME.vtm and NAME.glb have all levels. With
+/// `glb_per_level`, there are also NAME-0.glb, NAME-1.glb, ... and their list NAME.json.
 class MeshOutputs {
  public:
-  /// What else a run writes.
+  /// Another output of the run.
   struct Other {
     std::filesystem::path path;
-    std::string what;  ///< "report"
+    std::string what;  ///< its name in messages: "report"
   };
 
-  /// @throws Error(bad_argument) if the name and glb_per_level do not make sense
+  /// @throws Error(bad_argument) if braces in the name are not {level}, or if the name does not fit
+  ///         `glb_per_level`
   MeshOutputs(std::filesystem::path path, bool glb_per_level);
 
-  /// Everything that can be wrong with the names is found here, before anybody waits.
+  /// Checks all output paths. Call it before a long computation.
   /// @throws Error(bad_argument) if an output would replace the volume or another output
   /// @throws Error(bad_file), Error(unsupported) if one of them cannot be written
   void check(std::size_t level_count, const std::filesystem::path& volume,
              const std::vector<Other>& others) const;
 
-  /// How much each file will round positions, known before it is written: what is said of levels
-  /// inside the files is true of them.
+  /// The rounding of positions in each file. It is known before the files are written, so that the
+  /// facts about levels inside the files can include it.
   std::vector<FileRounding> roundings(const Hierarchy& hierarchy, const MeshFileInfo& info) const;
 
-  /// Writes all files to where `outputs` stages them.
-  /// @param intersection_control  counts the self-intersections of files that round positions;
-  /// null: does not count
-  /// @return what was written, under the names it will have
+  /// Writes all files to the staged paths of `outputs`.
+  /// @param intersection_control  for counting the self-intersections of files that round
+  /// positions;
+  ///        null: they are not counted
+  /// @return the files with their final names
   std::vector<ReportFile> write(const Hierarchy& hierarchy, const HierarchyFileInfo& info,
                                 OutputFiles& outputs, const RunControl* intersection_control) const;
 
-  /// All files that will be there, the one that the name says first.
+  /// All files that will be written, the file with the given name first.
   std::vector<std::filesystem::path> paths(std::size_t level_count) const;
 
  private:
+  // A file and its levels.
   struct Item {
     std::filesystem::path path;
     std::vector<std::size_t> levels;
@@ -62,10 +65,11 @@ class MeshOutputs {
 
   std::filesystem::path path_;
   bool glb_per_level_;
-  bool is_pattern_ = false;
+  bool is_pattern_ = false;  // the name contains {level}
 };
 
-/// What files of the levels of an extraction say about them. `unit` is that of the volume.
+/// The metadata for the mesh files of an extraction.
+/// @param unit  the unit of the volume
 HierarchyFileInfo file_info(const ExtractReport& report, const ExtractOptions& options,
                             LengthUnit unit);
 

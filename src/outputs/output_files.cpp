@@ -13,18 +13,18 @@ namespace isoatlas::detail {
 namespace fs = std::filesystem;
 namespace {
 
-fs::path make_hidden_folder(const fs::path& parent, const fs::path& wanted_for) {
+fs::path make_hidden_folder(const fs::path& parent, const fs::path& destination) {
   std::string pattern = (parent / ".isoatlas-XXXXXX").string();
   if (mkdtemp(pattern.data()) == nullptr) {
     const std::error_code error(errno, std::generic_category());
-    throw Error(ErrorCode::bad_file, wanted_for.string() + ": cannot be written: " +
+    throw Error(ErrorCode::bad_file, destination.string() + ": cannot be written: " +
                                          error.message() + " (folder " + parent.string() + ")");
   }
   return pattern;
 }
 
-/// Removes a folder even while another thread still puts files into it: once it is gone, nothing
-/// new can appear.
+/// Removes a folder. It tries again because another thread may still create files in it; that is
+/// impossible once the folder is gone.
 void remove_folder(const fs::path& folder) {
   constexpr int kAttempts = 100;
   std::error_code error;
@@ -34,7 +34,7 @@ void remove_folder(const fs::path& folder) {
   }
 }
 
-/// Carries out moves one by one; what was done is undone unless done() is reached.
+/// Moves files one by one. The destructor reverts all moves unless done() was called.
 class Transaction {
  public:
   ~Transaction() {
@@ -56,7 +56,7 @@ class Transaction {
     require(!error, folder, error);
   }
 
-  /// `backup` is a free name on the same file system.
+  /// @param backup  an unused name on the same file system
   void move(const fs::path& from, const fs::path& to, const fs::path& backup) {
     std::error_code error;
     const fs::file_status status = fs::symlink_status(to, error);
@@ -64,7 +64,7 @@ class Transaction {
     if (fs::is_directory(status))
       require(false, to, std::make_error_code(std::errc::is_a_directory));
     if (replaces) {
-      // A second name, so that there is a file at `to` at any time; not every file system has them.
+      // With a hard link, a file exists at `to` at any time. Not every file system has hard links.
       fs::create_hard_link(to, backup, error);
       if (error) fs::rename(to, backup, error);
       require(!error, to, error);
@@ -149,7 +149,7 @@ std::vector<OutputFiles::Move> OutputFiles::moves_of(const Staged& staged) {
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(staged.folder))
     if (!entry.is_directory() && entry.path() != staged.file()) files.push_back(entry.path());
   std::sort(files.begin(), files.end());
-  files.push_back(staged.file());  // last: it may refer to the others
+  files.push_back(staged.file());  // the last one, because it may refer to the others
   std::vector<Move> moves;
   for (const fs::path& file : files) {
     const fs::path destination =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Output files that appear together or not at all.
+// Output files that are created together or not at all.
 #pragma once
 
 #include <filesystem>
@@ -10,26 +10,28 @@
 
 namespace isoatlas::detail {
 
-/// Throws Error(bad_file) unless a file could be put at `path` now: its folder exists and takes
-/// files, and nothing but a regular file is there. Tried by doing, because permission bits say
-/// little about root or read-only mounts.
+/// Checks that a file can be created at `path` or replaced there. It creates and removes a folder
+/// next to it, because permission bits are not reliable for root and on read-only mounts.
+/// @throws Error(bad_file) if the parent folder is missing or not writable, or if `path` exists and
+///         is not a regular file
 void check_output_path(const std::filesystem::path& path);
 
-/// The place itself when `path` is a link to it, absolute: renaming onto a link would replace the
-/// link.
+/// The absolute path with links resolved. Renaming a file to a link would replace the link.
 std::filesystem::path resolved(const std::filesystem::path& path);
 
-/// `path` where it will really be, as people know it: files that belong to it go beside that place.
+/// The file that `path` links to, or `path` itself. Files that belong to it are written next to it.
 std::filesystem::path target_of(const std::filesystem::path& path);
 
-/// Are these one file? Links are followed; neither needs to exist. An empty path is no file.
+/// True if both paths are the same file. Links are followed; the files need not exist. An empty
+/// path is never the same.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
-/// Collects outputs in hidden folders beside their destinations and moves them there in one go.
+/// Collects output files in hidden folders next to their destinations, and moves all of them to
+/// their destinations in commit().
 ///
-/// Everything unfinished, temporary files of the writers included, lies in those folders, so
-/// removing them removes every trace. discard() may be called from another thread while files are
-/// being written.
+/// All unfinished files, including temporary files of the writers, are in these folders, so
+/// removing the folders removes everything. discard() may be called from another thread while files
+/// are written.
 class OutputFiles {
  public:
   OutputFiles() = default;
@@ -37,27 +39,28 @@ class OutputFiles {
   OutputFiles(const OutputFiles&) = delete;
   OutputFiles& operator=(const OutputFiles&) = delete;
 
-  /// Calls work(staged path); what goes wrong there is said of `destination`: nobody knows the
+  /// Calls write_file(staged path) and returns its result. Errors name `destination` instead of the
   /// hidden folder.
-  template <class Work>
-  auto write(const std::filesystem::path& destination, Work work) {
+  template <class WriteFile>
+  auto write(const std::filesystem::path& destination, WriteFile write_file) {
     const std::filesystem::path staged = stage(destination);
     try {
-      return work(staged);
+      return write_file(staged);
     } catch (const Error& error) {
       throw renamed(error, staged, destination);
     }
   }
 
-  /// Where to write what is to end up at `destination`: same file name, in a new folder beside it.
-  /// Folders that are made beside the staged file end up beside the destination; of one that is
-  /// already there only files of the same name are replaced.
+  /// The staged path of a destination: the same file name in a new hidden folder. Folders that are
+  /// created next to the staged file are moved with it. If such a folder exists at the destination,
+  /// only files of the same name are replaced in it.
   std::filesystem::path stage(const std::filesystem::path& destination);
 
-  /// Moves all staged files to their destinations. Throws Error(bad_file), and then everything is
-  /// as it was before.
+  /// Moves all staged files to their destinations.
+  /// @throws Error(bad_file) if a file cannot be moved; then all moves are reverted
   void commit();
 
+  /// Removes all staged files. stage() throws Error(cancelled) from then on.
   void discard() noexcept;
 
  private:

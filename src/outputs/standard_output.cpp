@@ -22,29 +22,29 @@ namespace {
                                        std::generic_category().message(error));
 }
 
-/// While it lives, writing to a closed pipe is an error and no signal.
-class NoPipeSignal {
+/// Ignores SIGPIPE during its lifetime, so that writing to a closed pipe returns an error.
+class IgnorePipeSignal {
  public:
-  NoPipeSignal() {
+  IgnorePipeSignal() {
     struct sigaction ignore {};
     ignore.sa_handler = SIG_IGN;
-    sigaction(SIGPIPE, &ignore, &before_);
+    sigaction(SIGPIPE, &ignore, &previous_);
   }
-  ~NoPipeSignal() { sigaction(SIGPIPE, &before_, nullptr); }
-  NoPipeSignal(const NoPipeSignal&) = delete;
-  NoPipeSignal& operator=(const NoPipeSignal&) = delete;
+  ~IgnorePipeSignal() { sigaction(SIGPIPE, &previous_, nullptr); }
+  IgnorePipeSignal(const IgnorePipeSignal&) = delete;
+  IgnorePipeSignal& operator=(const IgnorePipeSignal&) = delete;
 
  private:
-  struct sigaction before_ {};
+  struct sigaction previous_ {};
 };
 
-/// Waits until bytes will be taken; false if `cancel` became true.
+/// Waits until standard output is ready for writing; false if `cancel` became true.
 bool wait_for_reader(const std::atomic<bool>& cancel) {
   constexpr int kMilliseconds = 50;
   pollfd output{STDOUT_FILENO, POLLOUT, 0};
   while (!cancel) {
     if (poll(&output, 1, kMilliseconds) != 0)
-      return true;  // also if it failed: write() will say how
+      return true;  // also if poll failed; write() then reports the error
   }
   return false;
 }
@@ -54,10 +54,10 @@ bool wait_for_reader(const std::atomic<bool>& cancel) {
 bool is_standard_stream(const fs::path& path) { return path == "-"; }
 
 bool send_to_standard_output(std::string_view bytes, const std::atomic<bool>& cancel) {
-  const NoPipeSignal no_signal;
+  const IgnorePipeSignal ignore_signal;
   while (!bytes.empty()) {
     if (!wait_for_reader(cancel)) return false;
-    // A pipe that is ready takes PIPE_BUF bytes without blocking.
+    // A pipe that is ready accepts PIPE_BUF bytes without blocking.
     const ssize_t count =
         write(STDOUT_FILENO, bytes.data(), std::min<std::size_t>(bytes.size(), PIPE_BUF));
     if (count < 0 && errno != EINTR && errno != EAGAIN) fail("cannot be written", errno);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Standard output as a destination: nothing is sent before all of it is known to be good.
+// Writes to standard output. Nothing is sent before the whole output is complete and checked.
 #pragma once
 
 #include <atomic>
@@ -11,16 +11,16 @@
 
 namespace isoatlas::detail {
 
-inline constexpr const char* kStandardOutputName = "standard output";  ///< what messages call it
+inline constexpr const char* kStandardOutputName = "standard output";  ///< for messages
 
-/// The name that stands for standard output, and for standard input, on a command line.
+/// True for "-", which means standard output or standard input on a command line.
 bool is_standard_stream(const std::filesystem::path& path);
 
-/// A file under a temporary name that is sent when it is done.
+/// A temporary file that is sent to standard output when it is complete.
 class StandardOutputFile {
  public:
-  /// @param name  of the file, in a temporary folder of its own
-  /// @throws Error(bad_file) if there is no room for temporary files
+  /// @param name  the name of the file in a new temporary folder
+  /// @throws Error(bad_file) if the temporary folder cannot be created
   explicit StandardOutputFile(const std::string& name);
   ~StandardOutputFile() { discard(); }
   StandardOutputFile(const StandardOutputFile&) = delete;
@@ -28,10 +28,10 @@ class StandardOutputFile {
 
   const std::filesystem::path& path() const { return path_; }
 
-  /// The error as one about standard output: nobody knows the temporary name.
+  /// The error with "standard output" in place of the temporary path.
   Error renamed(const Error& error) const;
 
-  /// The whole file, as send_to_standard_output() has it.
+  /// Sends the whole file, see send_to_standard_output().
   bool send(const std::atomic<bool>& cancel) const;
 
   /// Removes the file; may be called from another thread.
@@ -41,10 +41,10 @@ class StandardOutputFile {
   std::filesystem::path path_;
 };
 
-/// Writes all bytes to standard output, past any buffer of a stream. @return false if `cancel`
-/// became true before all were taken
-/// @throws Error(bad_file) if nobody takes them: a full disk, or a pipe that was closed, which does
-/// not raise a signal here
+/// Writes all bytes to standard output, without the buffer of a stream.
+/// @return false if `cancel` became true before all bytes were written
+/// @throws Error(bad_file) if writing fails: the disk is full, or the pipe is closed (SIGPIPE is
+///         ignored)
 bool send_to_standard_output(std::string_view bytes, const std::atomic<bool>& cancel);
 
 }  // namespace isoatlas::detail

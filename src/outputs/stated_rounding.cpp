@@ -15,7 +15,8 @@ std::string number(double value) {
   return text.data();
 }
 
-/// How much a length of this kind can change if every vertex moves by 1; 0 for what is no length.
+/// The largest change of a quantity if vertices move by up to 1; 0 for quantities that are not
+/// lengths.
 double change_per_rounding(Quantity quantity) {
   switch (quantity) {
     case Quantity::max_distance:

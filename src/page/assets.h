@@ -5,8 +5,8 @@
 
 namespace isoatlas::detail::page {
 
-/// The page's code and its style sheet, built from web/ and compiled in; empty in a build without
-/// pages.
+/// The script and the style sheet of the page, built from web/ and compiled into the library. Empty
+/// in a build without pages.
 std::string_view script();
 std::string_view style();
 

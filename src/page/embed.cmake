@@ -1,4 +1,5 @@
-# cmake -D OUT=assets.cpp -P embed.cmake [SCRIPT STYLE]: a source file with these texts, or with none.
+# cmake -D OUT=assets.cpp -P embed.cmake [SCRIPT STYLE]
+# Writes a source file with these texts, or with empty ones.
 set(script "")
 set(style "")
 if(CMAKE_ARGC GREATER 6)
@@ -8,7 +9,8 @@ endif()
 foreach(text IN ITEMS script style)
   string(FIND "${${text}}" ")isoatlas\"" at)
   if(NOT at EQUAL -1)
-    message(FATAL_ERROR "the page's ${text} would end the literal that it stands in")
+    message(FATAL_ERROR
+      "the page's ${text} contains )isoatlas\", which would end its string literal")
   endif()
 endforeach()
 file(WRITE ${OUT} "#include \"page/assets.h\"\n

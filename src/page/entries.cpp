@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is said of a result: from its report, from the files of its meshes, or counted.
+// The facts about a result: from its report, from its mesh files, or counted.
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -24,26 +24,26 @@ namespace {
 namespace fs = std::filesystem;
 using report::Json;
 
-constexpr std::size_t kMostPlaces = 20;  // of bad triangles in the page's facts
+constexpr std::size_t kMaxListed = 20;  // bad triangles that a page lists
 
-// The name of standard input and output in a report: what went through them cannot be found again.
+// Standard input or output in a report. Its data cannot be read again.
 constexpr const char* kStream = "-";
 
 [[noreturn]] void bad_report(const std::string& path, const std::string& what) {
   throw Error(ErrorCode::bad_file, path + ": " + what);
 }
 
-// Lists of places are for machines and long; times and paths change from run to run, and a page
-// should not.
+// Removes long lists, which a page does not show, and times and paths, so that the page of the same
+// result is the same in each run.
 void shorten(Json& level) {
   for (const char* key : {"at_limit", "seconds", "path"}) level.erase(key);
   if (!level.contains("bad_triangles") || !level["bad_triangles"].is_object()) return;
   Json& worst = level["bad_triangles"]["worst"];
-  if (worst.is_array() && worst.size() > kMostPlaces)
-    worst.erase(worst.begin() + kMostPlaces, worst.end());
+  if (worst.is_array() && worst.size() > kMaxListed)
+    worst.erase(worst.begin() + kMaxListed, worst.end());
 }
 
-// What can be said of triangles alone, with the keys of a report's level.
+// The facts that can be counted from a mesh, with the keys of a level in a report.
 Json counted(const TriangleMesh& mesh, std::size_t number) {
   const MeshTopology topology = mesh_topology(mesh);
   Json level = {
@@ -59,16 +59,17 @@ Json counted(const TriangleMesh& mesh, std::size_t number) {
   return level;
 }
 
-// Is what is said of a level true of its triangles? Compared as they are: said may be anything.
-bool agrees(const Json& said, const Json& counted) {
-  if (!said.is_object()) return false;
+// True if the stated facts about a level agree with those counted on its triangles. `stated` can be
+// any JSON.
+bool agree(const Json& stated, const Json& counted) {
+  if (!stated.is_object()) return false;
   for (const char* key :
        {"vertices", "triangles", "components", "euler_characteristic", "genus", "boundary_loops"})
-    if (!said.contains(key) || said[key] != counted[key]) return false;
+    if (!stated.contains(key) || stated[key] != counted[key]) return false;
   return true;
 }
 
-// Names of files need not be UTF-8.
+// File names can contain bytes that are not UTF-8.
 std::string text_of(const Json& facts) {
   return facts.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -89,7 +90,7 @@ Json to_value(const std::optional<MeshQuality>& marching_cubes) {
 Json parsed_report(const std::string& text, const std::string& path) {
   Json json = Json::parse(text, nullptr, false);
   if (!json.is_object() || !json.contains("schema") || json["schema"] != "isoatlas-report-2")
-    bad_report(path, "is no report of isoatlas extract (schema isoatlas-report-2)");
+    bad_report(path, "is not a report of isoatlas extract (schema isoatlas-report-2)");
   for (const char* key : {"input", "surface", "parameters", "reference"})
     if (!json.contains(key) || !json[key].is_object())
       bad_report(path, std::string("has no '") + key + "'");
@@ -99,10 +100,11 @@ Json parsed_report(const std::string& text, const std::string& path) {
   return json;
 }
 
-// Where the report says, or beside it.
-fs::path found(const std::string& path, const fs::path& report) {
-  std::error_code cannot_see;
-  if (fs::exists(path, cannot_see)) return path;
+// The path of a file that a report names: `path` if it exists, otherwise the same name in the
+// folder of the report.
+fs::path find_file(const std::string& path, const fs::path& report) {
+  std::error_code ignored;
+  if (fs::exists(path, ignored)) return path;
   return report.parent_path() / fs::path(path).filename();
 }
 
@@ -114,20 +116,21 @@ HierarchyFile read_named_levels(const fs::path& path, const fs::path& report) {
   }
 }
 
-// The levels that a report's files hold.
+// The levels in the files of a report.
 struct FoundLevels {
   Hierarchy hierarchy;
-  std::vector<std::size_t> numbers;  // of its levels
+  std::vector<std::size_t> numbers;  // of the levels of `hierarchy` in the report
   std::vector<fs::path> files;
-  bool nested = true;  // a vertex has the same index in all levels that have it
+  bool nested = true;  // a vertex has the same index in all levels that contain it
 };
 
-// As many as there are files for: all from one file, or each from its own.
+// Reads all levels for which files exist: from one file with all levels, or from one file per
+// level.
 FoundLevels levels_of_report(const Json& json, const fs::path& report) {
   std::vector<std::pair<std::size_t, fs::path>> single;
   for (const Json& file : json["files"]) {
     if (file.at("path") == kStream) continue;
-    const fs::path path = found(file.at("path").get<std::string>(), report);
+    const fs::path path = find_file(file.at("path").get<std::string>(), report);
     const auto levels = file.at("levels").get<std::vector<std::size_t>>();
     if (is_hierarchy_path(path) && levels.size() == json["levels"].size())
       return {read_named_levels(path, report).hierarchy, levels,
@@ -142,7 +145,7 @@ FoundLevels levels_of_report(const Json& json, const fs::path& report) {
     if (!out.numbers.empty() && out.numbers.back() == number) continue;
     out.numbers.push_back(number);
     out.files.push_back(path);
-    out.nested = out.nested && lower_case_extension(path) != ".stl";  // which has no indices
+    out.nested = out.nested && lower_case_extension(path) != ".stl";  // .stl has no vertex indices
     meshes.push_back(read_named_levels(path, report).hierarchy.mesh(0));
   }
   if (meshes.empty()) bad_report(report.string(), "names no file with a mesh");
@@ -150,8 +153,8 @@ FoundLevels levels_of_report(const Json& json, const fs::path& report) {
   return out;
 }
 
-// Of components by which some were kept: how many there are, in how many parts, and the size of the
-// largest part.
+// Summary of the kept or the dropped components: their number, the number of their parts, and the
+// size of the largest part.
 Json sizes_of(const Json& components) {
   const auto first = components.front().at("part").get<std::size_t>(),
              last = components.back().at("part").get<std::size_t>();
@@ -160,13 +163,13 @@ Json sizes_of(const Json& components) {
           {"largest", components.front().at("size")}};
 }
 
-// The volume that a report is about; empty if it came from memory or from standard input.
+// The path of the volume of a report; empty if it came from memory or from standard input.
 std::string volume_of(const Json& json) {
   const Json& path = json["input"].at("path");
   return path.is_null() || path == kStream ? std::string() : path.get<std::string>();
 }
 
-// What was chosen of a file with several volumes, to read the same one again.
+// Options that select the same volume of a file again.
 ReadOptions read_options_of(const Json& json) {
   ReadOptions options;
   for (const Json& choice : json["input"].value("choices", Json::array())) {
@@ -183,7 +186,7 @@ ReadOptions read_options_of(const Json& json) {
   return options;
 }
 
-// A point of each component that was kept, in sample-index coordinates; none where all were.
+// A point of each kept component, in sample-index coordinates; empty if all were kept.
 std::vector<Vec3> kept_points(const Json& json, const Grid& grid) {
   std::vector<Vec3> positions;
   for (const Json& component : json.at("kept")) {
@@ -197,8 +200,8 @@ std::vector<Vec3> kept_points(const Json& json, const Grid& grid) {
                                    : Space::lps);
 }
 
-// Of the volume at `path`, if it is still there, can be read without a raw layout and has the
-// samples that were meshed.
+// Marching cubes on the volume at `path`. Absent if the file does not exist any more, needs a raw
+// layout, or has other samples than those that were meshed.
 std::optional<MeshQuality> marching_cubes_of(const Json& json, const fs::path& path) {
   try {
     const Volume volume = read_volume(path, read_options_of(json));
@@ -213,7 +216,7 @@ std::optional<MeshQuality> marching_cubes_of(const Json& json, const fs::path& p
   }
 }
 
-// @param numbers  the report's levels that the hierarchy has
+// @param numbers  for each level of the hierarchy its number in the report
 PageEntry entry_of(const Json& json, const std::string& path, Hierarchy hierarchy,
                    const std::vector<std::size_t>& numbers,
                    const std::optional<MeshQuality>& marching_cubes, bool nested = true) {
@@ -238,9 +241,9 @@ PageEntry entry_of(const Json& json, const std::string& path, Hierarchy hierarch
     if (numbers[i] >= json["levels"].size())
       bad_report(path, "has no level " + std::to_string(numbers[i]));
     Json level = json["levels"][numbers[i]];
-    if (!agrees(level, counted(hierarchy.mesh(i), numbers[i])))
-      bad_report(path, "is about another mesh: level " + std::to_string(numbers[i]) +
-                           " is not what it says");
+    if (!agree(level, counted(hierarchy.mesh(i), numbers[i])))
+      bad_report(path,
+                 "is about another mesh: level " + std::to_string(numbers[i]) + " differs from it");
     shorten(level);
     levels.push_back(std::move(level));
   }
@@ -259,7 +262,7 @@ PageEntry entry_of_report(const std::string& report, const std::string& path, Hi
   try {
     return entry_of(json, path, std::move(hierarchy), numbers, marching_cubes);
   } catch (const Json::exception& error) {
-    bad_report(path, std::string("a key is missing or of another type: ") + error.what());
+    bad_report(path, std::string("a key is missing or has a wrong type: ") + error.what());
   }
 }
 
@@ -269,7 +272,7 @@ PageEntry entry_of_file(const fs::path& path) {
     try {
       FoundLevels levels = levels_of_report(json, path);
       const std::string volume = volume_of(json);
-      const fs::path volume_path = volume.empty() ? fs::path() : found(volume, path);
+      const fs::path volume_path = volume.empty() ? fs::path() : find_file(volume, path);
       const auto marching_cubes =
           volume.empty() ? std::nullopt : marching_cubes_of(json, volume_path);
       PageEntry entry = entry_of(json, path.string(), std::move(levels.hierarchy), levels.numbers,
@@ -280,22 +283,22 @@ PageEntry entry_of_file(const fs::path& path) {
       return entry;
     } catch (const Json::exception& error) {
       bad_report(path.string(),
-                 std::string("a key is missing or of another type: ") + error.what());
+                 std::string("a key is missing or has a wrong type: ") + error.what());
     }
   }
   PageEntry entry;
   Json facts = empty_facts(path.filename().string());
   HierarchyFile file = read_levels(path);
   entry.hierarchy = std::move(file.hierarchy);
-  const std::vector<std::string>& said = file.info.levels;
+  const std::vector<std::string>& stated = file.info.levels;
   entry.sources = is_hierarchy_path(path) ? files_of_hierarchy(path, entry.hierarchy.levels.size())
                                           : std::vector{path};
-  facts["unit"] = "units";  // no format of meshes says
+  facts["unit"] = "units";  // mesh formats do not state it
   Json& levels = facts["levels"] = Json::array();
   for (std::size_t k = 0; k < entry.hierarchy.levels.size(); ++k) {
-    const Json from_file = said.empty() ? Json() : Json::parse(said[k]);
+    const Json from_file = stated.empty() ? Json() : Json::parse(stated[k]);
     Json level = counted(entry.hierarchy.mesh(k), k);
-    if (agrees(from_file, level)) level.update(from_file);
+    if (agree(from_file, level)) level.update(from_file);
     shorten(level);
     levels.push_back(std::move(level));
   }

@@ -23,8 +23,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Steps = std::array<std::uint32_t, 3>;
 
-constexpr int kFewestBits = 20,
-              kMostBits = 24;  // more than 24 a browser's floats cannot tell apart
+constexpr int kMinBits = 20;
+constexpr int kMaxBits = 24;  // the significand of a float, the number type of the browser
 
 // Positions are origin + step * integers.
 struct Grid3 {
@@ -56,7 +56,7 @@ std::string encoded_vertices(const std::vector<Steps>& vertices) {
   return out;
 }
 
-// As the page has them: floats, relative to the grid's origin.
+// The positions as decoded in the page: floats, relative to the origin of the grid.
 std::vector<Vec3> decoded_vertices(const std::string& code, std::size_t count, const Grid3& grid) {
   std::vector<Steps> steps(count);
   if (meshopt_decodeVertexBuffer(steps.data(), count, sizeof(Steps),
@@ -71,9 +71,8 @@ std::vector<Vec3> decoded_vertices(const std::string& code, std::size_t count, c
   return out;
 }
 
-// In an order that is good for the encoder.
-std::vector<Triangle> in_good_order(const std::vector<Triangle>& triangles,
-                                    std::size_t vertex_count) {
+// The triangles in an order that compresses well.
+std::vector<Triangle> reordered(const std::vector<Triangle>& triangles, std::size_t vertex_count) {
   std::vector<Triangle> out(triangles.size());
   meshopt_optimizeVertexCache(out.front().data(), triangles.front().data(), 3 * triangles.size(),
                               vertex_count);
@@ -97,8 +96,8 @@ std::vector<Triangle> decoded_triangles(const std::string& code, std::size_t cou
   return out;
 }
 
-// The encoder orders triangles and picks their first corners as it likes; which way they face it
-// leaves.
+// Sorts triangles for comparison. The encoder may change the order of triangles and their first
+// corners, but not their orientation.
 std::vector<Triangle> normalised(std::vector<Triangle> triangles) {
   for (Triangle& t : triangles)
     std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
@@ -106,8 +105,8 @@ std::vector<Triangle> normalised(std::vector<Triangle> triangles) {
   return triangles;
 }
 
-// Where bytes are in the text.
-Json range(const std::string& code, std::string& bytes) {
+// Appends `code` to `bytes`. @return its offset and size
+Json append(const std::string& code, std::string& bytes) {
   Json out = {{"offset", bytes.size()}, {"bytes", code.size()}};
   bytes += code;
   return out;
@@ -119,7 +118,7 @@ struct EncodedPositions {
   std::string code;
 
   Json append_to(std::string& bytes) const {
-    Json out = range(code, bytes);
+    Json out = append(code, bytes);
     out["count"] = count;
     out["origin"] = {grid.origin.x, grid.origin.y, grid.origin.z};
     out["step"] = grid.step;
@@ -127,7 +126,7 @@ struct EncodedPositions {
   }
 };
 
-// A level with its corners where the page will have them must be the level as it is.
+// Checks that a level with the decoded positions is the same mesh.
 void require_same(const Hierarchy& hierarchy, std::size_t level, const std::vector<Vec3>& decoded,
                   Vec3 origin, const std::vector<Triangle>& triangles,
                   const std::filesystem::path& path) {
@@ -140,12 +139,12 @@ void require_same(const Hierarchy& hierarchy, std::size_t level, const std::vect
   io::require_same_mesh(mesh, read, false, path, "level " + std::to_string(level));
 }
 
-// On the coarsest grid on which all these levels stay the same.
+// Encodes positions on the coarsest grid on which all these levels stay the same mesh.
 EncodedPositions encoded_positions(const Hierarchy& hierarchy, const std::vector<Vec3>& positions,
                                    const std::vector<std::size_t>& levels,
                                    const std::vector<std::vector<Triangle>>& triangles,
                                    const std::filesystem::path& path) {
-  for (int bits = kFewestBits;; bits += 2) {
+  for (int bits = kMinBits;; bits += 2) {
     EncodedPositions out;
     out.grid = grid_over(positions, bits);
     out.count = positions.size();
@@ -157,22 +156,24 @@ EncodedPositions encoded_positions(const Hierarchy& hierarchy, const std::vector
       return out;
     } catch (const Error& error) {
       if (error.code() != ErrorCode::bad_file) throw;
-      if (bits == kMostBits)
+      if (bits == kMaxBits)
         throw Error(ErrorCode::bad_file, path.string() +
-                                             ": not written: on a page's finest grid, 2^24 steps "
-                                             "long, vertices would become one or move too far");
+                                             ": not written: rounding to the finest grid of a "
+                                             "page, 2^24 steps, would merge vertices or move them "
+                                             "too far");
     }
   }
 }
 
-// Shares of the largest one, in 255 steps, rounded up: a page never says less than is so.
+// Distances as shares of the largest one, in 255 steps. They are rounded up, so that the page never
+// shows smaller ones.
 Json append_distances(const std::vector<float>& distance, std::string& bytes) {
   const float most = std::max(0.0f, *std::max_element(distance.begin(), distance.end()));
   std::string code;
   for (const float d : distance)
     code += static_cast<char>(static_cast<unsigned char>(
         most > 0 ? std::clamp(std::ceil(255.0 * d / most), 0.0, 255.0) : 0));
-  Json out = range(code, bytes);
+  Json out = append(code, bytes);
   out["maximum"] = most;
   return out;
 }
@@ -188,26 +189,25 @@ Json append_geometry(const Hierarchy& hierarchy, const std::filesystem::path& pa
   for (std::size_t k = 0; k < level_count; ++k) {
     const Hierarchy::Level& level = hierarchy.levels[k];
     codes.push_back(
-        encoded_triangles(in_good_order(level.triangles, level.vertex_count), level.vertex_count));
+        encoded_triangles(reordered(level.triangles, level.vertex_count), level.vertex_count));
     triangles.push_back(decoded_triangles(codes.back(), level.triangles.size()));
     if (normalised(triangles.back()) != normalised(level.triangles))
       throw Error(ErrorCode::internal,
-                  "triangles that were encoded for a page are others when decoded");
+                  "triangles that were encoded for a page differ after decoding");
     if (level.own_positions.empty()) shared.push_back(k);
   }
 
   Json out;
   std::vector<Vec3> positions = hierarchy.positions;
-  if (shared.empty())
-    positions = hierarchy.levels.back()
-                    .own_positions;  // the page looks here for the extent, and has none of its own
+  // The page computes its extent from these positions, also if all levels have their own.
+  if (shared.empty()) positions = hierarchy.levels.back().own_positions;
   out["positions"] =
       encoded_positions(hierarchy, positions, shared, triangles, path).append_to(bytes);
   Json& levels = out["levels"] = Json::array();
   for (std::size_t k = 0; k < level_count; ++k) {
     const Hierarchy::Level& level = hierarchy.levels[k];
     Json entry = {{"vertices", level.vertex_count}};
-    entry["triangles"] = range(codes[k], bytes);
+    entry["triangles"] = append(codes[k], bytes);
     entry["triangles"]["count"] = level.triangles.size();
     if (!level.own_positions.empty())
       entry["own_positions"] =

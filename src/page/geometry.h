@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Levels as a page keeps them: integers on a grid, compressed.
+// The geometry of a page: integers on a grid, compressed.
 #pragma once
 
 #include <filesystem>
@@ -10,8 +10,9 @@
 
 namespace isoatlas::detail::page {
 
-/// Appends the levels to `bytes` and says where they are (`geometry` of a result, docs/report.md).
-/// Throws as page_html().
+/// Appends the encoded levels to `bytes`.
+/// @return their offsets and sizes: `geometry` of a result (docs/report.md)
+/// @throws Error as page_html()
 nlohmann::ordered_json append_geometry(const Hierarchy& hierarchy,
                                        const std::filesystem::path& path, std::string& bytes);
 

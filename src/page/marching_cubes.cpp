@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What people use today, to compare with: marching cubes, by VTK.
+// Marching cubes by VTK, for comparison.
 #include <vtkDataArray.h>
 #include <vtkFlyingEdges3D.h>
 #include <vtkImageData.h>
@@ -49,8 +49,8 @@ int vtk_type(SampleType type) {
   return VTK_VOID;
 }
 
-// Of each point the vertex of marching cubes that is nearest (ties: the first one). Nearly always
-// it is in the point's grid cell.
+// For each point the nearest vertex of the marching cubes surface (ties: the first one). It is
+// nearly always in the grid cell of the point.
 std::vector<std::uint32_t> nearest_vertices(std::span<const Vec3> vertices,
                                             std::span<const Vec3> points) {
   const auto cell_of = [](Vec3 p) {
@@ -61,22 +61,22 @@ std::vector<std::uint32_t> nearest_vertices(std::span<const Vec3> vertices,
   for (std::size_t i = 0; i < points.size(); ++i) points_in[cell_of(points[i])].push_back(i);
   std::vector<std::uint32_t> nearest(points.size(), 0);
   std::vector<double> distance(points.size(), std::numeric_limits<double>::infinity());
-  const auto offer = [&](std::size_t i, std::uint32_t v) {
+  const auto compare = [&](std::size_t i, std::uint32_t v) {
     const double d = length(vertices[v] - points[i]);
     if (d < distance[i]) distance[i] = d, nearest[i] = v;
   };
   for (std::uint32_t v = 0; v < vertices.size(); ++v) {
-    for (unsigned k = 0; k < 8; ++k) {  // its own cell, and those below it along any axes: a vertex
-                                        // is on an edge of up to four
+    // Its own grid cell and those below it along any axes: a vertex is on an edge of up to four.
+    for (unsigned k = 0; k < 8; ++k) {
       auto cell = cell_of(vertices[v]);
       for (std::size_t axis = 0; axis < 3; ++axis) cell[axis] -= k >> axis & 1U;
       const auto found = points_in.find(cell);
       if (found == points_in.end()) continue;
-      for (const std::size_t i : found->second) offer(i, v);
+      for (const std::size_t i : found->second) compare(i, v);
     }
   }
   for (std::size_t i = 0; i < points.size(); ++i) {
-    for (std::uint32_t v = 0; distance[i] > 2 && v < vertices.size(); ++v) offer(i, v);
+    for (std::uint32_t v = 0; distance[i] > 2 && v < vertices.size(); ++v) compare(i, v);
   }
   return nearest;
 }
@@ -109,7 +109,7 @@ std::optional<MeshQuality> marching_cubes_quality(const VolumeView& volume, doub
   const Vec3 spacing = volume.grid.spacing;
   const auto samples =
       vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(vtk_type(volume.type)));
-  // VTK only reads them (save = 1: it does not free them either).
+  // VTK only reads the samples; with save = 1 it does not free them.
   samples->SetVoidArray(const_cast<void*>(volume.samples), static_cast<vtkIdType>(nx * ny * nz), 1);
   vtkNew<vtkImageData> image;
   image->SetDimensions(static_cast<int>(nx), static_cast<int>(ny), static_cast<int>(nz));

@@ -38,8 +38,7 @@ std::string in_html(const std::string& text) {
   return out;
 }
 
-// JSON that cannot end the element it stands in: '<' is only found in texts, where it may be
-// written so.
+// JSON that is safe inside a script element. '<' occurs only in strings, where it can be escaped.
 std::string in_script(const Json& json) {
   std::string out;
   for (const char c : json.dump(-1, ' ', false, Json::error_handler_t::replace)) {

@@ -20,15 +20,15 @@ extern char** environ;
 namespace isoatlas::detail::picture {
 namespace {
 
-constexpr int kPatienceMs = 10'000;
+constexpr int kTimeoutMs = 10'000;
 constexpr const char* kNoDisplay =
     "pictures need an X display, and there is none: set DISPLAY, or install Xvfb (Debian: xvfb)";
 
-// The number that Xvfb says it took, on a line; empty if it says nothing in time.
+// The line in which Xvfb reports its display number; empty if there is none in time.
 std::string first_line(int from) {
   std::string line;
   pollfd ready{from, POLLIN, 0};
-  while (poll(&ready, 1, kPatienceMs) == 1) {
+  while (poll(&ready, 1, kTimeoutMs) == 1) {
     char c = 0;
     if (read(from, &c, 1) != 1) return "";
     if (c == '\n') return line;
@@ -37,9 +37,10 @@ std::string first_line(int from) {
   return "";
 }
 
-// @return its process; -1: it cannot be started
-pid_t start_xvfb(int tell) {
-  std::array<std::string, 9> arguments{"Xvfb",      "-displayfd", std::to_string(tell),
+// @param number_to  Xvfb writes its display number to this file descriptor
+// @return the process; -1 if it cannot be started
+pid_t start_xvfb(int number_to) {
+  std::array<std::string, 9> arguments{"Xvfb",      "-displayfd", std::to_string(number_to),
                                        "-screen",   "0",          "640x480x24",
                                        "-nolisten", "tcp",        "-terminate"};
   std::array<char*, arguments.size() + 1> argv{};
@@ -49,10 +50,10 @@ pid_t start_xvfb(int tell) {
   posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
-  sigset_t none;  // the tool blocks signals; its children should not
+  sigset_t none;  // the tool blocks signals, child processes should not
   sigemptyset(&none);
   posix_spawnattr_setsigmask(&attributes, &none);
-  posix_spawnattr_setpgroup(&attributes, 0);  // Ctrl-C is for us
+  posix_spawnattr_setpgroup(&attributes, 0);  // Ctrl-C must not reach Xvfb
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
   pid_t server = -1;
   const int failed = posix_spawnp(&server, "Xvfb", &actions, &attributes, argv.data(), environ);

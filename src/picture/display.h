@@ -5,18 +5,18 @@
 
 namespace isoatlas::detail::picture {
 
-/// Sees to it that $DISPLAY is an X display that can be drawn to: the one that is there or, without
-/// one, an Xvfb that is started for the purpose and ends with this object, or with this process.
-/// Not thread-safe: it sets the environment.
+/// Provides an X display as $DISPLAY: the existing one, or an Xvfb server that is started and ends
+/// with this object or with this process. Not thread-safe, because it sets the environment.
 class Display {
  public:
-  Display();  ///< Throws Error(unsupported) if there is no display and Xvfb cannot be started
+  /// @throws Error(unsupported) if there is no display and Xvfb cannot be started
+  Display();
   ~Display();
   Display(const Display&) = delete;
   Display& operator=(const Display&) = delete;
 
  private:
-  void* connection_ = nullptr;  // Xvfb stays while somebody is connected
+  void* connection_ = nullptr;  // Xvfb ends when its last connection is closed
   pid_t server_ = -1;
 };
 

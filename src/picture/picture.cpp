@@ -36,16 +36,16 @@
 namespace isoatlas::detail {
 namespace {
 
-constexpr int kFiner =
-    3;  // drawn so many times larger, then averaged: edges are smooth whatever the driver can do
-constexpr int kLargestWindow = 16384;  // drivers draw nothing into larger ones
+// Pictures are drawn larger by this factor and then averaged, which smooths edges with any driver.
+constexpr int kOversampling = 3;
+constexpr int kLargestWindow = 16384;  // drivers draw nothing to larger windows
 constexpr double kMargin = 1.06;
-constexpr double kLeastSine = 1e-6;  // of the angle between the view and what is up
+constexpr double kMinSine = 1e-6;  // of the angle between the view and the up direction
 constexpr int kJpegQuality = 95;
 
 struct Box {
   Vec3 middle;
-  double radius = 0;  // of a ball around it
+  double radius = 0;  // of the ball around the box
 };
 
 Box box_of(const TriangleMesh& mesh) {
@@ -60,7 +60,8 @@ Box box_of(const TriangleMesh& mesh) {
   return {0.5 * low + 0.5 * high, std::max(0.5 * length(high - low), 1e-300)};
 }
 
-// Around the origin with radius 1, where floats are good, and with the normals of the vertices.
+// The mesh with vertex normals, moved to the origin and scaled to radius 1, so that float
+// coordinates are precise.
 vtkNew<vtkPolyData> surface_of(const TriangleMesh& mesh, const Box& box) {
   vtkNew<vtkPoints> points;
   points->SetNumberOfPoints(static_cast<vtkIdType>(mesh.positions.size()));
@@ -117,10 +118,10 @@ void require(bool good, const char* message) {
   if (!good) throw Error(ErrorCode::bad_argument, message);
 }
 
-// For people in LPS: seen from above or below, the front is up.
+// In LPS, the front of a person is up if the view is from above or below.
 Vec3 default_up(Vec3 towards) {
   const Vec3 z{0, 0, 1};
-  return length(cross(towards, z)) > kLeastSine ? z : Vec3{0, -1, 0};
+  return length(cross(towards, z)) > kMinSine ? z : Vec3{0, -1, 0};
 }
 
 /// The bytes of a file.
@@ -153,9 +154,10 @@ std::string picture_of(const TriangleMesh& mesh, const PictureOptions& options) 
           "the zoom of a picture must be positive");
   const Vec3 towards = normalized(options.view);
   const Vec3 upwards = options.up.value_or(default_up(towards));
-  require(length(cross(towards, normalized(upwards))) > kLeastSine,
-          "the view of a picture and what is up in it must be two directions");
-  const int finer = std::min(kFiner, kLargestWindow / std::max(options.width, options.height));
+  require(length(cross(towards, normalized(upwards))) > kMinSine,
+          "the view and the up direction of a picture must not be zero or parallel");
+  const int oversampling =
+      std::min(kOversampling, kLargestWindow / std::max(options.width, options.height));
   const picture::Display display;
 
   const Box box = box_of(mesh);
@@ -188,7 +190,7 @@ std::string picture_of(const TriangleMesh& mesh, const PictureOptions& options) 
     edge_actor->SetMapper(edge_mapper);
     edge_actor->GetProperty()->SetLighting(false);
     edge_actor->GetProperty()->SetColor(0.10, 0.12, 0.15);
-    edge_actor->GetProperty()->SetLineWidth(1.25f * static_cast<float>(finer));
+    edge_actor->GetProperty()->SetLineWidth(1.25f * static_cast<float>(oversampling));
     renderer->AddActor(edge_actor);
   }
 
@@ -197,7 +199,7 @@ std::string picture_of(const TriangleMesh& mesh, const PictureOptions& options) 
   camera.SetPosition(10 * towards.x, 10 * towards.y, 10 * towards.z);
   camera.SetViewUp(upwards.x, upwards.y, upwards.z);
   camera.SetParallelProjection(true);
-  // So that every vertex is in the picture.
+  // The scale at which every vertex is in the picture.
   const Vec3 right = normalized(cross(upwards, towards)), up = cross(towards, right);
   double half_width = 0, half_height = 0;
   for (const Triangle& t : mesh.triangles) {
@@ -215,7 +217,7 @@ std::string picture_of(const TriangleMesh& mesh, const PictureOptions& options) 
   vtkNew<vtkRenderWindow> window;
   window->SetOffScreenRendering(1);
   window->SetMultiSamples(0);
-  window->SetSize(finer * options.width, finer * options.height);
+  window->SetSize(oversampling * options.width, oversampling * options.height);
   window->AddRenderer(renderer);
   window->Render();
   vtkNew<vtkWindowToImageFilter> pixels;
@@ -223,7 +225,7 @@ std::string picture_of(const TriangleMesh& mesh, const PictureOptions& options) 
   pixels->ReadFrontBufferOff();
   vtkNew<vtkImageShrink3D> smaller;
   smaller->SetInputConnection(pixels->GetOutputPort());
-  smaller->SetShrinkFactors(finer, finer, 1);
+  smaller->SetShrinkFactors(oversampling, oversampling, 1);
   smaller->AveragingOn();
   vtkNew<vtkPNGWriter> png;
   vtkNew<vtkJPEGWriter> jpeg;

@@ -7,8 +7,8 @@
 namespace isoatlas::detail::report {
 namespace {
 
-// A noisy volume can have more cells at the limit than anybody looks at.
-constexpr std::size_t kMostCellsAtLimit = 1000;
+// Length limit of the lists of worst cells and triangles. A noisy volume can have many more.
+constexpr std::size_t kMaxListed = 1000;
 
 std::string_view text(Unit unit) {
   switch (unit) {
@@ -42,7 +42,8 @@ Json one_side(const OneSidedDistance& distance, double voxel) {
           {"farthest", to_value(distance.farthest)}};
 }
 
-// A path may hold bytes that are not UTF-8; a report with a replacement character beats no report.
+// A path can contain bytes that are not UTF-8. They become replacement characters, so that there is
+// always a report.
 std::string on_one_line(const Json& value) {
   return value.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -53,11 +54,11 @@ bool is_flat(const Json& value) {
   });
 }
 
-/// Is it one line's worth: a number, a text, a list of such, a small object; or an object in a
-/// list, if nothing is nested in it.
+/// True for numbers, texts, lists of these and small flat objects. A flat object of any size fits
+/// if it is an item of a list.
 bool fits_on_a_line(const Json& value, bool in_list) {
-  constexpr std::size_t kMostKeys = 3;
-  if (value.is_object()) return is_flat(value) && (in_list || value.size() <= kMostKeys);
+  constexpr std::size_t kMaxKeys = 3;
+  if (value.is_object()) return is_flat(value) && (in_list || value.size() <= kMaxKeys);
   return !value.is_array() || value.empty() || !value[0].is_object();
 }
 
@@ -146,13 +147,14 @@ Json to_value(const MeshQuality& quality) {
 }
 
 Json to_value(const Measurement& measurement) {
-  const OneSidedDistance &there = measurement.mesh_to_surface, &back = measurement.surface_to_mesh;
+  const OneSidedDistance& from_mesh = measurement.mesh_to_surface;
+  const OneSidedDistance& from_surface = measurement.surface_to_mesh;
   return {{"voxel", measurement.voxel},
-          {"maximum", std::max(there.maximum, back.maximum)},
-          {"p99", std::max(there.p99, back.p99)},
-          {"mean", std::max(there.mean, back.mean)},
-          {"mesh_to_surface", one_side(there, measurement.voxel)},
-          {"surface_to_mesh", one_side(back, measurement.voxel)},
+          {"maximum", std::max(from_mesh.maximum, from_surface.maximum)},
+          {"p99", std::max(from_mesh.p99, from_surface.p99)},
+          {"mean", std::max(from_mesh.mean, from_surface.mean)},
+          {"mesh_to_surface", one_side(from_mesh, measurement.voxel)},
+          {"surface_to_mesh", one_side(from_surface, measurement.voxel)},
           {"normal_degrees",
            {{"mean", measurement.normal_mean},
             {"p99", measurement.normal_p99},
@@ -194,7 +196,7 @@ Json to_value(const LevelReport& level, std::size_t number) {
   for (const ConstraintResult& result : level.constraints)
     constraints.push_back(constraint_value(result));
   Json worst = Json::array();
-  for (std::size_t i = 0; i < std::min(level.at_limit.size(), kMostCellsAtLimit); ++i)
+  for (std::size_t i = 0; i < std::min(level.at_limit.size(), kMaxListed); ++i)
     worst.push_back(
         {{"position", to_value(level.at_limit[i].position)}, {"excess", level.at_limit[i].excess}});
   json["at_limit"] = {{"count", level.at_limit.size()}, {"worst", std::move(worst)}};
@@ -203,7 +205,7 @@ Json to_value(const LevelReport& level, std::size_t number) {
   json["moves"] = level.moves;
   json["displacements"] = level.displacements;
   Json bad = Json::array();
-  for (std::size_t i = 0; i < std::min(level.bad_triangles.size(), kMostCellsAtLimit); ++i) {
+  for (std::size_t i = 0; i < std::min(level.bad_triangles.size(), kMaxListed); ++i) {
     const BadTriangle& t = level.bad_triangles[i];
     bad.push_back({{"position", to_value(t.position)},
                    {"aspect_ratio", t.aspect_ratio},
@@ -212,8 +214,9 @@ Json to_value(const LevelReport& level, std::size_t number) {
   }
   json["bad_triangles"] = {{"count", level.bad_triangles.size()}, {"worst", std::move(bad)}};
   json["self_intersections"] = level.self_intersections ? Json(*level.self_intersections) : Json();
-  Json& meeting = json["self_intersection_positions"] = Json::array();
-  for (const Vec3& place : level.self_intersection_positions) meeting.push_back(to_value(place));
+  Json& positions = json["self_intersection_positions"] = Json::array();
+  for (const Vec3& position : level.self_intersection_positions)
+    positions.push_back(to_value(position));
   json["sites_for_intersections"] = level.sites_for_intersections;
   json["measured"] = level.measured ? to_value(*level.measured) : Json();
   return json;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pieces that several JSON documents share. docs/reference/report.md documents their keys.
+// JSON values that several documents share. docs/reference/report.md documents their keys.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -13,25 +13,23 @@
 
 namespace isoatlas::detail::report {
 
-using Json = nlohmann::ordered_json;  // keys stay in the order in which they are written
+using Json = nlohmann::ordered_json;  // keys keep the order in which they are inserted
 
 Json to_value(Vec3 v);
-Json to_value(const std::optional<double>& length);  ///< null if there is none
+Json to_value(const std::optional<double>& length);  ///< null if absent
 Json to_value(const CertificateReport& certificate);
 Json to_value(const MeshQuality& quality);
 Json to_value(const Measurement& measurement);
 Json to_value(const LevelGoal& goal);
 
-/// Components, Euler characteristic, genus, boundary loops and kinds, into an object that says
-/// more.
+/// Adds components, Euler characteristic, genus, boundary loops and kinds to `object`.
 void add_topology(Json& object, const TopologySummary& topology);
 
-/// What is known of a level, but for the time it took and the file it went to: the same input gives
-/// the same value.
+/// The report of a level without its time and its file: the same input gives the same value.
 Json to_value(const LevelReport& level, std::size_t number);
 
-/// For people too: one line per key, lists of numbers on that line, of small objects with one
-/// object per line; a newline at the end.
+/// The JSON text in a readable layout: one key per line, with lists of numbers on the same line and
+/// lists of small objects with one object per line. Ends with a newline.
 std::string to_text(const Json& json);
 
 }  // namespace isoatlas::detail::report

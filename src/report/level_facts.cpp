@@ -16,13 +16,14 @@ using report::Json;
 namespace {
 
 [[noreturn]] void refuse(const char* key, const Json& value, const char* expected) {
-  constexpr std::size_t kMostShown = 40;
+  constexpr std::size_t kMaxShown = 40;
   throw Error(ErrorCode::bad_file, std::string(key) + " is " +
-                                       value.dump(-1, ' ', true).substr(0, kMostShown) +
+                                       value.dump(-1, ' ', true).substr(0, kMaxShown) +
                                        ", expected " + expected);
 }
 
-/// The value if it is there. nlohmann by itself makes a count of -1, of 1.5 and of true.
+/// Reads a value if the key exists. The type is checked here because nlohmann converts -1, 1.5 and
+/// true to counts.
 template <class Value>
 void read(const Json& object, const char* key, Value& value) {
   const auto found = object.find(key);
@@ -91,32 +92,32 @@ LevelFacts facts_of(const Json& json) {
   return facts;
 }
 
-/// Parses, and makes an Error that names the file of whatever goes wrong.
-template <class Work>
-auto with(const std::string& text, const std::string& path, Work work) {
+/// Calls `read` with the parsed text. All errors become Errors that name the file.
+template <class Read>
+auto read_json(const std::string& text, const std::string& path, Read read) {
   try {
-    return work(Json::parse(text));
+    return read(Json::parse(text));
   } catch (const Error& error) {
     throw Error(error.code(), path + ": " + error.what());
   } catch (const Json::exception& error) {
-    throw Error(ErrorCode::bad_file, path + ": is not JSON as isoatlas writes it: " + error.what());
+    throw Error(ErrorCode::bad_file, path + ": is not JSON of isoatlas: " + error.what());
   }
 }
 
 }  // namespace
 
 std::optional<LevelFacts> facts_of_level(const std::string& text, const std::string& path) {
-  return with(text, path, [](const Json& json) {
+  return read_json(text, path, [](const Json& json) {
     return json.is_object() ? std::optional(facts_of(json)) : std::nullopt;
   });
 }
 
 std::vector<LevelFacts> facts_of_levels(const std::string& text, const std::string& path) {
-  return with(text, path, [](const Json& json) {
+  return read_json(text, path, [](const Json& json) {
     const Json schema = member(json, "schema");
     if (schema != "isoatlas-report-2" && schema != "isoatlas-manifest-1")
       throw Error(ErrorCode::unsupported,
-                  "is no report of isoatlas extract, expected the schema isoatlas-report-2 or "
+                  "is not a report of isoatlas extract, expected the schema isoatlas-report-2 or "
                   "isoatlas-manifest-1");
     std::vector<LevelFacts> levels;
     for (const Json& level : member(json, "levels"))

@@ -85,9 +85,9 @@ Json to_value(const SelfIntersectionReport& self_intersections) {
 }
 
 Json to_value(const ReportFile& file) {
-  Json meetings = Json::array();
+  Json self_intersections = Json::array();
   for (const SelfIntersectionReport& level : file.self_intersections)
-    meetings.push_back(to_value(level));
+    self_intersections.push_back(to_value(level));
   return {{"path", file.path},
           {"levels", file.levels},
           {"bytes", file.bytes},
@@ -96,7 +96,7 @@ Json to_value(const ReportFile& file) {
           {"space", file.space},
           {"unit", file.unit == LengthUnit::unknown ? Json() : Json(symbol(file.unit))},
           {"notes", file.notes},
-          {"self_intersections", file.self_intersections.empty() ? Json() : meetings}};
+          {"self_intersections", file.self_intersections.empty() ? Json() : self_intersections}};
 }
 
 Json to_value(const DistanceReport& distance) {
@@ -148,7 +148,7 @@ Json to_value(const VolumeReport& volume) {
   return json;
 }
 
-/// The file that holds that level and no other, if there is one.
+/// The path of the file that contains only this level, or null.
 Json path_of_level(const std::vector<ReportFile>& files, std::size_t level) {
   for (const ReportFile& file : files)
     if (file.levels.size() == 1 && file.levels[0] == level) return file.path;
@@ -165,12 +165,12 @@ std::size_t peak_memory_bytes() {
 
 SelfIntersectionReport find_self_intersections(const TriangleMesh& mesh,
                                                const RunControl& control) {
-  constexpr std::size_t kMost = 10;  // places to tell; the count is of all
+  constexpr std::size_t kMaxListed = 10;
   SelfIntersectionReport report;
   const std::vector<TrianglePair> pairs =
       self_intersections(mesh.positions, mesh.triangles, {}, control);
   report.pairs = pairs.size();
-  for (const TrianglePair& pair : std::span(pairs).first(std::min(pairs.size(), kMost)))
+  for (const TrianglePair& pair : std::span(pairs).first(std::min(pairs.size(), kMaxListed)))
     report.first.push_back({pair, intersection_position(mesh.positions, mesh.triangles[pair.first],
                                                         mesh.triangles[pair.second])});
   return report;

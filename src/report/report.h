@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What isoatlas found out, as JSON for machines. docs/reference/report.md documents every key.
+// Reports as JSON. docs/reference/report.md documents every key.
 #pragma once
 
 #include <cstddef>
@@ -16,99 +16,101 @@
 
 namespace isoatlas::detail {
 
-/// Pairs of triangles of a mesh that meet where they should not.
+/// The pairs of intersecting triangles of a mesh.
 struct SelfIntersectionReport {
   struct Place {
     TrianglePair triangles;
-    Vec3 position;  ///< near where they meet
+    Vec3 position;  ///< near the intersection
   };
   std::size_t pairs = 0;
-  std::vector<Place> first;  ///< the first few of them
+  std::vector<Place> first;  ///< the first ten pairs
 };
 
-/// A file of meshes that was written.
+/// A mesh file that was written.
 struct ReportFile {
   std::string path;
-  std::vector<std::size_t> levels;  ///< that it holds
+  std::vector<std::size_t> levels;  ///< the levels in the file
   std::size_t bytes = 0;
-  bool single_precision = false;  ///< it has positions in float32
-  double largest_rounding = 0;    ///< of a position, in the mesh's units
-  std::string space = {};  ///< of the stored coordinates: "LPS", "RAS", "voxel"; empty: nobody said
-  LengthUnit unit = LengthUnit::unknown;  ///< of the stored coordinates
-  std::vector<std::string> notes = {};    ///< what the format changed or had to state, for people
-  /// For each level, those of the positions as the file has them; empty: not looked for, the file
-  /// has all digits of the positions.
+  bool single_precision = false;  ///< whether positions are float32
+  double largest_rounding = 0;    ///< largest rounding of a position, in the mesh's units
+  std::string space = {};  ///< space of the stored coordinates: "LPS", "RAS", "voxel" or empty
+  LengthUnit unit = LengthUnit::unknown;  ///< unit of the stored coordinates
+  std::vector<std::string> notes = {};    ///< as StoredPositions::notes
+  /// Self-intersections of each level with the positions in the file. Empty if the file does not
+  /// round positions, or if they were not counted.
   std::vector<SelfIntersectionReport> self_intersections = {};
 };
 
-/// The volume that was meshed or looked at.
+/// A volume and the facts about its file.
 struct VolumeReport {
-  std::string path;           ///< empty: it came from memory
-  VolumeSource source;        ///< how its file was understood
+  std::string path;           ///< empty: the volume came from memory
+  VolumeSource source;        ///< how its file was interpreted
   std::string sample_digest;  ///< SHA-256 of the samples; empty: not computed
   Grid grid;
   SampleType sample_type = SampleType::float32;
 };
 
-/// What `info` finds out about a volume file.
+/// The result of `isoatlas info`.
 struct InfoReport {
   struct Isovalue {
     double value = 0;
     std::string reason;
   };
-  VolumeReport volume;  ///< `grid` has size 0 where a choice has to be made first
+  VolumeReport volume;  ///< `grid` has size 0 if a volume must be selected first
   std::optional<SampleSummary> samples;
-  std::vector<Isovalue> isovalues;  ///< suggested ones
+  std::vector<Isovalue> isovalues;  ///< suggested isovalues
 };
 
-/// What a report says besides what extract() found out: where things came from and went to, and
-/// what that took.
+/// The contents of a report besides those of ExtractReport: input, command, options, output files,
+/// and the time and memory used.
 struct ReportContext {
   VolumeReport volume;
-  std::string command;  ///< that made it, as one would type it; empty: it was no command
+  std::string command;  ///< the command line, quoted for a shell; empty: no command
   std::vector<ReportFile> files;
   ExtractOptions options;
-  int threads = 0;  ///< as asked for; 0: as many as the machine has
+  int threads = 0;  ///< the requested number; 0: as many as the machine has
   double read_seconds = 0, write_seconds = 0;
   std::size_t peak_memory_bytes = 0;
 };
 
-/// How far a mesh is from an isosurface, and from which.
+/// The measured distance of a mesh from an isosurface, and which isosurface it is.
 struct DistanceReport {
   std::string volume_path;  ///< empty: the volume came from memory
   MeasureOptions options;
   Measurement measured;
 };
 
-/// Largest resident size of this process so far.
+/// Largest resident size of this process so far, in bytes.
 std::size_t peak_memory_bytes();
 
-/// Looks for them. Throws as self_intersections().
+/// Finds the intersecting pairs of triangles. Throws as self_intersections().
 SelfIntersectionReport find_self_intersections(const TriangleMesh& mesh, const RunControl& control);
 
-/// One JSON object, schema "isoatlas-report-2", keys in a fixed order, a newline at the end.
+/// The report as a JSON object, schema "isoatlas-report-2", with keys in a fixed order and a
+/// newline at the end.
 std::string to_json(const ExtractReport& report, const ReportContext& context);
 
-/// One JSON object, schema "isoatlas-info-1". What needs the samples is null where a choice has to
-/// be made first.
+/// The result of `isoatlas info` as a JSON object, schema "isoatlas-info-1". Keys that depend on
+/// the samples are null if a volume must be selected first.
 std::string to_json(const InfoReport& info);
 
-/// What the report says of one level, on one line, without the time it took and the file it went
-/// to: for files that carry it with the level. The same input gives the same text.
+/// The part of the report about one level, on one line, without its time and file. Mesh files store
+/// it with the level. The same input gives the same text.
 std::string level_json(const LevelReport& level, std::size_t number);
 
-/// A list of files with one level each, schema "isoatlas-manifest-1": `files` have one level each,
-/// in their order; `levels` has the level_json() of each, or nothing. Names are relative to the
-/// list, which is beside them.
+/// A list of files with one level each, schema "isoatlas-manifest-1". It is stored in the folder of
+/// the files and contains their names without folders.
+/// @param files   one level each, coarse to fine
+/// @param levels  the level_json() of each file; or empty
 std::string levels_manifest(const std::vector<ReportFile>& files,
                             const std::vector<std::string>& levels);
 
-/// One JSON object for a mesh that was only looked at, schema "isoatlas-check-1". What only a
-/// consistently oriented manifold has (Euler characteristic, genus, loops) is null for anything
-/// else.
+/// The result of `isoatlas check` as a JSON object, schema "isoatlas-check-1". Euler
+/// characteristic, genus, boundary loops and kinds are null unless the mesh is a consistently
+/// oriented manifold.
 /// @param mesh_path  empty: the mesh came from memory
-/// @param self_intersections  null if nobody looked for them
-/// @param distance  null if there was no volume to measure against
+/// @param self_intersections  null if they were not tested
+/// @param distance  null if it was not measured
 std::string to_json(const std::string& mesh_path, const MeshTopology& topology,
                     const MeshQuality& quality,
                     const SelfIntersectionReport* self_intersections = nullptr,

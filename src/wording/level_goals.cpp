@@ -14,8 +14,8 @@
 namespace isoatlas::detail {
 namespace {
 
-// Fewer vertices than a tetrahedron's make no closed surface.
-constexpr std::uint32_t kLeastVertices = 4;
+// A closed surface has at least the four vertices of a tetrahedron.
+constexpr std::uint32_t kMinVertices = 4;
 
 [[noreturn]] void refuse(const std::string& message) {
   throw Error(ErrorCode::bad_argument, message);
@@ -55,12 +55,13 @@ double parse_ratio(Quantity quantity, std::string_view text) {
 
 double parse_count(Quantity quantity, std::string_view text) {
   const auto count = parse_whole<std::uint32_t>(text);
-  if (!count || *count < kLeastVertices)
-    refuse_bound(quantity, "a whole number, " + std::to_string(kLeastVertices) + " or more", text);
+  if (!count || *count < kMinVertices)
+    refuse_bound(quantity, "a whole number, " + std::to_string(kMinVertices) + " or more", text);
   return *count;
 }
 
-// "max-distance:0,5vx" would else be a bound of 0 and something else.
+// Refuses "max-distance:0,5vx", which would otherwise be parsed as a bound of 0 and a second
+// constraint.
 void require_decimal_points(std::string_view spec) {
   for (std::size_t comma = spec.find(','); comma != std::string_view::npos;
        comma = spec.find(',', comma + 1)) {
@@ -78,7 +79,7 @@ Quantity parse_quantity(std::string_view text) {
   std::string names;
   for (std::size_t i = 0; i < kQuantityCount; ++i)
     names += (i == 0 ? "" : ", ") + std::string(name(static_cast<Quantity>(i)));
-  refuse("there is no " + in_quotes(text) + ", expected one of " + names);
+  refuse("there is no constraint " + in_quotes(text) + ", expected one of " + names);
 }
 
 void add_default(std::vector<TypedConstraint>& goal) {
@@ -113,7 +114,7 @@ TypedConstraint parse_bound(Quantity quantity, std::string_view text) {
       return {quantity, parse_degrees(quantity, text)};
     case Unit::count:
       return {quantity, parse_count(quantity, text)};
-    case Unit::number:  // of the caller's own metrics, which cannot be typed
+    case Unit::number:  // the unit of custom metrics, which cannot be typed
       break;
   }
   return {quantity};
@@ -137,7 +138,7 @@ std::vector<TypedConstraint> parse_level(std::string_view spec) {
 }
 
 TypedGoals plan_levels(const std::vector<GoalArgument>& arguments, bool only_coarse) {
-  // The goal of the level whose --refine is argument `own`; kNone: of options alone.
+  // The goal of the level whose --refine is argument number `own`; kNone: only the options.
   constexpr std::size_t kNone = static_cast<std::size_t>(-1);
   const auto goal_of = [&](std::size_t own, std::size_t level) {
     std::vector<TypedConstraint> goal;
@@ -153,11 +154,11 @@ TypedGoals plan_levels(const std::vector<GoalArgument>& arguments, bool only_coa
     if (arguments[i].is_level) goals.refine.push_back(goal_of(i, goals.refine.size() + 1));
   if (only_coarse) {
     if (!goals.refine.empty())
-      refuse("--coarse makes no level but the coarsest, expected it without --refine");
+      refuse("--coarse makes only the coarsest level, expected it without --refine");
     goals.coarse = goal_of(kNone, 0);
   } else if (goals.refine.empty()) {
     std::vector<TypedConstraint> goal = goal_of(kNone, 1);
-    // Last: what somebody asked for is more important than what nobody did.
+    // The default comes last, because requested constraints have priority.
     if (std::none_of(goal.begin(), goal.end(),
                      [](const TypedConstraint& c) { return is_metric(c.quantity); }))
       add_default(goal);

@@ -51,7 +51,7 @@ std::pair<std::array<double, 3>, LengthUnit> parse_spacing(std::string_view text
   try {
     return {parse_triple<double>(text.substr(0, unit_begin), kExpected, accept), unit};
   } catch (const Error&) {
-    refuse_value(kExpected, text);  // which has the unit
+    refuse_value(kExpected, text);  // the whole text, with the unit
   }
 }
 
@@ -172,8 +172,8 @@ bool set_raw(RawLayout& layout, std::string_view name, std::string_view text) {
 
 Region parse_region(std::string_view text) {
   constexpr const char* kExpected =
-      "a range of samples per axis, both ends included, like 10:99,0:63,: where nothing is the "
-      "border";
+      "three ranges of samples, both ends included, like 10:99,0:63,: where an empty end is the "
+      "volume boundary";
   Region region;
   std::string_view rest = text;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -182,9 +182,9 @@ Region parse_region(std::string_view text) {
     const std::string_view range = trimmed(rest.substr(0, comma));
     const std::size_t colon = range.find(':');
     if (colon == std::string_view::npos) refuse_value(kExpected, text);
-    const auto end = [&](std::string_view word, std::size_t border) {
+    const auto end = [&](std::string_view word, std::size_t boundary) {
       word = trimmed(word);
-      if (word.empty()) return border;
+      if (word.empty()) return boundary;
       const auto index = parse_whole<std::uint32_t>(word);
       if (!index) refuse_value(kExpected, text);
       return static_cast<std::size_t>(*index);
@@ -232,7 +232,7 @@ void set(ReadOptions& options, std::string_view name, std::string_view text) {
 
 namespace {
 
-/// What `measure` throws gets the setting's name in front.
+/// measure.in_world(grid); error messages start with the name of the setting.
 template <class Measure>
 double named_in_world(std::string_view name, const Measure& measure, const Grid& grid) {
   try {

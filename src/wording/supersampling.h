@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Supersampling takes memory that nobody expects: how much is said before, not found out.
+// Estimates the memory that supersampling needs, before it runs.
 #pragma once
 
 #include <cstdint>
@@ -10,21 +10,21 @@
 
 namespace isoatlas::detail {
 
-/// Bytes that extract() takes at its peak, estimated: the volume's samples, an eighth of a byte for
-/// each upsampled sample, and for each grid cell that the surface crosses, of which there are
-/// supersample^2 as many as in the volume, 250 bytes, or 700 where levels are refined.
-/// docs/theory/01-surface.md has the measurements behind it: smooth surfaces take less, noise up to
-/// a fifth more.
+/// Estimates the peak memory of extract() in bytes: the samples of the volume, an eighth of a byte
+/// per upsampled sample, and 250 bytes per upsampled grid cell that the surface crosses, or 700 if
+/// levels are refined. The number of crossed grid cells grows with the square of the factor. The
+/// measurements are in docs/theory/01-surface.md: smooth surfaces need less, noise up to a fifth
+/// more.
 /// @throws Error(unsupported) as extract() for samples that are not finite
 /// @cost   one pass over the samples
 std::uint64_t estimated_memory(const VolumeView& volume, const ExtractOptions& options,
                                const RunControl& control = {});
 
-/// Refuses a factor of supersampling for which the memory does not suffice, or for which there are
-/// too many samples; looks at nothing where the factor is 1.
-/// @param  limit  bytes; 0: three quarters of the machine's
-/// @return estimated_memory(), 0 where the factor is 1
-/// @throws Error(bad_argument) that names the largest factor that is possible
+/// Checks that a supersampled volume fits into memory and has no more samples than possible.
+/// Returns at once if the factor is 1.
+/// @param  limit  bytes; 0: three quarters of the machine's memory
+/// @return estimated_memory(), or 0 if the factor is 1
+/// @throws Error(bad_argument) if not; the message gives the largest possible factor
 std::uint64_t require_memory_for_supersampling(const VolumeView& volume,
                                                const ExtractOptions& options,
                                                std::uint64_t limit = 0,

@@ -13,7 +13,7 @@ namespace isoatlas::detail {
 
 namespace {
 
-// "1,5" -> "1.5"; empty if the text is not a number with one comma in it.
+// "1,5" -> "1.5"; empty if the text is not a number with one comma.
 std::string with_decimal_point(std::string_view text) {
   std::string number(text);
   const std::size_t comma = number.find(',');
@@ -30,7 +30,8 @@ std::string without_blanks(std::string_view text) {
   return result;
 }
 
-/// A number, 0 or more, with "vx" or a unit of length and then `power` behind it, or nothing.
+/// Parses a number, 0 or more, that is followed by "vx", or by a unit of length and `power`, or by
+/// nothing.
 template <class Measure>
 std::optional<Measure> measure_of(std::string_view typed, std::string_view power) {
   const std::string text = without_blanks(typed);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers and lengths as people type them.
+// Parses typed numbers and lengths.
 #pragma once
 
 #include <array>
@@ -13,14 +13,15 @@
 
 namespace isoatlas::detail {
 
-/// Without the blanks at both ends.
+/// The text without blanks at both ends.
 std::string_view trimmed(std::string_view text);
 
-/// In lower case, "-" for "_", without the blanks at both ends: names are compared like this.
+/// The text in lower case, with "-" for "_" and without blanks at both ends. Names are compared in
+/// this form.
 std::string plain_word(std::string_view text);
 
-/// A number that is the whole text but for blanks at its ends, whatever the locale; none if it is
-/// not.
+/// The number that the text consists of, except for blanks at its ends; absent if it is not a
+/// number. Independent of the locale.
 template <class Number>
 std::optional<Number> parse_whole(std::string_view text) {
   text = trimmed(text);
@@ -34,15 +35,17 @@ std::optional<Number> parse_whole(std::string_view text) {
 /// Throws Error(bad_argument): "expected ..., got '...'".
 [[noreturn]] void refuse_value(std::string_view expected, std::string_view text);
 
-/// The same of a number with fractions: says what to write where a comma stands for the decimal
-/// point.
+/// refuse_value() for a number with fractions. If it has a decimal comma, the message contains the
+/// number with a decimal point.
 [[noreturn]] void refuse_fraction(std::string_view expected, std::string_view text);
 
-/// A finite number. Throws Error(bad_argument).
+/// Parses a finite number. Throws Error(bad_argument).
 double parse_finite(std::string_view text);
 
-/// Three numbers between commas, each as `accept` wants it. Throws Error(bad_argument); `expected`
-/// is for its message.
+/// Parses three numbers that are separated by commas.
+/// @param expected  for the error message
+/// @param accept    returns whether a number is allowed
+/// @throws Error(bad_argument)
 template <class Number, class Accept>
 std::array<Number, 3> parse_triple(std::string_view text, const char* expected, Accept accept) {
   std::array<Number, 3> triple{};
@@ -58,12 +61,12 @@ std::array<Number, 3> parse_triple(std::string_view text, const char* expected, 
   return triple;
 }
 
-/// `value` of `unit` as a length in the unit of the volume's world; unit `unknown`: the world's
-/// own.
+/// Converts a length to world units.
+/// @param unit  the unit of `value`; `unknown`: it is in world units already
 /// @throws Error(bad_argument) if the volume states no unit to convert to
 double world_length(double value, LengthUnit unit, const Grid& grid);
 
-/// A length as typed: "2.5" in the world's unit, "2.5mm" in a unit of its own, "3vx" in voxels.
+/// A length as typed: "2.5" in the world's unit, "2.5mm" with a unit, "3vx" in voxels.
 struct TypedLength {
   double value = 0;
   bool in_voxels = false;
@@ -75,11 +78,11 @@ struct TypedLength {
   }
 };
 
-/// None unless `text` is a finite length, 0 or more.
+/// Parses a length; absent unless `text` is a finite length, 0 or more.
 std::optional<TypedLength> length_of(std::string_view text);
 
-/// The size of a piece of space as typed: "2.5" in the world's unit cubed, "2.5mm3" in a unit of
-/// its own, "10vx" in voxels.
+/// A size in space (a volume) as typed: "2.5" in the world's unit cubed, "2.5mm3" with a unit,
+/// "10vx" in voxels.
 struct SpaceSize {
   double value = 0;
   bool in_voxels = false;
@@ -89,7 +92,7 @@ struct SpaceSize {
   double in_world(const Grid& grid) const;
 };
 
-/// None unless `text` is a finite size, 0 or more.
+/// Parses a size in space; absent unless `text` is a finite size, 0 or more.
 std::optional<SpaceSize> space_size_of(std::string_view text);
 
 }  // namespace isoatlas::detail

@@ -424,7 +424,7 @@ class Extract(ToolTest):
                                                    "--interpolation", name))["distance"]
                 self.assertLess(distance["surface_to_mesh"]["voxels"]["maximum"], 0.6)
             self.assertAlmostEqual(c_vertices[3] / c_vertices[1], 9, delta=1)
-        self.refuse("supersampling 1000 times makes more samples than are possible, 2.36: expected 154 times at most", "extract", "s.nrrd", "--iso", "0", "-o", "t.off",
+        self.refuse("supersampling 1000 times makes more samples than the limit of 2.36: expected 154 times at most", "extract", "s.nrrd", "--iso", "0", "-o", "t.off",
                     "--supersample", "1000")
 
     def test_spaces(self):
@@ -1177,13 +1177,13 @@ class BadFiles(ToolTest):
     def test_supersampling_beyond_the_memory_names_the_largest_factor(self):
         self.put_sphere()
         extract = ["extract", "sphere.nrrd", "--iso", "0", "-o", "out.ply"]
-        self.refuse(r"sphere.nrrd: supersampling 1000 times makes more samples than are possible, 2\^36: expected \d+ times at most",
+        self.refuse(r"sphere.nrrd: supersampling 1000 times makes more samples than the limit of 2\^36: expected \d+ times at most",
                     *extract, "--supersample", "1000")
         limit = 1 << 30
         if self.run_tool("--version", limit=limit).returncode != 0:
             self.skipTest("the tool does not start with 1 GiB of address space (sanitizers)")
         started = time.monotonic()
-        message = self.refuse(r"sphere.nrrd: supersampling 60 times takes about \d.* GiB of memory, of which 0.8 GiB can be used: expected \d\d times at most",
+        message = self.refuse(r"sphere.nrrd: supersampling 60 times needs about \d.* GiB of memory, but only 0.8 GiB can be used: expected \d\d times at most",
                               *extract, "--supersample", "60", limit=limit)
         self.assertLess(time.monotonic() - started, 5)
         largest = int(re.search(r"expected (\d+) times", message).group(1))
@@ -2211,7 +2211,7 @@ class Page(ToolTest):
     def test_what_cannot_be(self):
         self.succeed(*self.EXTRACT, "-o", "s.glb", "--report", "s.json")
         self.put("bad.json", b"{}")
-        self.refuse("is no report", "report", "bad.json", "-o", "p.html")
+        self.refuse("is not a report", "report", "bad.json", "-o", "p.html")
         self.refuse("missing.glb", "report", "missing.glb", "-o", "p.html")
         self.refuse("would replace a result", "report", "s.glb", "-o", "s.glb")
         (self.folder / "mesh.html").symlink_to("s.glb")

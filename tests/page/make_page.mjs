@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pages of made-up results in the format the tool writes ("isoatlas-page-1"), so that the page is tested without the tool.
-// As a program: node make_page.mjs FOLDER writes them all.
+// Makes pages of made-up results in the format of the tool ("isoatlas-page-1"), to test the page
+// without the tool. As a program, `node make_page.mjs FOLDER` writes all of them.
 import {mkdirSync, readFileSync, writeFileSync} from "node:fs";
 import {join} from "node:path";
 import {fileURLToPath} from "node:url";
@@ -8,10 +8,11 @@ import {fileURLToPath} from "node:url";
 import {MeshoptEncoder, bundleFolder} from "./modules.mjs";
 
 await MeshoptEncoder.ready;
-// Debian's libmeshoptimizer 0.18 writes version 0 of the vertex codec and, unless told otherwise, 1 of the index codec.
+// Debian's libmeshoptimizer 0.18 writes version 0 of the vertex codec and by default 1 of the index
+// codec.
 const VERTEX_CODEC = 0;
 
-/** A closed or open grid of u by v quads on a surface, `of` from [0, 1)^2; wound outward. */
+/** A closed or open grid of u by v quads on the surface `of`: [0, 1)^2 -> R^3, oriented outward. */
 function grid(u, v, of, closed = true) {
   const positions = [];
   const triangles = [];
@@ -32,7 +33,7 @@ export function torus(u, v, [cx, cy, cz], radius, tube) {
   });
 }
 
-/** Open at both ends: genus 0, two boundary loops. */
+/** A tube that is open at both ends: genus 0, two boundary loops. */
 export function tubePiece(u, v, [cx, cy, cz], radius, length) {
   return grid(u, v, (s, t) => {
     const a = 2 * Math.PI * s;
@@ -44,12 +45,12 @@ export function tubePiece(u, v, [cx, cy, cz], radius, length) {
 export function sphere(times, [cx, cy, cz], radius) {
   let positions = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]];
   let triangles = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
-  for (let k = 0; k < times; ++k) ({positions, triangles} = divide({positions, triangles}));
+  for (let k = 0; k < times; ++k) ({positions, triangles} = subdivide({positions, triangles}));
   return {positions: positions.map((p) => p.map((x, i) => [cx, cy, cz][i] + (radius * x) / Math.hypot(...p))), triangles};
 }
 
-/** Each triangle into four; old vertices stay where they are in the list, as in nested levels. */
-export function divide({positions, triangles}, moved = (p) => p) {
+/** Splits each triangle into four. Old vertices keep their indices, as in nested levels. */
+export function subdivide({positions, triangles}, moved = (p) => p) {
   const out = positions.slice();
   const middle = new Map();
   const between = (a, b) => {
@@ -57,11 +58,11 @@ export function divide({positions, triangles}, moved = (p) => p) {
     if (!middle.has(key)) middle.set(key, out.push(moved(out[a].map((x, i) => (x + out[b][i]) / 2))) - 1);
     return middle.get(key);
   };
-  const divided = triangles.flatMap(([a, b, c]) => {
+  const subdivided = triangles.flatMap(([a, b, c]) => {
     const [d, e, f] = [between(a, b), between(b, c), between(c, a)];
     return [[a, d, f], [d, b, e], [f, e, c], [d, e, f]];
   });
-  return {positions: out, triangles: divided};
+  return {positions: out, triangles: subdivided};
 }
 
 export function join_meshes(...meshes) {
@@ -116,7 +117,7 @@ export class Geometry {
 }
 
 /**
- * @param levels meshes, coarse to fine, each with the vertices of the one before first
+ * @param levels meshes, coarse to fine; each starts with the vertices of the previous level
  * @param topology {components, genus, loops, kinds}
  */
 export function makeResult(geometry, levels, topology, options = {}) {
@@ -143,7 +144,7 @@ export function makeResult(geometry, levels, topology, options = {}) {
     ...(level === 2 ? {distance_at_most: 0.106} : {}),
     constraints: level === 0 ? [] : [
       {quantity: "max-distance", bound: 1.7 / 4 ** level, reached: 1.6842 / 4 ** level, unit: "world", satisfied: true, default: false, reason: null},
-      {quantity: "min-aspect", bound: 1 / 3, reached: 0.31, unit: "ratio", satisfied: false, default: true, reason: "a vertex of an earlier level stands in the way"},
+      {quantity: "min-aspect", bound: 1 / 3, reached: 0.31, unit: "ratio", satisfied: false, default: true, reason: "a vertex of an earlier level is fixed"},
     ],
   }));
   return {
@@ -173,7 +174,7 @@ export function makeResult(geometry, levels, topology, options = {}) {
   };
 }
 
-/** JSON in HTML: `<` never stands there as itself. */
+/** JSON for HTML, with `<` escaped. */
 const safe = (value) => JSON.stringify(value).replaceAll("<", "\\u003c");
 const text = (value) => value.replaceAll("&", "&amp;").replaceAll("<", "&lt;");
 
@@ -189,11 +190,11 @@ export function assemble(results, geometry) {
 
 function nested(mesh, levels) {
   const out = [mesh];
-  while (out.length < levels) out.push(divide(out[out.length - 1]));
+  while (out.length < levels) out.push(subdivide(out[out.length - 1]));
   return out;
 }
 
-/** A ring with a ball in it, and balls around; on the finest level all vertices on the surfaces. */
+/** A ring around a ball, an open tube, and three small balls. */
 function ringAndBall(levels, u = 18, v = 9, offset = [0, 0, 0]) {
   const at = (x, y, z) => [x + offset[0], y + offset[1], z + offset[2]];
   const parts = [torus(u, v, at(0, 0, 0), 40, 15), sphere(1, at(0, 0, 3), 14), tubePiece(8, 6, at(52, 30, 24), 6, 30)];
@@ -210,7 +211,7 @@ function page(...make) {
   return {html: assemble(results, geometry), results};
 }
 
-/** As a file of others tells: no shapes, no kinds, no certificate. */
+/** The facts in a file of another program: no shapes, kinds or certificate. */
 function terse(result) {
   for (const level of result.levels) for (const key of ["quality", "kinds", "certificate", "constraints"]) delete level[key];
   return result;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the page was built: ISOATLAS_PAGE_BUILD is the folder in which `npm ci && npm run build` ran (default: web/),
-// ISOATLAS_PAGE_OUT the one with page.js and page.css (default: its dist/).
+// Finds the built page. ISOATLAS_PAGE_BUILD is the folder in which `npm ci && npm run build` ran
+// (default: web/), ISOATLAS_PAGE_OUT the folder with page.js and page.css (default: its dist/).
 import {createRequire} from "node:module";
 import {dirname, join, resolve} from "node:path";
 import {fileURLToPath, pathToFileURL} from "node:url";

@@ -80,7 +80,7 @@ def test_refine_is_refused_with_the_same_words(spec, tool, tmp_path):
 
 
 def test_refine_in_other_forms():
-    assert "there is no 'distance'" in str(error_of(lambda: isoatlas.extract(torus(), 0.0, refine={"distance": 1})))
+    assert "there is no constraint 'distance'" in str(error_of(lambda: isoatlas.extract(torus(), 0.0, refine={"distance": 1})))
     assert "at least one bound" in str(error_of(lambda: isoatlas.extract(torus(), 0.0, refine={})))
     assert "without refine" in str(error_of(lambda: isoatlas.extract(torus(), 0.0, refine="max-distance:1", coarse=True)))
     for refine in (3, [3], [["max-distance", 1]]):

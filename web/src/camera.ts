@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the mesh is looked at from. Parallel projection, so that lengths can be read off, and any turn is possible: volumes have no up.
+// The camera: a parallel projection, so that lengths can be read off, with any rotation, because
+// volumes have no upward direction.
 import {Matrix4, OrthographicCamera, Quaternion, Vector3} from "three";
 
 export interface Pose {
-  /** The point in the middle of the picture. */
+  /** The point at the centre of the picture. */
   target: Vector3;
-  /** Of the camera: x is right, y up, z towards the eye. */
+  /** Rotation of the camera: x is right, y is up, z points to the viewer. */
   rotation: Quaternion;
-  /** 1: the whole mesh fills the picture. */
+  /** 1: the whole mesh fits into the picture. */
   zoom: number;
 }
 
@@ -17,8 +18,8 @@ const Y = new Vector3(0, 1, 0);
 const Z = new Vector3(0, 0, 1);
 const MARGIN = 0.88;
 
-/** @param from where the eye is, seen from the target */
-export function looking(from: Vector3): Quaternion {
+/** The rotation of a camera. @param from the direction from the target to the viewer */
+export function rotationFrom(from: Vector3): Quaternion {
   const up = Math.abs(from.clone().normalize().dot(UP)) > 0.999 ? Y : UP;
   return new Quaternion().setFromRotationMatrix(new Matrix4().lookAt(from, new Vector3(), up));
 }
@@ -28,7 +29,7 @@ export class Camera {
   readonly pose: Pose = {target: new Vector3(), rotation: new Quaternion(), zoom: 1};
   moving = false;
   private home: Pose = {target: new Vector3(), rotation: new Quaternion(), zoom: 1};
-  /** Half the size of the mesh as seen from home; what zoom 1 has to show. */
+  /** Half the size of the mesh in the home view; zoom 1 shows all of it. */
   private extent: [number, number] = [1, 1];
   private radius = 1;
   private width = 1;
@@ -36,9 +37,9 @@ export class Camera {
 
   constructor(private readonly changed: () => void) {}
 
-  /** @param positions of the mesh to be seen, around 0 */
+  /** Sets the home view. @param positions of the mesh, around 0 */
   setHome(positions: Float32Array): void {
-    const rotation = looking(new Vector3(0.5, -1, 0.38));
+    const rotation = rotationFrom(new Vector3(0.5, -1, 0.38));
     const right = X.clone().applyQuaternion(rotation);
     const up = Y.clone().applyQuaternion(rotation);
     const low = [Infinity, Infinity];
@@ -77,52 +78,56 @@ export class Camera {
     return (zoom * MARGIN * Math.min(this.width / this.extent[0], this.height / this.extent[1])) / 2;
   }
 
-  /** The zoom at which a length has so many pixels. */
+  /** The zoom at which a length has a number of pixels. */
   zoomFor(length: number, pixels: number): number {
     return Math.min(Math.max(pixels / (length * this.scaleAt(1)), 0.2), 1e5);
   }
 
-  /** Where a point is in the picture, in pixels from its upper left corner. */
+  /** The position of a point in the picture, in pixels from the upper left corner. */
   project(point: Vector3): [number, number] {
     const seen = point.clone().sub(this.pose.target).applyQuaternion(this.pose.rotation.clone().invert());
     return [this.width / 2 + seen.x * this.scale, this.height / 2 - seen.y * this.scale];
   }
 
-  /** By pixels dragged: across turns around the volume's z, up and down around the picture's x. */
-  turn(right: number, down: number): void {
+  /**
+   * Rotates by a number of pixels: to the right around the volume's z axis, down around the
+   * picture's x axis.
+   */
+  rotate(right: number, down: number): void {
     const perPixel = 3.2 / Math.max(Math.min(this.width, this.height), 200);
     const {rotation} = this.pose;
-    const upright = Y.clone().applyQuaternion(rotation).z >= 0 ? 1 : -1;  // upside down, across goes the other way round
+    const upright = Y.clone().applyQuaternion(rotation).z >= 0 ? 1 : -1;  // upside down, the direction changes
     rotation.premultiply(new Quaternion().setFromAxisAngle(UP, -upright * right * perPixel));
     rotation.multiply(new Quaternion().setFromAxisAngle(X, -down * perPixel)).normalize();
     this.stop();
   }
 
-  /** By pixels dragged. */
-  move(right: number, down: number): void {
+  /** Pans by a number of pixels. */
+  pan(right: number, down: number): void {
     const step = new Vector3(-right, down, 0).divideScalar(this.scale).applyQuaternion(this.pose.rotation);
     this.pose.target.add(step).clampLength(0, 3 * this.radius);
     this.stop();
   }
 
-  /** What is at the pixel stays there. */
+  /** Zooms; the point at pixel (x, y) stays there. */
   zoomAt(factor: number, x = this.width / 2, y = this.height / 2): void {
     const before = this.scale;
     this.pose.zoom = Math.min(Math.max(this.pose.zoom * factor, 0.2), 1e5);
     const share = this.scale / before - 1;
-    this.move((this.width / 2 - x) * share, (this.height / 2 - y) * share);
+    this.pan((this.width / 2 - x) * share, (this.height / 2 - y) * share);
   }
 
   goHome(): void {
     this.glide(this.home);
   }
 
+  /** Rotates so that an axis points to or from the viewer. */
   lookAlong(axis: number): void {
     const from = new Vector3().setComponent(axis, axis === 1 ? -1 : 1);
-    this.glide({...this.pose, rotation: looking(from)});
+    this.glide({...this.pose, rotation: rotationFrom(from)});
   }
 
-  /** To another pose, in a third of a second; at once for those who want no motion. */
+  /** Moves to another pose in a third of a second; at once if the user prefers reduced motion. */
   glide(to: Pose): void {
     const from: Pose = {target: this.pose.target.clone(), rotation: this.pose.rotation.clone(), zoom: this.pose.zoom};
     const goal: Pose = {target: to.target.clone(), rotation: to.rotation.clone(), zoom: to.zoom};
@@ -167,7 +172,8 @@ export class Camera {
   private apply(): void {
     const {target, rotation} = this.pose;
     const towards = Z.clone().applyQuaternion(rotation);
-    // The eye is outside of the mesh's ball, wherever the target is, and the ball is between near and far.
+    // For any target, the camera is outside the bounding ball of the mesh, and the ball is between
+    // the near and far planes.
     const ahead = this.radius * 1.01 - target.dot(towards);
     this.three.position.copy(target).addScaledVector(towards, ahead);
     this.three.quaternion.copy(rotation);

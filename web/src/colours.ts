@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What colours say. A colouring gives one byte per corner of each triangle, a palette of 256 colours to look it up in, and a legend.
+// Colourings of a mesh. A colouring has one byte per corner of each triangle, a palette of 256
+// colours with one entry per byte, and a legend.
 import type {Level, Mesh} from "./data";
 import {number, plural, count} from "./dom";
 import type {Components} from "./shape";
@@ -8,18 +9,18 @@ export type Colouring = "plain" | "aspect" | "distance" | "component" | "level";
 
 export interface Legend {
   title: string;
-  /** A scale without steps: its colours from left to right, and what stands below the bar. */
+  /** A continuous scale: its colours from left to right, and the texts below the bar. */
   ramp?: {colours: string[]; ticks: string[]};
-  /** A scale with steps: colours, the values between them, and where these are along the bar, 0 to 1. */
+  /** A scale with steps: colours, their shares of the bar, and texts at positions from 0 to 1. */
   steps?: {colours: string[]; shares: number[]; ticks: {at: number; text: string}[]};
   classes?: {colour: string; name: string}[];
   note?: string;
 }
 
 export interface Colours {
-  /** How the three corners' bytes make the colour at a point of the triangle: not at all, blended, or that of the nearest corner. */
+  /** The colour at a point of a triangle: none, interpolated, or that of the nearest corner. */
   mode: "plain" | "blend" | "nearest";
-  /** 3 per triangle; null with `plain`. */
+  /** 3 per triangle; null for `plain`. */
   values: Uint8Array | null;
   /** 256 colours, RGBA. */
   palette: Uint8Array | null;
@@ -28,7 +29,7 @@ export interface Colours {
 
 type Rgb = [number, number, number];
 
-/** From OKLCh, in which equal steps look equal: lightness 0 to 1, chroma, hue in degrees. */
+/** Converts from OKLCh, a perceptually uniform space: lightness 0 to 1, chroma, hue in degrees. */
 function colourOf(lightness: number, chroma: number, hue: number): Rgb {
   const a = chroma * Math.cos((hue * Math.PI) / 180);
   const b = chroma * Math.sin((hue * Math.PI) / 180);
@@ -45,18 +46,18 @@ function colourOf(lightness: number, chroma: number, hue: number): Rgb {
 
 const css = ([r, g, b]: Rgb): string => `rgb(${r} ${g} ${b})`;
 
-/** From light to dark in even steps of lightness, so that it is read in grey as well; hues from sand to plum. */
+/** From light to dark in uniform steps, so that it also works in grey; hues from sand to plum. */
 function distanceColour(share: number): Rgb {
   return colourOf(0.93 - 0.6 * share, 0.04 + 0.085 * Math.sin(Math.PI * Math.min(0.12 + 0.72 * share, 1)), 95 - 110 * share);
 }
 
-/** Level 0 is the darkest, since its vertices are the fewest and carry all others. */
+/** Level 0 is the darkest, because it has the fewest vertices. */
 function levelColour(level: number, levels: number): Rgb {
   const share = levels > 1 ? level / (levels - 1) : 0;
   return colourOf(0.4 + 0.48 * share, 0.1 - 0.062 * share, 262 - 72 * share);
 }
 
-/** Aspect ratios in steps. What is below 1/3, the paper's bound, is of the other hue, and there is less of it to see. */
+/** Steps of the aspect ratio. Ratios below 1/3, the paper's bound, have another hue. */
 const ASPECT: {below: number; text: string; colour: Rgb}[] = [
   {below: 0.2, text: "0.2", colour: colourOf(0.44, 0.16, 30)},
   {below: 1 / 3, text: "1/3", colour: colourOf(0.64, 0.18, 42)},
@@ -66,7 +67,10 @@ const ASPECT: {below: number; text: string; colour: Rgb}[] = [
   {below: Infinity, text: "1", colour: colourOf(0.93, 0.02, 225)},
 ];
 
-/** Hues far apart and of changing lightness, told apart by the colour-blind too; neighbours in the list differ most. */
+/**
+ * Different hues and lightnesses that colour-blind people can distinguish, too. Consecutive colours
+ * differ most.
+ */
 const CLASSES: Rgb[] = [
   colourOf(0.62, 0.085, 245), colourOf(0.79, 0.105, 75), colourOf(0.56, 0.085, 165), colourOf(0.68, 0.115, 30), colourOf(0.5, 0.1, 300),
   colourOf(0.83, 0.07, 205), colourOf(0.47, 0.07, 60), colourOf(0.75, 0.09, 345), colourOf(0.7, 0.1, 130), colourOf(0.42, 0.07, 260),
@@ -108,10 +112,9 @@ function byAspect(shape: Shape): Colours {
 }
 
 function byDistance(level: Level, unit: string): Colours {
-  if (!level.distance) return {...NONE, legend: {title: "Distance error", note: "The file does not have it for this level."}};
+  if (!level.distance) return {...NONE, legend: {title: "Distance error", note: "The file has no distance errors for this level."}};
   const {steps, maximum} = level.distance;
   const values = Uint8Array.from(level.triangles, (v) => steps[v]);
-  // The bytes reach 255 where the encoder scaled them so; the scale is that of what is there.
   return {
     mode: "blend",
     values,
@@ -134,7 +137,7 @@ function byComponent(level: Level, shape: Shape): Colours {
     legend: {
       title: plural(found.list.length, "component"),
       classes: shown.map(({triangles}, i) => ({colour: componentColour(i), name: plural(triangles, "triangle")})),
-      note: rest > 0 ? `and ${count(rest)} smaller` : undefined,
+      note: rest > 0 ? `and ${count(rest)} smaller ones` : undefined,
     },
   };
 }
@@ -147,7 +150,7 @@ function byLevel(mesh: Mesh, level: Level): Colours {
     values: Uint8Array.from(level.triangles, (v) => mesh.levelOf[v]),
     palette: palette((i) => levelColour(Math.min(i, levels - 1), levels)),
     legend: {
-      title: "Level that brought the vertex",
+      title: "First level with the vertex",
       classes: mesh.levels.slice(0, shown + 1).map(({vertices}, k) => {
         const added = vertices - (k > 0 ? mesh.levels[k - 1].vertices : 0);
         return {colour: css(levelColour(k, levels)), name: `${k}: ${plural(added, "vertex", "vertices")}`};

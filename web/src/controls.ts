@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Controls are the browser's own inputs, so keyboard and screen readers know them.
+// Controls. They are native inputs of the browser, so that keyboards and screen readers work.
 import {element} from "./dom";
 
 export interface Option<T extends string> {
@@ -11,10 +11,11 @@ export interface Choice<T extends string> {
   field: HTMLFieldSetElement;
   value: () => T;
   set: (value: T) => void;
+  /** @param why the reason that is shown if the value is not enabled */
   enable: (value: T, enabled: boolean, why: string) => void;
 }
 
-/** One of a few, all of them to be seen. */
+/** A choice of one of several visible options. */
 export function choice<T extends string>(name: string, legend: string, options: Option<T>[], changed: () => void): Choice<T> {
   const inputs = new Map<T, HTMLInputElement>();
   const chips = options.map(({value, text}) => {
@@ -26,7 +27,7 @@ export function choice<T extends string>(name: string, legend: string, options: 
   inputs.get(options[0].value)!.checked = true;
   const note = element("p", {class: "soft note"});
   note.hidden = true;
-  const reasons = new Map<T, string>();  // why some cannot be chosen
+  const reasons = new Map<T, string>();  // why options are disabled
   const field = element("fieldset", {id: name}, element("legend", {}, legend), element("div", {class: "chips"}, ...chips), note);
   return {
     field,
@@ -47,17 +48,17 @@ export interface CutControl {
   field: HTMLElement;
   share: () => number;
   keepsAbove: () => boolean;
-  /** What is left, in words. */
-  say: (text: string) => void;
+  /** Shows a text that describes the cut. */
+  setText: (text: string) => void;
   reset: () => void;
 }
 
 /**
- * A slider through the box along one axis, and a button for the other side.
- * @param keepsAbove at first; what is cut away then is on the side of the eye
+ * A slider through the bounding box along one axis, and a button to keep the other side.
+ * @param keepsAbove whether the upper side is kept at first; the other side faces the viewer
  */
 export function cutControl(axis: string, keepsAbove: boolean, changed: () => void): CutControl {
-  const end = (): string => (above() ? "0" : "1");  // where all is left
+  const end = (): string => (above() ? "0" : "1");  // the position that keeps the whole mesh
   const input = element("input", {type: "range", id: `cut-${axis}`, min: "0", max: "1", step: "0.005"});
   const output = element("output", {for: input.id}, "off");
   const flip = element("button", {type: "button", id: `flip-${axis}`, class: "flip", "aria-pressed": "false", "aria-label": `Keep the other side of ${axis}`, title: "Keep the other side"}, "⇄");
@@ -75,7 +76,7 @@ export function cutControl(axis: string, keepsAbove: boolean, changed: () => voi
     field: element("div", {class: "cut"}, element("label", {for: input.id}, element("span", {class: "visually-hidden"}, "Cut along "), axis), input, output, flip),
     share: () => Number(input.value),
     keepsAbove: above,
-    say: (text) => {
+    setText: (text) => {
       output.value = text;
       input.setAttribute("aria-valuetext", text);
     },
@@ -91,7 +92,7 @@ export interface LevelSlider {
   field: HTMLElement;
   input: HTMLInputElement;
   open: (levels: number, at: number) => void;
-  say: (level: string, error: string) => void;
+  setText: (level: string, error: string) => void;
 }
 
 export function levelSlider(changed: () => void): LevelSlider {
@@ -115,10 +116,10 @@ export function levelSlider(changed: () => void): LevelSlider {
         }),
       );
     },
-    say: (text, of) => {
-      level.value = text;
-      error.value = of;
-      input.setAttribute("aria-valuetext", `${text}, ${of}`);
+    setText: (levelText, errorText) => {
+      level.value = levelText;
+      error.value = errorText;
+      input.setAttribute("aria-valuetext", `${levelText}, ${errorText}`);
     },
   };
 }

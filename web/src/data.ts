@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the tool puts into the page, and how it is read: JSON for facts, one base64 text for all geometry.
-// The format is "isoatlas-page-1"; its writer is src/page/ of the tool.
+// Reads the data of the page: JSON with the facts, and one base64 text with all geometry. The
+// format is "isoatlas-page-1"; src/page/ of the tool writes it.
 import {MeshoptDecoder} from "meshoptimizer/decoder";
 
 export type Triple = [number, number, number];
@@ -22,9 +22,12 @@ interface LevelGeometry {
   vertices: number;
   /** In meshoptimizer's index codec. */
   triangles: Range & {count: number};
-  /** With balanced placement each level has positions of its own. */
+  /** The positions of this level, with balanced placement. */
   own_positions?: QuantisedPositions | null;
-  /** One byte per vertex: the largest distance of its cell from the surface, in steps of maximum / 255; absent: not known. */
+  /**
+   * One byte per vertex: the largest two-sided distance in its Voronoi cell, in steps of
+   * maximum / 255; absent if unknown.
+   */
   distance?: (Range & {maximum: number}) | null;
 }
 
@@ -35,7 +38,7 @@ export interface Kind {
 }
 
 export interface Metric {
-  /** null: infinity. */
+  /** null: infinite. */
   maximum: number | null;
   mean: number | null;
 }
@@ -57,26 +60,26 @@ export interface AspectRatio {
   histogram: number[];
 }
 
-/** How densely distances in one direction were sampled. */
+/** The number and density of the samples of distances in one direction. */
 export interface Sampling {
   samples: number;
   samples_per_voxel_face: number;
 }
 
-/** An object of the report's `levels`. What a file does not tell is absent. */
+/** An entry of `levels` in the report. Facts that a file does not contain are absent. */
 export interface LevelFacts {
   level: number;
   vertices: number;
   triangles: number;
   components: number;
-  /** false: genus and loops mean nothing. */
+  /** false: not an oriented manifold; genus and loops are not defined. */
   manifold?: boolean;
   euler_characteristic: number | null;
   genus: number | null;
   boundary_loops: number | null;
   kinds?: Kind[] | null;
   self_intersections?: number | null;
-  /** Closed components that face another way, or lie in another component, than on the isosurface. */
+  /** Closed components whose orientation or nesting differs from that on the isosurface. */
   inverted_components?: number | null;
   certificate?: {passed: boolean; cells_checked: number; arcs_checked: number; triples_checked: number; repair_sites: number} | null;
   quality?: {aspect_ratio?: Partial<AspectRatio> | null} | null;
@@ -86,7 +89,10 @@ export interface LevelFacts {
   constraints?: Constraint[] | null;
 }
 
-/** Parts are what the volume's border connects. Sizes are volumes, in cubic units of length; `largest` is that of a part. */
+/**
+ * A part consists of the components that the volume boundary connects. `largest` is the volume of
+ * the largest part, in cubic units of length.
+ */
 export interface RankedComponents {
   components: number;
   parts: number;
@@ -95,18 +101,18 @@ export interface RankedComponents {
 
 export interface Result {
   title: string;
-  /** Unit of lengths, for people: mm, or voxels. */
+  /** Unit of lengths, for display: mm, or voxels. */
   unit: string;
   command: string | null;
   parameters: Record<string, unknown> | null;
   input: Record<string, unknown> | null;
   surface: Record<string, unknown> | null;
   reference: ({kinds: Kind[]; components: number; genus: number; boundary_loops: number; euler_characteristic: number} & Record<string, unknown>) | null;
-  /** Components by whether they were kept, where smaller ones were left out because that was asked for. */
+  /** The kept and the dropped components, if the options drop some. */
   kept?: RankedComponents;
   dropped?: RankedComponents;
   levels: LevelFacts[];
-  /** false: vertices have other indices in each level. */
+  /** false: a vertex can have different indices in different levels. */
   nested?: boolean;
   marching_cubes: {triangles: number; histogram: number[]; share_below_third: number; minimum: number} | null;
   geometry: {positions: QuantisedPositions; levels: LevelGeometry[]};
@@ -121,39 +127,40 @@ export interface Page {
 export interface Level {
   facts: LevelFacts;
   vertices: number;
-  /** 3 per vertex, from the mesh's centre. */
+  /** 3 per vertex, relative to the centre of the mesh. */
   positions: Float32Array;
   /** 3 per triangle. */
   triangles: Uint32Array;
-  /** Per vertex in steps of maximum / 255, in the result's unit; null: not known. */
+  /** Per vertex in steps of maximum / 255, in the unit of the result; null: unknown. */
   distance: {steps: Uint8Array; maximum: number} | null;
 }
 
 export interface Mesh {
   levels: Level[];
-  /** The middle of the finest level's box; positions are stored from here, since floats are finer near 0. */
+  /** Centre of the bounding box of the finest level. Positions are relative to it, because floats
+   * are more precise near 0. */
   centre: Triple;
   /** Half the size of that box. */
   half: Triple;
-  /** Per vertex of the finest level, the level that brought it. */
+  /** Per vertex of the finest level, the first level that contains it. */
   levelOf: Uint8Array;
 }
 
 export function readPage(): Page {
   const page = JSON.parse(document.getElementById("isoatlas-data")!.textContent!) as Page;
-  if (page.schema !== "isoatlas-page-1") throw new Error(`it is of the kind ${String(page.schema)}, which this page does not know`);
+  if (page.schema !== "isoatlas-page-1") throw new Error(`its schema is ${String(page.schema)}, expected isoatlas-page-1`);
   if (page.results.length === 0) throw new Error("it has no results");
   return page;
 }
 
 let blob: Uint8Array | null = null;
 
-/** Not fetch() of a data address: a page opened as a file, or under a strict policy, may not do that. */
+/** Decodes without fetch() of a data URL, which files and strict policies do not allow. */
 function geometryBytes(): Uint8Array {
   if (!blob) {
     const holder = document.getElementById("isoatlas-geometry")!;
     const text = atob(holder.textContent!.trim());
-    holder.remove();  // megabytes of text that nobody reads again
+    holder.remove();  // megabytes of text that are not needed any more
     blob = new Uint8Array(text.length);
     for (let i = 0; i < text.length; ++i) blob[i] = text.charCodeAt(i);
   }
@@ -171,7 +178,7 @@ function gridOf(source: Uint8Array, from: QuantisedPositions): Uint32Array {
   return grid;
 }
 
-/** The subtraction is done in doubles, before anything is rounded to float. */
+/** Subtracts in doubles before rounding to float. */
 function positionsOf(grid: Uint32Array, from: QuantisedPositions, centre: Triple): Float32Array {
   const out = new Float32Array(grid.length);
   for (let axis = 0; axis < 3; ++axis) {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is known of a result, beside the mesh: tables, the certificate, how it was made.
+// The facts about a result next to the mesh: tables, the certificate, the command and parameters.
 import {componentColour} from "./colours";
 import type {Constraint, Kind, LevelFacts, RankedComponents, Result, Sampling} from "./data";
 import {count, element, number, percent, plural, type Child} from "./dom";
 import {histogram} from "./histogram";
 import type {LevelShape} from "./scene";
 
-const MOST_COMPONENTS = 20;
+const MAX_COMPONENTS = 20;
 
-/** The largest distance between surface and mesh of a level; null: not known. */
+/** The largest two-sided distance between surface and mesh of a level; null: unknown. */
 export function errorOf(level: LevelFacts): number | null {
   const metric = level.metrics?.["max-distance"];
   const known = [metric ? (metric.maximum ?? Infinity) : null, level.measured?.maximum ?? null].filter((error) => error !== null);
@@ -18,7 +18,7 @@ export function errorOf(level: LevelFacts): number | null {
 export function errorText(level: LevelFacts, unit: string): string {
   const error = errorOf(level);
   if (error === null) return "error not measured";
-  return error === Infinity ? "error without bound" : `error ${number(error)} ${unit}`;
+  return error === Infinity ? "infinite error" : `error ${number(error)} ${unit}`;
 }
 
 function table(attributes: Record<string, string>, caption: string, head: string[], rows: HTMLTableRowElement[]): HTMLElement {
@@ -52,7 +52,7 @@ function levelTable(result: Result, shown: number, shapes: LevelShape[]): HTMLEl
       percent(aspect.share_below_third),
     );
   });
-  return table({id: "levels"}, "", ["Level", "Vertices", "Triangles", `Error, ${result.unit}`, "Least aspect", "Below 1/3"], rows);
+  return table({id: "levels"}, "", ["Level", "Vertices", "Triangles", `Error, ${result.unit}`, "Min. aspect", "Below 1/3"], rows);
 }
 
 const UNITS: Record<string, string> = {degrees: "°", ratio: "", count: ""};
@@ -67,18 +67,18 @@ function constraintLine(constraint: Constraint, unit: string): HTMLElement {
   return line;
 }
 
-function constraints(level: LevelFacts, unit: string): Child[] {
-  const asked = level.constraints ?? [];
-  if (asked.length === 0) return [];
-  return [element("p", {class: "soft lead"}, `Asked of level ${level.level}, and reached:`), element("ul", {class: "plain", id: "constraints"}, ...asked.map((c) => constraintLine(c, unit)))];
+function constraintList(level: LevelFacts, unit: string): Child[] {
+  const constraints = level.constraints ?? [];
+  if (constraints.length === 0) return [];
+  return [element("p", {class: "soft lead"}, `Constraints of level ${level.level}, with the values reached:`), element("ul", {class: "plain", id: "constraints"}, ...constraints.map((c) => constraintLine(c, unit)))];
 }
 
-/** What is proved of the error, or else how densely it was sampled. */
+/** The proved bound of the error, or else the density of its samples. */
 function sampling(level: LevelFacts, unit: string): Child[] {
   if (errorOf(level) === null) return [];
   const {distance_at_most: atMost} = level;
   if (atMost !== null && atMost !== undefined)
-    return [element("p", {class: "soft lead", id: "sampling"}, `Proved: no point of the mesh is farther than ${number(atMost)} ${unit} from the isosurface, nor of the isosurface from the mesh.`)];
+    return [element("p", {class: "soft lead", id: "sampling"}, `Proved: no point of the mesh is farther than ${number(atMost)} ${unit} from the isosurface, and no point of the isosurface is farther from the mesh.`)];
   const points = ({samples, samples_per_voxel_face: density}: Sampling): string => `${count(samples)} points (${number(density)} per voxel face)`;
   const {mesh_to_surface: mesh, surface_to_mesh: surface} = level.measured ?? {};
   const where = mesh && surface ? `${points(mesh)} of the mesh and ${points(surface)} of the isosurface` : "about 2 points per voxel face of the isosurface, and on every triangle";
@@ -99,10 +99,10 @@ function kindsOf(level: LevelFacts, shape: LevelShape): Kind[] {
   return [...kinds.values()];
 }
 
-/** Kinds of components against those of the isosurface; then the components one by one. */
+/** The kinds of components compared with those of the isosurface, then the largest components. */
 function topology(result: Result, level: LevelFacts, shape: LevelShape): Child[] {
   if (level.manifold === false) {
-    return [element("p", {id: "not-manifold"}, element("strong", {class: "bad"}, "Not a manifold"), " with triangles that face one way: genus and boundary loops mean nothing here. ", element("code", {}, "isoatlas check"), " counts what is wrong.")];
+    return [element("p", {id: "not-manifold"}, element("strong", {class: "bad"}, "Not an oriented manifold"), ": genus and boundary loops are not defined. ", element("code", {}, "isoatlas check"), " counts the faults.")];
   }
   const {reference} = result;
   const same = (a: Kind) => (b: Kind): boolean => a.genus === b.genus && a.boundary_loops === b.boundary_loops;
@@ -115,15 +115,15 @@ function topology(result: Result, level: LevelFacts, shape: LevelShape): Child[]
   const out: Child[] = [
     table({id: "kinds"}, "", reference ? ["Components of", `Level ${level.level}`, "Isosurface", "Same"] : ["Components of", `Level ${level.level}`], rows),
   ];
-  if (!reference) out.push(element("p", {class: "soft"}, "The file does not have the isosurface's topology."));
+  if (!reference) out.push(element("p", {class: "soft"}, "The file does not contain the topology of the isosurface."));
   const {list} = shape.components();
-  const each = list.slice(0, MOST_COMPONENTS).map((component, i) => {
+  const each = list.slice(0, MAX_COMPONENTS).map((component, i) => {
     const swatch = element("span", {class: "swatch"});
     swatch.style.background = componentColour(i);
     return row({}, [swatch, `${i + 1}`], count(component.triangles), number(component.genus), `${component.boundaryLoops}`);
   });
   out.push(table({id: "components"}, "", ["Component", "Triangles", "Genus", "Loops"], each));
-  const rest = list.slice(MOST_COMPONENTS);
+  const rest = list.slice(MAX_COMPONENTS);
   if (rest.length > 0) {
     const most = rest[0].triangles;
     out.push(element("p", {class: "soft", id: "rest"}, `and ${count(rest.length)} more, of at most ${plural(most, "triangle")} each.`));
@@ -132,7 +132,7 @@ function topology(result: Result, level: LevelFacts, shape: LevelShape): Child[]
     const sized = (of: RankedComponents): string =>
       `${of.parts < of.components ? `${plural(of.parts, "part")} in ` : ""}${plural(of.components, "component")}${of.parts > 1 ? ", the largest" : ""} of ${number(of.largest)} cubic ${result.unit}`;
     if (result.kept) out.push(element("p", {class: "soft", id: "kept"}, `Kept: ${sized(result.kept)}.`));
-    out.push(element("p", {class: "soft", id: "left-out"}, `Left out, as asked: ${sized(result.dropped)}.`));
+    out.push(element("p", {class: "soft", id: "dropped"}, `Dropped: ${sized(result.dropped)}.`));
   }
   return out;
 }
@@ -142,18 +142,18 @@ function certificate(level: LevelFacts): Child[] {
   const lines: HTMLElement[] = [];
   const line = (good: boolean | null, text: string): void => void lines.push(element("li", {}, good === null ? "– " : check(good), ` ${text}`));
   if (c) {
-    line(c.passed, `${plural(c.cells_checked, "cell is a disk", "cells are disks")}, with a triangle each`);
-    line(c.passed, `${count(c.arcs_checked)} pairs of neighbours meet in one arc each`);
-    line(c.passed, `${count(c.triples_checked)} triples meet in one point each`);
+    line(c.passed, `${plural(c.cells_checked, "Voronoi cell is a disk", "Voronoi cells are disks")}, each with a triangle`);
+    line(c.passed, `${count(c.arcs_checked)} pairs of adjacent cells share one arc each`);
+    line(c.passed, `${count(c.triples_checked)} triples of cells share one point each`);
   }
-  // Which component lies in which is compared only where triangles do not intersect.
-  if (misplaced === 0) line(true, pairs == null ? "closed components face as on the isosurface" : "closed components face, and lie in each other, as on the isosurface");
+  // The nesting of components is compared only if self-intersections were tested.
+  if (misplaced === 0) line(true, pairs == null ? "closed components have the orientation of the isosurface" : "closed components have the orientation and nesting of the isosurface");
   else if (misplaced != null) line(false, `${plural(misplaced, "component")} inverted, or inside another component than on the isosurface`);
-  if (pairs === 0) line(true, "no two triangles meet but at corners and edges");
-  else if (pairs != null) line(false, `${plural(pairs, "pair")} of triangles meet`);
-  else line(null, "whether triangles meet was not looked for");
+  if (pairs === 0) line(true, "no self-intersections: triangles touch only in shared vertices and edges");
+  else if (pairs != null) line(false, `${plural(pairs, "pair")} of triangles intersect`);
+  else line(null, "self-intersections were not tested");
   const verdict = c
-    ? element("p", {class: "verdict"}, element("strong", {class: c.passed ? "good" : "bad"}, c.passed ? "Passed" : "Failed"), ` on level ${level.level}: the mesh is a manifold with the isosurface's topology.`)
+    ? element("p", {class: "verdict"}, element("strong", {class: c.passed ? "good" : "bad"}, c.passed ? "Passed" : "Failed"), ` on level ${level.level}: the mesh is a manifold with the topology of the isosurface.`)
     : element("p", {class: "verdict"}, "The file has no certificate.");
   if (c && !c.passed) verdict.lastChild!.textContent = ` on level ${level.level}.`;
   return [verdict, element("ul", {class: "plain"}, ...lines)];
@@ -181,7 +181,7 @@ function copying(text: string, holder: HTMLElement): HTMLElement {
       getSelection()?.selectAllChildren(holder);
       button.textContent = "Selected";
     };
-    // A page opened as a file may not be allowed to write to the clipboard.
+    // A page opened as a file may not write to the clipboard.
     if (navigator.clipboard) navigator.clipboard.writeText(text).then(done, select);
     else select();
   });
@@ -194,7 +194,7 @@ function made(result: Result): Child[] {
     const code = element("code", {}, result.command);
     out.push(element("pre", {tabindex: "0", "aria-label": "Command", id: "command"}, code), copying(result.command, code));
   } else {
-    out.push(element("p", {class: "soft"}, "The file does not say which command made it."));
+    out.push(element("p", {class: "soft"}, "The file does not contain the command."));
   }
   const groups: HTMLElement[] = [];
   for (const [name, part] of [["Input", result.input], ["Surface", result.surface], ["Parameters", result.parameters]] as const) {
@@ -202,15 +202,15 @@ function made(result: Result): Child[] {
     if (entries.length > 0) groups.push(table({}, name, ["Name", "Value"], entries.map(([key, of]) => row({}, key.replaceAll("_", " "), value(of)))));
   }
   if (groups.length > 0) out.push(element("details", {id: "parameters"}, element("summary", {}, "Parameters"), ...groups));
-  else out.push(element("p", {class: "soft"}, "The file does not have the parameters."));
+  else out.push(element("p", {class: "soft"}, "The file does not contain the parameters."));
   return out;
 }
 
-/** All that depends on the level shown. */
+/** All sections that depend on the shown level. */
 export function facts(result: Result, shown: number, shapes: LevelShape[]): HTMLElement[] {
   const level = result.levels[shown];
   return [
-    section("Levels", levelTable(result, shown, shapes), ...sampling(level, result.unit), ...constraints(level, result.unit)),
+    section("Levels", levelTable(result, shown, shapes), ...sampling(level, result.unit), ...constraintList(level, result.unit)),
     section("Aspect ratios", histogram(result, shown, shapes[shown].aspect())),
     section("Topology", ...topology(result, level, shapes[shown])),
     section("Certificate", ...certificate(level)),

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mouse and touch on the picture. One pointer turns; two, the right or middle button, or Shift move; wheel and pinch zoom.
+// Mouse and touch on the picture. One pointer rotates; two pointers, the right or middle button, or
+// Shift pan; wheel and pinch zoom.
 import type {Camera} from "./camera";
 
 interface Point {
@@ -12,7 +13,7 @@ const apart = ([a, b]: Point[]): number => Math.max(Math.hypot(a.x - b.x, a.y - 
 
 export function listen(canvas: HTMLCanvasElement, camera: Camera): void {
   const down = new Map<number, Point>();
-  let moves = false;
+  let pans = false;
 
   const at = (event: MouseEvent): Point => {
     const box = canvas.getBoundingClientRect();
@@ -22,7 +23,7 @@ export function listen(canvas: HTMLCanvasElement, camera: Camera): void {
   canvas.addEventListener("pointerdown", (event) => {
     canvas.setPointerCapture(event.pointerId);
     down.set(event.pointerId, at(event));
-    moves = event.button !== 0 || event.shiftKey || event.ctrlKey;
+    pans = event.button !== 0 || event.shiftKey || event.ctrlKey;
   });
   canvas.addEventListener("pointermove", (event) => {
     const before = down.get(event.pointerId);
@@ -30,19 +31,19 @@ export function listen(canvas: HTMLCanvasElement, camera: Camera): void {
     const now = at(event);
     if (down.size === 1) {
       down.set(event.pointerId, now);
-      if (moves) camera.move(now.x - before.x, now.y - before.y);
-      else camera.turn(now.x - before.x, now.y - before.y);
+      if (pans) camera.pan(now.x - before.x, now.y - before.y);
+      else camera.rotate(now.x - before.x, now.y - before.y);
     } else {
       const old = [...down.values()].slice(0, 2);
       down.set(event.pointerId, now);
       const [from, to] = [old, [...down.values()].slice(0, 2)];
-      camera.move(middle(to).x - middle(from).x, middle(to).y - middle(from).y);
+      camera.pan(middle(to).x - middle(from).x, middle(to).y - middle(from).y);
       camera.zoomAt(apart(to) / apart(from), middle(to).x, middle(to).y);
     }
   });
   const up = (event: PointerEvent): void => {
     down.delete(event.pointerId);
-    if (down.size === 1) moves = false;
+    if (down.size === 1) pans = false;
   };
   canvas.addEventListener("pointerup", up);
   canvas.addEventListener("pointercancel", up);
@@ -54,7 +55,7 @@ export function listen(canvas: HTMLCanvasElement, camera: Camera): void {
       event.preventDefault();
       const lines = event.deltaMode === WheelEvent.DOM_DELTA_PIXEL ? event.deltaY : 30 * event.deltaY;
       const {x, y} = at(event);
-      // A pinch on a touchpad comes as a wheel with Ctrl, in smaller steps.
+      // A pinch on a touchpad is reported as a wheel event with Ctrl, in smaller steps.
       camera.zoomAt(Math.exp(-Math.min(Math.max(lines, -240), 240) * (event.ctrlKey ? 0.008 : 0.0016)), x, y);
     },
     {passive: false},

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Aspect ratios of a level above the axis, of marching cubes below it: the paper's figure 12, back to back.
+// Histogram of the aspect ratios of a level above the axis, and of marching cubes below it, as in
+// the paper's figure 12.
 import type {AspectRatio, Result} from "./data";
 import {count, drawn, element, percent, plural} from "./dom";
 
@@ -8,13 +9,13 @@ function shares(bins: number[]): number[] {
   return bins.map((n) => n / all);
 }
 
-/** Bars in a box of 100 by 100 that is stretched; text is HTML, so that it is not. */
+/** Bars in a box of 100 by 100, which is stretched. Texts are HTML and not stretched. */
 function bars(of: number[], top: number, down: boolean): SVGElement {
   const svg = drawn("svg", {viewBox: "0 0 100 100", preserveAspectRatio: "none", "aria-hidden": "true"});
   const width = 100 / of.length;
   of.forEach((share, bin) => {
     const height = (100 * share) / top;
-    // A bin that 1/3 divides counts as good: how much of it is below is told in words.
+    // The bin that contains 1/3 has the good colour; the caption states the exact share below 1/3.
     const name = (bin + 1) / of.length <= 1 / 3 ? "poor" : "good";
     svg.append(drawn("rect", {class: name, x: bin * width + 0.35, width: width - 0.7, y: down ? 0 : 100 - height, height}));
   });
@@ -59,7 +60,7 @@ export function histogram(result: Result, level: number, aspect: AspectRatio): H
   const out = element("figure", {class: "histogram"}, name(`Level ${level}`, result.levels[level].triangles), chart);
   if (cubes) out.append(name("Marching cubes", cubes.triangles));
   out.append(element("figcaption", {}, words));
-  if (!cubes) out.append(element("p", {class: "soft"}, "Marching cubes is not there to compare with: the volume was not at hand."));
+  if (!cubes) out.append(element("p", {class: "soft"}, "No comparison with marching cubes: the volume was not available."));
   out.append(numbers);
   return out;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page: a mesh, what can be done with it, and what is known of it.
+// The page: the mesh, its controls, and the facts about it.
 import "./style.css";
 
 import {Vector3} from "three";
@@ -15,8 +15,8 @@ import {contextOf, LevelShape, Scene, toFile, type Style} from "./scene";
 
 const AXES = ["x", "y", "z"] as const;
 const HELP = [
-  ["Turn", "drag, or arrow keys"],
-  ["Move", "right button, two fingers, or Shift and drag or arrows"],
+  ["Rotate", "drag, or arrow keys"],
+  ["Pan", "right button, two fingers, or Shift and drag or arrows"],
   ["Zoom", "wheel, pinch, or + and −"],
   ["Level", "[ and ]"],
   ["Along an axis", "x, y, z"],
@@ -24,7 +24,7 @@ const HELP = [
 ];
 const THEME = {clay: "--clay", inside: "--inside", paper: "--paper", paperInside: "--paper-inside", ink: "--edge", section: "--section"};
 
-/** A circle, half of it filled. */
+/** A half-filled circle. */
 function halfMoon(): SVGElement {
   return drawn("svg", {viewBox: "0 0 20 20", width: 20, height: 20, "aria-hidden": "true", class: "icon"}, drawn("circle", {cx: 10, cy: 10, r: 7.25}), drawn("path", {d: "M10 2.75a7.25 7.25 0 0 1 0 14.5z"}));
 }
@@ -37,7 +37,7 @@ class PageView {
   private readonly status = element("p", {class: "status", id: "status", role: "status"});
   private readonly title = element("h1");
   private readonly subtitle = element("p", {class: "soft"});
-  private readonly known = element("div", {id: "facts"});
+  private readonly facts = element("div", {id: "facts"});
   private readonly madeBy = element("div");
   private readonly which = element("select", {id: "result", "aria-label": "Result"});
   private readonly theme = element("button", {type: "button", id: "theme", "aria-pressed": "false", "aria-label": "Dark theme", title: "Light or dark"}, halfMoon());
@@ -58,7 +58,7 @@ class PageView {
 
   async start(): Promise<void> {
     this.build();
-    this.head(this.page.results[0]);  // before the canvas gets its size: to change that later costs a wait for the graphics process
+    this.head(this.page.results[0]);  // before the canvas gets its size, because resizing waits for the graphics process
     this.startScene();
     const dark = matchMedia("(prefers-color-scheme: dark)");
     dark.addEventListener("change", () => this.setTheme(dark.matches));
@@ -102,7 +102,7 @@ class PageView {
             this.status,
             help,
           ),
-          this.known,
+          this.facts,
           this.madeBy,
           element("footer", {class: "soft"}, `isoatlas ${this.page.version}`),
         ),
@@ -113,7 +113,7 @@ class PageView {
   private startScene(): void {
     const context = contextOf(this.canvas);
     if (!context) {
-      const words = "The mesh cannot be drawn: this browser has no WebGL 2, or it is turned off. All that is known of the mesh is in the tables.";
+      const words = "The mesh cannot be drawn: this browser has no WebGL 2, or it is disabled. The tables contain all facts about the mesh.";
       this.canvas.replaceWith(element("p", {class: "missing", role: "alert"}, words));
       this.overlay.svg.remove();
       this.legend.remove();
@@ -125,7 +125,7 @@ class PageView {
     });
     listen(this.canvas, this.scene.camera);
     this.canvas.addEventListener("keydown", (event) => this.key(event));
-    this.canvas.addEventListener("webglcontextlost", () => this.say("The graphics card was taken away from the page; it comes back by itself, or with a reload."));
+    this.canvas.addEventListener("webglcontextlost", () => this.setStatus("The browser has lost access to the graphics card. Wait until it is restored, or reload the page."));
   }
 
   private async open(index: number): Promise<void> {
@@ -137,13 +137,13 @@ class PageView {
     this.head(result);
     this.level.open(mesh.levels.length, mesh.levels.length - 1);
     this.colouring.enable("distance", mesh.levels.some(({distance}) => distance !== null), "The file has no distance error per vertex.");
-    this.colouring.enable("level", result.nested !== false, "The files do not say which level a vertex came in.");
+    this.colouring.enable("level", result.nested !== false, "The files do not contain the first level of a vertex.");
     this.overlay.unit = this.lengthUnit();
     this.scene?.show(mesh, this.shapes);
     for (const cut of this.cuts) cut.reset();
     this.madeBy.replaceChildren(origin(result));
     this.update();
-    // Ready when the first picture is on its way to the screen, not when it was asked for.
+    // The page is ready when the first picture is sent to the screen.
     requestAnimationFrame(() => requestAnimationFrame(() => {
       document.documentElement.dataset.ready = `${index}`;
       performance.mark("ready");
@@ -160,7 +160,7 @@ class PageView {
     return Number(this.level.input.value);
   }
 
-  /** Of positions; errors are in the result's unit, whatever the space of the mesh. */
+  /** Unit of positions. Errors are in the unit of the result for every space of the mesh. */
   private lengthUnit(): string {
     return this.result.parameters?.space === "voxel" ? "voxels" : this.result.unit;
   }
@@ -169,7 +169,7 @@ class PageView {
     const level = this.result.levels[this.shown];
     const error = errorText(level, this.result.unit);
     const last = this.result.levels.length - 1;
-    this.level.say(`${this.shown} of ${last} · ${plural(level.triangles, "triangle")}`, error);
+    this.level.setText(`${this.shown} of ${last} · ${plural(level.triangles, "triangle")}`, error);
     const genus = level.genus == null ? "" : `, genus ${level.genus}`;
     this.canvas.setAttribute(
       "aria-label",
@@ -177,12 +177,12 @@ class PageView {
     );
     this.overlay.worst = null;
     this.overlay.split = this.style.value() === "split";
-    this.say("");
+    this.setStatus("");
     if (this.scene) {
       this.colourLegend = this.scene.update(this.shown, this.style.value(), this.colouring.value(), this.result.unit);
-      this.tell();
+      this.updateLegend();
     }
-    this.known.replaceChildren(...facts(this.result, this.shown, this.shapes));
+    this.facts.replaceChildren(...facts(this.result, this.shown, this.shapes));
   }
 
   private cut(axis: number): void {
@@ -191,11 +191,11 @@ class PageView {
     const share = control.share();
     this.scene.cut(axis, {share, keep: control.keepsAbove() ? "above" : "below"});
     const at = this.mesh.centre[axis] + (2 * share - 1) * this.mesh.half[axis];
-    control.say(this.scene.isCut(axis) ? `${control.keepsAbove() ? "≥" : "≤"} ${number(at, 4)}` : "off");
-    this.tell();
+    control.setText(this.scene.isCut(axis) ? `${control.keepsAbove() ? "≥" : "≤"} ${number(at, 4)}` : "off");
+    this.updateLegend();
   }
 
-  private tell(): void {
+  private updateLegend(): void {
     const legend = this.colourLegend;
     const out: HTMLElement[] = [];
     if (legend?.title) out.push(element("p", {class: "legend-title"}, legend.title));
@@ -238,17 +238,17 @@ class PageView {
     this.overlay.worst = worst;
     this.scene.centre(worst, this.shown);
     const [x, y, z] = toFile(worst.centroid, this.mesh.centre).map((v) => number(v, 5));
-    this.say(`The worst triangle of level ${this.shown} has aspect ratio ${number(worst.ratio)}, at (${x}, ${y}, ${z}).`);
+    this.setStatus(`The worst triangle of level ${this.shown} has aspect ratio ${number(worst.ratio)}, at (${x}, ${y}, ${z}).`);
   }
 
   private reset(): void {
     this.overlay.worst = null;
-    this.say("");
+    this.setStatus("");
     for (const cut of this.cuts) cut.reset();
     this.scene?.camera.goHome();
   }
 
-  private say(text: string): void {
+  private setStatus(text: string): void {
     this.status.textContent = text;
   }
 
@@ -269,7 +269,7 @@ class PageView {
   private key(event: KeyboardEvent): void {
     if (!this.scene || event.ctrlKey || event.metaKey || event.altKey) return;
     const {camera} = this.scene;
-    const arrow = (right: number, down: number) => (): void => (event.shiftKey ? camera.move(30 * right, 30 * down) : camera.turn(24 * right, 24 * down));
+    const arrow = (right: number, down: number) => (): void => (event.shiftKey ? camera.pan(30 * right, 30 * down) : camera.rotate(24 * right, 24 * down));
     const actions: Record<string, () => void> = {
       ArrowLeft: arrow(-1, 0),
       ArrowRight: arrow(1, 0),
@@ -293,7 +293,7 @@ class PageView {
     action();
   }
 
-  /** For scripts and tests: what is shown, to be read only. */
+  /** The shown state, read-only, for scripts and tests. */
   readonly api = Object.freeze(
     Object.defineProperties({}, Object.fromEntries(
       Object.entries({
@@ -306,14 +306,14 @@ class PageView {
         zoom: () => this.scene?.camera.pose.zoom ?? 1,
         centre: () => this.mesh.centre,
         components: () => this.shapes[this.shown].components().list,
-        /** Of the level shown. */
+        /** The worst triangle of the shown level. */
         worst: () => {
           const worst = this.shapes[this.shown].worst();
           return worst && {triangle: worst.triangle, ratio: worst.ratio, centroid: toFile(worst.centroid, this.mesh.centre)};
         },
-        /** Where a point of the file is in the picture, in pixels from its upper left corner. */
+        /** The position of a point of the file in the picture, in pixels from the upper left. */
         project: () => (point: Triple) => this.scene?.camera.project(new Vector3(...(point.map((v, axis) => v - this.mesh.centre[axis]) as Triple))),
-        /** The picture as a data address. */
+        /** The picture as a data URL. */
         picture: () => () => {
           this.scene?.render();
           return this.canvas.toDataURL();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What lies over the picture: the axes, a scale, and a ring around the worst triangle.
+// The overlay of the picture: axes, a scale, and a circle around the worst triangle.
 import {Quaternion, Vector3} from "three";
 
 import type {Camera} from "./camera";
@@ -11,22 +11,22 @@ const AXES = ["x", "y", "z"].map((name, i) => ({name, direction: new Vector3().s
 export class Overlay {
   readonly svg = drawn("svg", {class: "overlay", "aria-hidden": "true"});
   worst: Worst | null = null;
-  /** Whether a line parts smooth from lines. */
+  /** Whether a line is drawn between the smooth half and the line half of the picture. */
   split = false;
   unit = "";
-  private readonly divide = drawn("line", {class: "divide"});
+  private readonly divider = drawn("line", {class: "divider"});
   private readonly mark = drawn("g", {class: "mark"});
   private readonly axes = drawn("g", {class: "axes"});
   private readonly bar = drawn("path", {class: "scale-line"});
   private readonly length = drawn("text", {class: "scale-text", "text-anchor": "end"});
 
   constructor() {
-    this.svg.append(this.divide, this.mark, this.axes, this.bar, this.length);
+    this.svg.append(this.divider, this.mark, this.axes, this.bar, this.length);
   }
 
   update(camera: Camera, width: number, height: number): void {
-    this.divide.setAttribute("visibility", this.split ? "visible" : "hidden");
-    for (const [name, value] of [["x1", width / 2], ["x2", width / 2], ["y1", 0], ["y2", height]] as const) this.divide.setAttribute(name, `${value}`);
+    this.divider.setAttribute("visibility", this.split ? "visible" : "hidden");
+    for (const [name, value] of [["x1", width / 2], ["x2", width / 2], ["y1", 0], ["y2", height]] as const) this.divider.setAttribute(name, `${value}`);
     this.showWorst(camera);
     this.showAxes(camera, width, height);
     this.showScale(camera, width, height);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The mesh in 3-D: which level, how it is drawn, coloured and cut. Drawn when something changed, and only then.
+// The 3-D scene: the level, its style, colours and cuts. It is drawn only when something changes.
 import {BufferAttribute, BufferGeometry, Color, DataTexture, DoubleSide, GLSL3, Mesh as Solid, RawShaderMaterial, Scene as World, Vector3, WebGLRenderer} from "three";
 
-import {Camera, looking} from "./camera";
+import {Camera, rotationFrom} from "./camera";
 import {colour, type Colouring, type Colours, type Legend} from "./colours";
 import type {AspectRatio, Level, Mesh, Triple} from "./data";
 import {FRAGMENT, VERTEX} from "./shaders";
@@ -11,21 +11,21 @@ import {aspectFacts, aspectRatios, components, enclosedVolume, isHidden, vertexN
 export type Style = "smooth" | "split" | "lines";
 
 export interface Cut {
-  /** Of the way through the box, 0 to 1. */
+  /** Position in the bounding box, 0 to 1. */
   share: number;
-  /** Which side is left. */
+  /** The side that is kept. */
   keep: "below" | "above";
 }
 
 export interface Worst {
   triangle: number;
   ratio: number;
-  /** From the mesh's centre. */
+  /** Relative to the centre of the mesh. */
   corners: [Vector3, Vector3, Vector3];
   centroid: Vector3;
 }
 
-/** What is computed of a level when it is first asked for. */
+/** Properties of a level that are computed when they are first needed. */
 export class LevelShape {
   private knownRatios?: Float32Array;
   private knownAspect?: AspectRatio;
@@ -37,9 +37,9 @@ export class LevelShape {
   readonly components = (): Components => (this.knownComponents ??= components(this.level.vertices, this.level.triangles));
 
   aspect(): AspectRatio {
-    const told = this.level.facts.quality?.aspect_ratio;
-    if (told?.histogram && told.minimum !== undefined && told.share_below_third !== undefined) return told as AspectRatio;
-    return (this.knownAspect ??= {...aspectFacts(this.ratios()), ...told});
+    const stated = this.level.facts.quality?.aspect_ratio;
+    if (stated?.histogram && stated.minimum !== undefined && stated.share_below_third !== undefined) return stated as AspectRatio;
+    return (this.knownAspect ??= {...aspectFacts(this.ratios()), ...stated});
   }
 
   isClosed(): boolean {
@@ -61,7 +61,7 @@ export class LevelShape {
   }
 }
 
-/** A level with one vertex per corner, so that each triangle knows its corners' colours. */
+/** A level with separate vertices for each triangle, which carry the colours of its corners. */
 interface Prepared {
   geometry: BufferGeometry;
   colouring: Colouring | null;
@@ -83,15 +83,15 @@ export class Scene {
   private shapes: LevelShape[] = [];
   private prepared: (Prepared | undefined)[] = [];
   private style: Style = "smooth";
-  private turned = false;
+  private facesInward = false;
   private closed = false;
-  private waiting = false;
+  private isDrawPending = false;
 
   /** @param context WebGL 2 of the canvas; @param drew called after each frame */
   constructor(private readonly canvas: HTMLCanvasElement, context: WebGL2RenderingContext, private readonly drew: () => void) {
     this.renderer = new WebGLRenderer({canvas, context, alpha: true, antialias: true});
-    this.renderer.debug.checkShaderErrors = false;  // each question waits for the graphics process; the tests look at the picture
-    this.renderer.setClearColor(0x000000, 0);  // the ground is the page's
+    this.renderer.debug.checkShaderErrors = false;  // checks wait for the graphics process; the tests compare pictures
+    this.renderer.setClearColor(0x000000, 0);  // the background is that of the page
     const colourNames = ["clay", "inside", "paper", "paperInside", "ink", "section"];
     this.material = new RawShaderMaterial({
       glslVersion: GLSL3,
@@ -103,7 +103,7 @@ export class Scene {
         palette: {value: this.texture},
         cutAt: {value: new Vector3()},
         cutSide: {value: new Vector3()},
-        turned: {value: false},
+        facesInward: {value: false},
         solid: {value: false},
         linesFrom: {value: 0},
         pixelRatio: {value: 1},
@@ -119,20 +119,21 @@ export class Scene {
     canvas.addEventListener("webglcontextrestored", () => this.draw());
   }
 
-  /** Another mesh; the view is made for its finest level. */
+  /** Shows another mesh, in the home view of its finest level. */
   show(mesh: Mesh, shapes: LevelShape[]): void {
     for (const old of this.prepared) old?.geometry.dispose();
     this.mesh = mesh;
     this.shapes = shapes;
     this.prepared = [];
-    // Where samples below the isovalue are meant, the whole mesh faces inward; what is seen from outside is its outside all the same.
+    // If samples below the isovalue are inside, a mesh may face inward as a whole. Its outside is
+    // still the side that is visible from outside.
     const finest = mesh.levels[mesh.levels.length - 1];
-    this.turned = enclosedVolume(finest.positions, finest.triangles) < 0;
-    this.material.uniforms.turned.value = this.turned;
+    this.facesInward = enclosedVolume(finest.positions, finest.triangles) < 0;
+    this.material.uniforms.facesInward.value = this.facesInward;
     this.camera.setHome(mesh.levels[mesh.levels.length - 1].positions);
   }
 
-  /** @returns what the colours say */
+  /** @returns the legend of the colours */
   update(level: number, style: Style, colouring: Colouring, unit: string): Legend | null {
     this.style = style;
     const prepared = (this.prepared[level] ??= this.prepare(level));
@@ -159,7 +160,7 @@ export class Scene {
     this.draw();
   }
 
-  /** A cut at the end of its way leaves all. */
+  /** False if the cut is at the end of the box and removes nothing. */
   isCut(axis: number): boolean {
     const {share, keep} = this.cuts[axis];
     return keep === "below" ? share < 1 : share > 0;
@@ -168,26 +169,26 @@ export class Scene {
   /** Colours of the theme, from the style sheet. */
   theme(colours: Record<string, string>): void {
     for (const [name, text] of Object.entries(colours)) {
-      const {r, g, b} = new Color(text).convertLinearToSRGB();  // the shader works on what is written
+      const {r, g, b} = new Color(text).convertLinearToSRGB();  // the shader uses sRGB values
       (this.material.uniforms[name].value as Vector3).set(r, g, b);
     }
     this.draw();
   }
 
-  /** Looks at a level's worst triangle, from where nothing hides it if there is such a place. */
+  /** Shows the worst triangle of a level, from a direction without occlusion if possible. */
   centre(worst: Worst, level: number): void {
     const {corners: [a, b, c], centroid} = worst;
     const {positions, triangles} = this.mesh.levels[level];
     const size = Math.max(a.distanceTo(b), b.distanceTo(c), c.distanceTo(a)) || 1e-3;
     const normal = new Vector3().crossVectors(b.clone().sub(a), c.clone().sub(a)).normalize();
-    if (this.turned) normal.negate();
+    if (this.facesInward) normal.negate();
     if (!(normal.lengthSq() > 0.5)) normal.set(0, 0, 1).applyQuaternion(this.camera.pose.rotation);
     const side = new Vector3(1, 0, 0).addScaledVector(normal, -normal.x);
     if (side.lengthSq() < 0.1) side.set(0, 1, 0).addScaledVector(normal, -normal.y);
     side.normalize();
     const other = new Vector3().crossVectors(normal, side);
     let from = normal;
-    // From outside, ever more aslant; at last from inside.
+    // From outside with increasing tilt, finally from inside.
     search: for (const tilt of [0.15, 0.5, 0.85, 1.15, Math.PI - 0.5, Math.PI - 1]) {
       for (let k = 0; k < 8; ++k) {
         const angle = (k * Math.PI) / 4;
@@ -198,10 +199,10 @@ export class Scene {
         break search;
       }
     }
-    this.camera.glide({target: centroid, rotation: looking(from), zoom: Math.max(this.camera.zoomFor(size, 130), 1)});
+    this.camera.glide({target: centroid, rotation: rotationFrom(from), zoom: Math.max(this.camera.zoomFor(size, 130), 1)});
   }
 
-  /** Draws now; a picture can be read from the canvas until the next task. */
+  /** Draws now. The picture can be read from the canvas until the next task. */
   render(): void {
     const {uniforms} = this.material;
     const {half} = this.mesh;
@@ -220,10 +221,10 @@ export class Scene {
   }
 
   draw(): void {
-    if (this.waiting || !this.mesh) return;
-    this.waiting = true;
+    if (this.isDrawPending || !this.mesh) return;
+    this.isDrawPending = true;
     requestAnimationFrame(() => {
-      this.waiting = false;
+      this.isDrawPending = false;
       this.render();
     });
   }
@@ -231,16 +232,16 @@ export class Scene {
   private prepare(at: number): Prepared {
     const {positions, triangles} = this.mesh.levels[at];
     const normals = vertexNormals(positions, triangles);
-    const places = new Float32Array(3 * triangles.length);
-    const directions = new Int16Array(4 * triangles.length);
+    const cornerPositions = new Float32Array(3 * triangles.length);
+    const cornerNormals = new Int16Array(4 * triangles.length);
     for (let i = 0; i < triangles.length; ++i) {
       const v = 3 * triangles[i];
-      places[3 * i] = positions[v], places[3 * i + 1] = positions[v + 1], places[3 * i + 2] = positions[v + 2];
-      directions[4 * i] = 32767 * normals[v], directions[4 * i + 1] = 32767 * normals[v + 1], directions[4 * i + 2] = 32767 * normals[v + 2];
+      cornerPositions[3 * i] = positions[v], cornerPositions[3 * i + 1] = positions[v + 1], cornerPositions[3 * i + 2] = positions[v + 2];
+      cornerNormals[4 * i] = 32767 * normals[v], cornerNormals[4 * i + 1] = 32767 * normals[v + 1], cornerNormals[4 * i + 2] = 32767 * normals[v + 2];
     }
     const geometry = new BufferGeometry();
-    geometry.setAttribute("position", new BufferAttribute(places, 3));
-    geometry.setAttribute("normal", new BufferAttribute(directions, 4, true));
+    geometry.setAttribute("position", new BufferAttribute(cornerPositions, 3));
+    geometry.setAttribute("normal", new BufferAttribute(cornerNormals, 4, true));
     geometry.setAttribute("corners", new BufferAttribute(new Uint8Array(4 * triangles.length), 4, true));
     return {geometry, colouring: null, colours: null};
   }
@@ -249,10 +250,10 @@ export class Scene {
     const {clientWidth: width, clientHeight: height} = this.canvas;
     if (width === 0 || height === 0) return;
     const [wide, high] = pixelsOf(this.canvas);
-    // To set the size empties the canvas and waits for the graphics process, even where it is the same as before.
+    // Setting the size, even the same one, clears the canvas and waits for the graphics process.
     if (this.canvas.width !== wide || this.canvas.height !== high) this.renderer.setSize(wide, high, false);
     this.camera.resize(width, height);
-    if (this.mesh) this.render();  // in this frame: a canvas that was resized is empty
+    if (this.mesh) this.render();  // in this frame, because resizing has cleared the canvas
   }
 }
 
@@ -260,13 +261,13 @@ const pixelRatio = (): number => Math.min(devicePixelRatio, 2);
 
 const pixelsOf = (canvas: HTMLCanvasElement): [number, number] => [Math.round(canvas.clientWidth * pixelRatio()), Math.round(canvas.clientHeight * pixelRatio())];
 
-/** WebGL 2 for a canvas in the page, at the size it has there; null if there is none. */
+/** A WebGL 2 context for a canvas at its size in the page; null if WebGL 2 is not available. */
 export function contextOf(canvas: HTMLCanvasElement): WebGL2RenderingContext | null {
   [canvas.width, canvas.height] = pixelsOf(canvas);
   return canvas.getContext("webgl2", {alpha: true, antialias: true, depth: true, premultipliedAlpha: true});
 }
 
-/** Each triangle's three bytes, given to each of its corners. */
+/** Copies the three bytes of each triangle to each of its corners. */
 function perCorner(values: Uint8Array): Uint8Array {
   const out = new Uint8Array((4 * 3 * values.length) / 3);
   for (let t = 0, o = 0; t < values.length; t += 3) {
@@ -279,6 +280,7 @@ function perCorner(values: Uint8Array): Uint8Array {
   return out;
 }
 
+/** A point in the coordinates of the file. */
 export function toFile(point: Vector3, centre: Triple): Triple {
   return [point.x + centre[0], point.y + centre[1], point.z + centre[2]];
 }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// One program draws all views. Edges are found in the triangle itself, from its barycentric coordinates, so nothing can flicker with the surface.
+// One shader program draws all views. Edges are drawn from the barycentric coordinates of each
+// triangle, so that they cannot flicker against the surface.
 
 export const VERTEX = `
 precision highp float;
 in vec3 position;
 in vec4 normal;
-in vec4 corners;  // what the colouring says of the triangle's three corners
+in vec4 corners;  // palette entries of the triangle's three corners
 uniform mat4 modelViewMatrix;
 uniform mat4 projectionMatrix;
 uniform mat3 normalMatrix;
@@ -32,10 +33,10 @@ flat in vec3 vCorners;
 uniform int mode;            // 0 plain, 1 blended between corners, 2 of the nearest corner
 uniform sampler2D palette;
 uniform vec3 cutAt;
-uniform vec3 cutSide;        // 1: what is below stays; -1: what is above; 0: not cut
-uniform bool turned;         // the mesh as a whole faces inward
-uniform bool solid;          // closed and not cut: no inside can be seen, only edges of triangles that are just turning away
-uniform float linesFrom;     // pixel of the picture from which on lines are drawn; left of it the surface is shaded
+uniform vec3 cutSide;        // 1: keep the side below; -1: keep the side above; 0: not cut
+uniform bool facesInward;    // the mesh as a whole faces inward
+uniform bool solid;          // closed and not cut: the inside is not visible
+uniform float linesFrom;     // lines are drawn right of this pixel; left of it the surface is shaded
 uniform float pixelRatio;
 uniform vec3 clay, inside, paper, paperInside, ink, section;
 out vec4 result;
@@ -52,7 +53,8 @@ vec3 coloured() {
 }
 
 vec3 shaded(vec3 albedo, vec3 n) {
-  // Three lights that go with the eye: a warm one from above left, a cool one from the right, a rim from behind; and the sky.
+  // Lights fixed to the camera: sky, a warm light from above left, a cool one from the right, and a
+  // rim light from behind.
   vec3 light = mix(vec3(0.26, 0.24, 0.235), vec3(0.40, 0.42, 0.44), n.y * 0.5 + 0.5);
   light += vec3(0.78, 0.76, 0.72) * max(dot(n, normalize(vec3(-0.5, 0.62, 0.7))), 0.0);
   light += vec3(0.13, 0.15, 0.18) * max(dot(n, normalize(vec3(0.85, -0.1, 0.5))), 0.0);
@@ -69,26 +71,27 @@ void main() {
   vec3 along = dFdy(vWeight);
   if (any(lessThan(fromCut, vec3(0.0)))) discard;
 
-  bool front = solid || gl_FrontFacing != turned;
+  bool front = solid || gl_FrontFacing != facesInward;
   bool lines = gl_FragCoord.x >= linesFrom;
   vec3 colour = mode == 0 || !front ? (front ? clay : inside) : coloured();
   if (lines) {
-    vec3 ground = front ? paper : paperInside;
-    colour = mode == 0 || !front ? ground : colour;
-    // Of each edge the triangles on both sides draw half. Short edges are drawn lighter, or small triangles would be all ink; an edge's length
-    // in pixels is the same from both sides: from the height over it and the area.
+    vec3 background = front ? paper : paperInside;
+    colour = mode == 0 || !front ? background : colour;
+    // The triangles on both sides of an edge draw half of it each. Short edges are lighter, because
+    // small triangles would be black otherwise. The length of an edge in pixels follows from the
+    // area and the height, so that it is the same in both triangles.
     vec3 slope = sqrt(across * across + along * along);
     vec3 length = slope / max(abs(across.x * along.y - across.y * along.x), 1e-9);
     vec3 near = 1.0 - smoothstep(0.2 * pixelRatio, 0.2 * pixelRatio + 0.7, vWeight / max(slope, vec3(1e-9)));
     near *= mix(vec3(0.3), vec3(front ? 1.0 : 0.5), smoothstep(2.0, 16.0, length / pixelRatio));
-    vec3 drawnWith = mode == 0 || !front ? ink : vec3(0.12, 0.14, 0.16);  // scales are light in both themes
+    vec3 drawnWith = mode == 0 || !front ? ink : vec3(0.12, 0.14, 0.16);  // the colour scales are light in both themes
     colour = mix(colour, drawnWith, max(near.x, max(near.y, near.z)));
   } else {
-    vec3 n = normalize((solid ? !turned : gl_FrontFacing) ? vNormal : -vNormal);
-    if (!(n.z > 0.02)) n = normalize(vec3(n.xy, 0.02));  // a normal between corners may look away where the surface does not
+    vec3 n = normalize((solid ? !facesInward : gl_FrontFacing) ? vNormal : -vNormal);
+    if (!(n.z > 0.02)) n = normalize(vec3(n.xy, 0.02));  // an interpolated normal may point away from the viewer where the surface does not
     colour = shaded(colour, n);
   }
-  // The line along which the surface is cut.
+  // The line of the cut.
   vec3 onCut = step(fromCut, 1.3 * pixelRatio * perPixel) * abs(cutSide);
   if (max(onCut.x, max(onCut.y, onCut.z)) > 0.0) colour = mix(colour, section, 0.85);
   result = vec4(colour, 1.0);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is computed of a mesh in the page. Flat arrays in, flat arrays out.
+// Computations on a mesh, from flat arrays to flat arrays.
 import type {AspectRatio} from "./data";
 
-/** Per triangle, shortest edge over longest. */
+/** Per triangle, its shortest edge divided by its longest edge. */
 export function aspectRatios(positions: Float32Array, triangles: Uint32Array): Float32Array {
   const out = new Float32Array(triangles.length / 3);
   const squared = (a: number, b: number): number => {
@@ -24,7 +24,7 @@ export function aspectRatios(positions: Float32Array, triangles: Uint32Array): F
   return out;
 }
 
-/** What the report says of aspect ratios, for files that do not. */
+/** The statistics of aspect ratios in a report, for files without them. */
 export function aspectFacts(ratios: Float32Array): AspectRatio {
   const histogram = new Array<number>(20).fill(0);
   let below = 0;
@@ -43,7 +43,7 @@ export interface Component {
 }
 
 export interface Components {
-  /** Per vertex, the number of its component: 0 has most triangles. */
+  /** Per vertex, the number of its component; component 0 has the most triangles. */
   of: Uint32Array;
   list: Component[];
 }
@@ -58,7 +58,7 @@ export function components(vertices: number, triangles: Uint32Array): Components
     }
     return v;
   };
-  // Half-edges by their start, to look up whether the opposite one is there.
+  // Half-edges by their start vertex, to check whether the opposite half-edge exists.
   const start = new Uint32Array(vertices + 1);
   for (const v of triangles) ++start[v + 1];
   for (let v = 0; v < vertices; ++v) start[v + 1] += start[v];
@@ -80,17 +80,17 @@ export function components(vertices: number, triangles: Uint32Array): Components
   };
   interface Count extends Component {
     root: number;
-    border: number;
+    boundaryEdges: number;
   }
   const byRoot = new Map<number, Count>();
   const countOf = (v: number): Count => {
     const r = root(v);
     let count = byRoot.get(r);
-    if (!count) byRoot.set(r, (count = {root: r, vertices: 0, triangles: 0, border: 0, genus: 0, boundaryLoops: 0}));
+    if (!count) byRoot.set(r, (count = {root: r, vertices: 0, triangles: 0, boundaryEdges: 0, genus: 0, boundaryLoops: 0}));
     return count;
   };
   for (let i = 0; i < triangles.length; i += 3) ++countOf(triangles[i]).triangles;
-  const next = new Map<number, number>();  // along the border
+  const next = new Map<number, number>();  // the next vertex along the boundary
   for (let v = 0; v < vertices; ++v) {
     if (start[v] === start[v + 1]) continue;  // in no triangle
     const count = countOf(v);
@@ -98,7 +98,7 @@ export function components(vertices: number, triangles: Uint32Array): Components
     for (let i = start[v]; i < start[v + 1]; ++i) {
       if (has(end[i], v)) continue;
       next.set(v, end[i]);
-      ++count.border;
+      ++count.boundaryEdges;
     }
   }
   const seen = new Set<number>();
@@ -111,13 +111,13 @@ export function components(vertices: number, triangles: Uint32Array): Components
   const rank = new Uint32Array(vertices);
   list.forEach((count, i) => {
     rank[count.root] = i;
-    const euler = count.vertices - (3 * count.triangles + count.border) / 2 + count.triangles;
+    const euler = count.vertices - (3 * count.triangles + count.boundaryEdges) / 2 + count.triangles;
     count.genus = (2 - euler - count.boundaryLoops) / 2;
   });
   return {of: Uint32Array.from({length: vertices}, (_, v) => rank[root(v)]), list};
 }
 
-/** Per vertex, the normals of the triangles around it weighted by their angle there, of length 1. */
+/** Per vertex, the unit normal: the angle-weighted mean of the normals of its triangles. */
 export function vertexNormals(positions: Float32Array, triangles: Uint32Array): Float32Array {
   const out = new Float32Array(positions.length);
   const p = positions;
@@ -147,7 +147,7 @@ export function vertexNormals(positions: Float32Array, triangles: Uint32Array): 
   return out;
 }
 
-/** With sign: below 0, triangles face inward on the whole. */
+/** Signed volume: negative if triangles face inward on the whole. */
 export function enclosedVolume(positions: Float32Array, triangles: Uint32Array): number {
   const p = positions;
   let sum = 0;
@@ -160,7 +160,7 @@ export function enclosedVolume(positions: Float32Array, triangles: Uint32Array):
   return sum / 6;
 }
 
-/** Whether the ray from `from` along `along` meets a triangle other than `own`, farther off than `least`. */
+/** Whether the ray from `from` along `along` hits a triangle other than `own` beyond `least`. */
 export function isHidden(positions: Float32Array, triangles: Uint32Array, own: number, from: ArrayLike<number>, along: ArrayLike<number>, least: number): boolean {
   const p = positions;
   const [ox, oy, oz] = [from[0], from[1], from[2]];

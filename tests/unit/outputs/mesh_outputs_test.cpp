@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 using test::TempFolder;
 
-// A tetrahedron, and the same with a corner cut into three triangles.
+// A tetrahedron, and the same with one face split into three triangles.
 Hierarchy two_levels() {
   Hierarchy hierarchy;
   hierarchy.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.5, 0.5, 0.5}};
@@ -33,7 +33,7 @@ HierarchyFileInfo two_infos() {
 
 const HierarchyFileInfo kInfo = two_infos();
 
-// Writes to a folder; the files by name with the levels they hold.
+// Writes to a folder; returns the levels of each file by its name.
 std::map<std::string, std::vector<std::size_t>> written(const TempFolder& folder,
                                                         const std::string& name,
                                                         bool glb_per_level = false) {
@@ -50,7 +50,7 @@ std::map<std::string, std::vector<std::size_t>> written(const TempFolder& folder
 
 using Files = std::map<std::string, std::vector<std::size_t>>;
 
-TEST(MeshOutputs, WhichLevelsGoWhere) {
+TEST(MeshOutputs, FilesHaveTheirLevels) {
   const TempFolder folder;
   EXPECT_EQ(written(folder, "a.ply"), (Files{{"a.ply", {1}}}));
   EXPECT_EQ(read_mesh(folder / "a.ply").triangles.size(), 6U);

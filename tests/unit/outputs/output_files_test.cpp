@@ -16,7 +16,7 @@ using test::read_bytes;
 using test::TempFolder;
 using test::write_bytes;
 
-// A file with a folder of pieces beside it, as a .vtm has.
+// Writes a file and a folder of files next to it, as for a .vtm.
 void write_staged(const fs::path& staged) {
   write_bytes(staged, "new");
   fs::create_directory(staged.parent_path() / "a");
@@ -24,7 +24,7 @@ void write_staged(const fs::path& staged) {
   write_bytes(staged.parent_path() / "a/1", "new 1");
 }
 
-TEST(OutputFiles, FoldersBesideAFileGoWithIt) {
+TEST(OutputFiles, FoldersNextToAFileAreMovedWithIt) {
   const TempFolder folder;
   {
     OutputFiles outputs;
@@ -37,7 +37,7 @@ TEST(OutputFiles, FoldersBesideAFileGoWithIt) {
   EXPECT_EQ(folder.file_count(), 2U);
 }
 
-TEST(OutputFiles, OfAFolderThatIsThereOnlyFilesOfThatNameAreReplaced) {
+TEST(OutputFiles, InAnExistingFolderOnlyFilesOfTheSameNameAreReplaced) {
   const TempFolder folder;
   fs::create_directory(folder / "a");
   write_bytes(folder / "a/0", "old 0");
@@ -59,9 +59,9 @@ TEST(OutputFiles, ErrorsNameTheFileAndNotTheHiddenFolder) {
   fs::create_directory(folder / "elsewhere");
   write_bytes(folder / "elsewhere/b.vtm", "old");
   fs::create_symlink("elsewhere/b.vtm", folder / "link.vtm");
-  for (const auto& [given, told] :
+  for (const auto& [given, expected] :
        {std::pair("a.vtm", "a.vtm"), std::pair("link.vtm", "elsewhere/b.vtm")}) {
-    const fs::path shown = folder / told;
+    const fs::path shown = folder / expected;
     OutputFiles outputs;
     try {
       outputs.write(folder / given, [](const fs::path& staged) {
@@ -77,7 +77,7 @@ TEST(OutputFiles, ErrorsNameTheFileAndNotTheHiddenFolder) {
   }
 }
 
-TEST(OutputFiles, WhatWasThereIsPutBackWhenTheEndFails) {
+TEST(OutputFiles, AFailedCommitRestoresOldFiles) {
   for (const bool has_old : {false, true}) {
     const TempFolder folder;
     if (has_old) {
@@ -89,8 +89,8 @@ TEST(OutputFiles, WhatWasThereIsPutBackWhenTheEndFails) {
       OutputFiles outputs;
       write_staged(outputs.stage(folder / "a.vtm"));
       write_bytes(outputs.stage(folder / "report"), "new");
-      fs::create_directories(folder /
-                             "report/in the way");  // after all checks: the last rename fails
+      // Created after all checks, so that the last rename fails.
+      fs::create_directories(folder / "report/in the way");
       EXPECT_THROW(outputs.commit(), Error);
     }
     EXPECT_EQ(fs::exists(folder / "a.vtm"), has_old);

@@ -19,7 +19,7 @@ ConstraintResult result(Quantity quantity, double bound, double reached, bool is
   return out;
 }
 
-// Two levels, each with the same metrics.
+// A report with two levels that have the same metrics and constraints.
 ExtractReport report_with(std::vector<ConstraintResult> constraints) {
   ExtractReport report;
   for (int k = 0; k < 2; ++k) {
@@ -36,7 +36,7 @@ FileRounding file(const std::string& path, std::vector<std::size_t> levels, doub
   return {.path = path, .levels = std::move(levels), .largest = rounding};
 }
 
-TEST(StatedRounding, LengthsIncludeItAndOtherQuantitiesDoNot) {
+TEST(StatedRounding, IsAddedToLengthsOnly) {
   ExtractReport report = report_with(
       {result(Quantity::max_distance, 0.5, 0.4), result(Quantity::mean_distance, 0.5, 0.4),
        result(Quantity::max_edge, 5, 4), result(Quantity::min_edge, 1, 3),
@@ -59,7 +59,7 @@ TEST(StatedRounding, LengthsIncludeItAndOtherQuantitiesDoNot) {
   EXPECT_EQ(report.levels[0].constraints[0].reached, 0.4);
 }
 
-TEST(StatedRounding, ABoundThatOnlyTheFileViolatesIsNotMet) {
+TEST(StatedRounding, ABoundCanBeViolatedByRoundingAlone) {
   ExtractReport report = report_with(
       {result(Quantity::max_distance, 0.5, 0.45), result(Quantity::max_distance, 0.5, 0.45, true),
        result(Quantity::min_edge, 1, 1.1), result(Quantity::max_edge, 5, 4.9),
@@ -69,13 +69,13 @@ TEST(StatedRounding, ABoundThatOnlyTheFileViolatesIsNotMet) {
   const std::vector<ConstraintResult>& results = report.levels[1].constraints;
   for (const ConstraintResult& r : results) EXPECT_FALSE(r.satisfied);
   EXPECT_EQ(results[0].reason, "positions are rounded to float32 in a.stl, by up to 0.1");
-  EXPECT_EQ(results[4].reason, "too coarse");  // not met anyway
+  EXPECT_EQ(results[4].reason, "too coarse");  // violated before rounding
   EXPECT_FALSE(report.levels[1].all_satisfied());
   report.levels[1].constraints = {results[1]};
-  EXPECT_TRUE(report.levels[1].all_satisfied());  // nobody asked for the default
+  EXPECT_TRUE(report.levels[1].all_satisfied());  // a default bound does not count
 }
 
-TEST(StatedRounding, TheWorstFileOfALevelCounts) {
+TEST(StatedRounding, IsThatOfTheWorstFileOfALevel) {
   ExtractReport report = report_with({result(Quantity::max_distance, 0.5, 0.45)});
   state_rounding(report,
                  {file("a.glb", {0, 1}, 0.01), file("a-0.glb", {0}, 0.02),
@@ -87,7 +87,7 @@ TEST(StatedRounding, TheWorstFileOfALevelCounts) {
   EXPECT_FALSE(report.levels[1].constraints[0].satisfied);
 }
 
-TEST(StatedRounding, OfSampleIndicesIsALengthInTheWorld) {
+TEST(StatedRounding, OfSampleIndicesIsConvertedToWorldUnits) {
   Grid grid;
   grid.spacing = {0.5, 0.25, 3};
   EXPECT_EQ(rounding_in_world(0.125, grid, Space::voxel), 0.375);

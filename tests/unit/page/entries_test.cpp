@@ -65,7 +65,7 @@ void expect_error(ErrorCode code, const std::string& fragment, const std::functi
   }
 }
 
-TEST_F(PageEntries, OfAReportSayWhatItSays) {
+TEST_F(PageEntries, ContainTheFactsOfAReport) {
   const auto cubes = marching_cubes_quality(volume_, 0);
   ASSERT_TRUE(cubes);
   const PageEntry entry = entry_of_report(to_json(extraction_.report, context()), "r.json",
@@ -81,15 +81,15 @@ TEST_F(PageEntries, OfAReportSayWhatItSays) {
   EXPECT_FALSE(facts["levels"][1].contains("at_limit"));
 }
 
-TEST_F(PageEntries, OfAReportAboutAnotherMeshAreRefused) {
+TEST_F(PageEntries, RefuseAReportAboutAnotherMesh) {
   const std::string report = to_json(extraction_.report, context());
   Hierarchy other = extraction_.hierarchy;
   other.levels[1].triangles.pop_back();
   expect_error(ErrorCode::bad_file, "r.json: is about another mesh: level 1",
                [&] { entry_of_report(report, "r.json", other, {}); });
-  expect_error(ErrorCode::bad_file, "r.json: is no report",
+  expect_error(ErrorCode::bad_file, "r.json: is not a report",
                [&] { entry_of_report("{}", "r.json", other, {}); });
-  expect_error(ErrorCode::bad_file, "r.json: is no report",
+  expect_error(ErrorCode::bad_file, "r.json: is not a report",
                [&] { entry_of_report("no json", "r.json", other, {}); });
   json broken = json::parse(report);
   broken.erase("levels");
@@ -105,7 +105,7 @@ TEST_F(PageEntries, OfAReportAboutAnotherMeshAreRefused) {
                [&] { entry_of_report(broken.dump(), "r.json", extraction_.hierarchy, {}); });
 }
 
-TEST_F(PageEntries, OfFilesSayWhatTheyKnowAndCountTheRest) {
+TEST_F(PageEntries, OfFilesContainTheirFactsAndCounts) {
   write_hierarchy(extraction_.hierarchy, folder_ / "a.glb", info());
   const PageEntry levels = entry_of_file(folder_ / "a.glb");
   EXPECT_EQ(levels.hierarchy.levels.size(), 2u);
@@ -122,42 +122,42 @@ TEST_F(PageEntries, OfFilesSayWhatTheyKnowAndCountTheRest) {
   EXPECT_EQ(facts["levels"][0]["genus"], 1);
   EXPECT_EQ(facts["levels"][0]["triangles"], extraction_.finest().triangles);
   EXPECT_FALSE(facts["levels"][0].contains("certificate"));
-  EXPECT_EQ(facts["unit"], "units") << "the file does not say in which space it is";
+  EXPECT_EQ(facts["unit"], "units") << "the file does not state its space";
 }
 
-// A certificate is of the triangles that it came with.
-TEST_F(PageEntries, OfFilesThatSayWhatIsNotSoAreCounted) {
-  HierarchyFileInfo lies = info();
-  json level = json::parse(lies.levels[1]);
+// Facts that do not agree with the triangles are not shown, and neither is their certificate.
+TEST_F(PageEntries, OfFilesWithWrongFactsAreCounted) {
+  HierarchyFileInfo wrong = info();
+  json level = json::parse(wrong.levels[1]);
   level["genus"] = 7;
-  lies.levels[1] = level.dump();
-  write_hierarchy(extraction_.hierarchy, folder_ / "a.glb", lies);
+  wrong.levels[1] = level.dump();
+  write_hierarchy(extraction_.hierarchy, folder_ / "a.glb", wrong);
   const json facts = json::parse(entry_of_file(folder_ / "a.glb").facts);
   EXPECT_TRUE(facts["levels"][0].contains("certificate"));
   EXPECT_FALSE(facts["levels"][1].contains("certificate"));
   EXPECT_EQ(facts["levels"][1]["genus"], 1);
 }
 
-// Of an array in Python.
-TEST_F(PageEntries, OfAReportOfAVolumeInMemory) {
-  ReportContext said = context();
-  said.volume.path.clear();
-  said.volume.grid.unit = LengthUnit::unknown;
+// An array in Python is such a volume.
+TEST_F(PageEntries, OfAReportAboutAVolumeInMemory) {
+  ReportContext report_context = context();
+  report_context.volume.path.clear();
+  report_context.volume.grid.unit = LengthUnit::unknown;
   write_hierarchy(extraction_.hierarchy, folder_ / "a.glb", info());
-  said.files = {{"a.glb", {0, 1}, 1}};
-  write_text_file(to_json(extraction_.report, said), folder_ / "r.json");
+  report_context.files = {{"a.glb", {0, 1}, 1}};
+  write_text_file(to_json(extraction_.report, report_context), folder_ / "r.json");
   const json facts = json::parse(entry_of_file(folder_ / "r.json").facts);
   EXPECT_EQ(facts["title"], "r.json at 0");
   EXPECT_EQ(facts["unit"], "units");
   EXPECT_TRUE(facts["marching_cubes"].is_null());
 }
 
-// The report names files as they were called when it was written; they are found beside it, too.
-TEST_F(PageEntries, OfAReportFileFindItsMeshes) {
-  ReportContext said = context();
+// Files that a report names are also found in its folder.
+TEST_F(PageEntries, FindTheMeshesOfAReport) {
+  ReportContext report_context = context();
   const auto report_of = [&](std::vector<ReportFile> files) {
-    said.files = std::move(files);
-    write_text_file(to_json(extraction_.report, said), folder_ / "r.json");
+    report_context.files = std::move(files);
+    write_text_file(to_json(extraction_.report, report_context), folder_ / "r.json");
     return entry_of_file(folder_ / "r.json");
   };
   write_hierarchy(extraction_.hierarchy, folder_ / "a.glb", info());
@@ -178,7 +178,7 @@ TEST_F(PageEntries, OfAReportFileFindItsMeshes) {
   expect_error(ErrorCode::bad_file, "gone.ply", [&] { report_of({{"gone.ply", {1}, 1}}); });
 }
 
-TEST(PageMarchingCubes, AreThoseOfTheComponentsThatAreMeshed) {
+TEST(PageMarchingCubes, HasOnlyTheKeptComponents) {
   const Volume volume = test::exact_volume(
       {32, 12, 12},
       test::unite(test::sphere({5.4, 5.5, 5.6}, 4), test::sphere({20.4, 5.5, 5.6}, 3)));
@@ -196,7 +196,7 @@ TEST(PageMarchingCubes, AreThoseOfTheComponentsThatAreMeshed) {
   EXPECT_LT(kept->triangles, both->triangles);
 }
 
-TEST(PageMarchingCubes, AreNotMadeOfWhatIsNotFinite) {
+TEST(PageMarchingCubes, IsAbsentWithoutASurface) {
   Volume volume = test::exact_volume({8, 8, 8}, test::sphere({3.4, 3.5, 3.6}, 2));
   EXPECT_FALSE(marching_cubes_quality(volume, 1e9)) << "no surface";
   const auto quality = marching_cubes_quality(volume, 0);

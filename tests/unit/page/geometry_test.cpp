@@ -61,12 +61,12 @@ Extraction levels(Placement placement) {
                  options);
 }
 
-TEST(PageGeometry, LevelsComeBackAsTheyWere) {
+TEST(PageGeometry, LevelsRoundTrip) {
   for (const Placement placement : {Placement::surface, Placement::balanced}) {
     const Hierarchy hierarchy = levels(placement).hierarchy;
     std::string bytes = "before";
     const Json json = page::append_geometry(hierarchy, "page.html", bytes);
-    EXPECT_TRUE(bytes.starts_with("before")) << "what is there stays";
+    EXPECT_TRUE(bytes.starts_with("before")) << "earlier bytes are kept";
     ASSERT_EQ(json["levels"].size(), hierarchy.levels.size());
     for (std::size_t k = 0; k < hierarchy.levels.size(); ++k) {
       const Json& level = json["levels"][k];
@@ -89,7 +89,8 @@ TEST(PageGeometry, LevelsComeBackAsTheyWere) {
       ASSERT_EQ(shares.size(), mesh.positions.size());
       for (std::size_t v = 0; v < shares.size(); ++v) {
         const double shown = static_cast<unsigned char>(shares[v]) * double{most} / 255;
-        EXPECT_GE(shown, hierarchy.levels[k].distance[v] * (1 - 1e-6)) << "never less than it is";
+        EXPECT_GE(shown, hierarchy.levels[k].distance[v] * (1 - 1e-6))
+            << "never less than the distance";
         EXPECT_LE(shown, hierarchy.levels[k].distance[v] + most / 254);
       }
     }
@@ -99,8 +100,8 @@ TEST(PageGeometry, LevelsComeBackAsTheyWere) {
   }
 }
 
-// A tetrahedron, and a vertex as near to another as said: it is on the triangle fan that replaces
-// one face.
+// A tetrahedron with one face split into three at a vertex (apart, apart, 0), near the corner at
+// the origin.
 Hierarchy with_near_vertices(double apart) {
   Hierarchy h;
   h.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {apart, apart, 0}};
@@ -110,7 +111,7 @@ Hierarchy with_near_vertices(double apart) {
   return h;
 }
 
-TEST(PageGeometry, TheGridIsAsFineAsTheMeshNeeds) {
+TEST(PageGeometry, TheGridIsAsFineAsNeeded) {
   std::string bytes;
   EXPECT_EQ(page::append_geometry(with_near_vertices(0.2), "p", bytes)["positions"]["step"],
             1.0 / 0xfffff);
@@ -120,14 +121,14 @@ TEST(PageGeometry, TheGridIsAsFineAsTheMeshNeeds) {
             1.0 / 0xffffff);
   try {
     page::append_geometry(with_near_vertices(1e-9), "p.html", bytes);
-    FAIL() << "vertices became one";
+    FAIL() << "vertices were merged";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::bad_file);
     EXPECT_NE(std::string(error.what()).find("p.html: "), std::string::npos) << error.what();
   }
 }
 
-TEST(PageGeometry, FarFromTheOriginAndVerySmallOrLarge) {
+TEST(PageGeometry, WorksFarFromTheOriginAndAtAnyScale) {
   for (const double scale : {1e-12, 1.0, 1e12}) {
     Hierarchy h = with_near_vertices(0.2);
     for (Vec3& p : h.positions) p = {scale * (p.x + 1e5), scale * (p.y - 1e5), scale * p.z};

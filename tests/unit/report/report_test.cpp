@@ -17,25 +17,25 @@ namespace isoatlas::detail {
 namespace {
 
 ConstraintResult result_of(Quantity quantity, double bound, bool is_default, double reached,
-                           bool met, const char* reason) {
+                           bool satisfied, const char* reason) {
   ConstraintResult out;
   out.constraint.quantity = quantity;
   out.constraint.bound = bound;
   out.constraint.is_default = is_default;
   out.reached = reached;
-  out.satisfied = met;
+  out.satisfied = satisfied;
   out.reason = reason;
   return out;
 }
 
 using Json = nlohmann::json;
 
-// A report in which everything is there.
-struct Full {
+// A report in which no key is null or empty.
+struct FullReport {
   ExtractReport report;
   ReportContext context;
 
-  Full() {
+  FullReport() {
     report.coarser_c_vertices = {100};
     report.reference.kinds = {{0, 0, 1}};
     report.kept = {{{4, 5, 6}, 0, 9.5, 80, {2, 0}}};
@@ -97,16 +97,15 @@ std::set<std::string> documented(const std::string& schema) {
   return keys;
 }
 
-// With everything there, which no single run of the tool has (tests/cli compares what it does
-// have).
+// No single run of the tool has all keys; tests/cli compares those of actual runs.
 TEST(Report, HasTheDocumentedKeysAndNoOthers) {
   std::set<std::string> leaves;
-  add_leaves(Full().json(), "", leaves);
+  add_leaves(FullReport().json(), "", leaves);
   EXPECT_EQ(leaves, documented("isoatlas-report-2"));
 }
 
 TEST(Report, Levels) {
-  const Json json = Full().json();
+  const Json json = FullReport().json();
   EXPECT_EQ(json["schema"], "isoatlas-report-2");
   ASSERT_EQ(json["levels"].size(), 2U);
   const Json& level = json["levels"][1];
@@ -125,8 +124,8 @@ TEST(Report, Levels) {
   EXPECT_EQ(json["parameters"]["refine"][0][0]["quantity"], "max-distance");
 }
 
-TEST(Report, WhatDoesNotApplyIsNull) {
-  Full full;
+TEST(Report, MissingValuesAreNull) {
+  FullReport full;
   full.report.levels[0].metrics.reset();
   full.report.levels[0].measured.reset();
   const Json level = full.json()["levels"][0];
@@ -134,8 +133,8 @@ TEST(Report, WhatDoesNotApplyIsNull) {
   EXPECT_TRUE(level["measured"].is_null());
 }
 
-TEST(Report, RoundingIsInTheMeshsUnitsEverywhere) {
-  Full full;
+TEST(Report, RoundingIsInTheUnitsOfTheMesh) {
+  FullReport full;
   full.context.options.space = Space::voxel;
   full.context.volume.grid.spacing = {1, 4, 2};
   const std::string text =
@@ -144,8 +143,8 @@ TEST(Report, RoundingIsInTheMeshsUnitsEverywhere) {
   EXPECT_EQ(Json::parse(text)["levels"][0]["largest_rounding"], 0.5);
 }
 
-TEST(Report, AnUnmetBoundThatNobodyAskedForIsNoFailure) {
-  Full full;
+TEST(Report, ViolatedDefaultBoundIsNoFailure) {
+  FullReport full;
   LevelReport& level = full.report.levels[0];
   level.constraints.clear();
   level.constraints.push_back(
@@ -158,14 +157,14 @@ TEST(Report, AnUnmetBoundThatNobodyAskedForIsNoFailure) {
   EXPECT_FALSE(level.all_satisfied());
 }
 
-TEST(Report, PathsNeedNotBeUtf8) {
-  Full full;
+TEST(Report, PathsCanHaveBytesThatAreNotUtf8) {
+  FullReport full;
   full.context.files[0].path = "a\xff.glb";
   EXPECT_NE(to_json(full.report, full.context).find("a\uFFFD.glb"), std::string::npos);
 }
 
-TEST(LevelFacts, ComeBackFromTheReportAndFromEachLevel) {
-  const Full full;
+TEST(LevelFacts, RoundTripThroughTheReportAndEachLevel) {
+  const FullReport full;
   const std::vector<LevelFacts> of_report =
       facts_of_levels(to_json(full.report, full.context), "r.json");
   ASSERT_EQ(of_report.size(), 2U);
@@ -186,9 +185,9 @@ TEST(LevelFacts, ComeBackFromTheReportAndFromEachLevel) {
   EXPECT_FALSE(facts_of_level("{\"metrics\":null}", "a.glb")->metrics[0]);
 }
 
-// JSON has no infinity: it is written as null.
-TEST(LevelFacts, InfiniteMetricsComeBack) {
-  Full full;
+// JSON has no infinity; it is written as null.
+TEST(LevelFacts, InfiniteMetricsRoundTrip) {
+  FullReport full;
   full.report.levels[0].metrics.emplace()[2] = {std::numeric_limits<double>::infinity(), 1.5};
   const auto facts = facts_of_level(level_json(full.report.levels[0], 0), "a.glb");
   EXPECT_EQ(facts->metrics[2]->maximum, std::numeric_limits<double>::infinity());
@@ -207,8 +206,8 @@ TEST(LevelFacts, CountsAreWholeNumbers) {
       facts_of_level(R"({"euler_characteristic":-4})", "a.glb")->topology.euler_characteristic, -4);
 }
 
-TEST(LevelFacts, OfAManifest) {
-  const Full full;
+TEST(LevelFacts, AreReadFromAManifest) {
+  const FullReport full;
   const std::string text =
       levels_manifest({{"x/a-0.glb", {0}, 5, true, 0}, {"x/a-1.glb", {1}, 6, true, 0}},
                       {level_json(full.report.levels[0], 0), level_json(full.report.levels[1], 1)});

@@ -17,7 +17,7 @@ namespace {
 using enum Quantity;
 using Goals = std::vector<std::vector<TypedConstraint>>;
 
-// What `isoatlas extract v.nrrd --iso 1 -o m.ply ...` makes of the rest.
+// Parses `isoatlas extract v.nrrd --iso 1 -o m.ply` followed by `words`.
 ExtractArguments parsed(std::vector<std::string> words) {
   CLI::App app;
   describe_tool(app);
@@ -34,7 +34,7 @@ TEST(ExtractArguments, PriorityIsTheOrderOnTheCommandLine) {
             (Goals{{{max_vertices, 500}, {max_distance, 0.5, true}}}));
   EXPECT_EQ(parsed({"--refine", "max-distance:0.5vx", "--max-vertices", "500"}).goals.refine,
             (Goals{{{max_distance, 0.5, true}, {max_vertices, 500}}}));
-  // Not the order in which the options are declared, and in either way of writing.
+  // The order of declaration does not matter, nor does the syntax --name=value or --name value.
   EXPECT_EQ(
       parsed({"--min-aspect=0.2", "--refine=max-distance:2", "--normal-angle=9", "--min-edge", "1"})
           .goals.refine,
@@ -51,7 +51,7 @@ TEST(ExtractArguments, EveryQuantityIsAnOption) {
   }
 }
 
-TEST(ExtractArguments, RefineAgainAndAgain) {
+TEST(ExtractArguments, RefineCanBeRepeated) {
   const auto goals = parsed({"--refine", "max-distance:2vx", "--min-aspect=0.2",
                              "--refine=max-distance:1vx,max-vertices:2000", "--placement",
                              "balanced", "--refine", "normal-angle:10deg"})
@@ -87,8 +87,8 @@ TEST(ExtractArguments, Measure) {
   EXPECT_EQ(parsed({"--measure-samples", "12"}).options.measure_samples, 12U);
 }
 
-// What the shell completes is accepted by the options.
-TEST(Completion, WordsAreThoseThatOptionsTake) {
+// Every word that the shell completes is accepted by its option.
+TEST(Completion, OptionsAcceptTheWords) {
   CLI::App app;
   ExtractArguments extract;
   InfoArguments info;

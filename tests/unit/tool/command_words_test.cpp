@@ -11,8 +11,8 @@
 namespace isoatlas::detail::tool {
 namespace {
 
-// "--iso=0 o=a.ply q": options with the names and values that were read; then what stands without
-// one.
+// Options with their names and values, then positional words: "--iso=0 -o=a.ply -q | v.nrrd". A "?"
+// marks unknown options; "<" marks words after a value of an option.
 std::string read(const std::vector<std::string>& words) {
   CLI::App app;
   describe_tool(app);
@@ -28,7 +28,7 @@ std::string read(const std::vector<std::string>& words) {
   return text;
 }
 
-TEST(CommandWords, AreThoseThatCli11Takes) {
+TEST(CommandWords, AreReadAsByCli11) {
   EXPECT_EQ(read({}), "|");
   EXPECT_EQ(read({"v.nrrd", "--iso", "-300", "-o", "a.ply"}), "--iso=-300 -o=a.ply | v.nrrd");
   EXPECT_EQ(read({"--iso=-.5", "-oa.ply", "-q", "v.nrrd"}), "--iso=-.5 -o=a.ply -q | v.nrrd");
@@ -38,7 +38,7 @@ TEST(CommandWords, AreThoseThatCli11Takes) {
   EXPECT_EQ(read({"-", "--", "-v.nrrd", "--iso"}), "| - -v.nrrd --iso");
 }
 
-TEST(CommandWords, ThatAreWrong) {
+TEST(CommandWords, OfWrongCommandLines) {
   EXPECT_EQ(read({"--report", "--html", "a.html"}), "--report --html=a.html |");
   EXPECT_EQ(read({"--iso"}), "--iso |");
   EXPECT_EQ(read({"--frob", "3"}), "--frob? | 3");
@@ -50,7 +50,7 @@ TEST(CommandWords, ThatAreWrong) {
             "--max-distance=0.5 | v mm<--max-distance x");
 }
 
-TEST(CommandWords, NumbersAreNoOptions) {
+TEST(CommandWords, NumbersAreNotOptions) {
   for (const char* word : {"-o", "--iso", "-x1", "--", "-inv"})
     EXPECT_TRUE(is_option_like(word)) << word;
   for (const char* word : {"", "-", "-1", "-.5", "-1,0,0", "-inf", "a-b", "o"})

@@ -32,15 +32,15 @@ TEST(NearestName, IsTheOneWithTheFewestDifferences) {
   EXPECT_EQ(nearest_name("spacin", names), "spacing");
 }
 
-TEST(NearestName, OrTheOnlyOneThatBeginsSo) {
+TEST(NearestName, IsTheOnlyNameWithAPrefix) {
   const std::vector<std::string> names{"max-distance", "max-vertices", "supersample"};
   EXPECT_EQ(nearest_name("max-d", names), "max-distance");
   EXPECT_EQ(nearest_name("super", names), "supersample");
-  EXPECT_EQ(nearest_name("max", names), "") << "two begin so";
+  EXPECT_EQ(nearest_name("max", names), "") << "two names have this prefix";
   EXPECT_EQ(nearest_name("su", names), "") << "too short";
 }
 
-TEST(NearestName, IsNoneWhereNothingIsLikeIt) {
+TEST(NearestName, IsEmptyIfNoNameIsSimilar) {
   const std::vector<std::string> names{"iso", "refine", "o"};
   for (const char* typed : {"", "x", "frobnicate", "or", "close"})
     EXPECT_EQ(nearest_name(typed, names), "") << typed;

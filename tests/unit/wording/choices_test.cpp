@@ -10,7 +10,7 @@
 namespace isoatlas::detail {
 namespace {
 
-TEST(Choices, EachNameIsItsValue) {
+TEST(Choices, NamesAreParsed) {
   EXPECT_EQ(parse_inside("below"), Inside::below);
   EXPECT_EQ(parse_topology("faces"), Topology::faces);
   EXPECT_EQ(parse_interpolation("tricubic"), Interpolation::tricubic);
@@ -21,18 +21,18 @@ TEST(Choices, EachNameIsItsValue) {
   EXPECT_TRUE(parse_is_big_endian("big"));
 }
 
-TEST(Choices, EverySampleTypeHasItsName) {
+TEST(Choices, EverySampleTypeHasAName) {
   for (int i = 0; i <= static_cast<int>(SampleType::float64); ++i)
     EXPECT_EQ(parse_sample_type(name(static_cast<SampleType>(i))), static_cast<SampleType>(i));
 }
 
-TEST(Choices, CaseBlanksAndUnderscoresDoNotCount) {
+TEST(Choices, CaseBlanksAndUnderscoresAreIgnored) {
   EXPECT_EQ(parse_space("LPS"), Space::lps);
   EXPECT_EQ(parse_inside(" Below\n"), Inside::below);
   EXPECT_EQ(parse_covering("Sizing_Field"), CoveringStrategy::sizing_field);
 }
 
-TEST(Choices, AnythingElseIsRefusedWithTheNames) {
+TEST(Choices, RefusalsListTheNames) {
   for (const char* text : {"", "abov", "a bove", "above,below", "1"}) {
     try {
       parse_inside(text);

@@ -49,7 +49,7 @@ TEST(ParseLevel, EveryUnit) {
   EXPECT_EQ(parse_bound(normal_angle, "15"), parse_bound(normal_angle, "15deg"));
 }
 
-TEST(ParseLevel, CaseBlanksAndUnderscoresDoNotCount) {
+TEST(ParseLevel, IgnoresCaseBlanksAndUnderscores) {
   EXPECT_EQ(parse_level("max-distance: 0.5vx"), parse_level("max-distance:0.5vx"));
   EXPECT_EQ(parse_level(" Max_Distance : 0.5 VX , max-vertices: 20 "),
             parse_level("max-distance:0.5vx,max-vertices:20"));
@@ -57,12 +57,12 @@ TEST(ParseLevel, CaseBlanksAndUnderscoresDoNotCount) {
   EXPECT_EQ(parse_bound(max_distance, "0.5 mm"), parse_bound(max_distance, "0.5mm"));
 }
 
-TEST(ParseLevel, NamesTheDecimalPoint) {
+TEST(ParseLevel, RefusesADecimalComma) {
   EXPECT_EQ(refusal("max-distance:0,5vx"),
             "expected a decimal point before '5vx', not a comma, in 'max-distance:0,5vx'");
 }
 
-TEST(ParseBound, NamesTheDecimalPoint) {
+TEST(ParseBound, RefusesADecimalComma) {
   const auto refused = [](Quantity quantity, const char* text) -> std::string {
     try {
       parse_bound(quantity, text);
@@ -77,7 +77,7 @@ TEST(ParseBound, NamesTheDecimalPoint) {
   EXPECT_EQ(refused(max_vertices, "5,5").find("decimal"), std::string::npos);
 }
 
-TEST(ParseLevel, SaysWhatIsWrongWhereAndWhatWasExpected) {
+TEST(ParseLevel, MessagesStateTheFaultAndTheExpectedText) {
   EXPECT_EQ(refusal("max-distance"),
             "expected METRIC:BOUND[,METRIC:BOUND...] like max-distance:0.5vx, got 'max-distance'");
   EXPECT_NE(refusal("max-distance:1,oops").find("got 'oops' in 'max-distance:1,oops'"),
@@ -129,7 +129,7 @@ TEST(PlanLevels, OrderIsPriority) {
   EXPECT_TRUE(after.coarse.empty());
 }
 
-TEST(PlanLevels, OptionsStandAroundEachLevelsOwn) {
+TEST(PlanLevels, OptionsApplyToEveryLevelInTheirOrder) {
   const auto goals =
       plan_levels({option(min_edge, "1"), level("max-distance:2,max-vertices:90"),
                    option(min_aspect, "0.1"), level("max-distance:1"), option(max_edge, "9")},
@@ -155,16 +155,16 @@ TEST(PlanLevels, Defaults) {
             (std::vector<TypedConstraint>{{max_vertices, 50}}));
 }
 
-// Half of the smallest spacing up to layers of four times that; from there on an eighth of the
-// layers. Never so for what was typed.
+// The default bound is half of the smallest spacing, or an eighth of the largest if that is more
+// than four times the smallest. A typed bound does not depend on the largest spacing.
 TEST(DefaultBound, GrowsWithThickLayers) {
-  const TypedConstraint by_default = plan_levels({}, false).refine[0][0],
+  const TypedConstraint default_bound = plan_levels({}, false).refine[0][0],
                         typed{max_distance, 0.5, true};
   const auto bounds = [&](double x, double y, double z) {
     Grid grid;
     grid.spacing = {x, y, z};
-    EXPECT_TRUE(by_default.in_world(grid).is_default);
-    return std::pair(by_default.in_world(grid).bound, typed.in_world(grid).bound);
+    EXPECT_TRUE(default_bound.in_world(grid).is_default);
+    return std::pair(default_bound.in_world(grid).bound, typed.in_world(grid).bound);
   };
   EXPECT_EQ(bounds(0.7, 0.7, 0.7), std::pair(0.5 * 0.7, 0.5 * 0.7));
   EXPECT_EQ(bounds(3, 1, 1), std::pair(0.5, 0.5));

@@ -57,7 +57,7 @@ std::string refusal(const VolumeView& volume, std::uint32_t factor, std::uint64_
   return "";
 }
 
-TEST(Supersampling, EveryCrossedCellCounts) {
+TEST(Supersampling, EstimateCountsEveryCrossedGridCell) {
   for (const std::size_t nx : {2, 3, 61, 62, 63, 64, 65, 66, 126, 127, 128, 129, 200}) {
     for (const double share : {0.0, 0.002, 0.5, 0.998, 1.0}) {
       const std::array<std::size_t, 3> size{nx, 4, 3};
@@ -77,7 +77,7 @@ TEST(Supersampling, EveryCrossedCellCounts) {
   }
 }
 
-TEST(Supersampling, NamesTheLargestFactor) {
+TEST(Supersampling, RefusalNamesTheLargestFactorThatFitsIntoMemory) {
   const std::array<std::size_t, 3> size{20, 20, 20};
   const std::vector<float> samples = noise(size, 0.5);
   const VolumeView volume = view_of(samples, size);
@@ -88,16 +88,16 @@ TEST(Supersampling, NamesTheLargestFactor) {
     EXPECT_EQ(refusal(volume, factor, limit), "") << factor;
   for (const std::uint32_t factor : {10U, 11U, 40U}) {
     const std::string text = refusal(volume, factor, limit);
-    EXPECT_NE(text.find("supersampling " + std::to_string(factor) + " times takes about"),
+    EXPECT_NE(text.find("supersampling " + std::to_string(factor) + " times needs about"),
               std::string::npos)
         << text;
     EXPECT_TRUE(text.ends_with("expected 9 times at most")) << text;
   }
   EXPECT_TRUE(refusal(volume, 2, 1000).ends_with("expected no supersampling (1)"));
-  EXPECT_EQ(refusal(volume, 1, 1), "") << "the volume is there already";
+  EXPECT_EQ(refusal(volume, 1, 1), "") << "nothing is supersampled";
 }
 
-TEST(Supersampling, NamesTheLargestFactorThatSamplesCanBeCountedFor) {
+TEST(Supersampling, RefusalNamesTheLargestFactorWithinTheSampleLimit) {
   const std::array<std::size_t, 3> size{20, 20, 20};
   const std::vector<float> samples(8000, 1.0F);
   const VolumeView volume = view_of(samples, size);
