@@ -220,7 +220,7 @@ isoatlas check head.ply --volume head.nrrd --iso 80.5
                    {"Exit status", kCheckExitStatus},
                    {"Files",
                     R"(Meshes: .ply, .stl, .obj, .off, .vtp, .3mf, .gii. Polygons are
-divided into triangles. Corners of an STL file at equal positions become one
+split into triangles. Corners of an STL file at equal positions become one
 vertex. The unit of a .3mf or .gii is converted to that of the volume.
 )" + kVolumeFiles}},
   };
