@@ -18,7 +18,7 @@ CHECKED = ["src", "include", "apps", "python", "tests", "bench", "docs", "README
 LEFT_OUT = ["docs/decisions", "docs/benchmarks.md"]
 
 # Areas that still use other words. Remove an area here when it is done.
-NOT_DONE = ["include", "apps", "python", "docs", "README.md", "CONTRIBUTING.md", "bench", "src/report", "src/wording", "src/outputs", "src/page", "src/picture", "src/files",
+NOT_DONE = ["include", "python", "docs", "CONTRIBUTING.md", "bench", "src/report", "src/wording", "src/outputs", "src/page", "src/picture", "src/files",
             "src/volume_files", "src/mesh_files", "tests/adversarial", "tests/cli", "tests/data", "tests/differential", "tests/fuzz", "tests/install", "tests/page",
             "tests/python", "tests/regression", "tests/unit/files", "tests/unit/mesh_files", "tests/unit/outputs", "tests/unit/page", "tests/unit/report",
             "tests/unit/tool", "tests/unit/volume_files", "tests/unit/wording", "tests/CMakeLists.txt"]
@@ -60,6 +60,8 @@ WORDS = {
 # Where such a word is right: path (prefix), pattern on the line as it stands, reason.
 EXCEPTIONS = [
     ("src/core/distance_queue.h", r"bucket", "the buckets of a radix heap"),
+    ("apps/isoatlas/completion.cpp", r"shift words", "a builtin of zsh"),
+    ("README.md", r"what-the-readme-says", "an anchor of docs/results.md"),
     ("tests/unit/error/measure_test.cpp", r"/ rings, around", "two variables side by side"),
 ]
 

@@ -76,20 +76,20 @@ from 0. 10:99,0:63,: keeps all samples along z. The mesh has a boundary where th
 Default: the whole volume.
 )");
   CLI::Option* size = add("raw-size", "NX,NY,NZ", R"(
-Number of samples along x, y and z of a file without header; x runs fastest. Needs --raw-type.
+Number of samples along x, y and z of a headerless file; x runs fastest. Needs --raw-type.
 )");
   CLI::Option* type = add("raw-type", "TYPE", R"(
-Type of the samples of a file without header: int8, uint8, int16, uint16, int32, uint32, int64,
+Type of the samples of a headerless file: int8, uint8, int16, uint16, int32, uint32, int64,
 uint64, float32 or float64.
 )");
   CLI::Option* spacing = add("raw-spacing", "SX,SY,SZ", R"(
-Distance between the samples of a file without header along x, y and z. Default: 1,1,1.
+Distance between the samples of a headerless file along x, y and z. Default: 1,1,1.
 )");
   CLI::Option* endian = add("raw-endian", "ORDER", R"(
-Byte order of a file without header: little or big. Default: little.
+Byte order of a headerless file: little or big. Default: little.
 )");
   CLI::Option* offset = add("raw-offset", "BYTES", R"(
-Number of bytes before the first sample of a file without header. Default: 0.
+Number of bytes before the first sample of a headerless file. Default: 0.
 )");
   add("max-memory", "SIZE", R"(
 Refuse a volume whose samples need more memory than this: 8GiB, 500MB. Default: three quarters of

@@ -83,7 +83,7 @@ std::string advice_on_volume(FileKind kind, const fs::path& path, bool is_of_che
     case FileKind::unknown: {
       if (!has_contents(path)) return "";
       const fs::path header = header_of(path);
-      return header.empty() ? "for a file without header, use --raw-size and --raw-type"
+      return header.empty() ? "for a headerless file, use --raw-size and --raw-type"
                             : "its header seems to be " + header.string();
     }
     default:

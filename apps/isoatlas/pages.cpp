@@ -64,9 +64,9 @@ const std::string kVolumeFiles =
 MetaImage (.mha, .mhd), TIFF (.tif, .tiff; ImageJ, OME, LSM), DICOM (.dcm,
 or a folder), a folder of TIFF or PNG slices, VTK (.vtk, .vti, .vtr, .pvti,
 .pvtr), MGH (.mgh, .mgz), MRC (.mrc, .map, .rec), NumPy (.npy), and
-files without header (--raw-size, --raw-type). NIfTI, MGH and MRC files may
-be compressed by gzip, NIfTI also by bzip2. Analyze files (.hdr, .img) are
-read as well. The content of a file determines its format, not its name.
+headerless files (--raw-size, --raw-type). NIfTI, MGH and MRC files may be
+compressed by gzip, NIfTI also by bzip2. Analyze files (.hdr, .img) are read
+as well. The content of a file determines its format, not its name.
 )";
 
 }  // namespace
@@ -150,7 +150,7 @@ gunzip -c ct.nrrd.gz | isoatlas extract - --iso 300 -o - > ct.ply
 
 isoatlas extract fuel.raw --raw-size 64,64,64 --raw-type uint8 --iso 70.5 \
     -o fuel.off
-    A file without header.
+    A headerless file.
 )"},
                    {"Exit status", kExtractExitStatus},
                    {"Files",
