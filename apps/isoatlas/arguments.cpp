@@ -246,8 +246,8 @@ Interpolation between samples: trilinear or tricubic (smooth). Affects vertex po
 distances. Affects the topology only together with --supersample. Default: trilinear.
 )", [&](const std::string& text) { set(arguments, "interpolation", text); });
   add_value(*command, kSurface, "--supersample", "K", R"(
-Mesh the volume upsampled K times along each axis by the interpolation, for details that are too
-fine for its grid. Needs about K*K times the time and memory, and an eighth of a byte per upsampled
+Mesh the volume upsampled K times along each axis with --interpolation, for details that are too
+fine for the grid. Needs about K*K times the time and memory, and an eighth of a byte per upsampled
 sample. Default: 1.
 )", [&](const std::string& text) { set(arguments, "supersample", text); });
   add_value(*command, kSurface, "--adaptive-supersample", "N", R"(
@@ -307,16 +307,16 @@ formats the finest. NAME-{level}.ply is one file per level; - is standard output
 Format of -o -: ply, stl, obj, off, vtp, 3mf, gii or glb. Default: ply.
 )", [&](const std::string& text) { arguments.format = stream_format(text); });
   command->add_flag("--glb-per-level", arguments.glb_per_level, R"(
-Also write one .glb file per level. For -o NAME.glb these are NAME-0.glb, NAME-1.glb, ...; NAME.json
-lists them.
+Also write each level to its own file. For -o NAME.glb these are NAME-0.glb, NAME-1.glb, ...;
+NAME.json lists them.
 )")->group(kOutput);
   command->add_option("--report", arguments.report, R"(
-Write topology, certificates, metrics, constraints, triangle shapes, timings and memory as JSON
-(docs/reference/report.md). - is standard output, if the mesh does not go there.
+Write topology, certificates, metrics, constraints, triangle shapes, timings and memory as JSON. See
+docs/reference/report.md. - is standard output, if the mesh does not go there.
 )")->type_name("FILE")->group(kOutput);
   command->add_option("--html", arguments.page, R"(
-Write a page that shows the levels in 3-D with their data (docs/report.md). It opens in any browser,
-without a network.
+Write a page that shows the levels in 3-D with their data. It opens in any browser, without a
+network. See docs/report.md.
 )")->type_name("FILE")->group(kOutput);
   add_value(*command, kOutput, "--space", "SPACE", R"(
 Coordinates of the mesh. lps: world coordinates as in ITK. ras: the same with x and y negated.
@@ -418,7 +418,7 @@ CLI::App* add_levels_command(CLI::App& app, LevelsArguments& arguments) {
       add_command(app, "levels", "compare the levels of detail in a file", levels_page());
   command
       ->add_option("FILE", arguments.file,
-                   "Levels of detail that `isoatlas extract` wrote, or its report. See FILES.")
+                   "A .glb or .vtm of `isoatlas extract`, or its report. See FILES.")
       ->required()
       ->group(kInput);
   command->add_flag("--json", arguments.json, "Print JSON (docs/reference/report.md).")

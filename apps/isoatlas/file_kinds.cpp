@@ -105,7 +105,7 @@ std::string advice_on_mesh(std::string_view command, FileKind kind, const fs::pa
     case FileKind::mesh:
       return command == "levels" ? "it is a single mesh: isoatlas check analyses it" : "";
     case FileKind::levels:
-      return takes_levels ? "" : "it holds levels of detail: isoatlas levels reads it";
+      return takes_levels ? "" : "isoatlas levels reads it";
     case FileKind::json:
       return takes_json ? ""
                         : "isoatlas levels and isoatlas report read reports of isoatlas extract";

@@ -27,9 +27,9 @@ const std::string kExtractExitStatus = R"(0    success
 )";
 
 const std::string kToolExitStatus = R"(0    success
-1    extract: everything was written, but a requested constraint is violated,
-     a mesh has self-intersections, or a component is inverted or inside the
-     wrong component;
+1    extract: everything was written, but a requested constraint is
+     violated, a mesh has self-intersections, or a component is inverted or
+     inside the wrong component;
      check, levels: a mesh is not a consistently oriented manifold;
      check --self-intersections: the mesh has self-intersections;
      check --volume: the mesh is nowhere near the volume
@@ -52,7 +52,7 @@ const std::string kCheckExitStatus =
 
 const std::string kLevelsExitStatus =
     R"(0    every level is a consistently oriented manifold with triangles
-1    a level is not
+1    at least one level is not
 2    invalid argument or file
 3    an internal check failed, a bug of isoatlas
 4    out of memory
@@ -96,9 +96,9 @@ ManPage::Text extract_page() {
       .synopsis = "isoatlas extract VOLUME --iso X -o MESH [options]",
       .common_options =
           R"(--iso X                the isovalue; `isoatlas info VOLUME` suggests values
--o, --output MESH      the mesh; its extension is the format: .ply, .stl, .glb
---max-distance LENGTH  bound of the distance between surface and mesh: 0.2mm,
-                       0.5vx (voxels); larger: fewer triangles. Default: 0.5vx
+-o, --output MESH      its extension is the format: .ply, .stl, .glb, ...
+--max-distance LENGTH  largest distance between surface and mesh: 0.2mm or
+                       1vx (voxel); larger: fewer triangles. Default: 0.5vx
 --refine SPEC          add a level of detail, such as max-distance:2vx
 --report FILE          all counts and measurements as JSON
 --html FILE            a page that shows the mesh in 3-D, in any browser
@@ -136,8 +136,8 @@ isoatlas extract head.nrrd --iso 80.5 -o head.glb \
 
 isoatlas extract head.nrrd --iso 80.5 -o head-{level}.stl \
     --max-vertices 5000 --refine max-distance:1mm
-    Writes head-0.stl and head-1.stl. At most 5000 vertices has priority over
-    1 mm, because it is first.
+    Writes head-0.stl and head-1.stl. The bound of 5000 vertices is first,
+    so it has priority over 1 mm.
 
 isoatlas extract dragon_sdf.nii.gz --iso 0 --inside below -o dragon.stl
     A signed distance field, negative inside.
@@ -162,7 +162,7 @@ of the same name. The extension determines the format.
 .stl, .gii and .glb round coordinates to float32. The rounded mesh is read
 back and checked, and the stated error includes the rounding. A .3mf states
 the volume's unit; a .gii is in RAS and millimetres, for every --space.
-With -o - the mesh goes to standard output and the summary to standard error.
+With -o - the mesh goes to standard output, the summary to standard error.
 Output files appear complete or not at all, and all files of a run together.
 They are prepared in a hidden folder .isoatlas-* next to their destination.
 A folder that a killed process left behind can be deleted.
